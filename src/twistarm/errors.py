@@ -1,0 +1,71 @@
+"""The exception tree, and the helpers that word a message: what was given, what is allowed, what to do."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from difflib import get_close_matches
+from typing import Any
+
+
+class TwistarmError(Exception):
+    """Whatever twistarm raises on purpose."""
+
+
+class InputError(TwistarmError, ValueError):
+    """An argument has the wrong shape, value or meaning."""
+
+
+class DescriptionError(TwistarmError):
+    """A robot description cannot be used; the message names the file, the element and the remedy."""
+
+
+class UnknownNameError(TwistarmError, LookupError):
+    """A name that does not exist; the message offers the closest ones."""
+
+
+class LimitError(TwistarmError):
+    """A joint limit is violated, or one that is needed is not given."""
+
+
+class NotConvergedError(TwistarmError):
+    """`IKSolution.require()` on a solution that did not converge; `.solution` is that solution."""
+
+    def __init__(self, message: str, solution: Any) -> None:
+        super().__init__(message)
+        self.solution = solution
+
+    def __reduce__(self) -> tuple[type[NotConvergedError], tuple[str, Any]]:
+        return type(self), (str(self), self.solution)
+
+
+class MissingExtraError(TwistarmError, ImportError):
+    """An optional dependency is not installed; the message is the command that installs it."""
+
+
+class ComparisonError(TwistarmError):
+    """Two accounts of the same arm disagree."""
+
+
+def unknown_name(kind: str, given: str, names: Iterable[str], *, within: str, listing: str) -> UnknownNameError:
+    """`no frame 'tool_0' in ur5; closest: 'tool0' (12 frames: arm.frame_names)`."""
+    return UnknownNameError(f"no {kind} {given!r} in {within}{closest(given, names)} ({listing})")
+
+
+def closest(given: str, names: Iterable[str]) -> str:
+    """`; closest: 'a', 'b'`, or nothing where no name is similar."""
+    candidates = list(names)
+    folded = {name.casefold(): name for name in candidates}
+    matches = get_close_matches(given.casefold(), folded, n=3, cutoff=0.5)
+    return "; closest: " + ", ".join(repr(folded[m]) for m in matches) if matches else ""
+
+
+def listed(names: Iterable[str], limit: int = 12) -> str:
+    """`'a', 'b', … (31 in all)`: a list that stays readable on one line."""
+    every = list(names)
+    text = ", ".join(repr(name) for name in every[:limit])
+    return text if len(every) <= limit else f"{text}, … ({len(every)} in all)"
+
+
+def missing_extra(what: str, package: str, extra: str) -> MissingExtraError:
+    """The error for an optional dependency, with the command that installs it."""
+    return MissingExtraError(f"{what} needs {package}, which is not installed: pip install 'twistarm[{extra}]'")

@@ -1,0 +1,166 @@
+"""What is refused at the door, in which words, and what is let in."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+from scipy.spatial.transform import Rotation
+
+from strategies import BATCHES, EPS, batches, fuzz, poses, rotations
+from twistarm import checks
+from twistarm.errors import InputError, TwistarmError
+
+CLEAN = 8 * EPS
+"""A cleaned rotation is orthonormal to a few roundings."""
+
+
+def tilted(R, amount):
+    """R with every entry off by up to `amount`."""
+    return R + amount * np.sign(np.sin(1 + np.arange(9.0).reshape(3, 3)))
+
+
+# shapes and finite numbers ------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("value", [[1, 2, 3], (1.0, 2, 3), np.arange(3, dtype=np.float32), np.arange(3)])
+def test_numbers_of_any_kind_become_float64(value):
+    assert checks.as_floats(value, "x").dtype == np.float64
+
+
+@pytest.mark.parametrize(
+    ("value", "text"),
+    [
+        ("abc", r"x must be an array of real numbers; got abc \(could not convert"),
+        ([[1, 2], [3]], r"x must be an array of real numbers; got \[\[1, 2\], \[3\]\] \("),
+        ([1 + 2j], r"x must be an array of real numbers; got \[\(1\+2j\)\] \(complex numbers\)"),
+        (None, r"x must be "),
+        ({"a": 1}, r"x must be an array of real numbers; got \{'a': 1\}"),
+        ([1.0, np.nan], r"x must be finite; it holds nan at index \[1\]"),
+        ([[0.0, 1.0], [np.inf, 0.0]], r"x must be finite; it holds inf at index \[1, 0\]"),
+    ],
+)
+def test_what_is_no_array_of_finite_numbers_is_refused(value, text):
+    with pytest.raises(InputError, match=text):
+        checks.as_floats(value, "x")
+
+
+def test_a_long_value_is_cut_in_the_message():
+    with pytest.raises(InputError) as caught:
+        checks.as_floats("y" * 500, "x")
+    assert "…" in str(caught.value)
+    assert len(str(caught.value).split(" (could")[0]) < 120
+
+
+@pytest.mark.parametrize("shape", [(), (2,), (3, 4), (0,)])
+def test_vectors_have_three_components(shape):
+    with pytest.raises(InputError, match=r"p must have shape \(\.\.\., 3\); got "):
+        checks.as_vector(np.ones(shape), "p")
+
+
+@pytest.mark.parametrize("shape", [(), (3,), (6, 7)])
+def test_twists_have_six_components(shape):
+    with pytest.raises(InputError, match=r"twist must have shape \(\.\.\., 6\); got "):
+        checks.as_twist(np.ones(shape))
+
+
+@pytest.mark.parametrize("batch", BATCHES)
+def test_batches_pass(batch):
+    assert checks.as_vector(np.ones((*batch, 3)), "p").shape == (*batch, 3)
+    assert checks.as_twist(np.ones((*batch, 6))).shape == (*batch, 6)
+    assert checks.as_theta(np.ones((*batch, 5)), 5).shape == (*batch, 5)
+    assert checks.as_pose(np.broadcast_to(np.eye(4), (*batch, 4, 4))).shape == (*batch, 4, 4)
+
+
+def test_theta_names_its_joints():
+    with pytest.raises(InputError, match=r"theta must have shape \(\.\.\., 2\): shoulder, elbow; got \(3,\)"):
+        checks.as_theta([1, 2, 3], 2, names=("shoulder", "elbow"))
+    with pytest.raises(InputError, match=r"theta must have shape \(\.\.\., 1\); got \(\)"):
+        checks.as_theta(1.0, 1)
+
+
+def test_directions_are_made_unit_vectors():
+    np.testing.assert_allclose(checks.as_direction([[0, 0, 2], [3, 4, 0]], "a"), [[0, 0, 1], [0.6, 0.8, 0]])
+    with pytest.raises(InputError, match="a must not be the zero vector: it has no direction"):
+        checks.as_direction([[1, 0, 0], [0, 0, 0]], "a")
+
+
+# rotations and poses ----------------------------------------------------------------------------------
+
+
+@fuzz
+@given(st.data())
+def test_rotations_of_rounding_quality_pass_unchanged(data):
+    R = data.draw(rotations(data.draw(batches)))
+    assert np.abs(checks.as_rotation(R) - R).max(initial=0.0) <= CLEAN
+
+
+@pytest.mark.parametrize("amount", [1e-13, 1e-9, 2e-7])
+def test_a_slightly_wrong_rotation_is_replaced_by_the_nearest(amount):
+    R = Rotation.random(random_state=1).as_matrix()
+    clean = checks.as_rotation(tilted(R, amount))
+    assert np.abs(clean.T @ clean - np.eye(3)).max() <= CLEAN
+    assert np.abs(clean - R).max() <= 2 * amount
+    # The nearest rotation leaves a symmetric remainder: cleanᵀ (tilted) is the other polar factor.
+    remainder = clean.T @ tilted(R, amount)
+    assert np.abs(remainder - remainder.T).max() <= CLEAN
+
+
+@pytest.mark.parametrize("amount", [1e-5, 0.1])
+def test_a_wrong_rotation_is_refused(amount):
+    R = Rotation.random(random_state=1).as_matrix()
+    with pytest.raises(InputError, match=r"R is not in SO\(3\): RᵀR is .* away from the identity \(allowed 1e-06\)"):
+        checks.as_rotation(tilted(R, amount), "R")
+
+
+def test_a_reflection_is_refused():
+    with pytest.raises(InputError, match="its determinant is −1, a reflection; swap or negate one axis"):
+        checks.as_rotation(np.diag([1.0, 1.0, -1.0]))
+
+
+def test_single_precision_poses_pass():
+    g = np.eye(4, dtype=np.float32)
+    g[:3, :3] = Rotation.random(random_state=2).as_matrix()
+    clean = checks.as_pose(g)
+    assert clean.dtype == np.float64
+    assert np.abs(clean[:3, :3].T @ clean[:3, :3] - np.eye(3)).max() <= CLEAN
+
+
+@fuzz
+@given(st.data())
+def test_poses_pass(data):
+    g = data.draw(poses(data.draw(batches)))
+    assert np.abs(checks.as_pose(g) - g).max(initial=0.0) <= CLEAN
+
+
+@pytest.mark.parametrize(
+    ("g", "text"),
+    [
+        (np.eye(3), r"pose must have shape \(\.\.\., 4, 4\); got \(3, 3\)"),
+        (np.eye(4)[:, :3], r"pose must have shape"),
+        (np.zeros((4, 4)), r"pose is not in SE\(3\): its last row must be 0 0 0 1; got"),
+        (np.diag([2.0, 2.0, 2.0, 1.0]), r"rotation of the pose is not in SO\(3\)"),
+        (np.diag([1.0, 1.0, -1.0, 1.0]), "a reflection"),
+        (np.full((4, 4), np.nan), r"pose must be finite; it holds nan at index \[0, 0\]"),
+        (np.eye(4).T + np.eye(4, k=-1), "last row"),
+    ],
+)
+def test_what_is_no_pose_is_refused(g, text):
+    with pytest.raises(InputError, match=text):
+        checks.as_pose(g)
+
+
+def test_input_errors_are_value_errors_of_ours():
+    with pytest.raises(ValueError, match="pose"):
+        checks.as_pose(np.eye(3))
+    assert issubclass(InputError, TwistarmError)
+
+
+def test_frozen_arrays_are_read_only_copies():
+    original = np.arange(3.0)
+    copy = checks.frozen(original)
+    original[0] = 9.0
+    assert copy[0] == 0.0
+    with pytest.raises(ValueError, match="read-only"):
+        copy[0] = 1.0

@@ -1,0 +1,200 @@
+"""The six lower pairs, each against Pinocchio's joint of that kind and against what the joint may and may not move."""
+
+from __future__ import annotations
+
+import numpy as np
+import pinocchio as pin
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+from scipy.spatial.transform import Rotation
+
+from strategies import EPS, directions, fuzz, rotations, vectors
+from twistarm import joints, poe
+from twistarm.errors import InputError
+
+ROUNDING = 64 * EPS
+"""Products of three exponentials about axes a few metres away."""
+
+
+def close(a, b, tol=ROUNDING):
+    np.testing.assert_allclose(a, b, rtol=0, atol=tol)
+
+
+def motion(joint, x):
+    """The joint's motion at x, from rest."""
+    return poe.fk(joint, np.eye(4), x)
+
+
+def pinocchio_motion(joint_model, placement, q):
+    """The same from Pinocchio, for a joint placed at `placement` in the space frame."""
+    model = pin.Model()
+    model.addJoint(0, joint_model, placement, "joint")
+    data = model.createData()
+    pin.forwardKinematics(model, data, np.asarray(q, dtype=float))
+    return (data.oMi[1] * placement.inverse()).homogeneous
+
+
+def frame(R, point):
+    return pin.SE3(np.asarray(R), np.asarray(point, dtype=float))
+
+
+any_x = vectors(size=3, scale=2.0)
+
+
+@given(directions(), vectors(), any_x)
+@fuzz
+def test_revolute(axis, point, x):
+    expected = pinocchio_motion(pin.JointModelRevoluteUnaligned(axis), frame(np.eye(3), point), x[:1])
+    close(motion(joints.revolute(3.0 * axis, point), x[:1]), expected)
+
+
+@given(directions(), any_x)
+@fuzz
+def test_prismatic(axis, x):
+    expected = pinocchio_motion(pin.JointModelPrismaticUnaligned(axis), pin.SE3.Identity(), x[:1])
+    close(motion(joints.prismatic(0.2 * axis), x[:1]), expected)
+
+
+@given(directions(), vectors(), any_x, st.sampled_from([-0.3, 0.0, 1e-3, 0.005 / (2 * np.pi), 2.0]))
+@fuzz
+def test_helical(axis, point, x, pitch):
+    expected = pinocchio_motion(pin.JointModelHelicalUnaligned(axis, pitch), frame(np.eye(3), point), x[:1])
+    close(motion(joints.helical(5.0 * axis, point, pitch), x[:1]), expected)
+
+
+def test_a_full_turn_of_a_thread_advances_by_its_lead():
+    lead = 0.008
+    g = motion(joints.helical([0, 0, 1], [0.3, 0.1, 0], lead / (2 * np.pi)), [2 * np.pi])
+    close(g[:3, :3], np.eye(3))
+    close(g[:3, 3], [0, 0, lead])
+
+
+@given(rotations(), vectors(), any_x)
+@fuzz
+def test_cylindrical(R, point, x):
+    model = pin.JointModelComposite(2)
+    model.addJoint(pin.JointModelRZ())
+    model.addJoint(pin.JointModelPZ())
+    joint = joints.cylindrical(R[:, 2], point)
+    close(motion(joint, x[:2]), pinocchio_motion(model, frame(R, point), x[:2]))
+    close(motion(joint, x[:2]), motion(joint[:, ::-1], x[1::-1]))
+
+
+@given(rotations(), vectors(), any_x)
+@fuzz
+def test_spherical(R, point, x):
+    expected = pinocchio_motion(pin.JointModelSphericalZYX(), frame(R, point), x)
+    g = motion(joints.spherical(point, R), x)
+    close(g, expected)
+    close(g @ [*point, 1.0], [*point, 1.0])
+
+
+def test_spherical_is_the_zyx_euler_motion():
+    x = np.array([0.4, -1.0, 2.0])
+    close(motion(joints.spherical([0, 0, 0]), x)[:3, :3], Rotation.from_euler("ZYX", x).as_matrix())
+
+
+@given(rotations(), vectors(), any_x)
+@fuzz
+def test_planar(R, point, x):
+    q = [x[0], x[1], np.cos(x[2]), np.sin(x[2])]
+    expected = pinocchio_motion(pin.JointModelPlanar(), frame(R, point), q)
+    close(motion(joints.planar(R[:, 2], point, x_axis=R[:, 0]), x), expected)
+
+
+@given(directions(), any_x)
+@fuzz
+def test_planar_motion_stays_in_its_plane(normal, x):
+    g = motion(joints.planar(normal), x)
+    close(g[:3, :3] @ normal, normal)
+    close(normal @ g[:3, 3], 0.0)
+
+
+def test_planar_columns_are_x_y_and_the_turn():
+    expected = np.array([[1, 0, 0, 0, 0, 0], [0, 1, 0, 0, 0, 0], [2.0, -1.0, 0, 0, 0, 1]]).T
+    close(joints.planar([0, 0, 1], [1, 2, 3]), expected)
+
+
+@pytest.mark.parametrize(
+    ("normal", "x"),
+    [
+        ([0, 0, 1], [1, 0, 0]),
+        ([0, 0, -1], [1, 0, 0]),
+        ([0, 1, 0], [1, 0, 0]),
+        ([1, 0, 0], [0, 1, 0]),
+        ([-1, 0, 0], [0, 1, 0]),
+    ],
+)
+def test_the_default_axes_of_a_plane(normal, x):
+    R = joints.plane_axes(normal)
+    close(R[:, 0], x)
+    close(R[:, 1], np.cross(normal, x))
+    close(R[:, 2], normal)
+
+
+@pytest.mark.parametrize("along", [0.89, 0.91])
+def test_both_sides_of_the_choice_of_a_plane_axis(along):
+    normal = np.array([along, 0.0, np.sqrt(1 - along**2)])
+    R = joints.plane_axes(normal)
+    close(R.T @ R, np.eye(3))
+    assert R[0, 0] > 0.4 if along < 0.9 else R[1, 0] > 0.99
+
+
+@given(directions(), vectors())
+@fuzz
+def test_the_axes_of_a_plane_are_a_rotation(normal, x_axis):
+    for R in (
+        joints.plane_axes(normal),
+        joints.plane_axes(7 * normal, x_axis + np.cross(normal, [0.3, 2, 5])),
+    ):
+        close(R.T @ R, np.eye(3))
+        assert np.linalg.det(R) > 0
+        close(R[:, 2], normal)
+
+
+def test_every_joint_is_a_stack_of_columns():
+    shapes = [
+        joints.revolute([0, 0, 1], [0, 0, 0]).shape,
+        joints.prismatic([0, 0, 1]).shape,
+        joints.helical([0, 0, 1], [0, 0, 0], 0.1).shape,
+        joints.cylindrical([0, 0, 1], [0, 0, 0]).shape,
+        joints.spherical([0, 0, 0]).shape,
+        joints.planar([0, 0, 1]).shape,
+    ]
+    assert shapes == [(6, 1), (6, 1), (6, 1), (6, 2), (6, 3), (6, 3)]
+
+
+@pytest.mark.parametrize(
+    ("call", "text"),
+    [
+        (
+            lambda: joints.revolute([0, 0, 0], [0, 0, 0]),
+            "axis must not be the zero vector: it has no direction",
+        ),
+        (lambda: joints.revolute([0, 0, 1], [0, 0]), r"point must have shape \(\.\.\., 3\); got \(2,\)"),
+        (
+            lambda: joints.revolute(np.eye(3), [0, 0, 0]),
+            r"axis must be one vector of shape \(3,\); got \(3, 3\)",
+        ),
+        (lambda: joints.prismatic([0, np.inf, 0]), r"axis must be finite; it holds inf at index \[1\]"),
+        (lambda: joints.helical([0, 0, 1], [0, 0, 0], np.inf), "pitch must be finite"),
+        (
+            lambda: joints.helical([0, 0, 1], [0, 0, 0], [1.0, 2.0]),
+            r"pitch must be one number \[m/rad\]; got shape \(2,\)",
+        ),
+        (lambda: joints.spherical([0, 0, 0], np.ones((3, 3))), r"axes is not in SO\(3\)"),
+        (
+            lambda: joints.spherical([0, 0, 0], [np.eye(3)] * 2),
+            r"axes must be one rotation \(3, 3\); got \(2, 3, 3\)",
+        ),
+        (
+            lambda: joints.planar([0, 0, 1], x_axis=[0, 0, 2]),
+            "x_axis must not lie along the normal: give an axis in",
+        ),
+        (lambda: joints.planar([0, 0, 0]), "normal must not be the zero vector"),
+    ],
+)
+def test_bad_input_is_refused(call, text):
+    with pytest.raises(InputError, match=text):
+        call()

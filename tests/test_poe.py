@@ -1,0 +1,218 @@
+"""The product of exponentials, against Pinocchio on random chains, finite differences and its own body form."""
+
+from __future__ import annotations
+
+import numpy as np
+import pinocchio as pin
+import pytest
+from scipy.linalg import expm
+from scipy.spatial.transform import Rotation
+
+from strategies import BATCHES, EPS, derivative
+from twistarm import poe, screws
+from twistarm.errors import InputError
+
+PINOCCHIO = 1e-13
+"""Two accounts of a chain of up to nine joints, each some 1 m long: rounding of nine products."""
+
+BATCH = 256 * EPS
+"""The same chain, one by one and in a batch: NumPy orders sums differently."""
+
+DERIVATIVE = 1e-9
+"""Sixth-order differences with h = 1e-3 on positions of order 10 m."""
+
+KINDS = ("revolute", "prismatic", "helical")
+
+
+def close(a, b, tol):
+    np.testing.assert_allclose(a, b, rtol=0, atol=tol)
+
+
+class Chain:
+    """A random chain of joints about oblique axes: its Pinocchio model, and screws and home by geometry."""
+
+    def __init__(self, kinds, seed):
+        rng = np.random.default_rng(seed)
+        self.model, self.m = pin.Model(), len(kinds)
+        columns, g, parent = [], np.eye(4), 0
+        for i, kind in enumerate(kinds):
+            step = random_pose(rng)
+            g = g @ step
+            axis = Rotation.random(random_state=seed + i).as_matrix()[:, 0]
+            pitch = rng.normal()
+            joint = {
+                "revolute": lambda a=axis: pin.JointModelRevoluteUnaligned(a),
+                "prismatic": lambda a=axis: pin.JointModelPrismaticUnaligned(a),
+                "helical": lambda a=axis, h=pitch: pin.JointModelHelicalUnaligned(a, h),
+            }[kind]()
+            parent = self.model.addJoint(parent, joint, pin.SE3(step), f"joint_{i}")
+            w, q = g[:3, :3] @ axis, g[:3, 3]
+            columns.append({
+                "revolute": [*np.cross(q, w), *w],
+                "prismatic": [*w, 0, 0, 0],
+                "helical": [*(np.cross(q, w) + pitch * w), *w],
+            }[kind])  # fmt: skip
+        tool = random_pose(rng)
+        self.home = g @ tool
+        self.tool = self.model.addFrame(pin.Frame("tool", parent, 0, pin.SE3(tool), pin.FrameType.OP_FRAME))
+        self.data = self.model.createData()
+        self.screws = np.array(columns).T
+        self.x = rng.uniform(-3, 3, size=self.m)
+        self.rate = rng.normal(size=self.m)
+
+    def fk(self, x):
+        pin.framesForwardKinematics(self.model, self.data, x)
+        return self.data.oMf[self.tool].homogeneous
+
+    def jacobian(self, x, frame):
+        return pin.computeFrameJacobian(self.model, self.data, x, self.tool, frame).reshape(6, -1)
+
+
+def random_pose(rng):
+    g = np.eye(4)
+    g[:3, :3] = Rotation.from_rotvec(rng.normal(size=3)).as_matrix()
+    g[:3, 3] = rng.normal(size=3)
+    return g
+
+
+CHAINS = [
+    *(Chain([kind], seed) for seed, kind in enumerate(KINDS)),
+    *(Chain(np.random.default_rng(seed).choice(KINDS, size=n), seed) for n in (2, 3, 5, 6, 7, 9) for seed in range(3)),
+]
+
+
+@pytest.mark.parametrize("chain", CHAINS)
+def test_forward_kinematics_agrees_with_pinocchio(chain):
+    close(poe.fk(chain.screws, chain.home, np.zeros(chain.m)), chain.home, BATCH)
+    close(poe.fk(chain.screws, chain.home, chain.x), chain.fk(chain.x), PINOCCHIO)
+
+
+@pytest.mark.parametrize("chain", CHAINS)
+def test_jacobians_agree_with_pinocchio(chain):
+    spatial = chain.jacobian(chain.x, pin.ReferenceFrame.WORLD)
+    body = chain.jacobian(chain.x, pin.ReferenceFrame.LOCAL)
+    close(poe.spatial_jacobian(chain.screws, chain.x), spatial, 10 * PINOCCHIO)
+    close(poe.body_jacobian(chain.screws, chain.home, chain.x), body, 10 * PINOCCHIO)
+
+
+@pytest.mark.parametrize("chain", CHAINS)
+def test_jacobians_are_derivatives(chain):
+    g = poe.fk(chain.screws, chain.home, chain.x)
+    g_dot = derivative(lambda t: poe.fk(chain.screws, chain.home, chain.x + t * chain.rate))
+    spatial = poe.spatial_jacobian(chain.screws, chain.x) @ chain.rate
+    body = poe.body_jacobian(chain.screws, chain.home, chain.x) @ chain.rate
+    close(spatial, screws.vee(g_dot @ screws.inverse(g)), DERIVATIVE)
+    close(body, screws.vee(screws.inverse(g) @ g_dot), DERIVATIVE)
+
+
+@pytest.mark.parametrize("chain", CHAINS)
+def test_the_body_form_is_the_same_motion(chain):
+    B = poe.body_screws(chain.screws, chain.home)
+    close(screws.adjoint(chain.home) @ B, chain.screws, BATCH * 10)
+    close(poe.fk_body(B, chain.home, chain.x), poe.fk(chain.screws, chain.home, chain.x), PINOCCHIO)
+    at_home = poe.body_jacobian(chain.screws, chain.home, np.zeros(chain.m))
+    close(at_home, B, BATCH * 10)
+
+
+@pytest.mark.parametrize("chain", CHAINS)
+def test_the_adjoint_joins_the_two_jacobians(chain):
+    g = poe.fk(chain.screws, chain.home, chain.x)
+    spatial = poe.spatial_jacobian(chain.screws, chain.x)
+    close(screws.adjoint(g) @ poe.body_jacobian(chain.screws, chain.home, chain.x), spatial, 10 * PINOCCHIO)
+
+
+def test_the_product_is_that_of_matrix_exponentials():
+    chain = CHAINS[-1]
+    g = np.eye(4)
+    for xi, value in zip(chain.screws.T, chain.x, strict=True):
+        g = g @ expm(screws.hat(xi) * value)
+    close(poe.fk(chain.screws, chain.home, chain.x), g @ chain.home, PINOCCHIO)
+
+
+@pytest.mark.parametrize("batch", BATCHES)
+@pytest.mark.parametrize("chain", [CHAINS[0], CHAINS[8], CHAINS[-1]])
+def test_a_batch_is_its_configurations_one_by_one(chain, batch):
+    x = np.random.default_rng(1).uniform(-3, 3, size=(*batch, chain.m))
+    B = poe.body_screws(chain.screws, chain.home)
+    functions = (
+        (lambda x: poe.fk(chain.screws, chain.home, x), (4, 4)),
+        (lambda x: poe.fk_body(B, chain.home, x), (4, 4)),
+        (lambda x: poe.spatial_jacobian(chain.screws, x), (6, chain.m)),
+        (lambda x: poe.body_jacobian(chain.screws, chain.home, x), (6, chain.m)),
+    )
+    for function, shape in functions:
+        whole = function(x)
+        assert whole.shape == (*batch, *shape)
+        for index in np.ndindex(batch):
+            close(whole[index], function(x[index]), 10 * BATCH)
+
+
+def test_a_screw_of_any_length_is_a_rescaled_joint():
+    chain = CHAINS[-1]
+    gear = np.array([2.0, -0.5, 10.0, 1e-3, 1.0, 3.0, 0.1, 7.0, 1e3])
+    close(poe.fk(chain.screws * gear, chain.home, chain.x / gear), chain.fk(chain.x), PINOCCHIO)
+
+
+def test_coupled_joints_turn_by_a_theta():
+    chain = CHAINS[-1]
+    A = np.random.default_rng(2).normal(size=(chain.m, 4))
+    theta, rate = np.random.default_rng(3).normal(size=(2, 4))
+    g_dot = derivative(lambda t: poe.fk(chain.screws, chain.home, A @ (theta + t * rate)))
+    g = poe.fk(chain.screws, chain.home, A @ theta)
+    J = poe.spatial_jacobian(chain.screws, A @ theta) @ A
+    close(J @ rate, screws.vee(g_dot @ screws.inverse(g)), 1000 * DERIVATIVE)
+
+
+def test_many_turns_lose_no_more_than_the_angle_itself():
+    chain = Chain(["revolute"] * 3, seed=4)
+    turned = chain.x + 2 * np.pi * 1000
+    close(poe.fk(chain.screws, chain.home, turned), chain.fk(chain.x), 1e-11)
+
+
+def test_a_chain_without_joints_stands_still():
+    none, home = np.zeros((6, 0)), CHAINS[0].home
+    assert (poe.fk(none, home, []) == home).all()
+    assert poe.fk(none, home, np.zeros((5, 0))).shape == (5, 4, 4)
+    assert poe.fk_body(none, home, np.zeros((5, 0))).shape == (5, 4, 4)
+    assert poe.spatial_jacobian(none, np.zeros((5, 0))).shape == (5, 6, 0)
+    assert poe.body_jacobian(none, home, np.zeros((5, 0))).shape == (5, 6, 0)
+
+
+def test_arguments_are_left_as_they_were():
+    chain = CHAINS[-1]
+    before = chain.screws.copy(), chain.home.copy(), chain.x.copy()
+    poe.body_jacobian(chain.screws, chain.home, chain.x)
+    for was, now in zip(before, (chain.screws, chain.home, chain.x), strict=True):
+        assert (was == now).all()
+
+
+S, HOME = np.eye(6)[:, :2], np.eye(4)
+
+
+@pytest.mark.parametrize(
+    ("call", "text"),
+    [
+        (
+            lambda: poe.fk(S.T, HOME, [0, 0]),
+            r"screws must have shape \(6, m\), one column per moving joint; got \(2, 6\)",
+        ),
+        (lambda: poe.fk(S[:, 0], HOME, [0]), r"screws must have shape \(6, m\)"),
+        (
+            lambda: poe.fk(S, HOME[:3, :3], [0, 0]),
+            r"home pose must have shape \(\.\.\., 4, 4\); got \(3, 3\)",
+        ),
+        (lambda: poe.fk(S, [HOME, HOME], [0, 0]), r"home pose must have shape \(4, 4\); got \(2, 4, 4\)"),
+        (lambda: poe.fk(S, 2 * HOME, [0, 0]), r"home pose is not in SE\(3\)"),
+        (lambda: poe.fk(S, HOME, [0, 0, 0]), r"x must have shape \(\.\.\., 2\); got \(3,\)"),
+        (lambda: poe.fk(S, HOME, 0.0), r"x must have shape \(\.\.\., 2\); got \(\)"),
+        (lambda: poe.fk(S, HOME, [0, np.nan]), r"x must be finite; it holds nan at index \[1\]"),
+        (lambda: poe.fk(np.full((6, 2), np.inf), HOME, [0, 0]), "screws must be finite"),
+        (lambda: poe.fk_body(S.T, HOME, [0, 0]), r"body_screws must have shape \(6, m\)"),
+        (lambda: poe.body_screws(S, np.zeros((4, 4))), "last row must be 0 0 0 1"),
+        (lambda: poe.spatial_jacobian(S, [0]), r"x must have shape \(\.\.\., 2\); got \(1,\)"),
+        (lambda: poe.body_jacobian(S, HOME, "theta"), "x must be an array of real numbers"),
+    ],
+)
+def test_bad_input_is_refused(call, text):
+    with pytest.raises(InputError, match=text):
+        call()

@@ -1,0 +1,432 @@
+"""SE(3) and its screws, against exact arithmetic, SciPy, Pinocchio, finite differences and the group's laws."""
+
+from __future__ import annotations
+
+import pickle
+
+import numpy as np
+import pinocchio as pin
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+from scipy.linalg import expm
+
+from strategies import (
+    BATCHES,
+    EPS,
+    HARD_ANGLES,
+    angles,
+    batches,
+    derivative,
+    directions,
+    exact_exp,
+    fuzz,
+    poses,
+    scales,
+    twists,
+    vectors,
+)
+from twistarm import screws
+from twistarm.errors import InputError
+
+ROUNDING = 8 * EPS
+"""A pose after a handful of operations, relative to its translation (1 for its rotation)."""
+
+PRODUCTS = 64 * EPS
+"""After products of several poses or Adjoints, relative to the larger of 1 and the translations' product."""
+
+LIBRARY = 1e-13
+"""SciPy's expm and Pinocchio's series take more steps than ours; relative."""
+
+DERIVATIVE = 1e-10
+"""Sixth-order differences with h = 1e-3, relative to the derivative."""
+
+AXES = np.vstack([np.eye(3), -np.eye(3), [[1, 1, 1], [-1, 2, 0.5], [0, -3, 1], [1e-3, -1, 2]]])
+AXES = AXES / np.linalg.norm(AXES, axis=1, keepdims=True)
+V = np.array([0.7, -1.3, 0.4])
+"""A linear part of order 1, along none of the axes."""
+
+
+def close(a, b, tol):
+    np.testing.assert_allclose(a, b, rtol=0, atol=tol)
+
+
+def size(*arrays):
+    """The largest entry of all, at least 1."""
+    return max(1.0, *(np.abs(array).max(initial=0.0) for array in arrays))
+
+
+# hat, vee, bracket ------------------------------------------------------------------------------------
+
+
+@fuzz
+@given(st.data())
+def test_vee_undoes_hat(data):
+    batch, scale = data.draw(batches), data.draw(scales)
+    for length in (3, 6):
+        xi = data.draw(vectors(batch, length, scale))
+        matrix = screws.hat(xi)
+        assert matrix.shape == ((*batch, 3, 3) if length == 3 else (*batch, 4, 4))
+        assert (screws.vee(matrix) == xi).all()
+
+
+@given(vectors(size=6))
+@fuzz
+def test_hat_gives_the_velocity_of_a_point(xi):
+    p = np.array([0.3, -2.0, 1.0])
+    close((screws.hat(xi) @ [*p, 1.0])[:3], xi[:3] + np.cross(xi[3:], p), ROUNDING * 10)
+    close(screws.hat(xi[3:]), pin.skew(xi[3:]), 0)
+
+
+def test_vee_reads_a_numerical_derivative():
+    xi = np.array([0.3, -0.2, 0.5, 1.0, -2.0, 0.7])
+    h = 1e-6
+    xi_hat = (screws.exp(xi, h) - np.eye(4)) / h  # one-sided, so not quite in se(3)
+    close(screws.vee(xi_hat), xi, 1e-5)
+
+
+@fuzz
+@given(st.data())
+def test_bracket_is_the_commutator(data):
+    batch = data.draw(batches)
+    a, b, c = (data.draw(vectors(batch, 6)) for _ in range(3))
+    A, B = screws.hat(a), screws.hat(b)
+    tol = PRODUCTS * size(a) * size(b) * size(c)
+    close(screws.bracket(a, b), screws.vee(A @ B - B @ A), tol)
+    close(screws.bracket(a, b), -screws.bracket(b, a), 0)
+    jacobi = sum(screws.bracket(x, screws.bracket(y, z)) for x, y, z in ((a, b, c), (b, c, a), (c, a, b)))
+    close(jacobi, 0.0, tol)
+
+
+@fuzz
+@given(twists(), twists())
+def test_bracket_is_the_derivative_of_the_adjoint(a, b):
+    rate = derivative(lambda t: screws.adjoint(screws.exp(a, t)) @ b)
+    close(screws.bracket(a, b), rate, DERIVATIVE * size(a) * size(b) * 10)
+
+
+def test_bracket_agrees_with_pinocchio():
+    rng = np.random.default_rng(1)
+    a, b = rng.normal(size=(2, 6))
+    close(screws.bracket(a, b), pin.Motion(a).cross(pin.Motion(b)).vector, ROUNDING)
+
+
+def test_angular_first():
+    V_lynch_park = np.array([1.0, 2, 3, 4, 5, 6])
+    assert screws.from_angular_first(V_lynch_park).tolist() == [4, 5, 6, 1, 2, 3]
+    assert screws.to_angular_first([4, 5, 6, 1, 2, 3]).tolist() == [1, 2, 3, 4, 5, 6]
+    columns = np.arange(18.0).reshape(6, 3)
+    assert (columns[[3, 4, 5, 0, 1, 2]] == screws.from_angular_first(columns.T).T).all()
+
+
+# exponential ------------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("angle", HARD_ANGLES)
+def test_exp_is_the_exponential_series(angle):
+    for axis in AXES:
+        for v in (V, axis, np.cross(axis, V), 1e6 * V, 1e-9 * V, 0 * V):
+            xi = np.concatenate([v, angle * axis])
+            g, exact = screws.exp(xi), exact_exp(screws.hat(xi))
+            close(g[:3, :3], exact[:3, :3], ROUNDING)
+            close(g[:3, 3], exact[:3, 3], ROUNDING * np.linalg.norm(v))
+            assert g[3].tolist() == [0, 0, 0, 1]
+
+
+@pytest.mark.parametrize("angle", [1e-12, 1e-9, 1e-6, 1e-5, 1e-4, 1e-3])
+def test_the_second_order_near_zero_is_there(angle):
+    # Taking p = v near 0 would lose ½ w × v, which is five orders above the rounding even at 1e-9.
+    xi = np.array([1.0, 0, 0, 0, 0, angle])
+    assert screws.exp(xi)[1, 3] == pytest.approx(angle / 2, rel=angle**2 / 6 + ROUNDING)
+
+
+@fuzz
+@given(st.data())
+def test_exp_agrees_with_scipy_and_pinocchio(data):
+    scale = data.draw(scales)
+    xi = data.draw(twists(scale=scale))
+    close(screws.exp(xi), expm(screws.hat(xi)), LIBRARY * size(scale * 10))
+    close(screws.exp(xi), pin.exp6(xi).homogeneous, LIBRARY * size(scale * 10))
+
+
+@fuzz
+@given(st.data())
+def test_theta_scales_the_twist(data):
+    batch, scale = data.draw(batches), data.draw(st.sampled_from([1e-12, 1e-3, 1.0, 1e6, 1e12]))
+    xi = data.draw(twists(batch))
+    close(screws.exp(xi / scale, scale), screws.exp(xi), PRODUCTS * size(xi))
+
+
+def test_theta_broadcasts_against_the_batch():
+    rng = np.random.default_rng(2)
+    xi, theta = rng.normal(size=(4, 1, 6)), rng.normal(size=5)
+    g = screws.exp(xi, theta)
+    assert g.shape == (4, 5, 4, 4)
+    for i in range(4):
+        for j in range(5):
+            close(g[i, j], expm(screws.hat(xi[i, 0]) * theta[j]), LIBRARY)
+    assert screws.exp(xi[:, 0], 2.0).shape == (4, 4, 4)
+    assert screws.exp(xi[0, 0], theta).shape == (5, 4, 4)
+
+
+@fuzz
+@given(st.data())
+def test_motions_along_one_screw_add(data):
+    xi = data.draw(twists())
+    close(screws.exp(xi, 0.3) @ screws.exp(xi, 1.1), screws.exp(xi, 1.4), PRODUCTS * size(xi))
+
+
+def test_a_pure_translation_is_exact():
+    g = screws.exp([0.1, -0.2, 0.3, 0, 0, 0], 7.0)
+    assert (g[:3, :3] == np.eye(3)).all()
+    assert g[:3, 3].tolist() == [7.0 * 0.1, 7.0 * -0.2, 7.0 * 0.3]
+
+
+# logarithm --------------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("angle", [angle for angle in HARD_ANGLES if angle < np.pi - 2e-15])
+def test_log_undoes_the_exact_exponential(angle):
+    for axis in AXES:
+        for v in (V, axis, np.cross(axis, V), 1e6 * V, 0 * V):
+            xi = np.concatenate([v, angle * axis])
+            found = screws.log(exact_exp(screws.hat(xi)))
+            close(found[3:], xi[3:], ROUNDING)
+            # At π a unit of rounding in the rotation moves v by π/2 times that, hence the 2.
+            close(found[:3], xi[:3], 2 * ROUNDING * np.linalg.norm(v))
+
+
+@fuzz
+@given(st.data())
+def test_exp_undoes_log(data):
+    batch, scale = data.draw(batches), data.draw(scales)
+    g = data.draw(poses(batch, scale))
+    xi = screws.log(g)
+    assert xi.shape == (*batch, 6)
+    assert (np.linalg.norm(xi[..., 3:], axis=-1) <= np.pi * (1 + EPS)).all()
+    again = screws.exp(xi)
+    close(again[..., :3, :3], g[..., :3, :3], ROUNDING)
+    close(again[..., :3, 3], g[..., :3, 3], 4 * ROUNDING * np.abs(g[..., :3, 3]).max(initial=0.0))
+
+
+@pytest.mark.parametrize("axis", AXES)
+def test_at_a_half_turn_the_first_nonzero_component_is_positive(axis):
+    xi = np.concatenate([V, np.pi * axis])
+    found = screws.log(screws.exp(xi))
+    sign = np.sign(axis[np.flatnonzero(axis)[0]])
+    close(found[3:], sign * xi[3:], ROUNDING)
+    close(screws.exp(found), screws.exp(xi), ROUNDING)
+
+
+@fuzz
+@given(poses())
+def test_log_agrees_with_pinocchio_away_from_pi(g):
+    xi = screws.log(g)
+    if np.linalg.norm(xi[3:]) < 3:
+        close(xi, pin.log6(pin.SE3(g)).vector, LIBRARY * size(g))
+
+
+@pytest.mark.parametrize("batch", BATCHES)
+def test_a_batch_is_its_elements_one_by_one(batch):
+    rng = np.random.default_rng(3)
+    xi = rng.normal(size=(*batch, 6))
+    g = screws.exp(xi)
+    for function, argument, axes in (
+        (screws.exp, xi, 1),
+        (screws.log, g, 2),
+        (screws.adjoint, g, 2),
+        (screws.inverse, g, 2),
+    ):
+        whole = function(argument)
+        assert whole.shape[: len(batch)] == batch
+        for index in np.ndindex(batch):
+            close(whole[index], function(argument[index]), ROUNDING)
+        assert argument.shape[: argument.ndim - axes] == batch
+
+
+# the group and its Adjoint ----------------------------------------------------------------------------
+
+
+@fuzz
+@given(st.data())
+def test_inverse(data):
+    batch, scale = data.draw(batches), data.draw(scales)
+    g = data.draw(poses(batch, scale))
+    identity = np.broadcast_to(np.eye(4), g.shape)
+    close(g @ screws.inverse(g), identity, PRODUCTS * size(g))
+    close(screws.inverse(g) @ g, identity, PRODUCTS * size(g))
+    close(screws.inverse(screws.inverse(g)), g, PRODUCTS * size(g))
+
+
+@fuzz
+@given(st.data())
+def test_the_adjoint_is_a_homomorphism(data):
+    batch, scale = data.draw(batches), data.draw(scales)
+    g, h = data.draw(poses(batch, scale)), data.draw(poses(batch))
+    tol = PRODUCTS * size(g) * size(h)
+    close(screws.adjoint(g @ h), screws.adjoint(g) @ screws.adjoint(h), tol)
+    close(screws.adjoint(screws.inverse(g)), np.linalg.inv(screws.adjoint(g)), PRODUCTS * size(g) ** 2)
+
+
+@fuzz
+@given(poses())
+def test_the_adjoint_agrees_with_pinocchio(g):
+    close(screws.adjoint(g), pin.SE3(g).action, ROUNDING * size(g))
+
+
+@fuzz
+@given(st.data())
+def test_conjugation_is_the_exponential_of_the_adjoint(data):
+    batch, scale = data.draw(batches), data.draw(st.sampled_from([1e-3, 1.0, 1e3]))
+    g, xi = data.draw(poses(batch, scale)), data.draw(twists(batch))
+    moved = screws.transform_twist(g, xi)
+    close(screws.exp(moved), g @ screws.exp(xi) @ screws.inverse(g), PRODUCTS * size(g) * size(xi) * 4)
+    close(moved, (screws.adjoint(g) @ xi[..., None])[..., 0], PRODUCTS * size(g) * size(xi))
+
+
+@fuzz
+@given(st.data())
+def test_power_does_not_depend_on_the_frame(data):
+    batch, scale = data.draw(batches), data.draw(scales)
+    g, xi, F = data.draw(poses(batch, scale)), data.draw(vectors(batch, 6)), data.draw(vectors(batch, 6))
+    power = np.sum(screws.transform_wrench(g, F) * screws.transform_twist(g, xi), axis=-1)
+    close(power, np.sum(F * xi, axis=-1), PRODUCTS * size(g) * size(xi) * size(F))
+    dual = np.swapaxes(screws.adjoint(screws.inverse(g)), -1, -2)
+    close(screws.transform_wrench(g, F), (dual @ F[..., None])[..., 0], PRODUCTS * size(g) * size(F))
+
+
+@given(poses(), vectors(size=6))
+@fuzz
+def test_wrenches_agree_with_pinocchio(g, F):
+    close(screws.transform_wrench(g, F), pin.SE3(g).act(pin.Force(F)).vector, PRODUCTS * size(g) * size(F))
+
+
+def test_one_pose_moves_many_twists_and_many_poses_one():
+    rng = np.random.default_rng(4)
+    g, xi = screws.exp(rng.normal(size=(5, 6))), rng.normal(size=(5, 6))
+    assert screws.transform_twist(g[0], xi).shape == (5, 6)
+    assert screws.transform_twist(g, xi[0]).shape == (5, 6)
+    assert screws.transform_wrench(g[:, None], xi).shape == (5, 5, 6)
+
+
+# screws -----------------------------------------------------------------------------------------------
+
+
+@fuzz
+@given(st.data())
+def test_a_screw_leads_back_to_its_twist(data):
+    batch, scale = data.draw(batches), data.draw(scales)
+    xi = data.draw(twists(batch, scale))
+    screw = screws.to_screw(xi)
+    assert screw.axis.shape == screw.point.shape == (*batch, 3)
+    assert screw.pitch.shape == screw.magnitude.shape == batch
+    close(screw.twist, xi, PRODUCTS * max(scale, np.abs(xi).max(initial=0.0)))
+
+
+@fuzz
+@given(st.data())
+def test_the_screw_of_a_line_and_a_pitch(data):
+    batch = data.draw(batches)
+    u, q, h = data.draw(directions(batch)), data.draw(vectors(batch)), data.draw(vectors(batch, 1))[..., 0]
+    rate = 0.1 + np.asarray(data.draw(angles(batch)))
+    v = np.cross(q, u) + h[..., None] * u
+    screw = screws.to_screw(np.concatenate([v, u], axis=-1) * rate[..., None])
+    close(screw.axis, u, PRODUCTS)
+    close(screw.pitch, h, PRODUCTS * size(q, h))
+    close(screw.magnitude, rate, PRODUCTS)
+    close(np.cross(screw.point - q, u), 0.0, PRODUCTS * size(q))  # on the line
+    close(np.sum(screw.point * u, axis=-1), 0.0, PRODUCTS * size(q))  # its nearest point to the origin
+
+
+@fuzz
+@given(twists())
+def test_points_of_the_axis_stay_on_it(xi):
+    screw = screws.to_screw(xi)
+    if np.isfinite(screw.pitch) and screw.magnitude > 1e-3:
+        moved = screws.exp(xi, 0.8) @ [*screw.point, 1.0]
+        slide = 0.8 * screw.magnitude * screw.pitch
+        close(moved[:3], screw.point + slide * screw.axis, PRODUCTS * size(screw.point, slide))
+
+
+def test_a_pure_translation_has_infinite_pitch():
+    screw = screws.to_screw([0, 3, 4, 0, 0, 0])
+    assert screw.axis.tolist() == [0, 0.6, 0.8]
+    assert screw.point.tolist() == [0, 0, 0]
+    assert screw.pitch == np.inf
+    assert screw.magnitude == 5
+    assert screw.twist.tolist() == [0, 3, 4, 0, 0, 0]
+
+
+def test_a_screw_given_by_hand_may_have_infinite_pitch_and_a_point():
+    screw = screws.Screw(axis=[0, 0, 1], point=[1, 2, 3], pitch=np.inf, magnitude=2.0)
+    assert screw.twist.tolist() == [0, 0, 2, 0, 0, 0]
+
+
+def test_the_zero_twist_has_no_axis():
+    screw = screws.to_screw(np.zeros(6))
+    assert screw.axis.tolist() == [0, 0, 0]
+    assert screw.magnitude == 0
+    assert screw.twist.tolist() == [0] * 6
+
+
+@pytest.mark.parametrize(("rate", "pitch"), [(0.9e-15, np.inf), (1.1e-15, 1 / 1.1e-15), (1e-12, 1e12)])
+def test_both_sides_of_the_translation_tolerance(rate, pitch):
+    xi = 2 * np.array([0.6, 0.8, 0, 0.6 * rate, 0.8 * rate, 0])
+    screw = screws.to_screw(xi)
+    np.testing.assert_allclose(screw.pitch, pitch, rtol=ROUNDING)
+    close(screw.twist, xi, 2e-15)
+
+
+def test_a_screw_is_read_only_and_picklable():
+    screw = screws.to_screw([1, 2, 3, 0, 0, 1])
+    with pytest.raises(ValueError, match="read-only"):
+        screw.axis[0] = 1.0
+    with pytest.raises(AttributeError):
+        screw.pitch = 0.0
+    assert (pickle.loads(pickle.dumps(screw)).twist == screw.twist).all()
+
+
+# refusals ---------------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(
+    ("call", "text"),
+    [
+        (
+            lambda: screws.hat(np.ones((6, 7))),
+            r"xi must have shape \(\.\.\., 6\), a twist, or \(\.\.\., 3\), a vector; got",
+        ),
+        (lambda: screws.hat(1.0), r"xi must have shape"),
+        (
+            lambda: screws.vee(np.ones((2, 2))),
+            r"matrix must have shape \(\.\.\., 4, 4\) or \(\.\.\., 3, 3\); got \(2, 2\)",
+        ),
+        (
+            lambda: screws.vee(np.eye(3)),
+            r"matrix is not in so\(3\), skew-symmetric: it is off by 2; build it with hat",
+        ),
+        (lambda: screws.vee(np.eye(4)), r"matrix is not in se\(3\), \[ŵ, v; 0, 0\]: it is off by 2"),
+        (lambda: screws.exp(np.ones((6, 7)).tolist()), r"xi must have shape \(\.\.\., 6\); got \(6, 7\)"),
+        (
+            lambda: screws.exp(np.ones((4, 6)), np.ones(3)),
+            r"leading axes do not match: xi \(4,\) and theta \(3,\)",
+        ),
+        (lambda: screws.exp(np.ones(6), np.nan), "theta must be finite"),
+        (lambda: screws.log(np.ones((4, 4))), r"pose g is not in SE\(3\): its last row must be 0 0 0 1"),
+        (lambda: screws.log(np.diag([2.0, 2, 2, 1])), r"rotation of the pose g is not in SO\(3\)"),
+        (lambda: screws.adjoint(np.eye(3)), r"pose g must have shape \(\.\.\., 4, 4\); got \(3, 3\)"),
+        (lambda: screws.inverse(np.zeros((4, 4))), r"pose g is not in SE\(3\)"),
+        (lambda: screws.bracket(np.ones(6), np.ones(3)), r"b must have shape \(\.\.\., 6\)"),
+        (lambda: screws.bracket(np.ones((2, 6)), np.ones((3, 6))), r"a \(2,\) and b \(3,\)"),
+        (lambda: screws.transform_twist(np.eye(4), np.ones(3)), r"xi_b must have shape \(\.\.\., 6\)"),
+        (lambda: screws.transform_wrench(np.eye(3), np.ones(6)), r"pose g_ab must have shape"),
+        (
+            lambda: screws.from_angular_first(np.ones((6, 3))),
+            r"V must have shape \(\.\.\., 6\); got \(6, 3\)",
+        ),
+        (lambda: screws.to_screw([1, 2, 3]), r"xi must have shape \(\.\.\., 6\)"),
+    ],
+)
+def test_bad_input_is_refused(call, text):
+    with pytest.raises(InputError, match=text):
+        call()
