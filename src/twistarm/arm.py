@@ -1,0 +1,338 @@
+"""The arm: a chain of joints from base to tip, as plain data, with its kinematics."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field, replace
+from functools import cached_property
+from typing import Any, NamedTuple
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from . import poe
+from .checks import Array, as_floats, as_pose, as_theta, as_twist, as_vector, frozen
+from .description.coupling import Affine
+from .description.findings import Finding
+from .description.tree import Description
+from .errors import InputError, TwistarmError, listed, unknown_name
+from .limits import JointLimits
+from .manipulability import Manipulability, manipulability_of
+from .pinocchio_model import PinocchioModel
+from .screws import adjoint, inverse
+
+READY_SAMPLES = 63
+"""Random configurations that compete with the middle of the limits to be the ready pose."""
+
+
+class Coupling(NamedTuple):
+    """Joint values = A @ theta + b: A (m, n) and b (m,), one row per moving joint of the chain."""
+
+    A: Array
+    b: Array
+
+
+class Proof(NamedTuple):
+    """The check at load: worst differences between product of exponentials and Pinocchio, over `samples` postures."""
+
+    pose_error: float
+    jacobian_error: float
+    samples: int
+
+
+@dataclass(frozen=True, eq=False)
+class Arm:
+    """A robot arm with n independent joint coordinates `theta` (..., n) [rad or m], ordered base to tip.
+
+    g_st(theta) = Π exp(ξ_i (A θ)_i) · home (MLS §3.2.2, the product of exponentials), with the columns ξ_i of
+    `screws` (6, m) and `home` (4, 4) at theta = 0, and the mimic coupling (A, b) in `coupling`. Poses are seen from
+    the base link. Every method accepts any finite theta, inside the limits or not, and any leading axes.
+
+    Plain data, picklable, usable without Pinocchio; `pinocchio` is the engine behind, built when first needed.
+    """
+
+    name: str
+    source: str
+    base: str
+    tip: str
+    joint_names: tuple[str, ...]
+    joint_types: tuple[str, ...]
+    screws: Array
+    home: Array
+    coupling: Coupling
+    limits: JointLimits
+    reach: float
+    named_states: Mapping[str, Array] = field(default_factory=dict)
+    findings: tuple[Finding, ...] = ()
+    proof: Proof | None = None
+    description: Description | None = field(default=None, repr=False)
+    couplings: Mapping[str, Affine] = field(default_factory=dict, repr=False)
+    tool: Array = field(default_factory=lambda: np.eye(4), repr=False)
+    tip_link: str = ""
+
+    def __post_init__(self) -> None:
+        for name in ("screws", "home", "tool"):
+            object.__setattr__(self, name, frozen(getattr(self, name)))
+        object.__setattr__(self, "coupling", Coupling(frozen(self.coupling[0]), frozen(self.coupling[1])))
+        object.__setattr__(self, "tip_link", self.tip_link or self.tip)
+        states = {name: frozen(theta) for name, theta in self.named_states.items()}
+        object.__setattr__(self, "named_states", states)
+
+    def __getstate__(self) -> dict[str, Any]:
+        return {name: value for name, value in self.__dict__.items() if name not in ("pinocchio", "ready")}
+
+    # -- what it is ----------------------------------------------------------------------------------------------
+
+    @property
+    def n(self) -> int:
+        """Degrees of freedom: length of theta."""
+        return len(self.joint_names)
+
+    @property
+    def units(self) -> tuple[str, ...]:
+        """`rad` or `m` for each coordinate."""
+        return tuple("m" if kind == "prismatic" else "rad" for kind in self.joint_types)
+
+    @property
+    def body_screws(self) -> Array:
+        """ξ_i seen from the tool at theta = 0: Ad(home⁻¹) screws, (6, m). MLS §3.2.2."""
+        screws: Array = adjoint(inverse(self.home)) @ self.screws
+        return screws
+
+    @property
+    def frame_names(self) -> tuple[str, ...]:
+        """Every link of the description, and the tool."""
+        links = tuple(self.description.links) if self.description else (self.base,)
+        return links if self.tip in links else (*links, self.tip)
+
+    @cached_property
+    def ready(self) -> Array:
+        """A well-conditioned posture inside the limits, (n,).
+
+        The named pose `ready`; else the best conditioned of the middle of the limits (0 where unbounded) and 63
+        seeded random configurations.
+        """
+        if "ready" in self.named_states:
+            return self.named_states["ready"]
+        candidates = np.vstack([self._middle(), self.random_theta(np.random.default_rng(0), READY_SAMPLES)])
+        condition = self.manipulability(candidates).condition
+        return frozen(candidates[int(np.argmin(condition))])
+
+    @cached_property
+    def pinocchio(self) -> PinocchioModel:
+        """Pinocchio's model and data (per thread) of the whole description; TwistarmError for an arm without one."""
+        if self.description is None:
+            raise TwistarmError(f"{self.name} was made from screws, not from a description: it has no Pinocchio model")
+        return PinocchioModel(self.description, self.couplings, self.joint_names)
+
+    # -- forward kinematics --------------------------------------------------------------------------------------
+
+    def fk(self, theta: ArrayLike) -> Array:
+        """Forward kinematics g_st(theta), (..., 4, 4): the tool seen from the base."""
+        x = self._theta(theta)
+        if self.description is None:
+            return poe.fk(self.screws, self.home, x @ self.coupling.A.T)
+        return self._each(x, lambda row: self._from_pinocchio(row)[0], (4, 4))
+
+    def pose(self, theta: ArrayLike, frame: str) -> Array:
+        """Pose (..., 4, 4) of a frame of `frame_names` seen from the base."""
+        if frame not in self.frame_names:
+            listing = f"{len(self.frame_names)} frames: arm.frame_names"
+            raise unknown_name("frame", frame, self.frame_names, within=self.name, listing=listing)
+        if frame == self.tip:
+            return self.fk(theta)
+        if self.description is None:
+            return np.broadcast_to(np.eye(4), (*self._theta(theta).shape[:-1], 4, 4)).copy()
+        engine = self.pinocchio
+        return self._each(self._theta(theta), lambda row: engine.link_pose(engine.q(row), self.base, frame), (4, 4))
+
+    def poses(self, theta: ArrayLike, others: Mapping[str, float] | None = None) -> dict[str, Array]:
+        """Pose (..., 4, 4) of every frame seen from the base, {frame: g}.
+
+        `others`: values of joints outside the chain by name (fingers, a second arm); 0 where not given.
+        """
+        x = self._theta(theta)
+        self._check_others(others or {})
+        if self.description is None:
+            return {self.base: np.broadcast_to(np.eye(4), (*x.shape[:-1], 4, 4)).copy(), self.tip: self.fk(x)}
+        rows = x.reshape(-1, self.n)
+        engine = self.pinocchio
+        each = [engine.link_poses(engine.q(row, others), self.base) for row in rows]
+        poses = {
+            link: np.array([poses[link] for poses in each]).reshape(*x.shape[:-1], 4, 4)
+            for link in self.description.links
+        }
+        if self.tip not in poses:
+            poses[self.tip] = poses[self.tip_link] @ self.tool
+        return poses
+
+    # -- differential kinematics ---------------------------------------------------------------------------------
+
+    def spatial_jacobian(self, theta: ArrayLike) -> Array:
+        """Spatial Jacobian J^s (..., 6, n): V^s = J^s θ̇ with V^s = (ġ g⁻¹)^∨, linear part first. MLS §3.4.1."""
+        x = self._theta(theta)
+        if self.description is None:
+            return poe.spatial_jacobian(self.screws, x @ self.coupling.A.T) @ self.coupling.A
+        engine = self.pinocchio
+        return self._each(x, lambda row: engine.spatial_jacobian(row, self.base, self.tip_link), (6, self.n))
+
+    def body_jacobian(self, theta: ArrayLike) -> Array:
+        """Body Jacobian J^b (..., 6, n): V^b = J^b θ̇ with V^b = (g⁻¹ ġ)^∨, linear part first. MLS §3.4.1."""
+        x = self._theta(theta)
+        if self.description is None:
+            return poe.body_jacobian(self.screws, self.home, x @ self.coupling.A.T) @ self.coupling.A
+        return self._each(x, lambda row: self._from_pinocchio(row)[1], (6, self.n))
+
+    def hybrid_jacobian(self, theta: ArrayLike) -> Array:
+        """(..., 6, n): velocity of the tool's origin and its angular velocity, both in base axes.
+
+        Neither spatial nor body: diag(R, R) J^b; Pinocchio calls it LOCAL_WORLD_ALIGNED.
+        """
+        R = self.fk(theta)[..., :3, :3]
+        J = self.body_jacobian(theta)
+        return np.concatenate([R @ J[..., :3, :], R @ J[..., 3:, :]], axis=-2)
+
+    def manipulability(self, theta: ArrayLike, length: float | None = None) -> Manipulability:
+        """Singular values of the body Jacobian; metres are measured in `length` [m], by default `reach`."""
+        scale = self.reach if length is None else float(as_floats(length, "length"))
+        if not scale > 0:
+            raise InputError(f"length must be positive, in metres; got {scale:g}")
+        return manipulability_of(self.body_jacobian(theta), self._prismatic, scale)
+
+    def fk_and_body_jacobian(self, theta: Array) -> tuple[Array, Array]:
+        """g_st (4, 4) and J^b (6, n) of one configuration in one pass, unchecked: for solvers' inner loops."""
+        if self.description is not None:
+            return self._from_pinocchio(theta)
+        x = self.coupling.A @ theta
+        return (
+            poe.fk(self.screws, self.home, x),
+            poe.body_jacobian(self.screws, self.home, x) @ self.coupling.A,
+        )
+
+    # -- statics -------------------------------------------------------------------------------------------------
+
+    def joint_torques(self, theta: ArrayLike, wrench_body: ArrayLike) -> Array:
+        """τ = J_bᵀ F (..., n) [N m or N]: what the joints supply when the tool exerts F = (f, τ) on the world.
+
+        F (..., 6) in tool axes at the tool's origin. MLS §3.4.2.
+        """
+        F = as_twist(wrench_body, "wrench_body")
+        torques: Array = np.einsum("...in,...i->...n", self.body_jacobian(theta), F)
+        return torques
+
+    def gravity_torques(
+        self,
+        theta: ArrayLike,
+        *,
+        gravity: ArrayLike = (0.0, 0.0, -9.81),
+        payload: float = 0.0,
+        payload_com: ArrayLike = (0.0, 0.0, 0.0),
+    ) -> Array:
+        """What the joints supply to hold still, (..., n) [N m or N], mimic followers included.
+
+        `gravity` (3,) [m/s²] in base axes; `payload` [kg] with its centre at `payload_com` (3,) [m] in tool axes.
+        """
+        x = self._theta(theta)
+        g = as_vector(gravity, "gravity")
+        held = self._each(x, lambda row: self.pinocchio.gravity_torques(row, self.base, g), (self.n,))
+        mass = float(as_floats(payload, "payload"))
+        if mass < 0:
+            raise InputError(f"payload must not be negative, in kg; got {mass:g}")
+        if mass == 0:
+            return held
+        R = self.fk(x)[..., :3, :3]
+        support = -mass * np.einsum("...ji,j->...i", R, g)
+        moment = np.cross(as_vector(payload_com, "payload_com"), support)
+        return held - self.joint_torques(x, -np.concatenate([support, moment], axis=-1))
+
+    # -- configurations ------------------------------------------------------------------------------------------
+
+    def random_theta(self, rng: np.random.Generator, size: int | tuple[int, ...] | None = None) -> Array:
+        """Uniform in the limits, (n,) or (*size, n); unbounded angles in [−π, π], unbounded lengths in [−1, 1] m."""
+        shape = () if size is None else (size,) if isinstance(size, (int, np.integer)) else tuple(size)
+        lower, upper = self.sampling_bounds
+        return rng.uniform(lower, upper, (*shape, self.n))
+
+    @property
+    def sampling_bounds(self) -> tuple[Array, Array]:
+        """Lower and upper (n,) that random configurations are drawn from: the limits, made finite."""
+        half = np.where(self._prismatic, 1.0, np.pi)
+        lower = np.where(np.isfinite(self.limits.lower), self.limits.lower, np.minimum(-half, self.limits.upper - half))
+        upper = np.where(np.isfinite(self.limits.upper), self.limits.upper, np.maximum(half, lower + half))
+        return lower, upper
+
+    def theta_from(self, values: Mapping[str, float] | Sequence[str], numbers: ArrayLike | None = None) -> Array:
+        """theta (n,) from {joint: value}, or from names and values in any order; every joint must be given."""
+        given = dict(values) if isinstance(values, Mapping) else self._paired(values, numbers)
+        for name in given:
+            if name not in self.joint_names:
+                listing = f"base to tip: {listed(self.joint_names)}"
+                raise unknown_name("joint", name, self.joint_names, within=self.name, listing=listing)
+        missing = [name for name in self.joint_names if name not in given]
+        if missing:
+            raise InputError(f"no value for joint {listed(missing)} of {self.name}; give every joint")
+        return as_theta([given[name] for name in self.joint_names], self.n)
+
+    def theta_to_dict(self, theta: ArrayLike) -> dict[str, float]:
+        """{joint: value}, base to tip."""
+        x = self._theta(theta)
+        if x.ndim != 1:
+            raise InputError(f"theta_to_dict takes one configuration ({self.n},); got {x.shape}")
+        return {name: float(value) for name, value in zip(self.joint_names, x, strict=True)}
+
+    def with_tool(self, g_tip_tool: ArrayLike, name: str) -> Arm:
+        """The same arm with a tool frame `name` at g_tip_tool (4, 4), seen from the present tip."""
+        g = as_pose(g_tip_tool, "g_tip_tool")
+        if name in self.frame_names:
+            raise InputError(f"{self.name} has a frame {name!r} already; give the tool another name")
+        end = self.home[:3, 3]
+        home = self.home @ g
+        reach = self.reach + float(np.linalg.norm(home[:3, 3] - end))
+        return replace(self, tip=name, tip_link=self.tip_link, tool=self.tool @ g, home=home, reach=reach)
+
+    # -- inside --------------------------------------------------------------------------------------------------
+
+    @property
+    def _prismatic(self) -> Array:
+        return np.array([kind == "prismatic" for kind in self.joint_types])
+
+    def _middle(self) -> Array:
+        bounded = np.isfinite(self.limits.lower) & np.isfinite(self.limits.upper)
+        lower, upper = np.where(bounded, self.limits.lower, 0.0), np.where(bounded, self.limits.upper, 0.0)
+        return np.clip((lower + upper) / 2, self.limits.lower, self.limits.upper)
+
+    def _theta(self, theta: ArrayLike) -> Array:
+        return as_theta(theta, self.n, names=self.joint_names)
+
+    def _each(self, x: Array, function: Any, shape: tuple[int, ...]) -> Array:
+        """`function` of each configuration of a batch: Pinocchio takes one at a time."""
+        if x.ndim == 1:
+            return np.asarray(function(x))
+        rows = [function(row) for row in x.reshape(-1, self.n)]
+        return np.array(rows).reshape(*x.shape[:-1], *shape)
+
+    def _from_pinocchio(self, theta: Array) -> tuple[Array, Array]:
+        g, J = self.pinocchio.pose_and_body_jacobian(theta, self.base, self.tip_link)
+        if self.tip == self.tip_link:
+            return g, J
+        return g @ self.tool, self._tool_action @ J
+
+    @cached_property
+    def _tool_action(self) -> Array:
+        return adjoint(inverse(self.tool))
+
+    def _check_others(self, others: Mapping[str, float]) -> None:
+        masters = {affine.master for affine in self.couplings.values() if affine.master is not None}
+        outside = sorted(masters - set(self.joint_names))
+        for name in others:
+            if name not in outside:
+                listing = f"independent joints outside the chain: {listed(outside) or 'none'}"
+                raise unknown_name("joint outside the chain", name, outside, within=self.name, listing=listing)
+
+    def _paired(self, names: Sequence[str], numbers: ArrayLike | None) -> dict[str, float]:
+        values = np.atleast_1d(as_floats([] if numbers is None else numbers, "values"))
+        if isinstance(names, str) or len(names) != values.size:
+            raise InputError(f"{len(names)} names but {values.size} values; give one value per name")
+        if len(set(names)) != len(names):
+            raise InputError(f"a joint is named twice in {list(names)}")
+        return {str(name): float(value) for name, value in zip(names, values, strict=True)}

@@ -1,0 +1,75 @@
+"""Arms by name: our own, installed with the package, and those of the example-robot-data wheel."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import NamedTuple
+
+from ..errors import missing_extra
+
+
+class ModelsEntry(NamedTuple):
+    """An arm of the example-robot-data wheel: its file there, and the base and tip that make it an arm."""
+
+    file: str
+    base: str
+    tip: str
+
+
+_MODELS = {
+    "panda": ModelsEntry("panda_description/urdf/panda.urdf", "panda_link0", "panda_hand_tcp"),
+    "ur3": ModelsEntry("ur_description/urdf/ur3_robot.urdf", "base_link", "tool0"),
+    "ur5": ModelsEntry("ur_description/urdf/ur5_robot.urdf", "base_link", "tool0"),
+    "ur10": ModelsEntry("ur_description/urdf/ur10_robot.urdf", "base_link", "tool0"),
+    "kinova": ModelsEntry("kinova_description/robots/kinova.urdf", "j2s6s200_link_base", "j2s6s200_end_effector"),
+    "xarm7": ModelsEntry("xarm_description/urdf/xarm7.urdf", "link_base", "link_eef"),
+    "z1": ModelsEntry("z1_description/urdf/z1.urdf", "link00", "gripperStator"),
+    "so100": ModelsEntry("so_arm_description/urdf/so100.urdf", "base", "gripper"),
+    "so101": ModelsEntry("so_arm_description/urdf/so101.urdf", "base_link", "gripper_frame_link"),
+}
+
+
+def robots_dir() -> Path:
+    """The folder of our own arms: inside the installed package, or beside `src` in a checkout."""
+    package = Path(__file__).resolve().parents[1]
+    installed = package / "robots"
+    return installed if installed.is_dir() else package.parents[1] / "robots"
+
+
+def own_arms() -> tuple[str, ...]:
+    """Names of the arms that come with twistarm."""
+    return tuple(sorted(file.parent.name for file in robots_dir().glob("*/arm.toml")))
+
+
+def model_arms() -> tuple[str, ...]:
+    """Names of the arms that the example-robot-data wheel adds, whether it is installed or not."""
+    return tuple(_MODELS)
+
+
+def own_arm_file(name: str) -> Path | None:
+    """The arm.toml of one of our own arms, or None."""
+    file = robots_dir() / name / "arm.toml"
+    return file if name in own_arms() else None
+
+
+def models_share() -> Path | None:
+    """The folder `share` of the example-robot-data wheel, which has no Python module; None if not installed."""
+    from importlib.metadata import PackageNotFoundError, distribution
+
+    try:
+        wheel = distribution("example-robot-data")
+    except PackageNotFoundError:
+        return None
+    share = Path(str(wheel.locate_file("cmeel.prefix/share")))
+    return share if share.is_dir() else None
+
+
+def model_entry(name: str) -> tuple[Path, ModelsEntry] | None:
+    """File and entry of an arm of the wheel, or None for another name; MissingExtraError if it is not installed."""
+    entry = _MODELS.get(name)
+    if entry is None:
+        return None
+    share = models_share()
+    if share is None:
+        raise missing_extra(f"the catalogue arm {name!r}", "example-robot-data", "models")
+    return share / "example-robot-data" / "robots" / entry.file, entry

@@ -1,0 +1,110 @@
+"""The chain from base to tip, walked by ourselves: screws, home, coupling, limits. Nothing comes from Pinocchio."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from itertools import pairwise
+from typing import Literal
+
+import numpy as np
+
+from ..checks import Array
+from ..errors import DescriptionError
+from ..limits import JointLimits
+from ..screws import adjoint, exp
+from .coupling import Affine, coupling_matrix, resolve_couplings
+from .tree import Description, Joint
+
+CoordinateType = Literal["revolute", "continuous", "prismatic"]
+
+
+@dataclass(frozen=True)
+class Chain:
+    """What the walk from base to tip gives; `coordinates` are the independent joints, `moving` all moving ones.
+
+    `screws` (6, m) and `home` (4, 4) are those of the moving joints with every coordinate at 0; joint values are
+    A @ theta + b with `coupling` = (A, b); `reach` [m] is the stretch from the first turning joint out to the tip.
+    `couplings` covers the whole tree.
+    """
+
+    coordinates: tuple[str, ...]
+    types: tuple[CoordinateType, ...]
+    moving: tuple[str, ...]
+    screws: Array
+    home: Array
+    coupling: tuple[Array, Array]
+    limits: JointLimits
+    reach: float
+    couplings: Mapping[str, Affine]
+
+
+def walk_chain(description: Description, base: str, tip: str, tool: Array, locked: Mapping[str, float]) -> Chain:
+    """Walk from `base` to `tip` and on by the fixed pose `tool` (4, 4) of the tool seen from the tip link.
+
+    Raises DescriptionError for a planar or floating joint on the way, or if nothing moves between base and tip.
+    """
+    joints = description.chain(base, tip)
+    for joint in joints:
+        if joint.type in ("planar", "floating"):
+            raise DescriptionError(
+                f"{description.path}: joint {joint.name!r} between {base!r} and {tip!r} is {joint.type}: "
+                "its motion is not one number per joint; choose a base= beyond it"
+            )
+    couplings = resolve_couplings(description, locked)
+    moving = tuple(joint.name for joint in joints if joint.moving)
+    coordinates = tuple(dict.fromkeys(m for name in moving if (m := couplings[name].master) is not None))
+    if not coordinates:
+        raise DescriptionError(f"{description.path}: no joint moves between base {base!r} and tip {tip!r}")
+    A, b = coupling_matrix(couplings, moving, coordinates)
+    screws, home, points = _walk(joints, dict(zip(moving, b, strict=True)))
+    masters = [description.joints[name] for name in coordinates]
+    return Chain(
+        coordinates=coordinates,
+        types=tuple(_coordinate_type(joint) for joint in masters),
+        moving=moving,
+        screws=screws,
+        home=home @ tool,
+        coupling=(A, b),
+        limits=_limits(masters),
+        reach=_path_length([*points, (home @ tool)[:3, 3]]),
+        couplings=couplings,
+    )
+
+
+def _walk(joints: tuple[Joint, ...], values: Mapping[str, float]) -> tuple[Array, Array, list[Array]]:
+    """Space twists (6, m), the tip's pose, and the origins of the turning joints, in the base frame."""
+    g = np.eye(4)
+    twists: list[Array] = []
+    points: list[Array] = []
+    for joint in joints:
+        g = g @ joint.origin
+        if not joint.moving:
+            continue
+        twists.append(adjoint(g) @ joint.twist)
+        g = g @ exp(joint.twist, values[joint.name])
+        if joint.type != "prismatic":
+            points.append(g[:3, 3])
+    return np.stack(twists, axis=1), g, points
+
+
+def _path_length(points: list[Array]) -> float:
+    return float(sum(np.linalg.norm(b - a) for a, b in pairwise(points)))
+
+
+def _coordinate_type(joint: Joint) -> CoordinateType:
+    if joint.type == "prismatic":
+        return "prismatic"
+    return "continuous" if joint.type == "continuous" else "revolute"
+
+
+def _limits(masters: list[Joint]) -> JointLimits:
+    n = len(masters)
+    return JointLimits(
+        lower=np.array([joint.lower for joint in masters]),
+        upper=np.array([joint.upper for joint in masters]),
+        velocity=np.array([joint.velocity for joint in masters]),
+        acceleration=np.full(n, np.inf),
+        jerk=np.full(n, np.inf),
+        effort=np.array([joint.effort for joint in masters]),
+    )

@@ -1,0 +1,146 @@
+"""Shapes of visuals and collisions: sizes, colours, and mesh URIs resolved to absolute paths."""
+
+from __future__ import annotations
+
+import re
+import xml.etree.ElementTree as ET
+from collections.abc import Callable
+from pathlib import Path
+from urllib.parse import unquote
+
+import numpy as np
+
+from ..checks import Array
+from ..errors import listed
+from ..rotations import from_rpy
+from .document import Reading
+from .packages import PackageIndex
+from .tree import Geometry
+
+Colour = tuple[float, float, float, float]
+_FIND = re.compile(r"^\$\(find\s+([^)\s]+)\)/?(.*)$")
+_PACKAGE = re.compile(r"^(?:package|model)://([^/]+)/?(.*)$")
+
+
+class Geometries:
+    """Reads the shapes of one description; remembers its materials and which meshes are missing."""
+
+    def __init__(self, robot: ET.Element, reading: Reading) -> None:
+        self._reading = reading
+        self._missing: list[str] = []
+        self._materials = {
+            name: colour
+            for material in robot.iter("material")
+            if (name := material.get("name")) and (colour := self._colour(material))
+        }
+
+    def of(self, link: ET.Element, kind: str) -> tuple[Geometry, ...]:
+        """The link's shapes; `kind` is "visual" or "collision". One that makes no sense is noted and left out."""
+        return tuple(shape for element in link.findall(kind) if (shape := self._read(link, element)) is not None)
+
+    def note_missing(self) -> None:
+        """One finding for all meshes that were not found."""
+        if not self._missing:
+            return
+        names = list(dict.fromkeys(self._missing))
+        self._reading.note(
+            "mesh-missing",
+            "warning",
+            self._reading.path.name,
+            f"{len(names)} mesh file{'s' * (len(names) > 1)} not found: {listed(names, 2)}; the kinematics is whole",
+            "pass package_dirs=[folder that holds the package], or restore the files; frames are drawn instead",
+        )
+
+    def _read(self, link: ET.Element, element: ET.Element) -> Geometry | None:
+        geometry = element.find("geometry")
+        if geometry is None or len(geometry) == 0:
+            return None
+        shape = geometry[0]
+        try:
+            return self._shape(shape, read_origin(element), self._material(element))
+        except ValueError:
+            self._reading.note(
+                "bad-geometry",
+                "warning",
+                self._reading.where(link),
+                f"its <{element.tag}> <{shape.tag}> has no usable size or place; it is not drawn",
+                "give every size and origin as numbers",
+                repaired=True,
+            )
+            return None
+
+    def _shape(self, shape: ET.Element, origin: Array, colour: Colour | None) -> Geometry | None:
+        def sizes(*names: str) -> tuple[float, ...]:
+            return tuple(floats(shape.get(name, ""), 1)[0] for name in names)
+
+        readers: dict[str, Callable[[], tuple[float, ...]]] = {
+            "box": lambda: tuple(floats(shape.get("size", ""), 3)),
+            "cylinder": lambda: sizes("radius", "length"),
+            "capsule": lambda: sizes("radius", "length"),
+            "sphere": lambda: sizes("radius"),
+            "mesh": lambda: mesh_scale(shape.get("scale")),
+        }
+        if shape.tag not in readers:
+            raise ValueError(shape.tag)
+        mesh = self._mesh(shape.get("filename", "")) if shape.tag == "mesh" else None
+        return Geometry(shape.tag, origin, readers[shape.tag](), mesh, colour)  # type: ignore[arg-type]
+
+    def _mesh(self, uri: str) -> Path | None:
+        path = resolve_uri(uri, self._reading.path, self._reading.packages)
+        if path is None or not path.is_file():
+            self._missing.append(uri)
+            return None
+        return path
+
+    def _material(self, element: ET.Element) -> Colour | None:
+        material = element.find("material")
+        if material is None:
+            return None
+        return self._colour(material) or self._materials.get(material.get("name", ""))
+
+    def _colour(self, material: ET.Element) -> Colour | None:
+        colour = material.find("color")
+        if colour is None:
+            return None
+        try:
+            r, g, b, a = np.clip(floats(colour.get("rgba", ""), 4), 0.0, 1.0)
+        except ValueError:
+            return None
+        return float(r), float(g), float(b), float(a)
+
+
+def resolve_uri(uri: str, file: Path, packages: PackageIndex) -> Path | None:
+    """Absolute path of a mesh URI: `package://`, `model://`, `file://`, `$(find p)/…`, absolute, or beside the file."""
+    uri = uri.strip()
+    match = _PACKAGE.match(uri) or _FIND.match(uri)
+    if match:
+        folder = packages.find_for_mesh(match.group(1))
+        return None if folder is None else (folder / unquote(match.group(2))).resolve()
+    if uri.startswith("file://"):
+        path = Path(unquote(uri[len("file://") :]).replace("localhost/", "/", 1))
+        return path if path.is_absolute() else file.parent / path
+    return (file.parent / uri).resolve() if uri and "\0" not in uri else None
+
+
+def read_origin(element: ET.Element) -> Array:
+    """The `<origin>` of an element as a pose (4, 4); the identity without one. ValueError if it is malformed."""
+    g = np.eye(4)
+    origin = element.find("origin")
+    if origin is not None:
+        g[:3, :3] = from_rpy(floats(origin.get("rpy", "0 0 0"), 3))
+        g[:3, 3] = floats(origin.get("xyz", "0 0 0"), 3)
+    return g
+
+
+def mesh_scale(text: str | None) -> tuple[float, ...]:
+    """The mesh scale: three numbers, or one for all three."""
+    values = [float(word) for word in (text or "1 1 1").split()]
+    return tuple(floats(text or "1 1 1", 3)) if len(values) != 1 else (values[0],) * 3
+
+
+def floats(text: str, count: int) -> list[float]:
+    """Exactly `count` finite numbers, or ValueError."""
+    values = [float(word) for word in text.split()]
+    if len(values) != count or not np.isfinite(values).all():
+        raise ValueError(f"{count} finite numbers expected; got {text!r}")
+    return values

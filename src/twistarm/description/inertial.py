@@ -1,0 +1,41 @@
+"""Masses and inertias: those that are no numbers are noted and dropped before Pinocchio drops them in silence."""
+
+from __future__ import annotations
+
+import xml.etree.ElementTree as ET
+
+from .document import Reading
+from .geometry import floats, read_origin
+
+_INERTIA = ("ixx", "ixy", "ixz", "iyy", "iyz", "izz")
+
+
+def drop_unusable_inertials(robot: ET.Element, reading: Reading) -> None:
+    """Remove every `<inertial>` that cannot be read; kinematics does not need it, gravity torques do."""
+    for link in robot.findall("link"):
+        for inertial in link.findall("inertial"):
+            problem = _problem(inertial)
+            if problem:
+                link.remove(inertial)
+                reading.note(
+                    "inertial-unusable",
+                    "warning",
+                    reading.where(link),
+                    f"its <inertial> {problem}; the link counts as massless",
+                    "write mass in kg and the six inertias in kg m² as plain numbers",
+                    repaired=True,
+                )
+
+
+def _problem(inertial: ET.Element) -> str:
+    mass, inertia = inertial.find("mass"), inertial.find("inertia")
+    if mass is None or inertia is None:
+        return "lacks <mass> or <inertia>"
+    try:
+        (value,) = floats(mass.get("value", ""), 1)
+        for name in _INERTIA:
+            floats(inertia.get(name, "0"), 1)
+        read_origin(inertial)
+    except ValueError as error:
+        return f"is malformed ({error})"
+    return f"has the negative mass {value:g}" if value < 0 else ""

@@ -1,0 +1,158 @@
+"""A robot description as plain data: links, joints, and the tree they form. Reading files is done elsewhere."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Literal
+
+import numpy as np
+
+from ..checks import Array
+from ..errors import DescriptionError, listed, unknown_name
+from ..screws import exp
+from .findings import Finding
+
+JointType = Literal["revolute", "continuous", "prismatic", "fixed", "planar", "floating"]
+Shape = Literal["box", "cylinder", "sphere", "capsule", "mesh"]
+
+
+@dataclass(frozen=True)
+class Geometry:
+    """A shape on a link: `origin` (4, 4) in the link frame.
+
+    `size`: box (x, y, z) [m]; cylinder and capsule (radius, length) along z [m]; sphere (radius,) [m]; mesh its scale.
+    `mesh` is an absolute path, or None where the file was not found. `colour` is (r, g, b, a) in 0…1.
+    """
+
+    shape: Shape
+    origin: Array
+    size: tuple[float, ...]
+    mesh: Path | None = None
+    colour: tuple[float, float, float, float] | None = None
+
+
+@dataclass(frozen=True)
+class Link:
+    """A rigid body with what is drawn on it and what it collides with."""
+
+    name: str
+    visuals: tuple[Geometry, ...] = ()
+    collisions: tuple[Geometry, ...] = ()
+
+
+@dataclass(frozen=True)
+class Mimic:
+    """value = multiplier · (value of `joint`) + offset."""
+
+    joint: str
+    multiplier: float = 1.0
+    offset: float = 0.0
+
+
+@dataclass(frozen=True)
+class Joint:
+    """A joint of the tree; limits are NaN-free, ∓inf where not given."""
+
+    name: str
+    type: JointType
+    parent: str
+    child: str
+    origin: Array
+    axis: Array
+    lower: float = -np.inf
+    upper: float = np.inf
+    velocity: float = np.inf
+    effort: float = np.inf
+    mimic: Mimic | None = None
+
+    @property
+    def moving(self) -> bool:
+        """One degree of freedom or more."""
+        return self.type != "fixed"
+
+    @property
+    def twist(self) -> Array:
+        """The joint's twist (v, w) (6,) in its own frame: unit axis, through the origin."""
+        zero = np.zeros(3)
+        return np.concatenate([self.axis, zero] if self.type == "prismatic" else [zero, self.axis])
+
+
+@dataclass(frozen=True)
+class Description:
+    """Links and joints as read, repaired, with the findings of the reading.
+
+    `text` is the expanded description as it was written, `repaired` the same with every repair made and mesh paths
+    absolute: the first goes to the engine that checks us, the second to Pinocchio.
+    """
+
+    name: str
+    path: Path | None
+    root: str
+    links: Mapping[str, Link]
+    joints: Mapping[str, Joint]
+    text: str = field(repr=False)
+    repaired: str = field(repr=False)
+    findings: tuple[Finding, ...] = ()
+
+    def parent_joint(self, link: str) -> Joint | None:
+        """The joint whose child is `link`; None at the root."""
+        return self._parents.get(link)
+
+    @property
+    def _parents(self) -> Mapping[str, Joint]:
+        return {joint.child: joint for joint in self.joints.values()}
+
+    @property
+    def leaves(self) -> tuple[str, ...]:
+        """Links without children, in file order."""
+        parents = {joint.parent for joint in self.joints.values()}
+        return tuple(name for name in self.links if name not in parents)
+
+    def require_link(self, link: str, role: str) -> str:
+        """`link` itself, or an UnknownNameError with the closest names."""
+        if link not in self.links:
+            listing = f"{len(self.links)} links: {listed(self.links)}"
+            raise unknown_name(f"link for {role}=", link, self.links, within=self.name, listing=listing)
+        return link
+
+    def chain(self, base: str, tip: str) -> tuple[Joint, ...]:
+        """The joints from `base` out to `tip`, in this order, fixed ones included."""
+        parents = self._parents
+        path: list[Joint] = []
+        link = tip
+        while link != base:
+            joint = parents.get(link)
+            if joint is None:
+                above = [joint.parent for joint in path]
+                raise DescriptionError(
+                    f"base {base!r} is no ancestor of tip {tip!r} in {self.name}; "
+                    f"a base must be one of {listed(above) if above else 'no link: the tip is the root'}"
+                )
+            path.append(joint)
+            link = joint.parent
+        return tuple(reversed(path))
+
+    def link_poses(self, values: Mapping[str, Array | float]) -> dict[str, Array]:
+        """Pose of every link in the root frame, {link: g (..., 4, 4)}; joints without a value stand at 0."""
+        poses: dict[str, Array] = {self.root: np.eye(4)}
+        for joint in self.outward_joints():
+            g = poses[joint.parent] @ joint.origin
+            if joint.name in values:
+                g = g @ exp(joint.twist, values[joint.name])
+            poses[joint.child] = g
+        return poses
+
+    def outward_joints(self) -> tuple[Joint, ...]:
+        """Every joint, parents before children."""
+        children: dict[str, list[Joint]] = {}
+        for joint in self.joints.values():
+            children.setdefault(joint.parent, []).append(joint)
+        order: list[Joint] = []
+        stack = [self.root]
+        while stack:
+            for joint in reversed(children.get(stack.pop(), [])):
+                order.append(joint)
+                stack.append(joint.child)
+        return tuple(order)

@@ -1,0 +1,269 @@
+"""URDF into the tree: links and joints read, what can be repaired repaired and said, the rest refused in one line."""
+
+from __future__ import annotations
+
+import os
+import xml.etree.ElementTree as ET
+from collections.abc import Iterable, Mapping
+from pathlib import Path
+
+import numpy as np
+
+from ..checks import Array, frozen
+from ..errors import DescriptionError
+from .document import Reading, parse_xml, read_text
+from .geometry import Geometries, floats, read_origin
+from .inertial import drop_unusable_inertials
+from .packages import package_index
+from .structure import check_structure, root_link
+from .tree import Description, Joint, JointType, Link, Mimic
+from .xacro import expand_xacro, is_xacro
+
+AXIS_TOL = 1e-3
+"""A longer or shorter axis than this is worth a word: no rounding of a CAD export is that coarse."""
+
+WIDE = 1e300
+"""Stands for "no limit" in what Pinocchio reads: its parser refuses infinity."""
+
+LIMIT_NAMES = ("lower", "upper", "velocity", "effort")
+MOVING_ALONE = ("revolute", "continuous", "prismatic")
+Rates = dict[str, dict[str, float]]
+"""The numbers of each joint's `<limit>`, by joint name, as they were written."""
+
+_JOINT_TYPES: tuple[JointType, ...] = ("revolute", "continuous", "prismatic", "fixed", "planar", "floating")
+
+
+def read_description(
+    path: str | os.PathLike[str],
+    *,
+    package_dirs: Iterable[str | os.PathLike[str]] = (),
+    xacro_args: Mapping[str, object] | None = None,
+) -> Description:
+    """The description in a URDF or xacro file.
+
+    Raises DescriptionError (file, element, remedy) for what cannot be a robot: not XML, two roots, a cycle, an
+    undefined link, a duplicate name, a zero axis on a moving joint, a number that is none.
+    """
+    file = Path(path).expanduser()
+    if not file.is_file():
+        raise DescriptionError(f"{file}: no such file; give a URDF or xacro file, an arm.toml or a catalogue name")
+    file = file.resolve()
+    packages = package_index(file, package_dirs)
+    if is_xacro(file):
+        text, noted = expand_xacro(file, packages, xacro_args)
+        reading = Reading(file, packages, show_lines=False, findings=list(noted))
+    elif xacro_args:
+        raise DescriptionError(f"{file}: it is plain URDF and takes no xacro arguments ({', '.join(xacro_args)})")
+    else:
+        text, reading = read_text(file), Reading(file, packages)
+    return build_description(text, reading)
+
+
+def build_description(text: str, reading: Reading) -> Description:
+    """The tree of an expanded URDF text."""
+    robot = parse_xml(text, reading)
+    if robot.tag != "robot":
+        raise DescriptionError(f"{reading.path}: its root element is <{robot.tag}>, not <robot>; is it a URDF file?")
+    check_structure(robot, reading)
+    geometries = Geometries(robot, reading)
+    links = {
+        element.get("name", ""): Link(
+            element.get("name", ""), geometries.of(element, "visual"), geometries.of(element, "collision")
+        )
+        for element in robot.findall("link")
+    }
+    geometries.note_missing()
+    rates: Rates = {}
+    joints = {element.get("name", ""): _read_joint(element, reading, rates) for element in robot.findall("joint")}
+    _note_missing_rates(joints.values(), rates, reading)
+    drop_unusable_inertials(robot, reading)
+    _strip_to_kinematics(robot)
+    return Description(
+        name=robot.get("name") or reading.path.stem,
+        path=reading.path,
+        root=root_link(robot),
+        links=links,
+        joints=joints,
+        text=text,
+        repaired=ET.tostring(robot, encoding="unicode"),
+        findings=tuple(reading.findings),
+    )
+
+
+def _read_joint(element: ET.Element, reading: Reading, rates: Rates) -> Joint:
+    kind = element.get("type", "")
+    if kind not in _JOINT_TYPES:
+        raise reading.error(element, f"joint type {kind!r} is unknown; URDF has {', '.join(_JOINT_TYPES)}")
+    parent, child = (element.find(tag) for tag in ("parent", "child"))
+    assert parent is not None, "check_structure has seen it"
+    assert child is not None, "check_structure has seen it"
+    try:
+        origin = read_origin(element)
+    except ValueError as error:
+        raise reading.error(element, f"its <origin> is malformed: {error}") from error
+    axis = _read_axis(element, kind, reading)
+    numbers = _limit_numbers(element, reading)
+    lower, upper = _read_bounds(element, kind, numbers, reading)
+    rates[element.get("name", "")] = numbers
+    _make_loadable(element, axis, (lower, upper))
+    return Joint(
+        name=element.get("name", ""),
+        type=kind,
+        parent=parent.get("link", ""),
+        child=child.get("link", ""),
+        origin=frozen(origin),
+        axis=frozen(axis),
+        lower=lower,
+        upper=upper,
+        velocity=_rate(numbers.get("velocity")),
+        effort=_rate(numbers.get("effort")),
+        mimic=_read_mimic(element, reading),
+    )
+
+
+def _read_axis(element: ET.Element, kind: str, reading: Reading) -> Array:
+    """The unit axis; for a joint that needs none, x."""
+    default = np.array([1.0, 0.0, 0.0])
+    axis = element.find("axis")
+    if axis is None or kind in ("fixed", "floating"):
+        return default
+    try:
+        vector = np.array(floats(axis.get("xyz", "1 0 0"), 3))
+    except ValueError as error:
+        raise reading.error(element, f"its <axis> is malformed: {error}") from error
+    norm = float(np.linalg.norm(vector))
+    if norm < 1e-9:
+        raise reading.error(element, "a moving joint with a zero axis; give the axis it moves along or about")
+    if abs(norm - 1.0) > AXIS_TOL:
+        reading.note(
+            "axis-not-unit",
+            "warning",
+            reading.where(element),
+            f"its axis {axis.get('xyz')} has length {norm:.4g}; only the direction counts",
+            "write a unit vector",
+            repaired=True,
+        )
+    return vector / norm
+
+
+def _limit_numbers(element: ET.Element, reading: Reading) -> dict[str, float]:
+    """The numbers in the joint's `<limit>`, those that are there."""
+    limit = element.find("limit")
+    given = {} if limit is None else limit.attrib
+    return {name: _limit_number(element, name, given[name], reading) for name in LIMIT_NAMES if name in given}
+
+
+def _read_bounds(element: ET.Element, kind: str, given: Mapping[str, float], reading: Reading) -> tuple[float, float]:
+    """lower, upper; infinite where not given, with a finding where they were due."""
+    if kind not in ("revolute", "prismatic"):
+        return -np.inf, np.inf
+    missing = [name for name in ("lower", "upper") if name not in given]
+    if missing:
+        what = "no <limit>" if element.find("limit") is None else f"a <limit> without {' and '.join(missing)}"
+        reading.note(
+            "limit-incomplete",
+            "warning",
+            reading.where(element),
+            f"{what}; taken as unbounded {'both ways' if len(missing) == 2 else 'there'}",
+            f"write lower and upper in the URDF, or limits.{element.get('name')} in arm.toml",
+            repaired=True,
+        )
+    lower, upper = given.get("lower", -np.inf), given.get("upper", np.inf)
+    if lower > upper:
+        raise reading.error(element, f"its limits are swapped: lower {lower:g} > upper {upper:g}; exchange them")
+    if lower == upper:
+        reading.note(
+            "limit-zero-range",
+            "warning",
+            reading.where(element),
+            f"lower and upper are both {lower:g}: the joint cannot move",
+            f"give its range as limits.{element.get('name')} in arm.toml",
+        )
+    return lower, upper
+
+
+def _limit_number(element: ET.Element, name: str, text: str, reading: Reading) -> float:
+    try:
+        number = float(text)
+    except ValueError:
+        number = float("nan")
+    if np.isnan(number):
+        raise reading.error(element, f"its limit {name}={text!r} is not a number; write it in digits, with a point")
+    return number
+
+
+def _rate(value: float | None) -> float:
+    """A velocity or effort limit; absent, zero and negative ones mean "not given"."""
+    return value if value is not None and value > 0 else np.inf
+
+
+def _read_mimic(element: ET.Element, reading: Reading) -> Mimic | None:
+    mimic = element.find("mimic")
+    if mimic is None or element.get("type") == "fixed":
+        return None
+    try:
+        (multiplier,) = floats(mimic.get("multiplier", "1"), 1)
+        (offset,) = floats(mimic.get("offset", "0"), 1)
+    except ValueError as error:
+        raise reading.error(element, f"its <mimic> is malformed: {error}") from error
+    return Mimic(mimic.get("joint", ""), multiplier, offset)
+
+
+def _note_missing_rates(joints: Iterable[Joint], given: Rates, reading: Reading) -> None:
+    """One finding per kind of rate, naming the joints that do not give it, and what stood there instead."""
+    moving = [joint.name for joint in joints if joint.type in MOVING_ALONE and joint.mimic is None]
+    for kind in ("velocity", "effort"):
+        absent = {name: given[name].get(kind, 0.0) for name in moving if given[name].get(kind, 0.0) <= 0}
+        if absent:
+            worst = min(absent.values())
+            reading.note(
+                f"{kind}-not-given",
+                "warning",
+                reading.path.name,
+                f"{kind} limit {f'{worst:g}' if worst else 'absent or 0'} on {', '.join(absent)}: taken as not given",
+                f"give {kind} in the URDF or in arm.toml" + (" before planning" if kind == "velocity" else ""),
+                repaired=True,
+            )
+
+
+def _make_loadable(element: ET.Element, axis: Array, bounds: tuple[float, float]) -> None:
+    """Rewrite one joint so that Pinocchio reads what was meant.
+
+    A continuous joint becomes revolute with very wide limits, so that q is one number per joint; planar and floating
+    joints outside the chain stand still; limits are complete and finite; axes are unit vectors.
+    """
+    kind = element.get("type")
+    if kind in ("planar", "floating"):
+        element.set("type", "fixed")
+    if element.get("type") == "fixed":
+        return
+    element.set("type", "prismatic" if kind == "prismatic" else "revolute")
+    _only(element, "axis").set("xyz", " ".join(repr(float(x)) for x in axis))
+    limit = _only(element, "limit")
+    limit.attrib.clear()
+    lower, upper = np.clip(bounds, -WIDE, WIDE)
+    for name, value in {"lower": lower, "upper": upper, "velocity": WIDE, "effort": WIDE}.items():
+        limit.set(name, repr(float(value)))
+
+
+def _only(element: ET.Element, tag: str) -> ET.Element:
+    """The first child of that tag, made if absent, any further one removed."""
+    found = element.findall(tag)
+    for surplus in found[1:]:
+        element.remove(surplus)
+    return found[0] if found else ET.SubElement(element, tag)
+
+
+def _strip_to_kinematics(robot: ET.Element) -> None:
+    """Leave what Pinocchio needs: links with inertia and joints. Shapes are in the tree, the rest is not ours."""
+    for element in list(robot):
+        if element.tag not in ("link", "joint"):
+            robot.remove(element)
+    for link in robot.findall("link"):
+        for child in list(link):
+            if child.tag != "inertial":
+                link.remove(child)
+    for joint in robot.findall("joint"):
+        for child in list(joint):
+            if child.tag not in ("parent", "child", "origin", "axis", "limit"):
+                joint.remove(child)

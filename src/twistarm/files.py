@@ -1,0 +1,59 @@
+"""Writing a file whole or not at all."""
+
+from __future__ import annotations
+
+import os
+import secrets
+from contextlib import suppress
+from pathlib import Path
+
+from .errors import InputError
+
+
+def write_whole(path: str | os.PathLike[str], content: str | bytes) -> Path:
+    """Write `content` to `path` so that a reader sees the old file or the new one, never a part of either.
+
+    Text is written as UTF-8, line ends as they are. The content goes into a temporary file in the same
+    folder, which then takes the name in one step (POSIX `rename`); on any error it is removed and what stood
+    at `path` stays. A link is followed, and an existing file keeps its permissions. Returns the path written.
+
+    Raises InputError where the folder does not exist or is not writable, and where `path` is a folder or a
+    device.
+    """
+    target = _checked(path)
+    data = content.encode("utf-8") if isinstance(content, str) else content
+    try:
+        _replace(target, data)
+    except OSError as error:
+        raise InputError(f"cannot write {target}: {error.strerror or error}") from error
+    return target
+
+
+def _checked(path: str | os.PathLike[str]) -> Path:
+    try:
+        target = Path(os.path.realpath(os.fspath(path)))
+    except (TypeError, ValueError) as error:
+        raise InputError(f"the path of a file to write must be a string or a Path; got {path!r}") from error
+    if not target.parent.is_dir():
+        raise InputError(f"cannot write {target}: the folder {target.parent} does not exist; create it first")
+    if target.is_dir():
+        raise InputError(f"cannot write {target}: it is a folder; give the name of a file in it")
+    if target.exists() and not target.is_file():
+        raise InputError(f"cannot write {target}: it is not a regular file and cannot be replaced as a whole")
+    return target
+
+
+def _replace(target: Path, data: bytes) -> None:
+    temporary = target.with_name(f".{target.name[:60]}.{secrets.token_hex(6)}.part")
+    try:
+        with open(temporary, "xb") as file:
+            file.write(data)
+            file.flush()
+            os.fsync(file.fileno())
+        if target.exists():
+            os.chmod(temporary, target.stat().st_mode & 0o777)
+        os.replace(temporary, target)
+    except BaseException:
+        with suppress(OSError):
+            os.unlink(temporary)
+        raise

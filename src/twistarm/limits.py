@@ -1,0 +1,105 @@
+"""Joint limits: what each degree of freedom may do, with infinity for whatever was not given."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from .checks import Array, frozen
+from .errors import InputError, LimitError, unknown_name
+
+FIELDS = ("lower", "upper", "velocity", "acceleration", "jerk", "effort")
+RATES = FIELDS[2:]
+
+
+@dataclass(frozen=True)
+class JointLimits:
+    """Limits of n degrees of freedom, each an (n,) array: rad or m, and their rates; N m or N for effort.
+
+    `lower`, `upper` are ∓inf where not given; `velocity`, `acceleration`, `jerk`, `effort` are inf where not given
+    and never 0: descriptions write a zero where they mean "not given", and so it is read.
+
+    Raises InputError for unequal lengths, NaN, a negative rate or `lower > upper`.
+    """
+
+    lower: Array
+    upper: Array
+    velocity: Array
+    acceleration: Array
+    jerk: Array
+    effort: Array
+
+    def __post_init__(self) -> None:
+        n = np.size(self.lower)
+        for name in FIELDS:
+            values = frozen(getattr(self, name))
+            if values.shape != (n,) or np.isnan(values).any():
+                raise InputError(f"limits.{name} must be {n} numbers without NaN; got {values.tolist()}")
+            if name in RATES and (values < 0).any():
+                raise InputError(f"limits.{name} must not be negative; got {values.tolist()}")
+            if name in RATES:
+                values = frozen(np.where(values == 0, np.inf, values))
+            object.__setattr__(self, name, values)
+        if (self.lower > self.upper).any():
+            i = int(np.argmax(self.lower > self.upper))
+            raise InputError(f"limits of joint {i} are swapped: lower {self.lower[i]:g} > upper {self.upper[i]:g}")
+
+    @classmethod
+    def unbounded(cls, n: int) -> JointLimits:
+        """Limits that limit nothing."""
+        inf = np.full(n, np.inf)
+        return cls(-inf, inf, inf, inf, inf, inf)
+
+    def contains(self, theta: ArrayLike, tol: float = 0.0) -> np.ndarray[Any, np.dtype[np.bool_]]:
+        """Whether theta (..., n) lies inside the position limits, `tol` [rad, m] beyond them allowed."""
+        x = np.asarray(theta, dtype=np.float64)
+        return np.asarray(((x >= self.lower - tol) & (x <= self.upper + tol)).all(-1))
+
+    def with_(self, changes: Mapping[str, Any], names: Sequence[str]) -> JointLimits:
+        """A copy with `changes`: {"velocity": 1.0} for every joint, or {"velocity": {"elbow": 1.0}} by name."""
+        updated = {field: getattr(self, field).copy() for field in FIELDS}
+        for field, value in changes.items():
+            if field not in FIELDS:
+                raise unknown_name("limit", field, FIELDS, within="JointLimits", listing=", ".join(FIELDS))
+            updated[field] = _merged(updated[field], value, field, names)
+        return replace(self, **updated)
+
+    def require(self, fields: Sequence[str], names: Sequence[str]) -> None:
+        """Raise LimitError naming the joints and the argument where a needed limit was not given."""
+        for field in fields:
+            missing = [name for name, value in zip(names, getattr(self, field), strict=True) if np.isinf(value)]
+            if missing:
+                raise LimitError(
+                    f"no {field} limit for {', '.join(missing)}: give it as "
+                    f"limits={{'{field}': {{'{missing[0]}': …}}}}, one number for every joint as "
+                    f"limits={{'{field}': …}}, or in the arm's arm.toml"
+                )
+
+
+def _merged(values: Array, change: Any, field: str, names: Sequence[str]) -> Array:
+    if isinstance(change, Mapping):
+        for name, value in change.items():
+            if name not in names:
+                raise unknown_name("joint", str(name), names, within=f"limits['{field}']", listing="base to tip")
+            values[list(names).index(name)] = _number(value, field)
+        return values
+    if np.ndim(change) == 0:
+        return np.full(len(names), _number(change, field))
+    listed = np.array([_number(value, field) for value in change])
+    if listed.shape != (len(names),):
+        raise InputError(f"limits['{field}'] must be one number, {len(names)} numbers or a mapping by joint name")
+    return listed
+
+
+def _number(value: Any, field: str) -> float:
+    try:
+        number = float(value)
+    except (TypeError, ValueError):
+        number = float("nan")
+    if np.isnan(number):
+        raise InputError(f"limits['{field}'] must be numbers; got {value!r}")
+    return number

@@ -1,0 +1,49 @@
+"""What every test may use: the catalogue's arms, the real models, and Hypothesis without surprises."""
+
+from __future__ import annotations
+
+import os
+from pathlib import Path
+
+import hypothesis
+import pytest
+
+import twistarm
+
+hypothesis.settings.register_profile("twistarm", derandomize=True, deadline=None, max_examples=50)
+hypothesis.settings.load_profile("twistarm")
+
+REQUIRE_ALL = os.environ.get("TWISTARM_REQUIRE_ALL") == "1"
+
+
+@pytest.fixture(scope="session")
+def models() -> Path:
+    """The folder of real arm descriptions that TWISTARM_MODELS names."""
+    folder = os.environ.get("TWISTARM_MODELS")
+    if not folder:
+        pytest.skip("TWISTARM_MODELS names no folder of real arm descriptions")
+    path = Path(folder)
+    if not path.is_dir():
+        pytest.fail(f"TWISTARM_MODELS={folder} is not a folder")
+    return path
+
+
+@pytest.fixture(scope="session", params=twistarm.available_arms())
+def catalogue_arm(request: pytest.FixtureRequest) -> twistarm.Arm:
+    """Every arm of the catalogue in turn."""
+    return load(request.param)
+
+
+@pytest.fixture(scope="session")
+def rover() -> twistarm.Arm:
+    return load("rover_arm")
+
+
+_LOADED: dict[str, twistarm.Arm] = {}
+
+
+def load(name: str) -> twistarm.Arm:
+    """An arm of the catalogue, loaded once for the whole run."""
+    if name not in _LOADED:
+        _LOADED[name] = twistarm.load_arm(name)
+    return _LOADED[name]

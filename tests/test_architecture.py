@@ -1,0 +1,130 @@
+"""Imports point one way, heavy ones stay where they are used, and nothing prints but the command line."""
+
+from __future__ import annotations
+
+import ast
+import subprocess
+import sys
+from collections.abc import Iterator
+from pathlib import Path
+
+import pytest
+
+import twistarm
+
+PACKAGE = Path(twistarm.__file__).parent
+FILES = sorted(PACKAGE.rglob("*.py"))
+
+LAYERS = (
+    ("cli",),
+    ("guide", "testing"),
+    ("viewer",),
+    ("planning", "stream", "golden", "doctor"),
+    ("comparison",),
+    ("loading", "building"),
+    ("servo", "ik"),
+    ("arm", "actuators"),
+    ("pinocchio_model", "manipulability"),
+    ("description",),
+    ("poe",),
+    ("limits",),
+    ("joints",),
+    ("screws",),
+    ("rotations",),
+    ("files",),
+    ("checks",),
+    ("errors",),
+)
+"""Top to bottom: a module may import what stands further down, and its own package."""
+
+DEPTH = {name: depth for depth, layer in enumerate(LAYERS) for name in layer}
+
+ALLOWED = {
+    "pinocchio": {"pinocchio_model"},
+    "meshcat": {"viewer"},
+    "tornado": {"viewer"},
+    "umsgpack": {"viewer"},
+    "trimesh": {"viewer"},
+    "collada": {"viewer"},
+    "yourdfpy": {"comparison"},
+    "scipy": {"planning"},
+    "xacro": {"description"},
+    "typer": {"cli"},
+    "rich": {"cli"},
+}
+"""Which part may import which library."""
+
+AT_THE_TOP = {"typer", "rich", "tornado", "umsgpack"}
+"""Imported at the top of modules that are themselves imported late."""
+
+
+def part_of(file: Path) -> str:
+    return file.relative_to(PACKAGE).parts[0].removesuffix(".py")
+
+
+def imports(file: Path) -> Iterator[tuple[ast.stmt, str, bool]]:
+    """Every import as (node, absolute module name, at the top of the file)."""
+    tree = ast.parse(file.read_text("utf-8"))
+    top = set(map(id, tree.body))
+    for node in ast.walk(tree):
+        if isinstance(node, ast.Import):
+            for alias in node.names:
+                yield node, alias.name, id(node) in top
+        elif isinstance(node, ast.ImportFrom) and not node.level:
+            yield node, node.module or "", id(node) in top
+        elif isinstance(node, ast.ImportFrom):
+            parents = ["twistarm", *file.relative_to(PACKAGE).parts[:-1]]
+            home = ".".join(parents[: len(parents) - node.level + 1])
+            if node.module:
+                yield node, f"{home}.{node.module}", id(node) in top
+            else:
+                for alias in node.names:
+                    yield node, f"{home}.{alias.name}", id(node) in top
+
+
+@pytest.mark.parametrize("file", FILES, ids=lambda file: str(file.relative_to(PACKAGE)))
+def test_imports_point_one_way(file: Path) -> None:
+    part = part_of(file)
+    if part in ("__init__", "__main__"):
+        return
+    for _, module, _ in imports(file):
+        if module.startswith("twistarm."):
+            other = module.split(".")[1]
+            assert other == part or DEPTH[other] > DEPTH[part], f"{part} imports {other}"
+
+
+@pytest.mark.parametrize("file", FILES, ids=lambda file: str(file.relative_to(PACKAGE)))
+def test_libraries_stay_behind_their_door(file: Path) -> None:
+    for _, module, top in imports(file):
+        library = module.split(".")[0]
+        if library in ALLOWED:
+            assert part_of(file) in ALLOWED[library], f"{library} is not for {part_of(file)}"
+            assert not top or library in AT_THE_TOP, f"{library} at the top of {file.name}"
+
+
+@pytest.mark.parametrize("file", FILES, ids=lambda file: str(file.relative_to(PACKAGE)))
+def test_only_the_command_line_prints_or_exits(file: Path) -> None:
+    if part_of(file) == "cli":
+        return
+    for node in ast.walk(ast.parse(file.read_text("utf-8"))):
+        if isinstance(node, ast.Call) and isinstance(node.func, ast.Name):
+            assert node.func.id not in ("print", "exit", "quit"), f"{file.name}:{node.lineno}"
+        if isinstance(node, ast.Attribute) and node.attr == "exit":
+            assert not (isinstance(node.value, ast.Name) and node.value.id == "sys"), f"{file.name}:{node.lineno}"
+
+
+def test_the_table_names_every_part() -> None:
+    assert {part_of(file) for file in FILES} - {"__init__", "__main__"} <= set(DEPTH)
+
+
+def test_importing_twistarm_imports_nothing_heavy() -> None:
+    heavy = [*ALLOWED, "matplotlib", "cmeel"]
+    program = f"import sys, twistarm; print([name for name in {heavy!r} if name in sys.modules])"
+    done = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True, check=True, timeout=60)
+    assert done.stdout.strip() == "[]"
+
+
+def test_all_names_what_there_is() -> None:
+    assert sorted(twistarm.__all__) == list(twistarm.__all__)
+    for name in twistarm.__all__:
+        assert getattr(twistarm, name).__doc__, f"{name} has no docstring"

@@ -1,0 +1,83 @@
+import os
+import stat
+
+import pytest
+
+from twistarm.errors import InputError
+from twistarm.files import write_whole
+
+
+def test_text_and_bytes_arrive_as_they_are(tmp_path):
+    assert write_whole(tmp_path / "a.txt", "θ\r\n").read_bytes() == "θ\r\n".encode()
+    assert write_whole(str(tmp_path / "b"), b"\x00\xff").read_bytes() == b"\x00\xff"
+
+
+def test_an_existing_file_is_replaced_and_keeps_its_permissions(tmp_path):
+    path = tmp_path / "a.txt"
+    path.write_text("old")
+    path.chmod(0o640)
+    write_whole(path, "new")
+    assert path.read_text() == "new"
+    assert stat.S_IMODE(path.stat().st_mode) == 0o640
+
+
+def test_a_new_file_gets_the_permissions_of_any_new_file(tmp_path):
+    (tmp_path / "plain").write_text("")
+    assert write_whole(tmp_path / "a", "").stat().st_mode == (tmp_path / "plain").stat().st_mode
+
+
+def test_a_link_stays_a_link(tmp_path):
+    (tmp_path / "target").write_text("old")
+    (tmp_path / "link").symlink_to(tmp_path / "target")
+    write_whole(tmp_path / "link", "new")
+    assert (tmp_path / "link").is_symlink()
+    assert (tmp_path / "target").read_text() == "new"
+
+
+@pytest.mark.parametrize("failing", ["replace", "fsync"])
+def test_a_failure_leaves_the_old_file_and_nothing_else(tmp_path, monkeypatch, failing):
+    path = tmp_path / "a.txt"
+    path.write_text("old")
+
+    def full(*_):
+        raise OSError(28, "No space left on device")
+
+    monkeypatch.setattr(os, failing, full)
+    with pytest.raises(InputError, match=r"cannot write .*a\.txt: No space left on device"):
+        write_whole(path, "new")
+    assert path.read_text() == "old"
+    assert os.listdir(tmp_path) == ["a.txt"]
+
+
+def test_an_interruption_leaves_nothing_behind(tmp_path, monkeypatch):
+    def interrupted(*_):
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr(os, "replace", interrupted)
+    with pytest.raises(KeyboardInterrupt):
+        write_whole(tmp_path / "a.txt", "new")
+    assert os.listdir(tmp_path) == []
+
+
+@pytest.mark.parametrize(
+    ("path", "text"),
+    [
+        ("missing/a.txt", "the folder .*missing does not exist; create it first"),
+        (".", "it is a folder; give the name of a file in it"),
+        (os.devnull, "it is not a regular file"),
+        (None, "must be a string or a Path; got None"),
+        ("a\0b", "must be a string or a Path"),
+    ],
+)
+def test_what_cannot_be_written_is_said(tmp_path, monkeypatch, path, text):
+    monkeypatch.chdir(tmp_path)
+    with pytest.raises(InputError, match=text):
+        write_whole(path, "x")
+    assert os.listdir(tmp_path) == []
+
+
+@pytest.mark.skipif(os.geteuid() == 0, reason="the superuser may write anywhere")
+def test_a_folder_without_permission_is_said(tmp_path):
+    tmp_path.chmod(0o500)
+    with pytest.raises(InputError, match="Permission denied"):
+        write_whole(tmp_path / "a.txt", "x")

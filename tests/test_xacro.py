@@ -1,0 +1,148 @@
+"""xacro without ROS: packages, arguments, includes, and every raw error in one line that helps."""
+
+from __future__ import annotations
+
+import os
+from pathlib import Path
+
+import pytest
+import xacro.substitution_args
+
+from twistarm import load_arm
+from twistarm.description.packages import package_index
+from twistarm.description.xacro import expand_xacro, is_xacro
+from twistarm.errors import DescriptionError, InputError
+from urdf_text import joint, robot, write
+
+ARM = robot(joint("a", "base_link", "upper"), joint("b", "upper", "tool0"))
+XMLNS = 'xmlns:xacro="http://www.ros.org/wiki/xacro"'
+
+
+def as_xacro(inside: str) -> str:
+    return ARM.replace('<robot name="tiny">', f'<robot name="tiny" {XMLNS}>{inside}')
+
+
+def package(folder: Path, name: str, files: dict[str, str] | None = None) -> Path:
+    folder.mkdir(parents=True, exist_ok=True)
+    (folder / "package.xml").write_text(f"<package><name>{name}</name></package>")
+    for file, text in (files or {}).items():
+        (folder / file).write_text(text)
+    return folder
+
+
+FAILS = {
+    "a package that an include needs": (
+        as_xacro('<xacro:include filename="$(find elsewhere)/a.xacro"/>'),
+        "package 'elsewhere' not found; searched",
+    ),
+    "a missing argument": (
+        as_xacro(
+            '<xacro:arg name="size" default="2"/><xacro:property name="m" value="$(arg ar_model)"/><link name="${m}"/>'
+        ),
+        "missing xacro argument ar_model; all arguments: size (default '2'), ar_model (required); "
+        "pass xacro_args={'ar_model': …}",
+    ),
+    "an argument used before its default": (
+        as_xacro('<xacro:arg name="name" default="ur"/>').replace('name="tiny"', 'name="$(arg name)"'),
+        "missing xacro argument name; all arguments: name (default 'ur'); pass xacro_args={'name': …}",
+    ),
+    "an argument never declared": (
+        as_xacro('<xacro:property name="m" value="$(arg dof)"/><link name="${m}"/>'),
+        "missing xacro argument dof; all arguments: dof (required)",
+    ),
+    "no namespace": (
+        ARM.replace("</robot>", '<xacro:property name="a" value="1"/></robot>'),
+        "a tag's prefix is not declared: add xmlns:xacro=",
+    ),
+    "not XML": ("<robot", "not well-formed XML"),
+    "an unknown macro": (
+        as_xacro("<xacro:arm_of_mine/>"),
+        "xacro cannot expand it: unknown macro name: xacro:arm_of_mine",
+    ),
+    "an undefined name": (as_xacro('<link name="${nothing}"/>'), "name 'nothing' is not defined"),
+    "a macro without end": (
+        as_xacro('<xacro:macro name="m"><xacro:m/></xacro:macro><xacro:m/>'),
+        "a macro or property refers to itself without end",
+    ),
+    "a missing include": (as_xacro('<xacro:include filename="nowhere.xacro"/>'), "No such file or directory"),
+}
+
+
+@pytest.mark.parametrize("case", FAILS)
+def test_fails_in_one_line(case: str, tmp_path: Path) -> None:
+    text, message = FAILS[case]
+    path = write(tmp_path, text, "arm.urdf.xacro")
+    with pytest.raises(DescriptionError) as caught:
+        load_arm(path)
+    assert message in str(caught.value)
+    assert "\n" not in str(caught.value)
+    assert "arm.urdf.xacro" in str(caught.value)
+
+
+def test_an_unknown_package_matters_only_where_a_file_of_it_is_opened(tmp_path: Path) -> None:
+    path = write(tmp_path, as_xacro("<gazebo><a>$(find absent)/config.yaml</a></gazebo>"), "arm.xacro")
+    arm = load_arm(path)
+    assert [finding.code for finding in arm.findings] == ["package-not-found"]
+    assert "$(find absent): package not found" in arm.findings[0].what
+
+
+def test_packages_are_found_by_the_name_in_package_xml(tmp_path: Path) -> None:
+    package(
+        tmp_path / "ws" / "folder_of_another_name",
+        "my_parts",
+        {"p.xacro": f"<robot {XMLNS}><link name='extra'/></robot>"},
+    )
+    include = '<xacro:include filename="$(find my_parts)/p.xacro"/>'
+    extra = joint("f", "upper", "extra", kind="fixed")
+    text = as_xacro(include).replace("</robot>", f"{extra}</robot>")
+    beside = write(package(tmp_path / "ws" / "arm", "arm"), text, "arm.xacro")
+    assert "extra" in load_arm(beside).frame_names
+    far = write(package(tmp_path / "a" / "b" / "c" / "d" / "e" / "f" / "g" / "h" / "i", "far"), text, "arm.xacro")
+    with pytest.raises(DescriptionError, match="package 'my_parts' not found"):
+        load_arm(far)
+    assert "extra" in load_arm(far, package_dirs=[tmp_path / "ws"]).frame_names
+
+
+@pytest.mark.parametrize("variable", ["ROS_PACKAGE_PATH", "AMENT_PREFIX_PATH"])
+def test_packages_of_the_environment(variable: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    inside = tmp_path / "prefix" / ("share/x" if variable == "AMENT_PREFIX_PATH" else "x")
+    folder = package(inside, "named")
+    monkeypatch.setenv(variable, os.pathsep.join(["nowhere", str(tmp_path / "prefix")]))
+    (tmp_path / "file" / "deep").mkdir(parents=True)
+    index = package_index(tmp_path / "file" / "deep" / "arm.urdf")
+    assert index.find("named") == folder
+    assert index.find("other") is None
+
+
+def test_arguments_given_defaulted_and_misspelt(tmp_path: Path) -> None:
+    text = as_xacro('<xacro:arg name="deck" default="one"/><xacro:property name="d" value="$(arg deck)"/>').replace(
+        "</robot>", f'<link name="${{d}}"/>{joint("f", "base_link", "${d}", kind="fixed")}</robot>'
+    )
+    path = write(tmp_path, text, "arm.xacro")
+    assert "one" in load_arm(path).frame_names
+    assert "two" in load_arm(path, xacro_args={"deck": "two"}).frame_names
+    with pytest.raises(InputError, match="no xacro argument 'dek'; closest: 'deck' \\(its arguments: deck\\)"):
+        load_arm(path, xacro_args={"dek": "two"})
+    with pytest.raises(DescriptionError, match="it is plain URDF and takes no xacro arguments"):
+        load_arm(write(tmp_path, ARM), xacro_args={"deck": 1})
+
+
+def test_xacro_is_left_as_it_was(tmp_path: Path, capfd: pytest.CaptureFixture[str]) -> None:
+    original = xacro.substitution_args._eval_find
+    path = write(tmp_path, as_xacro('<link name="${nothing}"/>'), "arm.xacro")
+    with pytest.raises(DescriptionError):
+        expand_xacro(path, package_index(path))
+    assert xacro.substitution_args._eval_find is original
+    assert capfd.readouterr() == ("", "")
+
+
+def test_what_counts_as_xacro(tmp_path: Path) -> None:
+    assert is_xacro(write(tmp_path, as_xacro('<xacro:property name="a" value="1"/>'), "hidden.urdf"))
+    assert not is_xacro(write(tmp_path, as_xacro(""), "only_the_namespace.urdf"))
+    assert not is_xacro(write(tmp_path, ARM, "plain.urdf"))
+
+
+def test_package_dirs_must_exist(tmp_path: Path) -> None:
+    path = write(tmp_path, ARM)
+    with pytest.raises(InputError, match="package_dirs: .*nowhere is not a folder"):
+        load_arm(path, package_dirs=[tmp_path / "nowhere"])
