@@ -1,0 +1,285 @@
+"""Golden files: an arm frozen as numbers, and in words what has changed since."""
+
+from __future__ import annotations
+
+import json
+import os
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from . import poe
+from .arm import Arm
+from .checks import Array
+from .errors import ComparisonError, DescriptionError
+from .files import write_whole
+from .limits import FIELDS
+from .rotations import log as rotation_log
+from .screws import Screw, adjoint, hat, inverse, to_screw
+
+FORMAT = "twistarm golden 1"
+SAMPLES = 100
+
+SAME_TOL = 1e-9
+"""Smaller differences, in m and rad, come from rounding on another machine, not from a changed description."""
+
+
+@dataclass(frozen=True)
+class Difference:
+    """What has changed, one sentence each; empty for the same arm. `pose_error` and `jacobian_error` are the worst."""
+
+    arm: str
+    changes: tuple[str, ...]
+    pose_error: float = 0.0
+    jacobian_error: float = 0.0
+
+    @property
+    def same(self) -> bool:
+        """Nothing has changed."""
+        return not self.changes
+
+    def require(self) -> Difference:
+        """Itself, or ComparisonError with every change."""
+        if self.changes:
+            raise ComparisonError(f"{self.arm} has changed: " + "; ".join(self.changes))
+        return self
+
+
+def freeze(arm: Arm, path: str | os.PathLike[str]) -> None:
+    """Write the arm as numbers (JSON, SI): names, screws, home, limits, and FK and Jacobians at 100 seeded postures.
+
+    All of it from the product of exponentials, so that the file depends on no engine. Written whole or not at all.
+    """
+    theta = arm.random_theta(np.random.default_rng(0), SAMPLES)
+    g, spatial, body = _kinematics(arm, theta)
+    content = {
+        "format": FORMAT,
+        "name": arm.name,
+        "base": arm.base,
+        "tip": arm.tip,
+        "joints": [
+            {"name": name, "type": kind, "unit": unit}
+            | {field: _finite(getattr(arm.limits, field)[i]) for field in FIELDS}
+            for i, (name, kind, unit) in enumerate(zip(arm.joint_names, arm.joint_types, arm.units, strict=True))
+        ],
+        "screws": arm.screws.tolist(),
+        "home": arm.home.tolist(),
+        "coupling": {"A": arm.coupling.A.tolist(), "b": arm.coupling.b.tolist()},
+        "theta": theta.tolist(),
+        "fk": g.tolist(),
+        "spatial_jacobian": spatial.tolist(),
+        "body_jacobian": body.tolist(),
+    }
+    write_whole(path, json.dumps(content, allow_nan=False) + "\n")
+
+
+def compare(arm: Arm, path: str | os.PathLike[str]) -> Difference:
+    """What has changed since `freeze` wrote `path`, in words; DescriptionError if the file is no golden file."""
+    golden = _read(Path(path))
+    try:
+        return _compare(arm, golden)
+    except (KeyError, TypeError, ValueError, IndexError) as error:
+        raise DescriptionError(
+            f"{path}: a damaged golden file ({error!r}); write it anew with twistarm freeze"
+        ) from error
+
+
+def _compare(arm: Arm, golden: dict[str, Any]) -> Difference:
+    changes = [
+        f"{role} was {golden[role]!r}, is {getattr(arm, role)!r}"
+        for role in ("base", "tip")
+        if golden[role] != getattr(arm, role)
+    ]
+    changes += _joint_changes(arm, golden["joints"])
+    then = [joint["name"] for joint in golden["joints"]]
+    if then != list(arm.joint_names) or np.shape(golden["screws"]) != arm.screws.shape:
+        return Difference(arm.name, tuple(changes or ["the joints that follow others are different ones"]))
+    moved = _geometry_changes(arm, np.array(golden["screws"]), np.array(golden["home"]))
+    coupling = [np.abs(np.array(golden["coupling"][k]) - v).max() for k, v in zip("Ab", arm.coupling, strict=True)]
+    if max(coupling) > SAME_TOL:
+        moved.append("the coupling of mimic or locked joints is different")
+    theta = np.array(golden["theta"])
+    g, spatial, body = _kinematics(arm, theta)
+    pose_error = float(np.abs(g - golden["fk"]).max())
+    jacobian_error = max(
+        float(np.abs(spatial - golden["spatial_jacobian"]).max()),
+        float(np.abs(body - golden["body_jacobian"]).max()),
+    )
+    if max(pose_error, jacobian_error) > 10 * SAME_TOL and not moved:
+        moved.append(
+            f"poses differ by up to {pose_error:.2g} and Jacobians by {jacobian_error:.2g} over {len(theta)} postures"
+        )
+    return Difference(arm.name, (*changes, *moved), pose_error, jacobian_error)
+
+
+def _kinematics(arm: Arm, theta: Array) -> tuple[Array, Array, Array]:
+    """g, J^s, J^b by product of exponentials."""
+    x, A = theta @ arm.coupling.A.T, arm.coupling.A
+    g = poe.fk(arm.screws, arm.home, x)
+    return g, poe.spatial_jacobian(arm.screws, x) @ A, poe.body_jacobian(arm.screws, arm.home, x) @ A
+
+
+def _finite(value: float) -> float | None:
+    """JSON knows no infinity: null stands for "not given"."""
+    return float(value) if np.isfinite(value) else None
+
+
+def _read(path: Path) -> dict[str, Any]:
+    try:
+        content = json.loads(path.read_text("utf-8"))
+    except OSError as error:
+        raise DescriptionError(
+            f"{path}: cannot be read: {error.strerror or error}; twistarm freeze writes one"
+        ) from error
+    except ValueError as error:
+        raise DescriptionError(f"{path}: not a golden file: {error}") from error
+    if not isinstance(content, dict) or content.get("format") != FORMAT:
+        raise DescriptionError(f"{path}: not a golden file of this version ({FORMAT!r}); twistarm freeze writes one")
+    return content
+
+
+# -- joints and limits -------------------------------------------------------------------------------------------
+
+
+def _joint_changes(arm: Arm, then: list[dict[str, Any]]) -> list[str]:
+    before, now = [joint["name"] for joint in then], list(arm.joint_names)
+    changes = [f"joint {name} is gone" for name in before if name not in now]
+    changes += [f"joint {name} is new" for name in now if name not in before]
+    if not changes and before != now:
+        changes.append(f"the joints' order was {', '.join(before)}, is {', '.join(now)}")
+    for joint in then:
+        if joint["name"] in now:
+            changes += _one_joint(arm, now.index(joint["name"]), joint)
+    return changes
+
+
+def _one_joint(arm: Arm, i: int, then: dict[str, Any]) -> list[str]:
+    name = arm.joint_names[i]
+    changes = []
+    if then["type"] != arm.joint_types[i]:
+        changes.append(f"joint {name} was {then['type']}, is {arm.joint_types[i]}")
+    lower, upper = (_bound(then[field], sign) for field, sign in (("lower", -1), ("upper", 1)))
+    now = float(arm.limits.lower[i]), float(arm.limits.upper[i])
+    if not (_same(lower, now[0]) and _same(upper, now[1])):
+        changes.append(
+            f"limits of {name} {_word(lower, upper, *now)}: {_span(lower, upper)} to {_span(*now)} {arm.units[i]}"
+        )
+    for field in FIELDS[2:]:
+        before, after = _bound(then[field], 1), float(getattr(arm.limits, field)[i])
+        if not _same(before, after):
+            word = "lowered" if after < before else "raised"
+            changes.append(f"{field} limit of {name} {word}: {_number(before)} to {_number(after)}")
+    return changes
+
+
+def _bound(value: float | None, sign: int) -> float:
+    return sign * np.inf if value is None else float(value)
+
+
+def _same(a: float, b: float) -> bool:
+    return a == b or abs(a - b) <= SAME_TOL
+
+
+def _word(lower: float, upper: float, new_lower: float, new_upper: float) -> str:
+    if new_lower >= lower and new_upper <= upper:
+        return "narrowed"
+    return "widened" if new_lower <= lower and new_upper >= upper else "shifted"
+
+
+def _span(lower: float, upper: float) -> str:
+    return f"[{_number(lower)}, {_number(upper)}]"
+
+
+def _number(value: float) -> str:
+    return "not given" if np.isinf(value) else f"{value:.6g}"
+
+
+# -- geometry ----------------------------------------------------------------------------------------------------
+
+
+def _geometry_changes(arm: Arm, screws: Array, home: Array) -> list[str]:
+    """Which axes have moved, seen base to tip: what merely rides on a moved joint is not named again.
+
+    `carried` is the rigid motion that the changes so far have given to everything beyond them.
+    """
+    changes = []
+    carried = np.eye(4)
+    moving = _moving_names(arm)
+    for name, before, now in zip(moving, screws.T, arm.screws.T, strict=True):
+        words, motion = _axis_change(adjoint(carried) @ before, now)
+        changes += [f"joint {name} {word}" for word in words]
+        carried = motion @ carried
+    residual = arm.home @ inverse(carried @ home)
+    shift = arm.home[:3, 3] - (carried @ home)[:3, 3]
+    return changes + [f"tool {arm.tip} {word}" for word in _pose_words(shift, residual)]
+
+
+def _moving_names(arm: Arm) -> tuple[str, ...]:
+    if arm.description is None:
+        return arm.joint_names
+    return tuple(joint.name for joint in arm.description.chain(arm.base, arm.tip_link) if joint.moving)
+
+
+def _axis_change(before: Array, now: Array) -> tuple[list[str], Array]:
+    """How one axis has changed, in words, and the least rigid motion that carries the old line to the new."""
+    if np.abs(now - before).max() <= SAME_TOL:
+        return [], np.eye(4)
+    old, new = to_screw(before), to_screw(now)
+    words: list[str] = []
+    turn = _turn(old.axis, new.axis)
+    motion = np.eye(4)
+    motion[:3, :3] = turn
+    angle = float(np.linalg.norm(rotation_log(turn)))
+    if angle > SAME_TOL:
+        words.append(f"turned by {np.degrees(angle):.3g}° about {_direction(rotation_log(turn))}")
+    if np.isfinite(new.pitch) and np.isfinite(old.pitch):
+        shift = _perpendicular(new, old)
+        motion[:3, 3] = old.point + shift - turn @ old.point
+        words += _shift_words(shift)
+        if abs(new.pitch - old.pitch) > SAME_TOL:
+            words.append(f"changed its pitch from {old.pitch:.6g} to {new.pitch:.6g} m/rad")
+    return words, motion
+
+
+def _perpendicular(new: Screw, old: Screw) -> Array:
+    """From the old axis's point to the new axis, at right angles to the new one."""
+    gap = new.point - old.point
+    shift: Array = gap - new.axis * (new.axis @ gap)
+    return shift
+
+
+def _turn(a: Array, b: Array) -> Array:
+    """The least rotation with R a = b for unit vectors; half a turn about any normal where b = −a."""
+    axis, cosine = np.cross(a, b), float(a @ b)
+    if cosine < -1 + 1e-12:
+        normal = np.cross(a, np.eye(3)[int(np.argmin(np.abs(a)))])
+        normal /= np.linalg.norm(normal)
+        half_turn: Array = 2 * np.outer(normal, normal) - np.eye(3)
+        return half_turn
+    K = hat(axis)
+    turn: Array = np.eye(3) + K + K @ K / (1 + cosine)
+    return turn
+
+
+def _pose_words(shift: Array, residual: Array) -> list[str]:
+    words = _shift_words(shift)
+    w = rotation_log(residual[:3, :3])
+    if np.linalg.norm(w) > SAME_TOL:
+        words.append(f"turned by {np.degrees(np.linalg.norm(w)):.3g}° about {_direction(w)}")
+    return words
+
+
+def _shift_words(shift: Array) -> list[str]:
+    distance = float(np.linalg.norm(shift))
+    return [f"moved {distance * 1e3:.4g} mm along {_direction(shift)}"] if distance > SAME_TOL else []
+
+
+def _direction(vector: Array) -> str:
+    """`x`, `−z`, or the unit vector in base axes."""
+    unit = vector / np.linalg.norm(vector)
+    i = int(np.abs(unit).argmax())
+    if abs(unit[i]) > 0.9999:
+        return ("" if unit[i] > 0 else "−") + "xyz"[i]
+    return "(" + ", ".join(f"{x:.2f}" for x in unit) + ")"

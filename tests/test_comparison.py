@@ -1,0 +1,89 @@
+"""The cross-check: it agrees where arms are right, finds what is wrong, and says what it did not compare."""
+
+from __future__ import annotations
+
+import builtins
+import dataclasses
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+import twistarm
+from test_loading import REAL
+from twistarm import arm_from_screws, crosscheck, load_arm
+from twistarm.errors import ComparisonError, InputError
+from urdf_text import joint, robot, two_joints, write
+
+PINOCCHIO_TOL, YOURDFPY_TOL = 1e-12, 1e-9
+"""What every arm of the catalogue must keep to."""
+
+
+def test_catalogue_arms_agree_in_every_engine(catalogue_arm: twistarm.Arm) -> None:
+    result = crosscheck(catalogue_arm, samples=100).require()
+    assert result.worst("pinocchio") <= PINOCCHIO_TOL
+    assert 0 < result.worst("yourdfpy") <= YOURDFPY_TOL
+
+
+@pytest.mark.parametrize("name", REAL)
+def test_real_arms_agree_in_every_engine(name: str, models: Path) -> None:
+    file, arguments, tip, _ = REAL[name]
+    result = crosscheck(load_arm(models / file, xacro_args=arguments, tip=tip), samples=100).require()
+    assert result.worst("pinocchio") <= PINOCCHIO_TOL
+    assert result.worst("yourdfpy") <= YOURDFPY_TOL
+
+
+def test_a_wrong_screw_is_found_with_the_quantity_and_the_posture() -> None:
+    arm = load_arm("scara")
+    wrong = dataclasses.replace(arm, screws=arm.screws + 1e-6 * np.eye(6)[:, :1])
+    result = crosscheck(wrong, samples=20)
+    assert not result.ok
+    failed = {row.quantity for row in result.comparisons if not row.ok}
+    assert {"pose", "spatial Jacobian"} <= failed
+    with pytest.raises(ComparisonError, match=r"pose: poe and pinocchio differ by \d.*at theta = \["):
+        result.require()
+
+
+def test_what_an_engine_cannot_do_is_not_compared(tmp_path: Path) -> None:
+    parts = joint("a", "base_link", "upper"), joint("b", "upper", "tool0"), joint("p", "upper", "pad", kind="planar")
+    arm = load_arm(write(tmp_path, robot(*parts, links=("base_link", "upper", "tool0", "pad"))))
+    rows = [row for row in crosscheck(arm, 10).comparisons if "yourdfpy" in row.engines]
+    assert [row.not_compared for row in rows] == ["yourdfpy takes the planar joint 'p' as fixed"]
+    follower = joint("m", "upper", "pad", inside='<mimic joint="n"/>')
+    master = joint("n", "upper", "rod", inside='<mimic joint="a"/>')
+    arm = load_arm(
+        write(tmp_path, robot(*parts[:2], follower, master, links=("base_link", "upper", "tool0", "pad", "rod"))),
+        tip="tool0",
+    )
+    rows = [row for row in crosscheck(arm, 10).comparisons if "yourdfpy" in row.engines]
+    assert [row.not_compared for row in rows] == ["yourdfpy drops the mimic of a mimic 'm'"]
+
+
+def test_an_arm_from_screws_is_checked_as_far_as_it_goes() -> None:
+    scara = load_arm("scara")
+    result = crosscheck(arm_from_screws(scara.screws, scara.home), 20).require()
+    assert sum(bool(row.not_compared) for row in result.comparisons) == 2
+    assert {row.quantity for row in result.comparisons if not row.not_compared} == {"J^s = Ad J^b", "body Jacobian"}
+
+
+def test_without_yourdfpy_the_command_that_installs_it(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    arm = load_arm(write(tmp_path, two_joints()))
+    real = builtins.__import__
+
+    def blocked(name: str, *rest: Any, **more: Any) -> Any:
+        if name == "yourdfpy":
+            raise ImportError(name)
+        return real(name, *rest, **more)
+
+    monkeypatch.setattr(builtins, "__import__", blocked)
+    rows = [row for row in crosscheck(arm, 5).comparisons if "yourdfpy" in row.engines]
+    assert "pip install 'twistarm[check]'" in rows[0].not_compared
+
+
+def test_progress_and_samples(rover: twistarm.Arm) -> None:
+    steps: list[float] = []
+    crosscheck(rover, 5, progress=steps.append)
+    assert steps == [0.25, 0.5, 0.75, 1.0]
+    with pytest.raises(InputError, match="samples must be at least 1"):
+        crosscheck(rover, 0)

@@ -1,0 +1,138 @@
+"""Golden files: an unchanged arm is the same, a changed one is told in words."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from twistarm import Arm, compare, freeze, load_arm
+from twistarm.errors import ComparisonError, DescriptionError, InputError
+from twistarm.testing import assert_arm
+from urdf_text import joint, robot, write
+
+LINKS = ("base_link", "upper", "fore", "hand", "tool0")
+ARM = {
+    "shoulder": {"xyz": "0 0 0.5", "inside": '<axis xyz="0 1 0"/>'},
+    "elbow": {"xyz": "0.4 0 0", "inside": '<axis xyz="0 1 0"/>'},
+    "wrist_roll": {"xyz": "0.3 0 0", "inside": '<axis xyz="1 0 0"/>'},
+    "mount": {"xyz": "0.1 0 0", "kind": "fixed"},
+}
+
+
+def build(folder: Path, **changes: dict[str, str]) -> Path:
+    parts = [
+        joint(name, parent, child, **{**ARM[name], **changes.get(name, {})})
+        for name, parent, child in zip(ARM, LINKS[:-1], LINKS[1:], strict=True)
+    ]
+    return write(folder, robot(*parts, links=LINKS, name="ours"))
+
+
+@pytest.fixture
+def golden(tmp_path: Path) -> Path:
+    path = tmp_path / "ours.golden.json"
+    freeze(load_arm(build(tmp_path)), path)
+    return path
+
+
+CHANGES = {
+    "the elbow moved": ({"elbow": {"xyz": "0.412 0 0"}}, ("joint elbow moved 12 mm along x",)),
+    "the elbow moved down": ({"elbow": {"xyz": "0.4 0 -0.003"}}, ("joint elbow moved 3 mm along −z",)),
+    "the elbow moved aslant": (
+        {"elbow": {"xyz": "0.403 0 0.004"}},
+        ("joint elbow moved 5 mm along (0.60, 0.00, 0.80)",),
+    ),
+    "the elbow turned": (
+        {"elbow": {"rpy": "0 0 0.01745329251994329577"}},
+        ("joint elbow turned by 1° about z",),
+    ),
+    "two joints moved": (
+        {"shoulder": {"xyz": "0 0 0.51"}, "wrist_roll": {"xyz": "0.3 0.002 0"}},
+        ("joint shoulder moved 10 mm along z", "joint wrist_roll moved 2 mm along y"),
+    ),
+    "the tool moved": ({"mount": {"xyz": "0.1 0 0.02"}}, ("tool tool0 moved 20 mm along z",)),
+    "the tool turned": ({"mount": {"rpy": "1.5707963267948966 0 0"}}, ("tool tool0 turned by 90° about x",)),
+    "a limit narrowed": (
+        {"wrist_roll": {"inside": '<axis xyz="1 0 0"/><limit lower="-0.5" upper="1" velocity="2" effort="3"/>'}},
+        ("limits of wrist_roll narrowed: [-1, 1] to [-0.5, 1] rad",),
+    ),
+    "a limit widened and a rate lowered": (
+        {"elbow": {"inside": '<axis xyz="0 1 0"/><limit lower="-2" upper="2" velocity="1" effort="0"/>'}},
+        (
+            "limits of elbow widened: [-1, 1] to [-2, 2] rad",
+            "velocity limit of elbow lowered: 2 to 1",
+            "effort limit of elbow raised: 3 to not given",
+        ),
+    ),
+    "a joint became continuous": (
+        {"wrist_roll": {"kind": "continuous"}},
+        (
+            "joint wrist_roll was revolute, is continuous",
+            "limits of wrist_roll widened: [-1, 1] to [not given, not given] rad",
+            "velocity limit of wrist_roll raised: 2 to not given",
+            "effort limit of wrist_roll raised: 3 to not given",
+        ),
+    ),
+    "a joint became fixed": ({"wrist_roll": {"kind": "fixed", "inside": ""}}, ("joint wrist_roll is gone",)),
+}
+
+
+@pytest.mark.parametrize("case", CHANGES)
+def test_a_changed_arm_is_told_in_words(case: str, golden: Path, tmp_path: Path) -> None:
+    changes, expected = CHANGES[case]
+    difference = compare(load_arm(build(tmp_path, **changes)), golden)
+    assert difference.changes == expected
+    with pytest.raises(ComparisonError, match="ours has changed: "):
+        difference.require()
+
+
+def test_an_unchanged_arm_is_the_same(golden: Path, tmp_path: Path) -> None:
+    difference = compare(load_arm(build(tmp_path)), golden).require()
+    assert difference.same
+    assert difference.pose_error == 0
+
+
+def test_catalogue_arms_are_the_same_as_themselves(catalogue_arm: Arm, tmp_path: Path) -> None:
+    freeze(catalogue_arm, tmp_path / "golden.json")
+    assert compare(catalogue_arm, tmp_path / "golden.json").changes == ()
+
+
+def test_a_golden_file_holds_what_pinocchio_says(golden: Path, tmp_path: Path) -> None:
+    content = json.loads(golden.read_text())
+    arm = load_arm(build(tmp_path))
+    theta = np.array(content["theta"])
+    assert theta.shape == (100, 3)
+    assert [joint["name"] for joint in content["joints"]] == ["shoulder", "elbow", "wrist_roll"]
+    assert np.abs(np.array(content["fk"]) - arm.fk(theta)).max() < 1e-14
+    assert np.abs(np.array(content["body_jacobian"]) - arm.body_jacobian(theta)).max() < 1e-14
+
+
+DAMAGED = {
+    "nothing": (None, "cannot be read: No such file or directory; twistarm freeze writes one"),
+    "no JSON": ("frozen", "not a golden file"),
+    "another file": ('{"format": "something"}', "not a golden file of this version"),
+    "half of it": ('{"format": "twistarm golden 1", "base": "base_link"}', "a damaged golden file"),
+}
+
+
+@pytest.mark.parametrize("case", DAMAGED)
+def test_damaged_golden_files(case: str, tmp_path: Path) -> None:
+    text, message = DAMAGED[case]
+    if text is not None:
+        (tmp_path / "g.json").write_text(text)
+    with pytest.raises(DescriptionError, match=message):
+        compare(load_arm(build(tmp_path)), tmp_path / "g.json")
+
+
+def test_freezing_into_nowhere_writes_nothing(tmp_path: Path) -> None:
+    with pytest.raises(InputError, match="does not exist; create it first"):
+        freeze(load_arm(build(tmp_path)), tmp_path / "nowhere" / "g.json")
+    assert not (tmp_path / "nowhere").exists()
+
+
+def test_the_helper_for_a_teams_own_tests(golden: Path, tmp_path: Path) -> None:
+    assert assert_arm(build(tmp_path), against=golden).name == "ours"
+    with pytest.raises(AssertionError, match="ours: joint elbow moved 12 mm along x"):
+        assert_arm(build(tmp_path, elbow={"xyz": "0.412 0 0"}), against=golden)
