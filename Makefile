@@ -1,0 +1,40 @@
+# make demo: see it work.  make test: prove it.  Both build .venv first; PYTHON names another interpreter than python3.
+PYTHON ?= python3
+BIN := .venv/bin
+
+.PHONY: demo test test-all bench lint format clean
+
+demo: .venv/base
+	$(BIN)/twistarm demo
+
+test: .venv/dev
+	$(BIN)/python -m pytest -m "not slow"
+
+test-all: .venv/dev
+	$(BIN)/python -m pytest
+
+bench: .venv/dev
+	@for program in benchmarks/*.py; do $(BIN)/python $$program || exit 1; done
+
+lint: .venv/dev
+	$(BIN)/ruff check .
+	$(BIN)/ruff format --check .
+	$(BIN)/mypy
+
+format: .venv/dev
+	$(BIN)/ruff check --fix .
+	$(BIN)/ruff format .
+
+clean:
+	rm -rf .venv build dist .pytest_cache .mypy_cache .ruff_cache .hypothesis
+
+# The stamps say what is installed: the demo needs less than the tests.
+.venv/base: pyproject.toml
+	$(PYTHON) -m venv .venv
+	$(BIN)/python -m pip install --quiet --editable '.[view,check,plan]'
+	@touch $@
+
+.venv/dev: pyproject.toml
+	$(PYTHON) -m venv .venv
+	$(BIN)/python -m pip install --quiet --editable '.[dev]'
+	@touch .venv/base $@

@@ -1,0 +1,82 @@
+"""The program: its commands, and what becomes of an error."""
+
+from __future__ import annotations
+
+import os
+import sys
+from collections.abc import Sequence
+
+import typer
+
+from ..errors import TwistarmError
+from . import checking, demonstration, inspection, inverse, kinematics, motion, viewing
+
+BAD_ANSWER, BAD_INPUT, BUG, INTERRUPTED = 1, 2, 70, 130
+"""Exit codes: an answer that is not good; input that cannot be used; a fault of ours; Ctrl-C."""
+
+app = typer.Typer(
+    name="twistarm",
+    help="Kinematics of robot arms in the language of screws. ARM is a URDF or xacro file, an arm.toml, or a name "
+    "that `twistarm arms` lists.",
+    no_args_is_help=True,
+    add_completion=False,
+    pretty_exceptions_enable=False,
+)
+app.command()(demonstration.demo)
+app.command()(inspection.arms)
+app.command()(inspection.info)
+app.command()(checking.check)
+app.command()(checking.freeze)
+app.command()(kinematics.fk)
+app.command()(kinematics.jacobian)
+app.command()(inverse.ik)
+app.command()(motion.plan)
+app.command()(viewing.view)
+
+
+@app.callback()
+def _program(debug: bool = typer.Option(False, "--debug", help="Show the traceback of an error.")) -> None:
+    pass
+
+
+def main() -> None:
+    """Entry point of the `twistarm` program."""
+    sys.exit(run(sys.argv[1:]))
+
+
+def run(arguments: Sequence[str]) -> int:
+    """Run the program and return its exit code; every error is one line on stderr, unless --debug asks for more."""
+    debug = "--debug" in arguments
+    # --debug may stand anywhere, not only before the command.
+    rest = [argument for argument in arguments if argument != "--debug"]
+    try:
+        code = app(args=rest, prog_name="twistarm", standalone_mode=False)
+        sys.stdout.flush()
+        return code if isinstance(code, int) else 0
+    except (KeyboardInterrupt, typer.Abort):
+        return INTERRUPTED
+    except BrokenPipeError:
+        # The reader has gone (`| head`); keep Python from complaining when it closes stdout.
+        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+        return BAD_ANSWER
+    except Exception as error:
+        if debug:
+            raise
+        return _report(error)
+
+
+def _report(error: Exception) -> int:
+    if isinstance(error, TwistarmError):
+        _say(str(error))
+        return BAD_INPUT
+    # Usage errors: typer's click raises them with their own wording.
+    if hasattr(error, "format_message"):
+        _say(f"{error.format_message()} (see twistarm --help, or --help after the command)")
+        return BAD_INPUT
+    _say(f"{type(error).__name__}: {error}; a fault of twistarm's: please report it with the output of --debug")
+    return BUG
+
+
+def _say(message: str) -> None:
+    """One line, whatever the message holds."""
+    print("error: " + " ".join(message.split()), file=sys.stderr)

@@ -1,0 +1,84 @@
+"""`check` and `freeze`: the regression for a team's own arm."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Annotated, Any
+
+import typer
+
+from ..arm import Arm
+from ..comparison import CrossCheck, crosscheck
+from ..golden import Difference, compare
+from ..golden import freeze as write_golden
+from .options import Json, takes_arm
+from .output import console, print_json, progress_bar, table
+
+Against = Annotated[Path | None, typer.Option(metavar="FILE", help="A golden file: say what has changed since.")]
+Samples = Annotated[int, typer.Option(min=1, max=1_000_000, help="Random configurations to compare at.")]
+
+
+@takes_arm
+def check(arm: Arm, samples: Samples = 1000, against: Against = None, json: Json = False) -> int:
+    """Prove product of exponentials = Pinocchio = yourdfpy; with --against, say in words what has changed."""
+    difference = None if against is None else compare(arm, against)
+    with progress_bar("cross-check") as progress:
+        result = crosscheck(arm, samples, progress=progress)
+    if json:
+        print_json(_as_json(result, difference))
+    else:
+        console().print(check_table(result))
+        if against is not None and difference is not None:
+            _print_difference(difference, against)
+    return 0 if result.ok and (difference is None or difference.same) else 1
+
+
+@takes_arm
+def freeze(
+    arm: Arm,
+    output: Annotated[Path | None, typer.Option("--output", "-o", metavar="FILE", help="Where to write it.")] = None,
+) -> None:
+    """Write a golden file: names, screws, home, limits, FK and Jacobians at 100 seeded configurations."""
+    path = output or Path(f"{Path(arm.name).name}.golden.json")
+    write_golden(arm, path)
+    print(f"{path}: {arm.name} frozen; compare later with: twistarm check {arm.source} --against {path}")
+
+
+def check_table(result: CrossCheck) -> Any:
+    """The comparisons as a table."""
+    rows = [
+        [
+            row.quantity,
+            " / ".join(row.engines),
+            f"not compared: {row.not_compared}" if row.not_compared else f"{row.worst:.1e}",
+            "" if row.not_compared else f"{row.tolerance:.0e}",
+            "" if row.not_compared else str(row.samples),
+            "" if row.not_compared else "ok" if row.ok else "WRONG",
+        ]
+        for row in result.comparisons
+    ]
+    columns = ["quantity", "engines", "worst difference", "allowed", "postures", ""]
+    verdict = "all engines agree" if result.ok else "THE ENGINES DISAGREE"
+    return table(f"{result.arm}: {verdict}", columns, rows, text=columns)
+
+
+def _print_difference(difference: Difference, against: Path) -> None:
+    if difference.same:
+        print(f"unchanged since {against}")
+    for change in difference.changes:
+        print(f"changed: {change}")
+
+
+def _as_json(result: CrossCheck, difference: Difference | None) -> dict[str, Any]:
+    content: dict[str, Any] = {
+        "arm": result.arm,
+        "ok": result.ok,
+        "comparisons": [vars(row) | {"ok": row.ok} for row in result.comparisons],
+    }
+    if difference is not None:
+        content |= {
+            "changes": difference.changes,
+            "pose_error": difference.pose_error,
+            "jacobian_error": difference.jacobian_error,
+        }
+    return content

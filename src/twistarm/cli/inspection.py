@@ -1,0 +1,97 @@
+"""`arms` and `info`: what there is, and what was loaded."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+from rich.console import Group
+from rich.markup import escape
+
+from ..arm import Arm
+from ..description import catalog
+from .options import Json, Radians, takes_arm
+from .output import console, number, print_json, shown, table, units
+
+
+def arms(json: Json = False) -> None:
+    """List the arms that can be loaded by name."""
+    own, models = catalog.own_arms(), catalog.model_arms()
+    installed = catalog.models_share() is not None
+    if json:
+        print_json({"own": own, "models": models, "models_installed": installed})
+        return
+    print("twistarm's own:      " + ", ".join(own))
+    note = "" if installed else "   (not installed: pip install 'twistarm[models]')"
+    print("example-robot-data:  " + ", ".join(models) + note)
+
+
+@takes_arm
+def info(arm: Arm, rad: Radians = False, json: Json = False) -> None:
+    """Show what was loaded: joints, limits, base, tip, named poses, findings, and the proof."""
+    if json:
+        print_json(info_json(arm))
+        return
+    console().print(info_view(arm, rad))
+
+
+def info_json(arm: Arm) -> dict[str, Any]:
+    """Everything `info` shows, for programs."""
+    fields = ("lower", "upper", "velocity", "acceleration", "jerk", "effort")
+    return {
+        "name": arm.name,
+        "source": arm.source,
+        "base": arm.base,
+        "tip": arm.tip,
+        "n": arm.n,
+        "joints": [
+            {"name": name, "type": kind, "unit": unit} | {field: getattr(arm.limits, field)[i] for field in fields}
+            for i, (name, kind, unit) in enumerate(zip(arm.joint_names, arm.joint_types, arm.units, strict=True))
+        ],
+        "reach": arm.reach,
+        "screws": arm.screws,
+        "home": arm.home,
+        "ready": arm.ready,
+        "named_states": dict(arm.named_states),
+        "frames": arm.frame_names,
+        "proof": arm.proof._asdict() if arm.proof else None,
+        "findings": [vars(finding) for finding in arm.findings],
+    }
+
+
+def info_view(arm: Arm, radians: bool) -> Group:
+    """The tables of `info`."""
+    head = (
+        f"[bold]{escape(arm.name)}[/bold]: {arm.n} degrees of freedom from {escape(arm.base)} to {escape(arm.tip)}, "
+        f"reach {arm.reach:.3f} m ({escape(arm.source)})"
+    )
+    parts: list[Any] = [head, _joints(arm, radians), _poses(arm, radians)]
+    if arm.proof is not None:
+        parts.append(
+            f"proof at load: screws and Pinocchio agree within {arm.proof.pose_error:.1e} (pose) and "
+            f"{arm.proof.jacobian_error:.1e} (Jacobian) at {arm.proof.samples} random postures"
+        )
+    parts += [escape(str(finding)) for finding in arm.findings]
+    return Group(*parts)
+
+
+def _joints(arm: Arm, radians: bool) -> Any:
+    limits = arm.limits
+    columns = ["joint", "type", "unit", "lower", "upper", "velocity /s", "acceleration /s²", "effort"]
+    values = [shown(arm, v, radians) for v in (limits.lower, limits.upper, limits.velocity, limits.acceleration)]
+    rows = [
+        [name, kind, unit, *(column[i] for column in values), number(limits.effort[i])]
+        for i, (name, kind, unit) in enumerate(zip(arm.joint_names, arm.joint_types, units(arm, radians), strict=True))
+    ]
+    return table("joints, base to tip (− = not given)", columns, rows, text=["type"])
+
+
+def _poses(arm: Arm, radians: bool) -> Any:
+    poses = {"ready": arm.ready, **arm.named_states}
+    condition = {name: float(arm.manipulability(theta).condition) for name, theta in poses.items()}
+    rows = [
+        [name, *shown(arm, theta, radians), "singular" if np.isinf(condition[name]) else number(condition[name], 1)]
+        for name, theta in poses.items()
+    ]
+    names = [f"{name} [{unit}]" for name, unit in zip(arm.joint_names, units(arm, radians), strict=True)]
+    return table("poses", ["pose", *names, "condition"], rows)

@@ -1,0 +1,80 @@
+"""`ik`: joint values for a target."""
+
+from __future__ import annotations
+
+from typing import Annotated, Any
+
+import numpy as np
+import typer
+
+from ..arm import Arm
+from ..errors import InputError
+from ..ik import Approach, IKSolution, Pose, Position, solve_ik
+from ..rotations import from_rpy
+from .options import Json, Radians, Theta, parse_numbers, parse_theta, takes_arm
+from .output import console, pose_json, print_json, shown, table, units
+
+Xyz = Annotated[str, typer.Option(metavar="'X Y Z'", help="Position of the tool [m], in the base frame.")]
+Rpy = Annotated[
+    str | None, typer.Option(metavar="'R P Y'", help="Orientation: fixed-axis roll, pitch, yaw [°, or rad with --rad].")
+]
+Direction = Annotated[
+    str | None, typer.Option(metavar="'X Y Z'", help="Only where the tool's z axis points, in base axes.")
+]
+
+
+@takes_arm
+def ik(
+    arm: Arm,
+    xyz: Xyz,
+    rpy: Rpy = None,
+    direction: Direction = None,
+    start: Theta = "ready",
+    rad: Radians = False,
+    json: Json = False,
+) -> int:
+    """Inverse kinematics: a pose (--xyz and --rpy), an approach (--xyz and --direction) or a position (--xyz)."""
+    target = _target(xyz, rpy, direction, rad)
+    solution = solve_ik(arm, target, parse_theta(arm, start, rad))
+    if json:
+        print_json(_as_json(arm, solution))
+    else:
+        console().print(solution_table(arm, solution, rad))
+        print(solution.explain())
+    return 0 if solution.converged else 1
+
+
+def _target(xyz: str, rpy: str | None, direction: str | None, radians: bool) -> Pose | Approach | Position:
+    if rpy is not None and direction is not None:
+        raise InputError("give --rpy for a whole pose or --direction for an approach, not both")
+    p = parse_numbers(xyz, 3, "--xyz")
+    if direction is not None:
+        return Approach(p, parse_numbers(direction, 3, "--direction"))
+    if rpy is None:
+        return Position(p)
+    angles = parse_numbers(rpy, 3, "--rpy")
+    g = np.eye(4)
+    g[:3, :3] = from_rpy(angles if radians else np.radians(angles))
+    g[:3, 3] = p
+    return Pose(g)
+
+
+def solution_table(arm: Arm, solution: IKSolution, radians: bool) -> Any:
+    """The solution's joint values with their limits."""
+    lower, upper = (shown(arm, bound, radians) for bound in (arm.limits.lower, arm.limits.upper))
+    values = shown(arm, solution.theta, radians)
+    rows = list(zip(arm.joint_names, values, units(arm, radians), lower, upper, strict=True))
+    return table(f"{arm.name}: {solution.stop.name}", ["joint", "value", "unit", "lower", "upper"], rows)
+
+
+def _as_json(arm: Arm, solution: IKSolution) -> dict[str, Any]:
+    fields = ("position_error", "orientation_error", "within_limits", "iterations", "restarts", "method", "notes")
+    return {
+        "arm": arm.name,
+        "converged": solution.converged,
+        "stop": solution.stop.name,
+        "theta": arm.theta_to_dict(solution.theta),
+        **{field: getattr(solution, field) for field in fields},
+        "explanation": solution.explain(),
+        "reached": pose_json(arm.fk(solution.theta)),
+    }

@@ -1,0 +1,98 @@
+"""`plan`: a trajectory through poses, to a table and to files."""
+
+from __future__ import annotations
+
+from enum import Enum
+from pathlib import Path
+from typing import Annotated, Any
+
+import numpy as np
+import typer
+
+from ..arm import Arm
+from ..planning import Trajectory, plan_joint, to_csv, to_json
+from .options import Json, Radians, parse_theta, takes_arm
+from .output import console, number, print_json, progress_bar, shown, table, units
+
+
+class Kind(str, Enum):
+    """The kind of spline."""
+
+    cubic = "cubic"
+    quintic = "quintic"
+    trapezoid = "trapezoid"
+
+
+Start = Annotated[str, typer.Option("--from", metavar="POSE", help="Where it starts; as --to.")]
+Through = Annotated[
+    list[str],
+    typer.Option("--to", metavar="POSE", help="Joint values ('0 30 -45 …') or a pose's name; repeat it for each pose."),
+]
+Rate = Annotated[float | None, typer.Option(min=0.0, help="Limit for every joint [rad/s, m/s; their rate per s].")]
+Step = Annotated[float, typer.Option(help="Time step of the files [s].")]
+
+
+@takes_arm
+def plan(
+    arm: Arm,
+    to: Through,
+    start: Start = "ready",
+    kind: Kind = Kind.quintic,
+    velocity: Rate = None,
+    acceleration: Rate = None,
+    stop: Annotated[bool, typer.Option("--stop", help="Come to rest at every pose.")] = False,
+    csv: Annotated[
+        Path | None, typer.Option(metavar="FILE", help="Write time, position, velocity, acceleration.")
+    ] = None,
+    trajectory: Annotated[
+        Path | None, typer.Option(metavar="FILE", help="Write JSON shaped like a ROS JointTrajectory.")
+    ] = None,
+    dt: Step = 0.01,
+    rad: Radians = False,
+    json: Json = False,
+) -> None:
+    """Plan the fastest spline through the poses under the position, velocity and acceleration limits."""
+    limits = {"velocity": velocity, "acceleration": acceleration}
+    with progress_bar("planning") as progress:
+        planned = plan_joint(
+            arm,
+            [parse_theta(arm, pose, rad) for pose in (start, *to)],
+            kind=kind.value,
+            limits={name: value for name, value in limits.items() if value is not None},
+            stop_at_waypoints=stop,
+            progress=progress,
+        )
+    written = [str(write(planned, file, dt)) for write, file in ((to_csv, csv), (to_json, trajectory)) if file]
+    if json:
+        print_json(_as_json(arm, planned, written))
+        return
+    console().print(plan_table(arm, planned, rad))
+    for file in written:
+        print(f"written: {file}")
+
+
+def plan_table(arm: Arm, planned: Trajectory, radians: bool) -> Any:
+    """When each pose is passed, and the peaks beside the limits."""
+    names = [f"{name} [{unit}]" for name, unit in zip(arm.joint_names, units(arm, radians), strict=True)]
+    rows = [
+        [f"at {time:.3f} s", *shown(arm, pose, radians)]
+        for time, pose in zip(planned.times, planned.waypoints, strict=True)
+    ]
+    for order, word, limit in ((1, "velocity", arm.limits.velocity), (2, "acceleration", arm.limits.acceleration)):
+        rows.append([f"peak {word}", *shown(arm, planned.peak(order), radians)])
+        if np.isfinite(limit).any():
+            rows.append(["  the arm's limit", *shown(arm, limit, radians)])
+    return table(f"{arm.name}: {number(planned.duration, 3)} s", ["", *names], rows)
+
+
+def _as_json(arm: Arm, planned: Trajectory, written: list[str]) -> dict[str, Any]:
+    return {
+        "arm": arm.name,
+        "joint_names": planned.joint_names,
+        "duration": planned.duration,
+        "times": planned.times,
+        "waypoints": planned.waypoints,
+        "peak_velocity": planned.peak(1),
+        "peak_acceleration": planned.peak(2),
+        "written": written,
+    }

@@ -1,0 +1,119 @@
+"""Options that commands share: which arm, and typed configurations."""
+
+from __future__ import annotations
+
+import functools
+import inspect
+import re
+from collections.abc import Callable
+from pathlib import Path
+from typing import Annotated, Any
+
+import numpy as np
+import typer
+
+from ..arm import Arm
+from ..checks import Array, as_theta
+from ..errors import InputError, UnknownNameError, listed
+from ..loading import load_arm
+
+Source = Annotated[str, typer.Argument(metavar="ARM", help="URDF or xacro file, arm.toml, or catalogue name.")]
+Base = Annotated[str | None, typer.Option(metavar="LINK", help="Base link, instead of the root.")]
+Tip = Annotated[str | None, typer.Option(metavar="LINK", help="Tip link, instead of the one found by its name.")]
+PackageDir = Annotated[
+    list[Path] | None, typer.Option(metavar="DIR", help="A folder that holds packages; may be repeated.")
+]
+Xacro = Annotated[
+    list[str] | None, typer.Option("--xacro", metavar="NAME:=VALUE", help="A xacro argument; may be repeated.")
+]
+Json = Annotated[bool, typer.Option("--json", help="Print the answer as JSON, in SI units.")]
+Radians = Annotated[bool, typer.Option("--rad", help="Angles are typed and shown in radians, not degrees.")]
+Theta = Annotated[
+    str,
+    typer.Option(
+        metavar="VALUES",
+        help="Joint values base to tip ('0.1 30 -45'; degrees, metres for slides), 'joint=value …', "
+        "or a pose's name ('ready', 'zero').",
+    ),
+]
+
+
+def takes_arm(command: Callable[..., Any]) -> Callable[..., Any]:
+    """A command whose first parameter is an Arm gets ARM, --base, --tip, --package-dir and --xacro in its place."""
+    own = list(inspect.signature(command, eval_str=True).parameters.values())[1:]
+    load = inspect.signature(_load, eval_str=True).parameters
+
+    @functools.wraps(command)
+    def run(**arguments: Any) -> Any:
+        arm = _load(**{name: arguments.pop(name) for name in load})
+        return command(arm, **arguments)
+
+    parameters = [p.replace(kind=inspect.Parameter.KEYWORD_ONLY) for p in (*load.values(), *own)]
+    run.__signature__ = inspect.Signature(parameters)  # type: ignore[attr-defined]
+    run.__annotations__ = {p.name: p.annotation for p in parameters}
+    return run
+
+
+def _load(
+    source: Source, base: Base = None, tip: Tip = None, package_dir: PackageDir = None, xacro: Xacro = None
+) -> Arm:
+    return load_arm(
+        source, base=base, tip=tip, package_dirs=package_dir or (), xacro_args=_xacro_arguments(xacro or [])
+    )
+
+
+def _xacro_arguments(pairs: list[str]) -> dict[str, str]:
+    arguments: dict[str, str] = {}
+    for pair in pairs:
+        name, separator, value = pair.partition(":=")
+        if not separator:
+            raise InputError(f"--xacro takes NAME:=VALUE; got {pair!r}")
+        arguments[name] = value
+    return arguments
+
+
+def parse_theta(arm: Arm, text: str, radians: bool) -> Array:
+    """A typed configuration: numbers base to tip, `joint=value` pairs, or the name of a pose."""
+    if text in named_poses(arm):
+        return named_poses(arm)[text]
+    words = text.replace(",", " ").split()
+    try:
+        if "=" in text:
+            pairs = [re.fullmatch(r"([^=]+)=([^=]+)", word) for word in words]
+            theta = arm.theta_from({m.group(1): float(m.group(2)) for m in pairs if m})
+            if not all(pairs):
+                raise ValueError
+        else:
+            theta = np.array([float(word) for word in words])
+    except (UnknownNameError, InputError):
+        raise
+    except ValueError as error:
+        raise InputError(
+            f"{text!r} is neither joint values ({arm.n} numbers, or joint=value …) nor one of the poses "
+            f"{listed(named_poses(arm))}"
+        ) from error
+    if theta.shape != (arm.n,):
+        raise InputError(f"{arm.name} takes {arm.n} values ({', '.join(arm.joint_names)}); got {len(theta)}: {text!r}")
+    as_theta(theta, arm.n)
+    return theta if radians else from_degrees(arm, theta)
+
+
+def named_poses(arm: Arm) -> dict[str, Array]:
+    """The arm's named poses, `ready` and `zero`."""
+    return {"zero": np.zeros(arm.n), "ready": arm.ready, **arm.named_states}
+
+
+def from_degrees(arm: Arm, values: Array) -> Array:
+    """Typed values, degrees and metres, in rad and m."""
+    return np.where(np.array(arm.units) == "rad", np.radians(values), values)
+
+
+def parse_numbers(text: str, count: int, name: str) -> Array:
+    """`count` numbers separated by spaces or commas."""
+    try:
+        numbers = np.array([float(word) for word in text.replace(",", " ").split()])
+    except ValueError:
+        numbers = np.array([])
+    if numbers.shape != (count,) or not np.isfinite(numbers).all():
+        raise InputError(f"{name} takes {count} numbers, as in {name} '{' '.join(['0'] * count)}'; got {text!r}")
+    return numbers

@@ -1,0 +1,114 @@
+"""Tables for people, JSON for programs."""
+
+from __future__ import annotations
+
+import json
+import sys
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import contextmanager
+from typing import Any
+
+import numpy as np
+from rich.console import Console
+from rich.markup import escape
+from rich.progress import Progress
+from rich.table import Table
+
+from ..arm import Arm
+from ..checks import Array
+from ..rotations import to_quaternion_wxyz, to_rpy
+
+PIPED_WIDTH = 160
+"""Columns where nobody looks at a terminal: tables stay in one piece."""
+
+
+def console() -> Console:
+    """A console on the present stdout."""
+    return Console(width=None if sys.stdout.isatty() else PIPED_WIDTH, highlight=False)
+
+
+def warn(message: str) -> None:
+    """A warning on stderr, in one line."""
+    print("warning: " + " ".join(message.split()), file=sys.stderr)
+
+
+def print_json(content: Any) -> None:
+    """One JSON document; infinities become null."""
+    print(json.dumps(plain(content), allow_nan=False, indent=2, ensure_ascii=False))
+
+
+def plain(value: Any) -> Any:
+    """Lists, numbers, texts and null only."""
+    if isinstance(value, dict):
+        return {str(key): plain(item) for key, item in value.items()}
+    if isinstance(value, np.ndarray):
+        return plain(value.tolist())
+    if isinstance(value, (list, tuple)):
+        return [plain(item) for item in value]
+    if isinstance(value, (float, np.floating)):
+        return float(value) if np.isfinite(value) else None
+    if isinstance(value, (np.integer, np.bool_)):
+        return value.item()
+    return value
+
+
+def table(title: str, columns: Sequence[str], rows: Sequence[Sequence[object]], text: Sequence[str] = ()) -> Table:
+    """A table of numbers, aligned to the right, but for its first column and those named in `text`."""
+    made = Table(title=escape(title), title_justify="left", title_style="bold", header_style="dim")
+    for i, column in enumerate(columns):
+        made.add_column(escape(column), justify="left" if i == 0 or column in text else "right", overflow="fold")
+    for row in rows:
+        made.add_row(*(escape(str(cell)) for cell in row))
+    return made
+
+
+def shown(arm: Arm, values: Array, radians: bool) -> list[str]:
+    """Joint values as a person reads them: degrees (or rad) and metres."""
+    return [number(x if unit == "m" or radians else np.degrees(x)) for x, unit in zip(values, arm.units, strict=True)]
+
+
+def units(arm: Arm, radians: bool) -> list[str]:
+    """The units that `shown` uses."""
+    return [unit if unit == "m" or radians else "°" for unit in arm.units]
+
+
+def number(value: float, digits: int = 4) -> str:
+    """A number without needless digits; − where nothing was given."""
+    if not np.isfinite(value):
+        return "−"
+    text = f"{value:.{digits}f}".rstrip("0").rstrip(".")
+    return "0" if text in ("-0", "") else text
+
+
+def matrix_rows(matrix: Array, names: Sequence[str]) -> list[list[str]]:
+    """A row of text for each row of a matrix, its name first."""
+    return [[name, *(f"{x:.6f}" for x in np.round(row, 6) + 0.0)] for name, row in zip(names, matrix, strict=True)]
+
+
+def pose_table(title: str, g: Array) -> Table:
+    """A pose as matrix, position, rpy and quaternion."""
+    made = table(title, ["g", "x", "y", "z", "p [m]"], matrix_rows(g[:3], "xyz"))
+    rpy = " ".join(number(np.degrees(x), 3) for x in to_rpy(g[:3, :3]))
+    quaternion = " ".join(f"{x:.6f}" for x in to_quaternion_wxyz(g[:3, :3]))
+    made.caption = f"rpy {rpy} °   quaternion (w x y z) {quaternion}"
+    made.caption_justify = "left"
+    return made
+
+
+def pose_json(g: Array) -> dict[str, Any]:
+    """A pose for programs."""
+    R = g[:3, :3]
+    return {"matrix": g, "position": g[:3, 3], "rpy": to_rpy(R), "quaternion_wxyz": to_quaternion_wxyz(R)}
+
+
+def jacobian_table(arm: Arm, title: str, J: Array) -> Table:
+    """A Jacobian with its rows and columns named."""
+    return table(title, ["", *arm.joint_names], matrix_rows(J, ["v x", "v y", "v z", "ω x", "ω y", "ω z"]))
+
+
+@contextmanager
+def progress_bar(label: str) -> Iterator[Callable[[float], object]]:
+    """A bar on stderr, drawn only on a terminal, as a callback that takes the fraction done."""
+    with Progress(console=Console(stderr=True), transient=True, disable=not sys.stderr.isatty()) as bar:
+        task = bar.add_task(label, total=1.0)
+        yield lambda fraction: bar.update(task, completed=fraction)

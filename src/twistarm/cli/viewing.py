@@ -1,0 +1,37 @@
+"""`view`: the arm in the browser, or as a stand-alone page."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from ..arm import Arm
+from .options import Radians, Theta, parse_theta, takes_arm
+
+Port = Annotated[int, typer.Option(min=0, max=65535, help="Port to serve on; 0 takes a free one.")]
+Host = Annotated[str, typer.Option(help="Interface to serve on; anything else opens the view to that network.")]
+Browser = Annotated[bool, typer.Option("--browser/--no-browser", help="Open the page in a browser.")]
+
+
+@takes_arm
+def view(
+    arm: Arm,
+    theta: Theta = "ready",
+    port: Port = 0,
+    host: Host = "127.0.0.1",
+    browser: Browser = True,
+    save: Annotated[Path | None, typer.Option(metavar="FILE", help="Write a stand-alone page instead.")] = None,
+    rad: Radians = False,
+) -> None:
+    """Show the arm in the browser, with a slider per joint; serves until Ctrl-C."""
+    from ..viewer import Viewer, save_html
+
+    x = parse_theta(arm, theta, rad)
+    if save is not None:
+        print(f"written: {save_html(arm, save, theta=x)}")
+        return
+    with Viewer(arm, x, host=host, port=port, open_browser=browser) as viewer:
+        print(f"{arm.name} at {viewer.url}  (Ctrl-C ends it)", flush=True)
+        viewer.wait()

@@ -1,0 +1,266 @@
+"""The command line as a person and as a program uses it: answers, exit codes, one-line errors, nothing half-written."""
+
+from __future__ import annotations
+
+import json
+import subprocess
+import sys
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from test_urdf import REFUSED
+from urdf_text import joint, robot, two_joints, write
+
+import twistarm
+from twistarm.cli.application import run
+from twistarm.rotations import from_rpy
+
+Capture = pytest.CaptureFixture[str]
+
+
+def answer(capsys: Capture, *arguments: str) -> Any:
+    """The JSON that a command prints; it must exit 0."""
+    assert run([*arguments, "--json"]) == 0
+    return json.loads(capsys.readouterr().out)
+
+
+def error_of(capsys: Capture, *arguments: str) -> str:
+    """The one line that a command which cannot work prints on stderr; it must exit 2."""
+    assert run(arguments) == 2
+    captured = capsys.readouterr()
+    assert captured.out == ""
+    assert captured.err.startswith("error: ")
+    assert captured.err.count("\n") == 1
+    return captured.err
+
+
+# -- good answers ------------------------------------------------------------------------------------------------
+
+
+def test_info_tells_what_was_loaded(capsys: Capture) -> None:
+    content = answer(capsys, "info", "rover_arm")
+    assert [joint["name"] for joint in content["joints"]] == [
+        "slide", "shoulder", "elbow", "wrist_pitch", "wrist_roll",
+    ]  # fmt: skip
+    assert content["joints"][0] | {"effort": 0} == {
+        "name": "slide", "type": "prismatic", "unit": "m", "lower": -0.5, "upper": 0.5,
+        "velocity": 0.5, "acceleration": content["joints"][0]["acceleration"], "jerk": None, "effort": 0,
+    }  # fmt: skip
+    assert content["joints"][4]["lower"] is None
+    assert (content["base"], content["tip"]) == ("base_link", "tool0")
+    assert run(["info", "rover_arm"]) == 0
+    shown = capsys.readouterr().out
+    assert all(word in shown for word in ("slide", "prismatic", "continuous", "base_link to tool0", "proof at load"))
+
+
+def test_arms_lists_the_catalogue(capsys: Capture) -> None:
+    content = answer(capsys, "arms")
+    assert set(content["own"]) | set(content["models"]) == set(twistarm.available_arms())
+
+
+def test_fk_takes_degrees_and_metres(capsys: Capture, rover: twistarm.Arm) -> None:
+    theta = np.array([0.1, *np.radians([-30.0, 45.0, 10.0, 90.0])])
+    for typed in (
+        "0.1 -30 45 10 90",
+        "0.1,-30,45,10,90",
+        "elbow=45 slide=0.1 shoulder=-30 wrist_roll=90 wrist_pitch=10",
+    ):
+        content = answer(capsys, "fk", "rover_arm", "--theta", typed)
+        assert np.allclose(content["matrix"], rover.fk(theta), atol=1e-12)
+    content = answer(capsys, "fk", "rover_arm", "--rad", "--theta", " ".join(map(str, theta)))
+    assert np.allclose(content["matrix"], rover.fk(theta), atol=1e-12)
+    assert np.allclose(from_rpy(content["rpy"]), rover.fk(theta)[:3, :3], atol=1e-12)
+    frame = answer(capsys, "fk", "rover_arm", "--theta", "zero", "--frame", "base_link")
+    assert np.allclose(frame["matrix"], np.eye(4), atol=1e-15)
+
+
+def test_fk_warns_outside_the_limits(capsys: Capture) -> None:
+    assert run(["fk", "rover_arm", "--theta", "0.7 0 0 0 0"]) == 0
+    assert capsys.readouterr().err == "warning: slide = 0.7 m lies outside its limits [-0.5, 0.5]\n"
+
+
+def test_jacobian(capsys: Capture, rover: twistarm.Arm) -> None:
+    content = answer(capsys, "jacobian", "rover_arm")
+    assert np.allclose(content["spatial_jacobian"], rover.spatial_jacobian(rover.ready), atol=1e-12)
+    assert np.allclose(content["body_jacobian"], rover.body_jacobian(rover.ready), atol=1e-12)
+    assert set(answer(capsys, "jacobian", "rover_arm", "--kind", "hybrid")) >= {"hybrid_jacobian", "condition"}
+    assert run(["jacobian", "rover_arm"]) == 0
+    assert "singular values" in capsys.readouterr().out
+
+
+def test_ik_of_every_kind(capsys: Capture, rover: twistarm.Arm) -> None:
+    g = rover.fk(rover.ready)
+    xyz, direction = (" ".join(map(str, x)) for x in (g[:3, 3] + [0, 0.1, 0.05], g[:3, 2]))
+    content = answer(capsys, "ik", "rover_arm", "--xyz", xyz, "--direction", direction)
+    assert content["converged"]
+    reached = rover.fk(rover.theta_from(content["theta"]))
+    assert np.allclose(reached[:3, 3], g[:3, 3] + [0, 0.1, 0.05], atol=1e-6)
+    assert np.allclose(reached[:3, 2], g[:3, 2], atol=1e-6)
+    assert answer(capsys, "ik", "rover_arm", "--xyz", xyz)["stop"] == "CONVERGED"
+    pose = answer(capsys, "fk", "rover_arm")
+    xyz, rpy = " ".join(map(str, pose["position"])), " ".join(map(str, pose["rpy"]))
+    content = answer(capsys, "ik", "rover_arm", "--rad", "--xyz", xyz, "--rpy", rpy, "--start", "zero")
+    assert np.allclose(content["reached"]["matrix"], pose["matrix"], atol=1e-5)
+
+
+def test_ik_out_of_reach_is_an_answer_with_exit_code_1(capsys: Capture) -> None:
+    assert run(["ik", "rover_arm", "--xyz", "5 0 0"]) == 1
+    shown = capsys.readouterr()
+    assert "OUT_OF_REACH" in shown.out
+    assert shown.err == ""
+    assert run(["ik", "rover_arm", "--xyz", "5 0 0", "--json"]) == 1
+    content = json.loads(capsys.readouterr().out)
+    assert content["stop"] == "OUT_OF_REACH"
+    assert content["position_error"] > 3
+
+
+def test_plan_writes_its_files(capsys: Capture, tmp_path: Path) -> None:
+    csv, trajectory = tmp_path / "t.csv", tmp_path / "t.json"
+    content = answer(
+        capsys, "plan", "rover_arm", "--to", "0.2 -30 60 -20 0", "--to", "ready", "--csv", str(csv),
+        "--trajectory", str(trajectory),
+    )  # fmt: skip
+    assert content["written"] == [str(csv), str(trajectory)]
+    lines = csv.read_text().splitlines()
+    assert len(lines) > 50
+    assert np.isclose(float(lines[-1].split(",")[0]), content["duration"])
+    assert json.loads(trajectory.read_text())["joint_names"][0] == "slide"
+    assert run(["plan", "rover_arm", "--to", "zero", "--kind", "trapezoid"]) == 0
+    assert "peak velocity" in capsys.readouterr().out
+
+
+def test_check_and_freeze(capsys: Capture, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.chdir(tmp_path)
+    path = write(tmp_path, two_joints())
+    assert run(["freeze", str(path)]) == 0
+    assert "tiny.golden.json: tiny frozen; compare later with: twistarm check" in capsys.readouterr().out
+    assert run(["check", str(path), "--samples", "20", "--against", "tiny.golden.json"]) == 0
+    assert "unchanged since tiny.golden.json" in capsys.readouterr().out
+    write(tmp_path, two_joints(xyz="0.012 0 0.5"))
+    assert run(["check", str(path), "--samples", "20", "--against", "tiny.golden.json"]) == 1
+    assert "changed: joint a moved 12 mm along x" in capsys.readouterr().out
+    content = answer(capsys, "check", str(path), "--samples", "20")
+    assert content["ok"]
+
+
+def test_view_saves_a_page(capsys: Capture, tmp_path: Path) -> None:
+    assert run(["view", "rr_planar", "--save", str(tmp_path / "a.html")]) == 0
+    assert "<html" in (tmp_path / "a.html").read_text()[:500].lower()
+
+
+def test_demo_without_a_terminal_writes_both_files(
+    capsys: Capture, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    assert run(["demo", "--no-view"]) == 0
+    shown = capsys.readouterr().out
+    for station in ("from xacro", "spatial Jacobian", "all engines agree", "CONVERGED", "demo.html", "demo.csv"):
+        assert station in shown
+    assert (tmp_path / "demo.html").stat().st_size > 500_000
+    assert (tmp_path / "demo.csv").read_text().count("\n") > 50
+
+
+# -- bad input ---------------------------------------------------------------------------------------------------
+
+BAD = {
+    "an unknown arm": (["info", "rover_amr"], "no arm 'rover_amr' in the catalogue"),
+    "an unknown tip": (["info", "rover_arm", "--tip", "tool_0"], "closest: 'tool0'"),
+    "a base beyond the tip": (["info", "rover_arm", "--base", "tool0", "--tip", "base_link"], "is no ancestor of tip"),
+    "theta too short": (["fk", "rover_arm", "--theta", "1 2"], "rover_arm takes 5 values (slide, shoulder"),
+    "theta with a word": (["fk", "rover_arm", "--theta", "1 2 x 4 5"], "is neither joint values (5 numbers"),
+    "theta with NaN": (["fk", "rover_arm", "--theta", "0 0 nan 0 0"], "theta must be finite; it holds nan at index [2]"),
+    "theta of an unknown joint": (["fk", "rover_arm", "--theta", "elbw=1"], "no joint 'elbw' in rover_arm"),
+    "an unknown frame": (["fk", "rover_arm", "--frame", "tol0"], "no frame 'tol0' in rover_arm; closest: 'tool0'"),
+    "a position of two numbers": (["ik", "rover_arm", "--xyz", "1 2"], "--xyz takes 3 numbers"),
+    "a position that is infinite": (["ik", "rover_arm", "--xyz", "inf 0 0"], "--xyz takes 3 numbers"),
+    "two kinds of target": (
+        ["ik", "rover_arm", "--xyz", "1 0 0", "--rpy", "0 0 0", "--direction", "1 0 0"], "not both",
+    ),
+    "a direction of no length": (["ik", "rover_arm", "--xyz", "1 0 0", "--direction", "0 0 0"], "zero vector"),
+    "no target": (["ik", "rover_arm"], "xyz"),
+    "a waypoint outside the limits": (["plan", "rover_arm", "--to", "0.7 0 0 0 0"], "slide"),
+    "a xacro argument without :=": (["info", "rover_arm", "--xacro", "deck_height=1"], "--xacro takes NAME:=VALUE"),
+    "an unknown xacro argument": (["info", "rover_arm", "--xacro", "deck:=1"], "closest: 'deck_height'"),
+    "package dirs that are not there": (["info", "rover_arm", "--package-dir", "nowhere"], "nowhere is not a folder"),
+    "no golden file": (["check", "rover_arm", "--against", "nowhere.json"], "cannot be read"),
+    "freezing into nowhere": (["freeze", "rover_arm", "-o", "nowhere/g.json"], "does not exist; create it first"),
+    "a csv into nowhere": (["plan", "rover_arm", "--to", "zero", "--csv", "nowhere/t.csv"], "does not exist"),
+    "a page into nowhere": (["view", "rover_arm", "--save", "nowhere/a.html"], "does not exist"),
+    "an unknown command": (["inof", "rover_arm"], "inof"),
+    "an unknown option": (["info", "rover_arm", "--jsno"], "--jsno"),
+    "no arm": (["info"], "ARM"),
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("case", BAD)
+def test_bad_input_is_one_line_and_exit_code_2(
+    case: str, capsys: Capture, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    arguments, message = BAD[case]
+    monkeypatch.chdir(tmp_path)
+    assert message in error_of(capsys, *arguments)
+    assert list(tmp_path.iterdir()) == [], "nothing is written"
+
+
+@pytest.mark.parametrize("case", REFUSED)
+def test_every_refused_description_is_one_line(case: str, capsys: Capture, tmp_path: Path) -> None:
+    text, message = REFUSED[case]
+    path = write(tmp_path, text)
+    assert message in error_of(capsys, "info", str(path), "--tip", "tool0")
+
+
+def test_several_possible_tips_are_listed(capsys: Capture, tmp_path: Path) -> None:
+    parts = joint("a", "base_link", "upper"), joint("b", "upper", "left"), joint("c", "upper", "right")
+    path = write(tmp_path, robot(*parts, links=("base_link", "upper", "left", "right")))
+    assert "several links could be the tip: 'left', 'right'; pass tip=" in error_of(capsys, "info", str(path))
+
+
+def test_planning_without_limits_names_the_joint_and_the_argument(capsys: Capture, tmp_path: Path) -> None:
+    path = write(tmp_path, two_joints())
+    message = error_of(capsys, "plan", str(path), "--from", "zero", "--to", "10 10")
+    assert "no acceleration limit for a, b: give it as limits={'acceleration': {'a': …}}" in message
+    assert run(["plan", str(path), "--from", "zero", "--to", "10 10", "--acceleration", "3"]) == 0
+
+
+def test_a_port_in_use(capsys: Capture) -> None:
+    import socket
+
+    with socket.socket() as taken:
+        taken.bind(("127.0.0.1", 0))
+        taken.listen()
+        port = str(taken.getsockname()[1])
+        assert run(["view", "rr_planar", "--port", port, "--no-browser"]) == 2
+    message = capsys.readouterr().err
+    assert port in message
+    assert message.count("\n") == 1
+
+
+def test_debug_shows_the_traceback() -> None:
+    with pytest.raises(twistarm.errors.UnknownNameError):
+        run(["info", "rover_amr", "--debug"])
+
+
+def test_the_installed_program() -> None:
+    program = Path(sys.executable).with_name("twistarm")
+    done = subprocess.run([program, "info", "nobody"], capture_output=True, text=True, timeout=60, check=False)
+    assert (done.returncode, done.stdout) == (2, "")
+    assert done.stderr.startswith("error: no arm 'nobody' in the catalogue")
+    assert "Traceback" not in done.stderr
+    helped = subprocess.run([program, "--help"], capture_output=True, text=True, timeout=60, check=True)
+    for command in ("demo", "info", "check", "freeze", "fk", "jacobian", "ik", "plan", "view"):
+        assert command in helped.stdout
+
+
+def test_a_reader_that_leaves_early_is_no_error() -> None:
+    program = Path(sys.executable).with_name("twistarm")
+    done = subprocess.run(
+        f"'{program}' info rover_arm --json | head -1",
+        shell=True,
+        capture_output=True,
+        text=True,
+        timeout=60,
+        check=True,
+    )
+    assert "Traceback" not in done.stderr
