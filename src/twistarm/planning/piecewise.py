@@ -1,0 +1,68 @@
+"""Piecewise polynomials of many joints at once: value, derivative, and where their extremes lie.
+
+Coefficients are (degree + 1, segments, n), highest power first, in the time since the segment's start [s]: the
+layout of SciPy's `PPoly`.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..checks import Array
+
+BISECTIONS = 30
+"""An extreme located to 2⁻³⁰ of its segment has its value to 2⁻⁶⁰: the slope there is zero."""
+
+
+def derivative(coefficients: Array, order: int = 1) -> Array:
+    """Coefficients of the derivative of that order; a zero polynomial keeps one row of zeros."""
+    for _ in range(order):
+        powers = np.arange(len(coefficients) - 1, 0, -1.0)
+        lowered = coefficients[:-1] * powers[:, None, None]
+        coefficients = lowered if len(lowered) else np.zeros((1, *coefficients.shape[1:]))
+    return coefficients
+
+
+def evaluate(coefficients: Array, tau: Array) -> Array:
+    """Σ c_k tau^(degree − k) by Horner's rule, tau [s] since the segment's start, broadcast against c_k."""
+    value = np.zeros(np.broadcast_shapes(coefficients.shape[1:], tau.shape))
+    for row in coefficients:
+        value = value * tau + row
+    return value
+
+
+def stretched(coefficients: Array, factor: float) -> Array:
+    """The same path, `factor` times as slow: p(t / factor)."""
+    powers = np.arange(len(coefficients) - 1, -1, -1.0)
+    slower: Array = coefficients * (1.0 / factor) ** powers[:, None, None]
+    return slower
+
+
+def extremes(coefficients: Array, durations: Array) -> tuple[Array, Array]:
+    """Times tau (c, s, n) [s] since each segment's start at which every extreme is found, and the values there.
+
+    The candidates are both ends and the zeros of the derivative, which are found between the zeros of the next
+    derivative, and so on up to the linear one: on each interval between those the polynomial is monotone and
+    bisection cannot fail. Where there is no zero a candidate falls on an interval's end, which does no harm.
+    """
+    powers = np.arange(len(coefficients) - 1, -1, -1.0)
+    unit = coefficients * durations[:, None] ** powers[:, None, None]
+    edges = _edges(derivative(unit))
+    tau = edges * durations[:, None]
+    return tau, evaluate(coefficients, tau)
+
+
+def _edges(slope: Array) -> Array:
+    """0, the zeros of `slope` in [0, 1] in order, 1: (degree + 2, s, n)."""
+    ends = np.zeros((1, *slope.shape[1:])), np.ones((1, *slope.shape[1:]))
+    if len(slope) == 1:
+        return np.concatenate(ends)
+    inner = _edges(derivative(slope))
+    low, high = inner[:-1].copy(), inner[1:].copy()
+    rising: NDArray[np.bool_] = evaluate(slope, low) < evaluate(slope, high)
+    for _ in range(BISECTIONS):
+        middle = 0.5 * (low + high)
+        right = (evaluate(slope, middle) < 0) == rising
+        low, high = np.where(right, middle, low), np.where(right, high, middle)
+    return np.concatenate([ends[0], 0.5 * (low + high), ends[1]])

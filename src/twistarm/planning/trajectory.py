@@ -1,0 +1,125 @@
+"""Trajectory: a joint motion in time, as plain data."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from math import ceil
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from ..checks import Array, as_floats, frozen
+from ..errors import InputError
+from .piecewise import derivative, evaluate, extremes
+
+RATE_UNITS = ("", "/s", "/s²", "/s³")
+"""What follows a joint's unit for the derivative of each order."""
+
+MAX_SAMPLES = 10_000_000
+"""More samples than this are a mistaken `dt`."""
+
+LAST_STEP = 1e-6
+"""A last step shorter than this part of `dt` is rounding, and joins the step before it."""
+
+
+class Samples(NamedTuple):
+    """A trajectory at m instants: `t` (m,) [s], strictly increasing; the others (m, n), rad or m and their rates."""
+
+    t: Array
+    theta: Array
+    theta_dot: Array
+    theta_ddot: Array
+
+
+@dataclass(frozen=True, eq=False)
+class Trajectory:
+    """theta(t) of n joints, a polynomial on each of s pieces; at rest before, at the start, at the end and after.
+
+    `breakpoints` (s + 1,) [s] starts at 0 and increases; `coefficients` (degree + 1, s, n), highest power of
+    t − breakpoints[i] first, as in SciPy's `PPoly(coefficients, breakpoints)`. `waypoints` (k, n) are what it
+    was planned through and `times` (k,) [s] when it passes them: equal for waypoints that were merged into one.
+    A motion from a point to itself has duration 0 and one piece of no length.
+    """
+
+    joint_names: tuple[str, ...]
+    units: tuple[str, ...]
+    waypoints: Array
+    times: Array
+    breakpoints: Array
+    coefficients: Array
+
+    def __post_init__(self) -> None:
+        for name in ("waypoints", "times", "breakpoints", "coefficients"):
+            object.__setattr__(self, name, frozen(as_floats(getattr(self, name), name)))
+        n, k, s = len(self.joint_names), len(self.times), len(self.breakpoints) - 1
+        if self.waypoints.shape != (k, n) or self.coefficients.shape[1:] != (s, n) or len(self.units) != n:
+            raise InputError(
+                f"a trajectory of {n} joints with {k} times and {s + 1} breakpoints needs waypoints {(k, n)} and "
+                f"coefficients (degree + 1, {s}, {n}); got {self.waypoints.shape} and {self.coefficients.shape}"
+            )
+        steps = np.diff(self.breakpoints)
+        if s < 1 or self.breakpoints[0] != 0 or not ((steps > 0).all() or (s == 1 and steps[0] == 0)):
+            raise InputError("the breakpoints of a trajectory must increase from 0")
+
+    @property
+    def n(self) -> int:
+        """Number of joints."""
+        return len(self.joint_names)
+
+    @property
+    def duration(self) -> float:
+        """Length in time [s]."""
+        return float(self.breakpoints[-1])
+
+    def __call__(self, t: ArrayLike, order: int = 0) -> Array:
+        """The derivative of that order (0 … 3) at t (...) [s], (..., n): rad or m, and per s, s², s³.
+
+        Outside [0, duration] the ends are held: their position, and zero derivatives. At both ends the velocity
+        is exactly zero and the others are the limits from inside; at a breakpoint, where one may jump, the limit
+        from above.
+        """
+        _check_order(order)
+        times = as_floats(t, "t")
+        at = times.ravel()
+        piece = np.clip(np.searchsorted(self.breakpoints, at, side="right") - 1, 0, len(self.breakpoints) - 2)
+        tau = (at - self.breakpoints[piece])[:, None]
+        values = evaluate(derivative(self.coefficients[:, piece], order), tau)
+        return self._held(values, at, order).reshape(*times.shape, self.n)
+
+    def peak(self, order: int) -> Array:
+        """The largest magnitude of the derivative of that order (0 … 3) over the whole motion, (n,), exactly."""
+        _check_order(order)
+        _, values = extremes(derivative(self.coefficients, order), np.diff(self.breakpoints))
+        peak: Array = np.abs(values).max(axis=(0, 1))
+        return peak
+
+    def sample(self, dt: float) -> Samples:
+        """Position, velocity and acceleration every `dt` [s] from 0 on, and at `duration` exactly.
+
+        The last step may be shorter. A trajectory of duration 0 gives one sample.
+        """
+        step = as_floats(dt, "dt")
+        if step.ndim or step <= 0 or self.duration / float(step) > MAX_SAMPLES:
+            raise InputError(
+                f"dt must be one positive number [s] that gives at most {MAX_SAMPLES:,} samples of "
+                f"{self.duration:g} s; got {dt}"
+            )
+        steps = max(ceil(self.duration / float(step) - LAST_STEP), int(self.duration > 0))
+        t = np.append(step * np.arange(steps), self.duration)
+        return Samples(t, self(t), self(t, 1), self(t, 2))
+
+    def _held(self, values: Array, at: Array, order: int) -> Array:
+        before, after = at <= 0, at >= self.duration
+        if order == 0:
+            values[before], values[after] = self.waypoints[0], self.waypoints[-1]
+        elif order == 1:
+            values[before | after] = 0.0
+        else:
+            values[(at < 0) | (at > self.duration)] = 0.0
+        return values
+
+
+def _check_order(order: int) -> None:
+    if not isinstance(order, int | np.integer) or not 0 <= order < len(RATE_UNITS):
+        raise InputError(f"order must be 0 (position), 1, 2 or 3 (jerk); got {order!r}")

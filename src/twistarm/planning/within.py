@@ -1,0 +1,96 @@
+"""How far a motion keeps the joint limits, from its exact extremes, and the error that says where it does not."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from ..checks import Array
+from ..errors import LimitError
+from ..limits import JointLimits
+from .piecewise import derivative, extremes
+from .trajectory import RATE_UNITS, Trajectory
+
+POSITION_TOL = 1e-9
+"""Beyond a position limit by less [rad, m] is the rounding of a motion that ends on the limit."""
+
+RATE_TOL = 1e-9
+"""Above a rate limit by a smaller part of it is the rounding of a motion timed to meet it exactly."""
+
+RATES = ("velocity", "acceleration", "jerk")
+
+
+def stretch_needed(coefficients: Array, durations: Array, limits: JointLimits) -> Array:
+    """By what factor each segment's rates would have to be slowed, (s,): 1 where one just meets its limit.
+
+    A motion `f` times as slow has 1/f of the velocity, 1/f² of the acceleration and 1/f³ of the jerk.
+    """
+    worst = np.zeros(len(durations))
+    for order, rate in enumerate(RATES, 1):
+        limit = getattr(limits, rate)
+        if np.isfinite(limit).any():
+            _, values = extremes(derivative(coefficients, order), durations)
+            ratio = (np.abs(values).max(0) / limit).max(-1)
+            worst = np.maximum(worst, ratio ** (1.0 / order))
+    return worst
+
+
+def overshoot(coefficients: Array, durations: Array, limits: JointLimits) -> float:
+    """How far [rad, m] the motion leaves the position limits anywhere; 0 inside."""
+    _, values = extremes(coefficients, durations)
+    return float(np.maximum(limits.lower - values, values - limits.upper).max(initial=0.0))
+
+
+def require_within(trajectory: Trajectory, limits: JointLimits, advice: str) -> None:
+    """Raise LimitError naming joint, limit, value and time where `trajectory` leaves `limits`.
+
+    `advice` is what the caller tells a user to do against an excursion beyond a position limit.
+    """
+    _require_positions(trajectory, limits, advice)
+    for order, rate in enumerate(RATES, 1):
+        _require_rate(trajectory, order, rate, getattr(limits, rate), limits)
+
+
+def require_waypoints(waypoints: Array, limits: JointLimits, names: Sequence[str], units: Sequence[str]) -> None:
+    """Raise LimitError naming the waypoint, the joint and the limit where a waypoint is outside."""
+    beyond = np.maximum(limits.lower - waypoints, waypoints - limits.upper)
+    i, j = (int(index) for index in np.unravel_index(np.argmax(beyond), beyond.shape))
+    if beyond[i, j] <= POSITION_TOL:
+        return
+    side = "lower" if waypoints[i, j] < limits.lower[j] else "upper"
+    raise LimitError(
+        f"waypoint {i} (counted from 0) puts joint {names[j]!r} at {waypoints[i, j]:.6g} {units[j]}, "
+        f"{beyond[i, j]:.3g} {units[j]} beyond its {side} limit {getattr(limits, side)[j]:.6g} {units[j]}: "
+        "move the waypoint, or change the limit by limits="
+    )
+
+
+def _require_positions(trajectory: Trajectory, limits: JointLimits, advice: str) -> None:
+    tau, values = extremes(trajectory.coefficients, np.diff(trajectory.breakpoints))
+    beyond = np.maximum(limits.lower - values, values - limits.upper)
+    c, s, j = np.unravel_index(np.argmax(beyond), beyond.shape)
+    if beyond[c, s, j] <= POSITION_TOL:
+        return
+    side, unit = "lower" if values[c, s, j] < limits.lower[j] else "upper", trajectory.units[j]
+    time = trajectory.breakpoints[s] + tau[c, s, j]
+    raise LimitError(
+        f"between its waypoints joint {trajectory.joint_names[j]!r} would swing to {values[c, s, j]:.6g} {unit} at "
+        f"t = {time:.4g} s, {beyond[c, s, j]:.3g} {unit} beyond its {side} limit "
+        f"{getattr(limits, side)[j]:.6g} {unit}: {advice}"
+    )
+
+
+def _require_rate(trajectory: Trajectory, order: int, rate: str, limit: Array, limits: JointLimits) -> None:
+    durations = np.diff(trajectory.breakpoints)
+    tau, values = extremes(derivative(trajectory.coefficients, order), durations)
+    ratio = np.abs(values) / limit
+    c, s, j = np.unravel_index(np.argmax(ratio), ratio.shape)
+    if ratio[c, s, j] <= 1.0 + RATE_TOL:
+        return
+    unit, time = trajectory.units[j] + RATE_UNITS[order], trajectory.breakpoints[s] + tau[c, s, j]
+    factor = stretch_needed(trajectory.coefficients, durations, limits).max()
+    raise LimitError(
+        f"joint {trajectory.joint_names[j]!r} would need {abs(values[c, s, j]):.6g} {unit} at t = {time:.4g} s; its "
+        f"{rate} limit is {limit[j]:.6g} {unit}: multiply times by {factor * (1 + 5e-4):.4g}, or leave times out"
+    )

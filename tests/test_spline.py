@@ -1,0 +1,141 @@
+import builtins
+import itertools
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+from scipy.interpolate import CubicSpline, PPoly
+
+from strategies import fuzz, generators
+from twistarm.errors import MissingExtraError
+from twistarm.planning import spline
+from twistarm.planning.piecewise import derivative, evaluate
+
+SMOOTH = 1e-8
+"""Relative to distance over the shortest time to that power: the spline is solved for, and that loses digits."""
+
+ORTHOGONAL = 1e-6
+"""Relative: a product of twelve factors and a third derivative cancel in the integral."""
+
+FITS = {
+    # how many derivatives are continuous inside, and how many are zero at the ends
+    spline.cubic: (2, 1),
+    spline.quintic: (4, 2),
+    spline.cubic_rests: (1, 1),
+    spline.quintic_rests: (2, 2),
+}
+
+
+@st.composite
+def paths(draw):
+    """Waypoints (k, n) and times (k,), segments of unequal length."""
+    rng = draw(generators)
+    k, n = int(rng.integers(2, 9)), int(rng.integers(1, 5))
+    return rng.normal(size=(k, n)), np.concatenate([[0.0], np.cumsum(10.0 ** rng.uniform(-1, 1, k - 1))])
+
+
+def ends(coefficients, times, order):
+    """The derivative of that order where each piece starts and where it ends, (s, n) each."""
+    rows = derivative(coefficients, order)
+    return evaluate(rows, np.zeros((len(times) - 1, 1))), evaluate(rows, np.diff(times)[:, None])
+
+
+@pytest.mark.parametrize("fit", FITS, ids=lambda fit: fit.__name__)
+@fuzz
+@given(path=paths())
+def test_it_passes_the_waypoints_smoothly_and_rests_at_the_ends(fit, path):
+    waypoints, times = path
+    smooth, resting = FITS[fit]
+    coefficients = fit(waypoints, times)
+    for order in range(smooth + 1):
+        start, end = ends(coefficients, times, order)
+        size = np.abs(waypoints).max() / np.diff(times).min() ** order
+        if order == 0:
+            assert np.allclose(start, waypoints[:-1], atol=SMOOTH * size)
+            assert np.allclose(end, waypoints[1:], atol=SMOOTH * size)
+        assert np.allclose(end[:-1], start[1:], atol=SMOOTH * size)
+        if 0 < order <= resting:
+            assert np.allclose([start[0], end[-1]], 0.0, atol=SMOOTH * size)
+
+
+@pytest.mark.parametrize("fit", [spline.cubic_rests, spline.quintic_rests], ids=lambda fit: fit.__name__)
+@fuzz
+@given(path=paths())
+def test_resting_profiles_rest_everywhere_on_a_straight_line(fit, path):
+    waypoints, times = path
+    coefficients = fit(waypoints, times)
+    for order in range(1, FITS[fit][1] + 1):
+        assert np.allclose(ends(coefficients, times, order), 0.0, atol=1e-9)
+    # Every joint has gone the same fraction of its way: half of it in the middle.
+    middle = evaluate(coefficients, 0.5 * np.diff(times)[:, None])
+    assert np.allclose(middle, 0.5 * (waypoints[1:] + waypoints[:-1]))
+
+
+@fuzz
+@given(paths())
+def test_the_cubic_is_scipys_clamped_spline(path):
+    waypoints, times = path
+    t = np.linspace(0.0, times[-1], 50)
+    ours = PPoly(spline.cubic(waypoints, times), times)
+    assert np.allclose(ours(t), CubicSpline(times, waypoints, bc_type="clamped")(t))
+
+
+@fuzz
+@given(paths())
+def test_the_quintic_has_the_least_jerk_of_all_that_pass(path):
+    # Orthogonality: against any C³ function that vanishes at the waypoints, with velocity and acceleration zero at
+    # the ends, ∫ x⃛ f⃛ dt = 0. Here f = s³ with s = Π (t − t_i); more factors would drown it in rounding.
+    waypoints, times = path[0][:4], path[1][:4]
+    times = times / times[-1]
+    jerk = PPoly(spline.quintic(waypoints, times), times).derivative(3)
+    vanishing = np.poly1d(np.poly(times)) ** 3
+    third = vanishing.deriv(3)
+    nodes, weights = np.polynomial.legendre.leggauss(40)
+    total, size = np.zeros(waypoints.shape[1]), np.zeros(waypoints.shape[1])
+    for a, b in itertools.pairwise(times):
+        t = 0.5 * (b - a) * nodes + 0.5 * (a + b)
+        product = jerk(t) * third(t)[:, None] * (0.5 * (b - a) * weights)[:, None]
+        total, size = total + product.sum(0), size + np.abs(product).sum(0)
+    assert (np.abs(total) <= ORTHOGONAL * size).all()
+
+
+def test_a_single_segment_is_the_textbooks_polynomial():
+    # Lynch & Park §9.2.2.1 with T = 2 and a distance of 1, highest power first.
+    line, times = np.array([[0.0], [1.0]]), np.array([0.0, 2.0])
+    cubic, quintic = [-2 / 8, 3 / 4, 0, 0], [6 / 32, -15 / 16, 10 / 8, 0, 0, 0]
+    for fit, expected in ((spline.cubic, cubic), (spline.cubic_rests, cubic)):
+        assert fit(line, times)[:, 0, 0] == pytest.approx(expected, abs=SMOOTH)
+    for fit, expected in ((spline.quintic, quintic), (spline.quintic_rests, quintic)):
+        assert fit(line, times)[:, 0, 0] == pytest.approx(expected, abs=SMOOTH)
+
+
+@pytest.mark.parametrize("ramps", [[0.1, 1.0], [0.5, 0.5], [0.5, 1e-6]])
+def test_the_trapezoid_ramps_coasts_and_brakes(ramps):
+    waypoints, times = np.array([[0.0, 1.0], [1.0, 0.0], [3.0, 0.0]]), np.array([0.0, 1.0, 3.0])
+    breakpoints, coefficients = spline.trapezoid(waypoints, times, np.array(ramps))
+    motion = PPoly(coefficients, breakpoints)
+    assert np.allclose(motion(times), waypoints)
+    assert np.allclose(motion(times, 1), 0.0, atol=1e-9)
+    for i, (ramp, length) in enumerate(zip(ramps, np.diff(times), strict=True)):
+        step, speed = waypoints[i + 1] - waypoints[i], 1.0 / (length - ramp)
+        assert np.allclose(motion(times[i] + ramp, 1), speed * step)
+        assert np.allclose(motion(times[i + 1] - ramp, 1), speed * step)
+        assert np.allclose(motion(times[i] + ramp / 2, 2), speed / ramp * step)
+        assert np.allclose(motion(times[i + 1] - ramp / 2, 2), -speed / ramp * step)
+    coasting = sum(2 * ramp < length for ramp, length in zip(ramps, np.diff(times), strict=True))
+    assert len(breakpoints) == 5 + coasting
+
+
+@pytest.mark.parametrize("fit", [spline.cubic, spline.quintic], ids=lambda fit: fit.__name__)
+def test_without_scipy_the_command_that_installs_it_is_named(fit, monkeypatch):
+    found = builtins.__import__
+
+    def without_scipy(name, *args, **kwargs):
+        if name.startswith("scipy"):
+            raise ImportError(name)
+        return found(name, *args, **kwargs)
+
+    monkeypatch.setattr(builtins, "__import__", without_scipy)
+    with pytest.raises(MissingExtraError, match=r"planning needs SciPy.*pip install 'twistarm\[plan\]'"):
+        fit(np.zeros((2, 1)), np.array([0.0, 1.0]))

@@ -1,0 +1,162 @@
+import pickle
+from dataclasses import FrozenInstanceError
+
+import numpy as np
+import pytest
+from scipy.interpolate import PPoly
+
+from strategies import derivative
+from twistarm.errors import InputError
+from twistarm.planning import Samples, Trajectory
+
+ROUNDING = 1e-13
+"""Values of order 1 after a handful of operations."""
+
+FINITE_DIFFERENCE = 1e-8
+"""Sixth order with steps of 1 ms: rounding of 1e-16 over 1e-3, and then over the other factors."""
+
+
+def motion(n=2):
+    """Two quintic rest-to-rest pieces written out by hand: 0 → 1 in 2 s, 1 → −0.5 in 3 s; joint j scaled by j + 1."""
+    unit = np.array([6.0, -15.0, 10.0, 0.0, 0.0, 0.0])
+    first, second = unit / 2.0 ** np.arange(5, -1, -1), -1.5 * unit / 3.0 ** np.arange(5, -1, -1)
+    second[-1] = 1.0
+    scale = np.arange(1.0, n + 1)
+    return Trajectory(
+        joint_names=tuple(f"joint{j + 1}" for j in range(n)),
+        units=("rad",) * n,
+        waypoints=np.array([[0.0], [1.0], [-0.5]]) * scale,
+        times=np.array([0.0, 2.0, 5.0]),
+        breakpoints=np.array([0.0, 2.0, 5.0]),
+        coefficients=np.stack([first, second], axis=1)[:, :, None] * scale,
+    )
+
+
+def standstill():
+    return Trajectory(("a",), ("m",), np.full((2, 1), 0.3), np.zeros(2), np.zeros(2), np.full((1, 1, 1), 0.3))
+
+
+@pytest.mark.parametrize("order", range(4))
+@pytest.mark.parametrize("shape", [(), (7,), (2, 3), (0,)])
+def test_inside_it_is_scipys_piecewise_polynomial(order, shape):
+    trajectory = motion()
+    t = np.random.default_rng(0).uniform(0.01, 4.99, shape)
+    reference = PPoly(trajectory.coefficients, trajectory.breakpoints).derivative(order)
+    assert trajectory(t, order).shape == (*shape, 2)
+    assert np.allclose(trajectory(t, order), reference(t), atol=ROUNDING, rtol=ROUNDING)
+
+
+@pytest.mark.parametrize("order", [1, 2, 3])
+def test_each_order_is_the_derivative_of_the_one_before(order):
+    trajectory, t = motion(), np.linspace(0.1, 4.9, 41)
+    t = t[np.abs(t - 2.0) > 0.01]
+    assert np.allclose(trajectory(t, order), derivative(lambda h: trajectory(t + h, order - 1)), atol=FINITE_DIFFERENCE)
+
+
+@pytest.mark.parametrize("t", [-1.0, 0.0, 5.0, 5.5, 1e9])
+def test_the_ends_are_held(t):
+    trajectory = motion()
+    assert trajectory(t).tolist() == trajectory.waypoints[0 if t <= 0 else -1].tolist()
+    assert trajectory(t, 1).tolist() == [0.0, 0.0]
+    outside = t < 0 or t > 5
+    assert (trajectory(t, 3) == 0).all() == outside
+
+
+def test_at_the_ends_jerk_is_the_limit_from_inside():
+    # 60 d / T³: Lynch & Park §9.2.2.1, third derivative of 10 u³ − 15 u⁴ + 6 u⁵ at u = 0 and 1.
+    trajectory = motion()
+    assert trajectory([0.0, 5.0], 3)[:, 0] == pytest.approx([60 / 8, -1.5 * 60 / 27])
+
+
+def test_peaks_are_those_of_the_textbook():
+    # Lynch & Park §9.2.2.1: velocity 15/8 d/T, acceleration 10/√3 d/T².
+    trajectory = motion()
+    assert trajectory.peak(0) == pytest.approx([1.0, 2.0])
+    assert trajectory.peak(1) == pytest.approx(np.array([1.0, 2.0]) * 15 / 8 / 2)
+    assert trajectory.peak(2) == pytest.approx(np.array([1.0, 2.0]) * 10 / np.sqrt(3) / 4)
+    assert trajectory.peak(3) == pytest.approx(np.array([1.0, 2.0]) * 60 / 8)
+
+
+@pytest.mark.parametrize("dt", [0.01, 0.3, 1 / 3, 1.0, 2.5, 5.0, 100.0])
+def test_samples_increase_strictly_and_end_on_the_duration(dt):
+    samples = motion().sample(dt)
+    assert isinstance(samples, Samples)
+    assert samples.t[0] == 0.0
+    assert samples.t[-1] == 5.0
+    assert (np.diff(samples.t) > 0).all()
+    assert np.allclose(np.diff(samples.t)[:-1], dt)
+    assert len(samples.t) == np.ceil(round(5.0 / dt, 9)) + 1
+    assert samples.theta[-1].tolist() == [-0.5, -1.0]
+    assert samples.theta_dot[-1].tolist() == [0.0, 0.0]
+    for order, values in enumerate(samples[1:]):
+        assert np.array_equal(values, motion()(samples.t, order))
+
+
+@pytest.mark.parametrize(("duration", "dt", "count"), [(3 * 0.1, 0.1, 4), (0.7, 0.1, 8), (1e-9, 0.1, 2)])
+def test_a_rounding_is_no_sample_of_its_own(duration, dt, count):
+    line = Trajectory(
+        ("a",), ("m",), [[0.0], [duration]], [0, duration], [0, duration], np.ones((2, 1, 1)) * [[[1]], [[0]]]
+    )
+    samples = line.sample(dt)
+    assert len(samples.t) == count
+    assert (np.diff(samples.t) > 0.5 * min(dt, duration)).all()
+    assert samples.theta[[0, -1], 0].tolist() == [0.0, duration]
+
+
+def test_a_motion_of_no_length_stays_where_it_is():
+    trajectory = standstill()
+    assert trajectory.duration == 0.0
+    assert trajectory([-1.0, 0.0, 1.0]).tolist() == [[0.3]] * 3
+    assert trajectory.sample(0.1).t.tolist() == [0.0]
+    for order in (1, 2, 3):
+        assert trajectory(0.0, order).tolist() == [0.0]
+        assert trajectory.peak(order).tolist() == [0.0]
+
+
+def test_it_is_plain_read_only_data():
+    trajectory = motion()
+    copy = pickle.loads(pickle.dumps(trajectory))
+    assert np.array_equal(copy(np.linspace(0, 5, 9)), trajectory(np.linspace(0, 5, 9)))
+    with pytest.raises(FrozenInstanceError):
+        trajectory.times = np.zeros(3)
+    with pytest.raises(ValueError, match="read-only"):
+        trajectory.coefficients[0] = 1.0
+
+
+def test_evaluating_leaves_the_waypoints_alone():
+    trajectory = motion()
+    trajectory(0.0)[:] = 9.0
+    trajectory(np.array([0.0, 9.0]))[:] = 9.0
+    assert trajectory(0.0).tolist() == [0.0, 0.0]
+
+
+@pytest.mark.parametrize("order", [-1, 4, 1.0, "1", None, [1]])
+def test_an_order_that_does_not_exist(order):
+    with pytest.raises(InputError, match=r"order must be 0 \(position\), 1, 2 or 3 \(jerk\); got"):
+        motion()(0.0, order)
+    with pytest.raises(InputError, match="order must be"):
+        motion().peak(order)
+
+
+@pytest.mark.parametrize("dt", [0.0, -0.1, np.nan, np.inf, 1e-9, 1e-320, "x", [0.1], None])
+def test_a_dt_that_makes_no_samples(dt):
+    with pytest.raises(InputError, match=r"dt must be (one positive number|finite|an array of real numbers)"):
+        motion().sample(dt)
+
+
+@pytest.mark.parametrize("t", [np.nan, "now", [0.0, np.inf]])
+def test_a_time_that_is_none(t):
+    with pytest.raises(InputError, match="t must be"):
+        motion()(t)
+
+
+def test_parts_that_do_not_fit_are_refused():
+    good = motion()
+    with pytest.raises(InputError, match=r"needs waypoints \(3, 1\) and coefficients \(degree \+ 1, 2, 1\)"):
+        Trajectory(("a",), ("rad",), good.waypoints, good.times, good.breakpoints, good.coefficients)
+    with pytest.raises(InputError, match="must increase from 0"):
+        Trajectory(good.joint_names, good.units, good.waypoints, good.times, [0.0, 2.0, 2.0], good.coefficients)
+    with pytest.raises(InputError, match="coefficients must be finite"):
+        Trajectory(
+            good.joint_names, good.units, good.waypoints, good.times, good.breakpoints, good.coefficients * np.nan
+        )
