@@ -6,13 +6,10 @@ Nothing here uses twistarm: rotations come from SciPy, exponentials from integer
 from __future__ import annotations
 
 import numpy as np
-from hypothesis import settings
 from hypothesis import strategies as st
 from scipy.spatial.transform import Rotation
 
 EPS = np.finfo(float).eps
-
-fuzz = settings(derandomize=True, deadline=None, max_examples=50)
 
 BATCHES = ((), (1,), (4,), (2, 3), (0,))
 SCALES = (1e-9, 1e-3, 1.0, 1e3, 1e6)

@@ -8,7 +8,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from scipy.spatial.transform import Rotation
 
-from strategies import BATCHES, EPS, batches, fuzz, poses, rotations
+from strategies import BATCHES, EPS, batches, poses, rotations
 from twistarm import checks
 from twistarm.errors import InputError, TwistarmError
 
@@ -89,7 +89,6 @@ def test_directions_are_made_unit_vectors():
 # rotations and poses ----------------------------------------------------------------------------------
 
 
-@fuzz
 @given(st.data())
 def test_rotations_of_rounding_quality_pass_unchanged(data):
     R = data.draw(rotations(data.draw(batches)))
@@ -127,7 +126,6 @@ def test_single_precision_poses_pass():
     assert np.abs(clean[:3, :3].T @ clean[:3, :3] - np.eye(3)).max() <= CLEAN
 
 
-@fuzz
 @given(st.data())
 def test_poses_pass(data):
     g = data.draw(poses(data.draw(batches)))

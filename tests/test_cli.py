@@ -10,12 +10,12 @@ from typing import Any
 
 import numpy as np
 import pytest
-from test_urdf import REFUSED
-from urdf_text import joint, robot, two_joints, write
 
 import twistarm
+from test_urdf import REFUSED
 from twistarm.cli.application import run
 from twistarm.rotations import from_rpy
+from urdf_text import joint, robot, two_joints, write
 
 Capture = pytest.CaptureFixture[str]
 
@@ -170,7 +170,7 @@ BAD = {
     "a base beyond the tip": (["info", "rover_arm", "--base", "tool0", "--tip", "base_link"], "is no ancestor of tip"),
     "theta too short": (["fk", "rover_arm", "--theta", "1 2"], "rover_arm takes 5 values (slide, shoulder"),
     "theta with a word": (["fk", "rover_arm", "--theta", "1 2 x 4 5"], "is neither joint values (5 numbers"),
-    "theta with NaN": (["fk", "rover_arm", "--theta", "0 0 nan 0 0"], "theta must be finite; it holds nan at index [2]"),
+    "theta with NaN": (["fk", "rover_arm", "--theta", "0 0 nan 0 0"], "theta must be finite; it holds nan at index [2]"),  # noqa: E501
     "theta of an unknown joint": (["fk", "rover_arm", "--theta", "elbw=1"], "no joint 'elbw' in rover_arm"),
     "an unknown frame": (["fk", "rover_arm", "--frame", "tol0"], "no frame 'tol0' in rover_arm; closest: 'tool0'"),
     "a position of two numbers": (["ik", "rover_arm", "--xyz", "1 2"], "--xyz takes 3 numbers"),

@@ -19,7 +19,6 @@ from strategies import (
     derivative,
     directions,
     exact_exp,
-    fuzz,
     scales,
     vectors,
 )
@@ -55,7 +54,6 @@ def from_vector(w):
 # exponential ------------------------------------------------------------------------------------------
 
 
-@fuzz
 @given(st.data())
 def test_skew_is_the_cross_product(data):
     batch = data.draw(batches)
@@ -64,11 +62,10 @@ def test_skew_is_the_cross_product(data):
     close(rotations.cross(w, q), np.cross(w, q), 0)
 
 
-@pytest.mark.parametrize("axis", AXES)
 @pytest.mark.parametrize("angle", HARD_ANGLES)
-def test_exp_is_the_exponential_series(axis, angle):
-    w = axis * angle
-    close(rotations.exp(w), exact_exp(rotations.skew(w)), ROUNDING)
+def test_exp_is_the_exponential_series(angle):
+    for w in angle * AXES:
+        close(rotations.exp(w), exact_exp(rotations.skew(w)), ROUNDING)
 
 
 @pytest.mark.parametrize("angle", [1e-190, 1e-160, 1e-16, 1e-12, 1e-9])
@@ -92,7 +89,6 @@ def test_below_the_shortest_length_there_is_no_rotation():
     assert rotations.exp([1.1 * rotations.TINY, 0, 0])[2, 1] == 1.1 * rotations.TINY
 
 
-@fuzz
 @given(st.data())
 def test_exp_agrees_with_scipy(data):
     batch = data.draw(batches)
@@ -100,7 +96,6 @@ def test_exp_agrees_with_scipy(data):
     close(rotations.exp(w), from_vector(w), SCIPY)
 
 
-@fuzz
 @given(st.data())
 def test_w_need_not_be_a_unit_vector(data):
     batch = data.draw(batches)
@@ -130,13 +125,11 @@ def test_vectors_of_extreme_length_neither_overflow_nor_vanish():
 # logarithm --------------------------------------------------------------------------------------------
 
 
-@pytest.mark.parametrize("axis", AXES)
 @pytest.mark.parametrize("angle", [angle for angle in HARD_ANGLES if angle < np.pi - 2e-15])
-def test_log_undoes_exp(axis, angle):
-    close(rotations.log(rotations.exp(axis * angle)), axis * angle, PI_ROUNDING)
+def test_log_undoes_exp(angle):
+    close(rotations.log(rotations.exp(angle * AXES)), angle * AXES, PI_ROUNDING)
 
 
-@fuzz
 @given(st.data())
 def test_exp_undoes_log(data):
     R = data.draw(any_rotation(data.draw(batches)))
@@ -145,7 +138,6 @@ def test_exp_undoes_log(data):
     close(rotations.exp(w), R, PI_ROUNDING)
 
 
-@fuzz
 @given(any_rotation())
 def test_log_agrees_with_pinocchio_away_from_pi(R):
     w = rotations.log(R)
@@ -163,11 +155,10 @@ def test_at_a_half_turn_the_first_nonzero_component_is_positive(axis):
         assert rotations.to_quaternion_wxyz(R)[0] == 0
 
 
-@pytest.mark.parametrize("axis", AXES)
 @pytest.mark.parametrize("short", [4e-15, 1e-14, 1e-12])
-def test_just_short_of_a_half_turn_the_sign_is_that_of_the_turn(axis, short):
-    for u in (axis, -axis):
-        close(rotations.log(from_vector((np.pi - short) * u)), (np.pi - short) * u, PI_ROUNDING)
+def test_just_short_of_a_half_turn_the_sign_is_that_of_the_turn(short):
+    for w in ((np.pi - short) * AXES, (short - np.pi) * AXES):
+        close(rotations.log(from_vector(w)), w, PI_ROUNDING)
 
 
 def test_both_sides_of_the_half_turn_tolerance():
@@ -180,7 +171,6 @@ def test_both_sides_of_the_half_turn_tolerance():
 # axis and angle ---------------------------------------------------------------------------------------
 
 
-@fuzz
 @given(st.data())
 def test_axis_and_angle(data):
     batch, scale = data.draw(batches), data.draw(scales)
@@ -200,12 +190,11 @@ def test_no_rotation_is_about_z():
     assert angle == 0
 
 
-@pytest.mark.parametrize("axis", AXES)
 @pytest.mark.parametrize("angle", HARD_ANGLES)
-def test_angle_between_is_accurate_near_0_and_pi(axis, angle):
-    R = Rotation.random(random_state=3).as_matrix()
-    close(rotations.angle_between(R, R @ from_vector(angle * axis)), angle, PI_ROUNDING)
-    close(rotations.angle_between(np.eye(3), rotations.exp(angle * axis)), angle, PI_ROUNDING)
+def test_angle_between_is_accurate_near_0_and_pi(angle):
+    R, turn = Rotation.random(random_state=3).as_matrix(), from_vector(angle * AXES)
+    close(rotations.angle_between(R, R @ turn), angle, PI_ROUNDING)
+    close(rotations.angle_between(np.eye(3), turn), angle, PI_ROUNDING)
 
 
 def test_angle_between_broadcasts():
@@ -217,7 +206,6 @@ def test_angle_between_broadcasts():
 # quaternions ------------------------------------------------------------------------------------------
 
 
-@fuzz
 @given(st.data())
 def test_quaternions_agree_with_scipy(data):
     batch, scale = data.draw(batches), data.draw(st.sampled_from([*SCALES, 1e-150, 1e200]))
@@ -228,7 +216,6 @@ def test_quaternions_agree_with_scipy(data):
     close(rotations.from_quaternion_wxyz(np.roll(Q, 1, axis=-1) * -scale), expected, SCIPY)
 
 
-@fuzz
 @given(st.data())
 def test_quaternion_of_a_rotation(data):
     R = data.draw(any_rotation(data.draw(batches)))
@@ -247,7 +234,6 @@ def test_quaternions_where_the_largest_component_changes(Q):
     close(rotations.to_quaternion_wxyz(rotations.from_quaternion_wxyz(Q)), Q, ROUNDING)
 
 
-@fuzz
 @given(st.data())
 def test_quaternion_products_are_products_of_rotations(data):
     batch = data.draw(batches)
@@ -256,7 +242,6 @@ def test_quaternion_products_are_products_of_rotations(data):
     close(rotations.from_quaternion_wxyz(rotations.quaternion_product_wxyz(P, Q)), R1 @ R2, SCIPY)
 
 
-@fuzz
 @given(st.data())
 def test_quaternion_inverse_of_any_length(data):
     batch, scale = data.draw(batches), data.draw(st.sampled_from([*SCALES, 1e-150, 1e150]))
@@ -288,19 +273,18 @@ def test_every_order_agrees_with_scipy(order):
 
 @pytest.mark.parametrize("order", rotations.EULER_ORDERS)
 @pytest.mark.parametrize("off", [0.0, 1e-16, 3e-15, 0.9e-14, 1.1e-14, 1e-13, 1e-9, 1e-6])
-@pytest.mark.parametrize("end", [0, 1])
-def test_euler_angles_at_and_near_gimbal_lock(order, off, end):
-    proper = order[0] == order[2]
-    low, high = (0.0, np.pi) if proper else (-np.pi / 2, np.pi / 2)
-    middle = low + off if end == 0 else high - off
-    R = rotations.from_euler(order, [0.4, middle, -1.1])
-    found = rotations.to_euler(order, R)
-    close(rotations.from_euler(order, found), R, 3 * rotations.GIMBAL_LOCK_TOL)
-    close(found[1], middle, ROUNDING * 2)
-    if off <= 1e-16:
-        assert found[2] == 0
-    if off >= 1e-6:
-        close(found, [0.4, middle, -1.1], 1e-9)
+def test_euler_angles_at_and_near_gimbal_lock(order, off):
+    low, high = (0.0, np.pi) if order[0] == order[2] else (-np.pi / 2, np.pi / 2)
+    for middle in (low + off, high - off):
+        R = rotations.from_euler(order, [0.4, middle, -1.1])
+        found = rotations.to_euler(order, R)
+        close(rotations.from_euler(order, found), R, 3 * rotations.GIMBAL_LOCK_TOL)
+        close(found[1], middle, ROUNDING * 2)
+        if off <= 1e-16:
+            assert found[2] == 0
+        if off >= 1e-6:
+            # The outer angles move by the rounding of R over the distance from lock.
+            close(found, [0.4, middle, -1.1], 1e-9)
 
 
 @pytest.mark.parametrize("order", rotations.EULER_ORDERS)
@@ -341,7 +325,6 @@ def test_the_rate_map_loses_its_condition_towards_gimbal_lock(beta):
     np.testing.assert_allclose(np.linalg.cond(B), expected, rtol=1e-6)
 
 
-@fuzz
 @given(st.data())
 def test_rpy_is_that_of_urdf(data):
     rpy = data.draw(vectors(data.draw(batches)))

@@ -96,8 +96,8 @@ class Arm:
     @property
     def body_screws(self) -> Array:
         """ξ_i seen from the tool at theta = 0: Ad(home⁻¹) screws, (6, m). MLS §3.2.2."""
-        screws: Array = adjoint(inverse(self.home)) @ self.screws
-        return screws
+        body: Array = adjoint(inverse(self.home)) @ self.screws
+        return body
 
     @property
     def frame_names(self) -> tuple[str, ...]:
@@ -142,7 +142,7 @@ class Arm:
         if frame == self.tip:
             return self.fk(theta)
         if self.description is None:
-            return np.broadcast_to(np.eye(4), (*self._theta(theta).shape[:-1], 4, 4)).copy()
+            return self._identity(theta)
         engine = self.pinocchio
         return self._each(self._theta(theta), lambda row: engine.link_pose(engine.q(row), self.base, frame), (4, 4))
 
@@ -154,7 +154,7 @@ class Arm:
         x = self._theta(theta)
         self._check_others(others or {})
         if self.description is None:
-            return {self.base: np.broadcast_to(np.eye(4), (*x.shape[:-1], 4, 4)).copy(), self.tip: self.fk(x)}
+            return {self.base: self._identity(x), self.tip: self.fk(x)}
         rows = x.reshape(-1, self.n)
         engine = self.pinocchio
         each = [engine.link_poses(engine.q(row, others), self.base) for row in rows]
@@ -303,6 +303,10 @@ class Arm:
 
     def _theta(self, theta: ArrayLike) -> Array:
         return as_theta(theta, self.n, names=self.joint_names)
+
+    def _identity(self, theta: ArrayLike) -> Array:
+        """The base seen from itself, one for each configuration."""
+        return np.tile(np.eye(4), (*self._theta(theta).shape[:-1], 1, 1))
 
     def _each(self, x: Array, function: Any, shape: tuple[int, ...]) -> Array:
         """`function` of each configuration of a batch: Pinocchio takes one at a time."""

@@ -44,7 +44,8 @@ def as_vector(value: ArrayLike, name: str, size: int = 3) -> Array:
 def as_direction(value: ArrayLike, name: str) -> Array:
     """`value` as unit vectors (..., 3); a zero vector has no direction and is refused."""
     array = as_vector(value, name)
-    norm = np.linalg.norm(array, axis=-1, keepdims=True)
+    # hypot does not overflow where the sum of squares would.
+    norm = np.hypot.reduce(array, axis=-1, keepdims=True)
     if not (norm > 1e-12).all():
         raise InputError(f"{name} must not be the zero vector: it has no direction")
     unit: Array = array / norm
@@ -101,6 +102,15 @@ def as_theta(value: ArrayLike, n: int, name: str = "theta", names: tuple[str, ..
         order = f": {', '.join(names)}" if names else ""
         raise InputError(f"{name} must have shape (..., {n}){order}; got {array.shape}")
     return array
+
+
+def require_broadcast(**leading: tuple[int, ...]) -> None:
+    """InputError unless the leading axes of the named arguments broadcast against each other."""
+    try:
+        np.broadcast_shapes(*leading.values())
+    except ValueError as error:
+        shapes = " and ".join(f"{name} {shape}" for name, shape in leading.items())
+        raise InputError(f"leading axes do not match: {shapes}; they must be equal, 1 or missing") from error
 
 
 def frozen(array: ArrayLike) -> Array:

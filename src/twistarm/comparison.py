@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import io
-import logging
 import re
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass
@@ -235,6 +234,8 @@ def _beyond_yourdfpy(arm: Arm) -> str:
 
 
 def _load_yourdfpy(text: str) -> Any:
+    import logging
+
     try:
         import yourdfpy
     except ImportError as error:

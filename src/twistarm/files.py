@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import os
-import secrets
 from contextlib import suppress
 from pathlib import Path
 
@@ -44,7 +43,7 @@ def _checked(path: str | os.PathLike[str]) -> Path:
 
 
 def _replace(target: Path, data: bytes) -> None:
-    temporary = target.with_name(f".{target.name[:60]}.{secrets.token_hex(6)}.part")
+    temporary = target.with_name(f".{target.name[:60]}.{os.urandom(6).hex()}.part")
     try:
         with open(temporary, "xb") as file:
             file.write(data)

@@ -10,7 +10,7 @@ from itertools import product
 import numpy as np
 from numpy.typing import ArrayLike
 
-from .checks import Array, as_direction, as_floats, as_rotation, as_vector
+from .checks import Array, as_direction, as_floats, as_rotation, as_vector, require_broadcast
 from .errors import InputError
 
 HALF_TURN_TOL = 5e-16
@@ -84,15 +84,6 @@ def cross(a: Array, b: Array) -> Array:
     for i, j, k in ((0, 1, 2), (1, 2, 0), (2, 0, 1)):
         result[..., i] = a[..., j] * b[..., k] - a[..., k] * b[..., j]
     return result
-
-
-def require_broadcast(**leading: tuple[int, ...]) -> None:
-    """InputError unless the leading axes of the named arguments broadcast against each other."""
-    try:
-        np.broadcast_shapes(*leading.values())
-    except ValueError as error:
-        shapes = " and ".join(f"{name} {shape}" for name, shape in leading.items())
-        raise InputError(f"leading axes do not match: {shapes}; they must be equal, 1 or missing") from error
 
 
 def _rodrigues(u: Array, sin_half: Array, cos_half: Array) -> Array:

@@ -11,9 +11,9 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from . import rotations
-from .checks import Array, as_floats, as_pose, as_twist, frozen
+from .checks import Array, as_floats, as_pose, as_twist, frozen, require_broadcast
 from .errors import InputError
-from .rotations import cross, require_broadcast, skew
+from .rotations import cross, skew
 
 ALGEBRA_TOL = 1e-4
 """How far, relative to its size, a matrix may be from so(3) or se(3): room for numerical derivatives."""

@@ -6,6 +6,7 @@ import sys
 from pathlib import Path
 from typing import Annotated
 
+import numpy as np
 import typer
 from rich.console import Console
 
@@ -63,7 +64,8 @@ def _show_motion(out: Console, arm: Arm) -> Trajectory:
     print(solution.explain())
     if not solution.converged:
         raise InputError("the demo's target was not reached: please report it")
-    out.rule("5. A trajectory through three poses")
-    trajectory = plan_joint(arm, ["ready", solution.theta, "ready"], kind="quintic")
+    out.rule("5. A trajectory through three poses: stowed, ready, and that target")
+    through = np.array([arm.named_states["stowed"], arm.ready, solution.theta])
+    trajectory = plan_joint(arm, through, kind="quintic")
     out.print(plan_table(arm, trajectory, radians=False))
     return trajectory
