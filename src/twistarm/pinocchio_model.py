@@ -4,10 +4,9 @@ from __future__ import annotations
 
 import importlib
 import os
-import sys
 import tempfile
 import threading
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from typing import Any
 
@@ -17,6 +16,9 @@ from .checks import Array
 from .description.coupling import Affine
 from .description.tree import Description
 from .errors import DescriptionError, TwistarmError
+
+_STDERR = threading.Lock()
+"""File descriptor 2 belongs to the whole process: one redirection at a time."""
 
 
 class PinocchioModel:
@@ -146,11 +148,14 @@ def _build(pin: Any, description: Description) -> Any:
 
 
 @contextmanager
-def _captured_stderr() -> Iterator[Any]:
+def _captured_stderr() -> Iterator[Callable[[], str]]:
     """Pinocchio's parser tells the cause only on the C++ stderr: keep it, as a text, while the context lasts."""
-    sys.stderr.flush()
-    saved = os.dup(2)
-    with tempfile.TemporaryFile() as file:
+    with _STDERR, tempfile.TemporaryFile() as file:
+        try:
+            saved = os.dup(2)
+        except OSError:  # a process without a stderr has nothing to capture
+            yield str
+            return
         os.dup2(file.fileno(), 2)
 
         def text() -> str:

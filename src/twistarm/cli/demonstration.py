@@ -16,20 +16,19 @@ from ..errors import InputError
 from ..ik import Approach, solve_ik
 from ..loading import load_arm
 from ..planning import Trajectory, plan_joint, to_csv
+from ..viewer import Viewer, save_html
 from .checking import check_table
 from .inspection import info_view
 from .inverse import solution_table
 from .motion import plan_table
 from .output import console, jacobian_table, pose_table
-from .viewing import Browser, Port
+from .viewing import Browser, Port, serve
 
 View = Annotated[bool, typer.Option("--view/--no-view", help="Open the live view, or write demo.html and demo.csv.")]
 
 
 def demo(view: View = True, port: Port = 0, browser: Browser = True) -> None:
     """Load the bundled rover arm from xacro; FK, Jacobians, cross-check, IK, a trajectory, and the view playing it."""
-    from ..viewer import Viewer, save_html
-
     out = console()
     arm = load_arm("rover_arm")
     _show_arm(out, arm)
@@ -38,10 +37,9 @@ def demo(view: View = True, port: Port = 0, browser: Browser = True) -> None:
         print(f"\nwritten: {save_html(arm, Path('demo.html'), trajectory)} (opens in a browser, offline)")
         print(f"written: {to_csv(trajectory, Path('demo.csv'))}")
         return
-    with Viewer(arm, trajectory(0.0), port=port, open_browser=browser) as viewer:
+    with Viewer(arm, trajectory(0.0), port=port, open_browser=False) as viewer:
         viewer.play(trajectory, loop=True)
-        print(f"\nThe arm plays it at {viewer.url}  (Ctrl-C ends it)", flush=True)
-        viewer.wait()
+        serve(viewer, "\nThe arm plays it at", browser)
 
 
 def _show_arm(out: Console, arm: Arm) -> None:

@@ -2,13 +2,16 @@
 
 from __future__ import annotations
 
+import webbrowser
 from pathlib import Path
 from typing import Annotated
 
 import typer
 
 from ..arm import Arm
+from ..viewer import Viewer, save_html
 from .options import Radians, Theta, parse_theta, takes_arm
+from .output import warn
 
 Port = Annotated[int, typer.Option(min=0, max=65535, help="Port to serve on; 0 takes a free one.")]
 Host = Annotated[str, typer.Option(help="Interface to serve on; anything else opens the view to that network.")]
@@ -26,12 +29,17 @@ def view(
     rad: Radians = False,
 ) -> None:
     """Show the arm in the browser, with a slider per joint; serves until Ctrl-C."""
-    from ..viewer import Viewer, save_html
-
     x = parse_theta(arm, theta, rad)
     if save is not None:
         print(f"written: {save_html(arm, save, theta=x)}")
         return
-    with Viewer(arm, x, host=host, port=port, open_browser=browser) as viewer:
-        print(f"{arm.name} at {viewer.url}  (Ctrl-C ends it)", flush=True)
-        viewer.wait()
+    with Viewer(arm, x, host=host, port=port, open_browser=False) as viewer:
+        serve(viewer, f"{arm.name} at", browser)
+
+
+def serve(viewer: Viewer, what: str, browser: bool) -> None:
+    """Print the page's address, open it in a browser if wanted and there is one, and serve until Ctrl-C."""
+    print(f"{what} {viewer.url}  (Ctrl-C ends it)", flush=True)
+    if browser and not webbrowser.open(viewer.url):
+        warn("no browser found here; open the address yourself, or use --save for a page that needs no server")
+    viewer.wait()

@@ -96,14 +96,6 @@ class Description:
     repaired: str = field(repr=False)
     findings: tuple[Finding, ...] = ()
 
-    def parent_joint(self, link: str) -> Joint | None:
-        """The joint whose child is `link`; None at the root."""
-        return self._parents.get(link)
-
-    @property
-    def _parents(self) -> Mapping[str, Joint]:
-        return {joint.child: joint for joint in self.joints.values()}
-
     @property
     def leaves(self) -> tuple[str, ...]:
         """Links without children, in file order."""
@@ -119,7 +111,7 @@ class Description:
 
     def chain(self, base: str, tip: str) -> tuple[Joint, ...]:
         """The joints from `base` out to `tip`, in this order, fixed ones included."""
-        parents = self._parents
+        parents = {joint.child: joint for joint in self.joints.values()}
         path: list[Joint] = []
         link = tip
         while link != base:
