@@ -1,0 +1,41 @@
+"""What may be shown: a configuration of the arm, a trajectory of its joints, a joint value inside its limits."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from ..arm import Arm
+from ..checks import Array, as_theta
+from ..errors import InputError, LimitError
+from ..planning.trajectory import Trajectory
+from .messages import LARGEST_VALUE
+
+LIMIT_TOL = 1e-6
+"""A slider's end may lie this far [rad, m] beyond a limit: its value went through decimal text."""
+
+
+def checked_theta(arm: Arm, theta: ArrayLike) -> Array:
+    """`theta` as one configuration (n,) that can be drawn."""
+    array = as_theta(theta, arm.n, names=arm.joint_names)
+    if array.ndim != 1:
+        raise InputError(f"theta must be one configuration, shape ({arm.n},); got {array.shape}")
+    if np.abs(array).max(initial=0.0) > LARGEST_VALUE:
+        raise InputError(f"theta must be at most {LARGEST_VALUE:g} in size; got {np.abs(array).max():g}")
+    return array
+
+
+def check_trajectory(arm: Arm, trajectory: Trajectory) -> None:
+    """InputError where `trajectory` is not one of this arm's joints."""
+    if tuple(trajectory.joint_names) != tuple(arm.joint_names):
+        raise InputError(
+            f"the trajectory moves {', '.join(trajectory.joint_names)}; "
+            f"{arm.name} has {', '.join(arm.joint_names)}: plan it for this arm"
+        )
+    checked_theta(arm, trajectory(0.0))
+
+
+def require_inside(name: str, value: float, lower: float, upper: float) -> None:
+    """LimitError where a joint would leave its limits."""
+    if not lower - LIMIT_TOL <= value <= upper + LIMIT_TOL:
+        raise LimitError(f"{name} = {value:g} is outside its limits {lower:g} … {upper:g}")

@@ -1,0 +1,136 @@
+"""The stand-alone page: one HTML file with everything in it, which opens offline and plays a trajectory."""
+
+from __future__ import annotations
+
+import base64
+import json
+import os
+import re
+from html import escape
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from .. import rotations
+from ..arm import Arm
+from ..checks import Array
+from ..errors import InputError
+from ..files import write_whole
+from ..planning.trajectory import Trajectory
+from .admission import check_trajectory, checked_theta
+from .drawing import require_meshcat
+from .page_files import meshcat_bundle, page_text
+from .scene import build_scene
+from .summary import describe_arm, extra_joints, placement, rest
+
+SAMPLE_TIME = 1.0 / 30.0
+"""Between samples [s] the page interpolates, so the eye sees no steps."""
+
+MOST_SAMPLES = 2000
+"""A longer motion is sampled more coarsely: the file stays within a few megabytes."""
+
+DECIMALS = 6
+"""Positions to a micrometre, quaternions to a microradian."""
+
+MODULES = ("units.js", "view.js", "panel.js", "recording.js", "standalone.js")
+"""What the stand-alone page runs, each module after those it imports."""
+
+POLICY = "default-src 'none'; script-src 'unsafe-inline'; style-src 'unsafe-inline'; img-src data: blob:"
+
+
+def save_html(
+    arm: Arm,
+    path: str | os.PathLike[str],
+    trajectory: Trajectory | None = None,
+    theta: ArrayLike | None = None,
+) -> Path:
+    """Write one HTML file that shows `arm`, and plays `trajectory` if one is given; without, it stands at theta (n,).
+
+    Needs no server and no browser to write, and no network to open: Meshcat's code and the meshes are inside, and the
+    page's policy lets it load nothing. `theta` defaults to the ready pose. Written whole or not at all.
+
+    Raises InputError for a trajectory of another arm or a path that cannot be written, MissingExtraError without
+    Meshcat.
+    """
+    require_meshcat()
+    start = arm.ready if theta is None else checked_theta(arm, theta)
+    if trajectory is not None:
+        check_trajectory(arm, trajectory)
+    scene = build_scene(arm)
+    data = {
+        "arm": describe_arm(arm),
+        "links": scene.links,
+        "visible": {"screws": True, "frames": True},
+        "samples": _samples(arm, trajectory, start),
+        "objects": [base64.b64encode(part).decode("ascii") for part in scene.objects],
+        "notes": scene.notes,
+    }
+    return write_whole(path, _page(arm.name, data))
+
+
+def _page(name: str, data: dict[str, Any]) -> str:
+    """index.html with its style, scripts and data inlined."""
+    page = page_text("index.html")
+    # A "<" in JSON can only stand in a string; escaped, no name can close the script.
+    literal = json.dumps(data, allow_nan=False, separators=(",", ":")).replace("<", "\\u003c")
+    policy = f'<meta http-equiv="Content-Security-Policy" content="{POLICY}">'
+    scripts = (
+        f'<script type="application/json" id="data">{literal}</script>\n<script type="module">\n{_program()}</script>'
+    )
+    for old, new in (
+        ("<title>twistarm</title>", f"<title>{escape(name)} · twistarm</title>"),
+        ('<meta charset="utf-8">', f'<meta charset="utf-8">\n{policy}'),
+        ('<link rel="stylesheet" href="style.css">', f"<style>\n{page_text('style.css')}</style>"),
+        ('<script src="meshcat.js"></script>', f"<script>{_inline(meshcat_bundle())}</script>"),
+        ('<script type="module" src="main.js"></script>', scripts),
+    ):
+        head, found, tail = page.partition(old)
+        if not found:
+            raise InputError(f"the page's index.html lacks {old!r}; reinstall twistarm")
+        page = head + new + tail
+    return page
+
+
+def _program() -> str:
+    """The modules as one, since a file opened from disk may import none; no two of them share a top-level name."""
+    text = "\n".join(page_text(name) for name in MODULES)
+    text = re.sub(r"^import .*;\n", "", text, flags=re.MULTILINE)
+    return _inline(re.sub(r"^export ", "", text, flags=re.MULTILINE))
+
+
+def _inline(script: str) -> str:
+    """JavaScript that may stand inside a script element: `</script` and `<!--` occur in its strings only."""
+    return re.sub(r"</(script)", r"<\\/\1", script, flags=re.IGNORECASE).replace("<!--", "<\\!--")
+
+
+def _samples(arm: Arm, trajectory: Trajectory | None, start: Array) -> dict[str, Any]:
+    times = np.zeros(1) if trajectory is None else _times(float(trajectory.duration))
+    thetas = [start] if trajectory is None else [checked_theta(arm, trajectory(t)) for t in times]
+    others = {name: rest(joint) for name, joint in extra_joints(arm).items()}
+    placed = [placement(arm, theta, others) for theta in thetas]
+    paths = placed[0]["transforms"]
+    return {
+        "times": times.tolist(),
+        "theta": [_rounded(theta) for theta in thetas],
+        "others": others,
+        "tool": [frame["tool"] for frame in placed],
+        "nodes": {path: [_seven(frame["transforms"][path]) for frame in placed] for path in paths},
+    }
+
+
+def _times(duration: float) -> Array:
+    count = min(MOST_SAMPLES, 1 + int(np.ceil(duration / SAMPLE_TIME)))
+    return np.linspace(0.0, duration, max(2, count)) if duration > 0 else np.zeros(1)
+
+
+def _seven(numbers: list[float]) -> list[float]:
+    """Position and quaternion (x, y, z, w) of a matrix given by columns."""
+    g = np.array(numbers).reshape(4, 4).T
+    return _rounded(np.concatenate([g[:3, 3], rotations.to_xyzw(g[:3, :3])]))
+
+
+def _rounded(values: Array) -> list[float]:
+    numbers: list[float] = np.round(values, DECIMALS).tolist()
+    return numbers

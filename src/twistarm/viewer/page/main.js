@@ -1,0 +1,59 @@
+// The live page: what the process says is shown, what the person does is asked for.
+
+import { Link } from "./link.js";
+import { Panel } from "./panel.js";
+import { View } from "./view.js";
+
+const view = new View(document.getElementById("pane"));
+const state = { hello: null, frame: null, drawn: 0, fitted: false };
+
+const panel = new Panel({
+  joint: (name, value) => ask({ type: "joint", name, value }),
+  pose: (name) => ask({ type: "pose", name }),
+  visible: (what, visible) => ask({ type: "visible", what, visible }),
+  play: () => ask({ type: "play" }),
+  pause: () => ask({ type: "pause" }),
+  seek: (time) => ask({ type: "seek", time }),
+  fit: () => view.fit(),
+});
+
+function ask(request) {
+  panel.showError("");
+  link.send(request);
+}
+
+const receive = {
+  hello(message) {
+    Object.assign(state, { hello: message, frame: null, drawn: 0 });
+    view.clear();
+    panel.showError("");
+    panel.build(message.arm, message.notes, true);
+  },
+  frame(message) {
+    state.frame = message;
+    view.place(message.transforms);
+    panel.show(message);
+    if (!state.fitted) view.fit();
+    state.fitted = true;
+  },
+  visible(message) {
+    for (const layer of ["screws", "frames"]) view.setVisible(layer, message[layer]);
+    panel.showVisible(message);
+  },
+  player: ({ duration }) => panel.showPlayer(duration),
+  error: ({ message }) => panel.showError(message),
+};
+
+const link = new Link({
+  message: (message) => receive[message.type](message),
+  object(bytes) {
+    view.draw(bytes);
+    state.drawn += 1;
+    const { objects } = state.hello;
+    panel.showStatus(state.drawn < objects ? `${state.drawn} / ${objects}` : "live");
+  },
+  status: (status) => panel.showStatus(status),
+  idle: () => panel.release(),
+});
+
+globalThis.twistarm = { view, panel, link, state };

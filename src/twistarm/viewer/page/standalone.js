@@ -1,0 +1,60 @@
+// The stand-alone page: an arm and perhaps a motion, with nobody to ask.
+
+import { Panel } from "./panel.js";
+import { Recording } from "./recording.js";
+import { View } from "./view.js";
+
+const data = JSON.parse(document.getElementById("data").textContent);
+const view = new View(document.getElementById("pane"));
+const recording = new Recording(data.samples);
+const state = { frame: null, time: 0, since: null };
+
+const panel = new Panel({
+  visible(what, on) {
+    view.setVisible(what, on);
+    data.visible[what] = on;
+    panel.showVisible(data.visible);
+  },
+  play: () => run(true),
+  pause: () => run(false),
+  seek(time) {
+    run(false);
+    show(time);
+  },
+  fit: () => view.fit(),
+});
+
+function show(time) {
+  state.time = time;
+  state.frame = { ...recording.at(time), running: state.since !== null };
+  view.place(state.frame.transforms);
+  panel.show(state.frame);
+}
+
+function run(on) {
+  if (on && state.time >= recording.duration) state.time = 0;
+  state.since = on ? performance.now() - 1000 * state.time : null;
+  show(state.time);
+  if (on) requestAnimationFrame(tick);
+}
+
+function tick() {
+  if (state.since === null) return;
+  const time = (performance.now() - state.since) / 1000;
+  if (time >= recording.duration) {
+    state.since = null;
+    return show(recording.duration);
+  }
+  show(time);
+  requestAnimationFrame(tick);
+}
+
+panel.build(data.arm, data.notes, false);
+panel.showVisible(data.visible);
+panel.showPlayer(recording.duration > 0 ? recording.duration : null);
+for (const object of data.objects) view.draw(Uint8Array.from(atob(object), (letter) => letter.charCodeAt(0)));
+show(0);
+view.fit();
+if (recording.duration > 0) run(true);
+
+globalThis.twistarm = { view, panel, state, data };

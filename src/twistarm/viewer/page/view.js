@@ -1,0 +1,162 @@
+// The 3D view: Meshcat's viewer with our own light, floor and camera.
+
+/* global MeshCat */
+
+const { THREE } = MeshCat;
+const DIRECTION = [0.95, -1.15, 0.62]; // from the arm towards the camera, in the arm's base axes
+const MARGIN = 1.04;
+
+export class View {
+  constructor(pane) {
+    this.viewer = new MeshCat.Viewer(pane);
+    // Meshcat takes the window's height for the pane's.
+    const resize = this.viewer.set_3d_pane_size.bind(this.viewer);
+    this.viewer.set_3d_pane_size = () => resize(pane.offsetWidth, pane.offsetHeight);
+    this.segments = new Map();
+    this.fixtures = new THREE.Group();
+    this.viewer.scene.add(this.fixtures);
+    for (const name of ["Lights", "Grid", "Axes"]) this.viewer.delete_path([name]);
+    this.viewer.set_property(["Background"], "visible", false);
+    this.light();
+    matchMedia("(prefers-color-scheme: dark)").addEventListener("change", () => this.furnish());
+    new ResizeObserver(() => this.viewer.set_3d_pane_size()).observe(pane);
+  }
+
+  light() {
+    const { scene } = this.viewer;
+    scene.add(new THREE.HemisphereLight(0xffffff, 0xb9c2cf, 0.55));
+    scene.children.at(-1).position.set(0, 0, 1);
+    const fill = new THREE.DirectionalLight(0xffffff, 0.14);
+    fill.position.set(-1, 0.6, 0.4);
+    scene.add(fill);
+    this.sun = new THREE.DirectionalLight(0xffffff, 0.46);
+    this.sun.castShadow = true;
+    this.sun.shadow.mapSize.set(1024, 1024);
+    scene.add(this.sun, this.sun.target);
+  }
+
+  // One of Meshcat's own messages, packed: something to draw.
+  draw(bytes) {
+    this.viewer.handle_command_bytearray(bytes);
+  }
+
+  // Take away what was drawn: another process may answer after a reconnection.
+  clear() {
+    for (const layer of ["arm", "screws", "frames"]) this.viewer.delete_path([layer]);
+  }
+
+  // {path: sixteen numbers, column by column}
+  place(transforms) {
+    for (const [path, matrix] of Object.entries(transforms)) this.viewer.set_transform(this.split(path), matrix);
+    this.viewer.set_dirty();
+  }
+
+  split(path) {
+    if (!this.segments.has(path)) this.segments.set(path, path.split("/").filter(Boolean));
+    return this.segments.get(path);
+  }
+
+  setVisible(layer, visible) {
+    this.viewer.set_property([layer], "visible", visible);
+    this.viewer.set_dirty();
+  }
+
+  node(path) {
+    return this.viewer.scene_tree.find(this.split(path)).object;
+  }
+
+  // The matrix of a node seen from the arm's base, as it is drawn.
+  drawn(path) {
+    const { scene } = this.viewer;
+    scene.updateMatrixWorld(true);
+    return new THREE.Matrix4().copy(scene.matrixWorld).invert().multiply(this.node(path).matrixWorld).toArray();
+  }
+
+  // Look at the whole arm, and give floor and light its size.
+  fit() {
+    const { scene, camera, controls } = this.viewer;
+    this.viewer.set_3d_pane_size();
+    scene.updateMatrixWorld(true);
+    const box = new THREE.Box3().setFromObject(this.node("/arm"));
+    if (box.isEmpty()) box.set(new THREE.Vector3(-0.5, 0, -0.5), new THREE.Vector3(0.5, 1, 0.5));
+    box.expandByPoint(new THREE.Vector3(0, 0, 0));
+    const { center, radius } = box.getBoundingSphere(new THREE.Sphere());
+    this.radius = Math.max(radius, 1e-3);
+    this.floor = Math.min(0, box.min.y);
+    this.furnish();
+    this.aim(center);
+    Object.assign(camera, { fov: 32, near: this.radius / 50, far: this.radius * 100 });
+    const [x, y, z] = DIRECTION;
+    const towards = new THREE.Vector3(x, z, -y).normalize();
+    camera.position.copy(center).addScaledVector(towards, MARGIN * distance(box, center, towards, camera));
+    controls.target.copy(center);
+    controls.update();
+    this.viewer.set_dirty();
+  }
+
+  aim(center) {
+    const target = new THREE.Vector3(center.x, -center.z, center.y);
+    this.sun.target.position.copy(target);
+    this.sun.position.copy(target).add(new THREE.Vector3(1.2, -0.7, 2.4).multiplyScalar(this.radius));
+    Object.assign(this.sun.shadow.camera, {
+      left: -2 * this.radius, right: 2 * this.radius, bottom: -2 * this.radius, top: 2 * this.radius,
+      near: 0.1 * this.radius, far: 8 * this.radius,
+    });
+    this.sun.shadow.camera.updateProjectionMatrix();
+    this.sun.shadow.bias = -0.0004;
+    this.sun.shadow.normalBias = 0.004 * this.radius;
+    for (const layer of ["/screws", "/frames"]) {
+      this.node(layer).traverse((part) => Object.assign(part, { castShadow: false, receiveShadow: false }));
+    }
+  }
+
+  // Floor and grid, in the colours of the page.
+  furnish() {
+    if (this.radius === undefined) return;
+    this.fixtures.clear();
+    const cell = 10 ** Math.round(Math.log10(this.radius / 8));
+    const reach = 5 * this.radius;
+    const colour = new THREE.Color(getComputedStyle(document.documentElement).getPropertyValue("--grid").trim());
+    this.fixtures.add(grid(cell, reach, colour, 0.45), grid(5 * cell, reach, colour, 0.9), shade(reach));
+    this.fixtures.position.z = this.floor - 1e-4 * this.radius;
+    this.viewer.set_dirty();
+  }
+}
+
+// How far from `center` the camera must stand for the corners of `box` to be in view.
+function distance(box, center, towards, { fov, aspect }) {
+  const right = new THREE.Vector3(0, 1, 0).cross(towards).normalize();
+  const up = new THREE.Vector3().crossVectors(towards, right);
+  const slope = Math.tan((fov * Math.PI) / 360);
+  const corners = [0, 1, 2, 3, 4, 5, 6, 7].map((bits) =>
+    new THREE.Vector3(...["x", "y", "z"].map((axis, k) => ((bits >> k) & 1 ? box.max : box.min)[axis])).sub(center));
+  return Math.max(...corners.map((corner) =>
+    corner.dot(towards) + Math.max(Math.abs(corner.dot(up)), Math.abs(corner.dot(right)) / aspect) / slope));
+}
+
+// Lines every `cell` metres that fade away towards `reach`.
+function grid(cell, reach, { r, g, b }, opacity) {
+  const count = Math.floor(reach / cell);
+  const steps = Array.from({ length: 2 * count + 1 }, (_, i) => (i - count) * cell);
+  const places = [];
+  for (const across of steps) {
+    for (const along of steps.slice(0, -1)) {
+      const [here, there] = [along, along + cell];
+      places.push([across, here], [across, there], [here, across], [there, across]);
+    }
+  }
+  const alpha = (x, y) => opacity * Math.max(0, 1 - Math.hypot(x, y) / reach) ** 1.5;
+  const geometry = new THREE.BufferGeometry();
+  geometry.setAttribute("position", new THREE.Float32BufferAttribute(places.flatMap(([x, y]) => [x, y, 0]), 3));
+  geometry.setAttribute("color", new THREE.Float32BufferAttribute(places.flatMap(([x, y]) => [r, g, b, alpha(x, y)]), 4));
+  const material = new THREE.LineBasicMaterial({ vertexColors: true, transparent: true, depthWrite: false });
+  return new THREE.LineSegments(geometry, material);
+}
+
+// A floor of which only the shadows on it are seen.
+function shade(reach) {
+  const plane = new THREE.PlaneGeometry(2 * reach, 2 * reach);
+  const floor = new THREE.Mesh(plane, new THREE.ShadowMaterial({ opacity: 0.2, depthWrite: false }));
+  floor.receiveShadow = true;
+  return floor;
+}

@@ -1,0 +1,86 @@
+"""An arm as the page is told of it: its joints once, and where everything stands each time."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any
+
+import numpy as np
+
+from .. import rotations
+from ..arm import Arm
+from ..checks import Array
+from ..description.tree import Joint
+from .axes import screw_kinds
+from .scene import transforms
+
+
+def placement(arm: Arm, theta: Array, others: Mapping[str, float]) -> dict[str, Any]:
+    """Joint values [rad, m], the matrix of every moving node, and the tool's position [m] and rpy [rad]."""
+    poses = arm.poses(theta, others)
+    g_st = poses[arm.tip]
+    return {
+        "theta": theta.tolist(),
+        "others": dict(others),
+        "transforms": transforms(arm, theta, poses),
+        "tool": {"position": g_st[:3, 3].tolist(), "rpy": rotations.to_rpy(g_st[:3, :3]).tolist()},
+    }
+
+
+def describe_arm(arm: Arm) -> dict[str, Any]:
+    """Names, joints and poses, as the panel shows them; infinite limits are null."""
+    lower, upper = arm.limits.lower, arm.limits.upper
+    joints = zip(arm.joint_names, arm.joint_types, lower, upper, strict=True)
+    return {
+        "name": arm.name,
+        "base": arm.base,
+        "tip": arm.tip,
+        "joints": [_describe(*joint) for joint in joints],
+        "others": [_describe(name, j.type, j.lower, j.upper) for name, j in extra_joints(arm).items()],
+        "poses": list(named_poses(arm)),
+        "screws": sorted(set(screw_kinds(arm))),
+    }
+
+
+def named_poses(arm: Arm) -> dict[str, Array]:
+    """The poses one can go to by name: zero, ready, and the arm's own."""
+    named = {name: np.asarray(theta, dtype=np.float64) for name, theta in arm.named_states.items()}
+    return {"zero": np.zeros(arm.n), "ready": arm.ready, **named}
+
+
+def extra_joints(arm: Arm) -> dict[str, Joint]:
+    """The independent one-degree joints outside the chain, a gripper's say, by name."""
+    if arm.description is None:
+        return {}
+    return {
+        name: joint
+        for name, joint in arm.description.joints.items()
+        if joint.type in ("revolute", "continuous", "prismatic")
+        and arm.couplings[name].master == name
+        and name not in arm.joint_names
+    }
+
+
+def rest(joint: Joint) -> float:
+    """Where a joint outside the chain stands unless told otherwise: 0, or the limit nearest to it."""
+    return float(np.clip(0.0, joint.lower, joint.upper))
+
+
+def slider_range(kind: str, lower: float, upper: float) -> tuple[float, float]:
+    """The ends of a slider: the limits, and ±π rad or ±1 m about zero, or about the one limit, where not given."""
+    span = 1.0 if kind == "prismatic" else np.pi
+    if np.isfinite(lower) and not np.isfinite(upper):
+        return lower, max(span, lower + span)
+    if np.isfinite(upper) and not np.isfinite(lower):
+        return min(-span, upper - span), upper
+    return (lower, upper) if np.isfinite(lower) else (-span, span)
+
+
+def _describe(name: str, kind: str, lower: float, upper: float) -> dict[str, Any]:
+    return {
+        "name": name,
+        "type": kind,
+        "unit": "m" if kind == "prismatic" else "rad",
+        "limits": [float(bound) if np.isfinite(bound) else None for bound in (lower, upper)],
+        "range": list(slider_range(kind, float(lower), float(upper))),
+    }

@@ -1,0 +1,121 @@
+"""The live view: an arm in the browser, drawn by Meshcat, moved from Python and from the page."""
+
+from __future__ import annotations
+
+import os
+import sys
+import threading
+import time
+import webbrowser
+from contextlib import suppress
+from pathlib import Path
+from types import TracebackType
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from ..arm import Arm
+from ..checks import Array
+from ..errors import InputError
+from ..planning.trajectory import Trajectory
+from .admission import check_trajectory, checked_theta
+from .drawing import require_meshcat
+from .export import save_html
+from .scene import build_scene
+from .stage import Stage
+
+
+class Viewer:
+    """A view of `arm` at `theta` (ready where not given), served to the browser until `close`.
+
+    host: the interface to listen on; anything but the default opens the view to a network, the token still required.
+    port: 0 takes a free one. open_browser: show the page at once; where no browser is found, `url` is there to open.
+    A context manager. Every method may be called from any thread and returns at once.
+
+    Raises InputError for a theta of the wrong shape or a port in use, MissingExtraError without Meshcat.
+    """
+
+    def __init__(
+        self,
+        arm: Arm,
+        theta: ArrayLike | None = None,
+        *,
+        host: str = "127.0.0.1",
+        port: int = 0,
+        open_browser: bool = True,
+    ) -> None:
+        require_meshcat()
+        from .server import Server
+
+        self.arm = arm
+        self._host = host
+        self._closed = threading.Event()
+        self._server = Server(Stage(arm, theta), build_scene(arm), host, port)
+        self._server.start()
+        if open_browser:
+            show_in_browser(self.url)
+
+    @property
+    def url(self) -> str:
+        """The page's address, its secret token included: whoever knows it can move the view."""
+        name = "127.0.0.1" if self._host in ("", "0.0.0.0", "::") else self._host
+        return f"http://{f'[{name}]' if ':' in name else name}:{self._server.port}/{self._server.guard.token}/"
+
+    @property
+    def theta(self) -> Array:
+        """The configuration (n,) on show [rad, m], whoever set it: Python, a slider, or a trajectory that plays."""
+        return self._server.ask(lambda stage: stage.theta.copy())
+
+    def show(self, theta: ArrayLike) -> None:
+        """Stand at theta (n,) [rad, m]. Called faster than the pages can draw, the latest wins."""
+        checked = checked_theta(self.arm, theta).copy()
+        self._server.post("show", lambda stage: stage.show(checked))
+
+    def play(self, trajectory: Trajectory, speed: float = 1.0, loop: bool = False) -> None:
+        """Play `trajectory` from its start, `speed` times as fast, again and again with `loop`; returns at once."""
+        check_trajectory(self.arm, trajectory)
+        if not (np.isfinite(speed) and speed > 0):
+            raise InputError(f"speed must be a positive number; got {speed!r}")
+        self._server.post("play", lambda stage: stage.load(trajectory, float(speed), loop, time.monotonic()))
+
+    def show_screws(self, visible: bool = True) -> None:
+        """Draw each joint's screw axis where it lies at the configuration on show, or draw none."""
+        self._server.post("screws", lambda stage: stage.set_visible("screws", bool(visible)))
+
+    def show_frames(self, visible: bool = True) -> None:
+        """Draw the space and the tool frame, or do not."""
+        self._server.post("frames", lambda stage: stage.set_visible("frames", bool(visible)))
+
+    def save_html(self, path: str | os.PathLike[str], trajectory: Trajectory | None = None) -> Path:
+        """Write a stand-alone page of the arm as it stands; see `twistarm.viewer.save_html`."""
+        return save_html(self.arm, path, trajectory, self.theta)
+
+    def wait(self) -> None:
+        """Serve until Ctrl-C or until `close` is called elsewhere; Ctrl-C closes the view and returns."""
+        try:
+            while not self._closed.wait(0.5):
+                pass
+        except KeyboardInterrupt:
+            self.close()
+
+    def close(self) -> None:
+        """Stop serving; nothing is left running. Harmless when repeated."""
+        self._closed.set()
+        self._server.stop()
+
+    def __enter__(self) -> Viewer:
+        return self
+
+    def __exit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
+    ) -> None:
+        self.close()
+
+
+def show_in_browser(url: str) -> None:
+    """Open `url` in the user's browser if there is one with a window: one in the terminal would take it over."""
+    windowless = sys.platform.startswith("linux") and not any(map(os.environ.get, ("DISPLAY", "WAYLAND_DISPLAY")))
+    if windowless and not os.environ.get("BROWSER"):
+        return
+    with suppress(webbrowser.Error):
+        webbrowser.open(url)
