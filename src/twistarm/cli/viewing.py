@@ -2,14 +2,13 @@
 
 from __future__ import annotations
 
-import webbrowser
 from pathlib import Path
 from typing import Annotated
 
 import typer
 
 from ..arm import Arm
-from ..viewer import Viewer, save_html
+from ..viewer import Viewer, save_html, show_in_browser
 from .options import Radians, Theta, parse_theta, takes_arm
 from .output import warn
 
@@ -40,6 +39,6 @@ def view(
 def serve(viewer: Viewer, what: str, browser: bool) -> None:
     """Print the page's address, open it in a browser if wanted and there is one, and serve until Ctrl-C."""
     print(f"{what} {viewer.url}  (Ctrl-C ends it)", flush=True)
-    if browser and not webbrowser.open(viewer.url):
+    if browser and not show_in_browser(viewer.url):
         warn("no browser found here; open the address yourself, or use --save for a page that needs no server")
     viewer.wait()

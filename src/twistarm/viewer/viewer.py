@@ -112,10 +112,11 @@ class Viewer:
         self.close()
 
 
-def show_in_browser(url: str) -> None:
+def show_in_browser(url: str) -> bool:
     """Open `url` in the user's browser if there is one with a window: one in the terminal would take it over."""
     windowless = sys.platform.startswith("linux") and not any(map(os.environ.get, ("DISPLAY", "WAYLAND_DISPLAY")))
     if windowless and not os.environ.get("BROWSER"):
-        return
+        return False
     with suppress(webbrowser.Error):
-        webbrowser.open(url)
+        return webbrowser.open(url)
+    return False
