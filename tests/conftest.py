@@ -9,11 +9,10 @@ import hypothesis
 import pytest
 
 import twistarm
+from catalogue import load
 
 hypothesis.settings.register_profile("twistarm", derandomize=True, deadline=None, max_examples=50)
 hypothesis.settings.load_profile("twistarm")
-
-REQUIRE_ALL = os.environ.get("TWISTARM_REQUIRE_ALL") == "1"
 
 
 @pytest.fixture(scope="session")
@@ -37,13 +36,3 @@ def catalogue_arm(request: pytest.FixtureRequest) -> twistarm.Arm:
 @pytest.fixture(scope="session")
 def rover() -> twistarm.Arm:
     return load("rover_arm")
-
-
-_LOADED: dict[str, twistarm.Arm] = {}
-
-
-def load(name: str) -> twistarm.Arm:
-    """An arm of the catalogue, loaded once for the whole run."""
-    if name not in _LOADED:
-        _LOADED[name] = twistarm.load_arm(name)
-    return _LOADED[name]

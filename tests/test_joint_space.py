@@ -6,7 +6,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from strategies import fuzz, generators
+from strategies import generators
 from twistarm import JointLimits, arm_from_screws, load_arm
 from twistarm.errors import InputError, LimitError, UnknownNameError
 from twistarm.planning import plan_joint, timing
@@ -19,7 +19,7 @@ STRAIGHT = [way for way in WAYS if way[1] or way[0] == "trapezoid"]
 RATE = 1e-9
 """Relative excess over a rate limit that is rounding: what the planner promises."""
 
-few = settings(fuzz, max_examples=15)
+few = settings(max_examples=15)
 
 MET = 1e-9
 """Relative: a limit that is met exactly, but for the planner's own margin of 1e-10 per power of time."""

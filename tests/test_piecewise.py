@@ -4,7 +4,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from scipy.interpolate import PPoly
 
-from strategies import fuzz, generators
+from strategies import generators
 from twistarm.planning.piecewise import derivative, evaluate, extremes, stretched
 
 ROUNDING = 1e-12
@@ -28,7 +28,6 @@ def real_roots_in(polynomial, duration):
     return np.real(roots[(np.abs(np.imag(roots)) < 1e-6 * duration)])
 
 
-@fuzz
 @given(motions())
 def test_value_and_derivatives_are_those_of_scipy(motion):
     coefficients, durations = motion
@@ -44,7 +43,6 @@ def test_value_and_derivatives_are_those_of_scipy(motion):
             assert (np.abs(error) <= 1e-9 * size).all()
 
 
-@fuzz
 @given(motions())
 def test_no_sample_and_no_root_exceeds_the_extremes(motion):
     coefficients, durations = motion
@@ -82,7 +80,6 @@ def test_hard_stationary_points(roots, name):
     assert values.min() == pytest.approx(expected.min(), abs=ROUNDING)
 
 
-@fuzz
 @given(motions(), st.sampled_from([0.01, 1.0, 7.0]))
 def test_a_stretched_motion_takes_the_same_values_later(motion, factor):
     coefficients, durations = motion

@@ -7,7 +7,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from scipy.interpolate import CubicSpline, PPoly
 
-from strategies import fuzz, generators
+from strategies import generators
 from twistarm.errors import MissingExtraError
 from twistarm.planning import spline
 from twistarm.planning.piecewise import derivative, evaluate
@@ -42,7 +42,6 @@ def ends(coefficients, times, order):
 
 
 @pytest.mark.parametrize("fit", FITS, ids=lambda fit: fit.__name__)
-@fuzz
 @given(path=paths())
 def test_it_passes_the_waypoints_smoothly_and_rests_at_the_ends(fit, path):
     waypoints, times = path
@@ -60,7 +59,6 @@ def test_it_passes_the_waypoints_smoothly_and_rests_at_the_ends(fit, path):
 
 
 @pytest.mark.parametrize("fit", [spline.cubic_rests, spline.quintic_rests], ids=lambda fit: fit.__name__)
-@fuzz
 @given(path=paths())
 def test_resting_profiles_rest_everywhere_on_a_straight_line(fit, path):
     waypoints, times = path
@@ -72,7 +70,6 @@ def test_resting_profiles_rest_everywhere_on_a_straight_line(fit, path):
     assert np.allclose(middle, 0.5 * (waypoints[1:] + waypoints[:-1]))
 
 
-@fuzz
 @given(paths())
 def test_the_cubic_is_scipys_clamped_spline(path):
     waypoints, times = path
@@ -81,7 +78,6 @@ def test_the_cubic_is_scipys_clamped_spline(path):
     assert np.allclose(ours(t), CubicSpline(times, waypoints, bc_type="clamped")(t))
 
 
-@fuzz
 @given(paths())
 def test_the_quintic_has_the_least_jerk_of_all_that_pass(path):
     # Orthogonality: against any C³ function that vanishes at the waypoints, with velocity and acceleration zero at
