@@ -1,0 +1,8 @@
+"""Inverse kinematics: targets, the solver, and solutions that say what was reached and why not more."""
+
+from .solution import IKSolution, StopReason
+from .solve import solve_ik
+from .targets import Approach, Pose, Position, Task
+from .task_space import Target
+
+__all__ = ["Approach", "IKSolution", "Pose", "Position", "StopReason", "Target", "Task", "solve_ik"]

@@ -1,0 +1,137 @@
+"""What an arm can do with its tool around a configuration, told from the null spaces of its Jacobian."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import NamedTuple
+
+import numpy as np
+
+from ..arm import Arm
+from ..checks import Array
+from .deadline import Deadline
+from .nearest import least_position
+from .problem import problem_of
+from .ranges import joint_ranges
+from .reasons import RANK_SAMPLES, RANK_TOL, task_rank
+from .starts import random_start
+from .targets import Approach, Pose, Position
+from .task_space import Target, constrained
+
+SIDESTEP = 0.2
+"""How far [rad, m] along the arm's freedom a plane is looked at again, to see whether it is one."""
+
+SAME_PLANE = 1e-6
+"""How far two unit normals of one plane may differ."""
+
+
+class Split(NamedTuple):
+    """A rotation error [rad] with the position held: what no joint can undo, its axis (3,) in the tool, the rest."""
+
+    impossible: float
+    axis: Array
+    prevented: float
+
+
+@dataclass(frozen=True, eq=False)
+class ApproachPlane:
+    """The plane that holds the approach axis while the position is held.
+
+    normal: unit vector (3,) in base axes; angle [rad] of the wanted approach out of the plane.
+    """
+
+    normal: Array
+    angle: float
+
+
+def split_rotation(arm: Arm, target: Target, theta: Array) -> Split:
+    """The rotation error at theta (n,) in two: what no joint can undo with the position held, and what could be undone.
+
+    Rotation rows times the null space of the position rows span what can be undone; across it lies what cannot. An arm
+    that can move in every component of the target almost everywhere lacks no direction, whatever one posture lacks.
+    """
+    g, J_b = arm.fk_and_body_jacobian(theta)
+    error, rows = target.rotation_rows(g, J_b)
+    if task_rank(arm, target) == constrained(target):
+        return Split(0.0, np.zeros(3), target.orientation_error(g))
+    impossible = _across(rows @ _holding_position(target, g, J_b))
+    part = impossible.T @ (impossible @ error)
+    # The rows for the body's angular velocity itself turn a component of the error into an axis of the tool.
+    axis = part @ target.rotation_rows(g, np.vstack([np.zeros((3, 3)), np.eye(3)]))[1]
+    angle = target.orientation_error(g) / max(_norm(error), 1e-300)
+    return Split(angle * _norm(part), axis / max(_norm(axis), 1e-300), angle * _norm(error - part))
+
+
+def immovable_directions(arm: Arm) -> Array:
+    """Directions (k, 3) in base axes along which the arm never moves its tool, in whatever posture."""
+    ranges = joint_ranges(arm)
+    motions = []
+    for k in range(RANK_SAMPLES):
+        g, J_b = arm.fk_and_body_jacobian(random_start(ranges, 0, k))
+        motions.append(g[:3, :3] @ J_b[:3] / arm.reach)
+    return _across(np.hstack(motions))
+
+
+def approach_plane(arm: Arm, target: Target, theta: Array) -> ApproachPlane | None:
+    """The plane in which the approach axis can turn with the position held, if the arm has such a plane.
+
+    There is one if the arm's free motions turn the axis a only within one plane, ȧ = ω × a of rank 1, and the plane is
+    the same a good way along them.
+    """
+    wanted = _approach(target)
+    if wanted is None:
+        return None
+    tool_axis, direction = wanted
+    normal = _approach_normal(arm, target, theta, tool_axis)
+    if normal is None:
+        return None
+    g, J_b = arm.fk_and_body_jacobian(theta)
+    free = problem_of(arm, Position(g[:3, 3]), np.full(arm.n, -np.inf), np.full(arm.n, np.inf))
+    for motion in _holding_position(target, g, J_b).T:
+        moved, _ = least_position(free, theta + SIDESTEP * motion, Deadline())
+        there = _approach_normal(arm, target, moved, tool_axis)
+        if there is None or np.linalg.norm(np.cross(there, normal)) > SAME_PLANE:
+            return None
+    return ApproachPlane(normal, math.asin(min(abs(float(normal @ direction)), 1.0)))
+
+
+def _approach_normal(arm: Arm, target: Target, theta: Array, tool_axis: Array) -> Array | None:
+    """The normal, in base axes, of the plane in which the approach axis can turn at theta, or None."""
+    g, J_b = arm.fk_and_body_jacobian(theta)
+    turning = np.cross((J_b[3:] @ _holding_position(target, g, J_b)).T, tool_axis)
+    _, size, directions = np.linalg.svd(turning)
+    if not len(turning) or size[0] <= RANK_TOL or (size[1:] > RANK_TOL * size[0]).any():
+        return None
+    normal: Array = g[:3, :3] @ np.cross(tool_axis, directions[0])
+    return normal
+
+
+def _approach(target: Target) -> tuple[Array, Array] | None:
+    """The tool axis and where it is to point (base axes), for targets that say so."""
+    if isinstance(target, Approach):
+        return target.tool_axis, target.direction
+    if isinstance(target, Pose):
+        return np.array([0.0, 0.0, 1.0]), target.g[:3, 2]
+    return None
+
+
+def _holding_position(target: Target, g: Array, J_b: Array) -> Array:
+    """Joint velocities (n, k) that leave the target's position error as it is."""
+    rows = target.position_rows(g, J_b)[1]
+    _, size, Vt = np.linalg.svd(rows)
+    rank = int((size > RANK_TOL * size.max(initial=0.0)).sum())
+    motions: Array = Vt[rank:].T
+    return motions
+
+
+def _across(columns: Array) -> Array:
+    """Unit vectors (k, m) across every one of the columns (m, n)."""
+    U, size, _ = np.linalg.svd(columns)
+    rank = int((size > RANK_TOL).sum())
+    across: Array = U[:, rank:].T
+    return across
+
+
+def _norm(vector: Array) -> float:
+    return float(np.linalg.norm(vector))

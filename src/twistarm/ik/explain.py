@@ -1,0 +1,139 @@
+"""A solution in plain words: what was asked, what was reached, what stands in the way."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+from ..arm import Arm
+from ..checks import Array
+from .abilities import Split, approach_plane, immovable_directions, split_rotation
+from .ranges import joint_ranges
+from .solution import IKSolution, StopReason
+
+AT_BOUND = 1e-6
+"""How near [rad, m] to its bound a joint stands at it."""
+
+NEGLIGIBLE = math.radians(0.005)
+"""Angles [rad] that would be printed as 0.00°."""
+
+ALONG_AXIS = 0.995
+"""Cosine from which on a direction goes by the name of an axis, 5.7° from it."""
+
+
+def explain(solution: IKSolution) -> str:
+    """The solution in words, line by line."""
+    lines = [f"asked of {solution.arm.name}: {solution.target.asked()}", f"reached: {reached(solution)}"]
+    if not solution.converged:
+        lines.append(f"reason: {solution.stop.value}")
+        lines += [f"  {line}" for line in _why(solution)]
+    lines.append(f"found by {solution.method}: {solution.iterations} iterations, {_counted(solution.restarts)}")
+    return "\n".join(lines + [f"note: {note}" for note in solution.notes])
+
+
+def summary(solution: IKSolution) -> str:
+    """One line: what was asked, how far from it, the reason."""
+    return f"{solution.arm.name} does not meet {solution.target.asked()}: {reached(solution)}; {solution.stop.value}"
+
+
+def reached(solution: IKSolution) -> str:
+    """The two errors in words."""
+    parts = []
+    if len(solution.target.position_tolerance):
+        off = solution.position_error > solution.tolerances.position
+        parts.append(f"position {_length(solution.position_error)} off" if off else "position met")
+    if len(solution.target.rotation_tolerance):
+        off = solution.orientation_error > solution.tolerances.orientation
+        parts.append(f"orientation {_degrees(solution.orientation_error)} off" if off else "orientation met")
+    return ", ".join(parts)
+
+
+def _why(solution: IKSolution) -> list[str]:
+    if solution.stop is StopReason.TIMED_OUT:
+        return ["this is the best so far; give a longer max_time, or a theta0 nearer to the answer"]
+    if solution.stop is StopReason.EXHAUSTED:
+        return ["the search for the nearest did not settle; try more restarts, another rng or another theta0"]
+    lines = _blocked(solution) if solution.stop is StopReason.BLOCKED_BY_LIMITS else _missing(solution)
+    bounds = at_bounds(solution)
+    return [*lines, f"at its bound: {', '.join(bounds)}"] if bounds else lines
+
+
+def at_bounds(solution: IKSolution) -> list[str]:
+    """The joints that stand at a bound, in words."""
+    limits, arm = solution.arm.limits, solution.arm
+    turns = joint_ranges(arm).turns
+    words = []
+    for i, name in enumerate(arm.joint_names):
+        for side, bound in (("lower", limits.lower[i]), ("upper", limits.upper[i])):
+            if not turns[i] and abs(solution.theta[i] - bound) <= AT_BOUND:
+                words.append(f"{name} ({side}, {_value(arm, i, bound)})")
+    return words
+
+
+def _blocked(solution: IKSolution) -> list[str]:
+    """What the joints would need that their limits do not allow."""
+    arm, theta = solution.arm, solution.unlimited
+    if theta is None:
+        return []
+    needs = []
+    for i, name in enumerate(arm.joint_names):
+        for side, beyond, bound in (
+            ("lower", theta[i] < arm.limits.lower[i], arm.limits.lower[i]),
+            ("upper", theta[i] > arm.limits.upper[i], arm.limits.upper[i]),
+        ):
+            if beyond and not joint_ranges(arm).turns[i]:
+                needs.append(f"{name} {_value(arm, i, theta[i])} ({side} bound {_value(arm, i, bound)})")
+    return [f"without limits it could be met, for one with {', '.join(needs)}"]
+
+
+def _missing(solution: IKSolution) -> list[str]:
+    """The position that is out of reach, or the rotation that is missing once the position is met."""
+    if solution.position_error > solution.tolerances.position:
+        lines = [f"the nearest position the arm reaches inside its limits is {_length(solution.position_error)} away"]
+        immovable = immovable_directions(solution.arm)
+        return lines + [f"the arm cannot move its tool along {_axis(axis, 'base')} at all" for axis in immovable]
+    return _missing_rotation(solution, split_rotation(solution.arm, solution.target, solution.theta))
+
+
+def _missing_rotation(solution: IKSolution, split: Split) -> list[str]:
+    lines = []
+    if split.impossible > NEGLIGIBLE:
+        lines.append(
+            f"{_degrees(split.impossible)} of the rotation cannot be done at all: with the position held, "
+            f"no joint turns the tool about {_axis(split.axis, 'tool')}"
+        )
+    plane = approach_plane(solution.arm, solution.target, solution.theta)
+    if plane is not None and plane.angle > NEGLIGIBLE:
+        lines.append(
+            f"the approach is {_degrees(plane.angle)} out of the arm's plane, "
+            f"whose normal is {_axis(plane.normal, 'base')}"
+        )
+    if split.prevented > NEGLIGIBLE:
+        lines.append(f"{_degrees(split.prevented)} of the rotation are prevented by limits or reach")
+    return lines
+
+
+def _axis(axis: Array, frame: str) -> str:
+    largest = int(np.argmax(np.abs(axis)))
+    if abs(axis[largest]) >= ALONG_AXIS:
+        return f"{'its' if frame == 'tool' else 'the base’s'} {'xyz'[largest]} axis"
+    numbers = ", ".join(f"{value + 0.0:.2f}" for value in axis * np.sign(axis[largest]))
+    return f"({numbers}) in {frame} axes"
+
+
+def _value(arm: Arm, i: int, value: float) -> str:
+    return f"{value:.4g} m" if arm.units[i] == "m" else f"{math.degrees(value):.1f}°"
+
+
+def _length(metres: float) -> str:
+    return f"{metres:.3f} m" if metres >= 0.1 else f"{1e3 * metres:.3g} mm"
+
+
+def _degrees(radians: float) -> str:
+    degrees = math.degrees(radians)
+    return f"{degrees:.1f}°" if degrees >= 0.1 else f"{degrees:.2g}°"
+
+
+def _counted(searches: int) -> str:
+    return "1 search" if searches == 1 else f"{searches} searches"

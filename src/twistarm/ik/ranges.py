@@ -1,0 +1,102 @@
+"""Where each joint may be during a search: bounds, joints that may turn for ever, and the ranges of random starts."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+
+from ..arm import Arm
+from ..checks import Array, frozen
+from ..limits import JointLimits
+
+TURN = 2.0 * math.pi
+
+WHOLE_TURN_TOL = 1e-9
+"""How far a multiplier may be from a whole number, and a pitch [m/rad] from 0, and still be the rounding of one."""
+
+
+Mask = np.ndarray[tuple[int], np.dtype[np.bool_]]
+
+
+@dataclass(frozen=True, eq=False)
+class JointRanges:
+    """Limits `lower`, `upper` (n,), which joints are `periodic`, and the range of random starts, all finite.
+
+    A periodic joint whose range holds a whole turn `turns` freely during a search: every angle then has a
+    representative inside the limits, so the search need not know them (`search_lower`, `search_upper` are ∓inf).
+    """
+
+    lower: Array
+    upper: Array
+    periodic: Mask
+    start_lower: Array
+    start_upper: Array
+
+    @property
+    def turns(self) -> Mask:
+        """Periodic joints whose range holds a whole turn."""
+        return self.periodic & (self.upper - self.lower >= TURN)
+
+    @property
+    def search_lower(self) -> Array:
+        """Lower bounds of a search, −inf where a joint turns freely."""
+        return np.where(self.turns, -np.inf, self.lower)
+
+    @property
+    def search_upper(self) -> Array:
+        """Upper bounds of a search, inf where a joint turns freely."""
+        return np.where(self.turns, np.inf, self.upper)
+
+    def wrapped(self, theta: Array, near: Array) -> Array:
+        """theta with every freely turning joint at its representative inside the limits nearest to `near`."""
+        nearest = theta + TURN * np.round((near - theta) / TURN)
+        return np.where(self.turns, np.clip(self._turned_back(nearest), self.lower, self.upper), theta)
+
+    def inside(self, theta: Array) -> Array:
+        """theta brought into the limits: by whole turns where that moves nothing and suffices, else to the bound."""
+        turned = self._turned_back(theta)
+        kept = self.periodic & (turned >= self.lower) & (turned <= self.upper)
+        return np.clip(np.where(kept, turned, theta), self.lower, self.upper)
+
+    def toward(self, theta: Array) -> Array:
+        """theta with every periodic joint at its representative nearest to the middle of its limits, in them or not."""
+        bounded = self.periodic & np.isfinite(self.upper - self.lower)
+        middle = 0.5 * (np.where(bounded, self.lower, theta) + np.where(bounded, self.upper, theta))
+        return theta + TURN * np.round((middle - theta) / TURN)
+
+    def random(self, uniform: Array) -> Array:
+        """The start at `uniform` (n,) in [0, 1) of the ranges."""
+        return self.start_lower + uniform * (self.start_upper - self.start_lower)
+
+    def _turned_back(self, theta: Array) -> Array:
+        """theta less the whole turns by which it lies outside; a hair outside, by rounding, is left."""
+        below = np.ceil(np.maximum(self.lower - theta, 0.0) / TURN - WHOLE_TURN_TOL)
+        above = np.ceil(np.maximum(theta - self.upper, 0.0) / TURN - WHOLE_TURN_TOL)
+        return theta + TURN * (below - above)
+
+
+def joint_ranges(arm: Arm, *, limited: bool = True) -> JointRanges:
+    """The ranges of an arm's joints, or those it would have without position limits."""
+    limits = arm.limits if limited else JointLimits.unbounded(arm.n)
+    half = np.where(np.array(arm.units) == "m", 1.0, math.pi)
+    start_lower, start_upper = arm.sampling_bounds if limited else (-half, half)
+    turning = periodic(arm.screws, arm.coupling.A)
+    return JointRanges(limits.lower, limits.upper, turning, frozen(start_lower), frozen(start_upper))
+
+
+def periodic(screws: Array, A: Array) -> Mask:
+    """Which columns of theta (n,) move nothing in 2π: e^{ξ̂ 2π a} = I for each of its joints' screws ξ, multiplier a.
+
+    That is so for pure rotations (w ≠ 0, wᵀv = 0) making a whole number ‖w‖ a of turns, and for nothing else: a slide
+    goes on, a helical joint advances, a follower at half speed has made half a turn.
+    """
+    v, w = screws[:3], screws[3:]
+    rate = np.linalg.norm(w, axis=0)
+    pure = (rate > 0.0) & (np.abs((v * w).sum(axis=0)) <= WHOLE_TURN_TOL * rate**2)
+    turns = rate[:, None] * A
+    whole = np.abs(turns - np.round(turns)) <= WHOLE_TURN_TOL
+    moves = A != 0.0
+    turned: Mask = moves.any(axis=0) & ((pure[:, None] & whole) | ~moves).all(axis=0)
+    return turned

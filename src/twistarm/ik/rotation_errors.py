@@ -1,0 +1,75 @@
+"""The errors between rotations that solvers iterate on: one matrix at a time, unchecked.
+
+`rotations` has the same logarithm checked and batched, at some ten times the cost of a solver's whole iteration;
+the tests hold the two together.
+"""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+from ..checks import Array
+
+NEAR_HALF_TURN = -0.5
+"""Trace below which (beyond 139°) the axis is read from R + Rᵀ, because R − Rᵀ fades towards a half turn."""
+
+SMALL_ANGLE = 1e-4
+"""Below this [rad] the series' next term is under double precision."""
+
+
+def chord(R: Array) -> Array:
+    """2 sin(φ/2) u (3,) of the rotation R by φ about u: the chordal error, without an arc tangent.
+
+    ‖R − I‖_F = √2 ‖chord‖. With (R − Rᵀ)^∨ = 2 sin φ u and 1 + tr R = 4 cos²(φ/2), the chord is their quotient
+    (R − Rᵀ)^∨ / √(1 + tr R). As R turns with the body velocity ω, dφ/dt = u · ω: so Jᵀ chord(R), J the rows of the
+    body velocity, is the exact gradient of 4 (1 − cos φ/2), which grows with φ up to the half turn.
+    At φ = π the sign of u is arbitrary.
+    """
+    w = np.array([R[2, 1] - R[1, 2], R[0, 2] - R[2, 0], R[1, 0] - R[0, 1]])
+    trace = float(R[0, 0] + R[1, 1] + R[2, 2])
+    if trace > NEAR_HALF_TURN:
+        short: Array = w / math.sqrt(1.0 + trace)
+        return short
+    # (R + Rᵀ)/2 − cos φ I = (1 − cos φ) u uᵀ: its longest column has the direction of u.
+    columns = 0.5 * (R + R.T) - 0.5 * (trace - 1.0) * np.eye(3)
+    u = columns[:, int(np.argmax(columns.diagonal()))]
+    u = u * (math.sqrt(3.0 - trace) / math.sqrt(u @ u))
+    long: Array = u if u @ w >= 0 else -u
+    return long
+
+
+def angle_of_chord(length: float) -> float:
+    """φ [rad] in [0, π] from the length 2 sin(φ/2) of a chord."""
+    return 2.0 * math.asin(min(0.5 * length, 1.0))
+
+
+def angle(R: Array) -> float:
+    """φ [rad] in [0, π] of the rotation R, accurate near 0 and near π: atan2(2 sin φ, 2 cos φ)."""
+    w = (R[2, 1] - R[1, 2], R[0, 2] - R[2, 0], R[1, 0] - R[0, 1])
+    return math.atan2(math.hypot(*w), float(R[0, 0] + R[1, 1] + R[2, 2]) - 1.0)
+
+
+def log(R: Array) -> Array:
+    """φ u (3,) [rad] of the rotation R by φ in [0, π] about u."""
+    c = chord(R)
+    length = math.sqrt(c @ c)
+    return c if length < 1e-8 else c * (angle(R) / length)
+
+
+def log_rate(phi: Array) -> Array:
+    """J_r⁻¹(φ) (3, 3) with d log(R)/dt = J_r⁻¹(log R) ω, ω the body velocity of R.
+
+    J_r⁻¹ = I + φ̂/2 + c φ̂², c = 1/φ² − cot(φ/2)/(2φ) → 1/12 + φ²/720 near 0. Source: G. Chirikjian, Stochastic
+    Models, Information Theory, and Lie Groups, vol. 2, 2012, §10.8.
+    """
+    x, y, z = phi.tolist()
+    size = math.sqrt(x * x + y * y + z * z)
+    phi_hat = np.array([[0.0, -z, y], [z, 0.0, -x], [-y, x, 0.0]])
+    if size < SMALL_ANGLE:
+        c = 1.0 / 12.0 + size * size / 720.0
+    else:
+        c = 1.0 / size**2 - 1.0 / (2.0 * size * math.tan(0.5 * size))
+    rate: Array = np.eye(3) + 0.5 * phi_hat + c * (phi_hat @ phi_hat)
+    return rate

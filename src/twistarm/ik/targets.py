@@ -1,0 +1,268 @@
+"""What may be asked of an arm's tool: a pose, a position, a position with an approach axis, a pose with tolerances."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, field
+from typing import Any, ClassVar
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from ..checks import Array, as_direction, as_pose, as_vector, frozen
+from ..errors import InputError
+from . import rotation_errors
+from .task_space import Rows, Target, excess, offset_rows
+
+NONE = frozen(np.zeros(0))
+THREE = frozen(np.zeros(3))
+TWO = frozen(np.zeros(2))
+
+
+@dataclass(frozen=True, eq=False)
+class Pose:
+    """The whole pose: g_st(θ) = g, (4, 4).
+
+    Position error ‖p − p_g‖; orientation error the angle of R_gᵀ R. Raises InputError for what is not in SE(3).
+    """
+
+    g: Array
+
+    position_tolerance: ClassVar[Array] = THREE
+    rotation_tolerance: ClassVar[Array] = THREE
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "g", _one_pose(self.g, "pose g"))
+
+    def position_rows(self, g: Array, J_b: Array) -> Rows:
+        """The offset from the pose's origin, in tool axes."""
+        return offset_rows(self.g[:3, 3], g, J_b)
+
+    def rotation_rows(self, g: Array, J_b: Array) -> Rows:
+        """The chord of R_gᵀ R, in tool axes."""
+        return rotation_errors.chord(self.g[:3, :3].T @ g[:3, :3]), J_b[3:]
+
+    def position_error(self, g: Array) -> float:
+        """‖p − p_g‖ [m]."""
+        return math.dist(g[:3, 3], self.g[:3, 3])
+
+    def orientation_error(self, g: Array) -> float:
+        """Angle of R_gᵀ R [rad]."""
+        return rotation_errors.angle(self.g[:3, :3].T @ g[:3, :3])
+
+    def asked(self) -> str:
+        """The target in words."""
+        turned = math.degrees(rotation_errors.angle(self.g[:3, :3]))
+        return f"the pose at {_metres(self.g[:3, 3])}, turned {turned:.1f}° from the base's axes"
+
+
+@dataclass(frozen=True, eq=False)
+class Position:
+    """The tool's origin at p (3,) [m] in the base frame, the orientation free."""
+
+    p: Array
+
+    position_tolerance: ClassVar[Array] = THREE
+    rotation_tolerance: ClassVar[Array] = NONE
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "p", _one_vector(self.p, "p"))
+
+    def position_rows(self, g: Array, J_b: Array) -> Rows:
+        """The offset from p, in tool axes."""
+        return offset_rows(self.p, g, J_b)
+
+    def rotation_rows(self, g: Array, J_b: Array) -> Rows:
+        """Nothing: the rotation is free."""
+        return NONE, J_b[:0]
+
+    def position_error(self, g: Array) -> float:
+        """Distance from p [m]."""
+        return math.dist(g[:3, 3], self.p)
+
+    def orientation_error(self, g: Array) -> float:
+        """0: the rotation is free."""
+        return 0.0
+
+    def asked(self) -> str:
+        """The target in words."""
+        return f"the position {_metres(self.p)}"
+
+
+@dataclass(frozen=True, eq=False)
+class Approach:
+    """The tool's origin at p [m] and R @ tool_axis = direction (base axes); turning about the tool axis is free.
+
+    Orientation error: the angle between the axes. The rotation has two rows, across the tool axis. Both axes may have
+    any length but zero, which raises InputError.
+    """
+
+    p: Array
+    direction: Array
+    tool_axis: Array = field(default_factory=lambda: np.array([0.0, 0.0, 1.0]))
+    across: Array = field(init=False, repr=False)
+
+    position_tolerance: ClassVar[Array] = THREE
+    rotation_tolerance: ClassVar[Array] = TWO
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "p", _one_vector(self.p, "p"))
+        for name in ("direction", "tool_axis"):
+            unit = as_direction(_one_vector(getattr(self, name), name), name)
+            object.__setattr__(self, name, frozen(unit))
+        # The rows of Vᵀ beyond the first span the plane across the axis.
+        object.__setattr__(self, "across", frozen(np.linalg.svd(self.tool_axis[None, :])[2][1:]))
+
+    def position_rows(self, g: Array, J_b: Array) -> Rows:
+        """The offset from p, in tool axes."""
+        return offset_rows(self.p, g, J_b)
+
+    def rotation_rows(self, g: Array, J_b: Array) -> Rows:
+        """2 sin(φ/2) u across the axis, φ the angle and u the axis of the turn from the direction to the tool axis."""
+        direction = g[:3, :3].T @ self.direction
+        turn = _cross(direction, self.tool_axis)
+        length = math.sqrt(turn @ turn)
+        # Parallel, the error is zero whatever u is; opposite, every u across the axis is as good.
+        u = self.across @ (turn / length) if length > 0.0 else np.array([1.0, 0.0])
+        return u * math.dist(direction, self.tool_axis), self.across @ J_b[3:]
+
+    def position_error(self, g: Array) -> float:
+        """Distance from p [m]."""
+        return math.dist(g[:3, 3], self.p)
+
+    def orientation_error(self, g: Array) -> float:
+        """Angle [rad] between R @ tool_axis and the direction."""
+        axis = g[:3, :3] @ self.tool_axis
+        turn = _cross(axis, self.direction)
+        return math.atan2(math.sqrt(turn @ turn), float(axis @ self.direction))
+
+    def asked(self) -> str:
+        """The target in words."""
+        return (
+            f"the position {_metres(self.p)} with the tool's axis {_numbers(self.tool_axis)} "
+            f"along {_numbers(self.direction)}"
+        )
+
+
+@dataclass(frozen=True, eq=False)
+class Task:
+    """The pose g within `tolerance`, six numbers (x, y, z [m], rx, ry, rz [rad]).
+
+    The error is (p − p_g, log(R R_gᵀ)) in base axes, turned into the target's axes for frame="tool". A tolerance of 0
+    is met to the solver's tolerance; inf, or ≥ π for a rotation, leaves the component free. Position and orientation
+    error are the norms of the excess over the tolerances. Raises InputError for a negative tolerance, an unknown
+    frame, or where nothing is constrained.
+    """
+
+    g: Array
+    tolerance: Array
+    frame: str = "tool"
+    held: tuple[list[int], list[int]] = field(init=False, repr=False)
+    position_tolerance: Array = field(init=False, repr=False)
+    rotation_tolerance: Array = field(init=False, repr=False)
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "g", _one_pose(self.g, "pose g"))
+        if self.frame not in ("tool", "base"):
+            raise InputError(f"frame must be 'tool' (the target's axes) or 'base'; got {self.frame!r}")
+        tolerance = _as_tolerance(self.tolerance)
+        position, rotation = tolerance[:3], tolerance[3:]
+        held = [i for i in range(3) if position[i] < math.inf], [i for i in range(3) if rotation[i] < math.pi]
+        if not held[0] and not held[1]:
+            raise InputError("tolerance leaves all six components free: there is nothing to solve for")
+        object.__setattr__(self, "tolerance", frozen(tolerance))
+        object.__setattr__(self, "held", held)
+        object.__setattr__(self, "position_tolerance", frozen(position[held[0]]))
+        object.__setattr__(self, "rotation_tolerance", frozen(rotation[held[1]]))
+
+    def position_rows(self, g: Array, J_b: Array) -> Rows:
+        """The held components of p − p_g, along the axes of the frame."""
+        held = self.held[0]
+        R = g[:3, :3] if self.frame == "base" else self.g[:3, :3].T @ g[:3, :3]
+        return self._position_offset(g), R[held] @ J_b[:3]
+
+    def rotation_rows(self, g: Array, J_b: Array) -> Rows:
+        """The held components of the logarithm, along the axes of the frame."""
+        phi = rotation_errors.log(self.g[:3, :3].T @ g[:3, :3])
+        rate = rotation_errors.log_rate(phi)
+        if self.frame == "base":
+            phi, rate = self.g[:3, :3] @ phi, self.g[:3, :3] @ rate
+        held = self.held[1]
+        return phi[held], rate[held] @ J_b[3:]
+
+    def position_error(self, g: Array) -> float:
+        """Norm of the excess over the position tolerances [m]."""
+        return float(np.linalg.norm(excess(self._position_offset(g), self.position_tolerance)))
+
+    def orientation_error(self, g: Array) -> float:
+        """Norm of the excess over the rotation tolerances [rad]."""
+        phi = rotation_errors.log(self.g[:3, :3].T @ g[:3, :3])
+        phi = self.g[:3, :3] @ phi if self.frame == "base" else phi
+        return float(np.linalg.norm(excess(phi[self.held[1]], self.rotation_tolerance)))
+
+    def asked(self) -> str:
+        """The target in words."""
+        free = [name for name, t in zip(("x", "y", "z"), self.tolerance[:3], strict=True) if math.isinf(t)]
+        free += [f"turning about {name}" for name, t in zip("xyz", self.tolerance[3:], strict=True) if t >= math.pi]
+        axes = "tool's" if self.frame == "tool" else "base's"
+        return f"the pose at {_metres(self.g[:3, 3])} within tolerances along the {axes} axes" + (
+            f" ({', '.join(free)} free)" if free else ""
+        )
+
+    def _position_offset(self, g: Array) -> Array:
+        offset = g[:3, 3] - self.g[:3, 3]
+        offset = offset if self.frame == "base" else self.g[:3, :3].T @ offset
+        held: Array = offset[self.held[0]]
+        return held
+
+
+def as_target(value: Any) -> Target:
+    """`value` as a target; a bare (4, 4) means `Pose`."""
+    if isinstance(value, (Pose, Position, Approach, Task)):
+        return value
+    try:
+        return Pose(value)
+    except InputError as error:
+        raise InputError(
+            f"target must be a Pose, Position, Approach or Task, or a pose (4, 4) in SE(3): {error}"
+        ) from error
+
+
+def _cross(a: Array, b: Array) -> Array:
+    # np.cross takes some thirty times as long for one pair of vectors.
+    (a1, a2, a3), (b1, b2, b3) = a.tolist(), b.tolist()
+    return np.array([a2 * b3 - a3 * b2, a3 * b1 - a1 * b3, a1 * b2 - a2 * b1])
+
+
+def _one_pose(value: ArrayLike, name: str) -> Array:
+    g = as_pose(value, name)
+    if g.shape != (4, 4):
+        raise InputError(f"{name} must be one pose of shape (4, 4); got {g.shape}")
+    return frozen(g)
+
+
+def _one_vector(value: ArrayLike, name: str) -> Array:
+    vector = as_vector(value, name)
+    if vector.shape != (3,):
+        raise InputError(f"{name} must have shape (3,); got {vector.shape}")
+    return frozen(vector)
+
+
+def _as_tolerance(value: ArrayLike) -> Array:
+    try:
+        tolerance = np.asarray(value, dtype=np.float64)
+    except (TypeError, ValueError) as error:
+        raise InputError(f"tolerance must be six numbers (x, y, z [m], rx, ry, rz [rad]); got {value!r}") from error
+    if tolerance.shape != (6,):
+        raise InputError(f"tolerance must be six numbers (x, y, z [m], rx, ry, rz [rad]); got shape {tolerance.shape}")
+    if not (tolerance >= 0).all():
+        raise InputError(f"tolerance must not be negative or NaN (0: exact, inf: free); got {tolerance.tolist()}")
+    return tolerance
+
+
+def _metres(p: Array) -> str:
+    return f"{_numbers(p)} m"
+
+
+def _numbers(values: Array) -> str:
+    return "(" + ", ".join(f"{value:.4g}" for value in np.round(values, 6) + 0.0) + ")"

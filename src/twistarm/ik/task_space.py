@@ -1,0 +1,72 @@
+"""What solvers need of a target: the components it constrains, as errors and their rows, and how far it is missed."""
+
+from __future__ import annotations
+
+from typing import Protocol
+
+import numpy as np
+
+from ..checks import Array
+
+Rows = tuple[Array, Array]
+"""(error (k,), rows (k, n))."""
+
+
+class Target(Protocol):
+    """A target reduced to the components it constrains.
+
+    From the tool's pose g (4, 4) and its body Jacobian J_b (6, n), neither checked, come an error (k,) and rows (k, n),
+    with d error = rows · dθ for the position, and with rowsᵀ error the gradient of a function that grows with the angle
+    for the rotation. What is free has no row, so nothing that is free makes a matrix singular.
+    """
+
+    @property
+    def position_tolerance(self) -> Array:
+        """How far each row of the position error [m] may be from 0 beside the solver's tolerance."""
+
+    @property
+    def rotation_tolerance(self) -> Array:
+        """How far each row of the rotation error [rad] may be from 0 beside the solver's tolerance."""
+
+    def position_rows(self, g: Array, J_b: Array) -> Rows:
+        """Error [m] of the constrained components of the position, and its derivative."""
+
+    def rotation_rows(self, g: Array, J_b: Array) -> Rows:
+        """Error of the constrained components of the rotation, and its rows."""
+
+    def position_error(self, g: Array) -> float:
+        """Distance [m] from what is asked, counting only what is constrained."""
+
+    def orientation_error(self, g: Array) -> float:
+        """Angle [rad] from what is asked, counting only what is constrained."""
+
+    def asked(self) -> str:
+        """The target in words."""
+
+
+def constrained(target: Target) -> int:
+    """How many components the target constrains."""
+    return len(target.position_tolerance) + len(target.rotation_tolerance)
+
+
+def excess(error: Array, tolerance: Array) -> Array:
+    """What of each component lies beyond its tolerance, with its sign."""
+    beyond: Array = error - np.clip(error, -tolerance, tolerance)
+    return beyond
+
+
+def excess_rows(rows: Rows, tolerance: Array) -> Rows:
+    """`excess` of the error, and its derivative: a component inside its tolerance no longer pulls."""
+    error, J = rows
+    if not tolerance.any():
+        return rows
+    beyond = excess(error, tolerance)
+    return beyond, np.where(((beyond != 0) | (tolerance == 0))[:, None], J, 0.0)
+
+
+def offset_rows(p: Array, g: Array, J_b: Array) -> Rows:
+    """Offset of the tool's origin from p [m] and its derivative, both in tool axes, where J_b needs no turning.
+
+    Turning both sides changes no least-squares step and no gradient.
+    """
+    return g[:3, :3].T @ (g[:3, 3] - p), J_b[:3]

@@ -1,0 +1,81 @@
+"""Targets an arm can meet, built from its own forward kinematics, and judges of answers that use Pinocchio alone."""
+
+from __future__ import annotations
+
+import numpy as np
+import pinocchio as pin
+from scipy.spatial.transform import Rotation
+
+from twistarm.ik import Approach, Pose, Position, Task
+
+KINDS = ("Pose", "Position", "Approach", "Task")
+
+TASK_TOLERANCE = (0.0, 0.0, 0.01, 0.1, np.inf, 0.0)
+"""Exact, banded and free components of position and rotation at once."""
+
+STRICT = 1e-6
+"""The success that is counted: position [m] and rotation [rad]."""
+
+JUDGE_SLACK = 1e-9
+"""What two forward kinematics may differ by, and how far beyond a limit rounding may lie."""
+
+
+def target_from(kind, g, rng):
+    """A target of `kind` that the pose g meets."""
+    if kind == "Pose":
+        return Pose(g)
+    if kind == "Position":
+        return Position(g[:3, 3])
+    if kind == "Approach":
+        axis = rng.normal(size=3)
+        return Approach(g[:3, 3], g[:3, :3] @ axis, tool_axis=axis)
+    return Task(g, TASK_TOLERANCE, frame=("tool", "base")[rng.integers(2)])
+
+
+def pinocchio_fk(arm, theta):
+    """g_st by Pinocchio alone: the arm's model, but neither its chain, its screws nor its own fk."""
+    engine = arm.pinocchio
+    data = engine.model.createData()
+    pin.framesForwardKinematics(engine.model, data, engine.q(np.asarray(theta)))
+    base, tip = (data.oMf[engine.frame_id(link)] for link in (arm.base, arm.tip_link))
+    return base.actInv(tip).homogeneous @ arm.tool
+
+
+def errors(target, g):
+    """Position [m] and rotation error [rad] of the pose g, written anew from the definitions with SciPy's rotations."""
+    if isinstance(target, Position):
+        return np.linalg.norm(g[:3, 3] - target.p), 0.0
+    if isinstance(target, Approach):
+        axis = g[:3, :3] @ target.tool_axis
+        chord = np.linalg.norm(axis - target.direction)
+        return np.linalg.norm(g[:3, 3] - target.p), 2 * np.arcsin(min(chord / 2, 1))
+    R_g = target.g[:3, :3]
+    p, w = g[:3, 3] - target.g[:3, 3], Rotation.from_matrix(g[:3, :3] @ R_g.T).as_rotvec()
+    if isinstance(target, Pose):
+        return np.linalg.norm(p), np.linalg.norm(w)
+    if target.frame == "tool":
+        p, w = R_g.T @ p, R_g.T @ w
+    beyond = np.maximum(np.abs(np.r_[p, w]) - target.tolerance, 0.0)
+    beyond[3:][target.tolerance[3:] >= np.pi] = 0.0
+    return np.linalg.norm(beyond[:3]), np.linalg.norm(beyond[3:])
+
+
+def judged(arm, target, solution):
+    """Whether Pinocchio finds the target met to `STRICT`, and the limits kept."""
+    lower, upper = arm.limits.lower - JUDGE_SLACK, arm.limits.upper + JUDGE_SLACK
+    inside = (solution.theta >= lower).all() and (solution.theta <= upper).all()
+    return inside and max(errors(target, pinocchio_fk(arm, solution.theta))) <= STRICT + JUDGE_SLACK
+
+
+def turned(g, axis, angle):
+    """g turned about an axis of its own by `angle` [rad]."""
+    turned = g.copy()
+    turned[:3, :3] = g[:3, :3] @ Rotation.from_rotvec(angle * np.asarray(axis, dtype=float)).as_matrix()
+    return turned
+
+
+def moved(g, offset):
+    """g moved by `offset` [m] in base axes."""
+    moved = g.copy()
+    moved[:3, 3] += offset
+    return moved

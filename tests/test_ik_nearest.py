@@ -1,0 +1,322 @@
+"""Targets that cannot be met: the nearest against SciPy's optimisers, the reasons, and the words for them."""
+
+from __future__ import annotations
+
+import itertools
+
+import numpy as np
+import pinocchio as pin
+import pytest
+from hypothesis import given
+from scipy.optimize import lsq_linear, minimize
+from scipy.spatial.transform import Rotation
+
+import urdf_text
+from catalogue import load
+from ik_targets import errors, moved, pinocchio_fk, target_from, turned
+from strategies import generators
+from twistarm import load_arm
+from twistarm.ik import Approach, Pose, Position, StopReason, Task, newton, solve_ik
+from twistarm.ik.quadratic import least_quadratic
+
+PEER_POSITION, PEER_ANGLE = 1e-6, 1e-5
+"""How exactly SLSQP finds a minimum [m, rad]: it stops on the value, which is flat there."""
+
+STATIONARY = 1e-7
+"""Residual of the optimality conditions, per rad or m; the solver stops at 1e-8 and stands 1e-11 m off its position."""
+
+QUADRATIC_TOL = 1e-9
+"""Two exact methods on problems of condition 1e3."""
+
+STRETCH = ((0.9, 1.0), (0.5, 1.0), (1.0, 2.0))
+"""Factors (x and y, z) by which positions of random configurations are moved: some in reach, some out of it."""
+
+
+# the quadratic programme ------------------------------------------------------------------------------------
+
+
+def face_by_face(H, gradient, C, lower, upper):
+    """The minimiser over a box and a subspace, by solving on every face of the box."""
+    best, value = None, np.inf
+    for sides in itertools.product((-1, 0, 1), repeat=len(gradient)):
+        free = np.array(sides) == 0
+        d = np.where(np.array(sides) < 0, lower, upper)
+        k, r = free.sum(), len(C)
+        K = np.block([[H[np.ix_(free, free)], C[:, free].T], [C[:, free], np.zeros((r, r))]])
+        right = np.concatenate([-(gradient + H[:, ~free] @ d[~free])[free], -C[:, ~free] @ d[~free]])
+        d[free] = np.linalg.lstsq(K, right, rcond=None)[0][:k]
+        inside = (d >= lower - 1e-12).all() and (d <= upper + 1e-12).all() and np.allclose(C @ d, 0, atol=1e-10)
+        if inside and (current := 0.5 * d @ H @ d + gradient @ d) < value:
+            best, value = d, current
+    return best
+
+
+@given(generators)
+def test_the_quadratic_programme_is_solved_on_the_right_face(rng):
+    n, r = 4, int(rng.integers(3))
+    J = rng.normal(size=(n, n))
+    H, gradient, C = J.T @ J + 0.1 * np.eye(n), 3 * rng.normal(size=n), rng.normal(size=(r, n))
+    lower, upper = -rng.uniform(0.1, 1, n), rng.uniform(0.1, 1, n)
+    lower[rng.random(n) < 0.3], upper[rng.random(n) < 0.3] = 0.0, 0.0
+    d = least_quadratic(H, gradient, C, lower, upper).d
+    np.testing.assert_allclose(d, face_by_face(H, gradient, C, lower, upper), atol=QUADRATIC_TOL)
+
+
+# the nearest, against SciPy -----------------------------------------------------------------------------------
+
+
+def components(target, g):
+    """Errors of position and rotation, component by component, as the definitions have them."""
+    R_g, p_g = (target.g[:3, :3], target.g[:3, 3]) if hasattr(target, "g") else (np.eye(3), target.p)
+    p, w = g[:3, 3] - p_g, Rotation.from_matrix(g[:3, :3] @ R_g.T).as_rotvec()
+    return (R_g.T @ p, R_g.T @ w) if isinstance(target, Task) and target.frame == "tool" else (p, w)
+
+
+def by_slsqp(arm, target, rng, starts):
+    """Least position error, and least rotation error with it held, from many starts of SciPy's SLSQP."""
+    bounds = [
+        tuple(b if np.isfinite(b) else None for b in pair)
+        for pair in zip(arm.limits.lower, arm.limits.upper, strict=True)
+    ]
+    tolerance = target.tolerance[:3] if isinstance(target, Task) else np.zeros(3)
+
+    def off(theta):
+        return errors(target, arm.fk(theta))
+
+    def first(theta):
+        return minimize(lambda x: off(x)[0] ** 2, theta, method="SLSQP", bounds=bounds, options={"ftol": 1e-16}).x
+
+    ends = [first(theta) for theta in arm.random_theta(rng, starts)]
+    least = min(off(theta)[0] for theta in ends)
+
+    def inside_tolerance(theta):
+        p = components(target, arm.fk(theta))[0]
+        return np.concatenate([tolerance - p, tolerance + p])
+
+    held = {"type": "ineq", "fun": lambda x: (least + 1e-13) ** 2 - off(x)[0] ** 2}
+    if least < PEER_POSITION:
+        exact = not tolerance.any()
+        held = (
+            {"type": "eq", "fun": lambda x: components(target, arm.fk(x))[0]}
+            if exact
+            else {"type": "ineq", "fun": inside_tolerance}
+        )
+    best = np.inf
+    for theta in ends:
+        if off(theta)[0] > least + 1e-4:
+            continue
+        end = minimize(
+            lambda x: 1 - np.cos(off(x)[1]), theta, method="SLSQP", bounds=bounds, constraints=held,
+            options={"ftol": 1e-15, "maxiter": 300},
+        ).x  # fmt: skip
+        if off(end)[0] <= least + PEER_POSITION and arm.limits.contains(end, 1e-9):
+            best = min(best, off(end)[1])
+    return least, best
+
+
+def hard_target(arm, kind, rng, k):
+    """A target of `kind` at a position the arm may reach, in a random orientation."""
+    g = arm.fk(arm.random_theta(rng))
+    g[:2, 3] *= STRETCH[k % 3][0]
+    g[2, 3] *= STRETCH[k % 3][1]
+    g[:3, :3] = Rotation.random(random_state=int(rng.integers(2**31))).as_matrix()
+    if kind == "Task":
+        return Task(g, [0.02, 0.0, 0.01, 0.1, np.inf, 0.0], frame=("tool", "base")[k % 2])
+    return target_from(kind, g, rng)
+
+
+NEAREST = list(itertools.product(("rover_arm", "so101"), ("Pose", "Approach", "Task"), range(3)))
+NEAREST += [(name, "Pose", 2) for name in ("ur5", "panda", "z1")]
+
+
+@pytest.mark.parametrize(("name", "kind", "k"), NEAREST)
+def test_no_optimiser_comes_nearer(name, kind, k):
+    arm, rng = load(name), np.random.default_rng([17, k])
+    target = hard_target(arm, kind, rng, k)
+    solution = solve_ik(arm, target)
+    least, turn = by_slsqp(arm, target, rng, 8)
+    position, rotation = errors(target, pinocchio_fk(arm, solution.theta))
+    assert solution.within_limits
+    assert position <= least + PEER_POSITION
+    if least < position + PEER_POSITION:
+        assert rotation <= turn + PEER_ANGLE
+    assert solution.stop not in (StopReason.EXHAUSTED, StopReason.TIMED_OUT)
+
+
+def residual(slope, rows, theta, limits):
+    """‖slope + rowsᵀ y + μ‖ at best, y free, μ pointing outward at the bounds theta stands at: 0 if optimal."""
+    at_lower, at_upper = theta <= limits.lower + 1e-9, theta >= limits.upper - 1e-9
+    n = len(theta)
+    A = np.hstack([rows.T, np.eye(n)])
+    low = np.concatenate([np.full(len(rows), -np.inf), np.where(at_lower, -np.inf, -1e-300)])
+    high = np.concatenate([np.full(len(rows), np.inf), np.where(at_upper, np.inf, 1e-300)])
+    return np.linalg.norm(lsq_linear(A, -slope, bounds=(low, high), tol=1e-15).fun)
+
+
+@pytest.mark.parametrize("name", ["rover_arm", "so101"])
+@pytest.mark.parametrize("seed", range(4))
+def test_the_nearest_meets_the_conditions_of_optimality(name, seed):
+    arm, rng = load(name), np.random.default_rng([23, seed])
+    g = turned(arm.fk(arm.random_theta(rng)), [0.6, 0.8, 0], 0.5)
+    solution = solve_ik(arm, g)
+    assert solution.stop is StopReason.IMPOSSIBLE_DIRECTION
+    assert solution.position_error < 1e-10
+    J = arm.body_jacobian(solution.theta)
+    w = pin.log3(g[:3, :3].T @ arm.fk(solution.theta)[:3, :3])
+    assert np.linalg.norm(w) == pytest.approx(solution.orientation_error, abs=1e-9)
+    assert residual(J[3:].T @ w / np.linalg.norm(w), J[:3], solution.theta, arm.limits) < STATIONARY
+
+
+@pytest.mark.parametrize("name", ["ur5", "panda", "rover_arm", "so101"])
+def test_out_of_reach_the_arm_points_at_the_target(name):
+    arm, rng = load(name), np.random.default_rng(1)
+    g = arm.fk(arm.random_theta(rng))
+    g[:3, 3] *= (arm.reach + 2.0) / np.linalg.norm(g[:3, 3])
+    solution = solve_ik(arm, g)
+    assert solution.stop is StopReason.OUT_OF_REACH
+    reached = arm.fk(solution.theta)
+    away = reached[:3, :3].T @ (reached[:3, 3] - g[:3, 3])
+    slope = arm.body_jacobian(solution.theta)[:3].T @ away / np.linalg.norm(away)
+    assert np.linalg.norm(away) == pytest.approx(solution.position_error)
+    assert residual(slope, np.zeros((0, arm.n)), solution.theta, arm.limits) < STATIONARY
+
+
+# reasons: a planar arm of two links, 0.4 m and 0.3 m, for which all of it can be told by hand --------------------
+
+
+@pytest.fixture(scope="module")
+def planar(tmp_path_factory):
+    """Shoulder ±170°, elbow from 0 to 90°, both about z; the tool's z along the base's."""
+    shoulder = urdf_text.joint(
+        "shoulder", "base_link", "upper", xyz="0 0 0", inside='<limit lower="-3" upper="3" velocity="1" effort="1"/>'
+    )
+    elbow = urdf_text.joint(
+        "elbow", "upper", "fore", xyz="0.4 0 0", inside='<limit lower="0" upper="1.5707963" velocity="1" effort="1"/>'
+    )
+    tool = urdf_text.joint("flange", "fore", "tool0", kind="fixed", xyz="0.3 0 0")
+    text = urdf_text.robot(shoulder, elbow, tool, links=("base_link", "upper", "fore", "tool0"), name="planar")
+    return load_arm(urdf_text.write(tmp_path_factory.mktemp("planar"), text))
+
+
+def test_beyond_its_reach(planar):
+    solution = solve_ik(planar, Position([0.6, 0.8, 0.0]))
+    assert solution.stop is StopReason.OUT_OF_REACH
+    assert solution.position_error == pytest.approx(0.3, abs=1e-9)
+    np.testing.assert_allclose(solution.theta, [np.arctan2(0.8, 0.6), 0.0], atol=1e-8)
+
+
+def test_out_of_its_plane(planar):
+    solution = solve_ik(planar, Position([0.4, 0.3, 0.25]))
+    assert solution.stop is StopReason.OUT_OF_REACH
+    assert solution.position_error == pytest.approx(0.25, abs=1e-9)
+    assert "the arm cannot move its tool along the base’s z axis at all" in solution.explain()
+
+
+def test_blocked_by_a_limit(planar):
+    # 0.2 m from the shoulder takes the elbow to 151°; at its bound of 90° the tool is 0.5 m away from it.
+    solution = solve_ik(planar, Position([0.2, 0.0, 0.0]))
+    assert solution.stop is StopReason.BLOCKED_BY_LIMITS
+    assert solution.position_error == pytest.approx(0.3, abs=1e-6)
+    assert solution.theta[1] == planar.limits.upper[1]
+    needed = np.arccos((0.2**2 - 0.4**2 - 0.3**2) / (2 * 0.4 * 0.3))
+    assert abs(solution.unlimited[1]) == pytest.approx(needed, abs=1e-5)
+    text = solution.explain()
+    assert "reason: blocked by joint limits" in text
+    assert "elbow 151.0° (upper bound 90.0°)" in text or "elbow -151.0° (lower bound 0.0°)" in text
+    assert "at its bound: elbow (upper, 90.0°)" in text
+
+
+def test_a_direction_no_joint_turns(planar):
+    g = turned(planar.fk([0.3, 0.8]), [1, 0, 0], np.radians(20))
+    solution = solve_ik(planar, Task(g, [0, 0, 0, 0, 0, np.inf]))
+    assert solution.stop is StopReason.IMPOSSIBLE_DIRECTION
+    assert solution.position_error < 1e-9
+    assert "20.0° of the rotation cannot be done at all" in solution.explain()
+    assert "no joint turns the tool about its x axis" in solution.explain()
+
+
+def test_the_approach_out_of_the_plane_of_a_rover_arm():
+    arm = load("rover_arm")
+    g = arm.fk(arm.ready)
+    out = Rotation.from_rotvec([0, 0, 0.2]).as_matrix() @ g[:3, 2]
+    solution = solve_ik(arm, Approach(g[:3, 3], out))
+    assert solution.stop is StopReason.IMPOSSIBLE_DIRECTION
+    assert solution.position_error < 1e-9
+    # Position, pitch and roll are the arm's own, so what is missing is the angle to its plane, y = 0.
+    assert solution.orientation_error == pytest.approx(np.arcsin(abs(out[1])), abs=1e-8)
+    degrees = np.degrees(solution.orientation_error)
+    assert (
+        f"the approach is {degrees:.1f}° out of the arm's plane, whose normal is the base’s y axis"
+        in solution.explain()
+    )
+
+
+def test_a_pose_an_arm_of_five_joints_can_take_is_no_impossible_direction():
+    arm, rng = load("rover_arm"), np.random.default_rng(0)
+    assert all(solve_ik(arm, arm.fk(theta)).converged for theta in arm.random_theta(rng, 20))
+
+
+def test_a_wrong_orientation_at_the_edge_of_reach_is_no_matter_of_joints():
+    arm = load("ur5")
+    stretched = arm.fk(np.zeros(6))
+    solution = solve_ik(arm, turned(moved(stretched, [0.0, 0.0, 0.0]), [0, 1, 0], np.pi / 2))
+    assert solution.stop in (StopReason.OUT_OF_REACH, StopReason.CONVERGED)
+
+
+def test_the_time_is_up():
+    arm = load("so101")
+    g = turned(arm.fk(arm.ready), [1, 0, 0], 0.4)
+    for seconds in (1e-9, 0.03, 0.1):
+        solution = solve_ik(arm, g, max_time=seconds)
+        assert solution.stop is StopReason.TIMED_OUT
+        assert solution.within_limits
+        assert np.isfinite(solution.theta).all()
+        assert "reason: the time was up" in solution.explain()
+        assert "give a longer max_time" in solution.explain()
+    assert solve_ik(arm, g, max_time=60.0).stop is StopReason.IMPOSSIBLE_DIRECTION
+
+
+def test_an_answer_found_first_does_not_count_as_late():
+    arm = load("ur5")
+    assert solve_ik(arm, arm.fk(arm.ready), max_time=1e-9).converged
+
+
+def test_a_search_that_does_not_settle_excludes_nothing(monkeypatch):
+    monkeypatch.setattr(newton, "STEPS", 1)
+    arm = load("so101")
+    solution = solve_ik(arm, turned(arm.fk(arm.ready), [1, 0, 0], 0.4))
+    assert solution.stop is StopReason.EXHAUSTED
+    assert "reason: no answer found, and none excluded" in solution.explain()
+
+
+# words --------------------------------------------------------------------------------------------------------
+
+
+def test_the_words_of_an_answer():
+    arm = load("ur5")
+    assert solve_ik(arm, Position([0.3, 0.2, 0.5]), arm.ready, restarts=8).explain().splitlines()[:2] == [
+        "asked of ur5: the position (0.3, 0.2, 0.5) m",
+        "reached: position met",
+    ]
+
+
+def test_the_words_of_a_failure():
+    arm = load("ur5")
+    lines = solve_ik(arm, Position([3.0, 0.0, 0.0]), arm.ready).explain().splitlines()
+    assert lines[0] == "asked of ur5: the position (3, 0, 0) m"
+    assert lines[1].startswith("reached: position 2.")
+    assert lines[2] == "reason: out of reach"
+    assert lines[3].startswith("  the nearest position the arm reaches inside its limits is 2.")
+    assert lines[-1].endswith(", 100 searches")
+
+
+def test_the_words_for_targets():
+    g = moved(np.eye(4), [0.1, 0, 0.25])
+    task = Task(g, [np.inf, 0, 0, 0, 0, np.inf], frame="base")
+    assert Pose(g).asked() == "the pose at (0.1, 0, 0.25) m, turned 0.0° from the base's axes"
+    assert Approach(g[:3, 3], [0, 0, -2]).asked() == (
+        "the position (0.1, 0, 0.25) m with the tool's axis (0, 0, 1) along (0, 0, -1)"
+    )
+    assert task.asked() == (
+        "the pose at (0.1, 0, 0.25) m within tolerances along the base's axes (x, turning about z free)"
+    )
