@@ -226,6 +226,27 @@ def test_bad_theta(case: str, rover: twistarm.Arm) -> None:
             method(theta)
 
 
+WRONG_ARGUMENTS = {
+    "a stack of gravities": (
+        lambda arm: arm.gravity_torques(arm.ready, gravity=np.zeros((2, 3))),
+        "gravity must be one",
+    ),
+    "two payloads": (lambda arm: arm.gravity_torques(arm.ready, payload=[1.0, 2.0]), "payload must be one number"),
+    "a payload below zero": (lambda arm: arm.gravity_torques(arm.ready, payload=-1.0), "payload must not be negative"),
+    "two lengths": (lambda arm: arm.manipulability(arm.ready, length=[1.0, 2.0]), "length must be one number"),
+    "a wrench of three": (lambda arm: arm.joint_torques(arm.ready, np.ones(3)), r"wrench_body must have shape"),
+    "a stack of tools": (lambda arm: arm.with_tool(np.stack([np.eye(4)] * 2), "t"), "must be one pose"),
+    "a number beyond all numbers": (lambda arm: arm.fk([10**400, 0, 0, 0, 0]), "must be an array of real numbers"),
+}
+
+
+@pytest.mark.parametrize("case", WRONG_ARGUMENTS)
+def test_wrong_arguments(case: str, rover: twistarm.Arm) -> None:
+    call, message = WRONG_ARGUMENTS[case]
+    with pytest.raises(InputError, match=message):
+        call(rover)
+
+
 def test_an_unknown_frame_offers_the_closest(rover: twistarm.Arm) -> None:
     with pytest.raises(UnknownNameError, match=r"no frame 'tool_0' in rover_arm; closest: 'tool0' \(\d+ frames: arm"):
         rover.pose(rover.ready, "tool_0")
@@ -263,8 +284,10 @@ def test_an_arm_is_plain_data(rover: twistarm.Arm) -> None:
     copy = pickle.loads(pickle.dumps(rover))
     assert np.array_equal(copy.fk(theta), expected)
     assert copy.joint_names == rover.joint_names
-    with pytest.raises(ValueError, match="read-only"):
-        rover.screws[0, 0] = 1.0
+    for arm in (rover, copy):
+        for array in (arm.screws, arm.home, arm.coupling.A, arm.limits.lower, arm.ready):
+            with pytest.raises(ValueError, match="read-only"):
+                array[...] = 1.0
     with pytest.raises(AttributeError):
         rover.name = "other"  # type: ignore[misc]
 
@@ -309,6 +332,10 @@ def test_bad_screws(case: str) -> None:
 
 def test_bad_homes_and_names() -> None:
     xi = joints.revolute([0, 0, 1], np.zeros(3))
+    with pytest.raises(InputError, match=r"home must be one pose \(4, 4\); got \(2, 4, 4\)"):
+        arm_from_screws(xi, np.stack([np.eye(4)] * 2))
+    with pytest.raises(InputError, match="limits must be those of 1 joints; got 3"):
+        arm_from_screws(xi, np.eye(4), limits=JointLimits.unbounded(3))
     with pytest.raises(InputError, match=r"home is not in SE\(3\)|rotation of the home is not in SO\(3\)"):
         arm_from_screws(xi, np.diag([2.0, 1, 1, 1]))
     with pytest.raises(InputError, match="joints must be 1 different names"):

@@ -135,7 +135,7 @@ def test_check_and_freeze(capsys: Capture, tmp_path: Path, monkeypatch: pytest.M
     monkeypatch.chdir(tmp_path)
     path = write(tmp_path, two_joints())
     assert run(["freeze", str(path)]) == 0
-    assert "tiny.golden.json: tiny frozen; compare later with: twistarm check" in capsys.readouterr().out
+    assert "tiny.golden.json: tiny frozen; later" in capsys.readouterr().out
     assert run(["check", str(path), "--samples", "20", "--against", "tiny.golden.json"]) == 0
     assert "unchanged since tiny.golden.json" in capsys.readouterr().out
     write(tmp_path, two_joints(xyz="0.012 0 0.5"))
@@ -172,6 +172,10 @@ BAD = {
     "theta with a word": (["fk", "rover_arm", "--theta", "1 2 x 4 5"], "is neither joint values (5 numbers"),
     "theta with NaN": (["fk", "rover_arm", "--theta", "0 0 nan 0 0"], "theta must be finite; it holds nan at index [2]"),  # noqa: E501
     "theta of an unknown joint": (["fk", "rover_arm", "--theta", "elbw=1"], "no joint 'elbw' in rover_arm"),
+    "a joint typed twice": (["fk", "rover_arm", "--theta", "slide=1 slide=2"], "a joint is named twice"),
+    "a joint without a number": (["fk", "rover_arm", "--theta", "slide= elbow=1"], "is neither joint values"),
+    "a name too long for a file": (["info", "x" * 300], "no usable path (File name too long)"),
+    "a device": (["info", "/dev/null"], "/dev/null: not a regular file; give a URDF or xacro file"),
     "an unknown frame": (["fk", "rover_arm", "--frame", "tol0"], "no frame 'tol0' in rover_arm; closest: 'tool0'"),
     "a position of two numbers": (["ik", "rover_arm", "--xyz", "1 2"], "--xyz takes 3 numbers"),
     "a position that is infinite": (["ik", "rover_arm", "--xyz", "inf 0 0"], "--xyz takes 3 numbers"),
@@ -214,13 +218,13 @@ def test_every_refused_description_is_one_line(case: str, capsys: Capture, tmp_p
 def test_several_possible_tips_are_listed(capsys: Capture, tmp_path: Path) -> None:
     parts = joint("a", "base_link", "upper"), joint("b", "upper", "left"), joint("c", "upper", "right")
     path = write(tmp_path, robot(*parts, links=("base_link", "upper", "left", "right")))
-    assert "several links could be the tip: 'left', 'right'; pass tip=" in error_of(capsys, "info", str(path))
+    assert "several links could be the tip: 'left', 'right'; pass --tip LINK" in error_of(capsys, "info", str(path))
 
 
 def test_planning_without_limits_names_the_joint_and_the_argument(capsys: Capture, tmp_path: Path) -> None:
     path = write(tmp_path, two_joints())
     message = error_of(capsys, "plan", str(path), "--from", "zero", "--to", "10 10")
-    assert "no acceleration limit for a, b: give it as limits={'acceleration': {'a': …}}" in message
+    assert "no acceleration limit for a, b: give one for every joint as --acceleration NUMBER" in message
     assert run(["plan", str(path), "--from", "zero", "--to", "10 10", "--acceleration", "3"]) == 0
 
 
@@ -235,6 +239,24 @@ def test_a_port_in_use(capsys: Capture) -> None:
     message = capsys.readouterr().err
     assert port in message
     assert message.count("\n") == 1
+
+
+def test_names_with_spaces_can_be_typed(capsys: Capture, tmp_path: Path) -> None:
+    parts = joint("my joint", "base_link", "upper"), joint("b", "upper", "tool0")
+    path = write(tmp_path, robot(*parts))
+    content = answer(capsys, "fk", str(path), "--theta", "my joint = 30, b=-10")
+    assert np.allclose(content["theta"], np.radians([30, -10]))
+
+
+def test_without_a_stdout_or_with_one_that_is_full(tmp_path: Path) -> None:
+    program = Path(sys.executable).with_name("twistarm")
+    full = subprocess.run(f"'{program}' arms > /dev/full", shell=True, capture_output=True, text=True, timeout=60)
+    assert "Traceback" not in full.stderr
+    assert full.returncode == 2
+    ascii_only = subprocess.run(
+        [program, "info", "rover_arm"], capture_output=True, text=True, timeout=60, env={"PYTHONIOENCODING": "ascii"}
+    )
+    assert (ascii_only.returncode, ascii_only.stderr) == (0, "")
 
 
 def test_debug_shows_the_traceback() -> None:

@@ -10,6 +10,7 @@ import pytest
 
 from twistarm import Arm, compare, freeze, load_arm
 from twistarm.errors import ComparisonError, DescriptionError, InputError
+from twistarm.limits import FIELDS
 from twistarm.testing import assert_arm
 from urdf_text import joint, robot, write
 
@@ -47,6 +48,10 @@ CHANGES = {
     "the elbow turned": (
         {"elbow": {"rpy": "0 0 0.01745329251994329577"}},
         ("joint elbow turned by 1° about z",),
+    ),
+    "an axis points the other way": (
+        {"elbow": {"inside": '<axis xyz="0 -1 0"/>'}},
+        ("joint elbow is reversed: it turns or slides the other way",),
     ),
     "two joints moved": (
         {"shoulder": {"xyz": "0 0 0.51"}, "wrist_roll": {"xyz": "0.3 0.002 0"}},
@@ -109,7 +114,39 @@ def test_a_golden_file_holds_what_pinocchio_says(golden: Path, tmp_path: Path) -
     assert np.abs(np.array(content["body_jacobian"]) - arm.body_jacobian(theta)).max() < 1e-14
 
 
+def damage(change: str) -> str:
+    """A whole golden file of the arm, with one thing in it changed."""
+    content = {"format": "twistarm golden 1", "base": "base_link", "tip": "tool0", "theta": [[0.0]],
+               "joints": [{"name": "a", "type": "revolute"} | dict.fromkeys(FIELDS)],
+               "screws": [[0.0]] * 5 + [[1.0]], "home": np.eye(4).tolist(), "fk": [np.eye(4).tolist()],
+               "coupling": {"A": [[1.0]], "b": [0.0]},
+               "spatial_jacobian": [[[0.0]] * 6], "body_jacobian": [[[0.0]] * 6]}  # fmt: skip
+    changed = {
+        "nothing": {},
+        "NaN": {"fk": [[[float("nan")] * 4] * 4]},
+        "a zero screw": {"screws": [[0.0]] * 6},
+        "a short screw": {"screws": [[0.0]] * 5},
+        "a word": {"screws": "abc"},
+        "a pose that is none": {"home": np.ones((4, 4)).tolist()},
+        "joints that are none": {"joints": [3]},
+    }[change]
+    return json.dumps(content | changed)
+
+
+@pytest.mark.parametrize(
+    "change", ["NaN", "a zero screw", "a short screw", "a word", "a pose that is none", "joints that are none"]
+)
+def test_a_damaged_golden_file_is_never_unchanged(change: str, tmp_path: Path) -> None:
+    path = tmp_path / "g.json"
+    path.write_text(damage("nothing"))
+    assert compare(load_arm(build(tmp_path)), path).changes, "whole, it is another arm"
+    path.write_text(damage(change))
+    with pytest.raises(DescriptionError, match="damaged golden file|not a golden file"):
+        compare(load_arm(build(tmp_path)), path)
+
+
 DAMAGED = {
+    "nested without end": ("[" * 100_000, "not a golden file"),
     "nothing": (None, "cannot be read: No such file or directory; twistarm freeze writes one"),
     "no JSON": ("frozen", "not a golden file"),
     "another file": ('{"format": "something"}', "not a golden file of this version"),

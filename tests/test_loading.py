@@ -8,7 +8,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from twistarm import available_arms, load_arm
+from twistarm import JointLimits, available_arms, load_arm
 from twistarm.errors import ComparisonError, DescriptionError, InputError, UnknownNameError
 from twistarm.loading import prove
 from urdf_text import joint, robot, two_joints, write
@@ -123,6 +123,17 @@ BAD_TOML = {
         "poses.p lies outside the limits",
     ),
     "a tool without a name": ('source = "arm.urdf"\n[tool]\nxyz = [0.0, 0.0, 0.0]', "tool.name must be a text"),
+    "a tool named as a link": (
+        'source = "arm.urdf"\n[tool]\nname = "upper"',
+        "arm.toml: tool.name 'upper' is a link already; name it otherwise",
+    ),
+    "a tool named as the tip": ('source = "arm.urdf"\n[tool]\nname = "tool0"', "is a link already"),
+    "package dirs that are no list": ('source = "arm.urdf"\npackage_dirs = "meshes"', "must be a list of texts"),
+    "a number beyond all numbers": ('source = "arm.urdf"\n[limits.a]\nvelocity = 1' + "0" * 400, "must be a number"),
+    "swapped limits": (
+        'source = "arm.urdf"\n[limits.a]\nlower = 2.0\nupper = -2.0',
+        "arm.toml: limits of a are swapped or disjoint: lower 2 > upper -2",
+    ),
     "a tool that is no place": (
         'source = "arm.urdf"\n[tool]\nname = "t"\nxyz = [0.0, 0.0]',
         "tool.xyz must have shape",
@@ -149,7 +160,7 @@ def test_limits_by_the_caller(tmp_path: Path) -> None:
     assert arm.limits.velocity.tolist() == [2.0, 0.5]
     with pytest.raises(UnknownNameError, match="no limit 'speed' in JointLimits"):
         load_arm(path, limits={"speed": 1})
-    with pytest.raises(InputError, match="limits of joint 0 are swapped"):
+    with pytest.raises(InputError, match="limits of a are swapped or disjoint"):
         load_arm(path, limits={"lower": 2.0})
 
 
@@ -160,6 +171,72 @@ def test_a_locked_joint_stands_still(tmp_path: Path) -> None:
     assert np.allclose(locked.fk([0.3]), free.fk([0.4, 0.3]), atol=1e-14)
     with pytest.raises(UnknownNameError, match="no moving joint 'c' in tiny, for locked="):
         load_arm(path, locked={"c": 0.0})
+
+
+def test_what_is_locked_outside_its_limits_is_said(tmp_path: Path) -> None:
+    arm = load_arm(write(tmp_path, two_joints()), locked={"a": 50})
+    assert [finding.code for finding in arm.findings] == ["locked-outside-limits"]
+    with pytest.raises(InputError, match=r"locked\['a'\] must be finite"):
+        load_arm(tmp_path / "arm.urdf", locked={"a": np.inf})
+    with pytest.raises(InputError, match=r"locked\['a'\] must be an array of real numbers"):
+        load_arm(tmp_path / "arm.urdf", locked={"a": "x"})  # type: ignore[dict-item]
+
+
+def test_a_joint_that_mimics_one_above_the_base(tmp_path: Path) -> None:
+    """The master carries base and tip alike; only the follower moves one against the other."""
+    parts = (
+        joint("a", "base_link", "upper", inside='<axis xyz="0 1 0"/>'),
+        joint("b", "upper", "fore", inside='<axis xyz="1 0 0"/><mimic joint="a" multiplier="0.5"/>'),
+        joint("c", "fore", "tool0"),
+    )
+    path = write(tmp_path, robot(*parts, links=("base_link", "upper", "fore", "tool0")))
+    arm = load_arm(path, base="upper")
+    assert arm.joint_names == ("a", "c")
+    whole = load_arm(path)
+    relative = np.linalg.inv(whole.pose([0.6, 0.2], "upper")) @ whole.fk([0.6, 0.2])
+    assert np.allclose(arm.fk([0.6, 0.2]), relative, atol=1e-14)
+
+
+def test_a_follower_keeps_its_master_inside_its_own_limits(tmp_path: Path) -> None:
+    limit = '<limit lower="{}" upper="{}" velocity="1" effort="1"/>'
+    parts = (
+        joint("a", "base_link", "upper"),
+        joint("b", "upper", "tool0", inside='<mimic joint="a" multiplier="-2" offset="0.2"/>' + limit.format(-1, 1)),
+    )
+    arm = load_arm(write(tmp_path, robot(*parts)))
+    assert np.allclose([arm.limits.lower[0], arm.limits.upper[0]], [-0.4, 0.6])
+    assert [finding.code for finding in arm.findings] == ["mimic-narrows-limits"]
+    text = robot(*parts).replace('lower="-1" upper="1" velocity="1"', 'lower="0" upper="0" velocity="1"')
+    arm = load_arm(write(tmp_path, text))
+    assert [arm.limits.lower[0], arm.limits.upper[0]] == [-1, 1]
+    assert "mimic-outside-limits" in [finding.code for finding in arm.findings]
+
+
+WRONG_TYPES = {
+    "a source that is none": ({"source": None}, "source must be a path or a name; got None"),
+    "a tip that is a number": ({"tip": 3}, "tip must be the name of a link; got 3"),
+    "limits that are a number": ({"limits": 5}, "limits must be a JointLimits or a mapping"),
+    "limits of another arm": (
+        {"limits": JointLimits.unbounded(3)},
+        "limits must be those of 2 joints",
+    ),
+    "a limit in words": ({"limits": {"velocity": "fast"}}, "must be numbers; got 'fast'"),
+    "a ragged list": ({"limits": {"velocity": [[1, 2], [3]]}}, "must be numbers"),
+}
+
+
+@pytest.mark.parametrize("case", WRONG_TYPES)
+def test_wrong_types_are_input_errors(case: str, tmp_path: Path) -> None:
+    arguments, message = WRONG_TYPES[case]
+    path = write(tmp_path, two_joints())
+    with pytest.raises(InputError, match=message):
+        load_arm(**{"source": path, **arguments})
+
+
+def test_limits_as_an_object(tmp_path: Path) -> None:
+    path = write(tmp_path, two_joints())
+    limits = JointLimits.unbounded(2)
+    assert load_arm(path, limits=limits).limits == limits
 
 
 def test_the_proof_catches_screws_that_are_not_the_description(tmp_path: Path) -> None:

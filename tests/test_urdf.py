@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 from twistarm import load_arm
+from twistarm.description.coupling import resolve_couplings
 from twistarm.description.urdf import read_description
 from twistarm.errors import DescriptionError
 from urdf_text import joint, robot, two_joints, write
@@ -86,6 +87,23 @@ REFUSED = {
             joint("b", "upper", "tool0", inside='<mimic joint="a"/>'),
         ),
         "joints mimic each other in a circle: a, b",
+    ),
+    "a mimic of a planar joint": (
+        robot(
+            joint("a", "base_link", "upper"),
+            joint("b", "upper", "tool0", inside='<mimic joint="p"/>'),
+            joint("p", "base_link", "pad", kind="planar"),
+            links=("base_link", "upper", "tool0", "pad"),
+        ),
+        "joint 'b' mimics 'p', which is planar: its motion is not one number; let it mimic another joint",
+    ),
+    "an origin out of this world": (
+        two_joints(xyz="1e200 0 0"),
+        "its <origin> is malformed: 3 finite numbers expected",
+    ),
+    "xacro without its namespace": (
+        two_joints(inside="<xacro:thing/>"),
+        "a tag's prefix is not declared: add xmlns:xacro=",
     ),
     "a floating joint in the chain": (
         robot(joint("a", "base_link", "upper", kind="floating"), joint("b", "upper", "tool0")),
@@ -187,7 +205,7 @@ def test_meshes_are_found_by_every_kind_of_uri(tmp_path: Path) -> None:
     assert [shape.mesh for shape in description.links["upper"].visuals] == [mesh] * 4
 
 
-@pytest.mark.parametrize("encoding", ["utf-8-sig", "latin-1"])
+@pytest.mark.parametrize("encoding", ["utf-8-sig", "latin-1", "utf-16"])
 def test_encodings_line_ends_and_names(encoding: str, tmp_path: Path) -> None:
     text = robot(
         joint("Schulter/ä 1", "base_link", "Schulter/ä 1"),
@@ -199,6 +217,17 @@ def test_encodings_line_ends_and_names(encoding: str, tmp_path: Path) -> None:
     arm = load_arm(path)
     assert arm.joint_names == ("Schulter/ä 1", "b")
     assert "Schulter/ä 1" in arm.poses(np.zeros(2))
+
+
+def test_a_long_line_of_mimics_is_followed_to_its_end(tmp_path: Path) -> None:
+    links = tuple(f"l{i}" for i in range(900))
+    text = '<mimic joint="j{}"/>'
+    joints = [joint(f"j{i}", links[i], links[i + 1], inside=text.format(i + 1)) for i in range(898)]
+    path = write(tmp_path, robot(*joints, joint("j898", links[898], links[899]), links=links))
+    couplings = resolve_couplings(read_description(path), {})
+    assert {(affine.master, affine.multiplier) for affine in couplings.values()} == {("j898", 1.0)}
+    with pytest.raises(DescriptionError, match="899 moving joints; at most 250"):
+        load_arm(path, tip="l899")
 
 
 def test_a_planar_joint_beside_the_chain_stands_still(tmp_path: Path) -> None:

@@ -62,7 +62,12 @@ FAILS = {
     "an undefined name": (as_xacro('<link name="${nothing}"/>'), "name 'nothing' is not defined"),
     "a macro without end": (
         as_xacro('<xacro:macro name="m"><xacro:m/></xacro:macro><xacro:m/>'),
-        "a macro or property refers to itself without end",
+        "a macro, a property or an included file refers to itself without end",
+    ),
+    "an argument without a default": (as_xacro('<xacro:arg name="h"/>'), "a <xacro:arg> has no default="),
+    "a YAML file that is not there": (
+        as_xacro("<link name=\"${xacro.load_yaml('no.yaml')}\"/>"),
+        "no.yaml",
     ),
     "a missing include": (as_xacro('<xacro:include filename="nowhere.xacro"/>'), "No such file or directory"),
 }
@@ -140,6 +145,8 @@ def test_what_counts_as_xacro(tmp_path: Path) -> None:
     assert is_xacro(write(tmp_path, as_xacro('<xacro:property name="a" value="1"/>'), "hidden.urdf"))
     assert not is_xacro(write(tmp_path, as_xacro(""), "only_the_namespace.urdf"))
     assert not is_xacro(write(tmp_path, ARM, "plain.urdf"))
+    late = as_xacro('<xacro:property name="a" value="1"/>').replace("<robot", f"<!--{' ' * 8000}--><robot")
+    assert is_xacro(write(tmp_path, late, "late.urdf"))
 
 
 def test_package_dirs_must_exist(tmp_path: Path) -> None:

@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from . import poe
-from .checks import Array, as_floats, as_pose, as_theta, as_twist, as_vector, frozen
+from .checks import Array, as_floats, as_number, as_pose, as_theta, as_twist, as_vector, frozen
 from .description.coupling import Affine
 from .description.findings import Finding
 from .description.tree import Description
@@ -20,6 +20,9 @@ from .limits import JointLimits
 from .manipulability import Manipulability, manipulability_of
 from .pinocchio_model import PinocchioModel
 from .screws import adjoint, inverse
+
+AS_GOOD_AS_UNBOUNDED = 1e4
+"""No joint turns or slides that far [rad, m]; files write such numbers where they mean no limit."""
 
 READY_SAMPLES = 63
 """Random configurations that compete with the middle of the limits to be the ready pose."""
@@ -78,6 +81,10 @@ class Arm:
         states = {name: frozen(theta) for name, theta in self.named_states.items()}
         object.__setattr__(self, "named_states", states)
 
+    def __setstate__(self, state: dict[str, Any]) -> None:
+        self.__dict__.update(state)
+        self.__post_init__()
+
     def __getstate__(self) -> dict[str, Any]:
         return {name: value for name, value in self.__dict__.items() if name not in ("pinocchio", "ready")}
 
@@ -92,6 +99,13 @@ class Arm:
     def units(self) -> tuple[str, ...]:
         """`rad` or `m` for each coordinate."""
         return tuple("m" if kind == "prismatic" else "rad" for kind in self.joint_types)
+
+    @property
+    def moving_names(self) -> tuple[str, ...]:
+        """The moving joints of the chain, base to tip: one per column of `screws`, followers included."""
+        if self.description is None:
+            return self.joint_names
+        return tuple(joint.name for joint in self.description.chain(self.base, self.tip_link) if joint.moving)
 
     @property
     def body_screws(self) -> Array:
@@ -123,7 +137,7 @@ class Arm:
         """Pinocchio's model and data (per thread) of the whole description; TwistarmError for an arm without one."""
         if self.description is None:
             raise TwistarmError(f"{self.name} was made from screws, not from a description: it has no Pinocchio model")
-        return PinocchioModel(self.description, self.couplings, self.joint_names)
+        return PinocchioModel(self.description, self.couplings, self.joint_names, self.moving_names)
 
     # -- forward kinematics --------------------------------------------------------------------------------------
 
@@ -194,7 +208,7 @@ class Arm:
 
     def manipulability(self, theta: ArrayLike, length: float | None = None) -> Manipulability:
         """Singular values of the body Jacobian; metres are measured in `length` [m], by default `reach`."""
-        scale = self.reach if length is None else float(as_floats(length, "length"))
+        scale = self.reach if length is None else as_number(length, "length")
         if not scale > 0:
             raise InputError(f"length must be positive, in metres; got {scale:g}")
         return manipulability_of(self.body_jacobian(theta), self._prismatic, scale)
@@ -233,16 +247,16 @@ class Arm:
         `gravity` (3,) [m/s²] in base axes; `payload` [kg] with its centre at `payload_com` (3,) [m] in tool axes.
         """
         x = self._theta(theta)
-        g = as_vector(gravity, "gravity")
+        g, com = _one_vector(gravity, "gravity"), _one_vector(payload_com, "payload_com")
         held = self._each(x, lambda row: self.pinocchio.gravity_torques(row, self.base, g), (self.n,))
-        mass = float(as_floats(payload, "payload"))
+        mass = as_number(payload, "payload")
         if mass < 0:
             raise InputError(f"payload must not be negative, in kg; got {mass:g}")
         if mass == 0:
             return held
         R = self.fk(x)[..., :3, :3]
         support = -mass * np.einsum("...ji,j->...i", R, g)
-        moment = np.cross(as_vector(payload_com, "payload_com"), support)
+        moment = np.cross(com, support)
         return held - self.joint_torques(x, -np.concatenate([support, moment], axis=-1))
 
     # -- configurations ------------------------------------------------------------------------------------------
@@ -255,10 +269,15 @@ class Arm:
 
     @property
     def sampling_bounds(self) -> tuple[Array, Array]:
-        """Lower and upper (n,) that random configurations are drawn from: the limits, made finite."""
+        """Lower and upper (n,) that random configurations are drawn from: the limits, made finite.
+
+        A bound beyond `AS_GOOD_AS_UNBOUNDED` counts as none.
+        """
         half = np.where(self._prismatic, 1.0, np.pi)
-        lower = np.where(np.isfinite(self.limits.lower), self.limits.lower, np.minimum(-half, self.limits.upper - half))
-        upper = np.where(np.isfinite(self.limits.upper), self.limits.upper, np.maximum(half, lower + half))
+        bounded_below = self.limits.lower > -AS_GOOD_AS_UNBOUNDED
+        bounded_above = self.limits.upper < AS_GOOD_AS_UNBOUNDED
+        lower = np.where(bounded_below, self.limits.lower, np.minimum(-half, self.limits.upper - half))
+        upper = np.where(bounded_above, self.limits.upper, np.maximum(half, lower + half))
         return lower, upper
 
     def theta_from(self, values: Mapping[str, float] | Sequence[str], numbers: ArrayLike | None = None) -> Array:
@@ -283,6 +302,8 @@ class Arm:
     def with_tool(self, g_tip_tool: ArrayLike, name: str) -> Arm:
         """The same arm with a tool frame `name` at g_tip_tool (4, 4), seen from the present tip."""
         g = as_pose(g_tip_tool, "g_tip_tool")
+        if g.ndim != 2:
+            raise InputError(f"g_tip_tool must be one pose (4, 4); got {g.shape}")
         if name in self.frame_names:
             raise InputError(f"{self.name} has a frame {name!r} already; give the tool another name")
         end = self.home[:3, 3]
@@ -297,7 +318,7 @@ class Arm:
         return np.array([kind == "prismatic" for kind in self.joint_types])
 
     def _middle(self) -> Array:
-        bounded = np.isfinite(self.limits.lower) & np.isfinite(self.limits.upper)
+        bounded = (self.limits.lower > -AS_GOOD_AS_UNBOUNDED) & (self.limits.upper < AS_GOOD_AS_UNBOUNDED)
         lower, upper = np.where(bounded, self.limits.lower, 0.0), np.where(bounded, self.limits.upper, 0.0)
         return np.clip((lower + upper) / 2, self.limits.lower, self.limits.upper)
 
@@ -340,3 +361,10 @@ class Arm:
         if len(set(names)) != len(names):
             raise InputError(f"a joint is named twice in {list(names)}")
         return {str(name): float(value) for name, value in zip(names, values, strict=True)}
+
+
+def _one_vector(value: ArrayLike, name: str) -> Array:
+    vector = as_vector(value, name)
+    if vector.ndim != 1:
+        raise InputError(f"{name} must be one vector (3,); got {vector.shape}")
+    return vector

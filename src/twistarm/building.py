@@ -41,6 +41,10 @@ def arm_from_screws(
     if not (np.abs(xi).max(axis=0) > 0).all():
         raise InputError("screws must not have a zero column: it moves nothing")
     g = as_pose(home, "home")
+    if g.ndim != 2:
+        raise InputError(f"home must be one pose (4, 4); got {g.shape}")
+    if isinstance(limits, JointLimits) and limits.lower.size != n:
+        raise InputError(f"limits must be those of {n} joints; got {limits.lower.size}")
     prismatic = np.linalg.norm(xi[3:], axis=0) < 1e-12 * np.linalg.norm(xi[:3], axis=0)
     return Arm(
         name=name,

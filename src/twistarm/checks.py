@@ -25,12 +25,20 @@ def as_floats(value: ArrayLike, name: str) -> Array:
         if array.dtype.kind == "c":
             raise ValueError("complex numbers")
         array = np.asarray(array, dtype=np.float64)
-    except (ValueError, TypeError) as error:
+    except (ValueError, TypeError, OverflowError) as error:
         raise InputError(f"{name} must be an array of real numbers; got {_short(value)} ({error})") from error
     if not np.isfinite(array).all():
         index = tuple(int(i) for i in np.argwhere(~np.isfinite(array))[0])
         raise InputError(f"{name} must be finite; it holds {array[index]} at index {list(index)}")
     return array
+
+
+def as_number(value: ArrayLike, name: str) -> float:
+    """`value` as one finite number."""
+    array = as_floats(value, name)
+    if array.ndim:
+        raise InputError(f"{name} must be one number; got shape {array.shape}")
+    return float(array)
 
 
 def as_vector(value: ArrayLike, name: str, size: int = 3) -> Array:

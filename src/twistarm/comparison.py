@@ -27,8 +27,8 @@ DIFFERENCE_TOL = 1e-8
 
 STEP = 1e-3
 
-YOURDFPY_SAMPLES = 200
-"""yourdfpy takes some 0.2 ms a posture: as many as stay below a tenth of a second."""
+YOURDFPY_SAMPLES, YOURDFPY_POSES = 200, 20_000
+"""yourdfpy takes some 0.1 ms for each link's pose: at most so many postures, and so many poses in all."""
 
 Progress = Callable[[float], object]
 """Called with the fraction done, 0 to 1."""
@@ -64,6 +64,12 @@ class CrossCheck:
         """Everything that was compared agrees."""
         return all(row.ok for row in self.comparisons)
 
+    @property
+    def left_out(self) -> dict[str, str]:
+        """Engines that compared nothing, each with the reason."""
+        heard = {engine for row in self.comparisons if not row.not_compared for engine in row.engines}
+        return {row.engines[1]: row.not_compared for row in self.comparisons if row.engines[1] not in heard}
+
     def worst(self, engine: str) -> float:
         """The worst difference of the comparisons with that engine; 0 if there was none."""
         rows = [row.worst for row in self.comparisons if engine in row.engines and not row.not_compared]
@@ -93,9 +99,11 @@ def crosscheck(
     "not compared", with the reason. Absolute errors, in metres and radians (entries of R); allowed are `POSE_TOL`
     times the arm's size where that exceeds 1 m.
     """
-    if samples < 1:
-        raise InputError(f"samples must be at least 1; got {samples}")
-    theta = arm.random_theta(np.random.default_rng(rng), samples)
+    if isinstance(samples, bool) or not isinstance(samples, (int, np.integer)) or samples < 1:
+        raise InputError(f"samples must be a whole number, at least 1; got {samples!r}")
+    if not isinstance(rng, np.random.Generator) and not (isinstance(rng, (int, np.integer)) and rng >= 0):
+        raise InputError(f"rng must be a seed ≥ 0 or a NumPy Generator; got {rng!r}")
+    theta = arm.random_theta(np.random.default_rng(rng), int(samples))
     parts: list[Callable[[], Iterable[Comparison]]] = [
         lambda: _pinocchio(arm, theta),
         lambda: _differences(arm, theta),
@@ -118,7 +126,10 @@ def _compared(quantity: str, engines: tuple[str, str], difference: Array, theta:
 
 
 def _size(arm: Arm) -> float:
-    return max(1.0, arm.reach, float(np.abs(arm.home[:3, 3]).max()))
+    """The arm's size [m] at least 1: its reach, where its tool stands, and the stroke of its slides."""
+    slides = np.array(arm.joint_types) == "prismatic"
+    stroke = float(np.abs(np.array(arm.sampling_bounds)[:, slides]).sum())
+    return max(1.0, arm.reach + stroke, float(np.abs(arm.home[:3, 3]).max()))
 
 
 def _pinocchio(arm: Arm, theta: Array) -> list[Comparison]:
@@ -185,14 +196,14 @@ def _yourdfpy(arm: Arm, theta: Array) -> list[Comparison]:
     reason = _beyond_yourdfpy(arm)
     if reason:
         return [_skipped("all links", "yourdfpy", reason)]
-    subset = theta[:YOURDFPY_SAMPLES]
+    subset = theta[: min(YOURDFPY_SAMPLES, max(1, YOURDFPY_POSES // len(arm.description.links)))]
     try:
-        robot = _load_yourdfpy(arm.description.text)
-        difference = _yourdfpy_difference(arm, robot, subset)
+        theirs = _yourdfpy_poses(arm, subset)
     except MissingExtraError as error:
         return [_skipped("all links", "yourdfpy", str(error))]
     except Exception as error:  # another project's reader: whatever it raises on a file is its answer
         return [_skipped("all links", "yourdfpy", f"yourdfpy cannot read it: {type(error).__name__}: {error}")]
+    difference = _our_poses(arm, subset) - theirs
     engines = ("poe", "yourdfpy")
     tip = list(arm.description.links).index(arm.tip_link)
     tolerance = YOURDFPY_TOL * _size(arm)
@@ -203,19 +214,26 @@ def _yourdfpy(arm: Arm, theta: Array) -> list[Comparison]:
     ]
 
 
-def _yourdfpy_difference(arm: Arm, robot: Any, theta: Array) -> Array:
-    """Our pose minus yourdfpy's, (samples, links, 4, 4); the tip's is the product of exponentials'."""
+def _our_poses(arm: Arm, theta: Array) -> Array:
+    """Every link's pose (samples, links, 4, 4) by our walk, the tip's by product of exponentials."""
     assert arm.description is not None
+    poses = _walked_poses(arm, theta)
+    poses[arm.tip_link] = poe.fk(arm.screws, arm.home, theta @ arm.coupling.A.T) @ inverse(arm.tool)
+    return np.stack([poses[link] for link in arm.description.links], axis=1)
+
+
+def _yourdfpy_poses(arm: Arm, theta: Array) -> Array:
+    """Every link's pose (samples, links, 4, 4) by yourdfpy."""
+    assert arm.description is not None
+    robot = _load_yourdfpy(arm.description.text)
     values = _joint_values(arm, theta)
-    ours = _walked_poses(arm, theta)
-    ours[arm.tip_link] = poe.fk(arm.screws, arm.home, theta @ arm.coupling.A.T) @ inverse(arm.tool)
     links = list(arm.description.links)
-    difference = np.empty((len(theta), len(links), 4, 4))
+    poses = np.empty((len(theta), len(links), 4, 4))
     for k in range(len(theta)):
         robot.update_cfg({name: float(values[name][k]) for name in robot.actuated_joint_names if name in values})
         for i, link in enumerate(links):
-            difference[k, i] = ours[link][k] - robot.get_transform(link, arm.base)
-    return difference
+            poses[k, i] = robot.get_transform(link, arm.base)
+    return poses
 
 
 def _beyond_yourdfpy(arm: Arm) -> str:
@@ -229,18 +247,24 @@ def _beyond_yourdfpy(arm: Arm) -> str:
             return f"yourdfpy drops the mimic of a mimic {joint.name!r}"
         if joint.mimic is not None and arm.couplings[joint.name].master is None:
             return f"yourdfpy cannot lock the mimic joint {joint.name!r}"
-    scaled = [f for f in arm.findings if f.code == "axis-not-unit"]
-    return f"yourdfpy does not normalise the axis of {scaled[0].where}" if scaled else ""
+        if joint.type == "prismatic" and abs(joint.axis_length - 1.0) > POSE_TOL:
+            return f"yourdfpy does not normalise the axis of the prismatic joint {joint.name!r}"
+    return ""
+
+
+def require_yourdfpy() -> Any:
+    """The module, or the error with the command that installs it."""
+    try:
+        import yourdfpy
+    except ImportError as error:
+        raise missing_extra("the comparison with yourdfpy", "yourdfpy", "check") from error
+    return yourdfpy
 
 
 def _load_yourdfpy(text: str) -> Any:
     import logging
 
-    try:
-        import yourdfpy
-    except ImportError as error:
-        raise missing_extra("the comparison with yourdfpy", "yourdfpy", "check") from error
-
+    yourdfpy = require_yourdfpy()
     # The text is UTF-8 from here on, whatever encoding the file declared.
     content = re.sub(r"^\s*<\?xml[^>]*\?>", "", text).encode("utf-8")
     logger = logging.getLogger("yourdfpy.urdf")

@@ -9,6 +9,14 @@ from pathlib import Path
 from .errors import InputError
 
 
+def is_file(path: Path) -> bool:
+    """Whether `path` is a regular file that can be seen; a name too long or malformed is none."""
+    try:
+        return path.is_file()
+    except (OSError, ValueError):
+        return False
+
+
 def write_whole(path: str | os.PathLike[str], content: str | bytes) -> Path:
     """Write `content` to `path` so that a reader sees the old file or the new one, never a part of either.
 
@@ -31,8 +39,11 @@ def write_whole(path: str | os.PathLike[str], content: str | bytes) -> Path:
 def _checked(path: str | os.PathLike[str]) -> Path:
     try:
         target = Path(os.path.realpath(os.fspath(path)))
+        target.exists()
     except (TypeError, ValueError) as error:
         raise InputError(f"the path of a file to write must be a string or a Path; got {path!r}") from error
+    except OSError as error:
+        raise InputError(f"cannot write {str(path)[:60]}…: {error.strerror or error}") from error
     if not target.parent.is_dir():
         raise InputError(f"cannot write {target}: the folder {target.parent} does not exist; create it first")
     if target.is_dir():

@@ -12,7 +12,7 @@ import numpy as np
 
 from . import poe
 from .arm import Arm
-from .checks import Array
+from .checks import Array, as_floats, as_pose
 from .errors import ComparisonError, DescriptionError
 from .files import write_whole
 from .limits import FIELDS
@@ -77,13 +77,7 @@ def freeze(arm: Arm, path: str | os.PathLike[str]) -> None:
 
 def compare(arm: Arm, path: str | os.PathLike[str]) -> Difference:
     """What has changed since `freeze` wrote `path`, in words; DescriptionError if the file is no golden file."""
-    golden = _read(Path(path))
-    try:
-        return _compare(arm, golden)
-    except (KeyError, TypeError, ValueError, IndexError) as error:
-        raise DescriptionError(
-            f"{path}: a damaged golden file ({error!r}); write it anew with twistarm freeze"
-        ) from error
+    return _compare(arm, _read(Path(path)))
 
 
 def _compare(arm: Arm, golden: dict[str, Any]) -> Difference:
@@ -94,13 +88,12 @@ def _compare(arm: Arm, golden: dict[str, Any]) -> Difference:
     ]
     changes += _joint_changes(arm, golden["joints"])
     then = [joint["name"] for joint in golden["joints"]]
-    if then != list(arm.joint_names) or np.shape(golden["screws"]) != arm.screws.shape:
+    if then != list(arm.joint_names) or golden["screws"].shape != arm.screws.shape:
         return Difference(arm.name, tuple(changes or ["the joints that follow others are different ones"]))
-    moved = _geometry_changes(arm, np.array(golden["screws"]), np.array(golden["home"]))
-    coupling = [np.abs(np.array(golden["coupling"][k]) - v).max() for k, v in zip("Ab", arm.coupling, strict=True)]
-    if max(coupling) > SAME_TOL:
+    moved = _geometry_changes(arm, golden["screws"], golden["home"])
+    if max(np.abs(golden[k] - v).max() for k, v in zip("Ab", arm.coupling, strict=True)) > SAME_TOL:
         moved.append("the coupling of mimic or locked joints is different")
-    theta = np.array(golden["theta"])
+    theta = golden["theta"]
     g, spatial, body = _kinematics(arm, theta)
     pose_error = float(np.abs(g - golden["fk"]).max())
     jacobian_error = max(
@@ -128,16 +121,51 @@ def _finite(value: float) -> float | None:
 
 def _read(path: Path) -> dict[str, Any]:
     try:
-        content = json.loads(path.read_text("utf-8"))
+        content = json.loads(path.read_text("utf-8"), parse_constant=_refuse)
     except OSError as error:
         raise DescriptionError(
             f"{path}: cannot be read: {error.strerror or error}; twistarm freeze writes one"
         ) from error
-    except ValueError as error:
+    except (ValueError, RecursionError) as error:
         raise DescriptionError(f"{path}: not a golden file: {error}") from error
     if not isinstance(content, dict) or content.get("format") != FORMAT:
         raise DescriptionError(f"{path}: not a golden file of this version ({FORMAT!r}); twistarm freeze writes one")
-    return content
+    try:
+        return {**content, **_checked(content)}
+    except (KeyError, TypeError, ValueError, AttributeError) as error:
+        raise DescriptionError(
+            f"{path}: a damaged golden file ({error!r}); write it anew with twistarm freeze"
+        ) from error
+
+
+def _refuse(constant: str) -> float:
+    raise ValueError(f"{constant} is no number")
+
+
+def _checked(content: dict[str, Any]) -> dict[str, Any]:
+    """The arrays of a golden file, each of the shape that its joints ask for; ValueError otherwise."""
+    n, m = len(content["joints"]), len(content["coupling"]["b"])
+    N = len(content["theta"])
+    shapes = {
+        "screws": (6, m), "home": (4, 4), "theta": (N, n), "fk": (N, 4, 4),
+        "spatial_jacobian": (N, 6, n), "body_jacobian": (N, 6, n),
+    }  # fmt: skip
+    arrays = {name: as_floats(content[name], name) for name in shapes}
+    arrays |= {"A": as_floats(content["coupling"]["A"], "A"), "b": as_floats(content["coupling"]["b"], "b")}
+    for name, shape in {**shapes, "A": (m, n), "b": (m,)}.items():
+        if arrays[name].shape != shape:
+            raise ValueError(f"{name} has shape {arrays[name].shape} instead of {shape}")
+    if not np.abs(arrays["screws"]).max(axis=0).all():
+        raise ValueError("a joint whose screw is zero")
+    as_pose(arrays["home"], "home")
+    for joint in content["joints"]:
+        for field in FIELDS:
+            _bound(joint[field], 1)
+        if not all(isinstance(joint[key], str) for key in ("name", "type")):
+            raise ValueError("a joint without name or type")
+    if not all(isinstance(content[key], str) for key in ("base", "tip")):
+        raise ValueError("no base or no tip")
+    return arrays
 
 
 # -- joints and limits -------------------------------------------------------------------------------------------
@@ -206,8 +234,7 @@ def _geometry_changes(arm: Arm, screws: Array, home: Array) -> list[str]:
     """
     changes = []
     carried = np.eye(4)
-    moving = _moving_names(arm)
-    for name, before, now in zip(moving, screws.T, arm.screws.T, strict=True):
+    for name, before, now in zip(arm.moving_names, screws.T, arm.screws.T, strict=True):
         words, motion = _axis_change(adjoint(carried) @ before, now)
         changes += [f"joint {name} {word}" for word in words]
         carried = motion @ carried
@@ -216,19 +243,15 @@ def _geometry_changes(arm: Arm, screws: Array, home: Array) -> list[str]:
     return changes + [f"tool {arm.tip} {word}" for word in _pose_words(shift, residual)]
 
 
-def _moving_names(arm: Arm) -> tuple[str, ...]:
-    if arm.description is None:
-        return arm.joint_names
-    return tuple(joint.name for joint in arm.description.chain(arm.base, arm.tip_link) if joint.moving)
-
-
 def _axis_change(before: Array, now: Array) -> tuple[list[str], Array]:
     """How one axis has changed, in words, and the least rigid motion that carries the old line to the new."""
     if np.abs(now - before).max() <= SAME_TOL:
         return [], np.eye(4)
     old, new = to_screw(before), to_screw(now)
-    words: list[str] = []
-    turn = _turn(old.axis, new.axis)
+    reversed_axis = float(old.axis @ new.axis) < -1 + SAME_TOL
+    words = ["is reversed: it turns or slides the other way"] if reversed_axis else []
+    # Reversed, the line stays where it is: nothing beyond it has turned.
+    turn = np.eye(3) if reversed_axis else _turn(old.axis, new.axis)
     motion = np.eye(4)
     motion[:3, :3] = turn
     angle = float(np.linalg.norm(rotation_log(turn)))
@@ -251,15 +274,9 @@ def _perpendicular(new: Screw, old: Screw) -> Array:
 
 
 def _turn(a: Array, b: Array) -> Array:
-    """The least rotation with R a = b for unit vectors; half a turn about any normal where b = −a."""
-    axis, cosine = np.cross(a, b), float(a @ b)
-    if cosine < -1 + 1e-12:
-        normal = np.cross(a, np.eye(3)[int(np.argmin(np.abs(a)))])
-        normal /= np.linalg.norm(normal)
-        half_turn: Array = 2 * np.outer(normal, normal) - np.eye(3)
-        return half_turn
-    K = hat(axis)
-    turn: Array = np.eye(3) + K + K @ K / (1 + cosine)
+    """The least rotation with R a = b, for unit vectors that are not opposite."""
+    K = hat(np.cross(a, b))
+    turn: Array = np.eye(3) + K + K @ K / (1 + float(a @ b))
     return turn
 
 

@@ -48,6 +48,10 @@ class JointLimits:
             i = int(np.argmax(self.lower > self.upper))
             raise InputError(f"limits of joint {i} are swapped: lower {self.lower[i]:g} > upper {self.upper[i]:g}")
 
+    def __setstate__(self, state: dict[str, Any]) -> None:
+        self.__dict__.update(state)
+        self.__post_init__()
+
     @classmethod
     def unbounded(cls, n: int) -> JointLimits:
         """Limits that limit nothing."""
@@ -61,11 +65,16 @@ class JointLimits:
 
     def with_(self, changes: Mapping[str, Any], names: Sequence[str]) -> JointLimits:
         """A copy with `changes`: {"velocity": 1.0} for every joint, or {"velocity": {"elbow": 1.0}} by name."""
+        if not isinstance(changes, Mapping):
+            raise InputError(f"limits must be a JointLimits or a mapping such as {{'velocity': 1.0}}; got {changes!r}")
         updated = {field: getattr(self, field).copy() for field in FIELDS}
         for field, value in changes.items():
             if field not in FIELDS:
                 raise unknown_name("limit", field, FIELDS, within="JointLimits", listing=", ".join(FIELDS))
             updated[field] = _merged(updated[field], value, field, names)
+        for name, lower, upper in zip(names, updated["lower"], updated["upper"], strict=True):
+            if lower > upper:
+                raise InputError(f"limits of {name} are swapped or disjoint: lower {lower:g} > upper {upper:g}")
         return replace(self, **updated)
 
     def require(self, fields: Sequence[str], names: Sequence[str]) -> None:
@@ -87,7 +96,8 @@ def _merged(values: Array, change: Any, field: str, names: Sequence[str]) -> Arr
                 raise unknown_name("joint", str(name), names, within=f"limits['{field}']", listing="base to tip")
             values[list(names).index(name)] = _number(value, field)
         return values
-    if np.ndim(change) == 0:
+    stacked = isinstance(change, np.ndarray) and change.ndim > 0
+    if not stacked and (isinstance(change, str) or not isinstance(change, Sequence)):
         return np.full(len(names), _number(change, field))
     listed = np.array([_number(value, field) for value in change])
     if listed.shape != (len(names),):

@@ -19,7 +19,8 @@ from .description.arm_file import ArmFile, Tool, read_arm_file
 from .description.chain import walk_chain
 from .description.tree import Description
 from .description.urdf import read_description
-from .errors import ComparisonError, DescriptionError, UnknownNameError, closest, listed
+from .errors import ComparisonError, DescriptionError, InputError, UnknownNameError, closest, listed
+from .files import is_file
 from .limits import JointLimits
 from .screws import adjoint
 
@@ -68,7 +69,7 @@ def load_arm(
     tip: str | None = None,
     package_dirs: Folders = (),
     xacro_args: Mapping[str, object] | None = None,
-    limits: Mapping[str, Any] | None = None,
+    limits: JointLimits | Mapping[str, Any] | None = None,
     locked: Mapping[str, float] | None = None,
 ) -> Arm:
     """Load an arm from a URDF or xacro file, an arm.toml, or by its name in the catalogue (`available_arms()`).
@@ -84,6 +85,9 @@ def load_arm(
     Raises DescriptionError (file, element, remedy), UnknownNameError with the closest names, ComparisonError if the
     two accounts disagree.
     """
+    for name, value in {"base": base, "tip": tip}.items():
+        if value is not None and not isinstance(value, str):
+            raise InputError(f"{name} must be the name of a link; got {value!r}")
     request = _request(source)
     request = replace(
         request,
@@ -95,7 +99,7 @@ def load_arm(
         locked={**request.locked, **(locked or {})},
     )
     description = read_description(request.path, package_dirs=request.package_dirs, xacro_args=request.xacro_args)
-    arm = _assemble(description, request, limits or {})
+    arm = _assemble(description, request, {} if limits is None else limits)
     return replace(arm, proof=prove(arm))
 
 
@@ -127,9 +131,11 @@ def prove(arm: Arm) -> Proof:
 
 def _request(source: str | os.PathLike[str]) -> _Request:
     """A path wins over a catalogue name, so that a local file is never shadowed."""
-    text = os.fspath(source)
+    if not isinstance(source, (str, os.PathLike)):
+        raise InputError(f"source must be a path or a name; got {source!r}")
+    text = str(os.fspath(source))
     path = Path(text).expanduser()
-    if path.is_file():
+    if is_file(path):
         return _from_arm_file(path) if path.suffix == ".toml" else _Request(path, text)
     own = catalog.own_arm_file(text)
     if own is not None:
@@ -139,10 +145,11 @@ def _request(source: str | os.PathLike[str]) -> _Request:
         file, (_, base, tip) = entry
         share = file.parents[len(Path(entry[1].file).parts) + 1]
         return _Request(file, text, name=text, base=base, tip=tip, package_dirs=(share,))
-    if path.suffix or len(path.parts) > 1:
-        kind = "a folder" if path.is_dir() else "no such file"
+    kind = _kind(path)
+    if kind or path.suffix or len(path.parts) > 1:
         raise DescriptionError(
-            f"{text}: {kind}; give a URDF or xacro file, an arm.toml or one of {listed(available_arms(), 20)}"
+            f"{text[:200]}: {kind or 'no such file'}; give a URDF or xacro file, an arm.toml or one of "
+            f"{listed(available_arms(), 20)}"
         )
     names = available_arms()
     raise UnknownNameError(
@@ -150,10 +157,18 @@ def _request(source: str | os.PathLike[str]) -> _Request:
     )
 
 
+def _kind(path: Path) -> str:
+    """What stands at `path` instead of a file; empty if nothing does."""
+    try:
+        return "a folder" if path.is_dir() else "not a regular file" if path.exists() else ""
+    except (OSError, ValueError) as error:
+        return f"no usable path ({getattr(error, 'strerror', None) or error})"
+
+
 def _from_arm_file(path: Path) -> _Request:
     file: ArmFile = read_arm_file(path)
     described = path.parent / file.source
-    if not described.is_file():
+    if not is_file(described):
         raise DescriptionError(f"{path}: source {file.source!r} does not exist beside it")
     return _Request(
         described,
@@ -174,12 +189,16 @@ def _folders(package_dirs: Folders) -> tuple[str | os.PathLike[str], ...]:
     return (package_dirs,) if isinstance(package_dirs, (str, os.PathLike)) else tuple(package_dirs)
 
 
-def _assemble(description: Description, request: _Request, changes: Mapping[str, Any]) -> Arm:
+def _assemble(description: Description, request: _Request, changes: JointLimits | Mapping[str, Any]) -> Arm:
     base = description.require_link(request.base, "base") if request.base else description.root
     tip = description.require_link(request.tip, "tip") if request.tip else find_tip(description)
+    if request.tool and request.tool.name in description.links:
+        raise DescriptionError(
+            f"{request.source}: tool.name {request.tool.name!r} is a link already; name it otherwise"
+        )
     tool = request.tool or Tool(tip, np.eye(4))
     chain = walk_chain(description, base, tip, tool.g_tip_tool, request.locked)
-    limits = _limits(chain.limits, request.limits, changes, chain.coordinates)
+    limits = _limits(chain.limits, request, changes, chain.coordinates)
     arm = Arm(
         name=request.name or description.name,
         source=request.source,
@@ -192,7 +211,7 @@ def _assemble(description: Description, request: _Request, changes: Mapping[str,
         coupling=Coupling(*chain.coupling),
         limits=limits,
         reach=chain.reach or 1.0,
-        findings=description.findings,
+        findings=(*description.findings, *chain.findings),
         description=description,
         couplings=chain.couplings,
         tool=tool.g_tip_tool,
@@ -202,14 +221,23 @@ def _assemble(description: Description, request: _Request, changes: Mapping[str,
 
 
 def _limits(
-    limits: JointLimits, file: Mapping[str, Mapping[str, float]], changes: Mapping[str, Any], names: tuple[str, ...]
+    limits: JointLimits, request: _Request, changes: JointLimits | Mapping[str, Any], names: tuple[str, ...]
 ) -> JointLimits:
-    """The description's limits, then the arm.toml's (joint by joint), then the caller's (kind by kind)."""
+    """The description's limits, then the arm.toml's (joint by joint), then the caller's (kind by kind, or all)."""
     by_kind: dict[str, dict[str, float]] = {}
-    for joint, values in file.items():
+    for joint, values in request.limits.items():
         for kind, value in values.items():
-            by_kind.setdefault(kind, {})[joint] = value
-    return limits.with_(by_kind, names).with_(changes, names)
+            if joint not in request.locked:
+                by_kind.setdefault(kind, {})[joint] = value
+    try:
+        limits = limits.with_(by_kind, names)
+    except (ValueError, LookupError) as error:
+        raise DescriptionError(f"{request.source}: {error}") from error
+    if not isinstance(changes, JointLimits):
+        return limits.with_(changes, names)
+    if changes.lower.size != len(names):
+        raise InputError(f"limits must be those of {len(names)} joints ({', '.join(names)}); got {changes.lower.size}")
+    return changes
 
 
 def _named_states(arm: Arm, request: _Request) -> dict[str, Array]:

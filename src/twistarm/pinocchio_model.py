@@ -17,6 +17,9 @@ from .description.coupling import Affine
 from .description.tree import Description
 from .errors import DescriptionError, TwistarmError
 
+MAX_MOVING_JOINTS = 250
+"""Pinocchio's data holds four tensors of nv³ numbers: half a gigabyte here, and no robot has as many joints."""
+
 _STDERR = threading.Lock()
 """File descriptor 2 belongs to the whole process: one redirection at a time."""
 
@@ -24,11 +27,18 @@ _STDERR = threading.Lock()
 class PinocchioModel:
     """Pinocchio's model of a whole description, with data for each thread.
 
-    `q(theta)` gives the joint values of every joint of the tree: the chain's from theta, mimic followers by their
-    coupling, the others from `others` or 0. Continuous joints are revolute here, so q is one number per joint.
+    `coordinates` are theta's joints, `chain` the moving joints from base to tip. `q(theta)` gives the value of every
+    joint of the tree: the chain's from theta, mimic followers by their coupling, the others from `others` or 0.
+    Continuous joints are revolute here, so q is one number per joint.
     """
 
-    def __init__(self, description: Description, couplings: Mapping[str, Affine], coordinates: Sequence[str]) -> None:
+    def __init__(
+        self,
+        description: Description,
+        couplings: Mapping[str, Affine],
+        coordinates: Sequence[str],
+        chain: Sequence[str],
+    ) -> None:
         self._pin = import_pinocchio()
         self.model = _build(self._pin, description)
         self._local = threading.local()
@@ -36,6 +46,8 @@ class PinocchioModel:
         self._coordinates = tuple(coordinates)
         self._index = {str(name): int(self.model.idx_qs[j]) for j, name in enumerate(self.model.names) if j > 0}
         self._A, self._b = self._affine()
+        # What moves above the base carries base and tip alike: only the chain's joints move one against the other.
+        self._A_chain = self._A * np.isin(np.arange(self.model.nq), [self._index[name] for name in chain])[:, None]
         self._frames = {link: int(self.model.getFrameId(link, self._pin.FrameType.BODY)) for link in description.links}
 
     @property
@@ -77,7 +89,7 @@ class PinocchioModel:
         # computeJointJacobians runs the forward kinematics that the frame's pose is read from.
         self._pin.computeJointJacobians(self.model, data, self._A @ theta + self._b)
         J = self._pin.getFrameJacobian(self.model, data, self._frames[tip], self._pin.ReferenceFrame.LOCAL)
-        return self._relative(data, base, tip), J.reshape(6, -1) @ self._A
+        return self._relative(data, base, tip), J.reshape(6, -1) @ self._A_chain
 
     def spatial_jacobian(self, theta: Array, base: str, tip: str) -> Array:
         """Spatial Jacobian (6, n) in the frame of `base`, from the WORLD Jacobian: Ad(g_root,base⁻¹) J_WORLD."""
@@ -85,7 +97,7 @@ class PinocchioModel:
         self._pin.computeJointJacobians(self.model, data, self._A @ theta + self._b)
         J = self._pin.getFrameJacobian(self.model, data, self._frames[tip], self._pin.ReferenceFrame.WORLD)
         world_base = self._pin.updateFramePlacement(self.model, data, self._frames[base])
-        spatial: Array = world_base.toActionMatrixInverse() @ J.reshape(6, -1) @ self._A
+        spatial: Array = world_base.toActionMatrixInverse() @ J.reshape(6, -1) @ self._A_chain
         return spatial
 
     def gravity_torques(self, theta: Array, base: str, gravity: Array) -> Array:
@@ -138,6 +150,11 @@ def import_pinocchio() -> Any:
 
 
 def _build(pin: Any, description: Description) -> Any:
+    count = sum(joint.moving for joint in description.joints.values())
+    if count > MAX_MOVING_JOINTS:
+        raise DescriptionError(
+            f"{description.path}: {count} moving joints; at most {MAX_MOVING_JOINTS}: is it a whole scene?"
+        )
     with _captured_stderr() as complaint:
         try:
             return pin.buildModelFromXML(description.repaired)

@@ -6,7 +6,7 @@ import os
 from typing import Any
 
 from .arm import Arm
-from .comparison import crosscheck
+from .comparison import crosscheck, require_yourdfpy
 from .golden import compare
 from .loading import load_arm
 
@@ -23,7 +23,8 @@ def assert_arm(
     """Load an arm, prove product of exponentials = Pinocchio = yourdfpy, and that it is still the one frozen.
 
     `source` and `load` as in `load_arm`; `against` a golden file written by `twistarm freeze` or `freeze(arm, path)`.
-    Returns the arm. Raises AssertionError with every difference in words.
+    Returns the arm. Raises AssertionError with every difference in words, and MissingExtraError without yourdfpy: a
+    proof that leaves an engine out is none.
 
         def test_our_arm():
             assert_arm("arm/rover.urdf.xacro", against="arm/rover.golden.json")
@@ -31,6 +32,7 @@ def assert_arm(
     __tracebackhide__ = True
     arm = load_arm(source, **load)
     check = crosscheck(arm, samples)
+    require_yourdfpy()
     problems = [
         f"{row.quantity}: {row.engines[0]} and {row.engines[1]} differ by {row.worst:.2g} (allowed {row.tolerance:g})"
         for row in check.comparisons

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import io
 import os
 import sys
 from collections.abc import Sequence
@@ -10,6 +11,7 @@ import typer
 
 from ..errors import TwistarmError
 from . import checking, demonstration, inspection, inverse, kinematics, motion, viewing
+from .wording import as_typed
 
 BAD_ANSWER, BAD_INPUT, BUG, INTERRUPTED = 1, 2, 70, 130
 """Exit codes: an answer that is not good; input that cannot be used; a fault of ours; Ctrl-C."""
@@ -41,6 +43,10 @@ def _program(debug: bool = typer.Option(False, "--debug", help="Show the traceba
 
 def main() -> None:
     """Entry point of the `twistarm` program."""
+    for stream in (sys.stdout, sys.stderr):
+        # A terminal that lacks ° or ξ shows a question mark instead of stopping the program.
+        if isinstance(stream, io.TextIOWrapper):
+            stream.reconfigure(errors="replace")
     sys.exit(run(sys.argv[1:]))
 
 
@@ -51,7 +57,8 @@ def run(arguments: Sequence[str]) -> int:
     rest = [argument for argument in arguments if argument != "--debug"]
     try:
         code = app(args=rest, prog_name="twistarm", standalone_mode=False)
-        sys.stdout.flush()
+        if sys.stdout is not None:
+            sys.stdout.flush()
         return code if isinstance(code, int) else 0
     except (KeyboardInterrupt, typer.Abort):
         return INTERRUPTED
@@ -67,7 +74,10 @@ def run(arguments: Sequence[str]) -> int:
 
 def _report(error: Exception) -> int:
     if isinstance(error, TwistarmError):
-        _say(str(error))
+        _say(as_typed(str(error)))
+        return BAD_INPUT
+    if isinstance(error, OSError):
+        _say(f"the operating system refuses: {error}")
         return BAD_INPUT
     # Usage errors: typer's click raises them with their own wording.
     if hasattr(error, "format_message"):

@@ -41,7 +41,7 @@ def freeze(
     """Write a golden file: names, screws, home, limits, FK and Jacobians at 100 seeded configurations."""
     path = output or Path(f"{Path(arm.name).name}.golden.json")
     write_golden(arm, path)
-    print(f"{path}: {arm.name} frozen; compare later with: twistarm check {arm.source} --against {path}")
+    print(f"{path}: {arm.name} frozen; later, with the same ARM and options: twistarm check … --against {path}")
 
 
 def check_table(result: CrossCheck) -> Any:
@@ -58,7 +58,9 @@ def check_table(result: CrossCheck) -> Any:
         for row in result.comparisons
     ]
     columns = ["quantity", "engines", "worst difference", "allowed", "postures", ""]
-    verdict = "all engines agree" if result.ok else "THE ENGINES DISAGREE"
+    silent = [engine for engine in result.left_out if engine in ("pinocchio", "yourdfpy")]
+    agree = f"the engines agree, but {' and '.join(silent)} compared nothing" if silent else "all engines agree"
+    verdict = agree if result.ok else "THE ENGINES DISAGREE"
     return table(f"{result.arm}: {verdict}", columns, rows, text=columns)
 
 

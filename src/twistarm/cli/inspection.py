@@ -12,6 +12,7 @@ from ..arm import Arm
 from ..description import catalog
 from .options import Json, Radians, takes_arm
 from .output import console, number, print_json, shown, table, units
+from .wording import as_typed
 
 
 def arms(json: Json = False) -> None:
@@ -71,7 +72,7 @@ def info_view(arm: Arm, radians: bool) -> Group:
             f"proof at load: screws and Pinocchio agree within {arm.proof.pose_error:.1e} (pose) and "
             f"{arm.proof.jacobian_error:.1e} (Jacobian) at {arm.proof.samples} random postures"
         )
-    parts += [escape(str(finding)) for finding in arm.findings]
+    parts += [escape(as_typed(str(finding))) for finding in arm.findings]
     return Group(*parts)
 
 

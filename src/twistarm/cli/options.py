@@ -76,15 +76,11 @@ def parse_theta(arm: Arm, text: str, radians: bool) -> Array:
     """A typed configuration: numbers base to tip, `joint=value` pairs, or the name of a pose."""
     if text in named_poses(arm):
         return named_poses(arm)[text]
-    words = text.replace(",", " ").split()
     try:
         if "=" in text:
-            pairs = [re.fullmatch(r"([^=]+)=([^=]+)", word) for word in words]
-            theta = arm.theta_from({m.group(1): float(m.group(2)) for m in pairs if m})
-            if not all(pairs):
-                raise ValueError
+            theta = arm.theta_from(*_pairs(text))
         else:
-            theta = np.array([float(word) for word in words])
+            theta = np.array([float(word) for word in text.replace(",", " ").split()])
     except (UnknownNameError, InputError):
         raise
     except ValueError as error:
@@ -96,6 +92,21 @@ def parse_theta(arm: Arm, text: str, radians: bool) -> Array:
         raise InputError(f"{arm.name} takes {arm.n} values ({', '.join(arm.joint_names)}); got {len(theta)}: {text!r}")
     as_theta(theta, arm.n)
     return theta if radians else from_degrees(arm, theta)
+
+
+def _pairs(text: str) -> tuple[list[str], list[float]]:
+    """Names and values of `joint=value` pairs, spaces inside names and around = allowed; else ValueError."""
+    pair = re.compile(r"[\s,]*([^=]+?)\s*=\s*([^\s=,]+)(?=[\s,]|$)")
+    names, values, end = [], [], 0
+    for match in pair.finditer(text):
+        if match.start() != end:
+            raise ValueError(text)
+        names.append(match.group(1))
+        values.append(float(match.group(2)))
+        end = match.end()
+    if text[end:].strip(", "):
+        raise ValueError(text)
+    return names, values
 
 
 def named_poses(arm: Arm) -> dict[str, Array]:

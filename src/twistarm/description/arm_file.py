@@ -62,7 +62,7 @@ def read_arm_file(path: Path) -> ArmFile:
         tip=content.get("tip"),
         tool=_tool(content, path),
         xacro_args=_table(content, "xacro_args", path),
-        package_dirs=tuple(path.parent / str(folder) for folder in content.get("package_dirs", ())),
+        package_dirs=_folders(content, path),
         limits=_limits(content, path),
         locked=_numbers(_table(content, "locked", path), path, "locked"),
         poses={
@@ -100,11 +100,25 @@ def _table(content: Mapping[str, Any], key: str, path: Path) -> Mapping[str, Any
     return table
 
 
+def _folders(content: Mapping[str, Any], path: Path) -> tuple[Path, ...]:
+    folders = content.get("package_dirs", [])
+    if not isinstance(folders, list) or not all(isinstance(folder, str) for folder in folders):
+        raise DescriptionError(f"{path}: package_dirs must be a list of texts; got {folders!r}")
+    return tuple(path.parent / folder for folder in folders)
+
+
 def _numbers(table: Mapping[str, Any], path: Path, place: str) -> dict[str, float]:
-    for name, value in table.items():
-        if isinstance(value, bool) or not isinstance(value, (int, float)) or np.isnan(value):
-            raise DescriptionError(f"{path}: {place}.{name} must be a number (rad or m); got {value!r}")
-    return {name: float(value) for name, value in table.items()}
+    return {name: _number(value, f"{path}: {place}.{name}") for name, value in table.items()}
+
+
+def _number(value: Any, place: str) -> float:
+    try:
+        number = np.nan if isinstance(value, (bool, str)) else float(value)
+    except (TypeError, ValueError, OverflowError):
+        number = np.nan
+    if np.isnan(number):
+        raise DescriptionError(f"{place} must be a number (rad or m); got {str(value)[:60]!r}")
+    return number
 
 
 def _limits(content: Mapping[str, Any], path: Path) -> dict[str, dict[str, float]]:

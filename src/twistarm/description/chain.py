@@ -14,6 +14,7 @@ from ..errors import DescriptionError
 from ..limits import JointLimits
 from ..screws import adjoint, exp
 from .coupling import Affine, coupling_matrix, resolve_couplings
+from .findings import Finding
 from .tree import Description, Joint
 
 CoordinateType = Literal["revolute", "continuous", "prismatic"]
@@ -37,6 +38,7 @@ class Chain:
     limits: JointLimits
     reach: float
     couplings: Mapping[str, Affine]
+    findings: tuple[Finding, ...]
 
 
 def walk_chain(description: Description, base: str, tip: str, tool: Array, locked: Mapping[str, float]) -> Chain:
@@ -59,6 +61,11 @@ def walk_chain(description: Description, base: str, tip: str, tool: Array, locke
     A, b = coupling_matrix(couplings, moving, coordinates)
     screws, home, points = _walk(joints, dict(zip(moving, b, strict=True)))
     masters = [description.joints[name] for name in coordinates]
+    limits, findings = _limits(masters), []
+    followers = [name for name in moving if couplings[name].master not in (None, name)]
+    for name in followers:
+        limits, finding = _narrowed(limits, coordinates, description.joints[name], couplings[name])
+        findings += finding
     return Chain(
         coordinates=coordinates,
         types=tuple(_coordinate_type(joint) for joint in masters),
@@ -66,9 +73,10 @@ def walk_chain(description: Description, base: str, tip: str, tool: Array, locke
         screws=screws,
         home=home @ tool,
         coupling=(A, b),
-        limits=_limits(masters),
+        limits=limits,
         reach=_path_length([*points, (home @ tool)[:3, 3]]),
         couplings=couplings,
+        findings=(*findings, *_locked_outside(description, locked)),
     )
 
 
@@ -108,3 +116,46 @@ def _limits(masters: list[Joint]) -> JointLimits:
         jerk=np.full(n, np.inf),
         effort=np.array([joint.effort for joint in masters]),
     )
+
+
+def _narrowed(
+    limits: JointLimits, coordinates: tuple[str, ...], follower: Joint, affine: Affine
+) -> tuple[JointLimits, list[Finding]]:
+    """The limits with the master kept where its follower stays inside its own, and what that changed.
+
+    A follower without a range of its own (exports write 0, 0) narrows nothing, but is reported.
+    """
+    i = coordinates.index(str(affine.master))
+    ends = sorted((bound - affine.offset) / affine.multiplier for bound in (follower.lower, follower.upper))
+    lower, upper = max(limits.lower[i], ends[0]), min(limits.upper[i], ends[1])
+    if (lower, upper) == (limits.lower[i], limits.upper[i]):
+        return limits, []
+    usable = lower < upper
+    finding = Finding(
+        "mimic-narrows-limits" if usable else "mimic-outside-limits",
+        "info" if usable else "warning",
+        f"joint {follower.name!r}",
+        f"it follows {affine.master} beyond its own limits [{follower.lower:g}, {follower.upper:g}]; "
+        + (f"{affine.master} is kept in [{lower:.4g}, {upper:.4g}]" if usable else "its limits are not kept"),
+        "make both joints' limits fit the mimic's multiplier and offset",
+        repaired=usable,
+    )
+    if not usable:
+        return limits, [finding]
+    name = coordinates[i]
+    return limits.with_({"lower": {name: lower}, "upper": {name: upper}}, coordinates), [finding]
+
+
+def _locked_outside(description: Description, locked: Mapping[str, float]) -> list[Finding]:
+    return [
+        Finding(
+            "locked-outside-limits",
+            "warning",
+            f"joint {name!r}",
+            f"it is locked at {value:g}, outside its limits [{joint.lower:g}, {joint.upper:g}]",
+            "lock it inside its limits; angles are in radians",
+        )
+        for name, value in locked.items()
+        for joint in [description.joints[name]]
+        if not joint.lower <= value <= joint.upper
+    ]

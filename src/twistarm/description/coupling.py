@@ -7,7 +7,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ..checks import Array
+from ..checks import Array, as_number
 from ..errors import DescriptionError, closest, unknown_name
 from .tree import Description, Joint
 
@@ -24,14 +24,15 @@ def resolve_couplings(description: Description, locked: Mapping[str, float]) -> 
     """For every moving joint of the tree the independent joint it follows, a mimic of a mimic included.
 
     Raises DescriptionError for a master that does not exist, or for joints that mimic each other in a circle;
-    UnknownNameError for a locked joint that does not exist.
+    UnknownNameError for a locked joint that does not exist, InputError for a value that is no number.
     """
-    moving = {joint.name: joint for joint in description.joints.values() if joint.moving}
+    moving = {joint.name: joint for joint in description.joints.values() if joint.scalar}
     for name in locked:
         if name not in moving:
             listing = f"{len(moving)} moving joints"
             raise unknown_name("moving joint", name, moving, within=f"{description.name}, for locked=", listing=listing)
-    return {name: _follow(description, name, locked, ()) for name in moving}
+        as_number(locked[name], f"locked[{name!r}]")
+    return {name: _follow(description, name, locked) for name in moving}
 
 
 def coupling_matrix(
@@ -48,28 +49,39 @@ def coupling_matrix(
     return A, b
 
 
-def _follow(description: Description, name: str, locked: Mapping[str, float], behind: tuple[str, ...]) -> Affine:
-    joint = description.joints[name]
-    if name in locked:
-        return Affine(None, 0.0, float(locked[name]))
-    if not joint.moving:
-        return Affine(None, 0.0, 0.0)
-    if joint.mimic is None:
-        return Affine(name, 1.0, 0.0)
-    if name in behind:
-        raise DescriptionError(f"{description.path}: joints mimic each other in a circle: {', '.join(behind)}")
-    master = _follow(description, _master(description, joint), locked, (*behind, name))
-    k = joint.mimic.multiplier
-    if master.master is None or k == 0.0:
-        return Affine(None, 0.0, k * master.offset + joint.mimic.offset)
-    return Affine(master.master, k * master.multiplier, k * master.offset + joint.mimic.offset)
+def _follow(description: Description, name: str, locked: Mapping[str, float]) -> Affine:
+    """Along the mimic elements to the joint that moves by itself, is locked, or is fixed."""
+    multiplier, offset = 1.0, 0.0
+    behind: dict[str, None] = {}
+    while True:
+        joint = description.joints[name]
+        if name in locked:
+            return Affine(None, 0.0, multiplier * float(locked[name]) + offset)
+        if not joint.moving or multiplier == 0.0:
+            return Affine(None, 0.0, offset)
+        if joint.mimic is None:
+            _require_scalar(description, joint, behind)
+            return Affine(name, multiplier, offset)
+        if name in behind:
+            raise DescriptionError(f"{description.path}: joints mimic each other in a circle: {', '.join(behind)}")
+        behind[name] = None
+        offset += multiplier * joint.mimic.offset
+        multiplier *= joint.mimic.multiplier
+        name = _master(description, joint, joint.mimic.joint)
 
 
-def _master(description: Description, joint: Joint) -> str:
-    assert joint.mimic is not None
-    if joint.mimic.joint not in description.joints:
+def _require_scalar(description: Description, master: Joint, followers: Mapping[str, None]) -> None:
+    if not master.scalar:
         raise DescriptionError(
-            f"{description.path}: joint {joint.name!r} mimics {joint.mimic.joint!r}, which does not exist"
-            f"{closest(joint.mimic.joint, description.joints)}"
+            f"{description.path}: joint {next(iter(followers), master.name)!r} mimics {master.name!r}, "
+            f"which is {master.type}: its motion is not one number; let it mimic another joint"
         )
-    return joint.mimic.joint
+
+
+def _master(description: Description, joint: Joint, master: str) -> str:
+    if master not in description.joints:
+        raise DescriptionError(
+            f"{description.path}: joint {joint.name!r} mimics {master!r}, which does not exist"
+            f"{closest(master, description.joints)}"
+        )
+    return master

@@ -12,10 +12,14 @@ import numpy as np
 
 from ..checks import Array
 from ..errors import listed
+from ..files import is_file
 from ..rotations import from_rpy
 from .document import Reading
 from .packages import PackageIndex
 from .tree import Geometry
+
+LARGEST = 1e9
+"""No length, angle, mass or multiplier of a robot comes near; beyond it products overflow."""
 
 Colour = tuple[float, float, float, float]
 _FIND = re.compile(r"^\$\(find\s+([^)\s]+)\)/?(.*)$")
@@ -87,7 +91,7 @@ class Geometries:
 
     def _mesh(self, uri: str) -> Path | None:
         path = resolve_uri(uri, self._reading.path, self._reading.packages)
-        if path is None or not path.is_file():
+        if path is None or not is_file(path):
             self._missing.append(uri)
             return None
         return path
@@ -139,8 +143,8 @@ def mesh_scale(text: str | None) -> tuple[float, ...]:
 
 
 def floats(text: str, count: int) -> list[float]:
-    """Exactly `count` finite numbers, or ValueError."""
+    """Exactly `count` numbers of a size that robots have, or ValueError."""
     values = [float(word) for word in text.split()]
-    if len(values) != count or not np.isfinite(values).all():
-        raise ValueError(f"{count} finite numbers expected; got {text!r}")
+    if len(values) != count or not (np.abs(values) <= LARGEST).all():
+        raise ValueError(f"{count} finite numbers expected, none beyond {LARGEST:g}; got {text[:60]!r}")
     return values

@@ -53,7 +53,7 @@ class Mimic:
 
 @dataclass(frozen=True)
 class Joint:
-    """A joint of the tree; limits are NaN-free, ∓inf where not given."""
+    """A joint of the tree: `axis` a unit vector, `axis_length` its length as written; limits ∓inf where not given."""
 
     name: str
     type: JointType
@@ -66,11 +66,17 @@ class Joint:
     velocity: float = np.inf
     effort: float = np.inf
     mimic: Mimic | None = None
+    axis_length: float = 1.0
 
     @property
     def moving(self) -> bool:
         """One degree of freedom or more."""
         return self.type != "fixed"
+
+    @property
+    def scalar(self) -> bool:
+        """Its motion is one number."""
+        return self.type in ("revolute", "continuous", "prismatic")
 
     @property
     def twist(self) -> Array:

@@ -11,6 +11,7 @@ import numpy as np
 
 from ..checks import Array, frozen
 from ..errors import DescriptionError
+from ..files import is_file
 from .document import Reading, parse_xml, read_text
 from .geometry import Geometries, floats, read_origin
 from .inertial import drop_unusable_inertials
@@ -45,7 +46,7 @@ def read_description(
     undefined link, a duplicate name, a zero axis on a moving joint, a number that is none.
     """
     file = Path(path).expanduser()
-    if not file.is_file():
+    if not is_file(file):
         raise DescriptionError(f"{file}: no such file; give a URDF or xacro file, an arm.toml or a catalogue name")
     file = file.resolve()
     packages = package_index(file, package_dirs)
@@ -101,7 +102,7 @@ def _read_joint(element: ET.Element, reading: Reading, rates: Rates) -> Joint:
         origin = read_origin(element)
     except ValueError as error:
         raise reading.error(element, f"its <origin> is malformed: {error}") from error
-    axis = _read_axis(element, kind, reading)
+    axis, axis_length = _read_axis(element, kind, reading)
     numbers = _limit_numbers(element, reading)
     lower, upper = _read_bounds(element, kind, numbers, reading)
     rates[element.get("name", "")] = numbers
@@ -118,15 +119,16 @@ def _read_joint(element: ET.Element, reading: Reading, rates: Rates) -> Joint:
         velocity=_rate(numbers.get("velocity")),
         effort=_rate(numbers.get("effort")),
         mimic=_read_mimic(element, reading),
+        axis_length=axis_length,
     )
 
 
-def _read_axis(element: ET.Element, kind: str, reading: Reading) -> Array:
-    """The unit axis; for a joint that needs none, x."""
+def _read_axis(element: ET.Element, kind: str, reading: Reading) -> tuple[Array, float]:
+    """The unit axis and its length as written; for a joint that needs none, x."""
     default = np.array([1.0, 0.0, 0.0])
     axis = element.find("axis")
     if axis is None or kind in ("fixed", "floating"):
-        return default
+        return default, 1.0
     try:
         vector = np.array(floats(axis.get("xyz", "1 0 0"), 3))
     except ValueError as error:
@@ -143,7 +145,7 @@ def _read_axis(element: ET.Element, kind: str, reading: Reading) -> Array:
             "write a unit vector",
             repaired=True,
         )
-    return vector / norm
+    return vector / norm, norm
 
 
 def _limit_numbers(element: ET.Element, reading: Reading) -> dict[str, float]:

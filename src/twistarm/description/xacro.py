@@ -12,6 +12,7 @@ from typing import Any
 from xml.parsers.expat import ExpatError
 
 from ..errors import DescriptionError, InputError, closest
+from .document import read_text
 from .findings import Finding
 from .packages import PackageIndex
 
@@ -52,12 +53,8 @@ def expand_xacro(
 
 
 def is_xacro(path: Path) -> bool:
-    """Whether a file must be expanded first: by its name, or by the xacro namespace in its first lines."""
-    if path.suffix == ".xacro":
-        return True
-    with path.open("rb") as file:
-        head = file.read(4096)
-    return b"xmlns:xacro" in head and b"<xacro:" in path.read_bytes()
+    """Whether a file must be expanded first: by its name, or because a xacro element stands in it."""
+    return path.suffix == ".xacro" or "<xacro:" in read_text(path)
 
 
 @contextlib.contextmanager
@@ -118,8 +115,7 @@ def _refuse_unknown_arguments(path: Path, files: list[Path], given: Mapping[str,
 def _explain(error: Exception, packages: PackageIndex, files: list[Path], given: Mapping[str, str]) -> str:
     """One line: what went wrong, and what to do about it."""
     chain = list(_causes(error))
-    # Python's own text of a missing file repeats what xacro has already said.
-    text = re.sub(r" ?\[Errno \d+\][^:]*: '[^']*'", "", " ".join(str(error).split()))
+    text = _without_echo(" ".join(str(error).split()))
     undefined = re.search(r"Undefined substitution argument (\S+)", text)
     if undefined:
         return _missing_argument(undefined.group(1), files, given)
@@ -130,10 +126,20 @@ def _explain(error: Exception, packages: PackageIndex, files: list[Path], given:
             "pass package_dirs=[folder that holds it]"
         )
     if any(isinstance(cause, RecursionError) for cause in chain):
-        return "a macro or property refers to itself without end"
+        return "a macro, a property or an included file refers to itself without end"
+    if any(isinstance(cause, UnicodeDecodeError) for cause in chain):
+        return f"it is not UTF-8{_where(files)}; save it as UTF-8"
+    if text == "xacro:arg: missing attribute 'default'":
+        return 'a <xacro:arg> has no default=, which xacro demands; write default="" and give the value when loading'
     if any(isinstance(cause, ExpatError) for cause in chain):
         return _malformed(text)
     return f"xacro cannot expand it: {text}{_where(files)}"
+
+
+def _without_echo(text: str) -> str:
+    """Without Python's own text of a missing file where xacro has named the file already."""
+    echo = re.search(r" ?\[Errno \d+\][^:]*: '([^']*)'", text)
+    return text.replace(echo.group(0), "") if echo and text.count(echo.group(1)) > 1 else text
 
 
 def _malformed(text: str) -> str:
