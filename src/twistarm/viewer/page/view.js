@@ -79,7 +79,10 @@ export class View {
     scene.updateMatrixWorld(true);
     const box = new THREE.Box3().setFromObject(this.node("/arm"));
     if (box.isEmpty()) box.set(new THREE.Vector3(-0.5, 0, -0.5), new THREE.Vector3(0.5, 1, 0.5));
-    box.expandByPoint(new THREE.Vector3(0, 0, 0));
+    // The tool may stand away from what is drawn.
+    for (const frame of ["/frames/space", "/frames/tool"]) {
+      box.expandByPoint(new THREE.Vector3().setFromMatrixPosition(this.node(frame).matrixWorld));
+    }
     const { center, radius } = box.getBoundingSphere(new THREE.Sphere());
     this.radius = Math.max(radius, 1e-3);
     this.floor = Math.min(0, box.min.y);
