@@ -209,7 +209,7 @@ def test_out_of_its_plane(planar):
     solution = solve_ik(planar, Position([0.4, 0.3, 0.25]))
     assert solution.stop is StopReason.OUT_OF_REACH
     assert solution.position_error == pytest.approx(0.25, abs=1e-9)
-    assert "the arm cannot move its tool along the base’s z axis at all" in solution.explain()
+    assert "the arm cannot move its tool along the base's z axis at all" in solution.explain()
 
 
 def test_blocked_by_a_limit(planar):
@@ -235,6 +235,16 @@ def test_a_direction_no_joint_turns(planar):
     assert "no joint turns the tool about its x axis" in solution.explain()
 
 
+@pytest.mark.parametrize(
+    "tolerance", [[0, 0, 0, 0, 0, np.inf], [np.inf] * 3 + [0, 0, np.inf], [0.01] * 3 + [0.05, 0.05, np.inf]]
+)
+def test_a_free_turn_about_the_tool_axis_leaves_a_rover_arm_one_direction_short(tolerance):
+    arm = load("rover_arm")
+    g = arm.fk(arm.ready)
+    g[:3, :3] = Rotation.from_rotvec([0, 0, 0.6]).as_matrix() @ g[:3, :3]
+    assert solve_ik(arm, Task(g, tolerance)).stop is StopReason.IMPOSSIBLE_DIRECTION
+
+
 def test_the_approach_out_of_the_plane_of_a_rover_arm():
     arm = load("rover_arm")
     g = arm.fk(arm.ready)
@@ -246,7 +256,7 @@ def test_the_approach_out_of_the_plane_of_a_rover_arm():
     assert solution.orientation_error == pytest.approx(np.arcsin(abs(out[1])), abs=1e-8)
     degrees = np.degrees(solution.orientation_error)
     assert (
-        f"the approach is {degrees:.1f}° out of the arm's plane, whose normal is the base’s y axis"
+        f"the approach is {degrees:.1f}° out of the arm's plane, whose normal is the base's y axis"
         in solution.explain()
     )
 
@@ -259,7 +269,7 @@ def test_a_pose_an_arm_of_five_joints_can_take_is_no_impossible_direction():
 def test_a_wrong_orientation_at_the_edge_of_reach_is_no_matter_of_joints():
     arm = load("ur5")
     stretched = arm.fk(np.zeros(6))
-    solution = solve_ik(arm, turned(moved(stretched, [0.0, 0.0, 0.0]), [0, 1, 0], np.pi / 2))
+    solution = solve_ik(arm, turned(stretched, [0, 1, 0], np.pi / 2))
     assert solution.stop in (StopReason.OUT_OF_REACH, StopReason.CONVERGED)
 
 

@@ -58,6 +58,15 @@ def test_a_met_target_has_no_error(rng, kind):
     assert target.orientation_error(g) == pytest.approx(0, abs=ANGLE_TOL)
 
 
+@given(generators, st.sampled_from(KINDS))
+def test_a_target_of_the_same_kind_can_be_put_anywhere(rng, kind):
+    target, g = target_from(kind, random_pose(rng), rng), random_pose(rng)
+    there = target.at(g)
+    assert type(there) is type(target)
+    assert max(there.position_error(g), there.orientation_error(g)) == pytest.approx(0, abs=ANGLE_TOL)
+    assert there.rotation_rows(g, np.eye(6))[1].shape == target.rotation_rows(g, np.eye(6))[1].shape
+
+
 def test_only_what_is_constrained_counts():
     g = np.eye(4)
     g[:3, 3] = [0.3, 0.02, -0.4]

@@ -22,6 +22,9 @@ from .task_space import Target, constrained
 SIDESTEP = 0.2
 """How far [rad, m] along the arm's freedom a plane is looked at again, to see whether it is one."""
 
+MISSED = 1e-9
+"""A position error [m] above this is more than rounding."""
+
 SAME_PLANE = 1e-6
 """How far two unit normals of one plane may differ."""
 
@@ -63,8 +66,18 @@ def split_rotation(arm: Arm, target: Target, theta: Array) -> Split:
     return Split(angle * _norm(part), axis / max(_norm(axis), 1e-300), angle * _norm(error - part))
 
 
-def immovable_directions(arm: Arm) -> Array:
-    """Directions (k, 3) in base axes along which the arm never moves its tool, in whatever posture."""
+def out_of_surface(arm: Arm, target: Target, theta: Array) -> Array:
+    """Directions (k, 3) in base axes in which the position is missed, and in which the tool's origin never moves."""
+    g = arm.fk_and_body_jacobian(theta)[0]
+    error, axes = target.position_rows(g, np.vstack([np.eye(3), np.zeros((3, 3))]))
+    offset = g[:3, :3] @ axes.T @ error
+    immovable = _immovable_directions(arm)
+    missed: Array = immovable[np.abs(immovable @ offset) > MISSED]
+    return missed
+
+
+def _immovable_directions(arm: Arm) -> Array:
+    """Directions (k, 3) in base axes along which the tool's origin never moves."""
     ranges = joint_ranges(arm)
     motions = []
     for k in range(RANK_SAMPLES):

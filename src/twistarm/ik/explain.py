@@ -8,7 +8,7 @@ import numpy as np
 
 from ..arm import Arm
 from ..checks import Array
-from .abilities import Split, approach_plane, immovable_directions, split_rotation
+from .abilities import Split, approach_plane, out_of_surface, split_rotation
 from .ranges import joint_ranges
 from .solution import IKSolution, StopReason
 
@@ -61,29 +61,28 @@ def _why(solution: IKSolution) -> list[str]:
 
 def at_bounds(solution: IKSolution) -> list[str]:
     """The joints that stand at a bound, in words."""
-    limits, arm = solution.arm.limits, solution.arm
+    arm, lower, upper = solution.arm, solution.arm.limits.lower, solution.arm.limits.upper
     turns = joint_ranges(arm).turns
     words = []
     for i, name in enumerate(arm.joint_names):
-        for side, bound in (("lower", limits.lower[i]), ("upper", limits.upper[i])):
-            if not turns[i] and abs(solution.theta[i] - bound) <= AT_BOUND:
-                words.append(f"{name} ({side}, {_value(arm, i, bound)})")
+        at_lower, at_upper = (abs(solution.theta[i] - bound) <= AT_BOUND for bound in (lower[i], upper[i]))
+        if not turns[i] and (at_lower or at_upper):
+            side = "fixed" if at_lower and at_upper else "lower" if at_lower else "upper"
+            words.append(f"{name} ({side}, {_value(arm, i, solution.theta[i])})")
     return words
 
 
 def _blocked(solution: IKSolution) -> list[str]:
     """What the joints would need that their limits do not allow."""
-    arm, theta = solution.arm, solution.unlimited
+    arm, theta, turns = solution.arm, solution.unlimited, joint_ranges(solution.arm).turns
     if theta is None:
         return []
     needs = []
     for i, name in enumerate(arm.joint_names):
-        for side, beyond, bound in (
-            ("lower", theta[i] < arm.limits.lower[i], arm.limits.lower[i]),
-            ("upper", theta[i] > arm.limits.upper[i], arm.limits.upper[i]),
-        ):
-            if beyond and not joint_ranges(arm).turns[i]:
-                needs.append(f"{name} {_value(arm, i, theta[i])} ({side} bound {_value(arm, i, bound)})")
+        inside = np.clip(theta[i], arm.limits.lower[i], arm.limits.upper[i])
+        if theta[i] != inside and not turns[i]:
+            side = "lower" if theta[i] < inside else "upper"
+            needs.append(f"{name} {_value(arm, i, theta[i])} ({side} bound {_value(arm, i, inside)})")
     return [f"without limits it could be met, for one with {', '.join(needs)}"]
 
 
@@ -91,8 +90,8 @@ def _missing(solution: IKSolution) -> list[str]:
     """The position that is out of reach, or the rotation that is missing once the position is met."""
     if solution.position_error > solution.tolerances.position:
         lines = [f"the nearest position the arm reaches inside its limits is {_length(solution.position_error)} away"]
-        immovable = immovable_directions(solution.arm)
-        return lines + [f"the arm cannot move its tool along {_axis(axis, 'base')} at all" for axis in immovable]
+        missed = out_of_surface(solution.arm, solution.target, solution.theta)
+        return lines + [f"the arm cannot move its tool along {_axis(axis, 'base')} at all" for axis in missed]
     return _missing_rotation(solution, split_rotation(solution.arm, solution.target, solution.theta))
 
 
@@ -117,7 +116,8 @@ def _missing_rotation(solution: IKSolution, split: Split) -> list[str]:
 def _axis(axis: Array, frame: str) -> str:
     largest = int(np.argmax(np.abs(axis)))
     if abs(axis[largest]) >= ALONG_AXIS:
-        return f"{'its' if frame == 'tool' else 'the base’s'} {'xyz'[largest]} axis"
+        owner = "its" if frame == "tool" else "the base's"
+        return f"{owner} {'xyz'[largest]} axis"
     numbers = ", ".join(f"{value + 0.0:.2f}" for value in axis * np.sign(axis[largest]))
     return f"({numbers}) in {frame} axes"
 

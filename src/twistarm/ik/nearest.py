@@ -7,6 +7,7 @@ weight but by moving along the configurations that have it, so metres are never 
 from __future__ import annotations
 
 import math
+from functools import partial
 from typing import NamedTuple
 
 import numpy as np
@@ -14,7 +15,7 @@ import numpy as np
 from ..checks import Array
 from .damped import Tolerances, search
 from .deadline import Deadline
-from .newton import Model, derivative, descend, positive, resting
+from .newton import STATIONARY, Model, derivative, descend, positive, resting
 from .problem import PositionAlone, Problem
 from .quadratic import Mask, least_quadratic, null_space
 
@@ -25,8 +26,15 @@ PINNED = 1e-6
 """A joint at a bound pins the position if leaving it would change the distance by more than this per rad or m."""
 
 FLAT, SOFT = 1e-9, 1e-6
-"""Curvatures of ½ distance² below FLAT, relative to the largest or to 1 m², are flat to the rounding of the differences;
-below SOFT the position is held along them, but by its fourth derivative, of which the multipliers know nothing."""
+"""Curvatures of ½ distance² below FLAT, relative to the largest or to 1 m², are flat, to the rounding of differences.
+Between the two the position is held by its fourth derivative, as by a wrist stretched in two ways at once: multipliers
+mean nothing there, and the direction itself is known to some 1e-4."""
+
+STIFF = 0.01
+"""Curvatures above this share of the largest are the walls of a valley; a step along its floor is led down them."""
+
+SOFT_STATIONARY = 1e-5
+"""Slope up to which a point is stationary where such a direction is mixed into the others."""
 
 DIFFERENCE = 1e-5
 """Step [rad, m] of the differences of exact gradients that make a Hessian, right to some 1e-10."""
@@ -42,30 +50,31 @@ POLISHED, REFINED = 16, 8
 
 
 class Nearest(NamedTuple):
-    """The nearest configuration (n,), and whether it is stationary on both levels."""
+    """The nearest configuration (n,), and whether each of its errors is stationary there."""
 
     theta: Array
-    stationary: bool
+    position_stationary: bool
+    rotation_stationary: bool
 
 
 def nearest(problem: Problem, starts: list[Array], tolerances: Tolerances, deadline: Deadline) -> Nearest:
     """The best minimum that the starts (n,) lead to: the least distance, and among equals the least rotation error."""
-    held: list[tuple[float, float, Array, bool]] = []
+    placed: list[tuple[float, float, Array, bool]] = []
     for theta in promising(problem, starts, tolerances, deadline):
         x, stationary = least_position(problem, problem.start(theta), deadline)
-        held.append((problem.distance(x), problem.turn(x), x, stationary))
+        placed.append((problem.distance(x), problem.turn(x), x, stationary))
         if deadline.passed:
             break
-    least = min(distance for distance, *_ in held)
-    equals = sorted((h for h in held if h[0] <= least + SAME_POSITION), key=lambda h: h[1])
-    best, stationary = equals[0][2], False
+    least = min(distance for distance, *_ in placed)
+    equals = sorted((p for p in placed if p[0] <= least + SAME_POSITION), key=lambda p: p[1])
+    turned: list[tuple[float, Nearest]] = []
     for _, _, x, position_stationary in equals[:REFINED]:
-        turned, rotation_stationary = least_rotation(problem, x, deadline)
-        if not stationary or problem.turn(turned) < problem.turn(best):
-            best, stationary = turned, position_stationary and rotation_stationary
-        if problem.turn(best) <= EXACT or deadline.passed:
+        x, rotation_stationary = least_rotation(problem, x, deadline)
+        theta = x[: problem.arm.n]
+        turned.append((problem.turn(x), Nearest(theta, position_stationary, rotation_stationary)))
+        if turned[-1][0] <= EXACT or deadline.passed:
             break
-    return Nearest(best[: problem.arm.n], stationary)
+    return min(turned, key=lambda t: t[0])[1]
 
 
 def promising(problem: Problem, starts: list[Array], tolerances: Tolerances, deadline: Deadline) -> list[Array]:
@@ -94,18 +103,24 @@ def least_position(problem: Problem, x: Array, deadline: Deadline) -> tuple[Arra
     and the curvature of the arm's reach decides.
     """
 
-    def model(x: Array) -> Model:
-        slope, distance = problem.position_slope(x), problem.distance(x)
-        box = problem.lower - x, problem.upper - x
-        nothing = np.zeros((0, len(x)))
-        if distance <= EXACT:
-            return Model(slope, np.eye(len(x)), nothing, *box, 0.0)
-        downhill = least_quadratic(np.eye(len(x)), slope / distance, nothing, *box).d
-        rests = resting(downhill, *box)
-        hessian = positive(derivative(problem.position_slope, x, DIFFERENCE), np.eye(len(x))[:, ~rests])
-        return Model(slope, hessian, nothing, *_held(rests, *box), _largest(downhill))
+    def retract(x: Array, m: Model) -> Array:
+        across = np.linalg.pinv(m.hessian, rcond=STIFF, hermitian=True)
+        down = np.clip(x - across @ problem.position_slope(x), problem.lower, problem.upper)
+        return min((x, down), key=problem.distance)
 
-    return descend(x, problem.distance, model, lambda x: x, lambda: deadline.passed)
+    return descend(x, problem.distance, lambda x: _position_model(problem, x), retract, lambda: deadline.passed)
+
+
+def _position_model(problem: Problem, x: Array) -> Model:
+    slope, distance = problem.position_slope(x), problem.distance(x)
+    box = problem.lower - x, problem.upper - x
+    nothing = np.zeros((0, len(x)))
+    if distance <= EXACT:
+        return Model(slope, np.eye(len(x)), nothing, *box, 0.0)
+    downhill = least_quadratic(np.eye(len(x)), slope / distance, nothing, *box).d
+    rests = resting(downhill, *box)
+    hessian = positive(derivative(problem.position_slope, x, DIFFERENCE), np.eye(len(x))[:, ~rests])
+    return Model(slope, hessian, nothing, *_held(rests, *box), _largest(downhill))
 
 
 def least_rotation(problem: Problem, x: Array, deadline: Deadline) -> tuple[Array, bool]:
@@ -113,43 +128,45 @@ def least_rotation(problem: Problem, x: Array, deadline: Deadline) -> tuple[Arra
 
     x must be a minimum of the distance. Those configurations satisfy ∇f = 0, f = ½ distance², so they lie along the
     flat directions of f's Hessian: the null space of J where the position is met, and less than that where it is not,
-    for a stretched elbow may not bend. Newton's step along them takes the Hessian of the Lagrangian,
-    rotation + zᵀ ∇f, with the multipliers z.
+    for a stretched elbow may not bend.
     """
     distance = problem.distance(x)
 
-    def model(x: Array) -> Model:
-        lower, upper = problem.lower - x, problem.upper - x
-        pinned = _pinned(problem.position_slope(x), distance, lower, upper)
-        lower, upper = _held(pinned, lower, upper)
-        curvature, directions = _curved(derivative(problem.position_slope, x, DIFFERENCE), ~pinned)
-        slope, turn = problem.rotation_slope(x), problem.turn(x)
-        if turn <= EXACT:
-            return Model(slope, np.eye(len(x)), directions, lower, upper, 0.0)
-        downhill, multipliers = least_quadratic(np.eye(len(x)), slope / turn, directions, lower, upper)
-        z = directions.T @ np.where(np.abs(curvature) > SOFT, turn * multipliers / curvature, 0.0)
-        t = CURVATURE_DIFFERENCE / max(1.0, _norm(z))
-
-        def lagrangian(x: Array) -> Array:
-            return problem.rotation_slope(x) + (
-                problem.position_slope(x + t * z) - problem.position_slope(x - t * z)
-            ) / (2.0 * t)
-
-        rests = pinned | resting(downhill, lower, upper)
-        along = null_space(np.vstack([directions, np.eye(len(x))[rests]]))
-        hessian = positive(derivative(lagrangian, x, CURVATURE_DIFFERENCE), along)
-        return Model(slope, hessian, directions, *_held(rests, lower, upper), _largest(downhill))
-
-    def retract(x: Array) -> Array | None:
-        for held in (problem.holding_bounds(x), problem):
-            back, _ = least_position(held, np.clip(x, held.lower, held.upper), deadline)
+    def retract(x: Array, _: Model) -> Array | None:
+        for within in (problem.holding_bounds(x), problem):
+            back, _stationary = least_position(within, np.clip(x, within.lower, within.upper), deadline)
             if problem.distance(back) <= distance + EXACT:
                 return back
         return None
 
     if not len(problem.target.rotation_tolerance):
         return x, True
+    model = partial(_rotation_model, problem, distance)
     return descend(x, problem.turn, model, retract, lambda: deadline.passed)
+
+
+def _rotation_model(problem: Problem, distance: float, x: Array) -> Model:
+    """Newton's model along ∇f = 0: its Hessian is that of the Lagrangian, rotation + zᵀ ∇f, with the multipliers z."""
+    lower, upper = problem.lower - x, problem.upper - x
+    pinned = _pinned(problem.position_slope(x), distance, lower, upper)
+    lower, upper = _held(pinned, lower, upper)
+    curvature, directions = _curved(derivative(problem.position_slope, x, DIFFERENCE), ~pinned)
+    slope, turn = problem.rotation_slope(x), problem.turn(x)
+    if turn <= EXACT:
+        return Model(slope, np.eye(len(x)), directions, lower, upper, 0.0)
+    downhill, multipliers = least_quadratic(np.eye(len(x)), slope / turn, directions, lower, upper)
+    z = directions.T @ np.where(np.abs(curvature) > SOFT, turn * multipliers / curvature, 0.0)
+    t = CURVATURE_DIFFERENCE / max(1.0, _norm(z))
+
+    def lagrangian(x: Array) -> Array:
+        bent = (problem.position_slope(x + t * z) - problem.position_slope(x - t * z)) / (2.0 * t)
+        return problem.rotation_slope(x) + bent
+
+    rests = pinned | resting(downhill, lower, upper)
+    along = null_space(np.vstack([directions, np.eye(len(x))[rests]]))
+    hessian = positive(derivative(lagrangian, x, CURVATURE_DIFFERENCE), along)
+    enough = SOFT_STATIONARY if (np.abs(curvature) <= SOFT).any() else STATIONARY
+    return Model(slope, hessian, directions, *_held(rests, lower, upper), _largest(downhill), enough)
 
 
 def _pinned(slope: Array, distance: float, lower: Array, upper: Array) -> Mask:

@@ -19,7 +19,10 @@ FIRST_RADIUS, LAST_RADIUS = 0.5, 1e-9
 STEPS = 60
 
 ROUNDING = 1e-15
-"""Near a minimum the decrease drowns in rounding while the slope still falls: a rise by this much is none."""
+"""Near a minimum the decrease drowns in rounding while the slope still falls: a change by this much is none."""
+
+SETTLED = 1e-12
+"""A gain below this, with a slope that counts as none, ends a search."""
 
 LEAST_CURVATURE = 1e-10
 """Below this a curvature is taken to be this, so that no step is without an end."""
@@ -30,7 +33,8 @@ Function = Callable[[Array], Array]
 class Model(NamedTuple):
     """What is to be minimised, around x: gradient, positive definite Hessian, rows C held, the box of steps, the slope.
 
-    The slope is the largest component of the steepest way down that rows and box leave open.
+    The slope is the largest component of the steepest way down that rows and box leave open; up to `enough` it counts
+    as none.
     """
 
     gradient: Array
@@ -39,13 +43,14 @@ class Model(NamedTuple):
     lower: Array
     upper: Array
     slope: float
+    enough: float = STATIONARY
 
 
 def descend(
     x: Array,
     value: Callable[[Array], float],
     model: Callable[[Array], Model],
-    retract: Callable[[Array], Array | None],
+    retract: Callable[[Array, Model], Array | None],
     stopped: Callable[[], bool],
 ) -> tuple[Array, bool]:
     """(x, whether it is stationary), from x downhill in `value` until the slope vanishes or `stopped`.
@@ -61,14 +66,17 @@ def descend(
         while radius > LAST_RADIUS:
             box = np.maximum(m.lower, -radius), np.minimum(m.upper, radius)
             step = least_quadratic(m.hessian, m.gradient, m.C, *box).d
-            trial = retract(x + step)
+            trial = retract(x + step, m)
             if trial is not None and value(trial) <= here + ROUNDING:
+                gain = here - value(trial)
                 x, here, radius = trial, value(trial), min(2.0 * radius, FIRST_RADIUS)
                 break
             radius = 0.25 * float(np.abs(step).max())
         else:
             break
-    return x, m.slope <= STATIONARY
+        if gain <= SETTLED and m.slope <= m.enough:
+            break
+    return x, m.slope <= m.enough
 
 
 def resting(downhill: Array, lower: Array, upper: Array) -> Mask:

@@ -107,6 +107,10 @@ class PositionAlone(Target):
         """0: the rotation is free."""
         return 0.0
 
+    def at(self, g: Array) -> PositionAlone:
+        """That of the whole target at g."""
+        return PositionAlone(self.whole.at(g))
+
     def asked(self) -> str:
         """The target in words."""
         return f"the position of {self.whole.asked()}"

@@ -46,12 +46,16 @@ def reason(
 
 
 def task_rank(arm: Arm, target: Target) -> int:
-    """In how many of the target's components the arm can move its tool: the largest rank over random configurations."""
+    """In how many of the target's components the arm can move its tool, in almost every configuration that meets it.
+
+    The largest rank, over random configurations, of the rows of a target of the same kind that is met there.
+    """
     ranges = joint_ranges(arm)
     ranks = []
     for k in range(RANK_SAMPLES):
         g, J_b = arm.fk_and_body_jacobian(random_start(ranges, 0, k))
-        rows = np.concatenate([target.position_rows(g, J_b)[1] / arm.reach, target.rotation_rows(g, J_b)[1]])
+        met = target.at(g)
+        rows = np.concatenate([met.position_rows(g, J_b)[1] / arm.reach, met.rotation_rows(g, J_b)[1]])
         singular_values = np.linalg.svd(rows, compute_uv=False)
         ranks.append(int((singular_values > RANK_TOL * singular_values[0]).sum()))
     return max(ranks)

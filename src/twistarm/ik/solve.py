@@ -106,9 +106,11 @@ def _nearest(request: Request, outcome: Race) -> IKSolution:
         return replace(solution, stop=StopReason.BLOCKED_BY_LIMITS, unlimited=unlimited)
     if request.deadline.passed:
         return replace(solution, stop=StopReason.TIMED_OUT)
-    if not found.stationary:
-        return solution
     errors = solution.position_error, solution.orientation_error
+    # How far a position is out of reach does not hang on the rotation there.
+    decided = found.rotation_stationary or errors[0] > request.tolerances.position
+    if not (found.position_stationary and decided):
+        return solution
     return replace(solution, stop=reason(request.arm, request.target, request.tolerances, *errors))
 
 

@@ -50,6 +50,10 @@ class Pose:
         """Angle of R_gᵀ R [rad]."""
         return rotation_errors.angle(self.g[:3, :3].T @ g[:3, :3])
 
+    def at(self, g: Array) -> Pose:
+        """The same kind of target, met by the pose g."""
+        return Pose(g)
+
     def asked(self) -> str:
         """The target in words."""
         turned = math.degrees(rotation_errors.angle(self.g[:3, :3]))
@@ -83,6 +87,10 @@ class Position:
     def orientation_error(self, g: Array) -> float:
         """0: the rotation is free."""
         return 0.0
+
+    def at(self, g: Array) -> Position:
+        """The same kind of target, met by the pose g."""
+        return Position(g[:3, 3])
 
     def asked(self) -> str:
         """The target in words."""
@@ -135,6 +143,10 @@ class Approach:
         axis = g[:3, :3] @ self.tool_axis
         turn = _cross(axis, self.direction)
         return math.atan2(math.sqrt(turn @ turn), float(axis @ self.direction))
+
+    def at(self, g: Array) -> Approach:
+        """The same kind of target, met by the pose g."""
+        return Approach(g[:3, 3], g[:3, :3] @ self.tool_axis, self.tool_axis)
 
     def asked(self) -> str:
         """The target in words."""
@@ -199,6 +211,10 @@ class Task:
         phi = rotation_errors.log(self.g[:3, :3].T @ g[:3, :3])
         phi = self.g[:3, :3] @ phi if self.frame == "base" else phi
         return float(np.linalg.norm(excess(phi[self.held[1]], self.rotation_tolerance)))
+
+    def at(self, g: Array) -> Task:
+        """The same kind of target, met by the pose g."""
+        return Task(g, self.tolerance, self.frame)
 
     def asked(self) -> str:
         """The target in words."""

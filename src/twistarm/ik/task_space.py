@@ -40,6 +40,9 @@ class Target(Protocol):
     def orientation_error(self, g: Array) -> float:
         """Angle [rad] from what is asked, counting only what is constrained."""
 
+    def at(self, g: Array) -> Target:
+        """The target of the same kind that the pose g meets."""
+
     def asked(self) -> str:
         """The target in words."""
 
