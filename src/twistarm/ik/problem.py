@@ -44,7 +44,7 @@ class Problem:
     def rotation(self, x: Array) -> Rows:
         """Rotation error less its slack, and its rows."""
         rows = self.target.rotation_rows(*self.arm.fk_and_body_jacobian(x[: self.arm.n]))
-        first = self.arm.n + np.count_nonzero(self.target.position_tolerance)
+        first = self.arm.n + int(np.count_nonzero(self.target.position_tolerance))
         return self._slackened(rows, self.target.rotation_tolerance, x, first)
 
     def distance(self, x: Array) -> float:

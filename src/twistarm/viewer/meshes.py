@@ -89,7 +89,7 @@ def _weld(points: Array) -> NDArray[np.int64]:
     cell = np.round((points - low) / grid).astype(np.int64)
     side = int(cell.max()) + 1
     _, vertex = np.unique((cell[:, 0] * side + cell[:, 1]) * side + cell[:, 2], return_inverse=True)
-    return vertex.reshape(-1)
+    return np.asarray(vertex.reshape(-1), dtype=np.int64)
 
 
 def _corner_normals(corners: Array, vertex: NDArray[np.int64]) -> Array:
