@@ -10,8 +10,8 @@ demo: .venv/base
 test: .venv/dev
 	$(BIN)/python -m pytest -m "not slow"
 
-test-all: .venv/dev
-	$(BIN)/python -m pytest
+test-all: test
+	$(BIN)/python -m pytest -m slow -s
 
 bench: .venv/dev
 	@for program in benchmarks/*.py; do $(BIN)/python $$program || exit 1; done
