@@ -21,9 +21,6 @@ from .manipulability import Manipulability, manipulability_of
 from .pinocchio_model import PinocchioModel
 from .screws import adjoint, inverse
 
-AS_GOOD_AS_UNBOUNDED = 1e4
-"""No joint turns or slides that far [rad, m]; files write such numbers where they mean no limit."""
-
 READY_SAMPLES = 63
 """Random configurations that compete with the middle of the limits to be the ready pose."""
 
@@ -128,7 +125,7 @@ class Arm:
         """
         if "ready" in self.named_states:
             return self.named_states["ready"]
-        candidates = np.vstack([self._middle(), self.random_theta(np.random.default_rng(0), READY_SAMPLES)])
+        candidates = np.vstack([self.limits.middle(), self.random_theta(np.random.default_rng(0), READY_SAMPLES)])
         condition = self.manipulability(candidates).condition
         return frozen(candidates[int(np.argmin(condition))])
 
@@ -269,16 +266,8 @@ class Arm:
 
     @property
     def sampling_bounds(self) -> tuple[Array, Array]:
-        """Lower and upper (n,) that random configurations are drawn from: the limits, made finite.
-
-        A bound beyond `AS_GOOD_AS_UNBOUNDED` counts as none.
-        """
-        half = np.where(self._prismatic, 1.0, np.pi)
-        bounded_below = self.limits.lower > -AS_GOOD_AS_UNBOUNDED
-        bounded_above = self.limits.upper < AS_GOOD_AS_UNBOUNDED
-        lower = np.where(bounded_below, self.limits.lower, np.minimum(-half, self.limits.upper - half))
-        upper = np.where(bounded_above, self.limits.upper, np.maximum(half, lower + half))
-        return lower, upper
+        """Lower and upper (n,) that random configurations are drawn from: the limits, made finite."""
+        return self.limits.sampling_bounds(self._prismatic)
 
     def theta_from(self, values: Mapping[str, float] | Sequence[str], numbers: ArrayLike | None = None) -> Array:
         """theta (n,) from {joint: value}, or from names and values in any order; every joint must be given."""
@@ -316,11 +305,6 @@ class Arm:
     @property
     def _prismatic(self) -> Array:
         return np.array([kind == "prismatic" for kind in self.joint_types])
-
-    def _middle(self) -> Array:
-        bounded = (self.limits.lower > -AS_GOOD_AS_UNBOUNDED) & (self.limits.upper < AS_GOOD_AS_UNBOUNDED)
-        lower, upper = np.where(bounded, self.limits.lower, 0.0), np.where(bounded, self.limits.upper, 0.0)
-        return np.clip((lower + upper) / 2, self.limits.lower, self.limits.upper)
 
     def _theta(self, theta: ArrayLike) -> Array:
         return as_theta(theta, self.n, names=self.joint_names)

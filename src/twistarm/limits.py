@@ -15,6 +15,9 @@ from .errors import InputError, LimitError, unknown_name
 FIELDS = ("lower", "upper", "velocity", "acceleration", "jerk", "effort")
 RATES = FIELDS[2:]
 
+AS_GOOD_AS_UNBOUNDED = 1e4
+"""No joint turns or slides that far [rad, m]; files write such numbers where they mean no limit."""
+
 
 @dataclass(frozen=True)
 class JointLimits:
@@ -63,6 +66,16 @@ class JointLimits:
         x = np.asarray(theta, dtype=np.float64)
         return np.asarray(((x >= self.lower - tol) & (x <= self.upper + tol)).all(-1))
 
+    def sampling_bounds(self, prismatic: Array) -> tuple[Array, Array]:
+        """Lower and upper (n,) to draw configurations from; `prismatic` (n,) tells the slides. See `usual_range`."""
+        return usual_range(self.lower, self.upper, prismatic)
+
+    def middle(self) -> Array:
+        """Midway between the bounds (n,); as near to 0 as allowed where there are not two."""
+        bounded = (self.lower > -AS_GOOD_AS_UNBOUNDED) & (self.upper < AS_GOOD_AS_UNBOUNDED)
+        lower, upper = np.where(bounded, self.lower, 0.0), np.where(bounded, self.upper, 0.0)
+        return np.clip((lower + upper) / 2, self.lower, self.upper)
+
     def with_(self, changes: Mapping[str, Any], names: Sequence[str]) -> JointLimits:
         """A copy with `changes`: {"velocity": 1.0} for every joint, or {"velocity": {"elbow": 1.0}} by name."""
         if not isinstance(changes, Mapping):
@@ -87,6 +100,18 @@ class JointLimits:
                     f"limits={{'{field}': {{'{missing[0]}': …}}}}, one number for every joint as "
                     f"limits={{'{field}': …}}, or in the arm's arm.toml"
                 )
+
+
+def usual_range(lower: ArrayLike, upper: ArrayLike, prismatic: ArrayLike) -> tuple[Array, Array]:
+    """The bounds where they are given, and where not ±π rad or ±1 m about zero, or that far from the other bound.
+
+    A bound beyond `AS_GOOD_AS_UNBOUNDED` counts as not given.
+    """
+    low, high = np.asarray(lower, dtype=np.float64), np.asarray(upper, dtype=np.float64)
+    half = np.where(prismatic, 1.0, np.pi)
+    low = np.where(low > -AS_GOOD_AS_UNBOUNDED, low, np.minimum(-half, high - half))
+    high = np.where(high < AS_GOOD_AS_UNBOUNDED, high, np.maximum(half, low + half))
+    return low, high
 
 
 def _merged(values: Array, change: Any, field: str, names: Sequence[str]) -> Array:

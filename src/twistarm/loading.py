@@ -5,7 +5,7 @@ from __future__ import annotations
 import os
 import re
 from collections.abc import Iterable, Mapping
-from dataclasses import dataclass, field, replace
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -15,7 +15,7 @@ from . import poe
 from .arm import Arm, Coupling, Proof
 from .checks import Array
 from .description import catalog
-from .description.arm_file import ArmFile, Tool, read_arm_file
+from .description.arm_file import ArmSpecification, Tool, read_arm_file
 from .description.chain import walk_chain
 from .description.tree import Description
 from .description.urdf import read_description
@@ -45,23 +45,6 @@ _GRIPPER = re.compile("grip|finger|jaw|claw|hand", re.IGNORECASE)
 Folders = Iterable[str | os.PathLike[str]]
 
 
-@dataclass(frozen=True)
-class _Request:
-    """What is to be loaded, once names, arm.toml and the caller's arguments have been put together."""
-
-    path: Path
-    source: str
-    name: str | None = None
-    base: str | None = None
-    tip: str | None = None
-    tool: Tool | None = None
-    package_dirs: tuple[str | os.PathLike[str], ...] = ()
-    xacro_args: Mapping[str, object] = field(default_factory=dict)
-    limits: Mapping[str, Mapping[str, float]] = field(default_factory=dict)
-    locked: Mapping[str, float] = field(default_factory=dict)
-    poses: Mapping[str, Mapping[str, float]] = field(default_factory=dict)
-
-
 def load_arm(
     source: str | os.PathLike[str],
     *,
@@ -88,18 +71,20 @@ def load_arm(
     for name, value in {"base": base, "tip": tip}.items():
         if value is not None and not isinstance(value, str):
             raise InputError(f"{name} must be the name of a link; got {value!r}")
-    request = _request(source)
-    request = replace(
-        request,
-        base=base or request.base,
-        tip=tip or request.tip,
-        tool=None if tip else request.tool,
-        package_dirs=(*_folders(package_dirs), *request.package_dirs),
-        xacro_args={**request.xacro_args, **(xacro_args or {})},
-        locked={**request.locked, **(locked or {})},
+    specification = _specification(source)
+    specification = replace(
+        specification,
+        base=base or specification.base,
+        tip=tip or specification.tip,
+        tool=None if tip else specification.tool,
+        package_dirs=(*_folders(package_dirs), *specification.package_dirs),
+        xacro_args={**specification.xacro_args, **(xacro_args or {})},
+        locked={**specification.locked, **(locked or {})},
     )
-    description = read_description(request.path, package_dirs=request.package_dirs, xacro_args=request.xacro_args)
-    arm = _assemble(description, request, {} if limits is None else limits)
+    description = read_description(
+        specification.description, package_dirs=specification.package_dirs, xacro_args=specification.xacro_args
+    )
+    arm = _assemble(description, specification, {} if limits is None else limits)
     return replace(arm, proof=prove(arm))
 
 
@@ -129,22 +114,22 @@ def prove(arm: Arm) -> Proof:
     return proof
 
 
-def _request(source: str | os.PathLike[str]) -> _Request:
+def _specification(source: str | os.PathLike[str]) -> ArmSpecification:
     """A path wins over a catalogue name, so that a local file is never shadowed."""
     if not isinstance(source, (str, os.PathLike)):
         raise InputError(f"source must be a path or a name; got {source!r}")
     text = str(os.fspath(source))
     path = Path(text).expanduser()
     if is_file(path):
-        return _from_arm_file(path) if path.suffix == ".toml" else _Request(path, text)
+        return read_arm_file(path) if path.suffix == ".toml" else ArmSpecification(path, text)
     own = catalog.own_arm_file(text)
     if own is not None:
-        return replace(_from_arm_file(own), source=text)
+        return replace(read_arm_file(own), source=text)
     entry = catalog.model_entry(text)
     if entry is not None:
         file, (_, base, tip) = entry
         share = file.parents[len(Path(entry[1].file).parts) + 1]
-        return _Request(file, text, name=text, base=base, tip=tip, package_dirs=(share,))
+        return ArmSpecification(file, text, name=text, base=base, tip=tip, package_dirs=(share,))
     kind = _kind(path)
     if kind or path.suffix or len(path.parts) > 1:
         raise DescriptionError(
@@ -165,43 +150,25 @@ def _kind(path: Path) -> str:
         return f"no usable path ({getattr(error, 'strerror', None) or error})"
 
 
-def _from_arm_file(path: Path) -> _Request:
-    file: ArmFile = read_arm_file(path)
-    described = path.parent / file.source
-    if not is_file(described):
-        raise DescriptionError(f"{path}: source {file.source!r} does not exist beside it")
-    return _Request(
-        described,
-        str(path),
-        name=file.name,
-        base=file.base,
-        tip=file.tip,
-        tool=file.tool,
-        package_dirs=file.package_dirs,
-        xacro_args=file.xacro_args,
-        limits=file.limits,
-        locked=file.locked,
-        poses=file.poses,
-    )
-
-
 def _folders(package_dirs: Folders) -> tuple[str | os.PathLike[str], ...]:
     return (package_dirs,) if isinstance(package_dirs, (str, os.PathLike)) else tuple(package_dirs)
 
 
-def _assemble(description: Description, request: _Request, changes: JointLimits | Mapping[str, Any]) -> Arm:
-    base = description.require_link(request.base, "base") if request.base else description.root
-    tip = description.require_link(request.tip, "tip") if request.tip else find_tip(description)
-    if request.tool and request.tool.name in description.links:
+def _assemble(
+    description: Description, specification: ArmSpecification, changes: JointLimits | Mapping[str, Any]
+) -> Arm:
+    base = description.require_link(specification.base, "base") if specification.base else description.root
+    tip = description.require_link(specification.tip, "tip") if specification.tip else find_tip(description)
+    if specification.tool and specification.tool.name in description.links:
         raise DescriptionError(
-            f"{request.source}: tool.name {request.tool.name!r} is a link already; name it otherwise"
+            f"{specification.source}: tool.name {specification.tool.name!r} is a link already; name it otherwise"
         )
-    tool = request.tool or Tool(tip, np.eye(4))
-    chain = walk_chain(description, base, tip, tool.g_tip_tool, request.locked)
-    limits = _limits(chain.limits, request, changes, chain.coordinates)
+    tool = specification.tool or Tool(tip, np.eye(4))
+    chain = walk_chain(description, base, tip, tool.g_tip_tool, specification.locked)
+    limits = _limits(chain.limits, specification, changes, chain.coordinates)
     arm = Arm(
-        name=request.name or description.name,
-        source=request.source,
+        name=specification.name or description.name,
+        source=specification.source,
         base=base,
         tip=tool.name,
         joint_names=chain.coordinates,
@@ -217,22 +184,25 @@ def _assemble(description: Description, request: _Request, changes: JointLimits 
         tool=tool.g_tip_tool,
         tip_link=tip,
     )
-    return replace(arm, named_states=_named_states(arm, request))
+    return replace(arm, named_states=_named_states(arm, specification))
 
 
 def _limits(
-    limits: JointLimits, request: _Request, changes: JointLimits | Mapping[str, Any], names: tuple[str, ...]
+    limits: JointLimits,
+    specification: ArmSpecification,
+    changes: JointLimits | Mapping[str, Any],
+    names: tuple[str, ...],
 ) -> JointLimits:
     """The description's limits, then the arm.toml's (joint by joint), then the caller's (kind by kind, or all)."""
     by_kind: dict[str, dict[str, float]] = {}
-    for joint, values in request.limits.items():
+    for joint, values in specification.limits.items():
         for kind, value in values.items():
-            if joint not in request.locked:
+            if joint not in specification.locked:
                 by_kind.setdefault(kind, {})[joint] = value
     try:
         limits = limits.with_(by_kind, names)
     except (ValueError, LookupError) as error:
-        raise DescriptionError(f"{request.source}: {error}") from error
+        raise DescriptionError(f"{specification.source}: {error}") from error
     if not isinstance(changes, JointLimits):
         return limits.with_(changes, names)
     if changes.lower.size != len(names):
@@ -240,16 +210,18 @@ def _limits(
     return changes
 
 
-def _named_states(arm: Arm, request: _Request) -> dict[str, Array]:
+def _named_states(arm: Arm, specification: ArmSpecification) -> dict[str, Array]:
     """The arm.toml's poses, checked: every joint given, inside the limits."""
     states: dict[str, Array] = {}
-    for name, values in request.poses.items():
+    for name, values in specification.poses.items():
         try:
             theta = arm.theta_from(values)
         except (ValueError, LookupError) as error:
-            raise DescriptionError(f"{request.source}: poses.{name}: {error}") from error
+            raise DescriptionError(f"{specification.source}: poses.{name}: {error}") from error
         if not arm.limits.contains(theta):
-            raise DescriptionError(f"{request.source}: poses.{name} lies outside the limits; correct it or the limits")
+            raise DescriptionError(
+                f"{specification.source}: poses.{name} lies outside the limits; correct it or the limits"
+            )
         states[name] = theta
     return states
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 import sys
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field
@@ -12,6 +13,7 @@ import numpy as np
 
 from ..checks import Array, as_vector, frozen
 from ..errors import DescriptionError, InputError, closest, listed
+from ..files import is_file
 from ..limits import FIELDS
 from ..rotations import from_rpy
 from .document import read_text
@@ -26,17 +28,20 @@ class Tool:
 
 
 @dataclass(frozen=True)
-class ArmFile:
-    """The contents of an arm.toml; every field but `source` is optional. SI units and radians."""
+class ArmSpecification:
+    """What is to be loaded: a description file and what is said about it, SI units and radians.
 
-    path: Path
+    `source` is what the user named: the description itself, an arm.toml or a name of the catalogue.
+    """
+
+    description: Path
     source: str
     name: str | None = None
     base: str | None = None
     tip: str | None = None
     tool: Tool | None = None
+    package_dirs: tuple[str | os.PathLike[str], ...] = ()
     xacro_args: Mapping[str, object] = field(default_factory=dict)
-    package_dirs: tuple[Path, ...] = ()
     limits: Mapping[str, Mapping[str, float]] = field(default_factory=dict)
     locked: Mapping[str, float] = field(default_factory=dict)
     poses: Mapping[str, Mapping[str, float]] = field(default_factory=dict)
@@ -45,7 +50,7 @@ class ArmFile:
 _KEYS = ("name", "source", "base", "tip", "tool", "xacro_args", "package_dirs", "limits", "locked", "poses")
 
 
-def read_arm_file(path: Path) -> ArmFile:
+def read_arm_file(path: Path) -> ArmSpecification:
     """Read an arm.toml. Raises DescriptionError that names the file, the entry and what is allowed there."""
     content = _parse(path)
     _only(content, _KEYS, path, "at the top level")
@@ -54,9 +59,12 @@ def read_arm_file(path: Path) -> ArmFile:
             raise DescriptionError(f"{path}: {key} must be a text; got {content[key]!r}")
     if "source" not in content:
         raise DescriptionError(f'{path}: it names no source: write source = "my_arm.urdf"')
-    return ArmFile(
-        path=path,
-        source=content["source"],
+    description = path.parent / content["source"]
+    if not is_file(description):
+        raise DescriptionError(f"{path}: source {content['source']!r} does not exist beside it")
+    return ArmSpecification(
+        description=description,
+        source=str(path),
         name=content.get("name"),
         base=content.get("base"),
         tip=content.get("tip"),

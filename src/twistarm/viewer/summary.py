@@ -11,6 +11,7 @@ from .. import rotations
 from ..arm import Arm
 from ..checks import Array
 from ..description.tree import Joint
+from ..limits import usual_range
 from .axes import screw_kinds
 from .scene import transforms
 
@@ -66,21 +67,11 @@ def rest(joint: Joint) -> float:
     return float(np.clip(0.0, joint.lower, joint.upper))
 
 
-def slider_range(kind: str, lower: float, upper: float) -> tuple[float, float]:
-    """The ends of a slider: the limits, and ±π rad or ±1 m about zero, or about the one limit, where not given."""
-    span = 1.0 if kind == "prismatic" else np.pi
-    if np.isfinite(lower) and not np.isfinite(upper):
-        return lower, max(span, lower + span)
-    if np.isfinite(upper) and not np.isfinite(lower):
-        return min(-span, upper - span), upper
-    return (lower, upper) if np.isfinite(lower) else (-span, span)
-
-
 def _describe(name: str, kind: str, lower: float, upper: float) -> dict[str, Any]:
     return {
         "name": name,
         "type": kind,
         "unit": "m" if kind == "prismatic" else "rad",
         "limits": [float(bound) if np.isfinite(bound) else None for bound in (lower, upper)],
-        "range": list(slider_range(kind, float(lower), float(upper))),
+        "range": [float(end) for end in usual_range(lower, upper, kind == "prismatic")],
     }
