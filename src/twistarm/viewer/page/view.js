@@ -80,9 +80,7 @@ export class View {
     const box = new THREE.Box3().setFromObject(this.node("/arm"));
     if (box.isEmpty()) box.set(new THREE.Vector3(-0.5, 0, -0.5), new THREE.Vector3(0.5, 1, 0.5));
     // The tool may stand away from what is drawn.
-    for (const frame of ["/frames/space", "/frames/tool"]) {
-      box.expandByPoint(new THREE.Vector3().setFromMatrixPosition(this.node(frame).matrixWorld));
-    }
+    for (const frame of ["/frames/space", "/frames/tool"]) box.expandByObject(this.node(frame));
     const { center, radius } = box.getBoundingSphere(new THREE.Sphere());
     this.radius = Math.max(radius, 1e-3);
     this.floor = Math.min(0, box.min.y);
