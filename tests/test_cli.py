@@ -131,6 +131,21 @@ def test_plan_writes_its_files(capsys: Capture, tmp_path: Path) -> None:
     assert "peak velocity" in capsys.readouterr().out
 
 
+def test_plan_caps_lower_the_arms_limits_and_never_raise_them(capsys: Capture, rover: twistarm.Arm) -> None:
+    for velocity, acceleration in (("5", "20"), ("0.2", "0.5")):
+        content = answer(
+            capsys, "plan", "rover_arm", "--to", "stowed", "--velocity", velocity, "--acceleration", acceleration
+        )  # fmt: skip
+        assert (np.array(content["peak_velocity"]) <= np.minimum(rover.limits.velocity, float(velocity)) + 1e-9).all()
+        limit = np.minimum(rover.limits.acceleration, float(acceleration))
+        assert (np.array(content["peak_acceleration"]) <= limit + 1e-9).all()
+
+
+def test_view_warns_outside_the_limits(capsys: Capture, tmp_path: Path) -> None:
+    assert run(["view", "rover_arm", "--theta", "9 0 0 0 0", "--save", str(tmp_path / "v.html")]) == 0
+    assert "slide = 9 m lies outside its limits" in capsys.readouterr().err
+
+
 def test_check_and_freeze(capsys: Capture, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.chdir(tmp_path)
     path = write(tmp_path, two_joints())
@@ -190,6 +205,11 @@ BAD = {
     "package dirs that are not there": (["info", "rover_arm", "--package-dir", "nowhere"], "nowhere is not a folder"),
     "no golden file": (["check", "rover_arm", "--against", "nowhere.json"], "cannot be read"),
     "freezing into nowhere": (["freeze", "rover_arm", "-o", "nowhere/g.json"], "does not exist; create it first"),
+    "one file of two into nowhere": (
+        ["plan", "rover_arm", "--to", "zero", "--csv", "a.csv", "--trajectory", "nowhere/t.json"], "does not exist",
+    ),
+    "a cap of zero": (["plan", "rover_arm", "--to", "zero", "--velocity", "0"], "--velocity must be a positive number"),
+    "a target beyond all units": (["ik", "rover_arm", "--xyz", "1e300 0 0"], "lengths are in metres"),
     "a csv into nowhere": (["plan", "rover_arm", "--to", "zero", "--csv", "nowhere/t.csv"], "does not exist"),
     "a page into nowhere": (["view", "rover_arm", "--save", "nowhere/a.html"], "does not exist"),
     "an unknown command": (["inof", "rover_arm"], "inof"),

@@ -330,3 +330,37 @@ def test_the_words_for_targets():
     assert task.asked() == (
         "the pose at (0.1, 0, 0.25) m within tolerances along the base's axes (x, turning about z free)"
     )
+
+
+FOUND_BY_OTHERS = {
+    "rover_arm_6dof, one minimum among many": (
+        "rover_arm_6dof",
+        [
+            [0.16773753, 0.87902592, -0.44629312, 0.08504003],
+            [0.9829036, -0.18398635, 0.00703808, -0.26486693],
+            [-0.07592519, -0.43984366, -0.89485916, -0.16267299],
+            [0.0, 0.0, 0.0, 1.0],
+        ],
+        [2.377, 1.1057, 1.57, 2.5579, 1.57, 1.0985],
+    ),
+}
+"""Arm, pose, and a configuration inside the limits at about that position, which SciPy found from many starts."""
+
+
+@pytest.mark.parametrize("case", FOUND_BY_OTHERS)
+def test_no_known_configuration_is_nearer(case):
+    name, pose, witness = FOUND_BY_OTHERS[case]
+    arm, target = load(name), Pose(pose)
+    assert target.position_error(arm.fk(witness)) < 1e-3
+    solution = solve_ik(arm, target)
+    assert solution.position_error <= 1e-6
+    # The witness is printed to four digits: its own rotation error is known to about 1e-3.
+    assert solution.orientation_error <= target.orientation_error(arm.fk(witness)) + 1e-3
+
+
+@pytest.mark.parametrize("name", ["rover_arm", "kinova"])
+def test_more_time_is_never_worse_than_the_race_alone(name):
+    """Cut short in the search for the nearest, the answer is at least as near as the searches before it."""
+    arm, target = load(name), Position([3.0, 0.0, 0.0])
+    errors = [solve_ik(arm, target, max_time=t).position_error for t in (0.005, 0.08, 0.1, 0.12, 2.0)]
+    assert max(errors[1:]) <= errors[0] + 1e-9

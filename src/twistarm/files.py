@@ -27,7 +27,7 @@ def write_whole(path: str | os.PathLike[str], content: str | bytes) -> Path:
     Raises InputError where the folder does not exist or is not writable, and where `path` is a folder or a
     device.
     """
-    target = _checked(path)
+    target = writable(path)
     data = content.encode("utf-8") if isinstance(content, str) else content
     try:
         _replace(target, data)
@@ -36,7 +36,8 @@ def write_whole(path: str | os.PathLike[str], content: str | bytes) -> Path:
     return target
 
 
-def _checked(path: str | os.PathLike[str]) -> Path:
+def writable(path: str | os.PathLike[str]) -> Path:
+    """The file that `path` means, links followed; InputError if it cannot be replaced as a whole."""
     try:
         target = Path(os.path.realpath(os.fspath(path)))
         target.exists()

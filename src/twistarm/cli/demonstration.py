@@ -65,5 +65,5 @@ def _show_motion(out: Console, arm: Arm) -> Trajectory:
     out.rule("5. A trajectory through three poses: stowed, ready, and that target")
     through = np.array([arm.named_states["stowed"], arm.ready, solution.theta])
     trajectory = plan_joint(arm, through, kind="quintic")
-    out.print(plan_table(arm, trajectory, radians=False))
+    out.print(plan_table(arm, trajectory, radians=False, limits=arm.limits))
     return trajectory

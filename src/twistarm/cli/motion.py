@@ -10,6 +10,9 @@ import numpy as np
 import typer
 
 from ..arm import Arm
+from ..errors import InputError
+from ..files import writable
+from ..limits import JointLimits
 from ..planning import Trajectory, plan_joint, to_csv, to_json
 from .options import Json, Radians, parse_theta, takes_arm
 from .output import console, number, print_json, progress_bar, shown, table, units
@@ -28,7 +31,10 @@ Through = Annotated[
     list[str],
     typer.Option("--to", metavar="POSE", help="Joint values ('0 30 -45 …') or a pose's name; repeat it for each pose."),
 ]
-Rate = Annotated[float | None, typer.Option(min=0.0, help="Limit for every joint [rad/s, m/s; their rate per s].")]
+Rate = Annotated[
+    float | None,
+    typer.Option(help="At most this for every joint [rad/s and m/s, or per s²]; the arm's own limits hold as well."),
+]
 Step = Annotated[float, typer.Option(help="Time step of the files [s].")]
 
 
@@ -52,13 +58,16 @@ def plan(
     json: Json = False,
 ) -> None:
     """Plan the fastest spline through the poses under the position, velocity and acceleration limits."""
-    limits = {"velocity": velocity, "acceleration": acceleration}
+    limits = _capped(arm, {"velocity": velocity, "acceleration": acceleration})
+    for destination in (csv, trajectory):
+        if destination is not None:
+            writable(destination)
     with progress_bar("planning") as progress:
         planned = plan_joint(
             arm,
             [parse_theta(arm, pose, rad) for pose in (start, *to)],
             kind=kind.value,
-            limits={name: value for name, value in limits.items() if value is not None},
+            limits=limits,
             stop_at_waypoints=stop,
             progress=progress,
         )
@@ -66,22 +75,31 @@ def plan(
     if json:
         print_json(_as_json(arm, planned, written))
         return
-    console().print(plan_table(arm, planned, rad))
+    console().print(plan_table(arm, planned, rad, limits))
     for file in written:
         print(f"written: {file}")
 
 
-def plan_table(arm: Arm, planned: Trajectory, radians: bool) -> Any:
-    """When each pose is passed, and the peaks beside the limits."""
+def _capped(arm: Arm, caps: dict[str, float | None]) -> JointLimits:
+    """The arm's limits, none above what was typed; a limit that was not given takes the typed value."""
+    for name, cap in caps.items():
+        if cap is not None and not cap > 0:
+            raise InputError(f"--{name} must be a positive number; got {cap:g}")
+    changes = {name: np.minimum(getattr(arm.limits, name), cap) for name, cap in caps.items() if cap is not None}
+    return arm.limits.with_(changes, arm.joint_names)
+
+
+def plan_table(arm: Arm, planned: Trajectory, radians: bool, limits: JointLimits) -> Any:
+    """When each pose is passed, and the peaks beside the limits that were kept."""
     names = [f"{name} [{unit}]" for name, unit in zip(arm.joint_names, units(arm, radians), strict=True)]
     rows = [
         [f"at {time:.3f} s", *shown(arm, pose, radians)]
         for time, pose in zip(planned.times, planned.waypoints, strict=True)
     ]
-    for order, word, limit in ((1, "velocity", arm.limits.velocity), (2, "acceleration", arm.limits.acceleration)):
+    for order, word, limit in ((1, "velocity", limits.velocity), (2, "acceleration", limits.acceleration)):
         rows.append([f"peak {word}", *shown(arm, planned.peak(order), radians)])
         if np.isfinite(limit).any():
-            rows.append(["  the arm's limit", *shown(arm, limit, radians)])
+            rows.append(["  limit", *shown(arm, limit, radians)])
     return table(f"{arm.name}: {number(planned.duration, 3)} s", ["", *names], rows)
 
 

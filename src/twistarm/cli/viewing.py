@@ -9,6 +9,7 @@ import typer
 
 from ..arm import Arm
 from ..viewer import Viewer, save_html, show_in_browser
+from .kinematics import warn_outside
 from .options import Radians, Theta, parse_theta, takes_arm
 from .output import warn
 
@@ -29,6 +30,7 @@ def view(
 ) -> None:
     """Show the arm in the browser, with a slider per joint; serves until Ctrl-C."""
     x = parse_theta(arm, theta, rad)
+    warn_outside(arm, x)
     if save is not None:
         print(f"written: {save_html(arm, save, theta=x)}")
         return

@@ -17,6 +17,7 @@ _AS_TYPED = (
     ),
     (r" \((\d+) frames: arm\.frame_names\)", r" (\1 frames: twistarm info ARM --json)"),
     (r"stop_at_waypoints=True", "--stop"),
+    (r"change the limit by limits=", "change it in the arm's arm.toml"),
 )
 
 

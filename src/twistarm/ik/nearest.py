@@ -45,7 +45,7 @@ CURVATURE_DIFFERENCE = 1e-4
 SAME_POSITION = 1e-8
 """Two minima whose distances [m] differ by less are equally near: the rotation decides."""
 
-POLISHED, REFINED = 16, 8
+POLISHED, REFINED = 32, 32
 """How many configurations, the most promising first, have their distance minimised, and how many their rotation."""
 
 

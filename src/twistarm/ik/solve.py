@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -84,8 +85,8 @@ def solve_ik(
     if outcome.winner is not None:
         return _solution(request, outcome, outcome.winner.theta, DAMPED, StopReason.EXHAUSTED)
     if request.deadline.passed:
-        best = min(outcome.searches, key=lambda search: search.error)
-        return _solution(request, outcome, best.theta, DAMPED, StopReason.TIMED_OUT)
+        best = min((search.theta for search in outcome.searches), key=partial(_distance, request))
+        return _solution(request, outcome, best, DAMPED, StopReason.TIMED_OUT)
     return _nearest(request, outcome)
 
 
@@ -96,7 +97,11 @@ def _nearest(request: Request, outcome: Race) -> IKSolution:
     starts += [random_start(ranges, request.seed, k) for k in range(NEAREST_STARTS)]
     problem = problem_of(request.arm, request.target, ranges.search_lower, ranges.search_upper)
     found = nearest(problem, starts, request.tolerances, request.deadline)
-    solution = _solution(request, outcome, found.theta, NEAREST, StopReason.EXHAUSTED)
+    theta = found.theta
+    if request.deadline.passed:
+        # Cut short, it may be further away than where a search of the race has been.
+        theta = min((theta, *(search.theta for search in outcome.searches)), key=partial(_distance, request))
+    solution = _solution(request, outcome, theta, NEAREST, StopReason.EXHAUSTED)
     if solution.converged:
         return solution
     unlimited = without_limits(
@@ -112,6 +117,13 @@ def _nearest(request: Request, outcome: Race) -> IKSolution:
     if not (found.position_stationary and decided):
         return solution
     return replace(solution, stop=reason(request.arm, request.target, request.tolerances, *errors))
+
+
+def _distance(request: Request, theta: Array) -> tuple[float, float]:
+    """How far theta is from the target: the position first, where it is not met, then the rotation."""
+    g = request.arm.fk(theta)
+    position = request.target.position_error(g)
+    return 0.0 if position <= request.tolerances.position else position, request.target.orientation_error(g)
 
 
 def _solution(request: Request, outcome: Race, theta: Array, method: str, stop: StopReason) -> IKSolution:

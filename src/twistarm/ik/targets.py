@@ -19,6 +19,10 @@ THREE = frozen(np.zeros(3))
 TWO = frozen(np.zeros(2))
 
 
+FARTHEST = 1e6
+"""Beyond this [m] a target is a mistake in the units, and its square leaves the range where errors add up."""
+
+
 @dataclass(frozen=True, eq=False)
 class Pose:
     """The whole pose: g_st(θ) = g, (4, 4).
@@ -116,8 +120,7 @@ class Approach:
     def __post_init__(self) -> None:
         object.__setattr__(self, "p", _one_vector(self.p, "p"))
         for name in ("direction", "tool_axis"):
-            unit = as_direction(_one_vector(getattr(self, name), name), name)
-            object.__setattr__(self, name, frozen(unit))
+            object.__setattr__(self, name, _one_direction(getattr(self, name), name))
         # The rows of Vᵀ beyond the first span the plane across the axis.
         object.__setattr__(self, "across", frozen(np.linalg.svd(self.tool_axis[None, :])[2][1:]))
 
@@ -254,6 +257,7 @@ def _one_pose(value: ArrayLike, name: str) -> Array:
     g = as_pose(value, name)
     if g.shape != (4, 4):
         raise InputError(f"{name} must be one pose of shape (4, 4); got {g.shape}")
+    _require_near(g[:3, 3], name)
     return frozen(g)
 
 
@@ -261,7 +265,20 @@ def _one_vector(value: ArrayLike, name: str) -> Array:
     vector = as_vector(value, name)
     if vector.shape != (3,):
         raise InputError(f"{name} must have shape (3,); got {vector.shape}")
+    _require_near(vector, name)
     return frozen(vector)
+
+
+def _one_direction(value: ArrayLike, name: str) -> Array:
+    unit = as_direction(value, name)
+    if unit.shape != (3,):
+        raise InputError(f"{name} must have shape (3,); got {unit.shape}")
+    return frozen(unit)
+
+
+def _require_near(p: Array, name: str) -> None:
+    if np.abs(p).max() > FARTHEST:
+        raise InputError(f"{name} holds {np.abs(p).max():g}, beyond {FARTHEST:g} m: lengths are in metres")
 
 
 def _as_tolerance(value: ArrayLike) -> Array:

@@ -12,6 +12,9 @@ from ..errors import InputError
 LARGEST_VALUE = 1e6
 """Joint values beyond this [rad, m] come from no page and no arm, and would overflow the drawing."""
 
+LONGEST_NAME = 1000
+"""Characters; a description may hold stranger names, but an error must stay readable."""
+
 LARGEST_MESSAGE = 64 * 1024
 """Bytes a page may send at once: a theta of a thousand joints is a third of it."""
 
@@ -84,6 +87,8 @@ def _numbers(value: Any, name: str) -> list[float]:
 def _name(value: Any, name: str) -> str:
     if not isinstance(value, str):
         raise InputError(f"{name} must be a string; got {_short(value)}")
+    if len(value) > LONGEST_NAME:
+        raise InputError(f"{name} must have at most {LONGEST_NAME} characters; got {len(value)}")
     return value
 
 

@@ -58,7 +58,7 @@ class Viewer:
     @property
     def url(self) -> str:
         """The page's address, its secret token included: whoever knows it can move the view."""
-        name = "127.0.0.1" if self._host in ("", "0.0.0.0", "::") else self._host
+        name = {"": "127.0.0.1", "0.0.0.0": "127.0.0.1", "::": "::1"}.get(self._host, self._host)
         return f"http://{f'[{name}]' if ':' in name else name}:{self._server.port}/{self._server.guard.token}/"
 
     @property

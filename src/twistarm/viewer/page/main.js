@@ -27,6 +27,7 @@ const receive = {
     Object.assign(state, { hello: message, frame: null, drawn: 0 });
     view.clear();
     panel.showError("");
+    panel.release();
     panel.build(message.arm, message.notes, true);
   },
   frame(message) {

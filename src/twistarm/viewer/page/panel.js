@@ -62,7 +62,7 @@ export class Panel {
     slider.dataset.joint = joint.name;
     slider.addEventListener("input", () => {
       this.held = joint.name;
-      value.textContent = shown(Number(slider.value), joint.unit);
+      this.tell(slider, value, shown(Number(slider.value), joint.unit));
       this.act.joint(joint.name, Number(slider.value));
     });
     const [low, high] = joint.range.map((end) => element("span", "end", shortened(end, joint.unit)));
@@ -86,9 +86,15 @@ export class Panel {
     const { joint, row, slider, value } = this.rows.get(name);
     if (this.held === name) return;
     slider.value = number;
-    value.textContent = shown(number, joint.unit);
+    this.tell(slider, value, shown(number, joint.unit));
     const [lower, upper] = joint.limits;
     row.classList.toggle("outside", (lower !== null && number < lower - 1e-6) || (upper !== null && number > upper + 1e-6));
+  }
+
+  // The value beside a slider, and the same in words for whoever hears the page.
+  tell(slider, value, text) {
+    value.textContent = text;
+    slider.setAttribute("aria-valuetext", text);
   }
 
   // The hand is off, and what it asked for has arrived.
@@ -111,7 +117,7 @@ export class Panel {
     $("play").textContent = running ? "❚❚" : "▶";
     $("play").setAttribute("aria-label", running ? "Pause" : "Play");
     $("scrub").value = this.duration > 0 ? time / this.duration : 0;
-    $("time").textContent = `${time.toFixed(2)} / ${this.duration.toFixed(2)} s`;
+    this.tell($("scrub"), $("time"), `${time.toFixed(2)} / ${this.duration.toFixed(2)} s`);
   }
 
   showStatus(state) {
