@@ -54,13 +54,17 @@ def viewer(arm: Arm) -> Iterator[Viewer]:
 
 def assert_drawn(page: Any, arm: Arm, theta: Any = None, tol: float = DRAWN) -> None:
     """Every link's node, and the tool's frame, stand in the scene where arm.poses has them at what the page shows."""
-    shown = page.evaluate("twistarm.state.frame")
+    # One evaluation: a frame that arrives between two would make them tell of different moments.
+    shown, links, drawn = page.evaluate(
+        """() => {
+          const links = twistarm.state.hello?.links ?? twistarm.data.links;
+          const nodes = [...Object.values(links), "/frames/tool"];
+          return [twistarm.state.frame, links, nodes.map((path) => twistarm.view.drawn(path))];
+        }"""
+    )
     poses = arm.poses(shown["theta"] if theta is None else theta, shown["others"])
-    links = page.evaluate("twistarm.state.hello?.links ?? twistarm.data.links")
     assert set(links) == set(arm.description.links if arm.description else ())
-    nodes = {**links, arm.tip: "/frames/tool"}
-    drawn = page.evaluate("paths => paths.map((path) => twistarm.view.drawn(path))", list(nodes.values()))
-    for name, columns in zip(nodes, drawn, strict=True):
+    for name, columns in zip([*links, arm.tip], drawn, strict=True):
         assert_allclose(np.array(columns).reshape(4, 4).T, poses[name], atol=tol, err_msg=name)
 
 
