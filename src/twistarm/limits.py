@@ -74,7 +74,8 @@ class JointLimits:
         """Midway between the bounds (n,); as near to 0 as allowed where there are not two."""
         bounded = (self.lower > -AS_GOOD_AS_UNBOUNDED) & (self.upper < AS_GOOD_AS_UNBOUNDED)
         lower, upper = np.where(bounded, self.lower, 0.0), np.where(bounded, self.upper, 0.0)
-        return np.clip((lower + upper) / 2, self.lower, self.upper)
+        middle: Array = np.clip((lower + upper) / 2, self.lower, self.upper)
+        return middle
 
     def with_(self, changes: Mapping[str, Any], names: Sequence[str]) -> JointLimits:
         """A copy with `changes`: {"velocity": 1.0} for every joint, or {"velocity": {"elbow": 1.0}} by name."""

@@ -214,7 +214,8 @@ def _canonical(Q: Array) -> Array:
     Q = np.where((np.arange(4) == 0) & (np.abs(Q) <= HALF_TURN_TOL), 0.0, Q)
     first = np.argmax(np.abs(Q) > HALF_TURN_TOL, axis=-1)
     sign = np.sign(np.take_along_axis(Q, first[..., None], axis=-1))
-    return Q * sign + 0.0  # + 0.0 turns −0 into 0
+    canonical: Array = Q * sign + 0.0  # + 0.0 turns −0 into 0
+    return canonical
 
 
 # Euler angles -----------------------------------------------------------------------------------------

@@ -7,14 +7,13 @@ from typing import NamedTuple
 import numpy as np
 
 from ..checks import Array
+from .ranges import Mask
 
 RANK_TOL = 1e-9
 """Singular values below this, of rows of length 1, are rounding."""
 
 PULL_TOL = 1e-13
 """A held joint is let go only for a pull beyond rounding, or the active set could go round in circles."""
-
-Mask = np.ndarray[tuple[int], np.dtype[np.bool_]]
 
 
 class Step(NamedTuple):

@@ -6,6 +6,7 @@ import math
 from dataclasses import dataclass
 
 import numpy as np
+from numpy.typing import NDArray
 
 from ..arm import Arm
 from ..checks import Array, frozen
@@ -17,7 +18,7 @@ WHOLE_TURN_TOL = 1e-9
 """How far a multiplier may be from a whole number, and a pitch [m/rad] from 0, and still be the rounding of one."""
 
 
-Mask = np.ndarray[tuple[int], np.dtype[np.bool_]]
+Mask = NDArray[np.bool_]
 
 
 @dataclass(frozen=True, eq=False)
@@ -64,7 +65,8 @@ class JointRanges:
         """theta with every periodic joint at its representative nearest to the middle of its limits, in them or not."""
         bounded = self.periodic & np.isfinite(self.upper - self.lower)
         middle = 0.5 * (np.where(bounded, self.lower, theta) + np.where(bounded, self.upper, theta))
-        return theta + TURN * np.round((middle - theta) / TURN)
+        nearest: Array = theta + TURN * np.round((middle - theta) / TURN)
+        return nearest
 
     def random(self, uniform: Array) -> Array:
         """The start at `uniform` (n,) in [0, 1) of the ranges."""
@@ -74,7 +76,8 @@ class JointRanges:
         """theta less the whole turns by which it lies outside; a hair outside, by rounding, is left."""
         below = np.ceil(np.maximum(self.lower - theta, 0.0) / TURN - WHOLE_TURN_TOL)
         above = np.ceil(np.maximum(theta - self.upper, 0.0) / TURN - WHOLE_TURN_TOL)
-        return theta + TURN * (below - above)
+        turned: Array = theta + TURN * (below - above)
+        return turned
 
 
 def joint_ranges(arm: Arm, *, limited: bool = True) -> JointRanges:

@@ -35,7 +35,7 @@ def anchors(arm: Arm) -> Array:
         moving = (joint for joint in arm.description.chain(arm.base, arm.tip_link) if joint.moving)
         return np.array([poses[joint.child][:3, 3] for joint in moving])
     points: list[Array] = []
-    last = np.zeros(3)
+    last: Array = np.zeros(3)
     for xi in arm.screws.T:
         screw = to_screw(xi)
         if np.isfinite(screw.pitch):

@@ -122,7 +122,7 @@ def _samples(arm: Arm, trajectory: Trajectory | None, start: Array) -> dict[str,
 
 def _times(duration: float) -> Array:
     count = min(MOST_SAMPLES, 1 + int(np.ceil(duration / SAMPLE_TIME)))
-    return np.linspace(0.0, duration, max(2, count)) if duration > 0 else np.zeros(1)
+    return np.asarray(np.linspace(0.0, duration, max(2, count) if duration > 0 else 1), dtype=np.float64)
 
 
 def _seven(numbers: list[float]) -> list[float]:
