@@ -17,7 +17,8 @@ from .damped import Tolerances, search
 from .deadline import Deadline
 from .newton import STATIONARY, Model, derivative, descend, positive, resting
 from .problem import PositionAlone, Problem
-from .quadratic import Mask, least_quadratic, null_space
+from .quadratic import least_quadratic, null_space
+from .ranges import Mask
 
 EXACT = 1e-11
 """A position error [m] below this, or a rotation error [rad], is zero to the rounding of forward kinematics."""

@@ -8,7 +8,8 @@ from typing import NamedTuple
 import numpy as np
 
 from ..checks import Array
-from .quadratic import Mask, least_quadratic
+from .quadratic import least_quadratic
+from .ranges import Mask
 
 SHARPNESS, STATIONARY = 1e-10, 1e-8
 """Slope (per rad or m) at which to stop, and up to which a point counts as stationary."""
