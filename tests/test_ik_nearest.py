@@ -19,10 +19,6 @@ from twistarm import load_arm
 from twistarm.ik import Approach, Pose, Position, StopReason, Task, newton, solve_ik
 from twistarm.ik.quadratic import least_quadratic
 
-PEER_HELD = 1e-9
-"""A peer that gives up more of the position [m] has bought rotation with it: at the edge of the reach 1e-6 m buys 1e-3
-rad."""
-
 PEER_POSITION, PEER_ANGLE = 1e-6, 1e-5
 """How exactly SLSQP finds a minimum [m, rad]: it stops on the value, which is flat there."""
 
@@ -113,7 +109,7 @@ def by_slsqp(arm, target, rng, starts):
             lambda x: 1 - np.cos(off(x)[1]), theta, method="SLSQP", bounds=bounds, constraints=held,
             options={"ftol": 1e-15, "maxiter": 300},
         ).x  # fmt: skip
-        if off(end)[0] <= least + PEER_HELD and arm.limits.contains(end, 1e-9):
+        if off(end)[0] <= least + PEER_POSITION and arm.limits.contains(end, 1e-9):
             best = min(best, off(end)[1])
     return least, best
 
