@@ -36,7 +36,7 @@ REFUSED = {
     ),
     "an undefined link": (
         robot(joint("a", "base_link", "uper"), joint("b", "upper", "tool0")),
-        "arm.urdf:2: joint 'a': its child link 'uper' is not defined; closest: 'upper'",
+        "arm.urdf:2: joint 'a': its child link 'uper' is not defined; define it, or correct the name; closest: 'upper'",
     ),
     "a link with two parents": (
         robot(joint("a", "base_link", "upper"), joint("b", "upper", "tool0"), joint("c", "base_link", "tool0")),
@@ -79,7 +79,7 @@ REFUSED = {
     ),
     "a mimic of nothing": (
         two_joints(inside='<mimic joint="bb"/>'),
-        "joint 'a' mimics 'bb', which does not exist; closest: 'b'",
+        "arm.urdf:2: joint 'a': it mimics 'bb', which does not exist; correct the name; closest: 'b'",
     ),
     "mimics in a circle": (
         robot(
@@ -95,7 +95,7 @@ REFUSED = {
             joint("p", "base_link", "pad", kind="planar"),
             links=("base_link", "upper", "tool0", "pad"),
         ),
-        "joint 'b' mimics 'p', which is planar: its motion is not one number; let it mimic another joint",
+        "arm.urdf:2: joint 'b': it mimics 'p', which is planar: its motion is not one number; let it mimic another joint",
     ),
     "an origin out of this world": (
         two_joints(xyz="1e200 0 0"),
@@ -107,7 +107,7 @@ REFUSED = {
     ),
     "a floating joint in the chain": (
         robot(joint("a", "base_link", "upper", kind="floating"), joint("b", "upper", "tool0")),
-        "joint 'a' between 'base_link' and 'tool0' is floating: its motion is not one number per joint",
+        "arm.urdf:2: joint 'a': between 'base_link' and 'tool0' it is floating: its motion is not one number per joint",
     ),
     "nothing moves": (
         robot(joint("a", "base_link", "upper", kind="fixed"), joint("b", "upper", "tool0", kind="fixed")),
@@ -235,3 +235,14 @@ def test_a_planar_joint_beside_the_chain_stands_still(tmp_path: Path) -> None:
     arm = load_arm(write(tmp_path, robot(*parts, links=("base_link", "upper", "tool0", "pad"))))
     assert arm.joint_names == ("a", "b")
     assert np.allclose(arm.pose([0.3, 0], "pad")[:3, 3], [0, 0, 1.0])
+
+
+def test_every_unusable_joint_is_reported_at_once(tmp_path: Path) -> None:
+    text = robot(
+        joint("a", "base_link", "upper", inside='<axis xyz="0 0 0"/>'),
+        joint("b", "upper", "tool0", inside='<limit lower="2" upper="1" velocity="1" effort="1"/>'),
+    )
+    with pytest.raises(DescriptionError, match="zero axis.*and 1 more: twistarm doctor lists them") as refused:
+        read_description(write(tmp_path, text))
+    assert [finding.code for finding in refused.value.findings] == ["axis-zero", "limits-swapped"]
+    assert [finding.place.name for finding in refused.value.findings] == ["a", "b"]

@@ -16,7 +16,17 @@ class InputError(TwistarmError, ValueError):
 
 
 class DescriptionError(TwistarmError):
-    """A robot description cannot be used; the message names the file, the element and the remedy."""
+    """A robot description cannot be used; the message names the file, the element and the remedy.
+
+    `.findings` tells the same, and whatever else was noticed until then, as `Finding`s.
+    """
+
+    def __init__(self, message: str, findings: tuple[Any, ...] = ()) -> None:
+        super().__init__(message)
+        self.findings = findings
+
+    def __reduce__(self) -> tuple[type[DescriptionError], tuple[str, tuple[Any, ...]]]:
+        return type(self), (str(self), self.findings)
 
 
 class UnknownNameError(TwistarmError, LookupError):

@@ -14,8 +14,9 @@ import numpy as np
 
 from .checks import Array
 from .description.coupling import Affine
+from .description.findings import refusal
 from .description.tree import Description
-from .errors import DescriptionError, TwistarmError
+from .errors import TwistarmError
 
 MAX_MOVING_JOINTS = 250
 """Pinocchio's data holds four tensors of nv³ numbers: half a gigabyte here, and no robot has as many joints."""
@@ -152,16 +153,14 @@ def import_pinocchio() -> Any:
 def _build(pin: Any, description: Description) -> Any:
     count = sum(joint.moving for joint in description.joints.values())
     if count > MAX_MOVING_JOINTS:
-        raise DescriptionError(
-            f"{description.path}: {count} moving joints; at most {MAX_MOVING_JOINTS}: is it a whole scene?"
-        )
+        what = f"{count} moving joints; at most {MAX_MOVING_JOINTS}"
+        raise refusal("too-many-joints", description.place(), what, "is it a whole scene?")
     with _captured_stderr() as complaint:
         try:
             return pin.buildModelFromXML(description.repaired)
         except (ValueError, RuntimeError) as error:
-            raise DescriptionError(
-                f"{description.path}: Pinocchio refuses it: {' '.join(complaint().split()) or error}"
-            ) from error
+            what = f"Pinocchio refuses it: {' '.join(complaint().split()) or error}"
+            raise refusal("engine-refuses", description.place(), what, "correct what it names") from error
 
 
 @contextmanager

@@ -11,7 +11,7 @@ from rich.markup import escape
 from ..arm import Arm
 from ..description import catalog
 from .options import Json, Radians, takes_arm
-from .output import console, number, print_json, shown, table, units
+from .output import console, finding_json, number, print_json, shown, table, units
 from .wording import as_typed
 
 
@@ -56,7 +56,7 @@ def info_json(arm: Arm) -> dict[str, Any]:
         "named_states": dict(arm.named_states),
         "frames": arm.frame_names,
         "proof": arm.proof._asdict() if arm.proof else None,
-        "findings": [vars(finding) for finding in arm.findings],
+        "findings": [finding_json(finding) for finding in arm.findings],
     }
 
 

@@ -16,6 +16,7 @@ from rich.table import Table
 
 from ..arm import Arm
 from ..checks import Array
+from ..description.findings import Finding
 from ..rotations import to_quaternion_wxyz, to_rpy
 
 PIPED_WIDTH = 160
@@ -35,6 +36,22 @@ def warn(message: str) -> None:
 def print_json(content: Any) -> None:
     """One JSON document; infinities become null."""
     print(json.dumps(plain(content), allow_nan=False, indent=2, ensure_ascii=False))
+
+
+def finding_json(finding: Finding) -> dict[str, Any]:
+    """A finding for programs: its place in parts."""
+    place = finding.place
+    return {
+        "code": finding.code,
+        "severity": finding.severity,
+        "file": place.file,
+        "line": place.line,
+        "element": place.element,
+        "name": place.name,
+        "what": finding.what,
+        "remedy": finding.remedy,
+        "repaired": finding.repaired,
+    }
 
 
 def plain(value: Any) -> Any:

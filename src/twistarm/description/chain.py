@@ -10,11 +10,10 @@ from typing import Literal
 import numpy as np
 
 from ..checks import Array
-from ..errors import DescriptionError
 from ..limits import JointLimits
 from ..screws import adjoint, exp
 from .coupling import Affine, coupling_matrix, resolve_couplings
-from .findings import Finding
+from .findings import Finding, finding, refusal
 from .tree import Description, Joint
 
 CoordinateType = Literal["revolute", "continuous", "prismatic"]
@@ -49,23 +48,22 @@ def walk_chain(description: Description, base: str, tip: str, tool: Array, locke
     joints = description.chain(base, tip)
     for joint in joints:
         if joint.type in ("planar", "floating"):
-            raise DescriptionError(
-                f"{description.path}: joint {joint.name!r} between {base!r} and {tip!r} is {joint.type}: "
-                "its motion is not one number per joint; choose a base= beyond it"
-            )
+            what = f"between {base!r} and {tip!r} it is {joint.type}: its motion is not one number per joint"
+            raise refusal("floating-in-chain", description.place(joint), what, "choose a base= beyond it")
     couplings = resolve_couplings(description, locked)
     moving = tuple(joint.name for joint in joints if joint.moving)
     coordinates = tuple(dict.fromkeys(m for name in moving if (m := couplings[name].master) is not None))
     if not coordinates:
-        raise DescriptionError(f"{description.path}: no joint moves between base {base!r} and tip {tip!r}")
+        what = f"no joint moves between base {base!r} and tip {tip!r}"
+        raise refusal("nothing-moves", description.place(), what, "choose another base= or tip=")
     A, b = coupling_matrix(couplings, moving, coordinates)
     screws, home, points = _walk(joints, dict(zip(moving, b, strict=True)))
     masters = [description.joints[name] for name in coordinates]
     limits, findings = _limits(masters), []
     followers = [name for name in moving if couplings[name].master not in (None, name)]
     for name in followers:
-        limits, finding = _narrowed(limits, coordinates, description.joints[name], couplings[name])
-        findings += finding
+        limits, narrowing = _narrowed(limits, coordinates, description, name, couplings[name])
+        findings += narrowing
     return Chain(
         coordinates=coordinates,
         types=tuple(_coordinate_type(joint) for joint in masters),
@@ -119,39 +117,37 @@ def _limits(masters: list[Joint]) -> JointLimits:
 
 
 def _narrowed(
-    limits: JointLimits, coordinates: tuple[str, ...], follower: Joint, affine: Affine
+    limits: JointLimits, coordinates: tuple[str, ...], description: Description, name: str, affine: Affine
 ) -> tuple[JointLimits, list[Finding]]:
     """The limits with the master kept where its follower stays inside its own, and what that changed.
 
     A follower without a range of its own (exports write 0, 0) narrows nothing, but is reported.
     """
-    i = coordinates.index(str(affine.master))
+    i, follower = coordinates.index(str(affine.master)), description.joints[name]
     ends = sorted((bound - affine.offset) / affine.multiplier for bound in (follower.lower, follower.upper))
     lower, upper = max(limits.lower[i], ends[0]), min(limits.upper[i], ends[1])
     if (lower, upper) == (limits.lower[i], limits.upper[i]):
         return limits, []
     usable = lower < upper
-    finding = Finding(
+    noted = finding(
         "mimic-narrows-limits" if usable else "mimic-outside-limits",
-        "info" if usable else "warning",
-        f"joint {follower.name!r}",
+        description.place(follower),
         f"it follows {affine.master} beyond its own limits [{follower.lower:g}, {follower.upper:g}]; "
         + (f"{affine.master} is kept in [{lower:.4g}, {upper:.4g}]" if usable else "its limits are not kept"),
         "make both joints' limits fit the mimic's multiplier and offset",
         repaired=usable,
     )
     if not usable:
-        return limits, [finding]
-    name = coordinates[i]
-    return limits.with_({"lower": {name: lower}, "upper": {name: upper}}, coordinates), [finding]
+        return limits, [noted]
+    master = coordinates[i]
+    return limits.with_({"lower": {master: lower}, "upper": {master: upper}}, coordinates), [noted]
 
 
 def _locked_outside(description: Description, locked: Mapping[str, float]) -> list[Finding]:
     return [
-        Finding(
+        finding(
             "locked-outside-limits",
-            "warning",
-            f"joint {name!r}",
+            description.place(joint),
             f"it is locked at {value:g}, outside its limits [{joint.lower:g}, {joint.upper:g}]",
             "lock it inside its limits; angles are in radians",
         )

@@ -8,7 +8,8 @@ from typing import NamedTuple
 import numpy as np
 
 from ..checks import Array, as_number
-from ..errors import DescriptionError, closest, unknown_name
+from ..errors import closest, unknown_name
+from .findings import refusal
 from .tree import Description, Joint
 
 
@@ -63,7 +64,8 @@ def _follow(description: Description, name: str, locked: Mapping[str, float]) ->
             _require_scalar(description, joint, behind)
             return Affine(name, multiplier, offset)
         if name in behind:
-            raise DescriptionError(f"{description.path}: joints mimic each other in a circle: {', '.join(behind)}")
+            what = f"joints mimic each other in a circle: {', '.join(behind)}"
+            raise refusal("mimic-circle", description.place(joint), what, "let one of them move by itself")
         behind[name] = None
         offset += multiplier * joint.mimic.offset
         multiplier *= joint.mimic.multiplier
@@ -72,16 +74,18 @@ def _follow(description: Description, name: str, locked: Mapping[str, float]) ->
 
 def _require_scalar(description: Description, master: Joint, followers: Mapping[str, None]) -> None:
     if not master.scalar:
-        raise DescriptionError(
-            f"{description.path}: joint {next(iter(followers), master.name)!r} mimics {master.name!r}, "
-            f"which is {master.type}: its motion is not one number; let it mimic another joint"
+        follower = description.joints[next(iter(followers), master.name)]
+        raise refusal(
+            "mimic-master-unusable",
+            description.place(follower),
+            f"it mimics {master.name!r}, which is {master.type}: its motion is not one number",
+            "let it mimic another joint",
         )
 
 
 def _master(description: Description, joint: Joint, master: str) -> str:
     if master not in description.joints:
-        raise DescriptionError(
-            f"{description.path}: joint {joint.name!r} mimics {master!r}, which does not exist"
-            f"{closest(master, description.joints)}"
-        )
+        remedy = f"correct the name{closest(master, description.joints)}"
+        what = f"it mimics {master!r}, which does not exist"
+        raise refusal("mimic-master-missing", description.place(joint), what, remedy)
     return master

@@ -4,12 +4,12 @@ from __future__ import annotations
 
 import codecs
 import xml.etree.ElementTree as ET
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 from xml.parsers import expat
 
 from ..errors import DescriptionError
-from .findings import Finding, Severity
+from .findings import Finding, Place, finding, refusal, refused
 from .packages import PackageIndex
 
 
@@ -23,21 +23,34 @@ class Reading:
     show_lines: bool = True
     findings: list[Finding] = field(default_factory=list)
 
-    def where(self, element: ET.Element) -> str:
-        """`robot.urdf:12: joint 'elbow'`; without the line where the text was expanded from xacro."""
-        line = f":{self.lines[element]}" if self.show_lines and element in self.lines else ""
-        name = element.get("name")
-        return f"{self.path.name}{line}: {element.tag}" + (f" {name!r}" if name else "")
+    def place(self, element: ET.Element | None = None) -> Place:
+        """Where an element stands: file, line, tag and name; without an element, the file."""
+        if element is None:
+            return Place(self.path.name)
+        return Place(self.path.name, self.line(element), element.tag, element.get("name", ""))
 
-    def note(
-        self, code: str, severity: Severity, where: str, what: str, remedy: str, *, repaired: bool = False
-    ) -> None:
-        """Add a finding."""
-        self.findings.append(Finding(code, severity, where, what, remedy, repaired))
+    def line(self, element: ET.Element) -> int | None:
+        """The element's line in the file; None where the text was expanded from xacro."""
+        return self.lines.get(element) if self.show_lines else None
 
-    def error(self, element: ET.Element, message: str) -> DescriptionError:
-        """The error for something that cannot be repaired."""
-        return DescriptionError(f"{self.where(element)}: {message}")
+    @property
+    def whole(self) -> Place:
+        """The file itself, by its full path."""
+        return Place(str(self.path))
+
+    def note(self, code: str, at: Place | ET.Element | None, what: str, remedy: str, *, repaired: bool = False) -> None:
+        """Add a finding about an element, another place, or the file as a whole."""
+        place = at if isinstance(at, Place) else self.place(at)
+        self.findings.append(finding(code, place, what, remedy, repaired=repaired))
+
+    def error(self, element: ET.Element, code: str, what: str, remedy: str = "") -> DescriptionError:
+        """The error for an element that cannot be repaired."""
+        return refusal(code, self.place(element), what, remedy)
+
+    def require_usable(self) -> None:
+        """Raise DescriptionError if anything noted so far is an error."""
+        if any(noted.severity == "error" for noted in self.findings):
+            raise refused(self.findings)
 
 
 def read_text(path: Path) -> str:
@@ -45,7 +58,8 @@ def read_text(path: Path) -> str:
     try:
         data = path.read_bytes()
     except OSError as error:
-        raise DescriptionError(f"{path}: cannot be read: {error.strerror or error}") from error
+        what = f"cannot be read: {error.strerror or error}"
+        raise refusal("file-unreadable", Place(str(path)), what) from error
     wide = data.startswith((codecs.BOM_UTF16_LE, codecs.BOM_UTF16_BE))
     try:
         return data.decode("utf-16" if wide else "utf-8-sig")
@@ -67,7 +81,9 @@ def parse_xml(text: str, reading: Reading) -> ET.Element:
         reading.lines[builder.start(tag, attributes)] = parser.CurrentLineNumber
 
     def refuse(name: str, *_: object) -> None:
-        raise DescriptionError(f"{reading.path}: a document type (<!DOCTYPE {name}>) is not allowed; remove it")
+        place = replace(reading.whole, line=parser.CurrentLineNumber)
+        what = f"a document type (<!DOCTYPE {name}>) is not allowed"
+        raise refusal("document-type-refused", place, what, "remove it")
 
     parser.StartElementHandler = start
     parser.EndElementHandler = builder.end
@@ -76,5 +92,7 @@ def parse_xml(text: str, reading: Reading) -> ET.Element:
     try:
         parser.Parse(text.encode("utf-8", "surrogatepass"), True)
     except expat.ExpatError as error:
-        raise DescriptionError(f"{reading.path}: not well-formed XML: {error}; is it a URDF or xacro file?") from error
+        what = f"not well-formed XML: {error}"
+        place = replace(reading.whole, line=error.lineno if reading.show_lines else None)
+        raise refusal("xml-malformed", place, what, "is it a URDF or xacro file?") from error
     return builder.close()

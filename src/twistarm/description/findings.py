@@ -2,26 +2,136 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from dataclasses import dataclass
-from typing import Literal
+from typing import Literal, NamedTuple
+
+from ..errors import DescriptionError
 
 Severity = Literal["info", "warning", "error"]
+
+
+class Code(NamedTuple):
+    """How grave a kind of finding is, and what it means for the arm's owner."""
+
+    severity: Severity
+    meaning: str
+
+
+CODES: dict[str, Code] = {
+    # the file
+    "file-not-found": Code("error", "there is no such file"),
+    "file-unreadable": Code("error", "the file cannot be opened"),
+    "arm-file-unusable": Code("error", "the arm.toml has an entry that cannot be understood"),
+    "xml-malformed": Code("error", "the text is not well-formed XML"),
+    "document-type-refused": Code("error", "a document type opens the door to entities and external files"),
+    "no-robot": Code("error", "the file describes no robot: another root element, or no links"),
+    # the tree
+    "name-missing": Code("error", "a link or joint has no name"),
+    "name-duplicate": Code("error", "two links or two joints share a name"),
+    "end-missing": Code("error", "a joint does not say which links it joins"),
+    "link-undefined": Code("error", "a joint refers to a link that is not there"),
+    "two-parents": Code("error", "two joints move the same link"),
+    "several-roots": Code("error", "the links fall into several trees"),
+    "cycle": Code("error", "links and joints form a circle"),
+    "too-deep": Code("error", "the chain is longer than any robot's"),
+    "too-many-joints": Code("error", "more moving joints than Pinocchio's data has room for"),
+    # joints
+    "joint-type-unknown": Code("error", "URDF has no such joint type"),
+    "origin-malformed": Code("error", "a joint's place is not given in numbers"),
+    "axis-malformed": Code("error", "a joint's axis is not given in numbers"),
+    "axis-zero": Code("error", "a moving joint's axis has no direction"),
+    "axis-not-unit": Code("warning", "a joint's axis is no unit vector; its direction is used"),
+    "limit-malformed": Code("error", "a joint limit is no number"),
+    "limits-swapped": Code("error", "a joint's lower limit lies above its upper one"),
+    "limit-incomplete": Code("warning", "a joint lacks a bound; it is taken as unbounded there"),
+    "limit-zero-range": Code("warning", "a joint's bounds are equal; it cannot move"),
+    "velocity-not-given": Code("warning", "a velocity limit is absent, zero or negative; planning will ask for it"),
+    "effort-not-given": Code("warning", "an effort limit is absent, zero or negative"),
+    "mimic-malformed": Code("error", "a mimic's multiplier or offset is no number"),
+    "mimic-master-missing": Code("error", "a joint mimics one that is not there"),
+    "mimic-master-unusable": Code("error", "a joint mimics one whose motion is not one number"),
+    "mimic-circle": Code("error", "joints mimic each other in a circle"),
+    "mimic-narrows-limits": Code("info", "a follower's own limits leave its master less room"),
+    "mimic-outside-limits": Code("warning", "a mimic drives its follower outside the follower's own limits"),
+    "locked-outside-limits": Code("warning", "a joint is locked outside its own limits"),
+    # the chain
+    "no-tip": Code("error", "it is not clear which link is the tool"),
+    "base-not-above-tip": Code("error", "the tip does not hang on the base"),
+    "nothing-moves": Code("error", "no joint moves between base and tip"),
+    "floating-in-chain": Code("error", "a floating joint between base and tip: its motion is not a joint angle"),
+    "tool-name-taken": Code("error", "the tool has the name of a link"),
+    "pose-unusable": Code("error", "a named pose does not fit the arm"),
+    "limits-unusable": Code("error", "limits given beside the description do not fit the arm"),
+    # what hangs on the links
+    "mesh-missing": Code("warning", "mesh files were not found; frames are drawn instead"),
+    "bad-geometry": Code("warning", "a shape has no usable size or place; it is not drawn"),
+    "inertial-unusable": Code("warning", "a mass or inertia cannot be read; the link counts as massless"),
+    # packages and xacro
+    "package-not-found": Code("warning", "a package was not found, but nothing the kinematics needs uses it"),
+    "package-needed-not-found": Code("error", "a package was not found whose files are needed"),
+    "xacro-argument-missing": Code("error", "a xacro argument has no value"),
+    "xacro-argument-unknown": Code("error", "xacro arguments were given that the file does not take"),
+    "xacro-failed": Code("error", "xacro cannot expand the file"),
+    "xacro-recursion": Code("error", "a macro, a property or an included file refers to itself without end"),
+    "not-utf-8": Code("error", "the file's encoding cannot be read"),
+    # engines
+    "engine-refuses": Code("error", "Pinocchio refuses the description"),
+    "engines-disagree": Code("error", "product of exponentials and Pinocchio disagree about the arm"),
+}
+"""Every code a finding may carry. `docs/findings.md` is made from this table."""
+
+
+@dataclass(frozen=True)
+class Place:
+    """Where in a description: the file, the line where it is known, and the element with its name."""
+
+    file: str = ""
+    line: int | None = None
+    element: str = ""
+    name: str = ""
+
+    def __str__(self) -> str:
+        line = f":{self.line}" if self.line is not None else ""
+        element = f"{self.element} {self.name!r}" if self.name else self.element
+        return ": ".join(part for part in (f"{self.file}{line}" if self.file else "", element) if part)
 
 
 @dataclass(frozen=True)
 class Finding:
     """One observation about a description.
 
-    `code` is stable and machine-readable; `where` names the file's element (and line); `what` says what is there and
-    what it means; `remedy` what its owner can do. `repaired` tells whether twistarm already works on a mended copy.
+    `code` is stable and machine-readable (see `CODES`); `place` names the file, its line and the element; `what` says
+    what is there and what it means; `remedy` what its owner can do. `repaired` tells whether twistarm already works on
+    a mended copy.
     """
 
     code: str
     severity: Severity
-    where: str
+    place: Place
     what: str
     remedy: str
     repaired: bool = False
 
     def __str__(self) -> str:
-        return f"{self.severity}: {self.where}: {self.what} ({self.remedy})"
+        return f"{self.severity}: {self.place}: {self.what} ({self.remedy})"
+
+
+def finding(code: str, place: Place, what: str, remedy: str, *, repaired: bool = False) -> Finding:
+    """A finding with the severity that belongs to its code."""
+    return Finding(code, CODES[code].severity, place, what, remedy, repaired)
+
+
+def refusal(code: str, place: Place, what: str, remedy: str = "") -> DescriptionError:
+    """The error for a description that cannot be used, as a finding too."""
+    return refused([finding(code, place, what, remedy)])
+
+
+def refused(findings: Iterable[Finding]) -> DescriptionError:
+    """One error for everything found: the first in full, the others counted; `.findings` holds them all."""
+    every = tuple(findings)
+    first, *others = [one for one in every if one.severity == "error"]
+    text = "; ".join(part for part in (f"{first.place}: {first.what}", first.remedy) if part)
+    if others:
+        text += f" (and {len(others)} more: twistarm doctor lists them)"
+    return DescriptionError(text, every)

@@ -49,8 +49,7 @@ class Geometries:
         names = list(dict.fromkeys(self._missing))
         self._reading.note(
             "mesh-missing",
-            "warning",
-            self._reading.path.name,
+            None,
             f"{len(names)} mesh file{'s' * (len(names) > 1)} not found: {listed(names, 2)}; the kinematics is whole",
             "pass package_dirs=[folder that holds the package], or restore the files; frames are drawn instead",
         )
@@ -65,8 +64,7 @@ class Geometries:
         except ValueError:
             self._reading.note(
                 "bad-geometry",
-                "warning",
-                self._reading.where(link),
+                link,
                 f"its <{element.tag}> <{shape.tag}> has no usable size or place; it is not drawn",
                 "give every size and origin as numbers",
                 repaired=True,

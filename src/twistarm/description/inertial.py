@@ -19,8 +19,7 @@ def drop_unusable_inertials(robot: ET.Element, reading: Reading) -> None:
                 link.remove(inertial)
                 reading.note(
                     "inertial-unusable",
-                    "warning",
-                    reading.where(link),
+                    link,
                     f"its <inertial> {problem}; the link counts as massless",
                     "write mass in kg and the six inertias in kg m² as plain numbers",
                     repaired=True,

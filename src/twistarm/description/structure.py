@@ -5,8 +5,9 @@ from __future__ import annotations
 import xml.etree.ElementTree as ET
 from collections import Counter
 
-from ..errors import DescriptionError, closest, listed
+from ..errors import closest, listed
 from .document import Reading
+from .findings import refusal
 
 MAX_LINKS_DEEP = 1000
 """Deeper chains are refused: Pinocchio's parser overflows its stack at some 4,000."""
@@ -16,14 +17,16 @@ def check_structure(robot: ET.Element, reading: Reading) -> None:
     """Raise DescriptionError for whatever keeps the description from being a tree of named links and joints."""
     links, joints = robot.findall("link"), robot.findall("joint")
     if not links:
-        raise DescriptionError(f"{reading.path}: it has no links; is it a robot description?")
+        raise refusal("no-robot", reading.whole, "it has no links", "is it a robot description?")
     for elements in (links, joints):
         _check_names(elements, reading)
     names = {link.get("name", "") for link in links}
     for joint in joints:
         for end in ("parent", "child"):
             _check_end(joint, end, names, reading)
+    reading.require_usable()
     _check_parents(joints, reading)
+    reading.require_usable()
     _check_connected(robot, reading)
 
 
@@ -35,22 +38,22 @@ def root_link(robot: ET.Element) -> str:
 def _check_names(elements: list[ET.Element], reading: Reading) -> None:
     for element in elements:
         if not element.get("name"):
-            raise reading.error(element, "it has no name; every link and joint needs one")
+            reading.note("name-missing", element, "it has no name", "every link and joint needs one")
     counts = Counter(element.get("name") for element in elements)
-    for element in reversed(elements):
-        if counts[element.get("name")] > 1:
-            raise reading.error(
-                element, f"the name is used by {counts[element.get('name')]} {element.tag}s; rename one"
-            )
+    last = {element.get("name"): element for element in elements}
+    for name, count in counts.items():
+        if name and count > 1:
+            reading.note("name-duplicate", last[name], f"the name is used by {count} {last[name].tag}s", "rename one")
 
 
 def _check_end(joint: ET.Element, end: str, names: set[str], reading: Reading) -> None:
     element = joint.find(end)
     link = None if element is None else element.get("link")
     if not link:
-        raise reading.error(joint, f"it has no <{end} link=…>")
-    if link not in names:
-        raise reading.error(joint, f"its {end} link {link!r} is not defined{closest(link, names)}")
+        reading.note("end-missing", joint, f"it has no <{end} link=…>", f"name its {end} link")
+    elif link not in names:
+        remedy = f"define it, or correct the name{closest(link, names)}"
+        reading.note("link-undefined", joint, f"its {end} link {link!r} is not defined", remedy)
 
 
 def _check_parents(joints: list[ET.Element], reading: Reading) -> None:
@@ -58,10 +61,8 @@ def _check_parents(joints: list[ET.Element], reading: Reading) -> None:
     for joint in joints:
         child = joint.find("child").get("link", "")  # type: ignore[union-attr]
         if child in first:
-            raise reading.error(
-                joint,
-                f"link {child!r} has two parents: joint {first[child].get('name')!r} moves it too; remove one joint",
-            )
+            what = f"link {child!r} has two parents: joint {first[child].get('name')!r} moves it too"
+            reading.note("two-parents", joint, what, "remove one joint")
         first[child] = joint
 
 
@@ -74,9 +75,8 @@ def _check_connected(robot: ET.Element, reading: Reading) -> None:
     """One root; no cycle; not too deep for the engines behind."""
     roots = _roots(robot)
     if len(roots) > 1:
-        raise DescriptionError(
-            f"{reading.path}: {len(roots)} root links: {listed(roots)}; a robot has one: join them with fixed joints"
-        )
+        what = f"{len(roots)} root links: {listed(roots)}"
+        raise refusal("several-roots", reading.whole, what, "a robot has one: join them with fixed joints")
     children: dict[str, list[str]] = {}
     for joint in robot.findall("joint"):
         parent, child = (joint.find(end).get("link", "") for end in ("parent", "child"))  # type: ignore[union-attr]
@@ -87,11 +87,11 @@ def _check_connected(robot: ET.Element, reading: Reading) -> None:
     while level:
         depth += 1
         if depth > MAX_LINKS_DEEP:
-            raise DescriptionError(f"{reading.path}: a chain of more than {MAX_LINKS_DEEP} links; is it generated?")
+            what = f"a chain of more than {MAX_LINKS_DEEP} links"
+            raise refusal("too-deep", reading.whole, what, "is it generated?")
         reached.update(level)
         level = [child for link in level for child in children.get(link, [])]
     cyclic = [link.get("name", "") for link in robot.findall("link") if link.get("name") not in reached]
     if cyclic:
-        raise DescriptionError(
-            f"{reading.path}: the joints of {listed(cyclic)} form a cycle; a URDF is a tree: remove one of its joints"
-        )
+        what = f"the joints of {listed(cyclic)} form a cycle"
+        raise refusal("cycle", reading.whole, what, "a URDF is a tree: remove one of its joints")

@@ -10,9 +10,9 @@ from typing import Literal
 import numpy as np
 
 from ..checks import Array
-from ..errors import DescriptionError, listed, unknown_name
+from ..errors import listed, unknown_name
 from ..screws import exp
-from .findings import Finding
+from .findings import Finding, Place, refusal
 
 JointType = Literal["revolute", "continuous", "prismatic", "fixed", "planar", "floating"]
 Shape = Literal["box", "cylinder", "sphere", "capsule", "mesh"]
@@ -40,6 +40,7 @@ class Link:
     name: str
     visuals: tuple[Geometry, ...] = ()
     collisions: tuple[Geometry, ...] = ()
+    line: int | None = None
 
 
 @dataclass(frozen=True)
@@ -53,7 +54,10 @@ class Mimic:
 
 @dataclass(frozen=True)
 class Joint:
-    """A joint of the tree: `axis` a unit vector, `axis_length` its length as written; limits ∓inf where not given."""
+    """A joint of the tree: `axis` a unit vector, `axis_length` its length as written; limits ∓inf where not given.
+
+    `line` is where it stands in a file that was not expanded from xacro.
+    """
 
     name: str
     type: JointType
@@ -67,6 +71,7 @@ class Joint:
     effort: float = np.inf
     mimic: Mimic | None = None
     axis_length: float = 1.0
+    line: int | None = None
 
     @property
     def moving(self) -> bool:
@@ -108,6 +113,13 @@ class Description:
         parents = {joint.parent for joint in self.joints.values()}
         return tuple(name for name in self.links if name not in parents)
 
+    def place(self, part: Joint | Link | None = None) -> Place:
+        """Where a joint or link stands in the file; without one, the file."""
+        file = self.path.name if self.path else self.name
+        if part is None:
+            return Place(file)
+        return Place(file, part.line, "joint" if isinstance(part, Joint) else "link", part.name)
+
     def require_link(self, link: str, role: str) -> str:
         """`link` itself, or an UnknownNameError with the closest names."""
         if link not in self.links:
@@ -124,10 +136,9 @@ class Description:
             joint = parents.get(link)
             if joint is None:
                 above = [joint.parent for joint in path]
-                raise DescriptionError(
-                    f"base {base!r} is no ancestor of tip {tip!r} in {self.name}; "
-                    f"a base must be one of {listed(above) if above else 'no link: the tip is the root'}"
-                )
+                what = f"base {base!r} is no ancestor of tip {tip!r}"
+                remedy = f"a base must be one of {listed(above) if above else 'no link: the tip is the root'}"
+                raise refusal("base-not-above-tip", self.place(), what, remedy)
             path.append(joint)
             link = joint.parent
         return tuple(reversed(path))

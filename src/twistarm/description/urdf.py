@@ -10,9 +10,10 @@ from pathlib import Path
 import numpy as np
 
 from ..checks import Array, frozen
-from ..errors import DescriptionError
+from ..errors import DescriptionError, closest
 from ..files import is_file
 from .document import Reading, parse_xml, read_text
+from .findings import Place, refusal
 from .geometry import Geometries, floats, read_origin
 from .inertial import drop_unusable_inertials
 from .packages import package_index
@@ -47,14 +48,16 @@ def read_description(
     """
     file = Path(path).expanduser()
     if not is_file(file):
-        raise DescriptionError(f"{file}: no such file; give a URDF or xacro file, an arm.toml or a catalogue name")
+        remedy = "give a URDF or xacro file, an arm.toml or a catalogue name"
+        raise refusal("file-not-found", Place(str(file)), "no such file", remedy)
     file = file.resolve()
     packages = package_index(file, package_dirs)
     if is_xacro(file):
         text, noted = expand_xacro(file, packages, xacro_args)
         reading = Reading(file, packages, show_lines=False, findings=list(noted))
     elif xacro_args:
-        raise DescriptionError(f"{file}: it is plain URDF and takes no xacro arguments ({', '.join(xacro_args)})")
+        what = f"it is plain URDF and takes no xacro arguments ({', '.join(xacro_args)})"
+        raise refusal("xacro-argument-unknown", Place(str(file)), what, "leave them out")
     else:
         text, reading = read_text(file), Reading(file, packages)
     return build_description(text, reading)
@@ -64,18 +67,15 @@ def build_description(text: str, reading: Reading) -> Description:
     """The tree of an expanded URDF text."""
     robot = parse_xml(text, reading)
     if robot.tag != "robot":
-        raise DescriptionError(f"{reading.path}: its root element is <{robot.tag}>, not <robot>; is it a URDF file?")
+        raise refusal(
+            "no-robot", reading.whole, f"its root element is <{robot.tag}>, not <robot>", "is it a URDF file?"
+        )
     check_structure(robot, reading)
     geometries = Geometries(robot, reading)
-    links = {
-        element.get("name", ""): Link(
-            element.get("name", ""), geometries.of(element, "visual"), geometries.of(element, "collision")
-        )
-        for element in robot.findall("link")
-    }
+    links = {element.get("name", ""): _read_link(element, geometries, reading) for element in robot.findall("link")}
     geometries.note_missing()
     rates: Rates = {}
-    joints = {element.get("name", ""): _read_joint(element, reading, rates) for element in robot.findall("joint")}
+    joints = _read_joints(robot, reading, rates)
     _note_missing_rates(joints.values(), rates, reading)
     drop_unusable_inertials(robot, reading)
     _strip_to_kinematics(robot)
@@ -91,17 +91,42 @@ def build_description(text: str, reading: Reading) -> Description:
     )
 
 
+def _read_link(element: ET.Element, geometries: Geometries, reading: Reading) -> Link:
+    return Link(
+        name=element.get("name", ""),
+        visuals=geometries.of(element, "visual"),
+        collisions=geometries.of(element, "collision"),
+        line=reading.line(element),
+    )
+
+
+def _read_joints(robot: ET.Element, reading: Reading, rates: Rates) -> dict[str, Joint]:
+    """Every joint by its name; all that cannot be used are reported together."""
+    joints = [_try_joint(element, reading, rates) for element in robot.findall("joint")]
+    reading.require_usable()
+    return {joint.name: joint for joint in joints if joint is not None}
+
+
+def _try_joint(element: ET.Element, reading: Reading, rates: Rates) -> Joint | None:
+    try:
+        return _read_joint(element, reading, rates)
+    except DescriptionError as error:
+        reading.findings += error.findings
+        return None
+
+
 def _read_joint(element: ET.Element, reading: Reading, rates: Rates) -> Joint:
     kind = element.get("type", "")
     if kind not in _JOINT_TYPES:
-        raise reading.error(element, f"joint type {kind!r} is unknown; URDF has {', '.join(_JOINT_TYPES)}")
+        remedy = f"URDF has {', '.join(_JOINT_TYPES)}{closest(kind, _JOINT_TYPES)}"
+        raise reading.error(element, "joint-type-unknown", f"joint type {kind!r} is unknown", remedy)
     parent, child = (element.find(tag) for tag in ("parent", "child"))
     assert parent is not None, "check_structure has seen it"
     assert child is not None, "check_structure has seen it"
     try:
         origin = read_origin(element)
     except ValueError as error:
-        raise reading.error(element, f"its <origin> is malformed: {error}") from error
+        raise reading.error(element, "origin-malformed", f"its <origin> is malformed: {error}") from error
     axis, axis_length = _read_axis(element, kind, reading)
     numbers = _limit_numbers(element, reading)
     lower, upper = _read_bounds(element, kind, numbers, reading)
@@ -120,6 +145,7 @@ def _read_joint(element: ET.Element, reading: Reading, rates: Rates) -> Joint:
         effort=_rate(numbers.get("effort")),
         mimic=_read_mimic(element, reading),
         axis_length=axis_length,
+        line=reading.line(element),
     )
 
 
@@ -132,15 +158,15 @@ def _read_axis(element: ET.Element, kind: str, reading: Reading) -> tuple[Array,
     try:
         vector = np.array(floats(axis.get("xyz", "1 0 0"), 3))
     except ValueError as error:
-        raise reading.error(element, f"its <axis> is malformed: {error}") from error
+        raise reading.error(element, "axis-malformed", f"its <axis> is malformed: {error}") from error
     norm = float(np.linalg.norm(vector))
     if norm < 1e-9:
-        raise reading.error(element, "a moving joint with a zero axis; give the axis it moves along or about")
+        remedy = "give the axis it moves along or about"
+        raise reading.error(element, "axis-zero", "a moving joint with a zero axis", remedy)
     if abs(norm - 1.0) > AXIS_TOL:
         reading.note(
             "axis-not-unit",
-            "warning",
-            reading.where(element),
+            element,
             f"its axis {axis.get('xyz')} has length {norm:.4g}; only the direction counts",
             "write a unit vector",
             repaired=True,
@@ -164,20 +190,19 @@ def _read_bounds(element: ET.Element, kind: str, given: Mapping[str, float], rea
         what = "no <limit>" if element.find("limit") is None else f"a <limit> without {' and '.join(missing)}"
         reading.note(
             "limit-incomplete",
-            "warning",
-            reading.where(element),
+            element,
             f"{what}; taken as unbounded {'both ways' if len(missing) == 2 else 'there'}",
             f"write lower and upper in the URDF, or limits.{element.get('name')} in arm.toml",
             repaired=True,
         )
     lower, upper = given.get("lower", -np.inf), given.get("upper", np.inf)
     if lower > upper:
-        raise reading.error(element, f"its limits are swapped: lower {lower:g} > upper {upper:g}; exchange them")
+        what = f"its limits are swapped: lower {lower:g} > upper {upper:g}"
+        raise reading.error(element, "limits-swapped", what, "exchange them")
     if lower == upper:
         reading.note(
             "limit-zero-range",
-            "warning",
-            reading.where(element),
+            element,
             f"lower and upper are both {lower:g}: the joint cannot move",
             f"give its range as limits.{element.get('name')} in arm.toml",
         )
@@ -190,7 +215,8 @@ def _limit_number(element: ET.Element, name: str, text: str, reading: Reading) -
     except ValueError:
         number = float("nan")
     if np.isnan(number):
-        raise reading.error(element, f"its limit {name}={text!r} is not a number; write it in digits, with a point")
+        what = f"its limit {name}={text!r} is not a number"
+        raise reading.error(element, "limit-malformed", what, "write it in digits, with a point")
     return number
 
 
@@ -207,7 +233,7 @@ def _read_mimic(element: ET.Element, reading: Reading) -> Mimic | None:
         (multiplier,) = floats(mimic.get("multiplier", "1"), 1)
         (offset,) = floats(mimic.get("offset", "0"), 1)
     except ValueError as error:
-        raise reading.error(element, f"its <mimic> is malformed: {error}") from error
+        raise reading.error(element, "mimic-malformed", f"its <mimic> is malformed: {error}") from error
     return Mimic(mimic.get("joint", ""), multiplier, offset)
 
 
@@ -220,8 +246,7 @@ def _note_missing_rates(joints: Iterable[Joint], given: Rates, reading: Reading)
             worst = min(absent.values())
             reading.note(
                 f"{kind}-not-given",
-                "warning",
-                reading.path.name,
+                None,
                 f"{kind} limit {f'{worst:g}' if worst else 'absent or 0'} on {', '.join(absent)}: taken as not given",
                 f"give {kind} in the URDF or in arm.toml" + (" before planning" if kind == "velocity" else ""),
                 repaired=True,

@@ -13,7 +13,7 @@ from xml.parsers.expat import ExpatError
 
 from ..errors import DescriptionError, InputError, closest
 from .document import read_text
-from .findings import Finding
+from .findings import Finding, Place, finding
 from .packages import PackageIndex
 
 _LOCK = threading.Lock()
@@ -182,10 +182,9 @@ def _causes(error: BaseException) -> Iterator[Any]:
 
 
 def _package_finding(path: Path, package: str, packages: PackageIndex) -> Finding:
-    return Finding(
+    return finding(
         "package-not-found",
-        "warning",
-        path.name,
+        Place(path.name),
         f"$(find {package}): package not found (searched {packages.searched()}); nothing the kinematics needs uses it",
         f"pass package_dirs=[folder that holds {package}] if its files matter",
     )
