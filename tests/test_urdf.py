@@ -138,6 +138,12 @@ def test_a_chain_too_deep_is_refused_before_pinocchio_sees_it(tmp_path: Path) ->
         load_arm(write(tmp_path, robot(*joints, links=links)))
 
 
+def test_elements_nested_without_end_are_refused(tmp_path: Path) -> None:
+    text = two_joints(inside="<limit>" + "<a>" * 5000 + "</a>" * 5000 + "</limit>")
+    with pytest.raises(DescriptionError, match="arm.urdf:2: elements are nested more than 100 deep"):
+        load_arm(write(tmp_path, text))
+
+
 def findings(path: Path) -> dict[str, str]:
     return {finding.code: str(finding) for finding in read_description(path).findings}
 

@@ -13,6 +13,10 @@ from .findings import Finding, Place, finding, refusal, refused
 from .packages import PackageIndex
 
 
+MAX_NESTING = 100
+"""No description nests deeper, and Python's own XML writer recurses."""
+
+
 @dataclass
 class Reading:
     """What one reading of a description carries along: the elements' lines, the packages, the findings so far."""
@@ -77,8 +81,19 @@ def parse_xml(text: str, reading: Reading) -> ET.Element:
     parser = expat.ParserCreate("utf-8")
     parser.buffer_text = True
 
+    open_tags: list[str] = []
+
     def start(tag: str, attributes: dict[str, str]) -> None:
+        open_tags.append(tag)
+        if len(open_tags) > MAX_NESTING:
+            place = replace(reading.whole, line=parser.CurrentLineNumber)
+            what = f"elements are nested more than {MAX_NESTING} deep"
+            raise refusal("xml-malformed", place, what, "is it a URDF or xacro file?")
         reading.lines[builder.start(tag, attributes)] = parser.CurrentLineNumber
+
+    def end(tag: str) -> None:
+        open_tags.pop()
+        builder.end(tag)
 
     def refuse(name: str, *_: object) -> None:
         place = replace(reading.whole, line=parser.CurrentLineNumber)
@@ -86,7 +101,7 @@ def parse_xml(text: str, reading: Reading) -> ET.Element:
         raise refusal("document-type-refused", place, what, "remove it")
 
     parser.StartElementHandler = start
-    parser.EndElementHandler = builder.end
+    parser.EndElementHandler = end
     parser.CharacterDataHandler = builder.data
     parser.StartDoctypeDeclHandler = refuse
     try:
