@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import importlib
 import os
 import tempfile
 import threading
@@ -12,14 +11,31 @@ from typing import Any
 
 import numpy as np
 
+from . import wheels
 from .checks import Array
 from .description.coupling import Affine
 from .description.findings import refusal
 from .description.tree import Description
-from .errors import TwistarmError
 
 MAX_MOVING_JOINTS = 250
 """Pinocchio's data holds four tensors of nv³ numbers: half a gigabyte here, and no robot has as many joints."""
+
+_WHEEL = wheels.Wheel(
+    "pinocchio",
+    "pin",  # `pinocchio` on the registry is another project
+    needs=(
+        "buildModelFromXML",
+        "FrameType",
+        "ReferenceFrame",
+        "forwardKinematics",
+        "framesForwardKinematics",
+        "computeJointJacobians",
+        "getFrameJacobian",
+        "updateFramePlacement",
+        "computeGeneralizedGravity",
+    ),
+    oldest="3.4",
+)
 
 _STDERR = threading.Lock()
 """File descriptor 2 belongs to the whole process: one redirection at a time."""
@@ -138,16 +154,19 @@ class PinocchioModel:
 
 
 def import_pinocchio() -> Any:
-    """The module, or an error that says which package to install: `pinocchio` on the registry is another project."""
-    try:
-        pinocchio = importlib.import_module("pinocchio")
-    except ImportError as error:
-        raise TwistarmError(f"Pinocchio cannot be imported ({error}); install it with: pip install pin") from error
-    if not hasattr(pinocchio, "buildModelFromXML"):
-        raise TwistarmError(
-            f"the module at {pinocchio.__file__} is another project; pip uninstall pinocchio, then pip install pin"
-        )
-    return pinocchio
+    """The module of the `pin` wheel, or a TwistarmError that says what stands before it and how to start."""
+    return wheels.load(_WHEEL)
+
+
+def complaint_about(text: str) -> str:
+    """What Pinocchio's own parser says to a URDF text as it is; empty if it reads it."""
+    pin = import_pinocchio()
+    with _captured_stderr() as complaint:
+        try:
+            pin.buildModelFromXML(text)
+        except (ValueError, RuntimeError) as error:
+            return " ".join(complaint().split()) or str(error)
+    return ""
 
 
 def _build(pin: Any, description: Description) -> Any:
