@@ -61,11 +61,14 @@ def test_what_an_engine_cannot_do_is_not_compared(tmp_path: Path) -> None:
     assert [row.not_compared for row in rows] == ["yourdfpy drops the mimic of a mimic 'm'"]
 
 
-def test_an_arm_from_screws_is_checked_as_far_as_it_goes() -> None:
+def test_an_arm_from_screws_is_checked_against_pinocchio_too() -> None:
     scara = load_arm("scara")
     result = crosscheck(arm_from_screws(scara.screws, scara.home), 20).require()
-    assert sum(bool(row.not_compared) for row in result.comparisons) == 2
-    assert {row.quantity for row in result.comparisons if not row.not_compared} == {"J^s = Ad J^b", "body Jacobian"}
+    native = {f"{quantity}, native joints" for quantity in ("pose", "J^s", "J^b")}
+    rows = {row.quantity for row in result.comparisons if not row.not_compared}
+    assert rows == {*native, "J^s = Ad J^b", "body Jacobian"}
+    assert 0 < result.worst("pinocchio") <= PINOCCHIO_TOL
+    assert result.left_out == {"yourdfpy": "an arm made from screws has no description"}
 
 
 def test_without_yourdfpy_the_command_that_installs_it(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
@@ -88,7 +91,7 @@ def test_without_yourdfpy_the_command_that_installs_it(tmp_path: Path, monkeypat
 def test_progress_and_samples(rover: twistarm.Arm) -> None:
     steps: list[float] = []
     crosscheck(rover, 5, progress=steps.append)
-    assert steps == [0.25, 0.5, 0.75, 1.0]
+    assert steps == [0.2, 0.4, 0.6, 0.8, 1.0]
     with pytest.raises(InputError, match="rng must be a seed"):
         crosscheck(rover, 5, rng=-1)
     with pytest.raises(InputError, match="samples must be a whole number, at least 1"):

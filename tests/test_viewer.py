@@ -24,7 +24,6 @@ from tornado.websocket import websocket_connect
 
 from twistarm import Arm, arm_from_screws, available_arms, joints, load_arm, poe
 from twistarm.errors import DescriptionError, InputError, LimitError, MissingExtraError, UnknownNameError
-from twistarm.limits import usual_range
 from twistarm.planning.joint_space import plan_joint
 from twistarm.planning.trajectory import Trajectory
 from twistarm.viewer import Viewer, save_html
@@ -34,6 +33,7 @@ from twistarm.viewer.meshes import load_parts, shaded
 from twistarm.viewer.messages import encode, parse
 from twistarm.viewer.scene import build_scene, partial_products
 from twistarm.viewer.stage import Stage
+from twistarm.viewer.summary import _describe
 
 ROUNDING = 1e-14
 """Two ways to the same pose of an arm of about 1 m, in double precision."""
@@ -227,7 +227,7 @@ def test_a_link_whose_mesh_is_missing_is_a_stick_to_the_joint_it_carries(arm: Ar
     ],
 )
 def test_slider_range(kind: str, lower: float, upper: float, expected: tuple[float, float]) -> None:
-    assert_allclose(usual_range(lower, upper, kind == "prismatic"), expected)
+    assert_allclose(_describe("joint", kind, lower, upper)["range"], expected)
 
 
 # meshes -----------------------------------------------------------------------------------------------

@@ -13,6 +13,7 @@ from .arm import Arm, Coupling
 from .checks import Array, as_floats, as_pose
 from .errors import InputError
 from .limits import JointLimits
+from .lower_pairs import lower_pairs
 from .screws import to_screw
 
 
@@ -26,8 +27,9 @@ def arm_from_screws(
 ) -> Arm:
     """An arm from its space twists (6, n) and home pose (4, 4), both at theta = 0; MLS §3.2.2.
 
-    Columns with w = 0 are prismatic [m], the others turn [rad]; a finite pitch makes them helical. `joints` are their
-    names (default joint1 …); `limits` a JointLimits or a mapping as in `load_arm` (default: unbounded).
+    Columns with w = 0 are prismatic [m], the others turn [rad]: revolute, or helical where the pitch is not 0.
+    `joints` are their names (default joint1 …); `limits` a JointLimits or a mapping as in `load_arm` (default:
+    unbounded).
 
     Raises InputError for a wrong shape, a zero column, a pose that is not in SE(3), or names that do not fit.
     """
@@ -52,13 +54,19 @@ def arm_from_screws(
         base="base",
         tip="tool",
         joint_names=names,
-        joint_types=tuple("prismatic" if slide else "revolute" for slide in prismatic),
+        joint_types=tuple("prismatic" if slide else _turning(xi[:, i]) for i, slide in enumerate(prismatic)),
         screws=xi,
         home=g,
         coupling=Coupling(np.eye(n), np.zeros(n)),
         limits=limits if isinstance(limits, JointLimits) else JointLimits.unbounded(n).with_(limits or {}, names),
         reach=_reach(xi[:, ~prismatic], g[:3, 3]) or 1.0,
     )
+
+
+def _turning(xi: Array) -> str:
+    """Revolute or helical, by the pitch of this twist (6,) alone, whatever it makes with its neighbours."""
+    (pair,) = lower_pairs(xi[:, None], np.eye(1))
+    return pair.kind
 
 
 def _reach(turning: Array, tool: Array) -> float:

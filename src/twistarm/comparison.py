@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import io
 import re
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Iterator
+from contextlib import contextmanager
 from dataclasses import dataclass
 from typing import Any
 
@@ -13,22 +14,29 @@ import numpy as np
 from . import poe
 from .arm import Arm
 from .checks import Array, frozen
+from .description.tree import Description
 from .errors import ComparisonError, InputError, MissingExtraError, missing_extra
+from .lower_pairs import LowerPair, lower_pairs
+from .native_joints import Ball, NativeChain
 from .screws import adjoint, inverse
 
 POSE_TOL = 1e-12
 """Product of exponentials against Pinocchio: both in double precision, some ten multiplications long."""
 
-YOURDFPY_TOL = 1e-9
-"""yourdfpy reads angles through its own trigonometry and normalises axes to about nine digits."""
+YOURDFPY_TOL = 1e-7
+"""yourdfpy's scene graph takes a joint's pose within 1e-8 of the identity, or of the one before, for the same."""
 
 DIFFERENCE_TOL = 1e-8
 """What a fourth-order difference quotient with step 1e-3 leaves: h⁴ and ε/h, both below 1e-11, and room for size."""
 
-STEP = 1e-3
+WIDE_ANGLE = 1e3
+"""rad; up to here an angle's own rounding stays below `POSE_TOL`."""
 
-YOURDFPY_SAMPLES, YOURDFPY_POSES = 200, 20_000
-"""yourdfpy takes some 0.1 ms for each link's pose: at most so many postures, and so many poses in all."""
+STEP, SMALLEST_STEP = 1e-3, 1e-7
+"""Of the joint that moves most, in rad or m."""
+
+YOURDFPY_SAMPLES, YOURDFPY_STEPS = 200, 100_000
+"""yourdfpy walks from each link to the base, some 4 µs a joint: at most so many postures, and so many steps in all."""
 
 Progress = Callable[[float], object]
 """Called with the fraction done, 0 to 1."""
@@ -93,11 +101,12 @@ def crosscheck(
 ) -> CrossCheck:
     """Compare the engines at `samples` random configurations; `progress(fraction)` is called after each part.
 
-    Pose, J^s and J^b of the product of exponentials against Pinocchio; every link's pose by our walk of the
-    description against Pinocchio; J^s = Ad(g) J^b; J^b against fourth-order central differences of Pinocchio's pose;
-    pose of every link against yourdfpy, which reads the expanded but unrepaired text. What an engine cannot do is
-    "not compared", with the reason. Absolute errors, in metres and radians (entries of R); allowed are `POSE_TOL`
-    times the arm's size where that exceeds 1 m.
+    Pose, J^s and J^b of the product of exponentials against Pinocchio's model of the description, and against a chain
+    of its own joint models, one per lower pair, which an arm made from screws has too (a spherical joint both by Euler
+    angles and by a quaternion); J^s = Ad(g) J^b; J^b against fourth-order central differences of Pinocchio's pose;
+    every link's pose by our walk against Pinocchio, and against yourdfpy, which reads the expanded but unrepaired
+    text. What an engine cannot do is "not compared", with the reason. Absolute errors, in metres and radians (entries
+    of R); allowed are `POSE_TOL` times the arm's size where that exceeds 1 m.
     """
     if isinstance(samples, bool) or not isinstance(samples, (int, np.integer)) or samples < 1:
         raise InputError(f"samples must be a whole number, at least 1; got {samples!r}")
@@ -106,6 +115,7 @@ def crosscheck(
     theta = arm.random_theta(np.random.default_rng(rng), int(samples))
     parts: list[Callable[[], Iterable[Comparison]]] = [
         lambda: _pinocchio(arm, theta),
+        lambda: _native_joints(arm, theta),
         lambda: _differences(arm, theta),
         lambda: _links(arm, theta),
         lambda: _yourdfpy(arm, theta),
@@ -126,21 +136,25 @@ def _compared(quantity: str, engines: tuple[str, str], difference: Array, theta:
 
 
 def _size(arm: Arm) -> float:
-    """The arm's size [m] at least 1: its reach, where its tool stands, and the stroke of its slides."""
-    slides = np.array(arm.joint_types) == "prismatic"
-    stroke = float(np.abs(np.array(arm.sampling_bounds)[:, slides]).sum())
-    return max(1.0, arm.reach + stroke, float(np.abs(arm.home[:3, 3]).max()))
+    """The arm's size [m] at least 1: its reach, where its links stand, and the stroke of its slides.
+
+    Multiplied where joints turn so far, or so much faster than their masters, that rounding exceeds what is allowed.
+    """
+    furthest = np.abs(np.array(arm.sampling_bounds)).max(axis=0)
+    values = np.abs(arm.coupling.A) @ furthest + np.abs(arm.coupling.b)
+    turning = (arm.screws[3:] != 0.0).any(axis=0)
+    far = max(float(np.abs(arm.home[:3, 3]).max()), arm.description.extent if arm.description else 0.0)
+    size = max(1.0, arm.reach + float(values[~turning].sum()), far)
+    faster = float(np.abs(arm.coupling.A).max(initial=1.0))
+    return size * max(faster, float(values[turning].max(initial=0.0)) / WIDE_ANGLE)
 
 
 def _pinocchio(arm: Arm, theta: Array) -> list[Comparison]:
-    x, A = theta @ arm.coupling.A.T, arm.coupling.A
-    g = poe.fk(arm.screws, arm.home, x)
-    spatial = poe.spatial_jacobian(arm.screws, x) @ A
-    body = poe.body_jacobian(arm.screws, arm.home, x) @ A
+    g, spatial, body = by_exponentials(arm, theta)
     tolerance = POSE_TOL * _size(arm)
     identity = _compared("J^s = Ad J^b", ("poe", "poe"), spatial - adjoint(g) @ body, theta, tolerance)
     if arm.description is None:
-        return [_skipped("pose, J^s, J^b", "pinocchio", "an arm made from screws has no description"), identity]
+        return [identity]
     engines = ("poe", "pinocchio")
     return [
         _compared("pose", engines, g - arm.fk(theta), theta, tolerance),
@@ -150,14 +164,50 @@ def _pinocchio(arm: Arm, theta: Array) -> list[Comparison]:
     ]
 
 
+def by_exponentials(arm: Arm, theta: Array) -> tuple[Array, Array, Array]:
+    """g_st (..., 4, 4), J^s and J^b (..., 6, n) by product of exponentials, whatever engine the arm has."""
+    x, A = theta @ arm.coupling.A.T, arm.coupling.A
+    g, spatial = poe.fk(arm.screws, arm.home, x), poe.spatial_jacobian(arm.screws, x) @ A
+    return g, spatial, poe.body_jacobian(arm.screws, arm.home, x) @ A
+
+
+def _native_joints(arm: Arm, theta: Array) -> list[Comparison]:
+    """Against Pinocchio's own joint models: revolute, prismatic, helical, cylindrical, spherical, planar."""
+    pairs = lower_pairs(arm.screws, arm.coupling.A)
+    balls: list[Ball] = ["ZYX", "quaternion"] if any(pair.kind == "spherical" for pair in pairs) else ["ZYX"]
+    return [row for ball in balls for row in _native_chain(arm, theta, pairs, ball)]
+
+
+def _native_chain(arm: Arm, theta: Array, pairs: tuple[LowerPair, ...], ball: Ball) -> list[Comparison]:
+    suffix = ", native quaternion" if ball == "quaternion" else ", native joints"
+    try:
+        chain = NativeChain(pairs, arm.home, ball)
+    except InputError as error:
+        return [_skipped(f"pose, J^s, J^b{suffix}", "pinocchio", str(error))]
+    A = arm.coupling.A
+    g, spatial, body = chain.kinematics(theta @ A.T)
+    ours = by_exponentials(arm, theta)
+    tolerance = POSE_TOL * _size(arm)
+    return [
+        _compared(f"{quantity}{suffix}", ("poe", "pinocchio"), one - other, theta, tolerance)
+        for quantity, one, other in zip(("pose", "J^s", "J^b"), ours, (g, spatial @ A, body @ A), strict=True)
+    ]
+
+
 def _differences(arm: Arm, theta: Array) -> list[Comparison]:
     """(g⁻¹ ∂g/∂θ_i)^∨ by (8(g₊ − g₋) − (g₊₊ − g₋₋))/12h against the columns of J^b by product of exponentials."""
     body = poe.body_jacobian(arm.screws, arm.home, theta @ arm.coupling.A.T) @ arm.coupling.A
     back = inverse(arm.fk(theta))
     numeric = np.empty_like(body)
-    for i, step in enumerate(np.eye(arm.n) * STEP):
+    turns = np.abs(arm.coupling.A) * np.linalg.norm(arm.screws[3:], axis=0)[:, None]
+    # A coordinate that turns a joint many times as far gets a step as many times smaller.
+    steps = STEP / np.maximum(1.0, turns.max(axis=0))
+    if steps.min() < SMALLEST_STEP:
+        reason = f"a follower turns {turns.max():g} times as far as its master: a difference is all rounding"
+        return [_skipped("body Jacobian", "differences", reason)]
+    for i, step in enumerate(np.diag(steps)):
         once, twice = (arm.fk(theta + k * step) - arm.fk(theta - k * step) for k in (1, 2))
-        rate = back @ (8 * once - twice) / (12 * STEP)
+        rate = back @ (8 * once - twice) / (12 * steps[i])
         numeric[..., i] = np.stack(
             [rate[:, 0, 3], rate[:, 1, 3], rate[:, 2, 3], rate[:, 2, 1], rate[:, 0, 2], rate[:, 1, 0]], axis=-1
         )
@@ -196,9 +246,10 @@ def _yourdfpy(arm: Arm, theta: Array) -> list[Comparison]:
     reason = _beyond_yourdfpy(arm)
     if reason:
         return [_skipped("all links", "yourdfpy", reason)]
-    subset = theta[: min(YOURDFPY_SAMPLES, max(1, YOURDFPY_POSES // len(arm.description.links)))]
+    subset = theta[: min(YOURDFPY_SAMPLES, max(1, YOURDFPY_STEPS // _steps(arm.description)))]
     try:
-        theirs = _yourdfpy_poses(arm, subset)
+        with _quiet_yourdfpy():
+            theirs = _yourdfpy_poses(arm, subset)
     except MissingExtraError as error:
         return [_skipped("all links", "yourdfpy", str(error))]
     except Exception as error:  # another project's reader: whatever it raises on a file is its answer
@@ -212,6 +263,14 @@ def _yourdfpy(arm: Arm, theta: Array) -> list[Comparison]:
         _compared("all links", ("walk", "yourdfpy"), difference, subset, tolerance),
         _skipped("Jacobians", "yourdfpy", "yourdfpy computes none"),
     ]
+
+
+def _steps(description: Description) -> int:
+    """How many joints lie between the links and the root, all links together."""
+    depth = {description.root: 0}
+    for joint in description.outward_joints():
+        depth[joint.child] = depth[joint.parent] + 1
+    return max(1, sum(depth.values()))
 
 
 def _our_poses(arm: Arm, theta: Array) -> Array:
@@ -241,8 +300,10 @@ def _beyond_yourdfpy(arm: Arm) -> str:
     assert arm.description is not None
     joints = arm.description.joints
     for joint in joints.values():
-        if joint.type in ("planar", "floating"):
-            return f"yourdfpy takes the {joint.type} joint {joint.name!r} as fixed"
+        if joint.part_of:
+            return f"yourdfpy takes the planar joint {joint.part_of!r} as fixed"
+        if joint.type == "floating":
+            return f"yourdfpy takes the floating joint {joint.name!r} as fixed"
         if joint.mimic is not None and joints[joint.mimic.joint].mimic is not None:
             return f"yourdfpy drops the mimic of a mimic {joint.name!r}"
         if joint.mimic is not None and arm.couplings[joint.name].master is None:
@@ -262,16 +323,23 @@ def require_yourdfpy() -> Any:
 
 
 def _load_yourdfpy(text: str) -> Any:
-    import logging
-
     yourdfpy = require_yourdfpy()
     # The text is UTF-8 from here on, whatever encoding the file declared.
     content = re.sub(r"^\s*<\?xml[^>]*\?>", "", text).encode("utf-8")
+    return yourdfpy.URDF.load(io.BytesIO(content), load_meshes=False, build_scene_graph=True)
+
+
+@contextmanager
+def _quiet_yourdfpy() -> Iterator[None]:
+    """What it logs, and what its shapes make NumPy warn of, is said by our own findings."""
+    import logging
+
     logger = logging.getLogger("yourdfpy.urdf")
     level = logger.level
     logger.setLevel(logging.CRITICAL)
     try:
-        return yourdfpy.URDF.load(io.BytesIO(content), load_meshes=False, build_scene_graph=True)
+        with np.errstate(all="ignore"):
+            yield
     finally:
         logger.setLevel(level)
 

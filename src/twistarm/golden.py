@@ -10,9 +10,9 @@ from typing import Any
 
 import numpy as np
 
-from . import poe
 from .arm import Arm
 from .checks import Array, as_floats, as_pose
+from .comparison import by_exponentials
 from .errors import ComparisonError, DescriptionError
 from .files import write_whole
 from .limits import FIELDS
@@ -53,7 +53,7 @@ def freeze(arm: Arm, path: str | os.PathLike[str]) -> None:
     All of it from the product of exponentials, so that the file depends on no engine. Written whole or not at all.
     """
     theta = arm.random_theta(np.random.default_rng(0), SAMPLES)
-    g, spatial, body = _kinematics(arm, theta)
+    g, spatial, body = by_exponentials(arm, theta)
     content = {
         "format": FORMAT,
         "name": arm.name,
@@ -94,7 +94,7 @@ def _compare(arm: Arm, golden: dict[str, Any]) -> Difference:
     if max(np.abs(golden[k] - v).max() for k, v in zip("Ab", arm.coupling, strict=True)) > SAME_TOL:
         moved.append("the coupling of mimic or locked joints is different")
     theta = golden["theta"]
-    g, spatial, body = _kinematics(arm, theta)
+    g, spatial, body = by_exponentials(arm, theta)
     pose_error = float(np.abs(g - golden["fk"]).max())
     jacobian_error = max(
         float(np.abs(spatial - golden["spatial_jacobian"]).max()),
@@ -105,13 +105,6 @@ def _compare(arm: Arm, golden: dict[str, Any]) -> Difference:
             f"poses differ by up to {pose_error:.2g} and Jacobians by {jacobian_error:.2g} over {len(theta)} postures"
         )
     return Difference(arm.name, (*changes, *moved), pose_error, jacobian_error)
-
-
-def _kinematics(arm: Arm, theta: Array) -> tuple[Array, Array, Array]:
-    """g, J^s, J^b by product of exponentials."""
-    x, A = theta @ arm.coupling.A.T, arm.coupling.A
-    g = poe.fk(arm.screws, arm.home, x)
-    return g, poe.spatial_jacobian(arm.screws, x) @ A, poe.body_jacobian(arm.screws, arm.home, x) @ A
 
 
 def _finite(value: float) -> float | None:

@@ -66,9 +66,9 @@ class JointLimits:
         x = np.asarray(theta, dtype=np.float64)
         return np.asarray(((x >= self.lower - tol) & (x <= self.upper + tol)).all(-1))
 
-    def sampling_bounds(self, prismatic: Array) -> tuple[Array, Array]:
-        """Lower and upper (n,) to draw configurations from; `prismatic` (n,) tells the slides. See `usual_range`."""
-        return usual_range(self.lower, self.upper, prismatic)
+    def sampling_bounds(self, half: Array) -> tuple[Array, Array]:
+        """Lower and upper (n,) to draw configurations from, ±`half` (n,) where unbounded. See `usual_range`."""
+        return usual_range(self.lower, self.upper, half)
 
     def middle(self) -> Array:
         """Midway between the bounds (n,); as near to 0 as allowed where there are not two."""
@@ -103,16 +103,20 @@ class JointLimits:
                 )
 
 
-def usual_range(lower: ArrayLike, upper: ArrayLike, prismatic: ArrayLike) -> tuple[Array, Array]:
-    """The bounds where they are given, and where not ±π rad or ±1 m about zero, or that far from the other bound.
+def usual_half(kind: str) -> float:
+    """Half the range of an unbounded joint: π rad, or 1 m for a slide."""
+    return 1.0 if kind == "prismatic" else float(np.pi)
 
-    A bound beyond `AS_GOOD_AS_UNBOUNDED` counts as not given.
+
+def usual_range(lower: ArrayLike, upper: ArrayLike, half: ArrayLike) -> tuple[Array, Array]:
+    """The bounds where they are given, and where not ±`half` about zero, or that far from the other bound.
+
+    A bound beyond `AS_GOOD_AS_UNBOUNDED` counts as not given, but is kept.
     """
-    low, high = np.asarray(lower, dtype=np.float64), np.asarray(upper, dtype=np.float64)
-    half = np.where(prismatic, 1.0, np.pi)
-    low = np.where(low > -AS_GOOD_AS_UNBOUNDED, low, np.minimum(-half, high - half))
-    high = np.where(high < AS_GOOD_AS_UNBOUNDED, high, np.maximum(half, low + half))
-    return low, high
+    least, most, span = (np.asarray(values, dtype=np.float64) for values in (lower, upper, half))
+    low = np.where(least > -AS_GOOD_AS_UNBOUNDED, least, np.minimum(-span, most - span))
+    high = np.where(most < AS_GOOD_AS_UNBOUNDED, most, np.maximum(span, low + span))
+    return np.maximum(low, least), np.minimum(high, most)
 
 
 def _merged(values: Array, change: Any, field: str, names: Sequence[str]) -> Array:

@@ -195,6 +195,27 @@ def test_what_the_page_uses_of_meshcat_is_there(page: Any) -> None:
 
 
 @pytest.mark.parametrize("arm", ["rover_arm"], indirect=True)
+def test_the_tool_s_path_is_a_line_along_its_way(page: Any, arm: Arm, viewer: Viewer) -> None:
+    motion = plan_joint(arm, [arm.ready, 0.8 * arm.ready], limits={"velocity": 0.5, "acceleration": 1.0})
+    settled(page, viewer.url)
+    assert not page.get_by_label("Path").is_visible()
+    viewer.show_path(motion)
+    until(page, "twistarm.view.node('/path').children.length === 1")
+    assert page.get_by_label("Path").is_visible()
+    vertices, radius = page.evaluate(
+        """() => {
+          const { geometry } = twistarm.view.node("/path").children[0];
+          return [[...geometry.attributes.position.array], geometry.parameters.radius];
+        }"""
+    )
+    way = arm.fk(motion(np.linspace(0, motion.duration, 2000)))[:, :3, 3]
+    off = np.linalg.norm(np.reshape(vertices, (-1, 1, 3)) - way, axis=-1).min(axis=1)
+    assert_allclose(off, radius, atol=0.1 * radius)
+    viewer.show_path(None)
+    until(page, "twistarm.view.node('/path').children.length === 0")
+
+
+@pytest.mark.parametrize("arm", ["rover_arm"], indirect=True)
 def test_a_stand_alone_page_plays_from_disk_without_a_network(page: Any, arm: Arm, tmp_path: Path) -> None:
     motion = plan_joint(arm, [arm.ready, 0.8 * arm.ready], limits={"velocity": 0.5, "acceleration": 1.0})
     path = save_html(arm, tmp_path / "view.html", motion)
@@ -212,5 +233,7 @@ def test_a_stand_alone_page_plays_from_disk_without_a_network(page: Any, arm: Ar
     assert_drawn(page, arm, motion(motion.duration), tol=1e-5)
     page.get_by_label("Screws").uncheck()
     assert page.evaluate("twistarm.view.node('/screws').visible") is False
+    page.get_by_label("Path").uncheck()
+    assert page.evaluate("twistarm.view.node('/path').visible") is False
     assert picture(page).std() > 10
     assert [url for url in asked if not url.startswith(("file:", "data:", "blob:"))] == []

@@ -11,12 +11,13 @@ import numpy as np
 
 from ..checks import Array
 from ..limits import JointLimits
+from ..lower_pairs import lower_pairs
 from ..screws import adjoint, exp
 from .coupling import Affine, coupling_matrix, resolve_couplings
 from .findings import Finding, finding, refusal
 from .tree import Description, Joint
 
-CoordinateType = Literal["revolute", "continuous", "prismatic"]
+CoordinateType = Literal["revolute", "continuous", "prismatic", "helical"]
 
 
 @dataclass(frozen=True)
@@ -43,12 +44,12 @@ class Chain:
 def walk_chain(description: Description, base: str, tip: str, tool: Array, locked: Mapping[str, float]) -> Chain:
     """Walk from `base` to `tip` and on by the fixed pose `tool` (4, 4) of the tool seen from the tip link.
 
-    Raises DescriptionError for a planar or floating joint on the way, or if nothing moves between base and tip.
+    Raises DescriptionError for a floating joint on the way, or if nothing moves between base and tip.
     """
     joints = description.chain(base, tip)
     for joint in joints:
-        if joint.type in ("planar", "floating"):
-            what = f"between {base!r} and {tip!r} it is {joint.type}: its motion is not one number per joint"
+        if joint.type == "floating":
+            what = f"between {base!r} and {tip!r} it is floating: its motion is not one number per joint"
             raise refusal("floating-in-chain", description.place(joint), what, "choose a base= beyond it")
     couplings = resolve_couplings(description, locked)
     moving = tuple(joint.name for joint in joints if joint.moving)
@@ -59,6 +60,7 @@ def walk_chain(description: Description, base: str, tip: str, tool: Array, locke
     A, b = coupling_matrix(couplings, moving, coordinates)
     screws, home, points = _walk(joints, dict(zip(moving, b, strict=True)))
     masters = [description.joints[name] for name in coordinates]
+    threads = {moving[pair.rows[0]] for pair in lower_pairs(screws, A) if pair.kind == "helical"}
     limits, findings = _limits(masters), []
     followers = [name for name in moving if couplings[name].master not in (None, name)]
     for name in followers:
@@ -66,7 +68,7 @@ def walk_chain(description: Description, base: str, tip: str, tool: Array, locke
         findings += narrowing
     return Chain(
         coordinates=coordinates,
-        types=tuple(_coordinate_type(joint) for joint in masters),
+        types=tuple("helical" if joint.name in threads else _coordinate_type(joint) for joint in masters),
         moving=moving,
         screws=screws,
         home=home @ tool,

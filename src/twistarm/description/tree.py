@@ -56,7 +56,7 @@ class Mimic:
 class Joint:
     """A joint of the tree: `axis` a unit vector, `axis_length` its length as written; limits ∓inf where not given.
 
-    `line` is where it stands in a file that was not expanded from xacro.
+    `line` is where it stands in a file that was not expanded from xacro; `part_of` the planar joint it was split from.
     """
 
     name: str
@@ -72,6 +72,7 @@ class Joint:
     mimic: Mimic | None = None
     axis_length: float = 1.0
     line: int | None = None
+    part_of: str = ""
 
     @property
     def moving(self) -> bool:
@@ -152,6 +153,11 @@ class Description:
                 g = g @ exp(joint.twist, values[joint.name])
             poses[joint.child] = g
         return poses
+
+    @property
+    def extent(self) -> float:
+        """The largest coordinate [m] of any link in the root frame, joints at 0: what rounding is measured by."""
+        return max(float(np.abs(g[..., :3, 3]).max()) for g in self.link_poses({}).values())
 
     def outward_joints(self) -> tuple[Joint, ...]:
         """Every joint, parents before children."""

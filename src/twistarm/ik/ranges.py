@@ -83,8 +83,7 @@ class JointRanges:
 def joint_ranges(arm: Arm, *, limited: bool = True) -> JointRanges:
     """The ranges of an arm's joints, or those it would have without position limits."""
     limits = arm.limits if limited else JointLimits.unbounded(arm.n)
-    half = np.where(np.array(arm.units) == "m", 1.0, math.pi)
-    start_lower, start_upper = arm.sampling_bounds if limited else (-half, half)
+    start_lower, start_upper = limits.sampling_bounds(arm.usual_half)
     turning = periodic(arm.screws, arm.coupling.A)
     return JointRanges(limits.lower, limits.upper, turning, frozen(start_lower), frozen(start_upper))
 

@@ -22,6 +22,7 @@ from ..planning.trajectory import Trajectory
 from .admission import check_trajectory, checked_theta
 from .drawing import require_meshcat
 from .page_files import meshcat_bundle, page_text
+from .path import NO_PATH, tool_path
 from .scene import build_scene
 from .summary import describe_arm, extra_joints, placement, rest
 
@@ -48,8 +49,9 @@ def save_html(
 ) -> Path:
     """Write one HTML file that shows `arm`, and plays `trajectory` if one is given; without, it stands at theta (n,).
 
-    Needs no server and no browser to write, and no network to open: Meshcat's code and the meshes are inside, and the
-    page's policy lets it load nothing. `theta` defaults to the ready pose. Written whole or not at all.
+    The way that the trajectory takes the tool is drawn. The file needs no server and no browser to write, and no
+    network to open: Meshcat's code and the meshes are inside, and the page's policy lets it load nothing. `theta`
+    defaults to the ready pose. Written whole or not at all.
 
     Raises InputError for a trajectory of another arm or a path that cannot be written, MissingExtraError without
     Meshcat.
@@ -62,7 +64,8 @@ def save_html(
     data = {
         "arm": describe_arm(arm),
         "links": scene.links,
-        "visible": {"screws": True, "frames": True},
+        "visible": {"screws": True, "frames": True, "path": True},
+        "path": NO_PATH if trajectory is None else tool_path(arm, trajectory),
         "samples": _samples(arm, trajectory, start),
         "objects": [base64.b64encode(part).decode("ascii") for part in scene.objects],
         "notes": scene.notes,

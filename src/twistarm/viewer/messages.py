@@ -38,7 +38,7 @@ def parse(text: str | bytes) -> Request:
 
     {"type": "theta", "theta": [...]}   {"type": "joint", "name": ..., "value": ...}   {"type": "pose", "name": ...}
     {"type": "play"}   {"type": "pause"}   {"type": "seek", "time": ...}
-    {"type": "visible", "what": "screws"|"frames", "visible": true|false}
+    {"type": "visible", "what": "screws"|"frames"|"path", "visible": true|false}
     each with "number", a counter. Values in rad, m and s. Raises InputError for anything else.
     """
     message = _decoded(text)

@@ -9,6 +9,7 @@ import threading
 import time
 from collections.abc import Callable, Sequence
 from concurrent.futures import Future
+from contextlib import suppress
 from functools import partial
 from typing import Any, TypeVar
 
@@ -59,7 +60,8 @@ class Server:
     def stop(self) -> None:
         """Close every page's socket and the port, and end the thread. Harmless when repeated."""
         if self._thread.is_alive():
-            self._loop.call_soon_threadsafe(self._stop.set)
+            with suppress(RuntimeError):  # the loop may have been closed meanwhile, by another thread's stop
+                self._loop.call_soon_threadsafe(self._stop.set)
             self._thread.join(STOP_TIME)
 
     def post(self, key: str, change: Change) -> None:
@@ -115,7 +117,7 @@ class Server:
 
     def state(self) -> dict[str, str]:
         """The messages that say what is on show, by type."""
-        messages = (self.stage.switches(), self.stage.player(), self.stage.frame())
+        messages = (self.stage.switches(), self.stage.way(), self.stage.player(), self.stage.frame())
         return {message["type"]: encode(message) for message in messages}
 
     def receive(self, text: str | bytes) -> list[dict[str, Any]]:

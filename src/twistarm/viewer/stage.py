@@ -13,6 +13,7 @@ from ..errors import InputError, unknown_name
 from ..planning.trajectory import Trajectory
 from .admission import checked_theta, require_inside
 from .messages import Request
+from .path import NO_PATH
 from .playback import Playback
 from .summary import describe_arm, extra_joints, named_poses, placement, rest
 
@@ -25,7 +26,8 @@ class Stage:
         self.theta = arm.ready if theta is None else checked_theta(arm, theta)
         self.extra_joints = extra_joints(arm)
         self.others = {name: rest(joint) for name, joint in self.extra_joints.items()}
-        self.visible = {"screws": True, "frames": True}
+        self.visible = {"screws": True, "frames": True, "path": True}
+        self.path = NO_PATH
         self.playback: Playback | None = None
 
     def show(self, theta: Array) -> None:
@@ -71,7 +73,7 @@ class Stage:
             self._drive(request, now)
 
     def set_visible(self, what: str, visible: bool) -> None:
-        """Switch the screws or the frames on or off."""
+        """Switch the screws, the frames or the tool's path on or off."""
         if what not in self.visible:
             raise unknown_name("layer", what, self.visible, within="the scene", listing=", ".join(self.visible))
         self.visible = {**self.visible, what: visible}
@@ -133,6 +135,10 @@ class Stage:
     def player(self) -> dict[str, Any]:
         """The trajectory that is loaded; duration null where none is."""
         return {"type": "player", "duration": None if self.playback is None else self.playback.duration}
+
+    def way(self) -> dict[str, Any]:
+        """The path of the tool that is drawn; no points where none is."""
+        return {"type": "path", **self.path}
 
     def switches(self) -> dict[str, Any]:
         """What is switched on."""

@@ -11,7 +11,7 @@ from .. import rotations
 from ..arm import Arm
 from ..checks import Array
 from ..description.tree import Joint
-from ..limits import usual_range
+from ..limits import usual_half, usual_range
 from .axes import screw_kinds
 from .scene import transforms
 
@@ -73,5 +73,5 @@ def _describe(name: str, kind: str, lower: float, upper: float) -> dict[str, Any
         "type": kind,
         "unit": "m" if kind == "prismatic" else "rad",
         "limits": [float(bound) if np.isfinite(bound) else None for bound in (lower, upper)],
-        "range": [float(end) for end in usual_range(lower, upper, kind == "prismatic")],
+        "range": [float(end) for end in usual_range(lower, upper, usual_half(kind))],
     }

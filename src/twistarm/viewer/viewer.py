@@ -21,6 +21,7 @@ from ..planning.trajectory import Trajectory
 from .admission import check_trajectory, checked_theta
 from .drawing import require_meshcat
 from .export import save_html
+from .path import NO_PATH, tool_path
 from .scene import build_scene
 from .stage import Stage
 
@@ -85,6 +86,11 @@ class Viewer:
     def show_frames(self, visible: bool = True) -> None:
         """Draw the space and the tool frame, or do not."""
         self._server.post("frames", lambda stage: stage.set_visible("frames", bool(visible)))
+
+    def show_path(self, motion: Trajectory | ArrayLike | None) -> None:
+        """Draw the way of the tool's origin along a trajectory, or through configurations (k, n); None draws none."""
+        path = NO_PATH if motion is None else tool_path(self.arm, motion)
+        self._server.post("path", lambda stage: setattr(stage, "path", path))
 
     def save_html(self, path: str | os.PathLike[str], trajectory: Trajectory | None = None) -> Path:
         """Write a stand-alone page of the arm as it stands; see `twistarm.viewer.save_html`."""

@@ -38,8 +38,12 @@ const receive = {
     state.fitted = true;
   },
   visible(message) {
-    for (const layer of ["screws", "frames"]) view.setVisible(layer, message[layer]);
+    for (const layer of ["screws", "frames", "path"]) view.setVisible(layer, message[layer]);
     panel.showVisible(message);
+  },
+  path(message) {
+    view.drawPath(message);
+    panel.showPath(message.points.length > 0);
   },
   player: ({ duration }) => panel.showPlayer(duration),
   error: ({ message }) => panel.showError(message),

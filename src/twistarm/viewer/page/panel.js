@@ -20,7 +20,7 @@ export class Panel {
     this.held = null; // the joint under somebody's hand: its slider is not moved from outside
     this.running = false;
     this.duration = 0; // of the trajectory, s; the scrubber runs from 0 to 1
-    for (const what of ["screws", "frames"]) {
+    for (const what of ["screws", "frames", "path"]) {
       $(`show-${what}`).addEventListener("change", (event) => act.visible(what, event.target.checked));
     }
     $("fit").addEventListener("click", () => act.fit());
@@ -103,8 +103,12 @@ export class Panel {
   }
 
   showVisible(layers) {
-    for (const what of ["screws", "frames"]) $(`show-${what}`).checked = layers[what];
+    for (const what of ["screws", "frames", "path"]) $(`show-${what}`).checked = layers[what];
     $("legend").hidden = !layers.screws;
+  }
+
+  showPath(there) {
+    $("show-path").parentElement.hidden = !there;
   }
 
   showPlayer(duration) {

@@ -51,8 +51,10 @@ function tick() {
 
 panel.build(data.arm, data.notes, false);
 panel.showVisible(data.visible);
+panel.showPath(data.path.points.length > 0);
 panel.showPlayer(recording.duration > 0 ? recording.duration : null);
 for (const object of data.objects) view.draw(Uint8Array.from(atob(object), (letter) => letter.charCodeAt(0)));
+view.drawPath(data.path);
 show(0);
 view.fit();
 if (recording.duration > 0) run(true);

@@ -5,6 +5,7 @@
 const { THREE } = MeshCat;
 const DIRECTION = [0.95, -1.15, 0.62]; // from the arm towards the camera, in the arm's base axes
 const MARGIN = 1.04;
+const PATH = 0xe8850c;
 
 export class View {
   constructor(pane) {
@@ -42,7 +43,19 @@ export class View {
 
   // Take away what was drawn: another process may answer after a reconnection.
   clear() {
-    for (const layer of ["arm", "screws", "frames"]) this.viewer.delete_path([layer]);
+    for (const layer of ["arm", "screws", "frames", "path"]) this.viewer.delete_path([layer]);
+  }
+
+  // The way of the tool: `points` in the base frame, none to draw none.
+  drawPath({ points, radius }) {
+    const group = this.node("/path");
+    group.clear();
+    if (points.length > 1) {
+      const curve = new THREE.CatmullRomCurve3(points.map((point) => new THREE.Vector3(...point)));
+      const tube = new THREE.TubeGeometry(curve, 2 * points.length, radius, 8);
+      group.add(new THREE.Mesh(tube, new THREE.MeshLambertMaterial({ color: PATH, emissive: PATH, emissiveIntensity: 0.4 })));
+    }
+    this.viewer.set_dirty();
   }
 
   // {path: sixteen numbers, column by column}
@@ -79,8 +92,8 @@ export class View {
     scene.updateMatrixWorld(true);
     const box = new THREE.Box3().setFromObject(this.node("/arm"));
     if (box.isEmpty()) box.set(new THREE.Vector3(-0.5, 0, -0.5), new THREE.Vector3(0.5, 1, 0.5));
-    // The tool may stand away from what is drawn.
-    for (const frame of ["/frames/space", "/frames/tool"]) box.expandByObject(this.node(frame));
+    // The tool and its way may lie away from what is drawn.
+    for (const part of ["/frames/space", "/frames/tool", "/path"]) box.expandByObject(this.node(part));
     const { center, radius } = box.getBoundingSphere(new THREE.Sphere());
     this.radius = Math.max(radius, 1e-3);
     this.floor = Math.min(0, box.min.y);

@@ -1,0 +1,120 @@
+"""Planar joints as what they are made of: two slides in the plane, then a turn about its normal.
+
+URDF gives a planar joint its normal only. The slides go along the first two columns of `joints.plane_axes(normal)`.
+Split before links and joints are read, a planar joint is three of one degree of freedom to everything behind.
+"""
+
+from __future__ import annotations
+
+import copy
+import xml.etree.ElementTree as ET
+from collections.abc import Collection
+
+from ..checks import Array
+from ..errors import DescriptionError
+from ..joints import plane_axes
+from .axis import read_axis
+from .document import Reading
+
+SUFFIXES = ("_x", "_y", "_rz")
+"""What the coordinates' names add to the joint's, in the order of `joints.planar`."""
+
+
+def coordinate_names(joint: str) -> tuple[str, str, str]:
+    """The names of the three joints that a planar joint becomes."""
+    x, y, rz = (joint + suffix for suffix in SUFFIXES)
+    return x, y, rz
+
+
+def split_planar_joints(robot: ET.Element, reading: Reading) -> dict[str, str]:
+    """Replace every planar joint by its three, and say which joint each is part of, {"p_x": "p", …}.
+
+    Raises DescriptionError where a coordinate's name is taken, and for a planar joint that mimics or is mimicked. One
+    whose axis cannot be read stays as it is, to be refused with the other joints.
+    """
+    planar = [joint for joint in robot.findall("joint") if joint.get("type") == "planar"]
+    _refuse_mimics(robot, [joint.get("name", "") for joint in planar], reading)
+    parts: dict[str, str] = {}
+    for joint in planar:
+        try:
+            normal, _ = read_axis(joint, "planar", reading)
+        except DescriptionError:
+            continue
+        _note_limits(joint, reading)
+        parts |= dict.fromkeys(_split(robot, joint, plane_axes(normal), reading), joint.get("name", ""))
+    return parts
+
+
+def _split(robot: ET.Element, joint: ET.Element, axes: Array, reading: Reading) -> tuple[str, str, str]:
+    names = coordinate_names(joint.get("name", ""))
+    taken = {other.get("name") for other in robot.findall("joint")}
+    for name in names:
+        if name in taken:
+            what = f"its coordinates are named {', '.join(names)}, and there is a joint {name!r} already"
+            raise reading.error(joint, "name-duplicate", what, "rename one")
+    between = [_new_link(robot, f"{name}_link", joint, reading) for name in names[:2]]
+    parents, children = [_end(joint, "parent"), *between], [*between, _end(joint, "child")]
+    place = list(robot).index(joint)
+    robot.remove(joint)
+    made = zip(names, ("prismatic", "prismatic", "continuous"), parents, children, axes.T, strict=True)
+    for i, (name, kind, parent, child, axis) in enumerate(made):
+        part = ET.Element("joint", name=name, type=kind)
+        ET.SubElement(part, "parent", link=parent)
+        ET.SubElement(part, "child", link=child)
+        part.extend(copy.deepcopy(joint.findall("origin")) if i == 0 else [])
+        ET.SubElement(part, "axis", xyz=" ".join(repr(float(number)) for number in axis))
+        # The plane has no edge: told so, the reader misses no limits.
+        ET.SubElement(part, "limit", lower="-inf", upper="inf", velocity="inf", effort="inf")
+        robot.insert(place + i, part)
+        _same_line(part, joint, reading)
+    return names
+
+
+def _new_link(robot: ET.Element, name: str, joint: ET.Element, reading: Reading) -> str:
+    """A massless link of that name, or one like it where the name is taken."""
+    free = _free(name, {link.get("name", "") for link in robot.findall("link")})
+    _same_line(ET.SubElement(robot, "link", name=free), joint, reading)
+    return free
+
+
+def _free(name: str, taken: Collection[str]) -> str:
+    while name in taken:
+        name += "_"
+    return name
+
+
+def _same_line(made: ET.Element, joint: ET.Element, reading: Reading) -> None:
+    """Whatever is said of the part is found at the joint as written."""
+    if joint in reading.lines:
+        reading.lines[made] = reading.lines[joint]
+
+
+def _end(joint: ET.Element, tag: str) -> str:
+    end = joint.find(tag)
+    assert end is not None, "check_structure has seen it"
+    return end.get("link", "")
+
+
+def _note_limits(joint: ET.Element, reading: Reading) -> None:
+    given = [name for limit in joint.findall("limit") for name in limit.attrib]
+    if given:
+        names = ", ".join(coordinate_names(joint.get("name", "")))
+        reading.note(
+            "planar-limits-ignored",
+            joint,
+            f"its <limit> gives {', '.join(given)}, one number for slides and turn alike; taken as unbounded",
+            f"give limits of {names} in arm.toml",
+        )
+
+
+def _refuse_mimics(robot: ET.Element, planar: list[str], reading: Reading) -> None:
+    mimics = [(joint, mimic) for joint in robot.findall("joint") if (mimic := joint.find("mimic")) is not None]
+    for joint, mimic in mimics:
+        master = mimic.get("joint", "")
+        if joint.get("type") == "planar":
+            what = f"it is planar and mimics {master!r}: its motion is not one number"
+            raise reading.error(joint, "planar-mimics", what, "remove its <mimic>")
+        if master in planar and joint.get("type") not in ("fixed", "floating"):
+            what = f"it mimics {master!r}, which is planar: its motion is not one number"
+            remedy = f"let it mimic another joint, or one of {', '.join(coordinate_names(master))}"
+            raise reading.error(joint, "mimic-master-unusable", what, remedy)

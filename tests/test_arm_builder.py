@@ -1,0 +1,208 @@
+"""The builder: the arm it says, the URDF it writes, and every mistake refused in the call that makes it."""
+
+from __future__ import annotations
+
+import pickle
+from collections.abc import Callable
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from twistarm import Arm, ArmBuilder, JointLimits, crosscheck, joints, load_arm, poe, save_html
+from twistarm.errors import InputError, UnknownNameError
+
+Z, O = [0, 0, 1], [0, 0, 0]  # noqa: E741
+HOME = np.array([[1, 0, 0, 0.6], [0, 1, 0, 0], [0, 0, 1, 0.3], [0, 0, 0, 1.0]])
+
+
+def scara() -> ArmBuilder:
+    """MLS §3.2.2, example 3.1: three turns and a slide along z, l1 = 0.4, l2 = 0.2, l0 = 0.3."""
+    builder = ArmBuilder("scara").revolute("a", Z, O, lower=-2, upper=2, velocity=1.5, effort=20)
+    return builder.revolute("b", Z, [0.4, 0, 0]).revolute("c", Z, [0.6, 0, 0]).prismatic("d", Z).tool(HOME)
+
+
+def test_the_scara_of_the_textbook() -> None:
+    arm = scara().build()
+    a, b, c, d = theta = np.array([0.3, -0.7, 1.1, 0.2])
+    expected = np.array(
+        [
+            [np.cos(a + b + c), -np.sin(a + b + c), 0, 0.4 * np.cos(a) + 0.2 * np.cos(a + b)],
+            [np.sin(a + b + c), np.cos(a + b + c), 0, 0.4 * np.sin(a) + 0.2 * np.sin(a + b)],
+            [0, 0, 1, 0.3 + d],
+            [0, 0, 0, 1],
+        ]
+    )
+    np.testing.assert_allclose(arm.fk(theta), expected, rtol=0, atol=1e-15)
+    assert (arm.name, arm.base, arm.tip, arm.findings) == ("scara", "base", "tool", ())
+    assert arm.joint_types == ("revolute", "continuous", "continuous", "prismatic")
+
+
+def test_it_is_an_arm_like_one_that_was_loaded(tmp_path: Path) -> None:
+    arm = scara().build()
+    assert arm.proof is not None
+    assert arm.proof.pose_error < 1e-14
+    result = crosscheck(arm, 50).require()
+    assert result.left_out == {}
+    assert result.worst("pinocchio") < 1e-12
+    assert arm.frame_names == ("base", "a_link", "b_link", "c_link", "d_link", "tool")
+    assert pickle.loads(pickle.dumps(arm)).fk(np.zeros(4)).tolist() == arm.fk(np.zeros(4)).tolist()
+    assert save_html(arm, tmp_path / "arm.html").stat().st_size > 0
+
+
+def test_its_urdf_is_a_file_of_the_same_arm(tmp_path: Path) -> None:
+    builder = scara()
+    (tmp_path / "arm.urdf").write_text(builder.urdf())
+    built, loaded = builder.build(), load_arm(tmp_path / "arm.urdf", tip="tool")
+    assert loaded.findings == ()
+    assert loaded.joint_names == built.joint_names
+    for name in ("lower", "upper", "velocity", "effort"):
+        np.testing.assert_array_equal(getattr(loaded.limits, name), getattr(built.limits, name))
+    np.testing.assert_array_equal(loaded.screws, built.screws)
+    np.testing.assert_array_equal(loaded.home, built.home)
+
+
+def test_limits_are_those_given_and_no_others() -> None:
+    limits = scara().build().limits
+    inf = np.inf
+    assert limits.lower.tolist() == [-2, -inf, -inf, -inf]
+    assert limits.upper.tolist() == [2, inf, inf, inf]
+    assert limits.velocity.tolist() == [1.5, inf, inf, inf]
+    assert limits.effort.tolist() == [20, inf, inf, inf]
+    half = (
+        ArmBuilder("half").prismatic("a", Z, upper=0.5).revolute("b", Z, O, lower=-1, upper=np.inf).tool(HOME).build()
+    )
+    assert half.limits.lower.tolist() == [-inf, -1]
+    assert half.limits.upper.tolist() == [0.5, inf]
+    assert half.findings == ()
+
+
+def test_limits_coordinate_by_coordinate() -> None:
+    builder = ArmBuilder("pair").cylindrical("c", Z, O).planar("p", Z).tool(HOME)
+    arm = builder.build(limits={"upper": {"c_z": 0.4, "p_x": 0.1}, "acceleration": 3.0})
+    assert arm.joint_names == ("c_rz", "c_z", "p_x", "p_y", "p_rz")
+    assert arm.limits.upper.tolist() == [np.inf, 0.4, 0.1, np.inf, np.inf]
+    assert arm.limits.acceleration.tolist() == [3.0] * 5
+    assert builder.build(limits=JointLimits.unbounded(5)).limits.upper.tolist() == [np.inf] * 5
+    with pytest.raises(UnknownNameError, match="no joint 'c' in limits"):
+        builder.build(limits={"velocity": {"c": 1.0}})
+
+
+def test_a_builder_is_never_changed() -> None:
+    start = ArmBuilder("arm").revolute("a", Z, O)
+    one, two = start.prismatic("b", Z).tool(HOME), start.prismatic("b", [1, 0, 0]).tool(HOME)
+    assert one.build().screws[:3, 1].tolist() == [0, 0, 1]
+    assert two.build().screws[:3, 1].tolist() == [1, 0, 0]
+    axis = np.array([0.0, 0.0, 1.0])
+    kept = start.prismatic("b", axis)
+    axis[:] = [1, 0, 0]
+    assert kept.tool(HOME).build().screws[:3, 1].tolist() == [0, 0, 1]
+
+
+def test_helical_by_its_lead() -> None:
+    lead = 0.008
+    arm = ArmBuilder("lift").helical("j", Z, [0.1, 0, 0], lead / (2 * np.pi), upper=50.0).tool(HOME).build()
+    assert (arm.joint_names, arm.joint_types, arm.units) == (("j",), ("helical",), ("rad",))
+    assert arm.limits.upper.tolist() == [50.0]
+    np.testing.assert_allclose(arm.fk([2 * np.pi])[:3, 3] - HOME[:3, 3], [0, 0, lead], atol=1e-15)
+    without = ArmBuilder("turn").helical("j", Z, O, 0.0).tool(HOME).build()
+    np.testing.assert_allclose(without.fk([1.0]), poe.fk(joints.revolute(Z, O), HOME, [1.0]), atol=1e-15)
+
+
+def test_tools_anywhere_and_turned() -> None:
+    home = np.array([[0, 0, 1, 1e-3], [0, -1, 0, -2], [1, 0, 0, 3.0], [0, 0, 0, 1]])
+    arm = ArmBuilder("arm").planar("p", [1, 2, 3], [0.1, 0.2, 0.3]).tool(home, "Werkzeug ä").build()
+    np.testing.assert_allclose(arm.home, home, atol=1e-15)
+    assert arm.tip == "Werkzeug ä"
+
+
+def started() -> ArmBuilder:
+    return ArmBuilder("arm").revolute("a", Z, O).planar("p", Z).helical("h", Z, O, 0.1).cylindrical("c", Z, O)
+
+
+MISTAKES: dict[str, tuple[Callable[[], object], str]] = {
+    "no name": (lambda: ArmBuilder(""), "the arm's name must be a text of printable characters; got ''"),
+    "a nameless joint": (lambda: started().prismatic(" ", Z), "a joint's name must be a text of printable characters"),
+    "a name with a control character": (lambda: started().prismatic("x\n", Z), "printable characters; got 'x\\n'"),
+    "a name that is a number": (lambda: started().prismatic(3, Z), "a joint's name must be a text"),  # type: ignore[arg-type]
+    "a name twice": (
+        lambda: started().revolute("a", Z, O),
+        "joint 'a': the name 'a' is used already; it needs 'a': rename one",
+    ),
+    "a coordinate's name": (
+        lambda: started().prismatic("p_rz", Z),
+        "joint 'p_rz': the name 'p_rz' is used already; it needs 'p_rz': rename one",
+    ),
+    "a name whose coordinate is taken": (
+        lambda: started().prismatic("s_rx", Z).spherical("s", O),
+        "joint 's': the name 's_rx' is used already; it needs 's', 's_rz', 's_ry', 's_rx': rename one",
+    ),
+    "the slide of a thread": (lambda: started().revolute("h_z", Z, O), "the name 'h_z' is used already"),
+    "a zero axis": (lambda: started().prismatic("x", O), "joint 'x': axis must not be the zero vector"),
+    "a zero normal": (lambda: started().planar("x", O), "joint 'x': "),
+    "an axis of two": (lambda: started().revolute("x", [0, 1], O), "joint 'x': axis must have shape (..., 3)"),
+    "several axes": (lambda: started().revolute("x", np.eye(3), O), "joint 'x': axis must be one vector of shape (3,)"),
+    "a point that is none": (lambda: started().revolute("x", Z, "here"), "joint 'x': point must be an array of real"),
+    "a point that is NaN": (lambda: started().cylindrical("x", Z, [0, 0, np.nan]), "joint 'x': point must be finite"),
+    "a point out of this world": (
+        lambda: started().revolute("x", Z, [1e12, 0, 0]),
+        "joint 'x': point must not exceed 1e+09, in metres; got 1e+12",
+    ),
+    "a pitch out of this world": (
+        lambda: started().helical("x", Z, O, -1e10),
+        "joint 'x': pitch must not exceed 1e+09",
+    ),
+    "a home out of this world": (
+        lambda: started().tool(HOME + 1e12 * np.eye(4, k=3)),
+        "home must not exceed 1e+09, in metres; got 1e+12",
+    ),
+    "a pitch that is infinite": (lambda: started().helical("x", Z, O, np.inf), "joint 'x': pitch must be finite"),
+    "axes that are no rotation": (
+        lambda: started().spherical("x", O, np.diag([1, 1, -1.0])),
+        "joint 'x': axes is not in SO(3)",
+    ),
+    "an x axis along the normal": (
+        lambda: started().planar("x", Z, O, Z),
+        "joint 'x': x_axis must not lie along the normal",
+    ),
+    "swapped limits": (
+        lambda: started().prismatic("x", Z, lower=1, upper=-1),
+        "joint 'x': lower must not exceed upper; got lower 1 and upper -1",
+    ),
+    "a bound that is NaN": (lambda: started().prismatic("x", Z, lower=np.nan), "joint 'x': lower must be finite"),
+    "a bound at the wrong infinity": (lambda: started().prismatic("x", Z, lower=np.inf), "lower must not exceed upper"),
+    "a bound in words": (
+        lambda: started().prismatic("x", Z, upper="far"),  # type: ignore[arg-type]
+        "joint 'x': upper must be an array of real numbers",
+    ),
+    "a velocity of zero": (
+        lambda: started().prismatic("x", Z, velocity=0),
+        "joint 'x': velocity must be positive, or left out where there is no limit; got 0",
+    ),
+    "no tool": (lambda: started().build(), "arm has no tool: say where it is with .tool(home)"),
+    "no joints": (lambda: ArmBuilder("arm").tool(HOME).urdf(), "arm has no joints: add one"),
+    "two tools": (lambda: started().tool(HOME).tool(HOME), "the tool 'tool' is given already; give it once"),
+    "a home that is no pose": (lambda: started().tool(2 * np.eye(4)), "home is not in SE(3)"),
+    "several homes": (lambda: started().tool(np.tile(np.eye(4), (2, 1, 1))), "home must be one pose (4, 4)"),
+    "a tool named as a link": (lambda: started().tool(HOME, "a_link"), "the tool's name 'a_link' clashes"),
+    "a tool named as the base": (lambda: started().tool(HOME, "base"), "the tool's name 'base' clashes"),
+    "a joint named as the tool's link": (
+        lambda: ArmBuilder("arm").tool(HOME, "x_link").revolute("x", Z, O),
+        "the tool's name 'x_link' clashes",
+    ),
+}
+
+
+@pytest.mark.parametrize("mistake", MISTAKES)
+def test_mistakes_are_refused_in_one_line(mistake: str) -> None:
+    make, message = MISTAKES[mistake]
+    with pytest.raises(InputError) as caught:
+        make()
+    assert message in str(caught.value)
+    assert "\n" not in str(caught.value)
+
+
+def test_names_that_need_escaping() -> None:
+    arm: Arm = ArmBuilder('<"arm">').revolute("<&>/a", Z, O).tool(HOME, 'to"ol').build()
+    assert (arm.name, arm.joint_names, arm.tip) == ('<"arm">', ("<&>/a",), 'to"ol')
+    crosscheck(arm, 5).require()

@@ -1,0 +1,164 @@
+"""Planar joints of a URDF: their axis honoured, three coordinates each, and what is refused or said."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from twistarm import Arm, crosscheck, load_arm, plan_joint
+from twistarm.description.urdf import read_description
+from twistarm.errors import DescriptionError, InputError, LimitError, UnknownNameError
+from urdf_text import joint, robot, write
+
+LINKS = ("base_link", "upper", "tool0")
+
+
+def chain(folder: Path, inside: str = '<axis xyz="0 0 1"/>', *more: str, links: tuple[str, ...] = LINKS) -> Arm:
+    """base_link —p→ upper —b→ tool0 with the planar joint p 0.5 m above the base."""
+    parts = joint("p", "base_link", "upper", "planar", inside), joint("b", "upper", "tool0"), *more
+    return load_arm(write(folder, robot(*parts, links=links)), tip="tool0")
+
+
+PLANES = {
+    "0 0 1": ([1, 0, 0], [0, 1, 0]),
+    "0 0 -1": ([1, 0, 0], [0, -1, 0]),
+    "0 1 0": ([1, 0, 0], [0, 0, -1]),
+    "1 0 0": ([0, 1, 0], [0, 0, 1]),
+    "0 3 4": ([1, 0, 0], [0, 0.8, -0.6]),
+}
+"""In-plane axes by hand: x is (1, 0, 0) where it lies in the plane, y = normal × x."""
+
+
+@pytest.mark.parametrize("axis", PLANES)
+def test_the_axis_is_the_normal(axis: str, tmp_path: Path) -> None:
+    arm = chain(tmp_path, f'<axis xyz="{axis}"/>')
+    x, y = map(np.array, PLANES[axis])
+    assert arm.joint_names == ("p_x", "p_y", "p_rz", "b")
+    assert arm.joint_types == ("prismatic", "prismatic", "continuous", "revolute")
+    np.testing.assert_allclose(arm.fk([0.3, 0.2, 0, 0])[:3, 3] - arm.home[:3, 3], 0.3 * x + 0.2 * y, atol=1e-15)
+    turned = arm.fk([0, 0, 0.7, 0])[:3, :3]
+    np.testing.assert_allclose(turned @ np.cross(x, y), np.cross(x, y), atol=1e-15)
+    np.testing.assert_allclose(turned @ x, np.cos(0.7) * x + np.sin(0.7) * y, atol=1e-15)
+    assert crosscheck(arm, 50).require().worst("pinocchio") <= 1e-12
+
+
+def test_without_an_axis_the_normal_is_x(tmp_path: Path) -> None:
+    """URDF's default axis is (1, 0, 0)."""
+    text = robot(joint("p", "base_link", "upper", "planar"), joint("b", "upper", "tool0"), links=LINKS)
+    arm = load_arm(write(tmp_path, text.replace('<axis xyz="0 0 1"/>', "", 1)))
+    np.testing.assert_allclose(arm.screws[3:, 2], [1, 0, 0], atol=1e-15)
+
+
+def test_it_is_unbounded_and_nothing_is_missing(tmp_path: Path) -> None:
+    arm = chain(tmp_path)
+    assert np.isneginf(arm.limits.lower[:3]).all()
+    assert np.isposinf(arm.limits.upper[:3]).all()
+    assert np.isposinf(arm.limits.velocity[:3]).all()
+    assert arm.findings == ()
+    with pytest.raises(LimitError, match="no velocity limit for p_x, p_y, p_rz"):
+        plan_joint(arm, [np.zeros(4), np.full(4, 0.1)])
+
+
+def test_limits_of_a_planar_joint_are_ignored_and_said(tmp_path: Path) -> None:
+    arm = chain(tmp_path, '<axis xyz="0 0 1"/><limit lower="-1" upper="1" velocity="1" effort="2"/>')
+    assert np.isinf(arm.limits.upper[:3]).all()
+    (finding,) = arm.findings
+    assert (finding.code, finding.severity) == ("planar-limits-ignored", "info")
+    assert str(finding) == (
+        "info: arm.urdf:2: joint 'p': its <limit> gives lower, upper, velocity, effort, one number for slides and turn "
+        "alike; taken as unbounded (give limits of p_x, p_y, p_rz in arm.toml)"
+    )
+
+
+def test_its_coordinates_take_limits_and_locks(tmp_path: Path) -> None:
+    chain(tmp_path)
+    arm = load_arm(tmp_path / "arm.urdf", limits={"lower": {"p_x": -0.2}, "upper": {"p_x": 0.2}}, locked={"p_y": 0.1})
+    assert arm.joint_names == ("p_x", "p_rz", "b")
+    assert arm.limits.upper[0] == 0.2
+    np.testing.assert_allclose(arm.home[:3, 3], [0, 0.1, 1.0], atol=1e-15)
+    with pytest.raises(UnknownNameError) as caught:
+        load_arm(tmp_path / "arm.urdf", locked={"p": 0.1})
+    assert str(caught.value) == "joint 'p' of tiny is planar; lock its coordinates: 'p_x', 'p_y', 'p_rz'"
+
+
+def test_the_links_between_have_free_names(tmp_path: Path) -> None:
+    extra = joint("f", "upper", "p_x_link", "fixed")
+    arm = chain(tmp_path, '<axis xyz="0 0 1"/>', extra, links=(*LINKS, "p_x_link"))
+    assert {"p_x_link", "p_x_link_", "p_y_link"} <= set(arm.frame_names)
+    np.testing.assert_allclose(arm.pose([0.1, 0.2, 0, 0], "p_x_link_")[:3, 3], [0.1, 0, 0.5], atol=1e-15)
+
+
+def test_another_joint_may_follow_one_of_its_coordinates(tmp_path: Path) -> None:
+    follower = joint("m", "upper", "pad", inside='<mimic joint="p_rz" multiplier="-1"/>')
+    arm = chain(tmp_path, '<axis xyz="0 0 1"/>', follower, links=(*LINKS, "pad"))
+    np.testing.assert_allclose(arm.pose([0, 0, 0.8, 0], "pad")[:3, :3], np.eye(3), atol=1e-15)
+
+
+def test_a_planar_joint_beside_the_chain_moves_when_it_is_told_to(tmp_path: Path) -> None:
+    parts = joint("a", "base_link", "upper"), joint("b", "upper", "tool0"), joint("p", "upper", "pad", "planar")
+    arm = load_arm(write(tmp_path, robot(*parts, links=(*LINKS, "pad"))))
+    assert arm.joint_names == ("a", "b")
+    np.testing.assert_allclose(arm.poses([0, 0], others={"p_y": 0.3})["pad"][:3, 3], [0, 0.3, 1.0], atol=1e-15)
+
+
+def test_the_text_for_other_readers_stays_as_it_was_written(tmp_path: Path) -> None:
+    arm = chain(tmp_path)
+    assert arm.description is not None
+    assert arm.description.text == (tmp_path / "arm.urdf").read_text()
+    assert {joint.part_of for joint in arm.description.joints.values()} == {"p", ""}
+    left_out = crosscheck(arm, 5).left_out
+    assert left_out == {"yourdfpy": "yourdfpy takes the planar joint 'p' as fixed"}
+
+
+REFUSED = {
+    "a coordinate's name is taken": (
+        ('<axis xyz="0 0 1"/>', joint("p_rz", "upper", "pad")),
+        "arm.urdf:2: joint 'p': its coordinates are named p_x, p_y, p_rz, and there is a joint 'p_rz' already; "
+        "rename one",
+    ),
+    "it mimics": (
+        ('<axis xyz="0 0 1"/><mimic joint="b"/>', joint("c", "upper", "pad")),
+        "joint 'p': it is planar and mimics 'b': its motion is not one number; remove its <mimic>",
+    ),
+    "it is mimicked": (
+        ('<axis xyz="0 0 1"/>', joint("c", "upper", "pad", inside='<mimic joint="p"/>')),
+        "joint 'c': it mimics 'p', which is planar: its motion is not one number; let it mimic another joint, or one "
+        "of p_x, p_y, p_rz",
+    ),
+    "a zero axis": (
+        ('<axis xyz="0 0 0"/>', joint("c", "upper", "pad")),
+        "joint 'p': a moving joint with a zero axis; give the axis it moves along or about",
+    ),
+    "an axis that is none": (
+        ('<axis xyz="up"/>', joint("c", "upper", "pad")),
+        "joint 'p': its <axis> is malformed",
+    ),
+    "an origin that is none": (
+        ('<axis xyz="0 0 1"/>', joint("c", "upper", "pad", xyz="a b c")),
+        "joint 'c': its <origin> is malformed",
+    ),
+}
+
+
+@pytest.mark.parametrize("case", REFUSED)
+def test_refused_in_one_line(case: str, tmp_path: Path) -> None:
+    (inside, other), message = REFUSED[case]
+    with pytest.raises(DescriptionError) as caught:
+        chain(tmp_path, inside, other, links=(*LINKS, "pad"))
+    assert message in str(caught.value)
+    assert "\n" not in str(caught.value)
+
+
+def test_a_crooked_axis_is_said_once(tmp_path: Path) -> None:
+    text = robot(
+        joint("p", "base_link", "upper", "planar", '<axis xyz="0 0 2"/>'), joint("b", "upper", "tool0"), links=LINKS
+    )
+    (finding,) = read_description(write(tmp_path, text)).findings
+    assert "joint 'p': its axis 0 0 2 has length 2" in str(finding)
+
+
+def test_theta_by_the_joint_s_own_name_lists_the_coordinates(tmp_path: Path) -> None:
+    with pytest.raises((UnknownNameError, InputError), match="p_x"):
+        chain(tmp_path).theta_from({"p": 0.0, "b": 0.0})

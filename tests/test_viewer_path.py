@@ -1,0 +1,80 @@
+"""The way of the tool, as it is drawn: through the right points, live and on the stand-alone page."""
+
+from __future__ import annotations
+
+import json
+import re
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from twistarm import ArmBuilder, Viewer, load_arm, plan_joint, save_html
+from twistarm.errors import InputError
+from twistarm.viewer.path import MOST_POINTS, tool_path
+
+HOME = np.array([[1, 0, 0, 0.3], [0, 1, 0, 0], [0, 0, 1, 0.4], [0, 0, 0, 1.0]])
+ARM = ArmBuilder("turner").revolute("a", [0, 0, 1], [0, 0, 0.1]).tool(HOME).build()
+MOTION = plan_joint(ARM, [[0.0], [np.pi / 2]], limits={"velocity": 1.0, "acceleration": 2.0})
+
+
+def test_a_turn_draws_its_arc_from_end_to_end() -> None:
+    drawn = tool_path(ARM, MOTION)
+    points = np.array(drawn["points"])
+    np.testing.assert_allclose(np.linalg.norm(points[:, :2], axis=1), 0.3, atol=2e-6)
+    np.testing.assert_allclose(points[[0, -1]], [[0.3, 0, 0.4], [0, 0.3, 0.4]], atol=1e-4)
+    assert len(points) <= MOST_POINTS
+    assert 0 < drawn["radius"] < 0.01
+
+
+def test_configurations_in_their_order() -> None:
+    drawn = tool_path(ARM, [[0.0], [np.pi], [np.pi], [np.pi / 2]])
+    np.testing.assert_allclose(drawn["points"], [[0.3, 0, 0.4], [-0.3, 0, 0.4], [0, 0.3, 0.4]], atol=1e-6)
+    assert len(tool_path(ARM, np.linspace(0, 3, 5000)[:, None])["points"]) <= MOST_POINTS
+
+
+def test_a_tool_that_stays_draws_nothing() -> None:
+    still = ArmBuilder("still").revolute("a", [0, 0, 1], HOME[:3, 3]).tool(HOME).build()
+    assert tool_path(still, [[0.0], [1.0], [2.0]])["points"] == []
+    assert tool_path(ARM, [[0.5]])["points"] == []
+
+
+@pytest.mark.parametrize(
+    ("motion", "message"),
+    [
+        ([0.1], "motion must be a Trajectory or configurations (k, 1); got shape (1,)"),
+        (np.zeros((0, 1)), "motion must be a Trajectory or configurations (k, 1); got shape (0, 1)"),
+        ([[0.1, 0.2]], "motion must have shape (..., 1): a; got (1, 2)"),
+        ([[np.nan]], "motion must be finite"),
+        ([[0.0], [1e9]], "theta must be at most 1e+06 in size"),
+        ("up", "motion must be an array of real numbers"),
+    ],
+)
+def test_what_is_no_motion(motion: object, message: str) -> None:
+    with pytest.raises(InputError) as caught:
+        tool_path(ARM, motion)  # type: ignore[arg-type]
+    assert message in str(caught.value)
+
+
+def test_a_trajectory_of_another_arm() -> None:
+    with pytest.raises(InputError, match="the trajectory moves a; scara has"):
+        tool_path(load_arm("scara"), MOTION)
+
+
+def test_the_view_draws_it_and_takes_it_away() -> None:
+    with Viewer(ARM, open_browser=False) as viewer:
+        viewer.show_path(MOTION)
+        way = viewer._server.ask(lambda stage: stage.way())
+        assert way == {"type": "path", **tool_path(ARM, MOTION)}
+        assert json.loads(viewer._server.ask(lambda stage: viewer._server.state())["path"]) == way
+        viewer.show_path(None)
+        assert viewer._server.ask(lambda stage: stage.way())["points"] == []
+
+
+def test_the_stand_alone_page_holds_the_path_of_its_trajectory(tmp_path: Path) -> None:
+    for motion in (MOTION, None):
+        text = save_html(ARM, tmp_path / "arm.html", motion).read_text("utf-8")
+        stored = re.search(r'<script type="application/json" id="data">(.*?)</script>', text, flags=re.S)
+        assert stored is not None
+        path = json.loads(stored[1])["path"]
+        assert path["points"] == ([] if motion is None else tool_path(ARM, MOTION)["points"])
