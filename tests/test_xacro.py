@@ -2,16 +2,20 @@
 
 from __future__ import annotations
 
+import contextlib
 import os
+import sys
 from pathlib import Path
 
 import pytest
 import xacro.substitution_args
 
+from hostile import Sandbox, sandbox
 from twistarm import load_arm
+from twistarm.description.expansion_work import MAX_WORK
 from twistarm.description.packages import package_index
 from twistarm.description.xacro import expand_xacro, is_xacro
-from twistarm.errors import DescriptionError, InputError
+from twistarm.errors import DescriptionError, InputError, TwistarmError
 from urdf_text import joint, robot, write
 
 ARM = robot(joint("a", "base_link", "upper"), joint("b", "upper", "tool0"))
@@ -69,6 +73,25 @@ FAILS = {
         as_xacro("<link name=\"${xacro.load_yaml('no.yaml')}\"/>"),
         "no.yaml",
     ),
+    "a parameter that the macro has not": (
+        as_xacro('<xacro:macro name="m" params="a"><link name="${a}"/></xacro:macro><xacro:m a="1" sim="2"/>'),
+        "macro 'm': xacro cannot expand it: Invalid parameter \"sim\": the macro has none of that name; add "
+        "it to the params= of the macro, or leave it out of the call",
+    ),
+    "a parameter left out": (
+        as_xacro('<xacro:macro name="m" params="a b"><link name="${a}"/></xacro:macro><xacro:m a="1"/>'),
+        "macro 'm': xacro cannot expand it: Undefined parameters [b]",
+    ),
+    "a property without its prefix": (
+        as_xacro('<property name="h" value="1"/><link name="l${h}"/>'),
+        "name 'h' is not defined when evaluating expression 'h'; write <xacro:property name=\"h\" …>",
+    ),
+    "an argument asked for in Python": (
+        as_xacro("<link name=\"${xacro.arg('side')}\"/>"),
+        "missing xacro argument side; all arguments: none; pass xacro_args={'side': …}",
+    ),
+    "a message of its own": (as_xacro("${xacro.fatal('wrong', 'arm')}"), "xacro cannot expand it: wrong arm when"),
+    "an unfinished expression": (as_xacro('<link name="${a"/>'), "xacro cannot expand it: invalid expression: ${a"),
     "a missing include": (as_xacro('<xacro:include filename="nowhere.xacro"/>'), "No such file or directory"),
 }
 
@@ -82,6 +105,238 @@ def test_fails_in_one_line(case: str, tmp_path: Path) -> None:
     assert message in str(caught.value)
     assert "\n" not in str(caught.value)
     assert "arm.urdf.xacro" in str(caught.value)
+
+
+DEEP = 40
+
+
+def doubling(first: str, other: str) -> str:
+    """`first`, then forty times `other` with {0} twice as much as {1}."""
+    return first + "".join(other.format(i + 1, i) for i in range(DEEP))
+
+
+def macros_that_double(body: str, call: str) -> str:
+    return (
+        f'<xacro:macro name="m0">{body}</xacro:macro>'
+        + doubling("", '<xacro:macro name="m{0}"><xacro:m{1}/><xacro:m{1}/></xacro:macro>').replace("<xacro:m", call)
+        + f"<xacro:m{DEEP}/>"
+    )
+
+
+RUNAWAY = {
+    "macros that double": macros_that_double('<link name="a"/>', "<xacro:m"),
+    "macros that double and hold nothing": macros_that_double("", "<xacro:m"),
+    "blocks that double": doubling(
+        '<xacro:property name="b0"><a/></xacro:property>',
+        '<xacro:property name="b{0}"><x><xacro:insert_block name="b{1}"/><xacro:insert_block name="b{1}"/></x>'
+        "</xacro:property>",
+    )
+    + f'<xacro:insert_block name="b{DEEP}"/>',
+    "texts that double": doubling(
+        '<xacro:property name="p0" value="ha"/>', '<xacro:property name="p{0}" value="${{p{1}}}${{p{1}}}"/>'
+    )
+    + f'<link name="${{p{DEEP}}}"/>',
+    "sums that double": doubling(
+        '<xacro:property name="p0" value="${\'ha\'}"/>', '<xacro:property name="p{0}" value="${{p{1} + p{1}}}"/>'
+    )
+    + f'<link name="${{p{DEEP}}}"/>',
+    "lists that double": doubling(
+        '<xacro:property name="p0" value="${[1]}"/>', '<xacro:property name="p{0}" value="${{[p{1}, p{1}]}}"/>'
+    )
+    + f'<link name="${{p{DEEP}}}"/>',
+    "lists that are made to double": doubling(
+        '<xacro:property name="p0" value="${[]}"/>',
+        '<xacro:property name="p{0}" value="${{[]}}"/><a n="${{[p{0}.append(p{1}), p{0}.append(p{1})]}}"/>',
+    )
+    + f'<link name="${{p{DEEP}}}"/>',
+    "numbers that double their digits": doubling(
+        '<xacro:property name="p0" value="10"/>', '<xacro:property name="p{0}" value="${{p{1} * p{1}}}"/>'
+    )
+    + f'<link name="${{p{DEEP}}}"/>',
+    "arguments that double": doubling(
+        '<xacro:arg name="p0" default="ha"/>', '<xacro:arg name="p{0}" default="$(arg p{1})$(arg p{1})"/>'
+    )
+    + f'<link name="$(arg p{DEEP})"/>',
+    "a macro that calls itself": '<xacro:macro name="m" params="n"><xacro:m n="${n+1}"/></xacro:macro><xacro:m n="0"/>',
+    "macros that call each other": '<xacro:macro name="a"><xacro:b/></xacro:macro><xacro:macro name="b"><xacro:a/>'
+    "</xacro:macro><xacro:a/>",
+    "a name that is called for ever": '<xacro:macro name="a"><xacro:call macro="a"/></xacro:macro><xacro:a/>',
+    "properties in a circle": '<xacro:property name="a" value="${b}"/><xacro:property name="b" value="${a}"/>'
+    '<link name="${a}"/>',
+    "parameters without end": f'<xacro:macro name="m" params="{"a " * 1_000_000}"/>',
+    "expressions without end": f'<link name="{"${1}" * 1_000_000}"/>',
+    "brackets in a property's name": f'<xacro:property name="{"(" * 100_000}" value="1"/>',
+    "minus signs in a property's name": f'<xacro:property name="{"-" * 100_000}a" value="1"/>',
+    "arguments that never close": f"<![CDATA[{'<xacro:arg ' * 300_000}]]>${{1/0}}",
+    "comments that never close": f"<![CDATA[{'<!--' * 700_000}]]>${{1/0}}",
+    "elements without end": "<a/>" * 1_000_000,
+    "elements of xacro without end": '<xacro:property name="a" value="1"/>' * 200_000,
+    "conditions side by side without end": '<xacro:if value="1"><a/></xacro:if>' * 100_000,
+    "calls side by side without end": '<xacro:macro name="m"><a/></xacro:macro>' + "<xacro:m/>" * 200_000,
+    "a large body copied": '<xacro:macro name="m">' + "<a/>" * 20_000 + "</xacro:macro>" + "<xacro:m/>" * 1000,
+    "a long text copied": f'<xacro:macro name="m"><a b="{"a" * 1_000_000}"/></xacro:macro>' + "<xacro:m/>" * 1000,
+    "attributes without end": "<a " + " ".join(f'a{i}=""' for i in range(700_000)) + "/>",
+    "elements nested without end": "<a>" * 5000 + "</a>" * 5000,
+    "a sum in every text": "<a>${[i for i in range(50000)]}</a>" * 1000,
+    "a namespace printed again and again": "".join(f'<a b="${{math}}{i}"/>' for i in range(100_000)),
+    "YAML loaded again and again": "".join(f"<a b=\"${{xacro.load_yaml('a.yaml')}}{i}\"/>" for i in range(100_000)),
+    "a long text cut into pieces again and again": f'<xacro:macro name="m"><a b="{"a$" * 100_000}"/></xacro:macro>'
+    + "<xacro:m/>" * 1000,
+    "a long command again and again": '<xacro:property name="a" value="${\'a\' * 500000}"/>'
+    + "".join(f'<b c="$(optenv NONE{i} ${{a}})"/>' for i in range(1000)),
+    "packages that are nowhere": "".join(f'<a b="$(find p{i})"/>' for i in range(200_000)),
+    "keys of one hash": "<a b=\"${xacro.load_yaml('hashes.yaml')}\"/>",
+    "an element named again and again": '<xacro:element xacro:name="xacro:element"/>',
+}
+
+
+@pytest.fixture
+def place(tmp_path: Path) -> Sandbox:
+    return sandbox(tmp_path)
+
+
+@pytest.mark.parametrize("case", RUNAWAY)
+def test_what_runs_away_is_refused_soon_and_in_one_line(case: str, place: Sandbox) -> None:
+    hashes = "".join(f"{i * (2**61 - 1)}: 1\n" for i in range(100_000))
+    message = place.refuse(RUNAWAY[case], {"a.yaml": "a: [1, 2, 3]", "hashes.yaml": hashes})
+    assert str(place.folder / "arm") in message
+
+
+LONG = {
+    "parameters over which xacro's own pattern never comes to an end": (
+        f'<xacro:macro name="m" params="a:={"a" * 5000}\'"/>'
+    ),
+    "a million dollars": f'<a b="{"a$" * 1_000_000}"/>',
+    "a million escaped dollars": f'<a b="{"$" * 1_000_000}{{"/>',
+    "a comment of eight million characters": f"<!--{'a' * 8_000_000}-->",
+    "a YAML comment of a million characters": "<a b=\"${xacro.load_yaml('a.yaml')}\"/>",
+}
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("case", RUNAWAY)
+def test_the_whole_of_what_is_allowed_is_over_in_seconds(case: str, place: Sandbox) -> None:
+    place.work = MAX_WORK
+    test_what_runs_away_is_refused_soon_and_in_one_line(case, place)
+
+
+@pytest.mark.parametrize("case", LONG)
+def test_what_is_only_long_expands_in_time(case: str, place: Sandbox) -> None:
+    place.work = MAX_WORK
+    assert "<robot" in place.expand(LONG[case], {"a.yaml": f"#{'a' * 1_000_000}\na: 1"})
+    place.untouched()
+
+
+BAD_YAML = {
+    "aliases that double": "\n".join(
+        ["a0: &a0 [ha]", *(f"a{i + 1}: &a{i + 1} [{', '.join([f'*a{i}'] * 10)}]" for i in range(12))]
+    ),
+    "merges that double": "\n".join(
+        ["a0: &a0 {k: 1}", *(f"a{i + 1}: &a{i + 1} {{<<: [{', '.join([f'*a{i}'] * 10)}]}}" for i in range(12))]
+    ),
+    "itself": "a: &a [*a]",
+    "itself by merging": "a: &a {<<: *a}",
+    "an object": "!!python/object/apply:os.system ['touch @MARKER']",
+    "a name of Python": "a: !!python/name:os.system",
+    "a module": "a: !!python/module:os",
+    "a new object": "a: !!python/object/new:subprocess.Popen [['touch', '@MARKER']]",
+    "an unknown tag": "a: !secret '@SECRET'",
+    "an escape in a unit": "a: !degrees ().__class__.__base__.__subclasses__()",
+    "a load in a unit": "a: !degrees load_yaml('@SECRET')['key']",
+    "a power in a unit": "a: !radians 9**9**9",
+    "no number in a unit": "a: !degrees left",
+    "a number in base 60": "a: 1" + ":1" * 100_000,
+    "a float in base 60": "a: 1" + ":1" * 100_000 + ".0",
+    "a number of a million digits": "a: 1" + "1" * 1_000_000,
+    "lists nested without end": "[" * 50_000,
+    "lists without end": "a: [" + "1, " * 1_000_000 + "1]",
+    "a tab": "\ta: 1",
+    "two documents": "a: 1\n---\nb: 2",
+    "an unhashable key": "? [a]\n: 1",
+    "control characters": "a: \x01",
+}
+
+
+@pytest.mark.parametrize("case", BAD_YAML)
+def test_hostile_yaml_is_refused_in_one_line(case: str, place: Sandbox) -> None:
+    message = place.refuse("<link name=\"${xacro.load_yaml('a.yaml')}\"/>", {"a.yaml": BAD_YAML[case]})
+    assert "a.yaml" in message
+
+
+def test_units_and_dots_of_yaml(place: Sandbox) -> None:
+    yaml = "joint: {limit: {upper: !degrees 180, lower: !radians -pi/2, reach: !millimeters 3*100}, list: [{a: 1}]}"
+    text = place.expand(
+        '<xacro:property name="c" value="${xacro.load_yaml(\'a.yaml\')}"/>'
+        "<a b=\"${c.joint.limit.upper - pi} ${c['joint']['limit']['lower'] + pi/2} ${c.joint.limit.reach}"
+        ' ${c.joint.list[0].a}"/>',
+        {"a.yaml": yaml},
+    )
+    assert '<a b="0.0 0.0 0.3 1"/>' in text
+
+
+BLOCKS = {
+    "an element of a namespace": "${A['**block'].ownerDocument}",
+    "a symbol of a namespace": "${A.parent.root}",
+    "an element's class": "${A['**block'].__class__}",
+}
+
+
+@pytest.mark.parametrize("case", BLOCKS)
+def test_documents_are_not_reached_through_blocks(case: str, place: Sandbox) -> None:
+    part = (
+        '<robot xmlns:xacro="http://www.ros.org/wiki/xacro"><xacro:property name="block"><a/></xacro:property></robot>'
+    )
+    inside = f'<xacro:include filename="part.xacro" ns="A"/><link name="{BLOCKS[case]}"/>'
+    assert "arm.xacro" in place.refuse(inside, {"part.xacro": part})
+
+
+def test_a_refusal_stands_through_optional_includes(place: Sandbox) -> None:
+    part = (
+        '<robot xmlns:xacro="http://www.ros.org/wiki/xacro"><xacro:include filename="@SECRET" optional="true"/></robot>'
+    )
+    message = place.refuse('<xacro:include filename="part.xacro" optional="true"/>', {"part.xacro": part})
+    assert "part.xacro: " in message
+    assert "lies outside" in message
+    assert "<a/>" in place.expand('<xacro:include filename="absent.xacro" optional="true"/><a/>')
+
+
+@pytest.mark.parametrize("encoding", ["latin-1", "utf-8", "utf-8-sig", "utf-16"])
+@pytest.mark.parametrize("declared", ["", ' encoding="iso-8859-1"', ' encoding="utf-8"'])
+def test_files_of_any_origin(encoding: str, declared: str, tmp_path: Path) -> None:
+    part = f'<?xml version="1.0"{declared}?>\r\n<robot {XMLNS}><!-- für Möbel -->\r\n<link name="stück"/></robot>'
+    (tmp_path / "part.xacro").write_bytes(part.encode(encoding))
+    inside = '<xacro:include filename="part.xacro"/><a b="${xacro.load_yaml(\'a.yaml\').größe}"/>'
+    text = as_xacro(inside).replace('<?xml version="1.0"?>', f'<?xml version="1.0"{declared}?>\r\n<!-- für -->')
+    (tmp_path / "arm.xacro").write_bytes(text.encode(encoding))
+    (tmp_path / "a.yaml").write_bytes("größe: 3\r\n".encode(encoding))
+    path = tmp_path / "arm.xacro"
+    expanded, _ = expand_xacro(path, package_index(path))
+    assert 'name="stück"' in expanded
+    assert 'b="3"' in expanded
+
+
+PARAMETERS = [
+    ("a", {"a": "1"}),
+    ("a:=2", {"a": "2"}),
+    ("a:='x y' b=3", {"a": "x y", "b": "3"}),
+    ("a:=${1 + 1} b:=^|${2 * 2}", {"a": "2", "b": "4"}),
+    ("a:=${1 + 1}_${2 + 2}", {"a": "2_4"}),
+    ("a:=$(arg side)", {"a": "left"}),
+    ("a:=''", {"a": ""}),
+]
+
+
+@pytest.mark.parametrize(("params", "values"), PARAMETERS)
+def test_defaults_of_parameters_are_read_as_by_xacro(params: str, values: dict[str, str], place: Sandbox) -> None:
+    shown = "|".join(f"${{{name}}}" for name in values)
+    call = '<xacro:m a="1"/>' if params == "a" else "<xacro:m/>"
+    inside = (
+        '<xacro:arg name="side" default="left"/>'
+        f'<xacro:macro name="m" params="{params}"><x y="{shown}"/></xacro:macro>{call}'
+    )
+    assert f'<x y="{"|".join(values.values())}"/>' in place.expand(inside)
+    plain = xacro.process_file(str(place.folder / "arm" / "arm.xacro"), verbosity=0).toxml()
+    assert f'<x y="{"|".join(values.values())}"/>' in plain
 
 
 def test_an_unknown_package_matters_only_where_a_file_of_it_is_opened(tmp_path: Path) -> None:
@@ -132,13 +387,48 @@ def test_arguments_given_defaulted_and_misspelt(tmp_path: Path) -> None:
         load_arm(write(tmp_path, ARM), xacro_args={"deck": 1})
 
 
-def test_xacro_is_left_as_it_was(tmp_path: Path, capfd: pytest.CaptureFixture[str]) -> None:
-    original = xacro.substitution_args._eval_find
-    path = write(tmp_path, as_xacro('<link name="${nothing}"/>'), "arm.xacro")
-    with pytest.raises(DescriptionError):
+@pytest.mark.parametrize(
+    "inside",
+    [
+        '<link name="${nothing}"/>',
+        "<link name=\"${xacro.warning('loud')}\"/>",
+        '<xacro:include filename="absent.xacro"/>',
+        '<xacro:macro name="m"><xacro:m/></xacro:macro><xacro:m/>',
+        "<link name=\"${'a' * 10**10}\"/>",
+        '<xacro:property name="a" value="${xacro.load_yaml(\'a.yaml\')}"/><link name="${a}"/>',
+        '<xacro:property name="pi" value="3"/><!-- seen --> <xacro:if value="1"><link name="a"/></xacro:if>',
+    ],
+)
+def test_xacro_is_left_as_it_was(inside: str, tmp_path: Path, capfd: pytest.CaptureFixture[str]) -> None:
+    import yaml
+
+    def state() -> tuple[object, ...]:
+        return (
+            {name: value for name, value in vars(xacro).items() if not name.startswith("__")},
+            {name: value for name, value in vars(xacro.substitution_args).items() if not name.startswith("__")},
+            dict(xacro._global_symbols),
+            dict(xacro._global_symbols["math"]),
+            dict(xacro.substitution_args._eval_dict),
+            dict(xacro.substitution_args_context),
+            dict(yaml.SafeLoader.yaml_constructors),
+            xacro._empty_text_node.parentNode,
+            sys.stderr,
+        )
+
+    (tmp_path / "a.yaml").write_text("a: !degrees 3")
+    before = state()
+    path = write(tmp_path, as_xacro(inside), "arm.xacro")
+    with contextlib.suppress(DescriptionError):
         expand_xacro(path, package_index(path))
-    assert xacro.substitution_args._eval_find is original
+    assert state() == before
     assert capfd.readouterr() == ("", "")
+
+
+def test_a_xacro_that_cannot_be_confined_is_not_used(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.delattr(xacro, "resolve_macro")
+    path = write(tmp_path, as_xacro(""), "arm.xacro")
+    with pytest.raises(TwistarmError, match=r"has no resolve_macro and cannot be confined; pip install xacro==2.1.1"):
+        expand_xacro(path, package_index(path))
 
 
 def test_what_counts_as_xacro(tmp_path: Path) -> None:

@@ -9,12 +9,16 @@ from dataclasses import dataclass, field
 from pathlib import Path
 
 from ..errors import InputError
+from ..files import as_path, is_file
 
 MAX_DEPTH = 4
 """How deep under a folder that the user names packages are looked for."""
 
 MAX_PARENTS = 8
 """How many parents of the description are looked through, with their children."""
+
+MANIFEST_BYTES = 1_000_000
+"""A package.xml is a page long."""
 
 
 @dataclass(frozen=True)
@@ -28,11 +32,16 @@ class PackageIndex:
     file: Path
     user_dirs: tuple[Path, ...] = ()
     _found: dict[str, Path | None] = field(default_factory=dict, repr=False, compare=False)
+    _search: list[Iterator[tuple[str | None, Path | None]]] = field(default_factory=list, repr=False, compare=False)
 
     def find(self, package: str) -> Path | None:
         """The folder of `package`, or None."""
-        if package not in self._found:
-            self._found[package] = next((folder for folder in self._folders() if package_name(folder) == package), None)
+        if not self._search:
+            self._search.append((package_name(folder), folder) for folder in self._folders())
+        while package not in self._found:
+            name, folder = next(self._search[0], (package, None))
+            if name is not None:
+                self._found.setdefault(name, folder)
         return self._found[package]
 
     def find_for_mesh(self, package: str) -> Path | None:
@@ -66,7 +75,7 @@ def package_index(file: Path, user_dirs: Iterable[str | os.PathLike[str]] = ()) 
     """The index for one description; InputError for a user's folder that does not exist."""
     if isinstance(user_dirs, (str, os.PathLike)):
         user_dirs = [user_dirs]
-    folders = tuple(Path(folder).expanduser().resolve() for folder in user_dirs)
+    folders = tuple(as_path(folder).resolve() for folder in user_dirs)
     for folder in folders:
         if not folder.is_dir():
             raise InputError(f"package_dirs: {folder} is not a folder")
@@ -74,15 +83,24 @@ def package_index(file: Path, user_dirs: Iterable[str | os.PathLike[str]] = ()) 
 
 
 def package_name(folder: Path) -> str | None:
-    """The `<name>` in the folder's package.xml; None without a readable one."""
+    """The `<name>` in the folder's package.xml; None without a readable one of a manifest's size."""
     manifest = folder / "package.xml"
-    if not manifest.is_file():
+    if not is_file(manifest):
         return None
     try:
-        name = ET.parse(manifest).getroot().findtext("name")
-    except (ET.ParseError, OSError):
+        if manifest.stat().st_size > MANIFEST_BYTES:
+            return None
+        name = ET.parse(manifest, ET.XMLParser(target=_Plain())).getroot().findtext("name")
+    except (ET.ParseError, OSError, ValueError, LookupError):
         return None
     return name.strip() if name else None
+
+
+class _Plain(ET.TreeBuilder):
+    """Elements without a document type, hence without entities."""
+
+    def doctype(self, *_: object) -> None:
+        raise ET.ParseError("a document type is not allowed")
 
 
 def _walk(folder: Path, depth: int) -> Iterator[Path]:

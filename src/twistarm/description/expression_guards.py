@@ -1,0 +1,165 @@
+"""What a checked expression is run with: every operator, attribute, method and call passes here and is counted."""
+
+from __future__ import annotations
+
+import operator
+import re
+from collections.abc import Callable, Iterable, Sized
+from dataclasses import dataclass, field
+from typing import Any
+
+from .expansion_work import CHARACTERS_PER_UNIT, MAX_BITS, Refused, Work
+
+REFUSED = "xacro-expression-refused"
+
+_OF_TEXT = """
+    capitalize casefold count endswith find index isalnum isalpha isdecimal isdigit isidentifier islower isnumeric
+    isspace istitle isupper join lower lstrip partition removeprefix removesuffix replace rfind rindex rpartition
+    rsplit rstrip split splitlines startswith strip swapcase title upper zfill
+"""
+_OF_SET = "copy difference intersection isdisjoint issubset issuperset symmetric_difference union"
+_METHODS = {
+    str: _OF_TEXT,
+    list: "append copy count extend index insert pop remove reverse sort",
+    tuple: "count index",
+    dict: "copy get items keys pop setdefault update values",
+    set: f"{_OF_SET} add discard",
+    frozenset: _OF_SET,
+    float: "is_integer",
+}
+METHODS: dict[type, frozenset[str]] = {kind: frozenset(names.split()) for kind, names in _METHODS.items()}
+"""The methods that an expression may call. `format` is none: its text reaches into attributes."""
+
+OPERATORS: dict[str, Callable[[Any, Any], Any]] = {
+    "Add": operator.add,
+    "Sub": operator.sub,
+    "Mult": operator.mul,
+    "Div": operator.truediv,
+    "FloorDiv": operator.floordiv,
+    "Mod": operator.mod,
+    "Pow": operator.pow,
+    "LShift": operator.lshift,
+    "RShift": operator.rshift,
+    "BitOr": operator.or_,
+    "BitAnd": operator.and_,
+    "BitXor": operator.xor,
+}
+
+_FIELD = re.compile(r"%(?:\([^)]*\))?[-+ #0]*(\*|\d*)(?:\.(\*|\d*))?")
+"""Width and precision of a field in `text % values`."""
+
+MAX_FIELD = 999
+
+
+@dataclass
+class Guards:
+    """`known`: the functions and types that expressions may call; `namespace`: the type whose dots mean items."""
+
+    work: Work
+    namespace: type
+    known: dict[int, Any] = field(default_factory=dict)
+
+    def learn(self, values: Iterable[Any]) -> None:
+        """Let expressions call those of `values` that can be called."""
+        self.known.update((id(value), value) for value in values if callable(value))
+
+    def operate(self, name: str, left: Any, right: Any) -> Any:
+        """`left` operator `right`, refused where the result would be huge."""
+        self.work.weigh(left)
+        self.work.weigh(right)
+        self._foresee(name, left, right)
+        return self.work.weigh(OPERATORS[name](left, right))
+
+    def _foresee(self, name: str, left: Any, right: Any) -> None:
+        """Charge what an operator would make, before it does."""
+        whole = isinstance(left, int) and isinstance(right, int)
+        if name == "Mult":
+            for value, times in ((left, right), (right, left)):
+                if isinstance(value, Sized) and isinstance(times, int):
+                    unit = CHARACTERS_PER_UNIT if isinstance(value, (str, bytes)) else 1
+                    self.work.charge(len(value) * max(0, times) // unit)
+        elif name == "Mod" and isinstance(left, (str, bytes)):
+            self.work.charge_text(_widths(left if isinstance(left, str) else left.decode("latin-1")))
+        elif whole and _bits(name, left, right) > MAX_BITS:
+            raise Refused("xacro-too-large", f"a whole number of more than {MAX_BITS} bits", "use a float")
+
+    def attribute(self, value: Any, name: str) -> Any:
+        """`value.name`: an item of a namespace or of a dictionary with dots; nothing else has attributes here."""
+        if isinstance(value, self.namespace):
+            return self._named(value, name)
+        if isinstance(value, dict) and type(value) is not dict:
+            return value[name]
+        what = f"the attribute .{name} of a {type(value).__name__} is not allowed"
+        raise Refused(REFUSED, what, "only namespaces, loaded YAML and the usual methods have dots")
+
+    @staticmethod
+    def _named(namespace: Any, name: str) -> Any:
+        try:
+            return namespace[name]
+        except KeyError:
+            raise NameError(f"name {name!r} is not defined") from None
+
+    def method(self, value: Any, name: str, /, *arguments: Any, **named: Any) -> Any:
+        """`value.name(...)`: a method of the table, or a function in a namespace."""
+        kind = next((kind for kind in METHODS if isinstance(value, kind)), None)
+        if isinstance(value, self.namespace) or kind is None or name not in METHODS[kind]:
+            return self.call(self._function(value, name), *arguments, **named)
+        self._admit(value, *arguments, *named.values())
+        if isinstance(value, str):
+            self._foresee_text(value, name, arguments)
+        result = getattr(value, name)(*arguments, **named)
+        self.work.weigh(value)
+        return self.work.weigh(result)
+
+    def _function(self, value: Any, name: str) -> Any:
+        if isinstance(value, dict):
+            return self.attribute(value, name)
+        what = f"the method .{name}() of a {type(value).__name__} is not allowed"
+        kind = next((kind for kind in METHODS if isinstance(value, kind)), None)
+        remedy = f"allowed: {', '.join(sorted(METHODS[kind]))}" if kind else "compute with names and operators"
+        raise Refused(REFUSED, what, "join texts with + and str()" if name.startswith("format") else remedy)
+
+    def _foresee_text(self, text: str, name: str, arguments: tuple[Any, ...]) -> None:
+        if name == "replace" and len(arguments) > 1 and all(isinstance(a, str) for a in arguments[:2]):
+            self.work.charge_text((text.count(arguments[0]) + 1) * len(arguments[1]))
+        elif name == "join" and arguments and isinstance(arguments[0], Sized):
+            self.work.charge_text(len(text) * len(arguments[0]))
+        elif name == "zfill" and arguments and isinstance(arguments[0], int):
+            self.work.charge_text(max(0, arguments[0]))
+
+    def call(self, function: Any, /, *arguments: Any, **named: Any) -> Any:
+        """`function(...)` for the functions and types that are known."""
+        if not callable(function):
+            raise TypeError(f"{type(function).__name__!r} object is not callable")
+        self._admit(function, *arguments, *named.values())
+        return self.work.weigh(function(*arguments, **named))
+
+    def _admit(self, *values: Any) -> None:
+        """Weigh what goes into a call; what can be called must be known."""
+        for value in values:
+            if callable(value) and id(value) not in self.known:
+                name = getattr(value, "__name__", type(value).__name__)
+                raise Refused(REFUSED, f"calling {name} is not allowed", "call the functions that xacro offers")
+            self.work.weigh(value)
+
+    def iterate(self, values: Any, cost: int) -> Any:
+        """What a comprehension runs over, charged beforehand; `cost`: of one round."""
+        self.work.weigh(values)
+        if isinstance(values, Sized):
+            self.work.charge(len(values) * cost)
+        return values
+
+
+def _widths(template: str) -> int:
+    """How many characters the fields of `template % values` ask for."""
+    widths = [width for field in _FIELD.findall(template) for width in field if width]
+    if any(width == "*" or len(width) > len(str(MAX_FIELD)) for width in widths):
+        raise Refused(REFUSED, f"a field of a text wider than {MAX_FIELD} is not allowed", "write its width in digits")
+    return sum(map(int, widths))
+
+
+def _bits(name: str, left: int, right: int) -> int:
+    """About how many bits a power or a shift has."""
+    if name == "Pow":
+        return abs(left).bit_length() * right if abs(left) > 1 else 0
+    return left.bit_length() + right if name == "LShift" and left else 0

@@ -1,0 +1,198 @@
+"""What stands in the place of xacro's own functions while a file is expanded: files confined, work counted."""
+
+from __future__ import annotations
+
+import errno
+import fnmatch
+import keyword
+import os
+import re
+from collections.abc import Callable, Iterator, Mapping
+from pathlib import Path
+from typing import Any
+from xml.dom import minidom
+from xml.parsers.expat import ExpatError
+
+from .confinement import confinement
+from .document import Reading, parse_xml, read_text
+from .expansion_work import CHARACTERS_PER_UNIT, Refused, Work
+from .findings import Place, refusal
+from .packages import PackageIndex
+from .xacro_arguments import Arguments
+from .xacro_evaluation import Evaluation
+from .yaml_file import load_yaml
+
+MISSING_PACKAGE = "/package-not-found/"
+"""Stands for the folder of an unknown package; harmless in texts nobody opens, recognised where a file is opened."""
+
+ELEMENT_COST = 15
+ATTRIBUTE_COST = 10
+CHANGE_COST = 25
+MACRO_COST = 100
+SIBLINGS_PER_UNIT = 100
+"""xacro and minidom look through a parent's children whenever they change one."""
+
+_MACRO_PARAMETER = re.compile(
+    r"^\s*([^\s:=]+?)\s*:?=\s*(\^\|?)?"
+    r"(\$\{.*?\}|\$\(.*?\)|(?:'[^']*'|\"[^\"]*\"|[^\s'\"])+|)(?:\s+|$)(.*)"
+)
+"""xacro's pattern without its nested repetition, over which some texts take for ever."""
+
+_COUNTED = ("check_attrs", "resolve_macro", "replace_node", "parse_macro_arg")
+"""Functions of xacro that go on working, counted."""
+
+_WILDCARD = re.compile(r"[*?[]")
+
+
+class Expansion:
+    """One expansion: what it has opened, declared and asked for, and the functions that xacro gets for it."""
+
+    def __init__(self, xacro: Any, path: Path, packages: PackageIndex, arguments: Mapping[str, str]) -> None:
+        self.path = path
+        self.packages = packages
+        self.given = dict(arguments)
+        self.found = Arguments()
+        self.unknown_packages: set[str] = set()
+        self._xacro = xacro
+        self._original: dict[str, Any] = {name: getattr(xacro, name, None) for name in _COUNTED}
+        self._confinement = confinement(path, packages)
+        self.work = Work()
+        self._evaluation = Evaluation(xacro, self.work, self.find, self.load_yaml)
+
+    def for_xacro(self) -> dict[str, Any]:
+        """Values for the module `xacro`."""
+        return {
+            "_global_symbols": self._evaluation.symbols,
+            "_empty_text_node": minidom.Document().createTextNode("\n\n"),
+            "substitution_args_context": {"arg": {}},
+            "filestack": None,
+            "macrostack": None,
+            "verbosity": 0,
+            "re_macro_arg": _MACRO_PARAMETER,
+            "parse": self.parse,
+            "get_include_files": self.include_files,
+            "eval_text": self._evaluation.text,
+            "is_valid_name": lambda name: name.isidentifier() and not keyword.iskeyword(name),
+            "parse_macro_arg": self.macro_parameter,
+            "check_attrs": self.check_attributes,
+            "resolve_macro": self.resolve_macro,
+            "replace_node": self.replace_node,
+        }
+
+    def for_substitution(self) -> dict[str, Any]:
+        """Values for the module `xacro.substitution_args`."""
+        return {"_eval_find": self.find, "_eval": self._evaluation.command}
+
+    # files
+
+    def parse(self, text: Any, filename: str) -> Any:
+        """The document in a file that may be read."""
+        try:
+            path = self._admit(filename)
+        except Refused:
+            self._xacro.filestack.pop()
+            raise
+        except OSError as error:
+            self._xacro.filestack.pop()
+            raise self._xacro.XacroException(f"{error.strerror}: {filename}", exc=error) from error
+        text = read_text(path)
+        self.work.charge(ELEMENT_COST * text.count("<") + ATTRIBUTE_COST * text.count("="))
+        self.found.look_through(parse_xml(text, Reading(path, self.packages)))
+        try:
+            return minidom.parseString(text)
+        except ExpatError as error:
+            what = f"not well-formed XML: {error}"
+            if "unbound prefix" in what:
+                what = 'a tag\'s prefix is not declared: add xmlns:xacro="http://www.ros.org/wiki/xacro" to <robot>'
+            raise refusal("xml-malformed", Place(str(path), error.lineno), what) from error
+
+    def include_files(self, pattern: str, symbols: Any) -> Iterator[str]:
+        """The files that an include names, one or those that its wildcards match."""
+        name = self._absolute(str(self._evaluation.text(pattern, symbols)))
+        yield from self._matching(name) if _WILDCARD.search(name) and not os.path.exists(name) else [name]
+
+    def _matching(self, pattern: str) -> list[str]:
+        folder, name = os.path.split(pattern)
+        if not os.path.isdir(folder):
+            if _WILDCARD.search(folder):
+                what = f"wildcards in the folder of {pattern!r} are not allowed"
+                raise Refused("include-pattern-refused", what, "use them in the file's name, or name each file")
+            return []
+        self._confinement.require_inside(Path(os.path.realpath(folder)))
+        names = sorted(os.listdir(folder))
+        self.work.charge(len(names))
+        shown = [other for other in names if name.startswith(".") or not other.startswith(".")]
+        return [os.path.join(folder, match) for match in fnmatch.filter(shown, name)]
+
+    def load_yaml(self, filename: str) -> Any:
+        """The data in a YAML file that may be read, with dotted access."""
+        name = self._absolute(str(filename))
+        try:
+            path = self._admit(name)
+        except OSError as error:
+            raise self._xacro.XacroException(f"{error.strerror}: {name}", exc=error) from error
+        self._xacro.filestack.append(name)
+        units = {unit.value.tag: self._unit(unit.value.conversion_constant) for unit in self._xacro.ConstructUnits}
+        data = load_yaml(read_text(path), str(path), units, self.work)
+        self._xacro.filestack.pop()
+        return self._xacro.YamlListWrapper.wrap(data)
+
+    def _unit(self, factor: float) -> Callable[[str], float]:
+        return lambda text: self._evaluation.number(text) * factor
+
+    def _absolute(self, name: str) -> str:
+        if "://" in name:
+            what = f"{name!r} is a URI; only files of packages are opened"
+            raise Refused("file-outside-packages", what, "write a path or $(find package)/…")
+        return str(self._xacro.abs_filename_spec(name))
+
+    def _admit(self, name: str) -> Path:
+        if name.startswith(MISSING_PACKAGE):
+            raise FileNotFoundError(errno.ENOENT, os.strerror(errno.ENOENT), name)
+        return self._confinement.admit(name)
+
+    def find(self, package: str) -> str:
+        """The folder of a package, or what stands for an unknown one."""
+        folder = self.packages.find(package)
+        if folder is None:
+            self.unknown_packages.add(package)
+            return MISSING_PACKAGE + package
+        return str(folder)
+
+    # work
+
+    def check_attributes(self, tag: Any, required: list[str], optional: list[str]) -> Any:
+        """xacro's own, counted: it runs once for each element of xacro."""
+        self.work.charge(CHANGE_COST + len(tag.parentNode.childNodes) // SIBLINGS_PER_UNIT)
+        return self._original["check_attrs"](tag, required, optional)
+
+    def resolve_macro(self, name: str, macros: Any, symbols: Any) -> Any:
+        """xacro's own, counted: it runs once for each call of a macro, whose body is then copied."""
+        found = self._original["resolve_macro"](name, macros, symbols)
+        self.work.charge(MACRO_COST + ELEMENT_COST * _size(found[2].body))
+        return found
+
+    def replace_node(self, node: Any, by: Any, content_only: bool = False) -> None:
+        """xacro's own, counted: each node moved is searched for among its new siblings."""
+        new = by if isinstance(by, list) else [by] if by is not None else []
+        siblings = len(node.parentNode.childNodes)
+        moved = sum(len(part.childNodes) if content_only else 1 for part in new)
+        self.work.charge(CHANGE_COST + sum(map(_size, [node, *new])) + moved * siblings // SIBLINGS_PER_UNIT)
+        self._original["replace_node"](node, by, content_only)
+
+    def macro_parameter(self, text: str) -> Any:
+        """xacro's own, counted: it copies the rest of the parameters each time."""
+        self.work.charge(1 + len(text) // CHARACTERS_PER_UNIT)
+        return self._original["parse_macro_arg"](text)
+
+
+def _size(node: Any) -> int:
+    """Nodes in the tree below, and its characters at their price."""
+    size, stack = 0, [node]
+    while stack:
+        part = stack.pop()
+        size += 1 + len(getattr(part, "data", "")) // CHARACTERS_PER_UNIT
+        if part.nodeType == part.ELEMENT_NODE:
+            size += sum(1 + len(value) // CHARACTERS_PER_UNIT for _, value in part.attributes.items())
+        stack.extend(part.childNodes)
+    return size

@@ -1,0 +1,311 @@
+"""Expressions of xacro: what robots' files use is as in Python; nothing reaches out, nothing runs away."""
+
+from __future__ import annotations
+
+import math
+from pathlib import Path
+from types import SimpleNamespace
+from xml.sax.saxutils import quoteattr
+
+import pytest
+
+from hostile import Sandbox, sandbox
+from twistarm.description.expansion_work import MAX_WORK, Refused, Work
+from twistarm.description.expression_guards import Guards
+from twistarm.description.expression_names import direct_names, math_names, python_names
+from twistarm.description.expressions import Expressions
+
+
+class Space(dict[str, object]):
+    """Stands for xacro's namespaces."""
+
+
+class Dotted(dict[str, object]):
+    """Stands for loaded YAML."""
+
+
+CONFIG = Dotted(a=Dotted(b=3, c=[1, 2]), limit=Dotted(lower=-1.5, upper=2.5))
+NAMES = {"x": 3, "name": "left_arm", "xyz": "0 0.5 1", "fingers": ["TH", "ff"], "rates": {"a": 1, "b": 2}, "off": None}
+
+USED_IN_THE_FIELD = [
+    "pi/2",
+    "-x * 0.5 + 2**3 // 2 % 5",
+    "1./12 * x * (3 * 0.1**2 + 0.2**2)",
+    "radians(90) + sin(pi) + atan2(1, 2) + sqrt(2)",
+    "math.pi - math.cos(0) + math.factorial(5) + math.comb(5, 2) + math.prod([2, 3]) + math.lcm(4, 6)",
+    "name + '_' + str(x)",
+    "2*'ab'",
+    "x if name == 'left_arm' else -x",
+    "name in ('left_arm', 'right_arm') and not x < 2 or x != 3",
+    "0 < x <= 3",
+    "off is None",
+    "xyz.split(' ')[0]",
+    "float(xyz.split()[1]) + x",
+    "[f.lower() for f in fingers]",
+    "[str(i) + f for i, f in python.enumerate(fingers) if f.isupper()]",
+    "dict(joint_1=0.0, joint_2=-1.57)['joint_2']",
+    "{'a': 1, 'b': 2}['a'] + {3: 4}.get(5, 6)",
+    "{k: v * 2 for k, v in rates.items()}",
+    "python.set(fingers) - python.set(['TH'])",
+    "list(python.set(fingers) - python.set(['TH'] if not off else []))",
+    "python.isinstance(fingers, list)",
+    "', '.join(sorted(fingers))",
+    "'%.3f' % pi",
+    "'%s_%02d' % (name, x)",
+    "'model_2024_%d%%' % x + '%(a)5.2f' % rates",
+    "max(1, min(x, 2)) + round(2.567, 1) + len(fingers) + int('4') + python.abs(-2)",
+    "python.sum([1, 2, 3]) + python.sum(i * i for i in range(4))",
+    "list(map(str, [1, 2]))",
+    "list(python.zip(fingers, [1, 2]))",
+    "list(python.reversed([1, 2]))",
+    "list(python.filter(None, [0, 1]))",
+    "name.replace('left', 'right').startswith('right')",
+    "name[:4] + name[-1] + name[::2]",
+    "fingers + ['rf'] * 2",
+    "(1, 2) + (3,)",
+    "x << 2 | 1 & 3 ^ 5 >> 1",
+    "~x + +x",
+    "rates['a'] + rates.get('c', 0)",
+    "bool(x) and True",
+    "python.type(x) == python.int",
+    "max(fingers, key=len)",
+    "dict(**rates)",
+    "min(*[1, 2])",
+    "inf > x and e < tau",
+    "x ** -1 + 2.0 ** 0.5",
+    "xyz.split(' ')[0] == '0'",
+]
+
+HOSTILE = [
+    # out of the language
+    "().__class__",
+    "(lambda: ().__class__.__bases__[0].__subclasses__())()",
+    "(lambda t: t.__subclasses__())(python.type(()).mro()[1])",
+    "[c for c in ().__class__.__base__.__subclasses__() if c.__name__ == 'Popen'][0]('touch @MARKER', shell=True)",
+    "'{0.__class__.__mro__}'.format(1)",
+    "'{a.__class__}'.format_map(dict(a=1))",
+    "str.format('{0.__class__}', 1)",
+    "f'{().__class__}'",
+    "(c := ().__class__)",
+    "[c := 1, c]",
+    "(i for i in [1]).gi_frame.f_back.f_globals",
+    "(i for i in [1]).gi_code",
+    "[i for i in [1]].cr_frame",
+    "load_yaml.func_globals",
+    "xacro.load_yaml.__globals__['os'].system('touch @MARKER')",
+    "xacro.load_yaml.__self__._xacro.os.system('touch @MARKER')",
+    "xacro.load_yaml._xacro",
+    "print_location.__globals__",
+    "len.__self__.__import__('os').system('touch @MARKER')",
+    "''.join.__self__",
+    "[].append.__self__",
+    "(1).real.__class__",
+    "list.mro()",
+    "python.type(()).mro()",
+    "python.vars(python.type)['__subclasses__'](python.type(()))",
+    "python.vars(xacro)['parent']",
+    "vars()",
+    "python.type('X', (), dict())",
+    "python.type(xacro.load_yaml)(None, dict())",
+    "python.type(python.type(1))('X', (), dict())",
+    "list(map(python.type(python.type(1)), ['X'], [(list,)], [dict()]))",
+    "max(['touch @MARKER'], key=python.type(len))",
+    "sorted([1], key=lambda i: i)",
+    "list[str]('abc')",
+    "xacro.parent",
+    "xacro.root['load_yaml']",
+    "math.clear()",
+    "xacro.update(load_yaml=len)",
+    "math.setdefault('tau', 1)",
+    "[0 for math['pi'] in [3]]",
+    "[0 for math.pi in [3]]",
+    "[0 for __operate in [1]]",
+    "__call(len, 'a')",
+    "__builtins__['open']('@SECRET')",
+    "__import__('os').system('touch @MARKER')",
+    "().\uff3f\uff3fclass\uff3f\uff3f",
+    "dict(__class__=1)",
+    "open('@SECRET')",
+    "eval('1')",
+    "exec('import os')",
+    "compile('1', 'f', 'eval')",
+    "globals()",
+    "getattr((), '_' + '_class_' + '_')",
+    "python.getattr((), 'a')",
+    "b'touch'",
+    "...",
+    "x @ x",
+    "[1][0, 1:2]",
+    "[j async for j in [1]]",
+    "(yield 1)",
+    "await x",
+    "xacro.load_yaml('@SECRET')",
+    "load_yaml('../outside/secret.yaml')",
+    "xacro.dotify(xacro.load_yaml('file://@SECRET')).key",
+    "xacro.load_yaml('\\x00')",
+    "xacro.load_yaml('\\ud800')",
+    "xacro.load_yaml('a' * 5000)",
+    "xacro.load_yaml(['@SECRET'][0])",
+    # out of bounds
+    "9**9**9",
+    "2**10000001",
+    "(2**5000)**5000",
+    "1 << 10**9",
+    "10**4000",
+    "'a' * 10**10",
+    "10**10 * 'a'",
+    "[0] * 10**10",
+    "(0,) * 10**10",
+    "[[0] * 1000] * 1000 * 1000",
+    "'%1000000000d' % 1",
+    "'%*d' % (10**9, 1)",
+    "'%.99999999f' % 1",
+    "('%999d' * 200000) % python.tuple([1] * 200000)",
+    "list(range(10**10))",
+    "range(10**30)",
+    "[i for i in range(10**8)]",
+    "[1 for a in range(999) for b in range(999) for c in range(999)]",
+    "[[j for j in range(5000)] for i in range(5000)]",
+    "python.sum(range(10**9))",
+    "python.sum([[0]] * 100000, [])",
+    "sorted(range(10**8))",
+    "python.set(range(10**9))",
+    "list(python.zip(*[range(10**6)] * 10))",
+    "math.factorial(10**6)",
+    "math.comb(10**6, 5 * 10**5)",
+    "math.perm(10**6)",
+    "math.prod(range(1, 10**5))",
+    "math.lcm(*range(1, 10**5))",
+    "round(5, -10**9)",
+    "python.round(5, ndigits=-10**9)",
+    "'a'.zfill(10**10)",
+    "'a'.ljust(10**10)",
+    "'a\\t'.expandtabs(10**10)",
+    "('a' * 1000).replace('a', 'b' * 10000).replace('b', 'c' * 10000)",
+    "('a' * 100000).join(['b'] * 100000)",
+    "int('f' * 10**6, 16)",
+    "{complex(-1000003 * i, i) for i in range(30000)}",
+    "{-1000003 * i + 1j * i for i in range(30000)}",
+    "(-1) ** 0.5",
+    "{i * (2**61 - 1): 0 for i in range(100000)}",
+    "python.set(range(0, 100000 * (2**61 - 1), 2**61 - 1))",
+    "python.set([python.int(str(i) + '0' * 61, 2) for i in range(100000)])",
+    "[s[:] for i in range(10**5) for s in ['a' * 10**6]]",
+    "[s == t for i in range(10**5) for s, t in [('a' * 10**6, 'a' * 10**6 + '')]]",
+    "xacro.tokenize('a' * 40 + '!', sep=']|(a+)+$[')",
+    "(" * 3000 + "1" + ")" * 3000,
+    "-" * 9000 + "1",
+    "not " * 2000 + "1",
+    "1+" * 4000 + "1",
+    "[" * 300 + "]" * 300,
+    "1+" * 400 + "1",
+    "[" + "1," * 6000 + "]",
+    "x.a" * 4000,
+]
+
+
+@pytest.fixture
+def place(tmp_path: Path) -> Sandbox:
+    return sandbox(tmp_path)
+
+
+def evaluator(work: Work | None = None) -> tuple[Expressions, dict[str, object]]:
+    """The expressions without xacro around them, and their names."""
+    guards = Guards(work or Work(), Space)
+    python, mathematics = python_names(guards), math_names(guards)
+    for names in (python, mathematics):
+        guards.learn(names.values())
+    spaces = {"python": Space(python), "math": Space(mathematics)}
+    return Expressions(guards), {**direct_names(python), **mathematics, **spaces, **NAMES, "config": CONFIG}
+
+
+@pytest.mark.parametrize("expression", USED_IN_THE_FIELD)
+def test_what_robots_use_means_what_it_means_in_python(expression: str) -> None:
+    import builtins
+
+    expressions, names = evaluator()
+    plain = {**vars(math), **NAMES, "math": math, "python": builtins}
+    assert expressions.evaluate(expression, names) == eval(expression, plain)
+
+
+def test_dots_are_items_of_namespaces_and_yaml() -> None:
+    expressions, names = evaluator()
+    assert expressions.evaluate("config.a.b + config['a'].c[1] - config.limit.lower", names) == 6.5
+    assert expressions.evaluate("config.a.get('b')", names) == 3
+    assert expressions.evaluate("math.sin(0) + python.len([1])", names) == 1
+    with pytest.raises(NameError, match="name 'nothing' is not defined"):
+        expressions.evaluate("math.nothing", names)
+
+
+def test_namespaces_are_not_objects() -> None:
+    """xacro's own Table has attributes that lead out; only its items count."""
+    expressions, names = evaluator()
+    names["math"].parent = SimpleNamespace(secret=1)  # type: ignore[attr-defined]
+    with pytest.raises(NameError):
+        expressions.evaluate("math.parent.secret", names)
+
+
+@pytest.mark.parametrize("expression", HOSTILE, ids=lambda text: text[:50])
+def test_hostile_expressions_are_refused_in_one_line(expression: str, place: Sandbox) -> None:
+    """Handed in as an argument's default, where braces and parentheses are not xacro's."""
+    argument = f'<xacro:arg name="evil" default={quoteattr(place.fill(expression))}/>'
+    message = place.refuse(f'{argument}<xacro:property name="x" value="3"/><link name="${{$(arg evil)}}"/>')
+    assert "arm.xacro" in message
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("expression", HOSTILE, ids=lambda text: text[:50])
+def test_the_whole_of_what_is_allowed_is_over_in_seconds(expression: str, place: Sandbox) -> None:
+    place.work = MAX_WORK
+    test_hostile_expressions_are_refused_in_one_line(expression, place)
+
+
+@pytest.mark.parametrize("expression", HOSTILE, ids=lambda text: text[:50])
+def test_hostile_commands_are_refused_in_one_line(expression: str, place: Sandbox) -> None:
+    """`$(eval ...)`, reached with its parentheses through a property."""
+    command = quoteattr("eval " + place.fill(expression))
+    message = place.refuse(f'<xacro:property name="c" value={command}/><link name="$(${{c}})"/>')
+    assert "arm.xacro" in message
+
+
+@pytest.mark.parametrize(
+    ("expression", "message"),
+    [
+        ("(lambda: 1)()", "a lambda is not allowed (in ${(lambda: 1)()}); use names, operators and calls"),
+        ("x.__class__", "the attribute .__class__ is not allowed (in ${x.__class__}); use ['...'] for a key"),
+        ("x.real", "the attribute .real of a int is not allowed"),
+        (
+            "''.format(1)",
+            "the method .format() of a str is not allowed (in ${''.format(1)}); join texts with + and str()",
+        ),
+        ("'a'.encode()", "the method .encode() of a str is not allowed (in ${'a'.encode()}); allowed: capitalize"),
+        ("python.type(len)(1)", "calling builtin_function_or_method is not allowed"),
+        ("'a' * 10**10", "expanding it takes more work than any robot's description needs (in ${'a' * 10**10}); look"),
+        ("2**20000", "a whole number of more than 10000 bits (in ${2**20000}); use a float"),
+    ],
+)
+def test_a_refusal_names_the_expression_and_the_remedy(expression: str, message: str, place: Sandbox) -> None:
+    found = place.refuse(f'<xacro:property name="x" value="3"/><link name="${{{expression}}}"/>')
+    assert message in found
+
+
+def test_work_is_counted_alike_everywhere() -> None:
+    work = Work()
+    expressions, names = evaluator(work)
+    expressions.evaluate("[i * i for i in range(100)]", names)
+    once = MAX_WORK - work.left
+    expressions.evaluate("[i * i for i in range(100)]", names)
+    assert MAX_WORK - work.left == 2 * once
+    assert 100 < once < 5000
+
+
+def test_shared_parts_weigh_as_often_as_they_would_be_written() -> None:
+    value: list[object] = [1]
+    for _ in range(40):
+        value = [value, value]
+    with pytest.raises(Refused):
+        Work(10_000).weigh(value)
+    endless: list[object] = []
+    endless.append(endless)
+    with pytest.raises(Refused):
+        Work(10_000).weigh(endless)
