@@ -360,3 +360,9 @@ def test_the_reach_counts_turning_joints_only(tmp_path: Path) -> None:
     assert np.isclose(load_arm(write(tmp_path, two_joints())).reach, 0.5)
     sliding = robot(joint("s", "base_link", "upper", kind="prismatic"), joint("b", "upper", "tool0", xyz="3 0 0"))
     assert load_arm(write(tmp_path, sliding)).reach == 1.0, "one joint at the tool: a metre stands for it"
+
+
+def test_an_unbounded_thread_is_sampled_over_a_metre_of_travel() -> None:
+    xi = np.hstack([joints.helical([0, 0, 1], [0.1, 0, 0], 0.005), joints.helical([0, 0, 1], [0, 0, 0], 2.0)])
+    arm = twistarm.arm_from_screws(xi, np.eye(4))
+    assert np.allclose(arm.sampling_bounds[1], [200.0, np.pi])

@@ -77,6 +77,10 @@ REFUSED = {
         robot(joint("a", "base_link", "upper", kind="hinge"), joint("b", "upper", "tool0")),
         "joint 'a': joint type 'hinge' is unknown; URDF has revolute, continuous, prismatic, fixed, planar, floating",
     ),
+    "a bound beyond all places": (
+        two_joints(inside='<limit lower="inf" velocity="1" effort="1"/>'),
+        "joint 'a': its limits lower inf, upper inf leave no place to stand; give finite bounds",
+    ),
     "a mimic of nothing": (
         two_joints(inside='<mimic joint="bb"/>'),
         "arm.urdf:2: joint 'a': it mimics 'bb', which does not exist; correct the name; closest: 'b'",
@@ -95,7 +99,7 @@ REFUSED = {
             joint("p", "base_link", "pad", kind="planar"),
             links=("base_link", "upper", "tool0", "pad"),
         ),
-        "arm.urdf:2: joint 'b': it mimics 'p', which is planar: its motion is not one number; let it mimic another joint",
+        "arm.urdf:2: joint 'b': it mimics 'p', which is planar: its motion is not one number; let it mimic another",
     ),
     "an origin out of this world": (
         two_joints(xyz="1e200 0 0"),

@@ -11,18 +11,22 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from . import poe
+from .actuators import Actuators
 from .checks import Array, as_floats, as_number, as_pose, as_theta, as_twist, as_vector, frozen
 from .description.coupling import Affine
 from .description.findings import Finding
 from .description.tree import Description
 from .errors import InputError, TwistarmError, listed, unknown_name
-from .limits import JointLimits
+from .limits import AS_GOOD_AS_UNBOUNDED, JointLimits, usual_half
+from .lower_pairs import lower_pairs
 from .manipulability import Manipulability, manipulability_of
 from .pinocchio_model import PinocchioModel
 from .screws import adjoint, inverse
 
 READY_SAMPLES = 63
 """Random configurations that compete with the middle of the limits to be the ready pose."""
+
+_MADE_WHEN_ASKED = ("pinocchio", "ready", "usual_half", "_tool_action")
 
 
 class Coupling(NamedTuple):
@@ -48,6 +52,9 @@ class Arm:
     `screws` (6, m) and `home` (4, 4) at theta = 0, and the mimic coupling (A, b) in `coupling`. Poses are seen from
     the base link. Every method accepts any finite theta, inside the limits or not, and any leading axes.
 
+    `actuators` are the motors that an arm.toml describes; `disabled_pairs` the pairs of links, each sorted, that an
+    SRDF exempts from collision checks.
+
     Plain data, picklable, usable without Pinocchio; `pinocchio` is the engine behind, built when first needed.
     """
 
@@ -69,6 +76,8 @@ class Arm:
     couplings: Mapping[str, Affine] = field(default_factory=dict, repr=False)
     tool: Array = field(default_factory=lambda: np.eye(4), repr=False)
     tip_link: str = ""
+    actuators: Actuators | None = field(default=None, repr=False)
+    disabled_pairs: frozenset[tuple[str, str]] = field(default=frozenset(), repr=False)
 
     def __post_init__(self) -> None:
         for name in ("screws", "home", "tool"):
@@ -83,7 +92,7 @@ class Arm:
         self.__post_init__()
 
     def __getstate__(self) -> dict[str, Any]:
-        return {name: value for name, value in self.__dict__.items() if name not in ("pinocchio", "ready")}
+        return {name: value for name, value in self.__dict__.items() if name not in _MADE_WHEN_ASKED}
 
     # -- what it is ----------------------------------------------------------------------------------------------
 
@@ -259,7 +268,7 @@ class Arm:
     # -- configurations ------------------------------------------------------------------------------------------
 
     def random_theta(self, rng: np.random.Generator, size: int | tuple[int, ...] | None = None) -> Array:
-        """Uniform in the limits, (n,) or (*size, n); unbounded angles in [−π, π], unbounded lengths in [−1, 1] m."""
+        """Uniform in the limits, (n,) or (*size, n); where unbounded, in ± `usual_half`: π rad, 1 m."""
         shape = () if size is None else (size,) if isinstance(size, (int, np.integer)) else tuple(size)
         lower, upper = self.sampling_bounds
         return rng.uniform(lower, upper, (*shape, self.n))
@@ -267,7 +276,20 @@ class Arm:
     @property
     def sampling_bounds(self) -> tuple[Array, Array]:
         """Lower and upper (n,) that random configurations are drawn from: the limits, made finite."""
-        return self.limits.sampling_bounds(self._prismatic)
+        return self.limits.sampling_bounds(self.usual_half)
+
+    @cached_property
+    def usual_half(self) -> Array:
+        """Half the range (n,) that an unbounded coordinate is taken to have: π rad, 1 m.
+
+        A thread is given the turn that advances it 1 m, if that is more: otherwise it would hardly move.
+        """
+        half = np.array([usual_half(kind) for kind in self.joint_types])
+        for pair in lower_pairs(self.screws, self.coupling.A):
+            if pair.kind == "helical":
+                turning = self.coupling.A[pair.rows[0]] != 0.0
+                half[turning] = np.clip(1.0 / abs(pair.pitch), half[turning], AS_GOOD_AS_UNBOUNDED)
+        return frozen(half)
 
     def theta_from(self, values: Mapping[str, float] | Sequence[str], numbers: ArrayLike | None = None) -> Array:
         """theta (n,) from {joint: value}, or from names and values in any order; every joint must be given."""

@@ -6,9 +6,15 @@ from collections.abc import Iterable
 from difflib import get_close_matches
 from typing import Any
 
+LONGEST = 1800
+"""Characters of a message: a description may hold names of any length, and a line has to be read."""
+
 
 class TwistarmError(Exception):
-    """Whatever twistarm raises on purpose."""
+    """Whatever twistarm raises on purpose. Its text is one line that any terminal can show."""
+
+    def __str__(self) -> str:
+        return one_line(super().__str__())
 
 
 class InputError(TwistarmError, ValueError):
@@ -56,6 +62,15 @@ class ComparisonError(TwistarmError):
     """Two accounts of the same arm disagree."""
 
 
+def one_line(text: str, longest: int = LONGEST) -> str:
+    """`text` with line ends and other unprintable characters escaped, and the middle left out where it is too long."""
+    line = "".join(c if c.isprintable() else c.encode("unicode_escape").decode("ascii") for c in text)
+    if len(line) <= longest:
+        return line
+    end = longest // 4
+    return f"{line[: longest - end]} … {line[-end:]}"
+
+
 def unknown_name(kind: str, given: str, names: Iterable[str], *, within: str, listing: str) -> UnknownNameError:
     """`no frame 'tool_0' in ur5; closest: 'tool0' (12 frames: arm.frame_names)`."""
     return UnknownNameError(f"no {kind} {given!r} in {within}{closest(given, names)} ({listing})")
@@ -66,14 +81,18 @@ def closest(given: str, names: Iterable[str]) -> str:
     candidates = list(names)
     folded = {name.casefold(): name for name in candidates}
     matches = get_close_matches(given.casefold(), folded, n=3, cutoff=0.5)
-    return "; closest: " + ", ".join(repr(folded[m]) for m in matches) if matches else ""
+    return "; closest: " + ", ".join(_quoted(folded[m]) for m in matches) if matches else ""
 
 
 def listed(names: Iterable[str], limit: int = 12) -> str:
     """`'a', 'b', … (31 in all)`: a list that stays readable on one line."""
     every = list(names)
-    text = ", ".join(repr(name) for name in every[:limit])
+    text = ", ".join(_quoted(name) for name in every[:limit])
     return text if len(every) <= limit else f"{text}, … ({len(every)} in all)"
+
+
+def _quoted(name: str) -> str:
+    return one_line(repr(name), 100)
 
 
 def missing_extra(what: str, package: str, extra: str) -> MissingExtraError:

@@ -17,6 +17,15 @@ def is_file(path: Path) -> bool:
         return False
 
 
+def as_path(path: str | os.PathLike[str]) -> Path:
+    """The path with a leading `~` resolved; as it is where there is no such user."""
+    given = Path(path)
+    try:
+        return given.expanduser()
+    except RuntimeError:
+        return given
+
+
 def write_whole(path: str | os.PathLike[str], content: str | bytes) -> Path:
     """Write `content` to `path` so that a reader sees the old file or the new one, never a part of either.
 

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import os
-import re
 from collections.abc import Iterable, Mapping
 from dataclasses import replace
 from pathlib import Path
@@ -13,34 +12,26 @@ import numpy as np
 
 from . import poe
 from .arm import Arm, Coupling, Proof
-from .checks import Array
 from .description import catalog
 from .description.arm_file import ArmSpecification, Tool, read_arm_file
+from .description.arm_group import ArmGroup, arm_groups
+from .description.beside import path_from, srdf_beside
 from .description.chain import walk_chain
+from .description.findings import Finding, Place, finding, refusal
+from .description.srdf import Semantics, read_srdf
+from .description.srdf_names import note_names
+from .description.tips import find_tip
 from .description.tree import Description
 from .description.urdf import read_description
-from .errors import ComparisonError, DescriptionError, InputError, UnknownNameError, closest, listed
-from .files import is_file
+from .errors import ComparisonError, InputError, UnknownNameError, closest, listed
+from .files import as_path, is_file
+from .fitting import Changes, fitted_actuators, fitted_limits, fitted_poses, fitted_states
 from .limits import JointLimits
 from .screws import adjoint
 
 PROOF_SAMPLES = 5
 PROOF_TOL = 1e-9
 """Both accounts are double precision: beyond this, relative to the arm's size, they describe different arms."""
-
-TIP_PATTERNS = (
-    "tool0",
-    "tcp",
-    ".*_tcp",
-    "gripper_frame_link",
-    "tool_frame",
-    "ee_link",
-    "end_effector.*",
-    ".*_end_effector",
-)
-"""Names that mean "this is the tool", in order of preference, looked for among all links."""
-
-_GRIPPER = re.compile("grip|finger|jaw|claw|hand", re.IGNORECASE)
 
 Folders = Iterable[str | os.PathLike[str]]
 
@@ -52,15 +43,17 @@ def load_arm(
     tip: str | None = None,
     package_dirs: Folders = (),
     xacro_args: Mapping[str, object] | None = None,
-    limits: JointLimits | Mapping[str, Any] | None = None,
+    limits: JointLimits | Mapping[str, Any] | str | os.PathLike[str] | None = None,
     locked: Mapping[str, float] | None = None,
+    srdf: str | os.PathLike[str] | None = None,
 ) -> Arm:
     """Load an arm from a URDF or xacro file, an arm.toml, or by its name in the catalogue (`available_arms()`).
 
-    `base` is the root link unless given; `tip` is found by its name (`tool0`, `tcp`, …) or as the only leaf that is
-    no gripper. `limits`: {"velocity": 1.0} for every joint or {"velocity": {"elbow": 1.0}}; `locked`: {joint: value
-    [rad or m]} joints that stand still. `package_dirs`: folders with packages, beside those found around the file.
-    What the caller gives wins over the arm.toml.
+    `base` is the root link unless given; `tip` is that of the SRDF's one arm group, or found by its name (`tool0`,
+    `tcp`, …) or as the only leaf that is no gripper. `limits`: {"velocity": 1.0} for every joint, {"velocity":
+    {"elbow": 1.0}}, or the path of a joint_limits.yaml; `locked`: {joint: value [rad or m]} joints that stand still.
+    `srdf`: a file, else the one of this robot that stands beside the description. `package_dirs`: folders with
+    packages, beside those found around the file. What the caller gives wins over the arm.toml, and that over the SRDF.
 
     Screws and home come from our own walk of the description; Pinocchio's model is built beside it, and both are
     compared at five random configurations (`arm.proof`).
@@ -68,24 +61,49 @@ def load_arm(
     Raises DescriptionError (file, element, remedy), UnknownNameError with the closest names, ComparisonError if the
     two accounts disagree.
     """
+    specification = specify(
+        source, base=base, tip=tip, package_dirs=package_dirs, xacro_args=xacro_args, locked=locked, srdf=srdf
+    )
+    description = read(specification)
+    arm = assemble(description, specification, {} if limits is None else limits)
+    return replace(arm, proof=prove(arm))
+
+
+def specify(
+    source: str | os.PathLike[str],
+    *,
+    base: str | None = None,
+    tip: str | None = None,
+    package_dirs: Folders = (),
+    xacro_args: Mapping[str, object] | None = None,
+    locked: Mapping[str, float] | None = None,
+    srdf: str | os.PathLike[str] | None = None,
+) -> ArmSpecification:
+    """What `load_arm` is to load, the caller's wishes put over those of an arm.toml."""
     for name, value in {"base": base, "tip": tip}.items():
         if value is not None and not isinstance(value, str):
             raise InputError(f"{name} must be the name of a link; got {value!r}")
+    if srdf is not None and not isinstance(srdf, (str, os.PathLike)):
+        raise InputError(f"srdf must be the path of an SRDF file; got {srdf!r}")
     specification = _specification(source)
-    specification = replace(
+    return replace(
         specification,
+        other_chain=base not in (None, specification.base) or tip not in (None, specification.tip),
         base=base or specification.base,
         tip=tip or specification.tip,
         tool=None if tip else specification.tool,
         package_dirs=(*_folders(package_dirs), *specification.package_dirs),
         xacro_args={**specification.xacro_args, **(xacro_args or {})},
         locked={**specification.locked, **(locked or {})},
+        srdf=srdf or specification.srdf,
     )
-    description = read_description(
+
+
+def read(specification: ArmSpecification) -> Description:
+    """The description that a specification names."""
+    return read_description(
         specification.description, package_dirs=specification.package_dirs, xacro_args=specification.xacro_args
     )
-    arm = _assemble(description, specification, {} if limits is None else limits)
-    return replace(arm, proof=prove(arm))
 
 
 def available_arms() -> tuple[str, ...]:
@@ -105,8 +123,10 @@ def prove(arm: Arm) -> Proof:
         jacobian_error=float(np.abs(J - adjoint(reference) @ arm.body_jacobian(theta)).max()),
         samples=PROOF_SAMPLES,
     )
-    size = 1.0 + float(np.abs(reference[..., :3, 3]).max())
-    if not max(proof.pose_error, proof.jacobian_error) <= PROOF_TOL * size**2:
+    far = arm.description.extent if arm.description else 0.0
+    size = 1.0 + max(far, float(np.abs(reference[..., :3, 3]).max()))
+    wide = float(np.abs(np.column_stack(arm.coupling)).max(initial=1.0))
+    if not max(proof.pose_error, proof.jacobian_error) <= PROOF_TOL * size**2 * wide:
         raise ComparisonError(
             f"{arm.name}: product of exponentials and Pinocchio disagree by {proof.pose_error:.2g} (pose) and "
             f"{proof.jacobian_error:.2g} (Jacobian); please report it with the description"
@@ -119,7 +139,7 @@ def _specification(source: str | os.PathLike[str]) -> ArmSpecification:
     if not isinstance(source, (str, os.PathLike)):
         raise InputError(f"source must be a path or a name; got {source!r}")
     text = str(os.fspath(source))
-    path = Path(text).expanduser()
+    path = as_path(text)
     if is_file(path):
         return read_arm_file(path) if path.suffix == ".toml" else ArmSpecification(path, text)
     own = catalog.own_arm_file(text)
@@ -132,10 +152,8 @@ def _specification(source: str | os.PathLike[str]) -> ArmSpecification:
         return ArmSpecification(file, text, name=text, base=base, tip=tip, package_dirs=(share,))
     kind = _kind(path)
     if kind or path.suffix or len(path.parts) > 1:
-        raise DescriptionError(
-            f"{text[:200]}: {kind or 'no such file'}; give a URDF or xacro file, an arm.toml or one of "
-            f"{listed(available_arms(), 20)}"
-        )
+        remedy = f"give a URDF or xacro file, an arm.toml or one of {listed(available_arms(), 20)}"
+        raise refusal("file-not-found", Place(text[:200]), kind or "no such file", remedy)
     names = available_arms()
     raise UnknownNameError(
         f"no arm {text!r} in the catalogue, nor a file of that name{closest(text, names)} (arms: {', '.join(names)})"
@@ -154,18 +172,13 @@ def _folders(package_dirs: Folders) -> tuple[str | os.PathLike[str], ...]:
     return (package_dirs,) if isinstance(package_dirs, (str, os.PathLike)) else tuple(package_dirs)
 
 
-def _assemble(
-    description: Description, specification: ArmSpecification, changes: JointLimits | Mapping[str, Any]
-) -> Arm:
-    base = description.require_link(specification.base, "base") if specification.base else description.root
-    tip = description.require_link(specification.tip, "tip") if specification.tip else find_tip(description)
-    if specification.tool and specification.tool.name in description.links:
-        raise DescriptionError(
-            f"{specification.source}: tool.name {specification.tool.name!r} is a link already; name it otherwise"
-        )
-    tool = specification.tool or Tool(tip, np.eye(4))
+def assemble(description: Description, specification: ArmSpecification, changes: Changes) -> Arm:
+    """The arm that a specification makes of its description, `changes` being the caller's limits; not yet proven."""
+    semantics, noted = _semantics(description, specification)
+    base, tip, group = _ends(description, specification, semantics)
+    tool = _tool(description, specification, tip)
     chain = walk_chain(description, base, tip, tool.g_tip_tool, specification.locked)
-    limits = _limits(chain.limits, specification, changes, chain.coordinates)
+    limits, limiting = fitted_limits(chain.limits, chain.coordinates, specification, changes, description.joints)
     arm = Arm(
         name=specification.name or description.name,
         source=specification.source,
@@ -178,75 +191,69 @@ def _assemble(
         coupling=Coupling(*chain.coupling),
         limits=limits,
         reach=chain.reach or 1.0,
-        findings=(*description.findings, *chain.findings),
+        findings=(*description.findings, *noted, *chain.findings, *limiting),
         description=description,
         couplings=chain.couplings,
         tool=tool.g_tip_tool,
         tip_link=tip,
     )
-    return replace(arm, named_states=_named_states(arm, specification))
+    return _with_what_is_said(arm, specification, semantics, group)
 
 
-def _limits(
-    limits: JointLimits,
-    specification: ArmSpecification,
-    changes: JointLimits | Mapping[str, Any],
-    names: tuple[str, ...],
-) -> JointLimits:
-    """The description's limits, then the arm.toml's (joint by joint), then the caller's (kind by kind, or all)."""
-    by_kind: dict[str, dict[str, float]] = {}
-    for joint, values in specification.limits.items():
-        for kind, value in values.items():
-            if joint not in specification.locked:
-                by_kind.setdefault(kind, {})[joint] = value
-    try:
-        limits = limits.with_(by_kind, names)
-    except (ValueError, LookupError) as error:
-        raise DescriptionError(f"{specification.source}: {error}") from error
-    if not isinstance(changes, JointLimits):
-        return limits.with_(changes, names)
-    if changes.lower.size != len(names):
-        raise InputError(f"limits must be those of {len(names)} joints ({', '.join(names)}); got {changes.lower.size}")
-    return changes
+def _semantics(
+    description: Description, specification: ArmSpecification
+) -> tuple[Semantics | None, tuple[Finding, ...]]:
+    """The SRDF that is named, or the one beside the description, and what was noticed about it."""
+    if specification.srdf is None:
+        semantics, noted = srdf_beside(description)
+    else:
+        semantics = read_srdf(specification.srdf, specification.package_dirs, specification.xacro_args)
+        noted = ()
+    return semantics, noted if semantics is None else (*noted, *note_names(semantics, description))
 
 
-def _named_states(arm: Arm, specification: ArmSpecification) -> dict[str, Array]:
-    """The arm.toml's poses, checked: every joint given, inside the limits."""
-    states: dict[str, Array] = {}
-    for name, values in specification.poses.items():
-        try:
-            theta = arm.theta_from(values)
-        except (ValueError, LookupError) as error:
-            raise DescriptionError(f"{specification.source}: poses.{name}: {error}") from error
-        if not arm.limits.contains(theta):
-            raise DescriptionError(
-                f"{specification.source}: poses.{name} lies outside the limits; correct it or the limits"
-            )
-        states[name] = theta
-    return states
+def _ends(
+    description: Description, specification: ArmSpecification, semantics: Semantics | None
+) -> tuple[str, str, ArmGroup | None]:
+    """Base and tip: as said, else those of the SRDF's one arm group, else found by name; and the group of that tip."""
+    groups = arm_groups(semantics, description) if semantics else ()
+    base = description.require_link(specification.base, "base") if specification.base else None
+    if specification.tip:
+        tip = description.require_link(specification.tip, "tip")
+        return base or description.root, tip, next((group for group in groups if group.tip == tip), None)
+    if len(groups) == 1:
+        return base or groups[0].base or description.root, groups[0].tip, groups[0]
+    return base or description.root, find_tip(description, map(str, groups)), None
 
 
-def find_tip(description: Description) -> str:
-    """The tool's link: by an ordered list of usual names among all links, else the only leaf that is no gripper.
-
-    Never a silent guess: DescriptionError lists the candidates.
-    """
-    for pattern in TIP_PATTERNS:
-        found = [link for link in description.links if re.fullmatch(pattern, link, re.IGNORECASE)]
-        if len(found) == 1:
-            return found[0]
-        if found:
-            raise DescriptionError(f"{description.path}: several links could be the tip: {listed(found)}; pass tip=")
-    leaves = description.leaves
-    if len(leaves) == 1 and not _is_gripper(description, leaves[0]):
-        return leaves[0]
-    candidates = listed(leaves)
-    why = "its only leaf looks like a gripper" if len(leaves) == 1 else "several links could be the tip"
-    raise DescriptionError(f"{description.path}: {why}: {candidates}; pass tip= (a link: {listed(description.links)})")
+def _tool(description: Description, specification: ArmSpecification, tip: str) -> Tool:
+    tool = specification.tool
+    if tool is not None and tool.name in description.links:
+        what = f"tool.name {tool.name!r} is a link already"
+        raise refusal("tool-name-taken", Place(specification.source), what, "name it otherwise")
+    return tool or Tool(tip, np.eye(4))
 
 
-def _is_gripper(description: Description, leaf: str) -> bool:
-    """Whether the last moving joint before the leaf, or the leaf itself, is named like a gripper's part."""
-    moving = [joint for joint in description.chain(description.root, leaf) if joint.moving]
-    names = [leaf, *(name for joint in moving[-1:] for name in (joint.name, joint.child))]
-    return any(_GRIPPER.search(name) for name in names)
+def _with_what_is_said(
+    arm: Arm, specification: ArmSpecification, semantics: Semantics | None, group: ArmGroup | None
+) -> Arm:
+    """The arm with its actuators, the arm.toml's poses, and the SRDF's states and pairs that need no check."""
+    poses, posing = fitted_poses(arm, specification)
+    actuators, driving = fitted_actuators(arm, specification)
+    arm = replace(arm, named_states=poses, actuators=actuators, findings=(*arm.findings, *posing, *driving))
+    if semantics is None or arm.description is None:
+        return arm
+    states, stating = fitted_states(arm, semantics, group.name if group else "", specification.locked)
+    pairs = semantics.disabled_pairs(arm.description.links)
+    taken = [f"the tip {group.tip!r} (group {group.name!r})"] if group and not specification.tip else []
+    taken += [f"{len(states)} named pose{'s' * (len(states) > 1)}"] if states else []
+    taken += [f"{len(pairs)} pair{'s' * (len(pairs) > 1)} of links that need no collision check"] if pairs else []
+    found = finding(
+        "srdf-found",
+        Place(semantics.path.name),
+        f"{path_from(arm.description, semantics.path)} gives {', '.join(taken) or 'nothing that the arm uses'}",
+        "tip=, an arm.toml or another srdf= win over it",
+    )
+    return replace(
+        arm, named_states={**states, **poses}, disabled_pairs=pairs, findings=(*arm.findings, found, *stating)
+    )

@@ -8,6 +8,7 @@ import numpy as np
 from rich.console import Group
 from rich.markup import escape
 
+from ..actuators import Actuators
 from ..arm import Arm
 from ..description import catalog
 from .options import Json, Radians, takes_arm
@@ -54,6 +55,8 @@ def info_json(arm: Arm) -> dict[str, Any]:
         "home": arm.home,
         "ready": arm.ready,
         "named_states": dict(arm.named_states),
+        "actuators": None if arm.actuators is None else vars(arm.actuators),
+        "disabled_pairs": sorted(arm.disabled_pairs),
         "frames": arm.frame_names,
         "proof": arm.proof._asdict() if arm.proof else None,
         "findings": [finding_json(finding) for finding in arm.findings],
@@ -72,6 +75,8 @@ def info_view(arm: Arm, radians: bool) -> Group:
             f"proof at load: screws and Pinocchio agree within {arm.proof.pose_error:.1e} (pose) and "
             f"{arm.proof.jacobian_error:.1e} (Jacobian) at {arm.proof.samples} random postures"
         )
+    if arm.actuators is not None:
+        parts.append(_actuators(arm.actuators))
     parts += [escape(as_typed(str(finding))) for finding in arm.findings]
     return Group(*parts)
 
@@ -85,6 +90,17 @@ def _joints(arm: Arm, radians: bool) -> Any:
         for i, (name, kind, unit) in enumerate(zip(arm.joint_names, arm.joint_types, units(arm, radians), strict=True))
     ]
     return table("joints, base to tip (− = not given)", columns, rows, text=["type"])
+
+
+def _actuators(motors: Actuators) -> Any:
+    rows = [
+        [name, *(f"{ratio:g}" for ratio in row), f"{offset:g}", unit, "−" if np.isnan(ticks) else f"{ticks:g}"]
+        for name, row, offset, unit, ticks in zip(
+            motors.names, motors.G, motors.offset, motors.units, motors.ticks_per_turn, strict=True
+        )
+    ]
+    columns = ["motor", *motors.joint_names, "offset", "counts in", "ticks per turn"]
+    return table("motors = G theta + o (SI; rows of G)", columns, rows, text=["counts in"])
 
 
 def _poses(arm: Arm, radians: bool) -> Any:

@@ -26,6 +26,18 @@ PackageDir = Annotated[
 Xacro = Annotated[
     list[str] | None, typer.Option("--xacro", metavar="NAME:=VALUE", help="A xacro argument; may be repeated.")
 ]
+Srdf = Annotated[
+    Path | None, typer.Option(metavar="FILE", help="SRDF: groups, named states; else the one beside the description.")
+]
+Limits = Annotated[
+    Path | None, typer.Option(metavar="FILE", help="joint_limits.yaml of MoveIt or ros2_control: wins over the URDF.")
+]
+Locked = Annotated[
+    list[str] | None,
+    typer.Option(
+        metavar="JOINT=VALUE", help="A joint that stands still (degrees, metres for a slide); may be repeated."
+    ),
+]
 Json = Annotated[bool, typer.Option("--json", help="Print the answer as JSON, in SI units.")]
 Radians = Annotated[bool, typer.Option("--rad", help="Angles are typed and shown in radians, not degrees.")]
 Theta = Annotated[
@@ -39,14 +51,26 @@ Theta = Annotated[
 
 
 def takes_arm(command: Callable[..., Any]) -> Callable[..., Any]:
-    """A command whose first parameter is an Arm gets ARM, --base, --tip, --package-dir and --xacro in its place."""
-    own = list(inspect.signature(command, eval_str=True).parameters.values())[1:]
-    load = inspect.signature(_load, eval_str=True).parameters
+    """A command whose first parameter is an Arm gets ARM and the options of `load_arm` in its place."""
+    return _with_load_options(command, 1, lambda source, load: (load_arm(source, **load),))
+
+
+def takes_source(command: Callable[..., Any]) -> Callable[..., Any]:
+    """The same for a command that loads by itself: its first two parameters get ARM and the keywords of `load_arm`."""
+    return _with_load_options(command, 2, lambda source, load: (source, load))
+
+
+def _with_load_options(
+    command: Callable[..., Any], replaced: int, answer: Callable[[str, dict[str, Any]], tuple[Any, ...]]
+) -> Callable[..., Any]:
+    own = list(inspect.signature(command, eval_str=True).parameters.values())[replaced:]
+    load = {n: p for n, p in inspect.signature(_keywords, eval_str=True).parameters.items() if n != "radians"}
 
     @functools.wraps(command)
     def run(**arguments: Any) -> Any:
-        arm = _load(**{name: arguments.pop(name) for name in load})
-        return command(arm, **arguments)
+        typed = {name: arguments.pop(name) for name in load}
+        source, keywords = _keywords(**typed, radians=bool(arguments.get("rad")))
+        return command(*answer(source, keywords), **arguments)
 
     parameters = [p.replace(kind=inspect.Parameter.KEYWORD_ONLY) for p in (*load.values(), *own)]
     run.__signature__ = inspect.Signature(parameters)  # type: ignore[attr-defined]
@@ -54,15 +78,53 @@ def takes_arm(command: Callable[..., Any]) -> Callable[..., Any]:
     return run
 
 
-def _load(
-    source: Source, base: Base = None, tip: Tip = None, package_dir: PackageDir = None, xacro: Xacro = None
-) -> Arm:
-    return load_arm(
-        source, base=base, tip=tip, package_dirs=package_dir or (), xacro_args=_xacro_arguments(xacro or [])
-    )
+def _keywords(
+    source: Source,
+    base: Base = None,
+    tip: Tip = None,
+    package_dir: PackageDir = None,
+    xacro: Xacro = None,
+    srdf: Srdf = None,
+    limits: Limits = None,
+    locked: Locked = None,
+    *,
+    radians: bool = False,
+) -> tuple[str, dict[str, Any]]:
+    """What was typed, as the source and the keywords of `load_arm`."""
+    keywords: dict[str, Any] = {
+        "base": base,
+        "tip": tip,
+        "package_dirs": package_dir or (),
+        "xacro_args": xacro_arguments(xacro or []),
+        "srdf": srdf,
+        "limits": limits,
+    }
+    if locked:
+        # Degrees or metres: only the description knows, so that it is read before.
+        keywords["locked"] = _locked(load_arm(source, **keywords), locked, radians)
+    return source, keywords
 
 
-def _xacro_arguments(pairs: list[str]) -> dict[str, str]:
+def _locked(arm: Arm, pairs: list[str], radians: bool) -> dict[str, float]:
+    """Typed JOINT=VALUE pairs in rad and m."""
+    joints = arm.description.joints if arm.description else {}
+    locked: dict[str, float] = {}
+    for pair in pairs:
+        name, _, text = pair.rpartition("=")
+        try:
+            value = float(text)
+        except ValueError:
+            value = np.nan
+        if not name.strip() or not np.isfinite(value):
+            raise InputError(f"--locked takes JOINT=VALUE, in degrees or metres; got {pair!r}")
+        joint = joints.get(name.strip())
+        slides = joint is not None and joint.type == "prismatic"
+        locked[name.strip()] = value if radians or slides else float(np.radians(value))
+    return locked
+
+
+def xacro_arguments(pairs: list[str]) -> dict[str, str]:
+    """Typed NAME:=VALUE pairs as a mapping."""
     arguments: dict[str, str] = {}
     for pair in pairs:
         name, separator, value = pair.partition(":=")

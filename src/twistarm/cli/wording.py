@@ -9,6 +9,7 @@ _AS_TYPED = (
     (r"pass tip=", "pass --tip LINK"),
     (r"for (base|tip|locked)=", r"for --\1"),
     (r"package_dirs=\[folder that holds ([^\]]*)\]", r"--package-dir FOLDER (the one that holds \1)"),
+    (r"\bas srdf=", "as --srdf FILE"),
     (r"xacro_args=\{('\w+')?[^}]*\}", "--xacro NAME:=VALUE for each"),
     (
         r"give it as limits=\{'(velocity|acceleration)': \{[^}]*\}\}, one number for every joint as "

@@ -1,4 +1,4 @@
-"""arm.toml: what a team says about its own arm beside the description (base, tip, tool, limits, poses)."""
+"""arm.toml: what a team says about its own arm beside the description (base, tip, tool, limits, poses, actuators)."""
 
 from __future__ import annotations
 
@@ -17,6 +17,7 @@ from ..files import is_file
 from ..limits import FIELDS
 from ..rotations import from_rpy
 from .document import read_text
+from .findings import Place, refusal
 
 
 @dataclass(frozen=True)
@@ -28,10 +29,25 @@ class Tool:
 
 
 @dataclass(frozen=True)
+class Motor:
+    """A motor and the joints it drives: motor = Σ ratio[joint] · joint + offset, rad or m on either side.
+
+    `unit` is what its drive counts in, `ticks_per_turn` how fine where that is known.
+    """
+
+    name: str
+    ratio: Mapping[str, float]
+    offset: float = 0.0
+    unit: str = "rad"
+    ticks_per_turn: float | None = None
+
+
+@dataclass(frozen=True)
 class ArmSpecification:
     """What is to be loaded: a description file and what is said about it, SI units and radians.
 
-    `source` is what the user named: the description itself, an arm.toml or a name of the catalogue.
+    `source` is what the user named: the description itself, an arm.toml or a name of the catalogue. `other_chain`
+    tells that the caller has asked for another base or tip, so that not all of the rest need fit.
     """
 
     description: Path
@@ -45,25 +61,28 @@ class ArmSpecification:
     limits: Mapping[str, Mapping[str, float]] = field(default_factory=dict)
     locked: Mapping[str, float] = field(default_factory=dict)
     poses: Mapping[str, Mapping[str, float]] = field(default_factory=dict)
+    srdf: str | os.PathLike[str] | None = None
+    joint_limits: str | os.PathLike[str] | None = None
+    motors: tuple[Motor, ...] = ()
+    other_chain: bool = False
 
 
-_KEYS = ("name", "source", "base", "tip", "tool", "xacro_args", "package_dirs", "limits", "locked", "poses")
+_TEXTS = ("name", "source", "base", "tip", "srdf", "joint_limits")
+_KEYS = (*_TEXTS, "tool", "xacro_args", "package_dirs", "limits", "locked", "poses", "actuators")
+_MOTOR_KEYS = ("ratio", "offset", "unit", "ticks_per_turn")
 
 
 def read_arm_file(path: Path) -> ArmSpecification:
     """Read an arm.toml. Raises DescriptionError that names the file, the entry and what is allowed there."""
     content = _parse(path)
     _only(content, _KEYS, path, "at the top level")
-    for key in ("name", "source", "base", "tip"):
+    for key in _TEXTS:
         if key in content and not isinstance(content[key], str):
-            raise DescriptionError(f"{path}: {key} must be a text; got {content[key]!r}")
+            raise _unusable(path, f"{key} must be a text; got {content[key]!r}")
     if "source" not in content:
-        raise DescriptionError(f'{path}: it names no source: write source = "my_arm.urdf"')
-    description = path.parent / content["source"]
-    if not is_file(description):
-        raise DescriptionError(f"{path}: source {content['source']!r} does not exist beside it")
+        raise _unusable(path, 'it names no source: write source = "my_arm.urdf"')
     return ArmSpecification(
-        description=description,
+        description=_file(content["source"], "source", path),
         source=str(path),
         name=content.get("name"),
         base=content.get("base"),
@@ -77,7 +96,23 @@ def read_arm_file(path: Path) -> ArmSpecification:
             name: _numbers(_table(_table(content, "poses", path), name, path), path, f"poses.{name}")
             for name in _table(content, "poses", path)
         },
+        srdf=_file(content["srdf"], "srdf", path) if "srdf" in content else None,
+        joint_limits=_file(content["joint_limits"], "joint_limits", path) if "joint_limits" in content else None,
+        motors=tuple(_motor(name, content, path) for name in _table(content, "actuators", path)),
     )
+
+
+def _unusable(path: Path, what: str, remedy: str = "") -> DescriptionError:
+    return refusal("arm-file-unusable", Place(str(path)), what, remedy)
+
+
+def _file(name: str, key: str, path: Path) -> Path:
+    """A file that the arm.toml names, beside it."""
+    file = path.parent / name
+    if not is_file(file):
+        what = f"{key} {name!r} does not exist beside it"
+        raise refusal("file-not-found", Place(str(path)), what, "correct the path")
+    return file
 
 
 def _parse(path: Path) -> dict[str, Any]:
@@ -90,42 +125,41 @@ def _parse(path: Path) -> dict[str, Any]:
         content: dict[str, Any] = tomllib.loads(read_text(path))
         return content
     except tomllib.TOMLDecodeError as error:
-        raise DescriptionError(f"{path}: not valid TOML: {error}") from error
+        raise _unusable(path, f"not valid TOML: {error}") from error
 
 
 def _only(table: Mapping[str, Any], allowed: Iterable[str], path: Path, place: str) -> None:
     for key in table:
         if key not in allowed:
-            raise DescriptionError(
-                f"{path}: unknown entry {key!r} {place}{closest(key, allowed)}; allowed: {listed(allowed)}"
-            )
+            what = f"unknown entry {key!r} {place}{closest(key, allowed)}"
+            raise _unusable(path, what, f"allowed: {listed(allowed, 20)}")
 
 
 def _table(content: Mapping[str, Any], key: str, path: Path) -> Mapping[str, Any]:
     table = content.get(key, {})
     if not isinstance(table, dict):
-        raise DescriptionError(f"{path}: {key} must be a table of name = value; got {table!r}")
+        raise _unusable(path, f"{key} must be a table of name = value; got {table!r}")
     return table
 
 
 def _folders(content: Mapping[str, Any], path: Path) -> tuple[Path, ...]:
     folders = content.get("package_dirs", [])
     if not isinstance(folders, list) or not all(isinstance(folder, str) for folder in folders):
-        raise DescriptionError(f"{path}: package_dirs must be a list of texts; got {folders!r}")
+        raise _unusable(path, f"package_dirs must be a list of texts; got {folders!r}")
     return tuple(path.parent / folder for folder in folders)
 
 
 def _numbers(table: Mapping[str, Any], path: Path, place: str) -> dict[str, float]:
-    return {name: _number(value, f"{path}: {place}.{name}") for name, value in table.items()}
+    return {name: _number(value, path, f"{place}.{name}") for name, value in table.items()}
 
 
-def _number(value: Any, place: str) -> float:
+def _number(value: Any, path: Path, place: str, unit: str = "rad or m") -> float:
     try:
         number = np.nan if isinstance(value, (bool, str)) else float(value)
     except (TypeError, ValueError, OverflowError):
         number = np.nan
     if np.isnan(number):
-        raise DescriptionError(f"{place} must be a number (rad or m); got {str(value)[:60]!r}")
+        raise _unusable(path, f"{place} must be a number ({unit}); got {str(value)[:60]!r}")
     return number
 
 
@@ -142,11 +176,39 @@ def _tool(content: Mapping[str, Any], path: Path) -> Tool | None:
     table = _table(content, "tool", path)
     _only(table, ("name", "xyz", "rpy"), path, "in tool")
     if not isinstance(table.get("name"), str):
-        raise DescriptionError(f"{path}: tool.name must be a text; got {table.get('name')!r}")
+        raise _unusable(path, f"tool.name must be a text; got {table.get('name')!r}")
     g = np.eye(4)
     try:
         g[:3, 3] = as_vector(table.get("xyz", (0.0, 0.0, 0.0)), "tool.xyz")
         g[:3, :3] = from_rpy(as_vector(table.get("rpy", (0.0, 0.0, 0.0)), "tool.rpy"))
     except (InputError, ValueError) as error:
-        raise DescriptionError(f"{path}: {error}") from error
+        raise _unusable(path, str(error)) from error
     return Tool(table["name"], frozen(g))
+
+
+def _motor(name: str, content: Mapping[str, Any], path: Path) -> Motor:
+    place = f"actuators.{name}"
+    table = content["actuators"][name]
+    if not isinstance(table, dict):
+        raise _unusable(path, f"{place} must be a table with ratio = {{ joint = number }}; got {table!r}")
+    _only(table, _MOTOR_KEYS, path, f"in {place}")
+    if not isinstance(table.get("ratio"), dict) or not table["ratio"]:
+        what = f"{place}.ratio must be a table of joint = number; got {table.get('ratio')!r}"
+        raise _unusable(path, what, "write ratio = { elbow = 100.0 }: motor rad per joint rad (or per m)")
+    ratio = _numbers(table["ratio"], path, f"{place}.ratio")
+    for joint, value in ratio.items():
+        if not np.isfinite(value) or value == 0:
+            raise _unusable(path, f"{place}.ratio.{joint} must be finite and not 0; got {value:g}")
+    if not isinstance(table.get("unit", ""), str):
+        raise _unusable(path, f"{place}.unit must be a text; got {table['unit']!r}")
+    ticks = table.get("ticks_per_turn")
+    offset = _number(table.get("offset", 0.0), path, f"{place}.offset")
+    if not np.isfinite(offset):
+        raise _unusable(path, f"{place}.offset must be finite; got {offset:g}")
+    return Motor(
+        name=name,
+        ratio=ratio,
+        offset=offset,
+        unit=table.get("unit", "rad"),
+        ticks_per_turn=None if ticks is None else _number(ticks, path, f"{place}.ticks_per_turn", "ticks"),
+    )

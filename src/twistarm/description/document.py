@@ -12,7 +12,6 @@ from ..errors import DescriptionError
 from .findings import Finding, Place, finding, refusal, refused
 from .packages import PackageIndex
 
-
 MAX_NESTING = 100
 """No description nests deeper, and Python's own XML writer recurses."""
 

@@ -6,7 +6,7 @@ from collections.abc import Iterable
 from dataclasses import dataclass
 from typing import Literal, NamedTuple
 
-from ..errors import DescriptionError
+from ..errors import DescriptionError, one_line
 
 Severity = Literal["info", "warning", "error"]
 
@@ -51,6 +51,8 @@ CODES: dict[str, Code] = {
     "mimic-malformed": Code("error", "a mimic's multiplier or offset is no number"),
     "mimic-master-missing": Code("error", "a joint mimics one that is not there"),
     "mimic-master-unusable": Code("error", "a joint mimics one whose motion is not one number"),
+    "planar-mimics": Code("error", "a planar joint follows another; its motion is not one number"),
+    "planar-limits-ignored": Code("info", "URDF has no way to bound a planar joint; its limits are not used"),
     "mimic-circle": Code("error", "joints mimic each other in a circle"),
     "mimic-narrows-limits": Code("info", "a follower's own limits leave its master less room"),
     "mimic-outside-limits": Code("warning", "a mimic drives its follower outside the follower's own limits"),
@@ -63,6 +65,21 @@ CODES: dict[str, Code] = {
     "tool-name-taken": Code("error", "the tool has the name of a link"),
     "pose-unusable": Code("error", "a named pose does not fit the arm"),
     "limits-unusable": Code("error", "limits given beside the description do not fit the arm"),
+    "pose-left-out": Code("warning", "a named pose puts a locked joint elsewhere, or is none of the chain asked for"),
+    "actuator-left-out": Code("info", "a motor drives joints outside the chain that was asked for"),
+    # what stands beside the description
+    "srdf-found": Code("info", "an SRDF says more about the robot than its description"),
+    "srdf-ambiguous": Code("info", "several SRDFs beside the description are for a robot of its name; none is used"),
+    "srdf-ignored": Code("warning", "an SRDF beside the description cannot be read"),
+    "srdf-unusable": Code("error", "an element of the SRDF cannot be understood"),
+    "srdf-other-robot": Code("warning", "the SRDF is for a robot of another name"),
+    "srdf-unknown-name": Code("warning", "the SRDF speaks of links or joints that the description does not have"),
+    "state-incomplete": Code("info", "an SRDF's named state does not give every joint of the arm"),
+    "state-outside-limits": Code("warning", "an SRDF's named state lies outside the limits"),
+    "limits-of-others": Code("info", "limits are given for joints that are no coordinates of the arm"),
+    "limits-empty": Code("info", "a file of limits gives none"),
+    "limits-not-scaled": Code("info", "MoveIt's default scaling of limits is not applied"),
+    "limits-entry-unknown": Code("warning", "a file of limits has an entry of an unknown name"),
     # what hangs on the links
     "mesh-missing": Code("warning", "mesh files were not found; frames are drawn instead"),
     "bad-geometry": Code("warning", "a shape has no usable size or place; it is not drawn"),
@@ -74,12 +91,55 @@ CODES: dict[str, Code] = {
     "xacro-argument-unknown": Code("error", "xacro arguments were given that the file does not take"),
     "xacro-failed": Code("error", "xacro cannot expand the file"),
     "xacro-recursion": Code("error", "a macro, a property or an included file refers to itself without end"),
-    "not-utf-8": Code("error", "the file's encoding cannot be read"),
+    "xacro-expression-refused": Code("error", "an expression does more than compute"),
+    "xacro-too-large": Code("error", "expanding the file takes more work than any robot's description needs"),
+    "include-pattern-refused": Code("error", "an include's wildcards stand in a folder's name"),
+    "file-outside-packages": Code("error", "an include or a YAML load reaches outside the packages"),
+    "file-too-large": Code("error", "a file is larger than any description"),
+    # what the doctor sees beyond the reading: limits
+    "limits-look-like-degrees": Code("warning", "a joint turns many times round; its limits may be in degrees"),
+    "limits-look-like-millimetres": Code("warning", "a slide is longer than any arm's; its limits may be in mm"),
+    "limit-range-tiny": Code("warning", "a joint's bounds leave it next to no room"),
+    "velocity-implausible": Code("warning", "a velocity limit is beyond any arm's; it may be in degrees or mm"),
+    "reach-implausible": Code("warning", "the arm is longer than any; its lengths may be in millimetres"),
+    # postures
+    "zero-outside-limits": Code("info", "the arm cannot stand at zero, where many programs start"),
+    "home-singular": Code("info", "at zero, or at home, the tool cannot move in every direction that the arm has"),
+    "ready-singular": Code("warning", "at the ready pose, where searches start, the tool hardly moves some way"),
+    # what the arm is able to do
+    "cannot-move": Code("info", "directions in which no joint ever moves the tool"),
+    "cannot-turn": Code("info", "axes about which no joint ever turns the tool"),
+    "cannot-turn-in-place": Code("info", "rotations that are missing while the tool's position is held"),
+    "joints-redundant": Code("info", "the arm has more joints than directions of motion, fewer than six"),
+    "joint-without-effect": Code("warning", "a coordinate of the arm never moves the tool"),
+    "joint-off-the-chain": Code("info", "joints that are not between base and tip"),
+    # axes
+    "axes-almost-exact": Code("info", "axes are parallel, square or meeting but for a little; closed forms need all"),
+    # the tool
+    "tool-frame-missing": Code("warning", "the tool is the last joint's own frame; nothing says where the arm grips"),
+    "several-tips": Code("info", "nobody said which link is the tool, and the tree has other ends"),
+    # bodies
+    "mass-tiny": Code("info", "links weigh next to nothing"),
+    "mass-implausible": Code("warning", "a link is heavier than any arm's; its mass may be in grams"),
+    "inertia-impossible": Code("warning", "no distribution of mass has such an inertia"),
+    "inertia-implausible": Code("warning", "an inertia is too large for its mass; its unit may be kg mm² or g mm²"),
+    "inertia-placeholder": Code("info", "every link has the same mass and inertia; gravity torques mean nothing"),
+    "centre-of-mass-far": Code("warning", "a centre of mass lies far outside its link; it may be in millimetres"),
+    # meshes
+    "mesh-too-large": Code("warning", "a mesh is far larger than the arm; it is in millimetres"),
+    "mesh-too-small": Code("warning", "every mesh is far smaller than the arm; they are scaled down twice"),
+    "mesh-lfs-pointer": Code("warning", "a mesh file holds a Git LFS pointer, not the mesh"),
+    "mesh-unreadable": Code("warning", "a mesh file cannot be read; it is not drawn"),
+    "mesh-not-looked-at": Code("info", "meshes whose size the doctor has not looked at"),
     # engines
     "engine-refuses": Code("error", "Pinocchio refuses the description"),
     "engines-disagree": Code("error", "product of exponentials and Pinocchio disagree about the arm"),
 }
 """Every code a finding may carry. `docs/findings.md` is made from this table."""
+
+
+LONGEST_PLACE, LONGEST_WHAT = 300, 1000
+"""Characters: names in a description may have thousands."""
 
 
 @dataclass(frozen=True)
@@ -94,7 +154,8 @@ class Place:
     def __str__(self) -> str:
         line = f":{self.line}" if self.line is not None else ""
         element = f"{self.element} {self.name!r}" if self.name else self.element
-        return ": ".join(part for part in (f"{self.file}{line}" if self.file else "", element) if part)
+        text = ": ".join(part for part in (f"{self.file}{line}" if self.file else "", element) if part)
+        return one_line(text, LONGEST_PLACE)
 
 
 @dataclass(frozen=True)
@@ -119,7 +180,7 @@ class Finding:
 
 def finding(code: str, place: Place, what: str, remedy: str, *, repaired: bool = False) -> Finding:
     """A finding with the severity that belongs to its code."""
-    return Finding(code, CODES[code].severity, place, what, remedy, repaired)
+    return Finding(code, CODES[code].severity, place, one_line(what, LONGEST_WHAT), remedy, repaired)
 
 
 def refusal(code: str, place: Place, what: str, remedy: str = "") -> DescriptionError:

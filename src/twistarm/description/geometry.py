@@ -136,13 +136,20 @@ def read_origin(element: ET.Element) -> Array:
 
 def mesh_scale(text: str | None) -> tuple[float, ...]:
     """The mesh scale: three numbers, or one for all three."""
-    values = [float(word) for word in (text or "1 1 1").split()]
+    values = [number(word) for word in (text or "1 1 1").split()]
     return tuple(floats(text or "1 1 1", 3)) if len(values) != 1 else (values[0],) * 3
 
 
 def floats(text: str, count: int) -> list[float]:
     """Exactly `count` numbers of a size that robots have, or ValueError."""
-    values = [float(word) for word in text.split()]
+    values = [number(word) for word in text.split()] if text.isascii() else []
     if len(values) != count or not (np.abs(values) <= LARGEST).all():
         raise ValueError(f"{count} finite numbers expected, none beyond {LARGEST:g}; got {text[:60]!r}")
     return values
+
+
+def number(word: str) -> float:
+    """A number as every reader of URDF takes it: not Python's 1_000, nor digits of another script."""
+    if not word.isascii() or "_" in word:
+        raise ValueError(f"no number: {word[:60]!r}")
+    return float(word)

@@ -13,8 +13,10 @@ _INERTIA = ("ixx", "ixy", "ixz", "iyy", "iyz", "izz")
 def drop_unusable_inertials(robot: ET.Element, reading: Reading) -> None:
     """Remove every `<inertial>` that cannot be read; kinematics does not need it, gravity torques do."""
     for link in robot.findall("link"):
+        for surplus in link.findall("inertial")[1:]:
+            link.remove(surplus)
         for inertial in link.findall("inertial"):
-            problem = _problem(inertial)
+            problem = inertial_problem(inertial)
             if problem:
                 link.remove(inertial)
                 reading.note(
@@ -24,9 +26,12 @@ def drop_unusable_inertials(robot: ET.Element, reading: Reading) -> None:
                     "write mass in kg and the six inertias in kg m² as plain numbers",
                     repaired=True,
                 )
+            else:
+                _write_plainly(inertial)
 
 
-def _problem(inertial: ET.Element) -> str:
+def inertial_problem(inertial: ET.Element) -> str:
+    """Why an `<inertial>` cannot be used; empty if it can."""
     mass, inertia = inertial.find("mass"), inertial.find("inertia")
     if mass is None or inertia is None:
         return "lacks <mass> or <inertia>"
@@ -38,3 +43,10 @@ def _problem(inertial: ET.Element) -> str:
     except ValueError as error:
         return f"is malformed ({error})"
     return f"has the negative mass {value:g}" if value < 0 else ""
+
+
+def _write_plainly(inertial: ET.Element) -> None:
+    """For Pinocchio, which takes " 1 " for no mass, and all of an inertia for zero if one of the six is missing."""
+    for element in (*inertial.findall("mass"), *inertial.findall("inertia")):
+        for name in ("value",) if element.tag == "mass" else _INERTIA:
+            element.set(name, element.get(name, "0").strip())

@@ -5,27 +5,26 @@ from __future__ import annotations
 import os
 import xml.etree.ElementTree as ET
 from collections.abc import Iterable, Mapping
-from pathlib import Path
+from dataclasses import replace
 
 import numpy as np
 
 from ..checks import Array, frozen
 from ..errors import DescriptionError, closest
-from ..files import is_file
+from ..files import as_path, is_file
+from .axis import read_axis
 from .document import Reading, parse_xml, read_text
 from .findings import Place, refusal
-from .geometry import Geometries, floats, read_origin
+from .geometry import Geometries, floats, number, read_origin
 from .inertial import drop_unusable_inertials
 from .packages import package_index
+from .planar import split_planar_joints
 from .structure import check_structure, root_link
 from .tree import Description, Joint, JointType, Link, Mimic
 from .xacro import expand_xacro, is_xacro
 
-AXIS_TOL = 1e-3
-"""A longer or shorter axis than this is worth a word: no rounding of a CAD export is that coarse."""
-
 WIDE = 1e300
-"""Stands for "no limit" in what Pinocchio reads: its parser refuses infinity."""
+"""Stands for "no limit" in what Pinocchio reads, whose parser refuses infinity; so it, or more, is read by us."""
 
 LIMIT_NAMES = ("lower", "upper", "velocity", "effort")
 MOVING_ALONE = ("revolute", "continuous", "prismatic")
@@ -46,7 +45,7 @@ def read_description(
     Raises DescriptionError (file, element, remedy) for what cannot be a robot: not XML, two roots, a cycle, an
     undefined link, a duplicate name, a zero axis on a moving joint, a number that is none.
     """
-    file = Path(path).expanduser()
+    file = as_path(path)
     if not is_file(file):
         remedy = "give a URDF or xacro file, an arm.toml or a catalogue name"
         raise refusal("file-not-found", Place(str(file)), "no such file", remedy)
@@ -71,11 +70,13 @@ def build_description(text: str, reading: Reading) -> Description:
             "no-robot", reading.whole, f"its root element is <{robot.tag}>, not <robot>", "is it a URDF file?"
         )
     check_structure(robot, reading)
+    parts = split_planar_joints(robot, reading)
     geometries = Geometries(robot, reading)
     links = {element.get("name", ""): _read_link(element, geometries, reading) for element in robot.findall("link")}
     geometries.note_missing()
     rates: Rates = {}
     joints = _read_joints(robot, reading, rates)
+    joints |= {name: replace(joints[name], part_of=whole) for name, whole in parts.items()}
     _note_missing_rates(joints.values(), rates, reading)
     drop_unusable_inertials(robot, reading)
     _strip_to_kinematics(robot)
@@ -127,7 +128,7 @@ def _read_joint(element: ET.Element, reading: Reading, rates: Rates) -> Joint:
         origin = read_origin(element)
     except ValueError as error:
         raise reading.error(element, "origin-malformed", f"its <origin> is malformed: {error}") from error
-    axis, axis_length = _read_axis(element, kind, reading)
+    axis, axis_length = read_axis(element, kind, reading)
     numbers = _limit_numbers(element, reading)
     lower, upper = _read_bounds(element, kind, numbers, reading)
     rates[element.get("name", "")] = numbers
@@ -147,31 +148,6 @@ def _read_joint(element: ET.Element, reading: Reading, rates: Rates) -> Joint:
         axis_length=axis_length,
         line=reading.line(element),
     )
-
-
-def _read_axis(element: ET.Element, kind: str, reading: Reading) -> tuple[Array, float]:
-    """The unit axis and its length as written; for a joint that needs none, x."""
-    default = np.array([1.0, 0.0, 0.0])
-    axis = element.find("axis")
-    if axis is None or kind in ("fixed", "floating"):
-        return default, 1.0
-    try:
-        vector = np.array(floats(axis.get("xyz", "1 0 0"), 3))
-    except ValueError as error:
-        raise reading.error(element, "axis-malformed", f"its <axis> is malformed: {error}") from error
-    norm = float(np.linalg.norm(vector))
-    if norm < 1e-9:
-        remedy = "give the axis it moves along or about"
-        raise reading.error(element, "axis-zero", "a moving joint with a zero axis", remedy)
-    if abs(norm - 1.0) > AXIS_TOL:
-        reading.note(
-            "axis-not-unit",
-            element,
-            f"its axis {axis.get('xyz')} has length {norm:.4g}; only the direction counts",
-            "write a unit vector",
-            repaired=True,
-        )
-    return vector / norm, norm
 
 
 def _limit_numbers(element: ET.Element, reading: Reading) -> dict[str, float]:
@@ -196,6 +172,9 @@ def _read_bounds(element: ET.Element, kind: str, given: Mapping[str, float], rea
             repaired=True,
         )
     lower, upper = given.get("lower", -np.inf), given.get("upper", np.inf)
+    if lower >= WIDE or upper <= -WIDE:
+        what = f"its limits lower {lower:g}, upper {upper:g} leave no place to stand"
+        raise reading.error(element, "limit-malformed", what, "give finite bounds")
     if lower > upper:
         what = f"its limits are swapped: lower {lower:g} > upper {upper:g}"
         raise reading.error(element, "limits-swapped", what, "exchange them")
@@ -206,23 +185,23 @@ def _read_bounds(element: ET.Element, kind: str, given: Mapping[str, float], rea
             f"lower and upper are both {lower:g}: the joint cannot move",
             f"give its range as limits.{element.get('name')} in arm.toml",
         )
-    return lower, upper
+    return (lower if lower > -WIDE else -np.inf), (upper if upper < WIDE else np.inf)
 
 
 def _limit_number(element: ET.Element, name: str, text: str, reading: Reading) -> float:
     try:
-        number = float(text)
+        value = number(text)
     except ValueError:
-        number = float("nan")
-    if np.isnan(number):
-        what = f"its limit {name}={text!r} is not a number"
+        value = float("nan")
+    if np.isnan(value):
+        what = f"its limit {name}={text[:60]!r} is not a number"
         raise reading.error(element, "limit-malformed", what, "write it in digits, with a point")
-    return number
+    return value
 
 
 def _rate(value: float | None) -> float:
     """A velocity or effort limit; absent, zero and negative ones mean "not given"."""
-    return value if value is not None and value > 0 else np.inf
+    return value if value is not None and 0 < value < WIDE else np.inf
 
 
 def _read_mimic(element: ET.Element, reading: Reading) -> Mimic | None:
@@ -256,11 +235,11 @@ def _note_missing_rates(joints: Iterable[Joint], given: Rates, reading: Reading)
 def _make_loadable(element: ET.Element, axis: Array, bounds: tuple[float, float]) -> None:
     """Rewrite one joint so that Pinocchio reads what was meant.
 
-    A continuous joint becomes revolute with very wide limits, so that q is one number per joint; planar and floating
-    joints outside the chain stand still; limits are complete and finite; axes are unit vectors.
+    A continuous joint becomes revolute with very wide limits, so that q is one number per joint; floating joints
+    outside the chain stand still; limits are complete and finite; axes are unit vectors.
     """
     kind = element.get("type")
-    if kind in ("planar", "floating"):
+    if kind == "floating":
         element.set("type", "fixed")
     if element.get("type") == "fixed":
         return
@@ -294,3 +273,6 @@ def _strip_to_kinematics(robot: ET.Element) -> None:
         for child in list(joint):
             if child.tag not in ("parent", "child", "origin", "axis", "limit"):
                 joint.remove(child)
+    for origin in robot.iter("origin"):
+        for name, value in origin.attrib.items():
+            origin.set(name, " ".join(value.split()))

@@ -1,0 +1,100 @@
+"""YAML as plain data: no objects, no bombs, ROS's unit tags, and every error in one line."""
+
+from __future__ import annotations
+
+import re
+from collections import Counter
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from .findings import Place, refusal
+
+MAX_NODES = 50_000
+"""Values after every alias is counted out: beyond this it is a bomb ("billion laughs"), no configuration."""
+
+MAX_NUMBER = 400
+"""Characters of a number: YAML has numbers in base 60, of which each digit multiplies all before."""
+
+UNITS = {"!degrees": np.pi / 180.0, "!radians": 1.0, "!meters": 1.0, "!millimeters": 0.001}
+"""Tags that xacro and the descriptions of ROS put before a number, in rad or m."""
+
+_NUMBERS = ("tag:yaml.org,2002:int", "tag:yaml.org,2002:float")
+
+# YAML 1.1 takes 1e-3 for a text because it has no point; ROS's own parser and YAML 1.2 take it for a number.
+_EXPONENT = re.compile(r"[-+]?[0-9][0-9_]*[eE][-+]?[0-9]+")
+
+
+def parse_yaml(text: str, file: Path) -> Any:
+    """Mappings, lists, texts and numbers of one YAML document; DescriptionError `limits-unusable` for anything else."""
+    import yaml
+
+    try:
+        return yaml.load(text, Loader=_loader(yaml))
+    except yaml.YAMLError as error:
+        mark = getattr(error, "problem_mark", None)
+        place = Place(str(file), mark.line + 1 if mark else None)
+        raise refusal("limits-unusable", place, f"not usable YAML: {_words(error)}") from error
+    except (RecursionError, ValueError, OverflowError) as error:
+        what = "it nests without end" if isinstance(error, RecursionError) else str(error)
+        raise refusal("limits-unusable", Place(str(file)), f"not usable YAML: {what}") from error
+
+
+def _words(error: Any) -> str:
+    return " ".join(str(getattr(error, "problem", None) or error).split())
+
+
+def _bad_number(node: Any) -> str:
+    """Why a number is refused; empty if it is none, or a usual one."""
+    if node.tag not in _NUMBERS:
+        return ""
+    if len(node.value) > MAX_NUMBER:
+        return f"a number of more than {MAX_NUMBER} characters"
+    return f"{node.value} is a number in base 60; write it in base 10" if ":" in node.value else ""
+
+
+def _loader(yaml: Any) -> Any:
+    """A safe loader of its own: tags registered on PyYAML's would hold for the whole process."""
+
+    class Loader(yaml.SafeLoader):  # type: ignore[misc,name-defined,unused-ignore]
+        # xacro registers tags of its own on PyYAML's, and evaluates what stands behind them.
+        yaml_constructors = {  # noqa: RUF012
+            tag: made for tag, made in yaml.SafeLoader.yaml_constructors.items() if not str(tag).startswith("!")
+        }
+
+        def __init__(self, stream: str) -> None:
+            super().__init__(stream)
+            self.count = 0
+            self.sizes: dict[int, int] = {}
+
+        def compose_node(self, parent: Any, index: Any) -> Any:
+            mark = self.peek_event().start_mark
+            alias, before = self.check_event(yaml.events.AliasEvent), self.count
+            node = super().compose_node(parent, index)
+            if alias and id(node) not in self.sizes:
+                raise yaml.constructor.ConstructorError(None, None, "an alias inside what it stands for", mark)
+            self.count += self.sizes[id(node)] if alias else 1
+            self.sizes.setdefault(id(node), self.count - before)
+            problem = f"more than {MAX_NODES} values" if self.count > MAX_NODES else _bad_number(node)
+            if problem:
+                raise yaml.constructor.ConstructorError(None, None, problem, mark)
+            return node
+
+        def compose_mapping_node(self, anchor: Any) -> Any:
+            node = super().compose_mapping_node(anchor)
+            keys = Counter(key.value for key, _ in node.value if isinstance(key.value, str))
+            twice = next((key for key, times in keys.items() if times > 1), None)
+            if twice is not None:
+                raise yaml.constructor.ConstructorError(None, None, f"{twice!r} stands there twice", node.start_mark)
+            return node
+
+    def with_unit(loader: Any, tag: str, node: Any) -> float:
+        if "!" + tag not in UNITS:
+            problem = f"the tag !{tag} is unknown; allowed: {', '.join(UNITS)}"
+            raise yaml.constructor.ConstructorError(None, None, problem, node.start_mark)
+        return float(loader.construct_scalar(node)) * UNITS["!" + tag]
+
+    Loader.add_multi_constructor("!", with_unit)
+    Loader.add_implicit_resolver("tag:yaml.org,2002:float", _EXPONENT, list("-+0123456789"))
+    return Loader

@@ -1,0 +1,85 @@
+"""`twistarm init`, and the options that say what stands beside a description."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from test_cli import answer, error_of
+from twistarm import load_arm
+from twistarm.cli.application import run
+from urdf_text import joint, robot, two_joints, write
+
+Capture = pytest.CaptureFixture[str]
+
+
+@pytest.fixture
+def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    monkeypatch.chdir(tmp_path)
+    write(tmp_path, two_joints())
+    return tmp_path
+
+
+def test_init_writes_an_arm_toml_that_every_command_takes(folder: Path, capsys: Capture) -> None:
+    assert run(["init", "arm.urdf"]) == 0
+    assert capsys.readouterr().out == "arm.toml: 2 joints from base_link to tool0; next: twistarm info arm.toml\n"
+    assert answer(capsys, "info", "arm.toml")["ready"] == load_arm("arm.urdf").ready.tolist()
+    assert answer(capsys, "fk", "arm.toml")["position"] == answer(capsys, "fk", "arm.urdf")["position"]
+
+
+def test_init_never_overwrites_unasked(folder: Path, capsys: Capture) -> None:
+    write(folder, "mine", "arm.toml")
+    assert error_of(capsys, "init", "arm.urdf") == (
+        "error: arm.toml exists; --force replaces it, --output writes elsewhere\n"
+    )
+    assert (folder / "arm.toml").read_text() == "mine"
+    assert run(["init", "arm.urdf", "--output", "other.toml"]) == 0
+    assert run(["init", "arm.urdf", "--force"]) == 0
+    assert (folder / "arm.toml").read_text() == (folder / "other.toml").read_text()
+    capsys.readouterr()
+    assert "the folder" in error_of(capsys, "init", "arm.urdf", "-o", "nowhere/arm.toml")
+
+
+def test_init_without_a_clear_tip_says_what_to_fill_in(folder: Path, capsys: Capture) -> None:
+    parts = joint("a", "base_link", "upper"), joint("b", "upper", "left"), joint("c", "upper", "right")
+    write(folder, robot(*parts, links=("base_link", "upper", "left", "right")))
+    assert run(["init", "arm.urdf"]) == 1
+    said = capsys.readouterr().out
+    assert said.startswith("arm.toml: written, but take the # away from one tip = in it before it loads: ")
+    assert "several links could be the tip: 'left', 'right'; pass --tip LINK" in said
+    assert '# tip = "left"' in (folder / "arm.toml").read_text()
+    assert run(["init", "arm.urdf", "--force", "--tip", "right"]) == 0
+    assert load_arm("arm.toml").joint_names == ("a", "c")
+
+
+def test_init_leaves_nothing_behind_when_it_fails(folder: Path, capsys: Capture) -> None:
+    assert "no link for --tip 'tool9'" in error_of(capsys, "init", "arm.urdf", "--tip", "tool9")
+    assert "takes no xacro arguments" in error_of(capsys, "init", "arm.urdf", "--xacro", "a:=1")
+    assert [path.name for path in folder.iterdir()] == ["arm.urdf"]
+
+
+def test_limits_and_srdf_by_file(folder: Path, capsys: Capture) -> None:
+    write(folder, "joint_limits: {a: {max_velocity: 0.25}}", "limits.yaml")
+    state = '<group_state name="home"><joint name="a" value="0.1"/><joint name="b" value="0.2"/></group_state>'
+    write(folder, f'<robot name="tiny">{state}</robot>', "semantics.xml")
+    content = answer(capsys, "info", "arm.urdf", "--limits", "limits.yaml", "--srdf", "semantics.xml")
+    assert [joint["velocity"] for joint in content["joints"]] == [0.25, 2.0]
+    assert content["named_states"] == {"home": [0.1, 0.2]}
+    assert "no.yaml: no such file" in error_of(capsys, "fk", "arm.urdf", "--limits", "no.yaml")
+    assert "no.srdf: no such file" in error_of(capsys, "fk", "arm.urdf", "--srdf", "no.srdf")
+
+
+def test_locked_joints_in_degrees_and_metres(capsys: Capture) -> None:
+    arm = load_arm("rover_arm", locked={"slide": 0.1, "elbow": np.pi / 6})
+    typed = ("--locked", "slide=0.1", "--locked", "elbow=30")
+    assert np.allclose(answer(capsys, "fk", "rover_arm", *typed, "--theta", "0 0 0")["matrix"], arm.fk([0.0, 0.0, 0.0]))
+    in_radians = ("--locked", "slide = 0.1", "--locked", f"elbow={np.pi / 6}", "--rad")
+    content = answer(capsys, "fk", "rover_arm", *in_radians, "--theta", "0 0 0")
+    assert np.allclose(content["matrix"], arm.fk([0.0, 0.0, 0.0]))
+    for pair in ("slide", "slide=", "=1", "slide=fast", "slide=inf"):
+        assert "--locked takes JOINT=VALUE, in degrees or metres; got" in error_of(
+            capsys, "fk", "rover_arm", "--locked", pair
+        )
+    assert "for --locked" in error_of(capsys, "fk", "rover_arm", "--locked", "knee=1")

@@ -1,0 +1,42 @@
+"""The text of an error: one line that any terminal can show, whatever stands in the file that it is about."""
+
+from __future__ import annotations
+
+import pickle
+
+import pytest
+
+from twistarm.errors import LONGEST, DescriptionError, InputError, MissingExtraError, TwistarmError, listed, one_line
+
+CLASSES = [TwistarmError, InputError, DescriptionError, MissingExtraError]
+
+
+@pytest.mark.parametrize("kind", CLASSES)
+def test_a_message_is_one_line_that_can_be_printed(kind: type[TwistarmError]) -> None:
+    text = str(kind("joint 'a\nb': \x1b[31mred\x00 \ud800 \u2028 \u202e Gelenk_ä 关节 ξ"))
+    assert text == r"joint 'a\nb': \x1b[31mred\x00 \ud800 \u2028 \u202e Gelenk_ä 关节 ξ"
+    text.encode("utf-8")
+
+
+@pytest.mark.parametrize("kind", CLASSES)
+def test_a_long_message_keeps_both_ends(kind: type[TwistarmError]) -> None:
+    text = str(kind("begin " + "\n" * 50_000 + " end"))
+    assert text.startswith("begin ")
+    assert text.endswith(" end")
+    assert " … " in text
+    assert LONGEST <= len(text) <= LONGEST + 3
+
+
+def test_a_message_of_the_longest_length_is_whole() -> None:
+    assert one_line("x" * LONGEST) == "x" * LONGEST
+
+
+def test_long_names_in_a_list_are_cut() -> None:
+    assert len(listed(["n" * 5000] * 12)) < 1500
+    assert listed(["a", "b"]) == "'a', 'b'"
+
+
+def test_errors_travel_between_processes() -> None:
+    error = DescriptionError("arm.urdf: a\nb", ("finding",))
+    again = pickle.loads(pickle.dumps(error))
+    assert (str(again), again.findings) == (str(error), ("finding",))

@@ -1,0 +1,208 @@
+"""Poses, states and motors on the chain: with locked joints, followers, and another chain than the arm.toml's."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from twistarm import Arm, DescriptionError, load_arm
+from urdf_text import joint, robot, two_joints, write
+
+TOML = """
+source = "arm.urdf"
+tip = "tool0"
+[limits]
+a.velocity = 1.5
+b.acceleration = 4.0
+[poses.ready]
+a = 0.1
+b = -0.2
+[poses.stowed]
+a = 0.5
+b = 0.0
+[actuators.left]
+ratio = { a = 60.0, b = 30.0 }
+offset = 0.5
+unit = "tick"
+ticks_per_turn = 4096
+[actuators.right]
+ratio = { a = 60.0, b = -30.0 }
+"""
+
+
+def codes(arm: Arm) -> list[str]:
+    return [finding.code for finding in arm.findings]
+
+
+@pytest.fixture
+def toml(tmp_path: Path) -> Path:
+    write(tmp_path, two_joints())
+    return write(tmp_path, TOML, "arm.toml")
+
+
+def test_motors_of_an_arm_toml(toml: Path) -> None:
+    arm = load_arm(toml)
+    motors = arm.actuators
+    assert motors is not None
+    assert (motors.names, motors.joint_names, motors.units) == (("left", "right"), ("a", "b"), ("tick", "rad"))
+    assert motors.G.tolist() == [[60.0, 30.0], [60.0, -30.0]]
+    assert motors.offset.tolist() == [0.5, 0.0]
+    assert motors.ticks_per_turn.tolist() == [4096.0, pytest.approx(np.nan, nan_ok=True)]
+    assert np.allclose(motors.to_theta(motors.to_motor(arm.ready)), arm.ready)
+    assert load_arm(toml.parent / "arm.urdf").actuators is None
+    assert arm.with_tool(np.eye(4), "pen").actuators is motors
+
+
+def test_a_locked_joint_stays_in_the_motors_offset_and_in_poses_that_agree(toml: Path) -> None:
+    free, arm = load_arm(toml), load_arm(toml, locked={"a": 0.1})
+    assert arm.joint_names == ("b",)
+    assert {name: theta.tolist() for name, theta in arm.named_states.items()} == {"ready": [-0.2]}
+    assert codes(arm) == ["pose-left-out"]
+    assert "pose 'stowed': it puts a at 0.5, which is locked at 0.1; it is left out" in str(arm.findings[0])
+    assert arm.actuators is not None
+    assert free.actuators is not None
+    for b in (-0.3, 0.0, 0.4):
+        assert np.allclose(arm.actuators.to_motor([b]), free.actuators.to_motor([0.1, b]))
+
+
+def test_a_lock_in_the_arm_toml_itself(toml: Path) -> None:
+    arm = load_arm(write(toml.parent, TOML + "[locked]\na = 0.5\n", "arm.toml"))
+    assert arm.joint_names == ("b",)
+    assert list(arm.named_states) == ["stowed"]
+    assert arm.limits.acceleration.tolist() == [4.0]
+
+
+def test_another_chain_than_the_files_takes_what_fits(toml: Path) -> None:
+    arm = load_arm(toml, tip="upper")
+    assert (arm.joint_names, arm.limits.velocity.tolist()) == (("a",), [1.5])
+    assert arm.ready.tolist() == [0.1]
+    assert arm.actuators is None
+    assert codes(arm) == ["actuator-left-out", "actuator-left-out"]
+    assert "it drives 'b' outside the chain asked for; it is left out" in arm.findings[0].what
+    # The same tip by name is the same chain, and nothing is forgiven.
+    assert load_arm(toml, tip="tool0").actuators is not None
+
+
+def test_a_pose_that_says_too_little_of_another_chain_is_left_out(tmp_path: Path) -> None:
+    parts = joint("a", "base_link", "upper"), joint("b", "upper", "left"), joint("c", "upper", "right")
+    write(tmp_path, robot(*parts, links=("base_link", "upper", "left", "right")))
+    path = write(tmp_path, 'source = "arm.urdf"\ntip = "left"\n[poses.ready]\na = 0.1\nb = 0.2', "arm.toml")
+    arm = load_arm(path, tip="right")
+    assert codes(arm) == ["pose-left-out"]
+    assert "it says nothing of 'c'" in arm.findings[0].what
+    assert load_arm(path).ready.tolist() == [0.1, 0.2]
+
+
+def test_a_motor_on_a_follower_drives_its_master(tmp_path: Path) -> None:
+    parts = (
+        joint("a", "base_link", "upper"),
+        joint("b", "upper", "tool0", inside='<mimic joint="a" multiplier="-0.5" offset="0.1"/>'),
+    )
+    write(tmp_path, robot(*parts))
+    text = 'source = "arm.urdf"\n[actuators.m]\nratio = { a = 10.0, b = 20.0 }'
+    arm = load_arm(write(tmp_path, text, "arm.toml"))
+    assert arm.actuators is not None
+    # 10 a + 20 (0.1 − a / 2) = 2: the two cancel.
+    assert np.allclose(arm.actuators.to_motor([0.7]), [2.0])
+    assert arm.actuators.undriven == ("a",)
+
+
+REFUSED = {
+    "an unknown joint": ("ratio = { elbow = 1.0 }", "actuators.m.ratio: no joint 'elbow' in tiny; its joints, base to"),
+    "a joint off the chain": ("ratio = { f = 1.0 }", "actuators.m.ratio: no joint 'f' in tiny"),
+    "no ratio": ("offset = 1.0", "actuators.m.ratio must be a table of joint = number; got None; write ratio = {"),
+    "an empty ratio": ("ratio = {}", "actuators.m.ratio must be a table of joint = number"),
+    "a ratio of zero": ("ratio = { a = 0.0 }", "actuators.m.ratio.a must be finite and not 0; got 0"),
+    "a ratio without end": ("ratio = { a = inf }", "actuators.m.ratio.a must be finite and not 0; got inf"),
+    "a ratio in words": ('ratio = { a = "100:1" }', "actuators.m.ratio.a must be a number (rad or m); got '100:1'"),
+    "an offset without end": ("ratio = { a = 1.0 }\noffset = inf", "actuators.m.offset must be finite; got inf"),
+    "an unknown entry": ("ratio = { a = 1.0 }\ngear = 3", "unknown entry 'gear' in actuators.m"),
+    "an unknown unit": ('ratio = { a = 1.0 }\nunit = "ticks"', "'m' counts in 'ticks'; allowed: rad, deg, turn, tick"),
+    "a unit that is a number": ("ratio = { a = 1.0 }\nunit = 1", "actuators.m.unit must be a text; got 1"),
+    "no ticks": ('ratio = { a = 1.0 }\nunit = "tick"', "'m' counts in ticks: give its ticks_per_turn"),
+    "ticks of zero": ("ratio = { a = 1.0 }\nticks_per_turn = 0", "'m': ticks_per_turn must be positive; got 0"),
+    "ticks in words": (
+        'ratio = { a = 1.0 }\nticks_per_turn = "4k"',
+        "actuators.m.ticks_per_turn must be a number (tick",
+    ),
+}
+
+
+@pytest.mark.parametrize("case", REFUSED)
+def test_bad_motors_in_one_line(case: str, tmp_path: Path) -> None:
+    text, message = REFUSED[case]
+    parts = joint("a", "base_link", "upper"), joint("b", "upper", "tool0"), joint("f", "upper", "finger")
+    write(tmp_path, robot(*parts, links=("base_link", "upper", "tool0", "finger")))
+    with pytest.raises(DescriptionError) as caught:
+        load_arm(write(tmp_path, f'source = "arm.urdf"\n[actuators.m]\n{text}', "arm.toml"))
+    assert message in str(caught.value)
+    assert str(caught.value).startswith(f"{tmp_path}/arm.toml: ")
+    assert "\n" not in str(caught.value)
+    assert [finding.code for finding in caught.value.findings] == ["arm-file-unusable"]
+
+
+def test_actuators_that_are_no_tables(tmp_path: Path) -> None:
+    write(tmp_path, two_joints())
+    for text, message in (("actuators = 3", "actuators must be a table"), ("[actuators]\nm = 3", "m must be a table")):
+        with pytest.raises(DescriptionError, match=message):
+            load_arm(write(tmp_path, f'source = "arm.urdf"\n{text}', "arm.toml"))
+
+
+def state(name: str, group: str, **values: float) -> str:
+    joints = "".join(f'<joint name="{joint}" value="{value}"/>' for joint, value in values.items())
+    return f'<group_state name="{name}" group="{group}">{joints}</group_state>'
+
+
+def with_states(folder: Path, *states: str) -> Path:
+    write(folder, f'<robot name="tiny">{"".join(states)}</robot>', "arm.srdf")
+    return write(folder, two_joints())
+
+
+def test_states_that_give_every_coordinate_are_named_states(tmp_path: Path) -> None:
+    path = with_states(
+        tmp_path,
+        state("ready", "arm", a=0.3, b=-0.4),
+        state("folded", "all", a=0.1, b=0.2, finger=0.01),
+        state("open", "hand", finger=0.02),
+        state("half", "arm", a=0.1),
+        state("beyond", "arm", a=0.1, b=1.2),
+    )
+    arm = load_arm(path)
+    assert {name: theta.tolist() for name, theta in arm.named_states.items()} == {
+        "ready": [0.3, -0.4], "folded": [0.1, 0.2],
+    }  # fmt: skip
+    assert arm.ready.tolist() == [0.3, -0.4]
+    said = {finding.code: str(finding) for finding in arm.findings}
+    assert "group_state 'half': it says nothing of 'b'; it is left out" in said["state-incomplete"]
+    assert "group_state 'beyond': b = 1.2 lies outside its limits [-1, 1]; it is left" in said["state-outside-limits"]
+    assert said["state-outside-limits"].startswith("warning: ")
+    assert "gives 2 named poses" in said["srdf-found"]
+
+
+def test_a_state_rounded_beyond_a_limit_is_put_onto_it(tmp_path: Path) -> None:
+    arm = load_arm(with_states(tmp_path, state("end", "arm", a=1.0000499, b=-1.00009)))
+    assert arm.named_states["end"].tolist() == [1.0, -1.0]
+    assert load_arm(with_states(tmp_path, state("end", "arm", a=1.0002, b=0.0))).named_states == {}
+
+
+def test_the_arms_own_poses_win_over_states_and_its_group_over_others(tmp_path: Path) -> None:
+    group = '<group name="arm"><chain base_link="base_link" tip_link="tool0"/></group>'
+    path = with_states(tmp_path, state("home", "all", a=0.1, b=0.1), state("home", "arm", a=0.2, b=0.2), group)
+    assert load_arm(path).named_states["home"].tolist() == [0.2, 0.2]
+    assert load_arm(path, tip="tool0").named_states["home"].tolist() == [0.2, 0.2]
+    toml = write(tmp_path, 'source = "arm.urdf"\n[poses.home]\na = 0.3\nb = 0.3', "arm.toml")
+    assert load_arm(toml).named_states["home"].tolist() == [0.3, 0.3]
+
+
+def test_states_with_a_locked_joint(tmp_path: Path) -> None:
+    path = with_states(tmp_path, state("home", "arm", a=0.1, b=0.1), state("up", "arm", a=0.2, b=0.2))
+    arm = load_arm(path, locked={"a": 0.2})
+    assert {name: theta.tolist() for name, theta in arm.named_states.items()} == {"up": [0.2]}
+    assert "pose-left-out" in codes(arm)
+
+
+def test_the_bundled_arms_load_with_a_joint_locked_and_with_another_tip() -> None:
+    assert "ready" in load_arm("rover_arm", locked={"slide": 0.0}).named_states
+    assert load_arm("rover_arm", tip="forearm").joint_names == ("slide", "shoulder", "elbow")

@@ -1,0 +1,176 @@
+"""joint_limits.yaml as MoveIt, ros2_control and UR write it, over the description's limits."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from twistarm import Arm, DescriptionError, load_arm
+from twistarm.description.joint_limits import read_joint_limits
+from urdf_text import two_joints, write
+
+MOVEIT = """
+default_velocity_scaling_factor: 0.1
+default_acceleration_scaling_factor: 0.1
+joint_limits:
+  a:
+    has_velocity_limits: true
+    max_velocity: 0.5
+    has_acceleration_limits: true
+    max_acceleration: 3
+    has_jerk_limits: true
+    max_jerk: 1e2
+  b:
+    has_velocity_limits: false
+    max_velocity: 9.0
+    has_position_limits: true
+    min_position: !degrees -30
+    max_position: !degrees 45
+    max_effort: 7.0
+  finger:
+    max_velocity: 1.0
+"""
+
+
+def codes(arm: Arm) -> list[str]:
+    return [finding.code for finding in arm.findings]
+
+
+def test_what_the_file_gives_replaces_and_what_it_switches_off_does_not(tmp_path: Path) -> None:
+    arm = load_arm(write(tmp_path, two_joints()), limits=write(tmp_path, MOVEIT, "joint_limits.yaml"))
+    limits = arm.limits
+    assert limits.velocity.tolist() == [0.5, 2.0]
+    assert limits.acceleration.tolist() == [3.0, np.inf]
+    assert limits.jerk.tolist() == [100.0, np.inf]
+    assert limits.effort.tolist() == [3.0, 7.0]
+    assert np.allclose(limits.lower, [-1.0, np.radians(-30)])
+    assert np.allclose(limits.upper, [1.0, np.radians(45)])
+    assert codes(arm) == ["limits-not-scaled", "limits-of-others"]
+    assert "'finger'" in arm.findings[1].what
+    assert "default_velocity_scaling_factor 0.1 and default_acceleration_scaling_factor 0.1" in arm.findings[0].what
+
+
+NESTED = {
+    "ros2 parameters": "/**:\n  ros__parameters:\n    joint_limits:\n      a: {max_velocity: 0.5}",
+    "MoveIt's parameters": (
+        "move_group:\n  ros__parameters:\n    robot_description_planning:\n      joint_limits:\n"
+        "        a: {has_velocity_limits: true, max_velocity: 0.5}"
+    ),
+    "ros2_control's": (
+        "joint_limits:\n  a: {has_velocity_limits: true, max_velocity: 0.5, has_deceleration_limits: true, "
+        "max_deceleration: 1.0, has_soft_limits: true, k_position: 1.0, k_velocity: 1.0, soft_lower_limit: 0.0, "
+        "soft_upper_limit: 0.1, angle_wraparound: false}"
+    ),
+}
+
+
+@pytest.mark.parametrize("case", NESTED)
+def test_wherever_the_mapping_stands(case: str, tmp_path: Path) -> None:
+    arm = load_arm(write(tmp_path, two_joints()), limits=write(tmp_path, NESTED[case], "l.yaml"))
+    assert arm.limits.velocity.tolist() == [0.5, 2.0]
+    assert codes(arm) == []
+
+
+def test_arm_toml_names_a_file_and_corrects_it(tmp_path: Path) -> None:
+    """Description, then the file, then [limits], then the caller."""
+    write(tmp_path, two_joints())
+    write(tmp_path, "joint_limits: {a: {max_velocity: 0.5, max_acceleration: 3.0}}", "l.yaml")
+    text = 'source = "arm.urdf"\njoint_limits = "l.yaml"\n[limits]\na.acceleration = 4.0\n'
+    path = write(tmp_path, text, "arm.toml")
+    arm = load_arm(path)
+    assert (arm.limits.velocity.tolist(), arm.limits.acceleration.tolist()) == ([0.5, 2.0], [4.0, np.inf])
+    assert load_arm(path, limits={"velocity": {"a": 0.1}}).limits.velocity.tolist() == [0.1, 2.0]
+    file = write(tmp_path, "joint_limits: {a: {max_velocity: 0.2}}", "m.yaml")
+    arm = load_arm(path, limits=str(file))
+    assert (arm.limits.velocity.tolist(), arm.limits.acceleration.tolist()) == ([0.2, 2.0], [4.0, np.inf])
+    with pytest.raises(DescriptionError, match="arm.toml: joint_limits 'no.yaml' does not exist beside it"):
+        load_arm(write(tmp_path, text.replace("l.yaml", "no.yaml"), "arm.toml"))
+
+
+def test_zero_means_not_given_and_an_unknown_entry_is_said(tmp_path: Path) -> None:
+    path = write(tmp_path, two_joints())
+    arm = load_arm(path, limits=write(tmp_path, "joint_limits: {a: {max_velocity: 0, max_effort: 0.0}}", "l.yaml"))
+    assert arm.limits.velocity.tolist() == [2.0, 2.0]
+    assert codes(arm) == ["limits-empty"]
+    arm = load_arm(path, limits=write(tmp_path, "joint_limits: {a: {max_velocty: 1}}", "l.yaml"))
+    assert codes(arm) == ["limits-entry-unknown", "limits-empty"]
+    assert "unknown and left out; closest: 'max_velocity'" in str(arm.findings[0])
+
+
+def test_a_locked_joint_may_stand_in_the_file(tmp_path: Path) -> None:
+    file = write(tmp_path, "joint_limits: {a: {max_velocity: 0.5}, b: {max_velocity: 0.6}}", "l.yaml")
+    arm = load_arm(write(tmp_path, two_joints()), limits=file, locked={"a": 0.1})
+    assert arm.limits.velocity.tolist() == [0.6]
+
+
+REFUSED = {
+    "of another robot": ("joint_limits: {x: {max_velocity: 1}}", "its joints are 'x'; the arm's are 'a', 'b'; is it"),
+    "nothing": ("", "it holds no joint_limits (at the top: no mapping)"),
+    "a list": ("joint_limits: [a, b]", "joint_limits must be a mapping by joint; got ['a', 'b']"),
+    "another format": (
+        "joint_names: [a]\nmaximum_velocities: [1]",
+        "(at the top: 'joint_names', 'maximum_velocities')",
+    ),
+    "two of them": ("x: {joint_limits: {a: {}}}\ny: {joint_limits: {a: {}}}", "it holds joint_limits in 2 places"),
+    "a joint that is a number": ("joint_limits: {a: 1.0}", "joint 'a' must be a mapping such as {max_velocity: 1.0}"),
+    "a word": ("joint_limits: {a: {max_velocity: fast}}", "joint 'a': max_velocity must be a number"),
+    "a truth": ("joint_limits: {a: {max_velocity: true}}", "joint 'a': max_velocity must be a number"),
+    "no number": ("joint_limits: {a: {max_velocity: .nan}}", "joint 'a': max_velocity must be a number"),
+    "nothing given": ("joint_limits: {a: {max_velocity: }}", "must be a number (rad or m, or !degrees); got None"),
+    "negative": ("joint_limits: {a: {max_velocity: -1}}", "joint 'a': max_velocity must not be negative; got -1"),
+    "a switch in words": (
+        "joint_limits: {a: {has_velocity_limits: 'on'}}",
+        "has_velocity_limits must be true or false",
+    ),
+    "swapped": (
+        "joint_limits: {a: {min_position: 1, max_position: -1}}",
+        "joint 'a': min_position 1 lies above max_position -1; swap them",
+    ),
+    "disjoint": ("joint_limits: {a: {min_position: 2}}", "limits of a are swapped or disjoint: lower 2 > upper 1"),
+}
+
+
+@pytest.mark.parametrize("case", REFUSED)
+def test_refused_in_one_line(case: str, tmp_path: Path) -> None:
+    text, message = REFUSED[case]
+    with pytest.raises(DescriptionError) as caught:
+        load_arm(write(tmp_path, two_joints()), limits=write(tmp_path, text, "joint_limits.yaml"))
+    assert message in str(caught.value)
+    assert "joint_limits.yaml: " in str(caught.value)
+    assert "\n" not in str(caught.value)
+    assert caught.value.findings[-1].code == "limits-unusable"
+
+
+def test_files_that_are_none(tmp_path: Path) -> None:
+    for path in (tmp_path / "no.yaml", tmp_path):
+        with pytest.raises(DescriptionError, match="no such file; give the path of a joint_limits.yaml"):
+            read_joint_limits(path)
+    with pytest.raises(DescriptionError, match="it has 300014 bytes; joint limits have at most 250000"):
+        read_joint_limits(write(tmp_path, "joint_limits:\n" + "#" * 300_000, "big.yaml"))
+
+
+def test_the_file_of_a_ur5e(models: Path) -> None:
+    """The same figures come in through its xacro, which reads the same file by itself."""
+    source, arguments = models / "ur_description/urdf/ur.urdf.xacro", {"name": "ur", "ur_type": "ur5e"}
+    plain = load_arm(source, xacro_args=arguments)
+    arm = load_arm(source, xacro_args=arguments, limits=models / "ur_description/config/ur5e/joint_limits.yaml")
+    for field in ("lower", "upper", "velocity", "effort", "acceleration"):
+        assert np.allclose(getattr(arm.limits, field), getattr(plain.limits, field)), field
+    other = load_arm(source, xacro_args=arguments, limits=models / "ur_description/config/ur10e/joint_limits.yaml")
+    assert np.allclose(other.limits.velocity[:2], np.radians(120))
+
+
+def test_real_files_that_give_nothing_say_so(models: Path) -> None:
+    folder = models / "robojackets_walliiarmv3"
+    arm = load_arm(
+        folder / "urc_gazebo/urdf/WalliiArmV3.urdf", limits=folder / "urc_arm_moveit_config/config/joint_limits.yaml"
+    )
+    assert {"limits-empty", "limits-not-scaled", "limits-of-others"} <= set(codes(arm))
+    with pytest.raises(DescriptionError, match="it holds no joint_limits .at the top: 'joint_names', 'maximum_veloc"):
+        load_arm(
+            models / "kortex_description/robots/gen3.xacro",
+            xacro_args={"dof": 7},
+            limits=models / "kortex_description/arms/gen3/7dof/config/joint_limits.yaml",
+        )

@@ -1,0 +1,140 @@
+"""SRDF read: what it says, what is refused with its line, and Pinocchio's own reader as a witness."""
+
+from __future__ import annotations
+
+import xml.etree.ElementTree as ET
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from catalogue import load
+from twistarm import DescriptionError
+from twistarm.description.srdf import read_srdf
+from urdf_text import write
+
+SRDF = """<?xml version="1.0"?>
+<robot name="tiny">
+  <virtual_joint name="world_joint" type="fixed" parent_frame="world" child_link="base_link"/>
+  <group name="arm"><chain base_link="base_link" tip_link="upper"/></group>
+  <group name="hand"><joint name="b"/><link name="tool0"/></group>
+  <group name="all"><group name="arm"/><group name="hand"/></group>
+  <group_state name="home" group="arm"><joint name="a" value="0.5"/><joint name="ball" value="0 0 0 1"/></group_state>
+  <end_effector name="gripper" parent_link="upper" group="hand" parent_group="arm"/>
+  <passive_joint name="spring"/>
+  <disable_collisions link1="upper" link2="base_link" reason="Adjacent"/>
+  <disable_default_collisions link="tool0"/>
+  <enable_collisions link1="tool0" link2="base_link"/>
+  <link_sphere_approximation link="upper"><sphere center="0 0 0" radius="1"/></link_sphere_approximation>
+</robot>"""
+
+
+def test_what_it_says(tmp_path: Path) -> None:
+    semantics = read_srdf(write(tmp_path, SRDF, "arm.srdf"))
+    assert semantics.name == "tiny"
+    assert list(semantics.groups) == ["arm", "hand", "all"]
+    assert semantics.groups["arm"].chains == (("base_link", "upper"),)
+    assert (semantics.groups["hand"].joints, semantics.groups["hand"].links) == (("b",), ("tool0",))
+    assert semantics.groups["all"].subgroups == ("arm", "hand")
+    (effector,) = semantics.end_effectors
+    assert (effector.name, effector.parent_link, effector.group, effector.parent_group) == (
+        "gripper", "upper", "hand", "arm",
+    )  # fmt: skip
+    (state,) = semantics.states
+    assert (state.name, state.group, state.values) == ("home", "arm", {"a": 0.5})
+    assert semantics.passive_joints == ("spring",)
+    assert semantics.virtual_joints == ("world_joint",)
+
+
+def test_pairs_that_need_no_check(tmp_path: Path) -> None:
+    """tool0 collides with nothing by default, but for base_link; links that are not there do not count."""
+    semantics = read_srdf(write(tmp_path, SRDF, "arm.srdf"))
+    assert semantics.disabled_pairs(["base_link", "upper", "tool0", "camera"]) == {
+        ("base_link", "upper"), ("tool0", "upper"), ("camera", "tool0"),
+    }  # fmt: skip
+    assert semantics.disabled_pairs(["upper"]) == frozenset()
+
+
+def test_xacro_is_expanded_with_the_arguments_it_takes(tmp_path: Path) -> None:
+    text = """<robot name="tiny" xmlns:xacro="http://www.ros.org/wiki/xacro">
+      <xacro:arg name="name" default="x"/><xacro:arg name="prefix" default=""/>
+      <group name="$(arg name)"><joint name="$(arg prefix)a"/></group></robot>"""
+    path = write(tmp_path, text, "arm.srdf.xacro")
+    semantics = read_srdf(path, xacro_args={"name": "arm", "prefix": "left_", "ur_type": "ur5e"})
+    assert semantics.groups["arm"].joints == ("left_a",)
+    assert read_srdf(path).groups["x"].joints == ("a",)
+
+
+REFUSED = {
+    "a group without a name": ('<group><joint name="a"/></group>', "arm.srdf:2: group: it has no name=; add name="),
+    "half a chain": (
+        '<group name="g"><chain base_link="a"/></group>',
+        "arm.srdf:2: chain: it has no tip_link=; add tip_link=",
+    ),
+    "a group twice": ('<group name="g"/><group name="g"/>', "arm.srdf:2: group 'g': a group of this name stands above"),
+    "a state in words": (
+        '<group_state name="s" group="g"><joint name="a" value="up"/></group_state>',
+        "arm.srdf:2: joint 'a': in group_state 's' its value is 'up'; give a number",
+    ),
+    "a state without end": (
+        '<group_state name="s" group="g"><joint name="a" value="inf"/></group_state>',
+        "its value is 'inf'",
+    ),
+    "half a pair": ('<disable_collisions link1="a"/>', "disable_collisions: it has no link2="),
+    "an end effector on nothing": ('<end_effector name="e" group="g"/>', "end_effector 'e': it has no parent_link="),
+    "groups without end": (
+        "".join(f'<group name="g{i}"/>' for i in range(201)),
+        "it has 201 elements <group>; allowed are 200",
+    ),
+    "links": ('<link name="base_link"/>', "it holds links, as a URDF does; is it an SRDF file?"),
+}
+
+
+@pytest.mark.parametrize("case", REFUSED)
+def test_refused_with_its_line(case: str, tmp_path: Path) -> None:
+    element, message = REFUSED[case]
+    with pytest.raises(DescriptionError) as caught:
+        read_srdf(write(tmp_path, f'<robot name="tiny">\n{element}</robot>', "arm.srdf"))
+    assert message in str(caught.value)
+    assert [finding.code for finding in caught.value.findings] == ["srdf-unusable"]
+
+
+NO_SRDF = {
+    "another root": ("<sdf/>", "its root element is <sdf>; is it an SRDF file?"),
+    "no name": ("<robot/>", "arm.srdf:1: robot: it has no name="),
+    "no XML": ("group: arm", "not well-formed XML"),
+    "a document type": ("<!DOCTYPE r [<!ENTITY a 'b'>]><robot name='t'/>", "a document type (<!DOCTYPE r>)"),
+    "too large": ("<robot name='t'>" + " " * 1_000_000 + "</robot>", "it has 1000024 bytes; an SRDF has at most"),
+}
+
+
+@pytest.mark.parametrize("case", NO_SRDF)
+def test_what_is_no_srdf(case: str, tmp_path: Path) -> None:
+    text, message = NO_SRDF[case]
+    with pytest.raises(DescriptionError) as caught:
+        read_srdf(write(tmp_path, text, "arm.srdf"))
+    assert message in str(caught.value)
+    with pytest.raises(DescriptionError, match="no.srdf: no such file; give the path of an SRDF"):
+        read_srdf(tmp_path / "no.srdf")
+
+
+@pytest.mark.parametrize("name", ["xarm7", "panda"])
+def test_named_states_are_pinocchios_reference_configurations(name: str) -> None:
+    import pinocchio
+
+    arm = load(name)
+    assert arm.description is not None
+    assert arm.description.path is not None
+    model = pinocchio.buildModelFromUrdf(str(arm.description.path))
+    path = next((arm.description.path.parents[1] / "srdf").glob(f"{name}.srdf"))
+    pinocchio.loadReferenceConfigurations(model, str(path), False)
+    references = {entry.key(): entry.data() for entry in model.referenceConfigurations}
+    assert set(arm.named_states) == set(references)
+    for state, theta in arm.named_states.items():
+        q = references[state]
+        expected = [q[model.joints[model.getJointId(joint)].idx_q] for joint in arm.joint_names]
+        assert np.allclose(theta, expected, atol=1e-12)
+    written = {(e.get("link1"), e.get("link2")) for e in ET.parse(path).getroot().iter("disable_collisions")}
+    links = set(arm.description.links)
+    assert arm.disabled_pairs == {tuple(sorted(pair)) for pair in written if set(pair) <= links}
+    assert len(arm.disabled_pairs) > 10
