@@ -12,7 +12,7 @@ import pytest
 
 ROOT = Path(__file__).parents[1]
 README = (ROOT / "README.md").read_text("utf-8")
-BLOCKS = re.findall(r"(?:<!-- (?P<mark>[a-z ]+) -->\n)?```(?P<kind>\w+)\n(?P<text>.*?)```", README, flags=re.S)
+BLOCKS = re.findall(r"(?:<!-- (?P<mark>[a-z_./ ]+) -->\n)?```(?P<kind>\w+)\n(?P<text>.*?)```", README, flags=re.S)
 
 PROGRAMS = [text for mark, kind, text in BLOCKS if kind == "python"]
 COMMANDS = [
@@ -22,6 +22,8 @@ COMMANDS = [
     for line in text.splitlines()
     if line.strip() and not line.startswith("#")
 ]
+FILES = {mark.removeprefix("file "): text for mark, _, text in BLOCKS if mark.startswith("file ")}
+PRINTED = [text for mark, _, text in BLOCKS if mark == "output"]
 
 
 @pytest.fixture(scope="module")
@@ -33,7 +35,16 @@ def workspace(tmp_path_factory: pytest.TempPathFactory) -> Path:
     for file in robot.glob("*.xacro"):
         name = "my_arm.urdf.xacro" if file.name == "rover_arm.urdf.xacro" else file.name
         (folder / "my_arm" / name).write_bytes(file.read_bytes())
+    for file, text in FILES.items():
+        (folder / file).write_text(text, "utf-8")
     return folder
+
+
+def run(line: str, folder: Path) -> subprocess.CompletedProcess[str]:
+    program, *arguments = shlex.split(line, comments=True)
+    assert program == "twistarm", f"a command the tests do not know: {line}"
+    path = Path(sys.executable).with_name("twistarm")
+    return subprocess.run([path, *arguments], cwd=folder, capture_output=True, text=True, timeout=120, check=False)
 
 
 def test_the_readme_has_programs_and_commands() -> None:
@@ -44,13 +55,23 @@ def test_the_readme_has_programs_and_commands() -> None:
 def test_every_command(workspace: Path) -> None:
     """In the order of the README, in one folder: later ones use what earlier ones wrote."""
     for line in COMMANDS:
-        program, *arguments = shlex.split(line, comments=True)
-        assert program == "twistarm", f"a command the tests do not know: {line}"
-        path = Path(sys.executable).with_name("twistarm")
-        done = subprocess.run(
-            [path, *arguments], cwd=workspace, capture_output=True, text=True, timeout=120, check=False
-        )
+        done = run(line, workspace)
         assert done.returncode == 0, f"{line}\n{done.stdout}\n{done.stderr}"
+
+
+def test_what_is_printed_is_what_is_shown(workspace: Path) -> None:
+    assert PRINTED
+    for text in PRINTED:
+        command, _, shown = text.partition("\n")
+        printed = run(command.removeprefix("$ "), workspace).stdout
+        assert [line.rstrip() for line in printed.splitlines()] == shown.splitlines()
+
+
+def test_an_arm_file_with_everything_in_it(workspace: Path) -> None:
+    done = run("twistarm info my_arm/our_arm.toml", workspace)
+    assert done.returncode == 0, done.stderr
+    assert "our_arm: 4 degrees of freedom from base_link to pen" in done.stdout
+    assert "4096" in done.stdout
 
 
 def test_every_program(workspace: Path) -> None:

@@ -8,10 +8,13 @@ Murray, Li & Sastry and in Pinocchio; s is the space frame (the base link), t th
 from typing import TYPE_CHECKING, Any
 
 from . import joints, poe, rotations, screws
+from .actuators import Actuators
 from .arm import Arm, Coupling, Proof
+from .arm_builder import ArmBuilder
 from .building import arm_from_screws
 from .comparison import Comparison, CrossCheck, crosscheck
 from .description.findings import Finding
+from .doctor import diagnose
 from .errors import (
     ComparisonError,
     DescriptionError,
@@ -35,8 +38,10 @@ if TYPE_CHECKING:
 __version__ = "0.1.0"
 
 __all__ = [
+    "Actuators",
     "Approach",
     "Arm",
+    "ArmBuilder",
     "Comparison",
     "ComparisonError",
     "Coupling",
@@ -64,6 +69,7 @@ __all__ = [
     "available_arms",
     "compare",
     "crosscheck",
+    "diagnose",
     "freeze",
     "joints",
     "load_arm",

@@ -10,7 +10,7 @@ from collections.abc import Sequence
 import typer
 
 from ..errors import TwistarmError
-from . import checking, demonstration, inspection, inverse, kinematics, motion, viewing
+from . import checking, demonstration, doctor, init, inspection, inverse, kinematics, motion, viewing
 from .wording import as_typed
 
 BAD_ANSWER, BAD_INPUT, BUG, INTERRUPTED = 1, 2, 70, 130
@@ -27,8 +27,10 @@ app = typer.Typer(
 app.command()(demonstration.demo)
 app.command()(inspection.arms)
 app.command()(inspection.info)
+app.command()(init.init)
 app.command()(checking.check)
 app.command()(checking.freeze)
+app.command()(doctor.doctor)
 app.command()(kinematics.fk)
 app.command()(kinematics.jacobian)
 app.command()(inverse.ik)

@@ -9,18 +9,29 @@ import typer
 
 from ..arm import Arm
 from ..comparison import CrossCheck, crosscheck
+from ..doctor.folder import is_part
+from ..errors import InputError, TwistarmError
 from ..golden import Difference, compare
 from ..golden import freeze as write_golden
-from .options import Json, takes_arm
+from ..loading import load_arm
+from .folders import PART, Line, refused, walk
+from .options import Json, takes_arm, takes_source
 from .output import console, print_json, progress_bar, table
 
 Against = Annotated[Path | None, typer.Option(metavar="FILE", help="A golden file: say what has changed since.")]
 Samples = Annotated[int, typer.Option(min=1, max=1_000_000, help="Random configurations to compare at.")]
 
 
-@takes_arm
-def check(arm: Arm, samples: Samples = 1000, against: Against = None, json: Json = False) -> int:
-    """Prove product of exponentials = Pinocchio = yourdfpy; with --against, say in words what has changed."""
+@takes_source
+def check(
+    source: str, load: dict[str, Any], samples: Samples = 1000, against: Against = None, json: Json = False
+) -> int:
+    """Prove product of exponentials = Pinocchio = yourdfpy, for an arm or a folder; --against says what has changed."""
+    if Path(source).is_dir():
+        if against is not None:
+            raise InputError("--against compares one arm with its golden file; name that arm instead of a folder")
+        return walk(Path(source), "check", lambda path: _line(path, load, samples), json=json)
+    arm = load_arm(source, **load)
     difference = None if against is None else compare(arm, against)
     with progress_bar("cross-check") as progress:
         result = crosscheck(arm, samples, progress=progress)
@@ -31,6 +42,20 @@ def check(arm: Arm, samples: Samples = 1000, against: Against = None, json: Json
         if against is not None and difference is not None:
             _print_difference(difference, against)
     return 0 if result.ok and (difference is None or difference.same) else 1
+
+
+def _line(path: Path, load: dict[str, Any], samples: int) -> Line:
+    """The cross-check of one file of a folder."""
+    try:
+        arm = load_arm(path, **load)
+    except TwistarmError as error:
+        findings = getattr(error, "findings", ())
+        why = next((one.what for one in findings if one.severity == "error"), str(error))
+        return Line(PART, None) if is_part(path, findings) else refused(why, error=str(error))
+    result = crosscheck(arm, samples)
+    worst = max((row.worst for row in result.comparisons if not row.not_compared), default=0.0)
+    verdict = "ok" if result.ok else "WRONG"
+    return Line(verdict, result.ok, arm.n, f"worst difference {worst:.1e}", {"worst": worst})
 
 
 @takes_arm

@@ -91,7 +91,7 @@ def _missing(solution: IKSolution) -> list[str]:
     if solution.position_error > solution.tolerances.position:
         lines = [f"the nearest position the arm reaches inside its limits is {_length(solution.position_error)} away"]
         missed = out_of_surface(solution.arm, solution.target, solution.theta)
-        return lines + [f"the arm cannot move its tool along {_axis(axis, 'base')} at all" for axis in missed]
+        return lines + [f"the arm cannot move its tool along {axis_in_words(axis, 'base')} at all" for axis in missed]
     return _missing_rotation(solution, split_rotation(solution.arm, solution.target, solution.theta))
 
 
@@ -100,20 +100,21 @@ def _missing_rotation(solution: IKSolution, split: Split) -> list[str]:
     if split.impossible > NEGLIGIBLE:
         lines.append(
             f"{_degrees(split.impossible)} of the rotation cannot be done at all: with the position held, "
-            f"no joint turns the tool about {_axis(split.axis, 'tool')}"
+            f"no joint turns the tool about {axis_in_words(split.axis, 'tool')}"
         )
     plane = approach_plane(solution.arm, solution.target, solution.theta)
     if plane is not None and plane.angle > NEGLIGIBLE:
         lines.append(
             f"the approach is {_degrees(plane.angle)} out of the arm's plane, "
-            f"whose normal is {_axis(plane.normal, 'base')}"
+            f"whose normal is {axis_in_words(plane.normal, 'base')}"
         )
     if split.prevented > NEGLIGIBLE:
         lines.append(f"{_degrees(split.prevented)} of the rotation are prevented by limits or reach")
     return lines
 
 
-def _axis(axis: Array, frame: str) -> str:
+def axis_in_words(axis: Array, frame: str) -> str:
+    """A unit vector (3,) by the name of the axis it lies along, of the "base" or the "tool", else in numbers."""
     largest = int(np.argmax(np.abs(axis)))
     if abs(axis[largest]) >= ALONG_AXIS:
         owner = "its" if frame == "tool" else "the base's"

@@ -1,0 +1,167 @@
+"""`doctor`: what is wrong with a description, what it means, and what to do about it."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Annotated, Any
+
+import typer
+from rich.markup import escape
+from rich.table import Table
+
+from ..description.findings import CODES, Finding
+from ..description.findings import refused as refusal_of
+from ..doctor import Diagnosis, examine
+from ..doctor.codes import codes_page
+from ..doctor.folder import is_part
+from ..doctor.repair import Repair, write_repaired
+from ..doctor.statements import summary
+from ..errors import TwistarmError
+from .folders import PART, Line, refused, walk
+from .options import Json, takes_source
+from .output import console, finding_json, print_json
+from .wording import as_typed
+
+COLOURS = {"error": "bold red", "warning": "yellow", "info": "cyan"}
+
+
+def _print_codes(wanted: bool) -> None:
+    if wanted:
+        print(codes_page(), end="")
+        raise typer.Exit
+
+
+Strict = Annotated[bool, typer.Option("--strict", help="Exit with 1 for warnings too.")]
+Fix = Annotated[
+    Path | None,
+    typer.Option("--fix", metavar="OUT.urdf", help="Write a copy with the safe repairs made; the original stays."),
+]
+Codes = Annotated[
+    bool,
+    typer.Option("--codes", is_eager=True, callback=_print_codes, help="List the codes of all findings, in Markdown."),
+]
+
+
+@takes_source
+def doctor(
+    source: str,
+    load: dict[str, Any],
+    strict: Strict = False,
+    fix: Fix = None,
+    codes: Codes = False,
+    json: Json = False,
+) -> int:
+    """Say what is wrong with a description or an arm, what it means and the remedy; ARM may be a folder of them."""
+    if Path(source).is_dir():
+        return walk(Path(source), "doctor", lambda path: _line(path, load, strict), json=json)
+    diagnosis = examine(source, **load)
+    _require_file(diagnosis, source)
+    written = None if fix is None or diagnosis.description is None else write_repaired(diagnosis.description, fix)
+    if json:
+        print_json(_as_json(source, diagnosis, written))
+    else:
+        _print(source, diagnosis)
+        _print_repair(fix, written)
+    return 0 if _good(diagnosis, strict) and (fix is None or written is not None) else 1
+
+
+def _good(diagnosis: Diagnosis, strict: bool) -> bool:
+    return diagnosis.worst not in (("error", "warning") if strict else ("error",))
+
+
+def _require_file(diagnosis: Diagnosis, source: str) -> None:
+    """A file that does not exist is the caller's error, not the doctor's business."""
+    if any(one.code == "file-not-found" and one.place.file == source for one in diagnosis.findings):
+        raise refusal_of(diagnosis.findings)
+
+
+def _print(source: str, diagnosis: Diagnosis) -> None:
+    out = console()
+    out.print(f"[bold]{escape(_name(source, diagnosis))}[/bold]: {escape(_abilities(diagnosis))}")
+    if diagnosis.findings:
+        out.print(_page(diagnosis))
+    out.print(counted(diagnosis.findings))
+
+
+def _name(source: str, diagnosis: Diagnosis) -> str:
+    known = diagnosis.arm or diagnosis.description
+    return known.name if known else source
+
+
+def _abilities(diagnosis: Diagnosis) -> str:
+    arm, able = diagnosis.arm, diagnosis.able
+    if arm is None or able is None:
+        return "no arm until the errors below are mended"
+    return f"{arm.n} joint{'s' * (arm.n > 1)} from {arm.base} to {arm.tip}; {summary(arm, able)}"
+
+
+def _page(diagnosis: Diagnosis) -> Table:
+    page = Table(show_header=False, show_lines=True)
+    page.add_column(no_wrap=True)
+    page.add_column(overflow="fold")
+    for one in diagnosis.findings:
+        colour = COLOURS[one.severity]
+        place, what, remedy = (escape(as_typed(text)) for text in (str(one.place), one.what, one.remedy))
+        said = [f"[dim]{place}[/dim]", what, f"→ {remedy}" if remedy else ""]
+        page.add_row(f"[{colour}]{one.severity}[/{colour}]\n{one.code}", "\n".join(part for part in said if part))
+    return page
+
+
+def counted(findings: tuple[Finding, ...]) -> str:
+    """`1 warning, 3 remarks`."""
+    words = {"error": "error", "warning": "warning", "info": "remark"}
+    numbers = {word: sum(one.severity == severity for one in findings) for severity, word in words.items()}
+    return ", ".join(f"{n} {word}{'s' * (n > 1)}" for word, n in numbers.items() if n) or "nothing to remark"
+
+
+def _print_repair(fix: Path | None, written: tuple[Path, Repair] | None) -> None:
+    if fix is None:
+        return
+    if written is None:
+        print(f"{fix} not written: mend the errors above first")
+        return
+    _, made = written
+    for change in made.changes:
+        print(f"repaired: {change}")
+    complaint = f"Pinocchio's own parser still refuses it: {made.complaint}"
+    reads = complaint if made.complaint else "Pinocchio's own parser reads it"
+    print(f"written: {fix} ({_repairs(made)}; the same links, joints, limits and poses; {reads})")
+
+
+def _repairs(made: Repair) -> str:
+    n = len(made.changes)
+    return f"{n} repair{'s' * (n > 1)}" if n else "nothing to repair"
+
+
+def _as_json(source: str, diagnosis: Diagnosis, written: tuple[Path, Repair] | None) -> dict[str, Any]:
+    arm, able = diagnosis.arm, diagnosis.able
+    content: dict[str, Any] = {
+        "source": source,
+        "arm": _name(source, diagnosis),
+        "n": arm and arm.n,
+        "directions": able and {"position": able.position, "rotation_in_place": able.turning},
+        "findings": [finding_json(one) | {"meaning": CODES[one.code].meaning} for one in diagnosis.findings],
+    }
+    if written is not None:
+        path, made = written
+        content |= {"written": str(path), "repairs": made.changes, "pinocchio_complaint": made.complaint}
+    return content
+
+
+def _line(path: Path, load: dict[str, Any], strict: bool) -> Line:
+    try:
+        diagnosis = examine(path, **load)
+    except TwistarmError as error:
+        return refused(str(error))
+    found = diagnosis.findings
+    if is_part(path, found):
+        return Line(PART, None)
+    more = {"findings": [finding_json(one) for one in found]}
+    if diagnosis.arm is None:
+        return refused(found[0].what, **more)
+    return Line(counted(found), _good(diagnosis, strict), diagnosis.arm.n, _grave(found), more)
+
+
+def _grave(findings: tuple[Finding, ...]) -> str:
+    """The codes of what is more than a remark."""
+    return ", ".join(dict.fromkeys(one.code for one in findings if one.severity != "info"))

@@ -1,0 +1,53 @@
+"""The tool frame: whether there is one beyond the last joint, and what else could have been meant."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterator
+
+import numpy as np
+
+from ..arm import Arm
+from ..description.findings import Finding, finding
+from ..description.tips import TIP_PATTERNS
+from ..description.tree import Description
+from ..errors import listed
+from .wording import SHOWN
+
+SNIPPET = '[tool]\nname = "tool"\nxyz = [0.0, 0.0, 0.1]\nrpy = [0.0, 0.0, 0.0]'
+
+
+def check_tool(arm: Arm, description: Description) -> Iterator[Finding]:
+    """A tip that is the last joint's own link, and is not called a tool: its origin lies on that joint's axis."""
+    last = description.chain(arm.base, arm.tip_link)[-1]
+    named = any(re.fullmatch(pattern, arm.tip_link, re.IGNORECASE) for pattern in TIP_PATTERNS)
+    if last.moving and last.type != "prismatic" and not named and np.array_equal(arm.tool, np.eye(4)):
+        yield finding(
+            "tool-frame-missing",
+            description.place(description.links[arm.tip_link]),
+            f"the tool is the frame of {last.name} itself: its origin lies on that joint's axis, "
+            "and nothing says where the arm grips",
+            f"say in arm.toml where the tool is, seen from {arm.tip_link} [m, rad], for one:\n{SNIPPET}",
+        )
+
+
+def check_other_tips(arm: Arm, description: Description) -> Iterator[Finding]:
+    """Other ends of the tree that could have been meant, where nobody said which."""
+    below = _below(description, arm.tip_link)
+    others = [leaf for leaf in description.leaves if leaf not in below]
+    if others:
+        yield finding(
+            "several-tips",
+            description.place(description.links[arm.tip_link]),
+            f"taken as the tool, as nobody said which; the tree has other ends: {listed(others, SHOWN)}",
+            "pass tip= if another is meant",
+        )
+
+
+def _below(description: Description, link: str) -> set[str]:
+    """The link and whatever hangs on it."""
+    below = {link}
+    for joint in description.outward_joints():
+        if joint.parent in below:
+            below.add(joint.child)
+    return below

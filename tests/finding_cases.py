@@ -1,0 +1,265 @@
+"""For every code of a finding one small input that it is said about: files by name, and how they are loaded."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from typing import Any
+
+from urdf_text import joint, robot, two_joints
+
+XACRO = 'xmlns:xacro="http://www.ros.org/wiki/xacro"'
+
+
+@dataclass(frozen=True)
+class Case:
+    """Files (the first is the source), keywords of `load_arm`, and files of so many zero bytes."""
+
+    files: Mapping[str, str]
+    load: Mapping[str, Any] = field(default_factory=dict)
+    sizes: Mapping[str, int] = field(default_factory=dict)
+
+
+def urdf(text: str, **load: Any) -> Case:
+    return Case({"arm.urdf": text}, load)
+
+
+def xacro(body: str, *, files: Mapping[str, str] | None = None) -> Case:
+    """A two-joint arm with `body` in front of its links."""
+    text = two_joints().replace('<robot name="tiny">', f'<robot name="tiny" {XACRO}>{body}')
+    return Case({"arm.urdf.xacro": text, **(files or {})})
+
+
+def beside(name: str, text: str, *, arm: str | None = None, **load: Any) -> Case:
+    return Case({"arm.urdf": arm or two_joints(), name: text}, load)
+
+
+def toml(text: str, *, arm: str | None = None, **load: Any) -> Case:
+    return Case({"arm.toml": f'source = "arm.urdf"\n{text}', "arm.urdf": arm or two_joints()}, load)
+
+
+def limited(lower: str, upper: str, *, kind: str = "revolute", velocity: str = "1") -> Case:
+    limit = f'<limit lower="{lower}" upper="{upper}" velocity="{velocity}" effort="1"/>'
+    return urdf(two_joints(inside=limit, kind=kind))
+
+
+def with_body(mass: str = "1", ixx: str = "0.01", com: str = "0 0 0") -> Case:
+    inertia = f'ixx="{ixx}" iyy="0.01" izz="0.01" ixy="0" ixz="0" iyz="0"'
+    body = f'<inertial><origin xyz="{com}"/><mass value="{mass}"/><inertia {inertia}/></inertial>'
+    return urdf(two_joints().replace('<link name="upper"/>', f'<link name="upper">{body}</link>'))
+
+
+def with_mesh(content: str | None, scale: str = "1 1 1", size: int | None = None) -> Case:
+    """A mesh on the link `upper`; `size`: that many bytes of nothing instead."""
+    shape = f'<visual><geometry><mesh filename="part.stl" scale="{scale}"/></geometry></visual>'
+    text = two_joints().replace('<link name="upper"/>', f'<link name="upper">{shape}</link>')
+    files = {"arm.urdf": text} | ({} if content is None else {"part.stl": content})
+    return Case(files, sizes={} if size is None else {"part.stl": size})
+
+
+def triangle(size: float) -> str:
+    """An ASCII STL of one triangle with legs of that length."""
+    corners = (f"{size} 0 0", f"0 {size} 0", "0 0 0")
+    loop = "".join(f"vertex {corner}\n" for corner in corners)
+    return f"solid s\nfacet normal 0 0 1\nouter loop\n{loop}endloop\nendfacet\nendsolid s\n"
+
+
+def chain(*axes: str, xyz: str = "0 0 0.5", rpy: str = "0 0 0", tip: str = "tool0", kind: str = "revolute") -> str:
+    """Turning joints j0, j1, … about these axes, and a fixed tool beyond the last."""
+    links = tuple(f"l{i}" for i in range(len(axes) + 1))
+    parts = [
+        joint(f"j{i}", links[i], links[i + 1], kind=kind, inside=f'<axis xyz="{axis}"/>', xyz=xyz, rpy=rpy)
+        for i, axis in enumerate(axes)
+    ]
+    return robot(*parts, joint("mount", links[-1], tip, kind="fixed"), links=(*links, tip))
+
+
+def srdf(inside: str = "", name: str = "tiny") -> str:
+    return f'<robot name="{name}">{inside}</robot>'
+
+
+def limits_file(inside: str = "a: {has_velocity_limits: true, max_velocity: 1.0}", extra: str = "") -> str:
+    return f"{extra}\njoint_limits:\n  {inside}\n"
+
+
+PLANAR = joint("p", "base_link", "upper", kind="planar", inside='<limit velocity="1" effort="1"/>')
+LOOSE = joint("b", "upper", "tool0")
+POINTER = "version https://git-lfs.github.com/spec/v1\noid sha256:0\nsize 9\n"
+STATES = '<group name="g"><chain base_link="base_link" tip_link="tool0"/></group><group_state name="s" group="g">'
+FOUR = chain("0 0 1", "0 1 0", "0 1 0", "1 0 0")
+PLACEHOLDER = '<inertial><mass value="1"/><inertia ixx="1" iyy="1" izz="1" ixy="0" ixz="0" iyz="0"/></inertial>'
+MIMIC = '<mimic joint="a" multiplier="{}"/>'
+
+
+def follower(mimic: str, limit: str = '<limit lower="-1" upper="1" velocity="1" effort="1"/>') -> str:
+    """Joint b follows."""
+    return robot(joint("a", "base_link", "upper"), joint("b", "upper", "tool0", inside=mimic + limit))
+
+
+CASES: dict[str, Case] = {
+    # the file
+    "file-not-found": Case({"arm.toml": 'source = "gone.urdf"'}),
+    "file-unreadable": xacro('<xacro:include filename="folder/."/>', files={"folder/x.txt": ""}),
+    "arm-file-unusable": toml("speed = 3"),
+    "xml-malformed": urdf("<robot><link></robot>"),
+    "document-type-refused": urdf('<!DOCTYPE robot [<!ENTITY x "y">]><robot name="r"/>'),
+    "no-robot": urdf('<robot name="empty"/>'),
+    # the tree
+    "name-missing": urdf(two_joints().replace('<link name="upper"/>', '<link name="upper"/><link/>')),
+    "name-duplicate": urdf(robot(joint("a", "base_link", "upper"), joint("a", "upper", "tool0"))),
+    "end-missing": urdf(two_joints().replace('<child link="upper"/>', "")),
+    "link-undefined": urdf(robot(joint("a", "base_link", "uper"), LOOSE)),
+    "two-parents": urdf(robot(joint("a", "base_link", "tool0"), LOOSE, joint("c", "base_link", "upper"))),
+    "several-roots": urdf(robot(joint("a", "base_link", "upper"))),
+    "cycle": urdf(
+        robot(joint("a", "base_link", "upper"), joint("b", "x", "y"), joint("c", "y", "x"),
+              links=("base_link", "upper", "x", "y"))
+    ),
+    "too-deep": urdf(chain(*["0 0 1"] * 1200)),
+    "too-many-joints": urdf(chain(*["0 0 1"] * 260)),
+    # joints
+    "joint-type-unknown": urdf(two_joints(kind="rotary")),
+    "origin-malformed": urdf(two_joints(xyz="0 0")),
+    "axis-malformed": urdf(two_joints(inside='<axis xyz="0 z 1"/>')),
+    "axis-zero": urdf(two_joints(inside='<axis xyz="0 0 0"/>')),
+    "axis-not-unit": urdf(two_joints(inside='<axis xyz="0 0 2"/>')),
+    "limit-malformed": urdf(two_joints(inside='<limit lower="pi" upper="1" velocity="1" effort="1"/>')),
+    "limits-swapped": limited("1", "-1"),
+    "limit-incomplete": urdf(two_joints(inside='<limit lower="-1" velocity="1" effort="1"/>')),
+    "limit-zero-range": limited("0.5", "0.5"),
+    "velocity-not-given": limited("-1", "1", velocity="0"),
+    "effort-not-given": urdf(two_joints(inside='<limit lower="-1" upper="1" velocity="1" effort="-1"/>')),
+    "mimic-malformed": urdf(follower('<mimic joint="a" multiplier="half"/>')),
+    "mimic-master-missing": urdf(follower('<mimic joint="aa"/>')),
+    "mimic-master-unusable": urdf(robot(PLANAR, joint("b", "upper", "tool0", inside='<mimic joint="p"/>'))),
+    "planar-mimics": urdf(
+        robot(joint("p", "base_link", "upper", kind="planar", inside='<mimic joint="b"/>'), LOOSE)
+    ),
+    "planar-limits-ignored": urdf(robot(PLANAR, LOOSE)),
+    "mimic-circle": urdf(
+        robot(joint("a", "base_link", "upper", inside='<mimic joint="b"/>'),
+              joint("b", "upper", "tool0", inside='<mimic joint="a"/>'))
+    ),
+    "mimic-narrows-limits": urdf(follower(MIMIC.format(2))),
+    "mimic-outside-limits": urdf(follower(MIMIC.format(1), '<limit lower="0" upper="0" velocity="1" effort="1"/>')),
+    "locked-outside-limits": urdf(two_joints(), locked={"a": 2.0}),
+    # the chain
+    "no-tip": urdf(two_joints().replace("tool0", "gripper")),
+    "base-not-above-tip": urdf(two_joints(), base="tool0", tip="upper"),
+    "nothing-moves": urdf(two_joints(), tip="base_link"),
+    "floating-in-chain": urdf(two_joints(kind="floating")),
+    "tool-name-taken": toml('[tool]\nname = "upper"\n'),
+    "pose-unusable": toml("[poses.ready]\na = 0.0\n"),
+    "limits-unusable": beside("limits.yaml", "{", limits="limits.yaml"),
+    "pose-left-out": toml("[locked]\na = 0.5\n[poses.ready]\na = 0.0\nb = 0.0\n"),
+    "actuator-left-out": toml("[actuators.m]\nratio = { b = 2.0 }\n", tip="upper"),
+    # what stands beside
+    "srdf-found": beside("arm.srdf", srdf('<group name="g"><chain base_link="base_link" tip_link="tool0"/></group>')),
+    "srdf-ambiguous": Case({"arm.urdf": two_joints(), "one.srdf": srdf(), "two.srdf": srdf()}),
+    "srdf-ignored": beside("arm.srdf", "<robot"),
+    "srdf-unusable": beside("arm.srdf", "<robots/>", srdf="arm.srdf"),
+    "srdf-other-robot": beside("arm.srdf", srdf(name="other"), srdf="arm.srdf"),
+    "srdf-unknown-name": beside("arm.srdf", srdf('<group name="g"><joint name="zz"/></group>'), srdf="arm.srdf"),
+    "state-incomplete": beside("arm.srdf", srdf(f'{STATES}<joint name="a" value="0"/></group_state>')),
+    "state-outside-limits": beside(
+        "arm.srdf", srdf(f'{STATES}<joint name="a" value="3"/><joint name="b" value="0"/></group_state>')
+    ),
+    "limits-of-others": beside(
+        "limits.yaml",
+        limits_file("{a: {max_velocity: 1.0}, zz: {max_velocity: 1.0}}").replace("\n  {", " {"),
+        limits="limits.yaml",
+    ),
+    "limits-empty": beside("limits.yaml", limits_file("a: {has_velocity_limits: false}"), limits="limits.yaml"),
+    "limits-not-scaled": beside(
+        "limits.yaml", limits_file(extra="default_velocity_scaling_factor: 0.1"), limits="limits.yaml"
+    ),
+    "limits-entry-unknown": beside(
+        "limits.yaml", limits_file("a: {max_velocity: 1.0, max_speed: 2.0}"), limits="limits.yaml"
+    ),
+    # what hangs on the links
+    "mesh-missing": with_mesh(None),
+    "bad-geometry": urdf(
+        two_joints().replace(
+            '<link name="upper"/>', '<link name="upper"><visual><geometry><sphere/></geometry></visual></link>'
+        )
+    ),
+    "inertial-unusable": with_body(mass="1kg"),
+    # packages and xacro
+    "package-not-found": xacro('<gazebo file="$(find nowhere)/x"/>'),
+    "package-needed-not-found": xacro('<xacro:include filename="$(find nowhere)/x.xacro"/>'),
+    "xacro-argument-missing": xacro('<xacro:property name="h" value="$(arg height)"/><gazebo h="${h}"/>'),
+    "xacro-argument-unknown": urdf(two_joints(), xacro_args={"colour": "red"}),
+    "xacro-failed": xacro('<gazebo h="${height}"/>'),
+    "xacro-recursion": xacro('<xacro:macro name="m"><xacro:m/></xacro:macro><xacro:m/>'),
+    "xacro-expression-refused": xacro('<gazebo h="${().__class__}"/>'),
+    "xacro-too-large": xacro('<gazebo h="${9**9**9}"/>'),
+    "include-pattern-refused": xacro('<xacro:include filename="*/parts.xacro"/>'),
+    "file-outside-packages": xacro('<xacro:include filename="file:///etc/hostname"/>'),
+    "file-too-large": Case(
+        xacro('<xacro:include filename="big.xacro"/>').files, sizes={"big.xacro": 30_000_000}
+    ),
+    # limits
+    "limits-look-like-degrees": limited("-170", "170"),
+    "limits-look-like-millimetres": limited("0", "400", kind="prismatic"),
+    "limit-range-tiny": limited("-0.001", "0.001"),
+    "velocity-implausible": limited("-1", "1", velocity="180"),
+    "reach-implausible": urdf(chain("0 0 1", "0 1 0", xyz="300 0 0")),
+    # postures
+    "zero-outside-limits": limited("0.5", "1"),
+    "home-singular": urdf(chain("0 1 0", "0 1 0", "0 1 0")),
+    "ready-singular": Case(
+        {
+            "arm.toml": 'source = "arm.urdf"\n[poses.ready]\nj0 = 0.0\nj1 = 0.001\nj2 = 0.0\n',
+            "arm.urdf": chain("0 1 0", "0 1 0", "0 1 0"),
+        }
+    ),
+    # what the arm is able to do
+    "cannot-move": urdf(chain("0 0 1", "0 0 1", xyz="0.5 0 0")),
+    "cannot-turn": urdf(chain("0 0 1", "0 0 1", xyz="0.5 0 0")),
+    "cannot-turn-in-place": urdf(FOUR),
+    "joints-redundant": urdf(chain("0 0 1", "0 0 1", "0 0 1", "0 0 1", xyz="0.5 0 0")),
+    "joint-without-effect": urdf(
+        robot(
+            joint("a", "base_link", "upper", xyz="0 0 0"),
+            joint("b", "upper", "fore", xyz="0 0 0", inside=MIMIC.format(-1)),
+            joint("c", "fore", "tool0"),
+            links=("base_link", "upper", "fore", "tool0"),
+        )
+    ),
+    "joint-off-the-chain": urdf(
+        robot(
+            joint("a", "base_link", "tool0"), joint("finger", "tool0", "jaw"),
+            links=("base_link", "tool0", "jaw"),
+        )
+    ),
+    # axes
+    "axes-almost-exact": urdf(chain("0 0 1", "0 0 1", rpy="1.5708 0 0")),
+    # the tool
+    "tool-frame-missing": urdf(two_joints().replace("tool0", "flange")),
+    "several-tips": urdf(
+        robot(
+            joint("a", "base_link", "tool0"), joint("eye", "base_link", "camera", kind="fixed"),
+            links=("base_link", "tool0", "camera"),
+        )
+    ),
+    # bodies
+    "mass-tiny": with_body(mass="1e-9"),
+    "mass-implausible": with_body(mass="1500"),
+    "inertia-impossible": with_body(ixx="0.03"),
+    "inertia-implausible": with_body(mass="0.0001"),
+    "inertia-placeholder": urdf(
+        two_joints().replace('"/><link', f'">{PLACEHOLDER}</link><link').replace(
+            'name="tool0"/>', f'name="tool0">{PLACEHOLDER}</link>', 1
+        )
+    ),
+    "centre-of-mass-far": with_body(com="0 0 250"),
+    # meshes
+    "mesh-too-large": with_mesh(triangle(300.0)),
+    "mesh-too-small": with_mesh(triangle(0.3), scale="0.001 0.001 0.001"),
+    "mesh-lfs-pointer": with_mesh(POINTER),
+    "mesh-unreadable": with_mesh("solid nothing\nendsolid nothing\n"),
+    "mesh-not-looked-at": with_mesh("", size=30_000_000),
+}  # fmt: skip
+"""`engine-refuses` and `engines-disagree` have no input: they tell of a fault, ours or Pinocchio's."""
+
+FAULTS = ("engine-refuses", "engines-disagree")

@@ -1,0 +1,227 @@
+"""What plain Pinocchio refuses without a cause, or gets silently wrong, and what the user gets here instead.
+
+Each test shows Pinocchio's side on the file as it is, then ours, judged by a reading of the XML that shares no code
+with either. What is refused by name stands in test_urdf.py, what is repaired in test_troubles.py.
+"""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+import pinocchio
+import pytest
+
+from fuzz import reader
+from twistarm import Arm, crosscheck, load_arm
+from twistarm.errors import DescriptionError
+from urdf_text import joint, robot, two_joints, write
+
+GENERIC = "The XML stream does not contain a valid URDF model."
+
+
+def pinocchio_refuses(path: Path) -> bool:
+    """With the one sentence that names neither joint nor cause."""
+    with pytest.raises(ValueError, match=GENERIC):
+        pinocchio.buildModelFromXML(path.read_text("utf-8"))
+    return True
+
+
+def right(arm: Arm, path: Path, seed: int = 0) -> bool:
+    """The cross-check holds, and the tool stands where the second reading puts it."""
+    assert crosscheck(arm, 5).require().ok
+    robot = reader.parsed(path.read_bytes())
+    postures = arm.random_theta(np.random.default_rng(seed), 5)
+    expected = [reader.pose(robot, arm.theta_to_dict(theta), arm.base, arm.tip) for theta in postures]
+    return np.allclose(arm.fk(postures), expected, atol=1e-12)
+
+
+UNLIMITED = {
+    "no limit at all": ("", [-np.inf, np.inf, np.inf, np.inf], "no <limit>; taken as unbounded both ways"),
+    "no velocity": (
+        '<limit lower="-1" upper="1" effort="3"/>',
+        [-1, 1, np.inf, 3],
+        "velocity limit absent or 0 on a: taken as not given",
+    ),
+    "no effort": (
+        '<limit lower="-1" upper="1" velocity="2"/>',
+        [-1, 1, 2, np.inf],
+        "effort limit absent or 0 on a: taken as not given",
+    ),
+    "infinite bounds": ('<limit lower="-inf" upper="inf" velocity="2" effort="3"/>', [-np.inf, np.inf, 2, 3], ""),
+    "infinite rates": ('<limit lower="-1" upper="1" velocity="inf" effort="inf"/>', [-1, 1, np.inf, np.inf], ""),
+}
+
+
+@pytest.mark.parametrize("kind", ["revolute", "prismatic"])
+@pytest.mark.parametrize("case", UNLIMITED)
+def test_limits_that_pinocchio_refuses_are_read_as_meant(case: str, kind: str, tmp_path: Path) -> None:
+    limit, expected, said = UNLIMITED[case]
+    text = two_joints(kind=kind).replace('<limit lower="-1" upper="1" velocity="2" effort="3"/>', limit, 1)
+    path = write(tmp_path, text)
+    assert pinocchio_refuses(path)
+    arm = load_arm(path)
+    limits = arm.limits
+    assert [limits.lower[0], limits.upper[0], limits.velocity[0], limits.effort[0]] == expected
+    assert said in " ".join(map(str, arm.findings))
+    assert right(arm, path)
+
+
+NO_NUMBERS = ("pi/2", "${x}", "1,57", "90deg", "", " ", "0x10", "1e", "1.5.2", "one", "1_000", "\u0661")
+
+
+@pytest.mark.parametrize("number", NO_NUMBERS)
+@pytest.mark.parametrize("name", ["lower", "upper", "velocity", "effort"])
+def test_a_limit_that_is_no_number_is_named(name: str, number: str, tmp_path: Path) -> None:
+    given = {"lower": "-1", "upper": "1", "velocity": "1", "effort": "1"} | {name: number}
+    limit = " ".join(f'{attribute}="{value}"' for attribute, value in given.items())
+    path = write(tmp_path, two_joints(inside=f"<limit {limit}/>"))
+    assert pinocchio_refuses(path)
+    with pytest.raises(DescriptionError, match="arm.urdf:2: joint 'a': ") as refused:
+        load_arm(path)
+    assert f"its limit {name}={number!r} is not a number; write it in digits, with a point" in str(refused.value)
+    assert GENERIC not in str(refused.value)
+
+
+def test_limits_in_degrees_are_kept_as_written(tmp_path: Path) -> None:
+    """No engine can know; 1.6 turns may be meant. The doctor asks."""
+    arm = load_arm(write(tmp_path, two_joints(inside='<limit lower="-90" upper="90" velocity="1" effort="1"/>')))
+    assert [arm.limits.lower[0], arm.limits.upper[0]] == [-90, 90]
+
+
+INERTIAL = (
+    '<inertial><origin xyz="1 0 0"/><mass value="{}"/>'
+    '<inertia ixx="1" iyy="1" izz="1" ixy="0" ixz="0" iyz="0"/></inertial>'
+)
+
+
+def with_inertial(folder: Path, inertial: str) -> Path:
+    """Two joints, the first about y, its link with a body 1 m in front of the axis."""
+    text = two_joints(inside='<axis xyz="0 1 0"/>')
+    return write(folder, text.replace('<link name="upper"/>', f'<link name="upper">{inertial}</link>'))
+
+
+NO_MASSES = ("1kg", "1,5", "", "1_0", "0x10", "\u0662", "1 1")
+
+
+@pytest.mark.parametrize("mass", NO_MASSES)
+def test_a_mass_that_is_no_number_weighs_nothing_and_is_said(mass: str, tmp_path: Path) -> None:
+    path = with_inertial(tmp_path, INERTIAL.format(mass))
+    assert pinocchio.buildModelFromUrdf(str(path)).inertias[1].mass == 0.0
+    arm = load_arm(path)
+    assert [finding.code for finding in arm.findings] == ["inertial-unusable"]
+    assert "link 'upper': its <inertial> is malformed" in str(arm.findings[0])
+    assert arm.gravity_torques([0.0, 0.0])[0] == 0.0
+
+
+@pytest.mark.parametrize("mass", ["2", " 2", "2 ", "\n2\t", "+2.", "2e0"])
+def test_a_mass_with_space_around_it_weighs_what_it_says(mass: str, tmp_path: Path) -> None:
+    path = with_inertial(tmp_path, INERTIAL.format(mass))
+    if mass != mass.rstrip():
+        assert pinocchio.buildModelFromUrdf(str(path)).inertias[1].mass == 0.0
+    arm = load_arm(path)
+    assert arm.findings == ()
+    # 2 kg, 1 m in front of the axis; the axis is y, gravity along −z.
+    assert arm.gravity_torques([0.0, 0.0])[0] == pytest.approx(-2 * 9.81)
+
+
+def test_an_inertia_that_lacks_a_product_keeps_its_moments(tmp_path: Path) -> None:
+    path = with_inertial(tmp_path, INERTIAL.format("2").replace(' ixy="0"', ""))
+    assert pinocchio.buildModelFromUrdf(str(path)).inertias[1].inertia.tolist() == np.zeros((3, 3)).tolist()
+    assert np.allclose(load_arm(path).pinocchio.model.inertias[1].inertia, np.eye(3))
+
+
+@pytest.mark.parametrize("space", ["\t", "\n", "  ", "&#9;", "&#10;"])
+def test_an_origin_with_any_space_between_its_numbers(space: str, tmp_path: Path) -> None:
+    path = write(tmp_path, two_joints(xyz=f"0.1{space}0.2{space}0.3", rpy=f"{space}0.1 0.2 0.3"))
+    if space != "  ":
+        assert pinocchio_refuses(path)
+    assert right(load_arm(path), path)
+
+
+@pytest.mark.parametrize("number", ["1_000", "\u0661", "\uff11", "1\u00a00", "0x1", "1,5", "1f", "1d3"])
+@pytest.mark.parametrize("tag", ["origin", "axis"])
+def test_numbers_of_another_language_are_none(tag: str, number: str, tmp_path: Path) -> None:
+    """Python reads some of them; no reader of URDF does."""
+    inside = f'<axis xyz="0 0 {number}"/>' if tag == "axis" else ""
+    path = write(tmp_path, two_joints(inside=inside, xyz=f"0 0 {number}" if tag == "origin" else "0 0 1"))
+    assert pinocchio_refuses(path)
+    with pytest.raises(DescriptionError, match=f"joint 'a': its <{tag}> is malformed: "):
+        load_arm(path)
+
+
+def test_a_robot_far_from_the_world_s_origin(tmp_path: Path) -> None:
+    """Map coordinates leave fewer digits to everything that hangs on them."""
+    parts = (
+        joint("map", "world", "base_link", "fixed", xyz="4500000 500000 100", rpy="0.1 0.2 0.3"),
+        joint("a", "base_link", "upper", inside='<axis xyz="0 0.6 0.8"/>'),
+        joint("b", "upper", "tool0", inside='<axis xyz="0.6 0.8 0"/>'),
+    )
+    path = write(tmp_path, robot(*parts, links=("world", "base_link", "upper", "tool0")))
+    arm = load_arm(path, base="base_link")
+    crosscheck(arm, 20).require()
+    theta = np.array([0.3, -0.4])
+    expected = reader.pose(reader.parsed(path.read_bytes()), arm.theta_to_dict(theta), "base_link", "tool0")
+    assert np.allclose(arm.fk(theta), expected, atol=1e-8)
+
+
+def test_a_zero_axis_would_shrink_the_tool(tmp_path: Path) -> None:
+    """cos(q) I in place of a rotation: the determinant is no longer 1."""
+    path = write(tmp_path, two_joints(inside='<axis xyz="0 0 0"/>'))
+    model = pinocchio.buildModelFromUrdf(str(path))
+    data = model.createData()
+    pinocchio.framesForwardKinematics(model, data, np.array([1.0, 0.0]))
+    assert np.linalg.det(data.oMf[model.getFrameId("tool0", pinocchio.FrameType.BODY)].rotation) < 0.5
+    with pytest.raises(DescriptionError, match="joint 'a': a moving joint with a zero axis"):
+        load_arm(path)
+
+
+MIMICS = {
+    "a master further out": ("revolute", "z", 1.5, "revolute"),
+    "a slower master further out": ("revolute", "z", -0.25, "revolute"),
+    "a continuous follower": ("continuous", "m", 2.0, "revolute"),
+    "a continuous pair": ("continuous", "z", 2.0, "continuous"),
+    "a sliding follower of an angle": ("prismatic", "m", 0.1, "revolute"),
+}
+"""Follower's type, master, multiplier, type of the joint z; m is the first joint, z the last."""
+
+
+@pytest.mark.parametrize("case", MIMICS)
+def test_mimics_wherever_the_master_stands(case: str, tmp_path: Path) -> None:
+    follower, master, multiplier, kind = MIMICS[case]
+    mimic = f'<axis xyz="1 0 0"/><mimic joint="{master}" multiplier="{multiplier}" offset="0.2"/>'
+    parts = (
+        joint("m", "base_link", "upper", inside='<axis xyz="0 1 0"/>'),
+        joint("a", "upper", "fore", follower, mimic),
+        joint("z", "fore", "tool0", kind, inside='<axis xyz="0 1 0"/>'),
+    )
+    path = write(tmp_path, robot(*parts, links=("base_link", "upper", "fore", "tool0")))
+    arm = load_arm(path)
+    assert set(arm.joint_names) == {"m", "z"}
+    assert right(arm, path)
+
+
+def test_a_follower_of_a_fixed_joint_stands_at_its_offset(tmp_path: Path) -> None:
+    parts = (
+        joint("a", "base_link", "upper", "fixed"),
+        joint("b", "upper", "fore", inside='<axis xyz="1 0 0"/><mimic joint="a" multiplier="3" offset="0.4"/>'),
+        joint("c", "fore", "tool0", inside='<axis xyz="0 1 0"/>'),
+    )
+    path = write(tmp_path, robot(*parts, links=("base_link", "upper", "fore", "tool0")))
+    arm = load_arm(path)
+    assert arm.joint_names == ("c",)
+    assert right(arm, path)
+    assert np.allclose(arm.fk([0.0])[:3, :3], reader.rotation(np.array([1.0, 0, 0]), 0.4))
+
+
+def test_two_of_what_there_may_be_one_is_the_first_for_everybody(tmp_path: Path) -> None:
+    """A second origin, axis or limit is read by neither engine."""
+    again = '<origin xyz="9 9 9"/><axis xyz="1 0 0"/><limit lower="-9" upper="9" velocity="9" effort="9"/>'
+    text = two_joints().replace("</joint>", f"{again}</joint>", 1)
+    path = write(tmp_path, text)
+    arm = load_arm(path)
+    assert arm.limits.upper[0] == 1
+    assert right(arm, path)
+    model = pinocchio.buildModelFromUrdf(str(path))
+    assert model.upperPositionLimit[0] == 1
+    assert model.jointPlacements[1].translation.tolist() == [0, 0, 0.5]
