@@ -24,6 +24,7 @@ from tornado.websocket import websocket_connect
 
 from twistarm import Arm, arm_from_screws, available_arms, joints, load_arm, poe
 from twistarm.errors import DescriptionError, InputError, LimitError, MissingExtraError, UnknownNameError
+from twistarm.limits import usual_half
 from twistarm.planning.joint_space import plan_joint
 from twistarm.planning.trajectory import Trajectory
 from twistarm.viewer import Viewer, save_html
@@ -227,7 +228,7 @@ def test_a_link_whose_mesh_is_missing_is_a_stick_to_the_joint_it_carries(arm: Ar
     ],
 )
 def test_slider_range(kind: str, lower: float, upper: float, expected: tuple[float, float]) -> None:
-    assert_allclose(_describe("joint", kind, lower, upper)["range"], expected)
+    assert_allclose(_describe("joint", kind, lower, upper, usual_half(kind))["range"], expected)
 
 
 # meshes -----------------------------------------------------------------------------------------------

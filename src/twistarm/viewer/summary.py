@@ -31,13 +31,14 @@ def placement(arm: Arm, theta: Array, others: Mapping[str, float]) -> dict[str, 
 def describe_arm(arm: Arm) -> dict[str, Any]:
     """Names, joints and poses, as the panel shows them; infinite limits are null."""
     lower, upper = arm.limits.lower, arm.limits.upper
-    joints = zip(arm.joint_names, arm.joint_types, lower, upper, strict=True)
+    joints = zip(arm.joint_names, arm.joint_types, lower, upper, arm.usual_half, strict=True)
+    others = [(name, j.type, j.lower, j.upper, usual_half(j.type)) for name, j in extra_joints(arm).items()]
     return {
         "name": arm.name,
         "base": arm.base,
         "tip": arm.tip,
         "joints": [_describe(*joint) for joint in joints],
-        "others": [_describe(name, j.type, j.lower, j.upper) for name, j in extra_joints(arm).items()],
+        "others": [_describe(*joint) for joint in others],
         "poses": list(named_poses(arm)),
         "screws": sorted(set(screw_kinds(arm))),
     }
@@ -67,11 +68,11 @@ def rest(joint: Joint) -> float:
     return float(np.clip(0.0, joint.lower, joint.upper))
 
 
-def _describe(name: str, kind: str, lower: float, upper: float) -> dict[str, Any]:
+def _describe(name: str, kind: str, lower: float, upper: float, half: float) -> dict[str, Any]:
     return {
         "name": name,
         "type": kind,
         "unit": "m" if kind == "prismatic" else "rad",
         "limits": [float(bound) if np.isfinite(bound) else None for bound in (lower, upper)],
-        "range": [float(end) for end in usual_range(lower, upper, usual_half(kind))],
+        "range": [float(end) for end in usual_range(lower, upper, half)],
     }

@@ -32,7 +32,7 @@ export class Panel {
   build(arm, notes, movable) {
     document.title = `${arm.name} · twistarm`;
     $("name").textContent = $("name").title = arm.name;
-    $("ends").textContent = `${arm.joints.length} joints, ${arm.base} → ${arm.tip}`;
+    $("ends").textContent = `${arm.joints.length} joint${arm.joints.length === 1 ? "" : "s"}, ${arm.base} → ${arm.tip}`;
     $("poses").replaceChildren(...(movable ? arm.poses.map((name) => this.poseButton(name)) : []));
     this.rows.clear();
     const rows = arm.joints.map((joint) => this.row(joint, movable));
