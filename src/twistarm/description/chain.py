@@ -130,7 +130,7 @@ def _narrowed(
     lower, upper = max(limits.lower[i], ends[0]), min(limits.upper[i], ends[1])
     if (lower, upper) == (limits.lower[i], limits.upper[i]):
         return limits, []
-    usable = lower < upper
+    usable = bool(lower < upper)
     noted = finding(
         "mimic-narrows-limits" if usable else "mimic-outside-limits",
         description.place(follower),

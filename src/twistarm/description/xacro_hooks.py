@@ -25,6 +25,9 @@ from .yaml_file import load_yaml
 MISSING_PACKAGE = "/package-not-found/"
 """Stands for the folder of an unknown package; harmless in texts nobody opens, recognised where a file is opened."""
 
+MAX_INCLUDES = 30
+"""Files that include one another that deep do so in a circle, which costs seconds until the stack is full."""
+
 ELEMENT_COST = 15
 ATTRIBUTE_COST = 10
 CHANGE_COST = 25
@@ -149,6 +152,9 @@ class Expansion:
     def _admit(self, name: str) -> Path:
         if name.startswith(MISSING_PACKAGE):
             raise FileNotFoundError(errno.ENOENT, os.strerror(errno.ENOENT), name)
+        if len(self._xacro.filestack) > MAX_INCLUDES:
+            what = f"an included file refers to itself without end: {MAX_INCLUDES} files are open"
+            raise Refused("xacro-recursion", what, "take out the include that comes back")
         return self._confinement.admit(name)
 
     def find(self, package: str) -> str:

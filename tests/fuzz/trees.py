@@ -1,0 +1,293 @@
+"""Mutations of an XML tree: its structure, its numbers, its names. Each changes the tree in place."""
+
+from __future__ import annotations
+
+import copy
+import math
+import re
+import xml.etree.ElementTree as ET
+from random import Random
+
+from . import hostile
+
+NUMBER = re.compile(r"-?\d+(?:\.\d*)?(?:[eE][-+]?\d+)?")
+NAMING = ("name", "link", "joint")
+
+
+def _elements(root: ET.Element) -> list[ET.Element]:
+    return [element for element in root.iter() if isinstance(element.tag, str)]
+
+
+def _below(root: ET.Element, rng: Random) -> tuple[ET.Element, ET.Element] | None:
+    """A random (parent, child), the kinematic ones preferred; None in an empty tree."""
+    pairs = [(parent, child) for parent in _elements(root) for child in parent]
+    kinematic = [
+        pair for pair in pairs if pair[1].tag in ("joint", "origin", "axis", "limit", "parent", "child", "mimic")
+    ]
+    pool = kinematic if kinematic and rng.random() < 0.7 else pairs
+    return rng.choice(pool) if pool else None
+
+
+def _joints(root: ET.Element) -> list[ET.Element]:
+    return [element for element in _elements(root) if element.tag == "joint" and element.find("parent") is not None]
+
+
+def _links(root: ET.Element) -> list[str]:
+    return [element.get("name", "") for element in root.findall("link")]
+
+
+# -- structure ---------------------------------------------------------------------------------------------------------
+
+
+def delete(root: ET.Element, rng: Random) -> None:
+    if pair := _below(root, rng):
+        pair[0].remove(pair[1])
+
+
+def duplicate(root: ET.Element, rng: Random) -> None:
+    if pair := _below(root, rng):
+        pair[0].insert(rng.randrange(len(pair[0]) + 1), copy.deepcopy(pair[1]))
+
+
+def move(root: ET.Element, rng: Random) -> None:
+    if pair := _below(root, rng):
+        parent, child = pair
+        parent.remove(child)
+        targets = _elements(root)
+        target = rng.choice(targets)
+        target.insert(rng.randrange(len(target) + 1), child)
+
+
+def swap(root: ET.Element, rng: Random) -> None:
+    one, other = _below(root, rng), _below(root, rng)
+    if one and other:
+        a, b = one[1], other[1]
+        a.attrib, b.attrib = b.attrib, a.attrib
+
+
+def shuffle(root: ET.Element, rng: Random) -> None:
+    rng.shuffle(root[:] if len(root) < 2 else (children := list(root)))
+    if len(root) > 1:
+        root[:] = children
+
+
+def rename_tag(root: ET.Element, rng: Random) -> None:
+    element = root if rng.random() < 0.05 else (_below(root, rng) or (root, root))[1]
+    element.tag = rng.choice(hostile.TAGS)
+
+
+def drop_attribute(root: ET.Element, rng: Random) -> None:
+    pair = _below(root, rng)
+    if pair and pair[1].attrib:
+        del pair[1].attrib[rng.choice(sorted(pair[1].attrib))]
+
+
+def rename_attribute(root: ET.Element, rng: Random) -> None:
+    pair = _below(root, rng)
+    if pair and pair[1].attrib:
+        name = rng.choice(sorted(pair[1].attrib))
+        pair[1].set(
+            rng.choice(("Name", "names", "XYZ", "lower", "upper", "type", "joint", "x:y")), pair[1].attrib.pop(name)
+        )
+
+
+def change_type(root: ET.Element, rng: Random) -> None:
+    if joints := _joints(root):
+        rng.choice(joints).set("type", rng.choice(hostile.JOINT_TYPES))
+
+
+def every_type(root: ET.Element, rng: Random) -> None:
+    kind = rng.choice(hostile.JOINT_TYPES)
+    for joint in _joints(root):
+        joint.set("type", kind)
+
+
+def reparent(root: ET.Element, rng: Random) -> None:
+    joints, links = _joints(root), _links(root)
+    if joints and links:
+        end = rng.choice(joints).find(rng.choice(("parent", "child")))
+        if end is not None:
+            end.set("link", rng.choice([*links, "nowhere"]))
+
+
+def reverse_joint(root: ET.Element, rng: Random) -> None:
+    if joints := _joints(root):
+        joint = rng.choice(joints)
+        parent, child = joint.find("parent"), joint.find("child")
+        if parent is not None and child is not None:
+            parent.attrib, child.attrib = child.attrib, parent.attrib
+
+
+def mimic(root: ET.Element, rng: Random) -> None:
+    if joints := _joints(root):
+        joint, master = rng.choice(joints), rng.choice(joints)
+        element = ET.SubElement(joint, "mimic", joint=master.get("name", "") if rng.random() < 0.9 else "nobody")
+        for name in ("multiplier", "offset"):
+            if rng.random() < 0.7:
+                element.set(name, rng.choice(("0", "1", "-1", "0.5", "1e-9", "1e8", rng.choice(hostile.NUMBERS))))
+
+
+def chain_of_mimics(root: ET.Element, rng: Random) -> None:
+    joints = _joints(root)
+    rng.shuffle(joints)
+    masters = joints[1:] + (joints[:1] if rng.random() < 0.3 else [])
+    for joint, master in zip(joints, masters, strict=False):
+        ET.SubElement(joint, "mimic", joint=master.get("name", ""), multiplier=str(round(rng.uniform(-2, 2), 3)))
+
+
+def lengthen(root: ET.Element, rng: Random) -> None:
+    """A long chain hung on some link."""
+    links = _links(root) or ["base"]
+    kind = rng.choice(("fixed", "revolute", "continuous", "planar"))
+    parent = rng.choice(links)
+    for i in range(rng.choice((3, 60, 251, 400, 1001))):
+        name = f"long_{i}"
+        ET.SubElement(root, "link", name=name)
+        joint = ET.SubElement(root, "joint", name=f"{name}_joint", type=kind)
+        ET.SubElement(joint, "parent", link=parent)
+        ET.SubElement(joint, "child", link=name)
+        ET.SubElement(joint, "limit", lower="-1", upper="1", velocity="1", effort="1")
+        parent = name
+
+
+def nest(root: ET.Element, rng: Random) -> None:
+    if pair := _below(root, rng):
+        for _ in range(rng.choice((3, 90, 150, 250))):
+            inner = ET.Element(rng.choice(("a", "joint", "link", "origin")))
+            pair[1].append(inner)
+            pair = pair[1], inner
+
+
+def crowd(root: ET.Element, rng: Random) -> None:
+    if pair := _below(root, rng):
+        pair[0].extend(copy.deepcopy(pair[1]) for _ in range(rng.choice((2, 50, 200))))
+
+
+def strip(root: ET.Element, rng: Random) -> None:
+    tag = rng.choice(("link", "joint", "origin", "axis", "limit", "parent", "child"))
+    for parent in _elements(root):
+        for child in parent.findall(tag):
+            parent.remove(child)
+
+
+def litter(root: ET.Element, rng: Random) -> None:
+    if pair := _below(root, rng):
+        pair[1].text = rng.choice(("text", "0 0 1", "\u00e4", "\ufffe" if rng.random() < 0.1 else "1e400", "${1}"))
+
+
+# -- numbers -----------------------------------------------------------------------------------------------------------
+
+
+def _numeric(root: ET.Element, rng: Random) -> tuple[ET.Element, str] | None:
+    """A random (element, attribute) that holds a number, those of joints preferred."""
+    found = [
+        (e, name)
+        for e in _elements(root)
+        for name, value in e.attrib.items()
+        if NUMBER.search(value) and name not in NAMING
+    ]
+    kinematic = [
+        pair
+        for pair in found
+        if pair[1] in ("xyz", "rpy", "lower", "upper", "multiplier", "offset", "velocity", "effort")
+    ]
+    pool = kinematic if kinematic and rng.random() < 0.8 else found
+    return rng.choice(pool) if pool else None
+
+
+def hostile_number(root: ET.Element, rng: Random) -> None:
+    if place := _numeric(root, rng):
+        element, name = place
+        spans = [match.span() for match in NUMBER.finditer(element.get(name, ""))]
+        start, end = rng.choice(spans)
+        value = element.get(name, "")
+        element.set(name, value[:start] + rng.choice(hostile.NUMBERS) + value[end:])
+
+
+def hostile_vector(root: ET.Element, rng: Random) -> None:
+    if place := _numeric(root, rng):
+        place[0].set(place[1], rng.choice(hostile.VECTORS if place[1] in ("xyz", "rpy") else hostile.NUMBERS))
+
+
+def other_number(root: ET.Element, rng: Random) -> None:
+    """A number that is one, but another: the reading must follow it."""
+    if place := _numeric(root, rng):
+        text = NUMBER.sub(lambda match: f"{rng.uniform(-2, 2):.17g}", place[0].get(place[1], ""))
+        place[0].set(place[1], text)
+
+
+def count(root: ET.Element, rng: Random) -> None:
+    if place := _numeric(root, rng):
+        words = place[0].get(place[1], "").split()
+        words = words[:-1] if rng.random() < 0.5 else [*words, rng.choice(("0", "1", "x"))]
+        place[0].set(place[1], " ".join(words))
+
+
+def separators(root: ET.Element, rng: Random) -> None:
+    if place := _numeric(root, rng):
+        joiner = rng.choice((",", ", ", ";", "\t", "\n", "  ", "\u00a0", "\u2003", "_", "/"))
+        place[0].set(place[1], joiner.join(place[0].get(place[1], "").split()))
+
+
+def degrees(root: ET.Element, rng: Random) -> None:
+    for limit in root.iter("limit"):
+        for name in ("lower", "upper"):
+            if NUMBER.fullmatch(limit.get(name, "")):
+                limit.set(name, repr(math.degrees(float(limit.get(name, "")))))
+
+
+def swap_limits(root: ET.Element, rng: Random) -> None:
+    limits = [limit for limit in root.iter("limit") if {"lower", "upper"} <= set(limit.attrib)]
+    if limits:
+        limit = rng.choice(limits)
+        lower, upper = limit.get("lower", ""), limit.get("upper", "")
+        limit.set("lower", upper)
+        limit.set("upper", rng.choice((lower, upper)))
+
+
+def hostile_axis(root: ET.Element, rng: Random) -> None:
+    axes = list(root.iter("axis"))
+    if axes:
+        rng.choice(axes).set("xyz", rng.choice(hostile.VECTORS))
+
+
+# -- names -------------------------------------------------------------------------------------------------------------
+
+
+def hostile_name(root: ET.Element, rng: Random) -> None:
+    """One name changed, so that whatever refers to it dangles."""
+    found = [(element, name) for element in _elements(root) for name in NAMING if name in element.attrib]
+    if found:
+        element, name = rng.choice(found)
+        element.set(name, rng.choice(hostile.NAMES))
+
+
+def rename(root: ET.Element, rng: Random) -> None:
+    """One name changed wherever it stands."""
+    names = sorted({element.get(name, "") for element in _elements(root) for name in NAMING if name in element.attrib})
+    if names:
+        old = rng.choice(names)
+        new = rng.choice([*hostile.NAMES, *names])
+        for element in _elements(root):
+            for name in NAMING:
+                if element.get(name) == old:
+                    element.set(name, new)
+
+
+def rename_robot(root: ET.Element, rng: Random) -> None:
+    root.set("name", rng.choice(hostile.NAMES))
+
+
+def joints_named_as_links(root: ET.Element, rng: Random) -> None:
+    for joint in _joints(root):
+        child = joint.find("child")
+        if child is not None:
+            joint.set("name", child.get("link", ""))
+
+
+STRUCTURE = (
+    *(delete, duplicate, move, swap, shuffle, rename_tag, drop_attribute, rename_attribute, change_type, every_type),
+    *(reparent, reverse_joint, mimic, chain_of_mimics, lengthen, nest, crowd, strip, litter),
+)
+NUMBERS = (hostile_number, hostile_vector, other_number, count, separators, degrees, swap_limits, hostile_axis)
+NAMES = (hostile_name, rename, rename_robot, joints_named_as_links)

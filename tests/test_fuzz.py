@@ -1,0 +1,141 @@
+"""Thousands of mutants of real descriptions: each is refused in one line or loaded and right; and the fuzzer itself."""
+
+from __future__ import annotations
+
+import os
+import xml.etree.ElementTree as ET
+from pathlib import Path, PurePath
+from random import Random
+
+import pytest
+
+from fuzz import mutations, oracle
+from fuzz.runner import Campaign, Worker, campaign, one
+from fuzz.sources import Source, catalogue_sources, own_sources, real_sources, seed_sources
+from twistarm import load_arm
+from urdf_text import joint, robot, two_joints, write
+
+QUICK, LONG, REAL = 300, 10_000, 3_000
+"""Mutants in `make test`, and in `make test-all` of what is at hand everywhere and of real models."""
+
+PATIENCE = 600.0
+"""Seconds for a campaign; on two cores it takes a fifth of that."""
+
+
+def run(sources: list[Source], count: int, folder: Path, workers: int) -> Campaign:
+    result = campaign(sources, count, folder / "workers", workers=workers, seconds=PATIENCE)
+    print(f"\n{result}")
+    assert not result.failed, result.report(folder / "failed")
+    assert result.total == count, f"only {result.total} mutants in {PATIENCE:g} s"
+    assert result.outcomes["loaded"] > count / 10, "mutants that nobody can load prove little"
+    return result
+
+
+def test_a_few_hundred_mutants(tmp_path: Path) -> None:
+    run([*seed_sources(), *own_sources()], QUICK, tmp_path, workers=1)
+
+
+@pytest.mark.slow
+def test_ten_thousand_mutants(tmp_path: Path) -> None:
+    run([*seed_sources(), *own_sources(), *catalogue_sources()], LONG, tmp_path, workers=os.cpu_count() or 1)
+
+
+@pytest.mark.slow
+def test_mutants_of_real_models(models: Path, tmp_path: Path) -> None:
+    run(real_sources(models), REAL, tmp_path, workers=os.cpu_count() or 1)
+
+
+# -- the fuzzer itself -------------------------------------------------------------------------------------------------
+
+
+def test_the_same_seed_gives_the_same_mutant() -> None:
+    (source, *_) = seed_sources()
+    data, file = (source.folder / source.file).read_bytes(), PurePath(source.file)
+    first, again, other = (mutations.mutate(data, file, Random(seed)) for seed in ("1", "1", "2"))
+    assert first == again != other
+
+
+TREE_MUTATORS = [mutator for group in mutations.TREES.values() for mutator in group]
+TEXT_MUTATORS = [mutator for group in mutations.TEXTS.values() for mutator in dict.fromkeys(group)]
+
+
+@pytest.mark.parametrize("mutator", TREE_MUTATORS, ids=lambda mutator: mutator.__name__)
+def test_every_mutator_of_trees_changes_something(mutator) -> None:
+    text = (seed_sources()[0].folder / "seed.urdf").read_bytes()
+    mutants = []
+    for seed in range(10):
+        root = ET.fromstring(text)
+        mutator(root, Random(seed))
+        mutants.append(mutations.serialised(root))
+    assert mutations.serialised(ET.fromstring(text)) != mutants[0] or len(set(mutants)) > 1
+
+
+@pytest.mark.parametrize("mutator", TEXT_MUTATORS, ids=lambda mutator: mutator.__name__)
+def test_every_mutator_of_texts_changes_something(mutator) -> None:
+    text = (seed_sources()[0].folder / "seed.xacro").read_text("utf-8")
+    assert len({mutator(text, Random(seed)) for seed in range(10)} - {text.encode()}) > 0
+
+
+def test_a_worker_that_hangs_or_dies_is_replaced(tmp_path: Path) -> None:
+    sources = seed_sources()[:1]
+    worker = Worker(tmp_path, sources, limit=0.0)
+    try:
+        assert one(worker, sources, 0, 0).verdict["outcome"] == "hung"
+        assert worker.process is None
+        worker.limit = 5.0
+        assert one(worker, sources, 0, 0).problems == []
+        assert worker.process is not None
+        worker.process.kill()
+        died = one(worker, sources, 0, 0)
+        assert died.verdict["outcome"] == "died"
+        assert died.problems == ["the process ended with status -9"]
+        assert one(worker, sources, 0, 0).problems == []
+    finally:
+        worker.close()
+
+
+def judged_as(monkeypatch: pytest.MonkeyPatch, path: Path, load) -> dict:
+    monkeypatch.setattr(oracle, "load_arm", load)
+    return oracle.judged(path, {}, {})
+
+
+def test_the_oracle_sees_a_wrong_pose(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    path, other = write(tmp_path, two_joints()), write(tmp_path, two_joints(xyz="0 0 0.50001"), "other.urdf")
+    assert judged_as(monkeypatch, path, load_arm)["problems"] == []
+    assert "fk differs by 1e-05" in judged_as(monkeypatch, path, lambda _: load_arm(other))["problems"][0]
+
+
+def test_the_oracle_sees_wrong_limits(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    path = write(tmp_path, two_joints())
+    verdict = judged_as(monkeypatch, path, lambda name: load_arm(name, limits={"upper": 0.9}))
+    assert "limits of a: [-1.0, 0.9] instead of (-1.0, 1.0)" in verdict["problems"][0]
+
+
+def test_the_oracle_sees_a_traceback(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    def fail(_: Path) -> None:
+        raise KeyError("elbow")
+
+    verdict = judged_as(monkeypatch, write(tmp_path, two_joints()), fail)
+    assert verdict["outcome"] == "traceback"
+    assert "KeyError: 'elbow'" in verdict["problems"][0]
+
+
+FLAWED = {
+    "nothing": ("", "is empty"),
+    "too much": ("x" * 2001, "has 2001 characters"),
+    "two lines": ("one\ntwo", "has control characters"),
+    "an escape sequence": ("\x1b[31mred", "has control characters"),
+    "half a character": ("\ud800", "has control characters"),
+    "a traceback": ("Traceback (most recent call last)", "is Python's own"),
+}
+
+
+@pytest.mark.parametrize("case", FLAWED)
+def test_the_oracle_sees_a_message_that_is_none(case: str) -> None:
+    message, flaw = FLAWED[case]
+    assert flaw in " ".join(oracle.flaws(message))
+
+
+def test_the_second_reading_honours_a_planar_joint(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    text = robot(joint("p", "base_link", "upper", "planar", '<axis xyz="0 1 0"/>'), joint("b", "upper", "tool0"))
+    assert judged_as(monkeypatch, write(tmp_path, text), load_arm)["problems"] == []
