@@ -14,10 +14,10 @@ from unittest.mock import patch
 
 import pytest
 
-from twistarm.description import xacro_hooks
-from twistarm.description.expansion_work import Work
+from twistarm.description.expansion import hooks
+from twistarm.description.expansion.expand import expand_xacro
+from twistarm.description.expansion.work import Work
 from twistarm.description.packages import package_index
-from twistarm.description.xacro import expand_xacro
 from twistarm.errors import DescriptionError
 
 XMLNS = 'xmlns:xacro="http://www.ros.org/wiki/xacro"'
@@ -71,7 +71,7 @@ class Sandbox:
 
     def expand_file(self) -> str:
         path = self.folder / "arm" / "arm.xacro"
-        with self.watched(), _within(CPU_LIMIT), patch.object(xacro_hooks, "Work", lambda: Work(self.work)):
+        with self.watched(), _within(CPU_LIMIT), patch.object(hooks, "Work", lambda: Work(self.work)):
             return expand_xacro(path, package_index(path))[0]
 
     @contextmanager

@@ -8,10 +8,10 @@ from pathlib import Path
 import pytest
 
 from hostile import TOKEN, XMLNS, Sandbox, sandbox
-from twistarm.description.confinement import MAX_BYTES, confinement
-from twistarm.description.expansion_work import Refused
+from twistarm.description.expansion.confinement import MAX_BYTES, confinement
+from twistarm.description.expansion.expand import expand_xacro
+from twistarm.description.expansion.work import Refused
 from twistarm.description.packages import package_index, package_name
-from twistarm.description.xacro import expand_xacro
 
 PART = f'<robot {XMLNS}><link name="part"/></robot>'
 OUTSIDE = "lies outside the folders that may be read"

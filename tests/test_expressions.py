@@ -10,10 +10,10 @@ from xml.sax.saxutils import quoteattr
 import pytest
 
 from hostile import Sandbox, sandbox
-from twistarm.description.expansion_work import MAX_WORK, Refused, Work
-from twistarm.description.expression_guards import Guards
-from twistarm.description.expression_names import direct_names, math_names, python_names
-from twistarm.description.expressions import Expressions
+from twistarm.description.expansion.expressions import Expressions
+from twistarm.description.expansion.guards import Guards
+from twistarm.description.expansion.names import direct_names, math_names, python_names
+from twistarm.description.expansion.work import MAX_WORK, Refused, Work
 
 
 class Space(dict[str, object]):

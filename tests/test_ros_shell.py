@@ -15,7 +15,7 @@ import pytest
 
 from stub_packages import metadata, package
 from twistarm import pinocchio_model, shared_libraries
-from twistarm.description import xacro_module
+from twistarm.description.expansion import module as xacro_module
 
 PROJECT = Path(__file__).parents[1]
 COMMAND = "import sys; sys.argv[0] = 'twistarm'; from twistarm.cli import main; main()"

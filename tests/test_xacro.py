@@ -12,9 +12,9 @@ import xacro.substitution_args
 
 from hostile import Sandbox, sandbox
 from twistarm import load_arm
-from twistarm.description.expansion_work import MAX_WORK
+from twistarm.description.expansion.expand import expand_xacro, is_xacro
+from twistarm.description.expansion.work import MAX_WORK
 from twistarm.description.packages import package_index
-from twistarm.description.xacro import expand_xacro, is_xacro
 from twistarm.errors import DescriptionError, InputError, TwistarmError
 from urdf_text import joint, robot, write
 

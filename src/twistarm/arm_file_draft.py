@@ -13,11 +13,11 @@ import numpy as np
 
 from .arm import Arm
 from .description.beside import files_beside, srdf_beside
+from .description.expansion.expand import is_xacro, xacro_arguments
 from .description.packages import package_index
 from .description.tips import TIP_PATTERNS
 from .description.tree import Description
 from .description.urdf import read_description
-from .description.xacro import is_xacro, xacro_arguments
 from .errors import DescriptionError, InputError
 from .files import as_path
 from .loading import load_arm

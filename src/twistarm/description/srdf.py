@@ -13,9 +13,10 @@ import numpy as np
 
 from ..files import as_path, is_file
 from .document import Reading, parse_xml, read_text
+from .expansion.arguments import declared_arguments
+from .expansion.expand import expand_xacro, is_xacro
 from .findings import Place, refusal
 from .packages import package_index
-from .xacro import declared_arguments, expand_xacro, is_xacro
 
 MAX_BYTES = 1_000_000
 """A whole humanoid's SRDF has some 200 kB."""

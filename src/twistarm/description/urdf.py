@@ -14,6 +14,7 @@ from ..errors import DescriptionError, closest
 from ..files import as_path, is_file
 from .axis import read_axis
 from .document import Reading, parse_xml, read_text
+from .expansion.expand import expand_xacro, is_xacro
 from .findings import Place, refusal
 from .geometry import Geometries, floats, number, read_origin
 from .inertial import drop_unusable_inertials
@@ -21,7 +22,6 @@ from .packages import package_index
 from .planar import split_planar_joints
 from .structure import check_structure, root_link
 from .tree import Description, Joint, JointType, Link, Mimic
-from .xacro import expand_xacro, is_xacro
 
 WIDE = 1e300
 """Stands for "no limit" in what Pinocchio reads, whose parser refuses infinity; so it, or more, is read by us."""

@@ -7,8 +7,8 @@ import stat
 from dataclasses import dataclass, field
 from pathlib import Path
 
-from .expansion_work import Refused
-from .packages import PackageIndex, package_name
+from ..packages import PackageIndex, package_name
+from .work import Refused
 
 MAX_BYTES = 10_000_000
 """No hand writes a larger description; a scan's mesh is not opened here."""

@@ -20,7 +20,7 @@ CHARACTERS_PER_UNIT = 16
 
 
 class Refused(Exception):  # noqa: N818 - it is no error yet: its place is not known here
-    """What a description may not do, without its place; `xacro_errors.explain` adds that."""
+    """What a description may not do, without its place; `errors.explain` adds that."""
 
     def __init__(self, code: str, what: str, remedy: str = "") -> None:
         super().__init__(what)

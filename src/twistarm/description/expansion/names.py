@@ -9,8 +9,8 @@ import re
 from collections.abc import Callable, Iterable, Mapping
 from typing import Any
 
-from .expansion_work import Refused
-from .expression_guards import REFUSED, Guards
+from .guards import REFUSED, Guards
+from .work import Refused
 
 _PLAIN = """
     abs all any bool dict divmod float frozenset hash int isinstance issubclass len list max min ord range

@@ -8,8 +8,8 @@ from collections.abc import Iterable
 from dataclasses import dataclass, field
 from pathlib import Path
 
-from .document import Reading, parse_xml, read_text
-from .packages import package_index
+from ..document import Reading, parse_xml, read_text
+from ..packages import package_index
 
 _USED = re.compile(r"\$\(arg\s+([^)\s]+)\s*\)")
 

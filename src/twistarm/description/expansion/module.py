@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Any
 
-from ..wheels import Wheel, load
+from ...wheels import Wheel, load
 
 _WHEEL = Wheel(
     "xacro",

@@ -7,10 +7,10 @@ from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
-from ..errors import DescriptionError
-from .expansion_work import Refused
-from .findings import Place, refusal
-from .xacro_hooks import MISSING_PACKAGE, Expansion
+from ...errors import DescriptionError
+from ..findings import Place, refusal
+from .hooks import MISSING_PACKAGE, Expansion
+from .work import Refused
 
 
 def explain(error: Exception, expansion: Expansion, place: Place) -> DescriptionError:

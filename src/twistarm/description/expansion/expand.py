@@ -9,16 +9,13 @@ from collections.abc import Iterator, Mapping
 from pathlib import Path
 from typing import Any
 
-from ..errors import InputError, TwistarmError, closest
-from .document import read_text
-from .findings import Finding, Place, finding
-from .packages import PackageIndex
-from .xacro_arguments import declared_arguments
-from .xacro_errors import current_place, explain
-from .xacro_hooks import Expansion
-from .xacro_module import import_xacro
-
-__all__ = ["declared_arguments", "expand_xacro", "is_xacro", "xacro_arguments"]
+from ...errors import InputError, TwistarmError, closest
+from ..document import read_text
+from ..findings import Finding, Place, finding
+from ..packages import PackageIndex
+from .errors import current_place, explain
+from .hooks import Expansion
+from .module import import_xacro
 
 _LOCK = threading.Lock()
 """xacro keeps arguments, file stack and verbosity in module globals: one expansion at a time."""
@@ -30,7 +27,7 @@ def expand_xacro(
     """The URDF text that `path` expands to, and what was noticed on the way.
 
     Nothing outside the packages is opened (`confinement`), expressions reach nothing but their own values
-    (`expressions`), and the work is counted (`expansion_work`). A package that is not found fails only where an
+    (`expressions`), and the work is counted (`work`). A package that is not found fails only where an
     include or a YAML load needs it. Raises DescriptionError with the file, the cause and the remedy; a missing
     argument is answered with the list of all arguments.
     """

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping
 from typing import Any
 
-from .expansion_work import LONG_INTEGER_COST, Refused, Work
+from .work import LONG_INTEGER_COST, Refused, Work
 
 NODE_COST = 50
 """PyYAML in Python takes that many units for a node."""

@@ -8,7 +8,7 @@ from collections.abc import Callable, Iterable, Sized
 from dataclasses import dataclass, field
 from typing import Any
 
-from .expansion_work import CHARACTERS_PER_UNIT, MAX_BITS, Refused, Work
+from .work import CHARACTERS_PER_UNIT, MAX_BITS, Refused, Work
 
 REFUSED = "xacro-expression-refused"
 

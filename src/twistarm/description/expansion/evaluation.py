@@ -6,10 +6,10 @@ import re
 from collections.abc import Callable, Mapping
 from typing import Any
 
-from .expansion_work import Refused, Work
-from .expression_guards import Guards
-from .expression_names import direct_names, math_names, python_names, tokenize
 from .expressions import Expressions
+from .guards import Guards
+from .names import direct_names, math_names, python_names, tokenize
+from .work import Refused, Work
 
 _TOKEN = re.compile(r"(\$\$+[{(])|\$\{([^}]*)\}|\$\(([^)]*)\)|([^$]+|\$[^{($]+|\$$)")
 """xacro's tokens: escaped dollars, `${expression}`, `$(command)`, text."""

@@ -13,8 +13,8 @@ from collections.abc import Mapping
 from types import CodeType
 from typing import Any
 
-from .expansion_work import MAX_BITS, Refused
-from .expression_guards import OPERATORS, REFUSED, Guards
+from .guards import OPERATORS, REFUSED, Guards
+from .work import MAX_BITS, Refused
 
 MAX_LENGTH = 10_000
 """Longer texts than anyone writes as one expression; Python's parser recurses over them."""

@@ -13,14 +13,14 @@ from typing import Any
 from xml.dom import minidom
 from xml.parsers.expat import ExpatError
 
+from ..document import Reading, parse_xml, read_text
+from ..findings import Place, refusal
+from ..packages import PackageIndex
+from .arguments import Arguments
 from .confinement import confinement
-from .document import Reading, parse_xml, read_text
-from .expansion_work import CHARACTERS_PER_UNIT, Refused, Work
-from .findings import Place, refusal
-from .packages import PackageIndex
-from .xacro_arguments import Arguments
-from .xacro_evaluation import Evaluation
-from .yaml_file import load_yaml
+from .evaluation import Evaluation
+from .work import CHARACTERS_PER_UNIT, Refused, Work
+from .yaml_data import load_yaml
 
 MISSING_PACKAGE = "/package-not-found/"
 """Stands for the folder of an unknown package; harmless in texts nobody opens, recognised where a file is opened."""
