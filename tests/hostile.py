@@ -16,7 +16,7 @@ import pytest
 
 from twistarm.description.expansion import hooks
 from twistarm.description.expansion.expand import expand_xacro
-from twistarm.description.expansion.work import Work
+from twistarm.description.expansion.work import MAX_WORK, Work
 from twistarm.description.packages import package_index
 from twistarm.errors import DescriptionError
 
@@ -41,8 +41,10 @@ class Sandbox:
     """`arm/` holds the description; `outside/` what it must not touch."""
 
     folder: Path
-    work: int = 500_000
-    """An eighth of what is allowed, so that refusing takes an eighth of the time."""
+    work: int = MAX_WORK // 10
+    """A tenth of what is allowed, so that refusing takes a tenth of the time."""
+    spent: int = 0
+    """Units that the last expansion took."""
     events: list[str] = field(default_factory=list)
 
     @property
@@ -71,8 +73,12 @@ class Sandbox:
 
     def expand_file(self) -> str:
         path = self.folder / "arm" / "arm.xacro"
-        with self.watched(), _within(CPU_LIMIT), patch.object(hooks, "Work", lambda: Work(self.work)):
-            return expand_xacro(path, package_index(path))[0]
+        work = Work(self.work)
+        try:
+            with self.watched(), _within(CPU_LIMIT), patch.object(hooks, "Work", lambda: work):
+                return expand_xacro(path, package_index(path))[0]
+        finally:
+            self.spent = self.work - work.left
 
     @contextmanager
     def watched(self) -> Iterator[None]:

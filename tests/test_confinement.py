@@ -8,10 +8,12 @@ from pathlib import Path
 import pytest
 
 from hostile import TOKEN, XMLNS, Sandbox, sandbox
+from twistarm import load_arm
 from twistarm.description.expansion.confinement import MAX_BYTES, confinement
 from twistarm.description.expansion.expand import expand_xacro
 from twistarm.description.expansion.work import Refused
 from twistarm.description.packages import package_index, package_name
+from twistarm.errors import DescriptionError
 
 PART = f'<robot {XMLNS}><link name="part"/></robot>'
 OUTSIDE = "lies outside the folders that may be read"
@@ -108,7 +110,7 @@ def test_nothing_outside_is_opened(case: str, place: Sandbox, monkeypatch: pytes
     assert message in found
     if message == OUTSIDE:
         assert str(arm) in found
-        assert found.endswith("pass package_dirs=[folder that holds it]")
+        assert found.endswith("pass package_dirs=[folder that holds its package]")
 
 
 def test_the_canary_sings(place: Sandbox) -> None:
@@ -205,7 +207,54 @@ def test_without_a_package_a_folder_called_urdf_belongs_to_the_one_above(folder:
     lay(tmp_path, {"tree/other/arm.xacro": main("../meshes/a.xacro")})
     with pytest.raises(Exception, match=OUTSIDE):
         opened(tmp_path, "tree/other/arm.xacro")
-    assert 'name="part"' in opened(tmp_path, "tree/other/arm.xacro", (tmp_path / "tree/meshes",))
+
+
+def test_a_named_folder_opens_the_packages_in_it_and_no_loose_file(tmp_path: Path) -> None:
+    """Whoever names it: an arm.toml from elsewhere would otherwise open /etc."""
+    lay(
+        tmp_path,
+        {
+            "arm/arm.xacro": main("../one/deep/a.xacro", "$(find two)/a.xacro"),
+            "one/deep/a.xacro": PART,
+            "other/two/a.xacro": PART,
+            "other/two/package.xml": "<package><name>two</name></package>",
+        },
+    )
+    folders = (tmp_path / "one", tmp_path / "other")
+    with pytest.raises(Exception, match=f"one/deep/a.xacro {OUTSIDE}"):
+        opened(tmp_path, "arm/arm.xacro", folders)
+    lay(tmp_path, {"one/deep/package.xml": "<package><name>one</name></package>"})
+    assert opened(tmp_path, "arm/arm.xacro", folders).count('"part"') == 2
+
+
+def test_an_arm_file_does_not_open_loose_files(tmp_path: Path) -> None:
+    lay(
+        tmp_path,
+        {
+            "arm/arm.toml": 'source = "arm.xacro"\npackage_dirs = ["../outside"]',
+            "arm/arm.xacro": main("../outside/a.xacro"),
+            "outside/a.xacro": PART,
+        },
+    )
+    with pytest.raises(DescriptionError, match=OUTSIDE):
+        load_arm(tmp_path / "arm" / "arm.toml")
+
+
+def test_a_name_opens_no_other_folder_of_that_name(tmp_path: Path) -> None:
+    """A package that takes another's name opens itself, not its namesake elsewhere on the disk."""
+    lay(
+        tmp_path,
+        {
+            "download/arm/package.xml": "<package><name>arm</name></package>",
+            "download/arm/arm.xacro": main("../../home/work/secret/a.xacro"),
+            "download/impostor/package.xml": "<package><name>secret</name></package>",
+            "home/work/secret/package.xml": "<package><name>secret</name></package>",
+            "home/work/secret/a.xacro": PART,
+        },
+    )
+    with pytest.raises(DescriptionError, match=OUTSIDE):
+        opened(tmp_path, "download/arm/arm.xacro", (tmp_path / "download",))
+    assert '"part"' in opened(tmp_path, "download/arm/arm.xacro", (tmp_path / "home",))
 
 
 def test_packages_that_the_index_finds_are_open(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:

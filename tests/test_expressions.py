@@ -12,7 +12,7 @@ import pytest
 from hostile import Sandbox, sandbox
 from twistarm.description.expansion.expressions import Expressions
 from twistarm.description.expansion.guards import Guards
-from twistarm.description.expansion.names import direct_names, math_names, python_names
+from twistarm.description.expansion.names import direct_names, math_names, python_names, tokenize
 from twistarm.description.expansion.work import MAX_WORK, Refused, Work
 
 
@@ -52,7 +52,7 @@ USED_IN_THE_FIELD = [
     "', '.join(sorted(fingers))",
     "'%.3f' % pi",
     "'%s_%02d' % (name, x)",
-    "'model_2024_%d%%' % x + '%(a)5.2f' % rates",
+    "'model_2024_%d%%' % x + '%5.2f' % rates['a']",
     "max(1, min(x, 2)) + round(2.567, 1) + len(fingers) + int('4') + python.abs(-2)",
     "python.sum([1, 2, 3]) + python.sum(i * i for i in range(4))",
     "list(map(str, [1, 2]))",
@@ -68,9 +68,10 @@ USED_IN_THE_FIELD = [
     "rates['a'] + rates.get('c', 0)",
     "bool(x) and True",
     "python.type(x) == python.int",
-    "max(fingers, key=len)",
-    "dict(**rates)",
-    "min(*[1, 2])",
+    "dict(rates, key=3)",
+    "[c for c in name.rsplit('_', 1)] + sorted(rates.items())",
+    "[key for key in rates.keys()] + list(rates.values())",
+    "'ft' in name and 'x' not in name and 1 in {1, 2}",
     "inf > x and e < tau",
     "x ** -1 + 2.0 ** 0.5",
     "xyz.split(' ')[0] == '0'",
@@ -147,6 +148,40 @@ HOSTILE = [
     "xacro.load_yaml('a' * 5000)",
     "xacro.load_yaml(['@SECRET'][0])",
     # out of bounds
+    "[*a, *a]",
+    "(*a,)",
+    "{*a}",
+    "{**a, **a}",
+    "dict(**a)",
+    "max(*a)",
+    "[b for a, *b in [[1, 2]]]",
+    "'%(())4000000000d' % {'()': 1}",
+    "'%(())4000000000d' % dict([('()', 1)])",
+    "'%(a)99999d' % {'a': 1}",
+    "('%(a)s' * 100000) % {'a': 'x' * 100000}",
+    "'%' % ()",
+    "max([1000] * 500000, key=math.factorial)",
+    "min([1000] * 500000, key=math.factorial)",
+    "sorted([1000] * 500000, key=math.factorial)",
+    "[1].sort(key=math.factorial)",
+    "{(1, 2)}",
+    "{(1, 2): 3}",
+    "{(i, 2) for i in [1]}",
+    "{(i, 2): 3 for i in [1]}",
+    "python.set([(1, 2)])",
+    "python.set([range(1, 7, 3)])",
+    "python.set([{'a': 1}.items()][0])",
+    "dict([((1, 2), 3)])",
+    "xacro.dotify([((1, 2), 3)])",
+    "list(map(python.set, [[(1, 2)]]))",
+    "{'a': 1}.items() | {'b': 2}.items()",
+    "python.frozenset([1])",
+    "[1].append(2)",
+    "{'a': 1}.update({'b': 2})",
+    "1 in [1] in [[1]]",
+    "xacro.tokenize('a', sep='^,')",
+    "xacro.tokenize('a', sep='+-_')",
+    "xacro.tokenize('a', sep='\\\\s')",
     "9**9**9",
     "2**10000001",
     "(2**5000)**5000",
@@ -279,13 +314,36 @@ def test_hostile_commands_are_refused_in_one_line(expression: str, place: Sandbo
             "the method .format() of a str is not allowed (in ${''.format(1)}); join texts with + and str()",
         ),
         ("'a'.encode()", "the method .encode() of a str is not allowed (in ${'a'.encode()}); allowed: capitalize"),
+        ("max([1], key=len)", "key= is not allowed (in ${max([1], key=len)}); sort or compare numbers and texts as"),
+        ("[*x]", "unpacking with * is not allowed (in ${[*x]}); use names, operators and calls"),
+        ("dict(**x)", "unpacking with ** is not allowed (in ${dict(**x)}); write each entry"),
+        (
+            "python.set([(1, 2)])",
+            "a tuple as a key or in a set is not allowed (in ${python.set([(1, 2)])}); use texts and",
+        ),
+        ("dict([('a', 1)])", "a dict() of pairs is not allowed (in ${dict([('a', 1)])}); write {key: value for"),
+        ("'%(())9d' % 1", "a field of a text with '(' is not allowed (in ${'%(())9d' % 1}); write fields such as"),
+        ("'%(a)s' % 1", "a field of a text with '(' is not allowed"),
+        ("'%*d' % 1", "a field of a text with '*' is not allowed"),
+        (
+            "'%1000d' % 1",
+            "a field of a text wider than 999 is not allowed (in ${'%1000d' % 1}); write its width in digits",
+        ),
+        ("1 in [1] in [[1]]", "`in` between several operands is not allowed"),
+        ("1j", "1j is not allowed (in ${1j}); use numbers and texts"),
+        ("(-1) ** 0.5", "a value of type complex is not allowed"),
+        ("xacro.load_yaml('bytes.yaml')", "a value of type bytes is not allowed"),
+        ("xacro.tokenize('a', sep='^,')", "the separators '^,' are not allowed"),
+        ("math", "a function or a namespace is no value (in ${math}); call it, or name what stands in it"),
+        ("config._x", "the attribute ._x is not allowed (in ${config._x}); use ['...'] for a key of that name"),
         ("python.type(len)(1)", "calling builtin_function_or_method is not allowed"),
         ("'a' * 10**10", "expanding it takes more work than any robot's description needs (in ${'a' * 10**10}); look"),
         ("2**20000", "a whole number of more than 10000 bits (in ${2**20000}); use a float"),
     ],
 )
 def test_a_refusal_names_the_expression_and_the_remedy(expression: str, message: str, place: Sandbox) -> None:
-    found = place.refuse(f'<xacro:property name="x" value="3"/><link name="${{{expression}}}"/>')
+    binary = {"bytes.yaml": "!!binary JTEwMDAwZA=="}
+    found = place.refuse(f'<xacro:property name="x" value="3"/><link name="${{{expression}}}"/>', binary)
     assert message in found
 
 
@@ -293,9 +351,12 @@ def test_work_is_counted_alike_everywhere() -> None:
     work = Work()
     expressions, names = evaluator(work)
     expressions.evaluate("[i * i for i in range(100)]", names)
-    once = MAX_WORK - work.left
+    first = MAX_WORK - work.left
     expressions.evaluate("[i * i for i in range(100)]", names)
-    assert MAX_WORK - work.left == 2 * once
+    once = MAX_WORK - work.left - first
+    expressions.evaluate("[i * i for i in range(100)]", names)
+    assert MAX_WORK - work.left == first + 2 * once
+    assert first > once, "compiling is paid for"
     assert 100 < once < 5000
 
 
@@ -309,3 +370,64 @@ def test_shared_parts_weigh_as_often_as_they_would_be_written() -> None:
     endless.append(endless)
     with pytest.raises(Refused):
         Work(10_000).weigh(endless)
+
+
+def test_a_comprehension_is_paid_for_round_by_round_and_by_what_it_holds() -> None:
+    work = Work()
+    Guards(work, Space).iterate([0] * 10, 7)
+    assert MAX_WORK - work.left == (1 + 10) + 10 * 7
+    work = Work()
+    expressions, names = evaluator(work)
+    expressions.evaluate("[large for i in (1, 2, 3, 4)][0]", {**names, "large": [0] * 10_000})
+    assert MAX_WORK - work.left > 4 * 10_000
+
+
+SEARCHES = [
+    "text.find(sought)",
+    "text.index(sought)",
+    "text.count(sought)",
+    "text.replace(sought, 'b')",
+    "text.rsplit(sought)",
+    "text.rsplit(sep=sought)",
+    "text.split(sought)",
+    "text.partition(sought)",
+    "text.strip(sought)",
+    "sought in text",
+    "sought not in text",
+]
+
+
+@pytest.mark.parametrize("expression", SEARCHES)
+def test_a_search_is_paid_for_by_both_lengths(expression: str) -> None:
+    expressions, names = evaluator()
+    with pytest.raises(Refused, match="more work than any robot"):
+        expressions.evaluate(expression, {**names, "text": "a" * 20_000, "sought": "a" * 5000 + "b" + "a" * 4999})
+
+
+def test_sorting_costs_more_than_looking_through() -> None:
+    costs = []
+    for expression in ("sorted(many)", "list(many)"):
+        expressions, names = evaluator(work := Work())
+        expressions.evaluate(expression, {**names, "many": [1] * 1000})
+        costs.append(MAX_WORK - work.left)
+    assert costs[0] - costs[1] > 5 * 1000
+
+
+@pytest.mark.parametrize(
+    "expression", ["text.split()[0]", "list(text)", "python.enumerate(values=text)", "python.set(text)"]
+)
+def test_a_text_is_paid_for_by_the_pieces_it_is_taken_into(expression: str) -> None:
+    work = Work(60_000)
+    expressions, names = evaluator(work)
+    with pytest.raises(Refused):
+        expressions.evaluate(expression, {**names, "text": "a b" * 20_000})
+
+
+def test_the_separators_of_tokenize_are_characters() -> None:
+    assert tokenize("a,b;c d") == ["a", "b", "c", "d"]
+    assert tokenize("a+b-c_d", "+_-") == ["a", "b", "c", "d"]
+    assert tokenize("a.b[c(d", ".[(") == ["a", "b", "c", "d"]
+    assert tokenize("a,,b", ",", skip_empty=False) == ["a", "", "b"]
+    for separators in ("^,", "+-_", "\\s", "]"):
+        with pytest.raises(Refused, match="the separators .* are not allowed"):
+            tokenize("a", separators)

@@ -5,6 +5,8 @@ from __future__ import annotations
 import contextlib
 import os
 import sys
+import threading
+from collections.abc import Callable, Iterator
 from pathlib import Path
 
 import pytest
@@ -12,8 +14,10 @@ import xacro.substitution_args
 
 from hostile import Sandbox, sandbox
 from twistarm import load_arm
+from twistarm.description.expansion import hooks
 from twistarm.description.expansion.expand import expand_xacro, is_xacro
-from twistarm.description.expansion.work import MAX_WORK
+from twistarm.description.expansion.module import own_xacro
+from twistarm.description.expansion.work import MAX_WORK, Work
 from twistarm.description.packages import package_index
 from twistarm.errors import DescriptionError, InputError, TwistarmError
 from urdf_text import joint, robot, write
@@ -174,6 +178,9 @@ RUNAWAY = {
     "conditions side by side without end": '<xacro:if value="1"><a/></xacro:if>' * 100_000,
     "calls side by side without end": '<xacro:macro name="m"><a/></xacro:macro>' + "<xacro:m/>" * 200_000,
     "a large body copied": '<xacro:macro name="m">' + "<a/>" * 20_000 + "</xacro:macro>" + "<xacro:m/>" * 1000,
+    "a block inserted again and again": f'<xacro:property name="b">{"<a/>" * 300}</xacro:property>'
+    + '<b><xacro:insert_block name="b"/></b>' * 5000,
+    "expressions of their own": "".join(f'<a b="${{{i}{"+1" * 190}}}"/>' for i in range(1800)),
     "a long text copied": f'<xacro:macro name="m"><a b="{"a" * 1_000_000}"/></xacro:macro>' + "<xacro:m/>" * 1000,
     "attributes without end": "<a " + " ".join(f'a{i}=""' for i in range(700_000)) + "/>",
     "elements nested without end": "<a>" * 5000 + "</a>" * 5000,
@@ -185,6 +192,7 @@ RUNAWAY = {
     "a long command again and again": '<xacro:property name="a" value="${\'a\' * 500000}"/>'
     + "".join(f'<b c="$(optenv NONE{i} ${{a}})"/>' for i in range(1000)),
     "packages that are nowhere": "".join(f'<a b="$(find p{i})"/>' for i in range(200_000)),
+    "a text in YAML again and again": "".join(f"<a b=\"${{xacro.load_yaml('text.yaml')}}{i}\"/>" for i in range(1000)),
     "keys of one hash": "<a b=\"${xacro.load_yaml('hashes.yaml')}\"/>",
     "an element named again and again": '<xacro:element xacro:name="xacro:element"/>',
 }
@@ -198,7 +206,9 @@ def place(tmp_path: Path) -> Sandbox:
 @pytest.mark.parametrize("case", RUNAWAY)
 def test_what_runs_away_is_refused_soon_and_in_one_line(case: str, place: Sandbox) -> None:
     hashes = "".join(f"{i * (2**61 - 1)}: 1\n" for i in range(100_000))
-    message = place.refuse(RUNAWAY[case], {"a.yaml": "a: [1, 2, 3]", "hashes.yaml": hashes})
+    message = place.refuse(
+        RUNAWAY[case], {"a.yaml": "a: [1, 2, 3]", "hashes.yaml": hashes, "text.yaml": f"a: {'x ' * 20_000}"}
+    )
     assert str(place.folder / "arm") in message
 
 
@@ -424,8 +434,125 @@ def test_xacro_is_left_as_it_was(inside: str, tmp_path: Path, capfd: pytest.Capt
     assert capfd.readouterr() == ("", "")
 
 
+def test_nothing_of_the_programs_is_touched_while_a_file_is_expanded(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Other threads use xacro, and write to stderr, at the same time."""
+
+    def seen() -> tuple[object, ...]:
+        return dict(vars(xacro)), dict(vars(xacro.substitution_args)), sys.stderr, sys.stdout
+
+    states = []
+
+    def read(path: Path) -> str:
+        states.append(seen())
+        return path.read_text()
+
+    before = seen()
+    monkeypatch.setattr(hooks, "read_text", read)
+    path = write(tmp_path, as_xacro("<link name=\"${xacro.warning('loud')}\"/>"), "arm.xacro")
+    expand_xacro(path, package_index(path))
+    assert states == [before]
+
+
+@contextlib.contextmanager
+def in_a_thread(work: Callable[[], None]) -> Iterator[None]:
+    """`work` again and again in another thread, which takes turns with this one as often as it can."""
+    over, failures = threading.Event(), []
+
+    def run() -> None:
+        try:
+            while not over.is_set():
+                work()
+        except Exception as error:
+            failures.append(error)
+
+    thread = threading.Thread(target=run)
+    interval = sys.getswitchinterval()
+    sys.setswitchinterval(1e-5)
+    thread.start()
+    try:
+        yield
+    finally:
+        over.set()
+        thread.join()
+        sys.setswitchinterval(interval)
+    assert not failures
+
+
+def with_its_own_names(folder: Path, name: str, size: float) -> Path:
+    """A file whose text comes from an argument, a property and a macro, all named as in every other."""
+    inside = (
+        f'<xacro:arg name="side" default="{name}"/><xacro:property name="size" value="{size}"/>'
+        f'<xacro:macro name="part" params="i"><link name="{name}_$(arg side)_${{i}}_${{size * 2}}"/></xacro:macro>'
+    )
+    calls = "".join(f'<xacro:part i="{i}"/>' for i in range(20))
+    return write(folder, f'<robot name="{name}" {XMLNS}>{inside}{calls}</robot>', f"{name}.xacro")
+
+
+def test_a_program_may_use_xacro_at_the_same_time(tmp_path: Path) -> None:
+    ours = with_its_own_names(tmp_path, "ours", 1.0)
+    theirs = with_its_own_names(tmp_path, "theirs", 3.0)
+    theirs.write_text(theirs.read_text().replace("${i}", "${(lambda: i)()}"))
+    alone = expand_xacro(ours, package_index(ours))
+    plain = xacro.process_file(str(theirs), verbosity=0).toxml()
+
+    def use_xacro() -> None:
+        assert xacro.process_file(str(theirs), verbosity=0).toxml() == plain
+
+    with in_a_thread(use_xacro):
+        assert [expand_xacro(ours, package_index(ours)) for _ in range(40)] == [alone] * 40
+
+
+def test_two_threads_expand_one_file_each(tmp_path: Path) -> None:
+    one, other = with_its_own_names(tmp_path, "one", 1.0), with_its_own_names(tmp_path, "other", 3.0)
+    alone, other_alone = (expand_xacro(path, package_index(path)) for path in (one, other))
+
+    def expand_the_other() -> None:
+        assert expand_xacro(other, package_index(other)) == other_alone
+
+    with in_a_thread(expand_the_other):
+        assert [expand_xacro(one, package_index(one)) for _ in range(40)] == [alone] * 40
+
+
+def spent(place: Sandbox, inside: str) -> int:
+    place.expand(inside)
+    return place.spent
+
+
+def test_a_macros_body_is_paid_for_at_each_call(place: Sandbox) -> None:
+    macro = f'<xacro:macro name="m"><xacro:if value="0">{"<a/>" * 100}</xacro:if></xacro:macro>'
+    once, thrice = (spent(place, macro + "<xacro:m/>" * calls) for calls in (1, 3))
+    assert thrice - once > 2 * hooks.ELEMENT_COST * 100
+
+
+def test_a_block_is_paid_for_each_time_it_is_inserted(place: Sandbox) -> None:
+    block = f'<xacro:property name="b">{"<a/>" * 100}</xacro:property>'
+    once, thrice = (spent(place, block + '<xacro:insert_block name="b"/>' * calls) for calls in (1, 3))
+    assert thrice - once > 2 * hooks.ELEMENT_COST * 100
+
+
+def test_siblings_are_paid_for_by_each_element_moved_among_them(place: Sandbox) -> None:
+    moved, siblings = f'<xacro:if value="1">{"<a/>" * 1000}</xacro:if>', "<a/>" * 1000
+    apart, among = (spent(place, text) for text in (f"{moved}<b>{siblings}</b>", f"<b/>{moved}{siblings}"))
+    assert among - apart > 1000 * 1000 // hooks.SIBLINGS_PER_UNIT
+
+
+def test_a_real_arm_takes_a_small_part_of_what_is_allowed(models: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    work = Work()
+    monkeypatch.setattr(hooks, "Work", lambda: work)
+    path = models / "ur_description" / "urdf" / "ur.urdf.xacro"
+    expand_xacro(path, package_index(path), {"name": "ur", "ur_type": "ur5e"})
+    assert MAX_WORK - work.left < MAX_WORK // 10
+
+
+def test_deeply_nested_yaml_is_said_to_be_that(place: Sandbox) -> None:
+    message = place.refuse("<link name=\"${xacro.load_yaml('a.yaml')}\"/>", {"a.yaml": "[" * 2000 + "]" * 2000})
+    assert "the YAML is nested too deeply (in ${xacro.load_yaml('a.yaml')}); write it flatter" in message
+
+
 def test_a_xacro_that_cannot_be_confined_is_not_used(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.delattr(xacro, "resolve_macro")
+    monkeypatch.delattr(own_xacro(), "resolve_macro")
     path = write(tmp_path, as_xacro(""), "arm.xacro")
     with pytest.raises(TwistarmError, match=r"has no resolve_macro and cannot be confined; pip install xacro==2.1.1"):
         expand_xacro(path, package_index(path))

@@ -20,7 +20,7 @@ MAX_NUMBER = 400
 UNITS = {"!degrees": np.pi / 180.0, "!radians": 1.0, "!meters": 1.0, "!millimeters": 0.001}
 """Tags that xacro and the descriptions of ROS put before a number, in rad or m."""
 
-_NUMBERS = ("tag:yaml.org,2002:int", "tag:yaml.org,2002:float")
+NUMBERS = ("tag:yaml.org,2002:int", "tag:yaml.org,2002:float")
 
 # YAML 1.1 takes 1e-3 for a text because it has no point; ROS's own parser and YAML 1.2 take it for a number.
 _EXPONENT = re.compile(r"[-+]?[0-9][0-9_]*[eE][-+]?[0-9]+")
@@ -47,7 +47,7 @@ def _words(error: Any) -> str:
 
 def _bad_number(node: Any) -> str:
     """Why a number is refused; empty if it is none, or a usual one."""
-    if node.tag not in _NUMBERS:
+    if node.tag not in NUMBERS:
         return ""
     if len(node.value) > MAX_NUMBER:
         return f"a number of more than {MAX_NUMBER} characters"

@@ -1,4 +1,4 @@
-"""Which files a xacro description may open: those of its own package and of the packages that the user names."""
+"""Which files a xacro description may open: those of its own package and of the packages that the index finds."""
 
 from __future__ import annotations
 
@@ -24,8 +24,9 @@ class Confinement:
     """The folders that `file` and whatever it includes may read from, links followed before anything is decided.
 
     The file's own package (the nearest folder above with a package.xml), or without one its folder and, where that is
-    called urdf or the like, the one above; `package_dirs`; and every package that the index knows by its name. Never
-    the home folder or the root of the file system as a whole.
+    called urdf or the like, the one above; and the very folders in which the index finds packages, those in
+    `package_dirs` among them: a folder without a package.xml is none, whoever names it. Never the home folder or the
+    root of the file system as a whole.
     """
 
     file: Path
@@ -54,22 +55,26 @@ class Confinement:
         if not inside and not any(map(self._is_known, real.parents)):
             allowed = ", ".join(map(str, self.roots)) or "none"
             what = f"{real} lies outside the folders that may be read ({allowed}, and packages found by their name)"
-            raise Refused(OUTSIDE, what, "pass package_dirs=[folder that holds it]")
+            raise Refused(OUTSIDE, what, "pass package_dirs=[folder that holds its package]")
 
     def _is_known(self, folder: Path) -> bool:
-        """Whether it is a package that the index knows by name, be it there or through links of a workspace."""
+        """Whether it is where the index finds a package, be it there or through the links of a workspace."""
         if folder not in self._known:
             name = None if _is_too_wide(folder) else package_name(folder)
-            self._known[folder] = name is not None and self.packages.find(name) is not None
+            found = None if name is None else self.packages.find(name)
+            self._known[folder] = found is not None and folder in _real_folders(found)
         return self._known[folder]
 
 
 def confinement(file: Path, packages: PackageIndex) -> Confinement:
-    """What `file` may open, given the packages around it and those of the user."""
+    """What `file` may open, given the packages that the index finds."""
     real = Path(os.path.realpath(file))
-    roots = [*_own_folders(real), *(Path(os.path.realpath(folder)) for folder in packages.user_dirs)]
-    narrow = [root for root in dict.fromkeys(roots) if not _is_too_wide(root)]
-    return Confinement(real, packages, tuple(narrow))
+    return Confinement(real, packages, tuple(root for root in _own_folders(real) if not _is_too_wide(root)))
+
+
+def _real_folders(package: Path) -> tuple[Path, ...]:
+    """The package's folder, and where its manifest lies: `colcon build --symlink-install` links each file by itself."""
+    return Path(os.path.realpath(package)), Path(os.path.realpath(package / "package.xml")).parent
 
 
 def _own_folders(file: Path) -> list[Path]:

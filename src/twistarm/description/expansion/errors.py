@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from pathlib import Path
 from typing import Any
 
-from ...errors import DescriptionError
-from ..findings import Place, refusal
+from ...errors import DescriptionError, InputError, closest
+from ..findings import Finding, Place, finding, refusal
+from ..packages import PackageIndex
 from .hooks import MISSING_PACKAGE, Expansion
 from .work import Refused
 
@@ -52,6 +53,22 @@ def missing_argument(undefined: str, expansion: Expansion) -> DescriptionError:
     what = f"missing xacro argument{'s' * (len(missing) > 1)} {', '.join(missing)}; all arguments: {listing or 'none'}"
     remedy = f"pass xacro_args={{{', '.join(f'{name!r}: …' for name in missing)}}}"
     return refusal("xacro-argument-missing", Place(str(expansion.path)), _shortened(what), _shortened(remedy))
+
+
+def unknown_argument(name: str, path: Path, known: Mapping[str, str | None]) -> InputError:
+    """A name among the arguments that the file does not take."""
+    allowed = f"its arguments: {', '.join(known) or 'none'}"
+    return InputError(f"{path.name} has no xacro argument {name!r}{closest(name, known)} ({allowed})")
+
+
+def package_finding(path: Path, package: str, packages: PackageIndex) -> Finding:
+    """A package that is nowhere, and that nothing needed which was opened."""
+    return finding(
+        "package-not-found",
+        Place(path.name),
+        f"$(find {package}): package not found (searched {packages.searched()}); nothing the kinematics needs uses it",
+        f"pass package_dirs=[folder that holds {package}] if its files matter",
+    )
 
 
 def current_place(xacro: Any, path: Path) -> Place:

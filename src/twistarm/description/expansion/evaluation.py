@@ -102,7 +102,7 @@ class Evaluation:
             "abs_filename": self._xacro.abs_filename_spec,
             "dotify": self._xacro.YamlDictWrapper,
         }
-        messages = dict.fromkeys(("message", "warning", "error", "print_location"), _say_nothing)
+        messages = dict.fromkeys(("message", "warning", "error", "print_location"), say_nothing)
         offered = {**files, **messages, "fatal": self._fail, "tokenize": tokenize, "arg": self._argument}
         substitution = self._xacro.substitution_args
         self._commands = {
@@ -138,6 +138,6 @@ class _CommandNames(dict[str, Any]):
         return self._convert(self._arguments[name])
 
 
-def _say_nothing(*_: Any, **__: Any) -> str:
+def say_nothing(*_: Any, **__: Any) -> str:
     """xacro's messages go to the terminal, which is the command line's."""
     return ""

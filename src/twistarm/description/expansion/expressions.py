@@ -1,9 +1,9 @@
 """xacro's expressions: checked on their syntax tree, then run with every operation guarded.
 
 What the tree may hold is a list of what arms' descriptions use: numbers, texts, lists, arithmetic, comparisons,
-conditions, items, comprehensions and calls. Lambdas, assignments, f-strings and names that begin with two underscores
-are not on it. Attributes are looked up by `Guards`, which knows no object but namespaces and loaded YAML, so that
-nothing of Python itself can be reached, by whatever detour.
+conditions, items, comprehensions and calls. Lambdas, assignments, f-strings, whatever `*` and `**` unpack and names
+that begin with two underscores are not on it. Attributes are looked up by `Guards`, which knows no object but
+namespaces and loaded YAML, so that nothing of Python itself can be reached, by whatever detour.
 """
 
 from __future__ import annotations
@@ -13,7 +13,7 @@ from collections.abc import Mapping
 from types import CodeType
 from typing import Any
 
-from .guards import OPERATORS, REFUSED, Guards
+from .guards import OPERATORS, REFUSED, Guards, key
 from .work import MAX_BITS, Refused
 
 MAX_LENGTH = 10_000
@@ -23,6 +23,8 @@ MAX_DEPTH = 200
 """Levels of the syntax tree: a sum of so many terms is one."""
 
 EVALUATION_COST = 10
+COMPILATION_COST = 10
+"""For each node of the tree, once."""
 
 _WORDS = {
     "Lambda": "a lambda",
@@ -31,11 +33,12 @@ _WORDS = {
     "FormattedValue": "an f-string",
     "TemplateStr": "a t-string",
     "MatMult": "the operator @",
+    "Starred": "unpacking with *",
 }
 
 _ALLOWED = (
     *(ast.Expression, ast.Constant, ast.Name, ast.Attribute, ast.Subscript, ast.Slice),
-    *(ast.Call, ast.keyword, ast.Starred),
+    *(ast.Call, ast.keyword),
     *(ast.BinOp, ast.UnaryOp, ast.BoolOp, ast.Compare, ast.IfExp),
     *(ast.List, ast.Tuple, ast.Set, ast.Dict),
     *(ast.ListComp, ast.SetComp, ast.DictComp, ast.GeneratorExp, ast.comprehension),
@@ -59,6 +62,7 @@ class Expressions:
         known = self._compiled.get(expression)
         if known is None:
             known = self._compiled[expression] = compile_guarded(expression.strip())
+            self._guards.work.charge(COMPILATION_COST * known[1])
         code, cost = known
         self._guards.work.charge(cost)
         value = self._guards.work.weigh(eval(code, _Scope(names, self._guards)))
@@ -80,6 +84,7 @@ class _Scope(dict[str, Any]):
                 "__call": guards.call,
                 "__iterate": guards.iterate,
                 "__weigh": guards.work.weigh,
+                "__key": key,
             }
         )
         self._names = names
@@ -133,8 +138,21 @@ class _Guarding(ast.NodeTransformer):
         return node
 
     def visit_keyword(self, node: ast.keyword) -> Any:
-        _check_name(node.arg or "")
+        if node.arg is None:
+            raise _unpacked()
+        _check_name(node.arg)
         return self.generic_visit(node)
+
+    def visit_Dict(self, node: ast.Dict) -> ast.expr:
+        keys: list[ast.expr | None] = []
+        for part in node.keys:
+            if part is None:
+                raise _unpacked()
+            keys.append(_guard("__key", self.visit(part)))
+        return _guard("__weigh", ast.Dict(keys, [self.visit(value) for value in node.values]))
+
+    def visit_Set(self, node: ast.Set) -> ast.expr:
+        return _guard("__weigh", ast.Set([_guard("__key", self.visit(member)) for member in node.elts]))
 
     def visit_Attribute(self, node: ast.Attribute) -> ast.expr:
         _check_attribute(node)
@@ -163,6 +181,11 @@ class _Guarding(ast.NodeTransformer):
         return _guard("__operate", ast.Constant(type(node.op).__name__), self.visit(node.left), self.visit(node.right))
 
     def visit_Compare(self, node: ast.Compare) -> ast.expr:
+        if any(isinstance(operator, (ast.In, ast.NotIn)) for operator in node.ops):
+            if len(node.ops) > 1:
+                raise Refused(REFUSED, "`in` between several operands is not allowed", "join comparisons with `and`")
+            operands = self.visit(node.left), self.visit(node.comparators[0])
+            return _guard("__operate", ast.Constant(type(node.ops[0]).__name__), *operands)
         weighed: list[ast.expr] = [_guard("__weigh", self.visit(part)) for part in (node.left, *node.comparators)]
         return ast.Compare(weighed[0], node.ops, weighed[1:])
 
@@ -172,7 +195,10 @@ class _Guarding(ast.NodeTransformer):
         if isinstance(node, _COMPREHENSIONS):
             for part in node.generators:
                 part.iter = _guard("__iterate", part.iter, ast.Constant(cost))
-        if isinstance(node, (*_COMPREHENSIONS, ast.Set, ast.Dict)):
+            if isinstance(node, ast.SetComp):
+                node.elt = _guard("__key", node.elt)
+            if isinstance(node, ast.DictComp):
+                node.key = _guard("__key", node.key)
             return _guard("__weigh", node)
         if isinstance(node, (ast.List, ast.Tuple)) and isinstance(node.ctx, ast.Load):
             return _guard("__weigh", node)
@@ -194,6 +220,10 @@ def _name(name: str) -> ast.Name:
 def _check_name(name: str) -> None:
     if name.startswith("__"):
         raise Refused(REFUSED, f"the name {name} is not allowed", "names of properties begin otherwise")
+
+
+def _unpacked() -> Refused:
+    return Refused(REFUSED, "unpacking with ** is not allowed", "write each entry")
 
 
 def _check_attribute(node: ast.Attribute) -> None:

@@ -13,22 +13,18 @@ from .work import CHARACTERS_PER_UNIT, MAX_BITS, Refused, Work
 REFUSED = "xacro-expression-refused"
 
 _OF_TEXT = """
-    capitalize casefold count endswith find index isalnum isalpha isdecimal isdigit isidentifier islower isnumeric
-    isspace istitle isupper join lower lstrip partition removeprefix removesuffix replace rfind rindex rpartition
-    rsplit rstrip split splitlines startswith strip swapcase title upper zfill
+    capitalize count endswith find index isalnum isalpha isdigit islower isspace isupper join lower lstrip partition
+    removeprefix removesuffix replace rsplit rstrip split startswith strip title upper
 """
-_OF_SET = "copy difference intersection isdisjoint issubset issuperset symmetric_difference union"
 _METHODS = {
     str: _OF_TEXT,
-    list: "append copy count extend index insert pop remove reverse sort",
+    list: "copy count index",
     tuple: "count index",
-    dict: "copy get items keys pop setdefault update values",
-    set: f"{_OF_SET} add discard",
-    frozenset: _OF_SET,
+    dict: "copy get items keys values",
     float: "is_integer",
 }
 METHODS: dict[type, frozenset[str]] = {kind: frozenset(names.split()) for kind, names in _METHODS.items()}
-"""The methods that an expression may call. `format` is none: its text reaches into attributes."""
+"""The methods that an expression may call: none that changes its object, nor `format`, which reaches attributes."""
 
 OPERATORS: dict[str, Callable[[Any, Any], Any]] = {
     "Add": operator.add,
@@ -43,10 +39,12 @@ OPERATORS: dict[str, Callable[[Any, Any], Any]] = {
     "BitOr": operator.or_,
     "BitAnd": operator.and_,
     "BitXor": operator.xor,
+    "In": lambda left, right: left in right,
+    "NotIn": lambda left, right: left not in right,
 }
 
-_FIELD = re.compile(r"%(?:\([^)]*\))?[-+ #0]*(\*|\d*)(?:\.(\*|\d*))?")
-"""Width and precision of a field in `text % values`."""
+_FIELD = re.compile(r"%[-+ #0]*(\d*)(?:\.(\d*))?(.?)", re.DOTALL)
+"""Width, precision and kind of a field in `text % values`; none is named, for %(name)s would multiply a value."""
 
 MAX_FIELD = 999
 
@@ -76,10 +74,12 @@ class Guards:
         if name == "Mult":
             for value, times in ((left, right), (right, left)):
                 if isinstance(value, Sized) and isinstance(times, int):
-                    unit = CHARACTERS_PER_UNIT if isinstance(value, (str, bytes)) else 1
+                    unit = CHARACTERS_PER_UNIT if isinstance(value, str) else 1
                     self.work.charge(len(value) * max(0, times) // unit)
-        elif name == "Mod" and isinstance(left, (str, bytes)):
-            self.work.charge_text(_widths(left if isinstance(left, str) else left.decode("latin-1")))
+        elif name == "Mod" and isinstance(left, str):
+            self.work.charge_text(_widths(left))
+        elif name in ("In", "NotIn") and isinstance(left, str) and isinstance(right, str):
+            self.work.charge_text(len(left) * len(right))
         elif whole and _bits(name, left, right) > MAX_BITS:
             raise Refused("xacro-too-large", f"a whole number of more than {MAX_BITS} bits", "use a float")
 
@@ -106,10 +106,10 @@ class Guards:
             return self.call(self._function(value, name), *arguments, **named)
         self._admit(value, *arguments, *named.values())
         if isinstance(value, str):
-            self._foresee_text(value, name, arguments)
+            self._foresee_text(value, *arguments, *named.values())
         result = getattr(value, name)(*arguments, **named)
-        self.work.weigh(value)
-        return self.work.weigh(result)
+        # Views of a dictionary combine to sets, whose members would be tuples.
+        return self.work.weigh(list(result) if name in ("items", "keys", "values") else result)
 
     def _function(self, value: Any, name: str) -> Any:
         if isinstance(value, dict):
@@ -119,19 +119,25 @@ class Guards:
         remedy = f"allowed: {', '.join(sorted(METHODS[kind]))}" if kind else "compute with names and operators"
         raise Refused(REFUSED, what, "join texts with + and str()" if name.startswith("format") else remedy)
 
-    def _foresee_text(self, text: str, name: str, arguments: tuple[Any, ...]) -> None:
-        if name == "replace" and len(arguments) > 1 and all(isinstance(a, str) for a in arguments[:2]):
-            self.work.charge_text((text.count(arguments[0]) + 1) * len(arguments[1]))
-        elif name == "join" and arguments and isinstance(arguments[0], Sized):
-            self.work.charge_text(len(text) * len(arguments[0]))
-        elif name == "zfill" and arguments and isinstance(arguments[0], int):
-            self.work.charge_text(max(0, arguments[0]))
+    def _foresee_text(self, text: str, *arguments: Any) -> None:
+        """Charge the pieces it may be cut into, and every argument sought, or put, at each character."""
+        self.work.charge(len(text))
+        for argument in arguments:
+            if isinstance(argument, Sized):
+                self.work.charge_text((len(text) + 1) * len(argument))
 
     def call(self, function: Any, /, *arguments: Any, **named: Any) -> Any:
         """`function(...)` for the functions and types that are known."""
         if not callable(function):
             raise TypeError(f"{type(function).__name__!r} object is not callable")
         self._admit(function, *arguments, *named.values())
+        if "key" in named and function is not dict:
+            raise Refused(REFUSED, "key= is not allowed", "sort or compare numbers and texts as they are")
+        for argument in (*arguments, *named.values()):
+            if isinstance(argument, Sized):
+                self.work.charge(len(argument) * (len(argument).bit_length() if function is sorted else 1))
+        for argument in arguments:
+            _check_hashed(function, argument)
         return self.work.weigh(function(*arguments, **named))
 
     def _admit(self, *values: Any) -> None:
@@ -150,12 +156,36 @@ class Guards:
         return values
 
 
+def key(value: Any) -> Any:
+    """A member of a set or a key: a text or a number. Of tuples and ranges any number can be made to share a hash."""
+    if not isinstance(value, (str, int, float, type(None))):
+        what = f"a {type(value).__name__} as a key or in a set is not allowed"
+        raise Refused(REFUSED, what, "use texts and numbers")
+    return value
+
+
+def _check_hashed(function: Any, argument: Any) -> None:
+    """Refused where a function would put something else into a set, or might into a dictionary."""
+    if function is set and isinstance(argument, (list, tuple)):
+        for member in argument:
+            key(member)
+    if isinstance(function, type) and issubclass(function, dict) and not isinstance(argument, dict):
+        raise Refused(REFUSED, "a dict() of pairs is not allowed", "write {key: value for key, value in pairs}")
+
+
 def _widths(template: str) -> int:
     """How many characters the fields of `template % values` ask for."""
-    widths = [width for field in _FIELD.findall(template) for width in field if width]
-    if any(width == "*" or len(width) > len(str(MAX_FIELD)) for width in widths):
-        raise Refused(REFUSED, f"a field of a text wider than {MAX_FIELD} is not allowed", "write its width in digits")
-    return sum(map(int, widths))
+    total = 0
+    for width, precision, kind in _FIELD.findall(template):
+        if not (kind == "%" or kind.isalpha()):
+            raise Refused(
+                REFUSED, f"a field of a text with {kind!a} is not allowed", "write fields such as %s and %.3f"
+            )
+        if max(len(width), len(precision)) > len(str(MAX_FIELD)):
+            what = f"a field of a text wider than {MAX_FIELD} is not allowed"
+            raise Refused(REFUSED, what, "write its width in digits")
+        total += int(width or 0) + int(precision or 0)
+    return total
 
 
 def _bits(name: str, left: int, right: int) -> int:

@@ -18,7 +18,7 @@ from ..findings import Place, refusal
 from ..packages import PackageIndex
 from .arguments import Arguments
 from .confinement import confinement
-from .evaluation import Evaluation
+from .evaluation import Evaluation, say_nothing
 from .work import CHARACTERS_PER_UNIT, Refused, Work
 from .yaml_data import load_yaml
 
@@ -32,7 +32,7 @@ ELEMENT_COST = 15
 ATTRIBUTE_COST = 10
 CHANGE_COST = 25
 MACRO_COST = 100
-SIBLINGS_PER_UNIT = 100
+SIBLINGS_PER_UNIT = 50
 """xacro and minidom look through a parent's children whenever they change one."""
 
 _MACRO_PARAMETER = re.compile(
@@ -80,6 +80,7 @@ class Expansion:
             "check_attrs": self.check_attributes,
             "resolve_macro": self.resolve_macro,
             "replace_node": self.replace_node,
+            **dict.fromkeys(("message", "warning", "error", "print_location"), say_nothing),
         }
 
     def for_substitution(self) -> dict[str, Any]:
@@ -179,11 +180,12 @@ class Expansion:
         return found
 
     def replace_node(self, node: Any, by: Any, content_only: bool = False) -> None:
-        """xacro's own, counted: each node moved is searched for among its new siblings."""
+        """xacro's own, counted: each node moved is searched for among its new siblings, and a block was copied."""
         new = by if isinstance(by, list) else [by] if by is not None else []
         siblings = len(node.parentNode.childNodes)
         moved = sum(len(part.childNodes) if content_only else 1 for part in new)
-        self.work.charge(CHANGE_COST + sum(map(_size, [node, *new])) + moved * siblings // SIBLINGS_PER_UNIT)
+        size = sum(map(_size, [node, *new])) * (ELEMENT_COST if node.nodeName == "xacro:insert_block" else 1)
+        self.work.charge(CHANGE_COST + size + moved * siblings // SIBLINGS_PER_UNIT)
         self._original["replace_node"](node, by, content_only)
 
     def macro_parameter(self, text: str) -> Any:

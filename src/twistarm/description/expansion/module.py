@@ -1,9 +1,20 @@
-"""The xacro that expands descriptions: PyPI's, also in a ROS shell that stands before it with its own."""
+"""A copy of xacro of its own: PyPI's, also in a ROS shell that stands before it with its own.
+
+xacro keeps its state in module globals, and the cage replaces functions of it. The program's `xacro` stays as it is.
+"""
 
 from __future__ import annotations
 
+import functools
+import sys
+from collections.abc import Iterator, Mapping
+from contextlib import contextmanager
+from importlib import import_module
+from importlib.util import module_from_spec, spec_from_file_location
+from pathlib import Path
 from typing import Any
 
+from ...errors import TwistarmError
 from ...wheels import Wheel, load
 
 _WHEEL = Wheel(
@@ -14,7 +25,32 @@ _WHEEL = Wheel(
     oldest="2.1",
 )
 
+_NAME = f"{__package__}._xacro"
 
-def import_xacro() -> Any:
-    """The module, or a TwistarmError that says what stands before it and how to start."""
-    return load(_WHEEL)
+
+@functools.cache
+def own_xacro() -> Any:
+    """The copy, loaded once; TwistarmError, in one line, where xacro cannot serve, and how to start."""
+    file = Path(load(_WHEEL).__file__)
+    spec = spec_from_file_location(_NAME, file, submodule_search_locations=[str(file.parent)])
+    if spec is None or spec.loader is None:
+        raise TwistarmError(f"{file} cannot be loaded; {_WHEEL.command}")
+    copy = sys.modules[_NAME] = module_from_spec(spec)  # where its own imports look for it
+    spec.loader.exec_module(copy)
+    import_module(f"{_NAME}.substitution_args")
+    return copy
+
+
+@contextmanager
+def hooked(module: Any, values: Mapping[str, Any]) -> Iterator[None]:
+    """Attributes of a module of the copy replaced for a while; TwistarmError if it does not have them all."""
+    missing = [name for name in values if not hasattr(module, name)]
+    if missing:
+        lacks = f"this xacro ({module.__file__}) has no {', '.join(missing)} and cannot be confined"
+        raise TwistarmError(f"{lacks}; pip install xacro==2.1.1")
+    original = {name: getattr(module, name) for name in values}
+    vars(module).update(values)
+    try:
+        yield
+    finally:
+        vars(module).update(original)

@@ -13,11 +13,10 @@ from .guards import REFUSED, Guards
 from .work import Refused
 
 _PLAIN = """
-    abs all any bool dict divmod float frozenset hash int isinstance issubclass len list max min ord range
-    repr set sorted str tuple
+    abs all any bool dict divmod float int isinstance len list max min ord range repr set sorted str tuple
 """
-"""Builtins that xacro offers and that are harmless as they are. `vars` and `slice` are not among them: the first
-reaches into types, the second copies uncounted."""
+"""Builtins that xacro offers and that are harmless as `Guards.call` runs them. `vars` and `slice` are not among them:
+the first reaches into types, the second copies uncounted."""
 
 _DIRECT = "list dict map len str float int bool min max round sorted range"
 """Those that also stand without `python.` before them."""
@@ -71,10 +70,12 @@ def direct_names(python: Mapping[str, Any]) -> dict[str, Any]:
 
 
 def tokenize(text: str, sep: str = ",; ", skip_empty: bool = True) -> list[str]:
-    """xacro's own; `sep` lists characters and is no pattern."""
-    if "]" in sep:
-        raise Refused(REFUSED, "the separator ']' is not allowed", "list other characters")
-    words = re.split(f"[{sep}]", text)
+    """xacro's own; `sep` lists characters, and those that would make a pattern of it are refused."""
+    if set("]\\^") & set(sep) or "-" in sep[1:-1]:
+        raise Refused(
+            REFUSED, f"the separators {sep[:40]!a} are not allowed", "list characters; none of ] \\ ^, - last"
+        )
+    words = re.split(f"[{re.escape(sep)}]", text)
     return [word for word in words if word] if skip_empty else words
 
 

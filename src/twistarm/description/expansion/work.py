@@ -6,8 +6,8 @@ import sys
 from dataclasses import dataclass
 from typing import Any
 
-MAX_WORK = 4_000_000
-"""Units of about half a microsecond; a six-joint arm with its parameters in YAML takes 0.1 million."""
+MAX_WORK = 3_000_000
+"""Units of one microsecond at most; a six-joint arm with its parameters in YAML takes 0.2 million."""
 
 MAX_BITS = 10_000
 """No whole number of a robot is longer; arithmetic on such numbers is still instant."""
@@ -68,12 +68,13 @@ def _own_size(value: Any) -> int:
         if value.bit_length() > MAX_BITS:
             raise Refused("xacro-too-large", f"a whole number of more than {MAX_BITS} bits", "use a float")
         return LONG_INTEGER_COST if value.bit_length() > sys.hash_info.width - 3 else 0
-    if isinstance(value, (str, bytes)):
+    if isinstance(value, str):
         return len(value) // CHARACTERS_PER_UNIT
     if isinstance(value, range):
         return max(0, (value.stop - value.start) // value.step) * (1 + _own_size(value.stop) + _own_size(value.start))
-    if isinstance(value, complex):
-        raise Refused("xacro-expression-refused", "a complex number is not allowed", "robots have real ones")
+    if isinstance(value, (complex, bytes)):
+        what = f"a value of type {type(value).__name__} is not allowed"
+        raise Refused("xacro-expression-refused", what, "use real numbers and texts")
     return 0
 
 
@@ -85,6 +86,6 @@ def _parts(value: Any) -> list[Any]:
         return members if around is None else [*members, around]
     if isinstance(value, list):
         return list(list.__iter__(value))
-    if isinstance(value, (tuple, set, frozenset, type({}.keys()), type({}.values()), type({}.items()))):
+    if isinstance(value, (tuple, set)):
         return list(value)
     return []

@@ -5,18 +5,16 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping
 from typing import Any
 
+from ..yaml_reading import MAX_NUMBER, NUMBERS
 from .work import LONG_INTEGER_COST, Refused, Work
 
 NODE_COST = 50
 """PyYAML in Python takes that many units for a node."""
 
-CHARACTER_COST = 0.3
+CHARACTER_COST = 0.6
 
 MAX_SHORT = 18
 """Digits of a whole number that shares its hash with no other."""
-
-MAX_NUMBER = 400
-"""Characters of a number: in base 60 each costs a multiplication of all before."""
 
 
 def load_yaml(text: str, name: str, units: Mapping[str, Callable[[str], float]], work: Work) -> Any:
@@ -43,6 +41,8 @@ def load_yaml(text: str, name: str, units: Mapping[str, Callable[[str], float]],
             return None
         work.charge(_written_out(root, {}))
         return loader.construct_document(root)
+    except RecursionError:
+        raise Refused("xacro-too-large", "the YAML is nested too deeply", "write it flatter") from None
     finally:
         loader.dispose()
 
@@ -59,7 +59,7 @@ def _written_out(node: Any, sizes: dict[int, int]) -> int:
 
 
 def _own_size(node: Any) -> int:
-    if node.tag not in ("tag:yaml.org,2002:int", "tag:yaml.org,2002:float"):
+    if node.tag not in NUMBERS:
         return 1
     if len(node.value) > MAX_NUMBER:
         raise Refused("xacro-too-large", f"a number of more than {MAX_NUMBER} characters", "write it shorter")
