@@ -122,6 +122,8 @@ CASES: dict[str, Case] = {
     "origin-malformed": urdf(two_joints(xyz="0 0")),
     "axis-malformed": urdf(two_joints(inside='<axis xyz="0 z 1"/>')),
     "axis-zero": urdf(two_joints(inside='<axis xyz="0 0 0"/>')),
+    "word-unread": urdf(two_joints(inside='<mimic joint="b" multiplyer="-2"/>')),
+    "origin-looks-like-degrees": urdf(two_joints(rpy="90 0 0")),
     "axis-not-unit": urdf(two_joints(inside='<axis xyz="0 0 2"/>')),
     "limit-malformed": urdf(two_joints(inside='<limit lower="pi" upper="1" velocity="1" effort="1"/>')),
     "limits-swapped": limited("1", "-1"),
@@ -164,10 +166,16 @@ CASES: dict[str, Case] = {
     "state-outside-limits": beside(
         "arm.srdf", srdf(f'{STATES}<joint name="a" value="3"/><joint name="b" value="0"/></group_state>')
     ),
-    "limits-of-others": beside(
+    "limits-unknown-joint": beside(
         "limits.yaml",
         limits_file("{a: {max_velocity: 1.0}, zz: {max_velocity: 1.0}}").replace("\n  {", " {"),
         limits="limits.yaml",
+    ),
+    "limits-of-others": beside(
+        "limits.yaml",
+        limits_file("{a: {max_velocity: 1.0}, b: {max_velocity: 1.0}}").replace("\n  {", " {"),
+        limits="limits.yaml",
+        tip="upper",
     ),
     "limits-empty": beside("limits.yaml", limits_file("a: {has_velocity_limits: false}"), limits="limits.yaml"),
     "limits-not-scaled": beside(

@@ -39,6 +39,20 @@ def test_back_and_forth_in_batches() -> None:
     assert np.allclose(motors.from_counts(motors.to_counts(motors.to_motor(theta))), motors.to_motor(theta))
 
 
+def test_gears_of_very_different_size_are_told_apart() -> None:
+    """1e8 beside 1e-8: by singular values alone, the smaller would be rounding of the greater."""
+    motors = Actuators(("m", "n"), ("a", "b"), [[1e8, 0.0], [0.0, 1e-8]], [0.0, 0.0], ("rad", "rad"), [np.nan] * 2)  # type: ignore[arg-type]
+    assert motors.undriven == ()
+    assert np.allclose(motors.to_theta([3e8, -2e-8]), [3.0, -2.0], rtol=1e-12)
+    # Rows too: the second motor of a wrist, counted in something 1e16 times coarser.
+    wrist = Actuators(("m", "n"), ("a", "b"), [[1e8, 1e8], [1e-8, -1e-8]], [0.0, 0.0], ("rad", "rad"), [np.nan] * 2)  # type: ignore[arg-type]
+    assert np.allclose(wrist.to_theta([5e8, 1e-8]), [3.0, 2.0], rtol=1e-12)
+    # And a slide beside a turn, with a motor to spare.
+    spare = [[1e9, 0.0], [0.0, 1e-8], [0.0, 1e-8]]
+    three = Actuators(("m", "n", "o"), ("a", "b"), spare, [0.0] * 3, ("rad",) * 3, [np.nan] * 3)  # type: ignore[arg-type]
+    assert np.allclose(three.to_theta([3e9, 1e-8, 3e-8]), [3.0, 2.0], rtol=1e-12)
+
+
 def test_counts_are_what_the_drive_reads() -> None:
     motors = differential()
     # One turn of each motor: 1 turn, 4096 ticks, 360 degrees.

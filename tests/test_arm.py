@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import copy
 import pickle
 from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
@@ -11,7 +12,7 @@ import pinocchio as pin
 import pytest
 
 import twistarm
-from twistarm import JointLimits, arm_from_screws, joints, load_arm, screws
+from twistarm import Arm, JointLimits, arm_from_screws, joints, load_arm, screws
 from twistarm.errors import InputError, TwistarmError, UnknownNameError
 from urdf_text import joint, robot, two_joints, write
 
@@ -278,6 +279,18 @@ def test_ready_is_inside_the_limits_and_well_conditioned(catalogue_arm: twistarm
     assert ready <= np.median(catalogue_arm.manipulability(random).condition)
 
 
+def test_ready_of_an_arm_in_a_plane_is_bent() -> None:
+    """Seven parallel axes move the tool in three directions: stretched out they lose one of those."""
+    xi = np.hstack([joints.revolute([0, 0, 1], [0.1 * i, 0, 0]) for i in range(7)])
+    home = np.eye(4)
+    home[0, 3] = 0.7
+    arm = twistarm.arm_from_screws(xi, home)
+    values = np.linalg.svd(arm.body_jacobian(arm.ready), compute_uv=False)
+    stretched = np.linalg.svd(arm.body_jacobian(np.zeros(7)), compute_uv=False)
+    assert values[2] > 0.03
+    assert stretched[2] < 1e-12
+
+
 def test_an_arm_is_plain_data(rover: twistarm.Arm) -> None:
     theta = rover.random_theta(np.random.default_rng(7))
     expected = rover.fk(theta)
@@ -366,3 +379,19 @@ def test_an_unbounded_thread_is_sampled_over_a_metre_of_travel() -> None:
     xi = np.hstack([joints.helical([0, 0, 1], [0.1, 0, 0], 0.005), joints.helical([0, 0, 1], [0, 0, 0], 2.0)])
     arm = twistarm.arm_from_screws(xi, np.eye(4))
     assert np.allclose(arm.sampling_bounds[1], [200.0, np.pi])
+
+
+def test_what_it_holds_cannot_be_changed_also_after_pickling(rover: Arm) -> None:
+    for arm in (rover, pickle.loads(pickle.dumps(rover)), copy.deepcopy(rover), rover.with_tool(np.eye(4), "pen")):
+        assert set(arm.named_states) == set(rover.named_states) != set()
+        with pytest.raises(TypeError):
+            arm.named_states["ready"] = np.zeros(5)  # type: ignore[index]
+        with pytest.raises(TypeError):
+            arm.couplings["shoulder"] = None  # type: ignore[index]
+        assert not any(theta.flags.writeable for theta in arm.named_states.values())
+
+
+@pytest.mark.parametrize("name", ["", " ", None])
+def test_a_tool_needs_a_name(name: object, rover: Arm) -> None:
+    with pytest.raises(InputError, match="the tool's name must be a text, and not an empty one; got"):
+        rover.with_tool(np.eye(4), name)  # type: ignore[arg-type]

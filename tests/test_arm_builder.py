@@ -175,6 +175,15 @@ MISTAKES: dict[str, tuple[Callable[[], object], str]] = {
         lambda: started().prismatic("x", Z, upper="far"),  # type: ignore[arg-type]
         "joint 'x': upper must be an array of real numbers",
     ),
+    "a bound that is a truth": (
+        lambda: started().prismatic("x", Z, lower=True),
+        "joint 'x': lower must be a number; got True",
+    ),
+    "a bound that is NumPy's truth": (
+        lambda: started().revolute("x", Z, O, effort=np.True_),
+        "joint 'x': effort must be a number; got True",
+    ),
+    "a pitch that is a truth": (lambda: started().helical("x", Z, O, True), "joint 'x': pitch must be a number"),
     "a velocity of zero": (
         lambda: started().prismatic("x", Z, velocity=0),
         "joint 'x': velocity must be positive, or left out where there is no limit; got 0",
@@ -186,6 +195,14 @@ MISTAKES: dict[str, tuple[Callable[[], object], str]] = {
     "several homes": (lambda: started().tool(np.tile(np.eye(4), (2, 1, 1))), "home must be one pose (4, 4)"),
     "a tool named as a link": (lambda: started().tool(HOME, "a_link"), "the tool's name 'a_link' clashes"),
     "a tool named as the base": (lambda: started().tool(HOME, "base"), "the tool's name 'base' clashes"),
+    "a tool whose mount is a joint": (
+        lambda: ArmBuilder("arm").revolute("hand_mount", Z, O).tool(HOME, "hand"),
+        "the tool's name 'hand' clashes with a joint's or its link's; rename the tool",
+    ),
+    "a joint named as the tool's mount": (
+        lambda: ArmBuilder("arm").tool(HOME, "hand").revolute("hand_mount", Z, O),
+        "the tool's name 'hand' clashes",
+    ),
     "a joint named as the tool's link": (
         lambda: ArmBuilder("arm").tool(HOME, "x_link").revolute("x", Z, O),
         "the tool's name 'x_link' clashes",

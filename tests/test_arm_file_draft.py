@@ -14,6 +14,9 @@ from catalogue import load
 from test_loading import REAL
 from twistarm import Arm, DescriptionError, InputError, load_arm
 from twistarm.arm_file_draft import draft_arm_file
+from twistarm.description.document import Reading
+from twistarm.description.tree import Description
+from twistarm.description.urdf import build_description
 from urdf_text import joint, robot, two_joints, write
 
 if sys.version_info >= (3, 11):
@@ -167,3 +170,16 @@ def test_what_it_cannot_work_with(tmp_path: Path) -> None:
         draft_arm_file(tmp_path / "no.urdf")
     with pytest.raises(twistarm.UnknownNameError, match="no link for tip= 'tool9'"):
         draft_arm_file(tmp_path / "arm.urdf", tip="tool9")
+
+
+def test_the_description_is_read_once(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    read: list[Path] = []
+
+    def counted(text: str, reading: Reading) -> Description:
+        read.append(reading.path)
+        return build_description(text, reading)
+
+    monkeypatch.setattr(twistarm.description.urdf, "build_description", counted)
+    path = write(tmp_path, two_joints())
+    draft_arm_file(path, tmp_path)
+    assert read == [path]

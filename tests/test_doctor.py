@@ -17,7 +17,14 @@ from test_finding_codes import found, lay
 from twistarm import Arm, InputError, UnknownNameError, arm_from_screws, diagnose, load_arm
 from twistarm.description.findings import Finding
 from twistarm.doctor import examine
+from twistarm.doctor.postures import recommended
+from twistarm.doctor.wording import toml_table
 from urdf_text import joint, robot, two_joints, write
+
+if sys.version_info >= (3, 11):
+    import tomllib
+else:
+    import tomli as tomllib
 
 WARNED = {"kinova", "so100"}
 """Of one a state of its SRDF lies outside the limits; the other has no tool frame."""
@@ -159,6 +166,19 @@ def test_the_recommended_pose_can_be_pasted_and_is_as_good_as_said(tmp_path: Pat
     assert (np.abs(arm.ready) <= 0.8 * 2.5).all()
 
 
+def test_the_recommended_pose_has_few_digits(tmp_path: Path) -> None:
+    text = chain("0 0 1", "0 1 0", "0 1 0", "0 0 1", "0 1 0", "0 0 1", xyz="0 0 0.3")
+    arm = load_arm(write(tmp_path, text.replace('lower="-1" upper="1"', 'lower="-2.5" upper="2.5"')))
+    pose = recommended(arm, 6)
+    assert pose.any()
+    assert np.array_equal(pose, np.round(pose, 1))
+
+
+def test_names_in_a_snippet_are_quoted_as_toml_wants_it() -> None:
+    values = {"a-b_1": 1.0, 'a "b"\\': 2.0, "": 3.0, "a.b": 4.0, "gelenk_ä": 5.0, "a\tb\x7f": 6.0}
+    assert tomllib.loads(toml_table("poses.ready", values)) == {"poses": {"ready": values}}
+
+
 def test_a_pose_named_home_is_looked_at(tmp_path: Path) -> None:
     """Three parallel hinges are singular stretched out, whatever the first one does; zero is outside the limits."""
     text = chain("0 1 0", "0 1 0", "0 1 0").replace('lower="-1"', 'lower="0.1"', 1)
@@ -255,6 +275,14 @@ def test_a_tool_given_in_the_arm_toml_is_a_tool(tmp_path: Path) -> None:
     _, _, snippet = said.remedy.partition("\n")
     write(tmp_path, f'source = "arm.urdf"\n{snippet}\n', "arm.toml")
     assert "tool-frame-missing" not in codes(tmp_path / "arm.toml")
+
+
+def test_a_slide_at_the_end_has_its_tool(tmp_path: Path) -> None:
+    """Its frame moves along the axis, not on it: where the arm grips is no less said than with a tool."""
+    for kind, told in ("revolute", True), ("prismatic", False):
+        parts = joint("a", "base_link", "upper"), joint("b", "upper", "flange", kind)
+        path = write(tmp_path, robot(*parts, links=("base_link", "upper", "flange")))
+        assert ("tool-frame-missing" in codes(path)) == told
 
 
 def test_other_ends_are_told_only_where_nobody_said_which(tmp_path: Path) -> None:

@@ -14,6 +14,7 @@ from test_finding_codes import lay
 from twistarm.cli.application import run
 from twistarm.description.findings import CODES
 from twistarm.doctor.codes import codes_page
+from twistarm.doctor.folder import descriptions_in
 from urdf_text import joint, robot, two_joints, write
 
 Capture = pytest.CaptureFixture[str]
@@ -101,7 +102,8 @@ def test_fix_writes_and_lists(capsys: Capture, tmp_path: Path) -> None:
         f"written: {out} (1 repair; the same links, joints, limits and poses; Pinocchio's own parser reads it)" in shown
     )
     assert "axis-not-unit" not in page(capsys, str(out))
-    content = answer(capsys, "doctor", path, "--fix", str(out))
+    assert f"{out} exists; --force replaces it" in error_of(capsys, "doctor", path, "--fix", str(out))
+    content = answer(capsys, "doctor", path, "--fix", str(out), "--force")
     assert content["repairs"] == ["joint 'a': axis 0 0 2 normalised"]
     assert content["written"] == str(out)
     assert "which stays as it is" in error_of(capsys, "doctor", path, "--fix", path)
@@ -148,6 +150,14 @@ def test_a_folder_is_doctored_with_a_line_each(capsys: Capture, tmp_path: Path) 
     (tmp_path / "broken.urdf").unlink()
     assert "3 of 3 good" in page(capsys, str(tmp_path))
     assert "2 of 3 good" in page(capsys, str(tmp_path), "--strict", code=1)
+
+
+def test_folders_behind_links_are_not_looked_into(tmp_path: Path) -> None:
+    (tmp_path / "team").mkdir()
+    write(tmp_path / "team", two_joints())
+    (tmp_path / "again").symlink_to(tmp_path / "team")
+    (tmp_path / "team/round").symlink_to(tmp_path)
+    assert descriptions_in(tmp_path) == (tmp_path / "team/arm.urdf",)
 
 
 def test_a_folder_is_checked_with_a_line_each(capsys: Capture, tmp_path: Path) -> None:

@@ -199,6 +199,26 @@ def test_a_copy_that_is_another_robot_would_be_seen(old: str, new: str, said: st
     assert difference(one, other) == said
 
 
+@pytest.mark.parametrize("axis", ["0 0 1", "0 0 2"])
+def test_the_axis_of_a_fixed_joint_stays_unless_it_is_none(axis: str, tmp_path: Path) -> None:
+    text = robot(joint("a", "base_link", "upper"), joint("b", "upper", "tool0", "fixed", f'<axis xyz="{axis}"/>'))
+    copy, made = repaired(tmp_path, text)
+    assert made.changes == ()
+    assert copy == text
+
+
+def test_an_element_goes_with_the_line_it_stands_on_alone() -> None:
+    for text, left in (
+        ("<a>\n  <b/>\n  <c/>\n</a>", "<a>\n  <c/>\n</a>"),
+        ("<a>\r\n\t<b>\r\n x</b> \r\n\t<c/></a>", "<a>\r\n\t<c/></a>"),
+        ("<a>\n  <b/><c/>\n</a>", "<a>\n  <c/>\n</a>"),
+        ("<a>\n  <c/> <b/>\n</a>", "<a>\n  <c/> \n</a>"),
+    ):
+        source = SourceText(text)
+        source.remove(source.robot.find("b"))  # type: ignore[arg-type]
+        assert source.edited() == left
+
+
 def test_attributes_are_set_where_they_stand() -> None:
     source = SourceText("<robot a='1'><b\n  c = \"x > y\"  d='2'/></robot>")
     source.set(source.robot[0], c='say "hi" & <go>', e="3", d=None)

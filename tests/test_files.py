@@ -1,10 +1,22 @@
 import os
 import stat
+from pathlib import Path
 
 import pytest
 
 from twistarm.errors import InputError
 from twistarm.files import write_whole
+
+
+@pytest.mark.parametrize("name", ["arm.urdf", "arm.urdf.xacro", "arm.srdf", "arm.toml", "joint_limits.yaml"])
+def test_no_description_is_lost_to_an_output(name: str, tmp_path: Path) -> None:
+    path = tmp_path / name
+    path.write_text("mine")
+    with pytest.raises(InputError, match="a description stands there and would be lost; give another name"):
+        write_whole(path, "yours")
+    assert path.read_text() == "mine"
+    write_whole(path, "ours", over_description=True)
+    assert path.read_text() == "ours"
 
 
 def test_text_and_bytes_arrive_as_they_are(tmp_path):

@@ -50,6 +50,7 @@ def test_the_input_raises_its_code(code: str, tmp_path: Path) -> None:
     for one in findings:
         assert one.severity == CODES[code].severity
         assert one.what
+        assert one.remedy
         assert one.place.file
         assert "\n" not in one.what
 

@@ -3,6 +3,9 @@
 from __future__ import annotations
 
 import os
+import signal
+import threading
+import time
 import xml.etree.ElementTree as ET
 from pathlib import Path, PurePath
 from random import Random
@@ -78,11 +81,19 @@ def test_every_mutator_of_texts_changes_something(mutator) -> None:
 
 def test_a_worker_that_hangs_or_dies_is_replaced(tmp_path: Path) -> None:
     sources = seed_sources()[:1]
-    worker = Worker(tmp_path, sources, limit=0.0)
+    worker = Worker(tmp_path, sources)
     try:
-        assert one(worker, sources, 0, 0).verdict["outcome"] == "hung"
-        assert worker.process is None
-        worker.limit = 5.0
+        for limits, problem in (
+            ({"limit": 0.0}, "no answer after 0 s of computing"),
+            ({"patience": 0.0}, "no answer within 0 s"),
+        ):
+            with pytest.MonkeyPatch.context() as patched:
+                for name, value in limits.items():
+                    patched.setattr(worker, name, value)
+                hung = one(worker, sources, 0, 0)
+            assert hung.verdict["outcome"] == "hung"
+            assert hung.problems == [problem]
+            assert worker.process is None
         assert one(worker, sources, 0, 0).problems == []
         assert worker.process is not None
         worker.process.kill()
@@ -90,6 +101,24 @@ def test_a_worker_that_hangs_or_dies_is_replaced(tmp_path: Path) -> None:
         assert died.verdict["outcome"] == "died"
         assert died.problems == ["the process ended with status -9"]
         assert one(worker, sources, 0, 0).problems == []
+    finally:
+        worker.close()
+
+
+def test_a_worker_that_waits_for_a_busy_machine_is_not_called_hung(tmp_path: Path) -> None:
+    sources = seed_sources()[:1]
+    worker = Worker(tmp_path, sources)
+    try:
+        assert one(worker, sources, 0, 0).problems == []
+        assert worker.process is not None
+        worker.limit = 1.0
+        worker.process.send_signal(signal.SIGSTOP)
+        resumed = threading.Timer(1.5, worker.process.send_signal, [signal.SIGCONT])
+        resumed.start()
+        start = time.perf_counter()
+        assert one(worker, sources, 0, 0).problems == []
+        assert time.perf_counter() - start > worker.limit
+        resumed.join()
     finally:
         worker.close()
 

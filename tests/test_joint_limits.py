@@ -47,8 +47,8 @@ def test_what_the_file_gives_replaces_and_what_it_switches_off_does_not(tmp_path
     assert limits.effort.tolist() == [3.0, 7.0]
     assert np.allclose(limits.lower, [-1.0, np.radians(-30)])
     assert np.allclose(limits.upper, [1.0, np.radians(45)])
-    assert codes(arm) == ["limits-not-scaled", "limits-of-others"]
-    assert "'finger'" in arm.findings[1].what
+    assert codes(arm) == ["limits-not-scaled", "limits-unknown-joint"]
+    assert "it has limits for 'finger', and no joint has that name" in arm.findings[1].what
     assert "default_velocity_scaling_factor 0.1 and default_acceleration_scaling_factor 0.1" in arm.findings[0].what
 
 

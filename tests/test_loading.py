@@ -140,6 +140,46 @@ BAD_TOML = {
     ),
     "a table that is none": ('source = "arm.urdf"\nlimits = 3', "limits must be a table of name = value"),
     "a base that is a number": ('source = "arm.urdf"\nbase = 3', "base must be a text; got 3"),
+    "a base without a name": ('source = "arm.urdf"\nbase = ""', "arm.toml: base must not be empty; got ''"),
+    "a tip without a name": ('source = "arm.urdf"\ntip = " "', "arm.toml: tip must not be empty; got ' '"),
+    "an arm without a name": ('source = "arm.urdf"\nname = ""', "arm.toml: name must not be empty; got ''"),
+    "a tool with an empty name": ('source = "arm.urdf"\n[tool]\nname = ""', "arm.toml: tool.name must not be empty"),
+    "a motor without a name": (
+        'source = "arm.urdf"\n[actuators.""]\nratio = { a = 1.0 }',
+        "arm.toml: an actuator's name must not be empty",
+    ),
+    "a joint locked nowhere": (
+        'source = "arm.urdf"\nlocked = { a = inf }',
+        "arm.toml: locked.a must be finite; got inf; correct it there",
+    ),
+    "a joint locked out of this world": (
+        'source = "arm.urdf"\nlocked = { a = -1e300 }',
+        "arm.toml: locked.a must be at most 1e+09 in size; got -1e+300",
+    ),
+    "a tool out of this world": (
+        'source = "arm.urdf"\n[tool]\nname = "t"\nxyz = [1e300, 0, 0]',
+        "arm.toml: tool.xyz must be at most 1e+09 in size; got 1e+300",
+    ),
+    "a tool turned out of this world": (
+        'source = "arm.urdf"\n[tool]\nname = "t"\nrpy = [0, 1e300, 0]',
+        "arm.toml: tool.rpy must be at most 1e+09 in size; got 1e+300",
+    ),
+    "several places of one tool": (
+        'source = "arm.urdf"\n[tool]\nname = "t"\nxyz = [[0, 0, 0], [0, 0, 1]]',
+        "arm.toml: tool.xyz must have shape (3,); got (2, 3)",
+    ),
+    "a motor out of this world": (
+        'source = "arm.urdf"\n[actuators.m]\nratio = { a = 1e300 }',
+        "arm.toml: actuators.m.ratio.a must be at most 1e+09 in size; got 1e+300",
+    ),
+    "package dirs that are not there": (
+        'source = "arm.urdf"\npackage_dirs = ["no_such"]',
+        "arm.toml: package_dirs names 'no_such'; there is no such folder beside it; correct the path",
+    ),
+    "brackets without end": ("x = " + "[" * 1500, "arm.toml: not valid TOML: it nests too deep"),
+    "an integer without end": ("name = " + "9" * 10_000, "arm.toml: a line of more than 2,000 characters"),
+    "a key without end": (".".join("a" * 20_000) + " = 1", "arm.toml: a line of more than 2,000 characters; break it"),
+    "a file that is no arm.toml": ("# \n" * 40_000, "arm.toml: it has 120,000 bytes; at most 64,000 are read"),
 }
 
 
@@ -151,6 +191,14 @@ def test_bad_arm_toml_in_one_line(case: str, tmp_path: Path) -> None:
         load_arm(write(tmp_path, text, "arm.toml"))
     assert message in str(caught.value)
     assert "\n" not in str(caught.value)
+
+
+def test_package_dirs_may_stand_in_the_home_folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setenv("HOME", str(tmp_path / "home"))
+    (tmp_path / "home/ws").mkdir(parents=True)
+    write(tmp_path, two_joints())
+    path = write(tmp_path, 'source = "arm.urdf"\npackage_dirs = ["~/ws", "home"]', "arm.toml")
+    assert load_arm(path).n == 2
 
 
 def test_limits_by_the_caller(tmp_path: Path) -> None:
@@ -215,6 +263,8 @@ def test_a_follower_keeps_its_master_inside_its_own_limits(tmp_path: Path) -> No
 WRONG_TYPES = {
     "a source that is none": ({"source": None}, "source must be a path or a name; got None"),
     "a tip that is a number": ({"tip": 3}, "tip must be the name of a link; got 3"),
+    "an empty tip": ({"tip": ""}, "tip must be the name of a link; got ''"),
+    "an empty base": ({"base": " "}, "base must be the name of a link; got ' '"),
     "limits that are a number": ({"limits": 5}, "limits must be a JointLimits or a mapping"),
     "limits of another arm": (
         {"limits": JointLimits.unbounded(3)},

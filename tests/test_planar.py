@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import time
 from pathlib import Path
 
 import numpy as np
@@ -162,3 +163,23 @@ def test_a_crooked_axis_is_said_once(tmp_path: Path) -> None:
 def test_theta_by_the_joint_s_own_name_lists_the_coordinates(tmp_path: Path) -> None:
     with pytest.raises((UnknownNameError, InputError), match="p_x"):
         chain(tmp_path).theta_from({"p": 0.0, "b": 0.0})
+
+
+def test_thousands_of_them_take_seconds(tmp_path: Path) -> None:
+    n = 4000
+    links = ("base_link", *(f"l{i}" for i in range(n)))
+    path = write(tmp_path, robot(*(joint(f"p{i}", "base_link", f"l{i}", "planar") for i in range(n)), links=links))
+    start = time.process_time()
+    description = read_description(path)
+    assert time.process_time() - start < 12.0
+    assert list(description.joints) == [f"p{i}_{part}" for i in range(n) for part in ("x", "y", "rz")]
+
+
+def test_made_links_are_named_apart_from_those_that_are_there(tmp_path: Path) -> None:
+    parts = joint("p", "base_link", "p_x_link", "planar"), joint("q", "p_x_link", "tool0", "planar")
+    description = read_description(write(tmp_path, robot(*parts, links=("base_link", "p_x_link", "tool0"))))
+    made = ["p_x_link_", "p_y_link", "q_x_link", "q_y_link"]
+    assert list(description.links) == ["base_link", "p_x_link", "tool0", *made]
+    assert [joint.child for joint in description.chain("base_link", "tool0")] == [
+        "p_x_link_", "p_y_link", "p_x_link", "q_x_link", "q_y_link", "tool0",
+    ]  # fmt: skip

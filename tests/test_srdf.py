@@ -104,6 +104,10 @@ NO_SRDF = {
     "no name": ("<robot/>", "arm.srdf:1: robot: it has no name="),
     "no XML": ("group: arm", "not well-formed XML"),
     "a document type": ("<!DOCTYPE r [<!ENTITY a 'b'>]><robot name='t'/>", "a document type (<!DOCTYPE r>)"),
+    "more silent links than any robot has": (
+        "<robot name='t'>" + '<disable_default_collisions link="l"/>' * 201 + "</robot>",
+        "it has 201 elements <disable_default_collisions>; allowed are 200",
+    ),
     "too large": ("<robot name='t'>" + " " * 1_000_000 + "</robot>", "it has 1000024 bytes; an SRDF has at most"),
 }
 

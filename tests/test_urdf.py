@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
+import time
 from pathlib import Path
 
 import numpy as np
 import pytest
 
-from twistarm import load_arm
+from twistarm import diagnose, load_arm
 from twistarm.description.coupling import resolve_couplings
 from twistarm.description.urdf import read_description
 from twistarm.errors import DescriptionError
@@ -180,6 +181,12 @@ def test_a_long_axis_is_normalised_and_said(tmp_path: Path) -> None:
     assert "its axis 0 0 5 has length 5; only the direction counts" in findings(path)["axis-not-unit"]
 
 
+def test_an_origin_in_degrees_is_hinted_at(tmp_path: Path) -> None:
+    said = findings(write(tmp_path, two_joints(rpy="90 0 -45")))["origin-looks-like-degrees"]
+    assert 'rpy="90 0 -45" rad goes beyond a whole turn' in said
+    assert 'write rpy="1.5708 0 -0.785398"' in said
+
+
 def test_a_zero_axis_on_a_fixed_joint_is_ignored(tmp_path: Path) -> None:
     fixed = joint("f", "upper", "tool0", kind="fixed", inside='<axis xyz="0 0 0"/>')
     arm = load_arm(write(tmp_path, robot(joint("a", "base_link", "upper"), fixed)))
@@ -256,3 +263,57 @@ def test_every_unusable_joint_is_reported_at_once(tmp_path: Path) -> None:
         read_description(write(tmp_path, text))
     assert [finding.code for finding in refused.value.findings] == ["axis-zero", "limits-swapped"]
     assert [finding.place.name for finding in refused.value.findings] == ["a", "b"]
+
+
+FOREIGN = {
+    "on a link": two_joints().replace('<link name="upper"/>', '<link name="upper" foo:bar="1"/>'),
+    "on the robot": two_joints().replace("<robot ", '<robot foo:bar="1" '),
+    "a namespace of its own": two_joints().replace("<robot ", '<robot xmlns="http://example.org/robot" '),
+    "a prefix in the XML's own way": two_joints().replace("<robot ", '<robot xmlns:foo="" '),
+    "an element among inertias": two_joints().replace(
+        '<link name="upper"/>',
+        '<link name="upper"><inertial><foo:m/><mass value="2" foo:u="kg"/>'
+        '<inertia ixx="1" iyy="1" izz="1" ixy="0" ixz="0" iyz="0"/></inertial></link>',
+    ),
+    "an element in an origin": two_joints().replace('rpy="0 0 0"/>', 'rpy="0 0 0" foo:x="1"><foo:y/></origin>'),
+}
+
+
+@pytest.mark.parametrize("where", FOREIGN)
+def test_prefixes_that_nobody_declared_change_nothing(where: str, tmp_path: Path) -> None:
+    arm, plain = load_arm(write(tmp_path, FOREIGN[where])), load_arm(write(tmp_path, two_joints(), "plain.urdf"))
+    assert np.array_equal(arm.screws, plain.screws)
+    assert np.array_equal(arm.fk([0.1, 0.2]), plain.fk([0.1, 0.2]))
+    assert "error" not in {one.severity for one in diagnose(arm)}
+    assert "error" not in {one.severity for one in diagnose(tmp_path / "arm.urdf")}
+    mass = sum(body.mass for body in arm.pinocchio.model.inertias)
+    assert mass == (2.0 if "inertias" in where else 0.0)
+
+
+def test_a_file_beyond_all_descriptions_is_not_read(tmp_path: Path) -> None:
+    path = tmp_path / "arm.urdf"
+    with path.open("wb") as file:
+        file.truncate(3 << 30)
+    with pytest.raises(DescriptionError) as caught:
+        load_arm(path)
+    assert str(caught.value) == (
+        f"{path}: it has 3,221,225,472 bytes; at most 50,000,000 are read; is it the right file?"
+    )
+    assert [one.code for one in caught.value.findings] == ["file-too-large"]
+
+
+def test_thousands_of_mistakes_take_no_longer_than_thousands_of_names(tmp_path: Path) -> None:
+    n = 3000
+    joints = (joint(f"j{i}", "base", f"x{i}", "fixed") for i in range(n))
+    path = write(tmp_path, robot(*joints, links=("base", *(f"l{i}" for i in range(n)))))
+    start = time.process_time()
+    with pytest.raises(DescriptionError, match="and 2999 more"):
+        load_arm(path)
+    assert time.process_time() - start < 6.0
+
+
+def test_what_is_not_ours_is_left_out_in_no_time_however_much_it_is(tmp_path: Path) -> None:
+    path = write(tmp_path, two_joints().replace("</robot>", '<gazebo x="1"/>' * 300_000 + "</robot>"))
+    start = time.process_time()
+    assert load_arm(path).n == 2
+    assert time.process_time() - start < 8.0

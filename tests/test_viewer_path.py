@@ -78,3 +78,13 @@ def test_the_stand_alone_page_holds_the_path_of_its_trajectory(tmp_path: Path) -
         assert stored is not None
         path = json.loads(stored[1])["path"]
         assert path["points"] == ([] if motion is None else tool_path(ARM, MOTION)["points"])
+
+
+def test_the_view_refuses_what_is_no_motion() -> None:
+    with Viewer(ARM, open_browser=False) as viewer:
+        viewer.show_path(MOTION)
+        with pytest.raises(InputError, match="motion must be finite"):
+            viewer.show_path([[np.nan]])
+        with pytest.raises(InputError, match=r"motion must have shape \(..., 1\): a"):
+            viewer.show_path([[0.1, 0.2]])
+        assert viewer._server.ask(lambda stage: stage.way()) == {"type": "path", **tool_path(ARM, MOTION)}

@@ -61,7 +61,8 @@ class Actuators:
     @property
     def undriven(self) -> tuple[str, ...]:
         """Joints that the motors do not determine: those with a share in the null space of G."""
-        scaled, _ = _equilibrated(self.G)
+        scaled = self.G * _factors(self.G, axis=1)
+        scaled = scaled * _factors(scaled, axis=0)
         _, values, Vt = np.linalg.svd(scaled)
         null = Vt[int((values > RANK_TOL * max(values.max(initial=0.0), 1.0)).sum()) :]
         free = np.abs(null).max(axis=0, initial=0.0) > RANK_TOL
@@ -84,8 +85,11 @@ class Actuators:
                 f"the motors {listed(self.names)} do not determine joint {listed(self.undriven)}: "
                 "G must have full column rank; describe the motors that drive them"
             )
-        _, scale = _equilibrated(self.G)
-        theta: Array = (x - self.offset) @ np.linalg.pinv(self.G * scale).T * scale
+        # A square G has one solution, however its rows are scaled; least squares would be weighed by that.
+        rows = _factors(self.G, axis=1) if len(self.names) == len(self.joint_names) else np.ones((len(self.names), 1))
+        columns = _factors(self.G * rows, axis=0)
+        scaled = (x - self.offset) * rows[:, 0]
+        theta: Array = scaled @ np.linalg.pinv(self.G * rows * columns).T * columns[0]
         return theta
 
     def to_counts(self, motor: ArrayLike) -> Array:
@@ -115,10 +119,8 @@ def _require_countable(name: str, unit: str, ticks: float) -> None:
         raise InputError(f"actuator {name!r} counts in {unit} and makes no turns: leave out its ticks_per_turn")
 
 
-def _equilibrated(G: Array) -> tuple[Array, Array]:
-    """G with rows and columns of comparable size, and the column factors (n,): rad and m stand side by side in it."""
-    rows = np.linalg.norm(G, axis=1, keepdims=True)
-    scaled = G / np.where(rows == 0, 1.0, rows)
-    columns = np.linalg.norm(scaled, axis=0)
-    scale: Array = 1.0 / np.where(columns == 0, 1.0, columns)
-    return scaled * scale, scale
+def _factors(G: Array, axis: int) -> Array:
+    """What makes rows (axis 1) or columns (axis 0) of G unit vectors: rad and m stand side by side in it."""
+    size = np.linalg.norm(G, axis=axis, keepdims=True)
+    factors: Array = 1.0 / np.where(size == 0, 1.0, size)
+    return factors

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
+from types import MappingProxyType
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -25,6 +26,9 @@ from .screws import adjoint, inverse
 
 READY_SAMPLES = 63
 """Random configurations that compete with the middle of the limits to be the ready pose."""
+
+NO_MOTION = 1e-9
+"""A singular value this small beside the largest is the rounding of 0."""
 
 _MADE_WHEN_ASKED = ("pinocchio", "ready", "usual_half", "_tool_action")
 
@@ -85,14 +89,17 @@ class Arm:
         object.__setattr__(self, "coupling", Coupling(frozen(self.coupling[0]), frozen(self.coupling[1])))
         object.__setattr__(self, "tip_link", self.tip_link or self.tip)
         states = {name: frozen(theta) for name, theta in self.named_states.items()}
-        object.__setattr__(self, "named_states", states)
+        object.__setattr__(self, "named_states", MappingProxyType(states))
+        object.__setattr__(self, "couplings", MappingProxyType(dict(self.couplings)))
 
     def __setstate__(self, state: dict[str, Any]) -> None:
         self.__dict__.update(state)
         self.__post_init__()
 
     def __getstate__(self) -> dict[str, Any]:
-        return {name: value for name, value in self.__dict__.items() if name not in _MADE_WHEN_ASKED}
+        kept = {name: value for name, value in self.__dict__.items() if name not in _MADE_WHEN_ASKED}
+        # What keeps a mapping from being changed cannot be pickled.
+        return kept | {name: dict(kept[name]) for name in ("named_states", "couplings")}
 
     # -- what it is ----------------------------------------------------------------------------------------------
 
@@ -130,13 +137,14 @@ class Arm:
         """A well-conditioned posture inside the limits, (n,).
 
         The named pose `ready`; else the best conditioned of the middle of the limits (0 where unbounded) and 63
-        seeded random configurations.
+        seeded random configurations, by the directions that the arm can move in at all.
         """
         if "ready" in self.named_states:
             return self.named_states["ready"]
         candidates = np.vstack([self.limits.middle(), self.random_theta(np.random.default_rng(0), READY_SAMPLES)])
-        condition = self.manipulability(candidates).condition
-        return frozen(candidates[int(np.argmin(condition))])
+        values = self.manipulability(candidates).singular_values
+        rank = int((values > NO_MOTION * values[:, :1]).sum(axis=1).max())
+        return frozen(candidates[int(np.argmax(values[:, rank - 1] / values[:, 0]))])
 
     @cached_property
     def pinocchio(self) -> PinocchioModel:
@@ -315,6 +323,8 @@ class Arm:
         g = as_pose(g_tip_tool, "g_tip_tool")
         if g.ndim != 2:
             raise InputError(f"g_tip_tool must be one pose (4, 4); got {g.shape}")
+        if not isinstance(name, str) or not name.strip():
+            raise InputError(f"the tool's name must be a text, and not an empty one; got {name!r}")
         if name in self.frame_names:
             raise InputError(f"{self.name} has a frame {name!r} already; give the tool another name")
         end = self.home[:3, 3]

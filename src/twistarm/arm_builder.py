@@ -115,7 +115,7 @@ class ArmBuilder:
         """
         with _told_of(name):
             turn = _turn(name, axis, _at(axis, point), _limit(lower, upper, velocity, effort))
-            multiplier = float(_of_this_world(np.array(as_number(pitch, "pitch")), "pitch"))
+            multiplier = float(_of_this_world(np.array(_number(pitch, "pitch")), "pitch"))
             slide = replace(_slide(f"{name}_z", axis, turn.frame, _limit()), master=name, multiplier=multiplier)
             return self._with(name, turn, slide)
 
@@ -255,7 +255,13 @@ def _bound(value: float | None, name: str) -> float:
     if value is None:
         return -np.inf if name == "lower" else np.inf
     infinite = isinstance(value, (float, np.floating)) and np.isinf(value)
-    return float(value) if infinite else as_number(value, name)
+    return float(value) if infinite else _number(value, name)
+
+
+def _number(value: float, name: str) -> float:
+    if isinstance(value, (bool, np.bool_)):
+        raise InputError(f"{name} must be a number; got {value}")
+    return as_number(value, name)
 
 
 def _write(robot: ET.Element, part: _Part, parent: str, child: str, origin: Array) -> str:

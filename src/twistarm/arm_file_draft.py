@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 import os
 import re
 from collections.abc import Iterable, Mapping
@@ -16,11 +15,12 @@ from .description.beside import files_beside, srdf_beside
 from .description.expansion.expand import is_xacro, xacro_arguments
 from .description.packages import package_index
 from .description.tips import TIP_PATTERNS
+from .description.toml_text import toml_key, toml_text
 from .description.tree import Description
 from .description.urdf import read_description
 from .errors import DescriptionError, InputError
 from .files import as_path
-from .loading import load_arm
+from .loading import assemble, prove, specify
 
 FILL_IN = "?"
 """Stands where only the team knows the number: no TOML, so that nobody takes it over unread."""
@@ -55,7 +55,9 @@ def draft_arm_file(
     description = read_description(file, package_dirs=folders, xacro_args=arguments)
     arm, unclear = None, ""
     try:
-        arm = load_arm(file, base=base, tip=tip, package_dirs=folders, xacro_args=arguments, srdf=srdf)
+        specification = specify(file, base=base, tip=tip, package_dirs=folders, xacro_args=arguments, srdf=srdf)
+        arm = assemble(description, specification, {})
+        prove(arm)
     except DescriptionError as error:
         if not any(finding.code == "no-tip" for finding in error.findings):
             raise
@@ -81,7 +83,7 @@ def _head(description: Description, file: Path, where: Path) -> list[str]:
     return [
         "# What we say about our arm beside its description. SI units and radians throughout.",
         "# A line that begins with # is a note or an example: take the # away to make it count.",
-        f"name = {_text(description.name)}",
+        f"name = {toml_text(description.name)}",
         f"source = {_path(file, where)}",
     ]
 
@@ -91,12 +93,12 @@ def _ends(description: Description, arm: Arm | None, base: str | None) -> list[s
         usual = [link for link in description.links for p in TIP_PATTERNS if re.fullmatch(p, link, re.IGNORECASE)]
         candidates = dict.fromkeys([*usual, *description.leaves])
         return [
-            f"base = {_text(base or description.root)}",
+            f"base = {toml_text(base or description.root)}",
             "# It is not clear which link is the tool. Take the # away from one of these, or name another link:",
-            *(f"# tip = {_text(link)}" for link in candidates),
+            *(f"# tip = {toml_text(link)}" for link in candidates),
         ]
-    others = [_text(link) for link in description.leaves if link != arm.tip]
-    lines = [f"base = {_text(arm.base)}", f"tip = {_text(arm.tip)}"]
+    others = [toml_text(link) for link in description.leaves if link != arm.tip]
+    lines = [f"base = {toml_text(arm.base)}", f"tip = {toml_text(arm.tip)}"]
     return [*lines, f"# Other ends: {', '.join(others)}"] if others else lines
 
 
@@ -131,9 +133,9 @@ def _xacro_args(declared: Mapping[str, str | None], given: Mapping[str, object])
     for name, default in declared.items():
         if name in given:
             note = "" if default is not None else "  # required"
-            lines.append(f"{_key(name)} = {_value(given[name])}{note}")
+            lines.append(f"{toml_key(name)} = {_value(given[name])}{note}")
         else:
-            lines.append(f"# {_key(name)} = {_text(default or '')}")
+            lines.append(f"# {toml_key(name)} = {toml_text(default or '')}")
     return lines
 
 
@@ -145,8 +147,9 @@ def _limits(description: Description, arm: Arm | None) -> list[str]:
     for name, unit, limits in _rows(description, arm):
         given = {field: value for field, value in limits.items() if np.isfinite(value)}
         listed = ", ".join(f"{field} {value:.6g}" for field, value in given.items())
-        lines.append(f"# {_key(name)} [{unit}]: {listed or 'nothing given'}")
-        lines += [f"# {_key(name)}.{rate} = {FILL_IN}" for rate in ("velocity", "acceleration") if rate not in given]
+        lines.append(f"# {toml_key(name)} [{unit}]: {listed or 'nothing given'}")
+        missing = [rate for rate in ("velocity", "acceleration") if rate not in given]
+        lines += [f"# {toml_key(name)}.{rate} = {FILL_IN}" for rate in missing]
     return lines
 
 
@@ -174,21 +177,21 @@ def _locked(description: Description, arm: Arm | None) -> list[str]:
     return [
         f"# Joints that stand still, and where [rad or m]: {why}.",
         "# [locked]",
-        *(f"# {_key(name)} = 0.0" for name in stuck or names[:1]),
+        *(f"# {toml_key(name)} = 0.0" for name in stuck or names[:1]),
     ]
 
 
 def _poses(description: Description, arm: Arm | None) -> list[str]:
     if arm is None:
         lines = ["# Named poses give every joint; `ready` is where solvers and views start.", "# [poses.ready]"]
-        return [*lines, *(f"# {_key(name)} = 0.0" for name in _coordinates(description, arm))]
+        return [*lines, *(f"# {toml_key(name)} = 0.0" for name in _coordinates(description, arm))]
     condition = float(arm.manipulability(arm.ready).condition)
-    others = [_text(name) for name in arm.named_states if name != "ready"]
+    others = [toml_text(name) for name in arm.named_states if name != "ready"]
     return [
         f"# Named poses give every joint. `ready` is where solvers and views start: condition number {condition:.1f}.",
         *([f"# From the SRDF: {', '.join(others)}."] if others else []),
         "[poses.ready]",
-        *(f"{_key(name)} = {value!r}" for name, value in arm.theta_to_dict(arm.ready).items()),
+        *(f"{toml_key(name)} = {value!r}" for name, value in arm.theta_to_dict(arm.ready).items()),
     ]
 
 
@@ -199,26 +202,17 @@ def _actuators(names: tuple[str, ...]) -> list[str]:
         '# "turn", "tick" (with ticks_per_turn), "m" or "mm".',
     ]
     for motor, sign in ("left", ""), ("right", "-"):
-        ratios = [f"{_key(name)} = {sign * (i > 0)}100.0" for i, name in enumerate(names[-2:])]
+        ratios = [f"{toml_key(name)} = {sign * (i > 0)}100.0" for i, name in enumerate(names[-2:])]
         lines += [f"# [actuators.{motor}]", f"# ratio = {{ {', '.join(ratios)} }}", "# offset = 0.0"]
         lines += ['# unit = "tick"', "# ticks_per_turn = 4096"]
     return lines
 
 
 def _path(file: Path, where: Path) -> str:
-    return _text(Path(os.path.relpath(file.resolve(), where)).as_posix())
-
-
-def _key(name: str) -> str:
-    return name if re.fullmatch(r"[A-Za-z0-9_-]+", name) else _text(name)
+    return toml_text(Path(os.path.relpath(file.resolve(), where)).as_posix())
 
 
 def _value(value: object) -> str:
     if isinstance(value, bool):
         return str(value).lower()
-    return repr(value) if isinstance(value, (int, float)) else _text(str(value))
-
-
-def _text(text: str) -> str:
-    """A TOML text; JSON's escapes are TOML's, but for delete."""
-    return json.dumps(text, ensure_ascii=False).replace("\x7f", "\\u007f")
+    return repr(value) if isinstance(value, (int, float)) else toml_text(str(value))

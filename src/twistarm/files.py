@@ -8,6 +8,9 @@ from pathlib import Path
 
 from .errors import InputError
 
+DESCRIPTIONS = (".urdf", ".xacro", ".srdf", ".toml", ".yaml", ".yml")
+"""Names of what a team wrote itself: no output takes its place unasked."""
+
 
 def is_file(path: Path) -> bool:
     """Whether `path` is a regular file that can be seen; a name too long or malformed is none."""
@@ -26,17 +29,17 @@ def as_path(path: str | os.PathLike[str]) -> Path:
         return given
 
 
-def write_whole(path: str | os.PathLike[str], content: str | bytes) -> Path:
+def write_whole(path: str | os.PathLike[str], content: str | bytes, *, over_description: bool = False) -> Path:
     """Write `content` to `path` so that a reader sees the old file or the new one, never a part of either.
 
     Text is written as UTF-8, line ends as they are. The content goes into a temporary file in the same
     folder, which then takes the name in one step (POSIX `rename`); on any error it is removed and what stood
     at `path` stays. A link is followed, and an existing file keeps its permissions. Returns the path written.
 
-    Raises InputError where the folder does not exist or is not writable, and where `path` is a folder or a
-    device.
+    Raises InputError where the folder does not exist or is not writable, where `path` is a folder or a device, and
+    where a description stands there (`DESCRIPTIONS`), unless `over_description` lets it be replaced.
     """
-    target = writable(path)
+    target = writable(path, over_description=over_description)
     data = content.encode("utf-8") if isinstance(content, str) else content
     try:
         _replace(target, data)
@@ -45,7 +48,7 @@ def write_whole(path: str | os.PathLike[str], content: str | bytes) -> Path:
     return target
 
 
-def writable(path: str | os.PathLike[str]) -> Path:
+def writable(path: str | os.PathLike[str], *, over_description: bool = False) -> Path:
     """The file that `path` means, links followed; InputError if it cannot be replaced as a whole."""
     try:
         target = Path(os.path.realpath(os.fspath(path)))
@@ -60,6 +63,8 @@ def writable(path: str | os.PathLike[str]) -> Path:
         raise InputError(f"cannot write {target}: it is a folder; give the name of a file in it")
     if target.exists() and not target.is_file():
         raise InputError(f"cannot write {target}: it is not a regular file and cannot be replaced as a whole")
+    if target.exists() and target.suffix in DESCRIPTIONS and not over_description:
+        raise InputError(f"cannot write {target}: a description stands there and would be lost; give another name")
     return target
 
 

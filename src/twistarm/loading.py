@@ -81,7 +81,7 @@ def specify(
 ) -> ArmSpecification:
     """What `load_arm` is to load, the caller's wishes put over those of an arm.toml."""
     for name, value in {"base": base, "tip": tip}.items():
-        if value is not None and not isinstance(value, str):
+        if value is not None and not (isinstance(value, str) and value.strip()):
             raise InputError(f"{name} must be the name of a link; got {value!r}")
     if srdf is not None and not isinstance(srdf, (str, os.PathLike)):
         raise InputError(f"srdf must be the path of an SRDF file; got {srdf!r}")

@@ -6,6 +6,7 @@ import json
 import os
 import queue
 import select
+import signal
 import subprocess
 import sys
 import threading
@@ -23,10 +24,10 @@ from .mutations import mutate
 from .sources import Source
 
 LIMIT = 5.0
-"""Seconds for one mutant, loading and judging together."""
+"""Seconds of the worker's own computing for one mutant, loading and judging together: others use the machine too."""
 
-START = 30.0
-"""Seconds a new worker has for its first answer: it imports everything."""
+PATIENCE = 60.0
+"""Seconds on the clock for one mutant, and for a new worker to start: what waits for something computes nothing."""
 
 
 @dataclass(frozen=True)
@@ -100,8 +101,8 @@ class Campaign:
 class Worker:
     """A worker process with its own copy of every source, replaced when it hangs or dies."""
 
-    def __init__(self, folder: Path, sources: Sequence[Source], limit: float = LIMIT) -> None:
-        self.folder, self.limit = folder, limit
+    def __init__(self, folder: Path, sources: Sequence[Source]) -> None:
+        self.folder, self.limit, self.patience = folder, LIMIT, PATIENCE
         self.process: subprocess.Popen[bytes] | None = None
         for source in sources:
             for file, data in source.texts().items():
@@ -112,7 +113,7 @@ class Worker:
         return self.folder / source.name.replace("/", "_").replace(" ", "_") / source.folder.name
 
     def judge(self, source: Source, file: str, data: bytes, arguments: dict[str, Any]) -> dict[str, Any]:
-        """The verdict on the source with one file exchanged. What hangs is asked again: the machine may be busy."""
+        """The verdict on the source with one file exchanged."""
         place = self.place(source)
         question = {
             "path": str(place / source.file),
@@ -122,8 +123,7 @@ class Worker:
         original = (place / file).read_bytes()
         _written(place / file, data)
         try:
-            verdict = self.ask(question)
-            return self.ask(question) if verdict["outcome"] == "hung" else verdict
+            return self.ask(question)
         finally:
             _written(place / file, original)
 
@@ -131,14 +131,16 @@ class Worker:
         """The worker's answer, or that it hung or died."""
         self.process = self.process or self._started()
         start = time.perf_counter()
-        answer = self._answer(self.process, question)
+        answer = self._answer(self.process, {**question, "seconds": self.limit})
         if answer:
             verdict: dict[str, Any] = json.loads(answer)
             return verdict
         status = self.process.poll() if answer is None else self.process.wait()
         self.close()
         if status is None:
-            outcome, problem = "hung", f"no answer within {self.limit:g} s"
+            outcome, problem = "hung", f"no answer within {self.patience:g} s"
+        elif status == -signal.SIGPROF:
+            outcome, problem = "hung", f"no answer after {self.limit:g} s of computing"
         else:
             outcome, problem = "died", f"the process ended with status {status}"
         return {"outcome": outcome, "problems": [problem], "seconds": time.perf_counter() - start}
@@ -159,7 +161,7 @@ class Worker:
             process.stdin.flush()
         except BrokenPipeError:
             return b""
-        ready, _, _ = select.select([process.stdout], [], [], self.limit)
+        ready, _, _ = select.select([process.stdout], [], [], self.patience)
         return process.stdout.readline() if ready else None
 
     def _started(self) -> subprocess.Popen[bytes]:
@@ -170,8 +172,8 @@ class Worker:
             command, stdin=subprocess.PIPE, stdout=subprocess.PIPE, env=environment, cwd=self.folder
         )
         assert process.stdout is not None
-        ready, _, _ = select.select([process.stdout], [], [], START)
-        assert ready, f"the worker did not start within {START:g} s"
+        ready, _, _ = select.select([process.stdout], [], [], PATIENCE)
+        assert ready, f"the worker did not start within {PATIENCE:g} s"
         assert process.stdout.readline() == b"ready\n", "the worker did not start; see its traceback above"
         return process
 

@@ -16,7 +16,7 @@ from ..doctor.codes import codes_page
 from ..doctor.folder import is_part
 from ..doctor.repair import Repair, write_repaired
 from ..doctor.statements import summary
-from ..errors import TwistarmError
+from ..errors import InputError, TwistarmError
 from .folders import PART, Line, refused, walk
 from .options import Json, takes_source
 from .output import console, finding_json, print_json
@@ -36,6 +36,7 @@ Fix = Annotated[
     Path | None,
     typer.Option("--fix", metavar="OUT.urdf", help="Write a copy with the safe repairs made; the original stays."),
 ]
+Force = Annotated[bool, typer.Option("--force", help="Let --fix replace a file that is there.")]
 Codes = Annotated[
     bool,
     typer.Option("--codes", is_eager=True, callback=_print_codes, help="List the codes of all findings, in Markdown."),
@@ -48,15 +49,20 @@ def doctor(
     load: dict[str, Any],
     strict: Strict = False,
     fix: Fix = None,
+    force: Force = False,
     codes: Codes = False,
     json: Json = False,
 ) -> int:
     """Say what is wrong with a description or an arm, what it means and the remedy; ARM may be a folder of them."""
     if Path(source).is_dir():
+        if fix is not None:
+            raise InputError("--fix takes one description at a time; give a file in place of the folder")
         return walk(Path(source), "doctor", lambda path: _line(path, load, strict), json=json)
     diagnosis = examine(source, **load)
     _require_file(diagnosis, source)
-    written = None if fix is None or diagnosis.description is None else write_repaired(diagnosis.description, fix)
+    written = None
+    if fix is not None and diagnosis.description is not None:
+        written = write_repaired(diagnosis.description, fix, force=force)
     if json:
         print_json(_as_json(source, diagnosis, written))
     else:

@@ -30,7 +30,9 @@ def init(
     force: Force = False,
 ) -> int:
     """Write a commented arm.toml for FILE: base, tip, xacro arguments, limits to fill in, the ready pose."""
-    target = writable(output)
+    target = writable(output, over_description=True)
+    if target.suffix != ".toml":
+        raise InputError(f"an arm file is named *.toml; got {output}")
     if target.exists() and not force:
         raise InputError(f"{output} exists; --force replaces it, --output writes elsewhere")
     draft = draft_arm_file(
@@ -42,7 +44,7 @@ def init(
         xacro_args=xacro_arguments(xacro or []),
         srdf=srdf,
     )
-    write_whole(target, draft.text)
+    write_whole(target, draft.text, over_description=True)
     if draft.unclear:
         print(f"{output}: written, but take the # away from one tip = in it before it loads: {as_typed(draft.unclear)}")
         return 1

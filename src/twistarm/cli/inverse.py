@@ -14,7 +14,7 @@ from ..rotations import from_rpy
 from .options import Json, Radians, Theta, parse_numbers, parse_theta, takes_arm
 from .output import console, pose_json, print_json, shown, table, units
 
-Xyz = Annotated[str, typer.Option(metavar="'X Y Z'", help="Position of the tool [m], in the base frame.")]
+Xyz = Annotated[str, typer.Option(metavar="'X Y Z'", help="Position of the tool in the base frame, in metres.")]
 Rpy = Annotated[
     str | None, typer.Option(metavar="'R P Y'", help="Orientation: fixed-axis roll, pitch, yaw [°, or rad with --rad].")
 ]

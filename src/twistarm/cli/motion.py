@@ -33,9 +33,9 @@ Through = Annotated[
 ]
 Rate = Annotated[
     float | None,
-    typer.Option(help="At most this for every joint [rad/s and m/s, or per s²]; the arm's own limits hold as well."),
+    typer.Option(help="At most this for every joint (rad/s and m/s, or per s²); the arm's own limits hold as well."),
 ]
-Step = Annotated[float, typer.Option(help="Time step of the files [s].")]
+Step = Annotated[float, typer.Option(help="Time step of the files, in seconds.")]
 
 
 @takes_arm

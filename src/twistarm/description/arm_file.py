@@ -13,11 +13,15 @@ import numpy as np
 
 from ..checks import Array, as_vector, frozen
 from ..errors import DescriptionError, InputError, closest, listed
-from ..files import is_file
+from ..files import as_path, is_file
 from ..limits import FIELDS
 from ..rotations import from_rpy
 from .document import read_text
 from .findings import Place, refusal
+from .geometry import LARGEST
+
+MAX_BYTES, MAX_LINE = 64_000, 2_000
+"""An arm.toml has some 5 kB; TOML's reader takes seconds for a dotted key that fills a longer line."""
 
 
 @dataclass(frozen=True)
@@ -77,8 +81,8 @@ def read_arm_file(path: Path) -> ArmSpecification:
     content = _parse(path)
     _only(content, _KEYS, path, "at the top level")
     for key in _TEXTS:
-        if key in content and not isinstance(content[key], str):
-            raise _unusable(path, f"{key} must be a text; got {content[key]!r}")
+        if key in content:
+            _text(content[key], key, path)
     if "source" not in content:
         raise _unusable(path, 'it names no source: write source = "my_arm.urdf"')
     return ArmSpecification(
@@ -91,7 +95,7 @@ def read_arm_file(path: Path) -> ArmSpecification:
         xacro_args=_table(content, "xacro_args", path),
         package_dirs=_folders(content, path),
         limits=_limits(content, path),
-        locked=_numbers(_table(content, "locked", path), path, "locked"),
+        locked=_locked(content, path),
         poses={
             name: _numbers(_table(_table(content, "poses", path), name, path), path, f"poses.{name}")
             for name in _table(content, "poses", path)
@@ -102,7 +106,7 @@ def read_arm_file(path: Path) -> ArmSpecification:
     )
 
 
-def _unusable(path: Path, what: str, remedy: str = "") -> DescriptionError:
+def _unusable(path: Path, what: str, remedy: str = "correct it there") -> DescriptionError:
     return refusal("arm-file-unusable", Place(str(path)), what, remedy)
 
 
@@ -121,10 +125,15 @@ def _parse(path: Path) -> dict[str, Any]:
     else:
         import tomli as tomllib
 
+    text = read_text(path, MAX_BYTES)
+    if max(map(len, text.splitlines()), default=0) > MAX_LINE:
+        raise _unusable(path, f"a line of more than {MAX_LINE:,} characters", "break it; is it an arm.toml?")
     try:
-        content: dict[str, Any] = tomllib.loads(read_text(path))
+        content: dict[str, Any] = tomllib.loads(text)
         return content
-    except tomllib.TOMLDecodeError as error:
+    except RecursionError as error:
+        raise _unusable(path, "not valid TOML: it nests too deep", "is it an arm.toml?") from error
+    except ValueError as error:  # TOMLDecodeError is one; so is Python's for an integer of too many digits
         raise _unusable(path, f"not valid TOML: {error}") from error
 
 
@@ -133,6 +142,14 @@ def _only(table: Mapping[str, Any], allowed: Iterable[str], path: Path, place: s
         if key not in allowed:
             what = f"unknown entry {key!r} {place}{closest(key, allowed)}"
             raise _unusable(path, what, f"allowed: {listed(allowed, 20)}")
+
+
+def _text(value: Any, place: str, path: Path) -> str:
+    if not isinstance(value, str):
+        raise _unusable(path, f"{place} must be a text; got {value!r}")
+    if not value.strip():
+        raise _unusable(path, f"{place} must not be empty; got {value!r}")
+    return value
 
 
 def _table(content: Mapping[str, Any], key: str, path: Path) -> Mapping[str, Any]:
@@ -146,7 +163,12 @@ def _folders(content: Mapping[str, Any], path: Path) -> tuple[Path, ...]:
     folders = content.get("package_dirs", [])
     if not isinstance(folders, list) or not all(isinstance(folder, str) for folder in folders):
         raise _unusable(path, f"package_dirs must be a list of texts; got {folders!r}")
-    return tuple(path.parent / folder for folder in folders)
+    found = tuple(path.parent / as_path(folder) for folder in folders)
+    for name, folder in zip(folders, found, strict=True):
+        if not os.path.isdir(folder):
+            what = f"package_dirs names {name!r}; there is no such folder beside it"
+            raise refusal("file-not-found", Place(str(path)), what, "correct the path")
+    return found
 
 
 def _numbers(table: Mapping[str, Any], path: Path, place: str) -> dict[str, float]:
@@ -163,6 +185,20 @@ def _number(value: Any, path: Path, place: str, unit: str = "rad or m") -> float
     return number
 
 
+def _bounded(value: Any, path: Path, place: str, wanted: str = "finite") -> float:
+    """A number of a size that robots have."""
+    number = _number(value, path, place)
+    if not abs(number) <= LARGEST:
+        allowed = f"at most {LARGEST:g} in size" if np.isfinite(number) else wanted
+        raise _unusable(path, f"{place} must be {allowed}; got {number:g}")
+    return number
+
+
+def _locked(content: Mapping[str, Any], path: Path) -> dict[str, float]:
+    locked = _table(content, "locked", path)
+    return {joint: _bounded(value, path, f"locked.{joint}") for joint, value in locked.items()}
+
+
 def _limits(content: Mapping[str, Any], path: Path) -> dict[str, dict[str, float]]:
     limits = _table(content, "limits", path)
     for joint in limits:
@@ -175,18 +211,25 @@ def _tool(content: Mapping[str, Any], path: Path) -> Tool | None:
         return None
     table = _table(content, "tool", path)
     _only(table, ("name", "xyz", "rpy"), path, "in tool")
-    if not isinstance(table.get("name"), str):
-        raise _unusable(path, f"tool.name must be a text; got {table.get('name')!r}")
+    name = _text(table.get("name"), "tool.name", path)
     g = np.eye(4)
+    g[:3, 3] = _three(table, "xyz", path)
+    g[:3, :3] = from_rpy(_three(table, "rpy", path))
+    return Tool(name, frozen(g))
+
+
+def _three(table: Mapping[str, Any], key: str, path: Path) -> Array:
     try:
-        g[:3, 3] = as_vector(table.get("xyz", (0.0, 0.0, 0.0)), "tool.xyz")
-        g[:3, :3] = from_rpy(as_vector(table.get("rpy", (0.0, 0.0, 0.0)), "tool.rpy"))
-    except (InputError, ValueError) as error:
+        numbers = as_vector(table.get(key, (0.0, 0.0, 0.0)), f"tool.{key}")
+    except InputError as error:
         raise _unusable(path, str(error)) from error
-    return Tool(table["name"], frozen(g))
+    if numbers.ndim != 1:
+        raise _unusable(path, f"tool.{key} must have shape (3,); got {numbers.shape}")
+    return np.array([_bounded(number, path, f"tool.{key}") for number in numbers])
 
 
 def _motor(name: str, content: Mapping[str, Any], path: Path) -> Motor:
+    _text(name, "an actuator's name", path)
     place = f"actuators.{name}"
     table = content["actuators"][name]
     if not isinstance(table, dict):
@@ -195,20 +238,18 @@ def _motor(name: str, content: Mapping[str, Any], path: Path) -> Motor:
     if not isinstance(table.get("ratio"), dict) or not table["ratio"]:
         what = f"{place}.ratio must be a table of joint = number; got {table.get('ratio')!r}"
         raise _unusable(path, what, "write ratio = { elbow = 100.0 }: motor rad per joint rad (or per m)")
-    ratio = _numbers(table["ratio"], path, f"{place}.ratio")
+    wanted = "finite and not 0"
+    ratio = {name: _bounded(value, path, f"{place}.ratio.{name}", wanted) for name, value in table["ratio"].items()}
     for joint, value in ratio.items():
-        if not np.isfinite(value) or value == 0:
-            raise _unusable(path, f"{place}.ratio.{joint} must be finite and not 0; got {value:g}")
+        if value == 0:
+            raise _unusable(path, f"{place}.ratio.{joint} must be {wanted}; got {value:g}")
     if not isinstance(table.get("unit", ""), str):
         raise _unusable(path, f"{place}.unit must be a text; got {table['unit']!r}")
     ticks = table.get("ticks_per_turn")
-    offset = _number(table.get("offset", 0.0), path, f"{place}.offset")
-    if not np.isfinite(offset):
-        raise _unusable(path, f"{place}.offset must be finite; got {offset:g}")
     return Motor(
         name=name,
         ratio=ratio,
-        offset=offset,
+        offset=_bounded(table.get("offset", 0.0), path, f"{place}.offset"),
         unit=table.get("unit", "rad"),
         ticks_per_turn=None if ticks is None else _number(ticks, path, f"{place}.ticks_per_turn", "ticks"),
     )

@@ -9,8 +9,12 @@ from pathlib import Path
 from xml.parsers import expat
 
 from ..errors import DescriptionError
+from ..files import is_file
 from .findings import Finding, Place, finding, refusal, refused
 from .packages import PackageIndex
+
+MAX_BYTES = 50_000_000
+"""A whole humanoid's URDF has some 200 kB, a robot cell's a few MB."""
 
 MAX_NESTING = 100
 """No description nests deeper, and Python's own XML writer recurses."""
@@ -56,13 +60,22 @@ class Reading:
             raise refused(self.findings)
 
 
-def read_text(path: Path) -> str:
-    """The file's text: UTF-16 by its byte-order mark, UTF-8 with or without one, else Latin-1."""
+def read_text(path: Path, most: int = MAX_BYTES) -> str:
+    """The file's text: UTF-16 by its byte-order mark, UTF-8 with or without one, else Latin-1.
+
+    Raises DescriptionError for a file of more than `most` bytes, and for one that cannot be read.
+    """
     try:
+        if path.exists() and not is_file(path):
+            raise refusal("file-unreadable", Place(str(path)), "it is no regular file", "give a file")
+        size = path.stat().st_size
+        if size > most:
+            what = f"it has {size:,} bytes; at most {most:,} are read"
+            raise refusal("file-too-large", Place(str(path)), what, "is it the right file?")
         data = path.read_bytes()
     except OSError as error:
         what = f"cannot be read: {error.strerror or error}"
-        raise refusal("file-unreadable", Place(str(path)), what) from error
+        raise refusal("file-unreadable", Place(str(path)), what, "check the disk and the file's permissions") from error
     wide = data.startswith((codecs.BOM_UTF16_LE, codecs.BOM_UTF16_BE))
     try:
         return data.decode("utf-16" if wide else "utf-8-sig")

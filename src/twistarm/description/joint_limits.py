@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import os
 import re
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -44,8 +44,10 @@ class LimitsFile:
     joints: Mapping[str, Mapping[str, float]]
     findings: tuple[Finding, ...] = ()
 
-    def of(self, names: tuple[str, ...]) -> tuple[dict[str, dict[str, float]], tuple[Finding, ...]]:
-        """What it gives for these coordinates, by field and joint, and what was noticed.
+    def of(
+        self, names: tuple[str, ...], every: Iterable[str]
+    ) -> tuple[dict[str, dict[str, float]], tuple[Finding, ...]]:
+        """What it gives for these coordinates, by field and joint, and what was noticed; `every` joint there is.
 
         Raises DescriptionError if it names none of them.
         """
@@ -59,8 +61,13 @@ class LimitsFile:
             for field, value in values.items() if joint in names else ():
                 changes.setdefault(field, {})[joint] = value
         noted = list(self.findings)
-        if others:
-            what = f"it has limits for {listed(others)}, which are no coordinates of this arm"
+        nobodys = [joint for joint in others if joint not in set(every)]
+        for joint in nobodys:
+            what = f"it has limits for {joint!r}, and no joint has that name; they are not kept"
+            noted.append(finding("limits-unknown-joint", place, what, f"correct the name{closest(joint, names)}"))
+        if len(nobodys) < len(others):
+            strangers = [joint for joint in others if joint not in nobodys]
+            what = f"it has limits for {listed(strangers)}, which are no coordinates of this arm"
             noted.append(finding("limits-of-others", place, what, "nothing, if they are a gripper's"))
         if not changes:
             what = "it gives no limit for this arm: every has_…_limits is false, or the values are 0"

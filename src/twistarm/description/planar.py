@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import copy
 import xml.etree.ElementTree as ET
-from collections.abc import Collection
+from collections.abc import Iterable
 
 from ..checks import Array
 from ..errors import DescriptionError
@@ -33,31 +33,45 @@ def split_planar_joints(robot: ET.Element, reading: Reading) -> dict[str, str]:
     whose axis cannot be read stays as it is, to be refused with the other joints.
     """
     planar = [joint for joint in robot.findall("joint") if joint.get("type") == "planar"]
-    _refuse_mimics(robot, [joint.get("name", "") for joint in planar], reading)
-    parts: dict[str, str] = {}
+    _refuse_mimics(robot, {joint.get("name", "") for joint in planar}, reading)
+    joints, links = ({element.get("name", "") for element in robot.findall(tag)} for tag in ("joint", "link"))
+    whole: dict[str, str] = {}
+    made: dict[ET.Element, list[ET.Element]] = {}
     for joint in planar:
         try:
             normal, _ = read_axis(joint, "planar", reading)
         except DescriptionError:
             continue
         _note_limits(joint, reading)
-        parts |= dict.fromkeys(_split(robot, joint, plane_axes(normal), reading), joint.get("name", ""))
-    return parts
+        names = _coordinates(joint, joints, reading)
+        between = [_free(f"{name}_link", links) for name in names[:2]]
+        made[joint] = _parts(joint, names, between, plane_axes(normal))
+        new_links = [ET.Element("link", name=name) for name in between]
+        whole |= dict.fromkeys(names, joint.get("name", ""))
+        _same_line([*made[joint], *new_links], joint, reading)
+        robot.extend(new_links)
+    robot[:] = [part for element in robot for part in made.get(element, [element])]
+    return whole
 
 
-def _split(robot: ET.Element, joint: ET.Element, axes: Array, reading: Reading) -> tuple[str, str, str]:
+def _coordinates(joint: ET.Element, taken: set[str], reading: Reading) -> tuple[str, str, str]:
+    """The names of the three, put into `taken` instead of the joint's own."""
     names = coordinate_names(joint.get("name", ""))
-    taken = {other.get("name") for other in robot.findall("joint")}
     for name in names:
         if name in taken:
             what = f"its coordinates are named {', '.join(names)}, and there is a joint {name!r} already"
             raise reading.error(joint, "name-duplicate", what, "rename one")
-    between = [_new_link(robot, f"{name}_link", joint, reading) for name in names[:2]]
+    taken.discard(joint.get("name", ""))
+    taken.update(names)
+    return names
+
+
+def _parts(joint: ET.Element, names: tuple[str, str, str], between: list[str], axes: Array) -> list[ET.Element]:
+    """The three joints, through the two links `between`."""
+    parts = []
     parents, children = [_end(joint, "parent"), *between], [*between, _end(joint, "child")]
-    place = list(robot).index(joint)
-    robot.remove(joint)
-    made = zip(names, ("prismatic", "prismatic", "continuous"), parents, children, axes.T, strict=True)
-    for i, (name, kind, parent, child, axis) in enumerate(made):
+    given = zip(names, ("prismatic", "prismatic", "continuous"), parents, children, axes.T, strict=True)
+    for i, (name, kind, parent, child, axis) in enumerate(given):
         part = ET.Element("joint", name=name, type=kind)
         ET.SubElement(part, "parent", link=parent)
         ET.SubElement(part, "child", link=child)
@@ -65,28 +79,22 @@ def _split(robot: ET.Element, joint: ET.Element, axes: Array, reading: Reading) 
         ET.SubElement(part, "axis", xyz=" ".join(repr(float(number)) for number in axis))
         # The plane has no edge: told so, the reader misses no limits.
         ET.SubElement(part, "limit", lower="-inf", upper="inf", velocity="inf", effort="inf")
-        robot.insert(place + i, part)
-        _same_line(part, joint, reading)
-    return names
+        parts.append(part)
+    return parts
 
 
-def _new_link(robot: ET.Element, name: str, joint: ET.Element, reading: Reading) -> str:
-    """A massless link of that name, or one like it where the name is taken."""
-    free = _free(name, {link.get("name", "") for link in robot.findall("link")})
-    _same_line(ET.SubElement(robot, "link", name=free), joint, reading)
-    return free
-
-
-def _free(name: str, taken: Collection[str]) -> str:
+def _free(name: str, taken: set[str]) -> str:
+    """The name, or one like it where it is taken, put into `taken`."""
     while name in taken:
         name += "_"
+    taken.add(name)
     return name
 
 
-def _same_line(made: ET.Element, joint: ET.Element, reading: Reading) -> None:
-    """Whatever is said of the part is found at the joint as written."""
+def _same_line(made: Iterable[ET.Element], joint: ET.Element, reading: Reading) -> None:
+    """Whatever is said of the parts is found at the joint as written."""
     if joint in reading.lines:
-        reading.lines[made] = reading.lines[joint]
+        reading.lines |= dict.fromkeys(made, reading.lines[joint])
 
 
 def _end(joint: ET.Element, tag: str) -> str:
@@ -107,7 +115,7 @@ def _note_limits(joint: ET.Element, reading: Reading) -> None:
         )
 
 
-def _refuse_mimics(robot: ET.Element, planar: list[str], reading: Reading) -> None:
+def _refuse_mimics(robot: ET.Element, planar: set[str], reading: Reading) -> None:
     mimics = [(joint, mimic) for joint in robot.findall("joint") if (mimic := joint.find("mimic")) is not None]
     for joint, mimic in mimics:
         master = mimic.get("joint", "")

@@ -28,10 +28,11 @@ def note_names(semantics: Semantics, description: Description) -> tuple[Finding,
 
 
 def _joints(semantics: Semantics) -> Iterator[str]:
+    virtual = set(semantics.virtual_joints)
     for names in (semantics.passive_joints, *(group.joints for group in semantics.groups.values())):
-        yield from (name for name in names if name not in semantics.virtual_joints)
+        yield from (name for name in names if name not in virtual)
     for state in semantics.states:
-        yield from (name for name in state.values if name not in semantics.virtual_joints)
+        yield from (name for name in state.values if name not in virtual)
 
 
 def _links(semantics: Semantics) -> Iterator[str]:

@@ -13,6 +13,10 @@ MAX_LINKS_DEEP = 1000
 """Deeper chains are refused: Pinocchio's parser overflows its stack at some 4,000."""
 
 
+MOST_HINTS = 10
+"""Mistakes that come with the closest name: the search takes as long as there are names."""
+
+
 def check_structure(robot: ET.Element, reading: Reading) -> None:
     """Raise DescriptionError for whatever keeps the description from being a tree of named links and joints."""
     links, joints = robot.findall("link"), robot.findall("joint")
@@ -52,7 +56,8 @@ def _check_end(joint: ET.Element, end: str, names: set[str], reading: Reading) -
     if not link:
         reading.note("end-missing", joint, f"it has no <{end} link=…>", f"name its {end} link")
     elif link not in names:
-        remedy = f"define it, or correct the name{closest(link, names)}"
+        hint = closest(link, names) if len(reading.findings) < MOST_HINTS else ""
+        remedy = f"define it, or correct the name{hint}"
         reading.note("link-undefined", joint, f"its {end} link {link!r} is not defined", remedy)
 
 

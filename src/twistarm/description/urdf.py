@@ -20,11 +20,15 @@ from .geometry import Geometries, floats, number, read_origin
 from .inertial import drop_unusable_inertials
 from .packages import package_index
 from .planar import split_planar_joints
+from .spelling import note_unread_words
 from .structure import check_structure, root_link
 from .tree import Description, Joint, JointType, Link, Mimic
 
 WIDE = 1e300
 """Stands for "no limit" in what Pinocchio reads, whose parser refuses infinity; so it, or more, is read by us."""
+
+MOST_TURNED = 6.3
+"""A whole turn [rad], generously rounded."""
 
 LIMIT_NAMES = ("lower", "upper", "velocity", "effort")
 MOVING_ALONE = ("revolute", "continuous", "prismatic")
@@ -70,6 +74,7 @@ def build_description(text: str, reading: Reading) -> Description:
             "no-robot", reading.whole, f"its root element is <{robot.tag}>, not <robot>", "is it a URDF file?"
         )
     check_structure(robot, reading)
+    note_unread_words(robot, reading)
     parts = split_planar_joints(robot, reading)
     geometries = Geometries(robot, reading)
     links = {element.get("name", ""): _read_link(element, geometries, reading) for element in robot.findall("link")}
@@ -127,7 +132,9 @@ def _read_joint(element: ET.Element, reading: Reading, rates: Rates) -> Joint:
     try:
         origin = read_origin(element)
     except ValueError as error:
-        raise reading.error(element, "origin-malformed", f"its <origin> is malformed: {error}") from error
+        what, remedy = f"its <origin> is malformed: {error}", "give xyz and rpy as three numbers each"
+        raise reading.error(element, "origin-malformed", what, remedy) from error
+    _note_degrees(element, reading)
     axis, axis_length = read_axis(element, kind, reading)
     numbers = _limit_numbers(element, reading)
     lower, upper = _read_bounds(element, kind, numbers, reading)
@@ -148,6 +155,17 @@ def _read_joint(element: ET.Element, reading: Reading, rates: Rates) -> Joint:
         axis_length=axis_length,
         line=reading.line(element),
     )
+
+
+def _note_degrees(element: ET.Element, reading: Reading) -> None:
+    """Nobody writes a whole turn and more into an origin, but in degrees."""
+    origin = element.find("origin")
+    angles = [] if origin is None else floats(origin.get("rpy", "0 0 0"), 3)
+    if any(abs(angle) > MOST_TURNED for angle in angles):
+        radians = " ".join(f"{np.radians(angle):.6g}" for angle in angles)
+        typed = " ".join(f"{angle:g}" for angle in angles)
+        what = f'its rpy="{typed}" rad goes beyond a whole turn; it looks like degrees'
+        reading.note("origin-looks-like-degrees", element, what, f'if so, write rpy="{radians}"')
 
 
 def _limit_numbers(element: ET.Element, reading: Reading) -> dict[str, float]:
@@ -212,7 +230,8 @@ def _read_mimic(element: ET.Element, reading: Reading) -> Mimic | None:
         (multiplier,) = floats(mimic.get("multiplier", "1"), 1)
         (offset,) = floats(mimic.get("offset", "0"), 1)
     except ValueError as error:
-        raise reading.error(element, "mimic-malformed", f"its <mimic> is malformed: {error}") from error
+        what, remedy = f"its <mimic> is malformed: {error}", "give multiplier and offset as one number each"
+        raise reading.error(element, "mimic-malformed", what, remedy) from error
     return Mimic(mimic.get("joint", ""), multiplier, offset)
 
 
@@ -262,17 +281,21 @@ def _only(element: ET.Element, tag: str) -> ET.Element:
 
 def _strip_to_kinematics(robot: ET.Element) -> None:
     """Leave what Pinocchio needs: links with inertia and joints. Shapes are in the tree, the rest is not ours."""
-    for element in list(robot):
-        if element.tag not in ("link", "joint"):
-            robot.remove(element)
+    robot[:] = [element for element in robot if element.tag in ("link", "joint")]
     for link in robot.findall("link"):
-        for child in list(link):
-            if child.tag != "inertial":
-                link.remove(child)
+        link[:] = link.findall("inertial")
     for joint in robot.findall("joint"):
-        for child in list(joint):
-            if child.tag not in ("parent", "child", "origin", "axis", "limit"):
-                joint.remove(child)
+        joint[:] = [child for child in joint if child.tag in ("parent", "child", "origin", "axis", "limit")]
+    for element in robot.iter():
+        _drop_foreign(element)
     for origin in robot.iter("origin"):
         for name, value in origin.attrib.items():
             origin.set(name, " ".join(value.split()))
+
+
+def _drop_foreign(element: ET.Element) -> None:
+    """Prefixed names and namespaces: nothing of URDF's, and readers that know namespaces stumble over them."""
+    for name in [name for name in element.attrib if ":" in name or name == "xmlns"]:
+        del element.attrib[name]
+    for child in [child for child in element if ":" in child.tag]:
+        element.remove(child)

@@ -26,6 +26,9 @@ from .tool import check_other_tips, check_tool
 
 _ORDER = ("error", "warning", "info")
 
+_MEND = "correct what stands there"
+"""The remedy where the finding says by itself what is wrong."""
+
 
 @dataclass(frozen=True, eq=False)
 class Diagnosis:
@@ -127,4 +130,6 @@ def _couplings(description: Description) -> Any:
 
 
 def _in_order(findings: Iterable[Finding]) -> tuple[Finding, ...]:
-    return tuple(sorted(findings, key=lambda one: _ORDER.index(one.severity)))
+    """The gravest first, each with a remedy."""
+    told = (one if one.remedy else replace(one, remedy=_MEND) for one in findings)
+    return tuple(sorted(told, key=lambda one: _ORDER.index(one.severity)))

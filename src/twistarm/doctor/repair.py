@@ -44,20 +44,24 @@ class Repair:
     complaint: str
 
 
-def write_repaired(description: Description, output: str | os.PathLike[str]) -> tuple[Path, Repair]:
+def write_repaired(
+    description: Description, output: str | os.PathLike[str], *, force: bool = False
+) -> tuple[Path, Repair]:
     """Write the repaired copy of a description to the file `output`.urdf; a xacro source is written expanded.
 
     The copy is read again first and must be the same robot: names, types, limits, and every link's pose at random
-    joint values. Raises InputError for an output that is not a .urdf file or is the source, TwistarmError if the copy
-    differs.
+    joint values. Raises InputError for an output that is not a .urdf file, is the source, or stands there already
+    (unless `force`), TwistarmError if the copy differs.
     """
-    target = writable(output)
+    target = writable(output, over_description=True)
     if target.suffix != ".urdf":
         raise InputError(f"the repaired copy is plain URDF: name it *.urdf; got {target.name!r}")
     if description.path is not None and target.exists() and os.path.samefile(target, description.path):
         raise InputError(f"{target} is the description itself, which stays as it is: give another name")
+    if target.exists() and not force:
+        raise InputError(f"{target} exists; --force replaces it, another name keeps it")
     made = repair(description, target)
-    return write_whole(target, made.text), made
+    return write_whole(target, made.text, over_description=True), made
 
 
 def repair(description: Description, target: Path) -> Repair:

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 
 from ..description.findings import Finding, Place, finding
+from ..description.toml_text import toml_key
 from ..description.tree import Description, Joint, Link
 from ..errors import listed
 
@@ -27,10 +28,5 @@ def place_of(description: Description | None, name: str) -> Place:
 
 def toml_table(header: str, values: Mapping[str, float]) -> str:
     """A table of an arm.toml, a line for each entry."""
-    lines = [f"{_key(name)} = {value:.6g}" for name, value in values.items()]
+    lines = [f"{toml_key(name)} = {value:.6g}" for name, value in values.items()]
     return "\n".join([f"[{header}]", *lines])
-
-
-def _key(name: str) -> str:
-    bare = name.replace("-", "").replace("_", "")
-    return name if bare.isascii() and bare.isalnum() else f'"{name}"'

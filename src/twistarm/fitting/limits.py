@@ -28,14 +28,15 @@ def fitted_limits(
     `names` are the chain's coordinates, `joints` all that the description has.
     """
     noted: list[Finding] = []
+    joints = tuple(joints)
     if specification.joint_limits is not None:
-        limits = _with_file(limits, read_joint_limits(specification.joint_limits), names, noted)
+        limits = _with_file(limits, read_joint_limits(specification.joint_limits), names, joints, noted)
     try:
         limits = limits.with_(_by_field(specification, names, set(joints)), names)
     except (ValueError, LookupError) as error:
         raise refusal("limits-unusable", Place(specification.source), str(error)) from error
     if isinstance(changes, (str, os.PathLike)):
-        return _with_file(limits, read_joint_limits(changes), names, noted), noted
+        return _with_file(limits, read_joint_limits(changes), names, joints, noted), noted
     if not isinstance(changes, JointLimits):
         return limits.with_(changes, names), noted
     if changes.lower.size != len(names):
@@ -55,8 +56,10 @@ def _by_field(specification: ArmSpecification, names: tuple[str, ...], joints: s
     return by_field
 
 
-def _with_file(limits: JointLimits, file: LimitsFile, names: tuple[str, ...], noted: list[Finding]) -> JointLimits:
-    changes, findings = file.of(names)
+def _with_file(
+    limits: JointLimits, file: LimitsFile, names: tuple[str, ...], joints: tuple[str, ...], noted: list[Finding]
+) -> JointLimits:
+    changes, findings = file.of(names, joints)
     noted += findings
     try:
         return limits.with_(changes, names)

@@ -1,0 +1,60 @@
+"""Words in a joint that nobody reads: misspelt, doubled or empty, they would change the arm in silence."""
+
+from __future__ import annotations
+
+import xml.etree.ElementTree as ET
+from collections import Counter
+from difflib import get_close_matches
+
+from ..errors import closest, listed
+from .document import Reading
+
+ATTRIBUTES = {
+    "origin": ("xyz", "rpy"),
+    "axis": ("xyz",),
+    "limit": ("lower", "upper", "velocity", "effort", "acceleration", "deceleration", "jerk"),
+    "mimic": ("joint", "multiplier", "offset"),
+    "parent": ("link",),
+    "child": ("link",),
+}
+"""What of a joint the kinematics hangs on, and what each element may say."""
+
+SIMILAR = 0.75
+"""Of two words, so that `orgin` is a slip and `physics` another tool's."""
+
+
+def note_unread_words(robot: ET.Element, reading: Reading) -> None:
+    """Note what no reader of URDF takes up in a moving or fixed joint's place, axis, limits and mimic.
+
+    An attribute that the element does not have, an element whose name is nearly one of `ATTRIBUTES`, a second one of
+    a kind (the first counts), and an `<axis>` without its numbers, which then is x.
+    """
+    for joint in robot.findall("joint"):
+        _note_slips(joint, reading)
+        _note_doubles(joint, reading)
+        for element in joint:
+            _note_attributes(joint, element, reading)
+
+
+def _note_slips(joint: ET.Element, reading: Reading) -> None:
+    for element in joint:
+        if element.tag not in ATTRIBUTES and get_close_matches(element.tag.casefold(), ATTRIBUTES, 1, SIMILAR):
+            remedy = f"correct the name{closest(element.tag, ATTRIBUTES)}"
+            reading.note("word-unread", joint, f"its <{element.tag}> means nothing and is not read", remedy)
+
+
+def _note_doubles(joint: ET.Element, reading: Reading) -> None:
+    for tag, count in Counter(element.tag for element in joint if element.tag in ATTRIBUTES).items():
+        if count > 1:
+            what = f"it has {count} <{tag}> elements; only the first is read"
+            reading.note("word-unread", joint, what, "keep the one that is meant")
+
+
+def _note_attributes(joint: ET.Element, element: ET.Element, reading: Reading) -> None:
+    known = ATTRIBUTES.get(element.tag, ())
+    for name in element.attrib:
+        if known and name not in known and ":" not in name:
+            remedy = f"its attributes are {listed(known)}{closest(name, known)}"
+            reading.note("word-unread", joint, f"{name}= in its <{element.tag}> means nothing and is not read", remedy)
+    if element.tag == "axis" and "xyz" not in element.attrib and joint.get("type") not in ("fixed", "floating"):
+        reading.note("word-unread", joint, "its <axis> has no xyz=; taken as 1 0 0", 'write <axis xyz="…"/>')
