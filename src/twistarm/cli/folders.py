@@ -5,10 +5,10 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
+from textwrap import shorten
 from typing import Any
 
 from ..doctor.folder import descriptions_in
-from ..errors import one_line
 from .output import console, print_json, progress_bar, table
 from .wording import as_typed
 
@@ -32,7 +32,7 @@ class Line:
 
 def refused(why: str, **more: Any) -> Line:
     """The line of a file that cannot be loaded."""
-    return Line("refused", False, detail=one_line(as_typed(why), LONGEST), more=more)
+    return Line("refused", False, detail=shorten(as_typed(why), LONGEST, placeholder=" …"), more=more)
 
 
 def walk(folder: Path, title: str, look: Callable[[Path], Line], *, json: bool) -> int:
