@@ -124,6 +124,7 @@ CASES: dict[str, Case] = {
     "axis-zero": urdf(two_joints(inside='<axis xyz="0 0 0"/>')),
     "word-unread": urdf(two_joints(inside='<mimic joint="b" multiplyer="-2"/>')),
     "origin-looks-like-degrees": urdf(two_joints(rpy="90 0 0")),
+    "robot-unnamed": urdf(two_joints().replace(' name="tiny"', "")),
     "axis-not-unit": urdf(two_joints(inside='<axis xyz="0 0 2"/>')),
     "limit-malformed": urdf(two_joints(inside='<limit lower="pi" upper="1" velocity="1" effort="1"/>')),
     "limits-swapped": limited("1", "-1"),

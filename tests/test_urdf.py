@@ -317,3 +317,9 @@ def test_what_is_not_ours_is_left_out_in_no_time_however_much_it_is(tmp_path: Pa
     start = time.process_time()
     assert load_arm(path).n == 2
     assert time.process_time() - start < 8.0
+
+
+def test_a_robot_without_a_name_takes_the_files(tmp_path: Path) -> None:
+    arm = load_arm(write(tmp_path, two_joints().replace(' name="tiny"', "")))
+    assert arm.name == "arm"
+    assert [finding.code for finding in arm.findings] == ["robot-unnamed"]

@@ -9,6 +9,8 @@ _AS_TYPED = (
     (r"pass tip=", "pass --tip LINK"),
     (r"for (base|tip|locked)=", r"for --\1"),
     (r"package_dirs=\[folder that holds ([^\]]*)\]", r"--package-dir FOLDER (the one that holds \1)"),
+    (r"choose a base= beyond it", "choose a --base LINK beyond it"),
+    (r"choose another base= or tip=", "choose another --base LINK or --tip LINK"),
     (r"\bas srdf=", "as --srdf FILE"),
     (r"xacro_args=\{('\w+')?[^}]*\}", "--xacro NAME:=VALUE for each"),
     (

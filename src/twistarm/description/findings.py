@@ -27,6 +27,7 @@ CODES: dict[str, Code] = {
     "document-type-refused": Code("error", "a document type opens the door to entities and external files"),
     "no-robot": Code("error", "the file describes no robot: another root element, or no links"),
     # the tree
+    "robot-unnamed": Code("warning", "the robot has no name, which other readers refuse"),
     "name-missing": Code("error", "a link or joint has no name"),
     "name-duplicate": Code("error", "two links or two joints share a name"),
     "end-missing": Code("error", "a joint does not say which links it joins"),

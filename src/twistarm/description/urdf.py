@@ -73,6 +73,7 @@ def build_description(text: str, reading: Reading) -> Description:
         raise refusal(
             "no-robot", reading.whole, f"its root element is <{robot.tag}>, not <robot>", "is it a URDF file?"
         )
+    _name_robot(robot, reading)
     check_structure(robot, reading)
     note_unread_words(robot, reading)
     parts = split_planar_joints(robot, reading)
@@ -86,7 +87,7 @@ def build_description(text: str, reading: Reading) -> Description:
     drop_unusable_inertials(robot, reading)
     _strip_to_kinematics(robot)
     return Description(
-        name=robot.get("name") or reading.path.stem,
+        name=robot.get("name", ""),
         path=reading.path,
         root=root_link(robot),
         links=links,
@@ -95,6 +96,14 @@ def build_description(text: str, reading: Reading) -> Description:
         repaired=ET.tostring(robot, encoding="unicode"),
         findings=tuple(reading.findings),
     )
+
+
+def _name_robot(robot: ET.Element, reading: Reading) -> None:
+    """A robot without a name, which Pinocchio's parser refuses, gets that of the file."""
+    if not robot.get("name"):
+        robot.set("name", reading.path.stem)
+        what = f"the <robot> has no name; called {reading.path.stem!r} after the file"
+        reading.note("robot-unnamed", None, what, 'write <robot name="…">', repaired=True)
 
 
 def _read_link(element: ET.Element, geometries: Geometries, reading: Reading) -> Link:
