@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import re
 import sys
 from pathlib import Path
 
@@ -103,7 +104,7 @@ def test_what_the_caller_typed_wrong_is_raised_and_what_the_arm_toml_says_wrong_
 def test_limits_in_degrees_come_with_their_radians(tmp_path: Path) -> None:
     said = only(CASES["limits-look-like-degrees"], tmp_path, "limits-look-like-degrees")
     assert str(said.place) == "arm.urdf:2: joint 'a'"
-    assert said.what == "its limits [-170, 170] rad allow 27 turns; they look like degrees"
+    assert said.what == f"its limits [-170, 170] rad allow {340 / (2 * math.pi):.1f} turns; they look like degrees"
     assert said.remedy == f'write lower="{-math.radians(170):.6g}" upper="{math.radians(170):.6g}"'
 
 
@@ -116,6 +117,34 @@ def test_what_the_arm_toml_mends_is_not_told(tmp_path: Path) -> None:
 def test_turns_and_no_limit_are_no_degrees(bound: str, tmp_path: Path) -> None:
     limit = f'<limit lower="-{bound}" upper="{bound}" velocity="10" effort="1"/>'
     assert "limits-look-like-degrees" not in codes(write(tmp_path, two_joints(inside=limit)))
+
+
+def test_limits_of_the_arm_toml_are_told_and_mended_there(tmp_path: Path) -> None:
+    write(tmp_path, two_joints())
+    path = write(tmp_path, 'source = "arm.urdf"\n[limits]\nb = {lower = -90, upper = 90, velocity = 180}\n', "arm.toml")
+    said = {one.code: one for one in diagnose(path) if one.severity == "warning"}
+    bounds, velocity = said["limits-look-like-degrees"], said["velocity-implausible"]
+    assert str(bounds.place) == str(velocity.place) == "arm.toml: joint 'b'"
+    assert "allow 28.6 turns" in bounds.what
+    assert bounds.remedy == f"write lower = {-math.pi / 2:.6g}, upper = {math.pi / 2:.6g} in limits.b of arm.toml"
+    assert velocity.remedy.startswith(f"write velocity = {math.pi:.4g} in limits.b of arm.toml if it is in degrees")
+
+
+def test_limits_that_the_caller_gave_are_no_fault_of_the_file(tmp_path: Path) -> None:
+    limits = {"lower": {"b": -90.0}, "upper": {"b": 90.0}}
+    (said,) = [one for one in diagnose(write(tmp_path, two_joints()), limits=limits) if one.severity == "warning"]
+    assert (said.code, said.place.line) == ("limits-look-like-degrees", None)
+    assert said.remedy == "give lower = -1.5708, upper = 1.5708 where the arm is loaded"
+
+
+def test_limits_that_a_follower_narrows_stand_in_the_file(tmp_path: Path) -> None:
+    wide = '<limit lower="-170" upper="170" velocity="1" effort="1"/>'
+    parts = (
+        joint("a", "base_link", "upper", inside=wide),
+        joint("b", "upper", "tool0", inside=f'<mimic joint="a" multiplier="2"/>{wide}'),
+    )
+    said = [one for one in diagnose(write(tmp_path, robot(*parts))) if one.code == "limits-look-like-degrees"]
+    assert {str(one.place) for one in said} == {"arm.urdf:2: joint 'a'", "arm.urdf:2: joint 'b'"}
 
 
 def test_joints_with_one_impossible_velocity_are_one_finding(tmp_path: Path) -> None:
@@ -219,6 +248,40 @@ def test_a_mesh_in_millimetres_comes_with_its_scale(tmp_path: Path) -> None:
     assert not [one for one in found(mended, tmp_path) if one.code.startswith("mesh")]
 
 
+@pytest.mark.parametrize(
+    ("length", "unit", "metres", "others"),
+    [
+        (300.0, "millimetres", 0.001, ""),
+        (40.0, "centimetres", 0.01, "millimetres"),
+        (0.4 / 0.0254 * 2, "inches", 0.0254, "centimetres or millimetres"),
+    ],
+)
+def test_the_unit_of_a_mesh_is_likely_and_not_a_fact(
+    length: float, unit: str, metres: float, others: str, tmp_path: Path
+) -> None:
+    """On an arm of 1 m."""
+    path = lay(with_mesh(triangle(length)), tmp_path)
+    (said,) = [one for one in diagnose(path) if one.code == "mesh-too-large"]
+    assert said.what.endswith(f"likely in {unit}")
+    assert said.remedy.startswith(f'write scale="{metres} {metres} {metres}" in <mesh>')
+    assert said.remedy.endswith(f"check the unit of the export: it may be {others} too") == bool(others)
+
+
+def test_a_scale_of_zero_is_told_and_not_written_again(tmp_path: Path) -> None:
+    said = only(with_mesh(triangle(0.3), scale="0 0 0"), tmp_path, "mesh-too-small")
+    assert said.what == "'part.stl': a scale of 0 leaves nothing of it to see"
+    assert said.remedy.startswith('write scale="1 1 1" in <mesh>')
+
+
+@pytest.mark.parametrize("scales", [("1 1 1", "0.001 0.001 0.001"), ("0.001 0.001 0.001", "1 1 1")])
+def test_a_mesh_is_judged_at_each_of_its_scales(scales: tuple[str, str], tmp_path: Path) -> None:
+    path = lay(with_mesh(triangle(300.0), scale=scales[0]), tmp_path)
+    shape = f'<visual><geometry><mesh filename="part.stl" scale="{scales[1]}"/></geometry></visual>'
+    path.write_text(path.read_text().replace('<link name="tool0"/>', f'<link name="tool0">{shape}</link>'))
+    (said,) = [one for one in diagnose(path) if one.code.startswith("mesh")]
+    assert (said.code, said.remedy) == ("mesh-too-large", 'write scale="0.001 0.001 0.001" in <mesh>')
+
+
 def test_a_pointer_is_no_unreadable_mesh(tmp_path: Path) -> None:
     assert [one.code for one in found(with_mesh(POINTER), tmp_path) if one.code.startswith("mesh")] == [
         "mesh-lfs-pointer"
@@ -243,6 +306,44 @@ def test_rounded_axes_come_with_what_to_write(tmp_path: Path) -> None:
     assert said.remedy.startswith(f"write {math.pi / 2!r} for 1.5708 in <origin rpy>")
     exact = text.replace("1.5708", repr(math.pi / 2))
     assert "axes-almost-exact" not in codes(write(tmp_path, exact))
+
+
+def test_every_rounded_angle_is_named_as_it_is_written(tmp_path: Path) -> None:
+    """Several near zero, and both roundings of a quarter turn; with all of them exact nothing is left to tell."""
+    words = ("1.5708", "-1.57079", "1.44901112074e-7", "-3.2047474e-07")
+    exact = (repr(math.pi / 2), repr(-math.pi / 2), "0", "0")
+    text = chain("0 1 0", "0 1 0", "1 0 0", "1 0 0")
+    mended = text
+    for word, instead in zip(words, exact, strict=True):
+        text = text.replace('rpy="0 0 0"', f'rpy="{word} 0 {word}"', 1)
+        mended = mended.replace('rpy="0 0 0"', f'rpy="{instead} 0 {instead}"', 1)
+    (said,) = [one for one in diagnose(write(tmp_path, text)) if one.code == "axes-almost-exact"]
+    assert said.remedy.startswith(
+        f"write {math.pi / 2!r} for 1.5708, 1.57079; 0 for 1.44901112074e-7, 3.2047474e-07 in <origin rpy>"
+    )
+    assert "axes-almost-exact" not in codes(write(tmp_path, mended))
+
+
+def test_of_many_rounded_angles_the_rest_is_counted(models: Path, tmp_path: Path) -> None:
+    """Nine words are within 1e-6 of zero; with 0 in their place only the offsets are left."""
+    text = (models / "robojackets_walli_v2_block/urdf/walli_arm_v2_block/robot.urdf").read_text()
+    (said,) = [one for one in diagnose(write(tmp_path, text), tip="ee") if one.code == "axes-almost-exact"]
+    angles = " ".join(re.findall(r'rpy="([^"]*)"', text))
+    near_zero = re.findall(r"[\d.]+e-7", angles)
+    assert len(near_zero) == 9
+    assert said.remedy.startswith(f"write 0 for {', '.join(near_zero[:3])} and 6 more as near to it in <origin rpy>")
+    for word in near_zero:
+        text = text.replace(word, "0")
+    (left,) = [one for one in diagnose(write(tmp_path, text), tip="ee") if one.code == "axes-almost-exact"]
+    assert "parallel" in said.what
+    assert "parallel" not in left.what
+    assert "rpy" not in left.remedy
+
+
+def test_a_distance_that_misses_has_its_remedy_too(tmp_path: Path) -> None:
+    text = chain("0 0 1", "0 1 0").replace('xyz="0 0 0.5" rpy="0 0 0"', 'xyz="0.0005 0 0.5" rpy="0 0 1.5708"', 2)
+    (said,) = [one for one in diagnose(write(tmp_path, text)) if one.code == "axes-almost-exact"]
+    assert "a distance that is left then stands in <origin xyz>, or is meant" in said.remedy
 
 
 @pytest.mark.parametrize(("miss", "told"), [("0.0005", True), ("0.003", False), ("0", False)])

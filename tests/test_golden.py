@@ -173,3 +173,70 @@ def test_the_helper_for_a_teams_own_tests(golden: Path, tmp_path: Path) -> None:
     assert assert_arm(build(tmp_path), against=golden).name == "ours"
     with pytest.raises(AssertionError, match="ours: joint elbow moved 12 mm along x"):
         assert_arm(build(tmp_path, elbow={"xyz": "0.412 0 0"}), against=golden)
+
+
+def turning(folder: Path, base: str, tool: str = "0.1 0.05 0", **rpy: str) -> Arm:
+    """Axes z, y and x, the arm standing at `base`; `rpy` turns what joint of that name carries."""
+    links = ("base_link", "l1", "l2", "l3", "tool0")
+    places = {"a": (base, "0 0 1"), "b": ("0.1 0 0.3", "0 1 0"), "c": ("0.2 0 0.1", "1 0 0")}
+    parts = [
+        joint(name, links[i], links[i + 1], xyz=xyz, rpy=rpy.get(name, "0 0 0"), inside=f'<axis xyz="{axis}"/>')
+        for i, (name, (xyz, axis)) in enumerate(places.items())
+    ]
+    mount = joint("mount", "l3", "tool0", kind="fixed", xyz=tool)
+    return load_arm(write(folder, robot(*parts, mount, links=links)))
+
+
+def about_y(angle: float) -> np.ndarray:
+    return np.array([[np.cos(angle), 0, np.sin(angle)], [0, 1, 0], [-np.sin(angle), 0, np.cos(angle)]])
+
+
+def told(shift: np.ndarray) -> str:
+    """A displacement as the words give it."""
+    unit = shift / np.linalg.norm(shift)
+    return f"{1e3 * np.linalg.norm(shift):.4g} mm along ({', '.join(f'{x:.2f}' for x in unit)})"
+
+
+@pytest.mark.parametrize("base", ["0 0 0.2", "1 -2 0.7"])
+def test_what_a_turned_origin_carries_is_told_wherever_the_base_is(base: str, tmp_path: Path) -> None:
+    """Joint b's own axis stays; c's axis nearest the tool is (0.3, 0, 0.1) off b, and turns about b by 0.3 rad."""
+    freeze(turning(tmp_path, base), tmp_path / "g.json")
+    at = np.array([0.3, 0.0, 0.1])
+    expected = told(about_y(0.3) @ at - at)
+    assert compare(turning(tmp_path, base, b="0 0.3 0"), tmp_path / "g.json").changes == (
+        "joint c turned by 17.2° about y",
+        f"joint c moved {expected} where it is nearest the tool",
+    )
+
+
+@pytest.mark.parametrize("base", ["0 0 0.2", "1 -2 0.7"])
+def test_a_tool_that_does_not_just_ride_is_told_by_its_own_motion(base: str, tmp_path: Path) -> None:
+    freeze(turning(tmp_path, base), tmp_path / "g.json")
+    then, now = np.array([0.3, 0.05, 0.1]), about_y(0.3) @ [0.3, 0.05, 0.13]
+    difference = compare(turning(tmp_path, base, tool="0.1 0.05 0.03", b="0 0.3 0"), tmp_path / "g.json")
+    assert difference.changes[0] == "joint c turned by 17.2° about y"
+    # The line c through (0, 0, 0.1) beyond b, turned about b: its distance from where the tool was nearest to it.
+    R, at = about_y(0.3), np.array([0.3, 0.0, 0.1])
+    gap = R @ [0.0, 0.0, 0.1] - at
+    across = gap - R[:, 0] * (R[:, 0] @ gap)
+    assert difference.changes[1] == f"joint c moved {told(across)} where it is nearest the tool"
+    assert difference.changes[2:] == (
+        f"tool tool0 moved {told(now - then)} in all",
+        "tool tool0 turned by 17.2° about y in all",
+    )
+
+
+def test_a_joint_turned_and_moved_at_once_is_told_both(golden: Path, tmp_path: Path) -> None:
+    changed = build(tmp_path, elbow={"xyz": "0.412 0 0", "rpy": "0 0 0.01745329251994329577"})
+    assert compare(load_arm(changed), golden).changes == (
+        "joint elbow turned by 1° about z",
+        "joint elbow moved 12 mm along x where it is nearest the tool",
+    )
+
+
+def test_a_tool_that_stays_while_a_joint_moves_is_said_to(golden: Path, tmp_path: Path) -> None:
+    changed = build(tmp_path, wrist_roll={"xyz": "0.3 0 0.002"}, mount={"xyz": "0.1 0 -0.002"})
+    assert compare(load_arm(changed), golden).changes == (
+        "joint wrist_roll moved 2 mm along z",
+        "tool tool0 is where it was all the same",
+    )

@@ -28,14 +28,21 @@ ALMOST_ANGLE, ALMOST_DISTANCE = math.radians(0.5), 2e-3
 SHOWN = 4
 """Kinds of deviation named before the rest is counted."""
 
+SHOWN_WORDS = 3
+"""Rounded angles named, for each exact one, before the rest is counted."""
+
 
 @dataclass(frozen=True)
 class Near:
-    """Something that almost holds for some joints: what, by how much, and how far that moves the tool [m], roughly."""
+    """Something that almost holds for some joints: what, by how much, and how far that moves the tool [m], roughly.
+
+    `apart`: it is a distance that misses, not an angle.
+    """
 
     joints: str
     what: str
     moves: float
+    apart: bool = False
 
 
 def check_axes(arm: Arm) -> Iterator[Finding]:
@@ -47,7 +54,7 @@ def check_axes(arm: Arm) -> Iterator[Finding]:
         "axes-almost-exact",
         place_of(arm.description, arm.name),
         f"{_told(found)}; taken as exact, the tool is off by some {_length(sum(near.moves for near in found))}",
-        f"{_rewrite(arm)}; closed forms of inverse kinematics need exact axes",
+        f"{_rewrite(arm, apart=any(near.apart for near in found))}; closed forms of inverse kinematics need exact axes",
     )
 
 
@@ -72,22 +79,25 @@ def almost_special(arm: Arm) -> list[Near]:
         both = bool(turning[i] and turning[j])
         names = f"{arm.moving_names[i]}–{arm.moving_names[j]}"
         near = _pair(axes[i], axes[j], points[j] - points[i] if both else None, arm.reach)
-        found += [Near(names, what, moves) for what, moves in near]
+        found += [Near(names, *one) for one in near]
     return found + _wrist(arm, axes, points, turning)
 
 
-def _pair(a: Array, b: Array, offset: Array | None, reach: float) -> Iterator[tuple[str, float]]:
-    """What almost holds for two axes, and how far off the tool is if it is meant; `offset` between turning ones."""
+def _pair(a: Array, b: Array, offset: Array | None, reach: float) -> Iterator[tuple[str, float, bool]]:
+    """What almost holds for two axes, how far off the tool is if it is meant, and whether it is a distance.
+
+    `offset` lies between turning ones.
+    """
     sine, cosine = float(np.linalg.norm(np.cross(a, b))), abs(float(a @ b))
     for what, angle in (("parallel", math.atan2(sine, cosine)), ("square", math.atan2(cosine, sine))):
         if EXACT_ANGLE < angle < ALMOST_ANGLE:
-            yield f"are {what} but for {_angle(angle)}", angle * reach
+            yield f"are {what} but for {_angle(angle)}", angle * reach, False
     if offset is None:
         return
     parallel = math.atan2(sine, cosine) < ALMOST_ANGLE
     distance = float(np.linalg.norm(np.cross(offset, a))) if parallel else abs(float(offset @ np.cross(a, b))) / sine
     if EXACT_DISTANCE < distance < ALMOST_DISTANCE:
-        yield f"{'coincide' if parallel else 'meet'} but for {_length(distance)}", distance
+        yield f"{'coincide' if parallel else 'meet'} but for {_length(distance)}", distance, True
 
 
 def _wrist(arm: Arm, axes: Array, points: Array, turning: Array) -> list[Near]:
@@ -102,21 +112,37 @@ def _wrist(arm: Arm, axes: Array, points: Array, turning: Array) -> list[Near]:
     distance = float(np.linalg.norm(np.einsum("kij,kj->ki", across, centre - points[-3:]), axis=1).max())
     if not EXACT_DISTANCE < distance < ALMOST_DISTANCE:
         return []
-    return [Near("–".join(arm.moving_names[-3:]), f"are a spherical wrist but for {_length(distance)}", distance)]
+    what = f"are a spherical wrist but for {_length(distance)}"
+    return [Near("–".join(arm.moving_names[-3:]), what, distance, apart=True)]
 
 
-def _rewrite(arm: Arm) -> str:
-    """The rounded angles of the chain's origins with what to write instead, where there are such."""
-    exactly = "if the drawing says so, write the chain's origins and axes with 16 digits"
+def _rewrite(arm: Arm, *, apart: bool) -> str:
+    """The rounded angles of the chain's origins, as they are written, with what to write instead, if there are such."""
+    rounded: dict[str, list[str]] = {}
+    for word in _rounded_words(arm):
+        exact = abs(_quarter_turns(float(word)) or 0.0)
+        rounded.setdefault(f"{exact!r}" if exact else "0", []).append(word)
+    if not rounded:
+        return "if the drawing says so, write the chain's origins and axes with 16 digits"
+    given = "; ".join(f"{exact} for {_shown(words)}" for exact, words in rounded.items())
+    left = "; a distance that is left then stands in <origin xyz>, or is meant" if apart else ""
+    return f"write {given} in <origin rpy>{left}"
+
+
+def _shown(words: list[str]) -> str:
+    more = len(words) - SHOWN_WORDS
+    return ", ".join(words[:SHOWN_WORDS]) + (f" and {more} more as near to it" if more > 0 else "")
+
+
+def _rounded_words(arm: Arm) -> list[str]:
+    """Each word of the chain's rpy that is a multiple of a quarter turn but for rounding, once and without its sign."""
     if arm.description is None:
-        return exactly
+        return []
     chain = {joint.name for joint in arm.description.chain(arm.base, arm.tip_link)}
     joints = SourceText(arm.description.text).robot.findall("joint")
     origins = [joint.find("origin") for joint in joints if joint.get("name") in chain]
     words = [word for origin in origins if origin is not None for word in origin.get("rpy", "").split()]
-    exact = {abs(near): abs(float(word)) for word in words if (near := _quarter_turns(float(word))) is not None}
-    given = ", ".join(f"{near!r} for {written:.9g}" for near, written in exact.items())
-    return f"write {given} in <origin rpy>" if given else exactly
+    return list(dict.fromkeys(word.lstrip("+-") for word in words if _quarter_turns(float(word)) is not None))
 
 
 def _quarter_turns(angle: float) -> float | None:

@@ -3,13 +3,15 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from dataclasses import replace
+from pathlib import Path
 
 import numpy as np
 
 from ..arm import Arm
-from ..description.findings import Finding, finding
+from ..description.findings import Finding, Place, finding
+from ..description.toml_text import toml_key
 from ..description.tree import Description, Joint
 from ..limits import AS_GOOD_AS_UNBOUNDED
 from .wording import SHOWN, grouped, place_of
@@ -37,8 +39,13 @@ def check_limits(description: Description, arm: Arm | None) -> Iterator[Finding]
     """What each joint's limits look like, those given beside the description included."""
     joints = [joint for joint in _with_given(description, arm) if joint.scalar]
     for joint in joints:
-        yield from _range(description, joint)
-    yield from _velocities(description, [joint for joint in joints if joint.mimic is None])
+        yield from _range(description, joint, _given_in(description, arm, joint, ("lower", "upper")))
+    own = [joint for joint in joints if joint.mimic is None]
+    beside = [_given_in(description, arm, joint, ("velocity",)) for joint in own]
+    yield from _velocities(description, [joint for joint, given in zip(own, beside, strict=True) if given is None])
+    for joint, given in zip(own, beside, strict=True):
+        if given is not None:
+            yield from _given_velocity(joint, given)
 
 
 def check_zero(arm: Arm) -> Iterator[Finding]:
@@ -79,52 +86,96 @@ def _with_given(description: Description, arm: Arm | None) -> list[Joint]:
     return list(joints.values())
 
 
-def _range(description: Description, joint: Joint) -> Iterator[Finding]:
-    unit = "m" if joint.type == "prismatic" else "rad"
+def _given_in(description: Description, arm: Arm | None, joint: Joint, fields: tuple[str, ...]) -> Place | None:
+    """What gave these limits beside the description (an arm.toml, the caller); None where the description did."""
+    written = description.joints[joint.name]
+    differ = [field for field in fields if getattr(joint, field) != getattr(written, field)]
+    if arm is None or not differ:
+        return None
+    drives = any(other.mimic is not None and other.mimic.joint == joint.name for other in description.joints.values())
+    inside = written.lower <= joint.lower and joint.upper <= written.upper and joint.velocity <= written.velocity
+    if drives and inside:
+        return None  # followers have narrowed it
+    return Place(Path(arm.source).name, element="joint", name=joint.name)
+
+
+def _range(description: Description, joint: Joint, given: Place | None) -> Iterator[Finding]:
+    unit = _unit(joint)
+    place = given or description.place(joint)
     bounds = [bound for bound in (joint.lower, joint.upper) if abs(bound) < AS_GOOD_AS_UNBOUNDED]
     largest = max(map(abs, bounds), default=0.0)
     shown = f"its limits [{joint.lower:g}, {joint.upper:g}] {unit}"
     if unit == "rad" and TOO_WIDE < largest <= WIDEST_DEGREES:
         yield finding(
             "limits-look-like-degrees",
-            description.place(joint),
-            f"{shown} allow {largest / math.tau:.0f} turns; they look like degrees",
-            f"write {_attributes(np.radians([joint.lower, joint.upper]))}",
+            place,
+            f"{shown} allow {_turns(joint, largest):.3g} turns; they look like degrees",
+            _bounds_remedy(joint, given, np.radians([joint.lower, joint.upper])),
         )
     elif unit == "m" and largest > LONGEST_SLIDE:
         yield finding(
             "limits-look-like-millimetres",
-            description.place(joint),
+            place,
             f"{shown} look like millimetres",
-            f"write {_attributes(np.array([joint.lower, joint.upper]) / 1e3)}",
+            _bounds_remedy(joint, given, np.array([joint.lower, joint.upper]) / 1e3),
         )
     elif 0.0 < joint.upper - joint.lower < TINY[unit]:
         yield finding(
             "limit-range-tiny",
-            description.place(joint),
+            place,
             f"{shown} leave {joint.upper - joint.lower:.2g} {unit}: it can hardly move",
             "angles are in radians and slides in metres; make it a fixed joint if it is meant to stand still",
         )
 
 
-def _attributes(bounds: np.ndarray) -> str:
-    names = [f'{name}="{x:.6g}"' for name, x in zip(("lower", "upper"), bounds, strict=True) if np.isfinite(x)]
-    return " ".join(names)
+def _turns(joint: Joint, largest: float) -> float:
+    """How often the joint turns round from bound to bound; from zero to the one bound where there are not two."""
+    width = joint.upper - joint.lower
+    return (width if width < AS_GOOD_AS_UNBOUNDED else largest) / math.tau
+
+
+def _bounds_remedy(joint: Joint, given: Place | None, bounds: np.ndarray) -> str:
+    return _remedy(joint, given, {n: x for n, x in zip(("lower", "upper"), bounds, strict=True) if np.isfinite(x)})
+
+
+def _remedy(joint: Joint, given: Place | None, values: Mapping[str, float]) -> str:
+    """What to write, in the words of the file it stands in."""
+    if given is None:
+        return "write " + " ".join(f'{name}="{x:.6g}"' for name, x in values.items())
+    entries = ", ".join(f"{name} = {x:.6g}" for name, x in values.items())
+    if given.file.endswith(".toml"):
+        return f"write {entries} in limits.{toml_key(joint.name)} of {given.file}"
+    return f"give {entries} where the arm is loaded"
+
+
+def _unit(joint: Joint) -> str:
+    return "m" if joint.type == "prismatic" else "rad"
 
 
 def _velocities(description: Description, joints: list[Joint]) -> Iterator[Finding]:
     """One finding for all joints with the same impossible velocity."""
     fast: dict[tuple[str, float], list[Joint]] = {}
-    for joint in joints:
-        unit = "m" if joint.type == "prismatic" else "rad"
-        if FASTEST[unit] < joint.velocity < AS_GOOD_AS_UNBOUNDED:
-            fast.setdefault((unit, joint.velocity), []).append(joint)
-    for (unit, velocity), those in fast.items():
-        converted, small = (velocity / 1e3, "mm") if unit == "m" else (math.radians(velocity), "degrees")
-        yield grouped(
-            "velocity-implausible",
-            description,
-            those,
-            f"a velocity limit of {velocity:g} {unit}/s, faster than any arm's joint; planning takes it at its word",
-            f'write velocity="{converted:.4g}" if it is in {small} per second, else the figure of the motor',
-        )
+    for joint in filter(_too_fast, joints):
+        fast.setdefault((_unit(joint), joint.velocity), []).append(joint)
+    for those in fast.values():
+        yield grouped("velocity-implausible", description, those, *_fast_words(those[0], None))
+
+
+def _given_velocity(joint: Joint, given: Place) -> Iterator[Finding]:
+    if _too_fast(joint):
+        yield finding("velocity-implausible", given, *_fast_words(joint, given))
+
+
+def _too_fast(joint: Joint) -> bool:
+    return FASTEST[_unit(joint)] < joint.velocity < AS_GOOD_AS_UNBOUNDED
+
+
+def _fast_words(joint: Joint, given: Place | None) -> tuple[str, str]:
+    """What is wrong with an impossible velocity, and the remedy."""
+    unit, velocity = _unit(joint), joint.velocity
+    converted, small = (velocity / 1e3, "mm") if unit == "m" else (math.radians(velocity), "degrees")
+    remedy = _remedy(joint, given, {"velocity": float(f"{converted:.4g}")})
+    return (
+        f"a velocity limit of {velocity:g} {unit}/s, faster than any arm's joint; planning takes it at its word",
+        f"{remedy} if it is in {small} per second, else the figure of the motor",
+    )

@@ -4,12 +4,13 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from pathlib import Path
+from typing import NamedTuple
 
 import numpy as np
 
 from ..checks import Array
 from ..description.findings import Finding, finding
-from ..description.tree import Description, Geometry
+from ..description.tree import Description
 from ..errors import listed
 from ..files import is_file
 
@@ -25,13 +26,24 @@ LARGEST_FILE, LARGEST_TOTAL = 20_000_000, 100_000_000
 SHOWN = 3
 """File names in one finding."""
 
+UNITS = {"inches": 0.0254, "centimetres": 0.01, "millimetres": 0.001}
+"""[m], the largest first: what meshes are exported in."""
+
 _POINTER = b"version https://git-lfs"
+
+
+class Use(NamedTuple):
+    """A mesh file, and the scale that one shape uses it at."""
+
+    path: Path
+    scale: tuple[float, ...]
 
 
 def check_meshes(description: Description) -> Iterator[Finding]:
     """Every mesh file once: its first bytes, then the size of what it holds."""
-    shapes = _meshes(description)
-    pointers = [path for path in shapes if _is_pointer(path)]
+    uses = _uses(description)
+    paths = list(dict.fromkeys(use.path for use in uses))
+    pointers = [path for path in paths if _is_pointer(path)]
     if pointers:
         yield _told(
             "mesh-lfs-pointer",
@@ -40,7 +52,7 @@ def check_meshes(description: Description) -> Iterator[Finding]:
             "Git LFS pointers, not meshes; they are not drawn",
             "run git lfs pull in the repository they come from",
         )
-    rest = {path: shape for path, shape in shapes.items() if path not in pointers}
+    rest = [path for path in paths if path not in pointers]
     try:
         import trimesh  # noqa: F401
     except ImportError:
@@ -48,48 +60,67 @@ def check_meshes(description: Description) -> Iterator[Finding]:
             what = f"{len(rest)} mesh files, whose size was not looked at: that needs trimesh"
             yield finding("mesh-not-looked-at", description.place(), what, "pip install 'twistarm[view]'")
         return
-    yield from _sizes(description, rest)
+    yield from _sizes(description, rest, uses)
 
 
-def _sizes(description: Description, shapes: dict[Path, Geometry]) -> Iterator[Finding]:
-    small = _affordable(shapes)
+def _sizes(description: Description, paths: list[Path], uses: list[Use]) -> Iterator[Finding]:
+    small = _affordable(paths)
     lengths = {path: length_of(path) for path in small}
     broken = [path for path, length in lengths.items() if length is None]
     if broken:
         remedy = "export them again as STL, DAE or OBJ"
         yield _told("mesh-unreadable", description, broken, "cannot be read as meshes; they are not drawn", remedy)
-    if len(small) < len(shapes):
-        left = [path for path in shapes if path not in small]
+    if len(small) < len(paths):
+        left = [path for path in paths if path not in small]
         what = f"too many bytes to look at their size here ({LARGEST_FILE / 1e6:.0f} MB each at most)"
         yield _told("mesh-not-looked-at", description, left, what, "look at them with twistarm view")
-    sized = {path: length * max(map(abs, shapes[path].size)) for path, length in lengths.items() if length}
-    yield from _out_of_scale(description, shapes, sized)
+    flat = [use.path for use in uses if not all(use.scale)]
+    if flat:
+        remedy = 'write scale="1 1 1" in <mesh>, or what makes metres of the unit it was exported in'
+        yield _told("mesh-too-small", description, flat, "a scale of 0 leaves nothing of it to see", remedy)
+    sized = {
+        use: length * max(map(abs, use.scale)) for use in uses if all(use.scale) and (length := lengths.get(use.path))
+    }
+    yield from _out_of_scale(description, sized)
 
 
-def _out_of_scale(
-    description: Description, shapes: dict[Path, Geometry], lengths: dict[Path, float]
-) -> Iterator[Finding]:
+def _out_of_scale(description: Description, lengths: dict[Use, float]) -> Iterator[Finding]:
     """`lengths` [m], scaled, against the size of the arm."""
     size = _size(description)
-    large = [path for path, length in lengths.items() if length > TOO_LARGE * size]
+    large = {use: length for use, length in lengths.items() if length > TOO_LARGE * size}
     if large:
-        length, scale = lengths[large[0]], shapes[large[0]].size
+        longest = max(large.values())
+        unit, others = _likely_unit(longest, size)
+        check = f"; check the unit of the export: it may be {others} too" if others else ""
         yield _told(
             "mesh-too-large",
             description,
-            large,
-            f"{length:.4g} m long, on an arm of {size:.3g} m: in millimetres",
-            f'write scale="{_numbers(np.array(scale) / 1e3)}" in <mesh>',
+            [use.path for use in large],
+            f"{longest:.4g} m long, on an arm of {size:.3g} m: likely in {unit}",
+            _rescaled(list(large), UNITS[unit]) + check,
         )
     elif lengths and max(lengths.values()) < TOO_SMALL * size:
-        path = max(lengths, key=lambda path: lengths[path])
         yield _told(
             "mesh-too-small",
             description,
-            list(lengths),
-            f"{lengths[path]:.2g} m long at most, on an arm of {size:.3g} m: scaled down twice",
-            f'write scale="{_numbers(np.array(shapes[path].size) * 1e3)}" in <mesh>',
+            [use.path for use in lengths],
+            f"{max(lengths.values()):.2g} m long at most, on an arm of {size:.3g} m: scaled down twice",
+            _rescaled([max(lengths, key=lambda use: lengths[use])], 1e3),
         )
+
+
+def _likely_unit(length: float, size: float) -> tuple[str, str]:
+    """The largest unit in which the longest mesh is no longer than the arm, and the smaller ones, not ruled out."""
+    fitting = [unit for unit, metres in UNITS.items() if length * metres <= size] or list(UNITS)[-1:]
+    return fitting[0], " or ".join(fitting[1:])
+
+
+def _rescaled(uses: Sequence[Use], factor: float) -> str:
+    """The scale to write for meshes used at one scale, and what to multiply it by where there are several."""
+    scales = {use.scale for use in uses}
+    if len(scales) > 1:
+        return f"multiply their scales in <mesh> by {factor:g}"
+    return f'write scale="{_numbers(np.array(scales.pop()) * factor)}" in <mesh>'
 
 
 def length_of(path: Path) -> float | None:
@@ -105,15 +136,16 @@ def length_of(path: Path) -> float | None:
     return length if np.isfinite(length) and length > 0 else None
 
 
-def _meshes(description: Description) -> dict[Path, Geometry]:
-    """Every mesh file that is there, with a shape that uses it."""
+def _uses(description: Description) -> list[Use]:
+    """Every mesh file that is there, with each scale that it is used at."""
     shapes = [shape for link in description.links.values() for shape in (*link.visuals, *link.collisions)]
-    return {shape.mesh: shape for shape in shapes if shape.mesh is not None and is_file(shape.mesh)}
+    uses = (Use(shape.mesh, shape.size) for shape in shapes if shape.mesh is not None and is_file(shape.mesh))
+    return list(dict.fromkeys(uses))
 
 
-def _affordable(shapes: dict[Path, Geometry]) -> list[Path]:
+def _affordable(paths: Sequence[Path]) -> list[Path]:
     total, chosen = 0, []
-    for path in shapes:
+    for path in paths:
         size = path.stat().st_size
         if size <= LARGEST_FILE and total + size <= LARGEST_TOTAL:
             total += size
@@ -136,7 +168,7 @@ def _size(description: Description) -> float:
 
 
 def _told(code: str, description: Description, paths: Sequence[Path], what: str, remedy: str) -> Finding:
-    names = listed([path.name for path in paths], SHOWN)
+    names = listed(dict.fromkeys(path.name for path in paths), SHOWN)
     return finding(code, description.place(), f"{names}: {what}", remedy)
 
 
