@@ -130,8 +130,8 @@ CODES: dict[str, Code] = {
     "inertia-placeholder": Code("info", "every link has the same mass and inertia; gravity torques mean nothing"),
     "centre-of-mass-far": Code("warning", "a centre of mass lies far outside its link; it may be in millimetres"),
     # meshes
-    "mesh-too-large": Code("warning", "a mesh is far larger than the arm; it is in millimetres"),
-    "mesh-too-small": Code("warning", "every mesh is far smaller than the arm; they are scaled down twice"),
+    "mesh-too-large": Code("warning", "a mesh is far larger than the arm; its unit is probably not the metre"),
+    "mesh-too-small": Code("warning", "meshes are far smaller than the arm, or scaled to nothing"),
     "mesh-lfs-pointer": Code("warning", "a mesh file holds a Git LFS pointer, not the mesh"),
     "mesh-unreadable": Code("warning", "a mesh file cannot be read; it is not drawn"),
     "mesh-not-looked-at": Code("info", "meshes whose size the doctor has not looked at"),
