@@ -246,10 +246,10 @@ def test_a_name_opens_no_other_folder_of_that_name(tmp_path: Path) -> None:
         tmp_path,
         {
             "download/arm/package.xml": "<package><name>arm</name></package>",
-            "download/arm/arm.xacro": main("../../home/work/secret/a.xacro"),
+            "download/arm/arm.xacro": main("../../home/team/secret/a.xacro"),
             "download/impostor/package.xml": "<package><name>secret</name></package>",
-            "home/work/secret/package.xml": "<package><name>secret</name></package>",
-            "home/work/secret/a.xacro": PART,
+            "home/team/secret/package.xml": "<package><name>secret</name></package>",
+            "home/team/secret/a.xacro": PART,
         },
     )
     with pytest.raises(DescriptionError, match=OUTSIDE):

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import os
 from pathlib import Path
 
 import numpy as np
@@ -240,3 +241,9 @@ def test_a_tool_that_stays_while_a_joint_moves_is_said_to(golden: Path, tmp_path
         "joint wrist_roll moved 2 mm along z",
         "tool tool0 is where it was all the same",
     )
+
+
+def test_a_pipe_is_no_golden_file(tmp_path: Path, rover: Arm) -> None:
+    os.mkfifo(tmp_path / "pipe")
+    with pytest.raises(DescriptionError, match="pipe: not a regular file; twistarm freeze writes a golden file"):
+        compare(rover, tmp_path / "pipe")

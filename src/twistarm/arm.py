@@ -27,9 +27,6 @@ from .screws import adjoint, inverse
 READY_SAMPLES = 63
 """Random configurations that compete with the middle of the limits to be the ready pose."""
 
-NO_MOTION = 1e-9
-"""A singular value this small beside the largest is the rounding of 0."""
-
 _MADE_WHEN_ASKED = ("pinocchio", "ready", "usual_half", "_tool_action")
 
 
@@ -142,9 +139,8 @@ class Arm:
         if "ready" in self.named_states:
             return self.named_states["ready"]
         candidates = np.vstack([self.limits.middle(), self.random_theta(np.random.default_rng(0), READY_SAMPLES)])
-        values = self.manipulability(candidates).singular_values
-        rank = int((values > NO_MOTION * values[:, :1]).sum(axis=1).max())
-        return frozen(candidates[int(np.argmax(values[:, rank - 1] / values[:, 0]))])
+        found = self.manipulability(candidates)
+        return frozen(candidates[int(np.argmin(found.condition_in(int(found.rank.max()))))])
 
     @cached_property
     def pinocchio(self) -> PinocchioModel:

@@ -14,7 +14,7 @@ from .arm import Arm
 from .checks import Array, as_floats, as_pose
 from .comparison import by_exponentials
 from .errors import ComparisonError, DescriptionError
-from .files import write_whole
+from .files import is_file, write_whole
 from .limits import FIELDS
 from .rotations import log as rotation_log
 from .screws import Screw, adjoint, hat, inverse, to_screw
@@ -113,6 +113,8 @@ def _finite(value: float) -> float | None:
 
 
 def _read(path: Path) -> dict[str, Any]:
+    if path.exists() and not is_file(path):
+        raise DescriptionError(f"{path}: not a regular file; twistarm freeze writes a golden file")
     try:
         content = json.loads(path.read_text("utf-8"), parse_constant=_refuse)
     except OSError as error:

@@ -8,6 +8,9 @@ import numpy as np
 
 from .checks import Array
 
+NO_MOTION = 1e-9
+"""A singular value this small beside the largest is the rounding of 0."""
+
 
 @dataclass(frozen=True)
 class Manipulability:
@@ -25,7 +28,16 @@ class Manipulability:
     @property
     def condition(self) -> Array:
         """σ_max / σ_min (...): 1 is isotropic, inf is singular."""
-        largest, smallest = self.singular_values[..., 0], self.singular_values[..., -1]
+        return self.condition_in(self.singular_values.shape[-1])
+
+    @property
+    def rank(self) -> np.ndarray[tuple[int, ...], np.dtype[np.int_]]:
+        """In how many directions the tool moves, (...)."""
+        return np.asarray((self.singular_values > NO_MOTION * self.singular_values[..., :1]).sum(-1))
+
+    def condition_in(self, directions: int) -> Array:
+        """σ_1 / σ_directions (...): the condition with the directions that the arm lacks everywhere left out."""
+        largest, smallest = self.singular_values[..., 0], self.singular_values[..., directions - 1]
         return np.divide(largest, smallest, out=np.full_like(largest, np.inf), where=smallest > 1e-15 * largest)
 
     @property

@@ -71,9 +71,7 @@ def _singular_homes(arm: Arm, rank: int) -> dict[str, float]:
 
 def condition(arm: Arm, theta: Array, rank: int) -> Array:
     """σ_1/σ_rank (...) at theta (..., n): the condition number with what the arm lacks everywhere left out."""
-    values = arm.manipulability(theta).singular_values
-    largest, smallest = values[..., 0], values[..., rank - 1]
-    return np.divide(largest, smallest, out=np.full_like(largest, np.inf), where=smallest > 1e-15 * largest)
+    return arm.manipulability(theta).condition_in(rank)
 
 
 def recommended(arm: Arm, rank: int) -> Array:
