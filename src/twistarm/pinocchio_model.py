@@ -160,13 +160,16 @@ def import_pinocchio() -> Any:
 
 def complaint_about(text: str) -> str:
     """What Pinocchio's own parser says to a URDF text as it is; empty if it reads it."""
-    pin = import_pinocchio()
+    return _parsed(import_pinocchio(), text)[1]
+
+
+def _parsed(pin: Any, text: str) -> tuple[Any, str]:
+    """The model in a URDF text and nothing, or None and the parser's complaint."""
     with _captured_stderr() as complaint:
         try:
-            pin.buildModelFromXML(text)
+            return pin.buildModelFromXML(text), ""
         except (ValueError, RuntimeError) as error:
-            return " ".join(complaint().split()) or str(error)
-    return ""
+            return None, " ".join(complaint().split()) or str(error)
 
 
 def _build(pin: Any, description: Description) -> Any:
@@ -174,12 +177,12 @@ def _build(pin: Any, description: Description) -> Any:
     if count > MAX_MOVING_JOINTS:
         what = f"{count} moving joints; at most {MAX_MOVING_JOINTS}"
         raise refusal("too-many-joints", description.place(), what, "is it a whole scene?")
-    with _captured_stderr() as complaint:
-        try:
-            return pin.buildModelFromXML(description.repaired)
-        except (ValueError, RuntimeError) as error:
-            what = f"Pinocchio refuses it: {' '.join(complaint().split()) or error}"
-            raise refusal("engine-refuses", description.place(), what, "correct what it names") from error
+    model, complaint = _parsed(pin, description.repaired)
+    if complaint:
+        raise refusal(
+            "engine-refuses", description.place(), f"Pinocchio refuses it: {complaint}", "correct what it names"
+        )
+    return model
 
 
 @contextmanager
