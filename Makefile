@@ -14,7 +14,8 @@ test-all: test
 	$(BIN)/python -m pytest -m slow -s
 
 bench: .venv/dev
-	@for program in benchmarks/*.py; do $(BIN)/python $$program || exit 1; done
+	$(BIN)/python -m benchmarks $(BENCH)
+	$(BIN)/python -m benchmarks.startup
 
 lint: .venv/dev
 	$(BIN)/ruff check .
@@ -28,13 +29,15 @@ format: .venv/dev
 clean:
 	rm -rf .venv build dist .pytest_cache .mypy_cache .ruff_cache .hypothesis
 
-# The stamps say what is installed: the demo needs less than the tests.
-.venv/base: pyproject.toml
+# The stamps say what is installed: the demo needs less than the tests. What is compiled follows its sources.
+CORE := $(shell find core -path core/tests -prune -o -type f -print)
+
+.venv/base: pyproject.toml $(CORE)
 	$(PYTHON) -m venv .venv
 	$(BIN)/python -m pip install --quiet --editable '.[view,check,plan]'
 	@touch $@
 
-.venv/dev: pyproject.toml
+.venv/dev: pyproject.toml $(CORE)
 	$(PYTHON) -m venv .venv
 	$(BIN)/python -m pip install --quiet --editable '.[dev]'
 	@touch .venv/base $@

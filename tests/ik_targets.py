@@ -2,8 +2,11 @@
 
 from __future__ import annotations
 
+import os
+
 import numpy as np
 import pinocchio as pin
+import pytest
 from scipy.spatial.transform import Rotation
 
 from twistarm.ik import Approach, Pose, Position, Task
@@ -65,6 +68,44 @@ def judged(arm, target, solution):
     lower, upper = arm.limits.lower - JUDGE_SLACK, arm.limits.upper + JUDGE_SLACK
     inside = (solution.theta >= lower).all() and (solution.theta <= upper).all()
     return inside and max(errors(target, pinocchio_fk(arm, solution.theta))) <= STRICT + JUDGE_SLACK
+
+
+def pinocchio_poses(arm, theta):
+    """g_st (N, 4, 4) of configurations (N, n) by Pinocchio alone, one after the other."""
+    engine = arm.pinocchio
+    data, (base, tip) = engine.model.createData(), (engine.frame_id(link) for link in (arm.base, arm.tip_link))
+    poses = np.empty((len(theta), 4, 4))
+    for i, row in enumerate(theta):
+        pin.framesForwardKinematics(engine.model, data, engine.q(row))
+        poses[i] = data.oMf[base].actInv(data.oMf[tip]).homogeneous
+    return poses @ arm.tool
+
+
+def judged_batch(arm, targets, batch):
+    """`judged` for each row of a batch (N,): targets are poses (N, 4, 4) or target objects."""
+    reached, limits = pinocchio_poses(arm, batch.theta), arm.limits
+    inside = (batch.theta >= limits.lower - JUDGE_SLACK) & (batch.theta <= limits.upper + JUDGE_SLACK)
+    if isinstance(targets, np.ndarray):
+        position = np.linalg.norm(reached[:, :3, 3] - targets[:, :3, 3], axis=1)
+        chord = np.linalg.norm(reached[:, :3, :3] - targets[:, :3, :3], axis=(1, 2)) / np.sqrt(8)
+        missed = np.maximum(position, 2 * np.arcsin(np.minimum(chord, 1)))
+    else:
+        missed = np.array([max(errors(target, g)) for target, g in zip(targets, reached, strict=True)])
+    return inside.all(1) & (missed <= STRICT + JUDGE_SLACK)
+
+
+def require_core(arm):
+    """For sweeps that only the compiled core gets through: skips without it, fails where nothing may be skipped."""
+    if arm.compiled is None:
+        (pytest.fail if os.environ.get("TWISTARM_REQUIRE_ALL") else pytest.skip)("needs the compiled core")
+
+
+def at_some_limits(arm, rng, count):
+    """Random configurations (count, n) with each joint at a bound with probability 1/2, ±π or ±1 m where unbounded."""
+    theta, bounds = arm.random_theta(rng, count), np.array(arm.sampling_bounds)
+    at = rng.random(theta.shape) < 0.5
+    theta[at] = bounds[rng.integers(2, size=theta.shape), np.arange(arm.n)][at]
+    return theta
 
 
 def turned(g, axis, angle):

@@ -145,13 +145,31 @@ def test_a_generator_gives_the_seed():
     assert as_seed(np.random.default_rng(11)) != as_seed(np.random.default_rng(12))
 
 
+def splitmix64(seed, count):
+    """The generator as Steele, Lea & Flood print it (OOPSLA 2014, fig. 17), word by word."""
+    words = []
+    for _ in range(count):
+        seed = (seed + 0x9E3779B97F4A7C15) % 2**64
+        z = (seed ^ (seed >> 30)) * 0xBF58476D1CE4E5B9 % 2**64
+        z = (z ^ (z >> 27)) * 0x94D049BB133111EB % 2**64
+        words.append(z ^ (z >> 31))
+    return words
+
+
+def test_the_generator_of_the_shifts():
+    assert splitmix64(1234567, 3) == [6457827717110365317, 3203168211198807973, 9817491932198370423]
+
+
 @given(st.integers(0, 2**64 - 1), st.integers(0, 10**6))
-def test_starts_are_the_words_of_the_counter_based_generator(seed, index):
+def test_starts_are_those_of_the_shifted_sequence_r_d(seed, index):
+    """frac(shift + index α_i) with α_i = φ⁻ⁱ and φ⁸ = φ + 1 for seven joints, in exact fractions."""
+    root = np.roots([1, 0, 0, 0, 0, 0, 0, -1, -1])
+    phi = float(root[np.isreal(root)].real.max())
     ranges = joint_ranges(load("panda"))
-    words = np.random.Philox(key=np.array([seed, index], dtype=np.uint64)).random_raw(7)
-    uniform = (words >> np.uint64(11)).astype(float) * 2.0**-53
-    start = random_start(ranges, seed, index)
-    np.testing.assert_array_equal(start, ranges.start_lower + uniform * (ranges.start_upper - ranges.start_lower))
+    shift = np.array(splitmix64(splitmix64(seed, 1)[0], 7)) / 2.0**64
+    start = (random_start(ranges, seed, index) - ranges.start_lower) / (ranges.start_upper - ranges.start_lower)
+    off = start - (shift + index * phi ** -np.arange(1.0, 8.0))
+    np.testing.assert_allclose(off - np.round(off), 0.0, atol=1e-8)
 
 
 def test_starts_lie_where_random_configurations_do():

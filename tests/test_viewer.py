@@ -171,8 +171,8 @@ def test_a_new_page_is_told_the_arm_the_scene_and_where_everything_stands(arm: A
     poses = arm.poses(THETA, {"finger": 0.01})
     for link, path in hello["links"].items():
         assert_array_equal(matrix(frame["transforms"][path]), poses[link])
-    assert_array_equal(matrix(frame["transforms"]["/frames/tool"]), arm.fk(THETA))
-    assert_allclose(frame["tool"]["position"], arm.fk(THETA)[:3, 3], atol=0)
+    assert_array_equal(matrix(frame["transforms"]["/frames/tool"]), poses[arm.tip])
+    assert_allclose(frame["tool"]["position"], poses[arm.tip][:3, 3], atol=0)
 
 
 def test_the_last_screw_carries_home_to_the_tool(arm: Arm) -> None:

@@ -5,16 +5,14 @@ pose `g_ab` (..., 4, 4) is frame b seen from frame a, p_a = g_ab @ p_b; a twist 
 Murray, Li & Sastry and in Pinocchio; s is the space frame (the base link), t the tool frame (the tip link).
 """
 
+from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
 from . import joints, poe, rotations, screws
 from .actuators import Actuators
 from .arm import Arm, Coupling, Proof
-from .arm_builder import ArmBuilder
 from .building import arm_from_screws
-from .comparison import Comparison, CrossCheck, crosscheck
 from .description.findings import Finding
-from .doctor import diagnose
 from .errors import (
     ComparisonError,
     DescriptionError,
@@ -25,14 +23,17 @@ from .errors import (
     TwistarmError,
     UnknownNameError,
 )
-from .golden import Difference, compare, freeze
-from .ik import Approach, IKSolution, Pose, Position, StopReason, Task, solve_ik
 from .limits import JointLimits
 from .loading import available_arms, load_arm
 from .manipulability import Manipulability
-from .planning import Trajectory, plan_joint
 
 if TYPE_CHECKING:
+    from .arm_builder import ArmBuilder
+    from .comparison import Comparison, CrossCheck, crosscheck
+    from .doctor import diagnose
+    from .golden import Difference, compare, freeze
+    from .ik import Approach, IKBatch, IKSolution, Pose, Position, StopReason, Task, solve_ik, solve_ik_batch
+    from .planning import Trajectory, plan_joint
     from .viewer import Viewer, save_html
 
 __version__ = "0.1.0"
@@ -49,6 +50,7 @@ __all__ = [
     "DescriptionError",
     "Difference",
     "Finding",
+    "IKBatch",
     "IKSolution",
     "InputError",
     "JointLimits",
@@ -79,13 +81,29 @@ __all__ = [
     "save_html",
     "screws",
     "solve_ik",
+    "solve_ik_batch",
 ]
+
+_LATER = {
+    "arm_builder": ("ArmBuilder",),
+    "comparison": ("Comparison", "CrossCheck", "crosscheck"),
+    "doctor": ("diagnose",),
+    "golden": ("Difference", "compare", "freeze"),
+    "ik": ("Approach", "IKBatch", "IKSolution", "Pose", "Position", "StopReason", "Task", "solve_ik", "solve_ik_batch"),
+    "planning": ("Trajectory", "plan_joint"),
+    "viewer": ("Viewer", "save_html"),
+}
+"""Names by module that a program may do without: each is imported when it is first asked for."""
 
 
 def __getattr__(name: str) -> Any:
-    """The view's names, imported when first used: nothing else needs its modules."""
-    if name in ("Viewer", "save_html"):
-        from . import viewer
-
-        return getattr(viewer, name)
+    for module, names in _LATER.items():
+        if name == module or name in names:
+            found = import_module(f".{module}", __name__)
+            # Kept, so that this is asked once for each name.
+            return globals().setdefault(name, found if name == module else getattr(found, name))
     raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
+
+
+def __dir__() -> list[str]:
+    return sorted({*globals(), *__all__})

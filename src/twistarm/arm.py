@@ -2,17 +2,20 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+import os
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
+from pathlib import Path
 from types import MappingProxyType
 from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike
 
-from . import poe
+from . import engine, poe
 from .actuators import Actuators
+from .baking import Baked, write_baked
 from .checks import Array, as_floats, as_number, as_pose, as_theta, as_twist, as_vector, frozen
 from .description.coupling import Affine
 from .description.findings import Finding
@@ -27,7 +30,7 @@ from .screws import adjoint, inverse
 READY_SAMPLES = 63
 """Random configurations that compete with the middle of the limits to be the ready pose."""
 
-_MADE_WHEN_ASKED = ("pinocchio", "ready", "usual_half", "_tool_action")
+_MADE_WHEN_ASKED = ("compiled", "pinocchio", "ready", "usual_half", "_tool_action")
 
 
 class Coupling(NamedTuple):
@@ -54,9 +57,11 @@ class Arm:
     the base link. Every method accepts any finite theta, inside the limits or not, and any leading axes.
 
     `actuators` are the motors that an arm.toml describes; `disabled_pairs` the pairs of links, each sorted, that an
-    SRDF exempts from collision checks.
+    SRDF exempts from collision checks. `moving_names` are the moving joints of the chain, base to tip: one per column
+    of `screws`, followers included.
 
-    Plain data, picklable, usable without Pinocchio; `pinocchio` is the engine behind, built when first needed.
+    Plain data, picklable, usable without Pinocchio. `fk` and the Jacobians are answered by the compiled core
+    (`compiled`); where there is none by Pinocchio (`pinocchio`), and by `poe` for an arm that has no description.
     """
 
     name: str
@@ -79,12 +84,14 @@ class Arm:
     tip_link: str = ""
     actuators: Actuators | None = field(default=None, repr=False)
     disabled_pairs: frozenset[tuple[str, str]] = field(default=frozenset(), repr=False)
+    moving_names: tuple[str, ...] = field(default=(), repr=False)
 
     def __post_init__(self) -> None:
         for name in ("screws", "home", "tool"):
             object.__setattr__(self, name, frozen(getattr(self, name)))
         object.__setattr__(self, "coupling", Coupling(frozen(self.coupling[0]), frozen(self.coupling[1])))
         object.__setattr__(self, "tip_link", self.tip_link or self.tip)
+        object.__setattr__(self, "moving_names", self.moving_names or self._moving_joints())
         states = {name: frozen(theta) for name, theta in self.named_states.items()}
         object.__setattr__(self, "named_states", MappingProxyType(states))
         object.__setattr__(self, "couplings", MappingProxyType(dict(self.couplings)))
@@ -111,13 +118,6 @@ class Arm:
         return tuple("m" if kind == "prismatic" else "rad" for kind in self.joint_types)
 
     @property
-    def moving_names(self) -> tuple[str, ...]:
-        """The moving joints of the chain, base to tip: one per column of `screws`, followers included."""
-        if self.description is None:
-            return self.joint_names
-        return tuple(joint.name for joint in self.description.chain(self.base, self.tip_link) if joint.moving)
-
-    @property
     def body_screws(self) -> Array:
         """ξ_i seen from the tool at theta = 0: Ad(home⁻¹) screws, (6, m). MLS §3.2.2."""
         body: Array = adjoint(inverse(self.home)) @ self.screws
@@ -125,7 +125,7 @@ class Arm:
 
     @property
     def frame_names(self) -> tuple[str, ...]:
-        """Every link of the description, and the tool."""
+        """Every link of the description, and the tool; base and tool alone where there is no description."""
         links = tuple(self.description.links) if self.description else (self.base,)
         return links if self.tip in links else (*links, self.tip)
 
@@ -146,13 +146,31 @@ class Arm:
     def pinocchio(self) -> PinocchioModel:
         """Pinocchio's model and data (per thread) of the whole description; TwistarmError for an arm without one."""
         if self.description is None:
-            raise TwistarmError(f"{self.name} was made from screws, not from a description: it has no Pinocchio model")
+            raise TwistarmError(f"{self.name} was {self._whence}: it has no Pinocchio model")
         return PinocchioModel(self.description, self.couplings, self.joint_names, self.moving_names)
+
+    @cached_property
+    def compiled(self) -> engine.Chain | None:
+        """The arm in the compiled core; None where there is none (`engine.why_not()`), or for more than 32 joints."""
+        bounds = self.limits.lower, self.limits.upper
+        return engine.chain_of(self.screws, self.home, self.coupling.A, bounds, self.sampling_bounds, self.reach)
+
+    def by_pinocchio(self, theta: ArrayLike) -> tuple[Array, Array, Array]:
+        """g_st (..., 4, 4), J^s and J^b (..., 6, n) by Pinocchio, whatever engine answers `fk`: what proofs compare."""
+        x = self._theta(theta)
+        model, g_J = self.pinocchio, self._from_pinocchio
+        return (
+            self._each(x, lambda row: g_J(row)[0], (4, 4)),
+            self._each(x, lambda row: model.spatial_jacobian(row, self.base, self.tip_link), (6, self.n)),
+            self._each(x, lambda row: g_J(row)[1], (6, self.n)),
+        )
 
     # -- forward kinematics --------------------------------------------------------------------------------------
 
     def fk(self, theta: ArrayLike) -> Array:
         """Forward kinematics g_st(theta), (..., 4, 4): the tool seen from the base."""
+        if self.compiled is not None:
+            return self._by_core(self.compiled.fk, theta, (4, 4))
         x = self._theta(theta)
         if self.description is None:
             return poe.fk(self.screws, self.home, x @ self.coupling.A.T)
@@ -162,13 +180,14 @@ class Arm:
         """Pose (..., 4, 4) of a frame of `frame_names` seen from the base."""
         if frame not in self.frame_names:
             listing = f"{len(self.frame_names)} frames: arm.frame_names"
-            raise unknown_name("frame", frame, self.frame_names, within=self.name, listing=listing)
+            within = self.name if self.description is not None else f"{self.name}, {self._whence}"
+            raise unknown_name("frame", frame, self.frame_names, within=within, listing=listing)
         if frame == self.tip:
             return self.fk(theta)
         if self.description is None:
             return self._identity(theta)
-        engine = self.pinocchio
-        return self._each(self._theta(theta), lambda row: engine.link_pose(engine.q(row), self.base, frame), (4, 4))
+        model = self.pinocchio
+        return self._each(self._theta(theta), lambda row: model.link_pose(model.q(row), self.base, frame), (4, 4))
 
     def poses(self, theta: ArrayLike, others: Mapping[str, float] | None = None) -> dict[str, Array]:
         """Pose (..., 4, 4) of every frame seen from the base, {frame: g}.
@@ -180,8 +199,8 @@ class Arm:
         if self.description is None:
             return {self.base: self._identity(x), self.tip: self.fk(x)}
         rows = x.reshape(-1, self.n)
-        engine = self.pinocchio
-        each = [engine.link_poses(engine.q(row, others), self.base) for row in rows]
+        model = self.pinocchio
+        each = [model.link_poses(model.q(row, others), self.base) for row in rows]
         poses = {
             link: np.array([poses[link] for poses in each]).reshape(*x.shape[:-1], 4, 4)
             for link in self.description.links
@@ -194,14 +213,18 @@ class Arm:
 
     def spatial_jacobian(self, theta: ArrayLike) -> Array:
         """Spatial Jacobian J^s (..., 6, n): V^s = J^s θ̇ with V^s = (ġ g⁻¹)^∨, linear part first. MLS §3.4.1."""
+        if self.compiled is not None:
+            return self._by_core(self.compiled.spatial_jacobian, theta, (6, self.n))
         x = self._theta(theta)
         if self.description is None:
             return poe.spatial_jacobian(self.screws, x @ self.coupling.A.T) @ self.coupling.A
-        engine = self.pinocchio
-        return self._each(x, lambda row: engine.spatial_jacobian(row, self.base, self.tip_link), (6, self.n))
+        model = self.pinocchio
+        return self._each(x, lambda row: model.spatial_jacobian(row, self.base, self.tip_link), (6, self.n))
 
     def body_jacobian(self, theta: ArrayLike) -> Array:
         """Body Jacobian J^b (..., 6, n): V^b = J^b θ̇ with V^b = (g⁻¹ ġ)^∨, linear part first. MLS §3.4.1."""
+        if self.compiled is not None:
+            return self._by_core(self.compiled.body_jacobian, theta, (6, self.n))
         x = self._theta(theta)
         if self.description is None:
             return poe.body_jacobian(self.screws, self.home, x @ self.coupling.A.T) @ self.coupling.A
@@ -225,6 +248,10 @@ class Arm:
 
     def fk_and_body_jacobian(self, theta: Array) -> tuple[Array, Array]:
         """g_st (4, 4) and J^b (6, n) of one configuration in one pass, unchecked: for solvers' inner loops."""
+        if self.compiled is not None:
+            both = self.compiled.fk_and_body_jacobian(theta)
+            if both is not None:
+                return both
         if self.description is not None:
             return self._from_pinocchio(theta)
         x = self.coupling.A @ theta
@@ -328,7 +355,32 @@ class Arm:
         reach = self.reach + float(np.linalg.norm(home[:3, 3] - end))
         return replace(self, tip=name, tip_link=self.tip_link, tool=self.tool @ g, home=home, reach=reach)
 
+    def bake(self, path: str | os.PathLike[str]) -> Path:
+        """Write the arm as numbers to an arm.json, which `load_arm` reads without Pinocchio and the description.
+
+        Kept is all that an arm is but its `description` and `findings`, so that everything about the chain is
+        answered as before. The same arm gives the same bytes; written whole or not at all. Returns the path written.
+        """
+        return write_baked(self.kept, path)
+
+    @property
+    def kept(self) -> Baked:
+        """What `bake` keeps of the arm."""
+        return Baked(**{name: getattr(self, name) for name in Baked._fields})
+
     # -- inside --------------------------------------------------------------------------------------------------
+
+    def _moving_joints(self) -> tuple[str, ...]:
+        if self.description is None:
+            return self.joint_names
+        return tuple(joint.name for joint in self.description.chain(self.base, self.tip_link) if joint.moving)
+
+    @property
+    def _whence(self) -> str:
+        """Where an arm without a description comes from."""
+        if self.source == "screws":
+            return "made from screws, not from a description"
+        return f"baked without its description (load {self.source!r} for that)"
 
     @property
     def _prismatic(self) -> Array:
@@ -340,6 +392,16 @@ class Arm:
     def _identity(self, theta: ArrayLike) -> Array:
         """The base seen from itself, one for each configuration."""
         return np.tile(np.eye(4), (*self._theta(theta).shape[:-1], 1, 1))
+
+    def _by_core(self, kernel: Callable[[object], Array | None], theta: ArrayLike, shape: tuple[int, ...]) -> Array:
+        """`kernel` of theta as it is, or made float64 (N, n) where it is not."""
+        answer = kernel(theta)
+        if answer is not None:
+            return answer
+        x = self._theta(theta)
+        answers = kernel(np.ascontiguousarray(x).reshape(-1, self.n))
+        assert answers is not None
+        return answers.reshape(*x.shape[:-1], *shape)
 
     def _each(self, x: Array, function: Any, shape: tuple[int, ...]) -> Array:
         """`function` of each configuration of a batch: Pinocchio takes one at a time."""

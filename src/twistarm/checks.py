@@ -122,8 +122,8 @@ def require_broadcast(**leading: tuple[int, ...]) -> None:
 
 
 def frozen(array: ArrayLike) -> Array:
-    """A read-only float64 copy: what an object with identity stores."""
-    copy = np.array(array, dtype=np.float64)
+    """A read-only float64 copy, row by row: what an object with identity stores."""
+    copy = np.array(array, dtype=np.float64, order="C")
     copy.flags.writeable = False
     return copy
 

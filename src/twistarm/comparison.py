@@ -11,7 +11,7 @@ from typing import Any
 
 import numpy as np
 
-from . import poe
+from . import engine, poe
 from .arm import Arm
 from .checks import Array, frozen
 from .description.tree import Description
@@ -101,7 +101,8 @@ def crosscheck(
 ) -> CrossCheck:
     """Compare the engines at `samples` random configurations; `progress(fraction)` is called after each part.
 
-    Pose, J^s and J^b of the product of exponentials against Pinocchio's model of the description, and against a chain
+    Pose, J^s and J^b of the product of exponentials against Pinocchio's model of the description, against the compiled
+    core, whose answers are the arm's, and against a chain
     of its own joint models, one per lower pair, which an arm made from screws has too (a spherical joint both by Euler
     angles and by a quaternion); J^s = Ad(g) J^b; J^b against fourth-order central differences of Pinocchio's pose;
     every link's pose by our walk against Pinocchio, and against yourdfpy, which reads the expanded but unrepaired
@@ -115,6 +116,7 @@ def crosscheck(
     theta = arm.random_theta(np.random.default_rng(rng), int(samples))
     parts: list[Callable[[], Iterable[Comparison]]] = [
         lambda: _pinocchio(arm, theta),
+        lambda: _core(arm, theta),
         lambda: _native_joints(arm, theta),
         lambda: _differences(arm, theta),
         lambda: _links(arm, theta),
@@ -155,12 +157,28 @@ def _pinocchio(arm: Arm, theta: Array) -> list[Comparison]:
     identity = _compared("J^s = Ad J^b", ("poe", "poe"), spatial - adjoint(g) @ body, theta, tolerance)
     if arm.description is None:
         return [identity]
-    engines = ("poe", "pinocchio")
+    reference = arm.by_pinocchio(theta)
+    return [*_kinematics(("poe", "pinocchio"), (g, spatial, body), reference, theta, tolerance), identity]
+
+
+def _core(arm: Arm, theta: Array) -> list[Comparison]:
+    """The compiled core, whose answers are the arm's wherever it was built."""
+    if arm.compiled is None:
+        return [_skipped("pose, J^s, J^b", "core", engine.why_not() or "it has more joints than the core holds")]
+    answers = arm.fk(theta), arm.spatial_jacobian(theta), arm.body_jacobian(theta)
+    return _kinematics(("poe", "core"), by_exponentials(arm, theta), answers, theta, POSE_TOL * _size(arm))
+
+
+def _kinematics(
+    engines: tuple[str, str],
+    ours: tuple[Array, Array, Array],
+    theirs: tuple[Array, Array, Array],
+    theta: Array,
+    tolerance: float,
+) -> list[Comparison]:
     return [
-        _compared("pose", engines, g - arm.fk(theta), theta, tolerance),
-        _compared("spatial Jacobian", engines, spatial - arm.spatial_jacobian(theta), theta, tolerance),
-        _compared("body Jacobian", engines, body - arm.body_jacobian(theta), theta, tolerance),
-        identity,
+        _compared(quantity, engines, one - other, theta, tolerance)
+        for quantity, one, other in zip(("pose", "spatial Jacobian", "body Jacobian"), ours, theirs, strict=True)
     ]
 
 
@@ -242,7 +260,7 @@ def _joint_values(arm: Arm, theta: Array) -> dict[str, Array]:
 
 def _yourdfpy(arm: Arm, theta: Array) -> list[Comparison]:
     if arm.description is None:
-        return [_skipped("all links", "yourdfpy", "an arm made from screws has no description")]
+        return [_skipped("all links", "yourdfpy", "the arm has no description")]
     reason = _beyond_yourdfpy(arm)
     if reason:
         return [_skipped("all links", "yourdfpy", reason)]

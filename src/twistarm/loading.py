@@ -12,6 +12,8 @@ import numpy as np
 
 from . import poe
 from .arm import Arm, Coupling, Proof
+from .baking import SUFFIX, read_baked
+from .checks import frozen
 from .description import catalog
 from .description.arm_file import ArmSpecification, Tool, read_arm_file
 from .description.arm_group import ArmGroup, arm_groups
@@ -27,7 +29,6 @@ from .errors import ComparisonError, InputError, UnknownNameError, closest, list
 from .files import as_path, is_file
 from .fitting import Changes, fitted_actuators, fitted_limits, fitted_poses, fitted_states
 from .limits import JointLimits
-from .screws import adjoint
 
 PROOF_SAMPLES = 5
 PROOF_TOL = 1e-9
@@ -49,6 +50,8 @@ def load_arm(
 ) -> Arm:
     """Load an arm from a URDF or xacro file, an arm.toml, or by its name in the catalogue (`available_arms()`).
 
+    An arm.json that `Arm.bake` wrote is read as it is, without Pinocchio; of the options it takes `limits` alone.
+
     `base` is the root link unless given; `tip` is that of the SRDF's one arm group, or found by its name (`tool0`,
     `tcp`, …) or as the only leaf that is no gripper. `limits`: {"velocity": 1.0} for every joint, {"velocity":
     {"elbow": 1.0}}, or the path of a joint_limits.yaml; `locked`: {joint: value [rad or m]} joints that stand still.
@@ -61,12 +64,57 @@ def load_arm(
     Raises DescriptionError (file, element, remedy), UnknownNameError with the closest names, ComparisonError if the
     two accounts disagree.
     """
+    if is_baked(source):
+        wishes = {"base": base, "tip": tip, "locked": locked, "srdf": srdf, "xacro_args": xacro_args}
+        return _baked_arm(as_path(source), wishes | {"package_dirs": tuple(_folders(package_dirs))}, limits)
     specification = specify(
         source, base=base, tip=tip, package_dirs=package_dirs, xacro_args=xacro_args, locked=locked, srdf=srdf
     )
     description = read(specification)
     arm = assemble(description, specification, {} if limits is None else limits)
     return replace(arm, proof=prove(arm))
+
+
+def is_baked(source: str | os.PathLike[str]) -> bool:
+    """Whether `source` is the file of a baked arm, by its name."""
+    if not isinstance(source, (str, os.PathLike)):
+        return False
+    path = as_path(str(os.fspath(source)))
+    return path.suffix == SUFFIX and is_file(path)
+
+
+def _baked_arm(path: Path, wishes: Mapping[str, Any], changes: Changes | None) -> Arm:
+    """The arm of an arm.json, with the caller's limits; InputError for a wish that only a description can meet."""
+    kept = read_baked(path)._asdict()
+    ready, proof = kept.pop("ready"), kept.pop("proof")
+    arm = Arm(**kept, proof=None if proof is None else Proof(*proof))
+    for name, wish in wishes.items():
+        if wish and wish != getattr(arm, name, None):
+            raise InputError(
+                f"{path}: {name} cannot be given for a baked arm, only for its description, {arm.source!r}"
+            )
+    if changes is None:
+        vars(arm)["ready"] = frozen(ready)
+        return arm
+    specification = ArmSpecification(path, str(path))
+    limits, noted = fitted_limits(arm.limits, arm.joint_names, specification, changes, arm.moving_names)
+    return _within(replace(arm, limits=limits, findings=tuple(noted)), path.name)
+
+
+def _within(arm: Arm, file: str) -> Arm:
+    """The arm without the named poses that its limits no longer hold."""
+    states = {name: theta for name, theta in arm.named_states.items() if arm.limits.contains(theta)}
+    left_out = [
+        finding(
+            "state-outside-limits",
+            Place(file, None, "named_states", name),
+            "it lies outside the limits that were given; it is left out",
+            "correct them, where the arm needs it",
+        )
+        for name in arm.named_states
+        if name not in states
+    ]
+    return replace(arm, named_states=states, findings=(*arm.findings, *left_out))
 
 
 def specify(
@@ -117,10 +165,10 @@ def prove(arm: Arm) -> Proof:
     x = theta @ arm.coupling.A.T
     J = poe.spatial_jacobian(arm.screws, x) @ arm.coupling.A
     g = poe.fk(arm.screws, arm.home, x)
-    reference = arm.fk(theta)
+    reference, spatial, _ = arm.by_pinocchio(theta)
     proof = Proof(
         pose_error=float(np.abs(g - reference).max()),
-        jacobian_error=float(np.abs(J - adjoint(reference) @ arm.body_jacobian(theta)).max()),
+        jacobian_error=float(np.abs(J - spatial).max()),
         samples=PROOF_SAMPLES,
     )
     far = arm.description.extent if arm.description else 0.0
@@ -140,6 +188,8 @@ def _specification(source: str | os.PathLike[str]) -> ArmSpecification:
         raise InputError(f"source must be a path or a name; got {source!r}")
     text = str(os.fspath(source))
     path = as_path(text)
+    if is_baked(path):
+        raise InputError(f"{path} is a baked arm, which has no description; give the file that it was baked from")
     if is_file(path):
         return read_arm_file(path) if path.suffix == ".toml" else ArmSpecification(path, text)
     own = catalog.own_arm_file(text)

@@ -10,7 +10,7 @@ from collections.abc import Sequence
 import typer
 
 from ..errors import TwistarmError
-from . import checking, demonstration, doctor, init, inspection, inverse, kinematics, motion, viewing
+from . import baking, checking, demonstration, doctor, init, inspection, inverse, kinematics, motion, viewing
 from .wording import as_typed
 
 BAD_ANSWER, BAD_INPUT, BUG, INTERRUPTED = 1, 2, 70, 130
@@ -31,6 +31,7 @@ app.command()(init.init)
 app.command()(checking.check)
 app.command()(checking.freeze)
 app.command()(doctor.doctor)
+app.command()(baking.bake)
 app.command()(kinematics.fk)
 app.command()(kinematics.jacobian)
 app.command()(inverse.ik)

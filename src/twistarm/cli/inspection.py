@@ -8,6 +8,7 @@ import numpy as np
 from rich.console import Group
 from rich.markup import escape
 
+from .. import engine
 from ..actuators import Actuators
 from ..arm import Arm
 from ..description import catalog
@@ -59,6 +60,8 @@ def info_json(arm: Arm) -> dict[str, Any]:
         "disabled_pairs": sorted(arm.disabled_pairs),
         "frames": arm.frame_names,
         "proof": arm.proof._asdict() if arm.proof else None,
+        "engine": engine_of(arm),
+        "core": engine.instruction_set() or None,
         "findings": [finding_json(finding) for finding in arm.findings],
     }
 
@@ -75,10 +78,24 @@ def info_view(arm: Arm, radians: bool) -> Group:
             f"proof at load: screws and Pinocchio agree within {arm.proof.pose_error:.1e} (pose) and "
             f"{arm.proof.jacobian_error:.1e} (Jacobian) at {arm.proof.samples} random postures"
         )
+    parts.append(escape(engine_view(arm)))
     if arm.actuators is not None:
         parts.append(_actuators(arm.actuators))
     parts += [escape(as_typed(str(finding))) for finding in arm.findings]
     return Group(*parts)
+
+
+def engine_of(arm: Arm) -> str:
+    """Who answers forward kinematics, Jacobians and inverse kinematics of this arm."""
+    if arm.compiled is not None:
+        return f"compiled core ({arm.compiled.instruction_set})"
+    return "product of exponentials" if arm.description is None else "Pinocchio"
+
+
+def engine_view(arm: Arm) -> str:
+    """The engine, and why it is not the compiled core."""
+    why_not = "" if arm.compiled is not None else engine.why_not() or "the arm has more than 32 joints"
+    return f"engine: {engine_of(arm)}" + (f"; no compiled core: {why_not}" if why_not else "")
 
 
 def _joints(arm: Arm, radians: bool) -> Any:

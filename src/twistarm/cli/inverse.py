@@ -9,7 +9,7 @@ import typer
 
 from ..arm import Arm
 from ..errors import InputError
-from ..ik import Approach, IKSolution, Pose, Position, solve_ik
+from ..ik import POSTURES, Approach, IKSolution, Pose, Position, solve_ik
 from ..rotations import from_rpy
 from .options import Json, Radians, Theta, parse_numbers, parse_theta, takes_arm
 from .output import console, pose_json, print_json, shown, table, units
@@ -21,6 +21,14 @@ Rpy = Annotated[
 Direction = Annotated[
     str | None, typer.Option(metavar="'X Y Z'", help="Only where the tool's z axis points, in base axes.")
 ]
+Posture = Annotated[
+    str | None,
+    typer.Option(
+        metavar="POSTURE",
+        help="What a redundant arm stays near while it meets the target: theta0 (the start), centre, a pose or values.",
+    ),
+]
+MaxTime = Annotated[float | None, typer.Option("--max-time", metavar="S", help="Give up after so many seconds.")]
 
 
 @takes_arm
@@ -30,12 +38,15 @@ def ik(
     rpy: Rpy = None,
     direction: Direction = None,
     start: Theta = "ready",
+    posture: Posture = None,
+    max_time: MaxTime = None,
     rad: Radians = False,
     json: Json = False,
 ) -> int:
     """Inverse kinematics: a pose (--xyz and --rpy), an approach (--xyz and --direction) or a position (--xyz)."""
     target = _target(xyz, rpy, direction, rad)
-    solution = solve_ik(arm, target, parse_theta(arm, start, rad))
+    preferred = posture if posture in (None, *POSTURES) else parse_theta(arm, str(posture), rad)
+    solution = solve_ik(arm, target, parse_theta(arm, start, rad), posture=preferred, max_time=max_time)
     if json:
         print_json(_as_json(arm, solution))
     else:

@@ -17,7 +17,7 @@ from ..checks import Array, as_theta
 from ..errors import InputError, UnknownNameError, listed
 from ..loading import load_arm
 
-Source = Annotated[str, typer.Argument(metavar="ARM", help="URDF or xacro file, arm.toml, or catalogue name.")]
+Source = Annotated[str, typer.Argument(metavar="ARM", help="URDF, xacro, arm.toml, arm.json, or catalogue name.")]
 Base = Annotated[str | None, typer.Option(metavar="LINK", help="Base link, instead of the root.")]
 Tip = Annotated[str | None, typer.Option(metavar="LINK", help="Tip link, instead of the one found by its name.")]
 PackageDir = Annotated[

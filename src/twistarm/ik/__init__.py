@@ -1,8 +1,22 @@
 """Inverse kinematics: targets, the solver, and solutions that say what was reached and why not more."""
 
+from .batch import IKBatch, solve_ik_batch
+from .request import POSTURES
 from .solution import IKSolution, StopReason
 from .solve import solve_ik
 from .targets import Approach, Pose, Position, Task
 from .task_space import Target
 
-__all__ = ["Approach", "IKSolution", "Pose", "Position", "StopReason", "Target", "Task", "solve_ik"]
+__all__ = [
+    "POSTURES",
+    "Approach",
+    "IKBatch",
+    "IKSolution",
+    "Pose",
+    "Position",
+    "StopReason",
+    "Target",
+    "Task",
+    "solve_ik",
+    "solve_ik_batch",
+]

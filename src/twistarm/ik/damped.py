@@ -59,8 +59,10 @@ def search(
     bounds: tuple[Array, Array],
     tolerances: Tolerances,
     max_iterations: int = MAX_ITERATIONS,
+    longest_step: float = math.inf,
 ) -> Search:
-    """Damped least squares from `start` (n,), inside the bounds, which may be infinite.
+    """Damped least squares from `start` (n,), inside the bounds, which may be infinite; no coordinate steps further
+    than `longest_step` [rad, m].
 
     Each step minimises ‖J d + e‖²_W + λ ‖d‖² over the steps d that stay inside: (Jᵀ W J + λ I) d = −Jᵀ W e on the
     joints that are free. e and J are the target's error and rows (chordal for rotations), W weighs rotations by
@@ -83,7 +85,9 @@ def search(
         if stalls == MAX_STALLS or iterations == max_iterations:
             return Search(theta, E, iterations, False)
         H = (J.T * weights) @ J + (DAMPING * E + LEAST_DAMPING) * np.eye(len(theta))
-        theta = bounded_step(H, J.T @ weighted, theta, bounds)
+        step = bounded_step(H, J.T @ weighted, theta, bounds) - theta
+        share = min(1.0, longest_step / max(float(np.abs(step).max()), LEAST_DAMPING))
+        theta = np.clip(theta + share * step, *bounds)
         iterations += 1
 
 

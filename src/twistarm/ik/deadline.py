@@ -14,11 +14,16 @@ class Deadline:
     moment: float = math.inf
 
     @classmethod
-    def after(cls, seconds: float | None) -> Deadline:
-        """`seconds` from now; None for never."""
-        return cls() if seconds is None else cls(time.monotonic() + seconds)
+    def after(cls, seconds: float) -> Deadline:
+        """`seconds` from now; never for infinity."""
+        return cls(time.monotonic() + seconds)
 
     @property
     def passed(self) -> bool:
         """Whether the moment has come."""
         return time.monotonic() >= self.moment
+
+    @property
+    def left(self) -> float:
+        """Seconds until then, none if it has come."""
+        return max(0.0, self.moment - time.monotonic())

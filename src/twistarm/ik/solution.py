@@ -2,14 +2,20 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
 from enum import Enum
+from typing import Any
+
+import numpy as np
 
 from ..arm import Arm
-from ..checks import Array, frozen
+from ..checks import Array
 from ..errors import NotConvergedError
+from .answer import Answer, plain
 from .damped import Tolerances
-from .task_space import Target
+from .ranges import joint_ranges
+from .targets import AnyTarget, target_of
+
+DAMPED, NEAREST = "damped least squares", "nearest configuration"
 
 
 class StopReason(Enum):
@@ -23,9 +29,12 @@ class StopReason(Enum):
     TIMED_OUT = "the time was up"
 
 
-@dataclass(frozen=True, eq=False)
+STOPS = tuple(StopReason)
+"""The reasons by their numbers in an `Answer`."""
+
+
 class IKSolution:
-    """The answer to one target.
+    """The answer to one target; it cannot be changed, and what costs time is computed when it is asked for.
 
     theta (n,) [rad, m]: an answer if `converged`; else the nearest configuration: the least position error inside the
     limits, then, with the position held, the least rotation error (for TIMED_OUT and EXHAUSTED: the best so far).
@@ -34,29 +43,85 @@ class IKSolution:
     unlimited (n,): where limits block, an answer without them.
     """
 
-    theta: Array
-    position_error: float
-    orientation_error: float
-    within_limits: bool
-    iterations: int
-    restarts: int
-    method: str
-    notes: tuple[str, ...]
-    stop: StopReason
-    arm: Arm = field(repr=False)
-    target: Target = field(repr=False)
-    tolerances: Tolerances = field(repr=False)
-    unlimited: Array | None = field(default=None, repr=False)
+    __slots__ = ("_answer", "_arm", "_target")
 
-    def __post_init__(self) -> None:
-        object.__setattr__(self, "theta", frozen(self.theta))
-        if self.unlimited is not None:
-            object.__setattr__(self, "unlimited", frozen(self.unlimited))
+    def __init__(self, arm: Arm, answer: Answer, target: AnyTarget | None = None) -> None:
+        self._arm = arm
+        self._answer = answer
+        self._target = target
+
+    @property
+    def arm(self) -> Arm:
+        """Whose configuration theta is."""
+        return self._arm
+
+    @property
+    def target(self) -> AnyTarget:
+        """What was asked."""
+        if self._target is None:
+            self._target = target_of(self._answer.kind, np.frombuffer(self._answer.numbers))
+        return self._target
+
+    @property
+    def tolerances(self) -> Tolerances:
+        """What counted as met."""
+        return Tolerances(self._answer.position_tol, self._answer.orientation_tol)
+
+    @property
+    def theta(self) -> Array:
+        """(n,) [rad, m], read-only."""
+        return np.frombuffer(self._answer.theta)
+
+    @property
+    def unlimited(self) -> Array | None:
+        """Where limits block: an answer without them, (n,)."""
+        return None if self._answer.unlimited is None else np.frombuffer(self._answer.unlimited)
+
+    @property
+    def position_error(self) -> float:
+        """[m], of what the target constrains."""
+        return self._answer.position_error
+
+    @property
+    def orientation_error(self) -> float:
+        """[rad], of what the target constrains."""
+        return self._answer.orientation_error
+
+    @property
+    def within_limits(self) -> bool:
+        """Whether theta is inside the arm's limits."""
+        return bool(self._arm.limits.contains(self.theta))
+
+    @property
+    def iterations(self) -> int:
+        """Steps of the search that found theta; of all of them where none did."""
+        return self._answer.iterations
+
+    @property
+    def restarts(self) -> int:
+        """Searches that were run, the one from theta0 included."""
+        return self._answer.restarts
+
+    @property
+    def method(self) -> str:
+        """What found theta: a damped search, or the search for the nearest configuration."""
+        return NEAREST if self._answer.nearest else DAMPED
+
+    @property
+    def stop(self) -> StopReason:
+        """Why the solver stopped."""
+        return STOPS[self._answer.stop]
 
     @property
     def converged(self) -> bool:
         """Whether the target is met to the tolerances."""
-        return self.stop is StopReason.CONVERGED
+        return self._answer.stop == 0
+
+    @property
+    def notes(self) -> tuple[str, ...]:
+        """What the caller should know: joints of theta0 brought inside the limits, another branch taken."""
+        notes = self._moved_starts() if self._answer.start_moved else []
+        return tuple(notes + [self._other_branch()] if self._answer.other_branch else notes)
 
     def explain(self) -> str:
         """What was asked, what was reached, why not more, in plain words, line by line. Computed when called."""
@@ -71,3 +136,30 @@ class IKSolution:
         from .explain import summary
 
         raise NotConvergedError(f"{summary(self)}; solution.explain() says more", self)
+
+    def _moved_starts(self) -> list[str]:
+        given = np.frombuffer(self._answer.theta0)
+        inside = joint_ranges(self._arm).inside(given)
+        return [
+            f"theta0 lay outside the limits: {name} {was:.4g} {unit} was brought inside, to {now:.4g} {unit}"
+            for name, was, now, unit in zip(self._arm.joint_names, given, inside, self._arm.units, strict=True)
+            if was != now
+        ]
+
+    def _other_branch(self) -> str:
+        start = joint_ranges(self._arm).inside(np.frombuffer(self._answer.theta0))
+        moved = np.abs(self.theta - start)
+        i = int(np.argmax(moved))
+        return (
+            "another branch: the target is near the pose of theta0, but the answer is not near theta0; "
+            f"{self._arm.joint_names[i]} moves by {moved[i]:.3g} {self._arm.units[i]}"
+        )
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        return IKSolution, (self._arm, plain(self._answer), self._target)
+
+    def __repr__(self) -> str:
+        return (
+            f"IKSolution({self.stop.name}, theta={self.theta!r}, position_error={self.position_error:.3g}, "
+            f"orientation_error={self.orientation_error:.3g}, method={self.method!r})"
+        )

@@ -12,7 +12,7 @@ from numpy.typing import ArrayLike
 from ..checks import Array, as_direction, as_pose, as_vector, frozen
 from ..errors import InputError
 from . import rotation_errors
-from .task_space import Rows, Target, excess, offset_rows
+from .task_space import Rows, excess, offset_rows
 
 NONE = frozen(np.zeros(0))
 THREE = frozen(np.zeros(3))
@@ -32,11 +32,17 @@ class Pose:
 
     g: Array
 
+    kind: ClassVar[int] = 0
     position_tolerance: ClassVar[Array] = THREE
     rotation_tolerance: ClassVar[Array] = THREE
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "g", _one_pose(self.g, "pose g"))
+
+    @property
+    def numbers(self) -> Array:
+        """g."""
+        return self.g
 
     def position_rows(self, g: Array, J_b: Array) -> Rows:
         """The offset from the pose's origin, in tool axes."""
@@ -70,11 +76,17 @@ class Position:
 
     p: Array
 
+    kind: ClassVar[int] = 1
     position_tolerance: ClassVar[Array] = THREE
     rotation_tolerance: ClassVar[Array] = NONE
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "p", _one_vector(self.p, "p"))
+
+    @property
+    def numbers(self) -> Array:
+        """p."""
+        return self.p
 
     def position_rows(self, g: Array, J_b: Array) -> Rows:
         """The offset from p, in tool axes."""
@@ -113,7 +125,9 @@ class Approach:
     direction: Array
     tool_axis: Array = field(default_factory=lambda: np.array([0.0, 0.0, 1.0]))
     across: Array = field(init=False, repr=False)
+    numbers: Array = field(init=False, repr=False)
 
+    kind: ClassVar[int] = 2
     position_tolerance: ClassVar[Array] = THREE
     rotation_tolerance: ClassVar[Array] = TWO
 
@@ -123,6 +137,7 @@ class Approach:
             object.__setattr__(self, name, _one_direction(getattr(self, name), name))
         # The rows of Vᵀ beyond the first span the plane across the axis.
         object.__setattr__(self, "across", frozen(np.linalg.svd(self.tool_axis[None, :])[2][1:]))
+        object.__setattr__(self, "numbers", frozen([*self.p, *self.direction, *self.tool_axis]))
 
     def position_rows(self, g: Array, J_b: Array) -> Rows:
         """The offset from p, in tool axes."""
@@ -175,6 +190,9 @@ class Task:
     held: tuple[list[int], list[int]] = field(init=False, repr=False)
     position_tolerance: Array = field(init=False, repr=False)
     rotation_tolerance: Array = field(init=False, repr=False)
+    numbers: Array = field(init=False, repr=False)
+
+    kind: ClassVar[int] = 3
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "g", _one_pose(self.g, "pose g"))
@@ -189,6 +207,7 @@ class Task:
         object.__setattr__(self, "held", held)
         object.__setattr__(self, "position_tolerance", frozen(position[held[0]]))
         object.__setattr__(self, "rotation_tolerance", frozen(rotation[held[1]]))
+        object.__setattr__(self, "numbers", frozen([*self.g.flat, *tolerance, self.frame == "base"]))
 
     def position_rows(self, g: Array, J_b: Array) -> Rows:
         """The held components of p − p_g, along the axes of the frame."""
@@ -235,9 +254,16 @@ class Task:
         return held
 
 
-def as_target(value: Any) -> Target:
+AnyTarget = Pose | Position | Approach | Task
+
+KINDS = (Pose, Position, Approach, Task)
+"""By their `kind`. `numbers` are how the core is told a target: g | p | p, direction, tool axis | g, tolerance,
+1 for base axes."""
+
+
+def as_target(value: Any) -> AnyTarget:
     """`value` as a target; a bare (4, 4) means `Pose`."""
-    if isinstance(value, (Pose, Position, Approach, Task)):
+    if isinstance(value, KINDS):
         return value
     try:
         return Pose(value)
@@ -245,6 +271,16 @@ def as_target(value: Any) -> Target:
         raise InputError(
             f"target must be a Pose, Position, Approach or Task, or a pose (4, 4) in SE(3): {error}"
         ) from error
+
+
+def target_of(kind: int, numbers: Array) -> AnyTarget:
+    """The target that `kind` and `numbers` are those of."""
+    if kind == Position.kind:
+        return Position(numbers)
+    if kind == Approach.kind:
+        return Approach(numbers[:3], numbers[3:6], numbers[6:])
+    g = numbers[:16].reshape(4, 4)
+    return Pose(g) if kind == Pose.kind else Task(g, numbers[16:22], "base" if numbers[22] else "tool")
 
 
 def _cross(a: Array, b: Array) -> Array:

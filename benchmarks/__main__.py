@@ -1,0 +1,105 @@
+"""`python -m benchmarks`: inverse kinematics, forward kinematics and Jacobians beside the peers."""
+
+from __future__ import annotations
+
+import argparse
+import json
+import sys
+import tempfile
+import time
+from collections.abc import Callable, Sequence
+from dataclasses import asdict
+from pathlib import Path
+
+from rich.console import Console
+
+from .environments import DEFAULT_FOLDER, NotInstalled, python_of
+from .machine import machine
+from .measure import Plan, Results, measure
+from .peers import PEERS
+from .plot import plot
+from .problems import SEED
+from .report import report
+from .robots import ARMS
+
+HERE = ("twistarm", "pinocchio")
+"""The solvers that need no environment of their own: those of a quick run."""
+
+PIPED_WIDTH = 120
+"""Columns of the tables where no terminal says how wide it is."""
+
+
+def main(arguments: list[str] | None = None) -> None:
+    asked = _parser().parse_args(arguments)
+    plan = _plan(asked)
+    peers = asked.peers or (HERE if asked.quick else PEERS)
+    console = Console() if sys.stdout.isatty() else Console(width=PIPED_WIDTH)
+    begin = time.perf_counter()
+
+    def say(text: str) -> None:
+        console.print(f"[{time.perf_counter() - begin:6.1f} s] {text}", highlight=False, markup=False)
+
+    say(f"fresh problems from --seed {plan.seed}")
+    pythons, absent = installed(peers, asked.environments, say)
+    results, about = Results(absent=absent), machine()
+    with tempfile.TemporaryDirectory() as folder:
+        for arm in asked.arms:
+            measure(arm, pythons, plan, Path(folder), results, say)
+    report(console, results, plan, about)
+    if asked.json:
+        _write(asked.json, results, plan, about)
+        say(f"{asked.json} written")
+    if asked.plot:
+        plot(results.single, asked.plot)
+        say(f"{asked.plot} written")
+
+
+def installed(peers: Sequence[str], folder: Path, say: Callable[[str], None]) -> tuple[dict[str, Path], dict[str, str]]:
+    """The interpreters of the peers, and why the others have none."""
+    pythons: dict[str, Path] = {}
+    absent: dict[str, str] = {}
+    for peer in peers:
+        try:
+            pythons[peer] = python_of(peer, folder, say)
+        except NotInstalled as reason:  # noqa: PERF203
+            absent[peer] = str(reason)
+            say(f"{peer} cannot be installed: {reason}")
+    return pythons, absent
+
+
+def _parser() -> argparse.ArgumentParser:
+    parser = argparse.ArgumentParser(prog="python -m benchmarks", description=__doc__)
+    parser.add_argument("--quick", action="store_true", help=f"a smoke run: few targets, {' and '.join(HERE)}")
+    parser.add_argument("--arms", nargs="+", choices=tuple(ARMS), default=tuple(ARMS), metavar="ARM",
+                        help=", ".join(ARMS))  # fmt: skip
+    parser.add_argument("--peers", nargs="+", choices=PEERS, metavar="PEER", help=", ".join(PEERS))
+    parser.add_argument("--targets", type=_count, metavar="N", help="of each kind for each arm; 1000")
+    parser.add_argument("--seed", type=int, default=int(time.time()), help="of the fresh problems; from the clock")
+    parser.add_argument("--environments", type=Path, default=DEFAULT_FOLDER, metavar="FOLDER",
+                        help="where the peers are installed; benchmarks/.environments")  # fmt: skip
+    parser.add_argument("--json", type=Path, metavar="FILE", help="write all figures")
+    parser.add_argument("--plot", type=Path, metavar="FILE", help="write success against time (.png, .svg, .pdf)")
+    return parser
+
+
+def _count(text: str) -> int:
+    number = int(text)
+    if number < 1:
+        raise argparse.ArgumentTypeError(f"must be at least 1; got {text}")
+    return number
+
+
+def _plan(asked: argparse.Namespace) -> Plan:
+    targets = asked.targets or (10 if asked.quick else 1000)
+    batch, calls = (200, 200) if asked.quick else (10_000, 2000)
+    return Plan(targets, unreachable=max(targets // 10, 3), batch=batch, calls=calls, seed=asked.seed)
+
+
+def _write(path: Path, results: Results, plan: Plan, about: dict[str, str]) -> None:
+    everything = json.dumps({"machine": about, "seed": SEED, "plan": asdict(plan), **asdict(results)})
+    without_nan = json.loads(everything, parse_constant=lambda _: None)
+    path.write_text(json.dumps(without_nan, indent=1, allow_nan=False) + "\n")
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,144 @@
+"""Worker processes, and one run of all of them over the same problems, a few targets each in turn.
+
+Noise of the machine so hits all alike. Each worker is held to one thread of the usual numeric libraries. One that
+dies, says nothing for too long or answers nonsense is reported with its reason, and the others go on.
+"""
+
+from __future__ import annotations
+
+import json
+import os
+import select
+import subprocess
+from collections.abc import Mapping
+from contextlib import suppress
+from dataclasses import dataclass
+from pathlib import Path
+from time import monotonic
+from typing import Any
+
+import numpy as np
+
+from .problems import Problems, chunks
+
+CHUNK = 25
+"""Targets that a worker gets at a time."""
+
+SECONDS = 120.0
+"""Within which a worker must have answered."""
+
+ONE_THREAD = dict.fromkeys(
+    ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "VECLIB_MAXIMUM_THREADS"), "1"
+)
+
+
+class WorkerError(Exception):
+    """Why a worker gave no answer, in one line."""
+
+
+@dataclass(frozen=True)
+class Answers:
+    """Of one solver to N targets: theta (N, n) with rows of NaN for none, its claims, reasons, and ns of each call."""
+
+    theta: np.ndarray
+    converged: np.ndarray
+    reasons: list[str]
+    ns: np.ndarray
+
+
+class Worker:
+    """A process that speaks the protocol of `worker.py`."""
+
+    def __init__(self, command: list[str], log: Path, seconds: float = SECONDS) -> None:
+        self.log, self.seconds, self.failure = log, seconds, ""
+        self._unread = b""
+        environment = {name: value for name, value in os.environ.items() if name != "PYTHONPATH"}
+        with log.open("w") as stderr:
+            self._process = subprocess.Popen(
+                command,
+                cwd=Path(__file__).parents[1],
+                env=environment | ONE_THREAD,
+                stdin=subprocess.PIPE,
+                stdout=subprocess.PIPE,
+                stderr=stderr,
+            )
+
+    def ask(self, do: str, **message: Any) -> dict[str, Any]:
+        """The answer to one message. WorkerError if there is none; one that died stays dead."""
+        if self.failure:
+            raise WorkerError(self.failure)
+        try:
+            assert self._process.stdin is not None
+            self._process.stdin.write(json.dumps({"do": do, **message}).encode() + b"\n")
+            self._process.stdin.flush()
+            answer = json.loads(self._line())
+        except (OSError, ValueError, WorkerError) as error:
+            self.failure = str(error) if isinstance(error, WorkerError) else self._how_it_ended(error)
+            self.close()
+            raise WorkerError(self.failure) from error
+        for trouble in ("error", "unfit"):
+            if trouble in answer:
+                raise WorkerError(answer[trouble])
+        return dict(answer)
+
+    def close(self) -> None:
+        self._process.kill()
+        self._process.wait()
+        for pipe in (self._process.stdin, self._process.stdout):
+            if pipe is not None:
+                with suppress(BrokenPipeError):  # what it was told last may still be in the buffer
+                    pipe.close()
+
+    def _line(self) -> bytes:
+        assert self._process.stdout is not None
+        end = monotonic() + self.seconds
+        while b"\n" not in self._unread:
+            if not select.select([self._process.stdout], [], [], max(end - monotonic(), 0.0))[0]:
+                raise WorkerError(f"no answer within {self.seconds:g} s")
+            part = os.read(self._process.stdout.fileno(), 1 << 20)
+            if not part:
+                raise WorkerError(self._how_it_ended())
+            self._unread += part
+        line, self._unread = self._unread.split(b"\n", 1)
+        return line
+
+    def _how_it_ended(self, error: Exception | None = None) -> str:
+        if isinstance(error, ValueError):
+            return "its answer is no JSON"
+        code = self._process.wait()
+        said = self.log.read_text(errors="replace").strip().splitlines()
+        return f"died with exit code {code}" + (f": {said[-1]}" if said else "")
+
+
+def interleave(workers: Mapping[str, Worker], problems: Problems, n: int) -> dict[str, Answers | str]:
+    """What each worker answers to all problems, or why it does not."""
+    parts: dict[str, list[Answers]] = {name: [] for name in workers}
+    failures: dict[str, str] = {}
+    order = list(workers)
+    for part in chunks(problems, CHUNK):
+        order = order[1:] + order[:1]
+        for name in order:
+            if name in failures:
+                continue
+            try:
+                parts[name].append(solved(workers[name], part, n))
+            except WorkerError as error:
+                done = sum(len(answers.ns) for answers in parts[name])
+                failures[name] = f"{error} (after {done} of {len(problems)} targets)"
+    return {name: failures.get(name) or joined(parts[name]) for name in workers}
+
+
+def solved(worker: Worker, problems: Problems, n: int) -> Answers:
+    """What one worker answers."""
+    answer = worker.ask("solve", targets=problems.targets.tolist(), starts=problems.starts.tolist())
+    theta = [[np.nan] * n if row is None else row for row in answer["theta"]]
+    return Answers(np.array(theta), np.array(answer["converged"]), answer["reasons"], np.array(answer["ns"]))
+
+
+def joined(parts: list[Answers]) -> Answers:
+    return Answers(
+        np.concatenate([part.theta for part in parts]),
+        np.concatenate([part.converged for part in parts]),
+        [reason for part in parts for reason in part.reasons],
+        np.concatenate([part.ns for part in parts]),
+    )

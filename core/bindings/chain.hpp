@@ -1,0 +1,52 @@
+// twistarm._core.Chain: one arm as Python sees it.
+#pragma once
+
+#include <memory>
+#include <string>
+
+#include "arrays.hpp"
+#include "kernels.hpp"
+
+namespace bindings {
+
+// What a call hands back in place of an answer where an argument is not plainly what the core takes: None. Python then
+// converts it, or says what is wrong with it, and calls again.
+inline nb::object not_plain() { return nb::none(); }
+
+class Chain {
+public:
+    Chain(nb::handle screws, nb::handle home, nb::handle coupling, nb::handle lower, nb::handle upper,
+          nb::handle start_lower, nb::handle start_upper, double reach, const std::string& instruction_set);
+
+    std::size_t n() const { return n_; }
+    const char* instruction_set() const { return kernels_->name; }
+
+    // The chain's numbers by name: joints, coordinates, identity, base, tip, links, coupling.
+    nb::dict constants() const;
+
+    nb::object fk(nb::handle theta) const;
+    nb::object spatial_jacobian(nb::handle theta) const;
+    nb::object body_jacobian(nb::handle theta) const;
+    nb::object fk_and_body_jacobian(nb::handle theta) const;
+
+    // None, or an Answer.
+    nb::object solve(nb::handle kind, nb::handle numbers, nb::handle theta0, nb::handle position_tolerance,
+                     nb::handle orientation_tolerance, nb::handle restarts, nb::handle seed, nb::handle max_time,
+                     nb::handle posture) const;
+    // Whether every row is a target of the kind.
+    bool are_targets(int kind, nb::handle numbers) const;
+    // None, or a row for each target; `progress` None or called with (done, count).
+    nb::object solve_batch(int kind, nb::handle numbers, nb::handle theta0, double position_tolerance,
+                           double orientation_tolerance, int restarts, std::uint64_t seed, double max_time,
+                           nb::handle posture, int threads, nb::handle progress) const;
+
+private:
+    class Call;
+
+    const Kernels* kernels_;
+    std::unique_ptr<Engine> engine_;
+    std::size_t n_;
+    nb::object pose_, jacobian_;
+};
+
+}  // namespace bindings

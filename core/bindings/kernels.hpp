@@ -1,0 +1,90 @@
+// What each instruction set's copy of the kernels offers: plain structures and one interface, no templates.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+
+namespace bindings {
+
+constexpr int most_joints = 32;
+
+// An arm as numbers, all row-major; bounds (coordinates,), infinite where there are none, but for the starts'.
+struct ArmNumbers {
+    int joints, coordinates;
+    const double *screws, *home, *coupling, *lower, *upper, *start_lower, *start_upper;
+    double reach;
+};
+
+// Kinds of targets, in the order of twistarm::target_kind, and how many numbers each is written with:
+// g (16) | p (3) | p, direction, tool axis (9) | g, six tolerances, 1 for base axes (23).
+constexpr int kinds = 4;
+constexpr std::size_t numbers_of_kind[kinds] = {16, 3, 9, 23}, most_numbers = 23;
+
+// What is asked of a solver beside the target.
+struct Query {
+    int kind;
+    double position_tolerance, orientation_tolerance;
+    int searches;
+    std::uint64_t seed;
+    bool (*stopped)(const void* clock);
+    const void* clock;
+};
+
+struct Answer {
+    double theta[most_joints], unlimited[most_joints];
+    double position_error, orientation_error;
+    int iterations, restarts, stop;
+    bool nearest, has_unlimited, other_branch, start_moved;
+};
+
+// One target: its numbers, its start and where the arm would rather stand (null: nowhere).
+struct Question {
+    const double *numbers, *theta0, *posture;
+};
+
+// Targets of one kind, and where their answers go. What they share has a step of 0.
+struct Batch {
+    Question first;
+    std::size_t start_step, posture_step;
+    void (*store)(void* owner, std::size_t t, const Answer& answer);
+    bool (*goes_on)(void* owner);
+    void* owner;
+};
+
+// What the kernels have made of screws and home (twistarm::chain): base · T(offset) Rx(alpha) Rz(turn x + phase)
+// Tz(slide x) … · tip, poses (4, 4), coupling (joints, coordinates).
+struct Constants {
+    struct Link {
+        double offset[3], cos_alpha, sin_alpha, turn, phase, slide;
+        bool revolute;
+    };
+    int joints, coordinates;
+    bool identity;
+    double base[16], tip[16], coupling[most_joints][most_joints];
+    Link links[most_joints];
+};
+
+// One arm, its chain in the form and the instructions that suit it best.
+class Engine {
+public:
+    virtual ~Engine() = default;
+    virtual void constants(Constants& out) const = 0;
+    // Poses (count, 4, 4), spatial and body Jacobians (count, 6, n) of configurations (count, n); null: not wanted.
+    virtual void kinematics(const double* theta, std::size_t count, double* poses, double* spatial,
+                            double* body) const = 0;
+    virtual void solve(const Query& query, const Question& question, Answer& answer) const = 0;
+    virtual void solve(const Query& query, const Batch& batch, std::size_t begin, std::size_t end) const = 0;
+};
+
+struct Kernels {
+    const char* name;
+    // The engine of an arm, or null if it does not fit into one.
+    Engine* (*make)(const ArmNumbers& arm);
+};
+
+// What this processor can run, best first; ends with a null pointer.
+const Kernels* const* kernels();
+
+extern const Kernels baseline, avx2, avx512;
+
+}  // namespace bindings

@@ -1,0 +1,165 @@
+// One target: searches from several starts raced in the lanes, and the rule that says which of them wins.
+#pragma once
+
+#include "searches.hpp"
+
+TWISTARM_BEGIN
+
+namespace detail {
+/// The searches of one target. Search 0 begins at θ₀, search k at random start k; round r holds the searches 8 r to
+/// 8 r + 7.
+///
+/// The winner: search 0 if it converges; else, in the first round in which any converges, the one with the fewest
+/// iterations, then the lowest number. A lane that has ended takes the next search at once, of whatever round: what a
+/// search does depends on its start alone, so the rule gives the same winner in whatever order they run.
+template <class V, class T, int N, int M, class Stopped> struct race_of_one final : search_owner<V, T, N> {
+    static constexpr int lane_count = number<V>::lanes;
+    static constexpr int none = -1;
+    static constexpr int looks_for_a_clock = 8;  ///< a clock costs a tenth of an iteration
+
+    const chain<T, N, M>& arm;
+    const ranges<T, N>& range;
+    const search_settings<T>& settings;
+    const target<T>& asked;
+    const start_sequence<N> sequence;
+    const T* theta0;
+    solution<T, N>& found;
+    T* ends;   ///< (room, n): where those that failed ended; nullptr if nobody asks
+    int room;  ///< for the ends of so many searches, the first
+    Stopped& stopped;
+
+    int search[lane_count] = {};
+    int begun = 0, iterations = 0, winner = none, looks = 0;
+    T least_error = static_cast<T>(__builtin_inf()), start_error = static_cast<T>(__builtin_inf());
+    bool over = false;
+
+    race_of_one(const chain<T, N, M>& chain, const ranges<T, N>& within, const search_settings<T>& how,
+                const target<T>& what, std::uint64_t seed, const T* start, solution<T, N>& into, T* failed_ends,
+                int failed_room, Stopped& time_is_up)
+        : search_owner<V, T, N>(aim_in_every_lane<V>(aim_at(chain, what))), arm(chain), range(within), settings(how),
+          asked(what), sequence(sequence_of<N>(seed, chain.coordinates())), theta0(start), found(into),
+          ends(failed_ends), room(failed_room), stopped(time_is_up) {}
+
+    static constexpr int round_of(int k) { return k / lanes_in_round; }
+
+    /// Whether search k would win with `steps` iterations.
+    bool beats(int k, int steps) const {
+        if (winner == none || k == 0) return true;
+        if (winner == 0 || round_of(k) != round_of(winner)) return winner != 0 && round_of(k) < round_of(winner);
+        return steps < found.iterations || (steps == found.iterations && k < winner);
+    }
+
+    void begin(lane_starts<T, N, lane_count>& starts, int i) {
+        search[i] = none;
+        if (begun == settings.searches || !beats(begun, 0)) return;
+        search[i] = begun++;
+        if (search[i] == 0)
+            for (int k = 0; k < arm.coordinates(); ++k) starts.theta[k][i] = theta0[k];
+        else start_at(range, arm.coordinates(), sequence, search[i], &starts.theta[0][i], lane_count);
+        starts.waiting |= 1U << i;
+    }
+
+    void failed(const lane_searches<V, N>& lanes, int i) {
+        const T error = lane(lanes.error, i);
+        const bool keep = winner == none && error < least_error;
+        if (keep) least_error = error;
+        for (int k = 0; k < arm.coordinates(); ++k) {
+            const T theta = lane(lanes.theta[k], i);
+            if (keep) found.theta[k] = theta;
+            if (ends != nullptr && search[i] < room) ends[search[i] * arm.coordinates() + k] = theta;
+        }
+    }
+
+    bool converged(const lane_searches<V, N>& lanes, int i) {
+        solution<T, N> candidate;
+        if (!accept(lanes, i, range, arm.coordinates(), asked.kind, theta0, candidate)) return false;
+        found = candidate;
+        winner = search[i];
+        return true;
+    }
+
+    void settle(const lane_searches<V, N>& lanes, lane_starts<T, N, lane_count>& starts, unsigned ended,
+                unsigned met) override {
+        for (; ended != 0U; ended &= ended - 1U) {
+            const int i = __builtin_ctz(ended), steps = static_cast<int>(lane(lanes.iterations, i));
+            if (search[i] == none) continue;
+            iterations += steps;
+            if (beats(search[i], steps) && !((met >> i & 1U) != 0U && converged(lanes, i))) failed(lanes, i);
+            begin(starts, i);
+        }
+        over = true;
+        for (int i = 0; i < lane_count; ++i) over = over && search[i] == none;
+    }
+
+    /// Searches that are still running fail where they are.
+    void cut_short(const lane_searches<V, N>& lanes) {
+        over = true;
+        for (int i = 0; i < lane_count; ++i)
+            if (search[i] != none) failed(lanes, i);
+    }
+
+    /// Over once no search that is still running could win, or when the time is up.
+    bool finished(const lane_searches<V, N>& lanes) override {
+        if (looks == 0) start_error = lane(lanes.error, 0);
+        if (++looks % looks_for_a_clock == 0 && stopped()) cut_short(lanes);
+        if (winner == none || over) return over;
+        for (int i = 0; i < lane_count; ++i)
+            if (search[i] != none && beats(search[i], static_cast<int>(lane(lanes.iterations, i)) + 1)) return false;
+        return true;
+    }
+};
+
+template <class V, target_kind Kind, class T, int N, int M, class Stopped>
+void race_to(const chain<T, N, M>& arm, const ranges<T, N>& range, const search_settings<T>& settings,
+             const target<T>& asked, const T* theta0, std::uint64_t seed, T* ends, int room, Stopped& stopped,
+             solution<T, N>& found) {
+    race_of_one<V, T, N, M, Stopped> race(arm, range, settings, asked, seed, theta0, found, ends, room, stopped);
+    lane_searches<V, N> lanes;
+    lane_starts<T, N, number<V>::lanes> starts;
+    for (V& coordinate : lanes.theta) coordinate = V(T(0));
+    for (int k = 0; k < arm.coordinates(); ++k) found.theta[k] = theta0[k];
+    for (int i = 0; i < number<V>::lanes; ++i) race.begin(starts, i);
+    run_searches<V, Kind, T, N, M>(arm, range, settings, lanes, starts, race);
+    found.restarts = race.winner == 0 ? 1 : race.begun;
+    found.start_error = race.start_error;
+    if (race.winner != race.none) return;
+    judge(arm, range, settings, asked, theta0, found);
+    found.converged = false;
+    found.iterations = race.iterations;
+}
+}  // namespace detail
+
+/// Inverse kinematics of one target: at most settings.searches searches, the first from `theta0` (n,) brought inside
+/// the limits, the others from random starts of `seed`; settings.searches ≥ 1. The same call gives the same bits.
+///
+/// The errors are those of forward kinematics at the answer. Where there is none, `found` is the end with the
+/// least error, not converged. `ends` (room, n), if not null, takes the ends of the first searches that failed; all of
+/// them without a winner. stopped() is asked now and then, and true ends the searches where they are.
+template <class T, int N, int M, class Stopped>
+void solve(const chain<T, N, M>& arm, const ranges<T, N>& range, const search_settings<T>& settings,
+           const target<T>& asked, const T* theta0, std::uint64_t seed, solution<T, N>& found, T* ends, int room,
+           Stopped& stopped) {
+    using V = pack<T, lanes_in_round>;
+    T start[capacity(N)];
+    for (int k = 0; k < arm.coordinates(); ++k) start[k] = theta0[k];
+    bring_inside(range, arm.coordinates(), start);
+    const auto race_for = [&](auto kind) {
+        detail::race_to<V, kind()>(arm, range, settings, asked, start, seed, ends, room, stopped, found);
+    };
+    switch (asked.kind) {
+        case target_kind::pose: return race_for(std::integral_constant<target_kind, target_kind::pose>{});
+        case target_kind::position: return race_for(std::integral_constant<target_kind, target_kind::position>{});
+        case target_kind::approach: return race_for(std::integral_constant<target_kind, target_kind::approach>{});
+        case target_kind::task: return race_for(std::integral_constant<target_kind, target_kind::task>{});
+    }
+}
+
+/// The same without a clock; `ends` (settings.searches, n) or null.
+template <class T, int N, int M>
+void solve(const chain<T, N, M>& arm, const ranges<T, N>& range, const search_settings<T>& settings,
+           const target<T>& asked, const T* theta0, std::uint64_t seed, solution<T, N>& found, T* ends = nullptr) {
+    never stopped;
+    solve(arm, range, settings, asked, theta0, seed, found, ends, settings.searches, stopped);
+}
+
+TWISTARM_END

@@ -1,0 +1,111 @@
+"""The compiled kernels; `twistarm.engine.core()` is the door to them.
+
+Arrays are taken as they are, float64 and contiguous. A call with anything else, or with numbers that are not finite,
+answers None: Python then converts it, or says what is wrong, and calls again.
+"""
+
+from collections.abc import Callable
+from typing import Any
+
+from .checks import Array
+
+INTERFACE: int
+
+def instruction_sets() -> list[str]:
+    """What this processor runs, best first: avx512, avx2, baseline."""
+
+class Answer:
+    """What one solve found; ik/answer.py says what each number is."""
+
+    kind: int
+    numbers: bytes
+    theta0: bytes
+    position_tol: float
+    orientation_tol: float
+    theta: bytes
+    unlimited: bytes | None
+    position_error: float
+    orientation_error: float
+    iterations: int
+    restarts: int
+    stop: int
+    nearest: bool
+    other_branch: bool
+    start_moved: bool
+
+class Chain:
+    """g_st(theta) = Π exp(ξ_i (Aθ)_i) · home, its Jacobians and its inverse, from screws (6, m), home (4, 4), A (m, n).
+
+    Bounds are (n,), infinite where there are none but for random starts. `theta` is one configuration (n,) or a batch
+    (N, n), which runs eight at a time; everything runs without the interpreter lock.
+    """
+
+    def __init__(
+        self,
+        screws: Array,
+        home: Array,
+        coupling: Array,
+        lower: Array,
+        upper: Array,
+        start_lower: Array,
+        start_upper: Array,
+        reach: float,
+        instruction_set: str = "",
+    ) -> None: ...
+    @property
+    def n(self) -> int:
+        """Degrees of freedom."""
+    @property
+    def instruction_set(self) -> str:
+        """The one that its kernels were compiled for."""
+    def constants(self) -> dict[str, Any]:
+        """What the kernels have made of screws and home (core/include/twistarm/chain.hpp).
+
+        joints, coordinates, identity; base and tip (4, 4) and coupling (joints, coordinates) as nested lists; links, of
+        which each has offset (3,), cos_alpha, sin_alpha, turn, phase, slide and revolute.
+        """
+    def fk(self, theta: object, /) -> Array | None:
+        """g_st, (4, 4) or (N, 4, 4). MLS §3.2.2, eq. 3.3."""
+    def spatial_jacobian(self, theta: object, /) -> Array | None:
+        """J^s, (6, n) or (N, 6, n), linear part first. MLS §3.4.1."""
+    def body_jacobian(self, theta: object, /) -> Array | None:
+        """J^b, (6, n) or (N, 6, n), linear part first. MLS §3.4.1."""
+    def fk_and_body_jacobian(self, theta: object, /) -> tuple[Array, Array] | None:
+        """g_st and J^b in one pass."""
+    def are_targets(self, kind: int, numbers: object, /) -> bool:
+        """Whether these are the numbers of targets of a kind: rigid motions to 1e-12, within 1e6 m."""
+    def solve(
+        self,
+        kind: object,
+        numbers: object,
+        theta0: object,
+        position_tol: object,
+        orientation_tol: object,
+        restarts: object,
+        seed: object,
+        max_time: object,
+        posture: object,
+        /,
+    ) -> Answer | None:
+        """Inverse kinematics of one target, given as its kind and its numbers (ik/targets.py)."""
+    def solve_batch(
+        self,
+        kind: int,
+        numbers: Array,
+        theta0: Array,
+        position_tol: float,
+        orientation_tol: float,
+        restarts: int,
+        seed: int,
+        max_time: float,
+        posture: Array | None,
+        threads: int,
+        progress: Callable[[int, int], object] | None,
+        /,
+    ) -> Array | None:
+        """Inverse kinematics of N targets of one kind; theta0 and posture are one for all (n,) or one for each (N, n).
+
+        A row for each: theta (n), unlimited (n), position and orientation error, iterations, restarts, stop, flags
+        (1 nearest, 2 has unlimited, 4 other branch, 8 start moved). Where it ended before a target was begun, because
+        the time was up, the row's stop is −1.
+        """

@@ -1,0 +1,244 @@
+"""An arm as a C++17 header: the constants of its chain for the kernels in core/include, on any processor."""
+
+from __future__ import annotations
+
+import os
+import re
+from collections.abc import Iterable, Mapping
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from . import engine
+from .arm import Arm
+from .baking import digest_of
+from .checks import Array
+from .errors import InputError, TwistarmError
+from .files import writable, write_whole
+
+SUFFIXES = (".hpp", ".hh", ".hxx", ".h")
+
+_TAKEN = """
+    alignas alignof and and_eq asm auto bitand bitor bool break case catch char char8_t char16_t char32_t class
+    co_await co_return co_yield compl concept const consteval constexpr constinit const_cast continue decltype default
+    delete do double dynamic_cast else enum explicit export extern false float for friend goto i386 if inline int linux
+    long main mutable namespace new noexcept not not_eq nullptr operator or or_eq private protected public register
+    reinterpret_cast requires return short signed sizeof static static_assert static_cast std struct switch template
+    this thread_local throw true try twistarm typedef typeid typename union unix unsigned using virtual void volatile
+    wchar_t while xor xor_eq
+"""
+"""What no namespace can be called: C++20's keywords, `main`, `std`, our own, and the macros of GCC's dialects."""
+
+
+def write_cpp_header(arm: Arm, path: str | os.PathLike[str]) -> Path:
+    """Write `cpp_header(arm)`, whole or not at all; returns the path written."""
+    target = writable(path)
+    if target.suffix not in SUFFIXES:
+        raise InputError(f"a C++ header is named *{', *'.join(SUFFIXES)}; got {os.fspath(path)}")
+    return write_whole(target, cpp_header(arm))
+
+
+def core_headers() -> Path:
+    """The folder for a compiler's -I: inside the installed package, or core/include in a checkout."""
+    package = Path(__file__).resolve().parent
+    installed = package / "include"
+    folder = installed if installed.is_dir() else package.parents[1] / "core" / "include"
+    if not (folder / "twistarm" / "twistarm.hpp").is_file():
+        raise TwistarmError(f"the C++ headers are missing in {installed}; install twistarm again")
+    return folder
+
+
+def namespace_of(name: str) -> str:
+    """A C++ namespace after an arm's name: what no identifier may hold becomes one underscore."""
+    identifier = re.sub(r"[^A-Za-z0-9]+", "_", name).strip("_") or "arm"
+    if identifier[0].isdigit() or identifier in _TAKEN.split():
+        identifier = f"arm_{identifier}"
+    return identifier
+
+
+def cpp_header(arm: Arm) -> str:
+    """The header's text: `chain`, limits and poses of the arm as constants, and `solve_ik`.
+
+    The chain is the compiled core's own: constant transforms between joints that turn about z (core/include/twistarm/
+    chain.hpp), which only the core computes. TwistarmError where there is none.
+    """
+    constants = _constants(arm)
+    joints, n = constants["joints"], constants["coordinates"]
+    lower, upper = arm.sampling_bounds
+    poses = {"ready": arm.ready, **arm.named_states}
+    return _TEMPLATE.format(
+        arm=_text(arm.name),
+        namespace=namespace_of(arm.name),
+        digest=digest_of(arm.kept),
+        base=_text(arm.base),
+        tip=_text(arm.tip),
+        order=", ".join(f"{_text(name)} [{unit}]" for name, unit in zip(arm.joint_names, arm.units, strict=True)),
+        n=n,
+        m=joints,
+        names=_texts(arm.joint_names),
+        lower=_doubles(arm.limits.lower),
+        upper=_doubles(arm.limits.upper),
+        start_lower=_doubles(lower),
+        start_upper=_doubles(upper),
+        velocity=_doubles(arm.limits.velocity),
+        acceleration=_doubles(arm.limits.acceleration),
+        effort=_doubles(arm.limits.effort),
+        pose_count=len(poses),
+        pose_names=_texts(poses),
+        poses=_rows(map(_numbers, poses.values())),
+        identity=_truth(constants["identity"]),
+        base_frame=_frame(constants["base"]),
+        tip_frame=_frame(constants["tip"]),
+        links=_rows(map(_link, constants["links"])),
+        coupling=_rows(map(_numbers, np.asarray(constants["coupling"]))),
+    )
+
+
+def _constants(arm: Arm) -> Mapping[str, Any]:
+    """What the core has made of screws and home: its base, links, tip and coupling."""
+    chain: Any = arm.compiled
+    if chain is None:
+        why = engine.why_not() or f"its chains have at most 32 joints; {arm.name} has {len(arm.moving_names)}"
+        raise TwistarmError(f"a C++ header needs the compiled core: {why}")
+    constants: Mapping[str, Any] = chain.constants()
+    return constants
+
+
+# -- numbers and texts as C++ writes them ------------------------------------------------------------------------
+
+
+def _number(value: float) -> str:
+    return f"T({float(value)!r})"
+
+
+def _numbers(values: Iterable[float]) -> str:
+    return "{" + ", ".join(map(_number, values)) + "}"
+
+
+def _doubles(values: Array) -> str:
+    return ", ".join(repr(float(x)) if np.isfinite(x) else "-infinite" if x < 0 else "infinite" for x in values)
+
+
+def _truth(value: bool) -> str:
+    return "true" if value else "false"
+
+
+def _frame(g: Array) -> str:
+    """`twistarm::frame`: the columns x, y, z and p."""
+    return "{" + ", ".join(_numbers(column) for column in np.asarray(g)[:3].T) + "}"
+
+
+def _link(link: Mapping[str, Any]) -> str:
+    """`twistarm::link`, in the order of its members."""
+    numbers = ", ".join(_number(link[name]) for name in ("cos_alpha", "sin_alpha", "turn", "phase", "slide"))
+    return f"{{{_numbers(link['offset'])}, {numbers}, {_truth(link['revolute'])}}}"
+
+
+def _rows(rows: Iterable[str]) -> str:
+    return "{\n" + "".join(f"        {row},\n" for row in rows) + "    }"
+
+
+def _texts(names: Iterable[str]) -> str:
+    return ", ".join(map(_text, names))
+
+
+def _text(name: str) -> str:
+    """A C string of plain characters, which cannot end a comment either; others as octal escapes of their UTF-8."""
+    plain = re.compile(r"[A-Za-z0-9 _.,:;+\-=@#%&()\[\]<>{}|~^!$']")
+    characters = (c if plain.fullmatch(c) else _octal(c) for c in name)
+    return '"' + "".join(characters) + '"'
+
+
+def _octal(character: str) -> str:
+    return "".join(f"\\{byte:03o}" for byte in character.encode("utf-8", "surrogatepass"))
+
+
+_TEMPLATE = """\
+// The arm {arm} from {base} to {tip}, written by twistarm; change the arm and write this again.
+//
+// C++17 without heap, exceptions or run-time types, for T = float or double:
+//
+//     g++ -std=c++17 -O2 -I FOLDER program.cpp        (FOLDER is what `twistarm bake --cpp` names)
+//
+//     double theta[{namespace}::n] = {{}};
+//     const auto g = twistarm::forward({namespace}::chain<double>, theta);
+//     twistarm::column<double> J[{namespace}::n];
+//     twistarm::forward_with_body_jacobian({namespace}::chain<double>, theta, J);
+//     const auto ranges = {namespace}::ranges<double>();
+//     const auto found = {namespace}::solve_ik(ranges, twistarm::pose_target(g), {namespace}::poses<double>[0]);
+//     if (found.converged) use(found.theta);
+#pragma once
+
+#include <cstdint>
+
+#include <twistarm/twistarm.hpp>
+
+namespace {namespace} {{
+
+/// theta: {order}; SI.
+inline constexpr int n = {n};
+/// Joints of the chain: neighbours that move as one are one, followers count.
+inline constexpr int m = {m};
+
+/// Of the arm.json that `twistarm bake` writes of the same arm.
+inline constexpr char digest[] = "{digest}";
+
+inline constexpr const char* joint_names[n] = {{{names}}};
+
+inline constexpr double infinite = __builtin_inf();
+
+/// Limits [rad or m, and per s, s²; N m or N]; infinite where none is given.
+inline constexpr double lower[n] = {{{lower}}};
+inline constexpr double upper[n] = {{{upper}}};
+inline constexpr double velocity[n] = {{{velocity}}};
+inline constexpr double acceleration[n] = {{{acceleration}}};
+inline constexpr double effort[n] = {{{effort}}};
+
+/// Where random starts of inverse kinematics are drawn from.
+inline constexpr double start_lower[n] = {{{start_lower}}};
+inline constexpr double start_upper[n] = {{{start_upper}}};
+
+/// Named poses; the first is well conditioned and inside the limits, a place to start from.
+inline constexpr int pose_count = {pose_count};
+inline constexpr const char* pose_names[pose_count] = {{{pose_names}}};
+template <class T> inline constexpr T poses[pose_count][n] = {poses};
+
+/// base · J₁ · L₂ J₂ ⋯ J_m · tip; the members are explained in twistarm/chain.hpp.
+template <class T> inline constexpr twistarm::chain<T, n, m> chain = {{
+    n, m, {identity},
+    {base_frame},
+    {tip_frame},
+    {links},
+    {coupling},
+}};
+
+/// The limits as `solve_ik` takes them; make them once.
+template <class T> twistarm::ranges<T, n> ranges() {{
+    return twistarm::ranges_of(chain<T>, lower, upper, start_lower, start_upper);
+}}
+
+/// Inverse kinematics of a target of this kind, inside the limits: from theta0 (n,), then from random starts of `seed`,
+/// settings.searches in all. Not converged where none met it, or where the target is of another kind.
+///
+/// `Lanes` searches (2, 4 or 8) run side by side; their number changes speed, code and stack, not the answer.
+template <twistarm::target_kind Kind = twistarm::target_kind::pose, int Lanes = 0, class T>
+twistarm::solution<T, n> solve_ik(const twistarm::ranges<T, n>& limits, const twistarm::target<T>& asked,
+                                  const T* theta0, const twistarm::search_settings<T>& settings = {{}},
+                                  std::uint64_t seed = 0) {{
+    constexpr int in_register = TWISTARM_REGISTER_BYTES / static_cast<int>(sizeof(T));
+    constexpr int lanes = Lanes > 0 ? Lanes : in_register < 8 ? in_register : 8;
+    twistarm::solution<T, n> found{{}};
+    T start[n];
+    for (int k = 0; k < n; ++k) start[k] = theta0[k];
+    twistarm::bring_inside(limits, n, start);
+    T* const no_ends = nullptr;
+    twistarm::never stopped;
+    if (asked.kind == Kind)
+        twistarm::detail::race_to<twistarm::pack<T, lanes>, Kind>(chain<T>, limits, settings, asked, start, seed,
+                                                                  no_ends, 0, stopped, found);
+    return found;
+}}
+
+}}  // namespace {namespace}
+"""

@@ -1,0 +1,114 @@
+"""What is asked of a solver, checked at the door."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from ..arm import Arm
+from ..checks import Array, as_floats, as_theta
+from ..errors import InputError
+from .damped import Tolerances
+from .starts import as_seed
+
+LEAST_TOLERANCE = 1e-12
+"""Below this a tolerance asks for more digits than forward kinematics has."""
+
+MAX_RESTARTS = 1_000_000
+
+POSTURES = ("theta0", "centre")
+
+
+@dataclass(frozen=True, eq=False)
+class Request:
+    """How to solve, beside the target: start theta0 and preferred `posture`, (n,) or, for a batch, also (N, n)."""
+
+    theta0: Array
+    posture: Array | None
+    tolerances: Tolerances
+    restarts: int
+    seed: int
+    max_time: float
+
+
+def checked(
+    arm: Arm,
+    theta0: ArrayLike | None,
+    posture: ArrayLike | str | None,
+    tolerances: tuple[float, float],
+    restarts: int,
+    max_time: float | None,
+    rng: int | np.random.Generator,
+    count: int | None = None,
+) -> Request:
+    """The arguments of a call as a `Request`; InputError for what cannot be a start, a tolerance, a number of searches.
+
+    `count`: that of a batch, whose starts may be one for all (n,), or one for each (count, n).
+    """
+    if isinstance(restarts, bool) or not isinstance(restarts, (int, np.integer)) or not 1 <= restarts <= MAX_RESTARTS:
+        raise InputError(
+            "restarts must be a whole number, at least 1 (the search from theta0), "
+            f"at most {MAX_RESTARTS}; got {restarts!r}"
+        )
+    start = _start(arm, theta0, count)
+    return Request(
+        theta0=start,
+        posture=_posture(arm, posture, start),
+        tolerances=Tolerances(
+            _tolerance(tolerances[0], "position_tol [m]"), _tolerance(tolerances[1], "orientation_tol [rad]")
+        ),
+        restarts=int(restarts),
+        seed=as_seed(rng),
+        max_time=_seconds(max_time),
+    )
+
+
+def require_arm(arm: Any) -> Arm:
+    """`arm`, or InputError."""
+    if not isinstance(arm, Arm):
+        raise InputError(f"arm must be an Arm, as load_arm returns it; got {type(arm).__name__}")
+    return arm
+
+
+def _start(arm: Arm, theta0: ArrayLike | None, count: int | None) -> Array:
+    if theta0 is None:
+        return arm.ready
+    given = np.ascontiguousarray(as_theta(theta0, arm.n, "theta0", arm.joint_names))
+    if given.ndim == 1 or (count is not None and given.shape == (count, arm.n)):
+        return given
+    each = "" if count is None else f" or one for each target ({count}, {arm.n})"
+    raise InputError(f"theta0 must be one configuration of shape ({arm.n},){each}; got {given.shape}")
+
+
+def _posture(arm: Arm, posture: ArrayLike | str | None, start: Array) -> Array | None:
+    """Where a redundant arm would rather be."""
+    if posture is None:
+        return None
+    if isinstance(posture, str):
+        if posture not in POSTURES:
+            raise InputError(f"posture must be 'theta0', 'centre' or a configuration ({arm.n},); got {posture!r}")
+        return start if posture == "theta0" else arm.limits.middle()
+    given = as_theta(posture, arm.n, "posture", arm.joint_names)
+    if given.ndim != 1:
+        raise InputError(f"posture must be 'theta0', 'centre' or one configuration ({arm.n},); got {given.shape}")
+    return np.ascontiguousarray(given)
+
+
+def _tolerance(value: float, name: str) -> float:
+    number = as_floats(value, name)
+    if number.ndim or not number >= LEAST_TOLERANCE:
+        raise InputError(f"{name} must be one number, at least {LEAST_TOLERANCE:g}; got {value!r}")
+    return float(number)
+
+
+def _seconds(value: float | None) -> float:
+    if value is None:
+        return math.inf
+    number = as_floats(value, "max_time [s]")
+    if number.ndim or not number > 0:
+        raise InputError(f"max_time must be a positive number of seconds, or None for no limit; got {value!r}")
+    return float(number)

@@ -1,0 +1,147 @@
+"""What `solve_ik` says of targets whose reason is known by construction (`reason_targets`)."""
+
+from __future__ import annotations
+
+import time
+from collections import Counter
+
+import numpy as np
+import pytest
+
+import reason_targets
+from catalogue import load
+from ik_targets import judged, judged_batch
+from reason_targets import CASES, arms_of, draw
+from twistarm.ik import Approach, Pose, Position, StopReason, Task, solve_ik, solve_ik_batch
+
+WRONG = 0.01
+"""The share of targets of a case and an arm that may be given another reason."""
+
+FEW, BOXES = 3, 5
+
+READABLE_COUNT = 5
+"""In place of a thousand where the readable solver answers, which takes seconds to give a reason."""
+
+QUICK = ("rr_planar", "scara", "rover_arm", "panda", "stanford")
+"""The arms of `make test` there, with one target each."""
+
+PAIRS = [(case, name) for case in CASES for name in case.arms]
+IDS = [f"{case.name}-{name}" for case, name in PAIRS]
+
+TIGHT = (1e-4, 1e-4, 1e-4, 1e-3, 1e-3, np.inf)
+
+LATE = 0.05
+"""How much later [s] than `max_time` an answer may come."""
+
+UNENDING = 10**6
+"""More searches than any deadline here leaves time for."""
+
+
+def check_one(arm, g, solution):
+    """What holds of every answer: inside the limits, converged if and only if Pinocchio finds the target met, and an
+    answer without limits where, and only where, they block.
+    """
+    assert solution.within_limits
+    assert arm.limits.contains(solution.theta)
+    assert judged(arm, Pose(g), solution) == solution.converged, solution
+    assert (solution.unlimited is not None) == (solution.stop is StopReason.BLOCKED_BY_LIMITS), solution
+    if solution.unlimited is not None:
+        assert np.abs(reason_targets.pinocchio_fk(arm, solution.unlimited) - g).max() < 2e-6
+
+
+@pytest.mark.parametrize(("case", "name"), PAIRS, ids=IDS)
+def test_the_reason_is_the_true_one(case, name):
+    arm = arms_of(case, name, 1)[0]
+    if arm.compiled is None and name not in QUICK:
+        pytest.skip("without the compiled core only by `make test-all`")
+    for g in draw(case.builder, arm, np.random.default_rng(1), FEW if arm.compiled else 1):
+        solution = solve_ik(arm, g)
+        check_one(arm, g, solution)
+        assert solution.stop is case.stop, solution
+
+
+@pytest.mark.parametrize("name", ["rover_arm", "panda", "scara"])
+def test_out_of_reach_is_said_of_every_kind_of_target(name):
+    arm, rng = load(name), np.random.default_rng(6)
+    for g in draw(reason_targets.out_of_reach, arm, rng, FEW if arm.compiled else 1):
+        for target in (Position(g[:3, 3]), Approach(g[:3, 3], g[:3, 2]), Task(g, TIGHT)):
+            assert solve_ik(arm, target).stop is StopReason.OUT_OF_REACH
+
+
+@pytest.mark.parametrize("name", ["rr_planar", "scara", "rover_arm", "so100"])
+def test_an_approach_no_joint_turns(name):
+    """The proofs of `impossible_direction` are of where the last joint's axis points, not of the turn about it.
+
+    Not of so101: its tool stands beside that axis, so rolling moves it, and a little of any direction can be had.
+    """
+    arm, rng = load(name), np.random.default_rng(7)
+    axis = reason_targets.tool_roll_axis(arm) if name != "scara" else np.array([0.0, 0.0, 1.0])
+    for g in draw(reason_targets.impossible_direction, arm, rng, FEW if arm.compiled else 1):
+        solution = solve_ik(arm, Approach(g[:3, 3], g[:3, :3] @ axis, axis))
+        assert solution.stop is StopReason.IMPOSSIBLE_DIRECTION, solution
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(("case", "name"), PAIRS, ids=IDS)
+def test_a_thousand_reasons(case, name):
+    """All at once, and each of a part alone; what is said instead stands in the table."""
+    rng, said, alone, differing = np.random.default_rng(2), Counter(), Counter(), 0
+    arms = arms_of(case, name, BOXES)
+    begun = time.perf_counter()
+    for arm in arms:
+        count = (1000 if arm.compiled else READABLE_COUNT) // len(arms)
+        poses = draw(case.builder, arm, rng, count)
+        batch = solve_ik_batch(arm, poses, arm.random_theta(rng, count))
+        said.update(batch.stop)
+        assert arm.limits.contains(batch.theta).all()
+        assert (judged_batch(arm, poses, batch) == batch.converged).all()
+        for i in range(0, count, 10):
+            solution = solve_ik(arm, poses[i], batch.request.theta0[i])
+            check_one(arm, poses[i], solution)
+            alone[solution.stop] += 1
+            differing += solution.stop is not batch.stop[i]
+    seconds = time.perf_counter() - begun
+    right = 1 - wrong(said, case.stop)
+    others = ", ".join(f"{stop.name} {n}" for stop, n in said.items() if stop is not case.stop)
+    print(f"{case.name:22}{name:16}{100 * right:7.2f} %  of {said.total():5}  {seconds:6.1f} s  {others}")
+    assert right >= 1 - WRONG, said
+    assert wrong(alone, case.stop) <= 2 * WRONG, alone
+    assert differing <= 2 * WRONG * alone.total(), (said, alone)
+
+
+def wrong(said, stop):
+    return 1 - said[stop] / said.total()
+
+
+@pytest.mark.parametrize("name", ["so101", "rover_arm", "panda"])
+@pytest.mark.parametrize("searches", [1, 3])
+def test_few_searches_exclude_nothing(name, searches):
+    """A target that can be met is never called out of reach, blocked or impossible, however short the search."""
+    arm, rng = load(name), np.random.default_rng(3)
+    for builder in (reason_targets.inside, reason_targets.at_limits):
+        for g in draw(builder, arm, rng, 100 if arm.compiled else 3):
+            solution = solve_ik(arm, g, arm.random_theta(rng), restarts=searches)
+            assert solution.stop in (StopReason.CONVERGED, StopReason.EXHAUSTED), solution
+            check_one(arm, g, solution)
+
+
+@pytest.mark.parametrize("seconds", [1e-6, 1e-3, 0.02])
+@pytest.mark.parametrize("case", CASES, ids=[case.name for case in CASES])
+def test_a_deadline_is_kept(case, seconds):
+    """In time but for `LATE`, the best of three calls, and what is said is true or that the time was up."""
+    arm = arms_of(case, case.arms[-1], 1)[0]
+    for g in draw(case.builder, arm, np.random.default_rng(4), FEW):
+        taken = []
+        for _ in range(3):
+            begun = time.perf_counter()
+            solution = solve_ik(arm, g, max_time=seconds, restarts=UNENDING)
+            taken.append(time.perf_counter() - begun)
+            check_one(arm, g, solution)
+            assert solution.stop in (case.stop, StopReason.TIMED_OUT), solution
+        assert min(taken) <= seconds + LATE
+    poses = draw(case.builder, arm, np.random.default_rng(5), 50)
+    begun = time.perf_counter()
+    batch = solve_ik_batch(arm, poses, max_time=seconds, restarts=UNENDING)
+    assert time.perf_counter() - begun <= seconds + 2 * LATE
+    assert set(batch.stop) <= {case.stop, StopReason.TIMED_OUT}
+    assert arm.limits.contains(batch.theta).all()
