@@ -88,7 +88,7 @@ class Worker:
         answer = self.solver.solve(g, start)
         ns = perf_counter_ns() - begin
         theta, converged = answer[:2]
-        reason = str(answer[2]) if len(answer) > 2 else ""
+        reason = self.solver.reason(answer[2]) if len(answer) > 2 else ""
         return None if theta is None else np.asarray(theta, dtype=float).tolist(), bool(converged), reason, ns
 
     def _batch(self, targets: list[Any], starts: list[Any], threads: int) -> dict[str, Any]:

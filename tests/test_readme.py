@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import os
 import re
 import shlex
+import shutil
 import subprocess
 import sys
 from pathlib import Path
@@ -78,6 +80,21 @@ def test_every_program(workspace: Path) -> None:
     for text in PROGRAMS:
         done = subprocess.run([sys.executable, "-c", text], cwd=workspace, capture_output=True, text=True, timeout=120)
         assert done.returncode == 0, f"{text}\n{done.stderr}"
+
+
+def test_the_program_in_cpp(workspace: Path) -> None:
+    """Written by the commands of the README, which leave the header there."""
+    compiler = shutil.which("c++") or shutil.which("g++") or shutil.which("clang++")
+    if compiler is None:
+        if os.environ.get("TWISTARM_REQUIRE_ALL"):
+            pytest.fail("no C++ compiler, and TWISTARM_REQUIRE_ALL is set")
+        pytest.skip("no C++ compiler")
+    done = run("twistarm bake my_arm/my_arm.urdf.xacro --cpp my_arm.hpp --force", workspace)
+    folder = done.stdout.split("-I ")[1].strip()
+    command = [compiler, "-std=c++17", "-O1", "-I", folder, "main.cpp", "-o", "main"]
+    built = subprocess.run(command, cwd=workspace, capture_output=True, text=True, timeout=300, check=False)
+    assert built.returncode == 0, built.stderr
+    assert subprocess.run(["./main"], cwd=workspace, timeout=60, check=False).returncode == 0
 
 
 def test_the_pictures_exist() -> None:

@@ -3,7 +3,7 @@
 A module has a class `Solver(robot)`, made from the robot's message (`robots.Robot`), with
 
   settings, distributions        a sentence for the footnotes; the distributions whose versions are noted
-  solve(g, start)                theta or None, whether it claims to have converged, and a reason if it gives one
+  solve(g, start)                theta or None, whether it claims to have converged, and what `reason` reads, if any
   batch(targets, starts, threads)   optional: theta (N, n) and converged (N,)
   kinematics()                   optional: {"one" | "unchecked" | "batch": {"fk" | "fk_jacobian": function of theta}}
 

@@ -19,9 +19,13 @@ class Solver:
         limits = {side: dict(zip(robot["joints"], robot[side], strict=True)) for side in ("lower", "upper")}
         self.arm = twistarm.load_arm(robot["whole_urdf"], base=robot["base"], tip=robot["tip"], limits=limits)
 
-    def solve(self, g: np.ndarray, start: np.ndarray) -> tuple[np.ndarray, bool, str]:
+    def solve(self, g: np.ndarray, start: np.ndarray) -> tuple[np.ndarray, bool, twistarm.IKSolution]:
         solution = twistarm.solve_ik(self.arm, g, start)
-        return solution.theta, solution.converged, solution.stop.name
+        return solution.theta, solution.converged, solution
+
+    def reason(self, solution: twistarm.IKSolution) -> str:
+        """Found by the call; written out by whoever reads it."""
+        return solution.stop.name
 
     def batch(self, targets: np.ndarray, starts: np.ndarray, threads: int) -> tuple[np.ndarray, np.ndarray]:
         solutions = twistarm.solve_ik_batch(self.arm, targets, starts, threads=threads)
