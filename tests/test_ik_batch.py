@@ -179,23 +179,29 @@ g[:, :3, 3] *= 1.0 if sys.argv[1] == "reachable" else 3.0
 g, start = np.tile(g, (1000, 1, 1)), time.perf_counter()
 print("begun", flush=True)
 try:
+    if sys.argv[1] == "endless":
+        twistarm.solve_ik_batch(arm, g[:8] + np.diag([0, 0, 1.0], 1), restarts=10**6)
     twistarm.solve_ik_batch(arm, g, threads=2)
 except KeyboardInterrupt:
     print("interrupted", flush=True)
 """
 
 
-@pytest.mark.parametrize("what", ["reachable", "unreachable"])
-def test_ctrl_c_ends_a_million_targets(arm, what):
+def seconds_until_interrupted(what):
     command = [sys.executable, "-c", LONG, what]
     with subprocess.Popen(command, stdout=subprocess.PIPE, text=True) as running:
         assert running.stdout is not None
         assert running.stdout.readline() == "begun\n"
-        time.sleep(0.5)
+        time.sleep(1.0)
         running.send_signal(signal.SIGINT)
         begun = time.perf_counter()
         assert running.stdout.readline() == "interrupted\n"
-        assert time.perf_counter() - begun < 0.4  # 0.2 s, and as much again for a machine that is busy
+        return time.perf_counter() - begun
+
+
+@pytest.mark.parametrize("what", ["reachable", "unreachable", "endless"])
+def test_ctrl_c_ends_a_million_targets(arm, what):
+    assert min(seconds_until_interrupted(what) for _ in range(3)) < 0.2
 
 
 def test_two_threads_on_one_arm(arm):
@@ -224,6 +230,65 @@ def test_after_a_fork(arm):
     expected = solve_ik_batch(arm, g, theta0, threads=2).theta
     child = os.fork()
     if child == 0:
-        same = (solve_ik_batch(arm, g, theta0, threads=2).theta == expected).all()
-        os._exit(0 if same else 1)
+        same = False
+        try:
+            same = bool((solve_ik_batch(arm, g, theta0, threads=2).theta == expected).all())
+        finally:
+            os._exit(0 if same else 1)
     assert os.waitstatus_to_exitcode(os.waitpid(child, 0)[1]) == 0
+
+
+def test_every_field_is_that_of_the_answer_alone(arm):
+    """Blocked targets and reachable ones, of two kinds, starts outside the limits, few searches, another seed."""
+    rng = np.random.default_rng(6)
+    small = load("so101")
+    g, _ = problems(small, 6, seed=7)
+    g[1::2, :3, :3] = g[1::2, :3, :3] @ np.array([[0.0, -1, 0], [1, 0, 0], [0, 0, 1]])
+    targets = [Pose(pose) if i % 3 else Position(pose[:3, 3]) for i, pose in enumerate(g)]
+    starts = small.random_theta(rng, 6) + np.array([4.0, 0, 0, 0, 0])
+    how = {"restarts": 3, "rng": 5, "posture": "theta0"}
+    batch = solve_ik_batch(small, targets, starts, **how)
+    stops = set()
+    for i, (target, start) in enumerate(zip(targets, starts, strict=True)):
+        ours = batch[i]
+        alone = solve_ik_batch(small, [target], start, **how)[0]
+        single = solve_ik(small, target, start, **how)
+        stops.add(ours.stop)
+        assert (ours.stop, ours.notes, ours.method) == (single.stop, single.notes, single.method)
+        assert (ours.iterations, ours.restarts) == (alone.iterations, alone.restarts)
+        assert (ours.position_error, ours.orientation_error) == (alone.position_error, alone.orientation_error)
+        assert ours.position_error == pytest.approx(single.position_error, abs=2e-6)
+        assert ours.orientation_error == pytest.approx(single.orientation_error, abs=2e-5)
+        assert (batch.position_error[i], batch.orientation_error[i]) == (ours.position_error, ours.orientation_error)
+        assert (batch.iterations[i], batch.restarts[i]) == (ours.iterations, ours.restarts)
+        assert ours.restarts <= 3
+        assert ours.notes, "every start lies outside"
+        assert (ours.unlimited is None) == (single.unlimited is None)
+        if ours.unlimited is not None:
+            assert not small.limits.contains(ours.unlimited)
+    assert StopReason.CONVERGED in stops
+    assert len(stops) > 1
+
+
+@pytest.mark.parametrize("far", [1.1e6, 1e17, 1e300])
+def test_a_start_from_which_whole_turns_cost_digits_is_refused(far):
+    arm = load("rover_arm")
+    start = arm.ready.copy()
+    start[-1] = far
+    for call in (lambda: solve_ik(arm, arm.fk(arm.ready), start), lambda: solve_ik_batch(arm, [np.eye(4)], start)):
+        with pytest.raises(InputError, match="theta0 holds .* for wrist_roll, beyond 1e\\+06 rad or m"):
+            call()
+    start[-1] = 9e5
+    solution = solve_ik(arm, arm.fk(arm.ready), start)
+    assert judged(arm, Pose(arm.fk(arm.ready)), solution)
+
+
+def test_numbers_that_are_not_aligned(arm):
+    g, theta0 = problems(arm, 2)
+    buffer = bytearray(1 + theta0.nbytes)
+    odd = np.frombuffer(buffer, np.float64, theta0.size, offset=1).reshape(theta0.shape)
+    odd[:] = theta0
+    np.testing.assert_array_equal(arm.fk(odd), arm.fk(theta0))
+    np.testing.assert_array_equal(solve_ik(arm, g[0], odd[0]).theta, solve_ik(arm, g[0], theta0[0]).theta)
+    np.testing.assert_array_equal(solve_ik_batch(arm, g, odd, posture=odd).theta,
+                                  solve_ik_batch(arm, g, theta0, posture=theta0).theta)  # fmt: skip

@@ -4,6 +4,7 @@
 #include <atomic>
 #include <condition_variable>
 #include <mutex>
+#include <new>
 #include <thread>
 #include <vector>
 
@@ -16,31 +17,32 @@ namespace bindings {
 namespace {
 
 constexpr std::size_t block = 256;  // enough that lanes left idle at its end do not count
-constexpr std::size_t few = 64;     // not worth a thread
+constexpr std::size_t few = 64;     // not worth a thread, if each takes
+constexpr int few_searches = 1000;  // no more than these
 constexpr auto patience = std::chrono::milliseconds(50);  // between two looks at Ctrl-C
 
 // A row for each target: theta (n), unlimited (n), position error, orientation error, iterations, restarts, stop, flags.
 constexpr std::size_t row_length(std::size_t n) { return 2 * n + 6; }
-constexpr double not_begun = -1.0;  // in place of a stop, where the time was up before
+constexpr double not_finished = -1.0;  // in place of a stop, where the time was up before
 
 class Work {
 public:
     Work(const Engine& engine, const Query& query, const Batch& targets, std::size_t count, std::size_t n, double* rows)
-        : engine_(engine), query_(query), targets_(targets), count_(count), n_(n), rows_(rows) {
+        : engine_(engine), query_(query), targets_(targets), count_(count), n_(n), rows_(rows), written_(count) {
         targets_.store = [](void* self, std::size_t t, const Answer& answer) {
             static_cast<Work*>(self)->write(t, answer);
         };
         targets_.goes_on = [](void* self) { return !static_cast<Work*>(self)->stopped(); };
         targets_.owner = this;
-        for (std::size_t t = 0; t < count_; ++t) rows_[t * row_length(n_) + 2 * n_ + 4] = not_begun;
     }
 
     // Blocks until there are none; one thread's share.
     void run() {
-        for (;;) {
-            const std::size_t begin = next_.fetch_add(block);
-            if (begin >= count_ || stopped()) break;
-            engine_.solve(query_, targets_, begin, begin + block < count_ ? begin + block : count_);
+        try {
+            solve_blocks();
+        } catch (const std::bad_alloc&) {
+            out_of_memory_.store(true);
+            stop();
         }
         const std::lock_guard<std::mutex> guard(mutex_);
         ++finished_;
@@ -53,10 +55,24 @@ public:
         return ended_.wait_for(guard, patience, [&] { return finished_ == threads; });
     }
 
+    bool out_of_memory() const { return out_of_memory_.load(); }
+    // Marks the rows that nobody has written.
+    void mark_unfinished() {
+        for (std::size_t t = 0; t < count_; ++t)
+            if (!written_[t]) rows_[t * row_length(n_) + 2 * n_ + 4] = not_finished;
+    }
     void stop() { stop_.store(true, std::memory_order_relaxed); }
     std::size_t done() const { return done_.load(std::memory_order_relaxed); }
 
 private:
+    void solve_blocks() {
+        for (;;) {
+            const std::size_t begin = next_.fetch_add(block);
+            if (begin >= count_ || stopped()) return;
+            engine_.solve(query_, targets_, begin, begin + block < count_ ? begin + block : count_);
+        }
+    }
+
     bool stopped() const {
         return stop_.load(std::memory_order_relaxed) || query_.stopped(query_.clock);
     }
@@ -74,6 +90,7 @@ private:
         row[3] = answer.restarts;
         row[4] = answer.stop;
         row[5] = answer.nearest + 2 * answer.has_unlimited + 4 * answer.other_branch + 8 * answer.start_moved;
+        written_[t] = 1;
         done_.fetch_add(1, std::memory_order_relaxed);
     }
 
@@ -82,8 +99,9 @@ private:
     Batch targets_;
     std::size_t count_, n_;
     double* rows_;
+    std::vector<unsigned char> written_;
     std::atomic<std::size_t> next_{0}, done_{0};
-    std::atomic<bool> stop_{false};
+    std::atomic<bool> stop_{false}, out_of_memory_{false};
     std::mutex mutex_;
     std::condition_variable ended_;
     int finished_ = 0;
@@ -93,17 +111,24 @@ private:
 class Threads {
 public:
     Threads(Work& work, int count) : work_(work) {
-        for (int i = 0; i < count; ++i) threads_.emplace_back([&work] { work.run(); });
+        try {
+            for (int i = 0; i < count; ++i) threads_.emplace_back([&work] { work.run(); });
+        } catch (...) {  // no thread to be had: those that run are joined before this is told
+            join();
+            throw;
+        }
     }
-    ~Threads() {
-        work_.stop();
-        const nb::gil_scoped_release released;
-        for (std::thread& thread : threads_) thread.join();
-    }
+    ~Threads() { join(); }
     Threads(const Threads&) = delete;
     Threads& operator=(const Threads&) = delete;
 
 private:
+    void join() {
+        work_.stop();
+        const nb::gil_scoped_release released;
+        for (std::thread& thread : threads_) thread.join();
+    }
+
     Work& work_;
     std::vector<std::thread> threads_;
 };
@@ -149,12 +174,15 @@ nb::object Chain::solve_batch(int kind, nb::handle numbers, nb::handle theta0, d
     const Question first{targets.data(), start.data(), posture.is_none() ? nullptr : preferred.data()};
     const Batch batch{first, start.is(n_) ? 0 : n_, preferred.is(n_) ? 0 : n_, nullptr, nullptr, nullptr};
     Work work(*engine_, query, batch, count, n_, Numbers(rows).data());
-    if (count <= few && progress.is_none()) {
+    if (count <= few && restarts <= few_searches && progress.is_none()) {
         const nb::gil_scoped_release released;
         work.run();
     } else {
-        oversee(work, threads, count, progress);
+        const std::size_t blocks = (count + block - 1) / block;
+        oversee(work, static_cast<std::size_t>(threads) < blocks ? threads : static_cast<int>(blocks), count, progress);
     }
+    if (work.out_of_memory()) throw std::bad_alloc();
+    work.mark_unfinished();
     return rows;
 }
 

@@ -154,6 +154,14 @@ namespace {
 constexpr double orthonormal = 1e-12;      // RᵀR − I beyond this is Python's to clean or to refuse
 constexpr double least_tolerance = 1e-12;  // as in ik/solve.py
 constexpr double farthest = 1e6;           // [m], as in ik/targets.py
+constexpr double farthest_start = 1e6;     // [rad, m], as in ik/request.py
+constexpr std::uint64_t most_searches = 1000000;  // as in ik/request.py
+
+bool is_start(const Numbers& theta) {
+    for (std::size_t k = 0; k < theta.size(); ++k)
+        if (!(std::fabs(theta.data()[k]) <= farthest_start)) return false;
+    return true;
+}
 
 bool is_rigid(const double* g) {
     for (int i = 0; i < 3; ++i)
@@ -202,18 +210,18 @@ nb::object Chain::solve(nb::handle kind, nb::handle numbers, nb::handle theta0, 
                         nb::handle posture) const {
     std::uint64_t which, searches, from;
     const Scalar position(position_tolerance), orientation(orientation_tolerance);
-    if (!whole(kind, which) || which >= kinds || !whole(restarts, searches) || searches < 1 || searches > 1000000 ||
+    if (!whole(kind, which) || which >= kinds || !whole(restarts, searches) || searches < 1 || searches > most_searches ||
         !whole(seed, from) || !(position.number >= least_tolerance) || !(orientation.number >= least_tolerance) ||
-        !std::isfinite(position.number + orientation.number))
+        !std::isfinite(position.number) || !std::isfinite(orientation.number))
         return not_plain();
     const Numbers target(numbers), start(theta0);
-    if (!(which == 0 ? target.is(4, 4) : target.plain() && target.size() == numbers_of_kind[which]) || !start.is(n_) || !start.finite() ||
+    if (!(which == 0 ? target.is(4, 4) : target.plain() && target.size() == numbers_of_kind[which]) || !start.is(n_) || !is_start(start) ||
         !is_target(static_cast<int>(which), target.data()))
         return not_plain();
     double seconds = Deadline::none;
     if (!max_time.is_none()) {
         const Scalar limit(max_time);
-        if (!limit.given || !(limit.number > 0.0)) return not_plain();
+        if (!limit.given || !(limit.number > 0.0) || !std::isfinite(limit.number)) return not_plain();
         seconds = limit.number;
     }
     const bool has_posture = !posture.is_none();

@@ -71,6 +71,18 @@ void several(const chain<double, N, N>& arm, const double* theta, int count, dou
     if (poses != nullptr) write_pose(g, count, poses);
 }
 
+template <int N>
+void all(const chain<double, N, N>& arm, const double* theta, std::size_t count, double* poses, double* spatial,
+         double* body) {
+    constexpr std::size_t width = lanes_in_round;
+    const std::size_t n = static_cast<std::size_t>(arm.coordinates());
+    for (std::size_t first = 0; first < count; first += width) {
+        const int there = static_cast<int>(count - first < width ? count - first : width);
+        several(arm, theta + first * n, there, poses != nullptr ? poses + first * 16 : nullptr,
+                spatial != nullptr ? spatial + first * 6 * n : nullptr, body != nullptr ? body + first * 6 * n : nullptr);
+    }
+}
+
 // -- inverse kinematics ----------------------------------------------------------------------------------------------
 
 target<double> target_from(int kind, const double* numbers) {
@@ -124,9 +136,8 @@ template <int N> void copy(const solution<double, N>& found, int n, Answer& answ
 // What comes after the searches. It is rare, so that one copy for chains of any size does for all.
 class Conclusion {
 public:
-    Conclusion(const general_chain& arm, const bindings::ArmNumbers& numbers)
-        : arm_(arm), range_(ranges_of(arm, numbers.lower, numbers.upper, numbers.start_lower, numbers.start_upper)),
-          reach_(numbers.reach) {}
+    Conclusion(const general_chain& arm, const ranges<double, dynamic>& range, double reach)
+        : arm_(arm), range_(range), reach_(reach) {}
 
     // The answer where `found` is all of it; else what it takes to make it so. `ends` as in `conclude`.
     template <int N>
@@ -146,8 +157,8 @@ private:
     void make(const Query& query, const Question& question, const solution<double, dynamic>& found, const double* ends,
               Clock& stopped, Answer& answer) const;
 
-    general_chain arm_;
-    ranges<double, dynamic> range_;
+    const general_chain& arm_;
+    const ranges<double, dynamic>& range_;
     double reach_;
 };
 
@@ -210,14 +221,34 @@ private:
     }
 };
 
+template <target_kind Kind, int N>
+void solve_targets(const chain<double, N, N>& arm, const ranges<double, N>& range, const Conclusion& conclusion,
+                   const Query& query, const Batch& batch, std::size_t begin, std::size_t end) {
+    Job<N> job{query, batch, conclusion, begin, end, arm.coordinates(), {query},
+               Room(static_cast<std::size_t>(lanes_in_round * arm.coordinates()) * most_ends)};
+    solve_batch<Kind>(arm, range, settings_of(query), job);
+}
+
+template <target_kind Kind, int N>
+void solve_target(const chain<double, N, N>& arm, const ranges<double, N>& range, const Conclusion& conclusion,
+                  const Query& query, const Question& question, Answer& answer) {
+    solution<double, N> found{};
+    double ends[most_ends * capacity(N)];
+    Clock clock{query};
+    solve_kind<Kind>(arm, range, settings_of(query), target_from(query.kind, question.numbers), question.theta0,
+                     query.seed, found, ends, most_ends, clock);
+    conclusion(query, question, found, ends, clock, answer);
+}
+
 // -- one arm ---------------------------------------------------------------------------------------------------------
 
-template <int N> class Engine final : public bindings::Engine {
+// Any arm.
+class GeneralEngine : public bindings::Engine {
 public:
-    Engine(const general_chain& arm, const bindings::ArmNumbers& numbers)
-        : arm_(narrowed<double, N, N>(arm)),
-          range_(ranges_of(arm_, numbers.lower, numbers.upper, numbers.start_lower, numbers.start_upper)),
-          conclusion_(arm, numbers) {}
+    GeneralEngine(const general_chain& arm, const bindings::ArmNumbers& numbers)
+        : arm_(arm),
+          range_(ranges_of(arm, numbers.lower, numbers.upper, numbers.start_lower, numbers.start_upper)),
+          conclusion_(arm_, range_, numbers.reach) {}
 
     void constants(bindings::Constants& out) const override {
         out.joints = arm_.joints();
@@ -235,50 +266,76 @@ public:
 
     void kinematics(const double* theta, std::size_t count, double* poses, double* spatial,
                     double* body) const override {
-        constexpr std::size_t width = lanes_in_round;
-        const std::size_t n = static_cast<std::size_t>(arm_.coordinates());
-        for (std::size_t first = 0; first < count; first += width) {
-            const int there = static_cast<int>(count - first < width ? count - first : width);
-            several<N>(
-                arm_, theta + first * n, there, poses != nullptr ? poses + first * 16 : nullptr,
-                spatial != nullptr ? spatial + first * 6 * n : nullptr, body != nullptr ? body + first * 6 * n : nullptr);
-        }
+        all(arm_, theta, count, poses, spatial, body);
     }
 
     void solve(const Query& query, const Question& question, Answer& answer) const override {
-        solution<double, N> found{};
-        double ends[most_ends * capacity(N)];
-        Clock clock{query};
-        twistarm::solve(arm_, range_, settings_of(query), target_from(query.kind, question.numbers), question.theta0,
-                        query.seed, found, ends, most_ends, clock);
-        conclusion_(query, question, found, ends, clock, answer);
-    }
-
-    void solve(const Query& query, const Batch& batch, std::size_t begin, std::size_t end) const override {
-        Job<N> job{query, batch, conclusion_, begin, end, arm_.coordinates(), {query},
-                   Room(static_cast<std::size_t>(lanes_in_round * arm_.coordinates()) * most_ends)};
-        const search_settings<double> settings = settings_of(query);
         switch (static_cast<target_kind>(query.kind)) {
-            case target_kind::pose: return solve_batch<target_kind::pose>(arm_, range_, settings, job);
-            case target_kind::position: return solve_batch<target_kind::position>(arm_, range_, settings, job);
-            case target_kind::approach: return solve_batch<target_kind::approach>(arm_, range_, settings, job);
-            case target_kind::task: return solve_batch<target_kind::task>(arm_, range_, settings, job);
+            case target_kind::pose: return one<target_kind::pose>(query, question, answer);
+            case target_kind::position: return one<target_kind::position>(query, question, answer);
+            case target_kind::approach: return one<target_kind::approach>(query, question, answer);
+            case target_kind::task: return one<target_kind::task>(query, question, answer);
         }
     }
 
-private:
-    chain<double, N, N> arm_;
-    ranges<double, N> range_;
-    Conclusion conclusion_;
+    void solve(const Query& query, const Batch& batch, std::size_t begin, std::size_t end) const override {
+        switch (static_cast<target_kind>(query.kind)) {
+            case target_kind::pose: return many<target_kind::pose>(query, batch, begin, end);
+            case target_kind::position: return many<target_kind::position>(query, batch, begin, end);
+            case target_kind::approach: return many<target_kind::approach>(query, batch, begin, end);
+            case target_kind::task: return many<target_kind::task>(query, batch, begin, end);
+        }
+    }
+
+protected:
+    template <target_kind Kind> void one(const Query& query, const Question& question, Answer& answer) const {
+        solve_target<Kind>(arm_, range_, conclusion_, query, question, answer);
+    }
+    template <target_kind Kind>
+    void many(const Query& query, const Batch& batch, std::size_t begin, std::size_t end) const {
+        solve_targets<Kind>(arm_, range_, conclusion_, query, batch, begin, end);
+    }
+
+    const general_chain arm_;
+    const ranges<double, dynamic> range_;
+    const Conclusion conclusion_;
 };
 
-// The chain of fixed size where one is compiled for it and each joint is its own coordinate; else the general one.
+// An arm of N joints, each its own coordinate: code of its own for what is asked most, kinematics and poses.
+template <int N> class FixedEngine final : public GeneralEngine {
+public:
+    FixedEngine(const general_chain& arm, const bindings::ArmNumbers& numbers)
+        : GeneralEngine(arm, numbers), fixed_(narrowed<double, N, N>(arm)),
+          within_(ranges_of(fixed_, numbers.lower, numbers.upper, numbers.start_lower, numbers.start_upper)) {}
+
+    void kinematics(const double* theta, std::size_t count, double* poses, double* spatial,
+                    double* body) const override {
+        all(fixed_, theta, count, poses, spatial, body);
+    }
+
+    void solve(const Query& query, const Question& question, Answer& answer) const override {
+        if (static_cast<target_kind>(query.kind) != target_kind::pose)
+            return GeneralEngine::solve(query, question, answer);
+        solve_target<target_kind::pose>(fixed_, within_, conclusion_, query, question, answer);
+    }
+
+    void solve(const Query& query, const Batch& batch, std::size_t begin, std::size_t end) const override {
+        if (static_cast<target_kind>(query.kind) != target_kind::pose)
+            return GeneralEngine::solve(query, batch, begin, end);
+        solve_targets<target_kind::pose>(fixed_, within_, conclusion_, query, batch, begin, end);
+    }
+
+private:
+    const chain<double, N, N> fixed_;
+    const ranges<double, N> within_;
+};
+
 template <int N> bindings::Engine* engine_of(const general_chain& arm, const bindings::ArmNumbers& numbers) {
     if constexpr (N >= TWISTARM_SMALLEST_FIXED) {
-        if (arm.identity && arm.joint_count == N) return new Engine<N>(arm, numbers);
+        if (arm.identity && arm.joint_count == N) return new FixedEngine<N>(arm, numbers);
         return engine_of<N - 1>(arm, numbers);
     } else {
-        return new Engine<dynamic>(arm, numbers);
+        return new GeneralEngine(arm, numbers);
     }
 }
 

@@ -106,6 +106,6 @@ class Chain:
         """Inverse kinematics of N targets of one kind; theta0 and posture are one for all (n,) or one for each (N, n).
 
         A row for each: theta (n), unlimited (n), position and orientation error, iterations, restarts, stop, flags
-        (1 nearest, 2 has unlimited, 4 other branch, 8 start moved). Where it ended before a target was begun, because
-        the time was up, the row's stop is −1.
+        (1 nearest, 2 has unlimited, 4 other branch, 8 start moved). Where the time was up before a target was
+        finished, the row's stop is −1.
         """

@@ -399,7 +399,7 @@ class Arm:
         if answer is not None:
             return answer
         x = self._theta(theta)
-        answers = kernel(np.ascontiguousarray(x).reshape(-1, self.n))
+        answers = kernel(np.require(x.reshape(-1, self.n), np.float64, ["C", "A"]))
         assert answers is not None
         return answers.reshape(*x.shape[:-1], *shape)
 

@@ -27,8 +27,12 @@ _TAKEN = """
     reinterpret_cast requires return short signed sizeof static static_assert static_cast std struct switch template
     this thread_local throw true try twistarm typedef typeid typename union unix unsigned using virtual void volatile
     wchar_t while xor xor_eq
+    abs acos asin atan BUFSIZ ceil clock close cos div EOF errno exit exp floor gamma index INFINITY j0 j1 jn link log
+    M_PI NAN NULL open pipe pow raise read remove rename round select signal sin sqrt stderr stdin stdout tan time write
+    y0 y1 yn
 """
-"""What no namespace can be called: C++20's keywords, `main`, `std`, our own, and the macros of GCC's dialects."""
+"""What no namespace can be called: C++20's keywords, `main`, `std`, our own, the macros of GCC's dialects, and short
+names of the C library."""
 
 
 def write_cpp_header(arm: Arm, path: str | os.PathLike[str]) -> Path:
@@ -229,14 +233,10 @@ twistarm::solution<T, n> solve_ik(const twistarm::ranges<T, n>& limits, const tw
     constexpr int in_register = TWISTARM_REGISTER_BYTES / static_cast<int>(sizeof(T));
     constexpr int lanes = Lanes > 0 ? Lanes : in_register < 8 ? in_register : 8;
     twistarm::solution<T, n> found{{}};
-    T start[n];
-    for (int k = 0; k < n; ++k) start[k] = theta0[k];
-    twistarm::bring_inside(limits, n, start);
     T* const no_ends = nullptr;
     twistarm::never stopped;
     if (asked.kind == Kind)
-        twistarm::detail::race_to<twistarm::pack<T, lanes>, Kind>(chain<T>, limits, settings, asked, start, seed,
-                                                                  no_ends, 0, stopped, found);
+        twistarm::solve_kind<Kind, lanes>(chain<T>, limits, settings, asked, theta0, seed, found, no_ends, 0, stopped);
     return found;
 }}
 

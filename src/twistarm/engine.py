@@ -53,6 +53,7 @@ def chain_of(
         _say_once()
         return None
     if max(A.shape) > MOST_JOINTS:
+        _LOG.warning("%d joints are more than the compiled core holds (%d)", max(A.shape), MOST_JOINTS)
         return None
     chain: Chain = module.Chain(screws, home, A, *limits, *starts, reach)
     return chain

@@ -100,14 +100,12 @@ void conclude(const chain<T, N, M>& arm, const ranges<T, N>& range, const search
         detail::field_of_starts<T, N> field;
         field.count = begun;
         for (int k = 0; k < begun * n; ++k) field.theta[k] = from[k];
+        // The best end may be that of a search too late to be kept.
+        for (int k = 0; k < n && found.restarts > most_ends; ++k) field.theta[k] = found.theta[k];
         return detail::explain(arm, range, settings, asked, start, seed, reach, stopped, field, out);
     }
-    if (posture != nullptr) {
-        approach_posture(arm, range, settings, asked, posture, stopped, out.found);
-        out.other_branch = is_open(out.found, settings, start, n);
-        return;
-    }
     out.other_branch = keep_branch(arm, range, settings, asked, start, stopped, out.found);
+    if (posture != nullptr) approach_posture(arm, range, settings, asked, posture, stopped, out.found);
 }
 
 /// Inverse kinematics of one target, and where it cannot be met, the nearest configuration and the reason.

@@ -8,9 +8,10 @@ TWISTARM_BEGIN
 namespace detail {
 /// The targets of a batch, one per lane at a time, each searched from its θ₀, then from random starts in order.
 ///
-/// `Job` gives and takes: job.count(), job.asked(t), job.start(t, theta) (θ₀), job.seed(t), job.store(t, solution, ends),
-/// and job.goes_on(done), asked after each target and now and then; false ends the batch. job.ends(lane) is room for `most_ends` (n,) ends
-/// of the searches that fail in a lane, which `store` gets back; or null.
+/// `Job` gives and takes: job.count(), job.asked(t), job.start(t, theta), job.seed(t), job.store(t, solution, ends)
+/// and job.goes_on(done), asked after each target and now and then; false ends the batch, and what is being searched is
+/// not stored. job.ends(lane) is room for `most_ends` (n,) ends of the searches that fail in a lane, which `store` gets
+/// back; or null.
 template <class V, class T, int N, int M, class Job> struct batch_of_targets final : search_owner<V, T, N> {
     static constexpr int lane_count = number<V>::lanes;
     static constexpr std::int64_t none = -1;
@@ -118,9 +119,8 @@ void solve_batch(const chain<T, N, M>& arm, const ranges<T, N>& range, const sea
     using V = pack<T, lanes_in_round>;
     if (job.count() == 0) return;
     detail::batch_of_targets<V, T, N, M, Job> batch(arm, range, settings, job);
-    lane_searches<V, N> lanes;
+    lane_searches<V, N> lanes = searches_at_rest<V, N>();
     lane_starts<T, N, lanes_in_round> starts;
-    for (V& coordinate : lanes.theta) coordinate = V(T(0));
     for (int i = 0; i < lanes_in_round; ++i) batch.take_next(starts, i);
     run_searches<V, Kind, T, N, M>(arm, range, settings, lanes, starts, batch);
 }

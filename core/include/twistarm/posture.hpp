@@ -25,6 +25,7 @@ template <target_kind Kind, class T, int N, int M> struct posture_walk {
     const chain<T, N, M>& arm;
     const ranges<T, N>& range;
     const T* posture;
+    T enough;  ///< E on the target [m²]
     aim<T> aims;
     residual<T, N, rows> at;
     bool free[capacity(N)];
@@ -86,7 +87,7 @@ template <target_kind Kind, class T, int N, int M> struct posture_walk {
     bool correct(T* theta) {
         for (int k = 0; k < most_corrections; ++k) {
             for (int i = 0; i < size(); ++i) theta[i] = clamped(theta[i], range.lower[i], range.upper[i]);
-            if (look(theta) <= corrected<T>) return true;
+            if (look(theta) <= enough) return true;
             for (int i = 0; i < size(); ++i) free[i] = theta[i] > range.lower[i] && theta[i] < range.upper[i];
             T d[capacity(N)] = {};
             project(at.e, d);
@@ -118,7 +119,8 @@ template <target_kind Kind, class T, int N, int M> struct posture_walk {
         look(theta);
         const T longest = downhill(theta, d), before = squared_distance(theta, posture, size());
         if (longest <= settled_step<T>) return false;
-        for (T share = least(share_of(theta, d), T(0.5) / longest); share * longest > least_share<T> * settled_step<T>; share *= T(0.5)) {
+        const T shortest = least_share<T> * settled_step<T>;
+        for (T share = least(share_of(theta, d), T(0.5) / longest); share * longest > shortest; share *= T(0.5)) {
             for (int i = 0; i < size(); ++i) trial[i] = theta[i] + share * d[i];
             if (!correct(trial) || squared_distance(trial, posture, size()) >= before) continue;
             for (int i = 0; i < size(); ++i) theta[i] = trial[i];
@@ -129,9 +131,11 @@ template <target_kind Kind, class T, int N, int M> struct posture_walk {
 };
 
 template <target_kind Kind, class T, int N, int M, class Stopped>
-void walk_to_posture(const chain<T, N, M>& arm, const ranges<T, N>& range, const target<T>& asked, const T* posture,
-                     Stopped& stopped, T* theta) {
-    posture_walk<Kind, T, N, M> walk{arm, range, posture, aim_at(arm, asked), {}, {}, {}, {}, false};
+void walk_to_posture(const chain<T, N, M>& arm, const ranges<T, N>& range, const search_settings<T>& settings,
+                     const target<T>& asked, const T* posture, Stopped& stopped, T* theta) {
+    const T tolerance = T(0.5) * least(settings.position_tolerance, settings.orientation_tolerance);
+    posture_walk<Kind, T, N, M> walk{
+        arm, range, posture, least(corrected<T>, tolerance * tolerance), aim_at(arm, asked), {}, {}, {}, {}, false};
     for (int k = 0; k < most_posture_steps && !stopped() && walk.step(theta); ++k) continue;
 }
 }  // namespace detail
@@ -146,7 +150,7 @@ void approach_posture(const chain<T, N, M>& arm, const ranges<T, N>& range, cons
     solution<T, N> moved = found;
     wrap_near(range, arm.coordinates(), posture, moved.theta);
     const auto walk = [&](auto kind) {
-        detail::walk_to_posture<kind()>(arm, range, asked, posture, stopped, moved.theta);
+        detail::walk_to_posture<kind()>(arm, range, settings, asked, posture, stopped, moved.theta);
     };
     switch (asked.kind) {
         case target_kind::pose: walk(std::integral_constant<target_kind, target_kind::pose>{}); break;

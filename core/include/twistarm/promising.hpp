@@ -10,7 +10,7 @@ namespace detail {
 /// Room for the ends of all searches; from so many of them, or random configurations, the nearest is looked for. So
 /// many of the most promising are followed, and so many, side by side, to the end: local minima are many where a
 /// position leaves several joints free.
-constexpr int most_starts = most_ends, begun_starts = most_starts < 96 ? most_starts : 96;
+constexpr int most_starts = most_ends, begun_starts = most_starts;
 constexpr int most_followed = 16, most_finalists = 8;
 
 /// Of the random starts among them.

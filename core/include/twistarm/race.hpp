@@ -51,7 +51,7 @@ template <class V, class T, int N, int M, class Stopped> struct race_of_one fina
 
     void begin(lane_starts<T, N, lane_count>& starts, int i) {
         search[i] = none;
-        if (begun == settings.searches || !beats(begun, 0)) return;
+        if (begun >= settings.searches || !beats(begun, 0)) return;
         search[i] = begun++;
         if (search[i] == 0)
             for (int k = 0; k < arm.coordinates(); ++k) starts.theta[k][i] = theta0[k];
@@ -71,7 +71,7 @@ template <class V, class T, int N, int M, class Stopped> struct race_of_one fina
     }
 
     bool converged(const lane_searches<V, N>& lanes, int i) {
-        solution<T, N> candidate;
+        solution<T, N> candidate{};
         if (!accept(lanes, i, range, arm.coordinates(), asked.kind, theta0, candidate)) return false;
         found = candidate;
         winner = search[i];
@@ -114,9 +114,8 @@ void race_to(const chain<T, N, M>& arm, const ranges<T, N>& range, const search_
              const target<T>& asked, const T* theta0, std::uint64_t seed, T* ends, int room, Stopped& stopped,
              solution<T, N>& found) {
     race_of_one<V, T, N, M, Stopped> race(arm, range, settings, asked, seed, theta0, found, ends, room, stopped);
-    lane_searches<V, N> lanes;
+    lane_searches<V, N> lanes = searches_at_rest<V, N>();
     lane_starts<T, N, number<V>::lanes> starts;
-    for (V& coordinate : lanes.theta) coordinate = V(T(0));
     for (int k = 0; k < arm.coordinates(); ++k) found.theta[k] = theta0[k];
     for (int i = 0; i < number<V>::lanes; ++i) race.begin(starts, i);
     run_searches<V, Kind, T, N, M>(arm, range, settings, lanes, starts, race);
@@ -129,28 +128,36 @@ void race_to(const chain<T, N, M>& arm, const ranges<T, N>& range, const search_
 }
 }  // namespace detail
 
-/// Inverse kinematics of one target: at most settings.searches searches, the first from `theta0` (n,) brought inside
-/// the limits, the others from random starts of `seed`; settings.searches ≥ 1. The same call gives the same bits.
+/// Inverse kinematics of one target of this kind: at most settings.searches searches, the first from `theta0` (n,)
+/// brought inside the limits, the others from random starts of `seed`; settings.searches ≥ 1. The same call gives the
+/// same bits. `Lanes` searches run side by side, which changes no answer.
 ///
 /// The errors are those of forward kinematics at the answer. Where there is none, `found` is the end with the
 /// least error, not converged. `ends` (room, n), if not null, takes the ends of the first searches that failed; all of
 /// them without a winner. stopped() is asked now and then, and true ends the searches where they are.
+template <target_kind Kind, int Lanes = lanes_in_round, class T, int N, int M, class Stopped>
+void solve_kind(const chain<T, N, M>& arm, const ranges<T, N>& range, const search_settings<T>& settings,
+                const target<T>& asked, const T* theta0, std::uint64_t seed, solution<T, N>& found, T* ends, int room,
+                Stopped& stopped) {
+    T start[capacity(N)];
+    for (int k = 0; k < arm.coordinates(); ++k) start[k] = theta0[k];
+    bring_inside(range, arm.coordinates(), start);
+    detail::race_to<pack<T, Lanes>, Kind>(arm, range, settings, asked, start, seed, ends, room, stopped, found);
+}
+
+/// The same for a target of any kind.
 template <class T, int N, int M, class Stopped>
 void solve(const chain<T, N, M>& arm, const ranges<T, N>& range, const search_settings<T>& settings,
            const target<T>& asked, const T* theta0, std::uint64_t seed, solution<T, N>& found, T* ends, int room,
            Stopped& stopped) {
-    using V = pack<T, lanes_in_round>;
-    T start[capacity(N)];
-    for (int k = 0; k < arm.coordinates(); ++k) start[k] = theta0[k];
-    bring_inside(range, arm.coordinates(), start);
-    const auto race_for = [&](auto kind) {
-        detail::race_to<V, kind()>(arm, range, settings, asked, start, seed, ends, room, stopped, found);
+    const auto solve_as = [&](auto kind) {
+        solve_kind<kind()>(arm, range, settings, asked, theta0, seed, found, ends, room, stopped);
     };
     switch (asked.kind) {
-        case target_kind::pose: return race_for(std::integral_constant<target_kind, target_kind::pose>{});
-        case target_kind::position: return race_for(std::integral_constant<target_kind, target_kind::position>{});
-        case target_kind::approach: return race_for(std::integral_constant<target_kind, target_kind::approach>{});
-        case target_kind::task: return race_for(std::integral_constant<target_kind, target_kind::task>{});
+        case target_kind::pose: return solve_as(std::integral_constant<target_kind, target_kind::pose>{});
+        case target_kind::position: return solve_as(std::integral_constant<target_kind, target_kind::position>{});
+        case target_kind::approach: return solve_as(std::integral_constant<target_kind, target_kind::approach>{});
+        case target_kind::task: return solve_as(std::integral_constant<target_kind, target_kind::task>{});
     }
 }
 

@@ -112,10 +112,10 @@ TWISTARM_INLINE void random_start(const ranges<T, N>& range, int coordinates, st
     start_at(range, coordinates, sequence_of<N>(seed, coordinates), restart, theta, stride);
 }
 
-/// Whether every coordinate lies within its limits.
+/// Whether every coordinate is finite and within its limits.
 template <class T, int N> inline bool is_inside(const ranges<T, N>& range, int coordinates, const T* theta) {
     for (int k = 0; k < coordinates; ++k)
-        if (!(theta[k] >= range.lower[k] && theta[k] <= range.upper[k])) return false;
+        if (!(theta[k] >= range.lower[k] && theta[k] <= range.upper[k] && theta[k] - theta[k] == T(0))) return false;
     return true;
 }
 

@@ -85,9 +85,8 @@ void resume_as(const chain<T, N, M>& arm, const ranges<T, N>& range, const searc
     using V = pack<T, lanes_in_round>;
     search_settings<T> patient = settings;
     patient.iterations = patient.stalls = patience;
-    lane_searches<V, N> lanes;
+    lane_searches<V, N> lanes = searches_at_rest<V, N>();
     lane_starts<T, N, lanes_in_round> starts;
-    for (V& coordinate : lanes.theta) coordinate = V(T(0));
     take_nearest<V>(arm, range, asked, settings.rotation_weight, ends, count, starts);
     resumed_searches<V, T, N, Stopped> owner(aim_in_every_lane<V>(aim_at(arm, asked)), range, asked, theta0,
                                              arm.coordinates(), stopped, found);

@@ -28,6 +28,16 @@ template <class V, int N> struct lane_searches {
     V theta[capacity(N)], position_squared, rotation_squared, error, first_error, best, stalls, iterations;
 };
 
+/// Lanes in which nothing runs yet; what stands there is worked on all the same, and never looked at.
+template <class V, int N> TWISTARM_INLINE lane_searches<V, N> searches_at_rest() {
+    const V zero = V(scalar_of<V>(0));
+    lane_searches<V, N> lanes;
+    for (V& coordinate : lanes.theta) coordinate = zero;
+    lanes.position_squared = lanes.rotation_squared = lanes.error = lanes.first_error = zero;
+    lanes.best = lanes.stalls = lanes.iterations = zero;
+    return lanes;
+}
+
 /// Where a search begins that takes a lane over: written while others go on, put in place after their step.
 template <class T, int N, int Lanes> struct lane_starts {
     T theta[capacity(N)][Lanes];

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import operator
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
@@ -30,15 +31,15 @@ MAX_THREADS = 256
 NEAREST, HAS_UNLIMITED, OTHER_BRANCH, START_MOVED = 1, 2, 4, 8
 """Flags of a row."""
 
-NOT_BEGUN = -1
-"""In place of a reason: the time was up before the target's turn."""
+NOT_FINISHED = -1
+"""In place of a reason: the time was up before the target was finished."""
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, repr=False)
 class IKBatch:
     """The answers to N targets, read-only arrays with a row for each; `batch[i]` is one of them as an `IKSolution`.
 
-    A target whose turn had not come when the time was up has its start as theta, and infinite errors.
+    A target that was not finished when the time was up has its start as theta, and infinite errors.
     """
 
     arm: Arm
@@ -83,13 +84,17 @@ class IKBatch:
         met: NDArray[np.bool_] = self.rows[:, -2] == STOPS.index(StopReason.CONVERGED)
         return met
 
+    def __repr__(self) -> str:
+        return f"IKBatch({self.arm.name}, {len(self)} targets, {int(self.converged.sum())} met)"
+
     def __len__(self) -> int:
         return len(self.rows)
 
     def __iter__(self) -> Iterator[IKSolution]:
         return (self[i] for i in range(len(self)))
 
-    def __getitem__(self, i: int) -> IKSolution:
+    def __getitem__(self, index: int) -> IKSolution:
+        i = operator.index(index)
         n, row, target = self.arm.n, self.rows[i], as_target(self.targets[i])
         flags, start = int(row[-1]), self.request.theta0
         answer = PlainAnswer(
@@ -227,8 +232,8 @@ def _of_one_kind(chain: engine.Chain, kind: int, numbers: Array, request: Reques
 
 
 def _begun(arm: Arm, request: Request, rows: Array) -> Array:
-    """The rows, read-only; those whose turn did not come have their start, and no error is known."""
-    late = rows[:, -2] == NOT_BEGUN
+    """The rows, read-only; those that were not finished have their start, and no error is known."""
+    late = rows[:, -2] == NOT_FINISHED
     if late.any():
         start = joint_ranges(arm).inside(request.theta0)
         rows[late, : arm.n] = start if start.ndim == 1 else start[late]
@@ -240,7 +245,7 @@ def _begun(arm: Arm, request: Request, rows: Array) -> Array:
 def _readably(arm: Arm, targets: Array | tuple[AnyTarget, ...], request: Request, progress: Progress | None) -> Array:
     """Without the core: one after the other, in one thread."""
     deadline = Deadline.after(request.max_time)
-    rows = np.full((len(targets), 2 * arm.n + 6), float(NOT_BEGUN))
+    rows = np.full((len(targets), 2 * arm.n + 6), float(NOT_FINISHED))
     for i, target in enumerate(targets):
         if deadline.passed:
             break
@@ -266,7 +271,7 @@ def _part(request: Request, indices: NDArray[np.int64]) -> Request:
     """The request for some targets of the batch."""
 
     def part(values: Array | None) -> Array | None:
-        return values if values is None or values.ndim == 1 else np.ascontiguousarray(values[indices])
+        return values if values is None or values.ndim == 1 else frozen(values[indices])
 
     start = part(request.theta0)
     assert start is not None

@@ -39,6 +39,8 @@ def summary(solution: IKSolution) -> str:
 
 def reached(solution: IKSolution) -> str:
     """The two errors in words."""
+    if math.isinf(solution.position_error):
+        return "nothing yet"
     parts = []
     if len(solution.target.position_tolerance):
         off = solution.position_error > solution.tolerances.position
@@ -50,6 +52,8 @@ def reached(solution: IKSolution) -> str:
 
 
 def _why(solution: IKSolution) -> list[str]:
+    if math.isinf(solution.position_error):
+        return ["it was not finished in time, and theta is its start; give a longer max_time"]
     if solution.stop is StopReason.TIMED_OUT:
         return ["this is the best so far; give a longer max_time, or a theta0 nearer to the answer"]
     if solution.stop is StopReason.EXHAUSTED:

@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from ..arm import Arm
-from ..checks import Array, as_floats, as_theta
+from ..checks import Array, as_floats, as_theta, frozen
 from ..errors import InputError
 from .damped import Tolerances
 from .starts import as_seed
@@ -19,6 +19,9 @@ LEAST_TOLERANCE = 1e-12
 """Below this a tolerance asks for more digits than forward kinematics has."""
 
 MAX_RESTARTS = 1_000_000
+
+FARTHEST_START = 1e6
+"""Beyond this [rad, m] a start is a mistake in the units, and whole turns toward it cost the answer its digits."""
 
 POSTURES = ("theta0", "centre")
 
@@ -57,7 +60,7 @@ def checked(
     start = _start(arm, theta0, count)
     return Request(
         theta0=start,
-        posture=_posture(arm, posture, start),
+        posture=_posture(arm, posture, start, count),
         tolerances=Tolerances(
             _tolerance(tolerances[0], "position_tol [m]"), _tolerance(tolerances[1], "orientation_tol [rad]")
         ),
@@ -77,14 +80,23 @@ def require_arm(arm: Any) -> Arm:
 def _start(arm: Arm, theta0: ArrayLike | None, count: int | None) -> Array:
     if theta0 is None:
         return arm.ready
-    given = np.ascontiguousarray(as_theta(theta0, arm.n, "theta0", arm.joint_names))
+    given = as_theta(theta0, arm.n, "theta0", arm.joint_names)
+    if np.abs(given).max(initial=0.0) > FARTHEST_START:
+        far = np.unravel_index(int(np.abs(given).argmax()), given.shape)
+        raise InputError(
+            f"theta0 holds {given[far]:g} for {arm.joint_names[far[-1]]}, beyond {FARTHEST_START:g} rad or m: "
+            "whole turns that far lose the digits of the answer"
+        )
     if given.ndim == 1 or (count is not None and given.shape == (count, arm.n)):
-        return given
-    each = "" if count is None else f" or one for each target ({count}, {arm.n})"
-    raise InputError(f"theta0 must be one configuration of shape ({arm.n},){each}; got {given.shape}")
+        return frozen(given)
+    raise InputError(f"theta0 must be one configuration of shape ({arm.n},){_each(arm, count)}; got {given.shape}")
 
 
-def _posture(arm: Arm, posture: ArrayLike | str | None, start: Array) -> Array | None:
+def _each(arm: Arm, count: int | None) -> str:
+    return "" if count is None else f" or one for each target ({count}, {arm.n})"
+
+
+def _posture(arm: Arm, posture: ArrayLike | str | None, start: Array, count: int | None) -> Array | None:
     """Where a redundant arm would rather be."""
     if posture is None:
         return None
@@ -93,9 +105,11 @@ def _posture(arm: Arm, posture: ArrayLike | str | None, start: Array) -> Array |
             raise InputError(f"posture must be 'theta0', 'centre' or a configuration ({arm.n},); got {posture!r}")
         return start if posture == "theta0" else arm.limits.middle()
     given = as_theta(posture, arm.n, "posture", arm.joint_names)
-    if given.ndim != 1:
-        raise InputError(f"posture must be 'theta0', 'centre' or one configuration ({arm.n},); got {given.shape}")
-    return np.ascontiguousarray(given)
+    if given.ndim == 1 or (count is not None and given.shape == (count, arm.n)):
+        return frozen(given)
+    raise InputError(
+        f"posture must be 'theta0', 'centre' or one configuration ({arm.n},){_each(arm, count)}; got {given.shape}"
+    )
 
 
 def _tolerance(value: float, name: str) -> float:
