@@ -25,6 +25,8 @@ std::vector<std::string> instruction_sets() {
 
 NB_MODULE(_core, module) {
     using namespace nb::literals;
+    // A program may end while it holds arms.
+    nb::set_leak_warnings(false);
     module.doc() = "The compiled kernels; `twistarm.engine.core()` is the door to them.";
     module.attr("INTERFACE") = TWISTARM_INTERFACE;
     module.def("instruction_sets", &instruction_sets);
