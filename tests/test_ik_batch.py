@@ -201,7 +201,7 @@ def seconds_until_interrupted(what):
 
 @pytest.mark.parametrize("what", ["reachable", "unreachable", "endless"])
 def test_ctrl_c_ends_a_million_targets(arm, what):
-    assert min(seconds_until_interrupted(what) for _ in range(3)) < 0.2
+    assert any(seconds_until_interrupted(what) < 0.2 for _ in range(3))
 
 
 def test_two_threads_on_one_arm(arm):
