@@ -8,30 +8,12 @@ from collections.abc import Callable
 from typing import Any
 
 from .checks import Array
+from .ik.answer import Answer
 
 INTERFACE: int
 
 def instruction_sets() -> list[str]:
     """What this processor runs, best first: avx512, avx2, baseline."""
-
-class Answer:
-    """What one solve found; ik/answer.py says what each number is."""
-
-    kind: int
-    numbers: bytes
-    theta0: bytes
-    position_tol: float
-    orientation_tol: float
-    theta: bytes
-    unlimited: bytes | None
-    position_error: float
-    orientation_error: float
-    iterations: int
-    restarts: int
-    stop: int
-    nearest: bool
-    other_branch: bool
-    start_moved: bool
 
 class Chain:
     """g_st(theta) = Π exp(ξ_i (Aθ)_i) · home, its Jacobians and its inverse, from screws (6, m), home (4, 4), A (m, n).
