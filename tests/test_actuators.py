@@ -1,4 +1,4 @@
-"""motor = G theta + o: by hand on a differential wrist, back and forth, and what cannot be told apart."""
+"""motor = G theta + o: by hand on a differential wrist, back and forth, torques, limits, what cannot be told apart."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ import pickle
 import numpy as np
 import pytest
 
-from twistarm import Actuators, InputError
+from twistarm import Actuators, InputError, JointLimits
 
 
 def differential(**changes: object) -> Actuators:
@@ -67,18 +67,59 @@ def test_more_motors_than_joints_give_the_least_squares() -> None:
     assert np.allclose(motors.to_theta([3.0, 2.0]), [1.4])
 
 
+def test_velocities_have_no_offset() -> None:
+    motors = differential()
+    assert np.allclose(motors.velocity_to_motor([0.1, 0.2, 0.05]), [40.0, 15.0, 9.0])
+    assert np.allclose(motors.velocity_to_theta([40.0, 15.0, 9.0]), [0.1, 0.2, 0.05], atol=1e-15)
+    # They are the slopes of the positions: central differences.
+    rng = np.random.default_rng(1)
+    theta, theta_dot = rng.uniform(-1, 1, (2, 6, 3))
+    h = 1e-4
+    slope = (motors.to_motor(theta + h * theta_dot) - motors.to_motor(theta - h * theta_dot)) / (2 * h)
+    assert np.allclose(motors.velocity_to_motor(theta_dot), slope, atol=1e-8)
+    assert np.allclose(motors.velocity_to_theta(motors.velocity_to_motor(theta_dot)), theta_dot, atol=1e-14)
+
+
+def test_torques_by_hand_and_by_their_power() -> None:
+    motors = differential()
+    # 0.1 N m of each wrist motor: 12 N m of pitch; against each other: of roll. 0.5 N m at the rail's 400 rad/m: 200 N.
+    assert np.allclose(motors.torque_to_theta([0.5, 0.1, 0.1]), [200.0, 12.0, 0.0])
+    assert np.allclose(motors.torque_to_theta([0.0, 0.1, -0.1]), [0.0, 0.0, 12.0])
+    assert np.allclose(motors.torque_to_motor([200.0, 12.0, 0.0]), [0.5, 0.1, 0.1])
+    tau_motor, theta_dot = np.random.default_rng(2).uniform(-1, 1, (2, 4, 5, 3))
+    power = np.sum(tau_motor * motors.velocity_to_motor(theta_dot), axis=-1)
+    tau = motors.torque_to_theta(tau_motor)
+    assert tau.shape == (4, 5, 3)
+    assert np.allclose(np.sum(tau * theta_dot, axis=-1), power)
+    assert np.allclose(motors.torque_to_motor(tau), tau_motor)
+
+
+def test_more_motors_than_joints_share_a_torque_with_the_least_of_their_own() -> None:
+    motors = Actuators(("a", "b"), ("j",), [[2.0], [1.0]], [0.0, 1.0], ("rad", "rad"), [np.nan, np.nan])  # type: ignore[arg-type]
+    # 2 a + b = 10 with the least a² + b²: Lagrange gives a = 2 b, so b = 2.
+    assert np.allclose(motors.torque_to_motor([10.0]), [4.0, 2.0])
+    assert np.allclose(motors.torque_to_theta([4.0, 2.0]), [10.0])
+    # Least squares of the velocities: 2 (2 v − 5) + (v − 5) = 0.
+    assert np.allclose(motors.velocity_to_theta([5.0, 5.0]), [3.0])
+
+
 def test_joints_that_the_motors_do_not_determine_are_named() -> None:
     idle = differential(G=[[400.0, 0, 0], [0, 60, 60], [0, 120, 120]])
     assert idle.undriven == ("pitch", "roll")
     assert np.allclose(idle.to_motor([0.0, 0.1, 0.0]), [0.0, 6.5, 11.5])
     with pytest.raises(InputError, match="do not determine joint 'pitch', 'roll': G must have full column rank"):
         idle.to_theta([0.0, 0.0, 0.0])
+    for back in (idle.velocity_to_theta, idle.torque_to_motor):
+        with pytest.raises(InputError, match="do not determine joint 'pitch', 'roll'"):
+            back([0.0, 0.0, 0.0])
+    assert np.allclose(idle.torque_to_theta([0.0, 1.0, 0.0]), [0.0, 60.0, 60.0])
+    assert np.isinf(idle.joint_limits.effort).all()
     assert differential(G=[[1e-3, 0, 0], [0, 1e5, 1e5], [0, 1e5, -1e5]]).undriven == ()
     one = Actuators(("a",), ("j", "k"), [[2.0, 0.0]], [0.0], ("rad",), [np.nan])  # type: ignore[arg-type]
     assert one.undriven == ("k",)
 
 
-REFUSED = {
+REFUSED: dict[str, tuple[dict[str, object], str]] = {
     "G of another shape": ({"G": np.eye(2)}, r"G of 3 actuators and 3 joints must have shape \(3, 3\)"),
     "an offset that is none": ({"offset": [0.0, np.nan, 0.0]}, "offset must be finite"),
     "an unknown unit": ({"units": ("turns", "tick", "deg")}, "'rail' counts in 'turns'; allowed: rad, deg, turn"),
@@ -87,6 +128,16 @@ REFUSED = {
     "turns of what slides": (
         {"units": ("m", "tick", "deg"), "ticks_per_turn": [8.0, 4096.0, np.nan]},
         "'rail' counts in m and makes no turns",
+    ),
+    "limits of other motors": ({"limits": JointLimits.unbounded(2)}, "limits of 3 actuators must be those of 3 motors"),
+    "no place for a joint": (
+        {
+            "G": [[400.0, 0, 0], [-400.0, 0, 0], [0, 60, 60]],
+            "limits": JointLimits.unbounded(3).with_(
+                {"lower": {"rail": 10.0, "left": 10.0}}, ("rail", "left", "right")
+            ),
+        },
+        "position limits leave joint 'slide' no place",
     ),
     "too few units": ({"units": ("rad",)}, "3 actuators need 3 units"),
 }
@@ -97,6 +148,43 @@ def test_what_cannot_be_is_refused(case: str) -> None:
     changes, message = REFUSED[case]
     with pytest.raises(InputError, match=message):
         differential(**changes)
+
+
+def limited() -> Actuators:
+    changes = {
+        "lower": {"rail": -100.0, "left": -90.0}, "upper": {"rail": 200.0}, "velocity": {"rail": 80.0, "left": 90.0},
+        "acceleration": {"right": 300.0}, "effort": {"rail": 2.0, "left": 0.1, "right": 0.2},
+    }  # fmt: skip
+    return differential(limits=JointLimits.unbounded(3).with_(changes, ("rail", "left", "right")))
+
+
+def test_what_the_motors_allow_each_joint_alone() -> None:
+    alone = limited().joint_limits
+    # The wrist's positions hang on each other: none of their own.
+    assert alone.lower.tolist() == [-0.25, -np.inf, -np.inf]
+    assert alone.upper.tolist() == [0.5, np.inf, np.inf]
+    assert np.allclose(alone.velocity, [0.2, 1.5, 1.5])
+    assert alone.acceleration.tolist() == [np.inf, 5.0, 5.0]
+    # Both motors push alike for a torque of one joint: twice the weaker one's.
+    assert np.allclose(alone.effort, [800.0, 12.0, 12.0])
+    assert all(np.isinf(getattr(differential().joint_limits, name)).all() for name in ("lower", "velocity", "effort"))
+    # A negative ratio turns the ends around.
+    turned = differential(G=[[-400.0, 0, 0], [0, 60, 60], [0, 60, -60]], limits=limited().limits).joint_limits
+    assert (turned.lower[0], turned.upper[0]) == (-0.5, 0.25)
+
+
+def test_limits_that_were_not_given_are_none() -> None:
+    motors = differential()
+    assert motors.limits.velocity.tolist() == [np.inf] * 3
+    assert motors.limits.lower.tolist() == [-np.inf] * 3
+
+
+def test_pickles_from_before_motors_had_limits() -> None:
+    state = {name: value for name, value in differential().__getstate__().items() if name != "limits"}
+    old = Actuators.__new__(Actuators)
+    old.__setstate__(state)
+    assert old.limits.effort.tolist() == [np.inf] * 3
+    assert np.allclose(old.to_motor([0.1, 0.2, 0.0]), [40.0, 12.5, 11.5])
 
 
 def test_wrong_sizes_are_told_with_the_names() -> None:

@@ -102,6 +102,7 @@ def test_its_examples_are_what_an_arm_toml_takes(tmp_path: Path) -> None:
     assert arm.actuators is not None
     assert arm.actuators.names == ("left", "right")
     assert arm.actuators.undriven == ()
+    assert arm.actuators.limits.velocity.tolist() == [300.0, 300.0]
 
 
 def test_xacro_arguments_with_defaults_and_the_required_ones(tmp_path: Path) -> None:

@@ -47,6 +47,7 @@ ticks_per_turn = 4096
 
 [actuators.right]
 ratio = { a = -9.0, c = 3.0 }
+limits = { lower = -40.0, velocity = 0.1, acceleration = 3.5, effort = 2.0 }
 """
 
 SRDF = """<robot name="tiny"><disable_collisions link1="upper" link2="base_link" reason="Adjacent"/></robot>"""
@@ -88,9 +89,11 @@ def assert_same(baked: Arm, arm: Arm) -> None:
             assert all(np.array_equal(one[key], other[key]) for key in other)
         elif name == "actuators":
             assert (one is None) == (other is None)
-            assert one is None or all(np.array_equal(value, vars(other)[key]) for key, value in vars(one).items()
-                                      if key != "ticks_per_turn")  # fmt: skip
-            assert one is None or np.array_equal(one.ticks_per_turn, other.ticks_per_turn, equal_nan=True)
+            if one is not None:
+                assert all(np.array_equal(getattr(one, key), getattr(other, key))
+                           for key in ("names", "joint_names", "G", "offset", "units"))  # fmt: skip
+                assert np.array_equal(one.ticks_per_turn, other.ticks_per_turn, equal_nan=True)
+                assert all(np.array_equal(getattr(one.limits, f), getattr(other.limits, f)) for f in FIELDS)
         else:
             assert np.array_equal(one, other), name
     assert np.array_equal(baked.ready, arm.ready)
@@ -131,6 +134,17 @@ def test_all_that_an_arm_may_have(everything: Arm, tmp_path: Path) -> None:
     assert_same(baked, everything)
     assert_same_answers(baked, everything)
     assert str(tmp_path) not in path.read_text("utf-8")
+
+
+def test_a_file_from_before_motors_had_limits(everything: Arm, tmp_path: Path) -> None:
+    path = bake(everything, tmp_path)
+    content = json.loads(path.read_text("utf-8"))
+    assert content["actuators"]["limits"]["velocity"] == [None, 0.1]
+    del content["actuators"]["limits"]
+    path.write_text(sealed(content))
+    motors = load_arm(path).actuators
+    assert motors is not None
+    assert np.isinf(motors.limits.velocity).all()
 
 
 def test_baked_again_it_is_the_same_file(everything: Arm, tmp_path: Path) -> None:
@@ -376,6 +390,11 @@ def test_an_edited_number_is_refused(rover: Arm, tmp_path: Path) -> None:
     )
 
 
+LIMITED = {
+    "names": ["m"], "G": [[1.0] * 5], "offset": [0.0], "units": ["rad"], "ticks_per_turn": [None],
+    "limits": {field: [None, None] for field in FIELDS},
+}  # fmt: skip
+
 REFUSED: dict[str, tuple[str, Any, str]] = {
     "names that are none": ("base", 5, "base must be text; got 5"),
     "a joint named twice": ("joints.1.name", "slide", "joints must be different names, at least one"),
@@ -397,6 +416,11 @@ REFUSED: dict[str, tuple[str, Any, str]] = {
     "ready beyond the limits": ("ready", [9.0, 0.0, 0.0, 0.0, 0.0], "ready lies outside the limits"),
     "a pose of another size": ("named_states", {"up": [1.0]}, "pose up must have shape (5,); got (1,)"),
     "poses that are none": ("named_states", [1], "has no attribute 'items'"),
+    "motors with limits of another size": (
+        "actuators",
+        LIMITED,
+        "limits of 1 actuators must be those of 1 motors; got 2",
+    ),
     "motors without ratios": ("actuators", {"names": ["m"]}, "'G' is missing"),
     "a pair of three": ("disabled_pairs", [["a", "b", "c"]], "too many values to unpack"),
     "a proof of nothing": ("proof", {}, "'pose_error' is missing"),

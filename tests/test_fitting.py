@@ -29,6 +29,7 @@ unit = "tick"
 ticks_per_turn = 4096
 [actuators.right]
 ratio = { a = 60.0, b = -30.0 }
+limits = { lower = -200.0, upper = 150.0, velocity = 80.0, acceleration = 900.0, effort = 0.0 }
 """
 
 
@@ -51,6 +52,10 @@ def test_motors_of_an_arm_toml(toml: Path) -> None:
     assert motors.offset.tolist() == [0.5, 0.0]
     assert motors.ticks_per_turn.tolist() == [4096.0, pytest.approx(np.nan, nan_ok=True)]
     assert np.allclose(motors.to_theta(motors.to_motor(arm.ready)), arm.ready)
+    # Each by name; an effort of 0 is none that was given.
+    assert (motors.limits.lower.tolist(), motors.limits.upper.tolist()) == ([-np.inf, -200.0], [np.inf, 150.0])
+    assert (motors.limits.velocity.tolist(), motors.limits.acceleration.tolist()) == ([np.inf, 80.0], [np.inf, 900.0])
+    assert motors.limits.effort.tolist() == [np.inf, np.inf]
     assert load_arm(toml.parent / "arm.urdf").actuators is None
     assert arm.with_tool(np.eye(4), "pen").actuators is motors
 
@@ -123,6 +128,14 @@ REFUSED = {
     "a unit that is a number": ("ratio = { a = 1.0 }\nunit = 1", "actuators.m.unit must be a text; got 1"),
     "no ticks": ('ratio = { a = 1.0 }\nunit = "tick"', "'m' counts in ticks: give its ticks_per_turn"),
     "ticks of zero": ("ratio = { a = 1.0 }\nticks_per_turn = 0", "'m': ticks_per_turn must be positive; got 0"),
+    "limits that are no table": ("ratio = { a = 1.0 }\nlimits = 3", "actuators.m.limits must be a table of limit ="),
+    "a limit of another name": ("ratio = { a = 1.0 }\nlimits.speed = 3", "unknown entry 'speed' in actuators.m.limits"),
+    "a limit in words": ('ratio = { a = 1.0 }\nlimits.velocity = "3"', "actuators.m.limits.velocity must be a number"),
+    "a negative limit": ("ratio = { a = 1.0 }\nlimits.effort = -2", "m.limits.effort must not be negative; got -2"),
+    "swapped limits": (
+        "ratio = { a = 1.0 }\nlimits = { lower = 3, upper = 1 }",
+        "actuators.m.limits are swapped: lower 3 > upper 1",
+    ),
     "ticks in words": (
         'ratio = { a = 1.0 }\nticks_per_turn = "4k"',
         "actuators.m.ticks_per_turn must be a number (tick",

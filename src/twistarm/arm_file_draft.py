@@ -199,12 +199,14 @@ def _actuators(names: tuple[str, ...]) -> list[str]:
     lines = [
         "# Motors: motor = sum of ratio · joint, plus offset; motors and joints in rad, or m where they slide. The two",
         '# motors of a differential wrist have two joints each. `unit` is what the drive counts in: "rad", "deg",',
-        '# "turn", "tick" (with ticks_per_turn), "m" or "mm".',
+        '# "turn", "tick" (with ticks_per_turn), "m" or "mm". `limits` are the motor\'s own, on its side of the gear:',
+        "# lower, upper, velocity, acceleration, effort.",
     ]
     for motor, sign in ("left", ""), ("right", "-"):
         ratios = [f"{toml_key(name)} = {sign * (i > 0)}100.0" for i, name in enumerate(names[-2:])]
         lines += [f"# [actuators.{motor}]", f"# ratio = {{ {', '.join(ratios)} }}", "# offset = 0.0"]
         lines += ['# unit = "tick"', "# ticks_per_turn = 4096"]
+        lines += ["# limits = { velocity = 300.0, acceleration = 3000.0 }"]
     return lines
 
 

@@ -126,6 +126,7 @@ def _actuators(motors: Actuators) -> dict[str, Any]:
         "offset": motors.offset.tolist(),
         "units": list(motors.units),
         "ticks_per_turn": _or_null(motors.ticks_per_turn),
+        "limits": {field: _or_null(getattr(motors.limits, field)) for field in FIELDS},
     }
 
 
@@ -275,14 +276,21 @@ def _given(values: list[float | None], name: str, absent: float) -> Array:
 def _read_actuators(content: Mapping[str, Any] | None, joint_names: tuple[str, ...]) -> Actuators | None:
     if content is None:
         return None
+    names = _names(content["names"], "actuators")
     return Actuators(
-        names=_names(content["names"], "actuators"),
+        names=names,
         joint_names=joint_names,
         G=as_floats(content["G"], "G"),
         offset=as_floats(content["offset"], "offset"),
         units=tuple(content["units"]),
         ticks_per_turn=_given(content["ticks_per_turn"], "ticks_per_turn", np.nan),
+        # A file baked before motors had limits has none.
+        limits=_read_motor_limits(content["limits"]) if "limits" in content else JointLimits.unbounded(len(names)),
     )
+
+
+def _read_motor_limits(content: Mapping[str, Any]) -> JointLimits:
+    return JointLimits(**{field: _bounds(content[field], field) for field in FIELDS})
 
 
 def _pair(value: Any) -> tuple[str, str]:

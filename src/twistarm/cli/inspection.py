@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import fields
 from typing import Any
 
 import numpy as np
@@ -12,6 +13,8 @@ from .. import engine
 from ..actuators import Actuators
 from ..arm import Arm
 from ..description import catalog
+from ..description.arm_file import MOTOR_LIMITS
+from ..limits import FIELDS
 from .options import Json, Radians, takes_arm
 from .output import console, finding_json, number, print_json, shown, table, units
 from .wording import as_typed
@@ -40,7 +43,6 @@ def info(arm: Arm, rad: Radians = False, json: Json = False) -> None:
 
 def info_json(arm: Arm) -> dict[str, Any]:
     """Everything `info` shows, for programs."""
-    fields = ("lower", "upper", "velocity", "acceleration", "jerk", "effort")
     return {
         "name": arm.name,
         "source": arm.source,
@@ -48,7 +50,7 @@ def info_json(arm: Arm) -> dict[str, Any]:
         "tip": arm.tip,
         "n": arm.n,
         "joints": [
-            {"name": name, "type": kind, "unit": unit} | {field: getattr(arm.limits, field)[i] for field in fields}
+            {"name": name, "type": kind, "unit": unit} | {field: getattr(arm.limits, field)[i] for field in FIELDS}
             for i, (name, kind, unit) in enumerate(zip(arm.joint_names, arm.joint_types, arm.units, strict=True))
         ],
         "reach": arm.reach,
@@ -56,13 +58,22 @@ def info_json(arm: Arm) -> dict[str, Any]:
         "home": arm.home,
         "ready": arm.ready,
         "named_states": dict(arm.named_states),
-        "actuators": None if arm.actuators is None else vars(arm.actuators),
+        "actuators": None if arm.actuators is None else actuators_json(arm.actuators),
         "disabled_pairs": sorted(arm.disabled_pairs),
         "frames": arm.frame_names,
         "proof": arm.proof._asdict() if arm.proof else None,
         "engine": engine_of(arm),
         "core": engine.instruction_set() or None,
         "findings": [finding_json(finding) for finding in arm.findings],
+    }
+
+
+def actuators_json(motors: Actuators) -> dict[str, Any]:
+    """The motors for programs: SI on either side of the gears, null for a limit that was not given."""
+    return {field.name: getattr(motors, field.name) for field in fields(motors)} | {
+        "limits": vars(motors.limits),
+        "joint_limits": vars(motors.joint_limits),
+        "undriven": motors.undriven,
     }
 
 
@@ -80,7 +91,7 @@ def info_view(arm: Arm, radians: bool) -> Group:
         )
     parts.append(escape(engine_view(arm)))
     if arm.actuators is not None:
-        parts.append(_actuators(arm.actuators))
+        parts += [_actuators(arm.actuators), *_motor_limits(arm, arm.actuators, radians)]
     parts += [escape(as_typed(str(finding))) for finding in arm.findings]
     return Group(*parts)
 
@@ -118,6 +129,22 @@ def _actuators(motors: Actuators) -> Any:
     ]
     columns = ["motor", *motors.joint_names, "offset", "counts in", "ticks per turn"]
     return table("motors = G theta + o (SI; rows of G)", columns, rows, text=["counts in"])
+
+
+def _motor_limits(arm: Arm, motors: Actuators, radians: bool) -> list[Any]:
+    """The motors' limits, and what they leave each joint; nothing where none were given."""
+    given = [name for name in MOTOR_LIMITS if np.isfinite(getattr(motors.limits, name)).any()]
+    if not given:
+        return []
+    rows = [
+        [name, *(number(getattr(motors.limits, limit)[i]) for limit in given)] for i, name in enumerate(motors.names)
+    ]
+    own = table("limits of the motors, on their side (SI)", ["motor", *given], rows)
+    alone = motors.joint_limits
+    columns = [shown(arm, getattr(alone, name), radians) for name in given if name != "effort"]
+    columns += [[number(effort) for effort in alone.effort]] if "effort" in given else []
+    rows = [list(row) for row in zip(motors.joint_names, units(arm, radians), *columns, strict=True)]
+    return [own, table("what they allow each joint, moving alone", ["joint", "unit", *given], rows, text=["unit"])]
 
 
 def _poses(arm: Arm, radians: bool) -> Any:

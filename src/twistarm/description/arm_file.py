@@ -14,7 +14,7 @@ import numpy as np
 from ..checks import Array, as_vector, frozen
 from ..errors import DescriptionError, InputError, closest, listed
 from ..files import as_path, is_file
-from ..limits import FIELDS
+from ..limits import FIELDS, RATES
 from ..rotations import from_rpy
 from .document import read_text
 from .findings import Place, refusal
@@ -36,7 +36,8 @@ class Tool:
 class Motor:
     """A motor and the joints it drives: motor = Σ ratio[joint] · joint + offset, rad or m on either side.
 
-    `unit` is what its drive counts in, `ticks_per_turn` how fine where that is known.
+    `unit` is what its drive counts in, `ticks_per_turn` how fine where that is known. `limits` are the motor's own, on
+    its side of the gear, by the names of `MOTOR_LIMITS`.
     """
 
     name: str
@@ -44,6 +45,7 @@ class Motor:
     offset: float = 0.0
     unit: str = "rad"
     ticks_per_turn: float | None = None
+    limits: Mapping[str, float] = field(default_factory=dict)
 
 
 @dataclass(frozen=True)
@@ -73,7 +75,9 @@ class ArmSpecification:
 
 _TEXTS = ("name", "source", "base", "tip", "srdf", "joint_limits")
 _KEYS = (*_TEXTS, "tool", "xacro_args", "package_dirs", "limits", "locked", "poses", "actuators")
-_MOTOR_KEYS = ("ratio", "offset", "unit", "ticks_per_turn")
+_MOTOR_KEYS = ("ratio", "offset", "unit", "ticks_per_turn", "limits")
+MOTOR_LIMITS = ("lower", "upper", "velocity", "acceleration", "effort")
+"""What may be said of a motor; nobody gives its jerk."""
 
 
 def read_arm_file(path: Path) -> ArmSpecification:
@@ -252,4 +256,21 @@ def _motor(name: str, content: Mapping[str, Any], path: Path) -> Motor:
         offset=_bounded(table.get("offset", 0.0), path, f"{place}.offset"),
         unit=table.get("unit", "rad"),
         ticks_per_turn=None if ticks is None else _number(ticks, path, f"{place}.ticks_per_turn", "ticks"),
+        limits=_motor_limits(table, path, f"{place}.limits"),
     )
+
+
+def _motor_limits(motor: Mapping[str, Any], path: Path, place: str) -> dict[str, float]:
+    table = motor.get("limits", {})
+    if not isinstance(table, dict):
+        what = f"{place} must be a table of limit = number; got {table!r}"
+        raise _unusable(path, what, "write limits = { velocity = 300.0 }: motor rad (or m), per s, per s²; N m or N")
+    _only(table, MOTOR_LIMITS, path, f"in {place}")
+    limits = _numbers(table, path, place)
+    for name, value in limits.items():
+        if name in RATES and value < 0:
+            raise _unusable(path, f"{place}.{name} must not be negative; got {value:g}")
+    lower, upper = limits.get("lower", -np.inf), limits.get("upper", np.inf)
+    if lower > upper:
+        raise _unusable(path, f"{place} are swapped: lower {lower:g} > upper {upper:g}")
+    return limits

@@ -11,6 +11,7 @@ from ..description.arm_file import ArmSpecification, Motor
 from ..description.coupling import Affine
 from ..description.findings import Finding, Place, finding, refusal
 from ..errors import DescriptionError, InputError, closest, listed
+from ..limits import JointLimits
 
 
 def fitted_actuators(arm: Arm, specification: ArmSpecification) -> tuple[Actuators | None, list[Finding]]:
@@ -44,9 +45,16 @@ def _actuators(motors: list[Motor], arm: Arm, specification: ArmSpecification) -
             offset=np.array([offset for _, offset in rows]),
             units=tuple(motor.unit for motor in motors),
             ticks_per_turn=np.array([np.nan if m.ticks_per_turn is None else m.ticks_per_turn for m in motors]),
+            limits=_limits(motors),
         )
     except InputError as error:
         raise refusal("arm-file-unusable", Place(specification.source), str(error)) from error
+
+
+def _limits(motors: list[Motor]) -> JointLimits:
+    fields = {name for motor in motors for name in motor.limits}
+    given = {name: {motor.name: motor.limits[name] for motor in motors if name in motor.limits} for name in fields}
+    return JointLimits.unbounded(len(motors)).with_(given, tuple(motor.name for motor in motors))
 
 
 def _affine(joint: str, arm: Arm) -> Affine | None:
