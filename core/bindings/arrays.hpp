@@ -25,8 +25,13 @@ struct ArrayHead {
     } const* type;
     int flags;
 
-    static constexpr int float64 = 12, row_by_row = 0x1, aligned = 0x100;
+    static constexpr int float64 = 12, row_by_row = 0x1, aligned = 0x100, writeable = 0x400;
 };
+
+// What others will read may not be written to any more.
+inline void make_read_only(nb::handle array) {
+    reinterpret_cast<ArrayHead*>(array.ptr())->flags &= ~ArrayHead::writeable;
+}
 
 // numpy.ndarray and numpy.empty, looked up once.
 class NumPy {

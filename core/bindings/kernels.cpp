@@ -4,7 +4,10 @@
 // a name that the rest of the program shares.
 #include "kernels.hpp"
 
-#include "twistarm/twistarm.hpp"
+#include "twistarm/answer.hpp"
+#include "twistarm/batch.hpp"
+#include "twistarm/conversion.hpp"
+#include "twistarm/race.hpp"
 
 #define TWISTARM_TEXT_OF(name) #name
 #define TWISTARM_TEXT(name) TWISTARM_TEXT_OF(name)

@@ -8,6 +8,7 @@
 
 #include "answer.hpp"
 #include "chain.hpp"
+#include "servo.hpp"
 
 namespace {
 
@@ -70,4 +71,9 @@ NB_MODULE(_core, module) {
         .def("are_targets", &Chain::are_targets)
         .def("solve_batch", &Chain::solve_batch, nb::arg(), nb::arg().none(), nb::arg().none(), nb::arg(), nb::arg(),
              nb::arg(), nb::arg(), nb::arg(), nb::arg().none(), nb::arg(), nb::arg().none());
+    nb::class_<bindings::Servo>(module, "Servo")
+        .def(nb::init<nb::handle, nb::handle, nb::handle, nb::handle, nb::handle, nb::handle, nb::handle, nb::handle,
+                      nb::handle, nb::handle, nb::handle, double, double>())
+        .def("step", &bindings::Servo::step, nb::arg().none(), nb::arg().none(), nb::arg().none(), nb::arg(), nb::arg(),
+             nb::arg().none(), nb::arg());
 }

@@ -91,3 +91,43 @@ class Chain:
         (1 nearest, 2 has unlimited, 4 other branch, 8 start moved). Where the time was up before a target was
         finished, the row's stop is −1.
         """
+
+class Servo:
+    """One arm's servo (core/include/twistarm/servo.hpp).
+
+    Limits are those of the motors' rows x = C theta + c, k of them, and then of each coordinate; unit is 1, or for a
+    slide the length [m] that compares metres with radians; singular values less than `below` are damped.
+    """
+
+    def __init__(
+        self,
+        screws: Array,
+        home: Array,
+        coupling: Array,
+        C: Array,
+        c: Array,
+        lower: Array,
+        upper: Array,
+        velocity: Array,
+        acceleration: Array,
+        unit: Array,
+        ready: Array,
+        length: float,
+        below: float,
+        /,
+    ) -> None: ...
+    def step(
+        self,
+        theta: object,
+        theta_dot: object,
+        held: object,
+        kind: int,
+        flags: int,
+        numbers: object,
+        dt: float,
+        /,
+    ) -> tuple[Array, Array, Array | None, int, int, float, Array, bool, float, float] | None:
+        """theta, theta_dot, held, cause, row, scale, lost, halted, and the position and angle that remain.
+
+        kind 0 for no command, else with flags and numbers as in servo/command.py.
+        """

@@ -12,8 +12,9 @@ from .checks import Array
 
 if TYPE_CHECKING:
     from ._core import Chain as Chain
+    from ._core import Servo as Servo
 
-INTERFACE = 1
+INTERFACE = 2
 """Of the compiled core that this Python speaks to; one more whenever the meaning of a call changes."""
 
 MOST_JOINTS = 32
@@ -57,6 +58,15 @@ def chain_of(
         return None
     chain: Chain = module.Chain(screws, home, A, *limits, *starts, reach)
     return chain
+
+
+def servo_of(arrays: tuple[Array, ...], length: float, below: float) -> Servo | None:
+    """The servo of an arm in the core, from what `_core.Servo` takes; None as for `chain_of`."""
+    module = core()
+    if module is None or max(max(array.shape) for array in arrays[2:5]) > MOST_JOINTS:
+        return None
+    servo: Servo = module.Servo(*arrays, length, below)
+    return servo
 
 
 @cache

@@ -1,0 +1,130 @@
+#include "servo.hpp"
+
+#include <cmath>
+
+namespace bindings {
+
+namespace {
+
+using twistarm::servo_kind;
+
+constexpr std::size_t numbers_of_pose = 24;  // g (16), how it moves (6), linear and angular speed
+
+void require(bool holds, const char* otherwise) {
+    if (!holds) throw nb::value_error(otherwise);
+}
+
+void copy(const Numbers& from, double* to) {
+    for (std::size_t k = 0; k < from.size(); ++k) to[k] = from.data()[k];
+}
+
+}  // namespace
+
+Servo::Servo(nb::handle screws, nb::handle home, nb::handle coupling, nb::handle C, nb::handle c, nb::handle lower,
+             nb::handle upper, nb::handle velocity, nb::handle acceleration, nb::handle unit, nb::handle ready,
+             double length, double below)
+    : chain_{}, bounds_{} {
+    const Numbers S(screws), g(home), A(coupling), motors(C), offset(c), scale(unit), posture(ready);
+    require(S.plain() && S.dimensions() == 2 && S.shape(0) == 6, "screws must be float64 (6, m)");
+    require(A.plain() && A.dimensions() == 2 && A.shape(0) == S.shape(1), "coupling must be float64 (m, n)");
+    require(g.is(4, 4), "home must be float64 (4, 4)");
+    n_ = A.shape(1);
+    const twistarm::screw_model model{static_cast<int>(S.shape(1)), static_cast<int>(n_), S.data(), g.data(), A.data()};
+    require(twistarm::chain_from_screws(model, chain_), "a chain has 1 to 32 coordinates and moving joints");
+    require(motors.plain() && motors.dimensions() == 2 && motors.shape(1) == n_, "C must be float64 (k, n)");
+    const std::size_t count = motors.shape(0);
+    require(count <= twistarm::most_joints && offset.is(count), "c must be float64 (k,), k at most 32");
+    require(scale.is(n_) && posture.is(n_), "unit and ready must be float64 (n,)");
+    auto& motion = bounds_.motion;
+    motion.motors = static_cast<int>(count);
+    motion.coordinates = static_cast<int>(n_);
+    for (std::size_t r = 0; r < count; ++r)
+        for (std::size_t k = 0; k < n_; ++k) motion.C[r][k] = motors.data()[r * n_ + k];
+    copy(offset, motion.c);
+    const nb::handle given[] = {lower, upper, velocity, acceleration};
+    double* const limits[] = {motion.lower, motion.upper, motion.velocity, motion.acceleration};
+    for (int i = 0; i < 4; ++i) {
+        const Numbers values(given[i]);
+        require(values.is(count + n_), "each limit must be float64 (k + n,)");
+        copy(values, limits[i]);
+    }
+    copy(scale, bounds_.unit);
+    copy(posture, bounds_.ready);
+    bounds_.length = length;
+    bounds_.below = below;
+    theta_shape_ = nb::int_(n_);
+    six_ = nb::int_(6);
+    pose_ = nb::make_tuple(4, 4);
+}
+
+bool Servo::read(nb::handle theta, nb::handle theta_dot, nb::handle held, State& state) const {
+    const Numbers x(theta), v(theta_dot);
+    if (!x.is(n_) || !v.is(n_) || !x.finite() || !v.finite()) return false;
+    copy(x, state.theta);
+    copy(v, state.theta_dot);
+    if (held.is_none()) return true;
+    const Numbers g(held);
+    if (!g.is(4, 4) || !g.finite()) return false;
+    state.held = twistarm::frame_from_rows<double>(g.data());
+    return true;
+}
+
+bool Servo::read(int kind, unsigned flags, nb::handle numbers, Command& command) const {
+    command.kind = static_cast<servo_kind>(kind);
+    command.base_axes = (flags & 1U) != 0U;
+    for (unsigned k = 0; k < 6; ++k) command.held[k] = (flags >> (k + 1U) & 1U) != 0U;
+    if (command.kind == servo_kind::none) return true;
+    const Numbers given(numbers);
+    if (!given.plain() || !given.finite()) return false;
+    switch (command.kind) {
+        case servo_kind::jog:
+            if (!given.is(n_)) return false;
+            copy(given, command.rates);
+            return true;
+        case servo_kind::twist:
+            if (!given.is(6)) return false;
+            copy(given, command.twist);
+            return true;
+        case servo_kind::pose:
+            if (!given.is(numbers_of_pose)) return false;
+            command.goal = twistarm::frame_from_rows<double>(given.data());
+            for (int k = 0; k < 6; ++k) command.twist[k] = given.data()[16 + k];
+            command.linear_speed = given.data()[22];
+            command.angular_speed = given.data()[23];
+            return true;
+        case servo_kind::none: break;
+    }
+    return false;
+}
+
+// An array that cannot be written to.
+nb::object Servo::row(const double* values, std::size_t count) const {
+    nb::object array = NumPy::get().empty(count == 6 ? six_ : theta_shape_);
+    double* const data = Numbers(array).data();
+    for (std::size_t k = 0; k < count; ++k) data[k] = values[k];
+    make_read_only(array);
+    return array;
+}
+
+nb::object Servo::step(nb::handle theta, nb::handle theta_dot, nb::handle held, int kind, unsigned flags,
+                       nb::handle numbers, double dt) const {
+    State state{};
+    Command command{};
+    if (!(dt > 0.0) || !std::isfinite(dt) || !read(theta, theta_dot, held, state) || !read(kind, flags, numbers, command))
+        return nb::none();
+    const bool holds = flags > 1U;
+    state.holding_base_axes = command.base_axes;
+    for (int k = 0; k < 6; ++k) state.holding[k] = !held.is_none() && command.held[k];
+    twistarm::servo_output<double> out;
+    twistarm::servo_step(chain_, bounds_, command, dt, state, out);
+    nb::object kept = nb::none();
+    if (holds) {
+        kept = NumPy::get().empty(pose_);
+        twistarm::frame_to_rows(state.held, Numbers(kept).data());
+        make_read_only(kept);
+    }
+    return nb::make_tuple(row(state.theta, n_), row(state.theta_dot, n_), kept, static_cast<int>(out.cause), out.row,
+                          out.scale, row(out.lost, 6), out.halted, out.remaining[0], out.remaining[1]);
+}
+
+}  // namespace bindings

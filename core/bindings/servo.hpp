@@ -1,0 +1,37 @@
+// twistarm._core.Servo: one arm's servo as Python sees it.
+#pragma once
+
+#include "arrays.hpp"
+
+#include "twistarm/conversion.hpp"
+#include "twistarm/servo.hpp"
+
+namespace bindings {
+
+class Servo {
+public:
+    // The chain's screws (6, m), home (4, 4) and coupling (m, n); the limits of the motors' rows, C (k, n) and c (k,),
+    // and of all rows (k + n,); unit and ready (n,).
+    Servo(nb::handle screws, nb::handle home, nb::handle coupling, nb::handle C, nb::handle c, nb::handle lower,
+          nb::handle upper, nb::handle velocity, nb::handle acceleration, nb::handle unit, nb::handle ready,
+          double length, double below);
+
+    // None, or (theta, theta_dot, held or None, cause, row, scale, lost, halted, position and angle that remain).
+    nb::object step(nb::handle theta, nb::handle theta_dot, nb::handle held, int kind, unsigned flags,
+                    nb::handle numbers, double dt) const;
+
+private:
+    using State = twistarm::servo_state<double, twistarm::dynamic>;
+    using Command = twistarm::servo_command<double, twistarm::dynamic>;
+
+    bool read(nb::handle theta, nb::handle theta_dot, nb::handle held, State& state) const;
+    bool read(int kind, unsigned flags, nb::handle numbers, Command& command) const;
+    nb::object row(const double* values, std::size_t count) const;
+
+    twistarm::chain<double, twistarm::dynamic, twistarm::dynamic> chain_;
+    twistarm::servo_bounds<double, twistarm::dynamic> bounds_;
+    std::size_t n_;
+    nb::object theta_shape_, six_, pose_;
+};
+
+}  // namespace bindings

@@ -1,0 +1,318 @@
+// One pure step of a servo: from a command to joint rates. The readable twin is src/twistarm/servo/readable.py.
+#pragma once
+
+#include "resolved_rates.hpp"
+
+TWISTARM_BEGIN
+
+enum class servo_kind { none = 0, jog = 1, twist = 2, pose = 3 };
+
+/// What holds the arm back most.
+enum class servo_cause { none = 0, singularity = 1, velocity = 2, lower = 3, upper = 4 };
+
+/// What to do: joint rates; a twist (v, w) in tool axes or (dp/dt, ω) in base axes, some components held; or a pose.
+///
+/// twist: of a pose, how the pose itself moves. Speeds [m/s, rad/s] bound the way to a pose.
+template <class T, int N> struct servo_command {
+    servo_kind kind;
+    bool base_axes, held[6];
+    T rates[capacity(N)], twist[6];
+    frame<T> goal;
+    T linear_speed, angular_speed;
+};
+
+/// Where the commanded arm is and how it moves; the pose of which some components are held, along which axes.
+template <class T, int N> struct servo_state {
+    T theta[capacity(N)], theta_dot[capacity(N)];
+    bool holding[6], holding_base_axes;
+    frame<T> held;
+};
+
+/// row: of the limits that cause it, or the joint that a singularity concerns, −1 for none. The tool moves by scale ·
+/// (asked − lost). remaining: how far a pose to reach is [m, rad].
+template <class T> struct servo_output {
+    servo_cause cause;
+    int row;
+    T scale, lost[6], remaining[2];
+    bool halted;
+};
+
+namespace servo_detail {
+constexpr double halted_below = 1e-4;  // rates below this share of the command's are a standstill
+template <class T> constexpr T rounding = T(sizeof(T) == 8 ? 1e-12 : 1e-6);  // an error of a pose below this is none
+constexpr double noticed = 0.01;       // a slow-down by a smaller share is not worth a word
+
+template <class T> T norm(const T* values, int count) {
+    T sum = T(0);
+    for (int k = 0; k < count; ++k) sum += values[k] * values[k];
+    return sqrt(sum);
+}
+
+inline bool is_position(servo_cause cause) { return cause == servo_cause::lower || cause == servo_cause::upper; }
+
+/// log R (3,), |log R| ≤ π, by way of the quaternion.
+template <class T> void rotation_vector(const frame<T>& g, T out[3]) {
+    const T R[3][3] = {{g.x[0], g.y[0], g.z[0]}, {g.x[1], g.y[1], g.z[1]}, {g.x[2], g.y[2], g.z[2]}};
+    const T trace = R[0][0] + R[1][1] + R[2][2];
+    T q[4];  // x, y, z, w, the largest component from the diagonal
+    int i = 0;
+    for (int k = 1; k < 3; ++k)
+        if (R[k][k] > R[i][i]) i = k;
+    if (trace > R[i][i]) {
+        q[3] = T(1) + trace;
+        q[0] = R[2][1] - R[1][2];
+        q[1] = R[0][2] - R[2][0];
+        q[2] = R[1][0] - R[0][1];
+    } else {
+        const int j = (i + 1) % 3, k = (i + 2) % 3;
+        q[i] = T(1) + T(2) * R[i][i] - trace;
+        q[j] = R[j][i] + R[i][j];
+        q[k] = R[k][i] + R[i][k];
+        q[3] = R[k][j] - R[j][k];
+    }
+    const T sine = norm(q, 3);
+    const T angle = T(2) * static_cast<T>(__builtin_atan2(static_cast<double>(sine), static_cast<double>(absolute(q[3]))));
+    const T factor = sine > T(0) ? (q[3] < T(0) ? -angle : angle) / sine : T(0);
+    for (int k = 0; k < 3; ++k) out[k] = factor * q[k];
+}
+
+/// (p_target − p, log(R_target Rᵀ)) in base axes, or turned into the tool's.
+template <class T> void pose_error(const frame<T>& g, const frame<T>& target, bool base_axes, T error[6]) {
+    frame<T> turned = product(target, inverse(g));
+    for (int k = 0; k < 3; ++k) error[k] = target.p[k] - g.p[k];
+    rotation_vector(turned, error + 3);
+    if (base_axes) return;
+    rotate_back(g, error, error);
+    rotate_back(g, error + 3, error + 3);
+}
+
+template <class T, int N> void scale_twist(const servo_bounds<T, N>& bounds, const T* twist, T* scaled) {
+    for (int k = 0; k < 3; ++k) {
+        scaled[k] = twist[k] / bounds.length;
+        scaled[k + 3] = twist[k + 3];
+    }
+}
+
+inline servo_levels levels_of(const bool* held) {
+    servo_levels levels{};
+    const auto add = [&](int begin, int end, bool wanted) {
+        const int level = levels.count;
+        for (int k = begin; k < end; ++k)
+            if (held[k] == wanted) levels.component[level][levels.size[level]++] = k;
+        if (levels.size[level] > 0) ++levels.count;
+    };
+    add(0, 6, true);
+    add(0, 3, false);
+    add(3, 6, false);
+    return levels;
+}
+
+/// The least and largest rates at which a stop that takes as long as one from `rates` ends inside the limits.
+template <class T, int N> struct position_bounds {
+    T least[capacity(N)], most[capacity(N)];
+
+    position_bounds(const motion_limits<T, N>& motion, const T* theta, const T* rates, T dt) {
+        const T time = dt + T(0.5) * stopping_time(motion, rates);
+        for (int k = 0; k < motion.coordinates; ++k) {
+            most[k] = greatest(motion.upper[motion.motors + k] - theta[k], T(0)) / time;
+            least[k] = -greatest(theta[k] - motion.lower[motion.motors + k], T(0)) / time;
+        }
+    }
+    /// By how much the worst joint is over, and which it is.
+    T over(const T* rates, int n, int& worst) const {
+        T largest = T(0);
+        for (int k = 0; k < n; ++k) {
+            const T beyond = greatest(rates[k] - most[k], least[k] - rates[k]);
+            if (beyond > largest) {
+                largest = beyond;
+                worst = k;
+            }
+        }
+        return largest;
+    }
+};
+
+template <class T, int N> void let_go(servo_state<T, N>& state) {
+    for (bool& component : state.holding) component = false;
+}
+
+template <class T, int N, int M> struct servo {
+    const chain<T, N, M>& arm;
+    const servo_bounds<T, N>& bounds;
+    servo_state<T, N>& state;
+    const servo_command<T, N>& command;
+    servo_output<T>& out;
+    T dt;
+
+    int n() const { return arm.coordinates(); }
+
+    /// The rates that the limits let the arm have, and where they lead.
+    void move(T* rates) {
+        const motion_limits<T, N>& motion = bounds.motion;
+        keep_within(motion, state.theta, state.theta_dot, dt, rates);
+        for (int k = 0; k < n(); ++k) {
+            // Rounding may not carry a joint beyond its limit; one that was outside stays no farther out than it was.
+            const T upper = greatest(motion.upper[motion.motors + k], state.theta[k]);
+            const T lower = least(motion.lower[motion.motors + k], state.theta[k]);
+            state.theta_dot[k] = rates[k];
+            state.theta[k] = clamped(state.theta[k] + dt * rates[k], lower, upper);
+        }
+    }
+
+    void jog() {
+        T rates[capacity(N)];
+        int row, joint = 0;
+        const T share = velocity_share(bounds.motion, command.rates, row);
+        for (int k = 0; k < n(); ++k) rates[k] = share * command.rates[k];
+        if (share < T(1)) blame(servo_cause::velocity, row);
+        const position_bounds<T, N> room(bounds.motion, state.theta, rates, dt);
+        if (room.over(rates, n(), joint) > nothing<T>)
+            blame(rates[joint] > T(0) ? servo_cause::upper : servo_cause::lower, bounds.motion.motors + joint);
+        for (int k = 0; k < n(); ++k) rates[k] = clamped(rates[k], room.least[k], room.most[k]);
+        const T size = norm(command.rates, n());
+        out.halted = is_position(out.cause) && norm(rates, n()) <= T(halted_below) * size;
+        move(rates);
+        T done = T(0);
+        for (int k = 0; k < n(); ++k) done += state.theta_dot[k] * command.rates[k];
+        out.scale = size > T(0) ? clamped(done / (size * size), T(0), T(1)) : T(1);
+    }
+
+    void blame(servo_cause cause, int row) {
+        out.cause = cause;
+        out.row = row;
+    }
+
+    void follow() {
+        T ahead[capacity(N)], asked[6];
+        for (int k = 0; k < n(); ++k) ahead[k] = state.theta[k] + T(0.5) * dt * state.theta_dot[k];
+        const bool goal = command.kind == servo_kind::pose, base_axes = goal || command.base_axes;
+        bool held[6];
+        for (int k = 0; k < 6; ++k) held[k] = !goal && command.held[k];
+        const servo_levels levels = levels_of(held);
+        rate_solver<T, N, M> solver(arm, bounds, levels, base_axes, ahead, dt);
+        scale_twist(bounds, command.twist, asked);
+        approach(solver, goal, base_axes, held, asked);
+        reach(solver, asked);
+    }
+
+    /// Adds what is asked for the sake of a pose to reach, or of the components that are held.
+    void approach(rate_solver<T, N, M>& solver, bool goal, bool base_axes, const bool* held, T* asked) {
+        bool any = false, same = state.holding_base_axes == base_axes;
+        for (int k = 0; k < 6; ++k) {
+            any = any || held[k];
+            same = same && state.holding[k] == held[k];
+            state.holding[k] = held[k];
+        }
+        state.holding_base_axes = base_axes;
+        if (!goal && !any) return;
+        const frame<T> g = forward(arm, state.theta);
+        if (any && !same) state.held = g;
+        T error[6];
+        pose_error(g, goal ? command.goal : state.held, base_axes, error);
+        for (int k = 0; k < 6; ++k) error[k] = goal || held[k] ? error[k] : T(0);
+        if (goal)
+            for (int half = 0; half < 2; ++half) out.remaining[half] = norm(error + 3 * half, 3);
+        add_error(solver, goal, error, asked);
+    }
+
+    /// As much of error / dt as lets the arm stop at the goal, straight on: s dt + s² T/2 ≤ dt.
+    void add_error(rate_solver<T, N, M>& solver, bool goal, const T* error, T* asked) {
+        T largest = T(0);
+        for (int k = 0; k < 6; ++k) largest = greatest(largest, absolute(error[k]));
+        if (!(largest > rounding<T>)) return;
+        T wanted[6], rates[capacity(N)];
+        scale_twist(bounds, error, wanted);
+        for (int k = 0; k < 6; ++k) wanted[k] = wanted[k] / dt;
+        bool free[capacity(N)];
+        for (int k = 0; k < n(); ++k) free[k] = true;
+        resolved<T, N> found;
+        solver(wanted, free, nullptr, found);
+        for (int k = 0; k < n(); ++k) rates[k] = found.rates[k] * bounds.unit[k];
+        const T stop = stopping_time(bounds.motion, rates);
+        T share = T(2) * dt / (dt + sqrt(dt * dt + T(2) * stop * dt));
+        if (goal) {
+            share = least(share, command.linear_speed * dt / greatest(norm(error, 3), nothing<T>));
+            share = least(share, command.angular_speed * dt / greatest(norm(error + 3, 3), nothing<T>));
+        }
+        for (int k = 0; k < 6; ++k) asked[k] += share * wanted[k];
+    }
+
+    /// The rates for what is asked, the share that they are for; joints at their limits fixed, the others solved again.
+    ///
+    /// After F. Flacco, A. De Luca & O. Khatib, Control of redundant robots under hard joint constraints, IEEE T-RO
+    /// 31(3), 2015, §III.
+    T resolve(rate_solver<T, N, M>& solver, const T* asked, T* rates) {
+        bool free[capacity(N)];
+        T fixed[capacity(N)], scaled[6];
+        for (int k = 0; k < n(); ++k) free[k] = true;
+        resolved<T, N> found;
+        solver(asked, free, nullptr, found);
+        T share = T(1) / (T(1) + found.bent);
+        if (found.taken > T(noticed)) blame(servo_cause::singularity, found.joint);
+        for (int k = 0; k < n(); ++k) rates[k] = share * found.rates[k] * bounds.unit[k];
+        for (int round = 0; round < 2 * n(); ++round) {
+            int row, worst = 0;
+            const T slower = velocity_share(bounds.motion, rates, row);
+            if (slower < T(1)) {
+                share *= slower;
+                for (int k = 0; k < n(); ++k) rates[k] *= slower;
+                if (!is_position(out.cause) && out.cause != servo_cause::velocity) blame(servo_cause::velocity, row);
+            }
+            const position_bounds<T, N> room(bounds.motion, state.theta, rates, dt);
+            if (!(room.over(rates, n(), worst) > nothing<T>)) break;
+            if (!is_position(out.cause))
+                blame(rates[worst] > T(0) ? servo_cause::upper : servo_cause::lower, bounds.motion.motors + worst);
+            free[worst] = false;
+            rates[worst] = clamped(rates[worst], room.least[worst], room.most[worst]);
+            for (int k = 0; k < n(); ++k) fixed[k] = rates[k] / bounds.unit[k];
+            for (int k = 0; k < 6; ++k) scaled[k] = share * asked[k];
+            solver(scaled, free, fixed, found);
+            for (int k = 0; k < n(); ++k) rates[k] = found.rates[k] * bounds.unit[k];
+        }
+        return share;
+    }
+
+    void reach(rate_solver<T, N, M>& solver, const T* asked) {
+        T rates[capacity(N)], scaled[capacity(N)], reachable[6];
+        const T share = resolve(solver, asked, rates), size = norm(asked, 6);
+        for (int k = 0; k < n(); ++k) scaled[k] = rates[k] / bounds.unit[k];
+        for (int i = 0; i < 6; ++i) {
+            reachable[i] = solver.times(solver.J, i, scaled) / share;
+            out.lost[i] = (asked[i] - reachable[i]) * (i < 3 ? bounds.length : T(1));
+        }
+        out.halted = is_position(out.cause) && norm(scaled, n()) <= T(halted_below) * size;
+        move(rates);
+        for (int k = 0; k < n(); ++k) scaled[k] = rates[k] / bounds.unit[k];
+        T done = T(0);
+        for (int i = 0; i < 6; ++i) done += solver.times(solver.J, i, scaled) * reachable[i];
+        const T length = norm(reachable, 6);
+        if (length > T(halted_below) * size) out.scale = clamped(done / (length * length), T(0), T(1));
+        else out.scale = T(size > T(0) ? 0 : 1);
+    }
+};
+}  // namespace servo_detail
+
+/// One step: the state after dt [s] under the command, and what became of the command.
+///
+/// The state's theta_dot are the rates for the coming dt. Without a command (servo_kind::none) the arm comes to rest.
+template <class T, int N, int M>
+void servo_step(const chain<T, N, M>& arm, const servo_bounds<T, N>& bounds, const servo_command<T, N>& command, T dt,
+                servo_state<T, N>& state, servo_output<T>& out) {
+    out = servo_output<T>{};
+    out.row = -1;
+    out.scale = T(1);
+    servo_detail::servo<T, N, M> step{arm, bounds, state, command, out, dt};
+    if (command.kind == servo_kind::none) {
+        T rest[capacity(N)];
+        for (int k = 0; k < arm.coordinates(); ++k) rest[k] = T(0);
+        servo_detail::let_go(state);
+        step.move(rest);
+    } else if (command.kind == servo_kind::jog) {
+        servo_detail::let_go(state);
+        step.jog();
+    } else {
+        step.follow();
+    }
+}
+
+TWISTARM_END

@@ -1,0 +1,38 @@
+"""What one step of the servo comes to, as plain numbers: the same from the compiled and the readable step."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from enum import IntEnum
+
+import numpy as np
+
+from ..checks import Array
+
+
+class Cause(IntEnum):
+    """What holds the arm back most."""
+
+    NONE = 0
+    SINGULARITY = 1
+    VELOCITY = 2
+    LOWER = 3
+    UPPER = 4
+
+
+@dataclass(eq=False)
+class Answer:
+    """theta, theta_dot (n,): where the step leads and at which rates.
+
+    row: whose limit it is, of the rows of `Bounds.motion`, or which joint a singularity concerns; −1 for none.
+    """
+
+    theta: Array
+    theta_dot: Array
+    cause: Cause
+    row: int
+    scale: float = 1.0
+    lost: Array = field(default_factory=lambda: np.zeros(6))
+    held: Array | None = None
+    halted: bool = False
+    remaining: tuple[float, float] = (0.0, 0.0)

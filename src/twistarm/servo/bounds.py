@@ -1,0 +1,85 @@
+"""What a servo may do with an arm: its joints' limits and its motors', made ready once for each arm."""
+
+from __future__ import annotations
+
+import weakref
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from .. import engine
+from ..arm import Arm
+from ..checks import Array, frozen
+from ..motion_limits import MotionLimits
+from .settings import ServoSettings
+
+
+@dataclass(frozen=True, eq=False)
+class Bounds:
+    """What a step of the servo needs to know of an arm.
+
+    motion: the limits of motors, if the arm has any with limits, and of joints, the position margin taken off; the
+    joints are its last n rows. unit (n,): what a coordinate's scaled number, in rad, is multiplied by: 1, or `length`
+    for a slide. ready (n,): where an exactly singular arm looks for the way out.
+    """
+
+    motion: MotionLimits
+    unit: Array
+    ready: Array
+    length: float
+    singular_below: float
+    compiled: engine.Servo | None
+
+    @property
+    def n(self) -> int:
+        """Degrees of freedom."""
+        return len(self.unit)
+
+    def stopping_time(self, rates: Array) -> float:
+        """How long [s] a straight stop from joint rates (n,) takes."""
+        return float((np.abs(self.motion.C @ rates) / self.motion.limits.acceleration).max())
+
+    def velocity_share(self, rates: Array) -> tuple[float, int]:
+        """The share of the joint rates (n,) that keeps every velocity limit, and the row of `motion` that decides."""
+        used = np.abs(self.motion.C @ rates) / self.motion.limits.velocity
+        return 1.0 / max(1.0, float(used.max())), int(used.argmax())
+
+
+_KEPT: weakref.WeakKeyDictionary[Arm, dict[ServoSettings, Bounds]] = weakref.WeakKeyDictionary()
+
+
+def bounds_of(arm: Arm, settings: ServoSettings) -> Bounds:
+    """The bounds of an arm, kept for as long as the arm lives."""
+    kept = _KEPT.get(arm)
+    if kept is None:
+        kept = _KEPT.setdefault(arm, {})
+    found = kept.get(settings)
+    if found is None:
+        found = kept.setdefault(settings, _made(arm, settings))
+    return found
+
+
+def _made(arm: Arm, settings: ServoSettings) -> Bounds:
+    length = arm.reach if settings.length is None else settings.length
+    unit = frozen(np.where(np.array(arm.units) == "m", length, 1.0))
+    motion, below = _motion(arm, settings.position_margin), settings.singular_below
+    compiled = engine.servo_of(_plain(arm, motion, unit), length, below)
+    return Bounds(motion, unit, arm.ready, length, below, compiled)
+
+
+def _plain(arm: Arm, motion: MotionLimits, unit: Array) -> tuple[Array, ...]:
+    """What the core's servo takes: chain, motors' rows, limits of all rows, unit and ready."""
+    motors, limits = len(motion.names) - arm.n, motion.limits
+    rates = (limits.lower, limits.upper, limits.velocity, limits.acceleration)
+    arrays = (arm.screws, arm.home, arm.coupling.A, motion.C[:motors], motion.c[:motors], *rates, unit, arm.ready)
+    return tuple(np.ascontiguousarray(array, dtype=np.float64) for array in arrays)
+
+
+def _motion(arm: Arm, margin: float) -> MotionLimits:
+    limits = arm.limits
+    # A margin wider than the range leaves the middle of it.
+    inset = np.minimum(margin, (limits.upper - limits.lower) / 2)
+    inside = replace(limits, lower=limits.lower + inset, upper=limits.upper - inset)
+    if arm.actuators is None:
+        return MotionLimits(arm.joint_names, np.eye(arm.n), np.zeros(arm.n), inside)
+    return arm.actuators.motion_limits(inside)

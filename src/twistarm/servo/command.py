@@ -1,0 +1,133 @@
+"""What a servo is told to do: move the tool by a twist, jog the joints, or bring the tool to a pose and hold it."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+from typing import Any, ClassVar
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from ..arm import Arm
+from ..checks import Array, as_floats, as_pose, as_twist, frozen
+from ..errors import InputError, listed
+
+TOOL, BASE = "tool", "base"
+FRAMES = (TOOL, BASE)
+
+HELD = {
+    "position": (True, True, True, False, False, False),
+    "orientation": (False, False, False, True, True, True),
+}
+"""Components (vx, vy, vz, wx, wy, wz) that are held, by the names of their halves."""
+
+
+@dataclass(frozen=True, eq=False)
+class TwistCommand:
+    """Move the tool: twist (v, w) (6,) [m/s, rad/s] of the tool's origin, in tool axes or in base axes.
+
+    frame="tool": the body twist V^b = (g⁻¹ ġ)^∨. frame="base": (ṗ, ω), the velocity of the tool's origin and the
+    angular velocity, both in base axes; not the spatial twist, whose v is the velocity of the point that passes the
+    base's origin.
+
+    hold: components that stay where they were when they were first held, "position", "orientation" or six booleans in
+    the order of the twist, along the axes of `frame`. They go before everything else, drift is taken back, and their
+    twist must be 0.
+
+    Raises InputError for a twist that is not six finite numbers, an unknown frame, a held component that is commanded.
+    """
+
+    twist: Array
+    frame: str = TOOL
+    hold: str | Sequence[bool] | None = None
+    held: tuple[bool, ...] = field(init=False, repr=False)
+    numbers: Array = field(init=False, repr=False)
+    flags: int = field(init=False, repr=False)
+    kind: ClassVar[int] = 2
+
+    def __post_init__(self) -> None:
+        twist = _six(self.twist, "twist")
+        if self.frame not in FRAMES:
+            raise InputError(f"frame must be 'tool' or 'base'; got {self.frame!r}")
+        held = held_components(self.hold)
+        if any(twist[k] != 0.0 for k in range(6) if held[k]):
+            raise InputError(f"a held component cannot be commanded: hold={self.hold!r}, twist={twist.tolist()}")
+        flags = int(self.frame == BASE) + sum(2 << k for k in range(6) if held[k])
+        for name, value in {"twist": twist, "held": held, "numbers": twist, "flags": flags}.items():
+            object.__setattr__(self, name, value)
+
+
+@dataclass(frozen=True, eq=False)
+class JogCommand:
+    """Move the joints: their rates (n,) [rad/s, m/s], base to tip. See also `JogCommand.of`."""
+
+    theta_dot: Array
+    numbers: Array = field(init=False, repr=False)
+    flags: ClassVar[int] = 0
+    kind: ClassVar[int] = 1
+
+    def __post_init__(self) -> None:
+        rates = as_floats(self.theta_dot, "theta_dot")
+        if rates.ndim != 1:
+            raise InputError(f"theta_dot must be one number per joint, shape (n,); got {rates.shape}")
+        for name in ("theta_dot", "numbers"):
+            object.__setattr__(self, name, frozen(rates))
+
+    @classmethod
+    def of(cls, arm: Arm, rates: Mapping[str, float]) -> JogCommand:
+        """The rates of some joints by name, the others at rest. Raises UnknownNameError for a joint of another arm."""
+        return cls(arm.theta_from(dict.fromkeys(arm.joint_names, 0.0) | dict(rates)))
+
+
+@dataclass(frozen=True, eq=False)
+class PoseCommand:
+    """Bring the tool to the pose g (4, 4), seen from the base, straight and turning about one axis, and hold it there.
+
+    `velocity` (6,) [m/s, rad/s]: how the pose itself moves, (ṗ, ω) in base axes, where it does: it is followed without
+    lag. The speeds [m/s, rad/s] bound the approach.
+    """
+
+    g: Array
+    velocity: ArrayLike = field(default_factory=lambda: np.zeros(6))
+    linear_speed: float = 0.25
+    angular_speed: float = 1.0
+    numbers: Array = field(init=False, repr=False)
+    flags: ClassVar[int] = 1
+    kind: ClassVar[int] = 3
+
+    def __post_init__(self) -> None:
+        g = as_pose(self.g, "g")
+        if g.shape != (4, 4):
+            raise InputError(f"g must be one pose, shape (4, 4); got {g.shape}")
+        for name in ("linear_speed", "angular_speed"):
+            speed = getattr(self, name)
+            if not (isinstance(speed, (int, float)) and 0.0 < speed < np.inf):
+                raise InputError(f"{name} must be a positive number; got {speed!r}")
+        velocity = _six(self.velocity, "velocity")
+        numbers = frozen([*g.ravel(), *velocity, self.linear_speed, self.angular_speed])
+        for name, value in {"g": frozen(g), "velocity": velocity, "numbers": numbers}.items():
+            object.__setattr__(self, name, value)
+
+
+# `kind`, `flags` (1 for base axes, 2 << k for held component k) and `numbers` say the same to the compiled core.
+AnyCommand = TwistCommand | JogCommand | PoseCommand
+
+
+def held_components(hold: Any) -> tuple[bool, ...]:
+    """Six booleans for "position", "orientation", None or six booleans; InputError for anything else."""
+    if hold is None:
+        return (False,) * 6
+    if isinstance(hold, str) and hold in HELD:
+        return HELD[hold]
+    several = tuple(hold) if isinstance(hold, (Sequence, np.ndarray)) and not isinstance(hold, str) else ()
+    if len(several) == 6 and all(isinstance(each, (bool, np.bool_)) for each in several):
+        return tuple(bool(each) for each in several)
+    raise InputError(f"hold must be {listed(HELD)} or six booleans (vx, vy, vz, wx, wy, wz); got {hold!r}")
+
+
+def _six(values: ArrayLike, name: str) -> Array:
+    six = as_twist(values, name)
+    if six.shape != (6,):
+        raise InputError(f"{name} must be one twist, shape (6,); got {six.shape}")
+    return frozen(six)

@@ -1,0 +1,33 @@
+"""What a servo is told once: margins, thresholds, and the length that compares metres with radians."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from ..errors import InputError
+
+
+@dataclass(frozen=True)
+class ServoSettings:
+    """Settings of `servo_step`.
+
+    length [m]: what makes a metre comparable with a radian in singular values; None: the arm's `reach`.
+    singular_below: singular values of the Jacobian below this (rad per rad, see `Manipulability`) are damped.
+    position_margin [rad or m]: how far inside their position limits joints are kept.
+    longest_dt [s]: a step longer than this is refused, because nobody has looked for so long.
+
+    Raises InputError for numbers that are not positive (the margin may be 0).
+    """
+
+    length: float | None = None
+    singular_below: float = 0.04
+    position_margin: float = 0.0
+    longest_dt: float = 0.1
+
+    def __post_init__(self) -> None:
+        for name in ("length", "singular_below", "longest_dt"):
+            value = getattr(self, name)
+            if value is not None and not 0.0 < value < float("inf"):
+                raise InputError(f"{name} must be a positive number; got {value!r}")
+        if not 0.0 <= self.position_margin < float("inf"):
+            raise InputError(f"position_margin must not be negative, in rad or m; got {self.position_margin!r}")

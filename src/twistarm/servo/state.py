@@ -1,0 +1,42 @@
+"""What a servo carries from one step to the next."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from ..arm import Arm
+from ..checks import Array, as_theta, frozen
+from ..errors import InputError
+
+
+@dataclass(frozen=True, eq=False)
+class ServoState:
+    """Where the commanded arm is, theta (n,) [rad, m], how it moves, theta_dot (n,), and the pose it holds.
+
+    theta is integrated from what was commanded, never read back from the arm: measured noise cannot make it drift.
+    `held` (4, 4) is the pose of which components are held, None where none are; `holding` says which, as the flags of
+    the command that holds them.
+    """
+
+    theta: Array
+    theta_dot: Array
+    held: Array | None = None
+    holding: int | None = None
+
+    @classmethod
+    def at(cls, arm: Arm, theta: ArrayLike) -> ServoState:
+        """At rest at the measured theta (n,). Raises InputError for anything but n finite numbers."""
+        return cls.moving(arm, theta, np.zeros(arm.n))
+
+    @classmethod
+    def moving(cls, arm: Arm, theta: ArrayLike, theta_dot: ArrayLike) -> ServoState:
+        """At the measured theta (n,), moving at theta_dot (n,). Raises InputError for anything but finite numbers."""
+        values = {"theta": theta, "theta_dot": theta_dot}
+        checked = {name: as_theta(value, arm.n, name, arm.joint_names) for name, value in values.items()}
+        for name, value in checked.items():
+            if value.ndim != 1:
+                raise InputError(f"{name} must be one configuration, shape ({arm.n},); got {value.shape}")
+        return cls(frozen(checked["theta"]), frozen(checked["theta_dot"]))

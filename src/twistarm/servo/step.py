@@ -1,0 +1,89 @@
+"""`servo_step`: one pure step from a command to joint rates."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+from ..arm import Arm
+from ..checks import frozen
+from ..errors import InputError
+from . import readable
+from .answer import Answer, Cause
+from .bounds import Bounds, bounds_of
+from .command import AnyCommand, JogCommand, PoseCommand, TwistCommand
+from .output import ServoOutput
+from .settings import ServoSettings
+from .state import ServoState
+
+COMMANDS = (TwistCommand, JogCommand, PoseCommand)
+_DEFAULT = ServoSettings()
+
+
+def servo_step(
+    arm: Arm, state: ServoState, command: Any, dt: float, *, settings: ServoSettings = _DEFAULT
+) -> tuple[ServoState, ServoOutput]:
+    """One step of the servo: the state after `dt` [s] under `command`, and the joint rates that lead there.
+
+    command: TwistCommand, JogCommand or PoseCommand; six numbers mean a TwistCommand in tool axes, None that there is
+    no command. What cannot be used is no error here, because a loop that raises lets go of the arm: the arm comes to
+    rest along its acceleration limits, and the status is STALE with the reason. A dt outside (0, settings.longest_dt],
+    or a state that is not finite, is refused the same way, with rates of 0 at once.
+
+    An arm with six directions follows the twist as it is. Where there are fewer (below six joints, at a limit), what
+    matters more comes first: held components, then the linear part, then the angular part; what the arm cannot do is
+    lost and reported. Near a singularity the direction that is about to be lost is damped where the motion approaches
+    it, not where it leaves it. Velocity and acceleration limits, those of the motors of an arm.toml too, slow the
+    motion as a whole; a joint at its position limit stops, and the others keep what is left of the motion.
+    """
+    bounds = bounds_of(arm, settings)
+    if not 0.0 < dt <= settings.longest_dt:
+        return _refused(arm, state, f"dt must be more than 0 and at most {settings.longest_dt:g} s; got {dt!r}")
+    checked, reason = _usable(arm, command)
+    try:
+        answer = _answer(arm, bounds, state, checked, float(dt))
+    except InputError as error:
+        return _refused(arm, state, f"the state cannot be used: {error}")
+    after = ServoState(answer.theta, answer.theta_dot, answer.held, _holding(checked))
+    if checked is None:
+        return after, ServoOutput.stale(after.theta_dot, reason)
+    return after, ServoOutput.of(answer, bounds, arm.joint_names)
+
+
+def _usable(arm: Arm, command: Any) -> tuple[AnyCommand | None, str]:
+    if command is None:
+        return None, "no command"
+    try:
+        if not isinstance(command, COMMANDS):
+            command = TwistCommand(command)
+        if command.kind == JogCommand.kind and command.numbers.shape != (arm.n,):
+            raise InputError(f"a jog of {arm.name} has {arm.n} rates; got {command.numbers.size}")
+    except InputError as error:
+        return None, str(error)
+    return command, ""
+
+
+def _answer(arm: Arm, bounds: Bounds, state: ServoState, command: AnyCommand | None, dt: float) -> Answer:
+    holding = _holding(command)
+    held = state.held if holding is not None and state.holding == holding else None
+    if bounds.compiled is None:
+        return readable.step(arm, bounds, state, command, dt)
+    kind, flags, numbers = (0, 0, None) if command is None else (command.kind, command.flags, command.numbers)
+    found = bounds.compiled.step(state.theta, state.theta_dot, held, kind, flags, numbers, dt)
+    if found is None:  # not plain float64: converted, or refused
+        clean = ServoState.moving(arm, state.theta, state.theta_dot)
+        found = bounds.compiled.step(clean.theta, clean.theta_dot, held, kind, flags, numbers, dt)
+        assert found is not None
+    theta, theta_dot, kept, cause, row, scale, lost, halted, position, angle = found
+    return Answer(theta, theta_dot, Cause(cause), row, scale, lost, kept, halted, (position, angle))
+
+
+def _holding(command: AnyCommand | None) -> int | None:
+    """What a command holds, as its flags; None where it holds nothing."""
+    return command.flags if command is not None and command.flags > 1 else None
+
+
+def _refused(arm: Arm, state: ServoState, reason: str) -> tuple[ServoState, ServoOutput]:
+    still = frozen(np.zeros(arm.n))
+    return ServoState(state.theta, still), ServoOutput.stale(still, reason)

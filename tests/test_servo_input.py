@@ -1,0 +1,152 @@
+"""What cannot be used: a command is refused where it is made, and a step never raises for a bad moment."""
+
+from __future__ import annotations
+
+import math
+import pickle
+import tracemalloc
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from catalogue import load
+from twistarm import InputError, UnknownNameError
+from twistarm.servo import JogCommand, PoseCommand, ServoSettings, ServoState, ServoStatus, TwistCommand, servo_step
+
+DT = 0.01
+
+MOVING = TwistCommand([0.05, 0, 0, 0, 0, 0], "base")
+
+
+def moving(arm, steps=30):
+    state = ServoState.at(arm, arm.ready)
+    for _ in range(steps):
+        state, _ = servo_step(arm, state, MOVING, DT)
+    return state
+
+
+REFUSED = [
+    (lambda: TwistCommand([0, 0, 0]), r"twist must have shape \(\.\.\., 6\); got \(3,\)"),
+    (lambda: TwistCommand([0, 0, 0, 0, 0, math.nan]), "twist must be finite; it holds nan"),
+    (lambda: TwistCommand(np.zeros((2, 6))), r"twist must be one twist, shape \(6,\); got \(2, 6\)"),
+    (lambda: TwistCommand(np.zeros(6), "world"), "frame must be 'tool' or 'base'; got 'world'"),
+    (lambda: TwistCommand(np.zeros(6), hold="elbow"), "hold must be 'position', 'orientation' or six booleans"),
+    (lambda: TwistCommand(np.zeros(6), hold=[1, 0]), "hold must be"),
+    (lambda: TwistCommand(np.zeros(6), hold=3), "hold must be"),
+    (lambda: TwistCommand([0, 0, 0, 0, 0, 1], hold="orientation"), "a held component cannot be commanded"),
+    (lambda: JogCommand([[0.0]]), r"theta_dot must be one number per joint, shape \(n,\)"),
+    (lambda: JogCommand([math.inf]), "theta_dot must be finite"),
+    (lambda: PoseCommand(np.zeros((4, 4))), "g"),
+    (lambda: PoseCommand(np.eye(4), linear_speed=0.0), "linear_speed must be a positive number; got 0.0"),
+    (lambda: PoseCommand(np.eye(4), angular_speed=math.nan), "angular_speed must be a positive number; got nan"),
+    (lambda: PoseCommand(np.eye(4), linear_speed="fast"), "linear_speed must be a positive number; got 'fast'"),
+    (lambda: PoseCommand(np.eye(4), velocity=[0.0]), "velocity must have shape"),
+    (lambda: ServoSettings(length=-1.0), "length must be a positive number; got -1.0"),
+    (lambda: ServoSettings(position_margin=math.nan), "position_margin must not be negative"),
+    (lambda: ServoState.at(load("ur5"), [0.0]), "theta"),
+    (lambda: ServoState.at(load("ur5"), np.full(6, math.nan)), "theta must be finite"),
+    (lambda: ServoState.at(load("ur5"), np.zeros((2, 6))), "one configuration"),
+]
+
+
+@pytest.mark.parametrize(("make", "words"), REFUSED)
+def test_what_cannot_be_a_command_is_refused_where_it_is_made(make, words):
+    with pytest.raises(InputError, match=words):
+        make()
+
+
+def test_a_jog_by_names():
+    arm = load("rover_arm")
+    name = arm.joint_names[2]
+    assert JogCommand.of(arm, {name: 0.3}).theta_dot.tolist() == [0.0, 0.0, 0.3, 0.0, 0.0]
+    with pytest.raises(UnknownNameError, match="no joint 'elbo' in rover_arm"):
+        JogCommand.of(arm, {"elbo": 0.3})
+
+
+BAD_COMMANDS = [
+    (None, "no command"),
+    ([0.0] * 5, "twist must have shape"),
+    ([math.nan] * 6, "twist must be finite"),
+    ("forward", "twist"),
+    (object(), "twist"),
+    (JogCommand([0.1, 0.1]), "a jog of rover_arm has 5 rates; got 2"),
+]
+
+
+@pytest.mark.parametrize(("command", "words"), BAD_COMMANDS)
+def test_a_bad_command_brings_the_arm_to_rest_along_its_limits(command, words):
+    arm = load("rover_arm")
+    state = moving(arm)
+    speed = np.abs(state.theta_dot).max()
+    assert speed > 0.01
+    for _ in range(100):
+        before = state
+        state, output = servo_step(arm, state, command, DT)
+        assert output.status is ServoStatus.STALE
+        assert words in output.reason
+        assert (np.abs(state.theta_dot - before.theta_dot) <= arm.limits.acceleration * DT + 1e-12).all()
+    assert not state.theta_dot.any()
+
+
+@pytest.mark.parametrize("dt", [0.0, -0.01, 1.0, math.nan, math.inf])
+def test_a_bad_time_step_is_refused_and_the_arm_is_still(dt):
+    arm = load("rover_arm")
+    state = moving(arm)
+    after, output = servo_step(arm, state, MOVING, dt)
+    assert output.status is ServoStatus.STALE
+    assert "dt must be more than 0 and at most 0.1 s" in output.reason
+    assert not output.theta_dot.any()
+    assert np.array_equal(after.theta, state.theta)
+
+
+@pytest.mark.parametrize("bad", [[math.nan] * 5, [0.0] * 4, "here", None])
+def test_a_bad_state_is_refused(bad):
+    arm = load("rover_arm")
+    broken = replace(ServoState.at(arm, arm.ready), theta=bad)
+    _, output = servo_step(arm, broken, MOVING, DT)
+    assert output.status is ServoStatus.STALE
+    assert "the state cannot be used" in output.reason
+    assert not output.theta_dot.any()
+
+
+def test_lists_and_other_floats_serve_as_well():
+    arm = load("rover_arm")
+    plain, _ = servo_step(arm, ServoState.at(arm, arm.ready), MOVING, DT)
+    listed, _ = servo_step(arm, ServoState(arm.ready.tolist(), [0] * 5), MOVING, np.float64(DT))
+    assert np.array_equal(plain.theta, listed.theta)
+
+
+def test_states_commands_and_outputs_travel_between_processes():
+    arm = load("rover_arm")
+    state, output = servo_step(arm, moving(arm), TwistCommand([0.05, 0, 0, 0, 0, 0], "base", "orientation"), DT)
+    for each in (state, output, MOVING, PoseCommand(np.eye(4)), JogCommand(np.zeros(5))):
+        again = pickle.loads(pickle.dumps(each))
+        assert type(again) is type(each)
+    assert np.array_equal(pickle.loads(pickle.dumps(state)).theta, state.theta)
+
+
+def test_steps_leave_nothing_behind():
+    """What is allocated at the end is what was at the beginning; the whole million is run slowly."""
+    check_memory(30_000)
+
+
+@pytest.mark.slow
+def test_a_million_steps_leave_nothing_behind():
+    check_memory(1_000_000)
+
+
+def check_memory(steps):
+    arm = load("rover_arm")
+    there, back = TwistCommand([0.03, 0, 0, 0, 0, 0], "base"), TwistCommand([-0.03, 0, 0, 0, 0, 0], "base")
+    state = ServoState.at(arm, arm.ready)
+    tracemalloc.start()
+    try:
+        for k in range(steps):
+            if k == 2000:
+                before = tracemalloc.get_traced_memory()[0]
+            state, _ = servo_step(arm, state, there if k % 200 < 100 else back, DT)
+        grown = tracemalloc.get_traced_memory()[0] - before
+    finally:
+        tracemalloc.stop()
+    assert grown < 20_000
