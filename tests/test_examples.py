@@ -9,7 +9,7 @@ from pathlib import Path
 import pytest
 
 EXAMPLES = Path(__file__).parents[1] / "examples"
-PROGRAMS = sorted(EXAMPLES.rglob("*.py"))
+PROGRAMS = sorted(file for file in EXAMPLES.rglob("*.py") if file.parent.name != "ros2")
 
 
 @pytest.mark.parametrize("program", PROGRAMS, ids=lambda path: str(path.relative_to(EXAMPLES)))

@@ -1,0 +1,47 @@
+"""The loop around the servo: commands in, setpoints out, the joints watched; sources, sinks and simulated joints."""
+
+from .inbox import Inbox, StateInbox
+from .loop import come_to_rest, run
+from .messages import command_of, parse_command, parse_state, setpoint_message
+from .metronome import Metronome, MonotonicClock
+from .protocols import Clock, Feedback, Measured, Reading, Setpoint, Sink, Source
+from .recording import Recording, read_recording
+from .replay import Replay
+from .report import Ending, StreamReport
+from .serial_link import SerialRobot, SerialSource
+from .simulation import SimulatedJoints
+from .streaming import Cycle, Streaming
+from .udp import UdpFeedback, UdpSink, UdpSource
+
+__all__ = [
+    "Clock",
+    "Cycle",
+    "Ending",
+    "Feedback",
+    "Inbox",
+    "Measured",
+    "Metronome",
+    "MonotonicClock",
+    "Reading",
+    "Recording",
+    "Replay",
+    "SerialRobot",
+    "SerialSource",
+    "Setpoint",
+    "SimulatedJoints",
+    "Sink",
+    "Source",
+    "StateInbox",
+    "StreamReport",
+    "Streaming",
+    "UdpFeedback",
+    "UdpSink",
+    "UdpSource",
+    "come_to_rest",
+    "command_of",
+    "parse_command",
+    "parse_state",
+    "read_recording",
+    "run",
+    "setpoint_message",
+]

@@ -1,0 +1,103 @@
+"""The latest of what senders say: how old it is, and why it does not count."""
+
+from __future__ import annotations
+
+import threading
+from dataclasses import dataclass
+from math import inf
+from typing import Generic, TypeVar
+
+from ..errors import InputError, one_line
+
+T = TypeVar("T")
+
+THREADS_APART = 0.02
+"""Two threads may read the clock in one order and arrive here in the other, this far [s] apart; more is a clock that
+went back."""
+
+LONGEST_SENDER = 100
+"""Characters of a sender's name in a message."""
+
+
+@dataclass(frozen=True)
+class _Arrival(Generic[T]):
+    sender: str
+    time: float
+    value: T | None
+    number: int | None
+    reason: str
+
+
+class Latest(Generic[T]):
+    """The latest value and who sent it; older ones are forgotten, so that a flood takes no memory. Thread-safe.
+
+    A value counts for `timeout` [s] (a dead man's switch: it must be repeated), and only where one sender alone spoke
+    within the last `timeout`. What was refused replaces what came before: nonsense stops the arm. Of one sender, a
+    message whose number is not above the last one's is left out, until the sender was silent for a timeout.
+    """
+
+    def __init__(self, timeout: float, what: str) -> None:
+        if not 0.0 < timeout < inf:
+            raise InputError(f"the timeout of a {what} must be a positive number of seconds; got {timeout!r}")
+        self.timeout = float(timeout)
+        self._what = what
+        self._lock = threading.Lock()
+        self._latest: _Arrival[T] | None = None
+        self._rival: _Arrival[T] | None = None
+        self._clock = -inf
+        self._ignored = ""
+
+    def put(self, sender: str, value: T, now: float, number: int | None = None) -> None:
+        """`value` arrived from `sender` at `now` [s], with the sender's own count where it has one."""
+        self._arrive(_Arrival(one_line(sender, LONGEST_SENDER), now, value, number, ""))
+
+    def refuse(self, sender: str, reason: str, now: float) -> None:
+        """Something from `sender` that cannot be used arrived at `now` [s]."""
+        self._arrive(_Arrival(one_line(sender, LONGEST_SENDER), now, None, None, reason))
+
+    def look(self, now: float) -> tuple[T | None, float, str]:
+        """The value, its age [s] (inf where none arrived), and why there is none."""
+        with self._lock:
+            self._advance(now)
+            if self._latest is None:
+                return None, inf, self._ignored or f"no {self._what} has arrived"
+            age = max(0.0, now - self._latest.time)
+            reason = self._why_not(self._latest, age, now)
+            return None if reason else self._latest.value, age, reason
+
+    def _why_not(self, latest: _Arrival[T], age: float, now: float) -> str:
+        if not age <= self.timeout:
+            return f"the last {self._what} is {age:.3g} s old (timeout {self.timeout:g} s){self._ignored}"
+        if self._rival is not None and now - self._rival.time <= self.timeout:
+            return f"two senders of a {self._what}, {self._rival.sender} and {latest.sender}: stop one of them"
+        return f"{self._what} from {latest.sender} refused: {latest.reason}" if latest.value is None else ""
+
+    def _arrive(self, new: _Arrival[T]) -> None:
+        with self._lock:
+            if not self._advance(new.time):
+                return
+            last = self._last_of(new.sender)
+            if last is not None and self._outrun(last, new):
+                self._ignored = f"; number {new.number} came after {last.number} and was left out"
+                return
+            if self._latest is not None and self._latest.sender != new.sender:
+                self._rival = self._latest
+            self._latest, self._ignored = new, ""
+
+    def _last_of(self, sender: str) -> _Arrival[T] | None:
+        return next((each for each in (self._latest, self._rival) if each and each.sender == sender), None)
+
+    def _outrun(self, last: _Arrival[T], new: _Arrival[T]) -> bool:
+        if last.number is None or new.number is None or new.time - last.time > self.timeout:
+            return False
+        return new.number <= last.number
+
+    def _advance(self, now: float) -> bool:
+        """Whether time went on; where it went back, what arrived in that future is forgotten."""
+        if now >= self._clock - THREADS_APART:
+            self._clock = max(now, self._clock)
+            return True
+        back = self._clock - now
+        self._clock, self._latest, self._rival = now, None, None
+        self._ignored = f"time went back by {back:.3g} s; no {self._what} has arrived since"
+        return False

@@ -1,0 +1,131 @@
+"""The loop: cycles on the clock, watched, ended as asked or by trouble, and the arm at rest on every way out."""
+
+from __future__ import annotations
+
+import sys
+from collections.abc import Callable
+from math import inf
+
+from numpy.typing import ArrayLike
+
+from ..arm import Arm
+from ..errors import InputError
+from ..servo import ServoSettings
+from .inbox import COMMAND_TIMEOUT, FEEDBACK_TIMEOUT
+from .metronome import Metronome, MonotonicClock
+from .protocols import Clock, Feedback, Sink, Source
+from .report import Ending, StreamReport
+from .streaming import TOLERANCE, Cycle, Streaming
+
+
+def run(
+    arm: Arm,
+    source: Source,
+    sink: Sink,
+    feedback: Feedback,
+    *,
+    rate: float = 100.0,
+    command_timeout: float = COMMAND_TIMEOUT,
+    feedback_timeout: float = FEEDBACK_TIMEOUT,
+    tolerance: ArrayLike = TOLERANCE,
+    settings: ServoSettings | None = None,
+    velocity_mode: bool = False,
+    duration: float | None = None,
+    until: Callable[[], bool] | None = None,
+    on_cycle: Callable[[Cycle], object] | None = None,
+    clock: Clock | None = None,
+) -> StreamReport:
+    """Stream `source`'s commands through the servo to `sink` at `rate` [Hz] until something ends it.
+
+    The servo starts where `feedback` says that the arm is, and waits for that. A command older than `command_timeout`
+    [s] does not count, nor does any while the joint state is older than `feedback_timeout` [s] or a cycle came later
+    than the servo's longest step: the arm comes to rest along its acceleration limits and goes on once all is well.
+    A joint farther than `tolerance` (one number or (n,)) [rad, m] from all that was commanded within the last
+    `feedback_timeout` ends the stream.
+
+    velocity_mode: for robots that take rates alone, whose small errors add up. While nobody commands and the arm
+    stands, the servo starts anew where it is measured. duration [s] and `until()` end the stream; `on_cycle(cycle)`
+    is called after each, between the setpoint and the next one, and must be quick.
+
+    However it ends (time, Ctrl-C, a device that fails, an exception of `on_cycle`), the arm comes to rest along its
+    limits and the last setpoint has rates of 0; Ctrl-C once more stops it at once. What devices cannot do (OSError,
+    TwistarmError) stands in the report; other exceptions are raised after that.
+
+    Raises InputError for a rate, timeout, tolerance or duration that is not positive, and for a rate so low that the
+    servo's longest step is shorter than a period.
+    """
+    if duration is not None and not 0.0 < duration < inf:
+        raise InputError(f"duration must be a positive number of seconds; got {duration!r}")
+    streaming = Streaming(
+        arm, source, sink, feedback, rate=rate, command_timeout=command_timeout, feedback_timeout=feedback_timeout,
+        tolerance=tolerance, settings=settings, velocity_mode=velocity_mode,
+    )  # fmt: skip
+    time = clock or MonotonicClock()
+    metronome = Metronome(streaming.period)
+    began = time.now()
+    ending, reason, at_rest = Ending.INTERRUPTED, "", False
+    try:
+        ending, reason = _drive(streaming, metronome, time, began + (duration or inf), until, on_cycle)
+    except KeyboardInterrupt:
+        pass
+    except BaseException as error:
+        at_rest = come_to_rest(streaming, metronome, time)
+        _note(error, tuple(streaming.tally.failures))
+        raise
+    at_rest = come_to_rest(streaming, metronome, time)
+    return streaming.report(ending, reason, time.now() - began, at_rest)
+
+
+def come_to_rest(streaming: Streaming, metronome: Metronome, clock: Clock) -> bool:
+    """Brake cycle by cycle, then rates of 0, written even when Ctrl-C cuts the braking short. Whether it stood."""
+    try:
+        latest = clock.now() + streaming.longest_braking
+        while not streaming.at_rest and clock.now() < latest:
+            _wait(clock, metronome, latest)
+            now = clock.now()
+            streaming.brake(now, metronome.tick(now))
+    except KeyboardInterrupt:
+        pass
+    finally:
+        at_rest = streaming.at_rest
+        streaming.halt(clock.now())
+    return at_rest
+
+
+def _drive(
+    streaming: Streaming,
+    metronome: Metronome,
+    clock: Clock,
+    end: float,
+    until: Callable[[], bool] | None,
+    on_cycle: Callable[[Cycle], object] | None,
+) -> tuple[Ending, str]:
+    """Cycles until one of the reasons to end, and which it was."""
+    while True:
+        now, due = clock.now(), metronome.next
+        if now >= end:
+            return Ending.DURATION, ""
+        if until is not None and until():
+            return Ending.DONE, ""
+        periods = metronome.tick(now)
+        if periods != 0:  # else the clock woke us a little early
+            if due > -inf:
+                streaming.tally.lateness.add(now - due)
+            cycle = streaming.cycle(now, periods)
+            if on_cycle is not None:
+                on_cycle(cycle)
+            if cycle.ending is not None:
+                return cycle.ending, cycle.reason
+        _wait(clock, metronome, end)
+
+
+def _wait(clock: Clock, metronome: Metronome, end: float) -> None:
+    """Sleep until the next cycle or the end; never longer than a period, though a clock may go back."""
+    clock.sleep_until(min(metronome.next, end, clock.now() + metronome.period))
+
+
+def _note(error: BaseException, failures: tuple[str, ...]) -> None:
+    """Say at the exception on its way what else went wrong, where Python (3.11 on) can."""
+    if sys.version_info >= (3, 11):
+        for failure in failures:
+            error.add_note(f"while the arm came to rest, {failure}")

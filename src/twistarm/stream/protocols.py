@@ -1,0 +1,76 @@
+"""What the loop is connected to: a source of commands, a sink for setpoints, feedback from the joints, a clock.
+
+Whatever has these methods serves; what must be closed is a context manager as well, and whoever opened it closes it.
+A device that fails raises OSError or a TwistarmError.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Protocol
+
+from ..checks import Array
+from ..servo import AnyCommand, ServoOutput, ServoState
+
+
+@dataclass(frozen=True, eq=False)
+class Reading:
+    """What a source has at this moment: a command and its age [s], or None and the reason why there is none."""
+
+    command: AnyCommand | None
+    age: float
+    reason: str = ""
+
+
+@dataclass(frozen=True, eq=False)
+class Measured:
+    """Where the joints are, theta (n,) [rad, m], and when that was heard [s]; None and a reason where it is unknown."""
+
+    theta: Array | None
+    time: float
+    reason: str = ""
+
+
+@dataclass(frozen=True, eq=False)
+class Setpoint:
+    """What the joints are told: rates theta_dot (n,) until the next one, and theta (n,) where they are by then.
+
+    `time` [s] is the clock's when it was computed, `number` counts from 0.
+    """
+
+    number: int
+    time: float
+    theta: Array
+    theta_dot: Array
+    output: ServoOutput
+
+
+class Source(Protocol):
+    """Where commands come from."""
+
+    def read(self, now: float, state: ServoState | None) -> Reading:
+        """The command at `now` [s], without waiting; `state` is where the commanded arm is, None before it is known."""
+
+
+class Sink(Protocol):
+    """Where setpoints go."""
+
+    def write(self, setpoint: Setpoint) -> None:
+        """Hand the setpoint on, without waiting."""
+
+
+class Feedback(Protocol):
+    """Where the joint state comes from."""
+
+    def read(self, now: float) -> Measured | None:
+        """The latest joint state at `now` [s], without waiting; None where none ever arrived."""
+
+
+class Clock(Protocol):
+    """Time that only goes forward [s], and waiting."""
+
+    def now(self) -> float:
+        """Seconds since some fixed moment."""
+
+    def sleep_until(self, moment: float) -> None:
+        """Return at that moment, at once where it has passed."""

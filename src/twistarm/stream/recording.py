@@ -1,0 +1,128 @@
+"""A recorded motion: the CSV that `planning.to_csv` and `twistarm plan --csv` write, read strictly."""
+
+from __future__ import annotations
+
+import csv
+import os
+from collections.abc import Iterable
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+
+from ..arm import Arm
+from ..checks import Array, as_floats, frozen
+from ..errors import InputError, LimitError, closest, listed
+
+TIME = "time [s]"
+
+LARGEST_FILE = 200_000_000
+"""Bytes of a recording: some hours at 100 Hz."""
+
+BEYOND_LIMIT = 1e-6
+"""Beyond a position limit by less [rad, m] is rounding of the file."""
+
+
+@dataclass(frozen=True, eq=False)
+class Recording:
+    """theta (k, n) and theta_dot (k, n) at the times t (k,) [s], which increase from 0, at least two of them."""
+
+    t: Array
+    theta: Array
+    theta_dot: Array
+
+    @property
+    def duration(self) -> float:
+        """Length in time [s]."""
+        return float(self.t[-1])
+
+    def __call__(self, time: float) -> Array:
+        """theta (n,) at `time` [s]: the cubic of each interval with the recorded positions and rates at its ends
+        (Hermite), the ends held outside.
+        """
+        k = int(np.clip(np.searchsorted(self.t, time, side="right") - 1, 0, len(self.t) - 2))
+        h = self.t[k + 1] - self.t[k]
+        s = min(max((time - self.t[k]) / h, 0.0), 1.0)
+        a, b = self.theta[k], self.theta[k + 1]
+        value: Array = (
+            (1 + 2 * s) * (1 - s) ** 2 * a
+            + s**2 * (3 - 2 * s) * b
+            + h * s * (1 - s) * ((1 - s) * self.theta_dot[k] - s * self.theta_dot[k + 1])
+        )
+        return value
+
+
+def read_recording(arm: Arm, path: str | os.PathLike[str]) -> Recording:
+    """The motion of `arm` in a CSV file.
+
+    Columns: `time [s]`, and of each joint `<joint>.position [rad]` and `<joint>.velocity [rad/s]` (m, m/s for slides),
+    in any order; others are passed over. Raises InputError with the line for what is not a finite number in its place
+    or a time that does not increase, LimitError for a position outside the arm's limits.
+    """
+    file = Path(path)
+    try:
+        if file.stat().st_size > LARGEST_FILE:
+            raise InputError(f"{file} is larger than {LARGEST_FILE // 10**6} MB; record at a lower rate")
+        with open(file, newline="", encoding="utf-8-sig") as lines:
+            return _recording(arm, csv.reader(lines), str(file))
+    except OSError as error:
+        raise InputError(f"cannot read {file}: {error.strerror or error}") from error
+    except (UnicodeDecodeError, csv.Error) as error:
+        raise InputError(f"{file} is no CSV text: {error}") from error
+
+
+def _recording(arm: Arm, reader: Iterable[list[str]], file: str) -> Recording:
+    rows = iter(reader)
+    header = next(rows, [])
+    columns = _columns(arm, header, file)
+    lines, values = [], []
+    for line, row in enumerate(rows, 2):
+        if row:
+            lines.append(line)
+            values.append(_numbers(row, header, columns, f"{file}, line {line}"))
+    if len(values) < 2:
+        raise InputError(f"{file}: a recording needs two lines of numbers at least; got {len(values)}")
+    table = np.array(values)
+    t = table[:, 0] - table[0, 0]
+    if not (np.diff(t) > 0.0).all():
+        k = int(np.argmin(np.diff(t) > 0.0)) + 1
+        raise InputError(f"{file}, line {lines[k]}: time must increase; got {table[k, 0]:g} after {table[k - 1, 0]:g}")
+    theta = table[:, 1 : 1 + arm.n]
+    _require_within(arm, theta, lines, file)
+    return Recording(frozen(t), frozen(theta), frozen(table[:, 1 + arm.n :]))
+
+
+def _columns(arm: Arm, header: list[str], file: str) -> list[int]:
+    """Where time, the n positions and the n velocities stand."""
+    joints = list(zip(arm.joint_names, arm.units, strict=True))
+    wanted = [
+        TIME,
+        *(f"{name}.position [{unit}]" for name, unit in joints),
+        *(f"{name}.velocity [{unit}/s]" for name, unit in joints),
+    ]
+    for name in wanted:
+        if header.count(name) != 1:
+            what = "twice" if name in header else f"not{closest(name, header)}"
+            raise InputError(f"{file}, line 1: a recording of {arm.name} has {listed([name])} once; here it is {what}")
+    return [header.index(name) for name in wanted]
+
+
+def _numbers(row: list[str], header: list[str], columns: list[int], place: str) -> list[float]:
+    if len(row) != len(header):
+        raise InputError(f"{place}: {len(header)} numbers are needed, as in the header; got {len(row)}")
+    try:
+        values = [float(row[k]) for k in columns]
+        as_floats(values, "every number")
+    except ValueError as error:  # InputError is one
+        raise InputError(f"{place}: {error}") from error
+    return values
+
+
+def _require_within(arm: Arm, theta: Array, lines: list[int], file: str) -> None:
+    beyond = np.maximum(arm.limits.lower - theta, theta - arm.limits.upper)
+    k, j = (int(index) for index in np.unravel_index(np.argmax(beyond), beyond.shape))
+    if beyond[k, j] > BEYOND_LIMIT:
+        raise LimitError(
+            f"{file}, line {lines[k]}: joint {arm.joint_names[j]!r} at {theta[k, j]:g} {arm.units[j]} is "
+            f"{beyond[k, j]:.3g} {arm.units[j]} beyond its limit; record a motion within the limits"
+        )

@@ -1,0 +1,121 @@
+"""What a stream did: cycles and jitter, what was stale for how long, and why it ended."""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Mapping
+from dataclasses import dataclass
+from enum import Enum
+from types import MappingProxyType
+
+from ..servo import ServoStatus
+from .metronome import Lateness
+
+
+class Ending(Enum):
+    """Why a stream ended."""
+
+    DURATION = "the time was over"
+    DONE = "it was told to end"
+    INTERRUPTED = "it was interrupted"
+    STRAYED = "the arm is not where it was commanded to be"
+    SOURCE_FAILED = "the source of commands failed"
+    FEEDBACK_FAILED = "the feedback failed"
+    SINK_FAILED = "the sink failed"
+
+
+AS_ASKED = (Ending.DURATION, Ending.DONE, Ending.INTERRUPTED)
+
+
+@dataclass(frozen=True)
+class StreamReport:
+    """What a stream did.
+
+    cycles that were begun and `missed` ones of the grid, at `rate` [Hz] over `duration` [s]. late_p50, late_p99,
+    late_max [s]: how long after their time cycles began, the jitter. statuses: cycles of each status of the servo.
+    waited, blind, uncommanded [s]: before the first joint state, with a stale joint state after it, and without a
+    command. ending and reason: why it ended. at_rest: whether the commanded arm stood still at the end. failures: what
+    went wrong while it came to rest.
+    """
+
+    cycles: int
+    missed: int
+    rate: float
+    duration: float
+    late_p50: float
+    late_p99: float
+    late_max: float
+    statuses: Mapping[ServoStatus, int]
+    waited: float
+    blind: float
+    uncommanded: float
+    ending: Ending
+    reason: str
+    at_rest: bool
+    failures: tuple[str, ...]
+
+    @property
+    def ok(self) -> bool:
+        """Whether it ended as somebody asked, with the arm moved at least once under watch, and at rest."""
+        return self.ending in AS_ASKED and self.started and self.at_rest and not self.failures
+
+    @property
+    def started(self) -> bool:
+        """Whether a joint state ever arrived, so that the servo could begin."""
+        return bool(self.statuses)
+
+    def explain(self) -> str:
+        """The report in lines."""
+        counts = ", ".join(f"{status.name} {count}" for status, count in self.statuses.items())
+        lines = [
+            f"ended: {self.ending.value}{': ' if self.reason else ''}{self.reason}",
+            f"{self.cycles} cycles in {self.duration:.2f} s at {self.rate:g} Hz, {self.missed} missed",
+            f"cycles began late by {self.late_p50 * 1e3:.3f} ms (median), {self.late_p99 * 1e3:.3f} ms (99 %), "
+            f"{self.late_max * 1e3:.3f} ms (most)",
+            f"status: {counts}" if counts else "the arm was never moved: no joint state arrived",
+            *self._stale(),
+            *(f"while it came to rest: {failure}" for failure in self.failures),
+        ]
+        if not self.at_rest:
+            lines.append("the arm was stopped at once, before it had come to rest along its limits")
+        return "\n".join(lines)
+
+    def _stale(self) -> list[str]:
+        spans = (
+            (self.waited, "waited for the first joint state"),
+            (self.blind, "had no fresh joint state"),
+            (self.uncommanded, "had no command"),
+        )
+        return [f"{what} for {seconds:.3f} s" for seconds, what in spans if seconds > 0.0]
+
+
+class Tally:
+    """The counts of a stream that runs, from which its report is made; they do not grow."""
+
+    def __init__(self, rate: float) -> None:
+        self.rate = rate
+        self.cycles = self.missed = 0
+        self.waited = self.blind = self.uncommanded = 0
+        self.statuses: Counter[ServoStatus] = Counter()
+        self.lateness = Lateness()
+        self.failures: Counter[str] = Counter()
+
+    def report(self, ending: Ending, reason: str, duration: float, at_rest: bool) -> StreamReport:
+        """The report of a stream that ended after `duration` [s]."""
+        return StreamReport(
+            self.cycles,
+            self.missed,
+            self.rate,
+            duration,
+            self.lateness.percentile(50.0),
+            self.lateness.percentile(99.0),
+            self.lateness.largest,
+            MappingProxyType({status: self.statuses[status] for status in ServoStatus if self.statuses[status]}),
+            self.waited / self.rate,
+            self.blind / self.rate,
+            self.uncommanded / self.rate,
+            ending,
+            reason,
+            at_rest,
+            tuple(f"{text} ({count} times)" if count > 1 else text for text, count in self.failures.items()),
+        )

@@ -1,0 +1,215 @@
+"""One cycle of the loop: look at the joints, take the command, step the servo, hand the setpoint on."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from math import inf
+from typing import ParamSpec, TypeVar
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from ..arm import Arm
+from ..checks import Array, frozen
+from ..errors import InputError, TwistarmError
+from ..servo import AnyCommand, ServoOutput, ServoSettings, ServoState, servo_step
+from .inbox import COMMAND_TIMEOUT, FEEDBACK_TIMEOUT
+from .protocols import Feedback, Reading, Setpoint, Sink, Source
+from .report import Ending, StreamReport, Tally
+from .watch import FeedbackWatch
+
+P = ParamSpec("P")
+T = TypeVar("T")
+
+TOLERANCE = 0.2
+"""How far a joint may be from where it was commanded to be [rad, m]."""
+
+BRAKING_SPARE = 0.5
+"""Seconds that coming to rest may take beyond twice what velocity over acceleration says."""
+
+
+@dataclass(frozen=True, eq=False)
+class Cycle:
+    """What happened in one cycle.
+
+    theta (n,): the joint state where it can be used. setpoint: what was computed, None before the first joint state.
+    reason: why there was no command. ending: why the stream cannot go on, None where it can.
+    """
+
+    time: float
+    reading: Reading | None
+    theta: Array | None
+    setpoint: Setpoint | None
+    reason: str = ""
+    ending: Ending | None = None
+
+
+class Streaming:
+    """A stream, cycle by cycle, for loops that have a timer of their own; `run` is the loop with ours.
+
+    Call `cycle` at `rate` [Hz] until it says an ending, then `brake` at the same rate until it answers True, then
+    `halt`, whatever went wrong before. The arguments are those of `run`.
+    """
+
+    def __init__(
+        self,
+        arm: Arm,
+        source: Source,
+        sink: Sink,
+        feedback: Feedback,
+        *,
+        rate: float = 100.0,
+        command_timeout: float = COMMAND_TIMEOUT,
+        feedback_timeout: float = FEEDBACK_TIMEOUT,
+        tolerance: ArrayLike = TOLERANCE,
+        settings: ServoSettings | None = None,
+        velocity_mode: bool = False,
+    ) -> None:
+        self.arm, self.source, self.sink, self.feedback = arm, source, sink, feedback
+        self.settings = settings or ServoSettings()
+        self.rate = _positive(rate, "rate")
+        self.period = 1.0 / self.rate
+        if self.period > self.settings.longest_dt:
+            raise InputError(
+                f"rate must be at least {1.0 / self.settings.longest_dt:g} Hz, because no step is longer than "
+                f"{self.settings.longest_dt:g} s (ServoSettings.longest_dt); got {rate:g} Hz"
+            )
+        self.command_timeout = _positive(command_timeout, "command_timeout")
+        self.feedback_timeout = _positive(feedback_timeout, "feedback_timeout")
+        self.velocity_mode = velocity_mode
+        self.state: ServoState | None = None
+        self.tally = Tally(self.rate)
+        self._watch = FeedbackWatch(arm, self.feedback_timeout, tolerance)
+        self._number = 0
+        self._released = inf
+
+    def cycle(self, now: float, periods: int = 1) -> Cycle:
+        """The cycle at `now` [s], that many periods after the last one; 0 or less where time went back.
+
+        A device that fails is an ending, nothing is raised for it; whatever else is raised is an error in a program.
+        """
+        self.tally.cycles += 1
+        self.tally.missed += max(0, periods - 1)
+        try:
+            return self._cycle(now, periods)
+        except _DeviceError as failed:
+            return Cycle(now, None, None, None, failed.reason, failed.ending)
+
+    def brake(self, now: float, periods: int = 1) -> bool:
+        """One step toward rest, without asking anybody; True where the arm stands. A sink's failure is noted."""
+        if not self.at_rest:
+            self._write_anyway(self._step(None, now, periods, "coming to rest"))
+        return self.at_rest
+
+    def halt(self, now: float) -> None:
+        """Rates of 0 where the commanded arm is, at once; nothing where no joint state ever arrived."""
+        if self.state is None:
+            return
+        still = frozen(np.zeros(self.arm.n))
+        self._write_anyway(self._setpoint(now, self.state.theta, ServoOutput.stale(still, "the stream has ended")))
+
+    def report(self, ending: Ending, reason: str, duration: float, at_rest: bool) -> StreamReport:
+        """What was done until now."""
+        return self.tally.report(ending, reason, duration, at_rest)
+
+    @property
+    def at_rest(self) -> bool:
+        """Whether the commanded arm stands."""
+        return self.state is None or not self.state.theta_dot.any()
+
+    @property
+    def longest_braking(self) -> float:
+        """Seconds within which the commanded arm must have come to rest."""
+        if self.state is None:
+            return 0.0
+        return 2.0 * float((np.abs(self.state.theta_dot) / self.arm.limits.acceleration).max()) + BRAKING_SPARE
+
+    def _cycle(self, now: float, periods: int) -> Cycle:
+        theta, blind = self._watch.look(_asked(Ending.FEEDBACK_FAILED, self.feedback.read, now), now)
+        if self.state is None and theta is not None:
+            self.state = ServoState.at(self.arm, theta)
+        reading = _asked(Ending.SOURCE_FAILED, self.source.read, now, self.state)
+        if self.state is None:
+            self.tally.waited += 1
+            return Cycle(now, reading, None, None, blind)
+        strayed = "" if theta is None else self._watch.deviation(theta)
+        command, uncommanded = self._command(reading)
+        self.tally.blind += bool(blind)
+        self.tally.uncommanded += bool(uncommanded)
+        reason = strayed or blind or self._untimely(periods) or uncommanded
+        setpoint = self._step(None if reason else command, now, periods, reason)
+        self.tally.statuses[setpoint.output.status] += 1
+        _asked(Ending.SINK_FAILED, self.sink.write, setpoint)
+        self._restart_at_rest(theta, now, released=command is None)
+        return Cycle(now, reading, theta, setpoint, reason, Ending.STRAYED if strayed else None)
+
+    def _command(self, reading: Reading) -> tuple[AnyCommand | None, str]:
+        if reading.command is None:
+            return None, reading.reason or "no command"
+        if not 0.0 <= reading.age <= self.command_timeout:
+            return None, f"the command is {reading.age:.3g} s old (timeout {self.command_timeout:g} s)"
+        return reading.command, ""
+
+    def _untimely(self, periods: int) -> str:
+        if periods < 1:
+            return "time went back"
+        elapsed = periods * self.period
+        if elapsed > self.settings.longest_dt:
+            return f"{elapsed:.3g} s since the last cycle (longest step {self.settings.longest_dt:g} s)"
+        return ""
+
+    def _step(self, command: AnyCommand | None, now: float, periods: int, reason: str) -> Setpoint:
+        """A step over the time since the last one, over one period where that cannot be."""
+        assert self.state is not None  # whoever steps has asked
+        dt = self.period if self._untimely(periods) else periods * self.period
+        self.state, output = servo_step(self.arm, self.state, command, dt, settings=self.settings)
+        if reason:
+            output = ServoOutput.stale(output.theta_dot, reason)
+        self._watch.follow(self.state.theta, now)
+        return self._setpoint(now, self.state.theta, output)
+
+    def _setpoint(self, now: float, theta: Array, output: ServoOutput) -> Setpoint:
+        setpoint = Setpoint(self._number, now, theta, output.theta_dot, output)
+        self._number += 1
+        return setpoint
+
+    def _restart_at_rest(self, theta: Array | None, now: float, released: bool) -> None:
+        """In velocity mode, measured positions count again once the arm was left alone and stood for a while."""
+        if not (self.velocity_mode and released and self.at_rest and theta is not None):
+            self._released = inf
+            return
+        self._released = min(self._released, now)
+        if now - self._released >= self.feedback_timeout:
+            self.state = ServoState.at(self.arm, theta)
+            self._watch.follow(self.state.theta, now)
+
+    def _write_anyway(self, setpoint: Setpoint) -> None:
+        try:
+            self.sink.write(setpoint)
+        except Exception as error:  # whatever it is, the arm must still be brought to rest
+            self.tally.failures[f"the sink failed: {_worded(error)}"] += 1
+
+
+class _DeviceError(Exception):
+    def __init__(self, ending: Ending, error: Exception) -> None:
+        super().__init__(ending.value)
+        self.ending, self.reason = ending, _worded(error)
+
+
+def _asked(ending: Ending, call: Callable[P, T], *args: P.args, **kwargs: P.kwargs) -> T:
+    """What a device answers; `_DeviceError` where it says that it cannot."""
+    try:
+        return call(*args, **kwargs)
+    except (OSError, TwistarmError) as error:
+        raise _DeviceError(ending, error) from error
+
+
+def _worded(error: Exception) -> str:
+    return f"{type(error).__name__}: {error}"
+
+
+def _positive(value: float, name: str) -> float:
+    if not 0.0 < value < inf:
+        raise InputError(f"{name} must be a positive number; got {value!r}")
+    return float(value)

@@ -1,0 +1,79 @@
+"""JSON from outside, read strictly: one object, finite numbers, no name twice, nothing long."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Mapping
+from typing import Any
+
+from ..errors import InputError, one_line
+
+LARGEST_MESSAGE = 64 * 1024
+"""Bytes of a message: a joint state of a thousand joints is half of it."""
+
+LARGEST_COUNTER = 2**53
+"""Counters stay below, where every reader's numbers are whole."""
+
+
+def encode(message: Mapping[str, Any]) -> str:
+    """A message as one line of JSON; NaN and infinity are refused rather than written."""
+    return json.dumps(message, allow_nan=False, separators=(",", ":"))
+
+
+def decoded(text: str | bytes) -> dict[str, Any]:
+    """The JSON object that `text` holds, UTF-8 where it is bytes. Raises InputError for anything else."""
+    if len(text) > LARGEST_MESSAGE:
+        raise InputError(f"a message has at most {LARGEST_MESSAGE} bytes; got {len(text)}")
+    try:
+        line = text.decode("utf-8") if isinstance(text, bytes) else text
+        message = json.loads(line, parse_constant=_no_constant, object_pairs_hook=_once)
+    except InputError:
+        raise
+    except (ValueError, RecursionError) as error:
+        raise InputError(f"a message is one JSON object; {short(error)}: {short(text)}") from error
+    if not isinstance(message, dict):
+        raise InputError(f"a message is one JSON object; got {short(message)}")
+    return message
+
+
+def numbers(value: Any, name: str, size: int | None = None) -> list[float]:
+    """A list of finite numbers, `size` of them where it is given."""
+    if not isinstance(value, list) or (size is not None and len(value) != size):
+        raise InputError(f"{name} must be a list of {'' if size is None else f'{size} '}numbers; got {short(value)}")
+    return [number(each, f"{name}[{k}]") for k, each in enumerate(value)]
+
+
+def number(value: Any, name: str) -> float:
+    """A finite number."""
+    if not isinstance(value, (int, float)) or isinstance(value, bool):
+        raise InputError(f"{name} must be a number; got {short(value)}")
+    if not abs(value) <= 1e300:  # an integer beyond the floats, infinity and NaN alike
+        raise InputError(f"{name} must be finite; got {short(value)}")
+    return float(value)
+
+
+def counter(value: Any, name: str) -> int:
+    """A whole number from 0 on."""
+    if not isinstance(value, int) or isinstance(value, bool) or not 0 <= value < LARGEST_COUNTER:
+        raise InputError(f"{name} must be a whole number from 0 on, below 2^53; got {short(value)}")
+    return value
+
+
+def short(value: Any) -> str:
+    """`value` in a few words on one line."""
+    try:
+        text = str(value) if isinstance(value, BaseException) else repr(value)
+    except (ValueError, RecursionError):  # an integer of thousands of digits has no decimal text
+        text = type(value).__name__
+    return one_line(text, 80)
+
+
+def _once(pairs: list[tuple[str, Any]]) -> dict[str, Any]:
+    message = dict(pairs)
+    if len(message) != len(pairs):
+        raise InputError(f"a message has each name once; got {short([name for name, _ in pairs])}")
+    return message
+
+
+def _no_constant(name: str) -> float:
+    raise InputError(f"numbers must be finite; got {name}")

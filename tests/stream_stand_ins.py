@@ -1,0 +1,86 @@
+"""Stand-ins around the loop: a clock that tests move, sources that say one thing, sinks and feedback that fail."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from twistarm.servo import JogCommand, ServoOutput, ServoStatus
+from twistarm.stream import Measured, Reading, Setpoint
+
+
+class FakeClock:
+    """Time that passes only while somebody sleeps; `late` maps a sleep's number to how much it oversleeps [s]."""
+
+    def __init__(self, start=100.0, late=None):
+        self.time = start
+        self.late = late or {}
+        self.sleeps = 0
+
+    def __call__(self):
+        return self.time
+
+    now = __call__
+
+    def sleep_until(self, moment):
+        self.sleeps += 1
+        self.time = max(self.time, moment) + self.late.get(self.sleeps, 0.0)
+
+
+class Says:
+    """A source whose command is `command(now)`, or always `command`."""
+
+    def __init__(self, command):
+        self.command = command
+
+    def read(self, now, state):
+        command = self.command(now) if callable(self.command) else self.command
+        return Reading(command, 0.0, "" if command is not None else "nobody commands")
+
+
+class Robot:
+    """Joints that are where they are told to be, at once: a sink that remembers and a feedback.
+
+    `deaf(now)`, `mute(now)`: while true, it does not move, its joint state grows old. `broken`: what to raise.
+    """
+
+    def __init__(self, theta, clock):
+        self.theta = np.array(theta, dtype=float)
+        self.clock = clock
+        self.setpoints: list[Setpoint] = []
+        self.heard = clock.now()
+        self.deaf = self.mute = lambda now: False
+        self.broken = lambda now: None
+
+    def write(self, setpoint):
+        error = self.broken(self.clock.now())
+        if error is not None:
+            raise error
+        self.setpoints.append(setpoint)
+        if not self.deaf(self.clock.now()):
+            self.theta = setpoint.theta
+
+    def read(self, now):
+        if not self.mute(now):
+            self.heard = now
+        return Measured(self.theta, self.heard)
+
+    @property
+    def rates(self):
+        return np.array([setpoint.theta_dot for setpoint in self.setpoints])
+
+    @property
+    def times(self):
+        return np.array([setpoint.time for setpoint in self.setpoints])
+
+    def moving(self, after):
+        """The latest moment at which a setpoint had a rate, counted from `after` [s]."""
+        return max((s.time for s in self.setpoints if s.theta_dot.any()), default=after) - after
+
+
+def answer(rates, status=ServoStatus.OK, scale=1.0, joint=None, reason=""):
+    """What a step of the servo answers."""
+    return ServoOutput(np.asarray(rates, dtype=float), status, scale, np.zeros(6), joint, (0.0, 0.0), reason)
+
+
+def jog(arm, **rates):
+    return JogCommand.of(arm, rates)

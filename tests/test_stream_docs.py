@@ -1,0 +1,67 @@
+"""docs/streaming.md: its programs run, its messages are understood, its numbers are the code's."""
+
+from __future__ import annotations
+
+import re
+import threading
+from pathlib import Path
+
+import pytest
+
+from twistarm.stream import SimulatedJoints, UdpSource, parse_command, run, simulation, streaming
+from twistarm.stream.inbox import COMMAND_TIMEOUT, FEEDBACK_TIMEOUT
+from twistarm.stream.replay import AT_START, BEHIND
+
+PAGE = (Path(__file__).parents[1] / "docs" / "streaming.md").read_text("utf-8")
+FIRST, CLIENT = re.findall(r"```python\n(.*?)```", PAGE, flags=re.S)
+
+GAPS = {
+    "[vx, vy, vz, wx, wy, wz]": "[0, 0, 0, 0, 0, 0]",
+    '"twist": [...]': '"twist": [0, 0, 0, 0, 0, 0]',
+    '"frame": ...': '"frame": "tool"',
+    "[x, y, z]": "[0.5, 0, 0.5]",
+    "[w, x, y, z]": "[1, 0, 0, 0]",
+    '"pose": ...': '"pose": [[1, 0, 0, 0], [0, 1, 0, 0], [0, 0, 1, 0], [0, 0, 0, 1]]',
+}
+
+
+def test_the_first_program_moves_the_arm(capsys):
+    exec(compile(FIRST, "docs/streaming.md", "exec"), {})
+    assert "ended: the time was over" in capsys.readouterr().out
+
+
+def test_the_client_moves_the_arm(rover):
+    with UdpSource(rover) as source:
+        program = compile(CLIENT.replace("9870", str(source.address[1])), "docs/streaming.md", "exec")
+        joints = SimulatedJoints(rover, rover.ready)
+        client = threading.Thread(target=lambda: exec(program, {}))
+        client.start()
+        run(rover, source, joints, joints, duration=0.6)
+        client.join()
+    assert rover.fk(joints.theta)[2, 3] > rover.fk(rover.ready)[2, 3] + 0.005
+
+
+def test_every_command_of_the_table_is_one(rover):
+    table = PAGE[PAGE.index("Commands, to") : PAGE.index("Each may have")]
+    messages = re.findall(r"^\| `(\{.*?\})` \|", table, flags=re.M)
+    assert len(messages) == 7
+    for message in messages:
+        for gap, filled in GAPS.items():
+            message = message.replace(gap, filled)
+        parse_command(rover, message)
+
+
+@pytest.mark.parametrize(
+    ("text", "value"),
+    [
+        ("`command_timeout` ({:g} s)", COMMAND_TIMEOUT),
+        ("`feedback_timeout` ({:g} s)", FEEDBACK_TIMEOUT),
+        ("`tolerance` ({:g} rad or m)", streaming.TOLERANCE),
+        ("position loop of {:g} 1/s", simulation.GAIN),
+        ("where not given, {:g} and", simulation.VELOCITY_RESERVE),
+        ("within {:g} rad or m", AT_START),
+        ("falls {:g} behind", BEHIND),
+    ],
+)
+def test_its_numbers_are_the_codes(text, value):
+    assert text.format(value) in PAGE

@@ -1,0 +1,163 @@
+"""One commander at a time, for a short while, the latest message of it; everything else is said."""
+
+from __future__ import annotations
+
+import threading
+import tracemalloc
+
+import numpy as np
+import pytest
+
+from twistarm.errors import InputError
+from twistarm.servo import JogCommand
+from twistarm.stream import Inbox, StateInbox
+
+A, B = JogCommand(np.array([0.1])), JogCommand(np.array([0.2]))
+
+
+def test_nothing_has_arrived():
+    reading = Inbox().read(5.0)
+    assert reading.command is None
+    assert reading.age == np.inf
+    assert reading.reason == "no command has arrived"
+
+
+def test_the_latest_counts():
+    inbox = Inbox(0.2)
+    inbox.put("page", A, 1.0)
+    inbox.put("page", B, 1.05)
+    reading = inbox.read(1.1)
+    assert reading.command is B
+    assert reading.age == pytest.approx(0.05)
+    assert reading.reason == ""
+
+
+def test_a_command_must_be_repeated():
+    inbox = Inbox(0.2)
+    inbox.put("page", A, 1.0)
+    assert inbox.read(1.199).command is A
+    reading = inbox.read(1.35)
+    assert reading.command is None
+    assert reading.reason == "the last command is 0.35 s old (timeout 0.2 s)"
+    inbox.put("page", A, 1.4)
+    assert inbox.read(1.4).command is A
+
+
+def test_two_commanders_are_none_until_one_has_been_silent_for_a_timeout():
+    inbox = Inbox(0.2)
+    inbox.put("page", A, 1.0)
+    inbox.put("127.0.0.1:5005", B, 1.1)
+    reading = inbox.read(1.1)
+    assert reading.command is None
+    assert "page and 127.0.0.1:5005" in reading.reason
+    inbox.put("127.0.0.1:5005", B, 1.19)
+    assert inbox.read(1.19).command is None
+    inbox.put("127.0.0.1:5005", B, 1.21)
+    assert inbox.read(1.21).command is B
+
+
+def test_commanders_in_turn_never_move_the_arm():
+    inbox = Inbox(0.2)
+    inbox.put("one", A, 1.0)
+    for k in range(1, 50):
+        inbox.put(("one", "two", "three")[k % 3], B, 1.0 + 0.05 * k)
+        assert inbox.read(1.0 + 0.05 * k).command is None
+
+
+def test_older_numbers_of_a_sender_are_left_out():
+    inbox = Inbox(0.2)
+    inbox.put("page", B, 1.0, number=7)
+    inbox.put("page", A, 1.1, number=6)
+    inbox.put("page", A, 1.1, number=7)
+    assert inbox.read(1.15).command is B
+    reading = inbox.read(1.3)
+    assert reading.command is None
+    assert "number 7 came after 7 and was left out" in reading.reason
+
+
+def test_a_sender_that_starts_anew_may_count_anew_after_a_silence():
+    inbox = Inbox(0.2)
+    inbox.put("page", A, 1.0, number=700)
+    inbox.put("page", B, 1.1, number=0)
+    assert inbox.read(1.1).command is A
+    inbox.put("page", B, 1.25, number=3)
+    assert inbox.read(1.25).command is B
+
+
+def test_nonsense_stops_what_was_commanded():
+    inbox = Inbox(0.2)
+    inbox.put("page", A, 1.0)
+    inbox.refuse("page", "twist must be finite", 1.01)
+    reading = inbox.read(1.02)
+    assert reading.command is None
+    assert reading.reason == "command from page refused: twist must be finite"
+
+
+def test_time_going_back_forgets_what_was_commanded():
+    inbox = Inbox(0.2)
+    inbox.put("page", A, 10.0)
+    inbox.put("page", B, 7.0)
+    reading = inbox.read(7.05)
+    assert reading.command is None
+    assert reading.reason == "time went back by 3 s; no command has arrived since"
+    inbox.put("page", B, 7.1)
+    assert inbox.read(7.1).command is B
+
+
+def test_threads_that_read_the_clock_in_another_order_are_no_time_machine():
+    inbox = Inbox(0.2)
+    inbox.put("page", A, 1.001)
+    reading = inbox.read(1.0)
+    assert reading.command is A
+    assert reading.age == 0.0
+
+
+def test_a_flood_takes_no_memory():
+    inbox = Inbox(0.2)
+    tracemalloc.start()
+    try:
+        for k in range(1000):
+            inbox.put(f"sender {k}", A, 1.0 + 1e-6 * k)
+        before = tracemalloc.get_traced_memory()[0]
+        for k in range(20_000):
+            inbox.put(f"sender {k}", A, 1.1 + 1e-6 * k, number=k)
+        after = tracemalloc.get_traced_memory()[0]
+    finally:
+        tracemalloc.stop()
+    assert after - before < 2000
+    assert inbox.read(1.12).command is None
+
+
+def test_many_threads_at_once():
+    inbox = Inbox(0.2)
+    threads = [
+        threading.Thread(target=lambda name=name: [inbox.put(name, A, 1.0) for _ in range(500)]) for name in "ab"
+    ]
+    for thread in threads:
+        thread.start()
+    for thread in threads:
+        thread.join()
+    assert "two senders" in inbox.read(1.0).reason
+
+
+def test_long_names_stay_readable():
+    inbox = Inbox()
+    inbox.refuse("x\n" * 5000, "why", 1.0)
+    assert len(inbox.read(1.0).reason) < 200
+    assert "\n" not in inbox.read(1.0).reason
+
+
+def test_a_joint_state_is_as_old_as_its_arrival():
+    states = StateInbox(0.2)
+    assert states.read(1.0).theta is None
+    states.put("robot", np.array([0.5]), 1.0)
+    measured = states.read(1.1)
+    assert measured.theta.tolist() == [0.5]
+    assert measured.time == pytest.approx(1.0)
+    assert states.read(1.5).reason == "the last joint state is 0.5 s old (timeout 0.2 s)"
+
+
+@pytest.mark.parametrize("timeout", [0.0, -1.0, float("nan"), float("inf")])
+def test_a_timeout_is_a_positive_number(timeout):
+    with pytest.raises(InputError, match="timeout of a command must be a positive number"):
+        Inbox(timeout)
