@@ -34,7 +34,18 @@ if TYPE_CHECKING:
     from .golden import Difference, compare, freeze
     from .ik import Approach, IKBatch, IKSolution, Pose, Position, StopReason, Task, solve_ik, solve_ik_batch
     from .planning import Trajectory, plan_joint
+    from .servo import (
+        JogCommand,
+        PoseCommand,
+        ServoOutput,
+        ServoSettings,
+        ServoState,
+        ServoStatus,
+        TwistCommand,
+        servo_step,
+    )
     from .viewer import Viewer, save_html
+    from .wiring import check_wiring
 
 __version__ = "0.1.0"
 
@@ -53,22 +64,30 @@ __all__ = [
     "IKBatch",
     "IKSolution",
     "InputError",
+    "JogCommand",
     "JointLimits",
     "LimitError",
     "Manipulability",
     "MissingExtraError",
     "NotConvergedError",
     "Pose",
+    "PoseCommand",
     "Position",
     "Proof",
+    "ServoOutput",
+    "ServoSettings",
+    "ServoState",
+    "ServoStatus",
     "StopReason",
     "Task",
     "Trajectory",
+    "TwistCommand",
     "TwistarmError",
     "UnknownNameError",
     "Viewer",
     "arm_from_screws",
     "available_arms",
+    "check_wiring",
     "compare",
     "crosscheck",
     "diagnose",
@@ -80,6 +99,7 @@ __all__ = [
     "rotations",
     "save_html",
     "screws",
+    "servo_step",
     "solve_ik",
     "solve_ik_batch",
 ]
@@ -91,7 +111,19 @@ _LATER = {
     "golden": ("Difference", "compare", "freeze"),
     "ik": ("Approach", "IKBatch", "IKSolution", "Pose", "Position", "StopReason", "Task", "solve_ik", "solve_ik_batch"),
     "planning": ("Trajectory", "plan_joint"),
+    "servo": (
+        "JogCommand",
+        "PoseCommand",
+        "ServoOutput",
+        "ServoSettings",
+        "ServoState",
+        "ServoStatus",
+        "TwistCommand",
+        "servo_step",
+    ),
+    "stream": (),
     "viewer": ("Viewer", "save_html"),
+    "wiring": ("check_wiring",),
 }
 """Names by module that a program may do without: each is imported when it is first asked for."""
 

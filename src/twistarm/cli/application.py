@@ -10,7 +10,20 @@ from collections.abc import Sequence
 import typer
 
 from ..errors import TwistarmError
-from . import baking, checking, demonstration, doctor, init, inspection, inverse, kinematics, motion, viewing
+from . import (
+    baking,
+    checking,
+    demonstration,
+    doctor,
+    init,
+    inspection,
+    inverse,
+    kinematics,
+    motion,
+    servo,
+    viewing,
+    wiring,
+)
 from .wording import as_typed
 
 BAD_ANSWER, BAD_INPUT, BUG, INTERRUPTED = 1, 2, 70, 130
@@ -32,11 +45,13 @@ app.command()(checking.check)
 app.command()(checking.freeze)
 app.command()(doctor.doctor)
 app.command()(baking.bake)
+app.command()(wiring.wiring)
 app.command()(kinematics.fk)
 app.command()(kinematics.jacobian)
 app.command()(inverse.ik)
 app.command()(motion.plan)
 app.command()(viewing.view)
+app.command()(servo.servo)
 
 
 @app.callback()

@@ -58,7 +58,7 @@ def plan(
     json: Json = False,
 ) -> None:
     """Plan the fastest spline through the poses under the position, velocity and acceleration limits."""
-    limits = _capped(arm, {"velocity": velocity, "acceleration": acceleration})
+    limits = capped(arm, {"velocity": velocity, "acceleration": acceleration})
     for destination in (csv, trajectory):
         if destination is not None:
             writable(destination)
@@ -80,7 +80,7 @@ def plan(
         print(f"written: {file}")
 
 
-def _capped(arm: Arm, caps: dict[str, float | None]) -> JointLimits:
+def capped(arm: Arm, caps: dict[str, float | None]) -> JointLimits:
     """The arm's limits, none above what was typed; a limit that was not given takes the typed value."""
     for name, cap in caps.items():
         if cap is not None and not cap > 0:

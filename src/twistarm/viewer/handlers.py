@@ -76,6 +76,7 @@ class SocketHandler(tornado.websocket.WebSocketHandler):
         self._outbox: dict[str, str] = {}
         self._waiting = asyncio.Event()
         self._sender: asyncio.Task[None] | None = None
+        self.name = server.name_page()
 
     async def get(self, *path: str, **arguments: str) -> None:
         """Refuse strangers before the handshake."""
@@ -102,12 +103,13 @@ class SocketHandler(tornado.websocket.WebSocketHandler):
 
     def on_message(self, message: str | bytes) -> None:
         """Whatever arrives gets an answer."""
-        for reply in self.server.receive(message):
+        for reply in self.server.receive(message, self.name):
             self.put(reply["type"], encode(reply))
 
     def on_close(self) -> None:
-        """Forget the page."""
+        """Forget the page, and what it commanded."""
         self.server.clients.discard(self)
+        self.server.leave(self.name)
         if self._sender is not None:
             self._sender.cancel()
 

@@ -39,6 +39,7 @@ def parse(text: str | bytes) -> Request:
     {"type": "theta", "theta": [...]}   {"type": "joint", "name": ..., "value": ...}   {"type": "pose", "name": ...}
     {"type": "play"}   {"type": "pause"}   {"type": "seek", "time": ...}
     {"type": "visible", "what": "screws"|"frames"|"path", "visible": true|false}
+    {"type": "jog", "twist": [vx, vy, vz, wx, wy, wz], "frame": "tool"|"base"}   {"type": "stop"}
     each with "number", a counter. Values in rad, m and s. Raises InputError for anything else.
     """
     message = _decoded(text)
@@ -106,6 +107,8 @@ FIELDS: Mapping[str, Mapping[str, Callable[[Any, str], Any]]] = {
     "pause": {},
     "seek": {"time": _number},
     "visible": {"what": _name, "visible": _flag},
+    "jog": {"twist": _numbers, "frame": _name},
+    "stop": {},
 }
 
 

@@ -18,9 +18,10 @@ import tornado.netutil
 import tornado.web
 
 from ..errors import InputError
+from .commands import COMMANDS, PageCommands
 from .guard import Guard
 from .handlers import PageHandler, SocketHandler
-from .messages import LARGEST_MESSAGE, encode, parse
+from .messages import LARGEST_MESSAGE, Request, encode, parse
 from .page_files import page_files
 from .scene import Scene
 from .stage import Stage
@@ -41,11 +42,14 @@ class Server:
         self.stage = stage
         self.scene = scene
         self.guard = Guard(host)
+        self.commands = PageCommands(stage.arm)
         self.clients: set[SocketHandler] = set()
         self._sockets = bind(host, port)
         self.port = int(self._sockets[0].getsockname()[1])
         self._lock = threading.Lock()
         self._changes: dict[str, Change] = {}
+        self._applied = 0.0
+        self._pages = 0
         self._sent: dict[str, str] = {}
         self._player: asyncio.Task[None] | None = None
         self._thread = threading.Thread(target=lambda: asyncio.run(self._main()), name="twistarm viewer", daemon=True)
@@ -65,20 +69,23 @@ class Server:
             self._thread.join(STOP_TIME)
 
     def post(self, key: str, change: Change) -> None:
-        """Let the loop apply `change`; one that still waits under the same key is replaced, so the latest wins."""
+        """Let the loop apply `change`, at most once in FRAME_TIME; one that waits under the same key is replaced.
+
+        Whoever posts at any rate pays for a frame 60 times a second, and else for a lock.
+        """
         with self._lock:
             first = not self._changes
             self._changes.pop(key, None)
             self._changes[key] = change
         if first and self._thread.is_alive():
-            self._loop.call_soon_threadsafe(self._apply)
+            self._loop.call_soon_threadsafe(self._apply_in_time)
 
     def ask(self, question: Callable[[Stage], Answer]) -> Answer:
         """What `question` says of the stage once every change posted so far is applied."""
         if not self._thread.is_alive():
             return question(self.stage)
         future: Future[Answer] = Future()
-        self._loop.call_soon_threadsafe(lambda: future.set_result(question(self.stage)))
+        self._loop.call_soon_threadsafe(self._answer, question, future)
         return future.result(STOP_TIME)
 
     # everything below runs in the loop ------------------------------------------------------------------
@@ -89,6 +96,7 @@ class Server:
         http.add_sockets(self._sockets)
         self._started.set()
         await self._stop.wait()
+        self._apply()
         http.stop()
         for client in list(self.clients):
             client.close(1001, "the viewer was closed")
@@ -107,6 +115,11 @@ class Server:
             websocket_ping_timeout=PING_TIME,
         )
 
+    def name_page(self) -> str:
+        """A name for the next page: each is a commander of its own."""
+        self._pages += 1
+        return f"page {self._pages}"
+
     def greeting(self) -> list[str | bytes]:
         """What a new page needs before the first frame."""
         hello = self.stage.hello(self.scene.links)
@@ -117,26 +130,42 @@ class Server:
 
     def state(self) -> dict[str, str]:
         """The messages that say what is on show, by type."""
-        messages = (self.stage.switches(), self.stage.way(), self.stage.player(), self.stage.frame())
+        stage = self.stage
+        messages = (stage.switches(), stage.way(), stage.player(), stage.servo(), stage.frame())
         return {message["type"]: encode(message) for message in messages}
 
-    def receive(self, text: str | bytes) -> list[dict[str, Any]]:
-        """Do what a page asks for, tell every page, and return what only the asking one is told."""
+    def receive(self, text: str | bytes, sender: str) -> list[dict[str, Any]]:
+        """Do what the page `sender` asks for, tell every page, and return what only the asking one is told.
+
+        A command to the servo changes nothing on show: what comes of it does.
+        """
         try:
             request = parse(text)
         except Exception as error:
+            self.commands.refuse(sender, str(error))
             return [_error(error)]
         replies: list[dict[str, Any]] = []
         try:
-            self.stage.handle(request, time.monotonic())
-            self.publish()
+            self._do(request, sender)
         except Exception as error:
             replies.append(_error(error))
         return [*replies, {"type": "done", "number": request.number}]
 
+    def _do(self, request: Request, sender: str) -> None:
+        if request.kind in COMMANDS:
+            self.commands.take(request, sender)
+            return
+        self._apply()
+        self.stage.handle(request, time.monotonic())
+        self.publish()
+
+    def leave(self, sender: str) -> None:
+        """A page has gone."""
+        self.commands.refuse(sender, "its page has gone")
+
     def publish(self) -> None:
         """Tell every page what changed since the last time, and keep a running trajectory running."""
-        state = self.state()
+        state = self.state() if self.clients else {}
         for kind, text in state.items():
             if self._sent.get(kind) != text:
                 self._tell(kind, text)
@@ -144,12 +173,26 @@ class Server:
         if self.stage.running and (self._player is None or self._player.done()):
             self._player = self._loop.create_task(self._play())
 
+    def _apply_in_time(self) -> None:
+        wait = self._applied + FRAME_TIME - self._loop.time()
+        if wait > 0:
+            self._loop.call_later(wait, self._apply)
+        else:
+            self._apply()
+
     def _apply(self) -> None:
         with self._lock:
             changes, self._changes = self._changes, {}
+        if not changes:  # a question came before, and had them applied
+            return
+        self._applied = self._loop.time()
         for change in changes.values():
             self._try(partial(change, self.stage))
         self._try(self.publish)
+
+    def _answer(self, question: Callable[[Stage], Answer], future: Future[Answer]) -> None:
+        self._apply()
+        future.set_result(question(self.stage))
 
     async def _play(self) -> None:
         while self.stage.running:

@@ -15,7 +15,11 @@ from .admission import checked_theta, require_inside
 from .messages import Request
 from .path import NO_PATH
 from .playback import Playback
+from .servo_words import SILENT
 from .summary import describe_arm, extra_joints, named_poses, placement, rest
+
+DRIVING = ("theta", "joint", "pose", "play", "seek")
+"""Requests that would move the arm under a servo's hands."""
 
 
 class Stage:
@@ -29,6 +33,8 @@ class Stage:
         self.visible = {"screws": True, "frames": True, "path": True}
         self.path = NO_PATH
         self.playback: Playback | None = None
+        self.driven = self.jogging = False
+        self.report: dict[str, Any] = SILENT
 
     def show(self, theta: Array) -> None:
         """Stand at theta (n,); a running trajectory stops."""
@@ -61,6 +67,7 @@ class Stage:
     def handle(self, request: Request, now: float) -> None:
         """Do what a page asks for. Raises TwistarmError and changes nothing where it cannot be done."""
         fields = request.fields
+        self._require_no_servo(request)
         if request.kind == "theta":
             self.show(self._inside(checked_theta(self.arm, fields["theta"])))
         elif request.kind == "joint":
@@ -72,11 +79,28 @@ class Stage:
         else:
             self._drive(request, now)
 
+    def take_commands(self) -> None:
+        """A servo drives the arm, and takes commands of the pages."""
+        self.driven = self.jogging = True
+
+    def hear(self, report: Mapping[str, Any] | None) -> None:
+        """What the servo says; None: it has ended."""
+        self.driven = report is not None
+        self.jogging = self.jogging and self.driven
+        self.report = SILENT if report is None else dict(report)
+
     def set_visible(self, what: str, visible: bool) -> None:
         """Switch the screws, the frames or the tool's path on or off."""
         if what not in self.visible:
             raise unknown_name("layer", what, self.visible, within="the scene", listing=", ".join(self.visible))
         self.visible = {**self.visible, what: visible}
+
+    def _require_no_servo(self, request: Request) -> None:
+        gripper = request.kind == "joint" and request.fields["name"] in self.extra_joints
+        if self.driven and request.kind in DRIVING and not gripper:
+            raise InputError(
+                f"a servo drives {self.arm.name}: sliders, poses and trajectories are free again once it has ended"
+            )
 
     def _drive(self, request: Request, now: float) -> None:
         if self.playback is None:
@@ -135,6 +159,10 @@ class Stage:
     def player(self) -> dict[str, Any]:
         """The trajectory that is loaded; duration null where none is."""
         return {"type": "player", "duration": None if self.playback is None else self.playback.duration}
+
+    def servo(self) -> dict[str, Any]:
+        """Whether a servo takes commands of the pages, and what it last said: status null before it said anything."""
+        return {"type": "servo", "jog": self.jogging, **self.report}
 
     def way(self) -> dict[str, Any]:
         """The path of the tool that is drawn; no points where none is."""

@@ -18,11 +18,14 @@ from ..arm import Arm
 from ..checks import Array
 from ..errors import InputError
 from ..planning.trajectory import Trajectory
+from ..servo import ServoOutput
+from ..stream import Cycle, Inbox
 from .admission import check_trajectory, checked_theta
 from .drawing import require_meshcat
 from .export import save_html
 from .path import NO_PATH, tool_path
 from .scene import build_scene
+from .servo_words import ServoWords
 from .stage import Stage
 
 
@@ -51,6 +54,7 @@ class Viewer:
         self.arm = arm
         self._host = host
         self._closed = threading.Event()
+        self._words = ServoWords()
         self._server = Server(Stage(arm, theta), build_scene(arm), host, port)
         self._server.start()
         if open_browser:
@@ -78,6 +82,29 @@ class Viewer:
         if not (np.isfinite(speed) and speed > 0):
             raise InputError(f"speed must be a positive number; got {speed!r}")
         self._server.post("play", lambda stage: stage.load(trajectory, float(speed), loop, time.monotonic()))
+
+    @property
+    def commands(self) -> Inbox:
+        """What the pages command by keyboard and gamepad, as a source for `twistarm.stream`; once asked for, they may.
+
+        Each page is a commander of its own, and two at once bring the arm to rest. Until `show_servo(None)`, sliders,
+        poses and trajectories of the pages are refused.
+        """
+        self._server.commands.open = True
+        self._server.post("jogging", lambda stage: stage.take_commands())
+        return self._server.commands.inbox
+
+    def show_servo(self, answer: Cycle | ServoOutput | None) -> None:
+        """Show what a cycle of `twistarm.stream.run` came to: where the joints are, and the servo's status and reason.
+
+        An answer of `servo_step` gives status and reason alone; None: the servo has ended, and sliders work again.
+        Called at any rate, the latest is shown, at most 60 times a second.
+        """
+        if isinstance(answer, Cycle) and answer.theta is not None:
+            self.show(answer.theta)
+        self._server.commands.open = self._server.commands.open and answer is not None
+        report = None if answer is None else self._words.of(answer)
+        self._server.post("servo", lambda stage: stage.hear(report))
 
     def show_screws(self, visible: bool = True) -> None:
         """Draw each joint's screw axis where it lies at the configuration on show, or draw none."""

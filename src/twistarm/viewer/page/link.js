@@ -32,22 +32,38 @@ export class Link {
     if (data instanceof ArrayBuffer) return this.on.object(new Uint8Array(data));
     const message = JSON.parse(data);
     if (message.type !== "done") return this.on.message(message);
-    if (message.number === this.underway) this.underway = 0;
+    // Requests are answered in their order, and of two answers that wait the process keeps the later.
+    if (message.number >= this.underway) this.underway = 0;
     this.flush();
     if (this.underway === 0) this.on.idle();
   }
 
   // A request of the same kind about the same thing that still waits is replaced.
   send(request) {
-    this.pending.set([request.type, request.name ?? request.what].join(":"), request);
+    this.pending.set(key(request), request);
     this.flush();
+  }
+
+  // At once, ahead of whatever waits and without waiting for what is under way; what it calls off is not sent any more.
+  interrupt(request, calledOff) {
+    this.pending.delete(key(calledOff));
+    if (this.socket.readyState === WebSocket.OPEN) this.transmit(request);
   }
 
   flush() {
     if (this.underway || this.socket.readyState !== WebSocket.OPEN || this.pending.size === 0) return;
-    const [key, request] = this.pending.entries().next().value;
-    this.pending.delete(key);
-    this.underway = ++this.number;
-    this.socket.send(JSON.stringify({ ...request, number: this.underway }));
+    const request = this.pending.values().next().value;
+    this.pending.delete(key(request));
+    this.underway = this.transmit(request);
   }
+
+  transmit(request) {
+    this.number += 1;
+    this.socket.send(JSON.stringify({ ...request, number: this.number }));
+    return this.number;
+  }
+}
+
+function key(request) {
+  return [request.type, request.name ?? request.what].join(":");
 }

@@ -1,5 +1,6 @@
 // The live page: what the process says is shown, what the person does is asked for.
 
+import { Jog } from "./jog.js";
 import { Link } from "./link.js";
 import { Panel } from "./panel.js";
 import { View } from "./view.js";
@@ -15,6 +16,11 @@ const panel = new Panel({
   pause: () => ask({ type: "pause" }),
   seek: (time) => ask({ type: "seek", time }),
   fit: () => view.fit(),
+});
+
+const jog = new Jog({
+  jog: (twist, frame) => ask({ type: "jog", twist, frame }),
+  stop: () => link.interrupt({ type: "stop" }, { type: "jog" }),
 });
 
 function ask(request) {
@@ -46,6 +52,7 @@ const receive = {
     panel.showPath(message.points.length > 0);
   },
   player: ({ duration }) => panel.showPlayer(duration),
+  servo: (message) => jog.show(message),
   error: ({ message }) => panel.showError(message),
 };
 
@@ -57,8 +64,15 @@ const link = new Link({
     const { objects } = state.hello;
     panel.showStatus(state.drawn < objects ? `${state.drawn} / ${objects}` : "live");
   },
-  status: (status) => panel.showStatus(status),
-  idle: () => panel.release(),
+  status(status) {
+    panel.showStatus(status);
+    if (status === "offline") jog.lose();
+  },
+  // What was refused goes back to where it stands.
+  idle() {
+    panel.release();
+    if (state.frame) panel.show(state.frame);
+  },
 });
 
-globalThis.twistarm = { view, panel, link, state };
+globalThis.twistarm = { view, panel, jog, link, state };

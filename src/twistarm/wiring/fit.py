@@ -1,0 +1,120 @@
+"""The scales and zeros that fit a log best: many starts, the best of them refined by damped Gauss-Newton steps."""
+
+from __future__ import annotations
+
+from itertools import combinations
+
+import numpy as np
+
+from ..checks import Array
+from .model import Wiring
+
+STEPS = 60
+ENOUGH = 1e-9
+"""A step that makes the sum of squares smaller by less than this part of it is the last."""
+
+MOST_SIGNS = 8
+"""Motors up to which every pattern of signs is tried; beyond, every two."""
+
+SCALES = (1.0, 0.1, 0.25, 0.5, 0.75, 1.5, 2.0, 4.0, 10.0)
+OFFSETS = np.radians([0.0, 30.0, -30.0, 75.0, -75.0, 120.0, -120.0, 180.0])
+"""Where a single motor's scale, of either sign, and zero are looked for."""
+
+_ANYWHERE = np.array([(sign * s, e) for s in SCALES for sign in (1.0, -1.0) for e in OFFSETS])
+
+KEPT, MOST_FAULTY = 6, 3
+"""The width of the search's beam, and its rounds."""
+
+FITS = 2.0
+"""A mean square [standard deviations²] below this needs no further search."""
+
+FEW = 30
+"""Moments that a search looks at; the fit is finished on all."""
+
+
+def refine(wiring: Wiring, p: Array, free: Array) -> tuple[Array, float]:
+    """The parameters (2k,) near p with the least sum of squared residuals, only the `free` (2k,) moved; and that sum.
+
+    Levenberg–Marquardt with the columns scaled to length 1: (AᵀA + λ I) step = Aᵀ r.
+    """
+    r = wiring.residual(p)
+    total, damping = float(r @ r), 1e-3
+    if not free.any():
+        return p, total
+    for _ in range(STEPS):
+        A = wiring.slope(p)[:, free]
+        size = np.linalg.norm(A, axis=0)
+        A = A / np.where(size > 0, size, 1.0)
+        H, gradient = A.T @ A, A.T @ r
+        for _ in range(STEPS):
+            step = np.linalg.solve(H + damping * np.eye(len(H)), gradient) / np.where(size > 0, size, np.inf)
+            tried = p.copy()
+            tried[free] += step
+            r_tried = wiring.residual(tried)
+            after = float(r_tried @ r_tried)
+            if after < total or damping > 1e8:
+                break
+            damping *= 8.0
+        if not after < total:
+            break
+        gained, p, r, total, damping = total - after, tried, r_tried, after, max(damping / 8.0, 1e-9)
+        if gained < ENOUGH * total:
+            break
+    return p, total
+
+
+def from_sound(wiring: Wiring) -> tuple[Array, float]:
+    """The parameters (2k,) that fit the log, all of them moved from the sound ones, and the sum of squares."""
+    return refine(wiring, wiring.sound, np.ones(2 * wiring.k, dtype=bool))
+
+
+def best_fit(wiring: Wiring) -> tuple[Array, float]:
+    """The parameters (2k,) that fit the log best, from wherever they are found, and the sum of squares.
+
+    The reversed motors that come nearest, as they are; then a beam from the sound ones, and one from the reversed: in
+    each round one more motor gets whichever scale and offset helps.
+    """
+    rows = np.unique(np.linspace(0, len(wiring.y) - 1, min(FEW, len(wiring.y))).astype(int))
+    few, every = wiring.of_rows(rows), np.ones(2 * wiring.k, dtype=bool)
+    reversed_ = _most_promising(few, _signs(wiring.k), KEPT)
+    best, total = min((refine(few, p, every) for p in (few.sound, *reversed_)), key=lambda fit: fit[1])
+    enough = FITS * len(few.residual(few.sound))
+    for beam in ([few.sound], reversed_):
+        for _ in range(MOST_FAULTY):
+            if total <= enough:
+                break
+            changed = [refine(few, start, _moved(start)) for p in beam for start in _one_more(few, p)]
+            beam = [p for p, _ in sorted(changed, key=lambda fit: fit[1])[:KEPT]]
+            best, total = min([(best, total), *(refine(few, p, every) for p in beam)], key=lambda fit: fit[1])
+    return refine(wiring, best, every)
+
+
+def _most_promising(wiring: Wiring, starts: Array, count: int) -> Array:
+    r = wiring.residual(starts)
+    kept: Array = starts[np.argsort((r * r).sum(axis=-1), kind="stable")[:count]]
+    return kept
+
+
+def _signs(k: int) -> Array:
+    """Every pattern of reversed motors, (M, 2k); of many motors, one or two of them."""
+    patterns = [flips for count in range(1, k + 1 if k <= MOST_SIGNS else 3) for flips in combinations(range(k), count)]
+    starts = np.tile(np.repeat([1.0, 0.0], k), (len(patterns), 1))
+    for start, flips in zip(starts, patterns, strict=True):
+        start[list(flips)] = -1.0
+    return starts
+
+
+def _one_more(wiring: Wiring, p: Array) -> list[Array]:
+    """For each motor, p with the two best of its scales and offsets."""
+    starts = []
+    for i in range(wiring.k):
+        changed = np.tile(p, (len(_ANYWHERE), 1))
+        changed[:, [i, wiring.k + i]] = _ANYWHERE
+        starts += list(_most_promising(wiring, changed, 2))
+    return starts
+
+
+def _moved(p: Array) -> Array:
+    """Both parameters of every motor that is not sound, (2k,)."""
+    k = len(p) // 2
+    return np.tile((p[:k] != 1.0) | (p[k:] != 0.0), 2)

@@ -1,0 +1,120 @@
+"""The fewest faults that explain a log: each motor sound, reversed, of another ratio, of another zero, or of both."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from ..checks import Array
+from .fit import refine
+from .model import Wiring
+
+CLEAR = 25.0
+"""What a fault must take off the sum of squares to be named: five standard deviations."""
+
+AS_GOOD = 9.0
+"""Another account whose sum of squares is larger by less is no worse: three standard deviations."""
+
+UNEXPLAINED = 9.0
+"""A mean square residual [standard deviations²] beyond this is no noise."""
+
+ACCOUNTS = {
+    "sound": (1.0, False, False, 0.0),
+    "reversed": (-1.0, False, False, 1.0),
+    "zero": (1.0, False, True, 1.5),
+    "ratio": (None, True, False, 1.5),
+    "reversed, zero": (-1.0, False, True, 2.5),
+    "ratio, zero": (None, True, True, 3.0),
+}
+"""By name: the scale, None for any; whether it, and whether the offset, is fitted; and how much is claimed by it."""
+
+
+@dataclass(frozen=True, eq=False)
+class Explanation:
+    """An account for each motor (names of `ACCOUNTS`), the parameters p (2k,) fitted to them, and the sum of squares.
+
+    `cost` is the sum of squares over `scale`, the residual's own variance, and `CLEAR` for what is claimed.
+    """
+
+    accounts: tuple[str, ...]
+    p: Array
+    total: float
+    scale: float
+
+    @property
+    def cost(self) -> float:
+        """What is to be least."""
+        return self.total / self.scale + CLEAR * sum(ACCOUNTS[account][3] for account in self.accounts)
+
+    @property
+    def sound(self) -> bool:
+        """Nothing is claimed of any motor."""
+        return set(self.accounts) == {"sound"}
+
+    def fits(self, wiring: Wiring) -> bool:
+        """Whether what is left is no more than noise."""
+        return self.total <= UNEXPLAINED * freedom(wiring)
+
+
+def fewest_faults(wiring: Wiring, p: Array, total: float) -> Explanation:
+    """The least costly explanation, found from the best fit p (2k,) of everything by changing one account at a time.
+
+    Of a fit that is none there is nothing to explain: it stays as it is.
+    """
+    k = wiring.k
+    scale = max(1.0, total / freedom(wiring))
+    best = Explanation(("ratio, zero",) * k, p, total, scale)
+    if not best.fits(wiring):
+        return best
+    sound = _explained(wiring, wiring.sound, ("sound",) * k, scale)
+    if sound.total / scale - total / scale < CLEAR:
+        return sound
+    improved = True
+    while improved:
+        improved = False
+        for i in range(k):
+            for other in alternatives(wiring, best, i):
+                if other.cost < best.cost - ENOUGH:
+                    best, improved = other, True
+    return min(best, sound, key=lambda explanation: explanation.cost)
+
+
+def freedom(wiring: Wiring) -> int:
+    """Equations beyond the parameters, at least 1."""
+    return max(len(wiring.residual(wiring.sound)) - 2 * wiring.k, 1)
+
+
+ENOUGH = 1e-6
+"""A cost that is less by no more than this is the same."""
+
+
+def alternatives(wiring: Wiring, best: Explanation, i: int) -> list[Explanation]:
+    """The explanations that differ in the account for motor i."""
+    names = [name for name in ACCOUNTS if name != best.accounts[i]]
+    return [_explained(wiring, best.p, _with(best.accounts, i, name), best.scale) for name in names]
+
+
+def blamed_on(wiring: Wiring, best: Explanation, i: int, j: int) -> float:
+    """The least cost of an explanation that claims less of motor i, and something else of motor j."""
+    claimed = ACCOUNTS[best.accounts[i]][3]
+    return min(
+        other.cost
+        for less, (*_, claims) in ACCOUNTS.items()
+        if claims < claimed
+        for other in alternatives(wiring, replace(best, accounts=_with(best.accounts, i, less)), j)
+    )
+
+
+def _with(accounts: tuple[str, ...], i: int, account: str) -> tuple[str, ...]:
+    return (*accounts[:i], account, *accounts[i + 1 :])
+
+
+def _explained(wiring: Wiring, near: Array, accounts: tuple[str, ...], scale: float) -> Explanation:
+    k = wiring.k
+    p, free = near.copy(), np.zeros(2 * k, dtype=bool)
+    for i, account in enumerate(accounts):
+        s, free[i], free[k + i], _ = ACCOUNTS[account]
+        p[i] = p[i] if s is None else s
+        p[k + i] = p[k + i] if free[k + i] else 0.0
+    return Explanation(accounts, *refine(wiring, p, free), scale)

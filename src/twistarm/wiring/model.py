@@ -1,0 +1,98 @@
+"""How the tool would have moved if each motor's readings had another scale and another zero."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from ..arm import Arm
+from ..checks import Array
+from ..rotations import log_of
+
+SLACK = np.radians(1.0)
+"""How far motors that share a joint may contradict each other [joint rad]: backlash and belts."""
+
+
+@dataclass(frozen=True, eq=False)
+class Wiring:
+    """theta = P (s y + e): y (K, k) what the motors read from their configured zeros, P (n, k) the inverse of G.
+
+    The parameters p (2k,) are the scales s, and the offsets e over `unit` (k,), which makes them the rad (or m) of the
+    joint that the motor turns most. Configuration and arm agree where s = 1 and e = 0; a reversed motor has s = −1.
+    `surplus` (k, k) is what motors of which there are more than joints must not read: I − G P.
+    """
+
+    arm: Arm
+    y: Array
+    position: Array
+    rotation: Array | None
+    noise: tuple[float, float]
+    P: Array
+    unit: Array
+    surplus: Array | None
+
+    @property
+    def k(self) -> int:
+        """Motors."""
+        return int(self.y.shape[1])
+
+    @property
+    def sound(self) -> Array:
+        """The parameters (2k,) of an arm that is as its arm.toml says."""
+        return np.repeat([1.0, 0.0], self.k)
+
+    def of_rows(self, rows: Array) -> Wiring:
+        """The same of some of the moments, by their indices."""
+        rotation = None if self.rotation is None else self.rotation[rows]
+        return Wiring(
+            self.arm, self.y[rows], self.position[rows], rotation, self.noise, self.P, self.unit, self.surplus
+        )
+
+    def theta(self, p: Array) -> Array:
+        """Joint coordinates (..., K, n) of parameters (..., 2k)."""
+        return self._driven(p) @ self.P.T
+
+    def misses(self, p: Array) -> tuple[Array, Array | None]:
+        """Measured minus computed, of parameters (..., 2k): positions (..., K, 3) [m]; rotations, tool axes [rad]."""
+        g = self.arm.fk(self.theta(p))
+        rotation = None
+        if self.rotation is not None:
+            rotation = log_of(np.swapaxes(g[..., :3, :3], -1, -2) @ self.rotation)
+        return self.position - g[..., :3, 3], rotation
+
+    def residual(self, p: Array) -> Array:
+        """`misses` in standard deviations, (..., N)."""
+        position, rotation = self.misses(p)
+        parts = [position / self.noise[0]]
+        if rotation is not None:
+            parts.append(rotation / self.noise[1])
+        if self.surplus is not None:
+            parts.append(-(self._driven(p) @ self.surplus.T) / self.unit / SLACK)
+        return np.concatenate([part.reshape(*part.shape[:-2], -1) for part in parts], axis=-1)
+
+    def slope(self, p: Array) -> Array:
+        """d(computed, in standard deviations)/dp, (N, 2k), for one set of parameters.
+
+        dp = R J_v dtheta and dw = J_w dtheta of the body Jacobian (MLS §3.4.1), with dtheta/ds_i = P_i y_i and
+        dtheta/de_i = P_i; of a large rotation's logarithm it is the first term.
+        """
+        theta = self.theta(p)
+        R, J = self.arm.fk(theta)[:, :3, :3], self.arm.body_jacobian(theta)
+        driven = np.concatenate(
+            [self.y[:, None, :] * self.P, np.broadcast_to(self.P * self.unit, (len(R), *self.P.shape))], -1
+        )
+        parts = [R @ J[:, :3] @ driven / self.noise[0]]
+        if self.rotation is not None:
+            parts.append(J[:, 3:] @ driven / self.noise[1])
+        if self.surplus is not None:
+            by_scale = self.surplus * self.y[:, None, :]
+            by_offset = np.broadcast_to(self.surplus * self.unit, by_scale.shape)
+            parts.append(np.concatenate([by_scale, by_offset], -1) / self.unit[:, None] / SLACK)
+        return np.concatenate([part.reshape(-1, 2 * self.k) for part in parts])
+
+    def _driven(self, p: Array) -> Array:
+        """s y + e, (..., K, k) [motor rad or m]."""
+        s, e = p[..., None, : self.k], p[..., None, self.k :] * self.unit
+        driven: Array = s * self.y + e
+        return driven

@@ -1,0 +1,71 @@
+"""What the wiring check found, motor by motor."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import NamedTuple
+
+from ..errors import ComparisonError
+
+
+class Residual(NamedTuple):
+    """Root mean square of measured against computed: position [m], rotation [rad], None where it was not measured."""
+
+    position: float
+    rotation: float | None
+
+
+@dataclass(frozen=True)
+class MotorVerdict:
+    """What the log says of one motor.
+
+    `verdict` is "sound", "fault" or "cannot tell", with `faults` out of "flipped sign", "wrong ratio", "zero offset",
+    "swapped". The motor's readings y from its zero fit as `scale` y + `offset` [rad or m, motor side], each with its
+    standard deviation where all parameters are fitted (inf where the log says nothing); `joint_offset` is what the
+    offset makes of the joints [rad or m]. `ratio` and `zero` are what the arm.toml should say, for the motors as they
+    are wired. `what` and `remedy` tell it in words.
+    """
+
+    name: str
+    verdict: str
+    faults: tuple[str, ...]
+    scale: float
+    scale_std: float
+    offset: float
+    offset_std: float
+    joint_offset: Mapping[str, float]
+    ratio: Mapping[str, float]
+    zero: float
+    what: str
+    remedy: str
+
+
+@dataclass(frozen=True)
+class WiringReport:
+    """The verdict on the whole ("sound", "fault", "cannot tell", "unexplained"), and on each motor.
+
+    `before` is the residual of the arm as its arm.toml says, `after` that with the scales and offsets found. `rows`
+    moments were logged; `worst_row`, counted from 1, fits least.
+    """
+
+    arm: str
+    verdict: str
+    what: str
+    motors: tuple[MotorVerdict, ...]
+    rows: int
+    before: Residual
+    after: Residual
+    worst_row: int
+
+    @property
+    def ok(self) -> bool:
+        """Every motor is sound, and the log says so."""
+        return self.verdict == "sound"
+
+    def require(self) -> WiringReport:
+        """Itself, or ComparisonError with what was found."""
+        if not self.ok:
+            found = [f"{motor.name}: {motor.what}" for motor in self.motors if motor.verdict != "sound"]
+            raise ComparisonError(f"the wiring of {self.arm}: {'; '.join([self.what, *found])}")
+        return self

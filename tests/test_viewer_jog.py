@@ -1,0 +1,288 @@
+"""Commands of the pages: each page is a commander, its nonsense, its silence and its end stop the arm."""
+
+from __future__ import annotations
+
+import asyncio
+import itertools
+import json
+import time
+from collections.abc import Callable, Iterator
+from typing import Any
+
+import numpy as np
+import pytest
+from numpy.testing import assert_array_equal
+
+from test_viewer import BAD_MESSAGES, WAIT, Page, visit
+from twistarm import ArmBuilder, plan_joint
+from twistarm.errors import InputError
+from twistarm.servo import JogCommand, TwistCommand
+from twistarm.viewer import Viewer
+from twistarm.viewer.messages import parse
+
+ARM = (
+    ArmBuilder("pair")
+    .revolute("a", [0, 0, 1], [0, 0, 0.1], lower=-2, upper=2)
+    .revolute("b", [0, 1, 0], [0, 0, 0.3], lower=-2, upper=2)
+    .tool(np.array([[1, 0, 0, 0], [0, 1, 0, 0], [0, 0, 1, 0.3], [0, 0, 0, 1.0]]))
+    .build()
+)
+
+TWIST = [0.1, 0.0, -0.05, 0.0, 0.4, 0.0]
+
+NUMBERS = itertools.count(1)
+
+BAD_COMMANDS = [
+    ({"type": "jog"}, "jog needs twist, frame; got []"),
+    ({"type": "jog", "twist": TWIST}, "jog needs twist, frame; got ['twist']"),
+    ({"type": "jog", "twist": TWIST, "frame": "tool", "hold": None}, "jog needs twist, frame; got"),
+    ({"type": "jog", "twist": TWIST[:5], "frame": "tool"}, "twist must be a list of 6 numbers"),
+    ({"type": "jog", "twist": {"x": 1}, "frame": "tool"}, "twist must be a list of numbers"),
+    ({"type": "jog", "twist": [*TWIST[:5], "1"], "frame": "tool"}, "twist[5] must be a number; got '1'"),
+    ({"type": "jog", "twist": [*TWIST[:5], float("nan")], "frame": "tool"}, "numbers must be finite; got NaN"),
+    ({"type": "jog", "twist": [*TWIST[:5], 1e9], "frame": "tool"}, "twist[5] must be finite and at most 1e+06"),
+    ({"type": "jog", "twist": TWIST, "frame": "world"}, "frame must be 'tool' or 'base'; got 'world'"),
+    ({"type": "jog", "twist": TWIST, "frame": 3}, "frame must be a string"),
+    ({"type": "stop", "twist": TWIST}, "stop needs no fields; got ['twist']"),
+]
+
+
+@pytest.fixture
+def viewer() -> Iterator[Viewer]:
+    with Viewer(ARM, [0.2, 0.3], open_browser=False) as served:
+        yield served
+
+
+async def ask(page: Page, **request: Any) -> None:
+    """Send, and wait for the answer to exactly this."""
+    number = next(NUMBERS)
+    await page.send(json.dumps({**request, "number": number}))
+    await page.until(lambda: page.latest.get("done", {}).get("number") == number)
+
+
+async def jog(page: Page, frame: str = "tool") -> None:
+    await ask(page, type="jog", twist=TWIST, frame=frame)
+
+
+def reading(viewer: Viewer) -> Any:
+    """What a servo reads from the pages now."""
+    return viewer.commands.read(time.monotonic())
+
+
+async def other(page: Page) -> Page:
+    return await Page(page.address, {}).open()
+
+
+async def eventually(reached: Callable[[], bool]) -> None:
+    end = time.monotonic() + WAIT
+    while not reached():
+        assert time.monotonic() < end
+        await asyncio.sleep(0.005)
+
+
+# commands in ------------------------------------------------------------------------------------------
+
+
+def test_the_schema() -> None:
+    request = parse(json.dumps({"type": "jog", "twist": [1, 2, 3, 4, 5, 6], "frame": "base", "number": 4}))
+    assert (request.kind, request.number) == ("jog", 4)
+    assert request.fields == {"twist": [1.0, 2.0, 3.0, 4.0, 5.0, 6.0], "frame": "base"}
+    assert parse('{"type": "stop"}').fields == {}
+
+
+def test_nothing_is_taken_before_somebody_asks_for_commands(viewer: Viewer) -> None:
+    async def try_it(page: Page) -> None:
+        assert page.latest["servo"] == {"type": "servo", "jog": False, "status": None, "joint": None, "reason": ""}
+        await jog(page)
+        assert page.latest["error"]["message"].startswith("no servo takes commands here: start one by `twistarm servo")
+
+    visit(viewer, try_it)
+    assert reading(viewer).command is None
+
+
+def test_a_page_s_twist_and_its_stop_are_what_the_servo_reads(viewer: Viewer) -> None:
+    _ = viewer.commands
+
+    async def drive(page: Page) -> None:
+        await page.until(lambda: page.latest.get("servo", {}).get("jog", False))
+        for frame in ("tool", "base"):
+            await jog(page, frame)
+            command = reading(viewer).command
+            assert isinstance(command, TwistCommand)
+            assert (command.twist.tolist(), command.frame) == (TWIST, frame)
+        await ask(page, type="stop")
+        command = reading(viewer).command
+        assert isinstance(command, JogCommand)
+        assert command.theta_dot.tolist() == [0, 0]
+        assert "error" not in page.latest
+
+    visit(viewer, drive)
+
+
+def test_a_command_that_is_not_repeated_dies(viewer: Viewer) -> None:
+    _ = viewer.commands
+
+    async def drive(page: Page) -> None:
+        await jog(page)
+        await asyncio.sleep(viewer.commands.timeout + 0.05)
+        stale = reading(viewer)
+        assert stale.command is None
+        assert "s old (timeout 0.2 s)" in stale.reason
+
+    visit(viewer, drive)
+
+
+@pytest.mark.parametrize("case", range(len(BAD_COMMANDS)))
+def test_nonsense_stops_the_arm_and_says_why(viewer: Viewer, case: int) -> None:
+    message, reason = BAD_COMMANDS[case]
+    _ = viewer.commands
+
+    async def drive(page: Page) -> None:
+        await jog(page)
+        await page.send(json.dumps({**message, "number": 8}))
+        await page.until(lambda: "error" in page.latest)
+        assert reason in page.latest["error"]["message"]
+        assert reading(viewer).command is None
+        assert reason in reading(viewer).reason
+        await jog(page)  # sense again
+        assert reading(viewer).command is not None
+
+    visit(viewer, drive)
+
+
+def test_rubbish_from_a_page_that_jogs_stops_the_arm(viewer: Viewer) -> None:
+    _ = viewer.commands
+
+    async def drive(page: Page) -> None:
+        for text, _ in BAD_MESSAGES[:8]:
+            await jog(page)
+            await page.send(text)
+            await page.until(lambda: "error" in page.latest)
+            assert reading(viewer).command is None
+        bystander = await other(page)
+        await jog(page)
+        await bystander.send("{")
+        await bystander.until(lambda: "error" in bystander.latest)
+        assert reading(viewer).command is not None
+        bystander.connection.close()
+
+    visit(viewer, drive)
+
+
+def test_a_flood_of_commands_leaves_the_last(viewer: Viewer) -> None:
+    _ = viewer.commands
+
+    async def flood(page: Page) -> None:
+        for i in range(5000):
+            text = json.dumps({"type": "jog", "twist": [i / 5000, 0, 0, 0, 0, 0], "frame": "tool"})
+            await page.connection.write_message(text)
+        await ask(page, type="jog", twist=[1, 0, 0, 0, 0, 0], frame="tool")
+        assert reading(viewer).command.twist[0] == 1.0
+
+    visit(viewer, flood)
+
+
+# more than one page, and none ------------------------------------------------------------------------------
+
+
+def test_two_pages_that_jog_are_two_commanders_and_the_arm_stands(viewer: Viewer) -> None:
+    _ = viewer.commands
+
+    async def drive(page: Page) -> None:
+        second = await other(page)
+        await jog(page)
+        await jog(second)
+        both = reading(viewer)
+        assert both.command is None
+        assert both.reason == "two senders of a command, page 1 and page 2: stop one of them"
+        await asyncio.sleep(viewer.commands.timeout + 0.05)
+        await jog(second)
+        assert isinstance(reading(viewer).command, TwistCommand)
+        second.connection.close()
+
+    visit(viewer, drive)
+
+
+def test_a_page_that_goes_while_it_jogs_stops_the_arm(viewer: Viewer) -> None:
+    _ = viewer.commands
+
+    async def drive(page: Page) -> None:
+        driver = await other(page)
+        await jog(driver)
+        assert reading(viewer).command is not None
+        driver.connection.close()
+        await eventually(lambda: reading(viewer).command is None)
+        assert reading(viewer).reason == "command from page 2 refused: its page has gone"
+        assert reading(viewer).age < viewer.commands.timeout
+
+    visit(viewer, drive)
+
+
+def test_a_page_that_goes_and_does_not_jog_disturbs_nobody(viewer: Viewer) -> None:
+    _ = viewer.commands
+
+    async def drive(page: Page) -> None:
+        visitor, driver = await other(page), await other(page)
+        await jog(visitor)
+        await ask(visitor, type="stop")
+        await asyncio.sleep(viewer.commands.timeout + 0.05)
+        visitor.connection.close()
+        await eventually(lambda: len(viewer._server.clients) == 2)
+        await jog(driver)
+        assert reading(viewer).command is not None
+        driver.connection.close()
+
+    visit(viewer, drive)
+
+
+# what pages are told -----------------------------------------------------------------------------------
+
+
+def test_commands_move_nothing_on_show_and_send_no_frames(viewer: Viewer) -> None:
+    _ = viewer.commands
+    _ = viewer.theta  # the change is applied
+
+    async def drive(page: Page) -> None:
+        onlooker = await other(page)
+        onlooker.latest.clear()
+        for _ in range(50):
+            await jog(page)
+            await ask(page, type="stop")
+        await ask(page, type="visible", what="frames", visible=False)
+        await onlooker.until(lambda: bool(onlooker.latest))
+        assert set(onlooker.latest) == {"visible"}
+        onlooker.connection.close()
+
+    visit(viewer, drive)
+    assert viewer.theta.tolist() == [0.2, 0.3]
+
+
+def test_what_would_move_the_arm_under_the_servo_s_hands_is_refused(viewer: Viewer) -> None:
+    _ = viewer.commands
+    viewer.play(plan_joint(ARM, [[0, 0], [1, 1]], limits={"velocity": 1.0, "acceleration": 1.0}))
+
+    async def meddle(page: Page) -> None:
+        await ask(page, type="pause")
+        assert "error" not in page.latest
+        held = viewer.theta
+        for request in (
+            {"type": "theta", "theta": [0, 0]},
+            {"type": "joint", "name": "a", "value": 0.1},
+            {"type": "pose", "name": "zero"},
+            {"type": "play"},
+            {"type": "seek", "time": 0.1},
+        ):
+            await ask(page, **request)
+            assert page.latest["error"]["message"].startswith(
+                "a servo drives pair: sliders, poses and trajectories are free"
+            )
+        assert_array_equal(viewer.theta, held)
+        await ask(page, type="visible", what="screws", visible=False)
+        assert "error" not in page.latest
+
+    visit(viewer, meddle)
+
+
+def test_a_twist_beyond_the_schema_is_an_input_error() -> None:
+    with pytest.raises(InputError, match="jog needs twist, frame"):
+        parse('{"type": "jog", "frame": "tool"}')

@@ -1,0 +1,137 @@
+"""A servo on the pages: what it says, what is refused while it drives, and the loop with a page at its head."""
+
+from __future__ import annotations
+
+import asyncio
+import threading
+import time
+from collections.abc import Iterator
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from test_viewer import Page, nothing, visit
+from test_viewer_jog import ARM, TWIST, ask, jog
+from twistarm.servo import JogCommand, ServoOutput, ServoStatus, TwistCommand
+from twistarm.stream import Cycle, Reading, Setpoint, SimulatedJoints, StreamReport, run
+from twistarm.viewer import Viewer
+from twistarm.viewer.servo_words import SILENT, ServoWords
+
+
+@pytest.fixture
+def viewer() -> Iterator[Viewer]:
+    with Viewer(ARM, [0.2, 0.3], open_browser=False) as served:
+        yield served
+
+
+def answer(status: ServoStatus, joint: str | None, reason: str) -> ServoOutput:
+    return replace(ServoOutput.stale(np.zeros(2), reason), status=status, joint=joint)
+
+
+def test_the_servo_s_word_reaches_every_page_the_late_ones_too(viewer: Viewer) -> None:
+    _ = viewer.commands
+    viewer.show_servo(answer(ServoStatus.HALTED_LIMIT, "b", "at its limit"))
+    expected = {"type": "servo", "jog": True, "status": "HALTED_LIMIT", "joint": "b", "reason": "at its limit"}
+
+    async def read(page: Page) -> None:
+        await page.until(lambda: page.latest["servo"] == expected)
+
+    visit(viewer, read)
+    assert visit(viewer, nothing).latest["servo"] == expected
+
+
+def cycle(reading: Reading, output: ServoOutput | None, reason: str = "") -> Cycle:
+    setpoint = None if output is None else Setpoint(0, 0.0, np.zeros(2), np.zeros(2), output)
+    return Cycle(0.0, reading, None if output is None else np.array([0.1, -0.1]), setpoint, reason)
+
+
+def test_a_servo_that_nobody_on_the_page_commands_and_its_end(viewer: Viewer) -> None:
+    viewer.show_servo(cycle(Reading(None, np.inf, "none"), None, "no joint state has arrived"))
+
+    async def read(page: Page) -> None:
+        await page.until(lambda: page.latest["servo"]["reason"] == "no joint state has arrived")
+        assert not page.latest["servo"]["jog"]
+        await ask(page, type="pose", name="zero")
+        assert page.latest["error"]["message"].startswith("a servo drives pair")
+        _ = viewer.commands
+        await page.until(lambda: page.latest["servo"]["jog"])
+        viewer.show_servo(None)
+        await page.until(lambda: not page.latest["servo"]["jog"])
+        assert page.latest["servo"]["reason"] == ""
+        await jog(page)
+        assert page.latest["error"]["message"].startswith("no servo takes commands here")
+        await ask(page, type="pose", name="zero")
+        assert "error" not in page.latest
+
+    visit(viewer, read)
+    assert viewer.theta.tolist() == [0, 0]
+
+
+def test_silence_is_trouble_only_in_the_middle_of_a_motion() -> None:
+    words, stale = ServoWords(), answer(ServoStatus.STALE, None, "why")
+    old, fresh = "the last command is 3 s old", "two senders"
+    silent = cycle(Reading(None, 3.0, old), stale, old)
+    spoken = {"status": "STALE", "joint": None, "reason": "why"}
+    assert words.of(silent) == SILENT  # nobody ever commanded
+    words.of(cycle(Reading(TwistCommand(TWIST), 0.01), answer(ServoStatus.OK, None, "")))
+    assert words.of(silent) == spoken  # cut off
+    words.of(cycle(Reading(JogCommand([0.0, 0.0]), 0.01), answer(ServoStatus.OK, None, "")))
+    assert words.of(silent) == SILENT
+    assert words.of(cycle(Reading(None, 0.01, fresh), stale, fresh)) == spoken
+    assert words.of(cycle(Reading(None, 3.0, old), stale, "the last joint state is 1 s old")) == spoken
+
+
+def test_a_page_drives_the_simulated_joints_and_its_silence_stops_them(viewer: Viewer) -> None:
+    arm = replace(ARM, limits=ARM.limits.with_({"velocity": 1.0, "acceleration": 3.0}, ARM.joint_names))
+    simulated = SimulatedJoints(arm, [0.2, 0.3])
+    reports: list[StreamReport] = []
+    spans: list[float] = []  # how long the page commanded
+
+    def loop() -> None:
+        reports.append(run(arm, viewer.commands, simulated, simulated, duration=1.5, on_cycle=viewer.show_servo))
+
+    thread = threading.Thread(target=loop)
+
+    async def drive(page: Page) -> None:
+        thread.start()
+        start = time.monotonic()
+        for _ in range(20):
+            await ask(page, type="jog", twist=[0, 0, 0, 0, 0.5, 0], frame="tool")  # joint b turns about the tool's y
+            await asyncio.sleep(0.03)
+        spans.append(time.monotonic() - start)
+        await page.until(lambda: page.latest["servo"]["status"] == "OK")
+        assert "error" not in page.latest
+
+    visit(viewer, drive)
+    thread.join()
+    (report,) = reports
+    moved = simulated.theta - [0.2, 0.3]
+    assert abs(moved[0]) < 1e-6
+    assert 0.2 < moved[1] < 0.5 * (spans[0] + viewer.commands.timeout) + 0.1  # at 0.5 rad/s, and 0.04 rad to stop
+    assert not simulated.theta_dot.any()
+    assert report.ok
+    assert viewer.theta[1] == pytest.approx(simulated.theta[1], abs=1e-3)
+
+
+def test_a_loop_at_any_rate_is_shown_at_most_60_times_a_second(viewer: Viewer) -> None:
+    shown: list[float] = []
+    publish = viewer._server.publish
+    viewer._server.publish = lambda: (shown.append(time.monotonic()), publish())[1]  # type: ignore[func-returns-value,method-assign]
+    start = time.monotonic()
+    for i in range(600):
+        viewer.show([i / 1000, 0.0])
+        viewer.show_servo(answer(ServoStatus.OK, None, str(i)))
+        time.sleep(0.001)
+    took = time.monotonic() - start
+    assert len(shown) <= 61 * took + 2
+    assert viewer.theta[0] == 0.599  # the last is never lost
+    assert viewer._server.ask(lambda stage: stage.servo()["reason"]) == "599"
+
+
+def test_what_was_posted_last_is_there_after_closing() -> None:
+    viewer = Viewer(ARM, open_browser=False)
+    for i in range(10):
+        viewer.show([i / 10, 0.0])
+    viewer.close()
+    assert viewer.theta[0] == 0.9
