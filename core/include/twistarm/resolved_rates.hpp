@@ -38,9 +38,23 @@ template <class T> constexpr T no_motion = T(1e-3);      // singular values belo
 template <class T> constexpr T rise_whole = T(0.1);      // dσ per scaled rad: from here on a motion leaves a singularity
 template <class T> constexpr T rise_least = T(0.02);     // … and from here on it does so in part
 template <class T> constexpr T beside = T(0.05);         // how far beside a posture one looks for lacking directions
+template <class T> constexpr T slight = T(0.2);          // cosines below this are damped
+constexpr int five = 5;                                  // joints from which on singularities are the whole twist's
 template <class T> constexpr T tilt = T(0.1);            // leads that way off any singularity
 template <class T> constexpr T nothing = T(sizeof(T) == 8 ? 1e-12 : 1e-6);  // slower scaled rates are rounding
 template <class T> constexpr T difference = T(sizeof(T) == 8 ? 1e-4 : 4e-3);
+
+template <class T> T norm(const T* values, int count) {
+    T sum = T(0);
+    for (int k = 0; k < count; ++k) sum += values[k] * values[k];
+    return sqrt(sum);
+}
+
+template <class T> T dot6(const T* a, const T* b) {
+    T sum = T(0);
+    for (int i = 0; i < 6; ++i) sum += a[i] * b[i];
+    return sum;
+}
 
 /// A singular direction of some rows: joints v move the tool by σ u; aside: found beside the posture, σ here is 0.
 template <class T, int N> struct direction {
@@ -188,36 +202,79 @@ template <class T, int N, int M> struct rate_solver {
         return damped + leaving * (T(1) / below - damped);
     }
 
-    /// Adds the rates of the directions from `first` on, which make up one level.
-    void follow(const T* asked, int first, resolved<T, N>& out, T& gravest) const {
-        T left[6], total = T(1e-30), rest = T(0);
+    /// Adds the rates for a share along a direction, of `total` = |asked|² in all; `before` directions go before it.
+    void add(const direction<T, N>& along, T share, int before, T total, resolved<T, N>& out, T& gravest) const {
+        T done;
+        const T amount = gain(along, share, before, done) * share, part = share * share / greatest(total, T(1e-30));
+        for (int k = 0; k < n(); ++k) out.rates[k] += amount * along.v[k];
+        out.bent += T(4) * done * (T(1) - done) * part;
+        out.taken += (T(1) - done) * part;
+        if (!((T(1) - done) * part > gravest)) return;
+        gravest = (T(1) - done) * part;
+        out.joint = 0;
+        for (int k = 1; k < n(); ++k)
+            if (absolute(along.v[k]) > absolute(along.v[out.joint])) out.joint = k;
+    }
+
+    /// What the rates leave of what is asked, and its square.
+    T rest(const T* asked, const T* rates, T* left) const {
+        T square = T(0);
         for (int i = 0; i < 6; ++i) {
-            left[i] = asked[i] - times(J, i, out.rates);
-            total += asked[i] * asked[i];
-            rest += left[i] * left[i];
+            left[i] = asked[i] - times(J, i, rates);
+            square += left[i] * left[i];
         }
-        // A lower level also has to make up for what the upper ones do to it, which may be more than is asked.
-        total = greatest(total, rest);
-        for (int d = first; d < count; ++d) {
-            T share = T(0), done;
-            for (int i = 0; i < 6; ++i) share += found[d].u[i] * left[i];
-            const T amount = gain(found[d], share, first, done) * share, part = share * share / total;
-            for (int k = 0; k < n(); ++k) out.rates[k] += amount * found[d].v[k];
-            out.bent += T(4) * done * (T(1) - done) * part;
-            out.taken += (T(1) - done) * part;
-            if ((T(1) - done) * part > gravest) {
-                gravest = (T(1) - done) * part;
-                out.joint = 0;
-                for (int k = 1; k < n(); ++k)
-                    if (absolute(found[d].v[k]) > absolute(found[d].v[out.joint])) out.joint = k;
+        return square;
+    }
+
+    /// The shares of the directions found that meet each level after those before, damped where that takes too much.
+    void prior_shares(const T* left, T* shares) const {
+        six_rows<T, 6> used;
+        int taken = 0;
+        for (int d = 0; d < count; ++d) shares[d] = T(0);
+        for (int level = 0; level < levels.count; ++level) {
+            const int size = levels.size[level], before = taken;
+            six_rows<T, 6> rows;
+            T X[6][6], open[6];
+            for (int i = 0; i < size; ++i) {
+                const int component = levels.component[level][i];
+                open[i] = left[component];
+                for (int d = 0; d < count; ++d) {
+                    rows[i][d] = found[d].u[component];
+                    open[i] -= rows[i][d] * shares[d];
+                }
+                for (int q = 0; q < before; ++q) {
+                    T along = T(0);
+                    for (int d = 0; d < count; ++d) along += rows[i][d] * used[q][d];
+                    for (int d = 0; d < count; ++d) rows[i][d] -= along * used[q][d];
+                }
+            }
+            make_orthogonal<T, 6>(rows, size, count, X);
+            for (int i = 0; i < size && taken < 6; ++i) {
+                const T c = norm(rows[i], count);
+                if (!(c > no_motion<T>)) continue;
+                T part = T(0);
+                for (int j = 0; j < size; ++j) part += X[j][i] * open[j];
+                for (int d = 0; d < count; ++d) {
+                    used[taken][d] = rows[i][d] / c;
+                    shares[d] += inverse_cosine(c) * part * used[taken][d];
+                }
+                ++taken;
             }
         }
     }
 
+    /// 1/c; below `slight` 4d / (slight² + 3d²), with d from 0 to `slight` while c goes there from no_motion.
+    static T inverse_cosine(T c) {
+        if (c >= slight<T>) return T(1) / c;
+        const T d = slight<T> * (c - no_motion<T>) / (slight<T> - no_motion<T>);
+        return T(4) * d / (slight<T> * slight<T> + T(3) * d * d);
+    }
+
     /// The joint rates for `asked`; joints that are not free keep theirs.
     ///
-    /// Where the free joints move the tool in fewer than six directions, the levels are met one after the other, each as
-    /// well as those before leave it free to. Y. Nakamura, H. Hanafusa & T. Yoshikawa, IJRR 6(2), 1987.
+    /// Where an arm moves its tool in fewer than six directions, the twist is that which meets the levels as well as can
+    /// be, one after the other. An arm of fewer than five joints solves the levels themselves one after the other: there
+    /// the position alone can be singular. Y. Nakamura, H. Hanafusa & T. Yoshikawa, IJRR 6(2), 1987.
     void operator()(const T* asked, const bool* free, const T* fixed, resolved<T, N>& out) {
         static constexpr int all[6] = {0, 1, 2, 3, 4, 5};
         int movable = 0;
@@ -227,17 +284,26 @@ template <class T, int N, int M> struct rate_solver {
         }
         out.bent = out.taken = T(0);
         out.joint = -1;
-        T gravest = T(0);
+        T gravest = T(0), left[6], shares[6];
         count = 0;
-        if (movable >= 6) {
+        if (n() >= five) {
             find(all, 6, free, movable);
-            if (count == 6) return follow(asked, 0, out, gravest);
-            count = 0;
+            rest(asked, out.rates, left);
+            if (count == 6) {
+                for (int d = 0; d < 6; ++d) shares[d] = dot6(found[d].u, left);
+            } else {
+                prior_shares(left, shares);
+            }
+            const T total = dot6(asked, asked);
+            for (int d = 0; d < count; ++d) add(found[d], shares[d], 0, total, out, gravest);
+            return;
         }
         for (int level = 0; level < levels.count; ++level) {
             const int first = count;
             find(levels.component[level], levels.size[level], free, movable);
-            follow(asked, first, out, gravest);
+            // A lower level also has to make up for what the upper ones do to it, which may be more than is asked.
+            const T total = greatest(dot6(asked, asked), rest(asked, out.rates, left));
+            for (int d = first; d < count; ++d) add(found[d], dot6(found[d].u, left), first, total, out, gravest);
         }
     }
 };

@@ -1,4 +1,16 @@
 // One pure step of a servo: from a command to joint rates. The readable twin is src/twistarm/servo/readable.py.
+//
+// The bounds of an arm stand in the header that `twistarm bake --cpp` writes, beside its chain:
+//
+//     twistarm::servo_state<double, 6> state{};  // at rest, where the arm was measured to be
+//     for (int k = 0; k < 6; ++k) state.theta[k] = measured[k];
+//     twistarm::servo_command<double, 6> command{};
+//     command.kind = twistarm::servo_kind::twist;
+//     command.twist[0] = 0.05;                                     // m/s along the tool's x
+//     command.held[3] = command.held[4] = command.held[5] = true;  // as it is turned now
+//     twistarm::servo_output<double> out;
+//     twistarm::servo_step(arm, bounds, command, 0.01, state, out);  // every 10 ms
+//     send(state.theta, state.theta_dot);
 #pragma once
 
 #include "resolved_rates.hpp"
@@ -41,12 +53,6 @@ namespace servo_detail {
 constexpr double halted_below = 1e-4;  // rates below this share of the command's are a standstill
 template <class T> constexpr T rounding = T(sizeof(T) == 8 ? 1e-12 : 1e-6);  // an error of a pose below this is none
 constexpr double noticed = 0.01;       // a slow-down by a smaller share is not worth a word
-
-template <class T> T norm(const T* values, int count) {
-    T sum = T(0);
-    for (int k = 0; k < count; ++k) sum += values[k] * values[k];
-    return sqrt(sum);
-}
 
 inline bool is_position(servo_cause cause) { return cause == servo_cause::lower || cause == servo_cause::upper; }
 
@@ -160,7 +166,7 @@ template <class T, int N, int M> struct servo {
     }
 
     void jog() {
-        T rates[capacity(N)];
+        T rates[capacity(N)] = {};
         int row, joint = 0;
         const T share = velocity_share(bounds.motion, command.rates, row);
         for (int k = 0; k < n(); ++k) rates[k] = share * command.rates[k];
@@ -172,9 +178,15 @@ template <class T, int N, int M> struct servo {
         const T size = norm(command.rates, n());
         out.halted = is_position(out.cause) && norm(rates, n()) <= T(halted_below) * size;
         move(rates);
-        T done = T(0);
-        for (int k = 0; k < n(); ++k) done += state.theta_dot[k] * command.rates[k];
-        out.scale = size > T(0) ? clamped(done / (size * size), T(0), T(1)) : T(1);
+        T beside[capacity(N)] = {};
+        for (int k = 0; k < n(); ++k) beside[k] = state.theta_dot[k] - command.rates[k];
+        set_scale(norm(beside, n()), size, size);
+    }
+
+    /// 1 − |done − reachable| / |reachable|, at least 0: 1 where all of it is done and nothing beside it.
+    void set_scale(T beside, T reachable, T asked) {
+        if (reachable > T(halted_below) * asked) out.scale = greatest(T(1) - beside / reachable, T(0));
+        else out.scale = T(asked > T(0) ? 0 : 1);
     }
 
     void blame(servo_cause cause, int row) {
@@ -283,11 +295,9 @@ template <class T, int N, int M> struct servo {
         out.halted = is_position(out.cause) && norm(scaled, n()) <= T(halted_below) * size;
         move(rates);
         for (int k = 0; k < n(); ++k) scaled[k] = rates[k] / bounds.unit[k];
-        T done = T(0);
-        for (int i = 0; i < 6; ++i) done += solver.times(solver.J, i, scaled) * reachable[i];
-        const T length = norm(reachable, 6);
-        if (length > T(halted_below) * size) out.scale = clamped(done / (length * length), T(0), T(1));
-        else out.scale = T(size > T(0) ? 0 : 1);
+        T beside[6];
+        for (int i = 0; i < 6; ++i) beside[i] = solver.times(solver.J, i, scaled) - reachable[i];
+        set_scale(norm(beside, 6), norm(reachable, 6), size);
     }
 };
 }  // namespace servo_detail

@@ -40,8 +40,8 @@ class ServoOutput:
     """What one step answers.
 
     theta_dot (n,) [rad/s, m/s]: the joint rates for the coming dt.
-    scale: the share of the reachable part of the command that the tool moves by, 0 … 1; less than 1 while it speeds up
-    and where a limit or a singularity slows it.
+    scale: how much of the reachable part of the command is done, 1 − |done − reachable| / |reachable|, at least 0: less
+    than 1 while the arm speeds up or still moves otherwise, and where a limit or a singularity slows it.
     lost_twist (6,) [m/s, rad/s]: the part of the command that the arm cannot do here at any speed, in the axes of the
     command's frame: at an even speed the tool moves by scale · (twist − lost_twist).
     joint: the one, or the motor, that a limit or a singularity concerns most, if any.

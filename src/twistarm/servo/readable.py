@@ -203,11 +203,8 @@ def _reached(bounds: Bounds, state: ServoState, goal: Goal, wanted: Wanted, dt: 
     reachable = J @ (wanted.rates / bounds.unit) / wanted.share
     answer = _moved(bounds, state, wanted.rates, dt, wanted.cause, wanted.row)
     done = J @ (answer.theta_dot / bounds.unit)
-    length, size = float(reachable @ reachable), float(np.linalg.norm(asked))
-    if length > (HALTED * size) ** 2:
-        answer.scale = float(np.clip(done @ reachable / length, 0.0, 1.0))
-    else:
-        answer.scale = float(size == 0.0)
+    size = float(np.linalg.norm(asked))
+    answer.scale = _scale(done, reachable, size)
     answer.lost = (asked - reachable) * np.repeat([bounds.length, 1.0], 3)
     answer.held, answer.remaining = goal.held, goal.remaining
     answer.halted = _is_halted(wanted.cause, wanted.rates / bounds.unit, size)
@@ -224,10 +221,18 @@ def _jogged(bounds: Bounds, state: ServoState, command: JogCommand, dt: float) -
         joint = int(np.argmax(over))
         cause, row = (Cause.UPPER if rates[joint] > 0 else Cause.LOWER), joint - bounds.n + len(bounds.motion.names)
     answer = _moved(bounds, state, within, dt, cause, row)
-    length = float(command.theta_dot @ command.theta_dot)
-    answer.scale = float(np.clip(answer.theta_dot @ command.theta_dot / length, 0.0, 1.0)) if length > 0 else 1.0
-    answer.halted = _is_halted(cause, within, np.sqrt(length))
+    size = float(np.linalg.norm(command.theta_dot))
+    answer.scale = _scale(answer.theta_dot, command.theta_dot, size)
+    answer.halted = _is_halted(cause, within, size)
     return answer
+
+
+def _scale(done: Array, reachable: Array, asked: float) -> float:
+    """1 − |done − reachable| / |reachable|, at least 0: 1 where all of it is done and nothing beside it."""
+    length = float(np.linalg.norm(reachable))
+    if length <= HALTED * asked:
+        return float(asked == 0.0)
+    return max(0.0, 1.0 - float(np.linalg.norm(done - reachable)) / length)
 
 
 def _is_halted(cause: Cause, rates: Array, asked: float) -> bool:

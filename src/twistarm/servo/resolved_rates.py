@@ -9,8 +9,12 @@ from typing import NamedTuple
 import numpy as np
 
 from ..checks import Array
+from .priorities import prior_shares
 
 ALL = (0, 1, 2, 3, 4, 5)
+
+FIVE = 5
+"""Joints from which on singularities are those of the whole twist, not of its levels."""
 
 NO_MOTION = 1e-3
 """A singular value below this counts as none: descriptions write 1.57 for a right angle, and mean planes by it."""
@@ -70,48 +74,57 @@ class Direction(NamedTuple):
     aside: bool
 
 
+Part = tuple[Direction, float, list[Direction]]
+"""A direction, the share of the twist along it, and the directions that go before it."""
+
+
 def resolved_rates(task: Task, asked: Array, free: Array, fixed_rates: Array) -> Rates:
     """The joint rates for `asked` (6,): Σ gain(σ) a v over J = Σ σ u vᵀ, a = uᵀ(asked − J · fixed_rates).
 
     Joints that are not `free` keep their `fixed_rates`. D. E. Whitney, Resolved motion rate control of manipulators and
     human prostheses, IEEE T-MMS 10(2), 1969.
 
-    Where the free joints move the tool in fewer than six directions, the task's levels are met one after the other,
-    each as well as those before leave it free to: J is then the level's rows without the directions that those have
-    used. Y. Nakamura, H. Hanafusa & T. Yoshikawa, Task-priority based redundancy control of robot manipulators, IJRR
-    6(2), 1987.
+    Where that are fewer than six directions, a is that of the twist which meets the task's levels as well as can be,
+    one after the other (`prior_shares`). An arm of fewer than five joints solves the levels themselves one after the
+    other, each with its own rows of J in the null space of those before: there the position alone can be singular.
     """
     J = task.jacobian(np.zeros(len(free)))
     beside = task.jacobian(BESIDE * task.toward)
     fixed = np.where(free, 0.0, fixed_rates)
-    if free.sum() >= 6:
-        whole = _directions(J, beside, ALL, free, [])
-        if len(whole) == 6:
-            return _followed(task, J, asked, fixed, [whole])
+    if len(free) < FIVE:
+        return _level_by_level(task, J, beside, asked, free, fixed)
+    whole = _directions(J, beside, ALL, free, [])
+    U, left = np.array([each.u for each in whole]).reshape(-1, len(ALL)).T, asked - J @ fixed
+    shares = U.T @ left if len(whole) == len(ALL) else prior_shares(U, left, task.levels)
+    parts: list[Part] = [(each, float(a), []) for each, a in zip(whole, shares, strict=True)]
+    return _summed(task, J, fixed, parts, float(asked @ asked))
+
+
+def _level_by_level(task: Task, J: Array, beside: Array, asked: Array, free: Array, fixed: Array) -> Rates:
+    found = Rates(fixed, 0.0, 0.0, -1)
     used: list[Direction] = []
-    levels = []
     for level in task.levels:
-        levels.append(_directions(J, beside, level, free, used))
-        used = used + levels[-1]
-    return _followed(task, J, asked, fixed, levels)
-
-
-def _followed(task: Task, J: Array, asked: Array, fixed: Array, levels: list[list[Direction]]) -> Rates:
-    rates, bent, taken, joint, gravest = fixed, 0.0, 0.0, -1, 0.0
-    before: list[Direction] = []
-    for level in levels:
-        left = asked - J @ rates
+        left = asked - J @ found.rates
+        directions = _directions(J, beside, level, free, used)
+        parts: list[Part] = [(each, float(each.u @ left), list(used)) for each in directions]
         # A lower level also has to make up for what the upper ones do to it, which may be more than is asked.
-        total = max(float(asked @ asked), float(left @ left), np.finfo(float).tiny)
-        for each in level:
-            share = float(each.u @ left)
-            gain, done = _gain(task, J, each, share, before)
-            rates = rates + gain * share * each.v
-            part = share * share / total
-            bent, taken = bent + 4.0 * done * (1.0 - done) * part, taken + (1.0 - done) * part
-            if (1.0 - done) * part > gravest:
-                gravest, joint = (1.0 - done) * part, int(np.argmax(np.abs(each.v)))
-        before = before + level
+        met = _summed(task, J, found.rates, parts, max(float(asked @ asked), float(left @ left)))
+        joint = met.joint if met.taken > found.taken else found.joint
+        found = Rates(met.rates, found.bent + met.bent, found.taken + met.taken, joint)
+        used = used + directions
+    return found
+
+
+def _summed(task: Task, J: Array, rates: Array, parts: list[Part], total: float) -> Rates:
+    """`rates`, and those for a share of each direction, of `total` = |asked|² in all."""
+    bent, taken, joint, gravest = 0.0, 0.0, -1, 0.0
+    for each, share, before in parts:
+        gain, done = _gain(task, J, each, share, before)
+        rates = rates + gain * share * each.v
+        part = share * share / max(total, np.finfo(float).tiny)
+        bent, taken = bent + 4.0 * done * (1.0 - done) * part, taken + (1.0 - done) * part
+        if (1.0 - done) * part > gravest:
+            gravest, joint = (1.0 - done) * part, int(np.argmax(np.abs(each.v)))
     return Rates(rates, bent, taken, joint)
 
 
