@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
 
 from catalogue import load
-from twistarm import manipulability
+from twistarm import Actuators, JointLimits, manipulability
 from twistarm.servo import JogCommand, PoseCommand, ServoSettings, ServoState, ServoStatus, TwistCommand, servo_step
 
 DT = 0.01
@@ -131,6 +133,48 @@ def test_a_rotation_that_the_arm_has_no_joint_for_moves_nothing():
     moved = pose(arm, state) - arm.by_pinocchio(level)[0]
     assert np.abs(moved[:3, 3]).max() < 1e-6
     assert abs(output.lost_twist[5]) > 0.1
+
+
+def test_what_cannot_be_done_at_all_is_not_called_ok():
+    """Out of its plane rr_planar never moves; stretched, ur5 has no motion about base x: both say so in words."""
+    for name, twist in (("rr_planar", [0, 0, 0.1, 0, 0, 0]), ("ur5", [0, 0, 0, 0.3, 0, 0])):
+        arm = load(name)
+        state, output = servo_step(arm, ServoState.at(arm, np.zeros(arm.n)), TwistCommand(twist, "base"), DT)
+        assert not state.theta_dot.any() or np.abs(state.theta_dot).max() < 1e-6
+        assert output.status is ServoStatus.SLOWED_SINGULARITY
+        assert output.lost_share == pytest.approx(1.0, abs=1e-3)
+        assert "can hardly move that way" in output.reason
+
+
+@pytest.mark.parametrize("name", ["rover_arm", "so101", "so100", "scara", "rr_planar", "ur5", "rover_arm_6dof"])
+def test_nothing_shakes_at_the_edge_of_the_reach(name):
+    """Driven on against its reach for ten seconds, no joint keeps turning round: at most now and then."""
+    arm = load(name)
+    out = arm.fk(arm.ready)[:3, 3] / np.linalg.norm(arm.fk(arm.ready)[:3, 3])
+    for direction in (out, [1.0, 0, 0], [0, 0, 1.0]):
+        state, rates = ServoState.at(arm, arm.ready), []
+        command = TwistCommand([*(0.1 * arm.reach * np.asarray(direction)), 0, 0, 0], "base")
+        for _ in range(1000):
+            state, _ = servo_step(arm, state, command, DT)
+            rates.append(np.where(np.abs(state.theta_dot) < 1e-3, 0.0, state.theta_dot))
+        assert (np.diff(np.sign(rates[400:]), axis=0) != 0).sum(axis=0).max() <= 6, direction
+
+
+def test_a_motor_at_its_position_limit_is_named():
+    """A differential wrist: rolling on drives the left motor to its end, which halts the roll and is said."""
+    arm = load("rover_arm")
+    G = np.zeros((2, 5))
+    G[:, 3:] = [[2.0, 2.0], [2.0, -2.0]]
+    most = np.full(2, np.inf)
+    limits = JointLimits(np.full(2, -4.0), np.full(2, 4.0), most, np.full(2, 20.0), most, most)
+    motors = Actuators(("left", "right"), arm.joint_names, G, np.zeros(2), ("rad",) * 2, np.full(2, np.nan), limits)
+    wired = replace(arm, actuators=motors)
+    state, output = driven(wired, ServoState.at(wired, np.zeros(5)), JogCommand([0, 0, 0, 0, 0.5]), 800)
+    assert output.status is ServoStatus.HALTED_LIMIT
+    assert output.joint in ("left", "right")
+    assert np.abs(G @ state.theta).max() == pytest.approx(4.0, abs=1e-3)
+    _, output = driven(wired, state, JogCommand([0, 0, 0, 0, -0.5]), 20)
+    assert output.status is ServoStatus.OK
 
 
 def test_nothing_asked_nothing_moves():

@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 
 from catalogue import load
-from twistarm import InputError, UnknownNameError
+from twistarm import InputError, UnknownNameError, arm_from_screws, joints
 from twistarm.servo import JogCommand, PoseCommand, ServoSettings, ServoState, ServoStatus, TwistCommand, servo_step
 
 DT = 0.01
@@ -38,10 +38,23 @@ REFUSED = [
     (lambda: JogCommand([[0.0]]), r"theta_dot must be one number per joint, shape \(n,\)"),
     (lambda: JogCommand([math.inf]), "theta_dot must be finite"),
     (lambda: PoseCommand(np.zeros((4, 4))), "g"),
-    (lambda: PoseCommand(np.eye(4), linear_speed=0.0), "linear_speed must be a positive number; got 0.0"),
-    (lambda: PoseCommand(np.eye(4), angular_speed=math.nan), "angular_speed must be a positive number; got nan"),
-    (lambda: PoseCommand(np.eye(4), linear_speed="fast"), "linear_speed must be a positive number; got 'fast'"),
+    (
+        lambda: PoseCommand(np.eye(4), linear_speed=0.0),
+        "linear_speed must be a positive number, at most 10000; got 0.0",
+    ),
+    (
+        lambda: PoseCommand(np.eye(4), angular_speed=math.nan),
+        "angular_speed must be a positive number, at most 10000; got nan",
+    ),
+    (
+        lambda: PoseCommand(np.eye(4), linear_speed="fast"),
+        "linear_speed must be a positive number, at most 10000; got 'fast'",
+    ),
     (lambda: PoseCommand(np.eye(4), velocity=[0.0]), "velocity must have shape"),
+    (lambda: TwistCommand([0, 0, 1e155, 0, 0, 0]), "twist must be at most 10000 in size, in SI units; got 1e.155"),
+    (lambda: JogCommand([1e200]), "theta_dot must be at most 10000"),
+    (lambda: PoseCommand(np.array([[1, 0, 0, 1e160], [0, 1, 0, 0], [0, 0, 1, 0], [0, 0, 0, 1]])), "g must be at most"),
+    (lambda: ServoState.at(load("ur5"), np.full(6, 1e9)), "theta must be at most 1e.06 in size; got 1e.09"),
     (lambda: ServoSettings(length=-1.0), "length must be a positive number; got -1.0"),
     (lambda: ServoSettings(position_margin=math.nan), "position_margin must not be negative"),
     (lambda: ServoState.at(load("ur5"), [0.0]), "theta"),
@@ -89,7 +102,7 @@ def test_a_bad_command_brings_the_arm_to_rest_along_its_limits(command, words):
     assert not state.theta_dot.any()
 
 
-@pytest.mark.parametrize("dt", [0.0, -0.01, 1.0, math.nan, math.inf])
+@pytest.mark.parametrize("dt", [0.0, -0.01, 1.0, math.nan, math.inf, "soon", None])
 def test_a_bad_time_step_is_refused_and_the_arm_is_still(dt):
     arm = load("rover_arm")
     state = moving(arm)
@@ -100,7 +113,7 @@ def test_a_bad_time_step_is_refused_and_the_arm_is_still(dt):
     assert np.array_equal(after.theta, state.theta)
 
 
-@pytest.mark.parametrize("bad", [[math.nan] * 5, [0.0] * 4, "here", None])
+@pytest.mark.parametrize("bad", [[math.nan] * 5, [0.0] * 4, [1e300] * 5, "here", None])
 def test_a_bad_state_is_refused(bad):
     arm = load("rover_arm")
     broken = replace(ServoState.at(arm, arm.ready), theta=bad)
@@ -108,6 +121,22 @@ def test_a_bad_state_is_refused(bad):
     assert output.status is ServoStatus.STALE
     assert "the state cannot be used" in output.reason
     assert not output.theta_dot.any()
+
+
+@pytest.mark.parametrize("reach", [1e-3, 1.0, 1e3])
+def test_the_fastest_command_that_is_taken_leaves_numbers_finite(reach):
+    """Arms of a millimetre and of a kilometre, 10⁴ m/s and 10⁴ rad/s: no NaN, no limit exceeded."""
+    screws = np.hstack([joints.revolute([0, 0, 1], [k * reach / 3, 0, 0]) for k in range(3)])
+    home = np.eye(4)
+    home[0, 3] = reach
+    arm = arm_from_screws(screws, home, limits={"velocity": 1.0, "acceleration": 2.0}, name="scaled")
+    for command in (TwistCommand(np.full(6, 1e4)), JogCommand(np.full(3, -1e4)), PoseCommand(np.eye(4))):
+        state = ServoState.at(arm, [0.1, 0.4, -0.2])
+        for _ in range(50):
+            state, output = servo_step(arm, state, command, DT)
+            assert np.isfinite(state.theta).all()
+            assert np.isfinite(output.lost_twist).all()
+            assert (np.abs(state.theta_dot) <= 1.0 + 1e-9).all()
 
 
 def test_lists_and_other_floats_serve_as_well():

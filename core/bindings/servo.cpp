@@ -14,6 +14,14 @@ void require(bool holds, const char* otherwise) {
     if (!holds) throw nb::value_error(otherwise);
 }
 
+constexpr double most = 1e6;  // as in servo/state.py
+
+bool moderate(const Numbers& values) {
+    for (std::size_t k = 0; k < values.size(); ++k)
+        if (!(std::fabs(values.data()[k]) <= most)) return false;
+    return true;
+}
+
 void copy(const Numbers& from, double* to) {
     for (std::size_t k = 0; k < from.size(); ++k) to[k] = from.data()[k];
 }
@@ -59,7 +67,7 @@ Servo::Servo(nb::handle screws, nb::handle home, nb::handle coupling, nb::handle
 
 bool Servo::read(nb::handle theta, nb::handle theta_dot, nb::handle held, State& state) const {
     const Numbers x(theta), v(theta_dot);
-    if (!x.is(n_) || !v.is(n_) || !x.finite() || !v.finite()) return false;
+    if (!x.is(n_) || !v.is(n_) || !moderate(x) || !moderate(v)) return false;
     copy(x, state.theta);
     copy(v, state.theta_dot);
     if (held.is_none()) return true;
@@ -124,7 +132,7 @@ nb::object Servo::step(nb::handle theta, nb::handle theta_dot, nb::handle held, 
         make_read_only(kept);
     }
     return nb::make_tuple(row(state.theta, n_), row(state.theta_dot, n_), kept, static_cast<int>(out.cause), out.row,
-                          out.scale, row(out.lost, 6), out.halted, out.remaining[0], out.remaining[1]);
+                          out.scale, row(out.lost, 6), out.lost_share, out.halted, out.remaining[0], out.remaining[1]);
 }
 
 }  // namespace bindings

@@ -126,8 +126,8 @@ class Servo:
         numbers: object,
         dt: float,
         /,
-    ) -> tuple[Array, Array, Array | None, int, int, float, Array, bool, float, float] | None:
-        """theta, theta_dot, held, cause, row, scale, lost, halted, and the position and angle that remain.
+    ) -> tuple[Array, Array, Array | None, int, int, float, Array, float, bool, float, float] | None:
+        """theta, theta_dot, held, cause, row, scale, lost, its share, halted, and the position and angle that remain.
 
         kind 0 for no command, else with flags and numbers as in servo/command.py.
         """

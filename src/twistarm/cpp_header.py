@@ -16,6 +16,8 @@ from .baking import digest_of
 from .checks import Array
 from .errors import InputError, TwistarmError
 from .files import writable, write_whole
+from .servo import ServoSettings
+from .servo.bounds import bounds_of
 
 SUFFIXES = (".hpp", ".hh", ".hxx", ".h")
 
@@ -62,7 +64,7 @@ def namespace_of(name: str) -> str:
 
 
 def cpp_header(arm: Arm) -> str:
-    """The header's text: `chain`, limits and poses of the arm as constants, and `solve_ik`.
+    """The header's text: `chain`, limits, poses and `servo_bounds` of the arm as constants, and `solve_ik`.
 
     The chain is the compiled core's own: constant transforms between joints that turn about z (core/include/twistarm/
     chain.hpp), which only the core computes. TwistarmError where there is none.
@@ -96,6 +98,7 @@ def cpp_header(arm: Arm) -> str:
         tip_frame=_frame(constants["tip"]),
         links=_rows(map(_link, constants["links"])),
         coupling=_rows(map(_numbers, np.asarray(constants["coupling"]))),
+        **_servo(arm),
     )
 
 
@@ -109,11 +112,35 @@ def _constants(arm: Arm) -> Mapping[str, Any]:
     return constants
 
 
+def _servo(arm: Arm) -> Mapping[str, str | int]:
+    """The members of `twistarm::servo_bounds` and of its `motion_limits`, with the settings that `servo_step` has."""
+    bounds = bounds_of(arm, ServoSettings())
+    motion = bounds.motion
+    motors = len(motion.names) - bounds.n
+    if motors > engine.MOST_JOINTS:
+        raise TwistarmError(f"a C++ header holds at most {engine.MOST_JOINTS} motors; {arm.name} has {motors}")
+    return {
+        "motors": motors,
+        "rows": len(motion.names),
+        "row_names": _texts(motion.names),
+        "motor_C": "{" + ", ".join(map(_numbers, motion.C[:motors])) + "}",
+        "motor_c": _numbers(motion.c[:motors]),
+        **{f"row_{name}": _numbers(getattr(motion.limits, name)) for name in _MOTION},
+        "unit": _numbers(bounds.unit),
+        "ready": _numbers(bounds.ready),
+        "length": _number(bounds.length),
+        "below": _number(bounds.singular_below),
+    }
+
+
+_MOTION = ("lower", "upper", "velocity", "acceleration")
+
+
 # -- numbers and texts as C++ writes them ------------------------------------------------------------------------
 
 
 def _number(value: float) -> str:
-    return f"T({float(value)!r})"
+    return f"T({_double(value)})"
 
 
 def _numbers(values: Iterable[float]) -> str:
@@ -121,7 +148,11 @@ def _numbers(values: Iterable[float]) -> str:
 
 
 def _doubles(values: Array) -> str:
-    return ", ".join(repr(float(x)) if np.isfinite(x) else "-infinite" if x < 0 else "infinite" for x in values)
+    return ", ".join(map(_double, values))
+
+
+def _double(value: float) -> str:
+    return repr(float(value)) if np.isfinite(value) else "-infinite" if value < 0 else "infinite"
 
 
 def _truth(value: bool) -> str:
@@ -172,6 +203,13 @@ _TEMPLATE = """\
 //     const auto ranges = {namespace}::ranges<double>();
 //     const auto found = {namespace}::solve_ik(ranges, twistarm::pose_target(g), {namespace}::poses<double>[0]);
 //     if (found.converged) use(found.theta);
+//
+//     twistarm::servo_state<double, {namespace}::n> state{{}};  // and state.theta as measured
+//     twistarm::servo_command<double, {namespace}::n> command{{}};
+//     command.kind = twistarm::servo_kind::twist;
+//     command.twist[0] = 0.05;  // m/s along the tool's x; more in twistarm/servo.hpp
+//     twistarm::servo_output<double> out;
+//     twistarm::servo_step({namespace}::chain<double>, {namespace}::servo_bounds<double>, command, 0.01, state, out);
 #pragma once
 
 #include <cstdint>
@@ -215,6 +253,26 @@ template <class T> inline constexpr twistarm::chain<T, n, m> chain = {{
     {tip_frame},
     {links},
     {coupling},
+}};
+
+/// Whose limit `servo_output::row` is, motors first; where the cause is a singularity, row counts `joint_names`.
+inline constexpr const char* row_names[{rows}] = {{{row_names}}};
+
+/// What `servo_step` needs beside the chain: the limits of those rows, unit, ready, length (the reach [m]) and below;
+/// the members are explained in twistarm/motion_limits.hpp and twistarm/resolved_rates.hpp.
+template <class T> inline constexpr twistarm::servo_bounds<T, n> servo_bounds = {{
+    {{
+        {motors}, n,
+        {motor_C},
+        {motor_c},
+        {row_lower},
+        {row_upper},
+        {row_velocity},
+        {row_acceleration},
+    }},
+    {unit},
+    {ready},
+    {length}, {below},
 }};
 
 /// The limits as `solve_ik` takes them; make them once.

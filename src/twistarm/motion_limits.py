@@ -13,7 +13,7 @@ from .errors import InputError
 from .limits import JointLimits
 
 STILL = 1e-12
-"""A slower row [rad/s, m/s] stands still: it meets no limit. In a row that others keep at rest, rounding is no motion."""
+"""A slower row [rad/s, m/s] stands still and meets no limit: where others keep it at rest, rounding is no motion."""
 
 
 class Allowed(NamedTuple):

@@ -81,17 +81,19 @@ bool is_safe(const motion_limits<T, N>& limits, const T* theta, const T* theta_d
     return true;
 }
 
-/// Slows the rates as a whole to what velocity and position limits allow: s dt + s² T/2 ≤ t, the time until a limit.
-template <class T, int N> void slow_down(const motion_limits<T, N>& limits, const T* theta, T dt, T* rates) {
+/// Slows the rates as a whole to what velocity and position limits allow: s dt + s² T/2 ≤ t, the time until a limit; the
+/// row whose position limit it is, −1 for none.
+template <class T, int N> int slow_down(const motion_limits<T, N>& limits, const T* theta, T dt, T* rates) {
     const int n = limits.coordinates;
     int row;
     T scale = velocity_share(limits, rates, row);
     const T stop = stopping_time(limits, rates);
     const meeting<T> met = until_met<T>(
         limits, [&](int r) { return limits.place(r, theta); }, [&](int r) { return limits.rate(r, rates); });
-    if (scale * (dt + T(0.5) * scale * stop) > met.time)
-        scale = T(2) * met.time / (dt + sqrt(dt * dt + T(2) * stop * met.time));
+    const bool ends = scale * (dt + T(0.5) * scale * stop) > met.time;
+    if (ends) scale = T(2) * met.time / (dt + sqrt(dt * dt + T(2) * stop * met.time));
     for (int k = 0; k < n; ++k) rates[k] *= scale;
+    return ends ? met.row : -1;
 }
 
 /// The speed s nearest to 1 at which the accelerations allow s · rates after `before`; −1 where they allow none.
@@ -110,12 +112,12 @@ T speed_in_reach(const motion_limits<T, N>& limits, const T* before, T dt, const
     return slowest > fastest ? T(-1) : least(greatest(T(1), slowest), fastest);
 }
 
-/// As much of the rates as is safe, the rest the straight stop from `before`, which is.
+/// As much of the rates as is safe, the rest the straight stop from `before`, which is; and for which row.
 ///
 /// Between two courses no stop takes longer than the longer of theirs. Where the straight stop would not be safe were it to
 /// take as long, nothing is mixed in.
 template <class T, int N>
-void stop_partly(const motion_limits<T, N>& limits, const T* theta, const T* before, T dt, T* rates) {
+int stop_partly(const motion_limits<T, N>& limits, const T* theta, const T* before, T dt, T* rates) {
     const int n = limits.coordinates;
     const T stop = stopping_time(limits, before);
     const T left = stop > dt ? T(1) - dt / stop : T(0);
@@ -130,26 +132,28 @@ void stop_partly(const motion_limits<T, N>& limits, const T* theta, const T* bef
         [&](int r) { return time * limits.rate(r, change); });
     const T share = is_safe(limits, theta, slow, dt, longer) ? least(met.time, T(1)) : T(0);
     for (int k = 0; k < n; ++k) rates[k] = slow[k] + share * change[k];
+    return met.row;
 }
 }  // namespace detail
 
-/// What may be commanded for the next dt in place of `rates`, after `before`; written to `rates`.
+/// What may be commanded for the next dt in place of `rates`, after `before`; written to `rates`. Answers the row whose
+/// position limit slows it, −1 for none.
 ///
 /// The same motion at another speed where that will do, else as much of the change as the accelerations allow.
 /// A motion is safe while the arm could stop straight on: with T the time that takes, no row may meet its position
 /// limit, at its present speed, within dt + T/2. Slowing by dt/T in any next step keeps this true.
 template <class T, int N>
-void keep_within(const motion_limits<T, N>& limits, const T* theta, const T* before, T dt, T* rates) {
+int keep_within(const motion_limits<T, N>& limits, const T* theta, const T* before, T dt, T* rates) {
     const int n = limits.coordinates;
-    detail::slow_down(limits, theta, dt, rates);
+    const int slowed = detail::slow_down(limits, theta, dt, rates);
     T change[capacity(N)] = {};
     for (int k = 0; k < n; ++k) change[k] = rates[k] - before[k];
     const T most = stopping_time(limits, change) / dt;
-    if (!(most > T(1))) return;
+    if (!(most > T(1))) return slowed;
     const T speed = detail::speed_in_reach(limits, before, dt, rates);
     for (int k = 0; k < n; ++k) rates[k] = speed < T(0) ? before[k] + change[k] / most : speed * rates[k];
-    if (!detail::is_safe(limits, theta, rates, dt, stopping_time(limits, rates)))
-        detail::stop_partly(limits, theta, before, dt, rates);
+    if (detail::is_safe(limits, theta, rates, dt, stopping_time(limits, rates))) return slowed;
+    return detail::stop_partly(limits, theta, before, dt, rates);
 }
 
 TWISTARM_END

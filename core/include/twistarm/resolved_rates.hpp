@@ -38,7 +38,7 @@ template <class T> constexpr T no_motion = T(1e-3);      // singular values belo
 template <class T> constexpr T rise_whole = T(0.1);      // dσ per scaled rad: from here on a motion leaves a singularity
 template <class T> constexpr T rise_least = T(0.02);     // … and from here on it does so in part
 template <class T> constexpr T beside = T(0.05);         // how far beside a posture one looks for lacking directions
-template <class T> constexpr T slight = T(0.2);          // cosines below this are damped
+template <class T> constexpr T slight = T(0.3);          // cosines below this are damped
 constexpr int five = 5;                                  // joints from which on singularities are the whole twist's
 template <class T> constexpr T tilt = T(0.1);            // leads that way off any singularity
 template <class T> constexpr T nothing = T(sizeof(T) == 8 ? 1e-12 : 1e-6);  // slower scaled rates are rounding

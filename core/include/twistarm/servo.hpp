@@ -40,12 +40,12 @@ template <class T, int N> struct servo_state {
     frame<T> held;
 };
 
-/// row: of the limits that cause it, or the joint that a singularity concerns, −1 for none. The tool moves by scale ·
-/// (asked − lost). remaining: how far a pose to reach is [m, rad].
+/// row: of the limits that cause it, or the joint that a singularity concerns, −1 for none. At an even speed the tool moves
+/// by scale · (asked − lost); lost_share: |lost| / |asked|, scaled. remaining: how far a pose to reach is [m, rad].
 template <class T> struct servo_output {
     servo_cause cause;
     int row;
-    T scale, lost[6], remaining[2];
+    T scale, lost[6], lost_share, remaining[2];
     bool halted;
 };
 
@@ -155,7 +155,11 @@ template <class T, int N, int M> struct servo {
     /// The rates that the limits let the arm have, and where they lead.
     void move(T* rates) {
         const motion_limits<T, N>& motion = bounds.motion;
-        keep_within(motion, state.theta, state.theta_dot, dt, rates);
+        T wanted[capacity(N)] = {};
+        for (int k = 0; k < n(); ++k) wanted[k] = rates[k];
+        const int row = keep_within(motion, state.theta, state.theta_dot, dt, rates);
+        if (row >= 0 && !is_position(out.cause))
+            blame(motion.rate(row, wanted) > T(0) ? servo_cause::upper : servo_cause::lower, row);
         for (int k = 0; k < n(); ++k) {
             // Rounding may not carry a joint beyond its limit; one that was outside stays no farther out than it was.
             const T upper = greatest(motion.upper[motion.motors + k], state.theta[k]);
@@ -176,8 +180,8 @@ template <class T, int N, int M> struct servo {
             blame(rates[joint] > T(0) ? servo_cause::upper : servo_cause::lower, bounds.motion.motors + joint);
         for (int k = 0; k < n(); ++k) rates[k] = clamped(rates[k], room.least[k], room.most[k]);
         const T size = norm(command.rates, n());
-        out.halted = is_position(out.cause) && norm(rates, n()) <= T(halted_below) * size;
         move(rates);
+        out.halted = is_position(out.cause) && norm(state.theta_dot, n()) <= T(halted_below) * size;
         T beside[capacity(N)] = {};
         for (int k = 0; k < n(); ++k) beside[k] = state.theta_dot[k] - command.rates[k];
         set_scale(norm(beside, n()), size, size);
@@ -290,14 +294,19 @@ template <class T, int N, int M> struct servo {
         for (int k = 0; k < n(); ++k) scaled[k] = rates[k] / bounds.unit[k];
         for (int i = 0; i < 6; ++i) {
             reachable[i] = solver.times(solver.J, i, scaled) / share;
-            out.lost[i] = (asked[i] - reachable[i]) * (i < 3 ? bounds.length : T(1));
+            out.lost[i] = asked[i] - reachable[i];
         }
-        out.halted = is_position(out.cause) && norm(scaled, n()) <= T(halted_below) * size;
+        out.lost_share = norm(out.lost, 6) / greatest(size, nothing<T>);
+        for (int i = 0; i < 3; ++i) out.lost[i] *= bounds.length;
         move(rates);
         for (int k = 0; k < n(); ++k) scaled[k] = rates[k] / bounds.unit[k];
+        out.halted = is_position(out.cause) && norm(scaled, n()) <= T(halted_below) * size;
         T beside[6];
         for (int i = 0; i < 6; ++i) beside[i] = solver.times(solver.J, i, scaled) - reachable[i];
-        set_scale(norm(beside, 6), norm(reachable, 6), size);
+        const T whole = norm(reachable, 6);
+        set_scale(norm(beside, 6), whole, size);
+        if (out.cause == servo_cause::none && size > T(0) && whole <= T(halted_below) * size)
+            out.cause = servo_cause::singularity;
     }
 };
 }  // namespace servo_detail
@@ -305,6 +314,7 @@ template <class T, int N, int M> struct servo {
 /// One step: the state after dt [s] under the command, and what became of the command.
 ///
 /// The state's theta_dot are the rates for the coming dt. Without a command (servo_kind::none) the arm comes to rest.
+/// Nothing is checked: dt must be more than 0, every number finite, a command's below 1e6, so that no square overflows.
 template <class T, int N, int M>
 void servo_step(const chain<T, N, M>& arm, const servo_bounds<T, N>& bounds, const servo_command<T, N>& command, T dt,
                 servo_state<T, N>& state, servo_output<T>& out) {

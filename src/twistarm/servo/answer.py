@@ -33,6 +33,7 @@ class Answer:
     row: int
     scale: float = 1.0
     lost: Array = field(default_factory=lambda: np.zeros(6))
+    lost_share: float = 0.0
     held: Array | None = None
     halted: bool = False
     remaining: tuple[float, float] = (0.0, 0.0)

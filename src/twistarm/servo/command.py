@@ -16,6 +16,9 @@ from ..errors import InputError, listed
 TOOL, BASE = "tool", "base"
 FRAMES = (TOOL, BASE)
 
+FASTEST, FARTHEST = 1e4, 1e6
+"""Rates [m/s, rad/s] and positions [m] beyond these are no arm's; they come from wrong units or broken messages."""
+
 HELD = {
     "position": (True, True, True, False, False, False),
     "orientation": (False, False, False, True, True, True),
@@ -68,7 +71,7 @@ class JogCommand:
     kind: ClassVar[int] = 1
 
     def __post_init__(self) -> None:
-        rates = as_floats(self.theta_dot, "theta_dot")
+        rates = _moderate(as_floats(self.theta_dot, "theta_dot"), "theta_dot", FASTEST)
         if rates.ndim != 1:
             raise InputError(f"theta_dot must be one number per joint, shape (n,); got {rates.shape}")
         for name in ("theta_dot", "numbers"):
@@ -100,10 +103,11 @@ class PoseCommand:
         g = as_pose(self.g, "g")
         if g.shape != (4, 4):
             raise InputError(f"g must be one pose, shape (4, 4); got {g.shape}")
+        _moderate(g, "g", FARTHEST)
         for name in ("linear_speed", "angular_speed"):
             speed = getattr(self, name)
-            if not (isinstance(speed, (int, float)) and 0.0 < speed < np.inf):
-                raise InputError(f"{name} must be a positive number; got {speed!r}")
+            if not (isinstance(speed, (int, float)) and 0.0 < speed <= FASTEST):
+                raise InputError(f"{name} must be a positive number, at most {FASTEST:g}; got {speed!r}")
         velocity = _six(self.velocity, "velocity")
         numbers = frozen([*g.ravel(), *velocity, self.linear_speed, self.angular_speed])
         for name, value in {"g": frozen(g), "velocity": velocity, "numbers": numbers}.items():
@@ -130,4 +134,10 @@ def _six(values: ArrayLike, name: str) -> Array:
     six = as_twist(values, name)
     if six.shape != (6,):
         raise InputError(f"{name} must be one twist, shape (6,); got {six.shape}")
-    return frozen(six)
+    return frozen(_moderate(six, name, FASTEST))
+
+
+def _moderate(values: Array, name: str, most: float) -> Array:
+    if np.abs(values).max(initial=0.0) > most:
+        raise InputError(f"{name} must be at most {most:g} in size, in SI units; got {np.abs(values).max():g}")
+    return values

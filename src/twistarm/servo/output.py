@@ -32,6 +32,9 @@ _STATUS = {
 
 _WORDS = {Cause.VELOCITY: "velocity", Cause.LOWER: "lower position", Cause.UPPER: "upper position"}
 
+WORTH_SAYING = 0.02
+"""Of the command: a smaller loss is not put into words."""
+
 _NOTHING_LOST = frozen(np.zeros(6))
 
 
@@ -43,7 +46,9 @@ class ServoOutput:
     scale: how much of the reachable part of the command is done, 1 − |done − reachable| / |reachable|, at least 0: less
     than 1 while the arm speeds up or still moves otherwise, and where a limit or a singularity slows it.
     lost_twist (6,) [m/s, rad/s]: the part of the command that the arm cannot do here at any speed, in the axes of the
-    command's frame: at an even speed the tool moves by scale · (twist − lost_twist).
+    command's frame: at an even speed the tool moves by scale · (twist − lost_twist). Where the tool must turn so that
+    it can go where it is told, that rotation stands in it too, with the opposite sign.
+    lost_share: |lost_twist| / |twist|, metres measured in the length.
     joint: the one, or the motor, that a limit or a singularity concerns most, if any.
     remaining: how far a `PoseCommand` still is from its pose, [m] and [rad]; zeros for any other command.
     """
@@ -52,6 +57,7 @@ class ServoOutput:
     status: ServoStatus
     scale: float
     lost_twist: Array
+    lost_share: float
     joint: str | None
     remaining: tuple[float, float]
     _why: str | Cause
@@ -64,14 +70,17 @@ class ServoOutput:
         if self._why in _WORDS:
             verb = "halted" if self.status is ServoStatus.HALTED_LIMIT else "slowed"
             return f"{verb} by the {_WORDS[self._why]} limit of {self.joint}"
-        if self.joint is not None:
-            return f"{self.status.value}: {self.joint} moves most for what the arm can hardly do here"
+        if self._why is Cause.SINGULARITY:
+            most = f"; {self.joint} would have to move most for it" if self.joint else ""
+            return f"near a singularity: the arm can hardly move that way from here{most}"
+        if self.lost_share > WORTH_SAYING:
+            return f"{self.status.value}, but for {self.lost_share:.0%} that the arm cannot do here"
         return self.status.value
 
     @classmethod
     def stale(cls, theta_dot: Array, reason: str) -> ServoOutput:
         """What a step answers without a usable command or state, and why."""
-        return cls(theta_dot, ServoStatus.STALE, 0.0, _NOTHING_LOST, None, (0.0, 0.0), reason)
+        return cls(theta_dot, ServoStatus.STALE, 0.0, _NOTHING_LOST, 0.0, None, (0.0, 0.0), reason)
 
     @classmethod
     def of(cls, answer: Answer, bounds: Bounds, joint_names: tuple[str, ...]) -> ServoOutput:
@@ -80,4 +89,5 @@ class ServoOutput:
         status = ServoStatus.HALTED_LIMIT if answer.halted else _STATUS[cause]
         names = joint_names if cause is Cause.SINGULARITY else bounds.motion.names
         joint = names[row] if row >= 0 else None
-        return cls(answer.theta_dot, status, answer.scale, answer.lost, joint, answer.remaining, cause)
+        lost = answer.lost, answer.lost_share
+        return cls(answer.theta_dot, status, answer.scale, *lost, joint, answer.remaining, cause)

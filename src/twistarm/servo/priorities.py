@@ -8,9 +8,9 @@ import numpy as np
 
 from ..checks import Array
 
-SLIGHT = 0.2
+SLIGHT = 0.3
 """A cosine between the arm's directions and what is asked below which following it is damped: it would take more than
-five times as much motion in what matters less."""
+three times as much motion in what matters less."""
 
 NONE = 1e-3
 """A cosine below this is a right angle."""

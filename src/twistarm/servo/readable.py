@@ -206,8 +206,11 @@ def _reached(bounds: Bounds, state: ServoState, goal: Goal, wanted: Wanted, dt: 
     size = float(np.linalg.norm(asked))
     answer.scale = _scale(done, reachable, size)
     answer.lost = (asked - reachable) * np.repeat([bounds.length, 1.0], 3)
+    answer.lost_share = float(np.linalg.norm(asked - reachable)) / max(size, NOTHING)
+    if answer.cause is Cause.NONE and size > 0.0 and np.linalg.norm(reachable) <= HALTED * size:
+        answer.cause = Cause.SINGULARITY
     answer.held, answer.remaining = goal.held, goal.remaining
-    answer.halted = _is_halted(wanted.cause, wanted.rates / bounds.unit, size)
+    answer.halted = _is_halted(answer.cause, answer.theta_dot / bounds.unit, size)
     return answer
 
 
@@ -223,7 +226,7 @@ def _jogged(bounds: Bounds, state: ServoState, command: JogCommand, dt: float) -
     answer = _moved(bounds, state, within, dt, cause, row)
     size = float(np.linalg.norm(command.theta_dot))
     answer.scale = _scale(answer.theta_dot, command.theta_dot, size)
-    answer.halted = _is_halted(cause, within, size)
+    answer.halted = _is_halted(answer.cause, answer.theta_dot, size)
     return answer
 
 
@@ -244,6 +247,9 @@ def _moved(
 ) -> Answer:
     motion = bounds.motion
     allowed = motion.within(state.theta, target, state.theta_dot, dt)
+    if allowed.by is not None and allowed.limit == "position" and cause not in (Cause.LOWER, Cause.UPPER):
+        row = motion.names.index(allowed.by)
+        cause = Cause.UPPER if motion.C[row] @ target > 0 else Cause.LOWER
     theta = state.theta + dt * allowed.theta_dot
     # Rounding may not carry a joint beyond its limit; one that was outside stays no farther out than it was.
     lower = np.minimum(motion.limits.lower[-bounds.n :], state.theta)

@@ -11,6 +11,9 @@ from ..arm import Arm
 from ..checks import Array, as_theta, frozen
 from ..errors import InputError
 
+MOST = 1e6
+"""No joint is beyond it, nor as fast [rad, m, per s]."""
+
 
 @dataclass(frozen=True, eq=False)
 class ServoState:
@@ -39,4 +42,6 @@ class ServoState:
         for name, value in checked.items():
             if value.ndim != 1:
                 raise InputError(f"{name} must be one configuration, shape ({arm.n},); got {value.shape}")
+            if np.abs(value).max(initial=0.0) > MOST:
+                raise InputError(f"{name} must be at most {MOST:g} in size; got {np.abs(value).max():g}")
         return cls(frozen(checked["theta"]), frozen(checked["theta_dot"]))

@@ -38,7 +38,7 @@ def servo_step(
     motion as a whole; a joint at its position limit stops, and the others keep what is left of the motion.
     """
     bounds = bounds_of(arm, settings)
-    if not 0.0 < dt <= settings.longest_dt:
+    if not (isinstance(dt, (int, float)) and 0.0 < dt <= settings.longest_dt):
         return _refused(arm, state, f"dt must be more than 0 and at most {settings.longest_dt:g} s; got {dt!r}")
     checked, reason = _usable(arm, command)
     try:
@@ -75,8 +75,8 @@ def _answer(arm: Arm, bounds: Bounds, state: ServoState, command: AnyCommand | N
         clean = ServoState.moving(arm, state.theta, state.theta_dot)
         found = bounds.compiled.step(clean.theta, clean.theta_dot, held, kind, flags, numbers, dt)
         assert found is not None
-    theta, theta_dot, kept, cause, row, scale, lost, halted, position, angle = found
-    return Answer(theta, theta_dot, Cause(cause), row, scale, lost, kept, halted, (position, angle))
+    theta, theta_dot, kept, cause, row, scale, lost, lost_share, halted, position, angle = found
+    return Answer(theta, theta_dot, Cause(cause), row, scale, lost, lost_share, kept, halted, (position, angle))
 
 
 def _holding(command: AnyCommand | None) -> int | None:

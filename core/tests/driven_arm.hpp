@@ -1,0 +1,184 @@
+// An arm under the servo, watched at each step; commands at random; what the tool did by plain forward kinematics.
+#pragma once
+
+#include "arms.hpp"
+#include "motions.hpp"
+#include "twistarm/servo.hpp"
+
+namespace tests {
+using twistarm::capacity;
+using twistarm::dynamic;
+using twistarm::servo_command;
+using twistarm::servo_kind;
+
+template <class T> constexpr bool precise = sizeof(T) == 8;
+template <class T> constexpr double rounding = precise<T> ? 1e-11 : 2e-5;
+
+/// An arm, its limits, and a servo that is watched.
+template <class T, int N, int M> struct driven_arm {
+    drawn_arm source;
+    twistarm::chain<T, N, M> arm;
+    twistarm::servo_bounds<T, N> bounds{};
+    twistarm::servo_state<T, N> state{};
+    twistarm::servo_output<T> out{};
+    T before[capacity(N)] = {}, dt = T(0);
+    int n;
+
+    driven_arm(generator& random, int count, wiring wired, int motors)
+        : source(random, count, wired), n(source.coordinates) {
+        twistarm::chain<double, dynamic, dynamic> whole{};
+        while (!twistarm::chain_from_screws(source.model(), whole) || !twistarm::fits<N, M>(whole))
+            source = drawn_arm(random, count, wired);
+        arm = twistarm::narrowed<T, N, M>(whole);
+        bounds.motion = drawn_limits<T, N>(random, motors, n);
+        bounds.length = T(0.7);
+        bounds.below = T(0.04);
+        for (int k = 0; k < n; ++k) {
+            const double* twist = source.twists[k];
+            const bool slides = twist[3] == 0 && twist[4] == 0 && twist[5] == 0;
+            bounds.unit[k] = slides ? bounds.length : T(1);
+            bounds.ready[k] = static_cast<T>(random.between(-0.04, 0.04));
+        }
+    }
+
+    void step(const servo_command<T, N>& command, T time) {
+        dt = time;
+        for (int k = 0; k < n; ++k) before[k] = state.theta_dot[k];
+        twistarm::servo_step(arm, bounds, command, dt, state, out);
+        for (int k = 0; k < n; ++k)
+            CHECK(std::isfinite(state.theta[k]) && std::isfinite(state.theta_dot[k]), "n = %d, joint %d", n, k);
+        for (const T lost : out.lost) CHECK(std::isfinite(lost), "n = %d: %g lost", n, static_cast<double>(lost));
+        CHECK(out.scale >= T(0) && out.scale <= T(1), "n = %d: scale %g", n, static_cast<double>(out.scale));
+        CHECK(out.row >= -1 && out.row < bounds.motion.rows(), "n = %d: row %d", n, out.row);
+        check_limits(bounds.motion, state.theta, before, state.theta_dot, dt, rounding<T>);
+    }
+
+    /// The largest rate of a joint.
+    double speed() const {
+        double most = 0;
+        for (int k = 0; k < n; ++k) most = std::fmax(most, std::fabs(static_cast<double>(state.theta_dot[k])));
+        return most;
+    }
+
+    /// Whether the rates changed little, by less than they could, and no limit is so near that braking for it begins.
+    bool is_even() const {
+        T change[capacity(N)] = {};
+        for (int k = 0; k < n; ++k) {
+            change[k] = state.theta_dot[k] - before[k];
+            if (std::fabs(static_cast<double>(change[k])) > 0.02 * speed()) return false;
+        }
+        const T stop = twistarm::stopping_time(bounds.motion, state.theta_dot);
+        return twistarm::stopping_time(bounds.motion, change) < T(0.9) * dt && is_inside(dt + T(2) * stop);
+    }
+
+    /// Whether every row is inside its position limits, and stays so for that long.
+    bool is_inside(T time) const {
+        for (int r = 0; r < bounds.motion.rows(); ++r) {
+            const T x = bounds.motion.place(r, state.theta), then = x + time * bounds.motion.rate(r, state.theta_dot);
+            if (then < bounds.motion.lower[r] || then > bounds.motion.upper[r]) return false;
+        }
+        return true;
+    }
+
+    /// Motors slow the arm as a whole: one at its limit lets nothing move that would move it on.
+    bool stands_at_a_motors_limit() const {
+        for (int r = 0; r < bounds.motion.motors; ++r) {
+            const T x = bounds.motion.place(r, state.theta), slack = T(1e-3);
+            if (x < bounds.motion.lower[r] + slack || x > bounds.motion.upper[r] - slack) return true;
+        }
+        return false;
+    }
+
+    void come_to_rest() {
+        const servo_command<T, N> none{};
+        for (int i = 0; i < 5000 && speed() > 0; ++i) step(none, T(0.01));
+        CHECK(speed() == 0, "n = %d: moves at %g", n, speed());
+    }
+
+    /// The least of the min(count, n) singular values of some rows of the Jacobian, metres measured in `length`.
+    double least_singular_value(int first = 0, int count = 6) const {
+        twistarm::six_rows<T, N> rows;
+        T X[6][6];
+        twistarm::column<T> J[capacity(N)];
+        twistarm::forward_with_body_jacobian(arm, state.theta, J);
+        for (int k = 0; k < n; ++k)
+            for (int i = first; i < first + count; ++i) {
+                const T rate = i < 3 ? J[k].v[i] / bounds.length : J[k].w[i - 3];
+                rows[i - first][k] = rate * bounds.unit[k];
+            }
+        twistarm::make_orthogonal<T, N>(rows, count, n, X);
+        double values[6];
+        for (int i = 0; i < count; ++i) values[i] = static_cast<double>(twistarm::servo_detail::norm(rows[i], n));
+        sort_down(values, count);
+        return values[(n < count ? n : count) - 1];
+    }
+};
+
+template <class T, int N> servo_command<T, N> drawn_twist(generator& random) {
+    servo_command<T, N> command{};
+    command.kind = servo_kind::twist;
+    command.base_axes = random.uniform() < 0.5;
+    for (int k = 0; k < 6; ++k) command.twist[k] = static_cast<T>((k < 3 ? 0.3 : 1) * random.between(-1, 1));
+    return command;
+}
+
+template <class T, int N> void hold(servo_command<T, N>& command, int first, int last) {
+    for (int k = first; k < last; ++k) {
+        command.held[k] = true;
+        command.twist[k] = T(0);
+    }
+}
+
+template <class T, int N> bool holds(const servo_command<T, N>& command) {
+    for (const bool held : command.held)
+        if (held) return true;
+    return false;
+}
+
+template <class T, int N, int M>
+servo_command<T, N> drawn_command(generator& random, const driven_arm<T, N, M>& driven) {
+    const double kind = random.uniform();
+    servo_command<T, N> command = drawn_twist<T, N>(random);
+    if (kind < 0.2) hold(command, 3, 6);
+    else if (kind < 0.3) hold(command, 0, 3);
+    else if (kind < 0.4) hold(command, 2, 4);
+    else if (kind < 0.6) command.kind = servo_kind::jog;
+    else if (kind < 0.75) command.kind = servo_kind::pose;
+    if (command.kind == servo_kind::pose && random.uniform() < 0.8)
+        for (T& component : command.twist) component = T(0);
+    T theta[capacity(N)];
+    for (int k = 0; k < driven.n; ++k) {
+        command.rates[k] = static_cast<T>(random.between(-2, 2));
+        theta[k] = driven.state.theta[k] + static_cast<T>(random.between(-0.3, 0.3));
+    }
+    command.goal = twistarm::forward(driven.arm, theta);
+    command.linear_speed = T(0.25);
+    command.angular_speed = T(1);
+    return command;
+}
+
+template <class T, int N> servo_command<T, N> reversed(servo_command<T, N> command) {
+    for (T& component : command.twist) component = -component;
+    for (T& rate : command.rates) rate = -rate;
+    return command;
+}
+
+/// What the tool did in dt, as a twist in the command's axes, by plain forward kinematics.
+template <class T, int N>
+void tool_motion(const drawn_arm& source, const T* from, const T* to, const servo_command<T, N>& command, double dt,
+                 real out[6]) {
+    const matrix g = source.fk(from), after = source.fk(to);
+    double half[3];
+    logarithm(after * inverse(g), out + 3);
+    for (int k = 0; k < 3; ++k) {
+        half[k] = static_cast<double>(out[3 + k]) / 2;
+        out[k] = after.a[k][3] - g.a[k][3];
+    }
+    const matrix back = inverse(rotation(half) * g);
+    for (int first = 0; first < 6 && !command.base_axes; first += 3) {
+        const real given[3] = {out[first], out[first + 1], out[first + 2]};
+        turn(back, given, out + first);
+    }
+    for (int k = 0; k < 6; ++k) out[k] /= static_cast<real>(dt);
+}
+}  // namespace tests
