@@ -1,5 +1,7 @@
-# make demo: see it work.  make test: prove it.  Both build .venv first; PYTHON names another interpreter than python3.
+# make demo: see it work.  make test: prove it.  Both build .venv first; PYTHON names another interpreter than python3,
+# WORKERS how many processes test at once.
 PYTHON ?= python3
+WORKERS ?= 2
 BIN := .venv/bin
 
 .PHONY: demo test test-all bench lint format clean
@@ -8,7 +10,7 @@ demo: .venv/base
 	$(BIN)/twistarm demo
 
 test: .venv/dev
-	$(BIN)/python -m pytest -m "not slow"
+	$(BIN)/python -m pytest -m "not slow" -n $(WORKERS) --dist worksteal
 
 test-all: test
 	$(BIN)/python -m pytest -m slow -s
@@ -16,6 +18,8 @@ test-all: test
 bench: .venv/dev
 	$(BIN)/python -m benchmarks $(BENCH)
 	$(BIN)/python -m benchmarks.startup
+	$(BIN)/python -m benchmarks.servo
+	$(BIN)/python -m benchmarks.streaming
 
 lint: .venv/dev
 	$(BIN)/ruff check .

@@ -45,7 +45,7 @@ def pinocchio_fk(arm, theta):
 
 
 def errors(target, g):
-    """Position [m] and rotation error [rad] of the pose g, written anew from the definitions with SciPy's rotations."""
+    """Position [m] and rotation error [rad] of the pose g, anew from the definitions, with Pinocchio's logarithm."""
     if isinstance(target, Position):
         return np.linalg.norm(g[:3, 3] - target.p), 0.0
     if isinstance(target, Approach):
@@ -53,7 +53,7 @@ def errors(target, g):
         chord = np.linalg.norm(axis - target.direction)
         return np.linalg.norm(g[:3, 3] - target.p), 2 * np.arcsin(min(chord / 2, 1))
     R_g = target.g[:3, :3]
-    p, w = g[:3, 3] - target.g[:3, 3], Rotation.from_matrix(g[:3, :3] @ R_g.T).as_rotvec()
+    p, w = g[:3, 3] - target.g[:3, 3], pin.log3(g[:3, :3] @ R_g.T)
     if isinstance(target, Pose):
         return np.linalg.norm(p), np.linalg.norm(w)
     if target.frame == "tool":

@@ -69,7 +69,7 @@ def test_the_quadratic_programme_is_solved_on_the_right_face(rng):
 def components(target, g):
     """Errors of position and rotation, component by component, as the definitions have them."""
     R_g, p_g = (target.g[:3, :3], target.g[:3, 3]) if hasattr(target, "g") else (np.eye(3), target.p)
-    p, w = g[:3, 3] - p_g, Rotation.from_matrix(g[:3, :3] @ R_g.T).as_rotvec()
+    p, w = g[:3, 3] - p_g, pin.log3(g[:3, :3] @ R_g.T)
     return (R_g.T @ p, R_g.T @ w) if isinstance(target, Task) and target.frame == "tool" else (p, w)
 
 

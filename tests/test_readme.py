@@ -12,6 +12,8 @@ from pathlib import Path
 
 import pytest
 
+from twistarm.cli import application
+
 ROOT = Path(__file__).parents[1]
 README = (ROOT / "README.md").read_text("utf-8")
 BLOCKS = re.findall(r"(?:<!-- (?P<mark>[a-z_./ ]+) -->\n)?```(?P<kind>\w+)\n(?P<text>.*?)```", README, flags=re.S)
@@ -42,11 +44,15 @@ def workspace(tmp_path_factory: pytest.TempPathFactory) -> Path:
     return folder
 
 
-def run(line: str, folder: Path) -> subprocess.CompletedProcess[str]:
+def arguments_of(line: str) -> list[str]:
     program, *arguments = shlex.split(line, comments=True)
     assert program == "twistarm", f"a command the tests do not know: {line}"
-    path = Path(sys.executable).with_name("twistarm")
-    return subprocess.run([path, *arguments], cwd=folder, capture_output=True, text=True, timeout=120, check=False)
+    return arguments
+
+
+def run(line: str, folder: Path) -> subprocess.CompletedProcess[str]:
+    command = [Path(sys.executable).with_name("twistarm"), *arguments_of(line)]
+    return subprocess.run(command, cwd=folder, capture_output=True, text=True, timeout=120, check=False)
 
 
 def test_the_readme_has_programs_and_commands() -> None:
@@ -54,11 +60,15 @@ def test_the_readme_has_programs_and_commands() -> None:
     assert len(COMMANDS) >= 8
 
 
-def test_every_command(workspace: Path) -> None:
-    """In the order of the README, in one folder: later ones use what earlier ones wrote."""
+def test_every_command(workspace: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]) -> None:
+    """In the order of the README, in one folder: later ones use what earlier ones wrote.
+
+    In this process, because to start one takes longer than the command; the other tests here start it.
+    """
+    monkeypatch.chdir(workspace)
     for line in COMMANDS:
-        done = run(line, workspace)
-        assert done.returncode == 0, f"{line}\n{done.stdout}\n{done.stderr}"
+        code, printed = application.run(arguments_of(line)), capsys.readouterr()
+        assert code == 0, f"{line}\n{printed.out}\n{printed.err}"
 
 
 def test_what_is_printed_is_what_is_shown(workspace: Path) -> None:

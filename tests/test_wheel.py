@@ -1,4 +1,7 @@
-"""The built wheel, installed in a fresh environment, run from another directory."""
+"""The built wheel, installed in a fresh environment, run from another directory.
+
+`make test` builds the one without the core, which its own installation has just compiled; `make test-all` both.
+"""
 
 from __future__ import annotations
 
@@ -16,22 +19,41 @@ from twistarm import engine
 ROOT = Path(__file__).parents[1]
 
 
-@pytest.fixture(scope="module")
-def wheel(tmp_path_factory: pytest.TempPathFactory) -> Path:
+FOLDERS = {"src/twistarm": "", "robots": "robots/", "examples/guide": "examples/guide/", "core/include": "include/"}
+"""Folders of the checkout, and where they are in the package."""
+
+
+@pytest.fixture(scope="module", params=["pure", pytest.param("compiled", marks=pytest.mark.slow)])
+def wheel(request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """The compiled one has the core if it could be compiled for this installation."""
     folder = tmp_path_factory.mktemp("dist")
+    environment = {**os.environ, **({"TWISTARM_PURE_PYTHON": "1"} if request.param == "pure" else {})}
     command = [sys.executable, "-m", "build", "--wheel", "--outdir", str(folder), str(ROOT)]
-    done = subprocess.run(command, capture_output=True, text=True, timeout=300, check=False)
+    done = subprocess.run(command, env=environment, capture_output=True, text=True, timeout=600, check=False)
     assert done.returncode == 0, done.stderr
     (path,) = folder.glob("*.whl")
+    assert path.name.endswith("-py3-none-any.whl") == (request.param == "pure" or engine.core() is None)
     return path
 
 
-def test_the_wheel_holds_robots_lessons_and_the_page(wheel: Path) -> None:
-    names = set(zipfile.ZipFile(wheel).namelist())
-    assert {"twistarm/py.typed", "twistarm/robots/rover_arm/arm.toml", "twistarm/viewer/page/index.html"} <= names
-    assert any(name.startswith("twistarm/examples/guide/") and name.endswith(".py") for name in names)
-    assert any(name.startswith("twistarm/_core.") and name.endswith(".so") for name in names) == bool(engine.core())
-    assert not any("/tests/" in name or name.startswith("tests/") for name in names)
+def test_the_wheel_holds_the_package_and_nothing_else(wheel: Path) -> None:
+    names = {name for name in zipfile.ZipFile(wheel).namelist() if ".dist-info/" not in name}
+    core = {name for name in names if name.startswith("twistarm/_core.") and name.endswith(".so")}
+    assert len(core) == (0 if wheel.name.endswith("-py3-none-any.whl") else 1)
+    assert names - core == {
+        f"twistarm/{place}{file.relative_to(ROOT / folder)}"
+        for folder, place in FOLDERS.items()
+        for file in (ROOT / folder).rglob("*")
+        if file.is_file() and file.suffix not in (".pyc", ".so")
+    }
+    assert {
+        "twistarm/py.typed",
+        "twistarm/_core.pyi",
+        "twistarm/robots/rover_arm/arm.toml",
+        "twistarm/viewer/page/index.html",
+        "twistarm/examples/guide/3_2_inverse_kinematics.py",
+        "twistarm/include/twistarm/twistarm.hpp",
+    } <= names
 
 
 def test_the_installed_wheel_runs_from_another_directory(wheel: Path, tmp_path: Path) -> None:
