@@ -7,6 +7,14 @@ import numpy as np
 from twistarm import JointLimits, arm_from_screws, joints
 from twistarm.servo import JogCommand, PoseCommand, ServoState, TwistCommand, servo_step
 
+DT = 0.01
+
+TRACKING = 1e-3
+"""Of the way: how far the tool may be from where the twist would have carried it, away from singularities."""
+
+LEVEL = np.array([-0.02, -0.1, 1.09, -1.08, 2.01])
+"""so101 with its tool level, so that going sideways turns it: the wrist cannot take that back."""
+
 POSITION_TOL, RATE_TOL = 1e-12, 1e-9
 """Rounding of a sum: θ + dt θ̇ against the limits, and rates against theirs."""
 
@@ -86,3 +94,25 @@ def travelled(arm, state, twist, seconds, dt=0.02):
         state, _ = servo_step(arm, state, TwistCommand(twist, "base"), dt)
     h = arm.fk(state.theta)
     return np.linalg.norm(h[:3, 3] - g[:3, 3]) / arm.reach + np.linalg.norm(h[:3, :3] - g[:3, :3]), state
+
+
+def pose(arm, state):
+    """Where the tool is, by Pinocchio."""
+    return arm.by_pinocchio(state.theta)[0]
+
+
+def driven(arm, state, command, steps, dt=DT, **settings):
+    """The state after some steps, and the last output."""
+    for _ in range(steps):
+        state, output = servo_step(arm, state, command, dt, **settings)
+    return state, output
+
+
+def up_to_speed(arm, command, theta=None, dt=DT):
+    """A state from theta (ready) in which the arm moves as commanded."""
+    state = ServoState.at(arm, arm.ready if theta is None else theta)
+    for _ in range(500):
+        state, output = servo_step(arm, state, command, dt)
+        if output.scale > 1.0 - 1e-9:
+            return state
+    raise AssertionError("the command was never reached")

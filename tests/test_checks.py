@@ -162,3 +162,16 @@ def test_frozen_arrays_are_read_only_copies():
     assert copy[0] == 0.0
     with pytest.raises(ValueError, match="read-only"):
         copy[0] = 1.0
+
+
+@pytest.mark.parametrize(
+    "value", [0.0, -1, float("nan"), float("inf"), "fast", None, [1.0], 10**400], ids=lambda each: repr(each)[:9]
+)
+def test_what_is_no_positive_number(value):
+    with pytest.raises(InputError, match="rate must be a positive number; got "):
+        checks.as_positive(value, "rate")
+
+
+def test_a_positive_number():
+    assert checks.as_positive(np.float32(0.5), "rate") == 0.5
+    assert isinstance(checks.as_positive(3, "rate"), float)

@@ -8,8 +8,8 @@ from scipy.spatial.transform import Rotation
 
 from catalogue import load
 from servo_drives import broken, drive, next_command, random_arm, travelled
-from twistarm import Actuators, JointLimits
-from twistarm.servo import ServoState, ServoStatus, TwistCommand, servo_step
+from twistarm import Actuators, JointLimits, arm_from_screws, joints
+from twistarm.servo import JogCommand, ServoState, ServoStatus, TwistCommand, servo_step
 
 QUICK, WHOLE = 25, 1000
 
@@ -112,6 +112,16 @@ def test_motors_keep_theirs():
         busy += bool((np.abs(rates) > 11.9).any())
         state = after
     assert busy > 40  # the limits were met, not avoided
+
+
+def test_a_row_that_hardly_moves_keeps_its_acceleration_too():
+    """Two slides, one at speed, told rates of 1e-12: the way there may not pass through large rates of the other."""
+    screws = np.hstack([joints.prismatic([1, 0, 0]), joints.prismatic([0, 1, 0])])
+    arm = arm_from_screws(screws, np.eye(4), limits={"velocity": 2.0, "acceleration": 1.0}, name="gantry")
+    state = ServoState.moving(arm, [0.0, 0.0], [1.0, 0.0])
+    for command in (JogCommand([2e-12, 0.9e-12]), TwistCommand([2e-12, 0.9e-12, 0, 0, 0, 0])):
+        after, _ = servo_step(arm, state, command, 0.01)
+        assert (np.abs(after.theta_dot - state.theta_dot) <= 0.01 + 1e-9).all()
 
 
 def test_a_step_is_pure():

@@ -55,8 +55,11 @@ REFUSED = [
     (lambda: JogCommand([1e200]), "theta_dot must be at most 10000"),
     (lambda: PoseCommand(np.array([[1, 0, 0, 1e160], [0, 1, 0, 0], [0, 0, 1, 0], [0, 0, 0, 1]])), "g must be at most"),
     (lambda: ServoState.at(load("ur5"), np.full(6, 1e9)), "theta must be at most 1e.06 in size; got 1e.09"),
+    (lambda: ServoSettings(singular_below=1e-4), "singular_below must be more than 0.001"),
     (lambda: ServoSettings(length=-1.0), "length must be a positive number; got -1.0"),
-    (lambda: ServoSettings(position_margin=math.nan), "position_margin must not be negative"),
+    (lambda: ServoSettings(position_margin=-0.1), "position_margin must not be negative, in rad or m; got -0.1"),
+    (lambda: ServoSettings(position_margin=math.nan), "position_margin must be finite"),
+    (lambda: ServoSettings(length="x"), "length must be a positive number; got .x."),
     (lambda: ServoState.at(load("ur5"), [0.0]), "theta"),
     (lambda: ServoState.at(load("ur5"), np.full(6, math.nan)), "theta must be finite"),
     (lambda: ServoState.at(load("ur5"), np.zeros((2, 6))), "one configuration"),
@@ -123,6 +126,39 @@ def test_a_bad_state_is_refused(bad):
     assert not output.theta_dot.any()
 
 
+@pytest.mark.parametrize("held", [np.full((4, 4), math.nan), np.eye(3), "there", 3.0])
+def test_a_held_pose_that_cannot_be_is_refused_too(held):
+    arm = load("rover_arm")
+    push = TwistCommand([0.05, 0, 0, 0, 0, 0], "base", "orientation")
+    state, _ = servo_step(arm, ServoState.at(arm, arm.ready), push, DT)
+    _, output = servo_step(arm, replace(state, held=held), push, DT)
+    assert output.status is ServoStatus.STALE
+    assert "the state cannot be used" in output.reason
+
+
+def test_a_held_pose_in_other_numbers_serves():
+    arm = load("rover_arm")
+    push = TwistCommand([0.05, 0, 0, 0, 0, 0], "base", "orientation")
+    state, _ = servo_step(arm, ServoState.at(arm, arm.ready), push, DT)
+    plain, _ = servo_step(arm, state, push, DT)
+    for held in (state.held.tolist(), np.asfortranarray(state.held)):
+        other, _ = servo_step(arm, replace(state, held=held), push, DT)
+        np.testing.assert_allclose(other.theta, plain.theta, atol=1e-12)
+
+
+@pytest.mark.parametrize("margin", [0.05, 0.3, 1e3])
+def test_a_margin_wider_than_the_range_leaves_its_middle(margin):
+    lower, upper = np.array([-0.0156, -0.1, 0.3]), np.array([0.0111, 0.7, 0.3])
+    screws = np.hstack([joints.revolute([0, 0, 1], [k, 0, 0]) for k in range(3)])
+    arm = arm_from_screws(screws, np.eye(4), limits={"lower": lower, "upper": upper, "velocity": 1.0}, name="narrow")
+    state, settings = ServoState.at(arm, (lower + upper) / 2), ServoSettings(position_margin=margin)
+    for _ in range(100):
+        state, output = servo_step(arm, state, JogCommand([1.0, 1.0, 1.0]), DT, settings=settings)
+    assert output.status is not ServoStatus.STALE
+    most = np.maximum(upper - margin, (lower + upper) / 2)
+    np.testing.assert_allclose(state.theta, most, atol=1e-9)
+
+
 @pytest.mark.parametrize("reach", [1e-3, 1.0, 1e3])
 def test_the_fastest_command_that_is_taken_leaves_numbers_finite(reach):
     """Arms of a millimetre and of a kilometre, 10⁴ m/s and 10⁴ rad/s: no NaN, no limit exceeded."""
@@ -142,8 +178,9 @@ def test_the_fastest_command_that_is_taken_leaves_numbers_finite(reach):
 def test_lists_and_other_floats_serve_as_well():
     arm = load("rover_arm")
     plain, _ = servo_step(arm, ServoState.at(arm, arm.ready), MOVING, DT)
-    listed, _ = servo_step(arm, ServoState(arm.ready.tolist(), [0] * 5), MOVING, np.float64(DT))
-    assert np.array_equal(plain.theta, listed.theta)
+    for dt in (np.float64(DT), np.float32(DT)):
+        listed, _ = servo_step(arm, ServoState(arm.ready.tolist(), [0] * 5), MOVING, dt)
+        np.testing.assert_allclose(plain.theta, listed.theta, atol=1e-8)
 
 
 def test_states_commands_and_outputs_travel_between_processes():

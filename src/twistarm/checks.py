@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from contextlib import suppress
 from typing import Any
 
 import numpy as np
@@ -39,6 +40,16 @@ def as_number(value: ArrayLike, name: str) -> float:
     if array.ndim:
         raise InputError(f"{name} must be one number; got shape {array.shape}")
     return float(array)
+
+
+def as_positive(value: ArrayLike, name: str) -> float:
+    """`value` as one finite number above 0."""
+    number = 0.0
+    with suppress(InputError):
+        number = as_number(value, name)
+    if not number > 0.0:
+        raise InputError(f"{name} must be a positive number; got {value!r}")
+    return number
 
 
 def as_vector(value: ArrayLike, name: str, size: int = 3) -> Array:

@@ -15,6 +15,9 @@ from .limits import JointLimits
 STILL = 1e-12
 """A slower row [rad/s, m/s] stands still and meets no limit: where others keep it at rest, rounding is no motion."""
 
+ROUNDED = 1.0 + 1e-9
+"""What a product of two roundings may be beyond its bound."""
+
 
 class Allowed(NamedTuple):
     """`theta_dot` (n,) that may be commanded, and what holds it back: the row named `by`, at its `limit`.
@@ -108,7 +111,11 @@ class MotionLimits:
         fastest = 1.0 / max(float((np.abs(ahead) * self._per_limit[0]).max()), STILL)
         least = float((middle - half).max(initial=0.0))
         most = float((middle + half).min(initial=fastest))
-        return None if least > most else min(max(1.0, least), most)
+        if least > most:
+            return None
+        speed = min(max(1.0, least), most)
+        # Rows that stand still beside the others may not be carried beyond their accelerations by a large speed.
+        return speed if (np.abs(speed * ahead - now) <= room * ROUNDED).all() else None
 
     def _partly_stopped(self, x: Array, previous: Array, target: Array, dt: float) -> tuple[Array, int, str]:
         """As much of `target` (n,) as is safe, the rest the straight stop from `previous`, which is; and for which row.

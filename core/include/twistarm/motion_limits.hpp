@@ -26,6 +26,9 @@ namespace detail {
 /// A slower row stands still: it meets no limit. In a row that others keep at rest, rounding is not a motion.
 template <class T> constexpr T still = T(sizeof(T) == 8 ? 1e-12 : 1e-6);
 
+/// What a product of two roundings may be beyond its bound.
+template <class T> constexpr T rounded = T(sizeof(T) == 8 ? 1.0 + 1e-9 : 1.0 + 1e-5);
+
 template <class T> constexpr T infinite = static_cast<T>(__builtin_inf());
 
 /// The time after which the first row meets a position limit from x + time · x_dot, and which row.
@@ -109,7 +112,13 @@ T speed_in_reach(const motion_limits<T, N>& limits, const T* before, T dt, const
         slowest = greatest(slowest, now / ahead - room / absolute(ahead));
         fastest = least(fastest, least(now / ahead + room / absolute(ahead), limits.velocity[r] / absolute(ahead)));
     }
-    return slowest > fastest ? T(-1) : least(greatest(T(1), slowest), fastest);
+    if (slowest > fastest) return T(-1);
+    const T speed = least(greatest(T(1), slowest), fastest);
+    // Rows that stand still beside the others may not be carried beyond their accelerations by a large speed.
+    for (int r = 0; r < limits.rows(); ++r)
+        if (absolute(speed * limits.rate(r, rates) - limits.rate(r, before)) > limits.acceleration[r] * dt * rounded<T>)
+            return T(-1);
+    return speed;
 }
 
 /// As much of the rates as is safe, the rest the straight stop from `before`, which is; and for which row.

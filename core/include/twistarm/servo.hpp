@@ -181,15 +181,16 @@ template <class T, int N, int M> struct servo {
         for (int k = 0; k < n(); ++k) rates[k] = clamped(rates[k], room.least[k], room.most[k]);
         const T size = norm(command.rates, n());
         move(rates);
-        out.halted = is_position(out.cause) && norm(state.theta_dot, n()) <= T(halted_below) * size;
+        out.halted = is_position(out.cause) && norm(state.theta_dot, n()) <= T(halted_below) * share * size;
         T beside[capacity(N)] = {};
         for (int k = 0; k < n(); ++k) beside[k] = state.theta_dot[k] - command.rates[k];
-        set_scale(norm(beside, n()), size, size);
+        set_scale(norm(beside, n()), norm(state.theta_dot, n()), size, size);
     }
 
-    /// 1 − |done − reachable| / |reachable|, at least 0: 1 where all of it is done and nothing beside it.
-    void set_scale(T beside, T reachable, T asked) {
-        if (reachable > T(halted_below) * asked) out.scale = greatest(T(1) - beside / reachable, T(0));
+    /// 1 − |done − reachable| over the longer of the two, at least 0: 1 where all of it is done and nothing beside it.
+    void set_scale(T beside, T done, T reachable, T asked) {
+        if (reachable > T(halted_below) * asked)
+            out.scale = greatest(T(1) - beside / greatest(reachable, done), T(0));
         else out.scale = T(asked > T(0) ? 0 : 1);
     }
 
@@ -300,11 +301,14 @@ template <class T, int N, int M> struct servo {
         for (int i = 0; i < 3; ++i) out.lost[i] *= bounds.length;
         move(rates);
         for (int k = 0; k < n(); ++k) scaled[k] = rates[k] / bounds.unit[k];
-        out.halted = is_position(out.cause) && norm(scaled, n()) <= T(halted_below) * size;
-        T beside[6];
-        for (int i = 0; i < 6; ++i) beside[i] = solver.times(solver.J, i, scaled) - reachable[i];
+        out.halted = is_position(out.cause) && norm(scaled, n()) <= T(halted_below) * share * size;
+        T done[6], beside[6];
+        for (int i = 0; i < 6; ++i) {
+            done[i] = solver.times(solver.J, i, scaled);
+            beside[i] = done[i] - reachable[i];
+        }
         const T whole = norm(reachable, 6);
-        set_scale(norm(beside, 6), whole, size);
+        set_scale(norm(beside, 6), norm(done, 6), whole, size);
         if (out.cause == servo_cause::none && size > T(0) && whole <= T(halted_below) * size)
             out.cause = servo_cause::singularity;
     }

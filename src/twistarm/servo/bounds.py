@@ -76,10 +76,17 @@ def _plain(arm: Arm, motion: MotionLimits, unit: Array) -> tuple[Array, ...]:
 
 
 def _motion(arm: Arm, margin: float) -> MotionLimits:
-    limits = arm.limits
+    limits, motors = arm.limits, arm.actuators
+    lower, upper = limits.lower + margin, limits.upper - margin
     # A margin wider than the range leaves the middle of it.
-    inset = np.minimum(margin, (limits.upper - limits.lower) / 2)
-    inside = replace(limits, lower=limits.lower + inset, upper=limits.upper - inset)
-    if arm.actuators is None:
+    crossed = lower > upper
+    lower[crossed] = upper[crossed] = (limits.lower[crossed] + limits.upper[crossed]) / 2
+    inside = replace(limits, lower=lower, upper=upper)
+    if motors is None:
         return MotionLimits(arm.joint_names, np.eye(arm.n), np.zeros(arm.n), inside)
-    return arm.actuators.motion_limits(inside)
+    # The end of a motor that drives one joint is that joint's end, at which the others keep what is left of the motion.
+    own = motors.joint_limits
+    ends = np.maximum(inside.lower, own.lower), np.minimum(inside.upper, own.upper)
+    if (ends[0] <= ends[1]).all():
+        inside = replace(inside, lower=ends[0], upper=ends[1])
+    return motors.motion_limits(inside)

@@ -87,6 +87,8 @@ class JogCommand:
 class PoseCommand:
     """Bring the tool to the pose g (4, 4), seen from the base, straight and turning about one axis, and hold it there.
 
+    Where acceleration limits are tight for the speeds, the tool may pass the pose by millimetres and come back.
+
     `velocity` (6,) [m/s, rad/s]: how the pose itself moves, (ṗ, ω) in base axes, where it does: it is then followed
     without lag, else some hundredths of a second behind. The speeds [m/s, rad/s] bound the approach.
     """

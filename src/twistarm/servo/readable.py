@@ -10,7 +10,7 @@ from numpy.typing import ArrayLike
 
 from .. import rotations
 from ..arm import Arm
-from ..checks import Array
+from ..checks import Array, frozen
 from .answer import Answer, Cause
 from .bounds import Bounds
 from .command import BASE, AnyCommand, JogCommand, PoseCommand, TwistCommand
@@ -205,12 +205,12 @@ def _reached(bounds: Bounds, state: ServoState, goal: Goal, wanted: Wanted, dt: 
     done = J @ (answer.theta_dot / bounds.unit)
     size = float(np.linalg.norm(asked))
     answer.scale = _scale(done, reachable, size)
-    answer.lost = (asked - reachable) * np.repeat([bounds.length, 1.0], 3)
+    answer.lost = frozen((asked - reachable) * np.repeat([bounds.length, 1.0], 3))
     answer.lost_share = float(np.linalg.norm(asked - reachable)) / max(size, NOTHING)
     if answer.cause is Cause.NONE and size > 0.0 and np.linalg.norm(reachable) <= HALTED * size:
         answer.cause = Cause.SINGULARITY
     answer.held, answer.remaining = goal.held, goal.remaining
-    answer.halted = _is_halted(answer.cause, answer.theta_dot / bounds.unit, size)
+    answer.halted = _is_halted(answer.cause, answer.theta_dot / bounds.unit, wanted.share * size)
     return answer
 
 
@@ -226,16 +226,17 @@ def _jogged(bounds: Bounds, state: ServoState, command: JogCommand, dt: float) -
     answer = _moved(bounds, state, within, dt, cause, row)
     size = float(np.linalg.norm(command.theta_dot))
     answer.scale = _scale(answer.theta_dot, command.theta_dot, size)
-    answer.halted = _is_halted(answer.cause, answer.theta_dot, size)
+    answer.halted = _is_halted(answer.cause, answer.theta_dot, share * size)
     return answer
 
 
 def _scale(done: Array, reachable: Array, asked: float) -> float:
-    """1 − |done − reachable| / |reachable|, at least 0: 1 where all of it is done and nothing beside it."""
+    """1 − |done − reachable| over the longer of the two, at least 0: 1 where it is done and nothing beside it."""
     length = float(np.linalg.norm(reachable))
     if length <= HALTED * asked:
         return float(asked == 0.0)
-    return max(0.0, 1.0 - float(np.linalg.norm(done - reachable)) / length)
+    longer = max(length, float(np.linalg.norm(done)))
+    return max(0.0, 1.0 - float(np.linalg.norm(done - reachable)) / longer)
 
 
 def _is_halted(cause: Cause, rates: Array, asked: float) -> bool:
@@ -254,4 +255,4 @@ def _moved(
     # Rounding may not carry a joint beyond its limit; one that was outside stays no farther out than it was.
     lower = np.minimum(motion.limits.lower[-bounds.n :], state.theta)
     upper = np.maximum(motion.limits.upper[-bounds.n :], state.theta)
-    return Answer(np.clip(theta, lower, upper), allowed.theta_dot, cause, row)
+    return Answer(frozen(np.clip(theta, lower, upper)), frozen(allowed.theta_dot), cause, row)

@@ -4,7 +4,9 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
+from ..checks import as_number, as_positive
 from ..errors import InputError
+from .resolved_rates import NO_MOTION
 
 
 @dataclass(frozen=True)
@@ -27,7 +29,11 @@ class ServoSettings:
     def __post_init__(self) -> None:
         for name in ("length", "singular_below", "longest_dt"):
             value = getattr(self, name)
-            if value is not None and not 0.0 < value < float("inf"):
-                raise InputError(f"{name} must be a positive number; got {value!r}")
-        if not 0.0 <= self.position_margin < float("inf"):
-            raise InputError(f"position_margin must not be negative, in rad or m; got {self.position_margin!r}")
+            if value is not None:
+                object.__setattr__(self, name, as_positive(value, name))
+        if self.singular_below <= NO_MOTION:
+            raise InputError(f"singular_below must be more than {NO_MOTION:g}, which counts as no motion at all")
+        margin = as_number(self.position_margin, "position_margin")
+        if margin < 0.0:
+            raise InputError(f"position_margin must not be negative, in rad or m; got {margin:g}")
+        object.__setattr__(self, "position_margin", margin)

@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 
 from ..arm import Arm
-from ..checks import frozen
+from ..checks import as_pose, frozen
 from ..errors import InputError
 from . import readable
 from .answer import Answer, Cause
@@ -38,17 +38,25 @@ def servo_step(
     motion as a whole; a joint at its position limit stops, and the others keep what is left of the motion.
     """
     bounds = bounds_of(arm, settings)
-    if not (isinstance(dt, (int, float)) and 0.0 < dt <= settings.longest_dt):
+    step = _seconds(dt)
+    if not 0.0 < step <= settings.longest_dt:
         return _refused(arm, state, f"dt must be more than 0 and at most {settings.longest_dt:g} s; got {dt!r}")
     checked, reason = _usable(arm, command)
     try:
-        answer = _answer(arm, bounds, state, checked, float(dt))
+        answer = _answer(arm, bounds, state, checked, step)
     except InputError as error:
         return _refused(arm, state, f"the state cannot be used: {error}")
     after = ServoState(answer.theta, answer.theta_dot, answer.held, _holding(checked))
     if checked is None:
         return after, ServoOutput.stale(after.theta_dot, reason)
     return after, ServoOutput.of(answer, bounds, arm.joint_names)
+
+
+def _seconds(dt: Any) -> float:
+    try:
+        return float(dt)
+    except (TypeError, ValueError):
+        return np.nan
 
 
 def _usable(arm: Arm, command: Any) -> tuple[AnyCommand | None, str]:
@@ -68,15 +76,25 @@ def _answer(arm: Arm, bounds: Bounds, state: ServoState, command: AnyCommand | N
     holding = _holding(command)
     held = state.held if holding is not None and state.holding == holding else None
     if bounds.compiled is None:
-        return readable.step(arm, bounds, state, command, dt)
+        return readable.step(arm, bounds, _clean(arm, state), command, dt)
     kind, flags, numbers = (0, 0, None) if command is None else (command.kind, command.flags, command.numbers)
     found = bounds.compiled.step(state.theta, state.theta_dot, held, kind, flags, numbers, dt)
     if found is None:  # not plain float64: converted, or refused
-        clean = ServoState.moving(arm, state.theta, state.theta_dot)
+        clean = _clean(arm, state)
+        held = None if held is None else clean.held
         found = bounds.compiled.step(clean.theta, clean.theta_dot, held, kind, flags, numbers, dt)
-        assert found is not None
+        assert found is not None, "what was refused has been cleaned"
     theta, theta_dot, kept, cause, row, scale, lost, lost_share, halted, position, angle = found
     return Answer(theta, theta_dot, Cause(cause), row, scale, lost, lost_share, kept, halted, (position, angle))
+
+
+def _clean(arm: Arm, state: ServoState) -> ServoState:
+    """The state as plain arrays; InputError for one that cannot be used."""
+    plain = ServoState.moving(arm, state.theta, state.theta_dot)
+    held = None if state.held is None else frozen(as_pose(state.held, "held"))
+    if held is not None and held.shape != (4, 4):
+        raise InputError(f"held must be one pose, shape (4, 4); got {held.shape}")
+    return ServoState(plain.theta, plain.theta_dot, held, state.holding)
 
 
 def _holding(command: AnyCommand | None) -> int | None:

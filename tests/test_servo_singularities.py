@@ -1,0 +1,94 @@
+"""The servo at singularities: calm on the way in, free on the way out, and said."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from catalogue import load
+from servo_drives import DT, driven, pose
+from twistarm import manipulability
+from twistarm.servo import ServoSettings, ServoState, ServoStatus, TwistCommand, servo_step
+
+
+def test_what_cannot_be_done_at_all_is_not_called_ok():
+    """Out of its plane rr_planar never moves; stretched, ur5 has no motion about base x: both say so in words."""
+    for name, twist in (("rr_planar", [0, 0, 0.1, 0, 0, 0]), ("ur5", [0, 0, 0, 0.3, 0, 0])):
+        arm = load(name)
+        state, output = servo_step(arm, ServoState.at(arm, np.zeros(arm.n)), TwistCommand(twist, "base"), DT)
+        assert not state.theta_dot.any() or np.abs(state.theta_dot).max() < 1e-6
+        assert output.status is ServoStatus.SLOWED_SINGULARITY
+        assert output.lost_share == pytest.approx(1.0, abs=1e-3)
+        assert "can hardly move that way" in output.reason
+
+
+@pytest.mark.parametrize("name", ["rover_arm", "so101", "so100", "scara", "rr_planar", "ur5", "rover_arm_6dof"])
+def test_nothing_shakes_at_the_edge_of_the_reach(name):
+    """Driven on against its reach for ten seconds, no joint keeps turning round: at most now and then."""
+    arm = load(name)
+    out = arm.fk(arm.ready)[:3, 3] / np.linalg.norm(arm.fk(arm.ready)[:3, 3])
+    for direction in (out, [1.0, 0, 0], [0, 0, 1.0]):
+        state, rates = ServoState.at(arm, arm.ready), []
+        command = TwistCommand([*(0.1 * arm.reach * np.asarray(direction)), 0, 0, 0], "base")
+        for _ in range(1000):
+            state, _ = servo_step(arm, state, command, DT)
+            rates.append(np.where(np.abs(state.theta_dot) < 1e-3, 0.0, state.theta_dot))
+        assert (np.diff(np.sign(rates[400:]), axis=0) != 0).sum(axis=0).max() <= 6, direction
+
+
+def test_leaving_a_singularity_is_called_ok():
+    arm = load("ur5")
+    theta = np.array([0.0, -0.6, 0.08, 0.3, 0.4, 0.0])
+    g = arm.by_pinocchio(theta)[0]
+    inward = -g[:3, 3] / np.linalg.norm(g[:3, 3])
+    _, in_ = servo_step(arm, ServoState.at(arm, theta), TwistCommand([*0.1 * inward, 0, 0, 0], "base"), DT)
+    _, out = servo_step(arm, ServoState.at(arm, theta), TwistCommand([*-0.1 * inward, 0, 0, 0], "base"), DT)
+    assert in_.status is ServoStatus.OK
+    assert out.status is ServoStatus.SLOWED_SINGULARITY
+
+
+def test_outward_until_stretched_and_back():
+    """UR5 pushed outward: the elbow closes in on straight without passing it, rates stay calm, and it returns."""
+    arm = load("ur5")
+    out = TwistCommand([0.2, 0, 0, 0, 0, 0], "base")
+    state, rates, statuses = ServoState.at(arm, arm.ready), [], set()
+    for _ in range(1200):
+        state, output = servo_step(arm, state, out, DT)
+        rates.append(state.theta_dot)
+        statuses.add(output.status)
+    assert ServoStatus.SLOWED_SINGULARITY in statuses
+    assert abs(state.theta[2]) < 0.05  # stretched
+    assert np.abs(np.diff(rates, axis=0))[5:].max() < 0.35  # rad/s from one cycle to the next
+    before = pose(arm, state)
+    state, _ = driven(arm, state, TwistCommand([-0.2, 0, 0, 0, 0, 0], "base"), 100)
+    assert pose(arm, state)[0, 3] < before[0, 3] - 0.15
+
+
+@pytest.mark.parametrize("name", ["ur5", "elbow", "rr_planar"])
+def test_an_arm_leaves_a_posture_that_is_exactly_singular(name):
+    """Stretched at theta = 0, the tool is pulled back toward the base, where no joint rates lead to first order."""
+    arm = load(name)
+    g = arm.by_pinocchio(np.zeros(arm.n))[0]
+    base = np.zeros(3) if name == "rr_planar" else np.array([0, 0, g[2, 3]])
+    inward = (base - g[:3, 3]) / np.linalg.norm(base - g[:3, 3])
+    state, _ = driven(arm, ServoState.at(arm, np.zeros(arm.n)), TwistCommand([*0.1 * inward, 0, 0, 0], "base"), 300)
+    assert inward @ (pose(arm, state)[:3, 3] - g[:3, 3]) > 0.2
+
+
+def test_the_length_is_stated_and_can_be_set():
+    """Singular values with metres measured in ten times the reach are smaller, so that damping begins earlier."""
+    arm = load("ur5")
+    theta = arm.ready.copy()
+    theta[2] = 0.4
+    least = [
+        np.linalg.svd(manipulability.scaled_jacobian(arm.body_jacobian(theta), np.zeros(6, bool), length))[1][-1]
+        for length in (arm.reach, 10 * arm.reach)
+    ]
+    assert least[1] < 0.04 < least[0]
+    twist = TwistCommand([0.0, 0.05, 0.05, 0, 0, 0], "base")
+    plain, longer = (
+        servo_step(arm, ServoState.at(arm, theta), twist, DT, settings=settings)[1]
+        for settings in (ServoSettings(), ServoSettings(length=10 * arm.reach))
+    )
+    assert plain.status is ServoStatus.OK
+    assert longer.status is ServoStatus.SLOWED_SINGULARITY
