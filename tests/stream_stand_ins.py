@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 
 from twistarm.servo import JogCommand, ServoOutput, ServoStatus
@@ -79,7 +81,7 @@ class Robot:
 
 def answer(rates, status=ServoStatus.OK, scale=1.0, joint=None, reason=""):
     """What a step of the servo answers."""
-    return ServoOutput(np.asarray(rates, dtype=float), status, scale, np.zeros(6), joint, (0.0, 0.0), reason)
+    return replace(ServoOutput.stale(np.asarray(rates, dtype=float), reason), status=status, scale=scale, joint=joint)
 
 
 def jog(arm, **rates):

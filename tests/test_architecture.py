@@ -37,7 +37,7 @@ LAYERS = (
     ("screws",),
     ("rotations",),
     ("files", "wheels"),
-    ("checks", "shared_libraries"),
+    ("checks", "closing", "shared_libraries", "strict_json"),
     ("errors",),
 )
 """Top to bottom: a module may import what stands further down, and its own package."""

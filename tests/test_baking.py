@@ -411,7 +411,7 @@ REFUSED: dict[str, tuple[str, Any, str]] = {
     "a tool that is no pose": ("tool", np.zeros((4, 4)).tolist(), "tool is not in SE(3)"),
     "a coupling of another size": ("coupling.A", [[1.0]], "A must have shape (5, 5); got (1, 1)"),
     "no offsets": ("coupling", {"A": np.eye(5).tolist()}, "'b' is missing"),
-    "no reach": ("reach", 0.0, "reach must be positive; got 0"),
+    "no reach": ("reach", 0.0, "reach must be a positive number; got 0"),
     "ready of another size": ("ready", [0.0], "ready must have shape (5,); got (1,)"),
     "ready beyond the limits": ("ready", [9.0, 0.0, 0.0, 0.0, 0.0], "ready lies outside the limits"),
     "a pose of another size": ("named_states", {"up": [1.0]}, "pose up must have shape (5,); got (1,)"),

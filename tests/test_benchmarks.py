@@ -22,6 +22,8 @@ from benchmarks.environments import NotInstalled, python_of  # noqa: E402
 from benchmarks.figures import single_calls  # noqa: E402
 from benchmarks.judge import Judge  # noqa: E402
 from benchmarks.robots import ARMS, make_robot  # noqa: E402
+from benchmarks.servo import Swing, growth  # noqa: E402
+from benchmarks.servo import main as servo_main  # noqa: E402
 
 
 @pytest.fixture(scope="module", params=ARMS)
@@ -257,3 +259,33 @@ def test_a_quick_run(tmp_path, capsys):
     assert "--seed 11" in printed
     assert "solve_ik(arm, g, theta0)" in printed
     assert "<svg" in picture.read_text()
+
+
+# -- the servo -----------------------------------------------------------------------------------------------------
+
+
+def test_a_quick_run_of_the_servo(tmp_path, capsys):
+    file = tmp_path / "figures.json"
+    servo_main(["--rounds", "1", "--steps", "200", "--json", str(file)])
+    printed, found = capsys.readouterr().out, json.loads(file.read_text())
+    assert {row["arm"] for row in found["steps"]} | set(found["absent"]) == {
+        "rover_arm", "rover_arm_6dof", "ur5", "panda", "so101"
+    }  # fmt: skip
+    for row in found["steps"]:
+        assert 0 < row["median"] <= row["p99"]
+        assert row["ratio"] == pytest.approx(row["median"] / row["fk"])
+        assert f"{row['median']:.2f}" in printed
+    assert found["growth"]["steps"] == 200
+
+
+def test_memory_that_is_kept_is_seen():
+    kept = []
+
+    class Leaking(Swing):
+        def step(self):
+            super().step()
+            kept.append(bytes(1000))
+
+    arm = load_arm("rover_arm")
+    assert growth([Leaking(arm, "jog")], 500)["python"] > 500 * 1000
+    assert growth([Swing(arm, "jog")], 500)["python"] < 500 * 16

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import os
 import re
 import signal
 import socket
@@ -10,8 +11,6 @@ import subprocess
 import sys
 import threading
 import time
-from collections.abc import Iterator
-from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
@@ -20,6 +19,9 @@ import pytest
 
 from test_cli import error_of
 from twistarm.cli.application import run
+from twistarm.stream import Cycle
+from twistarm.stream import run as stream
+from twistarm.viewer import Viewer
 
 Capture = pytest.CaptureFixture[str]
 
@@ -33,17 +35,7 @@ FREE = """<robot name="free"><link name="base"/><link name="arm"/><link name="ha
 """An arm that says how far it goes and not how fast."""
 
 
-@contextmanager
-def started(*arguments: str) -> Iterator[subprocess.Popen[str]]:
-    """The program, once it serves its page; ended at the latest with the block."""
-    command = [str(PROGRAM), "servo", *arguments, "--no-browser"]
-    with subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True) as process:
-        try:
-            assert process.stdout is not None
-            process.first = process.stdout.readline()  # type: ignore[attr-defined]
-            yield process
-        finally:
-            process.kill()
+STOPS = [getattr(signal, name) for name in ("SIGTERM", "SIGHUP") if hasattr(signal, name)]
 
 
 def free_port() -> int:
@@ -83,17 +75,15 @@ class Robot:
         self.socket.close()
 
 
-def test_it_runs_in_the_view_and_reports_as_json() -> None:
-    done = subprocess.run(
-        [PROGRAM, "servo", "rover_arm", "--duration", "1", "--no-browser", "--json"],
-        capture_output=True, text=True, timeout=60, check=True,
-    )  # fmt: skip
-    report = json.loads(done.stdout)
+def test_it_runs_in_the_view_and_reports_as_json(capsys: Capture) -> None:
+    assert run(["servo", "rover_arm", "--duration", "0.5", "--no-browser", "--json"]) == 0
+    out, err = capsys.readouterr()
+    report = json.loads(out)
     assert (report["arm"], report["ending"], report["ok"], report["rate"]) == ("rover_arm", "DURATION", True, 100.0)
-    assert 50 <= report["cycles"] + report["missed"] <= 101
+    assert 25 <= report["cycles"] + report["missed"] <= 51
     assert report["statuses"] == {"STALE": report["cycles"]}  # nobody commands
     assert report["uncommanded"] == pytest.approx(report["cycles"] / 100)
-    assert re.fullmatch(r"rover_arm at http://127\.0\.0\.1:\d+/\S+/  \(Ctrl-C ends it\)\n", done.stderr)
+    assert re.fullmatch(r"rover_arm at http://127\.0\.0\.1:\d+/\S+/  \(Ctrl-C ends it\)\n", err)
 
 
 def test_limits_that_nobody_gave_are_said_and_the_report_is_a_table(tmp_path: Path, capsys: Capture) -> None:
@@ -116,30 +106,54 @@ def test_limits_that_nobody_gave_are_said_and_the_report_is_a_table(tmp_path: Pa
 
 
 @pytest.mark.skipif(sys.platform == "win32", reason="Windows has no signals for one child")
-@pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM, signal.SIGHUP])
-def test_ctrl_c_kill_and_a_closed_terminal_end_it_cleanly(number: signal.Signals) -> None:
-    with started("scara") as process:
-        time.sleep(0.3)
-        process.send_signal(number)
-        out, err = process.communicate(timeout=30)
+def test_ctrl_c_ends_the_program_cleanly() -> None:
+    command = [str(PROGRAM), "servo", "scara", "--no-browser"]
+    with subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True) as process:
+        try:
+            assert process.stdout is not None
+            process.stdout.readline()  # it serves its page
+            time.sleep(0.3)
+            process.send_signal(signal.SIGINT)
+            out, err = process.communicate(timeout=30)
+        finally:
+            process.kill()
     assert (process.returncode, err) == (0, "")
     assert "it was interrupted" in out
     assert "at rest" in out
 
 
-def test_a_robot_by_udp_starts_where_it_is_and_ends_at_rest() -> None:
+@pytest.mark.skipif(sys.platform == "win32", reason="Windows kills by force")
+@pytest.mark.parametrize("number", STOPS)
+def test_kill_and_a_closed_terminal_end_it_as_ctrl_c_does(
+    capsys: Capture, monkeypatch: pytest.MonkeyPatch, number: signal.Signals
+) -> None:
+    usual = signal.getsignal(number)
+
+    def stop(viewer: Viewer, cycle: Cycle) -> None:
+        assert signal.getsignal(number) is not usual  # else this would end the tests
+        os.kill(os.getpid(), number)
+
+    monkeypatch.setattr(Viewer, "show_servo", stop)
+    assert run(["servo", "scara", "--no-browser", "--duration", "30"]) == 0
+    out, err = capsys.readouterr()
+    assert err == ""
+    assert "it was interrupted" in out
+    assert "at rest" in out
+    assert signal.getsignal(number) is usual
+
+
+def test_a_robot_by_udp_starts_where_it_is_and_ends_at_rest(capsys: Capture) -> None:
     listen, commands = free_port(), free_port()
     joints = ["joint_1", "joint_2"]
     robot = Robot(listen, joints, [0.3, 0.8])
+    stick = threading.Thread(target=jog_for_a_second, args=(robot, commands))
+    stick.start()
     arguments = ("--udp", robot.address, "--listen", f"127.0.0.1:{listen}", "--commands", f"127.0.0.1:{commands}")
-    with started("rr_planar", *arguments, "--duration", "2") as process, socket.socket(type=socket.SOCK_DGRAM) as stick:
-        end = time.monotonic() + 1.0
-        while time.monotonic() < end:
-            stick.sendto(json.dumps({"jog": {"joint_2": 0.4}}).encode(), ("127.0.0.1", commands))
-            time.sleep(0.03)
-        out, err = process.communicate(timeout=30)
+    code = run(["servo", "rr_planar", *arguments, "--duration", "1.8", "--no-browser"])
+    stick.join()
     robot.close()
-    assert (process.returncode, err) == (0, "")
+    out, err = capsys.readouterr()
+    assert (code, err) == (0, "")
     assert "the time was over" in out
     assert robot.heard[0]["joint_names"] == joints
     np.testing.assert_allclose(robot.heard[0]["theta"], [0.3, 0.8], atol=0.01)
@@ -149,17 +163,28 @@ def test_a_robot_by_udp_starts_where_it_is_and_ends_at_rest() -> None:
     assert robot.heard[-1]["theta_dot"] == [0.0, 0.0]
 
 
-def test_a_robot_that_says_nothing_is_never_moved() -> None:
+def jog_for_a_second(robot: Robot, port: int) -> None:
+    """A stick on UDP that turns joint_2 by 0.4 rad/s, from the robot's first setpoint on."""
+    end = time.monotonic() + 20
+    while not robot.heard and time.monotonic() < end:
+        time.sleep(0.01)
+    end = time.monotonic() + 1.0
+    with socket.socket(type=socket.SOCK_DGRAM) as stick:
+        while time.monotonic() < end:
+            stick.sendto(json.dumps({"jog": {"joint_2": 0.4}}).encode(), ("127.0.0.1", port))
+            time.sleep(0.03)
+
+
+def test_a_robot_that_says_nothing_is_never_moved(capsys: Capture) -> None:
     with socket.socket(type=socket.SOCK_DGRAM) as mute:
         mute.bind(("127.0.0.1", 0))
         mute.settimeout(0.1)
         udp = f"127.0.0.1:{mute.getsockname()[1]}"
-        done = subprocess.run(
-            [PROGRAM, "servo", "scara", "--duration", "0.5", "--no-browser", "--udp", udp, "--listen", "127.0.0.1:0"],
-            capture_output=True, text=True, timeout=60, check=False,
-        )  # fmt: skip
-        assert (done.returncode, done.stderr) == (1, "")
-        assert "never moved: no joint state has arrived" in done.stdout
+        arguments = ["--duration", "0.5", "--no-browser", "--udp", udp, "--listen", "127.0.0.1:0"]
+        assert run(["servo", "scara", *arguments]) == 1
+        out, err = capsys.readouterr()
+        assert err == ""
+        assert "never moved: no joint state has arrived" in out
         with pytest.raises(TimeoutError):
             mute.recv(1)
 
@@ -169,7 +194,22 @@ BAD_INPUT: dict[str, tuple[list[str], str]] = {
     "a rate of zero": (["scara", "--rate", "0"], "rate must be a positive number; got 0"),
     "a slow rate": (["scara", "--rate", "1"], "rate must be at least 10 Hz"),
     "a rate that is none": (["scara", "--rate", "nan"], "rate must be a positive number; got nan"),
-    "no duration": (["scara", "--duration", "-1"], "duration must be a positive number of seconds; got -1"),
+    "no duration": (["scara", "--duration", "-1"], "duration must be a positive number; got -1"),
+    "a duration that is none": (["scara", "--duration", "nan"], "--duration must be a positive number; got nan"),
+    "a pose outside": (  # 2.6 rad
+        ["scara", "--theta", "0 200 0 0"],
+        "--theta: joint_2 = 200 ° lies outside its limits -148.969 … 148.969 °",
+    ),
+    "a pose outside, in radians": (
+        ["scara", "--rad", "--theta", "0 9 0 0"],
+        "--theta: joint_2 = 9 rad lies outside its limits -2.6 … 2.6 rad",
+    ),
+    "a margin below 0": (["scara", "--margin", "-0.1"], "--margin must be a number from 0 on; got -0.1"),
+    "a margin that is none": (["scara", "--margin", "nan"], "--margin must be a number from 0 on; got nan"),
+    "no tolerance": (["scara", "--tolerance", "0"], "--tolerance must be a positive number; got 0"),
+    "no command holds": (["scara", "--command-timeout", "-1"], "--command-timeout must be a positive number; got -1"),
+    "no joint state holds": (["scara", "--feedback-timeout", "0"], "--feedback-timeout must be a positive number"),
+    "rates to nobody": (["scara", "--velocity-mode"], "--velocity-mode is for a robot that takes rates alone"),
     "a negative cap": (["scara", "--velocity", "-1"], "--velocity must be a positive number; got -1"),
     "a pose of nobody": (["scara", "--theta", "nowhere"], "'nowhere' is neither joint values"),
     "half of UDP": (["scara", "--udp", "127.0.0.1:5005"], "--udp HOST:PORT and --listen HOST:PORT go together"),
@@ -185,9 +225,51 @@ def test_bad_input_is_one_line(capsys: Capture, case: str) -> None:
     arguments, reason = BAD_INPUT[case]
     assert run(["servo", *arguments, "--no-browser"]) == 2
     captured = capsys.readouterr()
+    assert captured.out == ""
     assert captured.err.startswith("error: ")
     assert captured.err.count("\n") == 1
     assert reason in captured.err
+
+
+@pytest.mark.parametrize("typed", [["--rate", "5"], ["--duration", "-1"], ["--velocity", "-1"], ["--tolerance", "0"]])
+def test_what_cannot_be_is_refused_before_anything_is_opened(typed: list[str], monkeypatch: pytest.MonkeyPatch) -> None:
+    def opened(*arguments: Any, **options: Any) -> None:
+        raise AssertionError("opened")
+
+    for name in ("Viewer", "UdpSink", "UdpFeedback", "SimulatedJoints"):
+        monkeypatch.setattr(f"twistarm.cli.servo.{name}", opened)
+    assert run(["servo", "scara", "--no-browser", *typed]) == 2
+
+
+def test_options_reach_the_loop(monkeypatch: pytest.MonkeyPatch) -> None:
+    given: dict[str, Any] = {}
+
+    def noted(arm: Any, source: Any, sink: Any, feedback: Any, **options: Any) -> Any:
+        given.update(options, source=source)
+        return stream(arm, source, sink, feedback, **{**options, "duration": 0.05})
+
+    monkeypatch.setattr("twistarm.cli.servo.run", noted)
+    options = "--velocity-mode --command-timeout 0.5 --feedback-timeout 0.3 --tolerance 0.1 --margin 0.02"
+    udp = ("--udp", "127.0.0.1:9", "--listen", "127.0.0.1:0")
+    assert run(["servo", "rr_planar", *options.split(), *udp, "--no-browser"]) == 1  # no robot is there
+    assert (given["command_timeout"], given["feedback_timeout"], given["tolerance"]) == (0.5, 0.3, 0.1)
+    assert given["velocity_mode"]
+    assert given["settings"].position_margin == 0.02
+    assert given["source"].timeout == 0.5  # the page's commands hold as long
+
+
+def test_a_robot_that_went_is_not_said_to_be_at_rest(capsys: Capture) -> None:
+    listen = free_port()
+    robot = Robot(listen, ["joint_1", "joint_2"], [0.3, 0.8])
+    leave = threading.Timer(0.6, robot.close)
+    leave.start()
+    arguments = ("--udp", robot.address, "--listen", f"127.0.0.1:{listen}", "--duration", "1.2", "--no-browser")
+    assert run(["servo", "rr_planar", *arguments]) == 1
+    leave.join()
+    out = " ".join(capsys.readouterr().out.split())
+    assert "commanded to rest; the last setpoint did not get through" in out
+    assert f"nobody listens at {robot.address} (" in out
+    assert "at last: the last joint state is" in out
 
 
 def test_a_port_in_use_is_one_line(capsys: Capture) -> None:

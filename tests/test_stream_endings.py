@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 import sys
+from dataclasses import replace
 
 import numpy as np
 import pytest
 
 from stream_stand_ins import FakeClock, Robot, Says, jog
+from twistarm.servo import servo_step
 from twistarm.stream import Ending, Reading, run
 
 RATE = 100.0
@@ -130,6 +132,7 @@ def test_a_sink_that_fails_for_good_is_tried_until_the_commanded_arm_stands(robo
     assert failure.startswith("the sink failed: ConnectionRefusedError: nobody listens (1")
     assert report.duration == pytest.approx(1.0 + BRAKING, abs=3 * PERIOD)
     assert "the sink failed" in report.explain()
+    assert report.explain().endswith("at the end: commanded to rest; the last setpoint did not get through")
 
 
 def test_a_sink_that_fails_once_hears_the_braking(rover, robot, stream):
@@ -146,6 +149,52 @@ def test_an_error_on_its_way_says_what_else_went_wrong(robot, stream):
     with pytest.raises(ValueError, match="a bug in the sink") as caught:
         stream()
     assert caught.value.__notes__ == ["while the arm came to rest, the sink failed: ValueError: a bug in the sink"]
+
+
+def test_an_error_in_one_cycle_leaves_the_arm_at_rest(rover, robot, stream):
+    robot.broken = lambda now: ValueError("no JSON") if 101.0 <= now < 101.0 + 0.5 * PERIOD else None
+    with pytest.raises(ValueError, match="no JSON"):
+        stream()
+    assert at_rest_along_the_limits(rover, robot, 101.0 + PERIOD)
+    assert robot.times[-1] >= 101.0 + BRAKING - 2 * PERIOD
+
+
+class Wrong:
+    """The servo, that says NaN from its `first` step on, for so many steps."""
+
+    def __init__(self, monkeypatch, first, steps, name):
+        self.count, self.first, self.steps, self.name = 0, first, steps, name
+        monkeypatch.setattr("twistarm.stream.streaming.servo_step", self)
+
+    def __call__(self, arm, state, command, dt, *, settings):
+        self.count += 1
+        state, output = servo_step(arm, state, command, dt, settings=settings)
+        if not self.first <= self.count < self.first + self.steps:
+            return state, output
+        nans = {self.name: np.full(arm.n, np.nan)}
+        return (replace(state, **nans), output) if self.name == "theta" else (state, replace(output, **nans))
+
+
+@pytest.mark.parametrize("name", ["theta", "theta_dot"])
+def test_a_setpoint_that_is_not_finite_is_never_sent_and_the_arm_brakes(rover, robot, stream, monkeypatch, name):
+    Wrong(monkeypatch, 101, 1, name)
+    report = stream()
+    assert (report.ending, report.ok) == (Ending.SERVO_FAILED, False)
+    assert "not finite" in report.reason
+    assert all(np.isfinite([setpoint.theta, setpoint.theta_dot]).all() for setpoint in robot.setpoints)
+    assert at_rest_along_the_limits(rover, robot, 101.0)
+    assert report.at_rest
+
+
+def test_a_servo_that_says_nothing_else_stops_the_arm_at_once(rover, robot, stream, monkeypatch):
+    Wrong(monkeypatch, 101, 10**6, "theta")
+    report = stream()
+    assert report.ending is Ending.SERVO_FAILED
+    assert robot.rates[-2].any()
+    assert not robot.rates[-1].any()
+    assert np.array_equal(robot.setpoints[-1].theta, robot.setpoints[-2].theta)
+    (failure,) = report.failures
+    assert failure.startswith("the servo failed, and the arm was stopped at once: its setpoint is not finite")
 
 
 def test_until(robot, clock, stream):
@@ -194,7 +243,9 @@ def test_time_that_goes_back_brakes(rover, robot, clock, stream):
     assert not robot.rates[-1].any()
 
 
-@pytest.mark.parametrize("command", ["up", 3, [np.nan] * 6, np.ones((2, 6)), object()], ids=str)
+@pytest.mark.parametrize(
+    "command", ["up", 3, [np.nan] * 6, np.ones((2, 6)), object()], ids=lambda each: type(each).__name__
+)
 def test_a_command_that_is_none_leaves_the_arm_still(robot, stream, command):
     seen = []
     stream(Says(command), on_cycle=seen.append, duration=0.2)

@@ -93,10 +93,10 @@ def test_nonsense_stops_what_was_commanded():
     assert reading.reason == "command from page refused: twist must be finite"
 
 
-def test_time_going_back_forgets_what_was_commanded():
+def test_a_reader_s_clock_that_goes_back_forgets_what_was_commanded():
     inbox = Inbox(0.2)
     inbox.put("page", A, 10.0)
-    inbox.put("page", B, 7.0)
+    assert inbox.read(10.05).command is A
     reading = inbox.read(7.05)
     assert reading.command is None
     assert reading.reason == "time went back by 3 s; no command has arrived since"
@@ -104,12 +104,43 @@ def test_time_going_back_forgets_what_was_commanded():
     assert inbox.read(7.1).command is B
 
 
-def test_threads_that_read_the_clock_in_another_order_are_no_time_machine():
+@pytest.mark.parametrize("late", [0.001, 0.037, 0.15])
+def test_what_is_put_late_is_as_old_as_its_stamp(late):
     inbox = Inbox(0.2)
-    inbox.put("page", A, 1.001)
+    inbox.put("page", A, 1.0)
+    assert inbox.read(1.1).command is A  # the loop, while the page's thread waits for its turn
+    inbox.put("page", B, 1.1 - late)
+    reading = inbox.read(1.1)
+    assert reading.command is B
+    assert reading.age == pytest.approx(late)
+    assert inbox.read(1.3 - late + 1e-6).reason.startswith("the last command is 0.2 s old")
+
+
+def test_what_is_put_a_timeout_late_is_too_old():
+    inbox = Inbox(0.2)
+    assert inbox.read(5.0).command is None
+    inbox.put("page", A, 4.7)
+    assert inbox.read(5.0).reason == "the last command is 0.3 s old (timeout 0.2 s)"
+
+
+def test_a_late_number_is_left_out_and_a_late_stranger_is_a_second_commander():
+    inbox = Inbox(0.2)
+    inbox.put("page", A, 1.0, number=8)
+    inbox.put("page", B, 0.97, number=7)
+    assert inbox.read(1.01).command is A
+    inbox.put("pad", B, 0.97)
+    assert "page and pad" in inbox.read(1.02).reason
+
+
+@pytest.mark.parametrize("ahead", [0.001, 0.05, 30.0])
+def test_a_stamp_ahead_of_the_reader_counts_for_a_timeout_from_the_first_look_on(ahead):
+    inbox = Inbox(0.2)
+    inbox.put("page", A, 1.0 + ahead)
     reading = inbox.read(1.0)
     assert reading.command is A
     assert reading.age == 0.0
+    assert inbox.read(1.19).command is A
+    assert inbox.read(1.21).command is None
 
 
 def test_a_flood_takes_no_memory():

@@ -8,7 +8,7 @@ import pytest
 from stream_stand_ins import FakeClock, Robot, Says, jog
 from twistarm.errors import InputError
 from twistarm.servo import ServoStatus, TwistCommand
-from twistarm.stream import Cycle, Ending, Inbox, Measured, run
+from twistarm.stream import Cycle, Ending, Inbox, Measured, Reading, run
 
 RATE = 100.0
 PERIOD = 1.0 / RATE
@@ -112,8 +112,6 @@ def test_a_silent_command_source_stops_the_arm_within_its_timeout(rover, clock, 
 
 
 def test_a_source_that_keeps_an_old_command_is_watched_too(rover, clock, robot, stream):
-    from twistarm.stream import Reading
-
     class Forgetful:
         def read(self, now, state):
             return Reading(jog(rover, elbow=-0.4), now - 100.0)
@@ -135,6 +133,75 @@ def test_a_joint_state_that_grows_old_stops_the_arm_and_a_fresh_one_lets_it_go_o
     assert within_limits(rover, robot)
     assert report.blind == pytest.approx(0.5, abs=3 * PERIOD)
     assert report.ok
+
+
+def test_a_robot_that_was_off_is_commanded_from_where_it_is(rover, clock, robot, stream):
+    """Off for 1.5 s, and back within the tolerance: no setpoint asks it to jump back."""
+    robot.mute = robot.deaf = lambda now: 100.5 < now < 102.0
+    moved = [0.0, 0.18, 0.0, 0.0, 0.0]
+
+    def sink_down(cycle):
+        if 101.0 < cycle.time < 101.015:
+            robot.theta = robot.theta + moved
+
+    seen: list[Cycle] = []
+    report = stream(duration=3.0, on_cycle=lambda cycle: (sink_down(cycle), seen.append(cycle)))
+    back = next(cycle for cycle in seen if cycle.time > 101.0 and cycle.theta is not None)
+    assert back.time == pytest.approx(102.0, abs=2 * PERIOD)
+    np.testing.assert_allclose(back.setpoint.theta, back.theta, atol=2.5 * PERIOD**2)
+    assert within_limits(rover, robot)
+    assert report.ok
+
+
+def test_a_robot_moved_by_hand_while_nobody_saw_it_has_not_strayed(rover, clock, robot, stream):
+    robot.mute = robot.deaf = lambda now: 100.5 < now < 102.0
+
+    def push(cycle):
+        if 101.0 < cycle.time < 101.015:
+            robot.theta = robot.theta + [0.0, 0.0, 0.0, 0.0, 1.5]
+
+    report = stream(Says(None), duration=3.0, on_cycle=push)
+    assert (report.ending, report.ok) == (Ending.DURATION, True)
+    assert robot.setpoints[-1].theta == pytest.approx(rover.ready + [0.0, 0.0, 0.0, 0.0, 1.5])
+
+
+def test_a_gap_shorter_than_the_timeout_starts_nothing_anew(rover, clock, robot, stream):
+    """An arm that hangs a little below where it is told to be would sink a little at each such gap."""
+    robot.mute = lambda now: (now - 100.0) % 0.25 > 0.15
+
+    class Hanging:
+        def read(self, now):
+            measured = robot.read(now)
+            return Measured(measured.theta - 0.05, measured.time)
+
+    stream(Says(None), feedback=Hanging())
+    thetas = np.array([setpoint.theta for setpoint in robot.setpoints])
+    assert np.array_equal(thetas, np.tile(thetas[0], (len(thetas), 1)))
+
+
+class Ahead:
+    """A feedback and a source whose threads stamp what they hear after the loop has read its clock."""
+
+    def __init__(self, arm, robot, seconds):
+        self.arm, self.robot, self.seconds = arm, robot, seconds
+
+    def read(self, now, *state):
+        if state:
+            return Reading(jog(self.arm, elbow=-0.4), -self.seconds)
+        return Measured(self.robot.theta, now + self.seconds)
+
+
+def test_what_is_heard_while_the_loop_waits_for_its_turn_counts(rover, robot, stream):
+    report = stream(Ahead(rover, robot, 0.05), feedback=Ahead(rover, robot, 0.05))
+    assert report.blind == report.uncommanded == report.waited == 0.0
+
+
+def test_a_joint_state_of_another_clock_does_not(rover, robot, stream):
+    seen: list[Cycle] = []
+    report = stream(feedback=Ahead(rover, robot, 0.25), on_cycle=seen.append)
+    assert robot.setpoints == []
+    assert report.waited == pytest.approx(2.0)
+    assert seen[-1].reason == "the joint state is 0.25 s from the future: its clock is another, or went back"
 
 
 def test_an_arm_that_does_not_follow_ends_the_stream(rover, clock, robot, stream):

@@ -7,7 +7,7 @@ import pytest
 
 from stream_stand_ins import FakeClock, Robot
 from twistarm import plan_joint
-from twistarm.errors import InputError, LimitError
+from twistarm.errors import InputError, LimitError, TwistarmError
 from twistarm.planning import to_csv
 from twistarm.stream import Ending, Replay, SimulatedJoints, read_recording, run
 
@@ -79,15 +79,45 @@ def test_an_arm_elsewhere_is_not_moved(rover, file):
     assert not replay.done
 
 
+def test_an_arm_that_stays_elsewhere_ends_the_stream(rover, file):
+    clock = FakeClock()
+    robot = Robot(rover.ready + [0.0, 0.05, 0.0, 0.0, 0.0], clock)
+    replay = Replay(rover, read_recording(rover, file))
+    report = run(rover, replay, robot, robot, rate=RATE, clock=clock, duration=9.0, until=lambda: replay.done)
+    why = "the recording begins 0.05 rad from where joint shoulder is; bring the arm there first"
+    assert (report.ending, report.reason, report.ok) == (Ending.SOURCE_FAILED, why, False)
+    assert report.duration == pytest.approx(2.0, abs=2 / RATE)
+    assert f"had no command for 2.000 s, at last because: {why}" in report.explain()
+    assert not robot.rates.any()
+
+
+def test_an_arm_that_comes_in_time_is_followed(rover, file):
+    clock = FakeClock()
+    robot = Robot(rover.ready + [0.0, 0.05, 0.0, 0.0, 0.0], clock)
+    robot.mute = lambda now: 100.5 < now < 101.5
+
+    def bring(cycle):
+        if 101.0 < cycle.time < 101.015:
+            robot.theta = rover.ready
+
+    replay = Replay(rover, read_recording(rover, file))
+    robot.deaf = lambda now: now < 101.5
+    report = run(rover, replay, robot, robot, rate=RATE, clock=clock, until=lambda: replay.done, on_cycle=bring)
+    assert report.ending is Ending.DONE
+    assert report.ok
+
+
 def test_an_arm_that_falls_behind_is_not_chased(rover, file):
     clock = FakeClock()
     robot = Robot(rover.ready, clock)
     robot.mute = lambda now: now > 100.2
-    replay, seen = Replay(rover, read_recording(rover, file)), []
-    run(rover, replay, robot, robot, rate=RATE, clock=clock, duration=3.0, on_cycle=seen.append)
-    robot.mute = lambda now: False
+    replay = Replay(rover, read_recording(rover, file))
+    report = run(rover, replay, robot, robot, rate=RATE, clock=clock, duration=3.0, until=lambda: replay.done)
+    assert report.ending is Ending.SOURCE_FAILED
+    assert report.reason.endswith("the arm cannot follow it")
     assert replay.done
-    assert "the arm cannot follow it" in replay.read(200.0, None).reason
+    with pytest.raises(TwistarmError, match="the arm cannot follow it"):
+        replay.read(200.0, None)
     assert not robot.rates[-1].any()
 
 

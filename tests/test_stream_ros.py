@@ -40,15 +40,20 @@ def test_a_joint_state_that_is_none(rover, names, position, why):
 def test_a_twist_in_the_frame_of_its_header(rover):
     message = msg.TwistStamped(twist=msg.Twist(msg.Vector(1.0, 2.0, 3.0), msg.Vector(4.0, 5.0, 6.0)))
     for frame_id, frame in ((rover.base, "base"), (rover.tip, "tool")):
-        command = ros.twist_of(rover, message.twist, ros.frame_of(rover, frame_id))
+        command = ros.twist_of(rover, message.twist, ros.frame_of(rover, frame_id, "neither"))
         assert command.twist.tolist() == [1.0, 2.0, 3.0, 4.0, 5.0, 6.0]
         assert command.frame == frame
 
 
-@pytest.mark.parametrize("frame_id", ["", "world", "forearm"])
+@pytest.mark.parametrize("unsaid", ["tool", "base"])
+def test_a_header_without_a_frame_means_the_parameters(rover, unsaid):
+    assert ros.frame_of(rover, "", unsaid) == unsaid
+
+
+@pytest.mark.parametrize("frame_id", [" ", "world", "forearm"])
 def test_another_frame_is_not_guessed_at(rover, frame_id):
     with pytest.raises(InputError, match=f"'base_link' .base. or 'tool0' .tool.; got frame_id '{frame_id}'"):
-        ros.frame_of(rover, frame_id)
+        ros.frame_of(rover, frame_id, "tool")
 
 
 def test_stamps_are_numbers_that_increase():
@@ -173,6 +178,28 @@ def test_the_node_streams_rates_and_leaves_the_arm_at_rest(monkeypatch):
     (status,) = drive.node.published["/diagnostics"][5].status
     assert status.level in (b"\x00", b"\x01")
     assert {value.key for value in status.values} >= {"status", "missed cycles"}
+
+
+def test_the_node_takes_twists_of_tools_that_name_no_frame(monkeypatch):
+    rates = []
+    for frame_id, frame in (("", "base"), ("base_link", "tool"), ("", "tool")):
+        drive = Drive(monkeypatch, cycles=8, frame=frame)
+        drive.message = lambda node, frame_id=frame_id: stamped(node, frame_id)
+        drive.run()
+        rates.append(drive.node.published["~/commands"][4].data)
+    assert rates[0] == rates[1]
+    assert rates[0] != rates[2]  # z of the tool is not z of the base
+
+
+def test_the_node_says_at_once_what_changes(monkeypatch):
+    drive = Drive(monkeypatch, cycles=12)
+    drive.message = lambda node: stamped(node, "base_link") if drive.cycles < 6 else None
+    monkeypatch.setattr(
+        msg.Node, "create_timer", lambda node, period, callback: period < 1 and node.timers_.append((period, callback))
+    )
+    drive.run()
+    values = [{each.key: each.value for each in m.status[0].values} for m in drive.node.published["/diagnostics"]]
+    assert [(each["status"], each["cycles"]) for each in values][:2] == [("STALE", "1"), ("OK", "7")]
 
 
 def test_the_node_streams_trajectories(monkeypatch):

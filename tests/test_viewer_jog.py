@@ -19,6 +19,7 @@ from twistarm.errors import InputError
 from twistarm.servo import JogCommand, TwistCommand
 from twistarm.viewer import Viewer
 from twistarm.viewer.messages import parse
+from twistarm.viewer.servo_words import SILENT
 
 ARM = (
     ArmBuilder("pair")
@@ -42,7 +43,7 @@ BAD_COMMANDS = [
     ({"type": "jog", "twist": [*TWIST[:5], float("nan")], "frame": "tool"}, "numbers must be finite; got NaN"),
     ({"type": "jog", "twist": [*TWIST[:5], 1e9], "frame": "tool"}, "twist[5] must be finite and at most 1e+06"),
     ({"type": "jog", "twist": TWIST, "frame": "world"}, "frame must be 'tool' or 'base'; got 'world'"),
-    ({"type": "jog", "twist": TWIST, "frame": 3}, "frame must be a string"),
+    ({"type": "jog", "twist": TWIST, "frame": 3}, "frame must be text; got 3"),
     ({"type": "stop", "twist": TWIST}, "stop needs no fields; got ['twist']"),
 ]
 
@@ -92,7 +93,7 @@ def test_the_schema() -> None:
 
 def test_nothing_is_taken_before_somebody_asks_for_commands(viewer: Viewer) -> None:
     async def try_it(page: Page) -> None:
-        assert page.latest["servo"] == {"type": "servo", "jog": False, "status": None, "joint": None, "reason": ""}
+        assert page.latest["servo"] == {"type": "servo", "jog": False, "driven": False, **SILENT}
         await jog(page)
         assert page.latest["error"]["message"].startswith("no servo takes commands here: start one by `twistarm servo")
 

@@ -13,10 +13,10 @@ import pytest
 
 from test_viewer import Page, nothing, visit
 from test_viewer_jog import ARM, TWIST, ask, jog
-from twistarm.servo import JogCommand, ServoOutput, ServoStatus, TwistCommand
-from twistarm.stream import Cycle, Reading, Setpoint, SimulatedJoints, StreamReport, run
+from twistarm.servo import AnyCommand, JogCommand, ServoOutput, ServoStatus, TwistCommand
+from twistarm.stream import Cycle, Inbox, Reading, Setpoint, SimulatedJoints, StreamReport, run
 from twistarm.viewer import Viewer
-from twistarm.viewer.servo_words import SILENT, ServoWords
+from twistarm.viewer.servo_words import SILENT, servo_words
 
 
 @pytest.fixture
@@ -32,7 +32,10 @@ def answer(status: ServoStatus, joint: str | None, reason: str) -> ServoOutput:
 def test_the_servo_s_word_reaches_every_page_the_late_ones_too(viewer: Viewer) -> None:
     _ = viewer.commands
     viewer.show_servo(answer(ServoStatus.HALTED_LIMIT, "b", "at its limit"))
-    expected = {"type": "servo", "jog": True, "status": "HALTED_LIMIT", "joint": "b", "reason": "at its limit"}
+    expected = {
+        "type": "servo", "jog": True, "driven": True,
+        "status": "HALTED_LIMIT", "joint": "b", "reason": "at its limit", "share": 0.0,
+    }  # fmt: skip
 
     async def read(page: Page) -> None:
         await page.until(lambda: page.latest["servo"] == expected)
@@ -52,12 +55,14 @@ def test_a_servo_that_nobody_on_the_page_commands_and_its_end(viewer: Viewer) ->
     async def read(page: Page) -> None:
         await page.until(lambda: page.latest["servo"]["reason"] == "no joint state has arrived")
         assert not page.latest["servo"]["jog"]
+        assert page.latest["servo"]["driven"]
         await ask(page, type="pose", name="zero")
         assert page.latest["error"]["message"].startswith("a servo drives pair")
         _ = viewer.commands
         await page.until(lambda: page.latest["servo"]["jog"])
         viewer.show_servo(None)
         await page.until(lambda: not page.latest["servo"]["jog"])
+        assert not page.latest["servo"]["driven"]
         assert page.latest["servo"]["reason"] == ""
         await jog(page)
         assert page.latest["error"]["message"].startswith("no servo takes commands here")
@@ -68,18 +73,63 @@ def test_a_servo_that_nobody_on_the_page_commands_and_its_end(viewer: Viewer) ->
     assert viewer.theta.tolist() == [0, 0]
 
 
-def test_silence_is_trouble_only_in_the_middle_of_a_motion() -> None:
-    words, stale = ServoWords(), answer(ServoStatus.STALE, None, "why")
-    old, fresh = "the last command is 3 s old", "two senders"
-    silent = cycle(Reading(None, 3.0, old), stale, old)
-    spoken = {"status": "STALE", "joint": None, "reason": "why"}
-    assert words.of(silent) == SILENT  # nobody ever commanded
-    words.of(cycle(Reading(TwistCommand(TWIST), 0.01), answer(ServoStatus.OK, None, "")))
-    assert words.of(silent) == spoken  # cut off
-    words.of(cycle(Reading(JogCommand([0.0, 0.0]), 0.01), answer(ServoStatus.OK, None, "")))
-    assert words.of(silent) == SILENT
-    assert words.of(cycle(Reading(None, 0.01, fresh), stale, fresh)) == spoken
-    assert words.of(cycle(Reading(None, 3.0, old), stale, "the last joint state is 1 s old")) == spoken
+STOP = JogCommand([0.0, 0.0])
+
+
+@pytest.mark.parametrize(
+    ("said", "idle"),
+    [
+        ([], True),  # nobody ever commanded
+        ([TwistCommand(TWIST)], False),  # cut off in the middle of a motion
+        ([TwistCommand(TWIST), STOP], True),
+        ([STOP, TwistCommand(TWIST)], False),
+        ([TwistCommand(TWIST), STOP, "nonsense"], False),
+    ],
+)
+def test_silence_is_trouble_only_in_the_middle_of_a_motion(said: list[AnyCommand | str], idle: bool) -> None:
+    """Read first when all of it is old: a loop that stalls may miss a stop, and still it is one."""
+    inbox, stale = Inbox(), answer(ServoStatus.STALE, None, "why")
+    for each in said:
+        if isinstance(each, str):
+            inbox.refuse("page 1", each, 1.0)
+        else:
+            inbox.put("page 1", each, 1.0)
+    reading = inbox.read(4.0)
+    spoken = {"status": "STALE", "joint": None, "reason": "why", "share": None}
+    assert servo_words(cycle(reading, stale, reading.reason)) == (SILENT if idle else spoken)
+    assert servo_words(cycle(reading, stale, "the last joint state is 1 s old")) == spoken
+
+
+@pytest.mark.parametrize(
+    ("command", "scale", "lost", "share"),
+    [
+        (TwistCommand(TWIST), 1.0, 0.0, 1.0),
+        (TwistCommand(TWIST), 0.6, 0.3, 0.42),  # 60 % of the 70 % that can be reached
+        (TwistCommand(TWIST), 1.0, 1.5, 0.0),
+        (TwistCommand([0.0] * 6), 0.0, 0.0, None),
+        (STOP, 0.0, 0.0, None),
+        (None, 1.0, 0.0, None),
+    ],
+)
+def test_how_much_of_a_command_is_done(
+    command: AnyCommand | None, scale: float, lost: float, share: float | None
+) -> None:
+    output = replace(answer(ServoStatus.OK, None, "moving"), scale=scale, lost_share=lost)
+    assert servo_words(cycle(Reading(command, 0.0), output))["share"] == share
+
+
+def test_setpoints_that_nobody_hears_go_before_what_the_servo_says() -> None:
+    lost = replace(cycle(Reading(TwistCommand(TWIST), 0.0), answer(ServoStatus.OK, None, "")), delivered=False)
+    words = servo_words(replace(lost, reason="nobody listens at 127.0.0.1:5005"))
+    assert words == {**SILENT, "reason": "nobody listens at 127.0.0.1:5005"}
+
+
+def test_a_stop_says_nothing_of_two_commanders() -> None:
+    inbox, stale = Inbox(), answer(ServoStatus.STALE, None, "why")
+    inbox.put("page 1", TwistCommand(TWIST), 1.0)
+    inbox.put("page 2", STOP, 1.01)
+    reading = inbox.read(1.02)
+    assert servo_words(cycle(reading, stale, reading.reason))["status"] == "STALE"
 
 
 def test_a_page_drives_the_simulated_joints_and_its_silence_stops_them(viewer: Viewer) -> None:

@@ -5,13 +5,14 @@
     servo/bin/python servo_node.py --ros-args -p arm:=/path/to/arm.toml -p output:=velocity \
         -p velocity_topic:=/forward_velocity_controller/commands
 
-In:   twist_topic    geometry_msgs/TwistStamped (header.frame_id: the arm's base or tip), or Twist with stamped:=false,
-                     read in the frame that the parameter `frame` names
+In:   twist_topic    geometry_msgs/TwistStamped, or Twist with stamped:=false. header.frame_id is the arm's base or tip;
+                     empty, as teleop_twist_joy and teleop_twist_keyboard send it, and in a Twist it is what the
+                     parameter `frame` says, "tool" or "base"
       joy_topic      sensor_msgs/Joy, moves the arm in `frame` while button `joy_dead_man` is held
       state_topic    sensor_msgs/JointState, by name, in any order
 Out:  velocity_topic      std_msgs/Float64MultiArray, rates base to tip, with output:=velocity
       trajectory_topic    trajectory_msgs/JointTrajectory, one point ahead, with output:=trajectory
-      diagnostics_topic   diagnostic_msgs/DiagnosticArray, once a second
+      diagnostics_topic   diagnostic_msgs/DiagnosticArray, once a second, and at once when the status changes
 
 A command holds for command_timeout seconds; joint states older than feedback_timeout stop the arm; a topic of commands
 with two publishers moves nothing. Ctrl-C brakes the arm along its limits before the node goes. Whatever computes is
@@ -85,7 +86,7 @@ class ServoNode(Node):
         )  # fmt: skip
         self.held = False
         self.ending = None
-        self.last = None
+        self.last = self.told = None
         self._connect()
 
     def _connect(self) -> None:
@@ -108,7 +109,8 @@ class ServoNode(Node):
         try:
             self._require_one_publisher(topic)
             if self.p["stamped"]:
-                frame, number = ros.frame_of(self.arm, message.header.frame_id), ros.number_of(message.header.stamp)
+                frame = ros.frame_of(self.arm, message.header.frame_id, self.p["frame"])
+                number = ros.number_of(message.header.stamp)
                 self.inbox.put(topic, ros.twist_of(self.arm, message.twist, frame), now, number)
             else:
                 self.inbox.put(topic, ros.twist_of(self.arm, message, self.p["frame"]), now)
@@ -178,6 +180,8 @@ class ServoNode(Node):
         if self.last.ending is not None:
             self.ending = self.last.ending
             self.get_logger().fatal(f"{self.ending.value}: {self.last.reason}")
+        if (status := ros.status_of(self.last)) != self.told:
+            self.told = status
             self.diagnose()
 
     def stop(self) -> None:

@@ -13,11 +13,12 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from .actuators import Actuators
-from .checks import Array, as_floats, as_number, as_pose
+from .checks import Array, as_floats, as_number, as_pose, as_positive
 from .description.document import read_text
 from .errors import DescriptionError, InputError
 from .files import writable, write_whole
 from .limits import FIELDS, JointLimits
+from .strict_json import text
 
 SUFFIX = ".json"
 FORMAT, VERSION = "twistarm arm", 1
@@ -202,7 +203,7 @@ def _checked(content: dict[str, Any]) -> Baked:
         raise ValueError("ready lies outside the limits")
     coupling = content["coupling"]
     return Baked(
-        **{key: _name(content[key], key) for key in ("name", "source", "base", "tip", "tip_link")},
+        **{key: text(content[key], key) for key in ("name", "source", "base", "tip", "tip_link")},
         joint_names=names,
         joint_types=tuple(_type(joint) for joint in joints),
         moving_names=moving,
@@ -211,7 +212,7 @@ def _checked(content: dict[str, Any]) -> Baked:
         tool=_pose(content["tool"], "tool"),
         coupling=(_array(coupling["A"], "A", (m, n)), _array(coupling["b"], "b", (m,))),
         limits=limits,
-        reach=_positive(content["reach"], "reach"),
+        reach=as_positive(content["reach"], "reach"),
         ready=ready,
         named_states={name: _array(x, f"pose {name}", (n,)) for name, x in content["named_states"].items()},
         actuators=_read_actuators(content["actuators"], names),
@@ -221,16 +222,10 @@ def _checked(content: dict[str, Any]) -> Baked:
 
 
 def _names(values: list[Any], what: str) -> tuple[str, ...]:
-    names = tuple(_name(value, what) for value in values)
+    names = tuple(text(value, what) for value in values)
     if not names or len(set(names)) != len(names):
         raise ValueError(f"{what} must be different names, at least one")
     return names
-
-
-def _name(value: Any, what: str) -> str:
-    if not isinstance(value, str):
-        raise TypeError(f"{what} must be text; got {str(value)[:60]}")
-    return value
 
 
 def _type(joint: Mapping[str, Any]) -> str:
@@ -252,13 +247,6 @@ def _pose(value: ArrayLike, name: str) -> Array:
     g = _array(value, name, (4, 4))
     as_pose(g, name)
     return g
-
-
-def _positive(value: ArrayLike, name: str) -> float:
-    number = as_number(value, name)
-    if not number > 0:
-        raise ValueError(f"{name} must be positive; got {number:g}")
-    return number
 
 
 def _bounds(values: list[float | None], field: str) -> Array:
@@ -294,7 +282,7 @@ def _read_motor_limits(content: Mapping[str, Any]) -> JointLimits:
 
 
 def _pair(value: Any) -> tuple[str, str]:
-    first, second = (_name(link, "disabled_pairs") for link in value)
+    first, second = (text(link, "disabled_pairs") for link in value)
     return first, second
 
 

@@ -4,7 +4,9 @@ from __future__ import annotations
 
 import os
 import shutil
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
+from contextlib import AbstractContextManager, contextmanager
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -59,9 +61,9 @@ def browser() -> Iterator[Any]:
         launched.close()
 
 
-@pytest.fixture
-def page(browser: Any) -> Iterator[Any]:
-    """A page that fails its test if a script of it fails."""
+@contextmanager
+def watched(browser: Any) -> Iterator[Any]:
+    """A page in a window of its own; none of its scripts may fail."""
     context = browser.new_context(viewport={"width": 1280, "height": 720}, color_scheme="light")
     opened = context.new_page()
     errors: list[str] = []
@@ -70,3 +72,16 @@ def page(browser: Any) -> Iterator[Any]:
     yield opened
     context.close()
     assert errors == []
+
+
+@pytest.fixture(scope="module")
+def open_page(browser: Any) -> Callable[[], AbstractContextManager[Any]]:
+    """Opens pages: `with open_page() as page`."""
+    return partial(watched, browser)
+
+
+@pytest.fixture
+def page(open_page: Callable[[], AbstractContextManager[Any]]) -> Iterator[Any]:
+    """A page of the test's own."""
+    with open_page() as opened:
+        yield opened

@@ -3,17 +3,19 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
+from contextlib import AbstractContextManager
 from dataclasses import replace
 from typing import Any
 
 import numpy as np
 import pytest
+from jogging import AS_OPENED, BESIDE, HIDE, PAD, Heard
 from numpy.testing import assert_allclose
 from waiting import settled, until
 
-from twistarm import ArmBuilder
-from twistarm.servo import ServoOutput, ServoStatus
+from twistarm import ArmBuilder, load_arm
+from twistarm.servo import ServoOutput, ServoState, ServoStatus, TwistCommand, servo_step
 from twistarm.viewer import Viewer
 
 pytestmark = pytest.mark.browser
@@ -25,26 +27,16 @@ LINEAR, ANGULAR = 0.1, 0.4
 
 KEYS = {
     "w": (0, 1), "s": (0, -1), "a": (1, 1), "d": (1, -1), "r": (2, 1), "f": (2, -1),
-    "q": (3, 1), "e": (3, -1), "ArrowUp": (4, 1), "ArrowDown": (4, -1), "ArrowLeft": (5, 1), "ArrowRight": (5, -1),
+    "q": (3, 1), "e": (3, -1), "ArrowUp": (4, -1), "ArrowDown": (4, 1), "ArrowLeft": (5, 1), "ArrowRight": (5, -1),
 }  # fmt: skip
 """The component of (v, w) and its sign, as the page's legend has them."""
-
-PAD = """(state) => {
-  const buttons = Array.from({ length: 17 }, (_, i) => {
-    const value = state.buttons?.[i] ?? 0;
-    return { value, pressed: value > 0.5 };
-  });
-  const pad = { connected: true, mapping: state.mapping ?? "standard", axes: state.axes ?? [0, 0, 0, 0], buttons };
-  navigator.getGamepads = () => [null, pad];
-}"""
-"""A gamepad that does not exist, in the words of the W3C's Gamepad interface."""
 
 LB, RB, LT, RT, LEFT, RIGHT = 4, 5, 6, 7, 14, 15
 
 DEFLECTIONS: list[tuple[dict[str, Any], list[float]]] = [
     ({"axes": [-1, 0, 0, 0]}, [0, 1, 0, 0, 0, 0]),
     ({"axes": [0, 0, -1, 0]}, [0, 0, 0, 0, 0, 1]),
-    ({"axes": [0, 0, 0, 1]}, [0, 0, 0, 0, -1, 0]),
+    ({"axes": [0, 0, 0, 1]}, [0, 0, 0, 0, 1, 0]),
     ({"axes": [0.05, 0.56, -0.11, 0.1]}, [-0.5, 0, 0, 0, 0, 0]),  # half of what lies beyond the dead band of 0.12
     ({"buttons": {RT: 1}}, [0, 0, 1, 0, 0, 0]),
     ({"buttons": {LT: 0.56}}, [0, 0, -0.5, 0, 0, 0]),
@@ -53,18 +45,13 @@ DEFLECTIONS: list[tuple[dict[str, Any], list[float]]] = [
 ]
 """Sticks, triggers and cross, and the share of the speeds that they mean."""
 
-HIDE = """(hidden) => {
-  Object.defineProperty(document, "hidden", { value: hidden, configurable: true });
-  document.dispatchEvent(new Event("visibilitychange"));
-}"""
-
 INTERRUPTIONS = {
     "the window loses the focus": (
         "window.dispatchEvent(new Event('blur'))",
         "window.dispatchEvent(new Event('focus'))",
     ),
     "the tab is hidden": (f"({HIDE})(true)", f"({HIDE})(false)"),
-    "a slider gets the focus": ("document.querySelector('.joint input').focus()", "document.activeElement.blur()"),
+    "a slider gets the focus": ("document.getElementById('beside').focus()", "document.activeElement.blur()"),
     "a menu opens": ("window.dispatchEvent(new Event('contextmenu'))", "null"),
     "the page goes": ("window.dispatchEvent(new Event('pagehide'))", "null"),
     "a shortcut": ("window.dispatchEvent(new KeyboardEvent('keydown', { key: 'a', ctrlKey: true }))", "null"),
@@ -72,54 +59,31 @@ INTERRUPTIONS = {
 """What hides from the page that a key goes up, and what ends it."""
 
 
-class Heard:
-    """What pages command, as it arrives: (time [s], kind, fields)."""
-
-    def __init__(self, viewer: Viewer) -> None:
-        self.messages: list[tuple[float, str, dict[str, Any]]] = []
-        _ = viewer.commands
-        self._take = viewer._server.commands.take
-        viewer._server.commands.take = self._record  # type: ignore[method-assign]
-
-    def _record(self, request: Any, sender: str) -> None:
-        self.messages.append((time.monotonic(), request.kind, dict(request.fields)))
-        self._take(request, sender)
-
-    @property
-    def kinds(self) -> list[str]:
-        return [kind for _, kind, _ in self.messages]
-
-    def await_kind(self, kind: str) -> None:
-        end = time.monotonic() + 10
-        while kind not in self.kinds:
-            assert time.monotonic() < end, f"no {kind} arrived"
-            time.sleep(0.01)
-
-    def quiet(self) -> None:
-        """Nothing more comes."""
-        count = len(self.messages)
-        time.sleep(0.15)  # almost four periods
-        assert len(self.messages) == count
-
-    def jog(self) -> dict[str, Any]:
-        """The next jog."""
-        self.messages.clear()
-        self.await_kind("jog")
-        return next(fields for _, kind, fields in self.messages if kind == "jog")
-
-
-@pytest.fixture
+@pytest.fixture(scope="module")
 def viewer() -> Iterator[Viewer]:
     with Viewer(ARM, open_browser=False) as served:
         yield served
 
 
+@pytest.fixture(scope="module")
+def page(open_page: Callable[[], AbstractContextManager[Any]], viewer: Viewer) -> Iterator[Any]:
+    """One page for most tests: opening one takes seconds of drawing in software."""
+    with open_page() as opened:
+        yield settled(opened, viewer.url)
+
+
 @pytest.fixture
-def heard(page: Any, viewer: Viewer) -> Heard:
+def heard(page: Any, viewer: Viewer) -> Iterator[Heard]:
+    """What a page commands that is as it was when it opened."""
     heard = Heard(viewer)
-    settled(page, viewer.url)
     until(page, "!document.getElementById('jog').hidden")
-    return heard
+    until(page, "twistarm.jog.ready")
+    yield heard
+    for key in KEYS:
+        page.keyboard.up(key)
+    page.evaluate(AS_OPENED)
+    until(page, "twistarm.jog.timer === null && twistarm.link.underway === 0")
+    heard.close()
 
 
 def line(page: Any) -> str:
@@ -127,25 +91,26 @@ def line(page: Any) -> str:
     return text
 
 
-def test_without_a_servo_the_page_shows_nothing_of_it_and_no_key_does_anything(page: Any, viewer: Viewer) -> None:
-    settled(page, viewer.url)
-    page.evaluate("() => { const { link } = twistarm; link.sent = []; link.transmit = (r) => link.sent.push(r); }")
-    for key in ("w", "t", "+"):
-        page.keyboard.press(key)
-    page.evaluate(PAD, {"axes": [0, -1, 0, 0], "buttons": {LB: 1}})
-    time.sleep(0.1)
-    assert page.locator("#jog").is_hidden()
-    assert page.evaluate("twistarm.link.sent") == []
-
-
-def test_a_page_that_was_open_before_learns_that_commands_are_taken(page: Any, viewer: Viewer) -> None:
-    settled(page, viewer.url)
-    heard = Heard(viewer)
-    until(page, "!document.getElementById('jog').hidden")
-    page.keyboard.press("w")
-    heard.await_kind("stop")
-    viewer.close()
-    until(page, "document.getElementById('jog').hidden")
+def test_without_a_servo_a_page_takes_no_key_until_commands_are_taken(
+    open_page: Callable[[], AbstractContextManager[Any]],
+) -> None:
+    with Viewer(ARM, open_browser=False) as viewer, open_page() as page:
+        settled(page, viewer.url)
+        page.evaluate("() => { const { link } = twistarm; link.sent = []; link.transmit = (r) => link.sent.push(r); }")
+        for key in ("w", "t", "+"):
+            page.keyboard.press(key)
+        page.evaluate(PAD, {"axes": [0, -1, 0, 0], "buttons": {LB: 1}})
+        time.sleep(0.1)
+        assert page.locator("#jog").is_hidden()
+        assert page.evaluate("twistarm.link.sent") == []
+        page.evaluate("() => { delete twistarm.link.transmit; delete navigator.getGamepads; }")
+        heard = Heard(viewer)
+        until(page, "!document.getElementById('jog').hidden")
+        assert line(page) == "Jog on · base axes · 0.100 m/s, 23°/s"
+        page.keyboard.press("w")
+        heard.await_kind("stop")
+        viewer.close()
+        until(page, "document.getElementById('jog').hidden")
 
 
 def test_a_held_key_says_its_twist_again_and_again_and_stops_once(page: Any, heard: Heard) -> None:
@@ -157,7 +122,7 @@ def test_a_held_key_says_its_twist_again_and_again_and_stops_once(page: Any, hea
     *jogs, last = heard.messages
     assert [kind for _, kind, _ in jogs] == ["jog"] * len(jogs)
     assert last[1] == "stop"
-    assert all(fields == {"twist": [LINEAR, 0, 0, 0, 0, 0], "frame": "tool"} for _, _, fields in jogs)
+    assert all(fields == {"twist": [LINEAR, 0, 0, 0, 0, 0], "frame": "base"} for _, _, fields in jogs)
     gaps = np.diff([at for at, _, _ in jogs])
     assert 0.03 < np.median(gaps) < 0.05  # 20 to 30 Hz
 
@@ -189,13 +154,13 @@ def test_keys_add_up_and_no_diagonal_is_faster(page: Any, heard: Heard) -> None:
 
 
 def test_axes_and_speed_are_chosen_by_keys_and_written_out(page: Any, heard: Heard) -> None:
-    assert line(page) == "Jog on · tool axes · 0.100 m/s, 23°/s"
+    assert line(page) == "Jog on · base axes · 0.100 m/s, 23°/s"
     page.keyboard.press("t")
     for _ in range(5):
         page.keyboard.press("+")
-    until(page, "document.getElementById('jog-line').textContent === 'Jog on · base axes · 0.250 m/s, 57°/s'")
+    until(page, "document.getElementById('jog-line').textContent === 'Jog on · tool axes · 0.250 m/s, 57°/s'")
     page.keyboard.down("w")
-    assert heard.jog() == {"twist": [0.25, 0, 0, 0, 0, 0], "frame": "base"}
+    assert heard.jog() == {"twist": [0.25, 0, 0, 0, 0, 0], "frame": "tool"}
     for _ in range(9):
         page.keyboard.press("-")
     time.sleep(0.1)
@@ -204,6 +169,7 @@ def test_axes_and_speed_are_chosen_by_keys_and_written_out(page: Any, heard: Hea
 
 
 def test_whatever_hides_the_key_s_release_stops_and_only_a_new_press_moves(page: Any, heard: Heard) -> None:
+    page.evaluate(BESIDE)
     for why, (event, end) in INTERRUPTIONS.items():
         heard.messages.clear()
         page.keyboard.down("w")
@@ -220,7 +186,8 @@ def test_whatever_hides_the_key_s_release_stops_and_only_a_new_press_moves(page:
 
 
 def test_keys_for_a_slider_do_not_jog_and_a_click_into_the_view_gives_them_back(page: Any, heard: Heard) -> None:
-    page.locator(".joint input").focus()
+    page.evaluate(BESIDE)
+    page.locator("#beside").focus()
     until(page, "document.getElementById('jog-line').textContent.startsWith('Jog off: click the view')")
     page.keyboard.press("w")
     heard.quiet()
@@ -231,14 +198,53 @@ def test_keys_for_a_slider_do_not_jog_and_a_click_into_the_view_gives_them_back(
     heard.await_kind("jog")
 
 
-def test_a_slider_is_refused_while_a_servo_drives_and_goes_back(page: Any, viewer: Viewer, heard: Heard) -> None:
+def test_sliders_and_poses_are_disabled_while_a_servo_drives(page: Any, viewer: Viewer, heard: Heard) -> None:
+    for element in (page.locator(".joint input"), page.get_by_role("button", name="ready")):
+        assert element.is_disabled()
+        assert float(element.evaluate("(element) => getComputedStyle(element).opacity")) < 0.5
+    viewer.show([0.5])
+    until(page, "Number(document.querySelector('.joint input').value) === 0.5")
+    viewer.show_servo(None)
+    until(page, "!document.querySelector('.joint input').disabled")
+    page.locator(".joint input").press("ArrowRight")
+    until(page, "twistarm.state.frame.theta[0] !== 0.5")
+    assert page.get_by_role("button", name="ready").is_enabled()
+
+
+def test_a_request_that_is_refused_all_the_same_goes_back(page: Any, viewer: Viewer, heard: Heard) -> None:
     viewer.show([0.5])
     until(page, "twistarm.state.frame.theta[0] === 0.5")
+    page.evaluate("() => { document.querySelector('.joint input').disabled = false; }")
     page.locator(".joint input").press("ArrowRight")
     until(page, "!document.getElementById('error').hidden")
     assert page.locator("#error").inner_text().startswith("a servo drives turner: sliders, poses and")
     until(page, "Number(document.querySelector('.joint input').value) === 0.5")
     assert viewer.theta.tolist() == [0.5]
+
+
+def raised(command: dict[str, Any]) -> float:
+    """How much the tool's z axis of the rover's arm, which looks along x of the base, rises in half a second [rad]."""
+    arm = load_arm("rover_arm")
+    assert_allclose(arm.fk(arm.ready)[:3, 2], [1, 0, 0], atol=1e-12)
+    state = ServoState.at(arm, arm.ready)
+    for _ in range(50):
+        state, _ = servo_step(arm, state, TwistCommand(command["twist"], command["frame"]), 0.01)
+    return float(np.arcsin(arm.fk(state.theta)[2, 2]))
+
+
+def test_up_is_up(page: Any, heard: Heard) -> None:
+    """0.4 rad/s for half a second, but for the time to get there."""
+    for key, sign in (("ArrowUp", 1), ("ArrowDown", -1)):
+        for _ in ("base", "tool"):
+            page.keyboard.down(key)
+            assert 0.15 < sign * raised(heard.jog()) < 0.2
+            page.keyboard.up(key)
+            page.keyboard.press("t")
+    for ahead in (-1, 1):  # a stick forward is −1
+        page.evaluate(PAD, {})
+        time.sleep(0.1)
+        page.evaluate(PAD, {"axes": [0, 0, 0, ahead], "buttons": {LB: 1}})
+        assert 0.15 < -ahead * raised(heard.jog()) < 0.2
 
 
 def test_the_socket_s_loss_is_a_stop_and_a_key_held_across_it_moves_nothing(page: Any, heard: Heard) -> None:
@@ -314,13 +320,41 @@ def test_what_hinders_a_gamepad_is_said(page: Any, heard: Heard) -> None:
     heard.await_kind("jog")
 
 
+def text(name: str) -> str:
+    return f"document.getElementById('{name}').textContent"
+
+
+def test_how_much_is_done_is_said_where_it_is_less_than_all(page: Any, viewer: Viewer, heard: Heard) -> None:
+    answer = replace(ServoOutput.stale(np.zeros(1), "moving"), status=ServoStatus.OK, scale=0.6, lost_share=0.3)
+    viewer.show_servo(answer)
+    until(page, f"{text('jog-share')} === '42 % of what was asked'")
+    assert page.evaluate(text("jog-servo")) == "OK"
+    viewer.show_servo(replace(answer, scale=0.96, lost_share=0.0))
+    until(page, f"{text('jog-share')} === ''")
+
+
+def test_a_page_that_is_too_slow_says_so(page: Any, viewer: Viewer, heard: Heard) -> None:
+    slow = "this browser is too slow: make the window smaller"
+    old = "the last command is 0.31 s old (timeout 0.2 s)"
+    page.keyboard.down("w")
+    heard.await_kind("jog")
+    viewer.show_servo(ServoOutput.stale(np.zeros(1), old))
+    until(page, f"{text('jog-servo')} === '{old}'")  # somebody else's fault
+    page.evaluate("() => { const end = performance.now() + 300; while (performance.now() < end); }")
+    until(page, f"{text('jog-servo')} === '{old} · {slow}'")
+    viewer.show_servo(replace(ServoOutput.stale(np.zeros(1), ""), status=ServoStatus.OK, scale=1.0))
+    until(page, f"{text('jog-servo')} === 'OK · {slow}'")
+    until(page, f"{text('jog-servo')} === 'OK'")
+    page.keyboard.up("w")
+
+
 def test_the_servo_s_word_is_on_the_page(page: Any, viewer: Viewer, heard: Heard) -> None:
     reason = "slowed by the velocity limit of a"
-    answer = replace(ServoOutput.stale(np.zeros(1), reason), status=ServoStatus.SLOWED_LIMIT, joint="a")
+    answer = replace(ServoOutput.stale(np.zeros(1), reason), status=ServoStatus.SLOWED_LIMIT, scale=1.0, joint="a")
     viewer.show_servo(answer)
     until(page, "document.getElementById('jog-servo').textContent === 'slowed by the velocity limit of a'")
     page.locator("#jog summary").click()
-    assert page.get_by_text("about z").is_visible()
+    assert page.get_by_text("about z: left, right").is_visible()
     page.keyboard.down("w")  # the legend takes no keys
     heard.await_kind("jog")
     page.keyboard.up("w")

@@ -13,7 +13,7 @@ from .. import engine
 from ..actuators import Actuators
 from ..arm import Arm
 from ..description import catalog
-from ..description.arm_file import MOTOR_LIMITS
+from ..description.motors import MOTOR_LIMITS
 from ..limits import FIELDS
 from .options import Json, Radians, takes_arm
 from .output import console, finding_json, number, print_json, shown, table, units

@@ -10,7 +10,7 @@ import numpy as np
 import typer
 
 from ..arm import Arm
-from ..errors import InputError
+from ..checks import as_positive
 from ..files import writable
 from ..limits import JointLimits
 from ..planning import Trajectory, plan_joint, to_csv, to_json
@@ -83,8 +83,8 @@ def plan(
 def capped(arm: Arm, caps: dict[str, float | None]) -> JointLimits:
     """The arm's limits, none above what was typed; a limit that was not given takes the typed value."""
     for name, cap in caps.items():
-        if cap is not None and not cap > 0:
-            raise InputError(f"--{name} must be a positive number; got {cap:g}")
+        if cap is not None:
+            as_positive(cap, f"--{name}")
     changes = {name: np.minimum(getattr(arm.limits, name), cap) for name, cap in caps.items() if cap is not None}
     return arm.limits.with_(changes, arm.joint_names)
 

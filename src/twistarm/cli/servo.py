@@ -6,27 +6,33 @@ import signal
 import sys
 from collections.abc import Iterator
 from contextlib import ExitStack, contextmanager
-from dataclasses import fields, replace
-from typing import Annotated, Any, TextIO
+from dataclasses import replace
+from math import inf
+from typing import Annotated, TextIO
 
 import numpy as np
 import typer
-from rich.table import Table
 
 from ..arm import Arm
-from ..checks import Array
-from ..errors import InputError
+from ..checks import Array, as_positive
+from ..errors import InputError, LimitError
 from ..limits import JointLimits
-from ..stream import Cycle, Feedback, SimulatedJoints, Sink, Source, StreamReport, UdpFeedback, UdpSink, UdpSource, run
+from ..servo import ServoSettings
+from ..stream import Feedback, SimulatedJoints, Sink, Source, UdpFeedback, UdpSink, UdpSource, run
+from ..stream.inbox import COMMAND_TIMEOUT, FEEDBACK_TIMEOUT
+from ..stream.streaming import TOLERANCE, checked_rate
 from ..viewer import Viewer, show_in_browser
-from .kinematics import warn_outside
 from .motion import Rate, capped
 from .options import Json, Radians, Theta, parse_theta, takes_arm
-from .output import console, print_json, table, warn
+from .output import console, print_json, shown, units, warn
+from .servo_report import report_json, report_table
 from .viewing import Browser, Host, Port
 
 DEFAULTS = {"velocity": {"rad": 1.0, "m": 0.25}, "acceleration": {"rad": 3.0, "m": 1.0}}
 """Limits where an arm gives none, per s and s²: brisk for a small arm, and slow enough to let go of a key."""
+
+ROUNDING = 1e-6
+"""Outside a limit by less [rad, m] is rounding of what was typed."""
 
 Udp = Annotated[str | None, typer.Option(metavar="HOST:PORT", help="Send setpoints to a robot there; needs --listen.")]
 Listen = Annotated[
@@ -36,6 +42,13 @@ Commands = Annotated[
     str | None, typer.Option(metavar="HOST:PORT", help="Take commands as datagrams to there, not from the page.")
 ]
 Hertz = Annotated[float, typer.Option(help="Cycles per second.")]
+VelocityMode = Annotated[
+    bool, typer.Option("--velocity-mode", help="The robot takes rates alone: begin anew where it is at every rest.")
+]
+CommandTimeout = Annotated[float, typer.Option(metavar="SECONDS", help="How long a command holds.")]
+FeedbackTimeout = Annotated[float, typer.Option(metavar="SECONDS", help="How long a joint state holds.")]
+Tolerance = Annotated[float, typer.Option(help="How far a joint may be from where it is commanded to be (rad, m).")]
+Margin = Annotated[float, typer.Option(help="Distance kept from position limits (rad, m).")]
 Duration = Annotated[float | None, typer.Option(help="End after so many seconds; else Ctrl-C ends it.")]
 
 
@@ -49,6 +62,11 @@ def servo(
     udp: Udp = None,
     listen: Listen = None,
     commands: Commands = None,
+    velocity_mode: VelocityMode = False,
+    command_timeout: CommandTimeout = COMMAND_TIMEOUT,
+    feedback_timeout: FeedbackTimeout = FEEDBACK_TIMEOUT,
+    tolerance: Tolerance = TOLERANCE,
+    margin: Margin = 0.0,
     duration: Duration = None,
     port: Port = 0,
     host: Host = "127.0.0.1",
@@ -59,27 +77,31 @@ def servo(
     """Drive the arm by keyboard or gamepad in the browser: on simulated joints, or on a robot by --udp."""
     if (udp is None) != (listen is None):
         raise InputError("--udp HOST:PORT and --listen HOST:PORT go together: setpoints out, joint states in")
-    x = parse_theta(arm, theta, rad)
+    if velocity_mode and udp is None:
+        raise InputError("--velocity-mode is for a robot that takes rates alone: it needs --udp")
+    settings = ServoSettings(position_margin=not_negative(margin, "--margin"))
+    checked_rate(rate, settings)
+    require_positive(duration=duration, tolerance=tolerance)
+    require_positive(command_timeout=command_timeout, feedback_timeout=feedback_timeout)
+    x = inside(arm, parse_theta(arm, theta, rad), rad)
     limits = capped(arm, {"velocity": velocity, "acceleration": acceleration})
     driven = replace(arm, limits=with_defaults(arm, limits))
-    last = [""]
 
     with ExitStack() as stack:
         stack.enter_context(ended_like_ctrl_c())
-        sink, feedback = joints_of(driven, x, udp, listen, stack)
+        sink, feedback = joints_of(driven, x, udp, listen, feedback_timeout, stack)
         viewer = stack.enter_context(Viewer(driven, x, host=host, port=port, open_browser=False))
-        source = source_of(driven, viewer, commands, stack)
-
-        def on_cycle(cycle: Cycle) -> None:
-            last[0] = cycle.reason
-            viewer.show_servo(cycle)
-
+        source = source_of(driven, viewer, commands, command_timeout, stack)
         announce(viewer, defaults_line(arm, limits), browser, sys.stderr if json else sys.stdout)
-        report = run(driven, source, sink, feedback, rate=rate, duration=duration, on_cycle=on_cycle)
+        report = run(
+            driven, source, sink, feedback, rate=rate, command_timeout=command_timeout,
+            feedback_timeout=feedback_timeout, tolerance=tolerance, settings=settings, velocity_mode=velocity_mode,
+            duration=duration, on_cycle=viewer.show_servo,
+        )  # fmt: skip
     if json:
         print_json(report_json(arm, report))
     else:
-        console().print(report_table(arm, report, last[0]))
+        console().print(report_table(arm, report))
     return 0 if report.ok else 1
 
 
@@ -107,21 +129,50 @@ def defaults_line(arm: Arm, limits: JointLimits) -> str:
     return f"no limits given, used instead: {'; '.join(parts)} (--velocity, --acceleration)" if parts else ""
 
 
-def joints_of(arm: Arm, theta: Array, udp: str | None, listen: str | None, stack: ExitStack) -> tuple[Sink, Feedback]:
+def require_positive(**typed: float | None) -> None:
+    """InputError for an option that was given and is not a positive number."""
+    for name, value in typed.items():
+        if value is not None:
+            as_positive(value, f"--{name.replace('_', '-')}")
+
+
+def not_negative(value: float, option: str) -> float:
+    """A typed number from 0 on."""
+    if not 0.0 <= value < inf:
+        raise InputError(f"{option} must be a number from 0 on; got {value:g}")
+    return value
+
+
+def inside(arm: Arm, theta: Array, radians: bool) -> Array:
+    """theta (n,) inside the position limits; what is outside by more than rounding is refused as it was typed."""
+    clipped = np.clip(theta, arm.limits.lower, arm.limits.upper)
+    off = np.abs(theta - clipped)
+    if off.max() > ROUNDING:
+        j = int(off.argmax())
+        value, lower, upper = (shown(arm, each, radians)[j] for each in (theta, arm.limits.lower, arm.limits.upper))
+        name, unit = arm.joint_names[j], units(arm, radians)[j]
+        raise LimitError(f"--theta: {name} = {value} {unit} lies outside its limits {lower} … {upper} {unit}")
+    return clipped
+
+
+def joints_of(
+    arm: Arm, theta: Array, udp: str | None, listen: str | None, timeout: float, stack: ExitStack
+) -> tuple[Sink, Feedback]:
     """Where setpoints go and joint states come from: a robot, or simulated joints at theta (n,)."""
     if udp is None or listen is None:
-        warn_outside(arm, theta)
         joints = SimulatedJoints(arm, theta)
         return joints, joints
-    feedback = stack.enter_context(UdpFeedback(arm, *address(listen, "--listen")))
+    feedback = stack.enter_context(UdpFeedback(arm, *address(listen, "--listen"), timeout=timeout))
     return stack.enter_context(UdpSink(arm, *address(udp, "--udp"))), feedback
 
 
-def source_of(arm: Arm, viewer: Viewer, commands: str | None, stack: ExitStack) -> Source:
+def source_of(arm: Arm, viewer: Viewer, commands: str | None, timeout: float, stack: ExitStack) -> Source:
     """Where commands come from: the pages, or datagrams."""
     if commands is None:
-        return viewer.commands
-    return stack.enter_context(UdpSource(arm, *address(commands, "--commands")))
+        pages = viewer.commands
+        pages.timeout = timeout
+        return pages
+    return stack.enter_context(UdpSource(arm, *address(commands, "--commands"), timeout=timeout))
 
 
 def announce(viewer: Viewer, line: str, browser: bool, out: TextIO) -> None:
@@ -151,27 +202,3 @@ def ended_like_ctrl_c() -> Iterator[None]:
     finally:
         for number, handler in before.items():
             signal.signal(number, handler)
-
-
-def report_json(arm: Arm, report: StreamReport) -> dict[str, Any]:
-    """What the loop did, for programs."""
-    values = {field.name: getattr(report, field.name) for field in fields(report)}
-    statuses = {status.name: count for status, count in report.statuses.items()}
-    return {"arm": arm.name, **values, "ending": report.ending.name, "statuses": statuses, "ok": report.ok}
-
-
-def report_table(arm: Arm, report: StreamReport, last_reason: str) -> Table:
-    """The same for people; `last_reason`: why there was no command, or no joint state, in the last cycle."""
-    late = [f"{1e3 * seconds:.2f} ms" for seconds in (report.late_p50, report.late_p99, report.late_max)]
-    statuses = ", ".join(f"{status.name} {count}" for status, count in report.statuses.items())
-    rows = [
-        ["ended", ": ".join(filter(None, (report.ending.value, report.reason)))],
-        ["cycles", f"{report.cycles} at {report.rate:g} Hz in {report.duration:.1f} s, {report.missed} missed"],
-        ["begun late by", f"{late[0]} (median), {late[1]} (99 %), {late[2]} (most)"],
-        ["status", statuses or f"never moved: {last_reason}"],
-        ["no command", f"{report.uncommanded:.1f} s"],
-        ["no joint state", f"{report.waited:.1f} s at the start, {report.blind:.1f} s later"],
-        ["at the end", "at rest" if report.at_rest else "stopped at once, before it had come to rest"],
-        *(["trouble", failure] for failure in report.failures),
-    ]
-    return table(f"{arm.name}: servo", ["", ""], rows, text=("",))

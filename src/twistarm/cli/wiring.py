@@ -10,9 +10,9 @@ import numpy as np
 import typer
 
 from ..arm import Arm
-from ..wiring import Residual, WiringReport, check_wiring
+from ..wiring import MotorVerdict, Residual, WiringReport, check_wiring
 from .options import Json, takes_arm
-from .output import console, number, print_json, table
+from .output import console, number, print_json, progress_bar, table
 
 Log = Annotated[
     Path, typer.Argument(metavar="LOG", help="CSV: a column per motor, x, y, z [m], and qx, qy, qz, qw if measured.")
@@ -30,9 +30,14 @@ def wiring(
     json: Json = False,
 ) -> int:
     """Check signs, ratios and zeros of the motors against logged counts and measured positions of the tool."""
-    report = check_wiring(
-        arm, log, position_noise=position_noise, orientation_noise=float(np.radians(orientation_noise))
-    )
+    with progress_bar("wiring") as progress:
+        report = check_wiring(
+            arm,
+            log,
+            position_noise=position_noise,
+            orientation_noise=float(np.radians(orientation_noise)),
+            progress=progress,
+        )
     if json:
         print_json(asdict(report) | {"ok": report.ok})
     else:
@@ -43,9 +48,10 @@ def wiring(
 def _print(arm: Arm, report: WiringReport) -> None:
     console().print(_table(arm, report))
     before, after = _residual(report.before), _residual(report.after)
-    print(f"{report.rows} rows; measured against computed: {before} as the arm.toml says, {after} as found here")
+    rows = "1 row" if report.rows == 1 else f"{report.rows} rows"
+    print(f"{rows}; measured against computed: {before} as the arm.toml says, {after} as found here")
     for motor in report.motors:
-        if motor.verdict != "sound":
+        if motor.verdict != "sound" and motor.what:
             print(f"{motor.name}: {motor.what}" + (f"; {motor.remedy}" if motor.remedy else ""))
     print(f"{report.verdict}: {report.what}")
 
@@ -57,7 +63,7 @@ def _table(arm: Arm, report: WiringReport) -> Any:
     rows = [
         [
             motor.name,
-            ", ".join(motor.faults) or motor.verdict,
+            _verdict(motor),
             _with_deviation(motor.scale, motor.scale_std),
             f"{_with_deviation(motor.offset * count, motor.offset_std * count)} {unit}",
             ", ".join(f"{joint} {_amount(value, units[joint])}" for joint, value in motor.joint_offset.items()),
@@ -66,6 +72,11 @@ def _table(arm: Arm, report: WiringReport) -> Any:
     ]
     columns = ["motor", "verdict", "readings times", "plus", "added to the joints"]
     return table(f"{report.arm}: its motors, and what fits the log", columns, rows, text=["verdict", columns[-1]])
+
+
+def _verdict(motor: MotorVerdict) -> str:
+    """In the table a fault that may be another's has a question mark."""
+    return ", ".join(motor.faults) + "?" * (motor.verdict == "possible fault") or motor.verdict
 
 
 def _with_deviation(value: float, deviation: float) -> str:

@@ -7,9 +7,10 @@ import numpy as np
 from ..actuators import Actuators
 from ..arm import Arm
 from ..checks import Array
-from ..description.arm_file import ArmSpecification, Motor
+from ..description.arm_file import ArmSpecification
 from ..description.coupling import Affine
 from ..description.findings import Finding, Place, finding, refusal
+from ..description.motors import Motor
 from ..errors import DescriptionError, InputError, closest, listed
 from ..limits import JointLimits
 

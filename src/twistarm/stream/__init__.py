@@ -4,7 +4,7 @@ from .inbox import Inbox, StateInbox
 from .loop import come_to_rest, run
 from .messages import command_of, parse_command, parse_state, setpoint_message
 from .metronome import Metronome, MonotonicClock
-from .protocols import Clock, Feedback, Measured, Reading, Setpoint, Sink, Source
+from .protocols import Clock, Feedback, Measured, Reading, Setpoint, Sink, Source, UndeliveredError
 from .recording import Recording, read_recording
 from .replay import Replay
 from .report import Ending, StreamReport
@@ -37,6 +37,7 @@ __all__ = [
     "UdpFeedback",
     "UdpSink",
     "UdpSource",
+    "UndeliveredError",
     "come_to_rest",
     "command_of",
     "parse_command",

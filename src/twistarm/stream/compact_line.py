@@ -14,9 +14,9 @@ import numpy as np
 from ..arm import Arm
 from ..checks import as_theta
 from ..errors import InputError
+from ..strict_json import counter, short
 from .messages import StateMessage
 from .protocols import Setpoint
-from .strict_json import counter, short
 
 LONGEST_LINE = 4096
 """Bytes: a joint state of 250 joints is half of it."""

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from ..checks import Array
-from ..servo import AnyCommand, ServoState
+from ..servo import AnyCommand, JogCommand, ServoState
 from .latest import Latest
 from .protocols import Measured, Reading
 
@@ -22,7 +22,9 @@ class Inbox(Latest[AnyCommand]):
 
     def read(self, now: float, state: ServoState | None = None) -> Reading:
         """The command of the one commander at `now` [s], or None and the reason."""
-        return Reading(*self.look(now))
+        look = self.look(now)
+        silent = look.value is None and look.age > self.timeout
+        return Reading(look.value, look.age, look.reason, silent and (look.quiet or _is_stop(look.last)))
 
 
 class StateInbox(Latest[Array]):
@@ -33,5 +35,9 @@ class StateInbox(Latest[Array]):
 
     def read(self, now: float) -> Measured:
         """The joint state of the one sender, heard before `now` [s], or None and the reason."""
-        theta, age, reason = self.look(now)
-        return Measured(theta, now - age, reason)
+        look = self.look(now)
+        return Measured(look.value, now - look.age, look.reason)
+
+
+def _is_stop(command: AnyCommand | None) -> bool:
+    return isinstance(command, JogCommand) and not command.theta_dot.any()

@@ -3,20 +3,31 @@
 from __future__ import annotations
 
 import threading
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from math import inf
 from typing import Generic, TypeVar
 
-from ..errors import InputError, one_line
+from ..checks import as_positive
+from ..errors import one_line
 
 T = TypeVar("T")
 
-THREADS_APART = 0.02
-"""Two threads may read the clock in one order and arrive here in the other, this far [s] apart; more is a clock that
-went back."""
-
 LONGEST_SENDER = 100
 """Characters of a sender's name in a message."""
+
+
+@dataclass(frozen=True)
+class Look(Generic[T]):
+    """What counts at a moment: the value and its age [s], inf where none arrived, or None and why there is none.
+
+    `last` is what was said last, where all that is against it is its age. `quiet`: nobody ever said anything.
+    """
+
+    value: T | None
+    age: float
+    reason: str
+    last: T | None = None
+    quiet: bool = False
 
 
 @dataclass(frozen=True)
@@ -34,12 +45,13 @@ class Latest(Generic[T]):
     A value counts for `timeout` [s] (a dead man's switch: it must be repeated), and only where one sender alone spoke
     within the last `timeout`. What was refused replaces what came before: nonsense stops the arm. Of one sender, a
     message whose number is not above the last one's is left out, until the sender was silent for a timeout.
+
+    Whoever puts and whoever looks may be threads that wait for their turn, so a stamp may lie before the last look or
+    after it; only the clock of those who look is held to go forward.
     """
 
     def __init__(self, timeout: float, what: str) -> None:
-        if not 0.0 < timeout < inf:
-            raise InputError(f"the timeout of a {what} must be a positive number of seconds; got {timeout!r}")
-        self.timeout = float(timeout)
+        self.timeout = as_positive(timeout, f"the timeout of a {what}")
         self._what = what
         self._lock = threading.Lock()
         self._latest: _Arrival[T] | None = None
@@ -48,22 +60,26 @@ class Latest(Generic[T]):
         self._ignored = ""
 
     def put(self, sender: str, value: T, now: float, number: int | None = None) -> None:
-        """`value` arrived from `sender` at `now` [s], with the sender's own count where it has one."""
+        """`value` arrived from `sender` at `now` [s], with the sender's own count where it has one.
+
+        Its age counts from `now`, however late it is put here; from the first look on, where that is earlier.
+        """
         self._arrive(_Arrival(one_line(sender, LONGEST_SENDER), now, value, number, ""))
 
     def refuse(self, sender: str, reason: str, now: float) -> None:
         """Something from `sender` that cannot be used arrived at `now` [s]."""
         self._arrive(_Arrival(one_line(sender, LONGEST_SENDER), now, None, None, reason))
 
-    def look(self, now: float) -> tuple[T | None, float, str]:
-        """The value, its age [s] (inf where none arrived), and why there is none."""
+    def look(self, now: float) -> Look[T]:
+        """What counts at `now` [s]."""
         with self._lock:
-            self._advance(now)
+            self._follow(now)
             if self._latest is None:
-                return None, inf, self._ignored or f"no {self._what} has arrived"
-            age = max(0.0, now - self._latest.time)
+                return Look(None, inf, self._ignored or f"no {self._what} has arrived", quiet=not self._ignored)
+            age = now - self._latest.time
             reason = self._why_not(self._latest, age, now)
-            return None if reason else self._latest.value, age, reason
+            last = None if self._ignored else self._latest.value
+            return Look(None if reason else self._latest.value, age, reason, last)
 
     def _why_not(self, latest: _Arrival[T], age: float, now: float) -> str:
         if not age <= self.timeout:
@@ -74,8 +90,6 @@ class Latest(Generic[T]):
 
     def _arrive(self, new: _Arrival[T]) -> None:
         with self._lock:
-            if not self._advance(new.time):
-                return
             last = self._last_of(new.sender)
             if last is not None and self._outrun(last, new):
                 self._ignored = f"; number {new.number} came after {last.number} and was left out"
@@ -92,12 +106,15 @@ class Latest(Generic[T]):
             return False
         return new.number <= last.number
 
-    def _advance(self, now: float) -> bool:
-        """Whether time went on; where it went back, what arrived in that future is forgotten."""
-        if now >= self._clock - THREADS_APART:
-            self._clock = max(now, self._clock)
-            return True
-        back = self._clock - now
-        self._clock, self._latest, self._rival = now, None, None
-        self._ignored = f"time went back by {back:.3g} s; no {self._what} has arrived since"
-        return False
+    def _follow(self, now: float) -> None:
+        """Where the clock of those who look went back, what arrived in that future is forgotten."""
+        if now < self._clock:
+            self._latest, self._rival = None, None
+            self._ignored = f"time went back by {self._clock - now:.3g} s; no {self._what} has arrived since"
+        self._clock = now
+        self._latest, self._rival = (each and _seen(each, now) for each in (self._latest, self._rival))
+
+
+def _seen(arrival: _Arrival[T], now: float) -> _Arrival[T]:
+    """The arrival, not later than `now`, when it was there: else it would count for longer than a timeout."""
+    return arrival if arrival.time <= now else replace(arrival, time=now)

@@ -9,7 +9,7 @@ from math import inf
 from numpy.typing import ArrayLike
 
 from ..arm import Arm
-from ..errors import InputError
+from ..checks import as_positive
 from ..servo import ServoSettings
 from .inbox import COMMAND_TIMEOUT, FEEDBACK_TIMEOUT
 from .metronome import Metronome, MonotonicClock
@@ -39,7 +39,8 @@ def run(
 
     The servo starts where `feedback` says that the arm is, and waits for that. A command older than `command_timeout`
     [s] does not count, nor does any while the joint state is older than `feedback_timeout` [s] or a cycle came later
-    than the servo's longest step: the arm comes to rest along its acceleration limits and goes on once all is well.
+    than the servo's longest step: the arm comes to rest along its acceleration limits and goes on once all is well,
+    from where it is measured if it had come to rest while the joint state was missing.
     A joint farther than `tolerance` (one number or (n,)) [rad, m] from all that was commanded within the last
     `feedback_timeout` ends the stream.
 
@@ -49,13 +50,13 @@ def run(
 
     However it ends (time, Ctrl-C, a device that fails, an exception of `on_cycle`), the arm comes to rest along its
     limits and the last setpoint has rates of 0; Ctrl-C once more stops it at once. What devices cannot do (OSError,
-    TwistarmError) stands in the report; other exceptions are raised after that.
+    TwistarmError) stands in the report; other exceptions are raised after that. A setpoint that did not get through
+    (`UndeliveredError`) is counted, and ends nothing.
 
     Raises InputError for a rate, timeout, tolerance or duration that is not positive, and for a rate so low that the
     servo's longest step is shorter than a period.
     """
-    if duration is not None and not 0.0 < duration < inf:
-        raise InputError(f"duration must be a positive number of seconds; got {duration!r}")
+    longest = inf if duration is None else as_positive(duration, "duration")
     streaming = Streaming(
         arm, source, sink, feedback, rate=rate, command_timeout=command_timeout, feedback_timeout=feedback_timeout,
         tolerance=tolerance, settings=settings, velocity_mode=velocity_mode,
@@ -65,7 +66,7 @@ def run(
     began = time.now()
     ending, reason, at_rest = Ending.INTERRUPTED, "", False
     try:
-        ending, reason = _drive(streaming, metronome, time, began + (duration or inf), until, on_cycle)
+        ending, reason = _drive(streaming, metronome, time, began + longest, until, on_cycle)
     except KeyboardInterrupt:
         pass
     except BaseException as error:

@@ -12,9 +12,9 @@ from ..checks import Array
 from ..errors import InputError, TwistarmError, listed
 from ..rotations import from_quaternion_wxyz
 from ..servo import AnyCommand, JogCommand, PoseCommand, TwistCommand
+from ..strict_json import counter, decoded, number, numbers, short
 from .joint_order import theta_by_name
 from .protocols import Setpoint
-from .strict_json import counter, decoded, number, numbers, short
 
 QUATERNION_TOL = 1e-3
 """How far a quaternion's length may be from 1: beyond four printed decimals it is something else."""

@@ -1,7 +1,7 @@
 """What the loop is connected to: a source of commands, a sink for setpoints, feedback from the joints, a clock.
 
 Whatever has these methods serves; what must be closed is a context manager as well, and whoever opened it closes it.
-A device that fails raises OSError or a TwistarmError.
+A device that fails raises OSError or a TwistarmError; a sink that nobody hears for now raises `UndeliveredError`.
 """
 
 from __future__ import annotations
@@ -10,16 +10,21 @@ from dataclasses import dataclass
 from typing import Protocol
 
 from ..checks import Array
+from ..errors import TwistarmError
 from ..servo import AnyCommand, ServoOutput, ServoState
 
 
 @dataclass(frozen=True, eq=False)
 class Reading:
-    """What a source has at this moment: a command and its age [s], or None and the reason why there is none."""
+    """What a source has at this moment: a command and its age [s], or None and the reason why there is none.
+
+    `idle`: nobody wants anything, for nobody ever commanded, or the last word was a stop; then silence is no trouble.
+    """
 
     command: AnyCommand | None
     age: float
     reason: str = ""
+    idle: bool = False
 
 
 @dataclass(frozen=True, eq=False)
@@ -45,6 +50,10 @@ class Setpoint:
     output: ServoOutput
 
 
+class UndeliveredError(TwistarmError):
+    """A setpoint did not get through, but a later one may: it is counted, and the stream goes on."""
+
+
 class Source(Protocol):
     """Where commands come from."""
 
@@ -56,7 +65,7 @@ class Sink(Protocol):
     """Where setpoints go."""
 
     def write(self, setpoint: Setpoint) -> None:
-        """Hand the setpoint on, without waiting."""
+        """Hand the setpoint on, without waiting. Raises `UndeliveredError` where nobody takes it for now."""
 
 
 class Feedback(Protocol):

@@ -3,18 +3,22 @@
 from __future__ import annotations
 
 from math import inf
+from typing import NoReturn
 
 import numpy as np
 
 from ..arm import Arm
 from ..checks import Array
-from ..errors import InputError
+from ..errors import InputError, TwistarmError
 from ..servo import JogCommand, ServoState
 from .protocols import Reading
 from .recording import Recording
 
 GAIN = 5.0
 """Of the correction [1/s]: what limits or late cycles cost is made up for in some half a second."""
+
+PATIENCE = 2.0
+"""Seconds that the arm may stand elsewhere before it is given up."""
 
 AT_START = 0.01
 """How far from the recording's start the arm may stand [rad, m]."""
@@ -33,8 +37,10 @@ class Replay:
     """A source that plays `recording` once, from the first reading at which the arm is known.
 
     The jog between two readings is the recording's mean rate over a time as long as the last one, and 5 1/s times the
-    deviation of the commanded arm: the recorded positions are passed, not an integral that drifts. It refuses to begin
-    where the arm stands elsewhere, and ends for good where the arm falls behind.
+    deviation of the commanded arm: the recorded positions are passed, not an integral that drifts.
+
+    It does not begin where the arm stands elsewhere, and gives up after 2 s of that, or where the arm falls behind:
+    `read` then raises TwistarmError with the reason, which ends a stream.
     """
 
     def __init__(self, arm: Arm, recording: Recording) -> None:
@@ -45,30 +51,34 @@ class Replay:
         self._arm = arm
         self._recording = recording
         self._ready = False
-        self._began = self._before = inf
-        self._over = ""
+        self._began = self._before = self._waits = inf
+        self._over = self._failed = ""
 
     @property
     def done(self) -> bool:
-        """Whether it has ended, at the recording's end or because the arm fell behind."""
-        return bool(self._over)
+        """Whether it has ended: at the recording's end, or because it gave up."""
+        return bool(self._over or self._failed)
 
     def read(self, now: float, state: ServoState | None) -> Reading:
-        """The jog for the time until the next reading."""
+        """The jog for the time until the next reading. Raises TwistarmError once it has given up."""
+        if self._failed:
+            raise TwistarmError(self._failed)
         if self._over or state is None:
             return Reading(None, 0.0, self._over or "the replay waits for the joint state")
         step, self._before = now - self._before, now
         if not self._ready:
-            return self._begin(state.theta)
+            return self._begin(now, state.theta)
         if self._began == inf:
             self._began = now
         return self._follow(now - self._began, step, state.theta)
 
-    def _begin(self, theta: Array) -> Reading:
+    def _begin(self, now: float, theta: Array) -> Reading:
         """Stand still until the next reading, by when it is known how long a step is."""
         start = self._recording.theta[0]
         if np.abs(theta - start).max() > AT_START:
-            return Reading(None, 0.0, self._away(theta, start, "begins", "bring the arm there first"))
+            reason = self._away(theta, start, "begins", "bring the arm there first")
+            self._waits = min(self._waits, now)
+            return self._give_up(reason) if now - self._waits >= PATIENCE else Reading(None, 0.0, reason)
         self._ready = True
         return Reading(JogCommand(np.zeros(self._arm.n)), 0.0)
 
@@ -76,12 +86,15 @@ class Replay:
         wanted = self._recording(time)
         if time >= self._recording.duration + SETTLING:
             self._over = "the recording has ended"
-        elif not np.abs(theta - wanted).max() <= BEHIND:
-            self._over = self._away(theta, wanted, "is by now", "the arm cannot follow it")
-        if self._over:
             return Reading(None, 0.0, self._over)
+        if not np.abs(theta - wanted).max() <= BEHIND:
+            return self._give_up(self._away(theta, wanted, "is by now", "the arm cannot follow it"))
         ahead = (self._recording(time + step) - wanted) / step if step > SHORTEST_STEP else np.zeros(self._arm.n)
         return Reading(JogCommand(ahead + GAIN * (wanted - theta)), 0.0)
+
+    def _give_up(self, reason: str) -> NoReturn:
+        self._failed = reason
+        raise TwistarmError(reason)
 
     def _away(self, theta: Array, wanted: Array, verb: str, remedy: str) -> str:
         away = np.abs(theta - wanted)

@@ -22,6 +22,7 @@ class Ending(Enum):
     SOURCE_FAILED = "the source of commands failed"
     FEEDBACK_FAILED = "the feedback failed"
     SINK_FAILED = "the sink failed"
+    SERVO_FAILED = "the servo failed"
 
 
 AS_ASKED = (Ending.DURATION, Ending.DONE, Ending.INTERRUPTED)
@@ -34,8 +35,9 @@ class StreamReport:
     cycles that were begun and `missed` ones of the grid, at `rate` [Hz] over `duration` [s]. late_p50, late_p99,
     late_max [s]: how long after their time cycles began, the jitter. statuses: cycles of each status of the servo.
     waited, blind, uncommanded [s]: before the first joint state, with a stale joint state after it, and without a
-    command. ending and reason: why it ended. at_rest: whether the commanded arm stood still at the end. failures: what
-    went wrong while it came to rest.
+    command, with the last reason of each. ending and reason: why it ended. at_rest: whether the commanded arm stood
+    still at the end. undelivered: why setpoints did not get through. delivered: whether the last one did, as far as is
+    known. failures: what went wrong while it came to rest.
     """
 
     cycles: int
@@ -49,20 +51,34 @@ class StreamReport:
     waited: float
     blind: float
     uncommanded: float
+    blind_reason: str
+    uncommanded_reason: str
     ending: Ending
     reason: str
     at_rest: bool
+    undelivered: tuple[str, ...]
+    delivered: bool
     failures: tuple[str, ...]
 
     @property
     def ok(self) -> bool:
-        """Whether it ended as somebody asked, with the arm moved at least once under watch, and at rest."""
-        return self.ending in AS_ASKED and self.started and self.at_rest and not self.failures
+        """Whether it ended as somebody asked, with the arm moved at least once under watch, and told to rest."""
+        return self.ending in AS_ASKED and self.started and self.at_rest and self.delivered and not self.failures
 
     @property
     def started(self) -> bool:
         """Whether a joint state ever arrived, so that the servo could begin."""
         return bool(self.statuses)
+
+    @property
+    def at_the_end(self) -> str:
+        """What the arm was told at the end, and whether that got through."""
+        if not self.started:
+            return "never moved"
+        lost = "" if self.delivered else "; the last setpoint did not get through"
+        if not self.at_rest:
+            return f"stopped at once, before it had come to rest along its limits{lost}"
+        return f"commanded to rest{lost}" if lost else "at rest"
 
     def explain(self) -> str:
         """The report in lines."""
@@ -74,19 +90,23 @@ class StreamReport:
             f"{self.late_max * 1e3:.3f} ms (most)",
             f"status: {counts}" if counts else "the arm was never moved: no joint state arrived",
             *self._stale(),
+            *(f"setpoints did not get through: {text}" for text in self.undelivered),
             *(f"while it came to rest: {failure}" for failure in self.failures),
+            f"at the end: {self.at_the_end}",
         ]
-        if not self.at_rest:
-            lines.append("the arm was stopped at once, before it had come to rest along its limits")
         return "\n".join(lines)
 
     def _stale(self) -> list[str]:
         spans = (
-            (self.waited, "waited for the first joint state"),
-            (self.blind, "had no fresh joint state"),
-            (self.uncommanded, "had no command"),
+            (self.waited, "waited for the first joint state", self.blind_reason if not self.started else ""),
+            (self.blind, "had no fresh joint state", self.blind_reason),
+            (self.uncommanded, "had no command", self.uncommanded_reason),
         )
-        return [f"{what} for {seconds:.3f} s" for seconds, what in spans if seconds > 0.0]
+        return [
+            f"{what} for {seconds:.3f} s{', at last because: ' if why else ''}{why}"
+            for seconds, what, why in spans
+            if seconds > 0.0
+        ]
 
 
 class Tally:
@@ -98,6 +118,9 @@ class Tally:
         self.waited = self.blind = self.uncommanded = 0
         self.statuses: Counter[ServoStatus] = Counter()
         self.lateness = Lateness()
+        self.blind_reason = self.uncommanded_reason = ""
+        self.undelivered: Counter[str] = Counter()
+        self.delivered = True
         self.failures: Counter[str] = Counter()
 
     def report(self, ending: Ending, reason: str, duration: float, at_rest: bool) -> StreamReport:
@@ -114,8 +137,17 @@ class Tally:
             self.waited / self.rate,
             self.blind / self.rate,
             self.uncommanded / self.rate,
+            self.blind_reason,
+            self.uncommanded_reason,
             ending,
             reason,
             at_rest,
-            tuple(f"{text} ({count} times)" if count > 1 else text for text, count in self.failures.items()),
+            counted(self.undelivered),
+            self.delivered,
+            counted(self.failures),
         )
+
+
+def counted(texts: Counter[str]) -> tuple[str, ...]:
+    """Each text, with how often it was said."""
+    return tuple(f"{text} ({count} times)" if count > 1 else text for text, count in texts.items())

@@ -15,13 +15,16 @@ from ..servo import ServoStatus, TwistCommand
 from ..servo.command import FRAMES
 from .joint_order import theta_by_name
 from .protocols import Setpoint
-from .report import Tally
+from .report import Ending, Tally
 from .streaming import Cycle
 
 NANOSECONDS = 10**9
 
 OK, WARN, ERROR = b"\x00", b"\x01", b"\x02"
 """Levels of a diagnostic_msgs/DiagnosticStatus."""
+
+WAITING = "WAITING"
+"""The status before the first joint state, and after a device has failed."""
 
 UNUSED = -1
 """An axis or button that the joystick has not got."""
@@ -38,9 +41,11 @@ def twist_of(arm: Arm, message: Any, frame: str) -> TwistCommand:
     return TwistCommand(np.array([v.x, v.y, v.z, w.x, w.y, w.z]), frame)
 
 
-def frame_of(arm: Arm, frame_id: str) -> str:
-    """Whether the frame_id of a stamped message means "tool" or "base"; InputError for any other, the empty one too."""
-    frames = {arm.tip: "tool", arm.base: "base"}
+def frame_of(arm: Arm, frame_id: str, unsaid: str) -> str:
+    """Whether the frame_id of a stamped message means "tool" or "base", `unsaid` where it is empty, as the tools for
+    joysticks and keyboards leave it; InputError for any other.
+    """
+    frames = {"": unsaid, arm.tip: "tool", arm.base: "base"}
     if frame_id not in frames:
         raise InputError(
             f"a twist of {arm.name} is given in {arm.base!r} (base) or {arm.tip!r} (tool); got frame_id {frame_id!r}"
@@ -120,6 +125,13 @@ def trajectory_point(setpoint: Setpoint, ahead: float) -> TrajectoryPoint:
     return TrajectoryPoint(setpoint.theta.tolist(), *divmod(nanoseconds, NANOSECONDS))
 
 
+def status_of(cycle: Cycle) -> tuple[str, str | None, Ending | None]:
+    """What is worth a diagnosis at once where it changes: the status, the joint concerned, the ending."""
+    if cycle.setpoint is None:
+        return WAITING, None, cycle.ending
+    return cycle.setpoint.output.status.name, cycle.setpoint.output.joint, cycle.ending
+
+
 class Diagnosis(NamedTuple):
     """What a diagnostic_msgs/DiagnosticStatus holds: level, message, and values by key."""
 
@@ -132,9 +144,10 @@ def diagnosis_of(cycle: Cycle, tally: Tally) -> Diagnosis:
     """How the stream is at this cycle: an error where the joint state is missing or it has ended."""
     output = cycle.setpoint.output if cycle.setpoint is not None else None
     late = tally.lateness
+    status, joint, _ = status_of(cycle)
     values = {
-        "status": output.status.name if output is not None else "WAITING",
-        "joint": (output.joint or "") if output is not None else "",
+        "status": status,
+        "joint": joint or "",
         "scale": f"{output.scale:.3f}" if output is not None else "",
         "cycles": str(tally.cycles),
         "missed cycles": str(tally.missed),

@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 from functools import partial
-from types import TracebackType
-from typing import Any, TypeVar
+from typing import Any
 
 from ..arm import Arm
+from ..closing import Closing
 from ..errors import InputError, missing_extra
 from ..servo import ServoState
 from .compact_line import LONGEST_LINE, parse_state_line, setpoint_line
@@ -14,8 +14,6 @@ from .inbox import COMMAND_TIMEOUT, FEEDBACK_TIMEOUT, Inbox, StateInbox
 from .intake import Intake
 from .messages import parse_command
 from .protocols import Measured, Reading, Setpoint
-
-S = TypeVar("S", bound="SerialLines")
 
 BAUDRATE = 115_200
 """The default; 11.5 kB/s: setpoints of six joints at 100 Hz."""
@@ -27,7 +25,7 @@ MOST_PER_CYCLE = 16 * 1024
 """Bytes read in one cycle: ten times what 1 Mbaud brings in 10 ms."""
 
 
-class SerialLines:
+class SerialLines(Closing):
     """A serial port read and written in lines, a context manager.
 
     Raises InputError for a port that cannot be opened, MissingExtraError without pyserial.
@@ -53,14 +51,6 @@ class SerialLines:
     def close(self) -> None:
         """Give the port back. Harmless when repeated."""
         self._serial.close()
-
-    def __enter__(self: S) -> S:
-        return self
-
-    def __exit__(
-        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
-    ) -> None:
-        self.close()
 
 
 class SerialSource(SerialLines):

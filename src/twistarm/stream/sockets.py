@@ -2,15 +2,15 @@
 
 from __future__ import annotations
 
+import errno
+import os
 import socket
 from collections.abc import Hashable, Iterator
-from types import TracebackType
-from typing import Any, TypeVar
+from typing import Any
 
+from ..closing import Closing
 from ..errors import InputError
-from .strict_json import LARGEST_MESSAGE
-
-S = TypeVar("S", bound="Socket")
+from ..strict_json import LARGEST_MESSAGE
 
 BUFFER = 128 * 1024
 """Bytes that the system keeps for us, twice that by its own count: one message of the largest size, or some 350 small
@@ -20,7 +20,7 @@ MOST_PER_CYCLE = 512
 """Datagrams read in one cycle, about a millisecond's work: more than the buffer holds."""
 
 
-class Socket:
+class Socket(Closing):
     """A UDP socket that does not wait, a context manager."""
 
     def __init__(self, family: socket.AddressFamily) -> None:
@@ -36,14 +36,6 @@ class Socket:
     def close(self) -> None:
         """Give the port back. Harmless when repeated."""
         self.socket.close()
-
-    def __enter__(self: S) -> S:
-        return self
-
-    def __exit__(
-        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
-    ) -> None:
-        self.close()
 
 
 class Receiver(Socket):
@@ -76,6 +68,7 @@ class Sender(Socket):
     def __init__(self, host: str, port: int) -> None:
         family, address = _resolved(host, port, smallest=1)
         super().__init__(family)
+        self.receiver = named((host, port))
         try:
             # Connected, so that the system says when nobody listens there.
             self.socket.connect(address)
@@ -83,9 +76,24 @@ class Sender(Socket):
             self.close()
             raise InputError(f"cannot send to {host}:{port}: {error.strerror or error}") from error
 
-    def send(self, datagram: bytes) -> None:
-        """Send one datagram. Raises OSError where the system refuses it, or its receiver is known to be gone."""
-        self.socket.send(datagram)
+    def send(self, datagram: bytes) -> bool:
+        """Send one datagram. Whether somebody listens, as far as the system knows; OSError where it cannot send.
+
+        The system tells of a refusal at the next call, in whose place it stands: it is taken off before, so that
+        whoever listens again hears this datagram, and after, where the answer comes at once.
+        """
+        refused = self._refused()
+        try:
+            self.socket.send(datagram)
+        except ConnectionRefusedError:  # an answer that came just now
+            return False
+        return not (self._refused() or refused)
+
+    def _refused(self) -> bool:
+        error = self.socket.getsockopt(socket.SOL_SOCKET, socket.SO_ERROR)
+        if error not in (0, errno.ECONNREFUSED):
+            raise OSError(error, os.strerror(error))
+        return error != 0
 
 
 def named(address: Any) -> str:

@@ -2,25 +2,21 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import dataclass
 from math import inf
-from typing import ParamSpec, TypeVar
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from ..arm import Arm
-from ..checks import Array, frozen
-from ..errors import InputError, TwistarmError
+from ..checks import Array, as_positive, frozen
+from ..errors import InputError
 from ..servo import AnyCommand, ServoOutput, ServoSettings, ServoState, servo_step
+from .failures import StreamError, asked, worded
 from .inbox import COMMAND_TIMEOUT, FEEDBACK_TIMEOUT
-from .protocols import Feedback, Reading, Setpoint, Sink, Source
+from .protocols import Feedback, Reading, Setpoint, Sink, Source, UndeliveredError
 from .report import Ending, StreamReport, Tally
 from .watch import FeedbackWatch
-
-P = ParamSpec("P")
-T = TypeVar("T")
 
 TOLERANCE = 0.2
 """How far a joint may be from where it was commanded to be [rad, m]."""
@@ -34,7 +30,8 @@ class Cycle:
     """What happened in one cycle.
 
     theta (n,): the joint state where it can be used. setpoint: what was computed, None before the first joint state.
-    reason: why there was no command. ending: why the stream cannot go on, None where it can.
+    reason: why there was no command, or the setpoint did not get through, which `delivered` says. ending: why the
+    stream cannot go on, None where it can.
     """
 
     time: float
@@ -43,6 +40,7 @@ class Cycle:
     setpoint: Setpoint | None
     reason: str = ""
     ending: Ending | None = None
+    delivered: bool = True
 
 
 class Streaming:
@@ -68,15 +66,10 @@ class Streaming:
     ) -> None:
         self.arm, self.source, self.sink, self.feedback = arm, source, sink, feedback
         self.settings = settings or ServoSettings()
-        self.rate = _positive(rate, "rate")
+        self.rate = checked_rate(rate, self.settings)
         self.period = 1.0 / self.rate
-        if self.period > self.settings.longest_dt:
-            raise InputError(
-                f"rate must be at least {1.0 / self.settings.longest_dt:g} Hz, because no step is longer than "
-                f"{self.settings.longest_dt:g} s (ServoSettings.longest_dt); got {rate:g} Hz"
-            )
-        self.command_timeout = _positive(command_timeout, "command_timeout")
-        self.feedback_timeout = _positive(feedback_timeout, "feedback_timeout")
+        self.command_timeout = as_positive(command_timeout, "command_timeout")
+        self.feedback_timeout = as_positive(feedback_timeout, "feedback_timeout")
         self.velocity_mode = velocity_mode
         self.state: ServoState | None = None
         self.tally = Tally(self.rate)
@@ -87,19 +80,28 @@ class Streaming:
     def cycle(self, now: float, periods: int = 1) -> Cycle:
         """The cycle at `now` [s], that many periods after the last one; 0 or less where time went back.
 
-        A device that fails is an ending, nothing is raised for it; whatever else is raised is an error in a program.
+        A device that fails is an ending, nothing is raised for it, and so is a setpoint that is not finite, which is
+        not sent; whatever else is raised is an error in a program.
         """
         self.tally.cycles += 1
         self.tally.missed += max(0, periods - 1)
         try:
             return self._cycle(now, periods)
-        except _DeviceError as failed:
-            return Cycle(now, None, None, None, failed.reason, failed.ending)
+        except StreamError as failed:
+            return Cycle(now, None, None, None, str(failed), failed.ending)
 
     def brake(self, now: float, periods: int = 1) -> bool:
-        """One step toward rest, without asking anybody; True where the arm stands. A sink's failure is noted."""
+        """One step toward rest, without asking anybody; True where the arm stands. A sink's failure is noted.
+
+        Where the servo itself fails, the arm stands at once: rates of 0 where it was last.
+        """
         if not self.at_rest:
-            self._write_anyway(self._step(None, now, periods, "coming to rest"))
+            try:
+                self._write_anyway(self._step(None, now, periods, "coming to rest"))
+            except Exception as error:  # whatever it is, the arm must not go on moving
+                self.tally.failures[f"the servo failed, and the arm was stopped at once: {worded(error)}"] += 1
+                assert self.state is not None
+                self.state = ServoState.at(self.arm, self.state.theta)
         return self.at_rest
 
     def halt(self, now: float) -> None:
@@ -126,10 +128,10 @@ class Streaming:
         return 2.0 * float((np.abs(self.state.theta_dot) / self.arm.limits.acceleration).max()) + BRAKING_SPARE
 
     def _cycle(self, now: float, periods: int) -> Cycle:
-        theta, blind = self._watch.look(_asked(Ending.FEEDBACK_FAILED, self.feedback.read, now), now)
-        if self.state is None and theta is not None:
-            self.state = ServoState.at(self.arm, theta)
-        reading = _asked(Ending.SOURCE_FAILED, self.source.read, now, self.state)
+        theta, blind = self._watch.look(asked(Ending.FEEDBACK_FAILED, self.feedback.read, now), now)
+        self._start(theta)
+        reading = asked(Ending.SOURCE_FAILED, self.source.read, now, self.state)
+        self.tally.blind_reason = blind or self.tally.blind_reason
         if self.state is None:
             self.tally.waited += 1
             return Cycle(now, reading, None, None, blind)
@@ -137,17 +139,28 @@ class Streaming:
         command, uncommanded = self._command(reading)
         self.tally.blind += bool(blind)
         self.tally.uncommanded += bool(uncommanded)
+        self.tally.uncommanded_reason = uncommanded or self.tally.uncommanded_reason
         reason = strayed or blind or self._untimely(periods) or uncommanded
         setpoint = self._step(None if reason else command, now, periods, reason)
         self.tally.statuses[setpoint.output.status] += 1
-        _asked(Ending.SINK_FAILED, self.sink.write, setpoint)
+        undelivered = asked(Ending.SINK_FAILED, self._write, setpoint)
         self._restart_at_rest(theta, now, released=command is None)
-        return Cycle(now, reading, theta, setpoint, reason, Ending.STRAYED if strayed else None)
+        why = "; ".join(filter(None, (reason, undelivered)))
+        return Cycle(now, reading, theta, setpoint, why, Ending.STRAYED if strayed else None, not undelivered)
+
+    def _start(self, theta: Array | None) -> None:
+        """From the measured theta: the first one, and one that comes back while the commanded arm stands.
+
+        Nobody knows where the arm went meanwhile: it is not held to where it was, nor told to jump back there.
+        """
+        if theta is not None and (self.state is None or (self._watch.returned and self.at_rest)):
+            self.state = ServoState.at(self.arm, theta)
+            self._watch.forget()
 
     def _command(self, reading: Reading) -> tuple[AnyCommand | None, str]:
         if reading.command is None:
             return None, reading.reason or "no command"
-        if not 0.0 <= reading.age <= self.command_timeout:
+        if not abs(reading.age) <= self.command_timeout:  # below 0: it came while the loop waited for its turn
             return None, f"the command is {reading.age:.3g} s old (timeout {self.command_timeout:g} s)"
         return reading.command, ""
 
@@ -163,7 +176,10 @@ class Streaming:
         """A step over the time since the last one, over one period where that cannot be."""
         assert self.state is not None  # whoever steps has asked
         dt = self.period if self._untimely(periods) else periods * self.period
-        self.state, output = servo_step(self.arm, self.state, command, dt, settings=self.settings)
+        state, output = servo_step(self.arm, self.state, command, dt, settings=self.settings)
+        if not np.isfinite([state.theta, state.theta_dot, output.theta_dot]).all():
+            raise StreamError(Ending.SERVO_FAILED, f"its setpoint is not finite: rates {output.theta_dot.tolist()}")
+        self.state = state
         if reason:
             output = ServoOutput.stale(output.theta_dot, reason)
         self._watch.follow(self.state.theta, now)
@@ -184,32 +200,30 @@ class Streaming:
             self.state = ServoState.at(self.arm, theta)
             self._watch.follow(self.state.theta, now)
 
-    def _write_anyway(self, setpoint: Setpoint) -> None:
+    def _write(self, setpoint: Setpoint) -> str:
+        """Hand the setpoint on; why nobody took it, "" where somebody did as far as is known."""
+        self.tally.delivered = False
         try:
             self.sink.write(setpoint)
+        except UndeliveredError as error:
+            self.tally.undelivered[str(error)] += 1
+            return str(error)
+        self.tally.delivered = True
+        return ""
+
+    def _write_anyway(self, setpoint: Setpoint) -> None:
+        try:
+            self._write(setpoint)
         except Exception as error:  # whatever it is, the arm must still be brought to rest
-            self.tally.failures[f"the sink failed: {_worded(error)}"] += 1
+            self.tally.failures[f"the sink failed: {worded(error)}"] += 1
 
 
-class _DeviceError(Exception):
-    def __init__(self, ending: Ending, error: Exception) -> None:
-        super().__init__(ending.value)
-        self.ending, self.reason = ending, _worded(error)
-
-
-def _asked(ending: Ending, call: Callable[P, T], *args: P.args, **kwargs: P.kwargs) -> T:
-    """What a device answers; `_DeviceError` where it says that it cannot."""
-    try:
-        return call(*args, **kwargs)
-    except (OSError, TwistarmError) as error:
-        raise _DeviceError(ending, error) from error
-
-
-def _worded(error: Exception) -> str:
-    return f"{type(error).__name__}: {error}"
-
-
-def _positive(value: float, name: str) -> float:
-    if not 0.0 < value < inf:
-        raise InputError(f"{name} must be a positive number; got {value!r}")
-    return float(value)
+def checked_rate(rate: float, settings: ServoSettings) -> float:
+    """`rate` [Hz]; InputError where it is not positive, or so low that the servo's longest step is under a period."""
+    checked = as_positive(rate, "rate")
+    if 1.0 / checked > settings.longest_dt:
+        raise InputError(
+            f"rate must be at least {1.0 / settings.longest_dt:g} Hz, because no step is longer than "
+            f"{settings.longest_dt:g} s (ServoSettings.longest_dt); got {checked:g} Hz"
+        )
+    return checked

@@ -6,12 +6,12 @@ from functools import partial
 
 from ..arm import Arm
 from ..servo import ServoState
+from ..strict_json import encode
 from .inbox import COMMAND_TIMEOUT, FEEDBACK_TIMEOUT, Inbox, StateInbox
 from .intake import Intake
 from .messages import parse_command, parse_state, setpoint_message
-from .protocols import Measured, Reading, Setpoint
+from .protocols import Measured, Reading, Setpoint, UndeliveredError
 from .sockets import Receiver, Sender, named
-from .strict_json import encode
 
 LOOPBACK = "127.0.0.1"
 """The default host: nobody but programs on this machine may move the arm."""
@@ -59,5 +59,6 @@ class UdpSink(Sender):
         super().__init__(host, port)
 
     def write(self, setpoint: Setpoint) -> None:
-        """Send the setpoint. Raises OSError where nobody listens any more, as far as the system knows."""
-        self.send(encode(setpoint_message(self._arm, setpoint)).encode())
+        """Send the setpoint. Raises `UndeliveredError` where nobody seems to listen, OSError where it cannot."""
+        if not self.send(encode(setpoint_message(self._arm, setpoint)).encode()):
+            raise UndeliveredError(f"nobody listens at {self.receiver}")

@@ -11,7 +11,6 @@ from ..arm import Arm
 from ..checks import Array, as_floats, as_theta
 from ..errors import InputError
 from ..limits import AS_GOOD_AS_UNBOUNDED
-from .latest import THREADS_APART
 from .protocols import Measured
 
 
@@ -20,6 +19,7 @@ class FeedbackWatch:
 
     timeout [s]: an older joint state is stale. tolerance (n,) or one number [rad, m]: how far a joint may be from all
     that was commanded within the last `timeout`; what lags behind by less than that time is no deviation.
+    `returned`: whether the joint state seen last was the first one after a gap longer than `timeout`.
     """
 
     def __init__(self, arm: Arm, timeout: float, tolerance: ArrayLike) -> None:
@@ -29,12 +29,22 @@ class FeedbackWatch:
         if given.shape not in ((), (arm.n,)) or not (given > 0.0).all():
             raise InputError(f"tolerance must be one positive number or {arm.n}, in rad or m; got {tolerance!r}")
         self._tolerance = np.broadcast_to(given, (arm.n,))
+        self._heard = inf
+        self.returned = False
         self._since = -inf
         self._now: tuple[Array, Array] | None = None
         self._before: tuple[Array, Array] | None = None
 
     def look(self, measured: Measured | None, now: float) -> tuple[Array | None, str]:
         """theta (n,) at `now` [s], or None and why the joint state cannot be used."""
+        theta, reason = self._usable(measured, now)
+        self.returned = False
+        if theta is not None and measured is not None:
+            self.returned = measured.time - self._heard > self._timeout
+            self._heard = measured.time
+        return theta, reason
+
+    def _usable(self, measured: Measured | None, now: float) -> tuple[Array | None, str]:
         if measured is None:
             return None, "no joint state has arrived"
         if measured.theta is None:
@@ -42,9 +52,13 @@ class FeedbackWatch:
         age = now - measured.time
         if not age <= self._timeout:
             return None, f"the last joint state is {age:.3g} s old (timeout {self._timeout:g} s)"
-        if age < -THREADS_APART:
+        if age < -self._timeout:  # less is a thread that heard it while the loop waited for its turn
             return None, f"the joint state is {-age:.3g} s from the future: its clock is another, or went back"
         return self._plausible(measured.theta)
+
+    def forget(self) -> None:
+        """Whatever was commanded counts no more: the servo starts anew from the measured state."""
+        self._before = self._now = None
 
     def follow(self, theta: Array, now: float) -> None:
         """Note where the commanded arm is. Two boxes are kept, each over a timeout: what comes and goes costs O(1)."""

@@ -34,7 +34,6 @@ class PageCommands:
         except InputError as error:
             self.refuse(sender, str(error))
             raise
-        # The clock is read last: the loop that reads the inbox may run ahead of a thread that waits for its turn.
         self.inbox.put(sender, command, time.monotonic())
         (self._jogging.discard if stops else self._jogging.add)(sender)
 

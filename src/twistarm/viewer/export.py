@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import base64
-import json
 import os
 import re
 from html import escape
@@ -19,6 +18,7 @@ from ..checks import Array
 from ..errors import InputError
 from ..files import write_whole
 from ..planning.trajectory import Trajectory
+from ..strict_json import encode
 from .admission import check_trajectory, checked_theta
 from .drawing import require_meshcat
 from .page_files import meshcat_bundle, page_text
@@ -77,7 +77,7 @@ def _page(name: str, data: dict[str, Any]) -> str:
     """index.html with its style, scripts and data inlined."""
     page = page_text("index.html")
     # A "<" in JSON can only stand in a string; escaped, no name can close the script.
-    literal = json.dumps(data, allow_nan=False, separators=(",", ":")).replace("<", "\\u003c")
+    literal = encode(data).replace("<", "\\u003c")
     policy = f'<meta http-equiv="Content-Security-Policy" content="{POLICY}">'
     scripts = (
         f'<script type="application/json" id="data">{literal}</script>\n<script type="module">\n{_program()}</script>'

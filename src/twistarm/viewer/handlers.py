@@ -9,8 +9,8 @@ from typing import TYPE_CHECKING, Any
 import tornado.web
 import tornado.websocket
 
+from ..strict_json import encode
 from .guard import Guard
-from .messages import encode
 
 if TYPE_CHECKING:
     from .server import Server

@@ -18,10 +18,11 @@ import tornado.netutil
 import tornado.web
 
 from ..errors import InputError
+from ..strict_json import LARGEST_MESSAGE, encode
 from .commands import COMMANDS, PageCommands
 from .guard import Guard
 from .handlers import PageHandler, SocketHandler
-from .messages import LARGEST_MESSAGE, Request, encode, parse
+from .messages import Request, parse
 from .page_files import page_files
 from .scene import Scene
 from .stage import Stage

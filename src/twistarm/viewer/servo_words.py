@@ -4,36 +4,38 @@ from __future__ import annotations
 
 from typing import Any
 
-from ..servo import AnyCommand, JogCommand, ServoOutput
+from ..servo import AnyCommand, PoseCommand, ServoOutput, ServoStatus
 from ..stream import Cycle
-from ..stream.inbox import COMMAND_TIMEOUT
 
-SILENT: dict[str, Any] = {"status": None, "joint": None, "reason": ""}
-
-
-class ServoWords:
-    """Puts what a servo or the loop around it answers into words, one answer after the other."""
-
-    def __init__(self) -> None:
-        self._last: AnyCommand | None = None
-
-    def of(self, answer: Cycle | ServoOutput) -> dict[str, Any]:
-        """{"status": a ServoStatus's name or null, "joint": name or null, "reason": text}."""
-        if isinstance(answer, ServoOutput):
-            return _words(answer)
-        if answer.reading is not None and answer.reading.command is not None:
-            self._last = answer.reading.command
-        if answer.setpoint is None:
-            return {**SILENT, "reason": answer.reason}
-        return SILENT if self._idle(answer) else _words(answer.setpoint.output)
-
-    def _idle(self, cycle: Cycle) -> bool:
-        """Whether nobody commands because nobody wants to: silence after a stop, or from the beginning."""
-        reading = cycle.reading
-        if reading is None or reading.reason != cycle.reason or reading.age <= COMMAND_TIMEOUT:
-            return False
-        return self._last is None or (isinstance(self._last, JogCommand) and not self._last.theta_dot.any())
+SILENT: dict[str, Any] = {"status": None, "joint": None, "reason": "", "share": None}
 
 
-def _words(output: ServoOutput) -> dict[str, Any]:
-    return {"status": output.status.name, "joint": output.joint, "reason": output.reason}
+def servo_words(answer: Cycle | ServoOutput) -> dict[str, Any]:
+    """What a servo or the loop around it answers, in words.
+
+    {"status": a ServoStatus's name or null, "joint": name or null, "reason": text, "share": of what is commanded, how
+    much is done, 0 … 1, null where nothing is}.
+    """
+    if isinstance(answer, ServoOutput):
+        return _words(answer, True)
+    if answer.setpoint is None or not answer.delivered:
+        return {**SILENT, "reason": answer.reason}
+    reading = answer.reading
+    idle = reading is not None and reading.idle and reading.reason == answer.reason
+    return SILENT if idle else _words(answer.setpoint.output, reading is not None and _moves(reading.command))
+
+
+def _words(output: ServoOutput, asked: bool) -> dict[str, Any]:
+    share = output.scale * max(0.0, 1.0 - output.lost_share)
+    told = asked and output.status is not ServoStatus.STALE
+    return {
+        "status": output.status.name,
+        "joint": output.joint,
+        "reason": output.reason,
+        "share": round(share, 2) if told else None,  # whole percents: pages are told only of what changes
+    }
+
+
+def _moves(command: AnyCommand | None) -> bool:
+    """Whether a command asks for a motion: a stop is no share of anything."""
+    return command is not None and (isinstance(command, PoseCommand) or bool(command.numbers.any()))

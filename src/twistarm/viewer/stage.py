@@ -161,8 +161,10 @@ class Stage:
         return {"type": "player", "duration": None if self.playback is None else self.playback.duration}
 
     def servo(self) -> dict[str, Any]:
-        """Whether a servo takes commands of the pages, and what it last said: status null before it said anything."""
-        return {"type": "servo", "jog": self.jogging, **self.report}
+        """Whether a servo drives the arm and takes commands of the pages, and what it last said: status null before it
+        said anything.
+        """
+        return {"type": "servo", "jog": self.jogging, "driven": self.driven, **self.report}
 
     def way(self) -> dict[str, Any]:
         """The path of the tool that is drawn; no points where none is."""

@@ -9,14 +9,12 @@ import time
 import webbrowser
 from contextlib import suppress
 from pathlib import Path
-from types import TracebackType
 
-import numpy as np
 from numpy.typing import ArrayLike
 
 from ..arm import Arm
-from ..checks import Array
-from ..errors import InputError
+from ..checks import Array, as_positive
+from ..closing import Closing
 from ..planning.trajectory import Trajectory
 from ..servo import ServoOutput
 from ..stream import Cycle, Inbox
@@ -25,11 +23,11 @@ from .drawing import require_meshcat
 from .export import save_html
 from .path import NO_PATH, tool_path
 from .scene import build_scene
-from .servo_words import ServoWords
+from .servo_words import servo_words
 from .stage import Stage
 
 
-class Viewer:
+class Viewer(Closing):
     """A view of `arm` at `theta` (ready where not given), served to the browser until `close`.
 
     host: the interface to listen on; anything but the default opens the view to a network, the token still required.
@@ -54,7 +52,6 @@ class Viewer:
         self.arm = arm
         self._host = host
         self._closed = threading.Event()
-        self._words = ServoWords()
         self._server = Server(Stage(arm, theta), build_scene(arm), host, port)
         self._server.start()
         if open_browser:
@@ -79,9 +76,8 @@ class Viewer:
     def play(self, trajectory: Trajectory, speed: float = 1.0, loop: bool = False) -> None:
         """Play `trajectory` from its start, `speed` times as fast, again and again with `loop`; returns at once."""
         check_trajectory(self.arm, trajectory)
-        if not (np.isfinite(speed) and speed > 0):
-            raise InputError(f"speed must be a positive number; got {speed!r}")
-        self._server.post("play", lambda stage: stage.load(trajectory, float(speed), loop, time.monotonic()))
+        times = as_positive(speed, "speed")
+        self._server.post("play", lambda stage: stage.load(trajectory, times, loop, time.monotonic()))
 
     @property
     def commands(self) -> Inbox:
@@ -103,7 +99,7 @@ class Viewer:
         if isinstance(answer, Cycle) and answer.theta is not None:
             self.show(answer.theta)
         self._server.commands.open = self._server.commands.open and answer is not None
-        report = None if answer is None else self._words.of(answer)
+        report = None if answer is None else servo_words(answer)
         self._server.post("servo", lambda stage: stage.hear(report))
 
     def show_screws(self, visible: bool = True) -> None:
@@ -135,14 +131,6 @@ class Viewer:
         """Stop serving; nothing is left running. Harmless when repeated."""
         self._closed.set()
         self._server.stop()
-
-    def __enter__(self) -> Viewer:
-        return self
-
-    def __exit__(
-        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
-    ) -> None:
-        self.close()
 
 
 def show_in_browser(url: str) -> bool:

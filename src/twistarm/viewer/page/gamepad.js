@@ -16,7 +16,8 @@ export class Gamepad {
     this.armed = false;
   }
 
-  // Six numbers in -1 … 1. A stick to the left and forward is y and x, as the tool's axes lie where it looks along x.
+  // Six numbers in -1 … 1. A stick to the left and forward is y and x, for an arm that looks along x; the right one
+  // forward turns its tool up.
   twist() {
     const pad = this.pad();
     const held = pad && SHOULDERS.some((button) => pressed(pad, button));
@@ -25,7 +26,7 @@ export class Gamepad {
     const [left, ahead, turn, tilt] = [0, 1, 2, 3].map((axis) => -beyond(pad.axes[axis] ?? 0));
     const [up, down] = [UP, DOWN].map((button) => beyond(pad.buttons[button]?.value ?? 0));
     const roll = Number(pressed(pad, ROLL_LEFT)) - Number(pressed(pad, ROLL_RIGHT));
-    return [ahead, left, up - down, roll, tilt, turn];
+    return [ahead, left, up - down, roll, -tilt, turn];
   }
 
   pad() {

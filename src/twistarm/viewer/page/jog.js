@@ -7,6 +7,10 @@ import { shown, signed } from "./units.js";
 const PERIOD = 40; // ms between two messages: some may be late before the process gives up waiting
 const FULL = [0.25, 1.0]; // m/s, the reduced speed of ISO 10218-1 at which people stand beside a robot; rad/s
 const SHARES = [0.05, 0.1, 0.2, 0.4, 0.7, 1];
+const SLOW = 150; // ms between two words of this page: little more, and a command dies
+const LINGER = 2000; // ms for which this is said
+const WHOLE = 0.95; // of a command: what is above counts as all of it
+const STEADY = 300; // ms for which less must be done before it is said: every motion begins slowly
 
 const $ = (id) => document.getElementById(id);
 
@@ -18,9 +22,10 @@ export class Jog {
     this.gamepad = new Gamepad();
     this.taken = false; // whether the process takes commands
     this.focused = document.hasFocus();
-    this.frame = "tool";
+    this.frame = "base";
     this.step = 3; // of SHARES
     this.timer = null; // while something is held
+    this.said = this.slowed = this.staled = this.partial = NaN; // ms: the last word, and since when what is amiss
     this.next = 0;
     this.listen();
   }
@@ -46,6 +51,7 @@ export class Jog {
   show(servo) {
     const begins = servo.jog && !this.taken;
     Object.assign(this, { taken: servo.jog, servo });
+    this.judge(servo);
     $("jog").hidden = !servo.jog && this.heard() === "";
     $("jog").classList.toggle("taken", servo.jog);
     if (!servo.jog) this.release();
@@ -53,9 +59,19 @@ export class Jog {
     this.tell();
   }
 
+  judge({ status, share }) {
+    const now = performance.now();
+    if (status === "STALE") this.staled = now;
+    if (share === null || share >= WHOLE) this.partial = NaN;
+    else if (Number.isNaN(this.partial)) {
+      this.partial = now;
+      setTimeout(() => this.tell(), STEADY);
+    }
+  }
+
   // The process is gone.
   lose() {
-    this.show({ jog: false, status: null, joint: null, reason: "" });
+    this.show({ jog: false, status: null, joint: null, reason: "", share: null });
   }
 
   get ready() {
@@ -103,17 +119,30 @@ export class Jog {
     const held = this.twist().some((value) => value !== 0);
     if (held && this.timer === null) {
       this.timer = setInterval(() => this.repeat(), PERIOD);
-      this.act.jog(this.twist(), this.frame);
+      this.say();
     } else if (!held && this.timer !== null) {
       clearInterval(this.timer);
       this.timer = null;
+      this.spoke(NaN);
       this.act.stop();
     }
   }
 
   repeat() {
     this.update();
-    if (this.timer !== null) this.act.jog(this.twist(), this.frame);
+    if (this.timer !== null) this.say();
+  }
+
+  say() {
+    this.spoke(performance.now());
+    this.act.jog(this.twist(), this.frame);
+  }
+
+  // Whether this page itself let its last word grow old.
+  spoke(said) {
+    const now = performance.now();
+    if (now - this.said > SLOW) this.slowed = now;
+    this.said = said;
   }
 
   // [m/s, rad/s]; no faster across two axes than along one.
@@ -140,10 +169,19 @@ export class Jog {
     write($("jog-line"), this.taken ? words.filter(Boolean).join(" · ") : "Servo");
     write($("jog-servo"), this.heard());
     $("jog-servo").dataset.status = this.servo.status ?? "";
+    write($("jog-share"), this.done());
   }
 
   heard() {
-    return this.servo.status === "OK" ? "OK" : this.servo.reason;
+    const word = this.servo.status === "OK" ? "OK" : this.servo.reason;
+    const late = performance.now() - Math.min(this.slowed, this.staled) < LINGER;
+    return late ? [word, "this browser is too slow: make the window smaller"].filter(Boolean).join(" · ") : word;
+  }
+
+  // How much of the command is done, where it is not all of it.
+  done() {
+    const steady = performance.now() - this.partial >= STEADY;
+    return steady ? `${Math.round(100 * this.servo.share)} % of what was asked` : "";
   }
 }
 

@@ -3,8 +3,8 @@
 
 const TURNS = {
   KeyW: [0, 1], KeyS: [0, -1], KeyA: [1, 1], KeyD: [1, -1], KeyR: [2, 1], KeyF: [2, -1],
-  KeyQ: [3, 1], KeyE: [3, -1], ArrowUp: [4, 1], ArrowDown: [4, -1], ArrowLeft: [5, 1], ArrowRight: [5, -1],
-}; // component of (v, w), sign
+  KeyQ: [3, 1], KeyE: [3, -1], ArrowUp: [4, -1], ArrowDown: [4, 1], ArrowLeft: [5, 1], ArrowRight: [5, -1],
+}; // component of (v, w), sign; a tool that looks along x rises where it turns about y the negative way
 
 export class Keys {
   constructor() {

@@ -52,7 +52,10 @@ const receive = {
     panel.showPath(message.points.length > 0);
   },
   player: ({ duration }) => panel.showPlayer(duration),
-  servo: (message) => jog.show(message),
+  servo(message) {
+    jog.show(message);
+    panel.showDriven(message.driven);
+  },
   error: ({ message }) => panel.showError(message),
 };
 

@@ -17,6 +17,7 @@ export class Panel {
   constructor(act) {
     this.act = act;
     this.rows = new Map();
+    this.names = [];
     this.held = null; // the joint under somebody's hand: its slider is not moved from outside
     this.running = false;
     this.duration = 0; // of the trajectory, s; the scrubber runs from 0 to 1
@@ -100,6 +101,15 @@ export class Panel {
   // The hand is off, and what it asked for has arrived.
   release() {
     this.held = null;
+  }
+
+  // While a servo drives, the arm's joints are not for hands; those beside it still are.
+  showDriven(driven) {
+    for (const name of this.names) this.rows.get(name).slider.disabled = driven;
+    for (const button of $("poses").children) button.disabled = driven;
+    $("scrub").disabled = driven;
+    for (const id of ["poses", "joints"]) $(id).title = driven ? "A servo drives the arm" : "";
+    $("panel").classList.toggle("driven", driven);
   }
 
   showVisible(layers) {

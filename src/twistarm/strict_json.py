@@ -6,10 +6,13 @@ import json
 from collections.abc import Mapping
 from typing import Any
 
-from ..errors import InputError, one_line
+from .errors import InputError, one_line
 
 LARGEST_MESSAGE = 64 * 1024
 """Bytes of a message: a joint state of a thousand joints is half of it."""
+
+LARGEST_NUMBER = 1e300
+"""Numbers beyond mean nothing, and an integer may be beyond the floats."""
 
 LARGEST_COUNTER = 2**53
 """Counters stay below, where every reader's numbers are whole."""
@@ -36,19 +39,19 @@ def decoded(text: str | bytes) -> dict[str, Any]:
     return message
 
 
-def numbers(value: Any, name: str, size: int | None = None) -> list[float]:
-    """A list of finite numbers, `size` of them where it is given."""
+def numbers(value: Any, name: str, size: int | None = None, largest: float = LARGEST_NUMBER) -> list[float]:
+    """A list of numbers, `size` of them where it is given, each at most `largest` in size."""
     if not isinstance(value, list) or (size is not None and len(value) != size):
         raise InputError(f"{name} must be a list of {'' if size is None else f'{size} '}numbers; got {short(value)}")
-    return [number(each, f"{name}[{k}]") for k, each in enumerate(value)]
+    return [number(each, f"{name}[{k}]", largest) for k, each in enumerate(value)]
 
 
-def number(value: Any, name: str) -> float:
-    """A finite number."""
+def number(value: Any, name: str, largest: float = LARGEST_NUMBER) -> float:
+    """A finite number, at most `largest` in size."""
     if not isinstance(value, (int, float)) or isinstance(value, bool):
         raise InputError(f"{name} must be a number; got {short(value)}")
-    if not abs(value) <= 1e300:  # an integer beyond the floats, infinity and NaN alike
-        raise InputError(f"{name} must be finite; got {short(value)}")
+    if not abs(value) <= largest:  # infinity and NaN alike
+        raise InputError(f"{name} must be finite and at most {largest:g} in size; got {short(value)}")
     return float(value)
 
 
@@ -59,13 +62,27 @@ def counter(value: Any, name: str) -> int:
     return value
 
 
+def text(value: Any, name: str) -> str:
+    """A string."""
+    if not isinstance(value, str):
+        raise InputError(f"{name} must be text; got {short(value)}")
+    return value
+
+
+def flag(value: Any, name: str) -> bool:
+    """True or false."""
+    if not isinstance(value, bool):
+        raise InputError(f"{name} must be true or false; got {short(value)}")
+    return value
+
+
 def short(value: Any) -> str:
     """`value` in a few words on one line."""
     try:
-        text = str(value) if isinstance(value, BaseException) else repr(value)
+        words = str(value) if isinstance(value, BaseException) else repr(value)
     except (ValueError, RecursionError):  # an integer of thousands of digits has no decimal text
-        text = type(value).__name__
-    return one_line(text, 80)
+        words = type(value).__name__
+    return one_line(words, 80)
 
 
 def _once(pairs: list[tuple[str, Any]]) -> dict[str, Any]:
