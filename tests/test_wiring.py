@@ -94,6 +94,7 @@ def test_planted_faults_are_named_and_the_corrected_entries_are_the_true_ones(ca
     assert (report.verdict, faults(report)) == ("fault", expected)
     assert report.after.position < 0.003 < report.before.position
     for motor, row, zero in zip(report.motors, true.G, true.offset, strict=True):
+        assert motor.ratio is not None
         assert np.allclose(list(motor.ratio.values()), row[row != 0], rtol=0.02)
         assert motor.zero == pytest.approx(zero, abs=100 * np.radians(1.0))
     with pytest.raises(
@@ -152,19 +153,25 @@ def test_a_motor_that_was_not_moved_is_told_to_be_moved() -> None:
     assert report.motors[2].scale_std > 1.0
     # Off by 0.3 rad it may be its zero or its ratio.
     off = check_wiring(arm, logged(arm, wired(arm, set_to((2, 1.0, 30.0))), 3, theta=theta))
-    assert faults(off) == {"m2": ("zero offset",)}
-    assert "add -17." in off.motors[2].what
-    assert "or its ratio: the log does not tell which; move it" in off.motors[2].what
+    elbow = off.motors[2]
+    assert (off.verdict, elbow.verdict, elbow.ratio, elbow.zero) == ("fault", "possible fault", None, None)
+    assert "add -17." in elbow.what
+    assert ", or its ratio is 1.4" in elbow.what
+    assert elbow.remedy == "move it: log elbow at several places, 30° apart and more"
 
 
 def test_one_motor_of_a_wrist_or_the_other() -> None:
     """Positions alone: a zero of either moves the pitch alike, and the roll cannot be seen."""
     arm = geared("rover_arm")
     report = check_wiring(arm, logged(arm, wired(arm, set_to((3, 1.0, 15.0))), 4, poses=False))
-    (name,) = faults(report)
-    assert name in ("m3", "m4")
-    told = next(motor.what for motor in report.motors if motor.faults)
-    assert f"or '{'m4' if name == 'm3' else 'm3'}': the log does not tell which; measure the tool's orientation" in told
+    assert faults(report) == {"m3": ("zero offset",), "m4": ("zero offset",)}
+    assert report.what.startswith(
+        "one thing is wrong and the log does not tell which: 'm3' (zero offset) or 'm4' (zero offset); measure the tool"
+    )
+    for motor, other in zip(report.motors[3:], ("m4", "m3"), strict=True):
+        assert (motor.verdict, motor.ratio, motor.zero) == ("possible fault", None, None)
+        assert f", or a fault of '{other}': the log does not tell which" in motor.what
+        assert motor.remedy.startswith("measure the tool's orientation too, or a point of the tool beside its axis")
 
 
 def test_few_moments() -> None:
@@ -231,9 +238,9 @@ def test_what_it_cannot_work_with() -> None:
         check_wiring(arm, WiringLog((*log.names[:4], "m9"), log.counts, log.measured))
     with pytest.raises(InputError, match="the log holds no moment"):
         check_wiring(arm, WiringLog(log.names, np.zeros((0, 5)), np.zeros((0, 3))))
-    with pytest.raises(InputError, match="position_noise must be positive; got 0"):
+    with pytest.raises(InputError, match="position_noise must be a positive number; got 0"):
         check_wiring(arm, log, position_noise=0.0)
-    with pytest.raises(InputError, match="orientation_noise must be finite"):
+    with pytest.raises(InputError, match="orientation_noise must be a positive number; got nan"):
         check_wiring(arm, log, orientation_noise=np.nan)
 
 

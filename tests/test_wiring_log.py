@@ -93,6 +93,8 @@ REFUSED = {
     "a column twice": ((HEADER + ",x",), "log.csv:1: column 'x' stands there twice"),
     "another unit": ((HEADER.replace("[turn]", "[rad]"),), "log.csv:1: column 'rail' is in [turn]; got [rad]"),
     "millimetres": ((HEADER.replace("x [m]", "x [mm]"),), "log.csv:1: column 'x' is in [m]; got [mm]"),
+    "semicolons": ((HEADER.replace(",", ";"),), "columns are separated by commas, decimals by points; got semicolons"),
+    "tabs": ((HEADER.replace(",", "\t"),), "columns are separated by commas, decimals by points; got tabs"),
     "too few": ((HEADER, ROW, "1,2,3"), "log.csv:3: 3 values for 8 columns"),
     "too many": ((HEADER, ROW + ",9"), "log.csv:2: 9 values for 8 columns"),
     "no number": ((HEADER, "#", ROW.replace("100", "1O0", 1)), "log.csv:3: left must be a number; got '1O0'"),
@@ -160,9 +162,13 @@ def test_a_log_that_cannot_tell(toml: Path, tmp_path: Path, capsys: Capture) -> 
     path = written(load_arm(toml), tmp_path, poses=False)
     assert run(["wiring", str(toml), str(path)]) == 1
     shown = capsys.readouterr().out
-    assert "left: the log does not show its zero; measure the tool's orientation too" in shown
+    unseen = "the log does not show its zero, nor whether it is swapped with 'right'"
+    assert f"left: {unseen}; measure the tool's orientation too" in shown
     assert "± ?" in shown
-    assert shown.rstrip().endswith("cannot tell: what the log shows is sound, but it does not show every motor")
+    assert shown.splitlines()[-1] == (
+        "cannot tell: the log does not show the zero of 'left' and 'right', "
+        "nor whether 'left' and 'right' are swapped; what it does show is sound"
+    )
 
 
 def test_an_arm_without_motors(tmp_path: Path, capsys: Capture) -> None:

@@ -3,24 +3,29 @@
 from __future__ import annotations
 
 import os
+from collections.abc import Callable
 from dataclasses import replace
-from itertools import combinations
 
 import numpy as np
 
 from ..actuators import Actuators
 from ..arm import Arm
-from ..checks import Array, as_number
+from ..checks import Array, as_positive
 from ..errors import InputError
-from .fit import best_fit, from_sound
-from .hypotheses import Explanation, fewest_faults
+from .advice import moved
+from .fit import best_fit
+from .hypotheses import fewest_faults
+from .judgement import judged, unjudged, unmoved
+from .lengths import UNITS, plausible_units
 from .log import WiringLog, read_log
 from .model import Wiring
-from .report import MotorVerdict, Residual, WiringReport
-from .verdicts import verdicts
+from .report import Residual, WiringReport
+from .search import Found, as_sound, readings, search, swapped
 
 MOST_ROWS = 200
 """Moments that are fitted, evenly out of the log: a camera's neighbouring ones err alike and add nothing."""
+
+Progress = Callable[[float], object]
 
 
 def check_wiring(
@@ -29,31 +34,43 @@ def check_wiring(
     *,
     position_noise: float = 0.002,
     orientation_noise: float = float(np.radians(1.0)),
+    progress: Progress | None = None,
 ) -> WiringReport:
     """Whether the signs, ratios and zeros of the arm's motors fit a log of their counts and of measured tool poses.
 
     `log`: a WiringLog, or the path of a CSV (`read_log`). `position_noise` [m] and `orientation_noise` [rad] are one
     standard deviation of the measuring. theta = G⁻¹ (s y + e) is fitted to the poses, y being what the motors read
     from their configured zeros; faults are the fewest deviations from s = 1, e = 0 that explain the log, of those
-    that are clear from the noise and more than 1°, 5 mm or 2 %. Where the log cannot show a motor's scale or offset,
-    the verdict is "cannot tell", and what to move or measure.
+    that are clear from the noise and more than 1°, 5 mm or 2 %. Where others explain it as well, all are named and
+    none is corrected. Where the log cannot show a motor's sign, scale or offset, or whether two are swapped, the
+    verdict is "cannot tell", and what to move or measure. A log that nothing explains takes seconds:
+    `progress(fraction)` is called along the way.
 
     Raises InputError for an arm without actuators, joints that they do not determine, and an unusable log.
     """
     motors = arm.actuators
     if motors is None:
         raise InputError(f"{arm.name} has no actuators: describe its motors as [actuators.NAME] in its arm.toml")
-    noise = _positive(position_noise, "position_noise"), _positive(orientation_noise, "orientation_noise")
+    noise = as_positive(position_noise, "position_noise"), as_positive(orientation_noise, "orientation_noise")
     logged = log if isinstance(log, WiringLog) else read_log(log, motors)
     counts = logged.of(motors)
     if not len(counts):
         raise InputError("the log holds no moment: give a row of counts and the tool's position for each")
+    told = progress or (lambda _: None)
     as_said = _wiring(arm, motors, counts, logged.measured, noise)
-    wiring, found, swapped = _explained(as_said, motors, counts)
-    each = verdicts(_thinned(wiring), found, motors, swapped)
-    verdict, what = _verdict(each) if found.fits(_thinned(wiring)) else ("unexplained", _why_not(wiring, found.p))
-    before, after = _residual(as_said, as_said.sound), _residual(wiring, found.p)
-    return WiringReport(arm.name, verdict, what, each, len(counts), before, after, _worst_row(wiring, found.p) + 1)
+    unit, as_said, found = _explained(as_said, motors, _part(told, 0, 2))
+    wiring, p = swapped(as_said, motors, found.swapped), found.explanation.p
+    if _still(wiring):
+        verdict, what, each = unmoved(found, motors)
+    elif found.fits:
+        verdict, what, each = judged(found, motors)
+    else:
+        why_not = _why_not(wiring, p, _part(told, 1, 2))
+        verdict, what, each = "unexplained", why_not, unjudged(motors)
+    if unit:
+        verdict, what = "unexplained", f"the positions look like {unit}: log x, y, z in metres; read so, {what}"
+    before, after = _residual(as_said, as_said.sound), _residual(wiring, p)
+    return WiringReport(arm.name, verdict, what, each, len(counts), before, after, _worst_row(wiring, p) + 1)
 
 
 def _wiring(arm: Arm, motors: Actuators, counts: Array, measured: Array, noise: tuple[float, float]) -> Wiring:
@@ -62,7 +79,7 @@ def _wiring(arm: Arm, motors: Actuators, counts: Array, measured: Array, noise: 
     more = len(motors.names) > arm.n
     return Wiring(
         arm=arm,
-        y=_readings(motors, counts),
+        y=readings(motors, counts),
         position=measured[:, :3, 3] if poses else measured,
         rotation=measured[:, :3, :3] if poses else None,
         noise=noise,
@@ -72,30 +89,26 @@ def _wiring(arm: Arm, motors: Actuators, counts: Array, measured: Array, noise: 
     )
 
 
-def _readings(motors: Actuators, counts: Array) -> Array:
-    """What the motors read from their zeros (K, k) [rad or m]."""
-    return motors.from_counts(counts) - motors.offset
+def _explained(wiring: Wiring, motors: Actuators, progress: Progress) -> tuple[str, Wiring, Found]:
+    """What was found, in which unit the positions were logged if not in metres, and the wiring with them in metres."""
+    if _still(wiring):
+        return "", wiring, as_sound(_thinned(wiring))
+    units = plausible_units(wiring)
+    for done, unit in enumerate(units):
+        metres = replace(wiring, position=UNITS[unit] * wiring.position)
+        found = search(_thinned(metres), motors, _part(progress, done, len(units) + 1))
+        if found.fits:
+            return unit, metres, found
+    return "", wiring, search(_thinned(wiring), motors, _part(progress, len(units), len(units) + 1))
 
 
-def _explained(wiring: Wiring, motors: Actuators, counts: Array) -> tuple[Wiring, Explanation, tuple[int, ...]]:
-    """The wiring and its explanation, and which two motors have to be swapped for it.
+def _part(progress: Progress, done: int, parts: int) -> Progress:
+    """The progress of one part of several that take about as long."""
+    return lambda fraction: progress((done + fraction) / parts)
 
-    Swapped motors are looked for first: they are one fault, which looks like several.
-    """
-    few = _thinned(wiring)
-    found = fewest_faults(few, *from_sound(few))
-    if found.fits(few):
-        return wiring, found, ()
-    swaps = []
-    for i, j in combinations(range(wiring.k), 2):
-        order = np.arange(wiring.k)
-        order[[i, j]] = j, i
-        other = replace(wiring, y=_readings(motors, counts[:, order]))
-        swaps.append((other, fewest_faults(_thinned(other), *from_sound(_thinned(other))), (i, j)))
-        if swaps[-1][1].fits(few) and swaps[-1][1].sound:
-            return swaps[-1]
-    found = fewest_faults(few, *best_fit(few))
-    return (wiring, found, ()) if found.fits(few) else min([(wiring, found, ()), *swaps], key=lambda one: one[1].total)
+
+def _still(wiring: Wiring) -> bool:
+    return not any(moved(wiring, i) for i in range(wiring.k))
 
 
 def _thinned(wiring: Wiring) -> Wiring:
@@ -103,24 +116,16 @@ def _thinned(wiring: Wiring) -> Wiring:
     return wiring if K <= MOST_ROWS else wiring.of_rows(np.linspace(0, K - 1, MOST_ROWS).astype(int))
 
 
-def _verdict(each: tuple[MotorVerdict, ...]) -> tuple[str, str]:
-    if any(motor.verdict == "fault" for motor in each):
-        return "fault", "the log shows what is wrong with the motors named"
-    if any(motor.verdict == "cannot tell" for motor in each):
-        return "cannot tell", "what the log shows is sound, but it does not show every motor"
-    return "sound", "signs, ratios and zeros fit the log"
-
-
-def _why_not(wiring: Wiring, p: Array) -> str:
+def _why_not(wiring: Wiring, p: Array, progress: Progress) -> str:
     """The row without which the log can be explained, if there is one."""
     K, odd = len(wiring.y), _worst_row(wiring, p)
     if 3 < K <= MOST_ROWS:
         rest = wiring.of_rows(np.delete(np.arange(K), odd))
-        if fewest_faults(rest, *best_fit(rest)).fits(rest):
+        if fewest_faults(rest, *best_fit(rest, progress)).fits(rest):
             return f"row {odd + 1} of the log does not fit the others: measure it again, or leave it out"
     return (
         "no sign, ratio or zero of single motors explains the log: check that the tool was measured in the axes of "
-        f"{wiring.arm.base} and at {wiring.arm.tip}, while the arm stood still, and the lengths of the arm"
+        f"{wiring.arm.base} and at {wiring.arm.tip}, in metres, while the arm stood still, and the lengths of the arm"
     )
 
 
@@ -137,10 +142,3 @@ def _worst_row(wiring: Wiring, p: Array) -> int:
     if rotation is not None:
         misses = misses + (rotation / wiring.noise[1]) ** 2
     return int(misses.sum(axis=-1).argmax())
-
-
-def _positive(value: float, name: str) -> float:
-    number = as_number(value, name)
-    if not number > 0:
-        raise InputError(f"{name} must be positive; got {number:g}")
-    return number

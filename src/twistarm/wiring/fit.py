@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from itertools import combinations
 
 import numpy as np
@@ -68,24 +69,25 @@ def from_sound(wiring: Wiring) -> tuple[Array, float]:
     return refine(wiring, wiring.sound, np.ones(2 * wiring.k, dtype=bool))
 
 
-def best_fit(wiring: Wiring) -> tuple[Array, float]:
+def best_fit(wiring: Wiring, progress: Callable[[float], object]) -> tuple[Array, float]:
     """The parameters (2k,) that fit the log best, from wherever they are found, and the sum of squares.
 
     The reversed motors that come nearest, as they are; then a beam from the sound ones, and one from the reversed: in
-    each round one more motor gets whichever scale and offset helps.
+    each round one more motor gets whichever scale and offset helps. `progress(fraction)` is called along the way.
     """
     rows = np.unique(np.linspace(0, len(wiring.y) - 1, min(FEW, len(wiring.y))).astype(int))
     few, every = wiring.of_rows(rows), np.ones(2 * wiring.k, dtype=bool)
-    reversed_ = _most_promising(few, _signs(wiring.k), KEPT)
+    reversed_ = _most_promising(few, sign_patterns(wiring.k), KEPT)
     best, total = min((refine(few, p, every) for p in (few.sound, *reversed_)), key=lambda fit: fit[1])
     enough = FITS * len(few.residual(few.sound))
-    for beam in ([few.sound], reversed_):
-        for _ in range(MOST_FAULTY):
+    for half, beam in enumerate(([few.sound], list(reversed_))):
+        for turn in range(MOST_FAULTY):
             if total <= enough:
                 break
             changed = [refine(few, start, _moved(start)) for p in beam for start in _one_more(few, p)]
             beam = [p for p, _ in sorted(changed, key=lambda fit: fit[1])[:KEPT]]
             best, total = min([(best, total), *(refine(few, p, every) for p in beam)], key=lambda fit: fit[1])
+            progress((half + (turn + 1) / MOST_FAULTY) / 2)
     return refine(wiring, best, every)
 
 
@@ -95,8 +97,8 @@ def _most_promising(wiring: Wiring, starts: Array, count: int) -> Array:
     return kept
 
 
-def _signs(k: int) -> Array:
-    """Every pattern of reversed motors, (M, 2k); of many motors, one or two of them."""
+def sign_patterns(k: int) -> Array:
+    """Every pattern of reversed motors as parameters (M, 2k), few first; of many motors, one or two of them."""
     patterns = [flips for count in range(1, k + 1 if k <= MOST_SIGNS else 3) for flips in combinations(range(k), count)]
     starts = np.tile(np.repeat([1.0, 0.0], k), (len(patterns), 1))
     for start, flips in zip(starts, patterns, strict=True):

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 
@@ -52,9 +52,15 @@ class Explanation:
         """Nothing is claimed of any motor."""
         return set(self.accounts) == {"sound"}
 
+    @property
+    def claims(self) -> int:
+        """How many faults are claimed."""
+        return sum(map(claims, self.accounts))
+
     def fits(self, wiring: Wiring) -> bool:
         """Whether what is left is no more than noise."""
-        return self.total <= UNEXPLAINED * freedom(wiring)
+        fitted = sum(by_scale + by_offset for _, by_scale, by_offset, _ in map(ACCOUNTS.__getitem__, self.accounts))
+        return self.total <= UNEXPLAINED * freedom(wiring, fitted)
 
 
 def fewest_faults(wiring: Wiring, p: Array, total: float) -> Explanation:
@@ -63,11 +69,11 @@ def fewest_faults(wiring: Wiring, p: Array, total: float) -> Explanation:
     Of a fit that is none there is nothing to explain: it stays as it is.
     """
     k = wiring.k
-    scale = max(1.0, total / freedom(wiring))
+    scale = max(1.0, total / freedom(wiring, 2 * k))
     best = Explanation(("ratio, zero",) * k, p, total, scale)
     if not best.fits(wiring):
         return best
-    sound = _explained(wiring, wiring.sound, ("sound",) * k, scale)
+    sound = explained_by(wiring, wiring.sound, ("sound",) * k, scale)
     if sound.total / scale - total / scale < CLEAR:
         return sound
     improved = True
@@ -80,9 +86,9 @@ def fewest_faults(wiring: Wiring, p: Array, total: float) -> Explanation:
     return min(best, sound, key=lambda explanation: explanation.cost)
 
 
-def freedom(wiring: Wiring) -> int:
-    """Equations beyond the parameters, at least 1."""
-    return max(len(wiring.residual(wiring.sound)) - 2 * wiring.k, 1)
+def freedom(wiring: Wiring, fitted: int) -> int:
+    """Equations beyond the parameters that are fitted, at least 1."""
+    return max(len(wiring.residual(wiring.sound)) - fitted, 1)
 
 
 ENOUGH = 1e-6
@@ -92,25 +98,21 @@ ENOUGH = 1e-6
 def alternatives(wiring: Wiring, best: Explanation, i: int) -> list[Explanation]:
     """The explanations that differ in the account for motor i."""
     names = [name for name in ACCOUNTS if name != best.accounts[i]]
-    return [_explained(wiring, best.p, _with(best.accounts, i, name), best.scale) for name in names]
+    return [explained_by(wiring, best.p, with_account(best.accounts, i, name), best.scale) for name in names]
 
 
-def blamed_on(wiring: Wiring, best: Explanation, i: int, j: int) -> float:
-    """The least cost of an explanation that claims less of motor i, and something else of motor j."""
-    claimed = ACCOUNTS[best.accounts[i]][3]
-    return min(
-        other.cost
-        for less, (*_, claims) in ACCOUNTS.items()
-        if claims < claimed
-        for other in alternatives(wiring, replace(best, accounts=_with(best.accounts, i, less)), j)
-    )
+def claims(account: str) -> int:
+    """How many faults an account claims."""
+    return 0 if account == "sound" else 1 + account.count(",")
 
 
-def _with(accounts: tuple[str, ...], i: int, account: str) -> tuple[str, ...]:
+def with_account(accounts: tuple[str, ...], i: int, account: str) -> tuple[str, ...]:
+    """The accounts with another one for motor i."""
     return (*accounts[:i], account, *accounts[i + 1 :])
 
 
-def _explained(wiring: Wiring, near: Array, accounts: tuple[str, ...], scale: float) -> Explanation:
+def explained_by(wiring: Wiring, near: Array, accounts: tuple[str, ...], scale: float) -> Explanation:
+    """The explanation by these accounts, fitted from the parameters p (2k,) near it."""
     k = wiring.k
     p, free = near.copy(), np.zeros(2 * k, dtype=bool)
     for i, account in enumerate(accounts):

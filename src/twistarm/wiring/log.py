@@ -23,6 +23,9 @@ MAX_BYTES = 20_000_000
 
 POSITION, ROTATION = ("x", "y", "z"), ("qx", "qy", "qz", "qw")
 
+SEPARATORS = {";": "semicolons", "\t": "tabs"}
+"""What other programs write between columns."""
+
 UNIT_LENGTH_TOL = 0.01
 """A logged quaternion is rounded to a few digits; one that is further from length 1 holds something else."""
 
@@ -116,6 +119,9 @@ def _columns(header: Sequence[str], motors: Actuators, place: str) -> tuple[str,
     units = (
         dict(zip(motors.names, motors.units, strict=True)) | dict.fromkeys(POSITION, "m") | dict.fromkeys(ROTATION, "1")
     )
+    for separator, name in SEPARATORS.items():
+        if any(separator in cell.strip() for cell in header):
+            raise InputError(f"{place}: columns are separated by commas, decimals by points; got {name}")
     names = []
     for cell in header:
         name, bracket, unit = (part.strip() for part in cell.partition("["))

@@ -20,23 +20,26 @@ class Residual(NamedTuple):
 class MotorVerdict:
     """What the log says of one motor.
 
-    `verdict` is "sound", "fault" or "cannot tell", with `faults` out of "flipped sign", "wrong ratio", "zero offset",
-    "swapped". The motor's readings y from its zero fit as `scale` y + `offset` [rad or m, motor side], each with its
-    standard deviation where all parameters are fitted (inf where the log says nothing); `joint_offset` is what the
-    offset makes of the joints [rad or m]. `ratio` and `zero` are what the arm.toml should say, for the motors as they
-    are wired. `what` and `remedy` tell it in words.
+    `verdict` is "sound", "fault", "possible fault" or "cannot tell", with `faults` out of "flipped sign", "wrong
+    ratio", "zero offset", "swapped"; of a possible fault the log does not tell whether it is this one or another that
+    is named. `unseen` is what the log does not show, out of "sign", "ratio", "zero" and "swapped with NAME".
+    The motor's readings y from its zero fit as `scale` y + `offset` [rad or m, motor side], each with its standard
+    deviation where all parameters are fitted (inf where the log says nothing); `joint_offset` is what the offset makes
+    of the joints [rad or m]. `ratio` and `zero` are what the arm.toml should say, for the motors as they are wired;
+    None where the log does not tell. `what` and `remedy` tell it in words.
     """
 
     name: str
     verdict: str
     faults: tuple[str, ...]
+    unseen: tuple[str, ...]
     scale: float
     scale_std: float
     offset: float
     offset_std: float
     joint_offset: Mapping[str, float]
-    ratio: Mapping[str, float]
-    zero: float
+    ratio: Mapping[str, float] | None
+    zero: float | None
     what: str
     remedy: str
 
@@ -46,7 +49,8 @@ class WiringReport:
     """The verdict on the whole ("sound", "fault", "cannot tell", "unexplained"), and on each motor.
 
     `before` is the residual of the arm as its arm.toml says, `after` that with the scales and offsets found. `rows`
-    moments were logged; `worst_row`, counted from 1, fits least.
+    moments were logged; `worst_row`, counted from 1, fits least. A log in another unit than metres is "unexplained";
+    where `what` names the unit, all else is said of the positions in metres.
     """
 
     arm: str
@@ -66,6 +70,7 @@ class WiringReport:
     def require(self) -> WiringReport:
         """Itself, or ComparisonError with what was found."""
         if not self.ok:
-            found = [f"{motor.name}: {motor.what}" for motor in self.motors if motor.verdict != "sound"]
+            told = [motor for motor in self.motors if motor.verdict != "sound" and motor.what]
+            found = [f"{motor.name}: {motor.what}" for motor in told]
             raise ComparisonError(f"the wiring of {self.arm}: {'; '.join([self.what, *found])}")
         return self

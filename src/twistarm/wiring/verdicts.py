@@ -1,29 +1,22 @@
-"""What an explanation means for each motor: what to correct, or what to move so that the log can tell."""
+"""From what was found to a verdict on each motor: what to correct, or what to log so that one can be given."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 
 from ..actuators import Actuators
 from ..checks import Array
-from ..errors import listed
-from .hypotheses import AS_GOOD, Explanation, alternatives, blamed_on
-from .model import Wiring
+from .advice import advice, moved, not_shown
+from .faults import correction, entries, in_words, joint_offset, named_faults, offset_of, slides
 from .report import MotorVerdict
-
-SMALL_SCALE, SMALL_ANGLE, SMALL_LENGTH = 0.02, np.radians(1.0), 0.005
-"""A scale or offset [joint rad, m] that is less off than this is how arms are: no fault, though the log may show it."""
+from .rivals import rivals, unseen_signs, unseen_swaps
+from .search import Found
 
 SEEN_SCALE, SEEN_ANGLE, SEEN_LENGTH = 0.05, np.radians(2.0), 0.01
 """With a larger standard deviation than this the log does not show a scale or an offset [joint rad, m]."""
-
-LITTLE_ANGLE, LITTLE_LENGTH = np.radians(15.0), 0.05
-"""A motor that moves its joint by less than this [rad, m] has hardly been moved."""
-
-SIGN, RATIO, ZERO, SWAPPED = "flipped sign", "wrong ratio", "zero offset", "swapped"
-
 
 NOTHING = 1e-9
 """A singular value that is a smaller part of the largest is rounding."""
@@ -31,18 +24,13 @@ NOTHING = 1e-9
 UNSEEN = 1e-6
 """A smaller share in a direction of which nothing is seen is rounding."""
 
-
-def verdicts(
-    wiring: Wiring, found: Explanation, motors: Actuators, swapped: tuple[int, ...]
-) -> tuple[MotorVerdict, ...]:
-    """The verdict on each motor; an explanation that does not fit the log proves nothing."""
-    evidence = _Evidence(wiring, found, motors, swapped, found.fits(wiring), _standard_deviations(wiring, found))
-    return tuple(evidence.verdict(i) for i in range(wiring.k))
+Suspect = tuple[int, Found]
+"""A motor, and the explanation that blames it."""
 
 
-def _standard_deviations(wiring: Wiring, found: Explanation) -> Array:
+def standard_deviations(found: Found) -> Array:
     """Of all parameters (2k,), were all of them fitted: √ diag (AᵀA)⁻¹, inf along what A does not see."""
-    _, values, Vt = np.linalg.svd(wiring.slope(found.p), full_matrices=False)
+    _, values, Vt = np.linalg.svd(found.wiring.slope(found.explanation.p), full_matrices=False)
     values = np.where(values > NOTHING * values[0], values, 0.0)
     # Fewer equations than parameters leave rows of Vt out: those directions are not seen either.
     missing = 1.0 - (Vt * Vt).sum(axis=0)
@@ -52,118 +40,86 @@ def _standard_deviations(wiring: Wiring, found: Explanation) -> Array:
 
 
 @dataclass(frozen=True, eq=False)
-class _Evidence:
-    """What is known of all motors: `std` (2k,) of the parameters; `swapped`, two of them or none."""
+class Evidence:
+    """What a log says of all motors, from an explanation that fits it."""
 
-    wiring: Wiring
-    found: Explanation
+    found: Found
     motors: Actuators
-    swapped: tuple[int, ...]
-    fits: bool
-    std: Array
+
+    @property
+    def k(self) -> int:
+        """Motors."""
+        return self.found.wiring.k
+
+    @cached_property
+    def std(self) -> Array:
+        """Standard deviations (2k,) of the parameters."""
+        return standard_deviations(self.found)
+
+    @cached_property
+    def open_faults(self) -> list[list[Suspect]]:
+        """Faults that several explanations share: for each the suspects."""
+        groups = []
+        for i in range(self.k):
+            others = rivals(self.found, i) if named_faults(self.found, i) else []
+            others += [(j, one) for one in self.found.as_good for j in range(self.k) if named_faults(one, j)]
+            if named_faults(self.found, i) and others:
+                groups.append(sorted([(i, self.found), *others], key=lambda suspect: suspect[0]))
+        return groups
+
+    @cached_property
+    def unseen(self) -> list[list[str]]:
+        """For each motor what the log does not show: sign, ratio, zero."""
+        signs = unseen_signs(self.found)
+        offset = [SEEN_LENGTH if slides(self.found.wiring, i) else SEEN_ANGLE for i in range(self.k)]
+        rows = [
+            {"sign": i in signs, "ratio": self.std[i] > SEEN_SCALE, "zero": self.std[self.k + i] > offset[i]}
+            for i in range(self.k)
+        ]
+        return [[name for name, hidden in row.items() if hidden] for row in rows]
+
+    @cached_property
+    def unseen_swaps(self) -> list[tuple[int, int]]:
+        """Pairs of motors that may as well be swapped, but for those that have to be moved first."""
+        pairs = unseen_swaps(self.found, self.motors)
+        return [pair for pair in pairs if any(moved(self.found.wiring, i) for i in pair)]
 
     def verdict(self, i: int) -> MotorVerdict:
         """Of motor i."""
-        wiring, motors, name = self.wiring, self.motors, self.motors.names[i]
-        s, e = float(self.found.p[i]), float(self.found.p[wiring.k + i] * wiring.unit[i])
-        faults = self._faults(i) if self.fits else ()
-        verdict, what, remedy = self._told(i, faults)
+        suspects = [suspect for group in self.open_faults if any(j == i for j, _ in group) for suspect in group]
+        found = next((one for j, one in suspects if j == i), self.found)
+        verdict, what, remedy = self._told(i, suspects)
+        ratio, zero = (None, None) if suspects else entries(found, self.motors, i)
         return MotorVerdict(
-            name=name,
+            name=self.motors.names[i],
             verdict=verdict,
-            faults=faults,
-            scale=s,
+            faults=named_faults(found, i),
+            unseen=(*self.unseen[i], *(f"swapped with {name}" for name in self._swapped_with(i))),
+            scale=float(found.explanation.p[i]),
             scale_std=float(self.std[i]),
-            offset=e,
-            offset_std=float(self.std[wiring.k + i] * wiring.unit[i]),
-            joint_offset={motors.joint_names[j]: float(wiring.P[j, i] * e) for j in self._joints(i)},
-            ratio={joint: float(g / s) for joint, g in zip(motors.joint_names, motors.G[i], strict=True) if g},
-            zero=float(motors.offset[i] - e / s),
+            offset=offset_of(found, i),
+            offset_std=float(self.std[self.k + i] * self.found.wiring.unit[i]),
+            joint_offset=joint_offset(found, self.motors, i),
+            ratio=ratio,
+            zero=zero,
             what=what,
             remedy=remedy,
         )
 
-    def _told(self, i: int, faults: tuple[str, ...]) -> tuple[str, str, str]:
+    def _told(self, i: int, suspects: list[Suspect]) -> tuple[str, str, str]:
         """Verdict, what and remedy."""
-        unseen = self._unseen(i)
-        if faults:
-            return "fault", self._in_words(i, faults) + (self._or(i) if unseen else ""), self._correction(i)
-        if unseen:
-            return "cannot tell", f"the log does not show its {' and '.join(unseen)}", self._advice(i)
-        if not self.fits:
-            return "cannot tell", "nothing fits the log", ""
+        hidden = not_shown(self.unseen[i], self._swapped_with(i))
+        if suspects:
+            own = [in_words(one, self.motors, j) for j, one in suspects if j == i]
+            others = {self.motors.names[j]: None for j, _ in suspects if j != i}
+            either = ", or ".join([*dict.fromkeys(own), *(f"a fault of {name!r}" for name in others)])
+            return "possible fault", f"{either}: the log does not tell which", advice(self.found.wiring, self.motors, i)
+        if named_faults(self.found, i):
+            what = in_words(self.found, self.motors, i)
+            return "fault", f"{what}; {hidden}" if hidden else what, correction(self.found, self.motors, i)
+        if hidden:
+            return "cannot tell", hidden, advice(self.found.wiring, self.motors, i)
         return "sound", "sign, ratio and zero fit the log", ""
 
-    def _faults(self, i: int) -> tuple[str, ...]:
-        s, e = self.found.p[i], self.found.p[self.wiring.k + i]
-        small = SMALL_LENGTH if self._slides(i) else SMALL_ANGLE
-        named = {SWAPPED: i in self.swapped, SIGN: s < 0, RATIO: abs(abs(s) - 1.0) > SMALL_SCALE, ZERO: abs(e) > small}
-        return tuple(name for name, there in named.items() if there)
-
-    def _unseen(self, i: int) -> list[str]:
-        offset = SEEN_LENGTH if self._slides(i) else SEEN_ANGLE
-        named = {"ratio": self.std[i] > SEEN_SCALE, "zero": self.std[self.wiring.k + i] > offset}
-        return [name for name, there in named.items() if there]
-
-    def _slides(self, i: int) -> bool:
-        """Whether the joint that motor i moves most slides."""
-        return self.wiring.arm.units[int(np.abs(self.wiring.P[:, i]).argmax())] == "m"
-
-    def _joints(self, i: int) -> list[int]:
-        """The joints that motor i moves, the other motors standing still."""
-        moved = np.abs(self.wiring.P[:, i])
-        return [int(j) for j in np.flatnonzero(moved > UNSEEN * moved.max())]
-
-    def _in_words(self, i: int, faults: tuple[str, ...]) -> str:
-        wiring, names = self.wiring, self.motors.joint_names
-        e = self.found.p[wiring.k + i] * wiring.unit[i]
-        others = [self.motors.names[j] for j in self.swapped if j != i]
-        added = [f"{_amount(wiring.P[j, i] * e, wiring.arm.units[j])} to {names[j]}" for j in self._joints(i)]
-        words = {
-            SWAPPED: f"it is swapped with {listed(others)}: each has the other's counts",
-            SIGN: "its sign is flipped",
-            RATIO: f"its ratio is {1.0 / abs(self.found.p[i]):.4g} times the arm.toml's",
-            ZERO: f"its zero is off: add {' and '.join(added)}",
-        }
-        return "; ".join(words[fault] for fault in faults)
-
-    def _correction(self, i: int) -> str:
-        """What to change, and the entries of the arm.toml that fit the motor as it is wired."""
-        motors, s, e = self.motors, self.found.p[i], self.found.p[self.wiring.k + i] * self.wiring.unit[i]
-        steps = ["swap their plugs, or their names in the arm.toml"] if i in self.swapped else []
-        if s != 1.0 or e != 0.0:
-            ratio = ", ".join(
-                f"{name} = {g / s:.6g}" for name, g in zip(motors.joint_names, motors.G[i], strict=True) if g
-            )
-            entries = f"ratio = {{ {ratio} }}, offset = {motors.offset[i] - e / s:.6g}"
-            steps.append(f"as it is wired, [actuators.{motors.names[i]}] has {entries}")
-        return "; ".join(steps)
-
-    def _or(self, i: int) -> str:
-        """What explains the log as well: another account for the same motor, or another motor."""
-        limit, accounts = self.found.cost + AS_GOOD, self.found.accounts
-        same = [other.accounts[i] for other in alternatives(self.wiring, self.found, i) if other.cost < limit]
-        others = [
-            self.motors.names[j]
-            for j in range(self.wiring.k)
-            if j != i and accounts[i] != "sound" and blamed_on(self.wiring, self.found, i, j) < limit
-        ]
-        as_well = [f"its {' and '.join(account.split(', '))}" for account in same] + list(map(repr, others))
-        return f", or {' or '.join(as_well)}: the log does not tell which; {self._advice(i)}" if as_well else ""
-
-    def _advice(self, i: int) -> str:
-        """What to log so that motor i is seen."""
-        wiring, slides = self.wiring, self._slides(i)
-        joints = " and ".join(self.motors.joint_names[j] for j in self._joints(i))
-        travel = float(np.ptp(wiring.y[:, i]) / wiring.unit[i])
-        if travel < (LITTLE_LENGTH if slides else LITTLE_ANGLE):
-            return f"move it: log {joints} at several places, {'100 mm' if slides else '30°'} apart and more"
-        if len(wiring.y) < 2 * wiring.k:
-            return f"log more moments, {2 * wiring.k} at least, every joint moved by itself"
-        if wiring.rotation is None:
-            return "measure the tool's orientation too, or a point of the tool beside its axis"
-        return f"log more moments in which {joints} moves by itself"
-
-
-def _amount(value: float, unit: str) -> str:
-    return f"{1000 * value:+.1f} mm" if unit == "m" else f"{np.degrees(value):+.2f}°"
+    def _swapped_with(self, i: int) -> list[str]:
+        return [self.motors.names[j] for pair in self.unseen_swaps if i in pair for j in pair if j != i]

@@ -1,0 +1,85 @@
+"""What an explanation means for a motor: its faults by name and in words, and the entries the arm.toml should have."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from ..actuators import Actuators
+from ..errors import listed
+from .model import Wiring
+from .search import Found
+
+SMALL_SCALE, SMALL_ANGLE, SMALL_LENGTH = 0.02, np.radians(1.0), 0.005
+"""A scale or offset [joint rad, m] that is less off than this is how arms are: no fault, though the log may show it."""
+
+ROUNDING = 1e-6
+"""A joint that a motor turns by a smaller part of the most it turns any is not its own."""
+
+SIGN, RATIO, ZERO, SWAPPED = "flipped sign", "wrong ratio", "zero offset", "swapped"
+
+
+def named_faults(found: Found, i: int) -> tuple[str, ...]:
+    """The faults of motor i that are worth a name."""
+    s, e = found.explanation.p[i], found.explanation.p[found.wiring.k + i]
+    small = SMALL_LENGTH if slides(found.wiring, i) else SMALL_ANGLE
+    named = {SWAPPED: i in found.swapped, SIGN: s < 0, RATIO: abs(abs(s) - 1.0) > SMALL_SCALE, ZERO: abs(e) > small}
+    return tuple(name for name, there in named.items() if there)
+
+
+def slides(wiring: Wiring, i: int) -> bool:
+    """Whether the joint that motor i moves most slides."""
+    return wiring.arm.units[int(np.abs(wiring.P[:, i]).argmax())] == "m"
+
+
+def joints_of(wiring: Wiring, i: int) -> list[int]:
+    """The joints that motor i moves, the other motors standing still."""
+    moved = np.abs(wiring.P[:, i])
+    return [int(j) for j in np.flatnonzero(moved > ROUNDING * moved.max())]
+
+
+def offset_of(found: Found, i: int) -> float:
+    """What is added to the readings of motor i [rad or m, motor side]."""
+    return float(found.explanation.p[found.wiring.k + i] * found.wiring.unit[i])
+
+
+def joint_offset(found: Found, motors: Actuators, i: int) -> dict[str, float]:
+    """What the offset makes of the joints [rad or m]."""
+    P, e = found.wiring.P, offset_of(found, i)
+    return {motors.joint_names[j]: float(P[j, i] * e) for j in joints_of(found.wiring, i)}
+
+
+def entries(found: Found, motors: Actuators, i: int) -> tuple[dict[str, float], float]:
+    """`ratio` and `offset` that [actuators] should have for motor i as it is wired."""
+    s = float(found.explanation.p[i])
+    ratio = {joint: float(g / s) for joint, g in zip(motors.joint_names, motors.G[i], strict=True) if g}
+    return ratio, float(motors.offset[i] - offset_of(found, i) / s)
+
+
+def in_words(found: Found, motors: Actuators, i: int) -> str:
+    """The faults of motor i."""
+    others = [motors.names[j] for j in found.swapped if j != i]
+    units = dict(zip(motors.joint_names, found.wiring.arm.units, strict=True))
+    added = [f"{_amount(value, units[joint])} to {joint}" for joint, value in joint_offset(found, motors, i).items()]
+    words = {
+        SWAPPED: f"it is swapped with {listed(others)}: each has the other's counts",
+        SIGN: "its sign is flipped",
+        RATIO: f"its ratio is {1.0 / abs(found.explanation.p[i]):.4g} times the arm.toml's",
+        ZERO: f"its zero is off: add {' and '.join(added)}",
+    }
+    return "; ".join(words[fault] for fault in named_faults(found, i))
+
+
+def correction(found: Found, motors: Actuators, i: int) -> str:
+    """What to change."""
+    steps = ["swap their plugs, or their names in the arm.toml"] if i in found.swapped else []
+    ratio, offset = entries(found, motors, i)
+    if found.explanation.accounts[i] != "sound":
+        written = ", ".join(f"{joint} = {value:.6g}" for joint, value in ratio.items())
+        steps.append(
+            f"as it is wired, [actuators.{motors.names[i]}] has ratio = {{ {written} }}, offset = {offset:.6g}"
+        )
+    return "; ".join(steps)
+
+
+def _amount(value: float, unit: str) -> str:
+    return f"{1000 * value:+.1f} mm" if unit == "m" else f"{np.degrees(value):+.2f}°"

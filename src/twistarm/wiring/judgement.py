@@ -1,0 +1,73 @@
+"""The verdict on the whole arm, in a sentence that begins with what is wrong or what is not known."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from ..actuators import Actuators
+from .advice import ALL, advice, enumerated, not_shown, not_shown_of_all
+from .faults import named_faults
+from .report import MotorVerdict
+from .search import Found
+from .verdicts import Evidence, Suspect
+
+Judgement = tuple[str, str, tuple[MotorVerdict, ...]]
+"""The verdict, what it says, and the motors'."""
+
+
+def judged(found: Found, motors: Actuators) -> Judgement:
+    """Of an explanation that fits the log."""
+    evidence = Evidence(found, motors)
+    each = tuple(evidence.verdict(i) for i in range(evidence.k))
+    certain = [motor.name for motor in each if motor.verdict == "fault"]
+    if certain or evidence.open_faults:
+        parts = [f"the log shows what is wrong with {enumerated([*map(repr, certain)])}"] if certain else []
+        parts += dict.fromkeys(_one_of(group, motors) for group in evidence.open_faults)
+        return "fault", "; ".join(parts), each
+    hidden, shows = not_shown_of_all(motors.names, evidence.unseen, evidence.unseen_swaps)
+    if hidden:
+        return "cannot tell", f"{hidden}; what it does show is sound" if shows else hidden, each
+    return "sound", "signs, ratios and zeros fit the log", each
+
+
+def unmoved(found: Found, motors: Actuators) -> Judgement:
+    """Of a log at one place, which anything explains."""
+    what = "no motor was moved, so the log does not show the sign, ratio or zero of any"
+    if not found.fits:
+        what += "; and the tool was not measured where the arm.toml puts it"
+    remedies = [advice(found.wiring, motors, i) for i in range(found.wiring.k)]
+    return "cannot tell", what, unjudged(motors, not_shown(ALL, ()), remedies)
+
+
+def unjudged(motors: Actuators, what: str = "", remedies: Sequence[str] = ()) -> tuple[MotorVerdict, ...]:
+    """Where nothing is known of any motor."""
+    told = zip(motors.names, remedies or [""] * len(motors.names), strict=True)
+    return tuple(
+        MotorVerdict(
+            name=name,
+            verdict="cannot tell",
+            faults=(),
+            unseen=ALL,
+            scale=1.0,
+            scale_std=np.inf,
+            offset=0.0,
+            offset_std=np.inf,
+            joint_offset={},
+            ratio=None,
+            zero=None,
+            what=what,
+            remedy=remedy,
+        )
+        for name, remedy in told
+    )
+
+
+def _one_of(group: list[Suspect], motors: Actuators) -> str:
+    suspects = dict.fromkeys(f"{motors.names[j]!r} ({', '.join(named_faults(found, j))})" for j, found in group)
+    (first, found), *_ = group
+    return (
+        f"one thing is wrong and the log does not tell which: {' or '.join(suspects)}; "
+        f"{advice(found.wiring, motors, first)}"
+    )

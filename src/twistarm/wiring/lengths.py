@@ -1,0 +1,32 @@
+"""Positions that were not logged in metres: by how large they are, and by what explains them."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from ..checks import Array
+from .model import Wiring
+
+UNITS = {"millimetres": 0.001, "centimetres": 0.01, "inches": 0.0254, "kilometres": 1000.0}
+"""What positions may have been logged in instead of metres, and how many metres it is."""
+
+ALIKE = 3.0
+"""Two logs of one arm differ less than by this factor in how far the tool is from the base."""
+
+POSTURES = 200
+
+
+def plausible_units(wiring: Wiring) -> list[str]:
+    """The `UNITS` in which the measured positions are as far from the base as the arm's are; none if in metres.
+
+    The arm's are those of random postures: what the motors read may be wrong.
+    """
+    usual = _mean_distance(wiring.arm.fk(wiring.arm.random_theta(np.random.default_rng(0), POSTURES))[:, :3, 3])
+    measured = _mean_distance(wiring.position)
+    if not usual or not measured or 1 / ALIKE < measured / usual < ALIKE:
+        return []
+    return [unit for unit, metres in UNITS.items() if 1 / ALIKE < metres * measured / usual < ALIKE]
+
+
+def _mean_distance(position: Array) -> float:
+    return float(np.sqrt((position * position).sum(axis=-1).mean()))
