@@ -12,6 +12,8 @@ from twistarm.planning import to_csv
 from twistarm.stream import Ending, Replay, SimulatedJoints, read_recording, run
 
 RATE = 100.0
+LONG = 20.0
+"""Seconds in which every replay here is over, by itself."""
 
 
 @pytest.fixture(scope="module")
@@ -45,7 +47,7 @@ def test_it_is_followed_on_the_clock(rover, motion, file):
     clock = FakeClock()
     robot = Robot(rover.ready, clock)
     replay = Replay(rover, read_recording(rover, file))
-    report = run(rover, replay, robot, robot, rate=RATE, clock=clock, until=lambda: replay.done)
+    report = run(rover, replay, robot, robot, rate=RATE, clock=clock, duration=LONG, until=lambda: replay.done)
     assert report.ending is Ending.DONE
     deviation = [np.abs(s.theta - motion(s.time + 1 / RATE - 100.01)).max() for s in robot.setpoints]
     assert max(deviation) < 2e-3
@@ -64,7 +66,9 @@ def test_simulated_joints_follow_it_50_ms_behind(rover, motion, file):
         if cycle.setpoint is not None and not replay.done:
             behind.append(np.abs(cycle.theta - motion(cycle.time - 100.01 - 0.05)).max())
 
-    report = run(rover, replay, joints, joints, rate=RATE, clock=clock, until=lambda: replay.done, on_cycle=look)
+    report = run(
+        rover, replay, joints, joints, rate=RATE, clock=clock, duration=LONG, until=lambda: replay.done, on_cycle=look
+    )
     assert report.ok
     assert max(behind) < 0.05
 
@@ -102,7 +106,9 @@ def test_an_arm_that_comes_in_time_is_followed(rover, file):
 
     replay = Replay(rover, read_recording(rover, file))
     robot.deaf = lambda now: now < 101.5
-    report = run(rover, replay, robot, robot, rate=RATE, clock=clock, until=lambda: replay.done, on_cycle=bring)
+    report = run(
+        rover, replay, robot, robot, rate=RATE, clock=clock, duration=LONG, until=lambda: replay.done, on_cycle=bring
+    )
     assert report.ending is Ending.DONE
     assert report.ok
 

@@ -5,8 +5,13 @@ from __future__ import annotations
 import time
 from math import ceil, exp, floor, inf, log
 
+from ..errors import InputError
+
 ROUNDING = 1e-6
 """Part of a period that is none."""
+
+LATEST = 1e12
+"""Seconds that no clock shows (30,000 years), but one that counts in nanoseconds does."""
 
 FINEST = 1e-6
 """Lateness [s] below this is none."""
@@ -46,13 +51,17 @@ class Metronome:
         """How many periods this cycle stands for: 1 in time, more where some were missed, 0 where it came too early.
 
         −1 where time went back by a period or more: the grid begins anew.
+
+        Raises InputError for a time that is not finite or 1e12 s and more; the grid stays as it is.
         """
+        if not abs(now) < LATEST:
+            raise InputError(f"now must be seconds of a clock, below {LATEST:g}; got {now!r}")
         if self._origin == -inf:
             return self._begin(now, 1)
         phase = (now - self._origin) / self.period
         index = floor(phase + self._early)
         periods = index - self._index
-        if periods < 0 or not phase < inf:
+        if periods < 0:
             return self._begin(now, -1)
         self._origin = min(self._origin, now - index * self.period)
         self._index = index
