@@ -70,7 +70,7 @@ template <class T, int N, int M> struct rate_solver {
     T dt;
     T ahead[capacity(N)], toward[capacity(N)];
     six_rows<T, N> J, J_beside;
-    bool has_beside;
+    bool has_beside, has_whole;  // whether `found` is of all joints
     direction<T, N> found[12];
     int count;
 
@@ -78,7 +78,7 @@ template <class T, int N, int M> struct rate_solver {
 
     rate_solver(const chain<T, N, M>& arm_, const servo_bounds<T, N>& bounds_, const servo_levels& levels_, bool base,
                 const T* posture, T step)
-        : arm(arm_), bounds(bounds_), levels(levels_), base_axes(base), dt(step), has_beside(false), count(0) {
+        : arm(arm_), bounds(bounds_), levels(levels_), base_axes(base), dt(step), has_beside(false), has_whole(false), count(0) {
         T length = T(0);
         for (int k = 0; k < n(); ++k) {
             ahead[k] = posture[k];
@@ -285,9 +285,13 @@ template <class T, int N, int M> struct rate_solver {
         out.bent = out.taken = T(0);
         out.joint = -1;
         T gravest = T(0), left[6], shares[6];
-        count = 0;
         if (n() >= five) {
-            find(all, 6, free, movable);
+            // They hang on the posture and on what is free alone; a goal is asked for with the same twice.
+            if (!has_whole || movable < n()) {
+                count = 0;
+                find(all, 6, free, movable);
+                has_whole = movable == n();
+            }
             rest(asked, out.rates, left);
             if (count == 6) {
                 for (int d = 0; d < 6; ++d) shares[d] = dot6(found[d].u, left);
@@ -298,6 +302,7 @@ template <class T, int N, int M> struct rate_solver {
             for (int d = 0; d < count; ++d) add(found[d], shares[d], 0, total, out, gravest);
             return;
         }
+        count = 0;
         for (int level = 0; level < levels.count; ++level) {
             const int first = count;
             find(levels.component[level], levels.size[level], free, movable);
