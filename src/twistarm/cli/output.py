@@ -71,7 +71,8 @@ def plain(value: Any) -> Any:
 
 def table(title: str, columns: Sequence[str], rows: Sequence[Sequence[object]], text: Sequence[str] = ()) -> Table:
     """A table of numbers, aligned to the right, but for its first column and those named in `text`."""
-    made = Table(title=escape(title), title_justify="left", title_style="bold", header_style="dim")
+    heads = any(columns)
+    made = Table(title=escape(title), title_justify="left", title_style="bold", header_style="dim", show_header=heads)
     for i, column in enumerate(columns):
         made.add_column(escape(column), justify="left" if i == 0 or column in text else "right", overflow="fold")
     for row in rows:
