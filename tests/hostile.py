@@ -138,3 +138,8 @@ def sandbox(folder: Path) -> Sandbox:
     made.secret.write_text(f"key: {TOKEN}\n")
     (made.secret.parent / "secret.xacro").write_text(f'<robot {XMLNS}><link name="{TOKEN}"/></robot>')
     return made
+
+
+@pytest.fixture
+def place(tmp_path: Path) -> Sandbox:
+    return sandbox(tmp_path)

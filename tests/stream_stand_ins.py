@@ -5,9 +5,13 @@ from __future__ import annotations
 from dataclasses import replace
 
 import numpy as np
+import pytest
 
 from twistarm.servo import JogCommand, ServoOutput, ServoStatus
-from twistarm.stream import Measured, Reading, Setpoint
+from twistarm.stream import Measured, Reading, Setpoint, run
+
+RATE = 100.0
+PERIOD = 1.0 / RATE
 
 
 class FakeClock:
@@ -86,3 +90,25 @@ def answer(rates, status=ServoStatus.OK, scale=1.0, joint=None, reason=""):
 
 def jog(arm, **rates):
     return JogCommand.of(arm, rates)
+
+
+@pytest.fixture
+def clock():
+    return FakeClock()
+
+
+@pytest.fixture
+def robot(rover, clock):
+    return Robot(rover.ready, clock)
+
+
+@pytest.fixture
+def stream(rover, clock, robot):
+    """`run` of the rover arm on the fake clock: an elbow jog where no source is given, and `sink` measures itself."""
+
+    def streamed(source=None, sink=None, feedback=None, **options):
+        source = source or Says(jog(rover, elbow=-0.4))
+        options = {"rate": RATE, "duration": 2.0, "clock": clock} | options
+        return run(rover, source, sink or robot, feedback or sink or robot, **options)
+
+    return streamed

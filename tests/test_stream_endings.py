@@ -8,34 +8,15 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from stream_stand_ins import FakeClock, Robot, Says, jog
+from stream_stand_ins import PERIOD, Says, jog
+from stream_stand_ins import clock as clock
+from stream_stand_ins import robot as robot
+from stream_stand_ins import stream as stream
 from twistarm.servo import servo_step
-from twistarm.stream import Ending, Reading, run
+from twistarm.stream import Ending, Reading
 
-RATE = 100.0
-PERIOD = 1.0 / RATE
 BRAKING = 0.4 / 2.5
 """Seconds from 0.4 rad/s to rest at the elbow's 2.5 rad/s²."""
-
-
-@pytest.fixture
-def clock():
-    return FakeClock()
-
-
-@pytest.fixture
-def robot(rover, clock):
-    return Robot(rover.ready, clock)
-
-
-@pytest.fixture
-def stream(rover, clock, robot):
-    def streamed(source=None, sink=None, feedback=None, **options):
-        source = source or Says(jog(rover, elbow=-0.4))
-        options = {"rate": RATE, "duration": 2.0, "clock": clock} | options
-        return run(rover, source, sink or robot, feedback or robot, **options)
-
-    return streamed
 
 
 def at_rest_along_the_limits(rover, robot, began):

@@ -7,40 +7,20 @@ from math import inf, nan
 import numpy as np
 import pytest
 
-from stream_stand_ins import FakeClock, Robot, Says, jog
+from stream_stand_ins import PERIOD, Robot, Says, jog
+from stream_stand_ins import clock as clock
+from stream_stand_ins import robot as robot
+from stream_stand_ins import stream as stream
 from twistarm import plan_joint
 from twistarm.errors import InputError
 from twistarm.planning import to_csv
 from twistarm.servo import servo_step
-from twistarm.stream import Ending, Inbox, Measured, Metronome, Reading, Replay, read_recording, run
+from twistarm.stream import Ending, Inbox, Measured, Metronome, Reading, Replay, read_recording
 from twistarm.stream.replay import AT_START
 from twistarm.stream.watch import FeedbackWatch
 
-RATE = 100.0
-PERIOD = 1.0 / RATE
 LONGEST_DT = 0.1
 """Seconds of the servo's longest step where nothing else is set."""
-
-
-@pytest.fixture
-def clock():
-    return FakeClock()
-
-
-@pytest.fixture
-def robot(rover, clock):
-    return Robot(rover.ready, clock)
-
-
-@pytest.fixture
-def stream(rover, clock, robot):
-    """`run` of the rover arm on the fake clock, an elbow jog where no source is given."""
-
-    def streamed(source=None, robot=robot, **options):
-        source = source or Says(jog(rover, elbow=-0.4))
-        return run(rover, source, robot, robot, **{"rate": RATE, "duration": 2.0, "clock": clock} | options)
-
-    return streamed
 
 
 def changes(rover, robot):
@@ -160,7 +140,7 @@ def test_an_arm_whose_joint_states_come_from_the_future_is_brought_to_rest(rover
 
     robot = Set(rover.ready, clock)
     robot.deaf = lambda now: now >= 100.5
-    report = stream(robot=robot)
+    report = stream(sink=robot)
     assert robot.moving(100.0) <= 0.5 + 0.16 + 2 * PERIOD  # 0.4 rad/s at 2.5 rad/s²
     assert "from the future" in report.blind_reason
     assert changes(rover, robot).max() <= 1 + 1e-9

@@ -5,35 +5,13 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from stream_stand_ins import FakeClock, Robot, Says, jog
+from stream_stand_ins import PERIOD, Robot, Says, jog
+from stream_stand_ins import clock as clock
+from stream_stand_ins import robot as robot
+from stream_stand_ins import stream as stream
 from twistarm.errors import InputError
 from twistarm.servo import ServoStatus, TwistCommand
-from twistarm.stream import Cycle, Ending, Inbox, Measured, Reading, run
-
-RATE = 100.0
-PERIOD = 1.0 / RATE
-
-
-@pytest.fixture
-def clock():
-    return FakeClock()
-
-
-@pytest.fixture
-def robot(rover, clock):
-    return Robot(rover.ready, clock)
-
-
-@pytest.fixture
-def stream(rover, clock, robot):
-    """`run` of the rover arm on the fake clock, an elbow jog where no source is given."""
-
-    def streamed(source=None, sink=None, feedback=None, **options):
-        source = source or Says(jog(rover, elbow=-0.4))
-        options = {"rate": RATE, "duration": 2.0, "clock": clock} | options
-        return run(rover, source, sink or robot, feedback or robot, **options)
-
-    return streamed
+from twistarm.stream import Cycle, Ending, Inbox, Measured, Reading
 
 
 def within_limits(rover, robot):

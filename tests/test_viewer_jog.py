@@ -13,13 +13,14 @@ import numpy as np
 import pytest
 from numpy.testing import assert_array_equal
 
-from test_viewer import BAD_MESSAGES, WAIT, Page, visit
+from test_viewer_messages import BAD_MESSAGES
 from twistarm import ArmBuilder, plan_joint
 from twistarm.errors import InputError
 from twistarm.servo import JogCommand, TwistCommand
 from twistarm.viewer import Viewer
 from twistarm.viewer.messages import parse
 from twistarm.viewer.servo_words import SILENT
+from viewer_page import WAIT, Page, visit
 
 ARM = (
     ArmBuilder("pair")

@@ -11,12 +11,12 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from test_viewer import Page, nothing, visit
 from test_viewer_jog import ARM, TWIST, ask, jog
 from twistarm.servo import AnyCommand, JogCommand, ServoOutput, ServoStatus, TwistCommand
 from twistarm.stream import Cycle, Inbox, Reading, Setpoint, SimulatedJoints, StreamReport, run
 from twistarm.viewer import Viewer
 from twistarm.viewer.servo_words import SILENT, servo_words
+from viewer_page import Page, nothing, visit
 
 
 @pytest.fixture

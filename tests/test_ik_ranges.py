@@ -1,0 +1,171 @@
+"""Limits and whole turns in `solve_ik`: steps that keep the bounds, joints that come back near their start."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from hypothesis import given
+
+import twistarm
+from catalogue import load
+from ik_targets import turned
+from strategies import generators
+from twistarm import JointLimits, arm_from_screws, joints
+from twistarm.arm import Coupling
+from twistarm.ik import Position, damped, solve_ik
+from twistarm.ik.ranges import joint_ranges, periodic
+
+WRAP_TOL = 1e-12
+"""Rounding of an angle and a whole number of turns."""
+
+# limits ---------------------------------------------------------------------------------------------------
+
+
+@given(generators)
+def test_a_bounded_step_solves_for_the_joints_that_are_free(rng):
+    n = 6
+    J = rng.normal(size=(n, n))
+    H, gradient = J.T @ J + 0.1 * np.eye(n), rng.normal(size=n)
+    lower, upper = -rng.uniform(0, 0.5, n), rng.uniform(0, 0.5, n)
+    theta = np.where(rng.random(n) < 0.3, lower, np.where(rng.random(n) < 0.3, upper, 0.0))
+    reached = damped.bounded_step(H, gradient, theta, (lower, upper))
+    assert (reached >= lower).all()
+    assert (reached <= upper).all()
+    inside = (reached > lower) & (reached < upper)
+    slope = gradient + H @ (reached - theta)
+    np.testing.assert_allclose(slope[inside], 0, atol=1e-10)
+
+
+def test_an_outward_pull_freezes_a_joint_at_its_bound():
+    H, gradient = np.array([[2.0, 1.0], [1.0, 2.0]]), np.array([-1.0, -1.0])
+    bounds = np.zeros(2), np.array([0.0, 5.0])
+    np.testing.assert_allclose(damped.bounded_step(H, gradient, np.zeros(2), bounds), [0.0, 0.5])
+
+
+def test_a_saturated_step_is_solved_again():
+    # Free, both joints would move by 1/3; the first is cut at 0.1, and the second makes up for it.
+    H, gradient = np.array([[2.0, 1.0], [1.0, 2.0]]), np.array([-1.0, -1.0])
+    bounds = np.full(2, -1.0), np.array([0.1, 1.0])
+    np.testing.assert_allclose(damped.bounded_step(H, gradient, np.zeros(2), bounds), [0.1, 0.45])
+
+
+@pytest.mark.parametrize("name", ["panda", "so101", "rover_arm"])
+def test_every_answer_keeps_the_limits(name):
+    arm, rng = load(name), np.random.default_rng(9)
+    for _ in range(5):
+        g = turned(arm.fk(arm.random_theta(rng)), [1, 0, 0], rng.uniform(-1, 1))
+        solution = solve_ik(arm, g, restarts=8)
+        assert solution.within_limits
+        assert arm.limits.contains(solution.theta)
+
+
+def test_a_start_outside_the_limits_comes_inside_first_and_is_noted():
+    arm = load("panda")
+    theta0 = arm.ready.copy()
+    theta0[1] = arm.limits.upper[1] + 0.5
+    solution = solve_ik(arm, arm.fk(arm.ready), theta0)
+    assert solution.converged
+    assert solution.notes == (
+        f"theta0 lay outside the limits: panda_joint2 {theta0[1]:.4g} rad was brought inside, to "
+        f"{arm.limits.upper[1]:.4g} rad",
+    )
+    assert solution.notes[0] in solution.explain()
+    assert solve_ik(arm, arm.fk(arm.ready), arm.ready).notes == ()
+
+
+def test_a_start_a_whole_turn_outside_comes_inside_to_the_same_place():
+    arm = load("panda")
+    ranges = joint_ranges(arm)
+    np.testing.assert_allclose(ranges.inside(arm.ready + 2 * np.pi), arm.ready, atol=WRAP_TOL)
+    np.testing.assert_array_equal(ranges.inside(arm.ready), arm.ready)
+
+
+# whole turns ------------------------------------------------------------------------------------------------
+
+Z = [0.0, 0.0, 1.0]
+PERIODIC = (
+    # screw, multipliers of the joints that follow the coordinate, whether 2π of it moves nothing
+    ("a hinge", joints.revolute(Z, [1, 0, 0]), [1.0], True),
+    ("a hinge the other way", joints.revolute(Z, [1, 0, 0]), [-1.0], True),
+    ("a slide", joints.prismatic(Z), [1.0], False),
+    ("a helical joint", joints.helical(Z, [1, 0, 0], 0.01), [1.0], False),
+    ("a follower at half speed", np.hstack([joints.revolute(Z, [0, 0, 0])] * 2), [1.0, 0.5], False),
+    ("a follower at double speed", np.hstack([joints.revolute(Z, [0, 0, 0])] * 2), [1.0, -2.0], True),
+    ("a geared hinge", 2.0 * joints.revolute(Z, [1, 0, 0]), [1.0], True),
+    ("a geared hinge, half", 2.0 * joints.revolute(Z, [1, 0, 0]), [0.5], True),
+    ("a hinge with a slide", np.hstack([joints.revolute(Z, [0, 0, 0]), joints.prismatic(Z)]), [1.0, 0.1], False),
+)
+
+
+@pytest.mark.parametrize(("what", "screws", "multipliers", "expected"), PERIODIC)
+def test_which_coordinates_move_nothing_in_a_whole_turn(what, screws, multipliers, expected):
+    A = np.array(multipliers)[:, None]
+    assert periodic(screws, A).tolist() == [expected]
+    same = np.allclose(twistarm.poe.fk(screws, np.eye(4), 2 * np.pi * A[:, 0]), np.eye(4), atol=1e-9)
+    assert same == expected
+
+
+def spatial_arm(first, limits=None):
+    """`first` (6, k), then two hinges: enough for a position."""
+    home = np.eye(4)
+    home[:3, 3] = [0.8, 0.0, 0.1]
+    S = np.hstack([first, joints.revolute([0, 1, 0], [0, 0, 0.1]), joints.revolute([0, 1, 0], [0.5, 0, 0.1])])
+    return arm_from_screws(S, home, limits=limits)
+
+
+@pytest.mark.parametrize("turns", [-3, 1, 40])
+def test_an_unbounded_joint_comes_back_near_its_start(turns):
+    arm = spatial_arm(joints.revolute(Z, [0, 0, 0]))
+    theta = np.array([0.4, -0.3, 0.9])
+    theta0 = theta + np.array([0.1 + 2 * np.pi * turns, 0.1, -0.1])
+    solution = solve_ik(arm, Position(arm.fk(theta)[:3, 3]), theta0)
+    assert solution.converged
+    assert solution.theta[0] == pytest.approx(theta0[0] - 0.1, abs=1e-5)
+
+
+def test_a_wrapped_joint_stays_inside_the_limits():
+    arm = load("ur5")
+    theta = np.array([-1.2, -1.2, 1.4, -0.6, 0.8, 2.0])
+    theta0 = np.array([5.0, -1.0, 1.2, -0.5, 1.0, -4.0])
+    solution = solve_ik(arm, arm.fk(theta), theta0)
+    assert solution.converged
+    assert arm.limits.contains(solution.theta)
+    np.testing.assert_allclose(solution.theta[[0, 5]], [-1.2 + 2 * np.pi, 2.0 - 2 * np.pi], atol=1e-5)
+
+
+@given(generators)
+def test_wrapping_finds_the_nearest_representative_inside(rng):
+    arm = load("ur5")
+    ranges = joint_ranges(arm)
+    theta, near = rng.uniform(-40, 40, 6), arm.random_theta(rng)
+    wrapped = ranges.wrapped(theta, near)
+    for i in np.flatnonzero(ranges.turns):
+        candidates = theta[i] + 2 * np.pi * np.arange(-10, 11)
+        inside = candidates[(candidates >= arm.limits.lower[i]) & (candidates <= arm.limits.upper[i])]
+        assert abs(wrapped[i] - near[i]) == pytest.approx(np.abs(inside - near[i]).min(), abs=WRAP_TOL)
+
+
+def test_a_helical_joint_is_never_wrapped():
+    arm = spatial_arm(joints.helical(Z, [0, 0, 0], 0.05))
+    theta = np.array([9.0, -0.3, 0.9])
+    solution = solve_ik(arm, Position(arm.fk(theta)[:3, 3]), theta + 0.05)
+    assert solution.converged
+    np.testing.assert_allclose(solution.theta, theta, atol=1e-4)
+
+
+def test_a_follower_at_half_speed_is_never_wrapped():
+    arm = spatial_arm(np.hstack([joints.revolute(Z, [0, 0, 0]), joints.revolute([1, 0, 0], [0, 0, 0.1])]))
+    A = np.array([[1.0, 0, 0], [0.5, 0, 0], [0, 1, 0], [0, 0, 1]])
+    coupled = replace(
+        arm,
+        coupling=Coupling(A, np.zeros(4)),
+        joint_names=arm.joint_names[:3],
+        joint_types=("revolute",) * 3,
+        limits=JointLimits.unbounded(3),
+    )
+    theta = np.array([7.5, -0.3, 0.9])
+    solution = solve_ik(coupled, Position(coupled.fk(theta)[:3, 3]), theta + 0.02)
+    assert solution.converged
+    np.testing.assert_allclose(solution.theta, theta, atol=1e-4)

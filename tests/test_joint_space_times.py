@@ -1,0 +1,167 @@
+"""How long `plan_joint` takes, and times that are given."""
+
+import numpy as np
+import pytest
+
+from joint_space_cases import ARM, KINDS, MET, PASSES, PATH, RATE, RATES, STRAIGHT, WAYS, use, with_rates
+from twistarm.errors import InputError, LimitError
+from twistarm.planning import plan_joint
+
+# -- durations ----------------------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(
+    ("distance", "velocity", "acceleration"), [(1.0, 0.5, 1.0), (1.0, 1.0, 1.0), (0.1, 1.0, 2.0), (2.0, 0.1, 50.0)]
+)
+def test_a_trapezoid_takes_the_textbooks_time(distance, velocity, acceleration):
+    # Lynch & Park §9.2.2.2: d/v + v/a, or 2 √(d/a) where v²/a > d and the speed limit is not reached.
+    coasts = velocity**2 / acceleration <= distance
+    expected = distance / velocity + velocity / acceleration if coasts else 2 * np.sqrt(distance / acceleration)
+    limits = {"velocity": velocity, "acceleration": acceleration}
+    motion = plan_joint(ARM, [[0, 0, 0], [0, distance, -distance / 2]], kind="trapezoid", limits=limits)
+    assert motion.duration == pytest.approx(expected, rel=MET)
+    assert motion.peak(1)[1] == pytest.approx(min(velocity, np.sqrt(acceleration * distance)), rel=MET)
+    assert motion(motion.duration / 2)[1] == pytest.approx(distance / 2)
+
+
+@pytest.mark.parametrize("stop", [False, True])
+@pytest.mark.parametrize(
+    ("kind", "velocity", "acceleration", "jerk"), [("cubic", 3 / 2, 6.0, 12.0), ("quintic", 15 / 8, 10 / 3**0.5, 60.0)]
+)
+def test_a_single_segment_takes_the_textbooks_time(kind, stop, velocity, acceleration, jerk):
+    # Peaks of a rest-to-rest polynomial: c d/T, c d/T², c d/T³ (Lynch & Park §9.2.2.1).
+    for v, a, j in ((0.3, 9.0, np.inf), (5.0, 0.7, np.inf), (5.0, 9.0, 0.9)):
+        limits = {"velocity": v, "acceleration": a, "jerk": j}
+        motion = plan_joint(ARM, [[0, 0, 0], [0, 1.5, 0]], kind=kind, limits=limits, stop_at_waypoints=stop)
+        expected = max(velocity * 1.5 / v, (acceleration * 1.5 / a) ** (1 / 2), (jerk * 1.5 / j) ** (1 / 3))
+        assert motion.duration == pytest.approx(expected, rel=MET)
+
+
+def test_joints_of_a_trapezoid_start_coast_and_finish_together():
+    motion = plan_joint(ARM, PATH[:2], kind="trapezoid", limits=RATES)
+    fractions = (motion(np.linspace(0, motion.duration, 50)) - PATH[0]) / (PATH[1] - PATH[0])
+    assert np.allclose(fractions, fractions[:, :1], atol=1e-12)
+    assert (motion(motion.duration / 2, 2) == 0).all()
+
+
+@pytest.mark.parametrize("kind", ["cubic", "quintic"])
+def test_proportions_are_better_than_those_of_the_distances(kind):
+    rng, planned, scaled = np.random.default_rng(0), 0.0, 0.0
+    for _ in range(5):
+        points = rng.uniform(-0.4, 0.4, (8, 3)) * [1, 4, 4]
+        limits = with_rates(ARM, lower=-10.0, upper=10.0)
+        distances = (np.abs(np.diff(points, axis=0)) / limits.velocity).max(1)
+        times = np.concatenate([[0.0], np.cumsum(distances)])
+        naive = plan_joint(ARM, points, kind=kind, limits={"lower": -10.0, "upper": 10.0}, times=times)
+        stretch = max((naive.peak(1) / limits.velocity).max(), np.sqrt((naive.peak(2) / limits.acceleration).max()))
+        planned += plan_joint(ARM, points, kind=kind, limits=limits).duration
+        scaled += stretch * naive.duration
+    assert planned < 0.97 * scaled
+
+
+@pytest.mark.parametrize("kind", ["cubic", "quintic"])
+def test_a_jerk_limit_is_kept(kind):
+    for stop in (False, True):
+        motion = plan_joint(ARM, PATH, kind=kind, limits=RATES | {"jerk": 3.0}, stop_at_waypoints=stop)
+        assert motion.peak(3).max() == pytest.approx(3.0, rel=MET)
+
+
+def test_a_trapezoid_does_not_look_at_jerk():
+    free = plan_joint(ARM, PATH, kind="trapezoid", limits=RATES)
+    assert plan_joint(ARM, PATH, kind="trapezoid", limits=RATES | {"jerk": 1e-3}).duration == free.duration
+
+
+def test_rates_far_apart_are_no_trouble():
+    for kind, stop in WAYS:
+        for rates in ({"velocity": 1e-3, "acceleration": 1e6}, {"velocity": 1e6, "acceleration": 1e-3}):
+            limits = ARM.limits.with_(rates, ARM.joint_names)
+            motion = plan_joint(ARM, PATH, kind=kind, limits=limits, stop_at_waypoints=stop)
+            assert use(motion, limits) == pytest.approx(1.0, rel=MET)
+
+
+@pytest.mark.parametrize("acceleration", [10.0, 1e6])
+def test_a_long_motion_keeps_its_short_segments_and_ramps(acceleration):
+    rng = np.random.default_rng(1)
+    points = np.repeat(rng.uniform(-0.4, 0.4, (60, 3)), 2, axis=0)
+    points[1::2] += 3e-6
+    limits = ARM.limits.with_({"velocity": 0.01, "acceleration": acceleration}, ARM.joint_names)
+    for kind in KINDS:
+        motion = plan_joint(ARM, points, kind=kind, limits=limits, stop_at_waypoints=True)
+        assert use(motion, limits) == pytest.approx(1.0, rel=MET)
+        assert np.abs(motion(motion.times) - points).max() <= PASSES
+
+
+# -- times given --------------------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(("kind", "stop"), WAYS)
+def test_given_times_are_kept_and_missing_rates_not_asked_for(kind, stop):
+    times = [0.0, 2.0, 5.0, 9.0]
+    motion = plan_joint(ARM, PATH, kind=kind, times=times, stop_at_waypoints=stop)
+    assert motion.times.tolist() == times
+    assert motion.duration == 9.0
+    assert np.allclose(motion(times), PATH)
+
+
+@pytest.mark.parametrize(("kind", "stop"), WAYS)
+def test_times_of_a_plan_can_be_given_back(kind, stop):
+    first = plan_joint(ARM, PATH, kind=kind, limits=RATES, stop_at_waypoints=stop)
+    again = plan_joint(ARM, PATH, kind=kind, limits=RATES, stop_at_waypoints=stop, times=first.times)
+    t = np.linspace(0, first.duration, 50)
+    assert np.allclose(again(t), first(t), atol=1e-4)
+
+
+@pytest.mark.parametrize(("kind", "stop"), WAYS)
+def test_times_that_are_too_short_are_refused_with_the_factor_that_helps(kind, stop):
+    first = plan_joint(ARM, PATH, kind=kind, limits=RATES, stop_at_waypoints=stop)
+    short = 0.8 * first.times
+    text = (
+        r"joint '(slide|shoulder|elbow)' would need [\d.]+ (m|rad)/s²? at t = [\d.]+ s; its (velocity|acceleration) "
+        r"limit is [\d.]+ (m|rad)/s²?: multiply times by [\d.]+, or leave times out"
+    )
+    with pytest.raises(LimitError, match=text) as error:
+        plan_joint(ARM, PATH, kind=kind, limits=RATES, stop_at_waypoints=stop, times=short)
+    factor = float(str(error.value).split("multiply times by ")[1].split(",")[0])
+    assert 1.2 < factor < 1.8
+    plan_joint(ARM, PATH, kind=kind, limits=RATES, stop_at_waypoints=stop, times=factor * short)
+
+
+def test_the_error_names_joint_value_limit_and_time():
+    # Rest to rest 0 → 1 in 2 s: 1.5 · 1/2 = 0.75 rad/s in the middle (Lynch & Park §9.2.2.1).
+    text = r"joint 'shoulder' would need 0.75 rad/s at t = 1 s; its velocity limit is 0.5 rad/s: multiply times by 1.50"
+    with pytest.raises(LimitError, match=text):
+        plan_joint(ARM, [[0, 0, 0], [0, 1, 0]], times=[0, 2], limits={"velocity": 0.5})
+
+
+def test_a_ramp_is_chosen_that_keeps_both_limits_at_a_given_time():
+    line = [[0, 0, 0], [0, 1, 0]]
+    for limits in ({"velocity": 1.0, "acceleration": 1.01}, {"velocity": 0.55, "acceleration": 5.0}, {"velocity": 0.6}):
+        motion = plan_joint(ARM, line, kind="trapezoid", times=[0, 2.0], limits=limits)
+        assert motion.peak(1)[1] <= limits["velocity"] * (1 + RATE)
+        assert motion.peak(2)[1] <= limits.get("acceleration", np.inf) * (1 + RATE)
+
+
+def test_equal_waypoints_at_different_times_are_a_dwell():
+    for kind, stop in STRAIGHT:
+        motion = plan_joint(
+            ARM, [PATH[0], PATH[1], PATH[1], PATH[2]], kind=kind, times=[0, 3, 5, 8], stop_at_waypoints=stop
+        )
+        assert np.allclose(motion(np.linspace(3, 5, 9)), PATH[1], atol=1e-12)
+
+
+@pytest.mark.parametrize(
+    ("times", "text"),
+    [
+        ([0, 1], r"times must be one instant per waypoint, \(4,\); got \(2,\)"),
+        ([1, 2, 3, 4], "times must start at 0 and increase strictly"),
+        ([0, 2, 2, 3], r"must start at 0 and increase strictly; got \[0.0, 2.0, 2.0, 3.0\]"),
+        ([0, 3, 2, 4], "increase strictly"),
+        ([0, 1, np.nan, 3], "times must be finite; it holds nan at index"),
+        ([0, 1e-9, 2, 3], "no segment under 1e-07 of the whole; got a segment of 1e-09 s in 3 s"),
+        ([0, 1e300, 2e300, 3e300], "times must span 1e-09 s to 1e"),
+        ("soon", "times must be an array of real numbers"),
+    ],
+)
+def test_times_that_make_no_sense(times, text):
+    with pytest.raises(InputError, match=text):
+        plan_joint(ARM, PATH, times=times)

@@ -1,0 +1,171 @@
+"""What is drawn: where everything stands, sticks for lost meshes, and meshes as they were made."""
+
+from __future__ import annotations
+
+import re
+from pathlib import Path
+
+import numpy as np
+import pytest
+import umsgpack
+from numpy.testing import assert_allclose, assert_array_equal
+
+from twistarm import Arm, arm_from_screws, available_arms, joints, load_arm, poe
+from twistarm.errors import DescriptionError
+from twistarm.limits import usual_half
+from twistarm.viewer import Viewer
+from twistarm.viewer.links import load_meshes
+from twistarm.viewer.meshes import load_parts, shaded
+from twistarm.viewer.scene import build_scene, partial_products
+from twistarm.viewer.stage import Stage
+from twistarm.viewer.summary import _describe
+from viewer_page import ARM, ROUNDING, THETA, matrix, nothing, visit
+from viewer_page import arm as arm
+from viewer_page import viewer as viewer
+
+SINGLE = 1e-5
+"""Meshes are sent in single precision, and normals are unit vectors."""
+
+
+# what is drawn ----------------------------------------------------------------------------------------
+
+
+def test_a_new_page_is_told_the_arm_the_scene_and_where_everything_stands(arm: Arm, viewer: Viewer) -> None:
+    page = visit(viewer, nothing)
+    hello, frame = page.latest["hello"], page.latest["frame"]
+    assert [joint["name"] for joint in hello["arm"]["joints"]] == ["yaw", "pitch", "slide"]
+    assert [joint["unit"] for joint in hello["arm"]["joints"]] == ["rad", "rad", "m"]
+    assert hello["arm"]["joints"][0]["limits"] == [None, None]
+    assert_allclose(hello["arm"]["joints"][0]["range"], [-np.pi, np.pi])
+    assert hello["arm"]["joints"][2]["range"] == [0, 0.2]
+    assert [joint["name"] for joint in hello["arm"]["others"]] == ["finger"]
+    assert hello["arm"]["poses"] == ["zero", "ready"]
+    assert hello["objects"] == len(page.objects)
+    assert hello["notes"] == ["not drawn, the mesh was not found: 'a/b <i>'"]
+    assert frame["theta"] == list(THETA)
+    poses = arm.poses(THETA, {"finger": 0.01})
+    for link, path in hello["links"].items():
+        assert_array_equal(matrix(frame["transforms"][path]), poses[link])
+    assert_array_equal(matrix(frame["transforms"]["/frames/tool"]), poses[arm.tip])
+    assert_allclose(frame["tool"]["position"], poses[arm.tip][:3, 3], atol=0)
+
+
+def test_the_last_screw_carries_home_to_the_tool(arm: Arm) -> None:
+    assert_allclose(partial_products(arm, np.array(THETA))[-1] @ arm.home, arm.fk(THETA), atol=ROUNDING)
+
+
+def test_arms_without_a_description_are_drawn_from_their_axes() -> None:
+    screws = np.column_stack(
+        [
+            joints.revolute([0, 0, 1], [0, 0, 0]),
+            joints.helical([0, 1, 0], [0, 0, 0.4], 0.05),
+            joints.prismatic([0, 0, 1]),
+        ]
+    )
+    home = np.eye(4)
+    home[:3, 3] = [0.5, 0, 0.4]
+    arm = arm_from_screws(screws, home)
+    stage, scene = Stage(arm, [0.3, 0.4, -0.1]), build_scene(arm)
+    frame = stage.frame()
+    assert_allclose(
+        matrix(frame["transforms"]["/arm/rod:1"]), poe.fk(screws[:, :2], np.eye(4), [0.3, 0.4]), atol=ROUNDING
+    )
+    assert stage.hello(scene.links)["arm"]["screws"] == ["helical", "prismatic", "revolute"]
+    assert scene.notes == ()
+    assert {"/arm/rod:0/rod", "/arm/rod:1/rail"} <= {umsgpack.unpackb(part)["path"] for part in scene.objects}
+
+
+def test_a_cylinder_stands_along_z(arm: Arm) -> None:
+    drawn = {part["path"]: part["object"] for part in map(umsgpack.unpackb, build_scene(arm).objects)}
+    upper = drawn["/arm/link:upper/visual0"]
+    assert upper["geometries"][0]["type"] == "CylinderGeometry"
+    placed = matrix(upper["object"]["matrix"])
+    assert_allclose(placed @ [0, 0.2, 0, 1], [0, 0, 0.4, 1], atol=ROUNDING)  # three.js's top end, at URDF's
+    red = drawn["/arm/link:base_link/visual0"]["materials"][0]
+    assert (red["color"], red["opacity"], red["transparent"]) == (0xFF0000, 0.5, True)
+
+
+def test_a_link_whose_mesh_is_missing_is_a_stick_to_the_joint_it_carries(arm: Arm) -> None:
+    drawn = {part["path"]: part["object"] for part in map(umsgpack.unpackb, build_scene(arm).objects)}
+    stick = drawn["/arm/link:a%2Fb%20%3Ci%3E/stick0"]
+    assert_allclose(stick["geometries"][0]["height"], 0.3)
+    assert_allclose(matrix(stick["object"]["matrix"])[:3, 3], [0.15, 0, 0], atol=ROUNDING)
+
+
+@pytest.mark.parametrize(
+    ("kind", "lower", "upper", "expected"),
+    [
+        ("revolute", -1.0, 2.0, (-1.0, 2.0)),
+        ("continuous", -np.inf, np.inf, (-np.pi, np.pi)),
+        ("prismatic", -np.inf, np.inf, (-1.0, 1.0)),
+        ("prismatic", 0.5, np.inf, (0.5, 1.5)),
+        ("revolute", -np.inf, -4.0, (-4.0 - np.pi, -4.0)),
+    ],
+)
+def test_slider_range(kind: str, lower: float, upper: float, expected: tuple[float, float]) -> None:
+    assert_allclose(_describe("joint", kind, lower, upper, usual_half(kind))["range"], expected)
+
+
+# meshes -----------------------------------------------------------------------------------------------
+
+
+def test_a_cube_keeps_its_edges_and_a_sphere_is_smooth() -> None:
+    import trimesh
+
+    cube = trimesh.creation.box((1, 2, 3))
+    vertices, normals, faces = shaded(cube.triangles)
+    assert len(vertices) == 24
+    assert_allclose(np.repeat(cube.face_normals, 3, axis=0), normals[faces].reshape(-1, 3), atol=SINGLE)
+    ball = trimesh.creation.icosphere(3)
+    vertices, normals, _ = shaded(ball.triangles)
+    assert len(vertices) == len(ball.vertices)
+    assert_allclose(normals, vertices, atol=0.02)  # facets of 8°: their mean is radial to a degree
+
+
+def test_an_stl_with_zero_normals_gets_its_normals_from_its_triangles(tmp_path: Path) -> None:
+    import trimesh
+
+    cube = trimesh.creation.box((1, 1, 1))
+    path = tmp_path / "cube.stl"
+    data = bytearray(trimesh.exchange.stl.export_stl(cube))
+    for face in range(12):
+        data[84 + 50 * face : 96 + 50 * face] = bytes(12)
+    path.write_bytes(data)
+    (part,) = load_parts(path)
+    assert part.colour is None
+    assert_allclose(np.linalg.norm(part.normals, axis=1), 1, atol=SINGLE)
+
+
+def test_a_collada_file_in_millimetres_is_drawn_in_metres(tmp_path: Path) -> None:
+    import trimesh
+
+    text = trimesh.creation.box((100, 200, 300)).export(file_type="dae").decode()
+    path = tmp_path / "box.dae"
+    path.write_text(text.replace("<up_axis>", '<unit name="millimeter" meter="0.001"/><up_axis>'))
+    (part,) = load_parts(path)
+    assert_allclose(np.ptp(part.vertices, axis=0), [0.1, 0.2, 0.3], atol=SINGLE)
+
+
+def test_every_material_of_a_collada_file_is_a_part_of_its_own_colour() -> None:
+    if "ur5" not in available_arms():
+        pytest.skip("example-robot-data is not installed")
+    description = load_arm("ur5").description
+    assert description is not None
+    path = description.links["forearm_link"].visuals[0].mesh
+    assert path is not None
+    parts = load_parts(path)
+    assert len(parts) == 4
+    assert len({part.colour for part in parts}) == 3
+
+
+def test_a_mesh_that_cannot_be_read_is_noted_and_the_rest_is_drawn(tmp_path: Path) -> None:
+    (tmp_path / "lost.stl").write_text("no mesh at all")
+    (tmp_path / "arm.urdf").write_text(ARM)
+    broken = load_arm(tmp_path / "arm.urdf", tip="tool0")
+    assert broken.description is not None
+    (reason,) = load_meshes(broken.description).values()
+    assert isinstance(reason, str)
+    assert re.search(r"cannot read mesh .*lost\.stl: .*; export it again as STL, DAE or OBJ", reason)
+    assert build_scene(broken).notes == (reason,)
+    with pytest.raises(DescriptionError, match="cannot read mesh"):
+        load_parts(tmp_path / "lost.stl")

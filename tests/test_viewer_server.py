@@ -1,0 +1,202 @@
+"""The server of the view: who may come in, how it starts, and that it leaves nothing."""
+
+from __future__ import annotations
+
+import asyncio
+import re
+import socket
+import subprocess
+import sys
+import threading
+import time
+from pathlib import Path
+from typing import Any
+
+import pytest
+from numpy.testing import assert_array_equal
+from tornado.httpclient import HTTPClientError
+
+from twistarm import Arm
+from twistarm.errors import InputError, MissingExtraError
+from twistarm.viewer import Viewer, save_html
+from twistarm.viewer.guard import Guard
+from twistarm.viewer.meshes import load_parts
+from viewer_page import WAIT, Page, get, nothing, visit
+from viewer_page import arm as arm
+from viewer_page import viewer as viewer
+
+# who may come in --------------------------------------------------------------------------------------
+
+
+def test_the_page_and_its_files_are_served_under_the_token_only(viewer: Viewer) -> None:
+    status, text, headers = get(viewer.url)
+    assert status == 200
+    assert "<title>twistarm</title>" in text
+    policy = headers["Content-Security-Policy"]
+    assert "default-src 'none'" in policy
+    assert "script-src 'self';" in policy
+    assert "unsafe-eval" not in policy
+    for name in re.findall(r'(?:src|href)="([\w.]+)"', text):
+        assert get(viewer.url + name)[0] == 200, name
+    root = viewer.url.rsplit("/", 2)[0]
+    for address in (f"{root}/", f"{root}/wrong/", f"{root}/wrong/main.js", f"{root}/wrong/socket", root):
+        status, text, _ = get(address)
+        assert status == 403, address
+        assert "wrong token" in text
+    assert get(viewer.url + "../../etc/passwd")[0] in (403, 404)
+    assert get(viewer.url + "nothing.js")[0] == 404
+    assert get(viewer.url.rstrip("/"))[1].startswith("<!DOCTYPE html>")
+
+
+@pytest.mark.parametrize(
+    "host", ["evil.example", "evil.example:80", "127.0.0.1.evil.example", "a@127.0.0.1", "127.0.0.1:x"]
+)
+def test_a_foreign_host_is_refused(viewer: Viewer, host: str) -> None:
+    status, text, _ = get(viewer.url, Host=host)
+    assert status in (400, 403)
+    assert "<title>" not in text
+
+
+@pytest.mark.parametrize("host", ["localhost:1234", "127.0.0.1", "[::1]:8080", "LOCALHOST"])
+def test_forwarded_ports_are_accepted(viewer: Viewer, host: str) -> None:
+    assert get(viewer.url, Host=host)[0] == 200
+
+
+@pytest.mark.parametrize("origin", ["http://evil.example", "null", "file://", "http://127.0.0.1.evil.example"])
+def test_a_foreign_origin_opens_no_socket(viewer: Viewer, origin: str) -> None:
+    with pytest.raises(HTTPClientError, match="403"):
+        visit(viewer, nothing, Origin=origin)
+
+
+def test_an_origin_on_a_forwarded_port_opens_a_socket(viewer: Viewer) -> None:
+    assert "hello" in visit(viewer, nothing, Origin="http://localhost:9999").latest
+
+
+def test_a_wrong_token_opens_no_socket(viewer: Viewer) -> None:
+    class Stranger:
+        url = re.sub(r"/[^/]+/$", "/wrong/", viewer.url)
+
+    with pytest.raises(HTTPClientError, match="403"):
+        visit(Stranger, nothing)  # type: ignore[arg-type]
+
+
+def test_a_view_on_every_interface_admits_addresses_but_no_foreign_names() -> None:
+    guard = Guard("0.0.0.0")
+    assert guard.admits_host("192.168.1.7:8000")
+    assert guard.admits_host(f"{socket.gethostname()}:8000")
+    assert not guard.admits_host("evil.example:8000")
+    assert Guard("rover.local").admits_host("rover.local:80")
+    assert not Guard("127.0.0.1").admits_host("192.168.1.7")
+    assert Guard("127.0.0.1").token != Guard("127.0.0.1").token
+
+
+# starting and stopping --------------------------------------------------------------------------------
+
+
+def test_a_port_in_use_is_one_line(arm: Arm, viewer: Viewer) -> None:
+    port = int(viewer.url.split(":")[2].split("/")[0])
+    with pytest.raises(
+        InputError, match=rf"^port {port} is in use on 127\.0\.0\.1; take another, or --port 0 \(port=0\)"
+    ):
+        Viewer(arm, port=port, open_browser=False)
+
+
+@pytest.mark.parametrize("port", [-1, 65536, "80", 1.5, True])
+def test_a_port_that_is_none(arm: Arm, port: Any) -> None:
+    with pytest.raises(InputError, match="port must be 0"):
+        Viewer(arm, port=port, open_browser=False)
+
+
+@pytest.mark.parametrize("host", ["no.such.host.invalid", "203.0.113.7", "x" * 300])
+def test_a_host_that_is_not_this_machine(arm: Arm, host: str) -> None:
+    with pytest.raises(InputError, match=r"cannot listen on host .*; use 127\.0\.0\.1, or an address of this machine"):
+        Viewer(arm, host=host, open_browser=False)
+
+
+def test_closing_leaves_nothing(arm: Arm, monkeypatch: pytest.MonkeyPatch) -> None:
+    def no_process(*arguments: Any, **options: Any) -> None:
+        raise AssertionError("the viewer starts no process, Meshcat's server least of all")
+
+    monkeypatch.setattr(subprocess, "Popen", no_process)
+    threads = set(threading.enumerate())
+    viewer = Viewer(arm, open_browser=False)
+    port = int(viewer.url.split(":")[2].split("/")[0])
+
+    async def outlive(page: Page) -> None:
+        await asyncio.to_thread(viewer.close)
+        await page.until_closed()
+
+    visit(viewer, outlive)
+    viewer.close()
+    assert set(threading.enumerate()) - threads == set()
+    with pytest.raises(OSError, match="refused"):
+        socket.create_connection(("127.0.0.1", port))
+    Viewer(arm, port=port, open_browser=False).close()
+    assert_array_equal(viewer.theta, arm.ready)
+
+
+@pytest.mark.skipif(sys.platform == "win32", reason="Windows has no SIGINT for one child")
+def test_ctrl_c_ends_waiting_cleanly() -> None:
+    program = (
+        "import os, signal, threading, numpy as np; from twistarm import arm_from_screws, joints\n"
+        "from twistarm.viewer import Viewer\n"
+        "arm = arm_from_screws(joints.revolute([0, 0, 1], [0, 0, 0]), np.eye(4))\n"
+        "with Viewer(arm, open_browser=False) as v:\n"
+        "    threading.Timer(0.2, lambda: os.kill(os.getpid(), signal.SIGINT)).start()\n"
+        "    v.wait(); print('done')\n"
+    )
+    child = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True, timeout=60, check=False)
+    assert (child.stdout, child.stderr, child.returncode) == ("done\n", "", 0)
+
+
+def test_wait_returns_when_the_view_is_closed_elsewhere(viewer: Viewer) -> None:
+    threading.Timer(0.1, viewer.close).start()
+    start = time.monotonic()
+    viewer.wait()
+    assert time.monotonic() - start < WAIT
+
+
+def test_without_meshcat_the_error_says_what_to_install(
+    arm: Arm, monkeypatch: pytest.MonkeyPatch, tmp_path: Path
+) -> None:
+    monkeypatch.setitem(sys.modules, "meshcat", None)
+    for view in (lambda: Viewer(arm, open_browser=False), lambda: save_html(arm, tmp_path / "view.html")):
+        with pytest.raises(MissingExtraError, match=r"the viewer needs meshcat, .*: pip install 'twistarm\[view\]'"):
+            view()
+    monkeypatch.setitem(sys.modules, "trimesh", None)
+    with pytest.raises(MissingExtraError, match=r"drawing a mesh needs trimesh"):
+        load_parts(tmp_path / "x.stl")
+
+
+def test_importing_the_viewer_imports_no_extra() -> None:
+    program = (
+        "import sys, twistarm.viewer; print(sorted({'meshcat', 'tornado', 'trimesh', 'umsgpack'} & set(sys.modules)))"
+    )
+    result = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True, timeout=60, check=True)
+    assert result.stdout == "[]\n"
+
+
+def test_a_missing_browser_is_no_error(
+    arm: Arm, monkeypatch: pytest.MonkeyPatch, capfd: pytest.CaptureFixture[str]
+) -> None:
+    opened: list[str] = []
+    monkeypatch.setattr("webbrowser.open", opened.append)
+    monkeypatch.setenv("BROWSER", "none-of-this-name")
+    with Viewer(arm) as viewer:
+        assert opened == [viewer.url]
+    if sys.platform.startswith("linux"):
+        for name in ("DISPLAY", "WAYLAND_DISPLAY", "BROWSER"):
+            monkeypatch.delenv(name, raising=False)
+        with Viewer(arm) as viewer:
+            assert viewer.url.startswith("http://127.0.0.1:")
+        assert len(opened) == 1
+    assert capfd.readouterr() == ("", "")
+
+
+@pytest.mark.parametrize(("host", "name"), [("localhost", "localhost"), ("0.0.0.0", "127.0.0.1"), ("::1", "[::1]")])
+def test_other_hosts(arm: Arm, host: str, name: str) -> None:
+    if host == "::1" and not socket.has_ipv6:
+        pytest.skip("this machine has no IPv6")
+    with Viewer(arm, host=host, open_browser=False) as viewer:
+        assert viewer.url.startswith(f"http://{name}:")
+        assert get(viewer.url)[0] == 200
