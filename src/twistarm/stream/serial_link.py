@@ -18,8 +18,9 @@ from .protocols import Measured, Reading, Setpoint
 BAUDRATE = 115_200
 """The default; 11.5 kB/s: setpoints of six joints at 100 Hz."""
 
-LONGEST_WRITE = 0.005
-"""Seconds to wait for room in the port's buffer; a link that needs longer is too slow for the rate."""
+LONGEST_WRITE = 0.05
+"""Seconds a write may take: pyserial counts those in which a busy computer let the program wait, too. A link that needs
+longer is too slow for any rate."""
 
 MOST_PER_CYCLE = 16 * 1024
 """Bytes read in one cycle: ten times what 1 Mbaud brings in 10 ms."""
