@@ -44,7 +44,7 @@ if TYPE_CHECKING:
         TwistCommand,
         servo_step,
     )
-    from .viewer import Viewer, save_html
+    from .viewer import Viewer, save_html, save_png
     from .wiring import check_wiring
 
 __version__ = "0.1.0"
@@ -98,6 +98,7 @@ __all__ = [
     "poe",
     "rotations",
     "save_html",
+    "save_png",
     "screws",
     "servo_step",
     "solve_ik",
@@ -122,7 +123,7 @@ _LATER = {
         "servo_step",
     ),
     "stream": (),
-    "viewer": ("Viewer", "save_html"),
+    "viewer": ("Viewer", "save_html", "save_png"),
     "wiring": ("check_wiring",),
 }
 """Names by module that a program may do without: each is imported when it is first asked for."""

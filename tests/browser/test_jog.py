@@ -199,14 +199,14 @@ def test_keys_for_a_slider_do_not_jog_and_a_click_into_the_view_gives_them_back(
 
 
 def test_sliders_and_poses_are_disabled_while_a_servo_drives(page: Any, viewer: Viewer, heard: Heard) -> None:
-    for element in (page.locator(".joint input"), page.get_by_role("button", name="ready")):
+    for element in (page.locator(".joint input[type=range]"), page.get_by_role("button", name="ready")):
         assert element.is_disabled()
         assert float(element.evaluate("(element) => getComputedStyle(element).opacity")) < 0.5
     viewer.show([0.5])
     until(page, "Number(document.querySelector('.joint input').value) === 0.5")
     viewer.show_servo(None)
     until(page, "!document.querySelector('.joint input').disabled")
-    page.locator(".joint input").press("ArrowRight")
+    page.locator(".joint input[type=range]").press("ArrowRight")
     until(page, "twistarm.state.frame.theta[0] !== 0.5")
     assert page.get_by_role("button", name="ready").is_enabled()
 
@@ -215,7 +215,7 @@ def test_a_request_that_is_refused_all_the_same_goes_back(page: Any, viewer: Vie
     viewer.show([0.5])
     until(page, "twistarm.state.frame.theta[0] === 0.5")
     page.evaluate("() => { document.querySelector('.joint input').disabled = false; }")
-    page.locator(".joint input").press("ArrowRight")
+    page.locator(".joint input[type=range]").press("ArrowRight")
     until(page, "!document.getElementById('error').hidden")
     assert page.locator("#error").inner_text().startswith("a servo drives turner: sliders, poses and")
     until(page, "Number(document.querySelector('.joint input').value) === 0.5")

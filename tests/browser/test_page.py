@@ -163,9 +163,9 @@ def test_the_tool_and_the_joints_are_written_out(page: Any, viewer: Viewer, arm:
     viewer.show([0.25, 0.1, 0.2, 0.3, np.pi / 2])
     until(page, "twistarm.state.frame.theta[0] === 0.25")
     row = page.locator(".joint", has=page.locator('input[data-joint="slide"]'))
-    assert row.locator("output").inner_text() == "0.250 m"
+    assert row.get_by_role("spinbutton", name="slide, metres").input_value() == "0.250"
     row = page.locator(".joint", has=page.locator('input[data-joint="wrist_roll"]'))
-    assert row.locator("output").inner_text() == "90.0°"
+    assert row.get_by_role("spinbutton", name="wrist_roll, degrees").input_value() == "90.0"
     x = arm.fk([0.25, 0.1, 0.2, 0.3, np.pi / 2])[0, 3]
     assert page.locator("#tool-x").inner_text() == f"{x:.3f} m".replace("-", "−")
 

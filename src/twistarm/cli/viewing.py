@@ -1,14 +1,16 @@
-"""`view`: the arm in the browser, or as a stand-alone page."""
+"""`view`: the arm in the browser, as a stand-alone page or as a picture."""
 
 from __future__ import annotations
 
+import re
 from pathlib import Path
 from typing import Annotated
 
 import typer
 
 from ..arm import Arm
-from ..viewer import Viewer, save_html, show_in_browser
+from ..errors import InputError
+from ..viewer import Viewer, save_html, save_png, show_in_browser
 from .kinematics import warn_outside
 from .options import Radians, Theta, parse_theta, takes_arm
 from .output import warn
@@ -26,16 +28,30 @@ def view(
     host: Host = "127.0.0.1",
     browser: Browser = True,
     save: Annotated[Path | None, typer.Option(metavar="FILE", help="Write a stand-alone page instead.")] = None,
+    screenshot: Annotated[Path | None, typer.Option(metavar="FILE", help="Write a picture (PNG) instead.")] = None,
+    size: Annotated[str, typer.Option(metavar="WxH", help="Pixels of the picture.")] = "1280x720",
     rad: Radians = False,
 ) -> None:
     """Show the arm in the browser, with a slider per joint; serves until Ctrl-C."""
+    pixels = _pixels(size)
     x = parse_theta(arm, theta, rad)
     warn_outside(arm, x)
     if save is not None:
         print(f"written: {save_html(arm, save, theta=x)}")
+    if screenshot is not None:
+        print(f"written: {save_png(arm, screenshot, x, size=pixels)}")
+    if save is not None or screenshot is not None:
         return
     with Viewer(arm, x, host=host, port=port, open_browser=False) as viewer:
         serve(viewer, f"{arm.name} at", browser)
+
+
+def _pixels(text: str) -> tuple[int, int]:
+    """Width and height typed as 1280x720."""
+    sides = re.fullmatch(r"\s*(\d{1,6})\s*[xX×]\s*(\d{1,6})\s*", text)
+    if sides is None:
+        raise InputError(f"--size takes width and height in pixels, as in --size 1280x720; got {text!r}")
+    return int(sides[1]), int(sides[2])
 
 
 def serve(viewer: Viewer, what: str, browser: bool) -> None:

@@ -35,7 +35,10 @@ def check_trajectory(arm: Arm, trajectory: Trajectory) -> None:
     checked_theta(arm, trajectory(0.0))
 
 
-def require_inside(name: str, value: float, lower: float, upper: float) -> None:
-    """LimitError where a joint would leave its limits."""
-    if not lower - LIMIT_TOL <= value <= upper + LIMIT_TOL:
-        raise LimitError(f"{name} = {value:g} is outside its limits {lower:g} … {upper:g}")
+def require_inside(name: str, value: float, lower: float, upper: float, unit: str) -> None:
+    """LimitError where a joint would leave its limits; in degrees too where the unit is rad, as a page shows them."""
+    if lower - LIMIT_TOL <= value <= upper + LIMIT_TOL:
+        return
+    low, given, high = np.degrees([lower, value, upper])
+    in_degrees = f" ({given:.6g}°, allowed {low:.6g}° … {high:.6g}°)" if unit == "rad" else ""
+    raise LimitError(f"{name} = {value:g} is outside its limits {lower:g} … {upper:g} {unit}{in_degrees}")

@@ -21,6 +21,7 @@ from ..planning.trajectory import Trajectory
 from ..strict_json import encode
 from .admission import check_trajectory, checked_theta
 from .drawing import require_meshcat
+from .findings import examined
 from .page_files import meshcat_bundle, page_text
 from .path import NO_PATH, tool_path
 from .scene import build_scene
@@ -35,7 +36,18 @@ MOST_SAMPLES = 2000
 DECIMALS = 6
 """Positions to a micrometre, quaternions to a microradian."""
 
-MODULES = ("units.js", "view.js", "panel.js", "recording.js", "standalone.js")
+MODULES = (
+    "element.js",
+    "units.js",
+    "number_box.js",
+    "joint_row.js",
+    "view.js",
+    "panel.js",
+    "findings.js",
+    "highlight.js",
+    "recording.js",
+    "standalone.js",
+)
 """What the stand-alone page runs, each module after those it imports."""
 
 POLICY = "default-src 'none'; script-src 'unsafe-inline'; style-src 'unsafe-inline'; img-src data: blob:"
@@ -69,6 +81,7 @@ def save_html(
         "samples": _samples(arm, trajectory, start),
         "objects": [base64.b64encode(part).decode("ascii") for part in scene.objects],
         "notes": scene.notes,
+        "findings": examined(arm),
     }
     return write_whole(path, _page(arm.name, data))
 

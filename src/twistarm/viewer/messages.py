@@ -30,6 +30,7 @@ def parse(message: str | bytes) -> Request:
     """The request in a message of the page.
 
     {"type": "theta", "theta": [...]}   {"type": "joint", "name": ..., "value": ...}   {"type": "pose", "name": ...}
+    {"type": "random"}
     {"type": "play"}   {"type": "pause"}   {"type": "seek", "time": ...}
     {"type": "visible", "what": "screws"|"frames"|"path", "visible": true|false}
     {"type": "jog", "twist": [vx, vy, vz, wx, wy, wz], "frame": "tool"|"base"}   {"type": "stop"}
@@ -62,6 +63,7 @@ FIELDS: Mapping[str, Mapping[str, Callable[[Any, str], Any]]] = {
     "theta": {"theta": _numbers},
     "joint": {"name": _name, "value": _number},
     "pose": {"name": _name},
+    "random": {},
     "play": {},
     "pause": {},
     "seek": {"time": _number},

@@ -20,6 +20,7 @@ import tornado.web
 from ..errors import InputError
 from ..strict_json import LARGEST_MESSAGE, encode
 from .commands import COMMANDS, PageCommands
+from .findings import Examination
 from .guard import Guard
 from .handlers import PageHandler, SocketHandler
 from .messages import Request, parse
@@ -44,6 +45,7 @@ class Server:
         self.scene = scene
         self.guard = Guard(host)
         self.commands = PageCommands(stage.arm)
+        self.doctor = Examination(stage.arm, self._show_findings)
         self.clients: set[SocketHandler] = set()
         self._sockets = bind(host, port)
         self.port = int(self._sockets[0].getsockname()[1])
@@ -68,6 +70,7 @@ class Server:
             with suppress(RuntimeError):  # the loop may have been closed meanwhile, by another thread's stop
                 self._loop.call_soon_threadsafe(self._stop.set)
             self._thread.join(STOP_TIME)
+        self.doctor.join(STOP_TIME)
 
     def post(self, key: str, change: Change) -> None:
         """Let the loop apply `change`, at most once in FRAME_TIME; one that waits under the same key is replaced.
@@ -80,6 +83,10 @@ class Server:
             self._changes[key] = change
         if first and self._thread.is_alive():
             self._loop.call_soon_threadsafe(self._apply_in_time)
+
+    def _show_findings(self, message: dict[str, Any]) -> None:
+        with suppress(RuntimeError):  # the loop may have been closed meanwhile
+            self.post("findings", lambda stage: setattr(stage, "findings", message))
 
     def ask(self, question: Callable[[Stage], Answer]) -> Answer:
         """What `question` says of the stage once every change posted so far is applied."""
@@ -95,8 +102,10 @@ class Server:
         self._loop, self._stop = asyncio.get_running_loop(), asyncio.Event()
         http = tornado.httpserver.HTTPServer(self._application())
         http.add_sockets(self._sockets)
+        consultation = self._loop.create_task(self.doctor.wait(lambda: bool(self.clients) and not self.stage.driven))
         self._started.set()
         await self._stop.wait()
+        consultation.cancel()
         self._apply()
         http.stop()
         for client in list(self.clients):
@@ -132,7 +141,7 @@ class Server:
     def state(self) -> dict[str, str]:
         """The messages that say what is on show, by type."""
         stage = self.stage
-        messages = (stage.switches(), stage.way(), stage.player(), stage.servo(), stage.frame())
+        messages = (stage.switches(), stage.way(), stage.player(), stage.servo(), stage.findings, stage.frame())
         return {message["type"]: encode(message) for message in messages}
 
     def receive(self, text: str | bytes, sender: str) -> list[dict[str, Any]]:

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Any
 
+import numpy as np
 from numpy.typing import ArrayLike
 
 from ..arm import Arm
@@ -12,13 +13,14 @@ from ..checks import Array
 from ..errors import InputError, unknown_name
 from ..planning.trajectory import Trajectory
 from .admission import checked_theta, require_inside
+from .findings import loaded
 from .messages import Request
 from .path import NO_PATH
 from .playback import Playback
 from .servo_words import SILENT
-from .summary import describe_arm, extra_joints, named_poses, placement, rest
+from .summary import describe_arm, extra_joints, joint_unit, named_poses, placement, rest
 
-DRIVING = ("theta", "joint", "pose", "play", "seek")
+DRIVING = ("theta", "joint", "pose", "random", "play", "seek")
 """Requests that would move the arm under a servo's hands."""
 
 
@@ -32,6 +34,7 @@ class Stage:
         self.others = {name: rest(joint) for name, joint in self.extra_joints.items()}
         self.visible = {"screws": True, "frames": True, "path": True}
         self.path = NO_PATH
+        self.findings = loaded(arm)
         self.playback: Playback | None = None
         self.driven = self.jogging = False
         self.report: dict[str, Any] = SILENT
@@ -74,6 +77,8 @@ class Stage:
             self._set_joint(fields["name"], fields["value"])
         elif request.kind == "pose":
             self.show(self._pose(fields["name"]))
+        elif request.kind == "random":
+            self.show(checked_theta(self.arm, self.arm.random_theta(np.random.default_rng())))
         elif request.kind == "visible":
             self.set_visible(fields["what"], fields["visible"])
         else:
@@ -116,22 +121,22 @@ class Stage:
     def _set_joint(self, name: str, value: float) -> None:
         if name in self.extra_joints:
             joint = self.extra_joints[name]
-            require_inside(name, value, joint.lower, joint.upper)
+            require_inside(name, value, joint.lower, joint.upper, joint_unit(joint.type))
             self.others = {**self.others, name: value}
             return
         if name not in self.arm.joint_names:
             names = (*self.arm.joint_names, *self.extra_joints)
             raise unknown_name("joint", name, names, within=self.arm.name, listing=f"{len(names)} joints")
         i = self.arm.joint_names.index(name)
-        require_inside(name, value, self.arm.limits.lower[i], self.arm.limits.upper[i])
+        require_inside(name, value, self.arm.limits.lower[i], self.arm.limits.upper[i], self.arm.units[i])
         theta = self.theta.copy()
         theta[i] = value
         self.show(theta)
 
     def _inside(self, theta: Array) -> Array:
         limits = self.arm.limits
-        for name, value, lower, upper in zip(self.arm.joint_names, theta, limits.lower, limits.upper, strict=True):
-            require_inside(name, value, lower, upper)
+        for joint in zip(self.arm.joint_names, theta, limits.lower, limits.upper, self.arm.units, strict=True):
+            require_inside(*joint)
         return theta
 
     def _pose(self, name: str) -> Array:

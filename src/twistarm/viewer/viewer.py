@@ -23,6 +23,7 @@ from .drawing import require_meshcat
 from .export import save_html
 from .path import NO_PATH, tool_path
 from .scene import build_scene
+from .screenshot import save_png
 from .servo_words import servo_words
 from .stage import Stage
 
@@ -118,6 +119,10 @@ class Viewer(Closing):
     def save_html(self, path: str | os.PathLike[str], trajectory: Trajectory | None = None) -> Path:
         """Write a stand-alone page of the arm as it stands; see `twistarm.viewer.save_html`."""
         return save_html(self.arm, path, trajectory, self.theta)
+
+    def save_png(self, path: str | os.PathLike[str], *, size: tuple[int, int] = (1280, 720)) -> Path:
+        """Write a picture of the arm as it stands, width and height in pixels; see `twistarm.viewer.save_png`."""
+        return save_png(self.arm, path, self.theta, size=size)
 
     def wait(self) -> None:
         """Serve until Ctrl-C or until `close` is called elsewhere; Ctrl-C closes the view and returns."""

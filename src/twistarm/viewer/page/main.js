@@ -1,5 +1,8 @@
 // The live page: what the process says is shown, what the person does is asked for.
 
+import { copyTheta } from "./copying.js";
+import { Findings } from "./findings.js";
+import { Highlight } from "./highlight.js";
 import { Jog } from "./jog.js";
 import { Link } from "./link.js";
 import { Panel } from "./panel.js";
@@ -11,12 +14,17 @@ const state = { hello: null, frame: null, drawn: 0, fitted: false };
 const panel = new Panel({
   joint: (name, value) => ask({ type: "joint", name, value }),
   pose: (name) => ask({ type: "pose", name }),
+  random: () => ask({ type: "random" }),
+  copy: () => copyTheta(state.frame.theta),
   visible: (what, visible) => ask({ type: "visible", what, visible }),
   play: () => ask({ type: "play" }),
   pause: () => ask({ type: "pause" }),
   seek: (time) => ask({ type: "seek", time }),
   fit: () => view.fit(),
 });
+
+const highlight = new Highlight(view);
+const findings = new Findings((node, name) => highlight.point(node, name));
 
 const jog = new Jog({
   jog: (twist, frame) => ask({ type: "jog", twist, frame }),
@@ -31,6 +39,7 @@ function ask(request) {
 const receive = {
   hello(message) {
     Object.assign(state, { hello: message, frame: null, drawn: 0 });
+    findings.choose(null);
     view.clear();
     panel.showError("");
     panel.release();
@@ -39,6 +48,7 @@ const receive = {
   frame(message) {
     state.frame = message;
     view.place(message.transforms);
+    highlight.follow();
     panel.show(message);
     if (!state.fitted) view.fit();
     state.fitted = true;
@@ -56,6 +66,7 @@ const receive = {
     jog.show(message);
     panel.showDriven(message.driven);
   },
+  findings: (message) => findings.show(message),
   error: ({ message }) => panel.showError(message),
 };
 
@@ -78,4 +89,4 @@ const link = new Link({
   },
 });
 
-globalThis.twistarm = { view, panel, jog, link, state };
+globalThis.twistarm = { view, panel, findings, highlight, jog, link, state };

@@ -1,40 +1,40 @@
 // The panel beside the view: joints, named poses, the tool, switches, the player.
 
-import { shortened, shown, signed } from "./units.js";
+import { element } from "./element.js";
+import { JointRow } from "./joint_row.js";
+import { inRadians, setRadians, shown, signed } from "./units.js";
 
-const $ = (id) => document.getElementById(id);
-
-function element(tag, className, text) {
-  const made = document.createElement(tag);
-  if (className) made.className = className;
-  if (text !== undefined) made.textContent = text;
-  return made;
-}
+export const $ = (id) => document.getElementById(id);
 
 export class Panel {
-  // `act` holds what the page does about the panel: joint(name, value), pose(name), visible(what, on), play(),
-  // pause(), seek(time), fit().
+  // `act` holds what the page does about the panel: joint(name, value), pose(name), random(), copy(), visible(what, on),
+  // play(), pause(), seek(time), fit().
   constructor(act) {
     this.act = act;
     this.rows = new Map();
     this.names = [];
-    this.held = null; // the joint under somebody's hand: its slider is not moved from outside
+    this.movers = []; // buttons that move the arm
+    this.frame = null;
+    this.held = null; // the joint under somebody's hand: its row is not moved from outside
     this.running = false;
     this.duration = 0; // of the trajectory, s; the scrubber runs from 0 to 1
     for (const what of ["screws", "frames", "path"]) {
       $(`show-${what}`).addEventListener("change", (event) => act.visible(what, event.target.checked));
     }
+    $("radians").checked = inRadians();
+    $("radians").addEventListener("change", (event) => this.switchUnits(event.target.checked));
     $("fit").addEventListener("click", () => act.fit());
     $("play").addEventListener("click", () => (this.running ? act.pause() : act.play()));
     $("scrub").addEventListener("input", (event) => act.seek(Number(event.target.value) * this.duration));
   }
 
-  // `arm` as the process describes it, `notes` on what could not be drawn; without `movable` the sliders only show.
+  // `arm` as the process describes it, `notes` on what could not be drawn; without `movable` the rows only show.
   build(arm, notes, movable) {
     document.title = `${arm.name} · twistarm`;
     $("name").textContent = $("name").title = arm.name;
     $("ends").textContent = `${arm.joints.length} joint${arm.joints.length === 1 ? "" : "s"}, ${arm.base} → ${arm.tip}`;
-    $("poses").replaceChildren(...(movable ? arm.poses.map((name) => this.poseButton(name)) : []));
+    this.buildButtons(movable ? arm.poses : null);
+    for (const row of this.rows.values()) row.box?.abandon(); // what is typed is not for the arm that comes
     this.rows.clear();
     const rows = arm.joints.map((joint) => this.row(joint, movable));
     if (arm.others.length) rows.push(element("h2", "", "Other joints"));
@@ -45,36 +45,40 @@ export class Panel {
     for (const item of $("legend").children) item.hidden = !arm.screws.includes(item.className);
   }
 
-  poseButton(name) {
-    const button = element("button", "", name);
-    button.type = "button";
-    button.addEventListener("click", () => this.act.pose(name));
-    return button;
+  // Of named poses, and beside them; null: nothing can be moved.
+  buildButtons(poses) {
+    this.movers = (poses ?? []).map((name) => button(name, `Go to the pose ${name}`, () => this.act.pose(name)));
+    $("poses").replaceChildren(...this.movers);
+    if (!poses) return;
+    const random = button("random", "Anywhere inside the limits", () => this.act.random());
+    this.movers.push(random);
+    const copy = button("copy theta", "The arm's joint values as a Python list, in rad and m", () => this.act.copy());
+    const apart = element("span", "apart");
+    apart.append(random, copy);
+    $("poses").append(apart);
   }
 
   row(joint, movable) {
-    const row = element("label", "joint");
-    const name = element("span", "name", joint.name);
-    name.title = joint.name;
-    name.append(element("span", "type", joint.type));
-    const value = element("output");
-    const slider = element("input");
-    Object.assign(slider, { type: "range", min: joint.range[0], max: joint.range[1], step: "any", disabled: !movable });
-    slider.dataset.joint = joint.name;
-    slider.addEventListener("input", () => {
-      this.held = joint.name;
-      this.tell(slider, value, shown(Number(slider.value), joint.unit));
-      this.act.joint(joint.name, Number(slider.value));
-    });
-    const [low, high] = joint.range.map((end) => element("span", "end", shortened(end, joint.unit)));
-    const head = element("span", "head");
-    head.append(name, value);
-    row.append(head, low, slider, high);
-    this.rows.set(joint.name, { joint, row, slider, value });
-    return row;
+    const act = {
+      send: (value) => {
+        this.held = joint.name;
+        this.act.joint(joint.name, value);
+      },
+      complain: (text) => this.showError(text),
+    };
+    const row = new JointRow(joint, movable ? act : null);
+    this.rows.set(joint.name, row);
+    return row.row;
+  }
+
+  switchUnits(radians) {
+    setRadians(radians);
+    for (const row of this.rows.values()) row.label();
+    if (this.frame) this.show(this.frame);
   }
 
   show(frame) {
+    this.frame = frame;
     this.names.forEach((name, i) => this.showJoint(name, frame.theta[i]));
     for (const [name, value] of Object.entries(frame.others)) this.showJoint(name, value);
     const { position, rpy } = frame.tool;
@@ -84,18 +88,7 @@ export class Panel {
   }
 
   showJoint(name, number) {
-    const { joint, row, slider, value } = this.rows.get(name);
-    if (this.held === name) return;
-    slider.value = number;
-    this.tell(slider, value, shown(number, joint.unit));
-    const [lower, upper] = joint.limits;
-    row.classList.toggle("outside", (lower !== null && number < lower - 1e-6) || (upper !== null && number > upper + 1e-6));
-  }
-
-  // The value beside a slider, and the same in words for whoever hears the page.
-  tell(slider, value, text) {
-    value.textContent = text;
-    slider.setAttribute("aria-valuetext", text);
+    if (this.held !== name) this.rows.get(name).show(number);
   }
 
   // The hand is off, and what it asked for has arrived.
@@ -105,8 +98,8 @@ export class Panel {
 
   // While a servo drives, the arm's joints are not for hands; those beside it still are.
   showDriven(driven) {
-    for (const name of this.names) this.rows.get(name).slider.disabled = driven;
-    for (const button of $("poses").children) button.disabled = driven;
+    for (const name of this.names) this.rows.get(name).disable(driven);
+    for (const mover of this.movers) mover.disabled = driven;
     $("scrub").disabled = driven;
     for (const id of ["poses", "joints"]) $(id).title = driven ? "A servo drives the arm" : "";
     $("panel").classList.toggle("driven", driven);
@@ -131,7 +124,9 @@ export class Panel {
     $("play").textContent = running ? "❚❚" : "▶";
     $("play").setAttribute("aria-label", running ? "Pause" : "Play");
     $("scrub").value = this.duration > 0 ? time / this.duration : 0;
-    this.tell($("scrub"), $("time"), `${time.toFixed(2)} / ${this.duration.toFixed(2)} s`);
+    const text = `${time.toFixed(2)} / ${this.duration.toFixed(2)} s`;
+    $("time").textContent = text;
+    $("scrub").setAttribute("aria-valuetext", text);
   }
 
   showStatus(state) {
@@ -143,4 +138,11 @@ export class Panel {
     $("error").textContent = message;
     $("error").hidden = message === "";
   }
+}
+
+function button(name, title, press) {
+  const made = element("button", "", name);
+  Object.assign(made, { type: "button", title });
+  made.addEventListener("click", press);
+  return made;
 }

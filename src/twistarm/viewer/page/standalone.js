@@ -1,11 +1,15 @@
 // The stand-alone page: an arm and perhaps a motion, with nobody to ask.
 
+import { Findings } from "./findings.js";
+import { Highlight } from "./highlight.js";
 import { Panel } from "./panel.js";
 import { Recording } from "./recording.js";
 import { View } from "./view.js";
 
 const data = JSON.parse(document.getElementById("data").textContent);
 const view = new View(document.getElementById("pane"));
+const highlight = new Highlight(view);
+const findings = new Findings((node, name) => highlight.point(node, name));
 const recording = new Recording(data.samples);
 const state = { frame: null, time: 0, since: null };
 
@@ -28,6 +32,7 @@ function show(time) {
   state.time = time;
   state.frame = { ...recording.at(time), running: state.since !== null };
   view.place(state.frame.transforms);
+  highlight.follow();
   panel.show(state.frame);
 }
 
@@ -50,6 +55,7 @@ function tick() {
 }
 
 panel.build(data.arm, data.notes, false);
+findings.show(data.findings);
 panel.showVisible(data.visible);
 panel.showPath(data.path.points.length > 0);
 panel.showPlayer(recording.duration > 0 ? recording.duration : null);
@@ -57,6 +63,7 @@ for (const object of data.objects) view.draw(Uint8Array.from(atob(object), (lett
 view.drawPath(data.path);
 show(0);
 view.fit();
+document.body.dataset.drawn = "";
 if (recording.duration > 0) run(true);
 
-globalThis.twistarm = { view, panel, state, data };
+globalThis.twistarm = { view, panel, findings, highlight, state, data };

@@ -1,16 +1,73 @@
-// Numbers as people read them: degrees for angles, metres for lengths.
+// Numbers as people read and type them: angles in degrees, or in radians where that is switched on; lengths in metres.
 
 const DEGREES = 180 / Math.PI;
+const KEPT = "twistarm radians"; // in the browser's storage
+const STEPS = { "°": 1, rad: 0.01, m: 0.001 };
+const WRITTEN = { "°": /\s*(°|deg)$/i, rad: /\s*rad$/i, m: /\s*m$/i }; // a unit that may follow a typed number
+const NUMBER = /^[+-]?(\d+\.?\d*|\.\d+)(e[+-]?\d+)?$/i;
+
+let radians = kept();
+
+function kept() {
+  try {
+    return localStorage.getItem(KEPT) === "true";
+  } catch {
+    return false; // a page without storage starts in degrees
+  }
+}
+
+export function inRadians() {
+  return radians;
+}
+
+export function setRadians(on) {
+  radians = on;
+  try {
+    localStorage.setItem(KEPT, String(on));
+  } catch {
+    // Without storage it holds as long as the page.
+  }
+}
+
+// The unit on the page of what is in rad or m.
+export function unitShown(unit) {
+  return unit === "rad" && !radians ? "°" : unit;
+}
 
 export function signed(number, digits) {
   const text = number.toFixed(digits);
   return Number(text) === 0 ? text.replace("-", "") : text.replace("-", "−");
 }
 
-export function shown(value, unit, digits) {
-  return unit === "rad" ? `${signed(value * DEGREES, digits ?? 1)}°` : `${signed(value, digits ?? 3)} m`;
+// `digits` are those of degrees; metres and radians have two more.
+export function figure(value, unit, digits = 1) {
+  return signed(value * scale(unit), unitShown(unit) === "°" ? digits : digits + 2);
 }
 
-export function shortened(value, unit) {
-  return unit === "rad" ? shown(value, unit, 0) : `${signed(value, 2)} m`;
+export function shown(value, unit, digits) {
+  return figure(value, unit, digits) + mark(unit);
+}
+
+export function span([low, high], unit) {
+  return `${figure(low, unit, 0)} … ${figure(high, unit, 0)}${mark(unit)}`;
+}
+
+// What was typed, in rad or m; null where it is no number.
+export function typed(text, unit) {
+  const bare = text.trim().replaceAll("−", "-").replace(WRITTEN[unitShown(unit)], "");
+  const value = Number(bare) / scale(unit);
+  return NUMBER.test(bare) && Number.isFinite(value) ? value : null;
+}
+
+// What an arrow key adds, rad or m.
+export function step(unit) {
+  return STEPS[unitShown(unit)] / scale(unit);
+}
+
+function scale(unit) {
+  return unitShown(unit) === "°" ? DEGREES : 1;
+}
+
+function mark(unit) {
+  return unitShown(unit) === "°" ? "°" : ` ${unit}`;
 }

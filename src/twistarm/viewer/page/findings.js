@@ -1,0 +1,69 @@
+// The doctor's findings, gravest first; the chosen one is pointed at in the view.
+
+import { element } from "./element.js";
+import { $ } from "./panel.js";
+
+const WORDS = { error: "error", warning: "warning", info: "remark" };
+
+export class Findings {
+  // `point(node, name)` makes a node of the scene stand out; point(null) takes that back.
+  constructor(point) {
+    this.point = point;
+    this.chosen = null; // a finding's key
+    this.buttons = new Map();
+    addEventListener("keydown", ({ key }) => {
+      if (key === "Escape") this.choose(null);
+    });
+  }
+
+  // Sent again when the doctor has looked: what is chosen stays so if it is still there.
+  show({ findings, counts, note }) {
+    this.buttons.clear();
+    $("findings").hidden = findings.length === 0 && note === "";
+    $("findings-count").textContent = counted(counts);
+    $("findings-note").textContent = note;
+    $("findings-list").replaceChildren(...findings.map((finding) => this.item(finding)));
+    if (this.buttons.has(this.chosen)) this.mark();
+    else this.choose(null);
+  }
+
+  item(finding) {
+    const item = element("li", finding.severity);
+    const box = element(finding.node ? "button" : "div", "finding");
+    const head = element("span", "head");
+    head.append(element("span", "severity", WORDS[finding.severity]), element("code", "", finding.code));
+    box.append(head, element("span", "place", finding.place), element("span", "what", finding.what));
+    if (finding.remedy) box.append(element("span", "remedy", `→ ${finding.remedy}`));
+    if (finding.node) this.choosable(box, finding);
+    else box.append(element("span", "nowhere", "About no single link or joint."));
+    item.append(box);
+    return item;
+  }
+
+  choosable(button, finding) {
+    const key = JSON.stringify(finding);
+    button.type = "button";
+    button.title = `Point at ${finding.name}; Escape takes it back`;
+    button.addEventListener("click", () => this.choose(this.chosen === key ? null : key, finding));
+    this.buttons.set(key, button);
+  }
+
+  choose(key, finding) {
+    if (key === null && this.chosen === null) return;
+    this.chosen = key;
+    this.mark();
+    if (key === null) this.point(null);
+    else this.point(finding.node, finding.name);
+  }
+
+  mark() {
+    for (const [key, button] of this.buttons) button.setAttribute("aria-pressed", key === this.chosen);
+  }
+}
+
+// "3 warnings, 5 remarks"
+function counted(counts) {
+  const parts = Object.entries(WORDS).filter(([severity]) => counts[severity])
+    .map(([severity, word]) => `${counts[severity]} ${word}${counts[severity] > 1 ? "s" : ""}`);
+  return parts.join(", ") || "none";
+}

@@ -1,0 +1,88 @@
+// A joint's row in the panel: name, limits, slider, and the number: to type where the arm can be moved, else to read.
+
+import { element } from "./element.js";
+import { NumberBox } from "./number_box.js";
+import { shown, span, unitShown } from "./units.js";
+
+const NEAR = 0.1; // of the range between two limits
+const LEAST = { rad: Math.PI / 36, m: 0.01 }; // near a limit in any case: 5°, 1 cm
+const ROUNDING = 1e-6; // rad, m: the process lets a value lie this far beyond
+
+export class JointRow {
+  // `act` holds send(value) in rad or m, and complain(text); without, the row only shows.
+  constructor(joint, act) {
+    Object.assign(this, { joint, number: 0 });
+    this.row = element("div", "joint");
+    this.row.setAttribute("role", "group");
+    this.row.setAttribute("aria-label", joint.name);
+    this.standing = element("span", "standing");
+    this.ends = element("span", "ends");
+    this.slider = this.makeSlider(act);
+    this.box = act ? new NumberBox(joint, { ...act, send: (value) => this.move(value, act) }) : null;
+    this.output = act ? null : element("output");
+    this.unit = element("span", "unit");
+    this.row.append(this.head(), this.slider, ...(act ? [this.box.input, this.unit] : [this.output]));
+    this.label();
+  }
+
+  head() {
+    const head = element("div", "head");
+    const name = element("span", "name", this.joint.name);
+    name.title = this.joint.name;
+    head.append(name, element("span", "type", this.joint.type), this.standing, this.ends);
+    return head;
+  }
+
+  makeSlider(act) {
+    const { name, range } = this.joint;
+    const slider = element("input");
+    Object.assign(slider, { type: "range", min: range[0], max: range[1], step: "any", disabled: !act });
+    slider.dataset.joint = name;
+    slider.setAttribute("aria-label", name);
+    slider.addEventListener("input", () => this.move(Number(slider.value), act));
+    return slider;
+  }
+
+  move(value, act) {
+    this.show(value);
+    act.send(value);
+  }
+
+  // The unit on the page is another.
+  label() {
+    const { limits, range, unit } = this.joint;
+    this.ends.textContent = span(range, unit);
+    this.ends.title = limits.every((limit) => limit === null) ? "No limits: the slider's range" : "";
+    this.unit.textContent = unitShown(unit);
+    this.box?.label();
+    this.show(this.number);
+  }
+
+  show(number) {
+    const { unit } = this.joint;
+    const [state, side] = standing(this.joint, number);
+    const words = state ? `${shown(number, unit)}, ${state} its ${side} limit` : shown(number, unit);
+    this.number = this.slider.value = number;
+    this.slider.setAttribute("aria-valuetext", words);
+    this.box?.show(number, words);
+    if (this.output) this.output.textContent = shown(number, unit);
+    this.row.dataset.limit = state;
+    this.row.title = state ? words : "";
+    this.standing.textContent = state ? `${state === "near" ? "▸" : "▲"} ${state} ${side}` : "";
+  }
+
+  disable(disabled) {
+    this.slider.disabled = disabled;
+    this.box?.disable(disabled);
+  }
+}
+
+// "near", "outside" or "", and of which limit.
+function standing({ limits, unit }, number) {
+  const [lower, upper] = [limits[0] ?? -Infinity, limits[1] ?? Infinity];
+  const [left, side] = number - lower < upper - number ? [number - lower, "lower"] : [upper - number, "upper"];
+  const range = upper - lower;
+  const margin = Math.max(Number.isFinite(range) ? NEAR * range : 0, LEAST[unit]);
+  if (left < -ROUNDING) return ["outside", side];
+  return left < margin ? ["near", side] : ["", side];
+}

@@ -1,0 +1,124 @@
+// A joint's number to type: Enter or leaving the box sends it, Escape brings back what stands, arrow keys step.
+
+import { element } from "./element.js";
+import { figure, step, typed, unitShown } from "./units.js";
+
+const STRIDES = { ArrowUp: 1, ArrowDown: -1, PageUp: 10, PageDown: -10 };
+const NAMES = { "°": "degrees", rad: "radians", m: "metres" };
+
+export class NumberBox {
+  // `act` holds send(value) in rad or m, and complain(text), "" once there is nothing to complain of any more.
+  constructor(joint, act) {
+    Object.assign(this, { joint, act, number: 0, text: "" });
+    this.held = false; // under somebody's hand: not written from outside
+    this.edited = false; // and not sent
+    this.input = element("input", "number");
+    Object.assign(this.input, { type: "text", inputMode: "decimal", autocomplete: "off", maxLength: 30 });
+    this.input.setAttribute("role", "spinbutton");
+    this.listen();
+    this.label();
+  }
+
+  listen() {
+    this.input.addEventListener("focus", () => {
+      this.held = true;
+      this.input.select();
+    });
+    this.input.addEventListener("pointerdown", () => { this.held = true; });
+    this.input.addEventListener("input", () => {
+      this.held = this.edited = true;
+      this.mark(typed(this.input.value, this.joint.unit) === null);
+    });
+    this.input.addEventListener("blur", () => this.leave());
+    this.input.addEventListener("keydown", (event) => this.press(event));
+  }
+
+  // The unit on the page is another.
+  label() {
+    const { name, limits, unit } = this.joint;
+    const [lower, upper] = limits.map((limit) => (limit === null ? null : figure(limit, unit, 3).replace("−", "-")));
+    this.unit = NAMES[unitShown(unit)];
+    this.input.setAttribute("aria-label", `${name}, ${this.unit}`);
+    if (lower !== null) this.input.setAttribute("aria-valuemin", lower);
+    if (upper !== null) this.input.setAttribute("aria-valuemax", upper);
+    this.input.title = `In ${this.unit}. Enter sends, Escape restores, ↑ ↓ step by ${figure(step(unit), unit, 0)}, with Shift ten times that.`;
+  }
+
+  // `words`: the number and what is to be said of it.
+  show(number, words) {
+    const text = figure(number, this.joint.unit);
+    const moved = text !== this.text;
+    Object.assign(this, { number, text });
+    this.input.setAttribute("aria-valuenow", text.replace("−", "-"));
+    this.input.setAttribute("aria-valuetext", words);
+    // What is no number stays in the box it was left in, until there is something new to show.
+    if (!this.held && (moved || !this.edited)) this.write();
+  }
+
+  write() {
+    this.edited = false;
+    this.mark(false);
+    if (this.input.value !== this.text) this.input.value = this.text;
+    if (document.activeElement === this.input) this.input.select(); // the next number replaces this one
+  }
+
+  mark(nonsense) {
+    if (nonsense) this.input.setAttribute("aria-invalid", "true");
+    else this.input.removeAttribute("aria-invalid");
+  }
+
+  press(event) {
+    const { key, shiftKey } = event;
+    if (key === "Enter") this.send();
+    else if (key === "Escape") this.restore();
+    else if (key in STRIDES) this.step(STRIDES[key] * (shiftKey ? 10 : 1));
+    else return;
+    event.preventDefault();
+    event.stopPropagation(); // Escape here means nothing else on the page
+  }
+
+  leave() {
+    if (document.activeElement === this.input) return; // the window lost the focus, not the box
+    this.held = false;
+    if (this.edited) this.send();
+    else this.write();
+  }
+
+  send() {
+    if (!this.edited) return;
+    const value = typed(this.input.value, this.joint.unit);
+    if (value === null) {
+      this.act.complain(`${this.joint.name}: “${this.input.value}” is no number of ${this.unit}, such as 0.5`);
+    } else {
+      this.held = this.edited = false;
+      this.act.send(value);
+    }
+  }
+
+  restore() {
+    if (this.input.hasAttribute("aria-invalid")) this.act.complain("");
+    this.held = false;
+    this.write();
+  }
+
+  // No further than to a limit.
+  step(count) {
+    const { limits, unit } = this.joint;
+    const [lower, upper] = [limits[0] ?? -Infinity, limits[1] ?? Infinity];
+    const from = (this.edited ? typed(this.input.value, unit) : null) ?? this.number;
+    this.held = this.edited = false;
+    this.act.send(Math.max(lower, Math.min(upper, from + count * step(unit))));
+  }
+
+  // Not for hands, or again; what was typed and not sent is given up.
+  disable(disabled) {
+    if (this.input.disabled === disabled) return;
+    this.input.disabled = disabled;
+    this.abandon();
+  }
+
+  abandon() {
+    this.held = false;
+    this.write();
+  }
+}

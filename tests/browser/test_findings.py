@@ -1,0 +1,219 @@
+"""The doctor's findings on the page: counted, read, pointed at in the view, and taken back."""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Callable, Iterator
+from contextlib import AbstractContextManager
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from numpy.testing import assert_allclose
+from waiting import settled, until
+
+from twistarm import Arm, diagnose, load_arm
+from twistarm.viewer import Viewer, save_html
+from twistarm.viewer.findings import examined
+
+pytestmark = pytest.mark.browser
+
+DRAWN = 1e-12
+"""Meshcat takes a matrix apart into position, quaternion and scale: a few roundings in double precision."""
+
+HEAVY = "<img src=x onerror='hacked=1'>" + "_of_a_very_long_name" * 8
+ESCAPED = HEAVY.replace("<", "&lt;").replace(">", "&gt;")
+
+URDF = f"""<robot name="patient">
+  <link name="base_link"/>
+  <link name="{ESCAPED}">
+    <visual><geometry><box size="0.3 0.1 0.1"/></geometry></visual>
+    <inertial><mass value="90000"/><inertia ixx="1" iyy="1" izz="1" ixy="0" ixz="0" iyz="0"/></inertial></link>
+  <link name="fore"><visual><geometry><box size="0.3 0.1 0.1"/></geometry></visual></link>
+  <link name="tool0"/><link name="left"/>
+  <joint name="shoulder" type="revolute"><parent link="base_link"/>
+    <child link="{ESCAPED}"/><origin xyz="0 0 0.3"/>
+    <axis xyz="0 0 -2"/><limit lower="-90" upper="90" velocity="0" effort="0"/></joint>
+  <joint name="elbow" type="revolute"><parent link="{ESCAPED}"/>
+    <child link="fore"/><origin xyz="0.4 0 0"/><axis xyz="0 1 0"/>
+    <limit lower="0.1" upper="2.6" velocity="1" effort="-1"/></joint>
+  <joint name="hand" type="fixed"><parent link="fore"/><child link="tool0"/><origin xyz="0.3 0 0"/></joint>
+  <joint name="finger" type="prismatic"><parent link="tool0"/><child link="left"/><axis xyz="0 1 0"/>
+    <limit lower="0" upper="0.04" velocity="0.1" effort="1"/></joint>
+</robot>"""
+
+COPIES = """() => twistarm.highlight.copies.map(({ source, copy }) => {
+  let above = source;
+  while (above && above !== twistarm.highlight.node) above = above.parent;
+  const shown = copy.parent.parent === twistarm.view.viewer.scene;
+  return { below: above !== null, shown, matrix: copy.matrix.toArray() };
+})"""
+
+PICTURE = """() => {
+  const { renderer, scene, camera } = twistarm.view.viewer;
+  renderer.render(scene, camera);
+  return renderer.domElement.toDataURL();
+}"""
+
+
+@pytest.fixture(scope="module")
+def arm(tmp_path_factory: pytest.TempPathFactory) -> Arm:
+    path = tmp_path_factory.mktemp("arm") / "patient.urdf"
+    path.write_text(URDF)
+    return load_arm(path, tip="tool0")
+
+
+@pytest.fixture(scope="module")
+def viewer(arm: Arm) -> Iterator[Viewer]:
+    with Viewer(arm, open_browser=False) as served:
+        yield served
+
+
+@pytest.fixture(scope="module")
+def shared(open_page: Callable[[], AbstractContextManager[Any]], viewer: Viewer) -> Iterator[Any]:
+    with open_page() as opened:
+        settled(opened, viewer.url)
+        until(opened, "document.getElementById('findings-note').textContent === ''")
+        yield opened
+
+
+@pytest.fixture
+def live(shared: Any) -> Any:
+    """The page with its list open, and nothing chosen."""
+    shared.evaluate("document.getElementById('findings').open = true")
+    shared.keyboard.press("Escape")
+    return shared
+
+
+def about(page: Any, code: str) -> Any:
+    return page.locator(".finding", has=page.get_by_text(code, exact=True))
+
+
+def pointed_at(page: Any, path: str) -> bool:
+    return bool(page.evaluate("(path) => twistarm.highlight.node === twistarm.view.node(path)", path))
+
+
+def points_at_nothing(page: Any) -> bool:
+    nothing = "twistarm.highlight.node === null && twistarm.highlight.group.children.length === 0"
+    return bool(page.evaluate(nothing)) and page.locator("[aria-pressed=true]").count() == 0
+
+
+def test_the_list_is_closed_at_first_and_its_summary_counts_what_diagnose_finds(shared: Any, arm: Arm) -> None:
+    assert shared.locator("#findings").get_attribute("open") is None
+    counts = Counter(one.severity for one in diagnose(arm))
+    assert counts["warning"] > 1 < counts["info"]
+    assert shared.locator("#findings-count").inner_text() == f"{counts['warning']} warnings, {counts['info']} remarks"
+
+
+def test_every_finding_is_there_in_words_and_nothing_in_it_is_markup(live: Any, arm: Arm) -> None:
+    found = diagnose(arm)
+    texts = live.locator(".finding").all_inner_texts()
+    assert len(texts) == len(found)
+    for text, one in zip(texts, found, strict=True):
+        for part in (one.code, str(one.place), one.what, one.remedy):
+            assert part in text
+        nowhere = "About no single link or joint." in text
+        assert nowhere == (one.place.element == "")
+    assert live.locator("#findings img").count() == 0
+    assert live.evaluate("globalThis.hacked") is None
+
+
+def test_an_open_list_scrolls_inside_and_leaves_the_joints_in_view(live: Any) -> None:
+    list_ = live.locator("#findings-list")
+    assert list_.evaluate("(list) => list.scrollHeight > list.clientHeight && list.scrollWidth <= list.clientWidth")
+    assert live.evaluate("panel.scrollWidth <= panel.clientWidth")
+    assert live.locator(".joint").first.bounding_box()["y"] < 500
+
+
+@pytest.mark.parametrize(
+    ("code", "node"),
+    [
+        ("limits-look-like-degrees", "/screws/screw:0"),
+        ("axis-not-unit", "/screws/screw:0"),
+        ("joint-off-the-chain", "/arm/link:left"),  # nothing is drawn of it: an arrow alone
+    ],
+)
+def test_a_click_points_and_another_takes_it_back(live: Any, code: str, node: str) -> None:
+    about(live, code).click()
+    assert pointed_at(live, node)
+    assert about(live, code).get_attribute("aria-pressed") == "true"
+    assert all(one["below"] and one["shown"] for one in live.evaluate(COPIES))
+    assert (len(live.evaluate(COPIES)) > 0) == node.startswith("/screws/")
+    assert live.evaluate("twistarm.highlight.arrow.parent === twistarm.highlight.group")
+    about(live, code).click()
+    assert points_at_nothing(live)
+
+
+def test_a_link_stands_out_where_the_arm_has_it_and_moves_with_it(live: Any, arm: Arm, viewer: Viewer) -> None:
+    about(live, "mass-implausible").click()
+    assert pointed_at(live, live.evaluate("(name) => twistarm.state.hello.links[name]", HEAVY))
+    for theta in ([0.5, 0.3], [-1.0, 1.0]):
+        viewer.show(theta)
+        until(live, f"twistarm.state.frame.theta[0] === {theta[0]}")
+        (copy,) = live.evaluate(COPIES)  # its box
+        assert_allclose(np.reshape(copy["matrix"], (4, 4)).T, arm.poses(theta)[HEAVY], atol=DRAWN)
+
+
+def test_an_axis_is_thickened_about_itself_also_where_screws_are_not_shown(live: Any) -> None:
+    live.get_by_label("Screws").uncheck()
+    until(live, "!twistarm.view.node('/screws').visible")
+    about(live, "limits-look-like-degrees").click()
+    columns = [np.reshape(copy["matrix"], (4, 4)).T[:3, :3] for copy in live.evaluate(COPIES)]
+    assert len(columns) == 2  # shaft and head
+    for scaled in columns:
+        x, y, z = np.linalg.norm(scaled, axis=0)
+        assert_allclose([x, y], [z, 1.0], atol=DRAWN)
+        assert x > 1.5
+        assert_allclose(scaled[:, 1], [0, 0, -1], atol=DRAWN)  # along the joint's axis
+    live.get_by_label("Screws").check()
+    until(live, "twistarm.view.node('/screws').visible")
+
+
+def test_by_keyboard_enter_chooses_and_escape_takes_it_back(live: Any) -> None:
+    about(live, "axis-not-unit").focus()
+    live.keyboard.press("Enter")
+    assert pointed_at(live, "/screws/screw:0")
+    live.keyboard.press("Escape")
+    assert points_at_nothing(live)
+
+
+def test_what_is_chosen_is_seen_and_leaves_no_trace(live: Any) -> None:
+    before = live.evaluate(PICTURE)
+    about(live, "mass-implausible").click()
+    assert live.evaluate(PICTURE) != before
+    live.keyboard.press("Escape")
+    assert live.evaluate(PICTURE) == before
+
+
+def test_a_finding_about_nothing_in_particular_does_nothing(live: Any) -> None:
+    nowhere = about(live, "cannot-turn-in-place")
+    nowhere.click()
+    assert points_at_nothing(live)
+    assert nowhere.evaluate("(box) => box.tagName") == "DIV"
+
+
+def test_findings_sent_again_keep_what_is_chosen_if_it_is_still_there(live: Any, arm: Arm) -> None:
+    about(live, "axis-not-unit").click()
+    message = examined(arm)
+    live.evaluate("(message) => twistarm.findings.show(message)", message)
+    assert pointed_at(live, "/screws/screw:0")
+    assert about(live, "axis-not-unit").get_attribute("aria-pressed") == "true"
+    live.evaluate("(message) => twistarm.findings.show(message)", {**message, "findings": [], "counts": {}})
+    assert points_at_nothing(live)
+    assert live.locator("#findings").is_hidden()
+    live.evaluate("(message) => twistarm.findings.show(message)", message)
+    assert live.locator("#findings").is_visible()
+
+
+def test_the_stand_alone_page_has_the_findings_too(page: Any, arm: Arm, tmp_path: Path) -> None:
+    page.context.set_offline(True)
+    page.goto(save_html(arm, tmp_path / "view.html").as_uri())
+    until(page, "globalThis.twistarm?.state.frame")
+    assert page.locator("#findings").get_attribute("open") is None
+    page.locator("#findings summary").click()
+    assert page.locator(".finding").count() == len(diagnose(arm))
+    about(page, "mass-implausible").click()
+    assert pointed_at(page, page.evaluate("(name) => twistarm.data.links[name]", HEAVY))
+    page.keyboard.press("Escape")
+    assert points_at_nothing(page)

@@ -1,0 +1,359 @@
+"""The panel's joints by mouse and keyboard: numbers typed and stepped, units, limits, buttons, a servo in between."""
+
+from __future__ import annotations
+
+import ast
+from collections.abc import Callable, Iterator
+from contextlib import AbstractContextManager
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from numpy.testing import assert_allclose
+from test_page import assert_drawn
+from waiting import settled, until
+
+from twistarm import load_arm
+from twistarm.viewer import Viewer, save_html
+
+pytestmark = pytest.mark.browser
+
+ARM = load_arm("rover_arm")  # slide ±0.5 m, shoulder ±1.57, elbow ±2.36, wrist_pitch ±1.75, wrist_roll without limits
+
+START = [0.1, 0.2, -0.3, 0.4, 0.5]
+
+Opened = Callable[[], AbstractContextManager[Any]]
+
+CONTRAST = """() => {
+  const canvas = document.createElement("canvas").getContext("2d", { willReadFrequently: true });
+  const seen = (...colors) => {
+    for (const color of colors) { canvas.fillStyle = color; canvas.fillRect(0, 0, 1, 1); }
+    return [...canvas.getImageData(0, 0, 1, 1).data].slice(0, 3);
+  };
+  const ground = (of) => getComputedStyle(document.querySelector(of)).backgroundColor;
+  return ["near", "outside"].map((state) => {
+    const row = document.querySelector(`.joint[data-limit=${state}]`);
+    const standing = getComputedStyle(row.querySelector(".standing")).color;
+    return [seen(standing), seen(ground("#panel"), getComputedStyle(row).backgroundColor)];
+  });
+}"""
+"""Text and ground of a row near a limit, and of one outside [0 … 255], as they lie over each other."""
+
+
+@pytest.fixture(scope="module")
+def viewer() -> Iterator[Viewer]:
+    with Viewer(ARM, START, open_browser=False) as served:
+        yield served
+
+
+@pytest.fixture(scope="module")
+def opened(open_page: Opened, viewer: Viewer) -> Iterator[Any]:
+    """One page for all: opening one takes seconds of drawing in software."""
+    with open_page() as page:
+        page.context.grant_permissions(["clipboard-read", "clipboard-write"])
+        page.set_viewport_size({"width": 740, "height": 720})  # less to draw
+        yield settled(page, viewer.url)
+
+
+@pytest.fixture
+def page(opened: Any, viewer: Viewer) -> Any:
+    """The page with the arm at START and nothing under way."""
+    if opened.url != viewer.url:
+        settled(opened, viewer.url)
+    opened.keyboard.press("Escape")
+    opened.evaluate("document.activeElement.blur(), twistarm.panel.showError('')")
+    viewer.show(START)
+    stands(opened, START)
+    return opened
+
+
+def box(page: Any, joint: str, unit: str = "degrees") -> Any:
+    return page.get_by_role("spinbutton", name=f"{joint}, {unit}", exact=True)
+
+
+def type_into(page: Any, joint: str, text: str, unit: str = "degrees") -> None:
+    """As a hand does it: click, which does not clear the box, select all of it, type."""
+    box(page, joint, unit).click()
+    page.keyboard.press("ControlOrMeta+a")
+    page.keyboard.type(text)
+
+
+def stands(page: Any, theta: Any) -> None:
+    """Wait until the page shows theta, and every request is answered."""
+    numbers = [float(value) for value in theta]
+    until(page, f"twistarm.state.frame.theta.every((value, i) => Math.abs(value - {numbers}[i]) < 1e-12)")
+    until(page, "twistarm.link.underway === 0 && twistarm.link.pending.size === 0 && twistarm.panel.held === null")
+
+
+def at(**values: float) -> list[float]:
+    return [values.get(name, value) for name, value in zip(ARM.joint_names, START, strict=True)]
+
+
+def sent(page: Any) -> int:
+    """How many requests the page has sent."""
+    count: int = page.evaluate("twistarm.link.number")
+    return count
+
+
+def said(page: Any) -> str:
+    text: str = page.locator("#error").inner_text()
+    return text
+
+
+def test_a_typed_number_moves_the_arm_by_enter_and_by_leaving_the_box(page: Any, viewer: Viewer) -> None:
+    type_into(page, "shoulder", "30")
+    page.keyboard.press("Enter")
+    stands(page, at(shoulder=np.pi / 6))
+    assert_drawn(page, ARM, at(shoulder=np.pi / 6))
+    assert box(page, "shoulder").input_value() == "30.0"
+    page.keyboard.type("-12.5")  # what was sent is selected: the next number replaces it
+    page.keyboard.press("Tab")
+    stands(page, at(shoulder=np.deg2rad(-12.5)))
+    assert page.evaluate("document.activeElement.dataset.joint") == "elbow"  # its slider comes next
+    type_into(page, "slide", "-0.25", "metres")
+    page.locator("#pane").click()
+    stands(page, at(slide=-0.25, shoulder=np.deg2rad(-12.5)))
+    assert_allclose(viewer.theta, at(slide=-0.25, shoulder=np.deg2rad(-12.5)), atol=1e-15)
+    type_into(page, "finger_left", "0.02", "metres")
+    page.keyboard.press("Enter")
+    until(page, "twistarm.state.frame.others.finger_left === 0.02")
+
+
+@pytest.mark.parametrize(("text", "degrees"), [("−20", -20), ("20 °", 20), ("+2e1", 20), (" .5deg", 0.5), ("-7.", -7)])
+def test_ways_to_write_a_number(page: Any, text: str, degrees: float) -> None:
+    type_into(page, "elbow", text)
+    page.keyboard.press("Enter")
+    stands(page, at(elbow=np.deg2rad(degrees)))
+
+
+def test_looking_into_a_box_sends_nothing_and_escape_restores(page: Any) -> None:
+    before = sent(page)
+    box(page, "shoulder").click()
+    page.keyboard.press("Tab")
+    type_into(page, "shoulder", "77")
+    page.keyboard.press("Escape")
+    assert box(page, "shoulder").input_value() == "11.5"  # 0.2 rad
+    page.keyboard.press("Enter")
+    page.keyboard.press("Tab")
+    assert sent(page) == before
+
+
+@pytest.mark.parametrize("text", ["12x", "", "1,5", "1e999", "0x10", "NaN", "--1", "1 rad"])
+def test_nonsense_is_marked_and_nothing_is_sent(page: Any, text: str) -> None:
+    before = sent(page)
+    type_into(page, "shoulder", text)
+    if text == "":
+        page.keyboard.press("Delete")
+    assert box(page, "shoulder").get_attribute("aria-invalid") == "true"
+    page.keyboard.press("Enter")
+    assert said(page) == f"shoulder: “{text}” is no number of degrees, such as 0.5"
+    page.keyboard.press("Tab")
+    assert box(page, "shoulder").input_value() == text
+    assert sent(page) == before
+    box(page, "shoulder").press("Escape")
+    assert box(page, "shoulder").input_value() == "11.5"
+    assert box(page, "shoulder").get_attribute("aria-invalid") is None
+    assert page.locator("#error").is_hidden()
+
+
+def test_nonsense_that_was_left_gives_way_to_the_joint_s_next_motion(page: Any) -> None:
+    type_into(page, "shoulder", "12x")
+    page.get_by_role("button", name="zero").click()
+    stands(page, np.zeros(5))
+    assert box(page, "shoulder").input_value() == "0.0"
+    assert box(page, "shoulder").get_attribute("aria-invalid") is None
+
+
+def test_beyond_a_limit_is_refused_with_its_reason_and_the_old_value_comes_back(page: Any, viewer: Viewer) -> None:
+    type_into(page, "shoulder", "200")
+    page.keyboard.press("Enter")
+    until(page, "!document.getElementById('error').hidden")
+    assert said(page) == (
+        "shoulder = 3.49066 is outside its limits -1.57 … 1.57 rad (200°, allowed -89.9544° … 89.9544°)"
+    )
+    stands(page, START)
+    assert box(page, "shoulder").input_value() == "11.5"
+    assert viewer.theta.tolist() == START
+
+
+def test_a_box_under_a_hand_is_not_overwritten_and_the_others_are(page: Any, viewer: Viewer) -> None:
+    type_into(page, "shoulder", "4")
+    viewer.show(at(shoulder=0.6, elbow=0.7))
+    stands(page, at(shoulder=0.6, elbow=0.7))
+    assert box(page, "shoulder").input_value() == "4"
+    assert box(page, "elbow").input_value() == "40.1"  # 0.7 rad
+    page.evaluate("document.activeElement.dispatchEvent(new FocusEvent('blur'))")  # as where the window loses the focus
+    page.keyboard.type("2")
+    page.keyboard.press("Enter")
+    stands(page, at(shoulder=np.deg2rad(42), elbow=0.7))
+
+
+def test_arrow_keys_step_and_end_at_the_limit(page: Any) -> None:
+    box(page, "shoulder").focus()
+    page.keyboard.press("ArrowUp")
+    stands(page, at(shoulder=0.2 + np.deg2rad(1)))
+    page.keyboard.press("Shift+ArrowDown")
+    stands(page, at(shoulder=0.2 - np.deg2rad(9)))
+    for _ in range(12):
+        page.keyboard.press("PageUp")
+    stands(page, at(shoulder=1.57))
+    assert said(page) == ""
+    box(page, "slide", "metres").press("ArrowDown")
+    stands(page, at(slide=0.099, shoulder=1.57))
+
+
+def test_radians_everywhere_and_after_a_reload(page: Any, viewer: Viewer) -> None:
+    page.get_by_label("Radians", exact=True).check()
+    assert box(page, "shoulder", "radians").input_value() == "0.200"
+    row = page.get_by_role("group", name="shoulder")
+    assert row.locator(".ends").inner_text() == "−1.57 … 1.57 rad"
+    assert row.locator(".unit").inner_text() == "rad"
+    assert page.get_by_role("group", name="slide").locator(".ends").inner_text() == "−0.50 … 0.50 m"
+    assert page.locator("#tool-roll").inner_text().endswith(" rad")
+    type_into(page, "shoulder", "-0.75", "radians")
+    page.keyboard.press("Enter")
+    stands(page, at(shoulder=-0.75))
+    page.keyboard.press("ArrowUp")
+    stands(page, at(shoulder=-0.74))
+    settled(page, viewer.url)
+    assert box(page, "shoulder", "radians").input_value() == "−0.740"
+    page.get_by_label("Radians", exact=True).uncheck()
+    assert box(page, "shoulder").input_value() == "−42.4"  # -0.74 rad
+    page.evaluate("() => { Storage.prototype.setItem = () => { throw new Error('no storage'); }; }")
+    page.get_by_label("Radians", exact=True).check()
+    assert box(page, "shoulder", "radians").input_value() == "−0.740"
+    page.get_by_label("Radians", exact=True).uncheck()
+
+
+def test_limits_are_told_in_words_and_by_a_colour_one_can_read(page: Any, viewer: Viewer) -> None:
+    # Within 10 % of 1.57 - -1.57 of the upper; 0.14 beyond the lower; 0.3 from both, which is not near.
+    viewer.show(at(shoulder=1.57 - 0.31, elbow=-2.5, wrist_pitch=1.75 - 0.36))
+    until(page, "document.querySelector('[data-limit=outside]')")
+    rows = {name: page.get_by_role("group", name=name) for name in ARM.joint_names}
+    states = {name: row.get_attribute("data-limit") for name, row in rows.items()}
+    assert states == {"slide": "", "shoulder": "near", "elbow": "outside", "wrist_pitch": "", "wrist_roll": ""}
+    for name, words in (("shoulder", "72.2°, near its upper limit"), ("elbow", "−143.2°, outside its lower limit")):
+        assert rows[name].get_attribute("title") == words
+        for control in (rows[name].get_by_role("slider"), rows[name].get_by_role("spinbutton")):
+            assert control.get_attribute("aria-valuetext") == words
+    assert [rows[name].locator(".standing").inner_text() for name in ("shoulder", "elbow", "slide")] == [
+        "▸ near upper",
+        "▲ outside lower",
+        "",
+    ]
+    for scheme in ("dark", "light"):
+        page.emulate_media(color_scheme=scheme)
+        near, outside = page.evaluate(CONTRAST)
+        assert near[0] != outside[0]
+        assert min(contrast(*near), contrast(*outside)) > 4.5, scheme  # WCAG 2.2, 1.4.3
+
+
+def test_near_is_at_least_five_degrees_and_a_centimetre(page: Any) -> None:
+    finger = page.get_by_role("group", name="finger_left")  # 0 … 0.04 m: 10 % would be 4 mm
+    for value, state in (("0.0099", "near"), ("0.0101", ""), ("0.0301", "near")):
+        type_into(page, "finger_left", value, "metres")
+        page.keyboard.press("Enter")
+        until(page, f"twistarm.state.frame.others.finger_left === {value}")
+        assert finger.get_attribute("data-limit") == state
+
+
+def contrast(one: list[int], other: list[int]) -> float:
+    """Ratio of the relative luminances of two sRGB colours [0 … 255]: WCAG 2.2."""
+    values = np.array([one, other]) / 255
+    linear = np.where(values <= 0.04045, values / 12.92, ((values + 0.055) / 1.055) ** 2.4)
+    low, high = sorted(linear @ [0.2126, 0.7152, 0.0722])
+    return float((high + 0.05) / (low + 0.05))
+
+
+def test_random_goes_somewhere_else_inside_the_limits(page: Any, viewer: Viewer) -> None:
+    before = START
+    for _ in range(4):
+        page.get_by_role("button", name="random").press("Enter")
+        until(page, f"{before}.every((value, i) => value !== twistarm.state.frame.theta[i])")
+        before = viewer.theta.tolist()
+        assert np.all((before >= ARM.limits.lower) & (before <= ARM.limits.upper))
+    stands(page, before)
+    assert_drawn(page, ARM, before)
+
+
+def test_theta_is_copied_as_a_python_list(page: Any, viewer: Viewer) -> None:
+    viewer.show(at(shoulder=1 / 3))
+    stands(page, at(shoulder=1 / 3))
+    page.get_by_role("button", name="copy theta").click()
+    until(page, "document.getElementById('copied').textContent !== ''")
+    assert page.locator("#copied").inner_text() == "theta copied, in rad and m"
+    assert ast.literal_eval(page.evaluate("navigator.clipboard.readText()")) == viewer.theta.tolist()
+
+
+def test_without_a_clipboard_theta_stands_selected_in_a_field(page: Any, viewer: Viewer) -> None:
+    page.evaluate("Object.defineProperty(navigator, 'clipboard', { value: undefined, configurable: true })")
+    page.get_by_role("button", name="copy theta").click()
+    field = page.get_by_label("theta", exact=True)
+    assert page.evaluate("getSelection().toString()") == field.input_value()
+    assert ast.literal_eval(field.input_value()) == viewer.theta.tolist()
+    assert "press Ctrl+C" in page.locator("#copied").inner_text()
+    page.evaluate("delete navigator.clipboard")
+    page.locator("#pane").click()
+    assert field.count() == 0
+
+
+def test_under_a_servo_the_arm_s_boxes_are_shut_and_keys_in_others_do_not_jog(page: Any, viewer: Viewer) -> None:
+    type_into(page, "shoulder", "33")
+    inbox = viewer.commands
+    until(page, "twistarm.jog.taken && document.querySelector('.joint .number').disabled")
+    for control in (box(page, "shoulder"), page.get_by_role("button", name="random")):
+        assert control.is_disabled()
+    assert box(page, "shoulder").input_value() == "11.5"
+    box(page, "finger_left", "metres").click()
+    page.keyboard.press("ControlOrMeta+a")
+    page.keyboard.type("w0.03d")
+    page.keyboard.press("ArrowUp")
+    assert page.evaluate("twistarm.jog.timer") is None
+    page.keyboard.press("ControlOrMeta+a")
+    page.keyboard.type("0.03")
+    page.keyboard.press("Enter")
+    until(page, "twistarm.state.frame.others.finger_left === 0.03")
+    assert inbox.read(0.0).command is None
+    viewer.show_servo(None)
+    until(page, "!document.querySelector('.joint .number').disabled")
+    assert viewer.theta.tolist() == START
+
+
+def test_seven_joints_and_a_gripper_need_no_scrolling(opened: Any, tmp_path: Path) -> None:
+    (tmp_path / "seven.urdf").write_text(seven())
+    opened.set_viewport_size({"width": 1280, "height": 720})
+    with Viewer(load_arm(tmp_path / "seven.urdf", tip="the_long_link_7"), open_browser=False) as viewer:
+        settled(opened, viewer.url)
+        until(opened, "document.querySelectorAll('.joint').length === 8")
+        viewer.show([-2.9] * 7)  # near the limit: −166.2°, the widest there is to show
+        until(opened, "document.querySelectorAll('[data-limit=near]').length === 8")
+        for radians in (False, True):
+            opened.get_by_label("Radians", exact=True).set_checked(radians)
+            assert opened.evaluate("panel.scrollHeight <= panel.clientHeight && panel.scrollWidth <= panel.clientWidth")
+            assert opened.evaluate(
+                "[...document.querySelectorAll('.joint .number')].every((b) => b.scrollWidth <= b.clientWidth)"
+            )
+        assert opened.locator(".joint .name").first.get_attribute("title") == "a_rather_long_name_of_joint_0"
+
+
+def seven() -> str:
+    """Seven joints in a row and a finger, with nothing to draw."""
+    links = "".join(f'<link name="the_long_link_{i}"/>' for i in range(9))
+    limit = '<limit lower="{}" upper="{}" velocity="1" effort="1"/>'
+    joint = '<joint name="{}" type="{}"><parent link="the_long_link_{}"/><child link="the_long_link_{}"/>{}</joint>'
+    rows = [
+        joint.format(f"a_rather_long_name_of_joint_{i}", "revolute", i, i + 1, limit.format(-3, 3)) for i in range(7)
+    ]
+    rows.append(joint.format("finger", "prismatic", 7, 8, limit.format(0, 0.04)))
+    return f'<robot name="seven">{links}{"".join(rows)}</robot>'
+
+
+def test_the_stand_alone_page_shows_numbers_only_in_either_unit(opened: Any, tmp_path: Path) -> None:
+    opened.goto(save_html(ARM, tmp_path / "view.html", theta=START).as_uri())
+    until(opened, "globalThis.twistarm?.state.frame")
+    row = opened.get_by_role("group", name="shoulder")
+    assert row.locator("output").inner_text() == "11.5°"
+    opened.get_by_label("Radians", exact=True).check()
+    assert row.locator("output").inner_text() == "0.200 rad"
+    assert opened.locator("#poses button, #joints input:enabled, .joint .number").count() == 0

@@ -1,0 +1,266 @@
+"""A picture of the arm: which browser draws it, what one that fails leaves behind, and a real one."""
+
+from __future__ import annotations
+
+import json
+import os
+import re
+import subprocess
+import tempfile
+import time
+from pathlib import Path
+
+import numpy as np
+import pytest
+from numpy.testing import assert_allclose
+from PIL import Image
+
+from catalogue import load
+from twistarm import InputError, TwistarmError, Viewer, save_png
+from twistarm.cli.application import run
+from twistarm.viewer import screenshot
+
+ARM = load("rr_planar")
+SIZE = (320, 240)
+COPY = 'for word in "$@"; do case "$word" in --screenshot=*) /bin/cp {} "${{word#--screenshot=}}";; esac; done\n'
+
+
+@pytest.fixture(autouse=True)
+def scratch(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    """The folder for temporary files: a screenshot leaves it empty."""
+    folder = tmp_path / "scratch"
+    folder.mkdir()
+    monkeypatch.setattr(tempfile, "tempdir", str(folder))
+    return folder
+
+
+@pytest.fixture
+def path(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    """The only folder on PATH, in a world without installed browsers."""
+    folder = tmp_path / "bin"
+    folder.mkdir()
+    monkeypatch.setenv("PATH", str(folder))
+    monkeypatch.setattr(screenshot, "PLACES", ())
+    return folder
+
+
+def install(folder: Path, script: str, name: str = "chromium") -> Path:
+    """A browser that is a shell script, and notes its arguments beside itself."""
+    program = folder / name
+    program.write_text(f'#!/bin/sh\nprintf "%s\\n" "$@" > "$0.arguments"\n{script}')
+    program.chmod(0o755)
+    return program
+
+
+def arguments(program: Path) -> list[str]:
+    return Path(f"{program}.arguments").read_text().splitlines()
+
+
+def drawing(folder: Path, size: tuple[int, int] = SIZE) -> Path:
+    """A picture that a browser might have drawn."""
+    file = folder / "drawing.png"
+    Image.effect_noise(size, 50.0).save(file)
+    return file
+
+
+def test_the_first_on_path_is_taken_then_the_usual_places(path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    chrome = install(path, "", "google-chrome")
+    install(path, "", "microsoft-edge")
+    assert screenshot.find_browser() == str(chrome)
+    chromium = install(path, "")
+    assert screenshot.find_browser() == str(chromium)
+    away = path.parent / "Google Chrome.app"
+    away.mkdir()
+    monkeypatch.setattr(screenshot, "PLACES", ("/nowhere/chrome", str(install(away, "", "Google Chrome"))))
+    monkeypatch.setenv("PATH", "")
+    assert screenshot.find_browser() == str(away / "Google Chrome")
+
+
+def test_without_a_browser_it_is_said_what_was_looked_for(path: Path, tmp_path: Path) -> None:
+    (path / "chromium").write_text("not a program")
+    with pytest.raises(TwistarmError) as caught:
+        save_png(ARM, tmp_path / "arm.png")
+    assert str(caught.value) == (
+        "a screenshot needs a browser, and there is none of chromium, chromium-browser, google-chrome, "
+        "google-chrome-stable, microsoft-edge, microsoft-edge-stable on PATH, nor Chrome, Chromium or Edge in "
+        "/Applications; install one (on Debian: apt install chromium), or save the page (save_html, --save)"
+    )
+
+
+def test_a_snap_is_known_by_its_link_and_by_its_script(path: Path) -> None:
+    snap = install(path, "", "snap")
+    (path / "chromium").symlink_to(snap)
+    assert screenshot.is_snap(str(path / "chromium"))
+    assert screenshot.is_snap(str(install(path, 'exec /snap/bin/chromium "$@"\n', "chromium-browser")))
+    assert not screenshot.is_snap(str(install(path, "exec /usr/lib/chromium/chromium\n", "google-chrome")))
+
+
+def test_a_snap_draws_below_the_home_folder(path: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    home = tmp_path / "home"
+    home.mkdir()
+    monkeypatch.setenv("HOME", str(home))
+    program = install(path, "# /snap/bin/chromium\n" + COPY.format(drawing(tmp_path)))
+    save_png(ARM, tmp_path / "arm.png", size=SIZE)
+    page = arguments(program)[-1]
+    assert page.startswith(f"file://{home}/twistarm-")
+    assert list(home.iterdir()) == []
+
+
+def test_the_picture_is_what_the_browser_drew(path: Path, tmp_path: Path, scratch: Path) -> None:
+    drawn = drawing(tmp_path)
+    program = install(path, COPY.format(drawn))
+    target = tmp_path / "arm.png"
+    assert save_png(ARM, target, size=SIZE) == target
+    assert target.read_bytes() == drawn.read_bytes()
+    said = arguments(program)
+    assert "--window-size=320,240" in said
+    assert any(word.startswith(f"--user-data-dir={scratch}/") for word in said), "a profile of its own"
+    assert list(scratch.iterdir()) == []
+
+
+def test_the_page_shows_the_posture(path: Path, tmp_path: Path) -> None:
+    kept = tmp_path / "kept.html"
+    keep = f'for word in "$@"; do :; done; word="${{word#file://}}"; /bin/cp "${{word%#pane}}" {kept}\n'
+    install(path, keep + COPY.format(drawing(tmp_path)))
+
+    def shown() -> list[float]:
+        data = re.search(r'id="data">(.*?)</script>', kept.read_text("utf-8"))
+        assert data is not None
+        return json.loads(data[1])["samples"]["theta"][0]  # type: ignore[no-any-return]
+
+    save_png(ARM, tmp_path / "arm.png", [0.3, -0.4], size=SIZE)
+    assert_allclose(shown(), [0.3, -0.4])
+    with Viewer(ARM, [0.5, 0.6], open_browser=False) as viewer:
+        viewer.save_png(tmp_path / "arm.png", size=SIZE)
+    assert_allclose(shown(), [0.5, 0.6])
+
+
+def ended(pid: int) -> bool:
+    """Whether a process is dead, though nobody may have asked for its end yet."""
+    done = subprocess.run(["/bin/ps", "-o", "stat=", "-p", str(pid)], capture_output=True, text=True, check=False)
+    return not done.stdout.strip() or done.stdout.strip().startswith("Z")
+
+
+def test_a_browser_that_hangs_is_ended_with_its_children(
+    path: Path, tmp_path: Path, scratch: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(screenshot, "TIMEOUT", 0.5)
+    install(path, f"/bin/sleep 60 & echo $! > {tmp_path}/child\n/bin/sleep 60\n")
+    began = time.monotonic()
+    with pytest.raises(TwistarmError, match=r"/chromium was ended after 0.5 s and wrote no picture$"):
+        save_png(ARM, tmp_path / "arm.png", size=SIZE)
+    assert time.monotonic() - began < 10
+    child = int((tmp_path / "child").read_text())
+    while not ended(child) and time.monotonic() - began < 10:
+        time.sleep(0.02)
+    assert ended(child)
+    assert list(scratch.iterdir()) == []
+    assert not (tmp_path / "arm.png").exists()
+
+
+def test_a_browser_that_lingers_after_drawing_has_drawn(
+    path: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(screenshot, "TIMEOUT", 0.5)
+    install(path, COPY.format(drawing(tmp_path)) + "/bin/sleep 60\n")
+    assert Image.open(save_png(ARM, tmp_path / "arm.png", size=SIZE)).size == SIZE
+
+
+FAILING = {
+    "it says why": ("echo first; echo 'no \033[1mscreen' >&2; exit 7\n", r"code 7 \(no \\x1b\[1mscreen\) and wrote no"),
+    "it says nothing": ("", "ended with code 0 and wrote no picture"),
+    "it draws nothing": (COPY.format("/dev/null"), "ended with code 0 and wrote no picture"),
+    "no PNG": (COPY.format('"$0"'), "wrote a picture that is not a whole PNG"),
+    "half a PNG": (COPY.format("{folder}/half.png"), "wrote a picture that is not a whole PNG"),
+    "another size": (COPY.format("{folder}/other.png"), "drew 320 x 200 pixels instead of 320 x 240"),
+    "one colour": (COPY.format("{folder}/blank.png"), "drew an empty page, as without WebGL; update it, or"),
+    "no program": ("", "cannot draw with .*chromium: .*Exec format error"),
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("case", FAILING)
+def test_a_browser_that_fails_changes_nothing(path: Path, tmp_path: Path, scratch: Path, case: str) -> None:
+    script, message = FAILING[case]
+    whole = drawing(tmp_path).read_bytes()
+    (tmp_path / "half.png").write_bytes(whole[: len(whole) // 2])
+    Image.effect_noise((320, 200), 50.0).save(tmp_path / "other.png")
+    Image.new("RGB", SIZE, (238, 241, 245)).save(tmp_path / "blank.png")
+    program = install(path, script.replace("{folder}", str(tmp_path)))
+    if case == "no program":
+        program.write_bytes(b"\x7fELF")
+    target = tmp_path / "arm.png"
+    target.write_text("as it was")
+    with pytest.raises(TwistarmError, match=message):
+        save_png(ARM, target, size=SIZE)
+    assert target.read_text() == "as it was"
+    assert list(scratch.iterdir()) == []
+
+
+@pytest.mark.parametrize(
+    "size", [(1280,), (1280, 720, 3), (199, 720), (1280, 4097), (640.0, 480), "1280x720", None, 720]
+)
+def test_bad_sizes_are_refused(path: Path, tmp_path: Path, size: object) -> None:
+    program = install(path, "")
+    with pytest.raises(InputError, match=r"size must be width and height in whole pixels, 200 to 4096 each, as \(1280"):
+        save_png(ARM, tmp_path / "arm.png", size=size)  # type: ignore[arg-type]
+    assert not Path(f"{program}.arguments").exists(), "no browser was started"
+
+
+def test_bad_paths_and_postures_are_refused(path: Path, tmp_path: Path) -> None:
+    program = install(path, "")
+    for name, message in {
+        "nowhere/arm.png": "the folder .*nowhere does not exist; create it first",
+        "bin": "it is a folder; give the name of a file in it",
+        "arm.jpg": r"cannot write .*arm.jpg: a screenshot is a PNG; give a name that ends in .png",
+    }.items():
+        with pytest.raises(InputError, match=message):
+            save_png(ARM, tmp_path / name)
+    with pytest.raises(InputError, match=r"theta must have shape \(..., 2\)"):
+        save_png(ARM, tmp_path / "arm.png", [0.1])
+    assert not Path(f"{program}.arguments").exists(), "no browser was started"
+
+
+def test_the_command(
+    path: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    install(path, COPY.format(drawing(tmp_path)))
+    command = ["view", "rr_planar", "--theta", "10 20", "--screenshot", "arm.png", "--size"]
+    assert run([*command, "320x240", "--save", "arm.html"]) == 0
+    assert capsys.readouterr().out.splitlines() == [f"written: {tmp_path}/{name}" for name in ("arm.html", "arm.png")]
+    assert Image.open("arm.png").size == SIZE
+    for size, message in {
+        "320": "error: --size takes width and height in pixels, as in --size 1280x720; got '320'\n",
+        "10x9999": "error: size must be width and height in whole pixels",
+    }.items():
+        assert run([*command, size]) == 2
+        assert capsys.readouterr().err.startswith(message)
+    (path / "chromium").unlink()
+    assert run([*command, "320x240"]) == 2
+    assert capsys.readouterr().err.startswith("error: a screenshot needs a browser, and there is none of chromium, ")
+
+
+@pytest.mark.browser
+@pytest.mark.parametrize("size", [(1280, 720), (320, 640)])
+def test_a_real_browser_draws_the_whole_arm(tmp_path: Path, scratch: Path, size: tuple[int, int]) -> None:
+    """Screws are drawn pink, and in no other place but the legend: they show where the arm is."""
+    try:
+        screenshot.find_browser()
+    except TwistarmError as error:
+        if os.environ.get("TWISTARM_REQUIRE_ALL") == "1":
+            pytest.fail(f"{error}, and TWISTARM_REQUIRE_ALL=1")
+        pytest.skip(str(error))
+    picture = Image.open(save_png(load("rover_arm"), tmp_path / "arm.png", size=size))
+    assert picture.size == size
+    pixels = np.asarray(picture.convert("RGB")).astype(int)
+    assert pixels.std() > 10
+    red, green, blue = np.moveaxis(pixels, -1, 0)
+    rows, columns = np.nonzero((red > 180) & (green < 90) & (blue > 100))
+    legend = rows < 60
+    assert legend.any()
+    assert (~legend).sum() > size[0] / 10
+    inside = columns[~legend] / size[0]
+    assert 0.05 < inside.min() < inside.max() < 0.95
+    assert pixels[60:200, : size[0] // 12].min() > 150, "sky, where the panel of the page has its names"
+    assert pixels[:60, -size[0] // 6 :].min() > 150, "sky, where the page has its switches"
+    assert list(scratch.iterdir()) == []

@@ -1,0 +1,241 @@
+"""The doctor's findings on the page: what is told, which node each points at, and a doctor that is slow or fails."""
+
+from __future__ import annotations
+
+import asyncio
+import json
+import re
+import threading
+import time
+from collections import Counter
+from collections.abc import Callable, Iterator
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+from twistarm import Arm, arm_from_screws, diagnose, joints, load_arm
+from twistarm.description.findings import CODES, Finding, Place, finding
+from twistarm.viewer import Viewer, save_html
+from twistarm.viewer import findings as module
+from twistarm.viewer import server as server_module
+from twistarm.viewer.findings import MOST, PENDING, Examination, examined, loaded, node_of
+from viewer_page import Page, nothing, visit
+
+SCRIPT = "</script><script>hacked = 1</script>"
+ESCAPED = SCRIPT.replace("<", "&lt;").replace(">", "&gt;")
+
+URDF = f"""<robot name="patient">
+  <link name="base_link"/>
+  <link name="upper/{ESCAPED}"><inertial><mass value="90000"/>
+    <inertia ixx="1" iyy="1" izz="1" ixy="0" ixz="0" iyz="0"/></inertial></link>
+  <link name="floor"/><link name="tool0"/><link name="left"/>
+  <joint name="{ESCAPED}" type="revolute"><parent link="base_link"/><child link="upper/{ESCAPED}"/>
+    <axis xyz="0 0 2"/><limit lower="-1" upper="1" velocity="1" effort="1"/></joint>
+  <joint name="table" type="planar"><parent link="upper/{ESCAPED}"/><child link="floor"/><origin xyz="0.3 0 0"/>
+    <axis xyz="0 0 1"/></joint>
+  <joint name="hand" type="fixed"><parent link="floor"/><child link="tool0"/></joint>
+  <joint name="finger" type="prismatic"><parent link="tool0"/><child link="left"/><axis xyz="0 1 0"/>
+    <limit lower="0" upper="0.04" velocity="0.1" effort="1"/></joint>
+</robot>"""
+
+UPPER = "/arm/link:upper%2F%3C%2Fscript%3E%3Cscript%3Ehacked%20%3D%201%3C%2Fscript%3E"
+
+
+@pytest.fixture(scope="module")
+def arm(tmp_path_factory: pytest.TempPathFactory) -> Arm:
+    path = tmp_path_factory.mktemp("arm") / "patient.urdf"
+    path.write_text(URDF)
+    return load_arm(path, tip="tool0")
+
+
+@pytest.fixture
+def viewer(arm: Arm) -> Iterator[Viewer]:
+    with Viewer(arm, open_browser=False) as served:
+        yield served
+
+
+@pytest.fixture(autouse=True)
+def impatient(monkeypatch: pytest.MonkeyPatch) -> None:
+    """The doctor comes at once."""
+    monkeypatch.setattr(module, "PATIENCE", 0.02)
+
+
+def note(code: str, place: Place) -> Finding:
+    return finding(code, place, "something", "a remedy")
+
+
+def hear(viewer: Viewer, heard: Callable[[dict[str, Any]], bool]) -> Page:
+    """A page that stays until the findings are as `heard` wants them."""
+
+    async def read(page: Page) -> None:
+        await page.until(lambda: heard(page.latest["findings"]))
+
+    return visit(viewer, read)
+
+
+async def stay(page: Page) -> None:
+    """Until the doctor is at work."""
+    while "twistarm doctor" not in {thread.name for thread in threading.enumerate()}:
+        await asyncio.sleep(0.01)
+
+
+@pytest.mark.parametrize(
+    ("element", "name", "node"),
+    [
+        ("link", "tool0", "/arm/link:tool0"),
+        ("link", f"upper/{SCRIPT}", UPPER),
+        ("joint", SCRIPT, "/screws/screw:0"),
+        ("joint", "table", "/screws/screw:1"),  # the first of the three that a planar joint becomes
+        ("joint", "hand", "/arm/link:tool0"),  # it does not move: what it carries
+        ("joint", "finger", "/arm/link:left"),  # beside the chain
+        ("joint", "nobody", None),
+        ("link", "../../Lights", None),
+        ("link", "hand", None),
+        ("joint", "tool0", None),
+        ("macro", "hand", None),
+        ("robot", "patient", None),
+        ("", "", None),
+    ],
+)
+def test_the_node_that_a_finding_points_at(arm: Arm, element: str, name: str, node: str | None) -> None:
+    assert node_of(arm, Place("patient.urdf", 1, element, name)) == node
+
+
+def test_every_node_that_is_pointed_at_is_placed_in_the_scene(arm: Arm, viewer: Viewer) -> None:
+    nodes = {told["node"] for told in examined(arm)["findings"]} - {None}
+    assert {"/screws/screw:0", UPPER, "/arm/link:left"} <= nodes
+    assert nodes <= set(visit(viewer, nothing).latest["frame"]["transforms"])
+
+
+def test_the_findings_are_those_of_diagnose_gravest_first(arm: Arm) -> None:
+    found, message = diagnose(arm), examined(arm)
+    assert len(found) > len(arm.findings) > 0
+    told = [(one["severity"], one["code"], one["place"], one["what"], one["remedy"]) for one in message["findings"]]
+    assert told == [(one.severity, one.code, str(one.place), one.what, one.remedy) for one in found]
+    assert message["counts"] == Counter(one.severity for one in found)
+    assert message["note"] == ""
+
+
+def test_what_the_loading_noted_is_sorted_and_the_doctor_is_announced(arm: Arm) -> None:
+    mixed = (note("srdf-found", Place("a")), note("axis-zero", Place("b")), note("axis-not-unit", Place("c")))
+    message = loaded(replace(arm, findings=mixed))
+    assert [told["severity"] for told in message["findings"]] == ["error", "warning", "info"]
+    assert message["counts"] == {"error": 1, "warning": 1, "info": 1}
+    assert message["note"] == PENDING
+
+
+def test_an_arm_without_a_description_has_what_its_loading_noted_and_no_doctor(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    monkeypatch.setattr(module, "diagnose", lambda arm: pytest.fail("there is nothing to look at"))
+    bare = arm_from_screws(joints.revolute([0, 0, 1], [0, 0, 0]), np.eye(4), joints=["turn"])
+    assert examined(bare) == loaded(bare) == {"type": "findings", "findings": [], "counts": {}, "note": ""}
+    assert node_of(bare, Place("bare", None, "joint", "turn")) == "/screws/screw:0"
+    assert node_of(bare, Place("bare", None, "link", "turn")) is None
+    with Viewer(bare, open_browser=False) as viewer:
+        assert visit(viewer, nothing).latest["findings"] == loaded(bare)
+
+
+def test_of_very_many_findings_the_gravest_are_sent_and_all_are_counted(arm: Arm) -> None:
+    many = [note("srdf-found", Place(str(i))) for i in range(MOST)] + [note("axis-zero", Place("last"))] * 2
+    message = loaded(replace(arm, findings=tuple(many)))
+    assert len(message["findings"]) == MOST
+    assert message["findings"][0]["code"] == message["findings"][1]["code"] == "axis-zero"
+    assert message["counts"] == {"info": MOST, "error": 2}
+    assert message["note"] == f"{PENDING} 2 more: twistarm doctor lists them."
+
+
+def test_every_code_s_severity_can_be_told(arm: Arm) -> None:
+    every = tuple(note(code, Place("a")) for code in CODES)
+    assert sum(loaded(replace(arm, findings=every))["counts"].values()) == len(CODES)
+
+
+def test_a_page_gets_the_diagnosis_and_a_late_one_at_once(arm: Arm, viewer: Viewer) -> None:
+    expected = examined(arm)
+    hear(viewer, lambda message: bool(message == expected))
+    assert visit(viewer, nothing).latest["findings"] == expected
+
+
+def test_without_a_page_nobody_diagnoses(arm: Arm, viewer: Viewer) -> None:
+    time.sleep(0.1)  # five times the doctor's patience
+    assert "twistarm doctor" not in {thread.name for thread in threading.enumerate()}
+    hear(viewer, lambda message: not message["note"])
+
+
+def test_the_page_lives_while_the_doctor_is_slow(arm: Arm, viewer: Viewer, monkeypatch: pytest.MonkeyPatch) -> None:
+    done = threading.Event()
+    monkeypatch.setattr(module, "diagnose", lambda arm: done.wait(10) and (note("axis-zero", Place("late")),))
+
+    async def look(page: Page) -> None:
+        assert page.latest["findings"] == loaded(arm)
+        await page.ask(type="pose", name="zero")
+        await page.until(lambda: not any(page.latest["frame"]["theta"]))
+        assert page.latest["findings"]["note"] == PENDING
+        done.set()
+        await page.until(lambda: page.latest["findings"]["note"] == "")
+        assert page.latest["findings"]["findings"][0]["place"] == "late"
+
+    viewer.show(arm.random_theta(np.random.default_rng(0)))
+    visit(viewer, look)
+
+
+def test_a_doctor_who_fails_is_told_and_the_page_lives(
+    arm: Arm, viewer: Viewer, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def fail(arm: Arm) -> None:
+        raise RuntimeError(f"{SCRIPT}\nat a loss")
+
+    monkeypatch.setattr(module, "diagnose", fail)
+    page = hear(viewer, lambda message: message["note"] != PENDING)
+    told = page.latest["findings"]
+    assert told["note"] == rf"From the loading alone: the doctor failed: {SCRIPT}\nat a loss"
+    assert told["findings"] == loaded(arm)["findings"]
+    assert "error" not in page.latest
+    viewer.show(arm.ready)
+
+
+def test_while_a_servo_drives_the_doctor_waits(arm: Arm, viewer: Viewer) -> None:
+    _ = viewer.commands
+
+    async def look(page: Page) -> None:
+        await asyncio.sleep(0.1)  # five times the doctor's patience
+        assert "twistarm doctor" not in {thread.name for thread in threading.enumerate()}
+        assert page.latest["findings"]["note"] == PENDING
+        viewer.show_servo(None)
+        await page.until(lambda: page.latest["findings"]["note"] == "")
+
+    visit(viewer, look)
+
+
+def test_closing_does_not_wait_for_ever_for_the_doctor(arm: Arm, monkeypatch: pytest.MonkeyPatch) -> None:
+    done = threading.Event()
+    monkeypatch.setattr(module, "diagnose", lambda arm: (done.wait(10), ())[1])
+    monkeypatch.setattr(server_module, "STOP_TIME", 0.5)
+    with Viewer(arm, open_browser=False) as viewer:
+        visit(viewer, stay)
+        start = time.monotonic()
+    assert time.monotonic() - start < 3
+    done.set()
+
+
+def test_an_examination_happens_once(arm: Arm) -> None:
+    told: list[dict[str, Any]] = []
+    examination = Examination(arm, told.append)
+    examination.join(1.0)  # not begun: nothing to wait for
+    examination.begin()
+    examination.begin()
+    examination.join(10.0)
+    assert told == [examined(arm)]
+
+
+def test_the_stand_alone_page_holds_the_diagnosis_and_no_name_breaks_out(arm: Arm, tmp_path: Path) -> None:
+    page = save_html(arm, tmp_path / "view.html").read_text()
+    assert "<script>hacked" not in page
+    literal = re.search(r'<script type="application/json" id="data">(.*?)</script>', page, re.DOTALL)
+    assert literal is not None
+    data = json.loads(literal.group(1))
+    assert data["findings"] == examined(arm)
+    assert any(told["name"] == SCRIPT for told in data["findings"]["findings"])

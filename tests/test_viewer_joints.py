@@ -1,0 +1,110 @@
+"""The joints of the page: random configurations, limits in rad and degrees, what a servo refuses, the page's files."""
+
+from __future__ import annotations
+
+import re
+from typing import Any
+
+import numpy as np
+import pytest
+from numpy.testing import assert_array_equal
+
+from twistarm import ArmBuilder, load_arm
+from twistarm.errors import InputError, LimitError
+from twistarm.viewer.export import MODULES
+from twistarm.viewer.messages import parse
+from twistarm.viewer.page_files import page_files
+from twistarm.viewer.stage import Stage
+
+LOWER, UPPER = (-0.5, 0.25, 0.0), (0.1, 0.3, 0.2)
+
+ARM = (
+    ArmBuilder("trio")
+    .revolute("turn", [0, 0, 1], [0, 0, 0.1], lower=LOWER[0], upper=UPPER[0])
+    .revolute("bend", [0, 1, 0], [0, 0, 0.3], lower=LOWER[1], upper=UPPER[1])
+    .prismatic("reach", [1, 0, 0], lower=LOWER[2], upper=UPPER[2])
+    .tool(np.eye(4))
+    .build()
+)
+
+FREE = ArmBuilder("free").revolute("turn", [0, 0, 1], [0, 0, 0]).prismatic("reach", [1, 0, 0]).tool(np.eye(4)).build()
+
+
+def ask(stage: Stage, text: str) -> Any:
+    stage.handle(parse(text), 0.0)
+    return stage.theta
+
+
+def test_random_configurations_are_inside_the_limits_and_never_the_same() -> None:
+    stage = Stage(ARM)
+    drawn = np.array([ask(stage, '{"type": "random"}') for _ in range(200)])
+    assert np.all((drawn >= LOWER) & (drawn <= UPPER))
+    assert len(np.unique(drawn, axis=0)) == 200
+    # Of 200 even draws, none in one of the tenths at the ends: less than 1 in 10^8 for all six.
+    share = (drawn - LOWER) / np.subtract(UPPER, LOWER)
+    assert np.all(share.min(axis=0) < 0.1)
+    assert np.all(share.max(axis=0) > 0.9)
+
+
+def test_two_views_start_with_different_random_configurations() -> None:
+    first, second = (ask(Stage(ARM), '{"type": "random"}') for _ in range(2))
+    assert not np.array_equal(first, second)
+
+
+def test_without_limits_random_is_within_a_turn_and_a_metre() -> None:
+    stage = Stage(FREE)
+    for _ in range(50):
+        assert np.all(np.abs(ask(stage, '{"type": "random"}')) <= [np.pi, 1.0])
+
+
+def test_random_leaves_the_joints_beside_the_arm_alone() -> None:
+    stage = Stage(load_arm("rover_arm"))
+    ask(stage, '{"type": "joint", "name": "finger_left", "value": 0.02}')
+    ask(stage, '{"type": "random"}')
+    assert stage.others["finger_left"] == 0.02
+
+
+def test_random_takes_no_fields() -> None:
+    assert parse('{"type": "random", "number": 3}').fields == {}
+    with pytest.raises(InputError, match=r"random needs no fields; got \['seed'\]"):
+        parse('{"type": "random", "seed": 1}')
+
+
+def test_random_is_refused_while_a_servo_drives() -> None:
+    stage = Stage(ARM, [0.0, 0.27, 0.1])
+    stage.take_commands()
+    with pytest.raises(InputError, match="a servo drives trio"):
+        ask(stage, '{"type": "random"}')
+    assert_array_equal(stage.theta, [0.0, 0.27, 0.1])
+    stage.hear(None)
+    assert not np.array_equal(ask(stage, '{"type": "random"}'), [0.0, 0.27, 0.1])
+
+
+@pytest.mark.parametrize(
+    ("name", "value", "message"),
+    [
+        # 0.5 rad = 28.6479°, 0.1 rad = 5.72958°, 1 rad = 57.2958°
+        ("turn", 1, "turn = 1 is outside its limits -0.5 … 0.1 rad (57.2958°, allowed -28.6479° … 5.72958°)"),
+        ("reach", 1, "reach = 1 is outside its limits 0 … 0.2 m"),
+    ],
+)
+def test_a_joint_outside_its_limits_is_told_in_the_units_people_type(name: str, value: float, message: str) -> None:
+    with pytest.raises(LimitError, match=f"^{re.escape(message)}$"):
+        ask(Stage(ARM), f'{{"type": "joint", "name": "{name}", "value": {value}}}')
+
+
+def test_the_modules_of_the_stand_alone_page_are_served_and_each_comes_after_those_it_imports() -> None:
+    served = page_files()
+    for i, name in enumerate(MODULES):
+        text = served[name][1].decode()
+        imported = re.findall(r'^import .* from "\./([\w.]+)";$', text, flags=re.MULTILINE)
+        assert text.count("\nimport ") <= len(imported), name  # each in a line of its own
+        assert set(imported) <= set(MODULES[:i]), name
+
+
+def test_no_two_modules_of_the_stand_alone_page_share_a_name() -> None:
+    served = page_files()
+    pattern = r"^(?:export )?(?:async )?(?:const|let|function|class) (\w+|\$)"
+    names = [found for name in MODULES for found in re.findall(pattern, served[name][1].decode(), flags=re.MULTILINE)]
+    assert len(names) > 20
+    assert sorted(names) == sorted(set(names))
