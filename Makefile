@@ -10,7 +10,8 @@ demo: .venv/base
 	$(BIN)/twistarm demo
 
 test: .venv/dev
-	$(BIN)/python -m pytest -m "not slow" -n $(WORKERS) --dist worksteal
+	$(BIN)/python -m pytest -m "not slow and not alone" -n $(WORKERS) --dist worksteal
+	$(BIN)/python -m pytest -m "alone and not slow"
 
 test-all: test
 	$(BIN)/python -m pytest -m slow -s

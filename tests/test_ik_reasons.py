@@ -125,10 +125,11 @@ def test_few_searches_exclude_nothing(name, searches):
             check_one(arm, g, solution)
 
 
+@pytest.mark.alone
 @pytest.mark.parametrize("seconds", [1e-6, 1e-3, 0.02])
 @pytest.mark.parametrize("case", CASES, ids=[case.name for case in CASES])
 def test_a_deadline_is_kept(case, seconds):
-    """In time but for `LATE`, once in three calls at least, and what is said is true or that the time was up."""
+    """In time but for `LATE`, the best of three calls, and what is said is true or that the time was up."""
     arm = arms_of(case, case.arms[-1], 1)[0]
     for g in draw(case.builder, arm, np.random.default_rng(4), FEW):
         taken = []
@@ -140,13 +141,8 @@ def test_a_deadline_is_kept(case, seconds):
             assert solution.stop in (case.stop, StopReason.TIMED_OUT), solution
         assert min(taken) <= seconds + LATE
     poses = draw(case.builder, arm, np.random.default_rng(5), 50)
-
-    def seconds_of_a_batch():
-        begun = time.perf_counter()
-        batch = solve_ik_batch(arm, poses, max_time=seconds, restarts=UNENDING)
-        taken = time.perf_counter() - begun
-        assert set(batch.stop) <= {case.stop, StopReason.TIMED_OUT}
-        assert arm.limits.contains(batch.theta).all()
-        return taken
-
-    assert any(seconds_of_a_batch() <= seconds + 2 * LATE for _ in range(3))
+    begun = time.perf_counter()
+    batch = solve_ik_batch(arm, poses, max_time=seconds, restarts=UNENDING)
+    assert time.perf_counter() - begun <= seconds + 2 * LATE
+    assert set(batch.stop) <= {case.stop, StopReason.TIMED_OUT}
+    assert arm.limits.contains(batch.theta).all()
