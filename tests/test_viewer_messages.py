@@ -8,7 +8,8 @@ from numpy.testing import assert_array_equal
 
 from twistarm import Arm
 from twistarm.viewer import Viewer
-from twistarm.viewer.messages import parse
+from twistarm.viewer.messages import SCHEMA, parse
+from twistarm.viewer.stage import Stage
 from viewer_page import THETA, Page, matrix, nothing, visit
 from viewer_page import arm as arm
 from viewer_page import viewer as viewer
@@ -102,3 +103,15 @@ def test_a_page_moves_the_arm_and_python_and_other_pages_see_it(arm: Arm, viewer
 def test_a_request_and_its_number() -> None:
     request = parse('{"type": "seek", "time": 2, "number": 3}')
     assert (request.kind, request.fields, request.number) == ("seek", {"time": 2.0}, 3)
+
+
+def test_whatever_the_process_says_keeps_to_the_schema(arm: Arm) -> None:
+    stage = Stage(arm, THETA)
+    said = [
+        stage.hello({}) | {"objects": 0, "notes": []},
+        {"type": "done", "number": 1},
+        {"type": "error", "message": ""},
+    ]
+    for message in [*said, {"type": "work", "jobs": []}, *stage.messages()]:
+        assert set(message) - {"type"} == set(SCHEMA["messages"][message["type"]])
+    assert {message["type"] for message in stage.messages()} <= set(SCHEMA["messages"])

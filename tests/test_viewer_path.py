@@ -64,11 +64,11 @@ def test_a_trajectory_of_another_arm() -> None:
 def test_the_view_draws_it_and_takes_it_away() -> None:
     with Viewer(ARM, open_browser=False) as viewer:
         viewer.show_path(MOTION)
-        way = viewer._server.ask(lambda stage: stage.way())
+        way = viewer._server.ask(lambda stage: stage.path)
         assert way == {"type": "path", **tool_path(ARM, MOTION)}
         assert json.loads(viewer._server.ask(lambda stage: viewer._server.state())["path"]) == way
         viewer.show_path(None)
-        assert viewer._server.ask(lambda stage: stage.way())["points"] == []
+        assert viewer._server.ask(lambda stage: stage.path)["points"] == []
 
 
 def test_the_stand_alone_page_holds_the_path_of_its_trajectory(tmp_path: Path) -> None:
@@ -87,4 +87,4 @@ def test_the_view_refuses_what_is_no_motion() -> None:
             viewer.show_path([[np.nan]])
         with pytest.raises(InputError, match=r"motion must have shape \(..., 1\): a"):
             viewer.show_path([[0.1, 0.2]])
-        assert viewer._server.ask(lambda stage: stage.way()) == {"type": "path", **tool_path(ARM, MOTION)}
+        assert viewer._server.ask(lambda stage: stage.path) == {"type": "path", **tool_path(ARM, MOTION)}

@@ -36,19 +36,8 @@ MOST_SAMPLES = 2000
 DECIMALS = 6
 """Positions to a micrometre, quaternions to a microradian."""
 
-MODULES = (
-    "element.js",
-    "units.js",
-    "number_box.js",
-    "joint_row.js",
-    "view.js",
-    "panel.js",
-    "findings.js",
-    "highlight.js",
-    "recording.js",
-    "standalone.js",
-)
-"""What the stand-alone page runs, each module after those it imports."""
+EXPORT = r"^export ((?:async )?function|class|const) ([\w$]+)"
+"""How the page's modules export: a definition at the start of a line."""
 
 POLICY = "default-src 'none'; script-src 'unsafe-inline'; style-src 'unsafe-inline'; img-src data: blob:"
 
@@ -88,7 +77,7 @@ def save_html(
 
 def _page(name: str, data: dict[str, Any]) -> str:
     """index.html with its style, scripts and data inlined."""
-    page = page_text("index.html")
+    page = re.sub(r'<link rel="stylesheet" href="(.*)">', _style, page_text("index.html"))
     # A "<" in JSON can only stand in a string; escaped, no name can close the script.
     literal = encode(data).replace("<", "\\u003c")
     policy = f'<meta http-equiv="Content-Security-Policy" content="{POLICY}">'
@@ -98,7 +87,6 @@ def _page(name: str, data: dict[str, Any]) -> str:
     for old, new in (
         ("<title>twistarm</title>", f"<title>{escape(name)} · twistarm</title>"),
         ('<meta charset="utf-8">', f'<meta charset="utf-8">\n{policy}'),
-        ('<link rel="stylesheet" href="style.css">', f"<style>\n{page_text('style.css')}</style>"),
         ('<script src="meshcat.js"></script>', f"<script>{_inline(meshcat_bundle())}</script>"),
         ('<script type="module" src="main.js"></script>', scripts),
     ):
@@ -109,11 +97,30 @@ def _page(name: str, data: dict[str, Any]) -> str:
     return page
 
 
+def _style(link: re.Match[str]) -> str:
+    return f"<style>\n{page_text(link[1])}</style>"
+
+
 def _program() -> str:
-    """The modules as one, since a file opened from disk may import none; no two of them share a top-level name."""
-    text = "\n".join(page_text(name) for name in MODULES)
-    text = re.sub(r"^import .*;\n", "", text, flags=re.MULTILINE)
-    return _inline(re.sub(r"^export ", "", text, flags=re.MULTILINE))
+    """The modules in one script, since a file opened from disk may import none; each keeps its names to itself."""
+    return _inline("\n".join(_scoped(name) for name in modules("standalone.js")))
+
+
+def _scoped(name: str) -> str:
+    """A module as a constant that holds what it exports."""
+    text = page_text(name)
+    text = re.sub(r'^import (.*) from "\./(.*)\.js";$', r"const \1 = of_\2;", text, flags=re.MULTILINE)
+    text = re.sub(EXPORT, r"\1 \2", text, flags=re.MULTILINE)
+    exported = ", ".join(found[1] for found in re.findall(EXPORT, page_text(name), flags=re.MULTILINE))
+    return f"const of_{name.removesuffix('.js')} = (() => {{\n{text}\nreturn {{ {exported} }};\n}})();"
+
+
+def modules(name: str) -> list[str]:
+    """What the module `name` of the page runs, each module after those it imports, itself the last."""
+    ordered: list[str] = []
+    for imported in re.findall(r'^import .* from "\./(.*)";$', page_text(name), flags=re.MULTILINE):
+        ordered += modules(imported)
+    return list(dict.fromkeys([*ordered, name]))
 
 
 def _inline(script: str) -> str:

@@ -1,7 +1,8 @@
-"""The messages between page and process: one schema, checked on arrival, finite numbers only."""
+"""The messages between page and process: one schema, page/schema.json, that both sides check on arrival."""
 
 from __future__ import annotations
 
+import json
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from functools import partial
@@ -9,12 +10,15 @@ from typing import Any
 
 from ..errors import InputError
 from ..strict_json import counter, decoded, flag, number, numbers, short, text
+from .page_files import page_text
 
 LARGEST_VALUE = 1e6
 """Joint values beyond this [rad, m] come from no page and no arm, and would overflow the drawing."""
 
 LONGEST_NAME = 1000
 """Characters; a description may hold stranger names, but an error must stay readable."""
+
+Check = Callable[[Any, str], Any]
 
 
 @dataclass(frozen=True)
@@ -27,23 +31,18 @@ class Request:
 
 
 def parse(message: str | bytes) -> Request:
-    """The request in a message of the page.
+    """The request in a message of the page: {"type": kind, the fields of that kind in REQUESTS, "number": a counter}.
 
-    {"type": "theta", "theta": [...]}   {"type": "joint", "name": ..., "value": ...}   {"type": "pose", "name": ...}
-    {"type": "random"}
-    {"type": "play"}   {"type": "pause"}   {"type": "seek", "time": ...}
-    {"type": "visible", "what": "screws"|"frames"|"path", "visible": true|false}
-    {"type": "jog", "twist": [vx, vy, vz, wx, wy, wz], "frame": "tool"|"base"}   {"type": "stop"}
-    each with "number", a counter. Values in rad, m and s. Raises InputError for anything else.
+    Values in rad, m and s. Raises InputError for anything else.
     """
     if isinstance(message, bytes):
         raise InputError("a message is JSON text; got bytes")
     fields = decoded(message)
     kind = fields.pop("type", None)
-    if not isinstance(kind, str) or kind not in FIELDS:
-        raise InputError(f"unknown message type {short(kind)}; one of {', '.join(FIELDS)}")
+    if not isinstance(kind, str) or kind not in REQUESTS:
+        raise InputError(f"unknown message type {short(kind)}; one of {', '.join(REQUESTS)}")
     count = counter(fields.pop("number", 0), "number")
-    expected = FIELDS[kind]
+    expected = REQUESTS[kind]
     if set(fields) != set(expected):
         raise InputError(f"{kind} needs {', '.join(expected) or 'no fields'}; got {short(sorted(fields))}")
     return Request(kind, {name: check(fields[name], name) for name, check in expected.items()}, count)
@@ -56,18 +55,45 @@ def _name(value: Any, name: str) -> str:
     return given
 
 
+def _one_of(words: tuple[str, ...], value: Any, name: str) -> str:
+    if value not in words:
+        raise InputError(f"{name} must be one of {', '.join(words)}; got {short(value)}")
+    return str(value)
+
+
+def _list_of(check: Check, value: Any, name: str) -> list[Any]:
+    if not isinstance(value, list):
+        raise InputError(f"{name} must be a list; got {short(value)}")
+    return [check(each, f"{name}[{k}]") for k, each in enumerate(value)]
+
+
+def _pose(value: Any, name: str) -> dict[str, Any]:
+    if not isinstance(value, dict) or set(value) != {"name", "theta"}:
+        raise InputError(f"{name} must have name and theta; got {short(value)}")
+    return {"name": _name(value["name"], f"{name}.name"), "theta": _numbers(value["theta"], f"{name}.theta")}
+
+
 _number = partial(number, largest=LARGEST_VALUE)
 _numbers = partial(numbers, largest=LARGEST_VALUE)
 
-FIELDS: Mapping[str, Mapping[str, Callable[[Any, str], Any]]] = {
-    "theta": {"theta": _numbers},
-    "joint": {"name": _name, "value": _number},
-    "pose": {"name": _name},
-    "random": {},
-    "play": {},
-    "pause": {},
-    "seek": {"time": _number},
-    "visible": {"what": _name, "visible": flag},
-    "jog": {"twist": _numbers, "frame": _name},
-    "stop": {},
+CHECKS: Mapping[str, Check] = {
+    "number": _number,
+    "numbers": _numbers,
+    "point": partial(_numbers, size=3),
+    "quaternion": partial(_numbers, size=4),
+    "count": counter,
+    "flag": flag,
+    "name": _name,
+    "names": partial(_list_of, _name),
+    "poses": partial(_list_of, _pose),
 }
+"""What the words of the schema mean for a request; words with a | between them are a choice."""
+
+
+def _check(word: str) -> Check:
+    return partial(_one_of, tuple(word.split("|"))) if "|" in word else CHECKS[word]
+
+
+SCHEMA: Mapping[str, Mapping[str, Mapping[str, str]]] = json.loads(page_text("schema.json"))
+
+REQUESTS = {kind: {name: _check(word) for name, word in fields.items()} for kind, fields in SCHEMA["requests"].items()}

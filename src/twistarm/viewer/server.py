@@ -19,10 +19,12 @@ import tornado.web
 
 from ..errors import InputError
 from ..strict_json import LARGEST_MESSAGE, encode
+from .board import Board, Message
 from .commands import COMMANDS, PageCommands
 from .findings import Examination
 from .guard import Guard
 from .handlers import PageHandler, SocketHandler
+from .jobs import Workers
 from .messages import Request, parse
 from .page_files import page_files
 from .scene import Scene
@@ -53,7 +55,9 @@ class Server:
         self._changes: dict[str, Change] = {}
         self._applied = 0.0
         self._pages = 0
-        self._sent: dict[str, str] = {}
+        self._board = Board()
+        self._jobs: dict[str, float] = {}
+        self._workers = Workers(self._deliver, self._show_job)
         self._player: asyncio.Task[None] | None = None
         self._thread = threading.Thread(target=lambda: asyncio.run(self._main()), name="twistarm viewer", daemon=True)
         self._started = threading.Event()
@@ -70,6 +74,7 @@ class Server:
             with suppress(RuntimeError):  # the loop may have been closed meanwhile, by another thread's stop
                 self._loop.call_soon_threadsafe(self._stop.set)
             self._thread.join(STOP_TIME)
+        self._workers.stop(STOP_TIME)
         self.doctor.join(STOP_TIME)
 
     def post(self, key: str, change: Change) -> None:
@@ -87,6 +92,15 @@ class Server:
     def _show_findings(self, message: dict[str, Any]) -> None:
         with suppress(RuntimeError):  # the loop may have been closed meanwhile
             self.post("findings", lambda stage: setattr(stage, "findings", message))
+
+    def _deliver(self, action: Callable[[], None]) -> None:
+        """Do `action` in the loop at once, then tell the pages: the end of a job."""
+        with suppress(RuntimeError):  # the loop may have been closed meanwhile
+            self._loop.call_soon_threadsafe(self._finish, action)
+
+    def _show_job(self, key: str, share: float | None) -> None:
+        with suppress(RuntimeError):
+            self.post(f"job {key}", lambda stage: self._note_job(key, share))
 
     def ask(self, question: Callable[[Stage], Answer]) -> Answer:
         """What `question` says of the stage once every change posted so far is applied."""
@@ -140,9 +154,12 @@ class Server:
 
     def state(self) -> dict[str, str]:
         """The messages that say what is on show, by type."""
-        stage = self.stage
-        messages = (stage.switches(), stage.way(), stage.player(), stage.servo(), stage.findings, stage.frame())
-        return {message["type"]: encode(message) for message in messages}
+        self._board.refresh(self._messages())
+        return self._board.texts()
+
+    def _messages(self) -> list[Message]:
+        jobs = [{"key": key, "share": share} for key, share in self._jobs.items()]
+        return [{"type": "work", "jobs": jobs}, *self.stage.messages()]
 
     def receive(self, text: str | bytes, sender: str) -> list[dict[str, Any]]:
         """Do what the page `sender` asks for, tell every page, and return what only the asking one is told.
@@ -166,8 +183,20 @@ class Server:
             self.commands.take(request, sender)
             return
         self._apply()
-        self.stage.handle(request, time.monotonic())
+        job = self.stage.handle(request, time.monotonic())
+        if job is not None:
+            self._workers.submit(job)
         self.publish()
+
+    def _finish(self, action: Callable[[], None]) -> None:
+        self._try(action)
+        self._try(self.publish)
+
+    def _note_job(self, key: str, share: float | None) -> None:
+        if share is None:
+            self._jobs.pop(key, None)
+        else:
+            self._jobs[key] = share
 
     def leave(self, sender: str) -> None:
         """A page has gone."""
@@ -175,11 +204,9 @@ class Server:
 
     def publish(self) -> None:
         """Tell every page what changed since the last time, and keep a running trajectory running."""
-        state = self.state() if self.clients else {}
-        for kind, text in state.items():
-            if self._sent.get(kind) != text:
+        if self.clients:
+            for kind, text in self._board.refresh(self._messages()).items():
                 self._tell(kind, text)
-        self._sent = state
         if self.stage.running and (self._player is None or self._player.done()):
             self._player = self._loop.create_task(self._play())
 

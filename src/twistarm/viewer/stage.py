@@ -13,15 +13,21 @@ from ..checks import Array
 from ..errors import InputError, unknown_name
 from ..planning.trajectory import Trajectory
 from .admission import checked_theta, require_inside
+from .board import Message
 from .findings import loaded
+from .jobs import Job
 from .messages import Request
+from .part import Part
 from .path import NO_PATH
-from .playback import Playback
+from .player import Player
 from .servo_words import SILENT
 from .summary import describe_arm, extra_joints, joint_unit, named_poses, placement, rest
 
-DRIVING = ("theta", "joint", "pose", "random", "play", "seek")
+DRIVING = ("theta", "joint", "pose", "random", "play", "seek", "target", "go", "plan")
 """Requests that would move the arm under a servo's hands."""
+
+LAYERS = {"screws": True, "frames": True, "path": True}
+"""What can be switched on and off, and how it begins."""
 
 
 class Stage:
@@ -32,45 +38,49 @@ class Stage:
         self.theta = arm.ready if theta is None else checked_theta(arm, theta)
         self.extra_joints = extra_joints(arm)
         self.others = {name: rest(joint) for name, joint in self.extra_joints.items()}
-        self.visible = {"screws": True, "frames": True, "path": True}
-        self.path = NO_PATH
+        self.visible = dict(LAYERS)
+        self.path: Message = {"type": "path", **NO_PATH}
         self.findings = loaded(arm)
-        self.playback: Playback | None = None
+        self.player = Player()
+        self.parts: tuple[Part, ...] = (self.player,)
         self.driven = self.jogging = False
         self.report: dict[str, Any] = SILENT
 
     def show(self, theta: Array) -> None:
         """Stand at theta (n,); a running trajectory stops."""
-        if self.playback is not None:
-            self.playback.running = False
+        self.player.halt()
         self.theta = theta
 
     def load(self, trajectory: Trajectory, speed: float, loop: bool, now: float) -> None:
         """Play `trajectory` from its start."""
-        self.playback = Playback(trajectory, speed, loop)
-        self.playback.play(now)
-        self.theta = self.playback.theta()
+        self.theta = self.player.load(trajectory, speed, loop, now)
+
+    def draw_path(self, path: Mapping[str, Any]) -> None:
+        """Draw this way of the tool: points and radius."""
+        self.path = {"type": "path", **path}
 
     def advance(self, now: float) -> None:
         """Follow a running trajectory up to `now` [s]; one that raises stops where it is."""
-        if self.playback is None or not self.playback.running:
-            return
         try:
-            self.playback.advance(now)
-            self.theta = checked_theta(self.arm, self.playback.theta())
+            theta = self.player.advance(now)
+            if theta is not None:
+                self.theta = checked_theta(self.arm, theta)
         except Exception:
-            self.playback.running = False
+            self.player.halt()
             raise
 
     @property
     def running(self) -> bool:
         """Whether a trajectory runs."""
-        return self.playback is not None and self.playback.running
+        return self.player.running
 
-    def handle(self, request: Request, now: float) -> None:
-        """Do what a page asks for. Raises TwistarmError and changes nothing where it cannot be done."""
+    def handle(self, request: Request, now: float) -> Job | None:
+        """Do what a page asks for, or return the job that will; TwistarmError, and nothing changed, where it cannot."""
         fields = request.fields
         self._require_no_servo(request)
+        for part in self.parts:
+            if request.kind in part.requests:
+                return part.handle(request, self, now)
         if request.kind == "theta":
             self.show(self._inside(checked_theta(self.arm, fields["theta"])))
         elif request.kind == "joint":
@@ -79,10 +89,9 @@ class Stage:
             self.show(self._pose(fields["name"]))
         elif request.kind == "random":
             self.show(checked_theta(self.arm, self.arm.random_theta(np.random.default_rng())))
-        elif request.kind == "visible":
-            self.set_visible(fields["what"], fields["visible"])
         else:
-            self._drive(request, now)
+            self.set_visible(fields["what"], fields["visible"])
+        return None
 
     def take_commands(self) -> None:
         """A servo drives the arm, and takes commands of the pages."""
@@ -106,17 +115,6 @@ class Stage:
             raise InputError(
                 f"a servo drives {self.arm.name}: sliders, poses and trajectories are free again once it has ended"
             )
-
-    def _drive(self, request: Request, now: float) -> None:
-        if self.playback is None:
-            raise InputError(f"nothing to {request.kind}: no trajectory is loaded")
-        if request.kind == "play":
-            self.playback.play(now)
-        elif request.kind == "pause":
-            self.playback.running = False
-        else:
-            self.playback.seek(request.fields["time"])
-            self.theta = checked_theta(self.arm, self.playback.theta())
 
     def _set_joint(self, name: str, value: float) -> None:
         if name in self.extra_joints:
@@ -147,34 +145,22 @@ class Stage:
 
     # messages -----------------------------------------------------------------------------------------
 
-    def hello(self, links: Mapping[str, str]) -> dict[str, Any]:
+    def hello(self, links: Mapping[str, str]) -> Message:
         """What never changes: names, joints with units and slider ranges, poses, the node of every link."""
         return {"type": "hello", "arm": describe_arm(self.arm), "links": dict(links)}
 
-    def frame(self) -> dict[str, Any]:
+    def messages(self) -> list[Message]:
+        """All that is on show, the frame last."""
+        told = [message for part in self.parts for message in part.messages(self)]
+        return [{"type": "visible", **self.visible}, self.path, *told, self.servo(), self.findings, self.frame()]
+
+    def frame(self) -> Message:
         """Where everything stands."""
-        playback = self.playback
-        return {
-            "type": "frame",
-            **placement(self.arm, self.theta, self.others),
-            "time": 0.0 if playback is None else playback.time,
-            "running": self.running,
-        }
+        placed = placement(self.arm, self.theta, self.others)
+        return {"type": "frame", **placed, "time": self.player.time, "running": self.running}
 
-    def player(self) -> dict[str, Any]:
-        """The trajectory that is loaded; duration null where none is."""
-        return {"type": "player", "duration": None if self.playback is None else self.playback.duration}
-
-    def servo(self) -> dict[str, Any]:
+    def servo(self) -> Message:
         """Whether a servo drives the arm and takes commands of the pages, and what it last said: status null before it
         said anything.
         """
         return {"type": "servo", "jog": self.jogging, "driven": self.driven, **self.report}
-
-    def way(self) -> dict[str, Any]:
-        """The path of the tool that is drawn; no points where none is."""
-        return {"type": "path", **self.path}
-
-    def switches(self) -> dict[str, Any]:
-        """What is switched on."""
-        return {"type": "visible", **self.visible}

@@ -114,7 +114,7 @@ class Viewer(Closing):
     def show_path(self, motion: Trajectory | ArrayLike | None) -> None:
         """Draw the way of the tool's origin along a trajectory, or through configurations (k, n); None draws none."""
         path = NO_PATH if motion is None else tool_path(self.arm, motion)
-        self._server.post("path", lambda stage: setattr(stage, "path", path))
+        self._server.post("path", lambda stage: stage.draw_path(path))
 
     def save_html(self, path: str | os.PathLike[str], trajectory: Trajectory | None = None) -> Path:
         """Write a stand-alone page of the arm as it stands; see `twistarm.viewer.save_html`."""

@@ -1,4 +1,7 @@
 // The live page: what the process says is shown, what the person does is asked for.
+//
+// The page is made of parts. Each is given `page` and may have: messages {type: function} that it shows, hello(message)
+// for an arm that is new to the page, placed(frame) after the arm has moved, offline() when the process has gone.
 
 import { copyTheta } from "./copying.js";
 import { Findings } from "./findings.js";
@@ -6,8 +9,16 @@ import { Highlight } from "./highlight.js";
 import { Jog } from "./jog.js";
 import { Link } from "./link.js";
 import { Panel } from "./panel.js";
+import { Program } from "./program.js";
+import { complaint } from "./schema.js";
+import { Share } from "./share.js";
+import { Tabs } from "./tabs.js";
+import { Target } from "./target.js";
+import { Theory } from "./theory.js";
 import { View } from "./view.js";
+import { Work } from "./work.js";
 
+const schema = await (await fetch("schema.json")).json();
 const view = new View(document.getElementById("pane"));
 const state = { hello: null, frame: null, drawn: 0, fitted: false };
 
@@ -31,9 +42,19 @@ const jog = new Jog({
   stop: () => link.interrupt({ type: "stop" }, { type: "jog" }),
 });
 
+const page = { view, panel, jog, state, ask };
+const parts = {
+  tabs: new Tabs(),
+  target: new Target(page),
+  program: new Program(page),
+  theory: new Theory(page),
+  share: new Share(page),
+  work: new Work(),
+};
+
 function ask(request) {
-  panel.showError("");
-  link.send(request);
+  panel.showError(complaint(schema.requests, request));
+  if (!complaint(schema.requests, request)) link.send(request);
 }
 
 const receive = {
@@ -44,12 +65,14 @@ const receive = {
     panel.showError("");
     panel.release();
     panel.build(message.arm, message.notes, true);
+    for (const part of Object.values(parts)) part.hello?.(message);
   },
   frame(message) {
     state.frame = message;
     view.place(message.transforms);
     highlight.follow();
     panel.show(message);
+    for (const part of Object.values(parts)) part.placed?.(message);
     if (!state.fitted) view.fit();
     state.fitted = true;
   },
@@ -70,8 +93,16 @@ const receive = {
   error: ({ message }) => panel.showError(message),
 };
 
+// A message of another version of the process is told, not drawn.
+function show(message) {
+  const wrong = complaint(schema.messages, message);
+  if (wrong) return panel.showError(`this page does not understand the process: ${wrong}; load it again`);
+  receive[message.type]?.(message);
+  for (const part of Object.values(parts)) part.messages?.[message.type]?.(message);
+}
+
 const link = new Link({
-  message: (message) => receive[message.type](message),
+  message: show,
   object(bytes) {
     view.draw(bytes);
     state.drawn += 1;
@@ -80,7 +111,9 @@ const link = new Link({
   },
   status(status) {
     panel.showStatus(status);
-    if (status === "offline") jog.lose();
+    if (status !== "offline") return;
+    jog.lose();
+    for (const part of Object.values(parts)) part.offline?.();
   },
   // What was refused goes back to where it stands.
   idle() {
@@ -89,4 +122,4 @@ const link = new Link({
   },
 });
 
-globalThis.twistarm = { view, panel, findings, highlight, jog, link, state };
+globalThis.twistarm = { view, panel, findings, highlight, jog, link, state, parts };

@@ -4,9 +4,12 @@ import { Findings } from "./findings.js";
 import { Highlight } from "./highlight.js";
 import { Panel } from "./panel.js";
 import { Recording } from "./recording.js";
+import { Tabs } from "./tabs.js";
 import { View } from "./view.js";
 
 const data = JSON.parse(document.getElementById("data").textContent);
+for (const part of document.querySelectorAll("[data-live]")) part.remove(); // there is nobody to ask
+const tabs = new Tabs();
 const view = new View(document.getElementById("pane"));
 const highlight = new Highlight(view);
 const findings = new Findings((node, name) => highlight.point(node, name));
@@ -66,4 +69,4 @@ view.fit();
 document.body.dataset.drawn = "";
 if (recording.duration > 0) run(true);
 
-globalThis.twistarm = { view, panel, findings, highlight, state, data };
+globalThis.twistarm = { tabs, view, panel, findings, highlight, state, data };

@@ -2,7 +2,7 @@
 
 /* global MeshCat */
 
-export const { THREE } = MeshCat;
+export const THREE = MeshCat.THREE;
 const DIRECTION = [0.95, -1.15, 0.62]; // from the arm towards the camera, in the arm's base axes
 const MARGIN = 1.04;
 const PATH = 0xe8850c;

@@ -1,0 +1,38 @@
+// The messages between page and process, checked by the one schema that the process checks them by.
+
+const LONGEST = 1000;
+
+const number = (value) => Number.isFinite(value);
+const list = (value) => Array.isArray(value);
+const numbers = (value, size) => list(value) && value.every(number) && (size === undefined || value.length === size);
+const text = (value) => typeof value === "string";
+const object = (value) => typeof value === "object" && value !== null && !list(value);
+const name = (value) => text(value) && value.length <= LONGEST;
+
+const CHECKS = {
+  number, numbers, list, text, object, name,
+  point: (value) => numbers(value, 3),
+  quaternion: (value) => numbers(value, 4),
+  count: (value) => Number.isSafeInteger(value) && value >= 0,
+  flag: (value) => typeof value === "boolean",
+  names: (value) => list(value) && value.every(name),
+  poses: (value) => list(value) && value.every((pose) => object(pose) && name(pose.name) && numbers(pose.theta)),
+};
+
+// What is wrong with a message of this table, "requests" or "messages"; "" where nothing is.
+export function complaint(table, message) {
+  const fields = table[message?.type];
+  if (!fields) return `unknown message type ${message?.type}`;
+  const { type, ...given } = message;
+  for (const [field, word] of Object.entries(fields)) {
+    if (!fits(word, given[field])) return `${type}: ${field} must be a ${word}`;
+  }
+  const extra = Object.keys(given).find((field) => !(field in fields));
+  return extra === undefined ? "" : `${type} has no ${extra}`;
+}
+
+function fits(word, value) {
+  if (word.endsWith("?")) return value === null || fits(word.slice(0, -1), value);
+  if (word.includes("|")) return word.split("|").includes(value);
+  return CHECKS[word](value);
+}

@@ -1,0 +1,50 @@
+// The panels beside the view, one at a time: by click, or by arrow keys on the row of tabs.
+
+const CHOSEN = "twistarm tab"; // in the browser's storage of this window
+
+export class Tabs {
+  constructor() {
+    this.tabs = [...document.querySelectorAll('#tabs [role="tab"]')];
+    for (const tab of this.tabs) tab.addEventListener("click", () => this.choose(tab));
+    document.getElementById("tabs").addEventListener("keydown", (event) => this.press(event));
+    this.choose(this.tabs.find(({ id }) => id === kept()) ?? this.tabs[0]);
+  }
+
+  choose(chosen) {
+    for (const tab of this.tabs) {
+      const selected = tab === chosen;
+      tab.setAttribute("aria-selected", selected);
+      tab.tabIndex = selected ? 0 : -1;
+      document.getElementById(tab.getAttribute("aria-controls")).hidden = !selected;
+    }
+    keep(chosen.id);
+    dispatchEvent(new CustomEvent("panel", { detail: chosen.getAttribute("aria-controls") }));
+  }
+
+  press(event) {
+    const step = { ArrowRight: 1, ArrowLeft: -1 }[event.key];
+    if (!step) return;
+    const at = this.tabs.findIndex((tab) => tab.getAttribute("aria-selected") === "true");
+    const next = this.tabs.at((at + step) % this.tabs.length);
+    this.choose(next);
+    next.focus();
+    event.preventDefault();
+    event.stopPropagation(); // arrow keys jog elsewhere
+  }
+}
+
+function kept() {
+  try {
+    return sessionStorage.getItem(CHOSEN);
+  } catch {
+    return null;
+  }
+}
+
+function keep(id) {
+  try {
+    sessionStorage.setItem(CHOSEN, id);
+  } catch {
+    // Without storage the page begins with its first panel.
+  }
+}

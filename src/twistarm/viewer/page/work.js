@@ -1,0 +1,20 @@
+// What the process is busy with: a line and a bar for each job.
+
+import { element } from "./element.js";
+
+const WORDS = { plan: "planning", workspace: "sampling the workspace", target: "solving", share: "writing the page" };
+
+export class Work {
+  constructor() {
+    this.messages = { work: (message) => this.show(message) };
+  }
+
+  show({ jobs }) {
+    document.getElementById("work").replaceChildren(...jobs.flatMap(({ key, share }) => {
+      const bar = element("progress");
+      Object.assign(bar, { max: 1, value: share });
+      bar.setAttribute("aria-label", WORDS[key] ?? key);
+      return [element("span", "", WORDS[key] ?? key), bar];
+    }));
+  }
+}
