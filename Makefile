@@ -21,6 +21,7 @@ bench: .venv/dev
 	$(BIN)/python -m benchmarks.startup
 	$(BIN)/python -m benchmarks.servo
 	$(BIN)/python -m benchmarks.streaming
+	$(BIN)/python -m benchmarks.viewer
 
 lint: .venv/dev
 	$(BIN)/ruff check .

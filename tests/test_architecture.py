@@ -24,6 +24,7 @@ LAYERS = (
     ("loading", "building"),
     ("fitting",),
     ("servo", "ik"),
+    ("usual_limits",),
     ("arm", "native_joints"),
     ("baking",),
     ("pinocchio_model", "manipulability", "actuators"),

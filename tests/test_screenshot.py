@@ -9,6 +9,7 @@ import subprocess
 import tempfile
 import time
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -18,7 +19,7 @@ from PIL import Image
 from catalogue import load
 from twistarm import InputError, TwistarmError, Viewer, save_png
 from twistarm.cli.application import run
-from twistarm.viewer import screenshot
+from twistarm.viewer import browsers, headless
 
 ARM = load("rr_planar")
 SIZE = (320, 240)
@@ -40,7 +41,7 @@ def path(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     folder = tmp_path / "bin"
     folder.mkdir()
     monkeypatch.setenv("PATH", str(folder))
-    monkeypatch.setattr(screenshot, "PLACES", ())
+    monkeypatch.setattr(browsers, "PLACES", ())
     return folder
 
 
@@ -66,14 +67,14 @@ def drawing(folder: Path, size: tuple[int, int] = SIZE) -> Path:
 def test_the_first_on_path_is_taken_then_the_usual_places(path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     chrome = install(path, "", "google-chrome")
     install(path, "", "microsoft-edge")
-    assert screenshot.find_browser() == str(chrome)
+    assert browsers.find_browser() == str(chrome)
     chromium = install(path, "")
-    assert screenshot.find_browser() == str(chromium)
+    assert browsers.find_browser() == str(chromium)
     away = path.parent / "Google Chrome.app"
     away.mkdir()
-    monkeypatch.setattr(screenshot, "PLACES", ("/nowhere/chrome", str(install(away, "", "Google Chrome"))))
+    monkeypatch.setattr(browsers, "PLACES", ("/nowhere/chrome", str(install(away, "", "Google Chrome"))))
     monkeypatch.setenv("PATH", "")
-    assert screenshot.find_browser() == str(away / "Google Chrome")
+    assert browsers.find_browser() == str(away / "Google Chrome")
 
 
 def test_without_a_browser_it_is_said_what_was_looked_for(path: Path, tmp_path: Path) -> None:
@@ -90,9 +91,9 @@ def test_without_a_browser_it_is_said_what_was_looked_for(path: Path, tmp_path: 
 def test_a_snap_is_known_by_its_link_and_by_its_script(path: Path) -> None:
     snap = install(path, "", "snap")
     (path / "chromium").symlink_to(snap)
-    assert screenshot.is_snap(str(path / "chromium"))
-    assert screenshot.is_snap(str(install(path, 'exec /snap/bin/chromium "$@"\n', "chromium-browser")))
-    assert not screenshot.is_snap(str(install(path, "exec /usr/lib/chromium/chromium\n", "google-chrome")))
+    assert browsers.is_snap(str(path / "chromium"))
+    assert browsers.is_snap(str(install(path, 'exec /snap/bin/chromium "$@"\n', "chromium-browser")))
+    assert not browsers.is_snap(str(install(path, "exec /usr/lib/chromium/chromium\n", "google-chrome")))
 
 
 def test_a_snap_draws_below_the_home_folder(path: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
@@ -123,16 +124,18 @@ def test_the_page_shows_the_posture(path: Path, tmp_path: Path) -> None:
     keep = f'for word in "$@"; do :; done; word="${{word#file://}}"; /bin/cp "${{word%#pane}}" {kept}\n'
     install(path, keep + COPY.format(drawing(tmp_path)))
 
-    def shown() -> list[float]:
+    def shown() -> Any:
         data = re.search(r'id="data">(.*?)</script>', kept.read_text("utf-8"))
         assert data is not None
-        return json.loads(data[1])["samples"]["theta"][0]  # type: ignore[no-any-return]
+        return json.loads(data[1])
 
     save_png(ARM, tmp_path / "arm.png", [0.3, -0.4], size=SIZE)
-    assert_allclose(shown(), [0.3, -0.4])
+    assert_allclose(shown()["samples"]["theta"], [[0.3, -0.4]])
     with Viewer(ARM, [0.5, 0.6], open_browser=False) as viewer:
+        viewer.show_screws(False)
         viewer.save_png(tmp_path / "arm.png", size=SIZE)
-    assert_allclose(shown(), [0.5, 0.6])
+    assert_allclose(shown()["samples"]["theta"], [[0.5, 0.6]])
+    assert shown()["visible"]["screws"] is False
 
 
 def ended(pid: int) -> bool:
@@ -144,7 +147,7 @@ def ended(pid: int) -> bool:
 def test_a_browser_that_hangs_is_ended_with_its_children(
     path: Path, tmp_path: Path, scratch: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr(screenshot, "TIMEOUT", 0.5)
+    monkeypatch.setattr(headless, "TIMEOUT", 0.5)
     install(path, f"/bin/sleep 60 & echo $! > {tmp_path}/child\n/bin/sleep 60\n")
     began = time.monotonic()
     with pytest.raises(TwistarmError, match=r"/chromium was ended after 0.5 s and wrote no picture$"):
@@ -161,7 +164,7 @@ def test_a_browser_that_hangs_is_ended_with_its_children(
 def test_a_browser_that_lingers_after_drawing_has_drawn(
     path: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr(screenshot, "TIMEOUT", 0.5)
+    monkeypatch.setattr(headless, "TIMEOUT", 0.5)
     install(path, COPY.format(drawing(tmp_path)) + "/bin/sleep 60\n")
     assert Image.open(save_png(ARM, tmp_path / "arm.png", size=SIZE)).size == SIZE
 
@@ -245,7 +248,7 @@ def test_the_command(
 def test_a_real_browser_draws_the_whole_arm(tmp_path: Path, scratch: Path, size: tuple[int, int]) -> None:
     """Screws are drawn pink, and in no other place but the legend: they show where the arm is."""
     try:
-        screenshot.find_browser()
+        browsers.find_browser()
     except TwistarmError as error:
         if os.environ.get("TWISTARM_REQUIRE_ALL") == "1":
             pytest.fail(f"{error}, and TWISTARM_REQUIRE_ALL=1")

@@ -9,14 +9,15 @@ import numpy as np
 import pytest
 import umsgpack
 from numpy.testing import assert_allclose, assert_array_equal
+from scipy.spatial.transform import Rotation
 
-from twistarm import Arm, arm_from_screws, available_arms, joints, load_arm, poe
+from twistarm import Arm, arm_from_screws, available_arms, joints, load_arm, poe, rotations
 from twistarm.errors import DescriptionError
 from twistarm.limits import usual_half
 from twistarm.viewer import Viewer
-from twistarm.viewer.links import load_meshes
 from twistarm.viewer.meshes import load_parts, shaded
-from twistarm.viewer.scene import build_scene, partial_products
+from twistarm.viewer.placement import Placement, rpy
+from twistarm.viewer.scene import Scene, build_scene
 from twistarm.viewer.stage import Stage
 from twistarm.viewer.summary import _describe
 from viewer_page import ARM, ROUNDING, THETA, matrix, nothing, visit
@@ -40,8 +41,12 @@ def test_a_new_page_is_told_the_arm_the_scene_and_where_everything_stands(arm: A
     assert hello["arm"]["joints"][2]["range"] == [0, 0.2]
     assert [joint["name"] for joint in hello["arm"]["others"]] == ["finger"]
     assert hello["arm"]["poses"] == ["zero", "ready"]
-    assert hello["objects"] == len(page.objects)
-    assert hello["notes"] == ["not drawn, the mesh was not found: 'a/b <i>'"]
+    assert page.latest["scene"] == {
+        "type": "scene",
+        "objects": len(page.objects),
+        "left": 0,
+        "notes": ["not drawn, the mesh was not found: 'a/b <i>'"],
+    }
     assert frame["theta"] == list(THETA)
     poses = arm.poses(THETA, {"finger": 0.01})
     for link, path in hello["links"].items():
@@ -51,14 +56,26 @@ def test_a_new_page_is_told_the_arm_the_scene_and_where_everything_stands(arm: A
 
 
 def test_the_last_screw_carries_home_to_the_tool(arm: Arm) -> None:
-    assert_allclose(partial_products(arm, np.array(THETA))[-1] @ arm.home, arm.fk(THETA), atol=ROUNDING)
+    carried = Placement(arm).carried(np.array(THETA))
+    assert_allclose(carried[-1] @ arm.home, arm.fk(THETA), atol=ROUNDING)
+    for i, g in enumerate(carried):
+        assert_allclose(g, poe.fk(arm.screws[:, : i + 1], np.eye(4), THETA[: i + 1]), atol=ROUNDING)
+
+
+def test_roll_pitch_and_yaw_are_urdf_s() -> None:
+    rng = np.random.default_rng(0)
+    for angles in [*rng.uniform(-np.pi, np.pi, (50, 3)), (0.3, np.pi / 2, -0.4), (0.3, -np.pi / 2, 0.9)]:
+        g = np.eye(4)
+        g[:3, :3] = Rotation.from_euler("xyz", angles).as_matrix()
+        assert_allclose(Rotation.from_euler("xyz", rpy(g)).as_matrix(), g[:3, :3], atol=ROUNDING)
+        assert_allclose(rpy(g), rotations.to_rpy(g[:3, :3]), atol=ROUNDING)
 
 
 def test_arms_without_a_description_are_drawn_from_their_axes() -> None:
     screws = np.column_stack(
         [
             joints.revolute([0, 0, 1], [0, 0, 0]),
-            joints.helical([0, 1, 0], [0, 0, 0.4], 0.05),
+            2.5 * joints.helical([0, 1, 0], [0, 0, 0.4], 0.05),  # a twist may have any length
             joints.prismatic([0, 0, 1]),
         ]
     )
@@ -85,11 +102,15 @@ def test_a_cylinder_stands_along_z(arm: Arm) -> None:
     assert (red["color"], red["opacity"], red["transparent"]) == (0xFF0000, 0.5, True)
 
 
-def test_a_link_whose_mesh_is_missing_is_a_stick_to_the_joint_it_carries(arm: Arm) -> None:
+def test_a_link_whose_mesh_is_missing_is_a_frame_and_a_capsule_to_the_joint_it_carries(arm: Arm) -> None:
     drawn = {part["path"]: part["object"] for part in map(umsgpack.unpackb, build_scene(arm).objects)}
     stick = drawn["/arm/link:a%2Fb%20%3Ci%3E/stick0"]
     assert_allclose(stick["geometries"][0]["height"], 0.3)
     assert_allclose(matrix(stick["object"]["matrix"])[:3, 3], [0.15, 0, 0], atol=ROUNDING)
+    end = drawn["/arm/link:a%2Fb%20%3Ci%3E/end0"]
+    assert_allclose(matrix(end["object"]["matrix"])[:3, 3], [0.3, 0, 0], atol=ROUNDING)
+    assert "/arm/link:a%2Fb%20%3Ci%3E/frame/x/solid-shaft" in drawn
+    assert not any(path.startswith("/arm/link:left/frame") for path in drawn)  # which never had a mesh
 
 
 @pytest.mark.parametrize(
@@ -161,11 +182,60 @@ def test_every_material_of_a_collada_file_is_a_part_of_its_own_colour() -> None:
 def test_a_mesh_that_cannot_be_read_is_noted_and_the_rest_is_drawn(tmp_path: Path) -> None:
     (tmp_path / "lost.stl").write_text("no mesh at all")
     (tmp_path / "arm.urdf").write_text(ARM)
-    broken = load_arm(tmp_path / "arm.urdf", tip="tool0")
-    assert broken.description is not None
-    (reason,) = load_meshes(broken.description).values()
-    assert isinstance(reason, str)
+    scene = build_scene(load_arm(tmp_path / "arm.urdf", tip="tool0"))
+    (reason,) = scene.notes
     assert re.search(r"cannot read mesh .*lost\.stl: .*; export it again as STL, DAE or OBJ", reason)
-    assert build_scene(broken).notes == (reason,)
+    drawn = {umsgpack.unpackb(part)["path"] for part in scene.objects}
+    assert "/arm/link:a%2Fb%20%3Ci%3E/stick0" in drawn
     with pytest.raises(DescriptionError, match="cannot read mesh"):
         load_parts(tmp_path / "lost.stl")
+
+
+FACES = "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nusemtl red\nf 1 2 3\nusemtl blue\nf 1 2 4\n"
+
+
+def test_an_obj_has_the_colours_of_its_mtl_and_none_without_it(tmp_path: Path) -> None:
+    path = tmp_path / "two.obj"
+    path.write_text("mtllib two.mtl\n" + FACES)
+    lost = load_parts(path)
+    assert (len(lost), {part.colour for part in lost}) == (2, {None})
+    (tmp_path / "two.mtl").write_text("newmtl red\nKd 1 0 0\nnewmtl blue\nKd 0 0 1\n")
+    assert {part.colour for part in load_parts(path)} == {(1.0, 0.0, 0.0, 1.0), (0.0, 0.0, 1.0, 1.0)}
+    path.write_text("\n".join(line for line in FACES.splitlines() if "usemtl" not in line))
+    (plain,) = load_parts(path)
+    assert plain.colour is None
+    assert len(plain.faces) == 2
+
+
+def test_a_mesh_is_scaled_mirrored_and_coloured_as_the_description_has_it(tmp_path: Path) -> None:
+    (tmp_path / "part.obj").write_text("v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n")
+    (tmp_path / "arm.urdf").write_text(
+        '<robot name="r"><link name="base"><visual><origin xyz="0 0 1" rpy="0 0 1.5707963267948966"/>'
+        '<geometry><mesh filename="part.obj" scale="-0.5 2 1"/></geometry>'
+        '<material name="m"><color rgba="0 1 0 1"/></material></visual></link><link name="tip"/>'
+        '<joint name="j" type="continuous"><parent link="base"/><child link="tip"/><axis xyz="0 0 1"/></joint></robot>'
+    )
+    drawn = {
+        part["path"]: part["object"]
+        for part in map(umsgpack.unpackb, Scene(load_arm(tmp_path / "arm.urdf")).whole().objects)
+    }
+    part = drawn["/arm/link:base/visual0/part0"]
+    placed = matrix(part["object"]["matrix"])
+    assert_allclose(placed @ [1, 0, 0, 1], [0, -0.5, 1, 1], atol=ROUNDING)
+    assert_allclose(placed @ [0, 1, 0, 1], [-2, 0, 1, 1], atol=ROUNDING)
+    assert part["materials"][0]["color"] == 0x00FF00
+
+
+def test_a_scene_is_drawn_mesh_by_mesh_and_whoever_needs_it_whole_finishes_it(tmp_path: Path) -> None:
+    import trimesh
+
+    trimesh.creation.box((0.1, 0.1, 0.1)).export(tmp_path / "lost.stl")
+    (tmp_path / "arm.urdf").write_text(ARM)
+    scene = Scene(load_arm(tmp_path / "arm.urdf", tip="tool0"))
+    assert (scene.left, len(scene.objects)) == (1, scene.plain)
+    assert scene.message() == {"type": "scene", "objects": scene.plain, "left": 1, "notes": []}
+    assert scene.draw()
+    assert (scene.left, len(scene.objects)) == (0, scene.plain + 1)
+    assert not scene.draw()
+    assert scene.whole() is scene
+    assert len(scene.objects) == scene.plain + 1

@@ -9,6 +9,7 @@ import subprocess
 import sys
 import threading
 import time
+from contextlib import suppress
 from pathlib import Path
 from typing import Any
 
@@ -88,6 +89,54 @@ def test_a_view_on_every_interface_admits_addresses_but_no_foreign_names() -> No
     assert Guard("rover.local").admits_host("rover.local:80")
     assert not Guard("127.0.0.1").admits_host("192.168.1.7")
     assert Guard("127.0.0.1").token != Guard("127.0.0.1").token
+
+
+ODD_REQUESTS = [
+    (b"POST /{token}/", 405),
+    (b"POST /{token}/socket", 405),
+    (b"PUT /", 405),
+    (b"BREW /{token}/", 405),
+    (b"OPTIONS /{token}/", 405),
+    (b"GET /{token}/../../../etc/passwd", 404),
+    (b"GET /{token}/..%2f..%2fserver.py", 404),
+    (b"GET /{token}//etc/passwd", 404),
+    (b"GET /{token}/%00", 404),
+    (b"GET /{token}/%ff", 400),
+    (b"GET /%ff/", 400),
+    (b"GET http://evil.example/{token}/", 404),
+    (b"GET /" + 1000 * b"long/", 403),
+    (b"GET /" + 100_000 * b"a", None),
+    (b"GET /{token}/socket", 400),
+    (b"\x16\x03\x01\x00\xff", 400),
+]
+"""The first line of a request, and what it gets; None: the connection is closed."""
+
+
+def test_odd_requests_are_refused_in_a_line_and_nothing_is_printed(
+    viewer: Viewer, capfd: pytest.CaptureFixture[str]
+) -> None:
+    token = viewer.url.split("/")[3].encode()
+    for line, status in ODD_REQUESTS:
+        answer = raw(viewer, line.replace(b"{token}", token) + b" HTTP/1.1\r\nHost: 127.0.0.1\r\nContent-Length: 0\r\n")
+        assert answer.startswith(b"" if status is None else b"HTTP/1.1 %d " % status), line[:60]
+        assert b"Traceback" not in answer
+        assert b"root:" not in answer
+    assert b" 403 " in raw(viewer, b"GET /" + token + b"/ HTTP/1.1\r\nHost: [::1\r\n")
+    assert (
+        raw(viewer, b"GET /" + token + b"/ HTTP/1.1\r\nHost: a\r\nContent-Length: 999999999\r\n")[:12]
+        == b"HTTP/1.1 400"
+    )
+    assert get(viewer.url)[0] == 200
+    assert capfd.readouterr() == ("", "")
+
+
+def raw(viewer: Viewer, head: bytes) -> bytes:
+    """What comes back for this request, as far as its first packet."""
+    with socket.create_connection(("127.0.0.1", int(viewer.url.split(":")[2].split("/")[0])), timeout=WAIT) as sent:
+        sent.sendall(head + b"\r\n")
+        with suppress(ConnectionResetError):
+            return sent.recv(4096)
+        return b""
 
 
 # starting and stopping --------------------------------------------------------------------------------

@@ -198,13 +198,15 @@ class Arm:
         self._check_others(others or {})
         if self.description is None:
             return {self.base: self._identity(x), self.tip: self.fk(x)}
-        rows = x.reshape(-1, self.n)
         model = self.pinocchio
-        each = [model.link_poses(model.q(row, others), self.base) for row in rows]
-        poses = {
-            link: np.array([poses[link] for poses in each]).reshape(*x.shape[:-1], 4, 4)
-            for link in self.description.links
-        }
+        each = [model.link_poses(model.q(row, others), self.base) for row in x.reshape(-1, self.n)]
+        if x.ndim == 1:  # called for every frame of a view
+            poses = {link: each[0][link] for link in self.description.links}
+        else:
+            poses = {
+                link: np.array([poses[link] for poses in each]).reshape(*x.shape[:-1], 4, 4)
+                for link in self.description.links
+            }
         if self.tip not in poses:
             poses[self.tip] = poses[self.tip_link] @ self.tool
         return poses

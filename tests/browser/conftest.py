@@ -3,21 +3,16 @@
 from __future__ import annotations
 
 import os
-import shutil
 from collections.abc import Callable, Iterator
 from contextlib import AbstractContextManager, contextmanager
 from functools import partial
-from pathlib import Path
-from typing import Any
+from typing import Any, NoReturn
 
 import pytest
 
-NAMES = ("chromium", "chromium-browser", "google-chrome", "google-chrome-stable", "chrome", "microsoft-edge")
-MAC = (
-    "/Applications/Google Chrome.app/Contents/MacOS/Google Chrome",
-    "/Applications/Chromium.app/Contents/MacOS/Chromium",
-    "/Applications/Microsoft Edge.app/Contents/MacOS/Microsoft Edge",
-)
+from twistarm.errors import TwistarmError
+from twistarm.viewer.browsers import find_browser
+
 FLAGS = (
     "--headless",
     "--no-sandbox",
@@ -32,13 +27,7 @@ FLAGS = (
 )
 
 
-def chromium() -> str | None:
-    """Where an installed Chromium, Chrome or Edge is."""
-    found = (shutil.which(name) for name in NAMES)
-    return next((path for path in found if path), next((path for path in MAC if Path(path).exists()), None))
-
-
-def absent(reason: str) -> None:
+def absent(reason: str) -> NoReturn:
     """Skip, or fail where everything is required."""
     if os.environ.get("TWISTARM_REQUIRE_ALL") == "1":
         pytest.fail(f"{reason}, and TWISTARM_REQUIRE_ALL=1")
@@ -48,9 +37,10 @@ def absent(reason: str) -> None:
 @pytest.fixture(scope="module")
 def browser() -> Iterator[Any]:
     """Closed after each module: while it is open, playwright's event loop runs in this thread, and no other can."""
-    path = chromium()
-    if path is None:
-        absent(f"no browser: none of {', '.join(NAMES)} is installed")
+    try:
+        path = find_browser()
+    except TwistarmError as error:
+        absent(str(error))
     try:
         from playwright.sync_api import sync_playwright
     except ImportError:

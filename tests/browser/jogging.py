@@ -36,7 +36,8 @@ AS_OPENED = """() => {
   document.getElementById("jog").open = false;
   twistarm.panel.showError("");
   document.getElementById("beside")?.remove();
-  Object.assign(twistarm.jog, { frame: "base", step: 3, slowed: NaN, staled: NaN });
+  Object.assign(twistarm.jog, { frame: "base", step: 3 });
+  Object.assign(twistarm.jog.line, { slowed: NaN, staled: NaN });
 }"""
 """What tests leave behind on the page, undone."""
 

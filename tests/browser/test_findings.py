@@ -96,7 +96,7 @@ def pointed_at(page: Any, path: str) -> bool:
 
 def points_at_nothing(page: Any) -> bool:
     nothing = "twistarm.highlight.node === null && twistarm.highlight.group.children.length === 0"
-    return bool(page.evaluate(nothing)) and page.locator("[aria-pressed=true]").count() == 0
+    return bool(page.evaluate(nothing)) and page.locator(".finding[aria-pressed=true]").count() == 0
 
 
 def test_the_list_is_closed_at_first_and_its_summary_counts_what_diagnose_finds(shared: Any, arm: Arm) -> None:

@@ -239,7 +239,9 @@ def test_up_is_up(page: Any, heard: Heard) -> None:
             page.keyboard.down(key)
             assert 0.15 < sign * raised(heard.jog()) < 0.2
             page.keyboard.up(key)
+            heard.await_kind("stop")
             page.keyboard.press("t")
+        page.keyboard.press("t")  # from the view's axes on to the base's
     for ahead in (-1, 1):  # a stick forward is −1
         page.evaluate(PAD, {})
         time.sleep(0.1)

@@ -145,7 +145,7 @@ def test_buttons_switches_and_a_second_page(page: Any, browser: Any, viewer: Vie
     other = settled(browser.new_page(), viewer.url)
     page.get_by_role("button", name="zero").click()
     until(other, "twistarm.state.frame.theta.every((value) => value === 0)")
-    other.get_by_label("Screws").uncheck()
+    other.get_by_label("Screws", exact=True).uncheck()
     until(page, "!twistarm.view.node('/screws').visible")
     assert page.locator("#legend").is_hidden()
     viewer.show_frames(False)
@@ -223,17 +223,17 @@ def test_a_stand_alone_page_plays_from_disk_without_a_network(page: Any, arm: Ar
     page.on("request", lambda request: asked.append(request.url))
     page.context.set_offline(True)
     page.goto(path.as_uri())
-    until(page, "globalThis.twistarm?.state.time > 0.1")
+    until(page, "globalThis.twistarm?.state.frame?.time > 0.1")
     page.get_by_label("Time").press("ArrowLeft")
-    assert page.evaluate("twistarm.state.since") is None
-    shown = page.evaluate("twistarm.state.time")
+    assert page.evaluate("twistarm.state.frame.running") is False
+    shown = page.evaluate("twistarm.state.frame.time")
     assert_drawn(page, arm, motion(shown), tol=SAMPLED)
     page.get_by_role("button", name="Play").click()
-    until(page, f"twistarm.state.time === {motion.duration!r} && !twistarm.state.frame.running")
+    until(page, f"twistarm.state.frame.time === {motion.duration!r} && !twistarm.state.frame.running")
     assert_drawn(page, arm, motion(motion.duration), tol=1e-5)
-    page.get_by_label("Screws").uncheck()
+    page.get_by_label("Screws", exact=True).uncheck()
     assert page.evaluate("twistarm.view.node('/screws').visible") is False
-    page.get_by_label("Path").uncheck()
+    page.get_by_label("Path", exact=True).uncheck()
     assert page.evaluate("twistarm.view.node('/path').visible") is False
     assert picture(page).std() > 10
     assert [url for url in asked if not url.startswith(("file:", "data:", "blob:"))] == []

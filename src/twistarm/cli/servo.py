@@ -16,20 +16,17 @@ import typer
 from ..arm import Arm
 from ..checks import Array, as_positive
 from ..errors import InputError, LimitError
-from ..limits import JointLimits
 from ..servo import ServoSettings
 from ..stream import Feedback, SimulatedJoints, Sink, Source, UdpFeedback, UdpSink, UdpSource, run
 from ..stream.inbox import COMMAND_TIMEOUT, FEEDBACK_TIMEOUT
 from ..stream.streaming import TOLERANCE, checked_rate
+from ..usual_limits import defaults_line, with_defaults
 from ..viewer import Viewer, show_in_browser
 from .motion import Rate, capped
 from .options import Json, Radians, Theta, parse_theta, takes_arm
 from .output import console, print_json, shown, units, warn
 from .servo_report import report_json, report_table
 from .viewing import Browser, Host, Port
-
-DEFAULTS = {"velocity": {"rad": 1.0, "m": 0.25}, "acceleration": {"rad": 3.0, "m": 1.0}}
-"""Limits where an arm gives none, per s and s²: brisk for a small arm, and slow enough to let go of a key."""
 
 ROUNDING = 1e-6
 """Outside a limit by less [rad, m] is rounding of what was typed."""
@@ -105,30 +102,6 @@ def servo(
     return 0 if report.ok else 1
 
 
-def with_defaults(arm: Arm, limits: JointLimits) -> JointLimits:
-    """`limits`, and `DEFAULTS` where they have no velocity or acceleration."""
-    usual = {name: np.array([by_unit[unit] for unit in arm.units]) for name, by_unit in DEFAULTS.items()}
-    given = {name: getattr(limits, name) for name in DEFAULTS}
-    changes = {name: np.where(np.isfinite(given[name]), given[name], usual[name]) for name in DEFAULTS}
-    return limits.with_(changes, arm.joint_names)
-
-
-def defaults_line(arm: Arm, limits: JointLimits) -> str:
-    """Which limits were not given and what stands in for them, "" where all were."""
-    parts = []
-    for name, power in (("velocity", "s"), ("acceleration", "s²")):
-        unlimited = np.isinf(getattr(limits, name))
-        for unit in ("rad", "m"):
-            of = [
-                joint
-                for joint, u, free in zip(arm.joint_names, arm.units, unlimited, strict=True)
-                if free and u == unit
-            ]
-            if of:
-                parts.append(f"{name} {DEFAULTS[name][unit]:g} {unit}/{power} for {', '.join(of)}")
-    return f"no limits given, used instead: {'; '.join(parts)} (--velocity, --acceleration)" if parts else ""
-
-
 def require_positive(**typed: float | None) -> None:
     """InputError for an option that was given and is not a positive number."""
     for name, value in typed.items():
@@ -176,9 +149,9 @@ def source_of(arm: Arm, viewer: Viewer, commands: str | None, timeout: float, st
 
 
 def announce(viewer: Viewer, line: str, browser: bool, out: TextIO) -> None:
-    """Print what must be known at the start, and open the page if wanted and there is a browser."""
+    """Print which limits were not given and where the arm is, and open the page if wanted and there is a browser."""
     if line:
-        print(line, file=out)
+        print(f"{line} (--velocity, --acceleration)", file=out)
     print(f"{viewer.arm.name} at {viewer.url}  (Ctrl-C ends it)", file=out, flush=True)
     if browser and not show_in_browser(viewer.url):
         warn("no browser found here; open the address yourself")

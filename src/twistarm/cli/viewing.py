@@ -11,6 +11,7 @@ import typer
 from ..arm import Arm
 from ..errors import InputError
 from ..viewer import Viewer, save_html, save_png, show_in_browser
+from ..viewer.recorded import recorded_motion
 from .kinematics import warn_outside
 from .options import Radians, Theta, parse_theta, takes_arm
 from .output import warn
@@ -28,6 +29,7 @@ def view(
     host: Host = "127.0.0.1",
     browser: Browser = True,
     save: Annotated[Path | None, typer.Option(metavar="FILE", help="Write a stand-alone page instead.")] = None,
+    play: Annotated[Path | None, typer.Option(metavar="CSV", help="Play a motion that `twistarm plan` wrote.")] = None,
     screenshot: Annotated[Path | None, typer.Option(metavar="FILE", help="Write a picture (PNG) instead.")] = None,
     size: Annotated[str, typer.Option(metavar="WxH", help="Pixels of the picture.")] = "1280x720",
     rad: Radians = False,
@@ -36,13 +38,17 @@ def view(
     pixels = _pixels(size)
     x = parse_theta(arm, theta, rad)
     warn_outside(arm, x)
+    motion = None if play is None else recorded_motion(arm, play)
     if save is not None:
-        print(f"written: {save_html(arm, save, theta=x)}")
+        print(f"written: {save_html(arm, save, motion, x)}")
     if screenshot is not None:
         print(f"written: {save_png(arm, screenshot, x, size=pixels)}")
     if save is not None or screenshot is not None:
         return
     with Viewer(arm, x, host=host, port=port, open_browser=False) as viewer:
+        if motion is not None:
+            viewer.show_path(motion)
+            viewer.play(motion)
         serve(viewer, f"{arm.name} at", browser)
 
 

@@ -13,6 +13,7 @@ from ..description.findings import Finding, finding
 from ..description.tree import Description
 from ..errors import listed
 from ..files import is_file
+from .interrupts import interrupts_held
 
 TOO_LARGE = 20.0
 """Times the arm's own size: no link is as long."""
@@ -54,7 +55,8 @@ def check_meshes(description: Description) -> Iterator[Finding]:
         )
     rest = [path for path in paths if path not in pointers]
     try:
-        import trimesh  # noqa: F401
+        with interrupts_held():
+            import trimesh  # noqa: F401
     except ImportError:
         if rest:
             what = f"{len(rest)} mesh files, whose size was not looked at: that needs trimesh"
@@ -128,7 +130,8 @@ def length_of(path: Path) -> float | None:
     import trimesh
 
     try:
-        scene = trimesh.load_scene(str(path))
+        with interrupts_held():
+            scene = trimesh.load_scene(str(path))
         metres = trimesh.units.unit_conversion(scene.units, "meters") if scene.units else 1.0
         length = float(np.ptp(scene.bounds, axis=0).max()) * float(metres)
     except Exception:  # the readers of trimesh raise whatever their format made them stumble over

@@ -27,13 +27,7 @@ def to_csv(trajectory: Trajectory, path: str | os.PathLike[str], dt: float = 0.0
     The header names column and unit, `slide.position [m]`. Numbers are written so that reading gives the same
     floats. The file is written whole or not at all; raises InputError where it cannot be, and for a bad `dt`.
     """
-    t, *values = trajectory.sample(dt)
-    table = np.column_stack([t, np.stack(values, axis=-1).reshape(len(t), -1)])
-    text = io.StringIO()
-    writer = csv.writer(text, lineterminator="\n")
-    writer.writerow(["time [s]", *_columns(trajectory)])
-    writer.writerows(table.tolist())
-    return write_whole(path, text.getvalue())
+    return write_whole(path, csv_text(trajectory, dt))
 
 
 def to_json(trajectory: Trajectory, path: str | os.PathLike[str], dt: float = 0.01) -> Path:
@@ -43,6 +37,22 @@ def to_json(trajectory: Trajectory, path: str | os.PathLike[str], dt: float = 0.
     `nanosec`, strictly increasing from 0; the last velocity is zero. The file is written whole or not at all;
     raises InputError where it cannot be, and for a bad `dt`.
     """
+    return write_whole(path, json_text(trajectory, dt))
+
+
+def csv_text(trajectory: Trajectory, dt: float) -> str:
+    """What `to_csv` writes."""
+    t, *values = trajectory.sample(dt)
+    table = np.column_stack([t, np.stack(values, axis=-1).reshape(len(t), -1)])
+    text = io.StringIO()
+    writer = csv.writer(text, lineterminator="\n")
+    writer.writerow(["time [s]", *_columns(trajectory)])
+    writer.writerows(table.tolist())
+    return text.getvalue()
+
+
+def json_text(trajectory: Trajectory, dt: float) -> str:
+    """What `to_json` writes."""
     samples = trajectory.sample(dt)
     nanoseconds = np.rint(samples.t / NANOSECOND).astype(np.int64)
     if not (np.diff(nanoseconds) > 0).all():
@@ -57,7 +67,7 @@ def to_json(trajectory: Trajectory, path: str | os.PathLike[str], dt: float = 0.
         for ns, theta, theta_dot, theta_ddot in zip(nanoseconds, *samples[1:], strict=True)
     ]
     message = {"joint_names": list(trajectory.joint_names), "points": points}
-    return write_whole(path, json.dumps(message, indent=1, allow_nan=False) + "\n")
+    return json.dumps(message, indent=1, allow_nan=False) + "\n"
 
 
 def _columns(trajectory: Trajectory) -> list[str]:

@@ -35,6 +35,13 @@ def check_trajectory(arm: Arm, trajectory: Trajectory) -> None:
     checked_theta(arm, trajectory(0.0))
 
 
+def require_all_inside(arm: Arm, theta: Array) -> None:
+    """LimitError where a joint of `theta` (n,) is outside its limits."""
+    limits = arm.limits
+    for joint in zip(arm.joint_names, theta, limits.lower, limits.upper, arm.units, strict=True):
+        require_inside(*joint)
+
+
 def require_inside(name: str, value: float, lower: float, upper: float, unit: str) -> None:
     """LimitError where a joint would leave its limits; in degrees too where the unit is rad, as a page shows them."""
     if lower - LIMIT_TOL <= value <= upper + LIMIT_TOL:

@@ -18,6 +18,9 @@ KIND_COLOURS: dict[str, Colour] = {
 }
 """Of a screw without pitch, of infinite pitch (a slide), and of any other; the page's legend repeats them."""
 
+AXIS_HALF = 0.18
+"""Half the arrow along an axis, in sizes of the arm."""
+
 PITCHLESS = 1e-9
 """A pitch below this share of the arm's size is rounding."""
 
@@ -56,7 +59,7 @@ def draw_screws(arm: Arm) -> list[bytes]:
     drawn: list[bytes] = []
     size = arm_size(arm)
     for i, (xi, anchor, kind) in enumerate(zip(arm.screws.T, anchors(arm), screw_kinds(arm), strict=True)):
-        half = 0.18 * size * to_screw(xi).axis
+        half = AXIS_HALF * size * to_screw(xi).axis
         drawn += drawing.arrow(f"{screw_path(i)}/axis", anchor - half, anchor + half, 0.0055 * size, KIND_COLOURS[kind])
     return drawn
 

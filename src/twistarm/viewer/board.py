@@ -11,7 +11,7 @@ Message = dict[str, Any]
 
 
 class Board:
-    """The latest message of each type; one that was shown is never changed, so the same object is the same text."""
+    """The latest message of each type; one that was shown is never changed, so what equals it is the same text."""
 
     def __init__(self) -> None:
         self._shown: dict[str, Message] = {}
@@ -22,12 +22,10 @@ class Board:
         changed: dict[str, str] = {}
         for message in messages:
             kind = message["type"]
-            if self._shown.get(kind) is message:
+            if self._shown.get(kind) == message:
                 continue
+            self._texts[kind] = changed[kind] = encode(message)
             self._shown[kind] = message
-            text = encode(message)
-            if self._texts.get(kind) != text:
-                self._texts[kind] = changed[kind] = text
         return changed
 
     def texts(self) -> dict[str, str]:

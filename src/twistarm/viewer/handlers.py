@@ -9,7 +9,9 @@ from typing import TYPE_CHECKING, Any
 import tornado.web
 import tornado.websocket
 
+from ..errors import TwistarmError
 from ..strict_json import encode
+from .downloads import DOWNLOADS
 from .guard import Guard
 
 if TYPE_CHECKING:
@@ -17,9 +19,14 @@ if TYPE_CHECKING:
 
 POLICY = (
     "default-src 'none'; script-src 'self'; style-src 'self' 'unsafe-inline'; img-src 'self' data: blob:; "
-    "connect-src 'self' ws://{host} wss://{host}; base-uri 'none'; form-action 'none'; frame-ancestors 'none'"
+    "connect-src 'self' ws://{host} wss://{host}; base-uri 'none'; form-action 'none'; "
+    "frame-ancestors http://localhost:* http://127.0.0.1:*"
 )
-"""No script but our own files, and no eval; Meshcat's bundle writes style attributes, hence inline styles."""
+"""No script but our own files, and no eval; Meshcat's bundle writes style attributes, hence inline styles.
+
+A frame may hold the page where all that surrounds it comes from this machine, by http or https on any port: Jupyter
+does. Whoever would have hands click on it unseen must have a server here, and know the token. ([::1] cannot be said.)
+"""
 
 
 def require_admission(guard: Guard, request: Any, token: str) -> None:
@@ -32,7 +39,30 @@ def require_admission(guard: Guard, request: Any, token: str) -> None:
         raise tornado.web.HTTPError(403, reason="wrong token: open the address the viewer gave")
 
 
-class PageHandler(tornado.web.RequestHandler):
+MOST_PAGES = 64
+"""Sockets at a time: each costs a megabyte of buffers at the worst, and a team has fewer screens."""
+
+
+class FileHandler(tornado.web.RequestHandler):
+    """What every answer to a GET has."""
+
+    def set_default_headers(self) -> None:
+        """On every answer, errors included."""
+        self.set_header("Cache-Control", "no-store")
+        self.set_header("Referrer-Policy", "no-referrer")
+        self.set_header("X-Content-Type-Options", "nosniff")
+        self.clear_header("Server")
+
+    def write_error(self, status_code: int, **kwargs: Any) -> None:
+        """One line of text instead of tornado's page."""
+        self.set_header("Content-Type", "text/plain; charset=utf-8")
+        self.finish(f"{status_code} {self._reason}\n")
+
+    def log_exception(self, *exception: Any) -> None:
+        """Refusals are told to the browser only."""
+
+
+class PageHandler(FileHandler):
     """GET /TOKEN/FILE: one of the page's files."""
 
     def initialize(self, guard: Guard, files: Mapping[str, tuple[str, bytes]]) -> None:
@@ -51,20 +81,29 @@ class PageHandler(tornado.web.RequestHandler):
         self.set_header("Content-Security-Policy", POLICY.format(host=self.request.host))
         self.write(content)
 
-    def set_default_headers(self) -> None:
-        """On every answer, errors included."""
-        self.set_header("Cache-Control", "no-store")
-        self.set_header("Referrer-Policy", "no-referrer")
-        self.set_header("X-Content-Type-Options", "nosniff")
-        self.clear_header("Server")
 
-    def write_error(self, status_code: int, **kwargs: Any) -> None:
-        """One line of text instead of tornado's page."""
-        self.set_header("Content-Type", "text/plain; charset=utf-8")
-        self.finish(f"{status_code} {self._reason}\n")
+class DownloadHandler(FileHandler):
+    """GET /TOKEN/NAME: a file of DOWNLOADS, made in a thread."""
 
-    def log_exception(self, *exception: Any) -> None:
-        """Refusals are told to the browser only."""
+    def initialize(self, server: Server) -> None:
+        """Called by tornado with the arguments of the route."""
+        self.server = server
+
+    async def get(self, token: str, name: str) -> None:
+        """Send the file to be saved; 404 and the reason where there is none now."""
+        require_admission(self.server.guard, self.request, token)
+        download = DOWNLOADS[name]
+        try:
+            make = download.prepare(self.server.current(), self.server.scene)
+            text = await asyncio.get_running_loop().run_in_executor(None, make)
+        except TwistarmError as error:
+            self.set_status(404)
+            self.set_header("Content-Type", "text/plain; charset=utf-8")
+            return await self.finish(f"{error}\n")
+        self.set_header("Content-Type", download.content_type)
+        file_name = download.file_name(self.server.stage.arm.name)
+        self.set_header("Content-Disposition", f'attachment; filename="{file_name}"')
+        await self.finish(text)
 
 
 class SocketHandler(tornado.websocket.WebSocketHandler):
@@ -76,11 +115,14 @@ class SocketHandler(tornado.websocket.WebSocketHandler):
         self._outbox: dict[str, str] = {}
         self._waiting = asyncio.Event()
         self._sender: asyncio.Task[None] | None = None
+        self._sent = 0
         self.name = server.name_page()
 
     async def get(self, *path: str, **arguments: str) -> None:
-        """Refuse strangers before the handshake."""
+        """Refuse strangers, and whom there is no room for, before the handshake."""
         require_admission(self.server.guard, self.request, path[0])
+        if len(self.server.clients) >= MOST_PAGES:
+            raise tornado.web.HTTPError(503, reason=f"{MOST_PAGES} pages are open: close one of them")
         await super().get(*path, **arguments)
 
     def check_origin(self, origin: str) -> bool:
@@ -122,12 +164,21 @@ class SocketHandler(tornado.websocket.WebSocketHandler):
 
     async def _send(self) -> None:
         try:
-            for message in self.server.greeting():
-                await self.write_message(message, binary=isinstance(message, bytes))
+            await self.write_message(self.server.greeting())
             while True:
                 await self._waiting.wait()
-                while self._outbox:
-                    await self.write_message(self._outbox.pop(next(iter(self._outbox))))
                 self._waiting.clear()
+                await self._catch_up()
         except tornado.websocket.WebSocketClosedError:
             self.server.clients.discard(self)
+
+    async def _catch_up(self) -> None:
+        """Send what the page lacks of the scene; once all but the meshes is there, whatever else waits goes first."""
+        objects = self.server.scene.objects
+        while self._sent < len(objects) or self._outbox:
+            if self._sent < len(objects):
+                await self.write_message(objects[self._sent], binary=True)
+                self._sent += 1
+            if self._sent >= self.server.scene.plain:
+                while self._outbox:
+                    await self.write_message(self._outbox.pop(next(iter(self._outbox))))

@@ -13,7 +13,7 @@ Deliver = Callable[[Callable[[], None]], None]
 """Has an action done in the loop."""
 
 Tell = Callable[[str, float | None], None]
-"""Says how far the job of a key is, 0 … 1; None: it has ended."""
+"""Says how far the job of a key is, 0 … 1; None: one that said so has ended."""
 
 
 @dataclass(frozen=True)
@@ -60,6 +60,7 @@ class _Worker:
         self._changed = threading.Condition()
         self._waiting: Job | None = None
         self._stopped = False
+        self._told = False
         self.thread = threading.Thread(target=self._run, name=f"twistarm {key}", daemon=True)
         self.thread.start()
 
@@ -93,11 +94,14 @@ class _Worker:
         else:
             self._deliver(lambda: job.finish(result))
         finally:
-            self._tell(self._key, None)
+            if self._told:
+                self._tell(self._key, None)
+            self._told = False
 
     def _progress(self, share: float) -> None:
         if self._stopped or self._waiting is not None:
             raise ReplacedError
+        self._told = True
         self._tell(self._key, share)
 
 

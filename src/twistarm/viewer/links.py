@@ -1,15 +1,16 @@
-"""The links of a description, drawn: primitives, meshes, and sticks where there is neither."""
+"""The links of a description, drawn: primitives, meshes, and capsules where there is neither."""
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
 
 from ..checks import Array
 from ..description.tree import Description, Geometry, Link
-from ..errors import DescriptionError, listed
+from ..errors import TwistarmError, listed
 from . import drawing
 from .drawing import STICK, Colour
 from .meshes import Part, load_parts
@@ -17,53 +18,86 @@ from .nodes import link_path
 
 PLAIN: Colour = (0.62, 0.66, 0.72, 1.0)
 
-Meshes = dict[Path, "list[Part] | str"]
+FRAME = 0.08
+"""The axes of a link whose mesh is missing, in sizes of the arm."""
 
 
-def load_meshes(description: Description) -> Meshes:
-    """Every mesh that is drawn, read once; for one that cannot be read, why."""
-    visuals = (visual for link in description.links.values() for visual in link.visuals)
-    return {path: _parts_or_reason(path) for path in sorted({v.mesh for v in visuals if v.mesh is not None})}
+@dataclass(frozen=True)
+class Drawn:
+    """What one mesh came to: messages that draw it or what stands in for it, and why it could not be read."""
+
+    objects: tuple[bytes, ...]
+    notes: tuple[str, ...]
+
+
+def draw_plain(description: Description, size: float) -> list[bytes]:
+    """Every link in a node of its own, as far as that needs no file; `size` [m] scales what stands in for meshes."""
+    return [part for link in description.links.values() for part in _plain(description, link, size)]
+
+
+def count_meshes(description: Description) -> int:
+    """How many times `draw_meshes` yields."""
+    return sum(visual.mesh is not None for link in description.links.values() for visual in link.visuals)
+
+
+def lost_meshes(description: Description) -> tuple[str, ...]:
+    """The meshes that were not found, in words."""
+    visuals = [(link.name, visual) for link in description.links.values() for visual in link.visuals]
+    lost = [name for name, visual in visuals if visual.shape == "mesh" and visual.mesh is None]
+    return (f"not drawn, the mesh was not found: {listed(dict.fromkeys(lost))}",) if lost else ()
+
+
+def draw_meshes(description: Description, size: float) -> Iterator[Drawn]:
+    """Every mesh in its link's node, one after the other; a file is read once, and its fault told once."""
+    read: dict[Path, list[Part] | str] = {}
+    for link in description.links.values():
+        undrawn = not any(visual.shape != "mesh" for visual in link.visuals)
+        meshes = [(i, visual, visual.mesh) for i, visual in enumerate(link.visuals) if visual.mesh is not None]
+        for k, (i, visual, path) in enumerate(meshes, 1):
+            new = path not in read
+            if new:
+                read[path] = _parts_or_reason(path)
+            parts = read[path]
+            objects = [] if isinstance(parts, str) else _mesh(f"{link_path(link.name)}/visual{i}", visual, parts)
+            undrawn = undrawn and not objects
+            if undrawn and k == len(meshes):
+                objects = _stand_in(description, link, size)
+            yield Drawn(tuple(objects), (parts,) if new and isinstance(parts, str) else ())
 
 
 def _parts_or_reason(path: Path) -> list[Part] | str:
     try:
         return load_parts(path)
-    except DescriptionError as error:
+    except TwistarmError as error:
         return str(error)
 
 
-def mesh_notes(description: Description, meshes: Meshes) -> tuple[str, ...]:
-    """What is not drawn, and why."""
-    unread = [reason for reason in meshes.values() if isinstance(reason, str)]
-    visuals = [(link.name, visual) for link in description.links.values() for visual in link.visuals]
-    lost = [name for name, visual in visuals if visual.shape == "mesh" and visual.mesh is None]
-    return (
-        *unread,
-        *((f"not drawn, the mesh was not found: {listed(dict.fromkeys(lost))}",) if lost else ()),
-    )
-
-
-def draw_links(description: Description, meshes: Meshes, size: float) -> list[bytes]:
-    """Every link in a node of its own; `size` [m] scales the sticks."""
-    return [part for link in description.links.values() for part in _link(description, link, meshes, size)]
-
-
-def _link(description: Description, link: Link, meshes: Meshes, size: float) -> list[bytes]:
+def _plain(description: Description, link: Link, size: float) -> list[bytes]:
     path = link_path(link.name)
-    drawn = [part for i, visual in enumerate(link.visuals) for part in _shape(f"{path}/visual{i}", visual, meshes)]
-    return drawn or _stick(description, link.name, size)
+    drawn = [part for i, visual in enumerate(link.visuals) for part in _shape(f"{path}/visual{i}", visual)]
+    waits = any(visual.mesh is not None for visual in link.visuals)
+    return drawn or ([] if waits else _stand_in(description, link, size))
 
 
-def _stick(description: Description, name: str, size: float) -> list[bytes]:
-    carried = [joint.origin[:3, 3] for joint in description.joints.values() if joint.parent == name]
+def _stand_in(description: Description, link: Link, size: float) -> list[bytes]:
+    """Capsules from the link's origin to the joints that it carries; with its frame, where meshes are missing."""
+    carried = [joint.origin[:3, 3] for joint in description.joints.values() if joint.parent == link.name]
     ends = [end for end in carried if np.linalg.norm(end) > 1e-3 * size]
-    path, radius = link_path(name), 0.012 * size
-    rods = [drawing.rod(f"{path}/stick{i}", np.zeros(3), end, radius, STICK) for i, end in enumerate(ends)]
-    return [*rods, drawing.sphere(f"{path}/origin", 1.6 * radius, STICK, np.eye(4))] if rods else []
+    path, radius = link_path(link.name), 0.012 * size
+    drawn = drawing.triad(f"{path}/frame", FRAME * size) if link.visuals else []
+    for i, end in enumerate(ends):
+        drawn.append(drawing.rod(f"{path}/stick{i}", np.zeros(3), end, radius, STICK))
+        drawn.append(drawing.sphere(f"{path}/end{i}", radius, STICK, _at(end)))
+    return [*drawn, drawing.sphere(f"{path}/origin", 1.6 * radius, STICK, np.eye(4))] if ends else drawn
 
 
-def _shape(path: str, visual: Geometry, meshes: Meshes) -> list[bytes]:
+def _at(point: Array) -> Array:
+    g = np.eye(4)
+    g[:3, 3] = point
+    return g
+
+
+def _shape(path: str, visual: Geometry) -> list[bytes]:
     colour, g, size = visual.colour or PLAIN, visual.origin, visual.size
     if visual.shape == "box":
         return [drawing.box(path, size, colour, g)]
@@ -71,10 +105,7 @@ def _shape(path: str, visual: Geometry, meshes: Meshes) -> list[bytes]:
         return [drawing.sphere(path, size[0], colour, g)]
     if visual.shape == "cylinder":
         return [drawing.cylinder(path, size[0], size[1], colour, g)]
-    if visual.shape == "capsule":
-        return _capsule(path, size[0], size[1], colour, g)
-    parts = meshes[visual.mesh] if visual.mesh is not None else ()
-    return [] if isinstance(parts, str) else _mesh(path, visual, parts)
+    return _capsule(path, size[0], size[1], colour, g) if visual.shape == "capsule" else []
 
 
 def _capsule(path: str, radius: float, length: float, colour: Colour, g: Array) -> list[bytes]:

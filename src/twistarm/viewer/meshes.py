@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..checks import Array, frozen
+from ..doctor.interrupts import interrupts_held
 from ..errors import DescriptionError, missing_extra
 from .drawing import Colour
 
@@ -39,13 +40,15 @@ def load_parts(path: Path) -> list[Part]:
     Raises DescriptionError for a file that is not a mesh, MissingExtraError without trimesh.
     """
     try:
-        import trimesh
+        with interrupts_held():
+            import trimesh
     except ImportError as error:
         raise missing_extra("drawing a mesh", "trimesh", "view") from error
     try:
-        scene = trimesh.load_scene(str(path))
-        metres = trimesh.units.unit_conversion(scene.units, "meters") if scene.units else 1.0
-        meshes = [mesh for mesh in scene.dump() if isinstance(mesh, trimesh.Trimesh) and len(mesh.faces)]
+        with interrupts_held():
+            scene = trimesh.load_scene(str(path))
+            metres = trimesh.units.unit_conversion(scene.units, "meters") if scene.units else 1.0
+            meshes = [mesh for mesh in scene.dump() if isinstance(mesh, trimesh.Trimesh) and len(mesh.faces)]
     except Exception as error:  # the readers of trimesh raise whatever their format made them stumble over
         raise DescriptionError(f"cannot read mesh {path}: {error}; export it again as STL, DAE or OBJ") from error
     if not meshes:
@@ -100,8 +103,9 @@ def _corner_normals(corners: Array, vertex: NDArray[np.int64]) -> Array:
     rank = np.arange(len(order)) - np.repeat(start, count)
     begin, size = np.repeat(start, count), np.repeat(count, count)
     total = np.zeros_like(areas)
+    active = np.arange(len(order))
     for k in range(int(count.max())):
-        active = size > k
+        active = active[size[active] > k]
         own = order[active]
         other = order[begin[active] + (rank[active] + k) % size[active]]
         smooth = (units[own] * units[other]).sum(axis=1) >= CREASE

@@ -5,18 +5,23 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from ..checks import Array, as_theta
+from ..limits import JointLimits
 from ..planning.trajectory import Trajectory
 
 
 @dataclass
 class Playback:
-    """The clock of one trajectory. `now` is the caller's monotonic clock [s], `time` the moment shown [s]."""
+    """The clock of one trajectory. `now` is the caller's monotonic clock [s], `time` the moment shown [s].
+
+    `limits` are what the trajectory was planned by, None where only whoever planned it knows.
+    """
 
     trajectory: Trajectory
     speed: float = 1.0
     loop: bool = False
     time: float = 0.0
     running: bool = False
+    limits: JointLimits | None = None
     _last: float = 0.0
 
     @property

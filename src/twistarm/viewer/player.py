@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 
 from ..checks import Array
 from ..errors import InputError
+from ..limits import JointLimits
 from ..planning.trajectory import Trajectory
 from .admission import checked_theta
 from .board import Message
@@ -58,6 +59,13 @@ class Player:
         """Play `trajectory` from its start, which is returned."""
         self.playback = Playback(trajectory, speed, loop)
         self.playback.play(now)
+        return self.playback.theta()
+
+    def stand_by(self, trajectory: Trajectory, limits: JointLimits) -> Array:
+        """Stop at the start of `trajectory`, which is returned; speed and loop stay. It was planned by `limits`."""
+        at = self.playback
+        speed, loop = (1.0, False) if at is None else (at.speed, at.loop)
+        self.playback = Playback(trajectory, speed, loop, limits=limits)
         return self.playback.theta()
 
     def halt(self) -> None:

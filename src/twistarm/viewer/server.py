@@ -3,28 +3,29 @@
 from __future__ import annotations
 
 import asyncio
-import errno
-import socket
+import re
 import threading
 import time
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from concurrent.futures import Future
 from contextlib import suppress
 from functools import partial
 from typing import Any, TypeVar
 
 import tornado.httpserver
-import tornado.netutil
 import tornado.web
 
 from ..errors import InputError
 from ..strict_json import LARGEST_MESSAGE, encode
 from .board import Board, Message
 from .commands import COMMANDS, PageCommands
+from .downloads import DOWNLOADS
+from .driver import Driver
 from .findings import Examination
 from .guard import Guard
-from .handlers import PageHandler, SocketHandler
-from .jobs import Workers
+from .handlers import DownloadHandler, PageHandler, SocketHandler
+from .jobs import Job, Progress, Workers
+from .listening import bind
 from .messages import Request, parse
 from .page_files import page_files
 from .scene import Scene
@@ -34,6 +35,7 @@ FRAME_TIME = 1.0 / 60.0
 START_TIME = 10.0
 STOP_TIME = 5.0
 PING_TIME = 20
+IDLE_TIME = 60
 
 Change = Callable[[Stage], None]
 Answer = TypeVar("Answer")
@@ -57,6 +59,7 @@ class Server:
         self._pages = 0
         self._board = Board()
         self._jobs: dict[str, float] = {}
+        self.driver = Driver(stage, self.commands, self._post)
         self._workers = Workers(self._deliver, self._show_job)
         self._player: asyncio.Task[None] | None = None
         self._thread = threading.Thread(target=lambda: asyncio.run(self._main()), name="twistarm viewer", daemon=True)
@@ -67,9 +70,12 @@ class Server:
         self._thread.start()
         if not self._started.wait(START_TIME):
             raise InputError(f"the viewer's server did not start within {START_TIME:g} s")
+        if self.scene.left:
+            self._workers.submit(Job("scene", self._draw, lambda result: None))
 
     def stop(self) -> None:
         """Close every page's socket and the port, and end the thread. Harmless when repeated."""
+        self.driver.close(STOP_TIME)
         if self._thread.is_alive():
             with suppress(RuntimeError):  # the loop may have been closed meanwhile, by another thread's stop
                 self._loop.call_soon_threadsafe(self._stop.set)
@@ -89,9 +95,18 @@ class Server:
         if first and self._thread.is_alive():
             self._loop.call_soon_threadsafe(self._apply_in_time)
 
-    def _show_findings(self, message: dict[str, Any]) -> None:
+    def _post(self, key: str, change: Change) -> None:
         with suppress(RuntimeError):  # the loop may have been closed meanwhile
-            self.post("findings", lambda stage: setattr(stage, "findings", message))
+            self.post(key, change)
+
+    def _draw(self, progress: Progress) -> None:
+        """Read the meshes while pages are served already; each word of progress has the pages told of what there is."""
+        count = self.scene.left
+        while self.scene.draw():
+            progress(1.0 - self.scene.left / count)
+
+    def _show_findings(self, message: dict[str, Any]) -> None:
+        self._post("findings", lambda stage: setattr(stage, "findings", message))
 
     def _deliver(self, action: Callable[[], None]) -> None:
         """Do `action` in the loop at once, then tell the pages: the end of a job."""
@@ -99,8 +114,7 @@ class Server:
             self._loop.call_soon_threadsafe(self._finish, action)
 
     def _show_job(self, key: str, share: float | None) -> None:
-        with suppress(RuntimeError):
-            self.post(f"job {key}", lambda stage: self._note_job(key, share))
+        self._post(f"job {key}", lambda stage: self._note_job(key, share))
 
     def ask(self, question: Callable[[Stage], Answer]) -> Answer:
         """What `question` says of the stage once every change posted so far is applied."""
@@ -114,9 +128,11 @@ class Server:
 
     async def _main(self) -> None:
         self._loop, self._stop = asyncio.get_running_loop(), asyncio.Event()
-        http = tornado.httpserver.HTTPServer(self._application())
+        http = tornado.httpserver.HTTPServer(
+            self._application(), max_body_size=LARGEST_MESSAGE, idle_connection_timeout=IDLE_TIME
+        )
         http.add_sockets(self._sockets)
-        consultation = self._loop.create_task(self.doctor.wait(lambda: bool(self.clients) and not self.stage.driven))
+        consultation = self._loop.create_task(self.doctor.wait(self._calm))
         self._started.set()
         await self._stop.wait()
         consultation.cancel()
@@ -126,11 +142,15 @@ class Server:
             client.close(1001, "the viewer was closed")
         await http.close_all_connections()
 
+    def _calm(self) -> bool:
+        return bool(self.clients) and not self.stage.driven and not self.scene.left
+
     def _application(self) -> tornado.web.Application:
         shared = {"server": self}
         return tornado.web.Application(
             [
                 (r"/([^/]*)/socket", SocketHandler, shared),
+                (rf"/([^/]*)/({'|'.join(map(re.escape, DOWNLOADS))})", DownloadHandler, shared),
                 (r"/([^/]*)/?(.*)", PageHandler, {"guard": self.guard, "files": page_files()}),
             ],
             log_function=lambda handler: None,
@@ -144,13 +164,9 @@ class Server:
         self._pages += 1
         return f"page {self._pages}"
 
-    def greeting(self) -> list[str | bytes]:
-        """What a new page needs before the first frame."""
-        hello = self.stage.hello(self.scene.links)
-        return [
-            encode({**hello, "objects": len(self.scene.objects), "notes": self.scene.notes}),
-            *self.scene.objects,
-        ]
+    def greeting(self) -> str:
+        """What a new page needs before anything else."""
+        return encode(self.stage.hello(self.scene.links))
 
     def state(self) -> dict[str, str]:
         """The messages that say what is on show, by type."""
@@ -159,7 +175,7 @@ class Server:
 
     def _messages(self) -> list[Message]:
         jobs = [{"key": key, "share": share} for key, share in self._jobs.items()]
-        return [{"type": "work", "jobs": jobs}, *self.stage.messages()]
+        return [{"type": "work", "jobs": jobs}, self.scene.message(), *self.stage.messages()]
 
     def receive(self, text: str | bytes, sender: str) -> list[dict[str, Any]]:
         """Do what the page `sender` asks for, tell every page, and return what only the asking one is told.
@@ -183,8 +199,9 @@ class Server:
             self.commands.take(request, sender)
             return
         self._apply()
-        job = self.stage.handle(request, time.monotonic())
-        if job is not None:
+        if request.kind == "servo":
+            self.driver.switch(request.fields["on"])
+        elif (job := self.stage.handle(request, time.monotonic())) is not None:
             self._workers.submit(job)
         self.publish()
 
@@ -199,8 +216,10 @@ class Server:
             self._jobs[key] = share
 
     def leave(self, sender: str) -> None:
-        """A page has gone."""
+        """A page has gone; after the last one nobody is left to switch Drive off."""
         self.commands.refuse(sender, "its page has gone")
+        if not self.clients:
+            self.driver.stop()
 
     def publish(self) -> None:
         """Tell every page what changed since the last time, and keep a running trajectory running."""
@@ -227,9 +246,16 @@ class Server:
             self._try(partial(change, self.stage))
         self._try(self.publish)
 
-    def _answer(self, question: Callable[[Stage], Answer], future: Future[Answer]) -> None:
+    def current(self) -> Stage:
+        """The stage once every change posted so far is applied."""
         self._apply()
-        future.set_result(question(self.stage))
+        return self.stage
+
+    def _answer(self, question: Callable[[Stage], Answer], future: Future[Answer]) -> None:
+        try:
+            future.set_result(question(self.current()))
+        except Exception as error:
+            future.set_exception(error)
 
     async def _play(self) -> None:
         while self.stage.running:
@@ -247,25 +273,6 @@ class Server:
     def _tell(self, kind: str, text: str) -> None:
         for client in self.clients:
             client.put(kind, text)
-
-
-def bind(host: str, port: int) -> Sequence[socket.socket]:
-    """Sockets listening on `host` and `port` (0: a free one); InputError where that cannot be had."""
-    if not isinstance(port, int) or isinstance(port, bool) or not 0 <= port <= 65535:
-        raise InputError(f"port must be 0 (a free one) … 65535; got {port!r}")
-    try:
-        return tornado.netutil.bind_sockets(port, host or None)
-    except (OSError, UnicodeError) as error:
-        raise InputError(_bind_message(host, port, error)) from error
-
-
-def _bind_message(host: str, port: int, error: OSError | UnicodeError) -> str:
-    number = getattr(error, "errno", None)
-    if number == errno.EADDRINUSE:
-        return f"port {port} is in use on {host}; take another, or --port 0 (port=0) for a free one"
-    if number == errno.EACCES:
-        return f"port {port} needs more rights than this user has; take one above 1023, or --port 0 (port=0)"
-    return f"cannot listen on host {host!r}: {error}; use 127.0.0.1, or an address of this machine"
 
 
 def _error(error: Exception) -> dict[str, Any]:

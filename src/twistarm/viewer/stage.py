@@ -11,22 +11,32 @@ from numpy.typing import ArrayLike
 from ..arm import Arm
 from ..checks import Array
 from ..errors import InputError, unknown_name
+from ..limits import JointLimits
 from ..planning.trajectory import Trajectory
-from .admission import checked_theta, require_inside
+from .admission import checked_theta, require_all_inside, require_inside
 from .board import Message
 from .findings import loaded
+from .gauge import Gauge
 from .jobs import Job
 from .messages import Request
 from .part import Part
 from .path import NO_PATH
+from .placement import Placement
 from .player import Player
+from .plots import Plots
+from .program import Program
 from .servo_words import SILENT
-from .summary import describe_arm, extra_joints, joint_unit, named_poses, placement, rest
+from .summary import describe_arm, extra_joints, joint_unit, named_poses, rest
+from .target import TargetPart
+from .theory import SHOWN, Theory
+from .workspace import Workspace
 
 DRIVING = ("theta", "joint", "pose", "random", "play", "seek", "target", "go", "plan")
 """Requests that would move the arm under a servo's hands."""
 
-LAYERS = {"screws": True, "frames": True, "path": True}
+NO_DRIVE: Message = {"type": "drive", "on": False, "note": ""}
+
+LAYERS = {"screws": True, "frames": True, "path": True, **dict.fromkeys((*SHOWN, "labels", "workspace"), False)}
 """What can be switched on and off, and how it begins."""
 
 
@@ -35,6 +45,7 @@ class Stage:
 
     def __init__(self, arm: Arm, theta: ArrayLike | None = None) -> None:
         self.arm = arm
+        self._placement = Placement(arm)
         self.theta = arm.ready if theta is None else checked_theta(arm, theta)
         self.extra_joints = extra_joints(arm)
         self.others = {name: rest(joint) for name, joint in self.extra_joints.items()}
@@ -42,9 +53,20 @@ class Stage:
         self.path: Message = {"type": "path", **NO_PATH}
         self.findings = loaded(arm)
         self.player = Player()
-        self.parts: tuple[Part, ...] = (self.player,)
+        self.program = Program(arm)
+        self.workspace = Workspace()
+        self.parts: tuple[Part, ...] = (
+            self.player,
+            TargetPart(),
+            Gauge(arm),
+            Theory(arm),
+            self.workspace,
+            self.program,
+            Plots(),
+        )
         self.driven = self.jogging = False
         self.report: dict[str, Any] = SILENT
+        self.drive: Message = NO_DRIVE
 
     def show(self, theta: Array) -> None:
         """Stand at theta (n,); a running trajectory stops."""
@@ -54,6 +76,10 @@ class Stage:
     def load(self, trajectory: Trajectory, speed: float, loop: bool, now: float) -> None:
         """Play `trajectory` from its start."""
         self.theta = self.player.load(trajectory, speed, loop, now)
+
+    def stand_by(self, trajectory: Trajectory, limits: JointLimits) -> None:
+        """Stand at the start of `trajectory`, planned by `limits`, for a page to play."""
+        self.theta = self.player.stand_by(trajectory, limits)
 
     def draw_path(self, path: Mapping[str, Any]) -> None:
         """Draw this way of the tool: points and radius."""
@@ -82,7 +108,9 @@ class Stage:
             if request.kind in part.requests:
                 return part.handle(request, self, now)
         if request.kind == "theta":
-            self.show(self._inside(checked_theta(self.arm, fields["theta"])))
+            theta = checked_theta(self.arm, fields["theta"])
+            require_all_inside(self.arm, theta)
+            self.show(theta)
         elif request.kind == "joint":
             self._set_joint(fields["name"], fields["value"])
         elif request.kind == "pose":
@@ -91,11 +119,24 @@ class Stage:
             self.show(checked_theta(self.arm, self.arm.random_theta(np.random.default_rng())))
         else:
             self.set_visible(fields["what"], fields["visible"])
+            return self.workspace.switched(fields["what"], self)
         return None
 
     def take_commands(self) -> None:
         """A servo drives the arm, and takes commands of the pages."""
         self.driven = self.jogging = True
+
+    def begin_drive(self, note: str) -> None:
+        """A servo of the pages' own drives the arm; `note`: the limits that it had to choose."""
+        self.player.halt()
+        self.take_commands()
+        self.drive = {"type": "drive", "on": True, "note": note}
+
+    def end_drive(self, taken_over: bool) -> None:
+        """It has ended; `taken_over`: another servo drives by now."""
+        self.drive = NO_DRIVE
+        if not taken_over:
+            self.hear(None)
 
     def hear(self, report: Mapping[str, Any] | None) -> None:
         """What the servo says; None: it has ended."""
@@ -104,7 +145,7 @@ class Stage:
         self.report = SILENT if report is None else dict(report)
 
     def set_visible(self, what: str, visible: bool) -> None:
-        """Switch the screws, the frames or the tool's path on or off."""
+        """Switch a layer on or off."""
         if what not in self.visible:
             raise unknown_name("layer", what, self.visible, within="the scene", listing=", ".join(self.visible))
         self.visible = {**self.visible, what: visible}
@@ -112,8 +153,9 @@ class Stage:
     def _require_no_servo(self, request: Request) -> None:
         gripper = request.kind == "joint" and request.fields["name"] in self.extra_joints
         if self.driven and request.kind in DRIVING and not gripper:
+            end = "Drive in the Jog panel is switched off" if self.drive["on"] else "it has ended"
             raise InputError(
-                f"a servo drives {self.arm.name}: sliders, poses and trajectories are free again once it has ended"
+                f"a servo drives {self.arm.name}: sliders, poses and trajectories are free again once {end}"
             )
 
     def _set_joint(self, name: str, value: float) -> None:
@@ -131,12 +173,6 @@ class Stage:
         theta[i] = value
         self.show(theta)
 
-    def _inside(self, theta: Array) -> Array:
-        limits = self.arm.limits
-        for joint in zip(self.arm.joint_names, theta, limits.lower, limits.upper, self.arm.units, strict=True):
-            require_inside(*joint)
-        return theta
-
     def _pose(self, name: str) -> Array:
         poses = named_poses(self.arm)
         if name not in poses:
@@ -152,11 +188,19 @@ class Stage:
     def messages(self) -> list[Message]:
         """All that is on show, the frame last."""
         told = [message for part in self.parts for message in part.messages(self)]
-        return [{"type": "visible", **self.visible}, self.path, *told, self.servo(), self.findings, self.frame()]
+        return [
+            {"type": "visible", **self.visible},
+            self.path,
+            *told,
+            self.drive,
+            self.servo(),
+            self.findings,
+            self.frame(),
+        ]
 
     def frame(self) -> Message:
         """Where everything stands."""
-        placed = placement(self.arm, self.theta, self.others)
+        placed = self._placement.at(self.theta, self.others)
         return {"type": "frame", **placed, "time": self.player.time, "running": self.running}
 
     def servo(self) -> Message:

@@ -1,31 +1,16 @@
-"""An arm as the page is told of it: its joints once, and where everything stands each time."""
+"""An arm as the page is told of it once: its joints and its poses."""
 
 from __future__ import annotations
 
-from collections.abc import Mapping
 from typing import Any
 
 import numpy as np
 
-from .. import rotations
 from ..arm import Arm
 from ..checks import Array
 from ..description.tree import Joint
 from ..limits import usual_half, usual_range
 from .axes import screw_kinds
-from .scene import transforms
-
-
-def placement(arm: Arm, theta: Array, others: Mapping[str, float]) -> dict[str, Any]:
-    """Joint values [rad, m], the matrix of every moving node, and the tool's position [m] and rpy [rad]."""
-    poses = arm.poses(theta, others)
-    g_st = poses[arm.tip]
-    return {
-        "theta": theta.tolist(),
-        "others": dict(others),
-        "transforms": transforms(arm, theta, poses),
-        "tool": {"position": g_st[:3, 3].tolist(), "rpy": rotations.to_rpy(g_st[:3, :3]).tolist()},
-    }
 
 
 def describe_arm(arm: Arm) -> dict[str, Any]:

@@ -15,17 +15,22 @@ from numpy.typing import ArrayLike
 from ..arm import Arm
 from ..checks import Array, as_positive
 from ..closing import Closing
+from ..files import writable, write_whole
 from ..planning.trajectory import Trajectory
 from ..servo import ServoOutput
 from ..stream import Cycle, Inbox
 from .admission import check_trajectory, checked_theta
 from .drawing import require_meshcat
-from .export import save_html
+from .exhibit import Exhibit, on_show
+from .export import stand_alone
+from .inline import HEIGHT, Inline
 from .path import NO_PATH, tool_path
-from .scene import build_scene
-from .screenshot import save_png
+from .scene import Scene
+from .screenshot import write_picture
 from .servo_words import servo_words
 from .stage import Stage
+
+MOVED = "the program moves the arm: Drive was switched off"
 
 
 class Viewer(Closing):
@@ -53,7 +58,7 @@ class Viewer(Closing):
         self.arm = arm
         self._host = host
         self._closed = threading.Event()
-        self._server = Server(Stage(arm, theta), build_scene(arm), host, port)
+        self._server = Server(Stage(arm, theta), Scene(arm), host, port)
         self._server.start()
         if open_browser:
             show_in_browser(self.url)
@@ -72,21 +77,29 @@ class Viewer(Closing):
     def show(self, theta: ArrayLike) -> None:
         """Stand at theta (n,) [rad, m]. Called faster than the pages can draw, the latest wins."""
         checked = checked_theta(self.arm, theta).copy()
+        self._server.driver.drop(MOVED)
         self._server.post("show", lambda stage: stage.show(checked))
 
     def play(self, trajectory: Trajectory, speed: float = 1.0, loop: bool = False) -> None:
         """Play `trajectory` from its start, `speed` times as fast, again and again with `loop`; returns at once."""
         check_trajectory(self.arm, trajectory)
         times = as_positive(speed, "speed")
+        self._server.driver.drop(MOVED)
         self._server.post("play", lambda stage: stage.load(trajectory, times, loop, time.monotonic()))
+
+    @property
+    def poses(self) -> dict[str, Array]:
+        """The poses recorded on the pages: theta (n,) [rad, m] by name, in the order of their list."""
+        return self._server.ask(lambda stage: stage.program.list.named())
 
     @property
     def commands(self) -> Inbox:
         """What the pages command by keyboard and gamepad, as a source for `twistarm.stream`; once asked for, they may.
 
         Each page is a commander of its own, and two at once bring the arm to rest. Until `show_servo(None)`, sliders,
-        poses and trajectories of the pages are refused.
+        poses and trajectories of the pages are refused. A drive that a page had switched on ends.
         """
+        self._server.driver.drop()
         self._server.commands.open = True
         self._server.post("jogging", lambda stage: stage.take_commands())
         return self._server.commands.inbox
@@ -97,6 +110,9 @@ class Viewer(Closing):
         An answer of `servo_step` gives status and reason alone; None: the servo has ended, and sliders work again.
         Called at any rate, the latest is shown, at most 60 times a second.
         """
+        if answer is None and self._server.driver.on:  # no servo of the program's
+            return
+        self._server.driver.drop()
         if isinstance(answer, Cycle) and answer.theta is not None:
             self.show(answer.theta)
         self._server.commands.open = self._server.commands.open and answer is not None
@@ -117,12 +133,36 @@ class Viewer(Closing):
         self._server.post("path", lambda stage: stage.draw_path(path))
 
     def save_html(self, path: str | os.PathLike[str], trajectory: Trajectory | None = None) -> Path:
-        """Write a stand-alone page of the arm as it stands; see `twistarm.viewer.save_html`."""
-        return save_html(self.arm, path, trajectory, self.theta)
+        """Write a stand-alone page of what is on show, every joint, layer and finding, and the loaded trajectory.
+
+        With `trajectory` that one is in it, and plays; see `twistarm.viewer.save_html`.
+        """
+        target = writable(path)
+        return write_whole(target, stand_alone(self._exhibit(trajectory)))
+
+    def inline(self, height: float = HEIGHT, *, static: bool = False) -> Inline:
+        """The view for a notebook, `height` pixels high: as the last line of a cell it is shown there.
+
+        The frame holds the live page, for a notebook that the browser has from localhost or 127.0.0.1; the notebook
+        keeps its address, at which nothing answers once the view is closed. With `static` the frame holds what is on
+        show now as a stand-alone page, which the notebook keeps: for exported notebooks and nbviewer, for a remote
+        JupyterHub, and for VS Code, whose notebooks stand in frames of schemes of its own (`vscode-webview:`, shared by
+        all its extensions) that the live page does not admit.
+        """
+        if static:
+            return Inline.page(stand_alone(self._exhibit()), self.arm.name, height)
+        return Inline.live(self.url, self.arm.name, height)
+
+    def _repr_html_(self) -> str:
+        return self.inline().html
+
+    def _exhibit(self, trajectory: Trajectory | None = None) -> Exhibit:
+        shown = self._server.ask(lambda stage: on_show(stage, self._server.scene))
+        return shown if trajectory is None else shown.playing(trajectory)
 
     def save_png(self, path: str | os.PathLike[str], *, size: tuple[int, int] = (1280, 720)) -> Path:
-        """Write a picture of the arm as it stands, width and height in pixels; see `twistarm.viewer.save_png`."""
-        return save_png(self.arm, path, self.theta, size=size)
+        """Write a picture of what is on show, width and height in pixels; see `twistarm.viewer.save_png`."""
+        return write_picture(path, size, self._exhibit)
 
     def wait(self) -> None:
         """Serve until Ctrl-C or until `close` is called elsewhere; Ctrl-C closes the view and returns."""

@@ -1,32 +1,34 @@
-// Jogging: what keys and gamepad hold is said again and again as a twist; when nothing is held any more, once to stop.
+// Jogging: what keys, buttons and a gamepad hold is said again and again as a twist, or as rates of joints; when nothing
+// is held any more, once to stop.
 
 import { Gamepad } from "./gamepad.js";
+import { AXES, inBase, ofHands } from "./jog_axes.js";
+import { JogLine } from "./jog_line.js";
 import { Keys, takesKeys } from "./keys.js";
-import { shown, signed } from "./units.js";
+import { Pushes } from "./pushes.js";
 
 const PERIOD = 40; // ms between two messages: some may be late before the process gives up waiting
 const FULL = [0.25, 1.0]; // m/s, the reduced speed of ISO 10218-1 at which people stand beside a robot; rad/s
 const SHARES = [0.05, 0.1, 0.2, 0.4, 0.7, 1];
-const SLOW = 150; // ms between two words of this page: little more, and a command dies
-const LINGER = 2000; // ms for which this is said
-const WHOLE = 0.95; // of a command: what is above counts as all of it
-const STEADY = 300; // ms for which less must be done before it is said: every motion begins slowly
 
 const $ = (id) => document.getElementById(id);
 
 export class Jog {
-  // `act` holds jog(twist, frame) and stop().
-  constructor(act) {
-    this.act = act;
+  // `act` holds jog(twist, frame), joints(rates) and stop(); `view` is what view axes are those of.
+  constructor(act, view) {
+    Object.assign(this, { act, view });
     this.keys = new Keys();
     this.gamepad = new Gamepad();
+    this.pushes = new Pushes();
+    this.line = new JogLine(this);
+    this.units = []; // of the joints
     this.taken = false; // whether the process takes commands
     this.focused = document.hasFocus();
     this.frame = "base";
     this.step = 3; // of SHARES
     this.timer = null; // while something is held
-    this.said = this.slowed = this.staled = this.partial = NaN; // ms: the last word, and since when what is amiss
     this.next = 0;
+    this.changed = () => {}; // axes, speed or what is held
     this.listen();
   }
 
@@ -42,7 +44,7 @@ export class Jog {
     addEventListener("pagehide", () => this.release());
     addEventListener("contextmenu", (event) => event.defaultPrevented || this.release());
     document.addEventListener("visibilitychange", () => this.release());
-    document.addEventListener("focusin", () => this.release());
+    document.addEventListener("focusin", ({ target }) => target.dataset?.push !== undefined || this.release());
     // Whoever turns the view lets go of a slider: the view itself takes no focus.
     $("pane").addEventListener("pointerdown", () => document.activeElement?.blur());
   }
@@ -50,23 +52,11 @@ export class Jog {
   // What the process says of its servo: whether it takes commands, status, joint, reason.
   show(servo) {
     const begins = servo.jog && !this.taken;
-    Object.assign(this, { taken: servo.jog, servo });
-    this.judge(servo);
-    $("jog").hidden = !servo.jog && this.heard() === "";
-    $("jog").classList.toggle("taken", servo.jog);
+    this.taken = servo.jog;
+    this.line.hear(servo);
     if (!servo.jog) this.release();
     if (begins) this.poll();
     this.tell();
-  }
-
-  judge({ status, share }) {
-    const now = performance.now();
-    if (status === "STALE") this.staled = now;
-    if (share === null || share >= WHOLE) this.partial = NaN;
-    else if (Number.isNaN(this.partial)) {
-      this.partial = now;
-      setTimeout(() => this.tell(), STEADY);
-    }
   }
 
   // The process is gone.
@@ -87,6 +77,7 @@ export class Jog {
   release() {
     this.keys.clear();
     this.gamepad.clear();
+    this.pushes.clear();
     this.update();
   }
 
@@ -99,12 +90,35 @@ export class Jog {
   }
 
   choose({ code, key, repeat }) {
-    if (code === "KeyT" && !repeat) this.frame = this.frame === "tool" ? "base" : "tool";
-    else if (key === "+" || key === "=") this.step = Math.min(this.step + 1, SHARES.length - 1);
-    else if (key === "-") this.step = Math.max(this.step - 1, 0);
+    if (code === "KeyT" && !repeat) this.take(AXES[(AXES.indexOf(this.frame) + 1) % AXES.length]);
+    else if (key === "+" || key === "=") this.pace(1);
+    else if (key === "-") this.pace(-1);
     else return false;
-    this.tell();
     return true;
+  }
+
+  // Other axes: from here on what is held goes along these.
+  take(frame) {
+    this.frame = frame;
+    this.tell();
+  }
+
+  // Faster by so many steps.
+  pace(steps) {
+    this.step = Math.min(Math.max(this.step + steps, 0), SHARES.length - 1);
+    this.tell();
+  }
+
+  // A button of the page, held by a pointer or a key; see `Pushes`.
+  hold(by, push) {
+    if (!this.ready) return;
+    this.pushes.hold(by, push);
+    this.update();
+  }
+
+  lift(by) {
+    this.pushes.lift(by);
+    this.update();
   }
 
   poll() {
@@ -116,16 +130,17 @@ export class Jog {
   }
 
   update() {
-    const held = this.twist().some((value) => value !== 0);
+    const held = [...this.twist(), ...this.rates()].some((value) => value !== 0);
     if (held && this.timer === null) {
       this.timer = setInterval(() => this.repeat(), PERIOD);
       this.say();
     } else if (!held && this.timer !== null) {
       clearInterval(this.timer);
       this.timer = null;
-      this.spoke(NaN);
+      this.line.spoke(NaN);
       this.act.stop();
     }
+    this.changed();
   }
 
   repeat() {
@@ -133,23 +148,22 @@ export class Jog {
     if (this.timer !== null) this.say();
   }
 
+  // Joints go before the tool: a servo does one of the two.
   say() {
-    this.spoke(performance.now());
-    this.act.jog(this.twist(), this.frame);
+    this.line.spoke(performance.now());
+    const rates = this.rates();
+    if (rates.some((rate) => rate !== 0)) this.act.joints(rates);
+    else if (this.frame === "view") this.act.jog(inBase(this.twist(), this.view), "base");
+    else this.act.jog(this.twist(), this.frame);
   }
 
-  // Whether this page itself let its last word grow old.
-  spoke(said) {
-    const now = performance.now();
-    if (now - this.said > SLOW) this.slowed = now;
-    this.said = said;
-  }
-
-  // [m/s, rad/s]; no faster across two axes than along one.
+  // Along the chosen axes [m/s, rad/s]; no faster across two of them than along one.
   twist() {
     if (!this.ready) return [0, 0, 0, 0, 0, 0];
     const pad = this.gamepad.twist();
-    const sum = this.keys.twist().map((value, i) => value + pad[i]);
+    const hands = ofHands(this.keys.twist().map((value, i) => value + pad[i]), this.frame);
+    const buttons = this.pushes.twist();
+    const sum = hands.map((value, i) => value + buttons[i]);
     const speeds = this.speeds();
     return [sum.slice(0, 3), sum.slice(3)].flatMap((half, i) => {
       const scale = speeds[i] / Math.max(1, Math.hypot(...half));
@@ -157,35 +171,23 @@ export class Jog {
     });
   }
 
+  // Of every joint, base to tip [rad/s, m/s].
+  rates() {
+    if (!this.ready) return this.units.map(() => 0);
+    const [linear, angular] = this.speeds();
+    return this.pushes.rates(this.units.length).map((sign, i) => sign * (this.units[i] === "m" ? linear : angular));
+  }
+
   speeds() {
     return FULL.map((speed) => SHARES[this.step] * speed);
   }
 
-  // The line of a few words.
+  get ends() {
+    return { slowest: this.step === 0, fastest: this.step === SHARES.length - 1 };
+  }
+
   tell() {
-    const [linear, angular] = this.speeds();
-    const words = [this.ready ? "Jog on" : "Jog off: click the view", `${this.frame} axes`,
-      `${signed(linear, 3)} m/s, ${shown(angular, "rad", 0)}/s`, this.gamepad.note()];
-    write($("jog-line"), this.taken ? words.filter(Boolean).join(" · ") : "Servo");
-    write($("jog-servo"), this.heard());
-    $("jog-servo").dataset.status = this.servo.status ?? "";
-    write($("jog-share"), this.done());
+    this.line.tell();
+    this.changed();
   }
-
-  heard() {
-    const word = this.servo.status === "OK" ? "OK" : this.servo.reason;
-    const late = performance.now() - Math.min(this.slowed, this.staled) < LINGER;
-    return late ? [word, "this browser is too slow: make the window smaller"].filter(Boolean).join(" · ") : word;
-  }
-
-  // How much of the command is done, where it is not all of it.
-  done() {
-    const steady = performance.now() - this.partial >= STEADY;
-    return steady ? `${Math.round(100 * this.servo.share)} % of what was asked` : "";
-  }
-}
-
-// Only what is new: the line is read aloud, and laid out anew, each time it is written.
-function write(element, text) {
-  if (element.textContent !== text) element.textContent = text;
 }

@@ -45,8 +45,8 @@ export class Link {
   }
 
   // At once, ahead of whatever waits and without waiting for what is under way; what it calls off is not sent any more.
-  interrupt(request, calledOff) {
-    this.pending.delete(key(calledOff));
+  interrupt(request, ...calledOff) {
+    for (const each of calledOff) this.pending.delete(key(each));
     if (this.socket.readyState === WebSocket.OPEN) this.transmit(request);
   }
 
@@ -65,5 +65,5 @@ export class Link {
 }
 
 function key(request) {
-  return [request.type, request.name ?? request.what].join(":");
+  return [request.type, request.id ?? request.name ?? request.what].join(":");
 }

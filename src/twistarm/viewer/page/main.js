@@ -7,9 +7,13 @@ import { copyTheta } from "./copying.js";
 import { Findings } from "./findings.js";
 import { Highlight } from "./highlight.js";
 import { Jog } from "./jog.js";
+import { JogPanel } from "./jog_panel.js";
 import { Link } from "./link.js";
 import { Panel } from "./panel.js";
+import { Player } from "./player.js";
+import { Plots } from "./plots.js";
 import { Program } from "./program.js";
+import { Progress } from "./progress.js";
 import { complaint } from "./schema.js";
 import { Share } from "./share.js";
 import { Tabs } from "./tabs.js";
@@ -20,7 +24,7 @@ import { Work } from "./work.js";
 
 const schema = await (await fetch("schema.json")).json();
 const view = new View(document.getElementById("pane"));
-const state = { hello: null, frame: null, drawn: 0, fitted: false };
+const state = { hello: null, frame: null, fitted: false };
 
 const panel = new Panel({
   joint: (name, value) => ask({ type: "joint", name, value }),
@@ -28,9 +32,6 @@ const panel = new Panel({
   random: () => ask({ type: "random" }),
   copy: () => copyTheta(state.frame.theta),
   visible: (what, visible) => ask({ type: "visible", what, visible }),
-  play: () => ask({ type: "play" }),
-  pause: () => ask({ type: "pause" }),
-  seek: (time) => ask({ type: "seek", time }),
   fit: () => view.fit(),
 });
 
@@ -39,18 +40,35 @@ const findings = new Findings((node, name) => highlight.point(node, name));
 
 const jog = new Jog({
   jog: (twist, frame) => ask({ type: "jog", twist, frame }),
-  stop: () => link.interrupt({ type: "stop" }, { type: "jog" }),
-});
+  joints: (rates) => ask({ type: "jog_joints", rates }),
+  stop: () => link.interrupt({ type: "stop" }, { type: "jog" }, { type: "jog_joints" }),
+}, view);
 
 const page = { view, panel, jog, state, ask };
 const parts = {
   tabs: new Tabs(),
+  jogging: new JogPanel(page),
   target: new Target(page),
   program: new Program(page),
+  player: new Player({
+    play: () => ask({ type: "play" }),
+    pause: () => ask({ type: "pause" }),
+    seek: (time) => ask({ type: "seek", time }),
+    pace: (speed, loop) => ask({ type: "pace", speed, loop }),
+  }),
+  plots: new Plots((time) => ask({ type: "seek", time })),
   theory: new Theory(page),
   share: new Share(page),
   work: new Work(),
+  progress: new Progress((text) => panel.showStatus(text), look),
 };
+
+// Bring the arm into view with the first frame, and again once all of it is drawn, unless somebody has turned it since.
+function look() {
+  if (state.fitted || !state.frame) return;
+  if (view.radius === undefined || (parts.progress.complete && !view.turned)) view.fit();
+  state.fitted = parts.progress.complete;
+}
 
 function ask(request) {
   panel.showError(complaint(schema.requests, request));
@@ -59,12 +77,12 @@ function ask(request) {
 
 const receive = {
   hello(message) {
-    Object.assign(state, { hello: message, frame: null, drawn: 0 });
+    Object.assign(state, { hello: message, frame: null });
     findings.choose(null);
     view.clear();
     panel.showError("");
     panel.release();
-    panel.build(message.arm, message.notes, true);
+    panel.build(message.arm, [], true);
     for (const part of Object.values(parts)) part.hello?.(message);
   },
   frame(message) {
@@ -73,8 +91,7 @@ const receive = {
     highlight.follow();
     panel.show(message);
     for (const part of Object.values(parts)) part.placed?.(message);
-    if (!state.fitted) view.fit();
-    state.fitted = true;
+    look();
   },
   visible(message) {
     for (const layer of ["screws", "frames", "path"]) view.setVisible(layer, message[layer]);
@@ -84,7 +101,6 @@ const receive = {
     view.drawPath(message);
     panel.showPath(message.points.length > 0);
   },
-  player: ({ duration }) => panel.showPlayer(duration),
   servo(message) {
     jog.show(message);
     panel.showDriven(message.driven);
@@ -105,9 +121,7 @@ const link = new Link({
   message: show,
   object(bytes) {
     view.draw(bytes);
-    state.drawn += 1;
-    const { objects } = state.hello;
-    panel.showStatus(state.drawn < objects ? `${state.drawn} / ${objects}` : "live");
+    parts.progress.add(bytes.length);
   },
   status(status) {
     panel.showStatus(status);
@@ -119,6 +133,7 @@ const link = new Link({
   idle() {
     panel.release();
     if (state.frame) panel.show(state.frame);
+    if (state.frame) parts.player.placed(state.frame);
   },
 });
 

@@ -1,4 +1,4 @@
-// The panel beside the view: joints, named poses, the tool, switches, the player.
+// The panel beside the view: joints, named poses, the tool, switches.
 
 import { element } from "./element.js";
 import { JointRow } from "./joint_row.js";
@@ -8,7 +8,7 @@ export const $ = (id) => document.getElementById(id);
 
 export class Panel {
   // `act` holds what the page does about the panel: joint(name, value), pose(name), random(), copy(), visible(what, on),
-  // play(), pause(), seek(time), fit().
+  // fit().
   constructor(act) {
     this.act = act;
     this.rows = new Map();
@@ -16,16 +16,12 @@ export class Panel {
     this.movers = []; // buttons that move the arm
     this.frame = null;
     this.held = null; // the joint under somebody's hand: its row is not moved from outside
-    this.running = false;
-    this.duration = 0; // of the trajectory, s; the scrubber runs from 0 to 1
     for (const what of ["screws", "frames", "path"]) {
       $(`show-${what}`).addEventListener("change", (event) => act.visible(what, event.target.checked));
     }
     $("radians").checked = inRadians();
     $("radians").addEventListener("change", (event) => this.switchUnits(event.target.checked));
     $("fit").addEventListener("click", () => act.fit());
-    $("play").addEventListener("click", () => (this.running ? act.pause() : act.play()));
-    $("scrub").addEventListener("input", (event) => act.seek(Number(event.target.value) * this.duration));
   }
 
   // `arm` as the process describes it, `notes` on what could not be drawn; without `movable` the rows only show.
@@ -84,7 +80,6 @@ export class Panel {
     const { position, rpy } = frame.tool;
     ["x", "y", "z"].forEach((axis, i) => { $(`tool-${axis}`).textContent = `${signed(position[i], 3)} m`; });
     ["roll", "pitch", "yaw"].forEach((angle, i) => { $(`tool-${angle}`).textContent = shown(rpy[i], "rad"); });
-    this.showTime(frame.time, frame.running);
   }
 
   showJoint(name, number) {
@@ -100,7 +95,6 @@ export class Panel {
   showDriven(driven) {
     for (const name of this.names) this.rows.get(name).disable(driven);
     for (const mover of this.movers) mover.disabled = driven;
-    $("scrub").disabled = driven;
     for (const id of ["poses", "joints"]) $(id).title = driven ? "A servo drives the arm" : "";
     $("panel").classList.toggle("driven", driven);
   }
@@ -112,21 +106,6 @@ export class Panel {
 
   showPath(there) {
     $("show-path").parentElement.hidden = !there;
-  }
-
-  showPlayer(duration) {
-    $("player").hidden = duration === null;
-    this.duration = duration ?? 0;
-  }
-
-  showTime(time, running) {
-    this.running = running;
-    $("play").textContent = running ? "❚❚" : "▶";
-    $("play").setAttribute("aria-label", running ? "Pause" : "Play");
-    $("scrub").value = this.duration > 0 ? time / this.duration : 0;
-    const text = `${time.toFixed(2)} / ${this.duration.toFixed(2)} s`;
-    $("time").textContent = text;
-    $("scrub").setAttribute("aria-valuetext", text);
   }
 
   showStatus(state) {

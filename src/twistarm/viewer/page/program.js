@@ -1,8 +1,102 @@
-// Recorded poses: a list, and the motion planned through it.
+// Recorded poses: a list to edit, save and load, and the motion planned through it.
+
+import { PoseList } from "./pose_list.js";
+import { read, written } from "./pose_file.js";
+import { fileName, save } from "./saving.js";
+
+const $ = (id) => document.getElementById(id);
 
 export class Program {
-  // `page` holds view, panel, state and ask(request).
+  // `page` holds panel, state and ask(request).
   constructor(page) {
     this.page = page;
+    this.poses = [];
+    this.duration = null;
+    this.driven = false;
+    this.list = new PoseList($("pose-list"), {
+      go: (id) => page.ask({ type: "go", id }),
+      rename: (id, name) => page.ask({ type: "rename", id, name }),
+      reorder: (id, place) => page.ask({ type: "reorder", id, place }),
+      remove: (id) => page.ask({ type: "delete", id }),
+    });
+    this.messages = {
+      program: (message) => this.show(message),
+      player: (message) => this.load(message),
+      servo: ({ driven }) => this.disable(driven),
+    };
+    this.listen();
+  }
+
+  listen() {
+    $("record").addEventListener("click", () => this.record());
+    $("pose-name").addEventListener("keydown", ({ key }) => key === "Enter" && this.record());
+    $("plan").addEventListener("click", () => this.plan());
+    $("plan-kind").addEventListener("change", () => { $("plan-stop").disabled = $("plan-kind").value === "trapezoid"; });
+    $("save-poses").addEventListener("click", () => this.save());
+    $("load-poses").addEventListener("click", () => $("poses-file").click());
+    $("poses-file").addEventListener("change", () => this.open());
+  }
+
+  show({ poses, planned, note }) {
+    Object.assign(this, { poses, planned, note });
+    this.list.show(poses);
+    if (this.page.state.frame) this.list.mark(this.page.state.frame.theta);
+    $("pose-name").placeholder = `pose ${poses.length + 1}`;
+    $("pose-hint").hidden = poses.length > 0;
+    $("save-poses").disabled = poses.length === 0;
+    this.tell();
+  }
+
+  placed({ theta }) {
+    this.list.mark(theta);
+  }
+
+  load({ duration }) {
+    this.duration = duration;
+    for (const link of document.querySelectorAll("#program a[download]")) {
+      if (duration === null) link.removeAttribute("href");
+      else link.href = link.dataset.file;
+    }
+    this.tell();
+  }
+
+  disable(driven) {
+    this.driven = driven;
+    this.list.disable(driven);
+    this.tell();
+  }
+
+  tell() {
+    const done = this.planned && this.duration !== null ? `Planned: ${this.duration.toFixed(2)} s` : "";
+    $("program-note").textContent = [done, this.note].filter(Boolean).join("; ");
+    $("program-note").classList.toggle("stale", !this.planned);
+    $("plan").disabled = this.driven || this.poses.length < 2;
+    $("plan").title = this.poses.length < 2 ? "Record two poses first" : "Through the poses in their order, within the limits";
+  }
+
+  record() {
+    this.page.ask({ type: "record", name: $("pose-name").value });
+    $("pose-name").value = "";
+  }
+
+  plan() {
+    this.page.ask({ type: "plan", kind: $("plan-kind").value, stop: $("plan-stop").checked });
+  }
+
+  save() {
+    const { name, joints } = this.page.state.hello.arm;
+    const text = written(joints.map((joint) => joint.name), this.poses);
+    save(new Blob([text], { type: "application/json" }), fileName(name, "_poses.json"));
+  }
+
+  async open() {
+    const [file] = $("poses-file").files;
+    $("poses-file").value = ""; // the same file may be chosen again
+    if (!file) return;
+    try {
+      this.page.ask({ type: "poses", ...(await read(file)) });
+    } catch (error) {
+      this.page.panel.showError(error.message);
+    }
   }
 }

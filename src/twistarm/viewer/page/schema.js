@@ -16,7 +16,7 @@ const CHECKS = {
   count: (value) => Number.isSafeInteger(value) && value >= 0,
   flag: (value) => typeof value === "boolean",
   names: (value) => list(value) && value.every(name),
-  poses: (value) => list(value) && value.every((pose) => object(pose) && name(pose.name) && numbers(pose.theta)),
+  poses: (value) => list(value) && value.every((pose) => object(pose) && Object.keys(pose).length === 2 && name(pose.name) && numbers(pose.theta)),
 };
 
 // What is wrong with a message of this table, "requests" or "messages"; "" where nothing is.

@@ -1,8 +1,120 @@
-// What is handed on: a stand-alone page, a picture.
+// What is handed on: the stand-alone page, and a picture of the view.
+
+import { asBlob, painted } from "./picture.js";
+import { $ } from "./panel.js";
+import { fileName, save } from "./saving.js";
+
+const SIDES = ["width", "height"];
+const SMALLEST = 16; // pixels
+const LARGEST = 8192;
+const KEPT = "twistarm picture"; // in the browser's storage: [width, height] as typed
 
 export class Share {
-  // `page` holds view, panel, state and ask(request).
-  constructor(page) {
-    this.page = page;
+  // `page` holds the view.
+  constructor({ view }) {
+    this.view = view;
+    this.name = "";
+    const typed = kept();
+    SIDES.forEach((side, i) => {
+      $(`picture-${side}`).value = typed[i];
+      $(`picture-${side}`).addEventListener("keydown", ({ key }) => key === "Enter" && this.act(() => this.picture()));
+    });
+    $("save-page")?.addEventListener("click", () => this.act(() => this.standAlone()));
+    $("save-picture").addEventListener("click", () => this.act(() => this.picture()));
+    $("share").addEventListener("toggle", () => this.open());
+    $("share").addEventListener("keydown", (event) => this.press(event));
+    addEventListener("pointerdown", ({ target }) => $("share").contains(target) || this.close(), true);
+  }
+
+  hello({ arm }) {
+    this.name = arm.name;
+  }
+
+  open() {
+    this.say("");
+    SIDES.forEach((side, i) => { $(`picture-${side}`).placeholder = this.size()[i]; });
+  }
+
+  close() {
+    $("share").open = false;
+  }
+
+  press(event) {
+    if (event.key !== "Escape" || !$("share").open) return;
+    this.close();
+    $("share").querySelector("summary").focus();
+    event.stopPropagation();
+  }
+
+  // Do one thing at a time, and say what came of it.
+  async act(make) {
+    if (this.busy) return;
+    this.busy = true;
+    this.say("making it …");
+    await new Promise((resolve) => setTimeout(resolve)); // so that it is read
+    try {
+      this.say(`saved: ${await make()}`);
+    } catch (error) {
+      this.say(error.message, true);
+    } finally {
+      this.busy = false;
+    }
+  }
+
+  async standAlone() {
+    let answer;
+    try {
+      answer = await fetch("arm.html");
+    } catch {
+      throw new Error("the process does not answer; is it still running?");
+    }
+    if (!answer.ok) throw new Error((await answer.text()).trim());
+    return saved(await answer.blob(), fileName(this.name, ".html"));
+  }
+
+  async picture() {
+    const typed = SIDES.map((side) => $(`picture-${side}`).value.trim());
+    const sides = typed.map((text, i) => pixels(text || String(this.size()[i]), SIDES[i]));
+    keep(typed);
+    return saved(await asBlob(painted(this.view, ...sides)), fileName(this.name, ".png"));
+  }
+
+  // Of the view, in pixels: what an empty box means.
+  size() {
+    const { offsetWidth, offsetHeight } = $("pane");
+    return [offsetWidth, offsetHeight];
+  }
+
+  say(text, wrong = false) {
+    $("share-said").textContent = text;
+    $("share-said").classList.toggle("wrong", wrong);
+  }
+}
+
+function saved(blob, name) {
+  save(blob, name);
+  return name;
+}
+
+function pixels(text, side) {
+  const number = Number(text);
+  if (/^\d+$/.test(text) && number >= SMALLEST && number <= LARGEST) return number;
+  throw new Error(`the ${side} is a whole number of pixels, ${SMALLEST} … ${LARGEST}; got ${text.slice(0, 20)}`);
+}
+
+function kept() {
+  try {
+    const typed = JSON.parse(localStorage.getItem(KEPT));
+    return SIDES.map((_, i) => String(typed?.[i] ?? ""));
+  } catch {
+    return ["", ""]; // a page without storage starts with the view's own size
+  }
+}
+
+function keep(typed) {
+  try {
+    localStorage.setItem(KEPT, JSON.stringify(typed));
+  } catch {
+    // Without storage it holds as long as the page.
   }
 }

@@ -2,10 +2,17 @@
 
 import { Findings } from "./findings.js";
 import { Highlight } from "./highlight.js";
-import { Panel } from "./panel.js";
+import { $, Panel } from "./panel.js";
+import { Playback } from "./playback.js";
+import { Player } from "./player.js";
+import { Plots } from "./plots.js";
 import { Recording } from "./recording.js";
+import { Share } from "./share.js";
 import { Tabs } from "./tabs.js";
+import { TheoryRecord } from "./theory_record.js";
 import { View } from "./view.js";
+
+const STANDS = { time: 0, running: false, speed: 1, loop: false };
 
 const data = JSON.parse(document.getElementById("data").textContent);
 for (const part of document.querySelectorAll("[data-live]")) part.remove(); // there is nobody to ask
@@ -13,8 +20,12 @@ const tabs = new Tabs();
 const view = new View(document.getElementById("pane"));
 const highlight = new Highlight(view);
 const findings = new Findings((node, name) => highlight.point(node, name));
+const share = new Share({ view });
+const theory = new TheoryRecord(view, data);
 const recording = new Recording(data.samples);
-const state = { frame: null, time: 0, since: null };
+const playback = new Playback(recording.duration, data.player ?? STANDS);
+const state = { frame: null };
+let next; // frame of a running motion
 
 const panel = new Panel({
   visible(what, on) {
@@ -22,51 +33,74 @@ const panel = new Panel({
     data.visible[what] = on;
     panel.showVisible(data.visible);
   },
-  play: () => run(true),
-  pause: () => run(false),
-  seek(time) {
-    run(false);
-    show(time);
-  },
   fit: () => view.fit(),
 });
 
-function show(time) {
-  state.time = time;
-  state.frame = { ...recording.at(time), running: state.since !== null };
+const player = new Player({
+  play: () => run(),
+  pause() {
+    playback.pause();
+    show();
+  },
+  seek,
+  pace(speed, loop) {
+    Object.assign(playback, { speed, loop });
+    showPlayer();
+  },
+});
+const plots = new Plots(seek);
+
+function seek(time) {
+  playback.seek(time);
+  show();
+}
+
+function show(frame = recording.at(playback.time)) {
+  state.frame = { ...frame, time: playback.time, running: playback.running };
   view.place(state.frame.transforms);
   highlight.follow();
   panel.show(state.frame);
+  player.placed(state.frame);
+  plots.placed(state.frame);
+  theory.placed(state.frame);
 }
 
-function run(on) {
-  if (on && state.time >= recording.duration) state.time = 0;
-  state.since = on ? performance.now() - 1000 * state.time : null;
-  show(state.time);
-  if (on) requestAnimationFrame(tick);
+function showPlayer() {
+  player.show({ ...playback, duration: data.player && recording.duration > 0 ? recording.duration : null });
+}
+
+function run() {
+  playback.play();
+  tick();
 }
 
 function tick() {
-  if (state.since === null) return;
-  const time = (performance.now() - state.since) / 1000;
-  if (time >= recording.duration) {
-    state.since = null;
-    return show(recording.duration);
-  }
-  show(time);
-  requestAnimationFrame(tick);
+  cancelAnimationFrame(next); // of a run that was stopped a moment ago
+  playback.advance();
+  show();
+  if (playback.running) next = requestAnimationFrame(tick);
 }
 
+// Space plays and pauses, unless it is for a button or a box.
+addEventListener("keydown", (event) => {
+  if (event.key !== " " || $("player").hidden || document.activeElement !== document.body) return;
+  event.preventDefault();
+  player.act[playback.running ? "pause" : "play"]();
+});
+
 panel.build(data.arm, data.notes, false);
+share.hello(data);
 findings.show(data.findings);
 panel.showVisible(data.visible);
 panel.showPath(data.path.points.length > 0);
-panel.showPlayer(recording.duration > 0 ? recording.duration : null);
+plots.show(data.plots);
+showPlayer();
 for (const object of data.objects) view.draw(Uint8Array.from(atob(object), (letter) => letter.charCodeAt(0)));
 view.drawPath(data.path);
-show(0);
+for (const [layer, on] of Object.entries(data.visible)) view.setVisible(layer, on);
+show(data.aside ? { ...new Recording(data.aside).at(0), aside: true } : undefined);
 view.fit();
 document.body.dataset.drawn = "";
-if (recording.duration > 0) run(true);
+if (playback.running) tick();
 
-globalThis.twistarm = { tabs, view, panel, findings, highlight, state, data };
+globalThis.twistarm = { tabs, view, panel, findings, highlight, share, playback, player, plots, state, data, theory: theory.theory };

@@ -1,8 +1,197 @@
 // The tool dragged, or told where to be: a target, and inverse kinematics after it.
 
+import { Gizmo } from "./gizmo.js";
+import { takesKeys } from "./keys.js";
+import { PoseBoxes } from "./pose_boxes.js";
+import { numbersOf, poseOf, same, standing, turned } from "./target_pose.js";
+import { Verdict } from "./verdict.js";
+import { THREE } from "./view.js";
+
+const KINDS = [[6, "pose"], [5, "approach"], [0, "position"]]; // what an arm of at least so many joints begins with
+const HINTS = {
+  approach: "5 joints: not every pose is in reach, so the tool's z axis is pointed and its turn about z is free.",
+  position: "Fewer than 5 joints: the tool's position is met, and its orientation is free.",
+};
+const PARALLEL = 0.999; // cosine from which a ring is about the tool's own z
+const LATE = 60; // ms that an answer takes at most where nothing is slow
+const LOST = 2000; // ms after which no answer is expected any more: the arm was moved by another hand
+
+const $ = (id) => document.getElementById(id);
+
 export class Target {
   // `page` holds view, panel, state and ask(request).
   constructor(page) {
-    this.page = page;
+    Object.assign(this, { page, given: null, tool: null, asked: null, start: null, driven: false });
+    this.waiting = null; // the picture before which nothing more is sent
+    this.newer = false; // whether what is asked was not sent yet
+    this.gizmo = new Gizmo(page.view, {
+      begin: () => this.begin(),
+      move: (pose) => this.move(pose),
+      end: () => this.end(),
+      cancel: () => this.cancel(),
+      snap: () => $("target-snap").checked,
+    });
+    this.boxes = new PoseBoxes({
+      send: (numbers) => this.ask(turned(numbers)),
+      complain: (text) => page.panel.showError(text),
+    });
+    this.verdict = new Verdict();
+    this.messages = {
+      target: (message) => this.show(message),
+      servo: ({ driven }) => this.drive(driven),
+      error: () => this.settle(),
+    };
+    this.listen();
+  }
+
+  listen() {
+    $("drag-tool").addEventListener("change", () => this.toggle());
+    $("target-axes").addEventListener("change", () => this.arrange());
+    $("target-kind").addEventListener("change", () => this.choose());
+    $("target-release").addEventListener("click", () => this.page.ask({ type: "release" }));
+    addEventListener("keydown", (event) => this.press(event));
+  }
+
+  get kind() {
+    return $("target-kind").value;
+  }
+
+  // G takes hold of the tool, or lets it be.
+  press({ code, repeat, ctrlKey, metaKey, altKey }) {
+    if (code !== "KeyG" || repeat || ctrlKey || metaKey || altKey || takesKeys(document.activeElement)) return;
+    if (!$("drag-tool").disabled) $("drag-tool").click();
+  }
+
+  toggle() {
+    this.arrange();
+    this.settle();
+  }
+
+  // An arm that is new to the page.
+  hello({ arm }) {
+    $("target-kind").value = KINDS.find(([least]) => arm.joints.length >= least)[1];
+    Object.assign(this, { given: null, tool: null, asked: null, newer: false });
+    this.begun = this.kind;
+    this.verdict.show(null);
+    this.arrange();
+  }
+
+  offline() {
+    this.gizmo.drop();
+    this.settle();
+  }
+
+  drive(driven) {
+    this.driven = driven;
+    if (driven) this.settle();
+    this.arrange();
+  }
+
+  placed(frame) {
+    this.tool = poseOf(frame.transforms["/frames/tool"]);
+    this.rpy = frame.tool.rpy;
+    this.arrange();
+  }
+
+  // What the process says: the target of whichever page, whether it is met, and why not.
+  show(message) {
+    this.given = message.given && { ...message.given, met: message.met };
+    const answered = !this.given || (this.asked && same(this.given, this.asked));
+    this.verdict.show(message, this.gizmo.motion || answered);
+    if (answered && !this.gizmo.motion) this.asked = null;
+    this.arrange();
+  }
+
+  // Nothing more comes of what was asked.
+  settle() {
+    if (this.gizmo.motion) return;
+    Object.assign(this, { asked: null, newer: false });
+    this.verdict.busy(false);
+    this.arrange();
+  }
+
+  // by hand ------------------------------------------------------------------------------------------
+
+  begin() {
+    this.start = { theta: this.page.state.frame.theta, given: this.given };
+    this.verdict.busy(true);
+  }
+
+  // At most one request for each picture, at once where none was sent since the last one.
+  move(pose) {
+    this.asked = { kind: this.kind, ...pose };
+    this.newer = this.waiting !== null;
+    if (!this.newer) this.send();
+  }
+
+  next() {
+    this.waiting = null;
+    if (this.newer) this.send();
+  }
+
+  end() {
+    this.verdict.busy(false);
+    if (this.newer) this.send();
+  }
+
+  // Back to where it was.
+  cancel() {
+    const { given, theta } = this.start;
+    const moved = this.asked !== null;
+    this.settle();
+    if (!moved) return;
+    if (given) {
+      const { kind, position, xyzw } = given;
+      this.page.ask({ type: "target", kind, position, xyzw });
+    } else {
+      this.page.ask({ type: "theta", theta });
+    }
+  }
+
+  choose() {
+    if (this.given) this.ask(standing(this.given, this.tool));
+    this.arrange();
+  }
+
+  ask(pose) {
+    this.asked = { kind: this.kind, ...pose };
+    this.send();
+  }
+
+  // The handles move with the arm: they wait for the answer, unless it is late.
+  send() {
+    const { kind, position, quaternion } = this.asked;
+    this.page.ask({ type: "target", kind, position: position.toArray(), xyzw: quaternion.toArray() });
+    this.newer = false;
+    cancelAnimationFrame(this.waiting);
+    this.waiting = requestAnimationFrame(() => this.next());
+    clearTimeout(this.late);
+    clearTimeout(this.lost);
+    this.late = setTimeout(() => this.arrange(), LATE);
+    this.lost = setTimeout(() => this.settle(), LOST);
+  }
+
+  // Everything where it belongs, and only what can be used.
+  arrange() {
+    for (const id of ["drag-tool", "target-kind", "target-axes", "target-snap"]) $(id).disabled = this.driven;
+    $("target-release").hidden = !this.given || this.driven;
+    $("target-hint").textContent = $("drag-tool").checked && this.kind === this.begun ? (HINTS[this.kind] ?? "") : "";
+    this.boxes.disable(this.driven, this.kind === "position");
+    if (this.tool !== null) this.put();
+  }
+
+  put() {
+    const pose = standing(this.given, this.tool);
+    this.boxes.show(this.given ? numbersOf(pose) : [...this.tool.position.toArray(), ...this.rpy]);
+    this.gizmo.place(this.asked ?? (this.given?.met ? this.tool : pose), this.tool, $("target-axes").value);
+    const on = $("drag-tool").checked && !this.driven;
+    this.gizmo.show(on, this.given?.met === false, (handle, direction) => this.allows(handle, direction));
+  }
+
+  // A position has no turns, and an approach none about the tool's z axis.
+  allows({ kind }, direction) {
+    if (kind !== "turn" || this.kind === "pose") return true;
+    const z = new THREE.Vector3(0, 0, 1).applyQuaternion(this.gizmo.pose.quaternion);
+    return this.kind === "approach" && Math.abs(direction.dot(z)) < PARALLEL;
   }
 }

@@ -1,8 +1,144 @@
-// Screw theory drawn, and the numbers behind it.
+// Screw theory drawn, and the numbers behind it. Every number comes from the process.
+
+import { Cloud } from "./cloud.js";
+import { Ellipsoid } from "./ellipsoids.js";
+import { Instant } from "./instant.js";
+import { Labels } from "./labels.js";
+import { Numbers } from "./numbers.js";
+import { ANGULAR, LINEAR, column } from "./solids.js";
+import { Switches } from "./theory_switches.js";
+import { Trace } from "./trace.js";
+import { Twists } from "./twists.js";
 
 export class Theory {
-  // `page` holds view, panel, state and ask(request).
-  constructor(page) {
-    this.page = page;
+  // `page` holds view, state.hello and ask(request).
+  constructor({ view, state, ask }) {
+    Object.assign(this, { view, state, ask, axes: null, numbers: null, visible: null, looking: false });
+    this.labels = new Labels(view);
+    this.instant = new Instant(view);
+    this.spatial = new Twists(view);
+    this.body = new Twists(view);
+    this.linear = new Ellipsoid(view, LINEAR);
+    this.angular = new Ellipsoid(view, ANGULAR);
+    this.trace = new Trace(view);
+    this.cloud = new Cloud(view);
+    this.switches = new Switches({
+      visible: (what, visible) => ask({ type: "visible", what, visible }),
+      trace: (on) => this.traceFrom(on),
+      clear: () => this.trace.clear(),
+      chosen: () => this.draw(),
+    });
+    this.tables = new Numbers();
+    this.layers = {
+      labels: this.labels.layer, screw: this.instant.group, workspace: this.cloud.group,
+      spatial_columns: this.spatial.group, body_columns: this.body.group,
+      linear_ellipsoid: this.linear.group, angular_ellipsoid: this.angular.group,
+    };
+    this.messages = {
+      visible: (message) => this.show(message),
+      axes: (message) => this.build(message),
+      theory: (message) => this.take(message),
+      workspace: (message) => this.scatter(message),
+    };
+    addEventListener("panel", () => this.visible && this.look());
   }
+
+  hello() {
+    this.numbers = this.axes = null;
+    this.cloud.clear();
+  }
+
+  build(axes) {
+    this.axes = axes;
+    const { arm } = this.state.hello;
+    this.names = arm.joints.map(({ name }) => name);
+    this.slides = arm.joints.map(({ unit }) => unit === "m");
+    this.labels.build(axes);
+    for (const twists of [this.spatial, this.body]) twists.build(axes, this.slides);
+    for (const drawing of [this.instant, this.linear, this.angular, this.trace]) drawing.build(axes);
+    this.switches.build(axes, this.names);
+    this.tables.build(axes, this.names, arm);
+    this.view.viewer.set_dirty();
+  }
+
+  show(layers) {
+    this.visible = layers;
+    for (const [layer, drawn] of Object.entries(this.layers)) {
+      if (drawn instanceof HTMLElement) drawn.hidden = !layers[layer];
+      else drawn.visible = layers[layer] && (layer === "workspace" || this.numbers !== null);
+    }
+    this.switches.show(layers);
+    this.look();
+    this.view.viewer.set_dirty();
+  }
+
+  // The numbers are made only while somebody reads them.
+  look() {
+    const wanted = !document.getElementById("theory").hidden;
+    const left = this.looking && !wanted;
+    this.looking = wanted;
+    if (this.visible.numbers ? left : wanted) this.ask({ type: "visible", what: "numbers", visible: wanted });
+    if (wanted && this.numbers) this.tables.show(this.numbers, this.chosen());
+  }
+
+  take(numbers) {
+    this.numbers = numbers;
+    if (this.visible) this.show(this.visible);
+    this.draw();
+  }
+
+  placed() {
+    if (!this.axes) return;
+    const tool = this.view.node("/frames/tool");
+    for (const drawing of [this.body, this.linear, this.angular]) drawing.stand(tool);
+    this.trace.follow(tool.position);
+    if (this.numbers && this.layers.screw.visible) this.drawScrew();
+  }
+
+  // Of which coordinate the screw is shown; null: of the whole motion.
+  chosen() {
+    const { chosen } = this.switches;
+    if (chosen !== null) return chosen;
+    return this.numbers.motion ? null : this.numbers.moved;
+  }
+
+  draw() {
+    if (!this.numbers || !this.axes) return;
+    const { numbers } = this;
+    const shown = this.switches.all ? this.names.map((_, i) => i) : [this.switches.chosen ?? numbers.moved];
+    this.spatial.show(numbers.spatial, shown);
+    this.body.show(numbers.body, shown);
+    this.linear.show(numbers.linear, this.axes.linear);
+    this.angular.show(numbers.angular, this.axes.angular);
+    this.switches.say(numbers.motion ? null : this.names[numbers.moved]);
+    if (this.looking) this.tables.show(numbers, this.chosen());
+    this.placed();
+    this.drawScrew();
+    this.view.viewer.set_dirty();
+  }
+
+  drawScrew() {
+    const { motion, columns, hybrid } = this.numbers;
+    const i = this.chosen();
+    const screw = at(i === null ? motion.screw : columns, i ?? 0);
+    const velocity = i === null ? motion.velocity : column(hybrid, i).toArray();
+    const counted = i !== null && this.slides[i] ? this.axes.length : 1;
+    this.instant.show(screw, velocity, counted, this.view.node("/frames/tool").position);
+  }
+
+  scatter(cloud) {
+    this.cloud.draw(cloud, this.axes.size);
+    this.switches.showCloud(cloud);
+  }
+
+  traceFrom(on) {
+    this.trace.group.visible = on;
+    this.trace.follow(this.view.node("/frames/tool").position);
+    this.view.viewer.set_dirty();
+  }
+}
+
+// One of several screws.
+function at({ axis, point, pitch, magnitude }, i) {
+  return { axis: axis[i], point: point[i], pitch: pitch[i], magnitude: magnitude[i] };
 }

@@ -19,6 +19,8 @@ export class View {
     for (const name of ["Lights", "Grid", "Axes"]) this.viewer.delete_path([name]);
     this.viewer.set_property(["Background"], "visible", false);
     this.light();
+    this.turned = false; // by somebody's hand
+    this.viewer.controls.addEventListener("start", () => (this.turned = true));
     matchMedia("(prefers-color-scheme: dark)").addEventListener("change", () => this.furnish());
     new ResizeObserver(() => this.viewer.set_3d_pane_size()).observe(pane);
   }

@@ -10,7 +10,8 @@ export class Work {
   }
 
   show({ jobs }) {
-    document.getElementById("work").replaceChildren(...jobs.flatMap(({ key, share }) => {
+    const told = jobs.filter(({ key }) => key !== "scene"); // which has its bar in the header
+    document.getElementById("work").replaceChildren(...told.flatMap(({ key, share }) => {
       const bar = element("progress");
       Object.assign(bar, { max: 1, value: share });
       bar.setAttribute("aria-label", WORDS[key] ?? key);

@@ -1,0 +1,179 @@
+// Handles at the tool that a mouse or a finger takes hold of. They keep their size on the screen and shine through.
+
+import { Motion } from "./gizmo_motion.js";
+import { RING, makeHandles, makeTether, stretch } from "./gizmo_shapes.js";
+import { THREE } from "./view.js";
+
+export class Gizmo {
+  // `act` holds begin(), move(pose), end(), cancel(), and snap() whether to round; a pose is {position, quaternion}.
+  constructor(view, act) {
+    Object.assign(this, { view, act, axes: "base", unit: 1, lit: null, motion: null, missed: false });
+    this.pose = { position: new THREE.Vector3(), quaternion: new THREE.Quaternion() };
+    this.tool = this.pose;
+    this.handles = makeHandles();
+    this.tether = makeTether();
+    this.group = new THREE.Group();
+    this.group.visible = false;
+    this.group.add(...this.handles.map(({ group }) => group));
+    this.caster = new THREE.Raycaster();
+    view.viewer.scene.add(this.group, this.tether);
+    this.scale();
+    this.listen(view.viewer.dom_element);
+  }
+
+  // With every picture, after the camera: whichever camera it is, and wherever it has gone.
+  scale() {
+    const { scene } = this.view.viewer;
+    const before = scene.onBeforeRender;
+    scene.onBeforeRender = (renderer, drawn, camera, ...more) => {
+      before.call(scene, renderer, drawn, camera, ...more);
+      if (this.group.visible) this.face(camera, renderer.domElement.clientHeight);
+      if (this.tether.visible) stretch(this.tether, this.pose.position, this.tool.position, this.unit);
+    };
+  }
+
+  face(camera, height) {
+    const { scene } = this.view.viewer;
+    const here = scene.localToWorld(this.pose.position.clone());
+    const above = new THREE.Vector3().setFromMatrixColumn(camera.matrixWorld, 1).normalize().add(here);
+    const rise = above.project(camera).y - here.clone().project(camera).y; // of a metre, in half heights of the view
+    this.unit = 2 / (Math.max(Math.abs(rise), 1e-6) * height);
+    const eye = this.eye(camera).applyQuaternion(this.group.quaternion.clone().invert());
+    for (const handle of this.handles) handle.face(eye);
+    this.group.scale.setScalar(this.unit);
+    this.group.updateMatrixWorld(true);
+  }
+
+  // Towards the camera, in base axes.
+  eye(camera) {
+    const { scene } = this.view.viewer;
+    return scene.worldToLocal(camera.getWorldPosition(new THREE.Vector3())).sub(this.pose.position).normalize();
+  }
+
+  // Stand at `pose` with its handles along base or tool axes; the tool itself may stand elsewhere.
+  place(pose, tool, axes) {
+    Object.assign(this, { pose, tool, axes });
+    this.group.position.copy(pose.position);
+    this.group.quaternion.copy(this.frame());
+    this.view.viewer.set_dirty();
+  }
+
+  // `allows(handle, direction)`: which handles, by their direction in base axes; `missed`: the tool is not at the target.
+  show(on, missed, allows) {
+    for (const handle of this.handles) handle.allowed = allows(handle, this.direction(handle));
+    this.group.visible = on;
+    this.tether.visible = on && missed;
+    if (missed !== this.missed) this.warn(missed);
+    if (on) return;
+    this.drop();
+    this.light(null);
+  }
+
+  warn(missed) {
+    const color = new THREE.Color(getComputedStyle(document.documentElement).getPropertyValue("--warn").trim());
+    this.missed = missed;
+    this.tether.material.color.set(color);
+    this.handles.find(({ kind }) => kind === "free").paint(missed ? color : null);
+    this.lit?.light(true);
+  }
+
+  frame() {
+    return this.axes === "tool" ? this.pose.quaternion.clone() : new THREE.Quaternion();
+  }
+
+  direction({ axis }) {
+    return axis === null ? null : new THREE.Vector3().setComponent(axis, 1).applyQuaternion(this.frame());
+  }
+
+  // by hand ------------------------------------------------------------------------------------------
+
+  listen(pane) {
+    const early = { capture: true }; // before the view takes the pointer for itself
+    pane.addEventListener("pointerdown", (event) => this.grab(event), early);
+    pane.addEventListener("pointermove", (event) => this.follow(event), early);
+    for (const type of ["pointerup", "pointercancel", "lostpointercapture"]) {
+      pane.addEventListener(type, (event) => this.release(event), early);
+    }
+    pane.addEventListener("pointerleave", () => this.motion || this.light(null));
+    addEventListener("keydown", (event) => this.escape(event), early);
+  }
+
+  grab(event) {
+    const handle = event.button === 0 && event.isPrimary && !this.motion ? this.hit(event) : null;
+    if (!handle) return;
+    const { camera, controls } = this.view.viewer;
+    this.controls = controls;
+    controls.enabled = false;
+    this.pointer = event.pointerId;
+    event.target.setPointerCapture(event.pointerId);
+    this.light(handle);
+    this.motion = new Motion({
+      kind: handle.kind, axis: this.direction(handle), frame: this.frame(), pose: this.pose,
+      ray: this.ray(event), eye: this.eye(camera), radius: RING.radius * this.unit,
+    });
+    this.act.begin();
+  }
+
+  follow(event) {
+    if (!this.motion) {
+      if (event.buttons === 0 && event.pointerType !== "touch") this.light(this.hit(event));
+    } else if (event.pointerId === this.pointer) {
+      const pose = this.motion.at(this.ray(event), this.act.snap() !== event.shiftKey);
+      if (pose) this.act.move(pose);
+    }
+  }
+
+  release(event) {
+    if (!this.motion || event.pointerId !== this.pointer) return;
+    this.drop();
+    this.act.end();
+    if (event.pointerType === "touch") this.light(null);
+  }
+
+  escape(event) {
+    if (!this.motion || event.key !== "Escape") return;
+    event.preventDefault();
+    event.stopPropagation();
+    this.drop();
+    this.act.cancel();
+  }
+
+  // The hand is off.
+  drop() {
+    if (!this.motion) return;
+    this.motion = null;
+    for (const controls of [this.controls, this.view.viewer.controls]) controls.enabled = true;
+  }
+
+  light(handle) {
+    if (this.lit === handle) return;
+    this.lit?.light(false);
+    handle?.light(true);
+    this.lit = handle;
+    this.view.viewer.dom_element.style.cursor = handle ? "grab" : "";
+    this.view.viewer.set_dirty();
+  }
+
+  // The handle under the pointer: the ball before the others, then whichever is nearest to the eye.
+  hit(event) {
+    if (!this.group.visible) return null;
+    this.aim(event);
+    const shown = this.handles.filter(({ group }) => group.visible);
+    const hits = this.caster.intersectObjects(shown.map(({ grip }) => grip));
+    const found = hits.map(({ object }) => shown.find(({ grip }) => grip === object));
+    return found.find(({ kind }) => kind === "free") ?? found[0] ?? null;
+  }
+
+  // The pointer's ray in base axes.
+  ray(event) {
+    this.aim(event);
+    return this.caster.ray.clone().applyMatrix4(this.view.viewer.scene.matrixWorld.clone().invert());
+  }
+
+  aim({ clientX, clientY }) {
+    const { camera, renderer } = this.view.viewer;
+    const { left, top, width, height } = renderer.domElement.getBoundingClientRect();
+    const at = new THREE.Vector2((2 * (clientX - left)) / width - 1, 1 - (2 * (clientY - top)) / height);
+    this.caster.setFromCamera(at, camera);
+  }
+}

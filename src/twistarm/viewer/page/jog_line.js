@@ -1,0 +1,74 @@
+// The line of a few words at the bottom of the view: whether keys jog, along which axes, how fast, what the servo says.
+
+import { shown, signed } from "./units.js";
+
+const SLOW = 150; // ms between two words of this page: little more, and a command dies
+const LINGER = 2000; // ms for which this is said
+const WHOLE = 0.95; // of a command: what is above counts as all of it
+const STEADY = 300; // ms for which less must be done before it is said: every motion begins slowly
+
+const $ = (id) => document.getElementById(id);
+
+export class JogLine {
+  constructor(jog) {
+    this.jog = jog;
+    this.servo = null; // the process's last word on it
+    this.said = this.slowed = this.staled = this.partial = NaN; // ms: the last word, and since when what is amiss
+  }
+
+  hear(servo) {
+    this.servo = servo;
+    this.judge(servo);
+    $("jog").hidden = !servo.jog && this.heard() === "";
+    $("jog").classList.toggle("taken", servo.jog);
+  }
+
+  judge({ status, share }) {
+    const now = performance.now();
+    if (status === "STALE") this.staled = now;
+    if (share === null || share >= WHOLE) this.partial = NaN;
+    else if (Number.isNaN(this.partial)) {
+      this.partial = now;
+      setTimeout(() => this.tell(), STEADY);
+    }
+  }
+
+  // Whether this page itself let its last word grow old.
+  spoke(said) {
+    const now = performance.now();
+    if (now - this.said > SLOW) this.slowed = now;
+    this.said = said;
+  }
+
+  tell() {
+    if (!this.servo) return;
+    const { ready, taken, frame, gamepad } = this.jog;
+    const words = [ready ? "Jog on" : "Jog off: click the view", `${frame} axes`, speedWords(this.jog.speeds()),
+      gamepad.note()];
+    write($("jog-line"), taken ? words.filter(Boolean).join(" · ") : "Servo");
+    write($("jog-servo"), this.heard());
+    $("jog-servo").dataset.status = this.servo.status ?? "";
+    write($("jog-share"), this.done());
+  }
+
+  heard() {
+    const word = this.servo.status === "OK" ? "OK" : this.servo.reason;
+    const late = performance.now() - Math.min(this.slowed, this.staled) < LINGER;
+    return late ? [word, "this browser is too slow: make the window smaller"].filter(Boolean).join(" · ") : word;
+  }
+
+  // How much of the command is done, where it is not all of it.
+  done() {
+    const steady = performance.now() - this.partial >= STEADY;
+    return steady ? `${Math.round(100 * this.servo.share)} % of what was asked` : "";
+  }
+}
+
+export function speedWords([linear, angular]) {
+  return `${signed(linear, 3)} m/s, ${shown(angular, "rad", 0)}/s`;
+}
+
+// Only what is new: the line is read aloud, and laid out anew, each time it is written.
+function write(element, text) {
+  if (element.textContent !== text) element.textContent = text;
+}

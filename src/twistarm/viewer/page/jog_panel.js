@@ -1,0 +1,75 @@
+// The panel Jog: the switch that begins and ends a servo, the axes, the speed, the buttons and the gauges.
+
+import { Gauge } from "./gauge.js";
+import { speedWords } from "./jog_line.js";
+import { JogPad } from "./jog_pad.js";
+
+const HINT = "Drive lets a servo on simulated joints move the arm by these buttons, by keys or a gamepad.";
+const OTHERS = "A servo of the program drives the arm.";
+
+const $ = (id) => document.getElementById(id);
+
+export class JogPanel {
+  // `page` holds jog and ask(request).
+  constructor({ jog, ask }) {
+    Object.assign(this, { jog, on: false, driven: false, note: "" });
+    this.pad = new JogPad(jog, $("jog-pad"), $("jog-joints"));
+    this.gauge = new Gauge($("gauges"));
+    this.axes = [...document.querySelectorAll('#jog-axes input[type="radio"]')];
+    this.messages = {
+      drive: (message) => this.showDrive(message),
+      servo: ({ driven }) => this.showDrive({ driven }),
+      gauge: (message) => this.gauge.show(message),
+    };
+    $("drive").addEventListener("change", () => {
+      ask({ type: "servo", on: $("drive").checked });
+      this.showDrive({}); // it is as the process says
+    });
+    for (const radio of this.axes) {
+      radio.addEventListener("change", () => jog.take(radio.value));
+      radio.addEventListener("click", (event) => event.detail && radio.blur()); // a mouse's: the keys jog on
+    }
+    $("slower").addEventListener("click", () => jog.pace(-1));
+    $("faster").addEventListener("click", () => jog.pace(1));
+    $("radians").addEventListener("change", () => {
+      this.gauge.refresh();
+      this.show();
+    });
+    jog.changed = () => this.show();
+    this.show();
+    this.showDrive({});
+  }
+
+  hello({ arm }) {
+    this.jog.units = arm.joints.map(({ unit }) => unit);
+    this.pad.build(arm.joints);
+    this.show();
+  }
+
+  // What is new of `on`, `note` and `driven`.
+  showDrive(news) {
+    Object.assign(this, news);
+    const others = this.driven && !this.on;
+    $("drive").checked = this.on;
+    $("drive").disabled = others;
+    $("drive-note").textContent = others ? OTHERS : this.on ? this.note : HINT;
+    $("drive-note").title = this.on ? this.note : "";
+    $("drive-note").classList.toggle("limits", this.on);
+  }
+
+  show() {
+    const { jog } = this;
+    this.pad.show(jog);
+    for (const radio of this.axes) radio.checked = radio.value === jog.frame;
+    const { slowest, fastest } = jog.ends;
+    $("slower").disabled = slowest;
+    $("faster").disabled = fastest;
+    const words = speedWords(jog.speeds());
+    if ($("jog-pace").textContent !== words) $("jog-pace").textContent = words;
+  }
+
+  offline() {
+    this.showDrive({ on: false, driven: false });
+    this.gauge.show({ sigma: null, joint: null });
+  }
+}

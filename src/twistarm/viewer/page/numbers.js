@@ -1,0 +1,151 @@
+// The numbers behind the drawing, as tables, each with a button that copies it with all its digits.
+
+import { copyText } from "./copying.js";
+import { element } from "./element.js";
+import { heads, pitchWords, python, pythonRows, short } from "./figures.js";
+
+const TWIST = ["vx", "vy", "vz", "ωx", "ωy", "ωz"];
+const UNITS = "in SI units and radians";
+
+export class Numbers {
+  constructor() {
+    this.root = document.getElementById("theory-numbers");
+    this.tables = [];
+  }
+
+  // `axes` of the moving joints, `names` of the coordinates.
+  build(axes, names, arm) {
+    const moving = axes.joints.map(({ name }) => name);
+    this.names = names;
+    this.standing = element("p", "standing");
+    this.standing.id = "theory-standing";
+    const columns = heads(names);
+    const titles = names.map((name, i) => `${name} [${arm.joints[i].unit}]`);
+    this.tables = [
+      new Table("g_st", "g_st", "Pose of T seen from S [m]", ["", "", "", ""], [], ["", "", "", ""], ({ g }) => g),
+      new Table("J^s", "Jˢ", "Spatial Jacobian, per rad or m of a joint", columns, titles, TWIST, ({ spatial }) => spatial),
+      new Table("J^b", "Jᵇ", "Body Jacobian, per rad or m of a joint", columns, titles, TWIST, ({ body }) => body),
+      new Values("singular values", "Singular values", "Scaled by the reach", values, ({ singular_values }) => singular_values),
+      new Values("ellipsoids", "Ellipsoids", "Semi-axes, directions in S", ellipsoids, ({ linear, angular }) => ({ linear, angular })),
+      new Values("joint screws", "Joint screws", "Axis, point [m], pitch; in S", (all) => screws(moving, all.axes ?? all.columns),
+        (all) => listed(moving, all.axes ?? all.columns)),
+      new Values("instantaneous screw", "Instantaneous screw", "Joint or motion", (all, i) => instant(this.names, all, i),
+        (all, i) => one(this.names, all, i)),
+    ];
+    this.root.replaceChildren(this.standing, ...this.tables.map(({ section }) => section));
+  }
+
+  // `chosen`: the coordinate whose screw is shown; null: the whole motion.
+  show(all, chosen) {
+    set(this.standing, all.standing);
+    this.standing.dataset.weak = all.smallest < all.below;
+    for (const table of this.tables) table.show(all, chosen);
+  }
+}
+
+class Table {
+  constructor(name, title, meaning, columns, titles, rows, read) {
+    this.read = read;
+    this.cells = rows.map(() => columns.map(() => element("td")));
+    const table = element("table", "matrix");
+    table.setAttribute("aria-label", `${title}: ${meaning}`);
+    table.style.setProperty("--columns", columns.length);
+    if (columns.some(Boolean)) {
+      const head = element("tr");
+      head.append(element("td"), ...columns.map((column, i) => Object.assign(headCell(column, "col"), { title: titles[i] })));
+      table.append(head);
+    }
+    rows.forEach((row, r) => {
+      const line = element("tr");
+      if (row) line.append(headCell(row, "row"));
+      line.append(...this.cells[r]);
+      table.append(line);
+    });
+    const around = element("div", "around");
+    around.tabIndex = 0; // to be scrolled by keys
+    around.append(table);
+    around.setAttribute("role", "group");
+    around.setAttribute("aria-label", title);
+    this.section = section(title, meaning, around, () => copyText(pythonRows(this.matrix), name, UNITS));
+  }
+
+  show(all) {
+    this.matrix = this.read(all);
+    this.cells.forEach((line, r) => line.forEach((cell, c) => set(cell, short(this.matrix[r][c]))));
+  }
+}
+
+// Lines of words and numbers: `write(all, chosen)` gives [term, text, …], `read` what is copied.
+class Values {
+  constructor(name, title, meaning, write, read) {
+    Object.assign(this, { write, read });
+    this.list = element("dl", "values");
+    this.section = section(title, meaning, this.list, () => copyText(python(this.value), name, UNITS));
+  }
+
+  show(all, chosen) {
+    this.value = this.read(all, chosen);
+    const lines = this.write(all, chosen);
+    while (this.list.children.length > 2 * lines.length) this.list.lastChild.remove();
+    while (this.list.children.length < 2 * lines.length) this.list.append(element("dt"), element("dd"));
+    lines.flat().forEach((text, k) => set(this.list.children[k], text));
+  }
+}
+
+function section(title, meaning, content, copy) {
+  const made = element("section", "figures");
+  const head = element("h3", "", title);
+  const button = element("button", "copy", "copy");
+  Object.assign(button, { type: "button", title: `Copy ${title} with all digits, for Python` });
+  button.setAttribute("aria-label", `Copy ${title}`);
+  button.addEventListener("click", copy);
+  const line = element("div", "head");
+  line.title = meaning;
+  line.append(head, element("span", "meaning", meaning), button);
+  made.append(line, content);
+  return made;
+}
+
+function headCell(text, scope) {
+  return Object.assign(element("th", "", text), { scope });
+}
+
+function set(node, text) {
+  if (node.textContent !== text) node.textContent = text;
+  if (node.tagName === "DT" || node.tagName === "DD") node.title = text;
+}
+
+const triple = (numbers, digits) => `(${numbers.map((number) => short(number, digits)).join(", ")})`;
+
+function values({ singular_values: sigma, condition, yoshikawa }) {
+  return [
+    ["σ", sigma.map((value) => short(value)).join("  ")],
+    ["condition", condition === null ? "∞" : short(condition)],
+    ["Yoshikawa", yoshikawa.toPrecision(3).replace("-", "−")],
+  ];
+}
+
+function ellipsoids(all) {
+  const lines = (name, unit, { semi_axes: long, directions }) => long.map((length, k) =>
+    [k === 0 ? name : "", `${short(length)} ${unit}  ${triple(directions.map((row) => row[k]), 2)}`]);
+  return [...lines("linear", "m/s", all.linear), ...lines("angular", "rad/s", all.angular)];
+}
+
+function screws(names, { axis, point, pitch }) {
+  return names.flatMap((name, i) => [[name, `axis ${triple(axis[i])}`], [pitchWords(pitch[i]), pitch[i] === null ? "" : `point ${triple(point[i])}`]]);
+}
+
+function listed(names, { axis, point, pitch, magnitude }) {
+  return names.map((name, i) => ({ name, axis: axis[i], point: point[i], pitch: pitch[i], magnitude: magnitude[i] }));
+}
+
+function one(names, { motion, columns }, i) {
+  return i === null ? { ...listed(["motion"], motion.screw)[0], twist: motion.twist, velocity: motion.velocity } : listed(names, columns)[i];
+}
+
+function instant(names, all, i) {
+  const { name, axis, point, pitch, magnitude } = one(names, all, i);
+  const size = pitch === null ? `${short(magnitude)} m/s` : `${short(magnitude)} rad/s`;
+  if (magnitude === 0) return [[name, "moves nothing"]];
+  return [[name, `axis ${triple(axis)}`], [pitchWords(pitch), pitch === null ? "" : `point ${triple(point)}`], ["magnitude", size]];
+}

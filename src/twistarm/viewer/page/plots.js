@@ -1,0 +1,165 @@
+// Position, velocity and acceleration of the trajectory that is loaded, against the limits, under the view.
+
+import { element } from "./element.js";
+import { Plot, reading, swatch } from "./plot.js";
+import { RATES, scaled, share, worded } from "./plot_scale.js";
+
+const KEPT = "twistarm plots"; // in the browser's storage
+const LETTERS = 118; // of a legend, about
+
+const $ = (id) => document.getElementById(id);
+
+export class Plots {
+  // `seek(time)` asks for a moment of the motion.
+  constructor(seek) {
+    this.messages = { plots: (message) => this.show(message) };
+    this.data = null;
+    this.chosen = null; // a joint's place; null: all
+    const act = { seek, point: (plot, event, time) => this.point(plot, event, time) };
+    this.plots = RATES.map((rate) => new Plot(rate, act));
+    this.tip = element("div", "tip");
+    this.tip.hidden = true;
+    $("plots-figures").append(...this.plots.map(({ svg }) => svg), this.tip);
+    new ResizeObserver(() => this.draw()).observe($("plots-figures"));
+    $("show-plots").checked = kept();
+    $("show-plots").addEventListener("change", () => {
+      keep($("show-plots").checked);
+      this.reveal();
+    });
+    $("radians").addEventListener("change", () => this.draw());
+  }
+
+  show(message) {
+    const same = message.joints.map(({ name }) => name).join() === this.data?.joints.map(({ name }) => name).join();
+    if (!same) this.chosen = null;
+    this.data = message;
+    this.point(null, null, null);
+    this.label();
+    this.reveal();
+  }
+
+  reveal() {
+    const there = this.data !== null && this.data.times.length > 0;
+    $("plots").hidden = !there || !$("show-plots").checked;
+    $("show-plots").parentElement.hidden = !there;
+    this.draw();
+  }
+
+  // The legend: all joints, or one of them alone.
+  label() {
+    const all = chip("All", "Every joint, as a share of its limits", () => this.choose(null));
+    const names = shortened(this.data.joints.map(({ name }) => name));
+    const joints = this.data.joints.map((joint, i) => {
+      const made = chip(names[i], `${joint.name} alone, in its unit. At most ${peaks(joint)}`, () => this.choose(i));
+      made.prepend(swatch(i));
+      return made;
+    });
+    $("plots-joints").replaceChildren(all, ...joints);
+    this.mark();
+  }
+
+  choose(joint) {
+    this.chosen = joint;
+    this.mark();
+    this.draw();
+  }
+
+  mark() {
+    [...$("plots-joints").children].forEach((made, i) => made.setAttribute("aria-pressed", i - 1 === (this.chosen ?? -1)));
+  }
+
+  draw() {
+    if ($("plots").hidden) return;
+    for (const plot of this.plots) {
+      plot.draw(this.data.times, scaled(this.data, plot.rate, this.chosen));
+      plot.svg.setAttribute("aria-label", `${plot.scale.title}: ${this.drawn().map((i) => this.words(i, plot.rate)).join("; ")}`);
+    }
+  }
+
+  words(i, rate) {
+    const joint = this.data.joints[i];
+    return `${joint.name} at most ${worded(joint.peak[rate], joint, rate)}`;
+  }
+
+  drawn() {
+    return this.chosen === null ? this.data.joints.map((_, i) => i) : [this.chosen];
+  }
+
+  placed({ time }) {
+    if (time === this.plots[0].time) return; // the arm moves, and not along the motion
+    for (const plot of this.plots) plot.follow(time);
+  }
+
+  // Say what the joints do at the moment under the pointer.
+  point(plot, event, time) {
+    for (const each of this.plots) each.aim(time);
+    this.tip.hidden = time === null;
+    if (time === null) return;
+    const rows = this.drawn().map((i) => this.row(i, plot.rate, time));
+    this.tip.replaceChildren(element("strong", "", `${time.toFixed(2)} s`), ...reading(rows));
+    const box = $("plots-figures").getBoundingClientRect();
+    const left = event.clientX - box.left;
+    const beside = left + this.tip.offsetWidth + 24 < box.width ? left + 12 : left - this.tip.offsetWidth - 12;
+    this.tip.style.left = `${Math.max(0, beside)}px`;
+  }
+
+  row(i, rate, time) {
+    const joint = this.data.joints[i];
+    const value = between(this.data.times, this.data[rate][i], time);
+    const of = rate === "position" || joint.limits[rate] === null ? "" : ` · ${percent(value / share(joint, rate).half)}`;
+    return { joint: i, name: joint.name, value: worded(value, joint, rate) + of };
+  }
+}
+
+// The largest velocity and acceleration, and how much of their limits that is.
+function peaks(joint) {
+  return ["velocity", "acceleration"].map((rate) => {
+    const [peak, limit] = [joint.peak[rate], joint.limits[rate]];
+    return worded(peak, joint, rate) + (limit === null ? "" : `, ${percent(peak / limit)} of its limit`);
+  }).join(" and ");
+}
+
+// Names that stand beside one another: without what all of them begin with, up to an underscore, and cut in the middle.
+function shortened(names) {
+  const [first = ""] = names;
+  const ends = [...first.matchAll(/_/g)].map(({ index }) => index + 1);
+  const common = ends.findLast((end) => names.every((name) => name.startsWith(first.slice(0, end)) && name.length > end));
+  const bare = names.length > 1 ? names.map((name) => name.slice(common ?? 0)) : names;
+  const room = Math.max(9, Math.floor(LETTERS / Math.max(1, names.length)) - 6); // beside its line
+  return bare.map((name) => (name.length > room ? `${name.slice(0, room - 7)}…${name.slice(-6)}` : name));
+}
+
+function percent(part) {
+  return `${Math.round(100 * Math.abs(part))} %`;
+}
+
+function between(times, values, time) {
+  const i = Math.max(0, Math.min(times.length - 2, times.findLastIndex((moment) => moment <= time)));
+  if (times.length < 2) return values[0];
+  const part = (time - times[i]) / (times[i + 1] - times[i]);
+  return values[i] + part * (values[i + 1] - values[i]);
+}
+
+function chip(name, title, press) {
+  const made = element("button");
+  Object.assign(made, { type: "button", title });
+  made.append(element("span", "name", name));
+  made.addEventListener("click", press);
+  return made;
+}
+
+function kept() {
+  try {
+    return localStorage.getItem(KEPT) !== "false";
+  } catch {
+    return true;
+  }
+}
+
+function keep(shown) {
+  try {
+    localStorage.setItem(KEPT, String(shown));
+  } catch {
+    // Without storage it holds as long as the page.
+  }
+}

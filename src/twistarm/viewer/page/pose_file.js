@@ -1,0 +1,42 @@
+// A list of poses as a file: joints, and poses with name and theta in rad and m.
+
+const LARGEST_FILE = 2 ** 20; // characters
+const LARGEST_MESSAGE = 63 * 1024; // bytes, the process takes 64 kB with what is around the list
+
+export function written(joints, poses) {
+  const rows = poses.map(({ name, theta }) => `    ${JSON.stringify({ name, theta })}`);
+  return `{\n  "joints": ${JSON.stringify(joints)},\n  "poses": [\n${rows.join(",\n")}\n  ]\n}\n`;
+}
+
+// {joints, poses} of a file that somebody chose; an Error with the reason where it is no such list.
+export async function read(file) {
+  if (file.size > LARGEST_FILE) throw new Error(`${file.name} has ${file.size} bytes; a list of poses has less than 64 kB`);
+  const found = parsed(file.name, await file.text());
+  if (!names(found?.joints)) throw new Error(`${file.name}: "joints" must be a list of joint names`);
+  if (!Array.isArray(found.poses)) throw new Error(`${file.name}: "poses" must be a list of poses, each with name and theta`);
+  const poses = found.poses.map((pose, i) => checked(file.name, pose, i));
+  const list = { joints: found.joints, poses };
+  const size = new TextEncoder().encode(JSON.stringify(list)).length;
+  if (size > LARGEST_MESSAGE) throw new Error(`${file.name}: ${poses.length} poses have ${size} bytes; at most 64 kB`);
+  return list;
+}
+
+function parsed(name, text) {
+  try {
+    return JSON.parse(text);
+  } catch (error) {
+    throw new Error(`${name} is no JSON: ${error.message}`);
+  }
+}
+
+function checked(file, pose, i) {
+  const { name, theta } = pose ?? {};
+  if (typeof name !== "string") throw new Error(`${file}: pose ${i + 1} needs a name, as text`);
+  const numbers = Array.isArray(theta) && theta.every((value) => Number.isFinite(value));
+  if (!numbers) throw new Error(`${file}: theta of pose ${i + 1} must be a list of numbers, in rad and m`);
+  return { name, theta };
+}
+
+function names(joints) {
+  return Array.isArray(joints) && joints.every((joint) => typeof joint === "string");
+}

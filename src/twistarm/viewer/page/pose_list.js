@@ -1,0 +1,130 @@
+// The rows of recorded poses: a name to edit, and buttons to go there, to move the row and to delete it.
+
+import { element } from "./element.js";
+
+const LONGEST = 60;
+const SAME = 1e-9; // rad, m: the arm stands on a pose
+
+export class PoseList {
+  // `act` holds go(id), rename(id, name), reorder(id, place), remove(id).
+  constructor(list, act) {
+    Object.assign(this, { list, act, poses: [], driven: false });
+    this.rows = new Map();
+  }
+
+  show(poses) {
+    const held = document.activeElement;
+    const at = [...this.list.children].indexOf(held?.closest?.("li"));
+    this.poses = poses;
+    for (const [id, row] of this.rows) if (!poses.some((pose) => pose.id === id)) this.drop(id, row);
+    poses.forEach((pose, place) => this.put(pose, place));
+    if (at >= 0 && document.activeElement !== held) this.hold(held, at);
+  }
+
+  drop(id, row) {
+    row.gone = true; // its box is left without a word
+    row.item.remove();
+    this.rows.delete(id);
+  }
+
+  // A row that stands where it belongs is not touched: somebody may be typing in it.
+  put(pose, place) {
+    if (!this.rows.has(pose.id)) this.rows.set(pose.id, new Row(pose, this));
+    const row = this.rows.get(pose.id);
+    row.show(pose, place, this.poses.length);
+    if (this.list.children[place] === row.item) return;
+    row.moving = true;
+    this.list.insertBefore(row.item, this.list.children[place] ?? null);
+    row.moving = false;
+  }
+
+  // The focus stays on what was moved, and goes to the next row from one that was deleted.
+  hold(held, at) {
+    if (held.isConnected && !held.disabled) return held.focus();
+    const next = held.isConnected ? held.closest("li") : this.list.children[Math.min(at, this.list.children.length - 1)];
+    next?.querySelector(".go").focus();
+  }
+
+  // At once on this page, so that a key pressed twice moves a row two places; the process has the last word.
+  move(id, step) {
+    const from = this.poses.findIndex((pose) => pose.id === id);
+    const place = from + step;
+    if (place < 0 || place >= this.poses.length) return;
+    const others = this.poses.filter((pose) => pose.id !== id);
+    this.show([...others.slice(0, place), this.poses[from], ...others.slice(place)]);
+    this.act.reorder(id, place);
+  }
+
+  // The arm has moved.
+  mark(theta) {
+    for (const { id, theta: pose } of this.poses) {
+      const here = pose.every((value, i) => Math.abs(value - theta[i]) < SAME);
+      if (here) this.rows.get(id).item.setAttribute("aria-current", "true");
+      else this.rows.get(id).item.removeAttribute("aria-current");
+    }
+  }
+
+  disable(driven) {
+    this.driven = driven;
+    for (const row of this.rows.values()) row.go.disabled = driven;
+  }
+}
+
+class Row {
+  constructor(pose, owner) {
+    const { act } = owner;
+    Object.assign(this, { id: pose.id, owner, name: "", moving: false, gone: false });
+    this.item = element("li");
+    this.box = this.makeBox();
+    this.go = this.button("go", "Go", () => act.go(this.id));
+    this.go.disabled = owner.driven;
+    this.up = this.button("", "↑", () => owner.move(this.id, -1));
+    this.down = this.button("", "↓", () => owner.move(this.id, 1));
+    this.remove = this.button("", "✕", () => act.remove(this.id));
+    this.item.append(this.box, this.go, this.up, this.down, this.remove);
+    this.item.addEventListener("keydown", (event) => this.press(event));
+  }
+
+  makeBox() {
+    const box = element("input", "name");
+    Object.assign(box, { type: "text", maxLength: LONGEST, autocomplete: "off", spellcheck: false });
+    box.addEventListener("blur", () => this.send());
+    box.addEventListener("keydown", (event) => {
+      if (event.key === "Escape") box.value = this.name;
+      else if (event.key === "Enter") this.send();
+    });
+    return box;
+  }
+
+  button(className, text, press) {
+    const made = element("button", className, text);
+    made.type = "button";
+    made.addEventListener("click", press);
+    return made;
+  }
+
+  show({ name }, place, count) {
+    const edited = this.box.value !== this.name && document.activeElement === this.box;
+    this.name = name;
+    if (!edited) this.box.value = name;
+    [this.up.disabled, this.down.disabled] = [place === 0, place === count - 1];
+    this.box.setAttribute("aria-label", `Name of pose ${place + 1}`);
+    this.box.title = name;
+    const words = [[this.go, "Go to"], [this.up, "Move up"], [this.down, "Move down"], [this.remove, "Delete"]];
+    for (const [made, word] of words) made.title = made.ariaLabel = `${word} ${name}`;
+  }
+
+  send() {
+    const left = this.moving || this.gone || this.box.value === this.name;
+    if (!left) this.owner.act.rename(this.id, this.box.value);
+  }
+
+  // Alt and an arrow move the row, whatever in it has the focus.
+  press(event) {
+    const step = { ArrowUp: -1, ArrowDown: 1 }[event.key];
+    if (!step || !event.altKey) return;
+    this.owner.move(this.id, step);
+    event.preventDefault();
+    event.stopPropagation();
+  }
+}

@@ -1,0 +1,48 @@
+// How much of the scene is here: a number and a bar in the header, until everything is drawn.
+
+import { element } from "./element.js";
+
+export class Progress {
+  // `whole()` is called once everything is drawn, `tell(text)` with what the header says of it.
+  constructor(tell, whole) {
+    Object.assign(this, { tell, whole, told: null, drawn: 0, bytes: 0, complete: false });
+    this.bar = document.getElementById("progress");
+    this.messages = { scene: (message) => this.learn(message) };
+  }
+
+  hello() {
+    Object.assign(this, { told: null, drawn: 0, bytes: 0, complete: false });
+  }
+
+  learn(message) {
+    this.told = message;
+    document.getElementById("notes").replaceChildren(...message.notes.map((note) => element("li", "", note)));
+    this.show();
+  }
+
+  // An object of this many bytes has been drawn.
+  add(bytes) {
+    this.drawn += 1;
+    this.bytes += bytes;
+    this.show();
+  }
+
+  // A mesh that is still to be read counts as one object; it may come to several, one for each material.
+  show() {
+    if (!this.told || this.complete) return;
+    const total = Math.max(this.told.objects + this.told.left, this.drawn);
+    this.complete = this.drawn === total;
+    this.bar.hidden = this.complete;
+    this.bar.setAttribute("aria-valuenow", this.drawn);
+    this.bar.setAttribute("aria-valuemax", total);
+    this.bar.firstElementChild.style.width = `${(100 * this.drawn) / total}%`;
+    this.bar.title = `${this.drawn} of ${total} objects, ${(this.bytes / 1e6).toFixed(1)} MB`;
+    this.bar.setAttribute("aria-valuetext", this.bar.title);
+    this.tell(this.complete ? "live" : `${this.drawn} / ${total}`);
+    if (this.complete) this.whole();
+  }
+
+  offline() {
+    this.bar.hidden = true;
+  }
+}

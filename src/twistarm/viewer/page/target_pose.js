@@ -1,0 +1,37 @@
+// Poses of the tool as the page holds them, {position, quaternion} in base axes [m], and as six numbers x y z roll pitch yaw.
+
+import { THREE } from "./view.js";
+
+// Of a node's matrix, sixteen numbers column by column.
+export function poseOf(matrix) {
+  const [position, quaternion] = [new THREE.Vector3(), new THREE.Quaternion()];
+  new THREE.Matrix4().fromArray(matrix).decompose(position, quaternion, new THREE.Vector3());
+  return { position, quaternion };
+}
+
+// What the next target departs from: the given one, where it is not met; else the tool, in all that the target leaves free.
+export function standing(given, tool) {
+  if (!given) return tool;
+  const fixed = given.kind === "pose" || (given.kind === "approach" && !given.met);
+  return {
+    position: new THREE.Vector3(...given.position),
+    quaternion: fixed ? new THREE.Quaternion(...given.xyzw) : tool.quaternion,
+  };
+}
+
+// Roll, pitch and yaw about fixed axes are yaw, pitch and roll about the turned ones.
+export function numbersOf({ position, quaternion }) {
+  const { x, y, z } = new THREE.Euler().setFromQuaternion(quaternion, "ZYX");
+  return [...position.toArray(), x, y, z];
+}
+
+export function turned(numbers) {
+  const [x, y, z, ...rpy] = numbers;
+  return { position: new THREE.Vector3(x, y, z), quaternion: new THREE.Quaternion().setFromEuler(new THREE.Euler(...rpy, "ZYX")) };
+}
+
+// Whether the process answers what was asked.
+export function same(given, { kind, position, quaternion }) {
+  const equal = (one, other) => one.every((value, i) => value === other[i]);
+  return given.kind === kind && equal(given.position, position.toArray()) && equal(given.xyzw, quaternion.toArray());
+}

@@ -1,0 +1,90 @@
+// What of screw theory is drawn, for which joint, and at which scale.
+
+import { COLOURS } from "./cloud.js";
+import { element } from "./element.js";
+import { short } from "./figures.js";
+
+const LAYERS = {
+  labels: ["Labels", "Name and pitch at each joint's axis, S and T at the frames"],
+  screw: ["Instantaneous screw", "The tool's motion now, as a turn about a line and a slide along it"],
+  spatial_columns: ["Columns of Jˢ", "Each column as v and ω, drawn at the space frame S"],
+  body_columns: ["Columns of Jᵇ", "Each column as v and ω, drawn at the tool frame T, in its axes"],
+  linear_ellipsoid: ["Linear ellipsoid", "Velocities of the tool's origin for joint rates of 1 rad/s in all"],
+  angular_ellipsoid: ["Angular ellipsoid", "Angular velocities of the tool for joint rates of 1 rad/s in all"],
+  workspace: ["Workspace", "Where the tool comes to inside the limits, coloured by dexterity"],
+};
+
+const $ = (id) => document.getElementById(id);
+
+export class Switches {
+  // `act` holds visible(layer, on), trace(on), clear(), chosen().
+  constructor(act) {
+    this.boxes = new Map(Object.entries(LAYERS).map(([layer, [name, title]]) => [layer, box(name, title)]));
+    this.trace = box("Trace", "Where the tool has been on this page");
+    const clear = element("button", "", "Clear");
+    Object.assign(clear, { type: "button", title: "Begin the trace anew" });
+    clear.setAttribute("aria-label", "Clear the trace");
+    const traced = element("span", "traced");
+    traced.append(this.trace, clear);
+    if (!$("dexterity")) this.boxes.delete("workspace"); // where there is nobody to sample it
+    $("theory-layers").replaceChildren(...this.boxes.values(), traced);
+    for (const [layer, label] of this.boxes) {
+      label.firstChild.addEventListener("change", (event) => act.visible(layer, event.target.checked));
+    }
+    this.trace.firstChild.addEventListener("change", (event) => act.trace(event.target.checked));
+    clear.addEventListener("click", () => act.clear());
+    for (const id of ["theory-joint", "theory-all"]) $(id).addEventListener("change", () => act.chosen());
+    this.cloud = null;
+  }
+
+  // The coordinate chosen; null: the one that moved last, or the motion that plays.
+  get chosen() {
+    const { value } = $("theory-joint");
+    return value === "" ? null : Number(value);
+  }
+
+  get all() {
+    return $("theory-all").checked;
+  }
+
+  build(axes, names) {
+    this.last = element("option", "", "last moved");
+    this.last.value = "";
+    $("theory-joint").replaceChildren(this.last, ...names.map((name, i) => Object.assign(element("option", "", name), { value: i })));
+    const { linear, angular, length } = axes;
+    $("theory-scale").textContent = `Drawn: 1 m/s is ${short(linear)} m long, 1 rad/s ${short(angular)} m; `
+      + `joints at 1 rad/s, slides at ${short(length)} m/s (the reach).`;
+    this.cloud = null;
+  }
+
+  // Which joint "last moved" stands for; null: none, the whole motion is shown.
+  say(name) {
+    const text = name === null ? "the motion on show" : `last moved: ${name}`;
+    if (this.last.textContent !== text) this.last.textContent = text;
+  }
+
+  show(layers) {
+    for (const [layer, label] of this.boxes) label.firstChild.checked = layers[layer];
+    const drawn = Object.keys(LAYERS).filter((layer) => layers[layer]);
+    $("theory-legend").hidden = !drawn.some((layer) => !["labels", "workspace"].includes(layer));
+    if ($("dexterity")) $("dexterity").hidden = !layers.workspace || this.cloud === null;
+  }
+
+  showCloud({ count, best, directions }) {
+    this.cloud = { count };
+    $("dexterity").hidden = !this.boxes.get("workspace").firstChild.checked;
+    $("dexterity-bar").style.background = `linear-gradient(to right, ${COLOURS.join(", ")})`;
+    $("dexterity-best").textContent = short(best);
+    $("dexterity-words").textContent = `Dexterity of ${count.toLocaleString("en")} random postures: 1/condition of Jᵇ, metres in the `
+      + `reach, in the ${directions} direction${directions === 1 ? "" : "s"} this arm has. 1 would move alike in all, 0 lacks one.`;
+  }
+}
+
+function box(name, title) {
+  const label = element("label");
+  const input = element("input");
+  input.type = "checkbox";
+  label.title = title;
+  label.append(input, ` ${name}`);
+  return label;
+}

@@ -1,0 +1,61 @@
+// Where the tool has been since the trace was switched on, on this page.
+
+import { dispose } from "./solids.js";
+import { THREE } from "./view.js";
+
+const STEP = 0.006; // of the arm's size, between points
+const JUMP = 0.25; // a step of this size is no way that the tool took
+const LONGEST = 50; // points of a piece: only the last piece is made again with every point
+const MOST = 60; // pieces; then the oldest goes
+const COLOR = 0x7aa61c;
+
+export class Trace {
+  constructor(view) {
+    this.view = view;
+    this.group = new THREE.Group();
+    this.group.visible = false;
+    view.viewer.scene.add(this.group);
+    this.pieces = []; // lists of points, each with a mesh in the group once it has two
+  }
+
+  build(axes) {
+    this.size = axes.size;
+    this.clear();
+  }
+
+  clear() {
+    dispose(this.group);
+    this.pieces = [];
+    this.view.viewer.set_dirty();
+  }
+
+  // The tool is here now.
+  follow(position) {
+    if (!this.group.visible) return;
+    const last = this.pieces.at(-1)?.at(-1);
+    const step = last ? last.distanceTo(position) : Infinity;
+    if (step < STEP * this.size) return;
+    if (step > JUMP * this.size) this.begin([]);
+    else if (this.pieces.at(-1).length === LONGEST) this.begin([last]);
+    this.pieces.at(-1).push(position.clone());
+    this.draw();
+  }
+
+  begin(points) {
+    this.pieces.push(points);
+    this.group.add(new THREE.Group());
+    if (this.pieces.length <= MOST) return;
+    this.pieces.shift();
+    dispose(this.group.children[0]);
+    this.group.remove(this.group.children[0]);
+  }
+
+  draw() {
+    const points = this.pieces.at(-1);
+    if (points.length < 2) return;
+    const holder = this.group.children.at(-1);
+    dispose(holder);
+    const tube = new THREE.TubeGeometry(new THREE.CatmullRomCurve3(points), 3 * points.length, 0.0032 * this.size, 6);
+    holder.add(new THREE.Mesh(tube, new THREE.MeshLambertMaterial({ color: COLOR, emissive: COLOR, emissiveIntensity: 0.4 })));
+  }
+}

@@ -1,0 +1,143 @@
+"""Where the tool is to be: a target that a page drags or types, and the configuration that meets it best."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator, Mapping
+from functools import partial
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from .. import rotations
+from ..arm import Arm
+from ..checks import Array
+from ..errors import InputError
+from ..ik import Approach, IKSolution, Pose, Position, solve_ik
+from .board import Message
+from .jobs import Job, Progress
+from .messages import Request
+
+if TYPE_CHECKING:
+    from .stage import Stage
+
+MAX_TIME = 0.5
+"""Of a search [s]. The compiled core needs 3 ms at most; without it, a target out of reach takes some 0.4 s."""
+
+LENGTH_TOL = 1e-3
+"""How far from 1 the length of a quaternion may be: decimal text, not another quantity."""
+
+NOTHING: Message = {
+    "type": "target",
+    "given": None,
+    "met": None,
+    "stop": None,
+    "words": "",
+    "position_error": None,
+    "orientation_error": None,
+    "notes": [],
+}
+"""What is told while no target is given."""
+
+Answer = tuple[Array, Message]
+"""The configuration to show (n,), and what is told of it."""
+
+
+class TargetPart:
+    """Holds at most one target. It is let go once the arm is moved by anything else."""
+
+    requests = frozenset({"target", "release"})
+
+    def __init__(self) -> None:
+        self._told = NOTHING
+        self._shown: Array | None = None  # the configuration on show, where it is the target's answer
+        self._wanted = False  # whether an answer may still come
+
+    def handle(self, request: Request, stage: Stage, now: float) -> Job | None:
+        """Solve for a target, from the configuration on show, or let it go. InputError for what can be no target."""
+        if request.kind == "release":
+            self._release()
+            return None
+        target = _target(request.fields)
+        stage.show(stage.theta)  # a running trajectory stops
+        self._wanted = True
+        return Job(
+            key="target",
+            work=partial(_work, stage.arm, target, dict(request.fields), stage.theta),
+            finish=partial(self._finish, stage, stage.theta),
+        )
+
+    def messages(self, stage: Stage) -> Iterator[Message]:
+        """The target given, whether it is met, and the words of its solution."""
+        if self._shown is not None and stage.theta is not self._shown:
+            self._release()
+        yield self._told
+
+    def _finish(self, stage: Stage, start: Array, answer: Answer) -> None:
+        """Show the answer, unless the target was let go or the arm was moved by something else meanwhile."""
+        moved = stage.theta is not start and stage.theta is not self._shown
+        if not self._wanted or moved or stage.driven or stage.running:
+            return
+        self._shown, self._told = answer
+        stage.show(self._shown)
+
+    def _release(self) -> None:
+        self._told, self._shown, self._wanted = NOTHING, None, False
+
+
+def _target(fields: Mapping[str, Any]) -> Pose | Position | Approach:
+    """The target that a page asked for: {kind, position [m], xyzw}, of which a position needs no direction."""
+    p, R = np.array(fields["position"]), _rotation(fields["xyzw"])
+    if fields["kind"] == "position":
+        return Position(p)
+    if fields["kind"] == "approach":
+        return Approach(p, R[:, 2])
+    g = np.eye(4)
+    g[:3, :3], g[:3, 3] = R, p
+    return Pose(g)
+
+
+def _rotation(xyzw: list[float]) -> Array:
+    length = math.hypot(*xyzw)
+    if abs(length - 1.0) > LENGTH_TOL:
+        raise InputError(f"xyzw must be a quaternion of length 1, as 0, 0, 0, 1 is; got one of length {length:g}")
+    return rotations.from_xyzw(xyzw)
+
+
+def _work(
+    arm: Arm, target: Pose | Position | Approach, given: dict[str, Any], start: Array, progress: Progress
+) -> Answer:
+    solution = solve_ik(arm, target, start, posture="theta0", max_time=MAX_TIME)
+    return nearer(solution, start), _told(given, solution)
+
+
+def nearer(solution: IKSolution, start: Array) -> Array:
+    """The configuration (n,) that is as good as the solution's and nearer to `start`, else the solution's.
+
+    Out of reach, many configurations are often equally near to the target, and each search ends at another one: an arm
+    dragged beyond its reach would jump from frame to frame. Where its tool ended is within reach, and a solution for
+    that begins at `start`.
+    """
+    if solution.converged:
+        return solution.theta
+    reached = solution.target.at(solution.arm.fk(solution.theta))
+    again = solve_ik(solution.arm, reached, start, restarts=1, posture="theta0", max_time=MAX_TIME)
+    candidates = [solution.theta, again.theta] if again.converged else [solution.theta]
+    return min(candidates, key=lambda theta: float(np.abs(theta - start).max()))
+
+
+def _told(given: dict[str, Any], solution: IKSolution) -> Message:
+    return {
+        "type": "target",
+        "given": given,
+        "met": solution.converged,
+        "stop": solution.stop.name,
+        "words": solution.explain(),
+        "position_error": _finite(solution.position_error),
+        "orientation_error": _finite(solution.orientation_error),
+        "notes": list(solution.notes),
+    }
+
+
+def _finite(error: float) -> float | None:
+    return error if math.isfinite(error) else None

@@ -1,0 +1,246 @@
+"""Driving from the page alone: the switch, buttons held by mouse and keyboard in each of the axes, and the gauges."""
+
+from __future__ import annotations
+
+import re
+import time
+from collections.abc import Callable, Iterator
+from contextlib import AbstractContextManager, ExitStack
+from typing import Any
+
+import numpy as np
+import pytest
+from jogging import HIDE
+from numpy.testing import assert_allclose
+from numpy.typing import NDArray
+from waiting import settled, until
+
+from twistarm import Arm, load_arm
+from twistarm.servo import ServoSettings
+from twistarm.viewer import Viewer
+
+pytestmark = pytest.mark.browser
+
+WAY = 0.015
+"""How far a button is held [m]: a few frames of drawing in software."""
+
+TURN = 0.06
+"""[rad]"""
+
+CAMERA = """() => {
+  const { viewer } = twistarm.view;
+  viewer.camera.updateMatrixWorld();
+  return viewer.camera.matrixWorld.elements;
+}"""
+
+FROM_MESHCAT = np.array([[1, 0, 0], [0, 0, -1], [0, 1, 0]])
+"""Base axes from Meshcat's world, in which y is up: its scene is turned by −90° about x."""
+
+
+class Bench:
+    """A page with Drive switched on, and the view behind it; small, so that drawing in software follows a hand."""
+
+    def __init__(self, name: str, open_page: Callable[[], AbstractContextManager[Any]], stack: ExitStack) -> None:
+        self.arm = load_arm(name)
+        self.viewer = stack.enter_context(Viewer(self.arm, open_browser=False))
+        self.page = stack.enter_context(open_page())
+        self.page.set_viewport_size({"width": 480, "height": 640})
+        settled(self.page, self.viewer.url)
+        self.page.get_by_role("tab", name="Jog").click()
+
+    def drive(self, theta: Any) -> Any:
+        """The page, with the arm at theta and Drive just switched on."""
+        self.viewer.show(theta)
+        until(self.page, "!document.getElementById('drive').checked && !document.getElementById('drive').disabled")
+        self.page.get_by_role("switch", name="Drive").click()
+        until(self.page, "twistarm.jog.taken && document.getElementById('drive').checked")
+        self.page.get_by_role("radio", name="base").click()
+        return self.page
+
+    def standing(self) -> NDArray[np.float64]:
+        """Where the arm on the page stands once it does, in the process too."""
+        until(self.page, "twistarm.jog.timer === null")
+        end, looks = time.monotonic() + 10, [np.zeros(0)]
+        while len(looks) < 4 or any(not np.array_equal(look, looks[-1]) for look in looks[-4:]):
+            assert time.monotonic() < end
+            looks += [self.viewer.theta, np.array(self.page.evaluate("twistarm.state.frame.theta"))]
+            time.sleep(0.1)
+        return looks[-1]
+
+    def held(self, name: str, frame: str) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+        """Press a button by mouse until the tool has moved enough; theta before and after."""
+        before, end = self.standing(), time.monotonic() + 15
+        button(self.page, name, frame).hover()
+        self.page.mouse.down()
+        while True:
+            assert time.monotonic() < end
+            way, turn = moved(self.arm, before, self.page.evaluate("twistarm.state.frame.theta"))
+            if np.linalg.norm(way) > WAY or np.linalg.norm(turn) > TURN:
+                break
+            time.sleep(0.02)
+        self.page.mouse.up()
+        return before, self.standing()
+
+
+@pytest.fixture(scope="module")
+def benches(open_page: Callable[[], AbstractContextManager[Any]]) -> Iterator[dict[str, Bench]]:
+    """The pages of these tests: opening one takes seconds of drawing in software."""
+    with ExitStack() as stack:
+        yield {name: Bench(name, open_page, stack) for name in ("rover_arm", "rover_arm_6dof")}
+
+
+def button(page: Any, name: str, frame: str) -> Any:
+    return page.get_by_role("button", name=f"{name}, {frame} axes", exact=True)
+
+
+def moved(arm: Arm, before: Any, after: Any) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """How far the tool went, and turned (rotation vector of a small angle), in base axes."""
+    g, h = arm.poses(before)[arm.tip], arm.poses(after)[arm.tip]
+    R = h[:3, :3] @ g[:3, :3].T
+    return h[:3, 3] - g[:3, 3], np.array([R[2, 1] - R[1, 2], R[0, 2] - R[2, 0], R[1, 0] - R[0, 1]]) / 2
+
+
+def axes_of_view(page: Any) -> NDArray[np.float64]:
+    """Right, up and towards the viewer as columns, in base axes."""
+    columns = np.array(page.evaluate(CAMERA)).reshape(4, 4).T
+    view: NDArray[np.float64] = FROM_MESHCAT @ columns[:3, :3]
+    return view
+
+
+def along(actual: Any, expected: Any) -> None:
+    assert_allclose(actual / np.linalg.norm(actual), expected, atol=0.02)
+
+
+@pytest.mark.parametrize("name", ["rover_arm", "rover_arm_6dof"])
+def test_a_button_held_by_mouse_moves_the_tool_along_its_axis(benches: dict[str, Bench], name: str) -> None:
+    bench = benches[name]
+    arm, page = bench.arm, bench.drive(bench.arm.ready)
+    before, after = bench.held("Move −z", "base")
+    along(moved(arm, before, after)[0], [0, 0, -1])
+
+    page.get_by_role("radio", name="tool").click()
+    before, after = bench.held("Move +x", "tool")
+    along(moved(arm, before, after)[0], arm.poses(before)[arm.tip][:3, 0])
+
+    page.get_by_role("radio", name="view").click()
+    page.evaluate("() => { twistarm.view.viewer.camera.position.x += 0.4; twistarm.view.viewer.controls.update(); }")
+    view = axes_of_view(page)
+    before, after = bench.held("Move up", "view")
+    along(moved(arm, before, after)[0], view[:, 1])
+    if arm.n == 6:  # five joints cannot turn about any axis and keep the tool where it is
+        before, after = bench.held("Turn ↺", "view")
+        way, turn = moved(arm, before, after)
+        along(turn, view[:, 2])
+        assert np.linalg.norm(way) < 3e-3
+
+
+def test_what_hands_push_in_view_axes_is_ahead_left_and_up(benches: dict[str, Bench]) -> None:
+    page = benches["rover_arm_6dof"].drive(benches["rover_arm_6dof"].arm.ready)
+    page.keyboard.press("t")
+    page.keyboard.press("t")
+    assert page.get_by_role("radio", name="view").is_checked()
+    right, up, towards = axes_of_view(page).T
+    page.evaluate(
+        """() => {
+          globalThis.said = [];
+          globalThis.say = twistarm.jog.act.jog;
+          twistarm.jog.act.jog = (twist, frame) => said.push([twist, frame]);
+        }"""
+    )
+    expected = {"w": -towards, "a": -right, "r": up, "q": -towards, "ArrowUp": right, "ArrowLeft": up}
+    for key, axis in expected.items():
+        page.evaluate("() => { said.length = 0; }")
+        page.keyboard.down(key)
+        until(page, "said.length > 0")
+        page.keyboard.up(key)
+        twist, frame = page.evaluate("said[0]")
+        half = twist[3:] if key in ("q", "ArrowUp", "ArrowLeft") else twist[:3]
+        assert frame == "base"
+        assert_allclose(np.array(half) / np.linalg.norm(half), axis, atol=1e-6, err_msg=key)
+    page.evaluate("() => { twistarm.jog.act.jog = say; }")
+    page.keyboard.press("t")
+    assert page.get_by_role("radio", name="base").is_checked()
+
+
+def test_buttons_by_keyboard_and_whatever_ends_a_press(benches: dict[str, Bench]) -> None:
+    bench = benches["rover_arm"]
+    arm, page = bench.arm, bench.drive(bench.arm.ready)
+    page.get_by_role("button", name="Faster").click()
+    until(page, "document.getElementById('jog-pace').textContent === '0.175 m/s, 40°/s'")
+
+    before = bench.standing()
+    button(page, "Move −z", "base").focus()
+    page.keyboard.down("Space")
+    until(page, f"twistarm.state.frame.tool.position[2] < {arm.poses(before)[arm.tip][2, 3] - WAY}")
+    page.keyboard.up("Space")
+    along(moved(arm, before, bench.standing())[0], [0, 0, -1])
+
+    before = bench.standing()
+    page.get_by_role("button", name="+ wrist_roll", exact=True).focus()
+    page.keyboard.down("Enter")
+    until(page, f"twistarm.state.frame.theta[4] > {before[4] + TURN}")
+    page.keyboard.press("Tab")  # the focus goes on: the key's release would not be seen here
+    after = bench.standing()
+    page.keyboard.up("Enter")
+    assert_allclose(after[:4], before[:4], atol=1e-6)
+
+    button(page, "Move +z", "base").hover()
+    for event, end in (
+        ("dispatchEvent(new Event('blur'))", "dispatchEvent(new Event('focus'))"),
+        (f"({HIDE})(true)", f"({HIDE})(false)"),
+    ):
+        page.mouse.down()
+        until(page, "twistarm.jog.timer !== null")
+        page.evaluate(event)
+        assert page.evaluate("twistarm.jog.timer") is None
+        page.evaluate(end)
+        time.sleep(0.1)
+        assert page.evaluate("twistarm.jog.timer") is None  # still pressed, and to be pressed anew
+        page.mouse.up()
+
+
+def test_switched_off_the_sliders_are_free_where_the_arm_was_left(benches: dict[str, Bench]) -> None:
+    bench = benches["rover_arm"]
+    page = bench.drive(bench.arm.ready)
+    assert page.locator(".joint input[type=range]").first.is_disabled()
+    bench.held("Move −z", "base")
+    page.get_by_role("switch", name="Drive").click()
+    until(page, "!twistarm.jog.taken && !document.getElementById('drive').checked")
+    assert button(page, "Move +z", "base").is_disabled()
+    left = bench.viewer.theta
+    page.get_by_role("tab", name="Move").click()
+    page.locator(".joint input[type=range]").first.press("ArrowRight")
+    until(page, f"twistarm.state.frame.theta[0] !== {left[0]}")
+    assert bench.viewer.theta[1:].tolist() == left[1:].tolist()
+    page.get_by_role("tab", name="Jog").click()
+
+
+def test_the_gauges_near_a_singularity_and_near_a_limit(benches: dict[str, Bench]) -> None:
+    bench = benches["rover_arm_6dof"]
+    arm, theta = bench.arm, bench.arm.ready.copy()
+    upper = arm.limits.upper[1]
+    theta[[1, 2, 4]] = upper - np.radians(2.0), 1.0, 0.12  # the wrist almost straight, the elbow far from its ends
+    page = bench.drive(theta)
+    singularity, limit = (page.get_by_role("meter", name=name) for name in ("singularity", "limit"))
+    J = arm.by_pinocchio(theta)[2]
+    scaled = np.diag([1 / arm.reach] * 3 + [1.0] * 3) @ J  # all joints turn
+    share = np.linalg.svd(scaled, compute_uv=False)[-1] / ServoSettings().singular_below
+    assert share < 1
+    assert float(singularity.get_attribute("aria-valuenow")) == pytest.approx(share, abs=0.006)
+    assert singularity.get_attribute("aria-valuetext").startswith("near: slowed")
+    assert limit.get_attribute("aria-valuetext") == "shoulder_pitch, 2.0° to its upper limit"
+
+    page.get_by_role("button", name="− shoulder_pitch", exact=True).hover()
+    page.mouse.down()
+    until(page, f"twistarm.state.frame.theta[1] < {upper - np.radians(4.0)}")
+    page.mouse.up()
+    room = np.degrees(upper - bench.standing()[1])
+    found = re.fullmatch(r"shoulder_pitch, (\d+\.\d)° to its upper limit", limit.get_attribute("aria-valuetext"))
+    assert found is not None, limit.get_attribute("aria-valuetext")
+    assert float(found[1]) == pytest.approx(room, abs=0.06)
+
+    page.get_by_role("button", name="+ wrist_pitch", exact=True).hover()
+    page.mouse.down()
+    until(page, "document.querySelector('.gauge').dataset.standing === ''")
+    page.mouse.up()
+    assert singularity.get_attribute("aria-valuetext") == "far"

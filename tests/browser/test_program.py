@@ -1,0 +1,380 @@
+"""Recorded poses on the page: the list, the motion through it, the player, the plots, and what is saved."""
+
+from __future__ import annotations
+
+import csv
+import functools
+import json
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from numpy.testing import assert_allclose, assert_array_equal
+from waiting import settled, until
+
+from twistarm import Arm, available_arms, load_arm
+from twistarm.planning.joint_space import plan_joint
+from twistarm.planning.trajectory import Trajectory
+from twistarm.usual_limits import with_defaults
+from twistarm.viewer import Viewer, save_html
+
+pytestmark = pytest.mark.browser
+
+DRAWN = 1e-12
+"""Meshcat takes a matrix apart into position, quaternion and scale: a few roundings in double precision."""
+
+POSE = '{"name": "p", "theta": [0]}'
+
+ARMS = ("rover_arm", "rover_arm_6dof", "panda")
+
+
+@functools.cache
+def load(name: str) -> Arm:
+    return load_arm(name)
+
+
+@pytest.fixture(params=["rover_arm"])
+def arm(request: pytest.FixtureRequest) -> Arm:
+    if request.param == "panda" and "panda" not in available_arms():
+        pytest.skip("example-robot-data is not installed")
+    return load(request.param)
+
+
+@pytest.fixture
+def viewer(arm: Arm) -> Iterator[Viewer]:
+    with Viewer(arm, open_browser=False) as served:
+        yield served
+
+
+def postures(arm: Arm, count: int) -> list[np.ndarray[Any, Any]]:
+    """Inside the limits, ready the first; the others near it, so that a spline through them stays inside too."""
+    rng = np.random.default_rng(5)
+    return [arm.ready, *(0.8 * arm.ready + 0.2 * arm.random_theta(rng) for _ in range(count - 1))]
+
+
+def open_poses(page: Any, viewer: Viewer) -> Any:
+    """A settled page with the tab of poses in front."""
+    settled(page, viewer.url)
+    page.get_by_role("tab", name="Poses").click()
+    return page
+
+
+def stand(page: Any, viewer: Viewer, theta: Any) -> None:
+    viewer.show(theta)
+    until(page, f"String(twistarm.state.frame.theta) === String({np.asarray(theta).tolist()})")
+
+
+def record(page: Any, viewer: Viewer, theta: Any, name: str = "") -> None:
+    """By keyboard: the name, then Enter; as a person, wait until it is in the list."""
+    stand(page, viewer, theta)
+    count = page.locator("#pose-list li").count()
+    box = page.get_by_label("Name of the pose to record")
+    box.fill(name)
+    box.press("Enter")
+    until(page, f"document.querySelectorAll('#pose-list li').length === {count + 1}")
+
+
+def listed(page: Any) -> list[str]:
+    """The names as they stand on the page."""
+    names: list[str] = page.evaluate("[...document.querySelectorAll('#pose-list .name')].map((box) => box.value)")
+    return names
+
+
+def until_listed(page: Any, names: list[str]) -> None:
+    until(page, "[...document.querySelectorAll('#pose-list .name')].map((box) => box.value).join('|') === "
+          + json.dumps("|".join(names)))  # fmt: skip
+
+
+def shown(page: Any) -> dict[str, Any]:
+    frame: dict[str, Any] = page.evaluate("twistarm.state.frame")
+    return frame
+
+
+def plan(page: Any, kind: str) -> None:
+    page.get_by_label("Kind of motion").select_option(kind)
+    page.get_by_role("button", name="Plan", exact=True).click()
+    until(page, "document.getElementById('program-note').textContent.startsWith('Planned')")
+
+
+def press_of_the_list(page: Any, name: str) -> None:
+    page.get_by_role("button", name=name, exact=True).click()
+
+
+@pytest.mark.parametrize("arm", ARMS, indirect=True)
+def test_poses_are_recorded_gone_to_planned_and_played(page: Any, arm: Arm, viewer: Viewer) -> None:
+    open_poses(page, viewer)
+    thetas = postures(arm, 3)
+    stand(page, viewer, thetas[0])
+    page.get_by_role("button", name="Record", exact=True).click()
+    until_listed(page, ["pose 1"])
+    record(page, viewer, thetas[1], "over the box")
+    record(page, viewer, thetas[2])
+    assert listed(page) == ["pose 1", "over the box", "pose 3"]
+    press_of_the_list(page, "Go to over the box")
+    until(page, "document.querySelectorAll('#pose-list li')[1].ariaCurrent === 'true'")
+    assert shown(page)["theta"] == viewer.poses["over the box"].tolist()
+    assert_array_equal(viewer.poses["over the box"], thetas[1])
+
+    plan(page, "cubic")
+    motion = plan_joint(arm, thetas, limits=with_defaults(arm))
+    assert not shown(page)["running"]
+    assert shown(page)["theta"] == thetas[0].tolist()
+    assert page.evaluate("twistarm.parts.player.duration") == motion.duration
+    assert_plotted(page, motion)
+    page.get_by_label("Playback speed").select_option("0.5")
+    page.get_by_role("button", name="Play").click()
+    until(page, "twistarm.state.frame.time > 0.3")
+    page.get_by_role("button", name="Pause").click()
+    until(page, "!twistarm.state.frame.running")
+    scrub(page, 0.75)
+    until(page, f"Math.abs(twistarm.state.frame.time - {0.75 * motion.duration}) < {0.02 * motion.duration}")
+    assert_drawn(page, arm, motion)
+
+
+def assert_plotted(page: Any, motion: Trajectory) -> None:
+    """The page's samples are the trajectory's, and the lines have a point for each."""
+    data = page.evaluate("twistarm.parts.plots.data")
+    for order, rate in enumerate(("position", "velocity", "acceleration")):
+        assert_allclose(np.transpose(data[rate]), motion(data["times"], order), rtol=0, atol=1e-6)
+    points = page.locator(".plot").nth(1).locator("polyline").last.get_attribute("points").split()
+    assert len(points) == len(data["times"])
+
+
+def scrub(page: Any, share: float) -> None:
+    """Click on the scrubber."""
+    box = page.get_by_label("Time", exact=True).bounding_box()
+    page.mouse.click(box["x"] + 8 + share * (box["width"] - 16), box["y"] + box["height"] / 2)
+
+
+def assert_drawn(page: Any, arm: Arm, motion: Trajectory) -> None:
+    """Every link stands in the scene where arm.poses has it at the moment shown."""
+    frame, links, drawn = page.evaluate(
+        """() => {
+          const { frame, hello } = twistarm.state;
+          return [frame, hello.links, Object.values(hello.links).map((path) => twistarm.view.drawn(path))];
+        }"""
+    )
+    assert_allclose(frame["theta"], motion(frame["time"]), atol=DRAWN)
+    poses = arm.poses(frame["theta"], frame["others"])
+    for name, columns in zip(links, drawn, strict=True):
+        assert_allclose(np.array(columns).reshape(4, 4).T, poses[name], atol=DRAWN, err_msg=name)
+
+
+def test_the_list_is_edited_by_keyboard_and_mouse_and_two_pages_stay_in_step(
+    page: Any, browser: Any, arm: Arm, viewer: Viewer
+) -> None:
+    other = open_poses(browser.new_page(), viewer)
+    open_poses(page, viewer)
+    for theta, name in zip(postures(arm, 4), "abcd", strict=True):
+        record(page, viewer, theta, name)
+    until_listed(other, ["a", "b", "c", "d"])
+    box = page.get_by_label("Name of pose 4")
+    box.fill("drop")
+    box.press("Enter")
+    until_listed(other, ["a", "b", "c", "drop"])
+    box.fill("nothing")
+    box.press("Escape")
+    page.keyboard.press("Alt+ArrowUp")
+    page.keyboard.press("Alt+ArrowUp")
+    until_listed(other, ["a", "drop", "b", "c"])
+    assert page.evaluate("document.activeElement.value") == "drop"  # the focus went along
+    press_of_the_list(page, "Move down a")
+    until_listed(other, ["drop", "a", "b", "c"])
+    press_of_the_list(other, "Delete b")
+    until_listed(page, ["drop", "a", "c"])
+    assert list(viewer.poses) == ["drop", "a", "c"]
+    # What is being typed in a row survives what another page does to the list.
+    box = page.get_by_label("Name of pose 1")
+    box.fill("half a na")
+    press_of_the_list(other, "Delete a")
+    until(page, "document.querySelectorAll('#pose-list li').length === 2")
+    assert listed(page) == ["half a na", "c"]
+    page.keyboard.type("me")
+    page.keyboard.press("Enter")
+    until_listed(other, ["half a name", "c"])
+    plan(page, "trapezoid")
+    page.get_by_role("button", name="Move down half a name").click()
+    until(other, "document.getElementById('program-note').textContent.includes('plan again')")
+    assert_one_player(page, other)
+    viewer.play(plan_joint(arm, postures(arm, 2), limits=with_defaults(arm)), speed=0.7)
+    until(other, "document.getElementById('speed').value === '0.7' && !document.getElementById('loop').checked")
+    # Requests about different poses all arrive, however quickly they follow one another.
+    page.evaluate("for (const name of 'xyz') twistarm.parts.program.page.ask({ type: 'record', name })")
+    until_listed(other, ["c", "half a name", "x", "y", "z"])
+    until(page, "twistarm.parts.program.poses.length === 5")
+    page.evaluate("for (const { id } of twistarm.parts.program.poses) twistarm.parts.program.list.act.remove(id)")
+    until_listed(other, [])
+    assert page.evaluate("document.getElementById('error').hidden")
+    other.close()
+
+
+def assert_one_player(page: Any, other: Any) -> None:
+    """Speed, loop, play and pause of one page are those of the other."""
+    page.get_by_label("Playback speed").select_option("2")
+    page.get_by_label("Loop").check()
+    until(other, "document.getElementById('speed').value === '2' && document.getElementById('loop').checked")
+    other.get_by_role("button", name="Play").click()
+    page.evaluate("globalThis.seen = []; twistarm.parts.spy = { placed: ({ time }) => seen.push(time) }")
+    until(page, "seen.some((time, i) => time < seen[i - 1])")  # it began again
+    assert page.evaluate("twistarm.state.frame.running")
+    page.get_by_role("button", name="Pause").click()
+    until(other, "!twistarm.state.frame.running")
+
+
+def test_a_plot_is_clicked_to_seek_hovered_to_read_and_shows_one_joint_in_its_unit(
+    page: Any, arm: Arm, viewer: Viewer
+) -> None:
+    open_poses(page, viewer)
+    thetas = postures(arm, 3)
+    for theta in thetas:
+        record(page, viewer, theta)
+    plan(page, "quintic")
+    motion = plan_joint(arm, thetas, kind="quintic", limits=with_defaults(arm))
+    velocity = page.locator(".plot").nth(1)
+    box = velocity.bounding_box()
+    page.mouse.click(box["x"] + 46 + 0.4 * (box["width"] - 56), box["y"] + 60)
+    until(page, f"Math.abs(twistarm.state.frame.time - {0.4 * motion.duration}) < {0.01 * motion.duration}")
+    time = shown(page)["time"]
+    until(
+        page,
+        f"Math.abs(document.querySelector('.plot .cursor').x1.baseVal.value - {46 + 0.4 * (box['width'] - 56)}) < 2",
+    )
+    tip = page.locator("#plots .tip")
+    shoulder = arm.joint_names.index("shoulder")
+    rate = np.degrees(motion(time, 1)[shoulder])
+    share = abs(motion(time, 1)[shoulder]) / arm.limits.velocity[shoulder]
+    assert f"{rate:.1f} °/s · {100 * share:.0f} %".replace("-", "−") in tip.inner_text()
+    page.get_by_label("Joints plotted").get_by_role("button", name="shoulder").click()
+    page.mouse.move(0, 0)
+    until(page, "document.querySelectorAll('.plot polyline').length === 3")
+    assert tip.is_hidden()
+    assert_read_off(velocity, motion, shoulder)
+    limit = np.degrees(arm.limits.velocity[shoulder])
+    assert velocity.locator("text.title").text_content() == f"Velocity, °/s · limit ±{limit:.0f}"
+    assert (
+        page.evaluate("document.getElementById('pane').getBoundingClientRect().bottom")
+        <= page.locator("#plots").bounding_box()["y"]
+    )
+    page.get_by_role("checkbox", name="Plots").uncheck()
+    assert page.locator("#plots").is_hidden()
+
+
+def assert_read_off(plot: Any, motion: Trajectory, joint: int) -> None:
+    """What one reads off the line by two of the numbers beside it is the velocity, in degrees a second."""
+    marks = plot.evaluate(
+        """(svg) => [...svg.querySelectorAll("text.tick[text-anchor=end]")].map((tick) =>
+             [Number(tick.textContent.replace("−", "-")), Number(tick.getAttribute("y")) - 4])"""
+    )
+    (low, y_low), (high, y_high) = min(marks), max(marks)
+    assert high > low
+    points = plot.locator("polyline").get_attribute("points").split()
+    x, y = np.array([point.split(",") for point in points], dtype=float).T
+    times = (x - x[0]) / (x[-1] - x[0]) * motion.duration
+    values = low + (y - y_low) / (y_high - y_low) * (high - low)
+    pixel = abs((high - low) / (y_high - y_low))
+    assert_allclose(values, np.degrees(motion(times, 1)[:, joint]), atol=pixel)
+
+
+def test_a_list_is_saved_and_loaded_and_the_motion_exported(
+    page: Any, arm: Arm, viewer: Viewer, tmp_path: Path
+) -> None:
+    open_poses(page, viewer)
+    assert page.locator("#program a[download][href]").count() == 0
+    thetas = postures(arm, 3)
+    for theta, name in zip(thetas, ("one", "zwei", "三"), strict=True):
+        record(page, viewer, theta, name)
+    with page.expect_download() as saving:
+        press_of_the_list(page, "Save")
+    assert saving.value.suggested_filename == "rover_arm_poses.json"
+    path = tmp_path / "poses.json"
+    saving.value.save_as(path)
+    saved = json.loads(path.read_text("utf-8"))
+    assert saved["joints"] == list(arm.joint_names)
+    assert [(pose["name"], pose["theta"]) for pose in saved["poses"]] == [
+        (name, theta.tolist()) for name, theta in zip(("one", "zwei", "三"), thetas, strict=True)
+    ]
+    press_of_the_list(page, "Delete zwei")
+    until_listed(page, ["one", "三"])
+    order = [2, 0, 1, 4, 3]
+    turned = {"joints": [arm.joint_names[i] for i in order], "poses": [
+        {"name": pose["name"], "theta": [pose["theta"][i] for i in order]} for pose in saved["poses"]]}  # fmt: skip
+    path.write_text(json.dumps(turned), "utf-8")
+    choose(page, path)
+    until_listed(page, ["one", "zwei", "三"])
+    assert_array_equal(list(viewer.poses.values()), thetas)
+
+    plan(page, "trapezoid")
+    motion = plan_joint(arm, thetas, kind="trapezoid", limits=with_defaults(arm))
+    with page.expect_download() as exporting:
+        page.get_by_role("link", name="CSV").click()
+    assert exporting.value.suggested_filename == "rover_arm_motion.csv"
+    exporting.value.save_as(tmp_path / "motion.csv")
+    with open(tmp_path / "motion.csv", newline="", encoding="utf-8") as file:
+        header, *rows = csv.reader(file)
+    t, *samples = motion.sample(0.01)
+    table = np.array(rows, dtype=float)
+    assert header[1] == "slide.position [m]"
+    assert_array_equal(table[:, 0], t)
+    for k, values in enumerate(samples):
+        assert_array_equal(table[:, 1 + k :: 3], values)
+
+
+@pytest.mark.parametrize(
+    ("text", "reason"),
+    [
+        ("{", "poses.json is no JSON"),
+        ("[]", 'poses.json: "joints" must be a list of joint names'),
+        ('{"joints": ["a"], "poses": 3}', '"poses" must be a list of poses'),
+        ('{"joints": ["a"], "poses": [{"name": 1, "theta": [0]}]}', "pose 1 needs a name, as text"),
+        ('{"joints": ["a"], "poses": [{"name": "p", "theta": ["0"]}]}', "theta of pose 1 must be a list of numbers"),
+        ('{"joints": ["a"], "poses": [{"name": "p", "theta": [0]}]}', "the list moves a; rover_arm has slide"),
+        ('{"joints": ["a"], "poses": [' + ",".join([POSE] * 3000) + "]}", "at most 64 kB"),
+        (" " * (2**20 + 1), "poses.json has 1048577 bytes"),
+    ],
+)  # fmt: skip
+def test_a_file_that_is_no_list_is_told_and_changes_nothing(
+    shared: tuple[Any, Viewer], tmp_path: Path, text: str, reason: str
+) -> None:
+    page, viewer = shared
+    path = tmp_path / "poses.json"
+    path.write_text(text)
+    choose(page, path)
+    until(page, f"document.getElementById('error').textContent.includes({json.dumps(reason)})")
+    assert list(viewer.poses) == ["kept"]
+
+
+@pytest.fixture(scope="module")
+def shared(open_page: Any) -> Iterator[tuple[Any, Viewer]]:
+    """One page with one recorded pose, for tests that change nothing."""
+    with Viewer(load("rover_arm"), open_browser=False) as viewer, open_page() as page:
+        open_poses(page, viewer)
+        record(page, viewer, load("rover_arm").ready, "kept")
+        yield page, viewer
+
+
+def choose(page: Any, path: Path) -> None:
+    with page.expect_file_chooser() as choosing:
+        press_of_the_list(page, "Load")
+    choosing.value.set_files(path)
+
+
+def test_a_stand_alone_page_has_speed_loop_and_plots(page: Any, arm: Arm, tmp_path: Path) -> None:
+    motion = plan_joint(arm, postures(arm, 2), limits={"velocity": 0.5, "acceleration": 1.0})
+    page.goto(save_html(arm, tmp_path / "view.html", motion).as_uri())
+    until(page, "globalThis.twistarm?.state.frame?.time > 0")
+    assert page.locator("#program").count() == 0
+    data = page.evaluate("twistarm.plots.data")
+    assert_allclose(np.transpose(data["velocity"]), motion(data["times"], 1), rtol=0, atol=1e-6)
+    page.get_by_label("Playback speed").select_option("4")
+    page.get_by_label("Loop").check()
+    until(page, "twistarm.playback.speed === 4 && twistarm.playback.loop")
+    scrub(page, 0.9)
+    page.get_by_role("button", name="Play").click()
+    until(page, f"twistarm.state.frame.time < {0.5 * motion.duration}")
+    box = page.locator(".plot").first.bounding_box()
+    page.mouse.click(box["x"] + 46 + 0.5 * (box["width"] - 56), box["y"] + 60)
+    until(page, "!twistarm.state.frame.running")
+    assert shown(page)["time"] == pytest.approx(0.5 * motion.duration, rel=0.02)
+    assert_allclose(shown(page)["theta"], motion(shown(page)["time"]), atol=2e-4)

@@ -1,0 +1,259 @@
+"""What is handed on: the stand-alone page, opened from disk, and pictures; the view in the frame of a notebook."""
+
+from __future__ import annotations
+
+import functools
+import io
+import threading
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from http.server import BaseHTTPRequestHandler, ThreadingHTTPServer
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from numpy.testing import assert_allclose
+from numpy.typing import NDArray
+from PIL import Image
+from test_page import assert_drawn
+from waiting import settled, until
+
+from twistarm import Arm, Trajectory, available_arms, load_arm, plan_joint
+from twistarm.viewer import Viewer
+
+pytestmark = pytest.mark.browser
+
+SAMPLED = 2e-4
+"""Between samples 1/30 s apart a motion of some rad/s is followed by a chord [m, and in the rotation matrix]."""
+
+ROUNDED = 5e-6
+"""Six decimals of positions and quaternions."""
+
+LARGEST_PANDA = 10e6
+"""Bytes: 0.85 MB are Meshcat's, the rest is triangles."""
+
+CLOCK = """(loop) => {
+  const clock = new twistarm.playback.constructor(2, { time: 1.5, running: true, speed: 2, loop });
+  clock.last -= 1000;
+  clock.advance();
+  return [clock.time, clock.running];
+}"""
+
+
+@functools.cache
+def load(name: str) -> Arm:
+    if name == "panda" and name not in available_arms():
+        pytest.skip("example-robot-data is not installed")
+    return load_arm(name)
+
+
+def motion_of(arm: Arm) -> Trajectory:
+    return plan_joint(arm, [arm.ready, 0.8 * arm.ready], limits={"velocity": 0.5, "acceleration": 1.0})
+
+
+@contextmanager
+def watched_requests(page: Any) -> Iterator[None]:
+    """Cut the network; nothing may be asked for but the file itself."""
+    asked: list[str] = []
+    page.on("request", lambda request: asked.append(request.url))
+    page.context.set_offline(True)
+    yield
+    assert [url for url in asked if not url.startswith(("file:", "data:", "blob:"))] == []
+
+
+def saved(page: Any, folder: Path, press: Callable[[], None]) -> Path:
+    with page.expect_download() as download:
+        press()
+    path = folder / download.value.suggested_filename
+    download.value.save_as(path)
+    return path
+
+
+def image(path: Path) -> NDArray[np.int64]:
+    return np.asarray(Image.open(path).convert("RGB")).astype(int)
+
+
+def pink(pixels: NDArray[np.int64]) -> NDArray[np.bool_]:
+    """Where screws of revolute joints are drawn, and nothing else."""
+    red, green, blue = np.moveaxis(pixels, -1, 0)
+    return (red > 180) & (green < 90) & (blue > 100)
+
+
+def test_the_stand_alone_page_by_mouse(page: Any, tmp_path: Path) -> None:
+    arm = load("rover_arm")
+    motion = motion_of(arm)
+    with Viewer(arm, open_browser=False) as viewer:
+        settled(page, viewer.url)
+        viewer.play(motion, speed=0.5, loop=True)
+        viewer.show_path(motion)
+        viewer.show_frames(False)
+        until(page, "!document.querySelector('#player').hidden")
+        page.get_by_label("Time", exact=True).press("ArrowLeft")
+        page.get_by_text("Share", exact=True).click()
+        path = saved(page, tmp_path, page.get_by_role("button", name="Stand-alone page").click)
+        assert path.name == f"{arm.name}.html"
+        until(page, f"document.querySelector('#share-said').textContent === 'saved: {path.name}'")
+        page.locator("#pane").click(position={"x": 30, "y": 300})
+        assert page.locator("#share").get_attribute("open") is None
+        at = page.evaluate("twistarm.state.frame.time")
+    with watched_requests(page):
+        page.goto(path.as_uri())
+        until(page, "document.body.dataset.drawn === ''")
+        assert page.evaluate("[twistarm.state.frame.time, twistarm.state.frame.running]") == [at, False]
+        assert_drawn(page, arm, motion(at), tol=SAMPLED)
+        assert not page.get_by_label("Frames", exact=True).is_checked()
+        assert page.get_by_label("Path", exact=True).is_checked()
+        assert page.evaluate("['screws', 'frames'].map((layer) => twistarm.view.node('/' + layer).visible)") == [
+            True,
+            False,
+        ]
+        page.keyboard.press("Space")
+        until(page, f"twistarm.state.frame.running && Math.abs(twistarm.state.frame.time - {at}) > 0.05")
+        page.keyboard.press("Space")
+        assert page.evaluate("twistarm.state.frame.running") is False
+        stopped = page.evaluate("twistarm.state.frame.time")
+        assert_drawn(page, arm, motion(stopped), tol=SAMPLED)
+
+
+def test_the_stand_alone_page_by_keyboard_of_an_arm_moved_aside(page: Any, tmp_path: Path) -> None:
+    arm = load("rover_arm")
+    motion = motion_of(arm)
+    with Viewer(arm, open_browser=False) as viewer:
+        settled(page, viewer.url)
+        viewer.play(motion)
+        viewer.show(np.zeros(arm.n))
+        page.locator('input[data-joint="finger_left"]').press("End")
+        until(
+            page, "twistarm.state.frame.others.finger_left > 0.01 && twistarm.state.frame.theta.every((x) => x === 0)"
+        )
+        share = page.locator("#share summary")
+        share.press("Enter")
+        until(page, "document.querySelector('#share').open")
+        page.keyboard.press("Tab")
+        path = saved(page, tmp_path, lambda: page.keyboard.press("Enter"))
+        page.keyboard.press("Escape")
+        assert page.evaluate("[document.querySelector('#share').open, document.activeElement.tagName]") == [
+            False,
+            "SUMMARY",
+        ]
+    with watched_requests(page):
+        page.goto(path.as_uri())
+        until(page, "document.body.dataset.drawn === ''")
+        assert page.evaluate("twistarm.state.frame.others.finger_left") > 0.01
+        assert_drawn(page, arm, np.zeros(arm.n), tol=ROUNDED)
+        counted = page.locator("#findings-count").inner_text()
+        assert counted == "3 remarks"
+        for tab in ("Theory", "Move"):
+            page.get_by_role("tab", name=tab).click()
+            assert page.get_by_role("tabpanel", name=tab).is_visible()
+        assert page.get_by_role("tab").count() == 2
+        page.get_by_role("button", name="Play").click()
+        until(page, f"twistarm.state.frame.time === {motion.duration!r} && !twistarm.state.frame.running")
+        assert_drawn(page, arm, motion(motion.duration), tol=ROUNDED)
+        # 2 s long, from 1.5 s on for 1 s at twice its speed: 3.5 s, which is 1.5 s of the second round.
+        for loop, expected in ((True, [1.5, True]), (False, [2.0, False])):
+            assert_allclose(page.evaluate(CLOCK, loop), expected, atol=0.05)
+
+
+def test_the_stand_alone_page_of_an_arm_with_meshes(page: Any, tmp_path: Path) -> None:
+    arm = load("panda")
+    page.set_viewport_size({"width": 800, "height": 480})
+    with Viewer(arm, 0.9 * arm.ready, open_browser=False) as viewer:
+        path = viewer.save_html(tmp_path / "arm.html")
+    assert path.stat().st_size < LARGEST_PANDA
+    with watched_requests(page):
+        page.goto(path.as_uri())
+        until(page, "document.body.dataset.drawn === ''")
+        assert_drawn(page, arm, 0.9 * arm.ready, tol=ROUNDED)
+        triangles = "twistarm.view.viewer.renderer.info.render.triangles"
+        until(page, f"{triangles} > 10000")
+
+
+def test_a_picture_has_the_size_asked_for_and_shows_what_is_seen(page: Any, tmp_path: Path) -> None:
+    with Viewer(load("rover_arm"), open_browser=False) as viewer:
+        settled(page, viewer.url)
+        before = page.evaluate("[twistarm.view.viewer.camera.zoom, twistarm.view.viewer.camera.aspect]")
+        seen = np.asarray(Image.open(io.BytesIO(page.locator("#pane").screenshot())).convert("RGB")).astype(int)
+        page.get_by_text("Share", exact=True).click()
+        button = page.get_by_role("button", name="Picture")
+        own = image(saved(page, tmp_path, button.click))
+        assert own.shape == seen.shape == (720, 960, 3)
+        # Below the switches and the legend both are the same view, up to how edges are smoothed.
+        assert (np.abs(own - seen)[60:].max(axis=-1) < 12).mean() > 0.995
+        page.get_by_label("Width of the picture").fill("2500")
+        page.get_by_label("Height of the picture").fill("300")
+        wide = image(saved(page, tmp_path, lambda: page.keyboard.press("Enter")))
+        assert wide.shape == (300, 2500, 3)
+        rows, columns = np.nonzero(pink(wide))
+        at_home, across = np.nonzero(pink(own))
+        # The same field of view from top to bottom, the arm in the middle: pieces are put together without a shift.
+        assert_allclose(np.ptp(rows) / 300, np.ptp(at_home) / 720, atol=0.01)
+        assert_allclose((columns.mean() - 1250) / 300, (across.mean() - 480) / 720, atol=0.01)
+        page.get_by_label("Width of the picture").fill("200")
+        narrow = image(saved(page, tmp_path, lambda: button.click()))
+        _, columns = np.nonzero(pink(narrow))
+        assert_allclose(np.ptp(columns) / 200, np.ptp(across) / 960, atol=0.02)
+        assert page.evaluate("[twistarm.view.viewer.camera.zoom, twistarm.view.viewer.camera.aspect]") == before
+        page.get_by_label("Height of the picture").fill("9000")
+        button.click()
+        wrong = "the height is a whole number of pixels, 16 … 8192; got 9000"
+        until(page, f"document.querySelector('#share-said').textContent === '{wrong}'")
+        page.reload()
+        until(page, "globalThis.twistarm?.state.fitted")
+        assert page.get_by_label("Width of the picture").input_value() == "200", "as it was last made"
+
+
+@contextmanager
+def served(html: str) -> Iterator[str]:
+    """A notebook's server on a port of its own: the page's address, by the name localhost."""
+
+    class Notebook(BaseHTTPRequestHandler):
+        def do_GET(self) -> None:
+            self.send_response(200)
+            self.send_header("Content-Type", "text/html; charset=utf-8")
+            self.end_headers()
+            self.wfile.write(html.encode())
+
+        def log_message(self, *words: Any) -> None: ...
+
+    server = ThreadingHTTPServer(("127.0.0.1", 0), Notebook)
+    threading.Thread(target=server.serve_forever, daemon=True).start()
+    try:
+        yield f"http://localhost:{server.server_port}/"
+    finally:
+        server.shutdown()
+        server.server_close()
+
+
+def notebook(cell: str) -> str:
+    return f"<!DOCTYPE html><link rel='icon' href='data:,'><title>notebook</title>{cell}"
+
+
+def test_a_notebook_of_this_machine_frames_the_live_page_and_the_static_one(page: Any) -> None:
+    arm = load("rover_arm")
+    with Viewer(arm, open_browser=False) as viewer:
+        both = notebook(viewer._repr_html_() + viewer.inline(300, static=True).html)
+        with served(both) as address:
+            page.goto(address)
+            live, static = (page.locator("iframe").nth(i).element_handle().content_frame() for i in (0, 1))
+            until(live, "globalThis.twistarm?.state.fitted")
+            until(static, "document.body?.dataset.drawn === ''")
+            assert_drawn(live, arm, arm.ready)
+            assert_drawn(static, arm, arm.ready, tol=ROUNDED)
+            live.get_by_role("button", name="zero").click()
+            until(live, "twistarm.state.frame.theta.every((x) => x === 0)")
+            assert_allclose(viewer.theta, 0.0)
+            assert static.evaluate("origin") == "null", "it reaches nothing of the notebook"
+
+
+def test_a_page_of_another_name_cannot_frame_the_view(browser: Any) -> None:
+    """Browsers find every name under localhost on this machine, and take it for another site."""
+    with Viewer(load("rover_arm"), open_browser=False) as viewer, served(notebook(viewer._repr_html_())) as address:
+        context = browser.new_context()
+        page = context.new_page()
+        with page.expect_console_message(lambda message: "frame-ancestors" in message.text):
+            page.goto(address.replace("localhost", "elsewhere.localhost"))
+        inside = page.locator("iframe").element_handle().content_frame()
+        assert inside.evaluate("typeof twistarm") == "undefined"
+        context.close()

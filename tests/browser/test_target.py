@@ -1,0 +1,305 @@
+"""The tool dragged by its handles and told where to be, as a person does it: by mouse, by keyboard, in numbers."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from contextlib import AbstractContextManager, ExitStack
+from typing import Any
+
+import numpy as np
+import pytest
+from numpy.testing import assert_allclose
+from scipy.spatial.transform import Rotation
+from test_page import DRAWN, assert_drawn, load
+from waiting import settled, until
+
+from twistarm import available_arms, solve_ik
+from twistarm.ik import Approach
+from twistarm.viewer import Viewer
+
+pytestmark = pytest.mark.browser
+
+ARMS = ("rover_arm", "rover_arm_6dof", "panda")
+
+MET = 3e-6
+"""The solver's tolerance [m, rad], and its part that every coordinate may have."""
+
+ALONG, ABOUT = 92.0, 64.0
+"""Pixels from the middle of the handles to an arrow's head and to a ring."""
+
+Opened = Callable[[], AbstractContextManager[Any]]
+
+PROJECT = """([point]) => {
+  const { scene, camera, renderer } = twistarm.view.viewer;
+  scene.updateMatrixWorld(true);
+  const at = scene.localToWorld(new MeshCat.THREE.Vector3(...point));
+  const towards = at.clone().applyMatrix4(camera.matrixWorldInverse);
+  at.project(camera);
+  const { left, top, width, height } = renderer.domElement.getBoundingClientRect();
+  const pixel = (-towards.z * 2 * Math.tan((camera.fov * Math.PI) / 360)) / height;
+  return [left + ((1 + at.x) * width) / 2, top + ((1 - at.y) * height) / 2, pixel];
+}"""
+"""Where a point of the base frame is on the screen [px], and the length of a pixel there [m]."""
+
+
+class Desk:
+    """A page, its viewer, and a hand on the mouse."""
+
+    def __init__(self, page: Any, viewer: Viewer) -> None:
+        self.page, self.viewer, self.arm = page, viewer, viewer.arm
+
+    def reset(self, kind: str | None = None, snap: bool = False, theta: Any = None) -> None:
+        """Stand at theta or ready, handles at the tool."""
+        self.page.mouse.move(330, 500)
+        start = self.arm.ready if theta is None else theta
+        self.viewer.show(start)
+        until(self.page, "twistarm.state.frame && twistarm.parts.target.given === null")
+        until(self.page, f"{start.tolist()}.every((value, i) => value === twistarm.state.frame.theta[i])")
+        self.page.get_by_label("Drag tool").set_checked(True)
+        self.page.get_by_label("Snap").set_checked(snap)
+        if kind is not None:
+            self.page.get_by_label("What the tool is to meet").select_option(kind)
+        self.picture()
+
+    def picture(self) -> None:
+        """Wait for what is drawn next."""
+        self.page.evaluate("new Promise((done) => requestAnimationFrame(() => requestAnimationFrame(done)))")
+
+    def drawn(self) -> Any:
+        """The tool's frame (4, 4) as it stands on the page."""
+        return np.array(self.page.evaluate("twistarm.view.drawn('/frames/tool')")).reshape(4, 4).T
+
+    def screen(self, point: Any) -> Any:
+        """Where a point of the base frame is on the screen, and a pixel there in m."""
+        return np.array(self.page.evaluate(PROJECT, [np.asarray(point).tolist()]))
+
+    def handle(self, pixels: Any) -> Any:
+        """The point of the handles so many pixels from their middle, along base axes."""
+        p = self.drawn()[:3, 3]
+        return p + self.screen(p)[2] * np.asarray(pixels)
+
+    def drag(self, start: Any, end: Any, steps: int = 3, keep: bool = False) -> None:
+        """With the mouse from one point of the base frame to another, past points between."""
+        (x0, y0, _), (x1, y1, _) = self.screen(start), self.screen(end)
+        self.page.mouse.move(x0, y0)
+        self.page.mouse.down()
+        for share in np.linspace(0.0, 1.0, steps + 1)[1:]:
+            self.page.mouse.move(x0 + share * (x1 - x0), y0 + share * (y1 - y0))
+        if not keep:
+            self.page.mouse.up()
+
+    def answered(self) -> dict[str, Any]:
+        """What the page was told of the target, once nothing more of it is to come."""
+        until(self.page, "twistarm.parts.target.given !== null && twistarm.parts.target.asked === null")
+        given: dict[str, Any] = self.page.evaluate("twistarm.parts.target.given")
+        return given
+
+
+@pytest.fixture(scope="module")
+def desks(open_page: Opened) -> Iterator[Callable[[str], Desk]]:
+    """A page for each arm: opening one takes seconds of drawing in software."""
+    with ExitStack() as stack:
+        made: dict[str, Desk] = {}
+
+        def desk(name: str) -> Desk:
+            if name not in made:
+                viewer = stack.enter_context(Viewer(load(name), open_browser=False))
+                page = stack.enter_context(open_page())
+                page.set_viewport_size({"width": 740, "height": 560})  # less to draw
+                made[name] = Desk(settled(page, viewer.url), viewer)
+            return made[name]
+
+        yield desk
+
+
+@pytest.fixture
+def rover(desks: Callable[[str], Desk]) -> Desk:
+    return desks("rover_arm")
+
+
+@pytest.fixture(params=ARMS)
+def desk(request: pytest.FixtureRequest, desks: Callable[[str], Desk]) -> Desk:
+    if request.param == "panda" and "panda" not in available_arms():
+        pytest.skip("example-robot-data is not installed")
+    return desks(request.param)
+
+
+def wanted(given: dict[str, Any]) -> Any:
+    """The pose (4, 4) of a target given."""
+    g = np.eye(4)
+    g[:3, :3], g[:3, 3] = Rotation.from_quat(given["xyzw"]).as_matrix(), given["position"]
+    return g
+
+
+def test_an_arrow_moves_the_tool_along_x_and_keeps_the_rest(desk: Desk) -> None:
+    desk.reset()
+    before, camera = desk.drawn(), desk.page.evaluate("twistarm.view.viewer.camera.position.toArray()")
+    assert_allclose(before, desk.arm.fk(desk.arm.ready), atol=DRAWN)
+    by = 0.06 if before[0, 3] < 0.5 else -0.06
+    tip = desk.handle([ALONG, 0, 0])
+    desk.drag(tip, tip + [by, 0, 0])
+    given = desk.answered()
+    assert given["met"]
+    assert given["kind"] == ("approach" if desk.arm.n == 5 else "pose")
+    assert_drawn(desk.page, desk.arm)
+    after = desk.drawn()
+    assert_allclose(after, desk.arm.fk(desk.viewer.theta), atol=DRAWN)
+    assert after[0, 3] - before[0, 3] == pytest.approx(by, abs=desk.screen(tip)[2])
+    assert_allclose(after[1:3, 3], before[1:3, 3], atol=MET)
+    kept = slice(2, 3) if desk.arm.n == 5 else slice(0, 3)
+    assert_allclose(after[:3, kept], before[:3, kept], atol=MET)
+    assert desk.page.evaluate("twistarm.view.viewer.camera.position.toArray()") == camera
+    assert "✓ met" in desk.page.locator("#target-words").inner_text()
+
+
+def test_a_ring_turns_the_tool_where_it_is(desk: Desk) -> None:
+    desk.reset()
+    before = desk.drawn()
+    i = 1 if desk.arm.n == 5 else 2  # the rover arm has no joint that turns its tool about the base's z
+    across, on = np.eye(3)[(i + 1) % 3], np.eye(3)[(i + 2) % 3]
+    at = [np.cos(a) * across + np.sin(a) * on for a in np.radians([-45, -32])]
+    if i == 1:
+        at = [np.cos(a) * across + np.sin(a) * on for a in np.radians([-135, -122])]
+    desk.drag(desk.handle(ABOUT * at[0]), desk.handle(ABOUT * at[1]))
+    given = desk.answered()
+    assert given["met"], desk.page.locator("#target-words").inner_text()
+    after = desk.drawn()
+    turn = Rotation.from_matrix(after[:3, :3] @ before[:3, :3].T).as_rotvec()
+    assert_allclose(turn, np.radians(13) * np.eye(3)[i], atol=0.03)
+    assert_allclose(after[:3, 3], before[:3, 3], atol=MET)
+    assert_drawn(desk.page, desk.arm)
+
+
+def test_the_ball_moves_the_tool_in_the_plane_of_the_screen(rover: Desk) -> None:
+    rover.reset("position")
+    p = rover.drawn()[:3, 3]
+    x, y, pixel = rover.screen(p)
+    rover.page.mouse.move(x, y)
+    rover.page.mouse.down()
+    rover.page.mouse.move(x - 40, y - 30, steps=3)
+    rover.page.mouse.up()
+    assert rover.answered()["met"]
+    after = rover.drawn()[:3, 3]
+    assert_allclose(rover.screen(after)[:2], [x - 40, y - 30], atol=1)
+    assert np.linalg.norm(after - p) == pytest.approx(50 * pixel, rel=0.02)
+    shown = rover.page.evaluate(
+        "twistarm.parts.target.gizmo.handles.filter((one) => one.group.visible).map((one) => one.name)"
+    )
+    assert set(shown) <= {"x", "y", "z", "free"}  # a position has no turns
+
+
+def test_a_finger_drags_as_a_mouse_does(rover: Desk) -> None:
+    rover.reset("position")
+    before = rover.drawn()[:3, 3]
+    tip = rover.handle([0, 0, ALONG])
+    camera = rover.page.evaluate("twistarm.view.viewer.camera.position.toArray()")
+    finger = rover.page.context.new_cdp_session(rover.page)
+    for kind, up in (("touchStart", 0.0), ("touchMove", 0.03), ("touchMove", 0.05)):
+        x, y, pixel = rover.screen(tip + [0, 0, up])
+        finger.send("Input.dispatchTouchEvent", {"type": kind, "touchPoints": [{"x": x, "y": y}]})
+    finger.send("Input.dispatchTouchEvent", {"type": "touchEnd", "touchPoints": []})
+    assert rover.answered()["met"]
+    assert_allclose(rover.drawn()[:3, 3], before + [0, 0, 0.05], atol=2 * pixel)
+    assert rover.page.evaluate("twistarm.view.viewer.camera.position.toArray()") == camera
+
+
+def test_snap_moves_by_whole_centimetres_and_shift_does_the_opposite(rover: Desk) -> None:
+    rover.reset("position", snap=True)
+    before = rover.drawn()[:3, 3]
+    tip = rover.handle([0, 0, ALONG])
+    rover.drag(tip, tip + [0, 0, 0.034])
+    assert rover.answered()["met"]
+    assert_allclose(rover.drawn()[:3, 3], before + [0, 0, 0.03], atol=MET)
+    rover.reset("position", snap=True)
+    rover.page.keyboard.down("Shift")
+    rover.drag(tip, tip + [0, 0, 0.034])
+    rover.page.keyboard.up("Shift")
+    rover.answered()
+    assert rover.drawn()[2, 3] - before[2] == pytest.approx(0.034, abs=0.003)
+
+
+def test_out_of_reach_the_nearest_is_shown_and_the_page_says_why(rover: Desk) -> None:
+    rover.reset("approach")
+    start = rover.viewer.theta
+    tip = rover.handle([0, 0, ALONG])
+    rover.drag(tip, tip + [0, 0, 0.7], steps=1)  # one step, one request: its search begins at the pose on show
+    given = rover.answered()
+    assert given["met"] is False
+    g = wanted(given)
+    expected = solve_ik(rover.arm, Approach(g[:3, 3], g[:3, 2]), start, posture="theta0")
+    shown = rover.page.locator("#target-words").inner_text()
+    assert shown.startswith("✕ not met")
+    for line in expected.explain().splitlines():
+        assert line.strip() in shown
+    theta = rover.viewer.theta
+    assert rover.arm.limits.contains(theta)
+    reached = rover.drawn()
+    assert_allclose(reached, rover.arm.fk(theta), atol=DRAWN)
+    assert np.linalg.norm(reached[:3, 3] - g[:3, 3]) == pytest.approx(expected.position_error, abs=MET)
+    ball, warning, tether = rover.page.evaluate(
+        """() => {
+          const { gizmo } = twistarm.parts.target;
+          const css = getComputedStyle(document.documentElement).getPropertyValue("--warn").trim();
+          const ball = gizmo.handles.find(({ name }) => name === "free");
+          return [ball.material.color.getHex(), new MeshCat.THREE.Color(css).getHex(), gizmo.tether.visible];
+        }"""
+    )
+    assert ball == warning
+    assert tether
+    rover.picture()
+    assert_allclose(rover.page.evaluate("twistarm.parts.target.gizmo.group.position.toArray()"), g[:3, 3])
+    rover.page.get_by_role("button", name="Let go").click()
+    until(rover.page, "twistarm.parts.target.given === null")
+    assert rover.page.locator("#target-words").inner_text() == ""
+    assert rover.viewer.theta.tolist() == theta.tolist()
+
+
+def test_escape_puts_the_arm_back(rover: Desk) -> None:
+    rover.reset("approach")
+    tip = rover.handle([0, 0, ALONG])
+    rover.drag(tip, tip + [0, 0, 0.05], keep=True)
+    until(rover.page, "twistarm.parts.target.given?.met")
+    rover.page.keyboard.press("Escape")
+    rover.page.mouse.move(600, 600)
+    rover.page.mouse.up()
+    until(rover.page, f"twistarm.state.frame.theta.every((value, i) => value === {rover.arm.ready.tolist()}[i])")
+    until(rover.page, "twistarm.parts.target.given === null")
+
+
+def test_a_pose_is_typed_in_numbers(desks: Callable[[str], Desk]) -> None:
+    desk = desks("rover_arm_6dof")
+    desk.reset("pose", theta=desk.arm.ready + [0.3, 0.2, 0.3, 0.2, 0.4, 0.3])  # ready pitches by 90°
+    before = desk.drawn()
+    box = desk.page.get_by_role("spinbutton", name="tool z, metres")
+    box.fill(f"{before[2, 3] - 0.04:.6f}")
+    box.press("Enter")
+    desk.answered()
+    expected = before.copy()
+    expected[2, 3] = round(before[2, 3] - 0.04, 6)
+    assert_allclose(desk.arm.fk(desk.viewer.theta), expected, atol=MET)
+    roll, pitch, yaw = Rotation.from_matrix(before[:3, :3]).as_euler("xyz")
+    angle = desk.page.get_by_role("spinbutton", name="tool roll, degrees")
+    angle.fill(f"{np.degrees(roll) - 12.5:.6f}")
+    angle.press("Enter")
+    until(desk.page, f"Math.abs(twistarm.state.frame.tool.rpy[0] - {roll - np.radians(12.5)}) < 1e-5")
+    expected[:3, :3] = Rotation.from_euler("xyz", [roll - np.radians(12.5), pitch, yaw]).as_matrix()
+    assert_allclose(desk.drawn(), expected, atol=MET)
+    box.fill("far")
+    box.press("Enter")
+    assert "“far” is no number of metres" in desk.page.locator("#error").inner_text()
+    box.press("Escape")
+
+
+def test_g_takes_the_handles_and_a_servo_takes_them_away(rover: Desk) -> None:
+    rover.reset()
+    rover.page.locator("#pane").click(position={"x": 20, "y": 500})
+    shown = "twistarm.parts.target.gizmo.group.visible"
+    rover.page.keyboard.press("g")
+    until(rover.page, f"!{shown}")
+    rover.page.keyboard.press("g")
+    until(rover.page, shown)
+    assert rover.viewer.commands is not None
+    until(rover.page, f"!{shown} && document.getElementById('drag-tool').disabled")
+    assert rover.page.get_by_role("spinbutton", name="tool x, metres").is_disabled()
+    rover.viewer.show_servo(None)
+    until(rover.page, shown)

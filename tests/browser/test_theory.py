@@ -1,0 +1,376 @@
+"""Screw theory on the page: what is drawn, written and copied, against the arm's own numbers and NumPy."""
+
+from __future__ import annotations
+
+import ast
+from collections.abc import Callable, Iterator
+from contextlib import AbstractContextManager
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from numpy.testing import assert_allclose, assert_array_equal
+from numpy.typing import NDArray
+from waiting import settled, until
+
+from twistarm import Arm, load_arm, plan_joint
+from twistarm.planning.trajectory import Trajectory
+from twistarm.viewer import Viewer, save_html
+from twistarm.viewer.axes import arm_size
+from twistarm.viewer.workspace import POINTS, SEED
+
+pytestmark = pytest.mark.browser
+
+Matrix = NDArray[np.float64]
+
+Opened = Callable[[], AbstractContextManager[Any]]
+
+ARM = load_arm("rover_arm")
+
+SMALL = {"width": 960, "height": 480}
+"""Less to draw in software."""
+
+FLOAT = 2e-6
+"""Meshcat keeps matrices in double precision, three.js's colours and points are float32."""
+
+DRAWN = """() => {
+  const { view, parts, theory = parts.theory } = twistarm;
+  const { scene, camera } = view.viewer;
+  scene.updateMatrixWorld(true);
+  const toBase = scene.matrixWorld.clone().invert();
+  const Vector3 = scene.position.constructor;
+  const at = (object, point) => new Vector3(...point).applyMatrix4(object.matrixWorld).applyMatrix4(toBase).toArray();
+  const arrow = ({ group, head }) => group.visible ? [at(group, [0, 0, 0]), at(head, [0, 0.5, 0])] : null;
+  const matrix = (object) => toBase.clone().multiply(object.matrixWorld).elements;
+  const { instant, axes, labels, numbers } = theory;
+  const toScreen = camera.projectionMatrix.clone();
+  const placed = (text) => text.style.transform.match(/-?[\\d.]+/g).map(Number);
+  return {
+    axes, spatial: theory.spatial.arrows.map((two) => two.map(arrow)),
+    body: theory.body.arrows.map((two) => two.map(arrow)),
+    linear: matrix(theory.linear.body), angular: matrix(theory.angular.body),
+    axis: [at(instant.axis, [0, -0.5, 0]), at(instant.axis, [0, 0.5, 0])], coils: instant.helix.children.length,
+    velocity: arrow(instant.velocity), time: twistarm.state.frame.time, numbers,
+    projection: toScreen.multiply(camera.matrixWorldInverse).multiply(scene.matrixWorld).elements,
+    size: [view.viewer.renderer.domElement.clientWidth, view.viewer.renderer.domElement.clientHeight],
+    labels: labels.labels.map(({ text }) => text.hidden ? null : [text.textContent, ...placed(text)]),
+  };
+}"""
+"""Every object of the theory as it stands in the scene, in base axes."""
+
+
+@pytest.fixture(scope="module")
+def viewer() -> Iterator[Viewer]:
+    with Viewer(ARM, [0.1, 0.4, -0.9, 0.4, 0.5], open_browser=False) as served:
+        yield served
+
+
+@pytest.fixture(scope="module")
+def page(open_page: Opened, viewer: Viewer) -> Iterator[Any]:
+    """One page for all of the rover arm: opening one takes seconds of drawing in software."""
+    with open_page() as opened:
+        opened.context.grant_permissions(["clipboard-read", "clipboard-write"])
+        opened.set_viewport_size(SMALL)
+        settled(opened, viewer.url)
+        show_theory(opened)
+        yield opened
+
+
+def show_theory(page: Any) -> None:
+    page.get_by_role("tab", name="Theory").click()
+    until(page, "(twistarm.parts ?? twistarm).theory.numbers")
+
+
+def switch(page: Any, *names: str, on: bool = True) -> None:
+    for name in names:
+        page.locator("#theory-layers").get_by_label(name, exact=True).set_checked(on)
+
+
+def shown(page: Any, theta: Matrix) -> dict[str, Any]:
+    """What is drawn once the numbers on the page are those of theta."""
+    until(page, f"Math.abs(twistarm.state.frame.theta[1] - {float(theta[1])!r}) < 1e-12")
+    drawn: dict[str, Any] = page.evaluate(DRAWN)
+    return drawn
+
+
+def assert_columns(drawn: dict[str, Any], arm: Arm, theta: Matrix, only: int | None = None) -> None:
+    """Both Jacobians' columns as arrows from their frames, to the scales that the panel says."""
+    scales = np.repeat([drawn["axes"]["linear"], drawn["axes"]["angular"]], 3)
+    slide = np.array(arm.units) == "m"
+    g = arm.fk(theta)
+    turned = np.kron(np.eye(2), g[:3, :3]) @ arm.body_jacobian(theta)
+    for name, J, origin in (("spatial", arm.spatial_jacobian(theta), np.zeros(3)), ("body", turned, g[:3, 3])):
+        for i in range(arm.n):
+            column = J[:, i] * scales
+            for arrow, part in zip(drawn[name][i], (column[:3], column[3:]), strict=True):
+                part = part * (arm.reach if slide[i] else 1.0)
+                if only in (None, i) and np.linalg.norm(part) > 0.02 * arm_size(arm):
+                    assert_allclose(arrow, [origin, origin + part], atol=FLOAT, err_msg=f"{name} {i}")
+                elif only not in (None, i) or np.linalg.norm(part) < 1e-9:
+                    assert arrow is None, f"{name} {i}"
+
+
+def assert_ellipsoids(drawn: dict[str, Any], arm: Arm, theta: Matrix) -> None:
+    """M Mᵀ = s² J Jᵀ of the drawn ball's matrix M; a flat direction has a little thickness."""
+    J = arm.hybrid_jacobian(theta) * np.where(np.array(arm.units) == "m", arm.reach, 1.0)
+    thick = (0.002 * arm_size(arm)) ** 2
+    for name, rows in (("linear", J[:3]), ("angular", J[3:])):
+        M = np.reshape(drawn[name], (4, 4)).T
+        assert_allclose(M[:3, 3], arm.fk(theta)[:3, 3], atol=FLOAT)
+        expected = drawn["axes"][name] ** 2 * rows @ rows.T
+        values, vectors = np.linalg.eigh(expected)
+        assert_allclose(M[:3, :3] @ M[:3, :3].T, vectors @ np.diag(np.maximum(values, thick)) @ vectors.T, atol=FLOAT)
+
+
+def assert_screw(drawn: dict[str, Any], twist: Matrix, velocity: Matrix) -> None:
+    """The line lies on the axis of (v, w): w × v + … = 0 across, that is v − h w = −w × q for its points q."""
+    start, end = map(np.array, drawn["axis"])
+    v, w = twist[:3], twist[3:]
+    assert np.linalg.norm(end - start) > 1
+    assert_allclose(np.cross(end - start, w if w.any() else v), 0, atol=1e-5)
+    for q in (start, end):
+        at_q = v + np.cross(w, q)  # the velocity of the body's point at q: along the axis alone
+        assert_allclose(np.cross(at_q, w), 0, atol=1e-5)
+    tail, tip = map(np.array, drawn["velocity"])
+    assert_allclose(tip - tail, drawn["axes"]["linear"] * velocity, atol=FLOAT)
+
+
+def assert_labels(drawn: dict[str, Any], arm: Arm, theta: Matrix) -> int:
+    """Each label that is on the page stands where the camera sees the tip of its axis; how many do."""
+    poses, J, size = arm.poses(theta), arm.spatial_jacobian(theta), arm_size(arm)
+    assert arm.description is not None
+    children = [joint.child for joint in arm.description.chain(arm.base, arm.tip_link) if joint.moving]
+    points = []
+    for child, xi in zip(children, J.T, strict=True):
+        axis = xi[3:] if xi[3:].any() else xi[:3]
+        points.append(poses[child][:3, 3] + 0.18 * size * axis)
+    points += [np.zeros(3), poses[arm.tip][:3, 3]]
+    P, (width, height) = np.reshape(drawn["projection"], (4, 4)).T, drawn["size"]
+    texts = [f"{name} h = {'∞' if unit == 'm' else '0'}" for name, unit in zip(arm.joint_names, arm.units, strict=True)]
+    count = 0
+    for label, point, text in zip(drawn["labels"], points, [*texts, "S", "T"], strict=True):
+        x, y, _, w = P @ [*point, 1]
+        assert (label is not None) == (w > 0), text
+        if label is not None:
+            assert label[0] == text
+            assert_allclose(label[1:], [0.5 * (1 + x / w) * width, 0.5 * (1 - y / w) * height], atol=0.1, err_msg=text)
+            count += 1
+    return count
+
+
+def motion_of(arm: Arm) -> Trajectory:
+    rng = np.random.default_rng(5)
+    return plan_joint(arm, [arm.ready, arm.random_theta(rng)], limits={"velocity": 0.6, "acceleration": 1.0})
+
+
+# the rover arm -------------------------------------------------------------------------------------------------------
+
+
+def test_columns_ellipsoids_and_labels(page: Any, viewer: Viewer) -> None:
+    theta = viewer.theta
+    switch(page, "Labels", "Columns of Jˢ", "Linear ellipsoid")
+    for name in ("Columns of Jᵇ", "Angular ellipsoid"):  # by keyboard
+        page.locator("#theory-layers").get_by_label(name, exact=True).focus()
+        page.keyboard.press("Space")
+    until(page, "Object.values(twistarm.parts.theory.visible).filter(Boolean).length >= 9")
+    drawn = shown(page, theta)
+    assert_columns(drawn, ARM, theta)
+    assert_ellipsoids(drawn, ARM, theta)
+    assert assert_labels(drawn, ARM, theta) == 7
+    moved = np.array([-0.2, 0.1, 0.7, -0.3, 1.2])
+    viewer.show(moved)
+    until(page, f"twistarm.parts.theory.numbers.g[0][3] === {float(ARM.fk(moved)[0, 3])!r}")
+    page.evaluate("new Promise(requestAnimationFrame)")
+    drawn = shown(page, moved)
+    assert_columns(drawn, ARM, moved)
+    assert_ellipsoids(drawn, ARM, moved)
+    assert_labels(drawn, ARM, moved)
+    page.get_by_label("all columns").uncheck()
+    page.get_by_label("Joint whose screw").select_option("elbow")
+    assert_columns(shown(page, moved), ARM, moved, only=2)
+    page.get_by_label("Joint whose screw").select_option("")
+    page.get_by_label("all columns").check()
+    switch(page, "Columns of Jˢ", "Columns of Jᵇ", "Linear ellipsoid", "Angular ellipsoid", on=False)
+
+
+def test_labels_follow_the_camera_and_hide_behind_it(page: Any, viewer: Viewer) -> None:
+    switch(page, "Labels")
+    before = page.evaluate(DRAWN)["labels"]
+    page.mouse.move(620, 400)
+    page.mouse.down()
+    page.mouse.move(700, 370, steps=3)
+    page.mouse.up()
+    until(page, f"twistarm.parts.theory.labels.labels[0].text.style.transform !== 'translate({before[0][1]}px'")
+    page.wait_for_timeout(100)
+    drawn = page.evaluate(DRAWN)
+    assert drawn["labels"] != before
+    assert assert_labels(drawn, ARM, viewer.theta) == 7
+    page.evaluate("""() => {
+      const { camera, controls } = twistarm.view.viewer;
+      camera.position.copy(controls.target);
+      camera.position.x += 0.01;
+      controls.update();
+    }""")
+    page.wait_for_timeout(200)
+    assert assert_labels(page.evaluate(DRAWN), ARM, viewer.theta) < 7
+    page.get_by_role("button", name="Fit view").click()
+    page.get_by_label("Screws", exact=True).uncheck()
+    until(page, "twistarm.parts.theory.labels.labels.filter(({ text }) => !text.hidden).length === 2")  # S and T
+    page.get_by_label("Screws", exact=True).check()
+    switch(page, "Labels", on=False)
+
+
+def test_the_screw_of_the_joint_that_moves(page: Any, viewer: Viewer) -> None:
+    switch(page, "Instantaneous screw")
+    page.get_by_role("tab", name="Move").click()
+    page.get_by_label("elbow", exact=True).locator("input[type=range]").focus()
+    page.keyboard.press("ArrowRight")
+    page.get_by_role("tab", name="Theory").click()
+    until(page, "document.querySelector('#theory-joint').selectedOptions[0].text === 'last moved: elbow'")
+    theta = viewer.theta
+    drawn = shown(page, theta)
+    assert_screw(drawn, ARM.spatial_jacobian(theta)[:, 2], ARM.hybrid_jacobian(theta)[:3, 2])
+    assert drawn["coils"] == 0
+    page.get_by_label("Joint whose screw").select_option("slide")
+    slide = ARM.hybrid_jacobian(theta)[:3, 0] * ARM.reach
+    assert_screw(shown(page, theta), ARM.spatial_jacobian(theta)[:, 0], slide)
+    page.get_by_label("Joint whose screw").select_option("")
+
+
+def test_the_screw_of_a_motion_and_the_trace_it_leaves(page: Any, viewer: Viewer) -> None:
+    switch(page, "Instantaneous screw", "Trace")
+    trajectory = motion_of(ARM)
+    viewer.play(trajectory, speed=1.0)
+    until(page, "twistarm.state.frame.time > 0.6 && twistarm.parts.theory.numbers.motion")
+    page.get_by_role("button", name="Pause").click()
+    until(page, "!twistarm.state.frame.running")
+    drawn = page.evaluate(DRAWN)
+    theta, rates = trajectory(drawn["time"]), trajectory(drawn["time"], 1)
+    assert_screw(drawn, ARM.spatial_jacobian(theta) @ rates, ARM.hybrid_jacobian(theta)[:3] @ rates)
+    assert drawn["coils"] == 1
+    h = drawn["numbers"]["motion"]["screw"]["pitch"][0]
+    v, w = np.split(ARM.spatial_jacobian(theta) @ rates, 2)
+    assert h == pytest.approx(v @ w / (w @ w))
+    trace = "twistarm.parts.theory.trace.pieces"
+    points = np.array(page.evaluate(f"{trace}.flat().map((point) => point.toArray())"))
+    way = ARM.fk(trajectory(np.linspace(0, drawn["time"], 2000)))[:, :3, 3]
+    passed = points[-min(10, len(points) - 1) :]
+    assert len(passed) > 3
+    assert np.linalg.norm(passed[:, None] - way, axis=-1).min(axis=1).max() < 1e-3
+    page.get_by_role("button", name="Clear the trace").click()
+    assert page.evaluate(f"{trace}.length") == 0
+    switch(page, "Instantaneous screw", "Trace", on=False)
+
+
+def test_numbers_are_written_and_copied_with_all_digits(page: Any, viewer: Viewer) -> None:
+    theta = np.array([0.0, 0.0, 0.0, 0.0, 0.0])  # stretched: the tool cannot move along its z
+    viewer.show(theta)
+    until(page, "twistarm.parts.theory.numbers.rank === 4")
+    assert page.locator("#theory-standing").inner_text() == "Rank 4 of 5, singular: the tool cannot move along its z."
+    assert page.locator("#theory-numbers").get_by_text("∞", exact=True).first.is_visible()
+    viewer.show(ARM.ready)
+    until(
+        page, f"twistarm.parts.theory.numbers.rank === 5 && twistarm.state.frame.theta[1] === {float(ARM.ready[1])!r}"
+    )
+    table = page.get_by_role("table", name="Jˢ")
+    rows = [row.split() for row in table.inner_text().replace("−", "-").splitlines()[-6:]]
+    assert [row[0] for row in rows] == ["vx", "vy", "vz", "ωx", "ωy", "ωz"]
+    assert_allclose([list(map(float, row[1:])) for row in rows], ARM.spatial_jacobian(ARM.ready), atol=5.001e-4)
+    expected = {"g_st": ARM.fk(ARM.ready), "Jˢ": ARM.spatial_jacobian(ARM.ready), "Jᵇ": ARM.body_jacobian(ARM.ready)}
+    for name, matrix in expected.items():
+        assert_array_equal(ast.literal_eval(copied(page, name)), matrix)
+    values = ARM.manipulability(ARM.ready).singular_values
+    assert_allclose(ast.literal_eval(copied(page, "Singular values")), values, rtol=1e-13)
+    screws = eval(copied(page, "Joint screws"), {"__builtins__": {"float": float}})
+    assert [screw["name"] for screw in screws] == list(ARM.joint_names)
+    assert screws[0]["pitch"] == np.inf
+    assert_allclose(screws[1]["axis"], ARM.spatial_jacobian(ARM.ready)[3:, 1])
+
+
+def copied(page: Any, name: str) -> str:
+    button = page.get_by_role("button", name=f"Copy {name}", exact=True)
+    button.focus()
+    page.keyboard.press("Enter")
+    page.wait_for_timeout(50)
+    text: str = page.evaluate("navigator.clipboard.readText()")
+    return text
+
+
+def test_the_cloud(page: Any) -> None:
+    switch(page, "Workspace")
+    until(page, "twistarm.parts.theory.cloud.group.children.length && !document.getElementById('dexterity').hidden")
+    kept = page.evaluate("""() => {
+      const { position, color } = twistarm.parts.theory.cloud.group.children[0].geometry.attributes;
+      const [first, colours] = [position.array.slice(0, 150), color.array.slice(0, 3000)];
+      return { count: position.count, first: [...first], colours: [...colours] };
+    }""")
+    assert kept["count"] == POINTS
+    theta = ARM.random_theta(np.random.default_rng(SEED), POINTS)[:1000]
+    assert_allclose(np.reshape(kept["first"], (50, 3)), ARM.fk(theta[:50])[:, :3, 3], atol=1e-6)
+    dexterity = 1 / ARM.manipulability(theta).condition
+    light = np.reshape(kept["colours"], (1000, 3)) @ [0.2126, 0.7152, 0.0722]
+    order = np.argsort(dexterity)
+    assert light[order[-100:]].min() > light[order[:100]].max()  # the better, the lighter
+    assert "5 directions" in page.locator("#dexterity-words").inner_text()
+    switch(page, "Workspace", on=False)
+    until(page, "document.getElementById('dexterity').hidden && !twistarm.parts.theory.cloud.group.visible")
+
+
+def test_numbers_are_asked_for_while_the_panel_is_open(page: Any, viewer: Viewer) -> None:
+    numbers = "twistarm.parts.theory.visible.numbers"
+    until(page, numbers)
+    viewer._server.post("another page", lambda stage: stage.set_visible("numbers", False))  # leaves its panel
+    viewer.theta  # noqa: B018  # applied
+    until(page, numbers)
+    page.get_by_role("tab", name="Move").click()
+    until(page, f"!{numbers}")
+    page.get_by_role("tab", name="Theory").click()
+    until(page, numbers)
+
+
+# other arms ----------------------------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("name", ["rover_arm_6dof", "panda"])
+def test_other_arms(open_page: Opened, name: str) -> None:
+    arm = load_arm(name)
+    theta = arm.random_theta(np.random.default_rng(7))
+    with Viewer(arm, theta, open_browser=False) as viewer, open_page() as opened:
+        opened.set_viewport_size(SMALL)
+        settled(opened, viewer.url)
+        opened.evaluate("twistarm.view.setVisible('arm', false)")  # its meshes take seconds in software
+        show_theory(opened)
+        switch(opened, "Labels", "Columns of Jˢ", "Columns of Jᵇ", "Linear ellipsoid", "Angular ellipsoid")
+        switch(opened, "Instantaneous screw")
+        opened.get_by_label("Joint whose screw").select_option(arm.joint_names[3])
+        until(opened, "twistarm.parts.theory.visible.screw")
+        opened.wait_for_timeout(200)
+        drawn = shown(opened, theta)
+        assert_columns(drawn, arm, theta)
+        assert_ellipsoids(drawn, arm, theta)
+        assert_labels(drawn, arm, theta)
+        assert_screw(drawn, arm.spatial_jacobian(theta)[:, 3], arm.hybrid_jacobian(theta)[:3, 3])
+        around = opened.locator(".figures .around").nth(1)  # J^s fits into the panel
+        assert around.evaluate("(around) => around.scrollWidth <= around.clientWidth")
+
+
+def test_the_stand_alone_page(open_page: Opened, tmp_path: Path) -> None:
+    trajectory = motion_of(ARM)
+    saved = save_html(ARM, tmp_path / "arm.html", trajectory)
+    with open_page() as opened:
+        opened.set_viewport_size(SMALL)
+        opened.goto(saved.as_uri())
+        until(opened, "globalThis.twistarm?.theory")
+        opened.get_by_label("Time").focus()
+        opened.keyboard.press("End")
+        until(opened, "!twistarm.state.frame.running")
+        show_theory(opened)
+        switch(opened, "Labels", "Columns of Jˢ", "Columns of Jᵇ", "Linear ellipsoid", "Instantaneous screw")
+        assert opened.locator("#theory-layers").get_by_label("Workspace").count() == 0
+        opened.wait_for_timeout(200)
+        end = trajectory(trajectory.duration)
+        drawn = opened.evaluate(DRAWN.replace("{ view, parts, theory = parts.theory }", "{ view, theory }"))
+        assert_columns(drawn, ARM, end)
+        assert_labels(drawn, ARM, end)
+        assert_allclose(drawn["numbers"]["body"], ARM.body_jacobian(end), atol=1e-6)

@@ -1,0 +1,177 @@
+"""Work in threads: the latest wins, what goes wrong is told, and nothing is left running."""
+
+from __future__ import annotations
+
+import threading
+import time
+from collections.abc import Callable, Iterator
+from typing import Any
+
+import pytest
+
+from twistarm import Arm
+from twistarm.errors import InputError
+from twistarm.viewer import Viewer
+from twistarm.viewer.jobs import Job, Progress, ReplacedError, Workers
+from viewer_page import WAIT, Page, visit
+from viewer_page import arm as arm
+from viewer_page import viewer as viewer
+
+
+class Loop:
+    """What the server is to its workers."""
+
+    def __init__(self) -> None:
+        self.results: list[Any] = []
+        self.errors: list[str] = []
+        self.shares: list[tuple[str, float | None]] = []
+        self.workers = Workers(self.deliver, lambda key, share: self.shares.append((key, share)))
+
+    def deliver(self, action: Callable[[], None]) -> None:
+        try:
+            action()
+        except Exception as error:
+            self.errors.append(str(error))
+
+    def submit(self, key: str, work: Callable[[Progress], Any]) -> None:
+        self.workers.submit(Job(key, work, self.results.append))
+
+
+@pytest.fixture
+def loop() -> Iterator[Loop]:
+    threads = set(threading.enumerate())
+    begun = Loop()
+    yield begun
+    begun.workers.stop(WAIT)
+    assert set(threading.enumerate()) <= threads
+
+
+class Held:
+    """Work that waits for leave at each word of progress."""
+
+    def __init__(self, result: str, steps: int = 1000) -> None:
+        self.result, self.steps = result, steps
+        self.begun, self.leave, self.replaced = threading.Event(), threading.Event(), threading.Event()
+
+    def __call__(self, progress: Progress) -> str:
+        self.begun.set()
+        assert self.leave.wait(WAIT)
+        try:
+            for k in range(self.steps):
+                progress(k / self.steps)
+        except ReplacedError:
+            self.replaced.set()
+            raise
+        return self.result
+
+
+def until(reached: Callable[[], bool]) -> None:
+    end = time.monotonic() + WAIT
+    while not reached():
+        assert time.monotonic() < end
+        time.sleep(0.001)
+
+
+def test_the_latest_job_wins_and_those_between_are_never_begun(loop: Loop) -> None:
+    first = Held("first")
+    begun: list[int] = []
+    loop.submit("plan", first)
+    assert first.begun.wait(WAIT)
+    for k in range(50):
+        loop.submit("plan", lambda progress, k=k: begun.append(k) or k)  # type: ignore[misc]
+    first.leave.set()
+    until(lambda: loop.results == [49])
+    assert first.replaced.is_set()
+    assert begun == [49]
+    assert loop.errors == []
+
+
+def test_keys_do_not_wait_for_each_other(loop: Loop) -> None:
+    slow = Held("slow")
+    loop.submit("workspace", slow)
+    assert slow.begun.wait(WAIT)
+    loop.submit("target", lambda progress: "quick")
+    until(lambda: loop.results == ["quick"])
+    slow.leave.set()
+    until(lambda: loop.results == ["quick", "slow"])
+
+
+def test_what_goes_wrong_is_told_and_the_next_job_is_done(loop: Loop) -> None:
+    def fail(progress: Progress) -> None:
+        raise InputError("no such place")
+
+    loop.submit("target", fail)
+    until(lambda: loop.errors == ["no such place"])
+    loop.submit("target", lambda progress: 1 / 0)
+    until(lambda: len(loop.errors) == 2)
+    loop.submit("target", lambda progress: "done")
+    until(lambda: loop.results == ["done"])
+
+
+def test_progress_is_told_and_ends_with_none(loop: Loop) -> None:
+    work = Held("done", steps=4)
+    work.leave.set()
+    loop.submit("plan", work)
+    until(lambda: loop.shares[-1:] == [("plan", None)])
+    assert loop.shares == [*(("plan", k / 4) for k in range(4)), ("plan", None)]
+    loop.submit("target", lambda progress: "without a word")
+    until(lambda: loop.results == ["done", "without a word"])
+    loop.workers.stop(WAIT)
+    assert loop.shares[-1] == ("plan", None)
+
+
+def test_stopping_interrupts_at_the_next_word_of_progress_and_begins_nothing_more(loop: Loop) -> None:
+    working, waiting = Held("working"), Held("waiting")
+    loop.submit("plan", working)
+    assert working.begun.wait(WAIT)
+    loop.submit("plan", waiting)
+    stopper = threading.Thread(target=loop.workers.stop, args=(WAIT,))
+    stopper.start()
+    working.leave.set()
+    stopper.join(WAIT)
+    assert not stopper.is_alive()
+    assert working.replaced.is_set()
+    assert not waiting.begun.is_set()
+    assert loop.results == loop.errors == []
+
+
+def test_stopping_waits_no_longer_than_it_was_told_for_what_cannot_be_interrupted(loop: Loop) -> None:
+    deaf = Held("deaf", steps=0)
+    loop.submit("plan", deaf)
+    assert deaf.begun.wait(WAIT)
+    loop.workers.stop(0.01)
+    deaf.leave.set()
+
+
+def test_a_closed_view_leaves_no_worker(arm: Arm) -> None:
+    threads = set(threading.enumerate())
+    work = Held("never", steps=10**9)
+    work.leave.set()
+    with Viewer(arm, open_browser=False) as viewer:
+        viewer._server._workers.submit(Job("plan", work, lambda result: None))
+        assert work.begun.wait(WAIT)
+    assert work.replaced.is_set()
+    assert set(threading.enumerate()) <= threads
+
+
+def test_pages_see_work_errors_and_results(viewer: Viewer) -> None:
+    server, seen = viewer._server, threading.Event()
+
+    def work(progress: Progress) -> None:
+        while not seen.wait(0.002):
+            progress(0.5)
+
+    def fail(progress: Progress) -> None:
+        raise InputError("there is no way")
+
+    async def watch(page: Page) -> None:
+        server._workers.submit(Job("plan", work, lambda result: server.stage.show(server.stage.theta + 0.01)))
+        await page.until(lambda: page.latest["work"]["jobs"] == [{"key": "plan", "share": 0.5}])
+        before = page.latest["frame"]["theta"]
+        seen.set()
+        await page.until(lambda: page.latest["frame"]["theta"] != before)
+        await page.until(lambda: page.latest["work"]["jobs"] == [])
+        server._workers.submit(Job("plan", fail, lambda result: None))
+        await page.until(lambda: page.latest.get("error", {}).get("message") == "there is no way")
+
+    visit(viewer, watch)

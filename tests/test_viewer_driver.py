@@ -1,0 +1,376 @@
+"""The switch Drive of a page: a servo on simulated joints inside the view, from its beginning to every end."""
+
+from __future__ import annotations
+
+import asyncio
+import json
+import threading
+import time
+from collections.abc import Callable, Iterator
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+import pytest
+from numpy.testing import assert_allclose
+
+from test_viewer_jog import ask, eventually, other
+from twistarm import Arm, load_arm, plan_joint
+from twistarm.servo import ServoOutput
+from twistarm.stream import Cycle
+from twistarm.usual_limits import DEFAULTS
+from twistarm.viewer import Viewer
+from viewer_page import WAIT, Page, nothing, visit
+
+SPEED = 0.05
+"""Of the twists that pages command here [m/s]."""
+
+
+@pytest.fixture(scope="module")
+def arm() -> Arm:
+    return load_arm("rover_arm_6dof")
+
+
+@pytest.fixture
+def viewer(arm: Arm) -> Iterator[Viewer]:
+    with Viewer(arm, open_browser=False) as served:
+        yield served
+    assert driving() == []
+
+
+def driving() -> list[threading.Thread]:
+    return [thread for thread in threading.enumerate() if thread.name == "twistarm drive"]
+
+
+async def switch(page: Page, on: bool) -> None:
+    await ask(page, type="servo", on=on)
+    await page.until(lambda: page.latest["drive"]["on"] == page.latest["servo"]["driven"] == on)
+
+
+async def push(page: Page, reached: Callable[[], bool], **command: Any) -> None:
+    """A command said again every 30 ms until something is reached."""
+    end = time.monotonic() + WAIT
+    while not reached():
+        assert time.monotonic() < end
+        await ask(page, **command)
+        await asyncio.sleep(0.03)
+
+
+async def still(page: Page, viewer: Viewer) -> None:
+    """Stop, until the arm stands."""
+    await ask(page, type="stop")
+    looks: list[list[float]] = []
+    while len(looks) < 4 or any(look != looks[-1] for look in looks[-4:]):
+        looks.append(viewer.theta.tolist())
+        await asyncio.sleep(0.1)
+
+
+def away(viewer: Viewer, least: float) -> Callable[[], bool]:
+    """Whether some joint has moved that far from where it is now [rad, m]."""
+    start = viewer.theta
+    return lambda: bool(np.abs(viewer.theta - start).max() > least)
+
+
+def drive(viewer: Viewer, visitor: Callable[[Page], Any]) -> Page:
+    """Visit with Drive switched on."""
+
+    async def go(page: Page) -> None:
+        await switch(page, True)
+        await visitor(page)
+
+    return visit(viewer, go)
+
+
+# driving -----------------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("frame", ["base", "tool"])
+def test_a_jog_moves_the_tool_straight_in_its_axes(viewer: Viewer, arm: Arm, frame: str) -> None:
+    before = viewer.theta
+    direction = np.array([0.6, 0.0, 0.8]) if frame == "base" else np.array([0.0, -1.0, 0.0])
+
+    async def jog(page: Page) -> None:
+        assert page.latest["servo"]["driven"]
+        assert page.latest["servo"]["jog"]
+        await push(page, away(viewer, 0.03), type="jog", twist=[*(SPEED * direction), 0, 0, 0], frame=frame)
+        await still(page, viewer)
+        assert "error" not in page.latest
+
+    drive(viewer, jog)
+    start, end = arm.poses(before)[arm.tip], arm.poses(viewer.theta)[arm.tip]
+    way = end[:3, 3] - start[:3, 3]
+    along = direction if frame == "base" else start[:3, :3] @ direction
+    assert np.linalg.norm(way) > 5e-3
+    assert_allclose(way / np.linalg.norm(way), along, atol=5e-3)
+    assert_allclose(end[:3, :3], start[:3, :3], atol=2e-3)
+
+
+def test_joints_are_jogged_by_their_rates(viewer: Viewer, arm: Arm) -> None:
+    before, rates = viewer.theta, np.zeros(arm.n)
+    rates[[1, 3]] = 0.2, -0.4
+
+    async def jog(page: Page) -> None:
+        await push(page, away(viewer, 0.1), type="jog_joints", rates=rates.tolist())
+        await still(page, viewer)
+
+    drive(viewer, jog)
+    moved = viewer.theta - before
+    assert_allclose(moved[[0, 2, 4, 5]], 0.0, atol=1e-9)
+    assert moved[3] < -0.1
+    assert moved[3] == pytest.approx(-2.0 * moved[1], rel=0.1)
+
+
+def test_it_stops_at_a_limit_and_says_which(arm: Arm) -> None:
+    near = arm.ready.copy()
+    joint = int(np.flatnonzero(np.isfinite(arm.limits.upper))[0])
+    near[joint] = arm.limits.upper[joint] - 0.05
+    rates = np.zeros(arm.n)
+    rates[joint] = 0.5
+
+    async def jog(page: Page) -> None:
+        def halted() -> bool:
+            return bool(page.latest["servo"]["status"] == "HALTED_LIMIT")
+
+        await push(page, halted, type="jog_joints", rates=rates.tolist())
+        assert page.latest["servo"]["joint"] == arm.joint_names[joint]
+        gauge = page.latest["gauge"]
+        assert (gauge["joint"], gauge["end"]) == (arm.joint_names[joint], "upper")
+        assert gauge["room"] < 1e-3
+
+    with Viewer(arm, near, open_browser=False) as viewer:
+        drive(viewer, jog)
+        assert viewer.theta[joint] <= arm.limits.upper[joint]
+
+
+def test_limits_that_an_arm_does_not_give_are_the_usual_ones_and_said(arm: Arm) -> None:
+    bare = replace(arm, limits=arm.limits.with_({"velocity": np.inf, "acceleration": np.inf}, arm.joint_names))
+    fastest = DEFAULTS["velocity"]["rad"]
+    rates = [5.0 * fastest, *[0.0] * (arm.n - 1)]
+    slowed = f"slowed by the velocity limit of {arm.joint_names[0]}"
+
+    async def jog(page: Page) -> None:
+        assert page.latest["drive"]["note"].startswith("no limits given, used instead: velocity 1 rad/s for ")
+        start = time.monotonic()
+        await push(page, lambda: page.latest["servo"]["reason"] == slowed, type="jog_joints", rates=rates)
+        await push(page, away(viewer, 0.3), type="jog_joints", rates=rates)
+        assert viewer.theta[0] - bare.ready[0] < fastest * (time.monotonic() - start)
+
+    with Viewer(bare, open_browser=False) as viewer:
+        drive(viewer, jog)
+
+
+def test_a_limit_of_the_arm_itself_holds(arm: Arm) -> None:
+    slow = replace(arm, limits=arm.limits.with_({"velocity": 0.1}, arm.joint_names))
+
+    async def jog(page: Page) -> None:
+        assert "velocity" not in page.latest["drive"]["note"]
+        start = time.monotonic()
+        await push(page, away(viewer, 0.03), type="jog_joints", rates=[1.0, *[0.0] * (arm.n - 1)])
+        assert viewer.theta[0] - slow.ready[0] < 0.1 * (time.monotonic() - start)
+
+    with Viewer(slow, open_browser=False) as viewer:
+        drive(viewer, jog)
+
+
+# its ends ----------------------------------------------------------------------------------------------
+
+
+def test_switched_off_it_comes_to_rest_and_sliders_are_free_where_it_was_left(viewer: Viewer, arm: Arm) -> None:
+    async def jog(page: Page) -> None:
+        turn = {"type": "jog_joints", "rates": [0.5, *[0.0] * (arm.n - 1)]}
+        await push(page, away(viewer, 0.05), **turn)
+        await ask(page, type="pose", name="ready")
+        assert page.latest["error"]["message"] == (
+            f"a servo drives {arm.name}: sliders, poses and trajectories are free again once Drive in the Jog panel "
+            "is switched off"
+        )
+        await push(page, away(viewer, 0.05), **turn)
+        moving = viewer.theta[0]
+        await switch(page, False)
+        assert viewer.theta[0] - moving > 1e-3  # braked, not cut off
+        assert not page.latest["servo"]["driven"]
+        assert page.latest["gauge"]["sigma"] is None
+        assert driving() == []
+        left = viewer.theta
+        await ask(page, type="joint", name=arm.joint_names[0], value=0.25)
+        assert "error" not in page.latest
+        await eventually(lambda: viewer.theta[0] == 0.25)
+        assert viewer.theta[1:].tolist() == left[1:].tolist()
+        await ask(page, type="jog", twist=[0.1, 0, 0, 0, 0, 0], frame="base")
+        assert page.latest["error"]["message"].startswith("no servo takes commands here")
+
+    drive(viewer, jog)
+
+
+def test_it_can_be_switched_on_again_at_once(viewer: Viewer, arm: Arm) -> None:
+    async def jog(page: Page) -> None:
+        await push(page, away(viewer, 0.05), type="jog_joints", rates=[0.5, *[0.0] * (arm.n - 1)])
+        await ask(page, type="servo", on=False)
+        await switch(page, True)
+        assert "error" not in page.latest
+        await asyncio.sleep(0.3)
+        assert len(driving()) == 1
+        await push(page, away(viewer, 0.02), type="jog_joints", rates=[0.5, *[0.0] * (arm.n - 1)])
+        for on in (True, True, False, False):  # harmless when repeated
+            await ask(page, type="servo", on=on)
+            assert "error" not in page.latest
+
+    drive(viewer, jog)
+
+
+def test_the_last_page_s_end_is_its_end(viewer: Viewer, arm: Arm) -> None:
+    async def jog(page: Page) -> None:
+        second = await other(page)
+        await push(second, away(viewer, 0.02), type="jog_joints", rates=[0.5, *[0.0] * (arm.n - 1)])
+        second.connection.close()
+        await eventually(lambda: len(viewer._server.clients) == 1)
+        await still(page, viewer)  # who jogged has gone: at rest
+        assert len(driving()) == 1
+
+    drive(viewer, jog)
+    end = time.monotonic() + 3.0
+    while driving():
+        assert time.monotonic() < end
+        time.sleep(0.01)
+    assert not viewer._server.ask(lambda stage: stage.driven)
+
+
+def test_the_view_s_end_leaves_no_thread(arm: Arm) -> None:
+    viewer = Viewer(arm, open_browser=False)
+
+    async def jog(page: Page) -> None:
+        await push(page, away(viewer, 0.02), type="jog_joints", rates=[0.5, *[0.0] * (arm.n - 1)])
+        await asyncio.to_thread(viewer.close)
+        assert driving() == []
+
+    drive(viewer, jog)
+    assert viewer.theta[0] > arm.ready[0]
+
+
+# what goes before it ---------------------------------------------------------------------------------------
+
+
+def test_it_does_not_begin_where_a_servo_of_the_program_drives(viewer: Viewer, arm: Arm) -> None:
+    reason = f"a servo of the program drives {arm.name}: Drive is free once it has ended"
+
+    async def begin(page: Page) -> None:
+        _ = viewer.commands
+        await ask(page, type="servo", on=True)
+        assert page.latest["error"]["message"] == reason
+        viewer.show_servo(None)
+        viewer.show_servo(ServoOutput.stale(np.zeros(arm.n), "waiting"))  # one that pages do not command
+        await ask(page, type="servo", on=True)
+        assert page.latest["error"]["message"] == reason
+        assert driving() == []
+        viewer.show_servo(None)
+        await switch(page, True)
+
+    visit(viewer, begin)
+
+
+def test_a_servo_of_the_program_takes_over(viewer: Viewer, arm: Arm) -> None:
+    async def take_over(page: Page) -> None:
+        _ = viewer.commands
+        await page.until(lambda: not page.latest["drive"]["on"])
+        assert page.latest["servo"]["driven"]
+        theta = arm.ready + 0.1
+        viewer.show_servo(Cycle(0.0, None, theta, None, "not yet"))
+        await page.until(lambda: page.latest["servo"]["reason"] == "not yet")
+        assert viewer.theta.tolist() == theta.tolist()
+        assert driving() == []
+        viewer.show_servo(None)
+        await page.until(lambda: not page.latest["servo"]["driven"])
+
+    drive(viewer, take_over)
+
+
+def test_the_end_of_no_servo_does_not_end_it(viewer: Viewer) -> None:
+    async def end(page: Page) -> None:
+        viewer.show_servo(None)
+        await push(page, away(viewer, 0.01), type="jog", twist=[SPEED, 0, 0, 0, 0, 0], frame="base")
+        assert "error" not in page.latest
+        assert page.latest["servo"]["driven"]
+
+    drive(viewer, end)
+
+
+def test_what_the_program_shows_goes_first_and_is_told(viewer: Viewer, arm: Arm) -> None:
+    theta = arm.ready + 0.05
+
+    async def show(page: Page) -> None:
+        await push(page, away(viewer, 0.01), type="jog", twist=[SPEED, 0, 0, 0, 0, 0], frame="base")
+        viewer.show(theta)
+        await page.until(lambda: "error" in page.latest)
+        assert page.latest["error"]["message"] == "the program moves the arm: Drive was switched off"
+        await page.until(lambda: not page.latest["servo"]["driven"])
+
+    drive(viewer, show)
+    assert viewer.theta.tolist() == theta.tolist()
+
+
+def test_a_trajectory_that_plays_is_stopped_first(viewer: Viewer, arm: Arm) -> None:
+    goal = arm.ready.copy()
+    goal[0] += 0.5
+    viewer.play(plan_joint(arm, [arm.ready, goal], limits={"velocity": 0.2, "acceleration": 1.0}))
+
+    async def look(page: Page) -> None:
+        assert not page.latest["frame"]["running"]
+        at = viewer.theta
+        await asyncio.sleep(0.2)
+        assert_allclose(viewer.theta, at, atol=1e-12)
+
+    drive(viewer, look)
+
+
+def test_outside_the_limits_it_does_not_begin(arm: Arm) -> None:
+    theta, joint = arm.ready.copy(), int(np.flatnonzero(np.isfinite(arm.limits.upper))[0])
+    theta[joint] = arm.limits.upper[joint] + 0.1
+
+    async def begin(page: Page) -> None:
+        await ask(page, type="servo", on=True)
+        assert page.latest["error"]["message"].startswith(f"{arm.joint_names[joint]} = ")
+        assert "is outside its limits" in page.latest["error"]["message"]
+        assert not page.latest["drive"]["on"]
+
+    with Viewer(arm, theta, open_browser=False) as viewer:
+        visit(viewer, begin)
+        assert driving() == []
+
+
+@pytest.mark.parametrize(
+    ("request_", "reason"),
+    [
+        ({"type": "servo"}, "servo needs on; got []"),
+        ({"type": "servo", "on": 1}, "on must be true or false"),
+        ({"type": "jog_joints", "rates": [0.1]}, "rates must be 6 numbers, base to tip: "),
+        ({"type": "jog_joints", "rates": "fast"}, "rates must be a list of numbers"),
+        ({"type": "jog_joints", "rates": [1e5, 0, 0, 0, 0, 0]}, "theta_dot must be at most 10000"),
+    ],
+)
+def test_nonsense_gets_its_reason(viewer: Viewer, request_: dict[str, Any], reason: str) -> None:
+    async def ask_it(page: Page) -> None:
+        await page.send(json.dumps(request_))
+        await page.until(lambda: "error" in page.latest)
+        assert reason in page.latest["error"]["message"]
+
+    drive(viewer, ask_it)
+
+
+def test_an_arm_that_stands_tells_the_pages_nothing(viewer: Viewer) -> None:
+    async def look(page: Page) -> None:
+        await push(page, away(viewer, 0.01), type="jog", twist=[SPEED, 0, 0, 0, 0, 0], frame="base")
+        await still(page, viewer)
+        end = time.monotonic() + WAIT
+        while set(page.latest) != {"done"}:  # a cycle that a busy computer delays is told
+            assert time.monotonic() < end
+            await ask(page, type="servo", on=True)  # it is: all that was told until now is read
+            page.latest.clear()
+            await asyncio.sleep(0.4)
+            await ask(page, type="servo", on=True)
+
+    drive(viewer, look)
+
+
+def test_nothing_runs_before_it_is_asked_for(viewer: Viewer) -> None:
+    assert visit(viewer, nothing).latest["drive"] == {"type": "drive", "on": False, "note": ""}
+    assert driving() == []

@@ -1,0 +1,162 @@
+"""How near a driven arm is to what slows a servo: against Pinocchio, NumPy, hand calculation and the servo itself."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+import pytest
+
+from twistarm import Arm, ArmBuilder, load_arm
+from twistarm.actuators import Actuators
+from twistarm.checks import Array
+from twistarm.limits import JointLimits
+from twistarm.servo import ServoSettings, ServoState, ServoStatus, TwistCommand, servo_step
+from twistarm.usual_limits import with_defaults
+from twistarm.viewer.gauge import SILENT, Gauge
+from twistarm.viewer.servo_words import SILENT as WORDLESS
+from twistarm.viewer.stage import Stage
+
+BELOW = ServoSettings().singular_below
+
+
+def gauge(arm: Arm, theta: Any) -> dict[str, Any]:
+    stage = Stage(arm, theta)
+    stage.hear(WORDLESS)
+    (message,) = Gauge(arm).messages(stage)
+    return message
+
+
+def by_pinocchio(arm: Arm, theta: Array) -> Array:
+    """The singular values of Pinocchio's Jacobian, metres measured in the arm's reach."""
+    _, _, J = arm.by_pinocchio(theta)
+    slides = np.array(arm.units) == "m"
+    scaled = np.diag([1 / arm.reach] * 3 + [1.0] * 3) @ J @ np.diag(np.where(slides, arm.reach, 1.0))
+    values: Array = np.linalg.svd(scaled, compute_uv=False)
+    return values
+
+
+def planar(second: float) -> Arm:
+    """Two joints that turn about z, links of 0.4 m and `second` [m] along x."""
+    tool = np.eye(4)
+    tool[0, 3] = 0.4 + second
+    builder = ArmBuilder("planar").revolute("a", [0, 0, 1], [0, 0, 0], lower=-3, upper=3)
+    return builder.revolute("b", [0, 0, 1], [0.4, 0, 0], lower=-2, upper=1).tool(tool).build()
+
+
+@pytest.mark.parametrize("name", ["rover_arm", "rover_arm_6dof", "panda"])
+def test_the_smallest_singular_value_is_pinocchio_s(name: str) -> None:
+    arm = load_arm(name)
+    for theta in arm.random_theta(np.random.default_rng(3), 8):
+        message = gauge(arm, theta)
+        assert message["sigma"] == pytest.approx(by_pinocchio(arm, theta)[-1], abs=1e-5)
+        assert message["below"] == BELOW
+
+
+@pytest.mark.parametrize(("bend", "status"), [(0.1, "SLOWED_SINGULARITY"), (0.3, "OK")])
+def test_it_is_near_where_the_servo_slows(bend: float, status: str) -> None:
+    """The wrist of the six-joint arm: axes 4 and 6 in line at theta5 = 0; asked for is what is lost there."""
+    arm = load_arm("rover_arm_6dof")
+    arm = replace(arm, limits=with_defaults(arm))
+    theta = arm.ready.copy()
+    theta[4] = bend
+    message = gauge(arm, theta)
+    assert (message["sigma"] < BELOW) == (status == "SLOWED_SINGULARITY")
+    slides = np.array(arm.units) == "m"
+    U = np.linalg.svd(
+        np.diag([1 / arm.reach] * 3 + [1.0] * 3)
+        @ arm.hybrid_jacobian(theta)
+        @ np.diag(np.where(slides, arm.reach, 1.0))
+    )[0]
+    lost = U[:, 5] * np.repeat([arm.reach, 1.0], 3)
+    seen = set()
+    for sign in (-1, 1):
+        state = ServoState.at(arm, theta)
+        _, output = servo_step(arm, state, TwistCommand(0.05 * sign * lost, "base"), 0.01)
+        seen.add(output.status)
+    assert (ServoStatus.SLOWED_SINGULARITY in seen) == (status == "SLOWED_SINGULARITY")
+    words = ["along x", "along y", "along z", "about x", "about y", "about z"]
+    assert message["lacks"] == words[int(np.argmax(np.abs(U[:, 5])))]
+
+
+def test_an_arm_of_two_joints_by_hand() -> None:
+    """v = (−(l1 s1 + l2 s12), −l2 s12; l1 c1 + l2 c12, l2 c12) θ̇: σ1 σ2 = l1 l2 |sin θ2|, of the plane alone."""
+    arm = planar(0.3)
+    for bend in (0.02, 0.4, 1.0):
+        theta = np.array([0.3, bend])
+        l1, l2, s1, s12, c1, c12 = 0.4, 0.3, np.sin(0.3), np.sin(0.3 + bend), np.cos(0.3), np.cos(0.3 + bend)
+        J = np.array([[-l1 * s1 - l2 * s12, -l2 * s12], [l1 * c1 + l2 * c12, l2 * c12]]) / arm.reach
+        assert gauge(arm, theta)["sigma"] == pytest.approx(np.linalg.svd(J, compute_uv=False)[-1], abs=1e-5)
+
+
+def test_a_direction_that_is_lost_here_alone() -> None:
+    arm = planar(0.3)
+    assert gauge(arm, [0.0, 0.01])["lacks"] == "along x"
+    assert gauge(arm, [np.pi / 2, 0.01])["lacks"] == "along y"
+    straight = gauge(arm, [0.0, 0.0])
+    assert (straight["sigma"], straight["lacks"]) == (0.0, None)
+
+
+def test_directions_that_an_arm_never_has_are_no_singularity() -> None:
+    """Three joints about z: the plane and its rotation, all of them far from singular at a right angle."""
+    tool = np.eye(4)
+    tool[0, 3] = 0.8
+    builder = ArmBuilder("three").revolute("a", [0, 0, 1], [0, 0, 0], lower=-3, upper=3)
+    builder = builder.revolute("b", [0, 0, 1], [0.4, 0, 0], lower=-3, upper=3)
+    arm = builder.revolute("c", [0, 0, 1], [0.7, 0, 0], lower=-3, upper=3).tool(tool).build()
+    assert gauge(arm, [0.0, np.pi / 2, 0.0])["sigma"] > 2 * BELOW
+
+
+def test_the_nearest_limit_is_the_joint_with_least_room_for_its_kind() -> None:
+    arm = planar(0.3)
+    for theta, joint, room, end in [
+        ([0.0, 0.9], "b", 0.1, "upper"),
+        ([0.0, -1.7], "b", 0.3, "lower"),
+        ([-2.95, 0.5], "a", 0.05, "lower"),
+    ]:
+        message = gauge(arm, theta)
+        assert (message["joint"], message["unit"], message["end"]) == (joint, "rad", end)
+        assert message["room"] == pytest.approx(room, abs=1e-6)
+        assert message["near"] == pytest.approx(0.1 * {"a": 6.0, "b": 3.0}[joint])
+
+
+def test_a_slide_in_metres_and_joints_without_limits() -> None:
+    arm = load_arm("rover_arm")
+    theta = arm.ready.copy()
+    theta[0] = arm.limits.lower[0] + 0.002
+    message = gauge(arm, theta)
+    assert (message["joint"], message["unit"], message["end"]) == ("slide", "m", "lower")
+    assert message["room"] == pytest.approx(0.002, abs=1e-6)
+    free = planar(0.3)
+    free = replace(free, limits=JointLimits.unbounded(2))
+    message = gauge(free, [0.1, 0.2])
+    assert message["sigma"] > 0
+    assert [message[name] for name in ("joint", "unit", "room", "near", "end")] == [None] * 5
+
+
+def test_a_motor_s_limit_counts_too() -> None:
+    """A differential: motors a + b and a − b, the first of which may turn by 1 rad."""
+    arm = planar(0.3)
+    limits = JointLimits.unbounded(2)
+    limits = replace(limits, lower=np.array([-1.0, -5.0]), upper=np.array([1.0, 5.0]))
+    G = np.array([[1.0, 1.0], [1.0, -1.0]])
+    nan = np.full(2, np.nan)
+    motors = Actuators(("left", "right"), arm.joint_names, G, np.zeros(2), ("deg", "turn"), nan, limits)
+    message = gauge(replace(arm, actuators=motors), [0.5, 0.45])
+    assert (message["joint"], message["unit"], message["end"]) == ("left", "rad", "upper")
+    assert message["room"] == pytest.approx(0.05, abs=1e-6)
+
+
+def test_silent_while_no_servo_drives_and_measured_once_per_posture() -> None:
+    arm = planar(0.3)
+    stage, part = Stage(arm, [0.1, 0.2]), Gauge(arm)
+    assert list(part.messages(stage)) == [{"type": "gauge", **SILENT}]
+    stage.hear(WORDLESS)
+    first, again = [next(iter(part.messages(stage))) for _ in range(2)]
+    assert first == again
+    assert first["sigma"] > 0
+    stage.show(np.array([0.1, 0.5]))
+    assert next(iter(part.messages(stage)))["sigma"] > first["sigma"]
+    stage.hear(None)
+    assert list(part.messages(stage)) == [{"type": "gauge", **SILENT}]

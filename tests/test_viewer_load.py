@@ -1,0 +1,252 @@
+"""The server under load: many frames, mute and hostile pages, a computer that goes, a process that is killed."""
+
+from __future__ import annotations
+
+import asyncio
+import gc
+import json
+import os
+import random
+import re
+import signal
+import socket
+import subprocess
+import sys
+import threading
+import time
+import tracemalloc
+from collections.abc import Callable, Iterator
+from contextlib import ExitStack, contextmanager
+
+import pytest
+from numpy.testing import assert_array_equal
+from tornado.httpclient import HTTPClientError
+from tornado.websocket import websocket_connect
+
+import schema_samples as samples
+from twistarm.strict_json import LARGEST_MESSAGE
+from twistarm.viewer import Viewer
+from twistarm.viewer.handlers import MOST_PAGES
+from twistarm.viewer.messages import SCHEMA
+from viewer_page import THETA, WAIT, Page, nothing, visit
+from viewer_page import arm as arm
+from viewer_page import viewer as viewer
+
+RATE = 60
+
+LEAST = 0.8
+"""Share of the frames that arrive on a machine that others use too; the latest always does."""
+
+FLAT = 300_000
+"""Bytes: what the interpreter itself keeps and drops; a leak of 100 bytes a message would be three times that."""
+
+
+def port_of(viewer: Viewer) -> int:
+    return int(viewer.url.split(":")[2].split("/")[0])
+
+
+def address(viewer: Viewer) -> str:
+    return viewer.url.replace("http", "ws", 1) + "socket"
+
+
+@contextmanager
+def flat_memory(viewer: Viewer) -> Iterator[None]:
+    """Python's memory soon after the block is what it was before; the doctor, who imports and reads, has looked."""
+    viewer._server.doctor.begin()
+    viewer._server.doctor.join(WAIT)
+    tracemalloc.start()
+    before = collected()
+    try:
+        yield
+        until(lambda: collected() - before < FLAT)  # a socket takes a moment to close, a leak stays
+    finally:
+        tracemalloc.stop()
+
+
+def collected() -> int:
+    gc.collect()
+    return tracemalloc.get_traced_memory()[0]
+
+
+def until(reached: Callable[[], bool]) -> None:
+    end = time.monotonic() + WAIT
+    while not reached():
+        assert time.monotonic() < end
+        time.sleep(0.02)
+
+
+@contextmanager
+def mute(viewer: Viewer) -> Iterator[socket.socket]:
+    """A page that greets and never reads, as a computer that was closed."""
+    host, port = "127.0.0.1", port_of(viewer)
+    with socket.socket() as page:
+        page.setsockopt(socket.SOL_SOCKET, socket.SO_RCVBUF, 4096)
+        page.connect((host, port))
+        page.sendall(
+            f"GET /{viewer.url.split('/', 3)[3]}socket HTTP/1.1\r\nHost: {host}:{port}\r\nUpgrade: websocket\r\n"
+            "Connection: Upgrade\r\nSec-WebSocket-Key: dGhlIHNhbXBsZSBub25jZQ==\r\n"
+            "Sec-WebSocket-Version: 13\r\n\r\n".encode()
+        )
+        yield page
+
+
+class Counter(Page):
+    """A page that counts its frames and notes when the latest came."""
+
+    frames, behind = 0, 0.0
+
+    async def count(self, last: float, sent: dict[float, float]) -> None:
+        while self.latest["frame"]["theta"][2] != last:
+            message = await asyncio.wait_for(self.connection.read_message(), WAIT)
+            assert message is not None, "the socket was dropped"
+            self.latest[json.loads(message)["type"]] = told = json.loads(message)
+            if told["type"] == "frame":
+                self.frames += 1
+                at = sent.get(told["theta"][2])
+                self.behind = max(self.behind, 0.0 if at is None else time.monotonic() - at)
+
+
+def post_frames(viewer: Viewer, seconds: float, sent: dict[float, float]) -> None:
+    begin = time.monotonic()
+    for k in range(int(seconds * RATE)):
+        time.sleep(max(0.0, begin + k / RATE - time.monotonic()))
+        value = (k + 1) / 2**16
+        sent[value] = time.monotonic()
+        viewer.show([0.0, 0.0, value])
+
+
+def watch_frames(viewer: Viewer, pages: int, seconds: float) -> list[Counter]:
+    """Post frames for so many seconds, and let so many pages count them."""
+
+    async def go() -> list[Counter]:
+        opened = [await Counter(address(viewer), {}).open() for _ in range(pages)]
+        sent: dict[float, float] = {}
+        poster = threading.Thread(target=post_frames, args=(viewer, seconds, sent))
+        poster.start()
+        last = int(seconds * RATE) / 2**16
+        await asyncio.gather(*(page.count(last, sent) for page in opened))  # type: ignore[attr-defined]
+        poster.join()
+        for page in opened:
+            page.connection.close()
+            page.objects.clear()
+            page.latest.clear()
+        return opened  # type: ignore[return-value]
+
+    return asyncio.run(go())
+
+
+# many frames ------------------------------------------------------------------------------------------
+
+
+@pytest.mark.alone
+def test_sixty_frames_a_second_reach_three_pages(viewer: Viewer) -> None:
+    pages = watch_frames(viewer, 3, 2.0)
+    with flat_memory(viewer):
+        watch_frames(viewer, 3, 1.0)
+    assert min(page.frames for page in pages) >= LEAST * 2.0 * RATE
+
+
+@pytest.mark.alone
+def test_pages_that_never_read_neither_grow_nor_delay_the_others(viewer: Viewer) -> None:
+    kinds = len(SCHEMA["messages"])
+    with ExitStack() as stack:
+        for _ in range(5):
+            stack.enter_context(mute(viewer))
+        until(lambda: len(viewer._server.clients) == 5)
+        mutes = list(viewer._server.clients)
+        (page,) = watch_frames(viewer, 1, 2.0)
+        with flat_memory(viewer):
+            watch_frames(viewer, 1, 1.0)
+        assert page.frames >= LEAST * 2.0 * RATE
+        assert page.behind < 0.25
+        assert all(len(each._outbox) <= kinds for each in mutes)
+
+
+def test_a_hundred_reconnections_leave_nothing(viewer: Viewer) -> None:
+    async def come_and_go(times: int) -> None:
+        for _ in range(times):
+            connection = await websocket_connect(address(viewer))
+            while isinstance(message := await connection.read_message(), bytes) or "frame" not in message:
+                assert message is not None, "the socket was closed"
+            connection.close()
+            while await connection.read_message() is not None:
+                pass
+
+    asyncio.run(come_and_go(5))
+    threads = set(threading.enumerate())
+    with flat_memory(viewer):
+        asyncio.run(come_and_go(100))
+        until(lambda: not viewer._server.clients)
+    assert set(threading.enumerate()) <= threads
+    assert visit(viewer, nothing).latest["frame"]["theta"] == list(THETA)
+
+
+def test_pages_are_refused_where_there_are_too_many_and_let_in_again(viewer: Viewer) -> None:
+    with ExitStack() as stack:
+        pages = [stack.enter_context(mute(viewer)) for _ in range(MOST_PAGES)]
+        until(lambda: len(viewer._server.clients) == MOST_PAGES)
+        with pytest.raises(HTTPClientError, match=f"503: {MOST_PAGES} pages are open: close one of them"):
+            visit(viewer, nothing)
+        pages[0].close()
+        until(lambda: len(viewer._server.clients) == MOST_PAGES - 1)
+        assert "hello" in visit(viewer, nothing).latest
+
+
+# hostile messages -------------------------------------------------------------------------------------
+
+
+def hostile() -> list[str | bytes]:
+    """Every request of the schema spoilt in every way, shuffled; none of them is valid."""
+    spoilt = [text for kind in SCHEMA["requests"] for text in samples.spoilt(kind) if len(text) < LARGEST_MESSAGE]
+    random.Random(0).shuffle(spoilt)
+    return spoilt
+
+
+def test_every_hostile_message_gets_an_answer(viewer: Viewer) -> None:
+    async def misbehave(page: Page) -> None:
+        for text in hostile()[:500]:
+            await page.send(text)
+            await page.until(lambda: "error" in page.latest)
+            assert page.latest["error"]["message"]
+
+    assert visit(viewer, misbehave).latest["frame"]["theta"] == list(THETA)
+
+
+def test_ten_thousand_hostile_messages_leave_the_server_alive_and_its_memory_flat(viewer: Viewer) -> None:
+    messages = (hostile() * 10)[:10_000]
+
+    async def flood(page: Page, texts: list[str | bytes]) -> None:
+        for text in texts:
+            await page.connection.write_message(text, binary=isinstance(text, bytes))
+        await page.ask(type="pose", name="zero")
+
+    visit(viewer, lambda page: flood(page, messages[:1000]))
+    with flat_memory(viewer):
+        visit(viewer, lambda page: flood(page, messages))
+    assert_array_equal(viewer.theta, [0, 0, 0])
+
+
+# the end of a process ---------------------------------------------------------------------------------
+
+
+@pytest.mark.skipif(sys.platform == "win32", reason="Windows has no process groups to look into")
+@pytest.mark.parametrize("end", [signal.SIGKILL, signal.SIGTERM, signal.SIGHUP])
+def test_whatever_ends_the_process_leaves_nothing_running_and_the_port_free(end: signal.Signals) -> None:
+    program = "from twistarm.cli import main; main()"
+    command = [sys.executable, "-c", program, "view", "rover_arm", "--no-browser"]
+    process = subprocess.Popen(command, stdout=subprocess.PIPE, text=True, start_new_session=True)
+    try:
+        assert process.stdout is not None
+        match = re.search(r"http://127\.0\.0\.1:(\d+)/", process.stdout.readline())
+        assert match is not None
+        port = int(match[1])
+        with socket.create_connection(("127.0.0.1", port), timeout=WAIT):
+            os.kill(process.pid, end)
+            assert process.wait(WAIT) == -end
+        with pytest.raises(ProcessLookupError):
+            os.killpg(process.pid, 0)  # nobody is left in its group
+        with pytest.raises(OSError, match="refused"):
+            socket.create_connection(("127.0.0.1", port))
+    finally:
+        process.kill()
+        process.communicate()

@@ -1,0 +1,275 @@
+"""Recorded poses, and the motion planned through them: the process's side."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any
+
+import numpy as np
+import pytest
+from numpy.testing import assert_array_equal
+
+from recorded_poses import HOME, LEFT, REACH, ask, done, names, said
+from recorded_poses import stage as stage
+from twistarm import Arm
+from twistarm.errors import InputError, LimitError, TwistarmError
+from twistarm.planning.joint_space import plan_joint
+from twistarm.strict_json import LARGEST_MESSAGE, encode
+from twistarm.viewer import Viewer
+from twistarm.viewer.messages import parse
+from twistarm.viewer.pose_list import LARGEST_LIST
+from twistarm.viewer.stage import Stage
+from viewer_page import Page, swing, visit
+from viewer_page import arm as arm
+from viewer_page import viewer as viewer
+
+# the list ---------------------------------------------------------------------------------------------
+
+
+def test_what_is_on_show_is_recorded_and_gone_to(stage: Stage) -> None:
+    poses = said(stage, "program")["poses"]
+    assert [(pose["name"], tuple(pose["theta"])) for pose in poses] == [
+        ("home", HOME),
+        ("reach", REACH),
+        ("left", LEFT),
+    ]
+    assert len({pose["id"] for pose in poses}) == 3
+    ask(stage, "go", id=poses[1]["id"])
+    assert_array_equal(stage.theta, REACH)
+
+
+def test_names_are_made_up_and_none_comes_twice(stage: Stage) -> None:
+    for name in ("", "  home ", "home", "", "pose 4"):
+        ask(stage, "record", name=name)
+    assert names(stage)[3:] == ["pose 4", "home 2", "home 3", "pose 7", "pose 4 2"]
+    number = said(stage, "program")["poses"][0]["id"]
+    for name, becomes in (("left", "left 2"), ("left 2", "left 2"), ("home", "home"), ("Ablage 置く", "Ablage 置く")):
+        ask(stage, "rename", id=number, name=name)
+        assert names(stage)[0] == becomes
+
+
+@pytest.mark.parametrize(("of", "place", "order"), [(0, 2, "reach left home"), (2, 0, "left home reach"),
+                                                    (1, 99, "home left reach"), (1, 1, "home reach left")])  # fmt: skip
+def test_a_pose_is_moved_to_a_place(stage: Stage, of: int, place: int, order: str) -> None:
+    ask(stage, "reorder", id=said(stage, "program")["poses"][of]["id"], place=place)
+    assert names(stage) == order.split()
+
+
+def test_a_number_that_is_gone_is_refused_in_words_and_never_comes_again(stage: Stage) -> None:
+    gone = said(stage, "program")["poses"][2]["id"]
+    ask(stage, "delete", id=gone)
+    ask(stage, "record", name="new")
+    assert names(stage) == ["home", "reach", "new"]
+    for kind, fields in (("go", {}), ("delete", {}), ("rename", {"name": "x"}), ("reorder", {"place": 0})):
+        with pytest.raises(InputError, match=f"no pose number {gone} in the list: it was deleted"):
+            ask(stage, kind, id=gone, **fields)
+    assert names(stage) == ["home", "reach", "new"]
+
+
+def test_a_pose_outside_the_limits_is_not_recorded_and_a_slider_s_rounding_is_put_on_the_limit(stage: Stage) -> None:
+    stage.show(np.array([0.0, 1.6, 0.0]))
+    with pytest.raises(LimitError, match=r"the pose 'far': pitch = 1.6 is outside its limits -1.5 … 1.5 rad"):
+        ask(stage, "record", name="far")
+    stage.show(np.array([0.0, 1.5 + 5e-7, 0.0]))
+    ask(stage, "record", name="edge")
+    assert said(stage, "program")["poses"][-1]["theta"] == [0.0, 1.5, 0.0]
+
+
+def test_a_saved_list_comes_back_by_joint_names(stage: Stage) -> None:
+    before = {pose["id"] for pose in said(stage, "program")["poses"]}
+    ask(
+        stage,
+        "poses",
+        joints=["slide", "yaw", "pitch"],
+        poses=[{"name": "a", "theta": [0.1, 2.0, 0.3]}, {"name": "a", "theta": [0.2, 0, 0]}],
+    )
+    poses = said(stage, "program")["poses"]
+    assert [(pose["name"], pose["theta"]) for pose in poses] == [("a", [2.0, 0.3, 0.1]), ("a 2", [0.0, 0.0, 0.2])]
+    assert before.isdisjoint(pose["id"] for pose in poses)
+    ask(stage, "poses", joints=["yaw", "pitch", "slide"], poses=[])
+    assert names(stage) == []
+
+
+@pytest.mark.parametrize(
+    ("joints", "theta", "reason"),
+    [
+        (["yaw", "pitch"], [0, 0], "the list moves yaw, pitch; small has yaw, pitch, slide"),
+        (["yaw", "pitch", "pitch"], [0, 0, 0], "the list moves yaw, pitch, pitch; small has"),
+        (["yaw", "pitch", "slide"], [0, 0], "the pose 'p' has 2 values, and the list moves 3 joints"),
+        (["yaw", "pitch", "slide"], [0, 0, 0.3], r"the pose 'p': slide = 0.3 is outside its limits 0 … 0.2 m"),
+        (["yaw", "pitch", "slide"], [1e9, 0, 0], r"theta\[0\] must be finite and at most 1e\+06"),
+    ],
+)
+def test_a_list_that_does_not_fit_is_refused_whole(
+    stage: Stage, joints: list[str], theta: list[float], reason: str
+) -> None:
+    poses = [{"name": "good", "theta": [0.0] * len(joints)}, {"name": "p", "theta": theta}]
+    with pytest.raises(TwistarmError, match=reason):
+        ask(stage, "poses", joints=joints, poses=poses)
+    assert names(stage) == ["home", "reach", "left"]
+
+
+def test_a_list_is_never_longer_than_one_message(stage: Stage) -> None:
+    with pytest.raises(InputError, match="a pose's name has at most 60 characters; got 61"):
+        ask(stage, "record", name="x" * 61)
+    stage.show(np.array([1 / 3, 1 / 7, 1 / 9]))
+
+    def record_on_and_on() -> None:
+        for _ in range(2000):
+            ask(stage, "record", name="置" * 40)
+
+    with pytest.raises(InputError, match=rf"a list has at most {LARGEST_LIST} bytes; \d+ poses would have"):
+        record_on_and_on()
+    poses = said(stage, "program")["poses"]
+    saved = [{"name": pose["name"], "theta": pose["theta"]} for pose in poses]
+    again = encode({"type": "poses", "joints": stage.arm.joint_names, "poses": saved, "number": 2**50})
+    assert LARGEST_LIST < len(again) + 400 < LARGEST_MESSAGE
+    ask(stage, "delete", id=poses[0]["id"])
+    stage.handle(parse(again), 0.0)
+    assert len(names(stage)) == len(poses)
+
+
+def test_the_list_is_told_by_the_same_object_until_it_changes(stage: Stage) -> None:
+    before = [said(stage, kind) for kind in ("program", "plots")]
+    stage.show(np.array(HOME))
+    assert all(said(stage, kind) is message for kind, message in zip(("program", "plots"), before, strict=True))
+    ask(stage, "record", name="")
+    assert said(stage, "program") is not before[0]
+
+
+# the plan ---------------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(("kind", "stop"), [("cubic", False), ("quintic", True), ("trapezoid", False)])
+def test_the_plan_is_that_of_plan_joint_and_waits_to_be_played(stage: Stage, kind: Any, stop: bool) -> None:
+    shares: list[float] = []
+    job = ask(stage, "plan", kind=kind, stop=stop)
+    assert job is not None
+    assert job.key == "plan"
+    result = job.work(shares.append)
+    assert not said(stage, "program")["planned"]
+    job.finish(result)
+    limits = {"acceleration": [3.0, 3.0, 1.0], "velocity": [1.0, 2.0, 0.5]}  # the arm gives velocities but the yaw's
+    expected = plan_joint(stage.arm, [HOME, REACH, LEFT], kind=kind, limits=limits, stop_at_waypoints=stop)
+    assert stage.player.playback is not None
+    loaded = stage.player.playback.trajectory
+    t = np.linspace(0, expected.duration, 50)
+    assert loaded.duration == expected.duration
+    assert_array_equal(loaded(t), expected(t))
+    assert not stage.running
+    assert_array_equal(stage.theta, HOME)
+    assert shares[-1] == 1.0
+    assert said(stage, "program")["planned"]
+    assert said(stage, "program")["note"] == (
+        "no limits given, used instead: velocity 1 rad/s for yaw; acceleration 3 rad/s² for yaw, pitch; "
+        "acceleration 1 m/s² for slide"
+    )
+    assert said(stage, "path")["points"][0] == pytest.approx(stage.arm.fk(HOME)[:3, 3].tolist(), abs=1e-6)
+    ask(stage, "play")
+    assert stage.running
+
+
+def test_an_edited_list_is_no_longer_that_of_the_motion(stage: Stage) -> None:
+    done(ask(stage, "plan", kind="cubic", stop=False))
+    first = said(stage, "program")["poses"][0]["id"]
+    ask(stage, "rename", id=first, name="start")
+    assert said(stage, "program")["planned"]
+    ask(stage, "reorder", id=first, place=2)
+    assert not said(stage, "program")["planned"]
+    assert said(stage, "program")["note"] == "The list has changed since this motion was planned: plan again."
+    ask(stage, "reorder", id=first, place=0)
+    assert said(stage, "program")["planned"]
+    stage.load(swing(stage.arm), 1.0, False, 0.0)
+    assert not said(stage, "program")["planned"]
+    assert said(stage, "program")["note"] == ""
+
+
+def test_a_list_edited_while_it_was_planned(stage: Stage) -> None:
+    job = ask(stage, "plan", kind="cubic", stop=False)
+    assert job is not None
+    result = job.work(lambda share: None)
+    ask(stage, "delete", id=said(stage, "program")["poses"][1]["id"])
+    job.finish(result)
+    assert said(stage, "player")["duration"] == result[0].duration
+    assert not said(stage, "program")["planned"]
+
+
+def test_what_cannot_be_planned_is_said(stage: Stage) -> None:
+    ids = [pose["id"] for pose in said(stage, "program")["poses"]]
+    for number in ids[:2]:
+        ask(stage, "delete", id=number)
+    with pytest.raises(InputError, match="a motion needs at least two poses; the list has 1: record another"):
+        ask(stage, "plan", kind="cubic", stop=False)
+    ask(stage, "go", id=ids[2])
+    ask(stage, "record", name="again")
+    with pytest.raises(InputError, match="the poses of the list are all the same"):
+        ask(stage, "plan", kind="cubic", stop=False)
+    edge = [(0, 1.5, 0), (0, 1.49, 0.2), (0, -1.5, 0)]  # a spline that turns on a limit swings beyond it
+    poses = [{"name": "", "theta": list(theta)} for theta in edge]
+    ask(stage, "poses", joints=["yaw", "pitch", "slide"], poses=poses)
+    with pytest.raises(LimitError, match="'slide' would swing to .* 0.2 m: let it stop at each pose, or record poses"):
+        done(ask(stage, "plan", kind="quintic", stop=False))
+    done(ask(stage, "plan", kind="quintic", stop=True))
+
+
+def test_while_a_servo_drives_poses_are_recorded_and_nothing_is_gone_to(stage: Stage) -> None:
+    first = said(stage, "program")["poses"][0]["id"]
+    job = ask(stage, "plan", kind="cubic", stop=False)
+    assert job is not None
+    result = job.work(lambda share: None)
+    stage.take_commands()
+    ask(stage, "record", name="jogged")
+    assert names(stage)[-1] == "jogged"
+    for kind, fields in (("go", {"id": first}), ("plan", {"kind": "cubic", "stop": True})):
+        with pytest.raises(InputError, match="a servo drives"):
+            ask(stage, kind, **fields)
+    with pytest.raises(InputError, match="not loaded: a servo drives the arm"):
+        job.finish(result)
+    assert said(stage, "player")["duration"] is None
+
+
+def test_a_plan_keeps_the_speed_and_the_loop_of_the_player(stage: Stage) -> None:
+    done(ask(stage, "plan", kind="cubic", stop=False))
+    ask(stage, "pace", speed=2.0, loop=True)
+    done(ask(stage, "plan", kind="trapezoid", stop=True))
+    player = said(stage, "player")
+    assert (player["speed"], player["loop"]) == (2.0, True)
+    ask(stage, "play")
+    stage.advance(0.25)
+    assert said(stage, "frame")["time"] == 0.5
+    stage.advance(0.75 * player["duration"])
+    assert said(stage, "frame")["time"] == pytest.approx(0.5 * player["duration"])
+    assert stage.running
+
+
+# over the socket --------------------------------------------------------------------------------------
+
+
+def test_two_pages_edit_one_list_and_python_reads_it(arm: Arm, viewer: Viewer) -> None:
+    async def use(page: Page) -> None:
+        other = await Page(page.address, {}).open()
+        await page.ask(type="record", name="first")
+        await other.until(lambda: len(other.latest["program"]["poses"]) == 1)
+        await other.ask(type="pose", name="zero")
+        await other.ask(type="record", name="")
+        await page.until(lambda: len(page.latest["program"]["poses"]) == 2)
+        first = page.latest["program"]["poses"][0]["id"]
+        await page.ask(type="reorder", id=first, place=1)
+        await other.ask(type="plan", kind="cubic", stop=False)
+        await page.until(lambda: page.latest["program"]["planned"])
+        await page.until(lambda: len(page.latest["plots"]["times"]) > 0)
+        assert page.latest["frame"]["theta"] == [0.0, 0.0, 0.0]
+        await page.ask(type="delete", id=first)
+        await other.ask(type="go", id=first)
+        assert "no pose number" in other.latest["error"]["message"]
+        other.connection.close()
+
+    assert viewer.poses == {}
+    visit(viewer, use)
+    assert_poses(viewer.poses, {"pose 2": HOME})
+
+
+def assert_poses(poses: Mapping[str, Any], expected: Mapping[str, Any]) -> None:
+    assert list(poses) == list(expected)
+    for name, theta in expected.items():
+        assert_array_equal(poses[name], theta)

@@ -1,0 +1,150 @@
+"""What the live view hands on as a stand-alone page: all that is on show, and the motion that is loaded."""
+
+from __future__ import annotations
+
+import json
+import re
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from numpy.testing import assert_allclose
+from numpy.typing import NDArray
+from scipy.spatial.transform import Rotation
+
+from twistarm import Arm, Trajectory, Viewer
+from twistarm.errors import InputError
+from twistarm.viewer import exhibit
+from twistarm.viewer.findings import examined, loaded
+from viewer_page import THETA, get, swing, visit
+from viewer_page import arm as arm
+from viewer_page import viewer as viewer
+
+ROUNDED = 2e-6
+"""Of positions and quaternions with six decimals."""
+
+
+def stored(text: str) -> Any:
+    match = re.search(r'<script type="application/json" id="data">(.*?)</script>', text, flags=re.S)
+    assert match is not None
+    return json.loads(match[1])
+
+
+def downloaded(viewer: Viewer) -> Any:
+    status, text, _ = get(viewer.url + "arm.html")
+    assert status == 200
+    return stored(text)
+
+
+def pose(seven: list[float]) -> NDArray[np.float64]:
+    g = np.eye(4)
+    g[:3, :3] = Rotation.from_quat(seven[3:]).as_matrix()
+    g[:3, 3] = seven[:3]
+    return g
+
+
+def assert_stands(arm: Arm, data: Any, samples: Any, k: int, theta: Any) -> None:
+    """Sample k has every link, and the tool, where arm.poses has them."""
+    poses = arm.poses(theta, data["samples"]["others"])
+    for name, path in {**data["links"], arm.tip: "/frames/tool"}.items():
+        assert_allclose(pose(samples["nodes"][path][k]), poses[name], atol=ROUNDED, err_msg=name)
+    assert_allclose(samples["theta"][k], theta, atol=ROUNDED)
+
+
+def load_paused(viewer: Viewer, motion: Trajectory, time: float) -> None:
+    viewer.play(motion, speed=0.5, loop=True)
+
+    async def pause(page: Any) -> None:
+        await page.ask(type="seek", time=time)
+
+    visit(viewer, pause)
+
+
+def test_the_page_has_every_joint_and_layer_as_it_stands(arm: Arm, viewer: Viewer) -> None:
+    async def move(page: Any) -> None:
+        await page.ask(type="joint", name="finger", value=0.03)
+        await page.ask(type="visible", what="frames", visible=False)
+
+    visit(viewer, move)
+    data = downloaded(viewer)
+    assert data["samples"]["others"] == {"finger": 0.03}
+    assert data["visible"]["frames"] is False
+    assert data["visible"]["screws"] is True
+    assert data["samples"]["times"] == [0.0]
+    assert_stands(arm, data, data["samples"], 0, THETA)
+    assert data["player"] is data["aside"] is None
+
+
+def test_the_page_has_the_motion_and_the_moment_and_pace_of_it(arm: Arm, viewer: Viewer) -> None:
+    motion = swing(arm)
+    load_paused(viewer, motion, 0.25)
+    data = downloaded(viewer)
+    assert data["player"] == {"time": 0.25, "running": False, "speed": 0.5, "loop": True}
+    assert data["aside"] is None
+    samples = data["samples"]
+    assert samples["times"][0] == 0.0
+    assert samples["times"][-1] == motion.duration
+    assert np.diff(samples["times"]).max() < 1 / 29
+    for k in (0, 7, len(samples["times"]) // 2, -1):
+        assert_stands(arm, data, samples, k, motion(samples["times"][k]))
+
+
+def test_an_arm_that_was_moved_aside_stands_there_and_keeps_its_motion(arm: Arm, viewer: Viewer) -> None:
+    load_paused(viewer, swing(arm), 0.5)
+    viewer.show([0.1, 0.2, 0.05])
+    data = downloaded(viewer)
+    assert data["player"]["time"] == 0.5
+    assert len(data["samples"]["times"]) > 10
+    assert_stands(arm, data, data["aside"], 0, [0.1, 0.2, 0.05])
+
+
+def test_a_motion_that_runs_goes_on_from_where_it_is(arm: Arm, viewer: Viewer) -> None:
+    viewer.play(swing(arm), loop=True)
+    data = downloaded(viewer)
+    assert data["player"]["running"] is True
+    assert data["aside"] is None
+
+
+def test_save_html_writes_the_same_and_a_motion_of_its_own_if_given(arm: Arm, viewer: Viewer, tmp_path: Path) -> None:
+    load_paused(viewer, swing(arm), 0.25)
+    assert stored(viewer.save_html(tmp_path / "a.html").read_text()) == downloaded(viewer)
+    other = Trajectory(
+        arm.joint_names, arm.units, [[0, 0, 0], [0.5, 0, 0]], [0, 1], [0, 1], np.array([[[0.5, 0, 0]], [[0, 0, 0]]])
+    )
+    data = stored(viewer.save_html(tmp_path / "a.html", other).read_text())
+    assert data["player"] == {"time": 0.0, "running": True, "speed": 1.0, "loop": False}
+    assert_allclose(np.array(data["samples"]["theta"])[:, 0], 0.5 * np.array(data["samples"]["times"]), atol=ROUNDED)
+    way = arm.fk(np.array(data["samples"]["theta"]))[:, :3, 3]
+    drawn = np.array(data["path"]["points"])
+    assert_allclose(np.linalg.norm(drawn[:, None] - way, axis=-1).min(axis=1), 0.0, atol=0.01)
+    with pytest.raises(InputError, match="does not exist; create it first"):
+        viewer.save_html(tmp_path / "nowhere" / "a.html")
+
+
+def test_findings_that_are_known_are_not_looked_for_again(
+    arm: Arm, viewer: Viewer, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    known = examined(arm)
+    monkeypatch.setattr(exhibit, "examined", lambda arm: {**known, "note": "looked now"})
+    assert downloaded(viewer)["findings"]["note"] == "looked now"
+    viewer._server.post("findings", lambda stage: setattr(stage, "findings", known))
+    viewer._server.ask(lambda stage: None)
+    assert downloaded(viewer)["findings"] == known
+
+
+def test_the_doctor_is_not_asked_while_a_servo_drives(
+    arm: Arm, viewer: Viewer, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(exhibit, "examined", lambda arm: pytest.fail("the doctor was asked"))
+    assert viewer.commands is not None
+    assert downloaded(viewer)["findings"] == loaded(arm)
+
+
+def test_the_download_is_named_after_the_arm_and_needs_the_token(viewer: Viewer) -> None:
+    _, _, headers = get(viewer.url + "arm.html")
+    assert headers["Content-Disposition"] == 'attachment; filename="small.html"'
+    assert headers["Content-Type"] == "text/html; charset=utf-8"
+    token = viewer.url.split("/")[3]
+    assert get(viewer.url.replace(token, "x" * len(token)) + "arm.html")[0] == 403
+    assert get(viewer.url + "arm.html", Origin="http://elsewhere.example")[0] == 403

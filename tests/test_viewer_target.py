@@ -1,0 +1,257 @@
+"""The tool's target: what a page asks for, what the arm shows, and what every page is told."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+import pinocchio
+import pytest
+from numpy.testing import assert_allclose, assert_array_equal
+
+from twistarm import Arm, InputError, load_arm, solve_ik
+from twistarm.ik import Approach, Pose, Position
+from twistarm.planning.joint_space import plan_joint
+from twistarm.strict_json import encode
+from twistarm.viewer import Viewer
+from twistarm.viewer.messages import SCHEMA, parse
+from twistarm.viewer.stage import Stage
+from twistarm.viewer.target import MAX_TIME, nearer
+from viewer_page import Page, visit
+
+ROVER = load_arm("rover_arm")
+SIX = load_arm("rover_arm_6dof")
+MOTION = plan_joint(ROVER, [ROVER.ready, 0.9 * ROVER.ready], limits={"velocity": 1, "acceleration": 2})
+
+MET = 2e-6
+"""The solver's tolerance [m, rad], and the rounding of forward kinematics."""
+
+
+def xyzw(R: Any) -> list[float]:
+    """Pinocchio's quaternion of a rotation."""
+    numbers: list[float] = pinocchio.Quaternion(np.array(R)).coeffs().tolist()
+    return numbers
+
+
+def ask(stage: Stage, kind: str, position: Any, quaternion: Any) -> dict[str, Any]:
+    """Ask for a target, do the job at once, and return what the pages are told of it."""
+    finish(start(stage, kind=kind, position=np.asarray(position).tolist(), xyzw=quaternion))
+    return told(stage)
+
+
+def start(stage: Stage, **fields: Any) -> Any:
+    return stage.handle(parse(text("target", **fields)), 0.0)
+
+
+def finish(job: Any) -> None:
+    job.finish(job.work(lambda share: None))
+
+
+def text(type: str, **fields: Any) -> str:
+    return encode({"type": type, **fields})
+
+
+def told(stage: Stage) -> dict[str, Any]:
+    (message,) = [message for message in stage.messages() if message["type"] == "target"]
+    assert set(message) - {"type"} == set(SCHEMA["messages"]["target"])
+    return message
+
+
+def near(arm: Arm, by: tuple[float, float, float] = (0.05, 0.02, -0.03)) -> tuple[np.ndarray[Any, Any], list[float]]:
+    """A position a little off the tool's, and the tool's quaternion."""
+    g, _, _ = arm.by_pinocchio(arm.ready)
+    return g[:3, 3] + by, xyzw(g[:3, :3])
+
+
+@pytest.mark.parametrize("kind", ["pose", "position", "approach"])
+def test_a_target_in_reach_is_met(kind: str) -> None:
+    stage = Stage(SIX)
+    position, quaternion = near(SIX)
+    message = ask(stage, kind, position, quaternion)
+    assert message["met"] is True
+    assert message["stop"] == "CONVERGED"
+    assert message["given"] == {"kind": kind, "position": position.tolist(), "xyzw": quaternion}
+    g, _, _ = SIX.by_pinocchio(stage.theta)
+    before, _, _ = SIX.by_pinocchio(SIX.ready)
+    assert_allclose(g[:3, 3], position, atol=MET)
+    if kind != "position":
+        assert_allclose(g[:3, 2], before[:3, 2], atol=MET)
+    if kind == "pose":
+        assert_allclose(g[:3, :3], before[:3, :3], atol=MET)
+
+
+def test_out_of_reach_the_nearest_is_shown_and_the_reason_told() -> None:
+    stage = Stage(ROVER)
+    position, quaternion = near(ROVER, (3.0, 0.0, 0.0))
+    message = ask(stage, "position", position, quaternion)
+    solution = solve_ik(ROVER, Position(position), ROVER.ready, posture="theta0", max_time=MAX_TIME)
+    assert message["met"] is False
+    assert message["stop"] == "OUT_OF_REACH"
+    assert message["words"] == solution.explain()
+    g, _, _ = ROVER.by_pinocchio(stage.theta)
+    distance = float(np.linalg.norm(g[:3, 3] - position))
+    assert distance == pytest.approx(message["position_error"], abs=MET)
+    assert ROVER.limits.contains(stage.theta)
+    closer = [np.linalg.norm(ROVER.fk(ROVER.random_theta(rng))[:3, 3] - position) for rng in rngs(300)]
+    assert distance < min(closer)
+
+
+def rngs(count: int) -> list[np.random.Generator]:
+    return [np.random.default_rng(seed) for seed in range(count)]
+
+
+@pytest.mark.parametrize("arm", [ROVER, SIX], ids=["rover_arm", "rover_arm_6dof"])
+@pytest.mark.parametrize("kind", [Position, Approach])
+def test_dragged_beyond_its_reach_the_arm_does_not_jump(arm: Arm, kind: Any) -> None:
+    theta, alone, steps, jumps = arm.ready, arm.ready, [], []
+    g = arm.fk(theta)
+    for k in range(60):
+        p = g[:3, 3] + np.array([0.0, 0.0, 2.0 + 0.01 * k])
+        target = kind(p) if kind is Position else Approach(p, g[:3, 2])
+        solution = solve_ik(arm, target, theta, posture="theta0")
+        after = nearer(solution, theta)
+        assert target.position_error(arm.fk(after)) <= solution.position_error + MET
+        steps.append(np.abs(after - theta).max())
+        jumps.append(np.abs(solve_ik(arm, target, alone, posture="theta0").theta - alone).max())
+        theta, alone = after, solve_ik(arm, target, alone, posture="theta0").theta
+    assert max(steps[1:]) < 0.1
+    assert max(jumps[1:]) > 1.0  # what is kept from the page: searches that end anywhere
+
+
+def test_what_moves_the_arm_otherwise_lets_the_target_go() -> None:
+    stage = Stage(ROVER)
+    ask(stage, "position", *near(ROVER))
+    kept = told(stage)
+    assert told(stage) is kept
+    stage.handle(parse(text("joint", name="wrist_roll", value=0.3)), 0.0)
+    assert told(stage)["given"] is None
+    ask(stage, "position", *near(ROVER))
+    stage.load(MOTION, 1, False, 0)
+    assert told(stage)["given"] is None
+
+
+def test_a_target_let_go_leaves_the_arm_where_it_is() -> None:
+    stage = Stage(ROVER)
+    ask(stage, "position", *near(ROVER))
+    theta = stage.theta
+    assert stage.handle(parse(text("release")), 0.0) is None
+    assert told(stage)["given"] is None
+    assert told(stage)["words"] == ""
+    assert stage.theta is theta
+
+
+@pytest.mark.parametrize("meanwhile", ["release", "slider", "servo", "trajectory"])
+def test_an_answer_that_comes_too_late_changes_nothing(meanwhile: str) -> None:
+    stage = Stage(ROVER)
+    position, quaternion = near(ROVER)
+    job = start(stage, kind="position", position=position.tolist(), xyzw=quaternion)
+    if meanwhile == "release":
+        stage.handle(parse(text("release")), 0.0)
+    elif meanwhile == "slider":
+        stage.handle(parse(text("joint", name="wrist_roll", value=0.3)), 0.0)
+    elif meanwhile == "servo":
+        stage.take_commands()
+    else:
+        stage.load(MOTION, 1.0, False, 0.0)
+    theta = stage.theta
+    finish(job)
+    assert stage.theta is theta
+    assert told(stage)["given"] is None
+
+
+def test_of_a_drag_each_answer_is_shown() -> None:
+    stage = Stage(ROVER)
+    position, quaternion = near(ROVER)
+    first = start(stage, kind="position", position=position.tolist(), xyzw=quaternion)
+    second = start(stage, kind="position", position=[*position[:2], position[2] + 0.01], xyzw=quaternion)
+    finish(first)
+    finish(second)
+    assert_allclose(ROVER.fk(stage.theta)[:3, 3], position + [0, 0, 0.01], atol=MET)
+
+
+def test_a_target_stops_what_plays() -> None:
+    stage = Stage(ROVER)
+    stage.load(MOTION, 1, True, 0)
+    assert ask(stage, "position", *near(ROVER))["met"]
+    assert not stage.running
+
+
+BAD = [
+    ({"kind": "pose", "position": [0, 0, 1], "xyzw": [0, 0, 0, 0]}, "length 1, as 0, 0, 0, 1 is; got one of length 0"),
+    ({"kind": "position", "position": [0, 0, 1], "xyzw": [0, 0, 0, 2]}, "got one of length 2"),
+    ({"kind": "pose", "position": [0, 0, 1e7], "xyzw": [0, 0, 0, 1]}, "position[2] must be finite and at most 1e+06"),
+    ({"kind": "pose", "position": [0, 0], "xyzw": [0, 0, 0, 1]}, "position must be a list of 3 numbers"),
+    ({"kind": "pose", "position": [0, 0, 1], "xyzw": [0, 0, 1]}, "xyzw must be a list of 4 numbers"),
+    ({"kind": "place", "position": [0, 0, 1], "xyzw": [0, 0, 0, 1]}, "kind must be one of pose, position, approach"),
+    ({"kind": "pose", "position": ["0", 0, 1], "xyzw": [0, 0, 0, 1]}, "position[0] must be a number; got '0'"),
+]
+
+
+@pytest.mark.parametrize(("fields", "reason"), BAD)
+def test_what_can_be_no_target_is_refused_in_words(fields: dict[str, Any], reason: str) -> None:
+    stage = Stage(ROVER)
+    with pytest.raises(InputError) as refused:
+        start(stage, **fields)
+    assert reason in str(refused.value)
+    assert "\n" not in str(refused.value)
+    assert told(stage)["given"] is None
+
+
+def test_the_far_end_of_what_is_allowed_is_answered() -> None:
+    stage = Stage(ROVER)
+    message = ask(stage, "pose", [1e6 / 2, 0, 0], [0, 0, 0, 1])
+    assert message["met"] is False
+    assert ROVER.limits.contains(stage.theta)
+
+
+def test_while_a_servo_drives_there_is_no_target() -> None:
+    stage = Stage(ROVER)
+    stage.take_commands()
+    with pytest.raises(InputError, match="a servo drives rover_arm"):
+        start(stage, kind="position", position=[0, 0, 1], xyzw=[0, 0, 0, 1])
+
+
+def test_without_the_compiled_core(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("twistarm.engine.core", lambda: None)
+    arm = load_arm("rover_arm")
+    assert arm.compiled is None
+    stage = Stage(arm)
+    assert ask(stage, "approach", *near(arm))["met"]
+    message = ask(stage, "position", [9.0, 0.0, 0.0], [0, 0, 0, 1])
+    assert message["met"] is False
+    assert arm.limits.contains(stage.theta)
+
+
+def test_every_page_sees_the_target_and_where_the_arm_went() -> None:
+    position, quaternion = near(SIX)
+    with Viewer(SIX, open_browser=False) as viewer:
+
+        async def drag(page: Page) -> None:
+            other = await Page(page.address, {}).open()
+            assert page.latest["target"]["given"] is None
+            fields = {"kind": "pose", "position": position.tolist(), "xyzw": quaternion}
+            await page.ask(type="target", **fields)
+            for one in (page, other):
+                await one.until(lambda one=one: one.latest["target"]["given"] is not None)
+                assert one.latest["target"]["given"] == fields
+                assert one.latest["target"]["met"]
+                await one.until(lambda one=one: one.latest["frame"]["theta"] != SIX.ready.tolist())
+                assert_allclose(one.latest["frame"]["tool"]["position"], position, atol=MET)
+            await other.ask(type="pose", name="ready")
+            await page.until(lambda: page.latest["target"]["given"] is None)
+            await page.ask(type="target", kind="pose", position=[0, 0, 1], xyzw=[0, 0, 0, 0])
+            assert "xyzw must be a quaternion of length 1" in page.latest["error"]["message"]
+            other.connection.close()
+
+        visit(viewer, drag)
+        assert_array_equal(viewer.theta, SIX.ready)
+
+
+def test_a_pose_is_asked_as_pinocchio_reads_its_quaternion() -> None:
+    stage = Stage(SIX)
+    theta = SIX.random_theta(np.random.default_rng(4))
+    g, _, _ = SIX.by_pinocchio(theta)
+    assert ask(stage, "pose", g[:3, 3], xyzw(g[:3, :3]))["met"]
+    reached, _, _ = SIX.by_pinocchio(stage.theta)
+    assert Pose(g).orientation_error(reached) < MET
+    assert_allclose(reached, g, atol=MET)
