@@ -17,7 +17,7 @@ from numpy.testing import assert_allclose
 from PIL import Image
 
 from catalogue import load
-from twistarm import InputError, TwistarmError, Viewer, save_png
+from twistarm import InputError, TwistarmError, Viewer, plan_joint, save_png
 from twistarm.cli.application import run
 from twistarm.viewer import browsers, headless
 
@@ -136,6 +136,12 @@ def test_the_page_shows_the_posture(path: Path, tmp_path: Path) -> None:
         viewer.save_png(tmp_path / "arm.png", size=SIZE)
     assert_allclose(shown()["samples"]["theta"], [[0.5, 0.6]])
     assert shown()["visible"]["screws"] is False
+    motion = plan_joint(ARM, [[0.2, 0.1], [0.9, -0.5]], limits={"velocity": 1.0, "acceleration": 2.0})
+    save_png(ARM, tmp_path / "arm.png", size=SIZE, trajectory=motion)
+    assert_allclose(shown()["samples"]["theta"], [[0.2, 0.1]])
+    way = np.array(shown()["path"]["points"])
+    # A path leaves out steps below 1e-4 of the arm (1 m).
+    assert_allclose(way[[0, -1]], ARM.fk(np.array([[0.2, 0.1], [0.9, -0.5]]))[:, :3, 3], atol=1e-4)
 
 
 def ended(pid: int) -> bool:
@@ -238,6 +244,8 @@ def test_the_command(
     }.items():
         assert run([*command, size]) == 2
         assert capsys.readouterr().err.startswith(message)
+    assert run(["view", "rr_planar", "--save", "arm.html", "--size", "320x240"]) == 2
+    assert capsys.readouterr().err == "error: --size is that of the picture: it goes with --screenshot FILE\n"
     (path / "chromium").unlink()
     assert run([*command, "320x240"]) == 2
     assert capsys.readouterr().err.startswith("error: a screenshot needs a browser, and there is none of chromium, ")

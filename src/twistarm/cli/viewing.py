@@ -31,18 +31,20 @@ def view(
     save: Annotated[Path | None, typer.Option(metavar="FILE", help="Write a stand-alone page instead.")] = None,
     play: Annotated[Path | None, typer.Option(metavar="CSV", help="Play a motion that `twistarm plan` wrote.")] = None,
     screenshot: Annotated[Path | None, typer.Option(metavar="FILE", help="Write a picture (PNG) instead.")] = None,
-    size: Annotated[str, typer.Option(metavar="WxH", help="Pixels of the picture.")] = "1280x720",
+    size: Annotated[str | None, typer.Option(metavar="WxH", help="Pixels of the picture; 1280x720.")] = None,
     rad: Radians = False,
 ) -> None:
     """Show the arm in the browser, with a slider per joint; serves until Ctrl-C."""
-    pixels = _pixels(size)
+    if size is not None and screenshot is None:
+        raise InputError("--size is that of the picture: it goes with --screenshot FILE")
+    pixels = _pixels(size or "1280x720")
     x = parse_theta(arm, theta, rad)
     warn_outside(arm, x)
     motion = None if play is None else recorded_motion(arm, play)
     if save is not None:
         print(f"written: {save_html(arm, save, motion, x)}")
     if screenshot is not None:
-        print(f"written: {save_png(arm, screenshot, x, size=pixels)}")
+        print(f"written: {save_png(arm, screenshot, x if motion is None else None, size=pixels, trajectory=motion)}")
     if save is not None or screenshot is not None:
         return
     with Viewer(arm, x, host=host, port=port, open_browser=False) as viewer:

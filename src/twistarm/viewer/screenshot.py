@@ -14,6 +14,7 @@ from numpy.typing import ArrayLike
 from ..arm import Arm
 from ..errors import InputError, TwistarmError
 from ..files import writable, write_whole
+from ..planning.trajectory import Trajectory
 from .browsers import find_browser, is_snap
 from .exhibit import Exhibit, of_arm
 from .export import stand_alone
@@ -30,16 +31,19 @@ def save_png(
     theta: ArrayLike | None = None,
     *,
     size: tuple[int, int] = (1280, 720),
+    trajectory: Trajectory | None = None,
 ) -> Path:
     """Write a picture of `arm` at theta (n,) [rad, m] as PNG, `size` (width, height) in pixels; no display is needed.
 
-    `theta` defaults to the ready pose. Chromium, Chrome or Edge must be installed; it draws the page of `save_html`,
-    the 3D view alone, without a GPU and with a profile that is thrown away. Written whole or not at all.
+    `theta` defaults to the ready pose, with a `trajectory`, whose way is drawn, to its start. Chromium, Chrome or Edge
+    must be installed; it draws the page of `save_html`, the 3D view alone, without a GPU and with a profile that is
+    thrown away. Written whole or not at all.
 
     Raises InputError for a bad size, theta or path, MissingExtraError without Meshcat, TwistarmError where there is no
     browser or it does not draw.
     """
-    return write_picture(path, size, lambda: of_arm(arm, theta=theta))
+    start = trajectory(0.0) if trajectory is not None and theta is None else theta
+    return write_picture(path, size, lambda: of_arm(arm, trajectory, start))
 
 
 def write_picture(path: str | os.PathLike[str], size: tuple[int, int], show: Callable[[], Exhibit]) -> Path:
