@@ -38,7 +38,7 @@ LAYERS = (
     ("screws",),
     ("rotations",),
     ("files", "wheels"),
-    ("checks", "closing", "shared_libraries", "strict_json"),
+    ("checks", "closing", "interrupts", "shared_libraries", "strict_json"),
     ("errors",),
 )
 """Top to bottom: a module may import what stands further down, and its own package."""

@@ -11,7 +11,7 @@ from pathlib import Path
 
 import pytest
 
-from twistarm.doctor.interrupts import interrupts_held
+from twistarm.interrupts import interrupts_held
 
 
 def swallow() -> None:

@@ -34,7 +34,7 @@ class Loop:
             self.errors.append(str(error))
 
     def submit(self, key: str, work: Callable[[Progress], Any]) -> None:
-        self.workers.submit(Job(key, work, self.results.append))
+        self.workers.submit(Job(key, f"doing {key}", work, self.results.append))
 
 
 @pytest.fixture
@@ -101,9 +101,9 @@ def test_what_goes_wrong_is_told_and_the_next_job_is_done(loop: Loop) -> None:
         raise InputError("no such place")
 
     loop.submit("target", fail)
-    until(lambda: loop.errors == ["no such place"])
+    until(lambda: loop.errors == ["doing target: no such place"])
     loop.submit("target", lambda progress: 1 / 0)
-    until(lambda: len(loop.errors) == 2)
+    until(lambda: loop.errors[1:] == ["doing target: division by zero"])
     loop.submit("target", lambda progress: "done")
     until(lambda: loop.results == ["done"])
 
@@ -118,6 +118,24 @@ def test_progress_is_told_and_ends_with_none(loop: Loop) -> None:
     until(lambda: loop.results == ["done", "without a word"])
     loop.workers.stop(WAIT)
     assert loop.shares[-1] == ("plan", None)
+
+
+def test_the_bar_goes_too_when_the_work_fails_or_is_replaced(loop: Loop) -> None:
+    def fail(progress: Progress) -> None:
+        progress(0.5)
+        raise InputError("there is no way")
+
+    def wait_for_a_later_one(progress: Progress) -> None:
+        progress(0.25)
+        loop.submit("target", lambda progress: "later")
+        progress(0.75)
+
+    loop.submit("plan", fail)
+    until(lambda: len(loop.shares) == 2)
+    assert loop.errors == ["doing plan: there is no way"]
+    loop.submit("target", wait_for_a_later_one)
+    until(lambda: loop.results == ["later"])
+    assert loop.shares == [("plan", 0.5), ("plan", None), ("target", 0.25), ("target", None)]
 
 
 def test_stopping_interrupts_at_the_next_word_of_progress_and_begins_nothing_more(loop: Loop) -> None:
@@ -148,7 +166,7 @@ def test_a_closed_view_leaves_no_worker(arm: Arm) -> None:
     work = Held("never", steps=10**9)
     work.leave.set()
     with Viewer(arm, open_browser=False) as viewer:
-        viewer._server._workers.submit(Job("plan", work, lambda result: None))
+        viewer._server._workers.submit(Job("plan", "planning", work, lambda result: None))
         assert work.begun.wait(WAIT)
     assert work.replaced.is_set()
     assert set(threading.enumerate()) <= threads
@@ -165,13 +183,14 @@ def test_pages_see_work_errors_and_results(viewer: Viewer) -> None:
         raise InputError("there is no way")
 
     async def watch(page: Page) -> None:
-        server._workers.submit(Job("plan", work, lambda result: server.stage.show(server.stage.theta + 0.01)))
+        job = Job("plan", "planning", work, lambda result: server.stage.show(server.stage.theta + 0.01))
+        server._workers.submit(job)
         await page.until(lambda: page.latest["work"]["jobs"] == [{"key": "plan", "share": 0.5}])
         before = page.latest["frame"]["theta"]
         seen.set()
         await page.until(lambda: page.latest["frame"]["theta"] != before)
         await page.until(lambda: page.latest["work"]["jobs"] == [])
-        server._workers.submit(Job("plan", fail, lambda result: None))
-        await page.until(lambda: page.latest.get("error", {}).get("message") == "there is no way")
+        server._workers.submit(Job("plan", "planning", fail, lambda result: None))
+        await page.until(lambda: page.latest.get("error", {}).get("message") == "planning: there is no way")
 
     visit(viewer, watch)

@@ -63,6 +63,14 @@ def impatient(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(module, "PATIENCE", 0.02)
 
 
+@pytest.fixture
+def visits(monkeypatch: pytest.MonkeyPatch) -> list[Arm]:
+    """The arms that the doctor has begun to look at."""
+    seen: list[Arm] = []
+    monkeypatch.setattr(module, "diagnose", lambda arm: (seen.append(arm), ())[1])
+    return seen
+
+
 def note(code: str, place: Place) -> Finding:
     return finding(code, place, "something", "a remedy")
 
@@ -159,10 +167,11 @@ def test_a_page_gets_the_diagnosis_and_a_late_one_at_once(arm: Arm, viewer: View
     assert visit(viewer, nothing).latest["findings"] == expected
 
 
-def test_without_a_page_nobody_diagnoses(arm: Arm, viewer: Viewer) -> None:
+def test_without_a_page_nobody_diagnoses(viewer: Viewer, visits: list[Arm]) -> None:
     time.sleep(0.1)  # five times the doctor's patience
-    assert "twistarm doctor" not in {thread.name for thread in threading.enumerate()}
+    assert visits == []
     hear(viewer, lambda message: not message["note"])
+    assert len(visits) == 1
 
 
 def test_the_page_lives_while_the_doctor_is_slow(arm: Arm, viewer: Viewer, monkeypatch: pytest.MonkeyPatch) -> None:
@@ -197,17 +206,40 @@ def test_a_doctor_who_fails_is_told_and_the_page_lives(
     viewer.show(arm.ready)
 
 
-def test_while_a_servo_drives_the_doctor_waits(arm: Arm, viewer: Viewer) -> None:
+def test_while_a_servo_drives_the_doctor_waits(viewer: Viewer, visits: list[Arm]) -> None:
     _ = viewer.commands
 
     async def look(page: Page) -> None:
         await asyncio.sleep(0.1)  # five times the doctor's patience
-        assert "twistarm doctor" not in {thread.name for thread in threading.enumerate()}
+        assert visits == []
         assert page.latest["findings"]["note"] == PENDING
         viewer.show_servo(None)
         await page.until(lambda: page.latest["findings"]["note"] == "")
+        assert len(visits) == 1
 
     visit(viewer, look)
+
+
+def test_while_meshes_are_read_the_doctor_waits(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, visits: list[Arm]
+) -> None:
+    (tmp_path / "part.stl").write_text("read when the test lets it")
+    mesh = '<visual><geometry><mesh filename="part.stl"/></geometry></visual>'
+    (tmp_path / "arm.urdf").write_text(URDF.replace('<link name="tool0"/>', f'<link name="tool0">{mesh}</link>'))
+    leave = threading.Event()
+    monkeypatch.setattr("twistarm.viewer.links.load_parts", lambda path: leave.wait(10) and [])
+
+    async def look(page: Page) -> None:
+        await asyncio.sleep(0.1)
+        assert visits == []
+        assert page.latest["scene"]["left"] == 1
+        leave.set()
+        await page.until(lambda: page.latest["findings"]["note"] == "")
+        assert page.latest["scene"]["left"] == 0
+        assert len(visits) == 1
+
+    with Viewer(load_arm(tmp_path / "arm.urdf", tip="tool0"), open_browser=False) as viewer:
+        visit(viewer, look)
 
 
 def test_closing_does_not_wait_for_ever_for_the_doctor(arm: Arm, monkeypatch: pytest.MonkeyPatch) -> None:

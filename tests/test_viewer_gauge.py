@@ -135,6 +135,20 @@ def test_a_slide_in_metres_and_joints_without_limits() -> None:
     assert [message[name] for name in ("joint", "unit", "room", "near", "end")] == [None] * 5
 
 
+def test_near_is_a_tenth_of_the_range_but_never_less_than_five_degrees_or_a_centimetre() -> None:
+    """5° are 0.08727 rad: a tenth of the range from ±0.436 rad on."""
+    home = np.eye(4)
+    home[0, 3] = 0.5
+    for half, turn, slide in [(0.1, 0.0872665, 0.02), (0.02, 0.0872665, 0.01), (1.0, 0.2, 0.2)]:
+        builder = ArmBuilder("short").revolute("turn", [0, 0, 1], [0, 0, 0], lower=-half, upper=half)
+        arm = builder.prismatic("slide", [1, 0, 0], lower=-half, upper=half).tool(home).build()
+        for theta, joint, near in [([0.9 * half, 0.0], "turn", turn), ([0.0, 0.999 * half], "slide", slide)]:
+            message = gauge(arm, theta)
+            assert (message["joint"], message["near"]) == (joint, pytest.approx(near, abs=1e-6))
+    free = replace(planar(0.3), limits=replace(JointLimits.unbounded(2), upper=np.array([1.0, np.inf])))
+    assert gauge(free, [0.9, 0.2])["near"] == pytest.approx(0.0872665, abs=1e-6)
+
+
 def test_a_motor_s_limit_counts_too() -> None:
     """A differential: motors a + b and a − b, the first of which may turn by 1 rad."""
     arm = planar(0.3)

@@ -10,6 +10,7 @@ import random
 import re
 import signal
 import socket
+import struct
 import subprocess
 import sys
 import threading
@@ -39,6 +40,10 @@ LEAST = 0.8
 
 FLAT = 300_000
 """Bytes: what the interpreter itself keeps and drops; a leak of 100 bytes a message would be three times that."""
+
+
+LONG_WAY = [[0.1, 0.2, 0.3]] * 200_000
+"""3 MB as a message."""
 
 
 def port_of(viewer: Viewer) -> int:
@@ -160,6 +165,22 @@ def test_pages_that_never_read_neither_grow_nor_delay_the_others(viewer: Viewer)
         assert page.frames >= LEAST * 2.0 * RATE
         assert page.behind < 0.25
         assert all(len(each._outbox) <= kinds for each in mutes)
+
+
+def test_pages_that_vanish_in_the_middle_of_messages_are_forgotten_without_a_word(
+    viewer: Viewer, caplog: pytest.LogCaptureFixture
+) -> None:
+    for k in range(2):
+        with mute(viewer) as page:
+            until(lambda: len(viewer._server.clients) == 1)
+            for j in range(1, 3):  # more than fits between here and there
+                viewer._server.post("way", lambda stage, j=j: stage.draw_path({"points": LONG_WAY, "radius": 1.0 / j}))
+                viewer.show([0.0, 0.0, 0.01 * (4 * k + j)])
+                viewer._server.ask(lambda stage: None)
+            page.setsockopt(socket.SOL_SOCKET, socket.SO_LINGER, struct.pack("ii", 1, 0))
+        until(lambda: not viewer._server.clients)
+    gc.collect()  # an error that nobody asked for would be told now
+    assert not caplog.records
 
 
 def test_a_hundred_reconnections_leave_nothing(viewer: Viewer) -> None:

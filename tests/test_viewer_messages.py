@@ -16,10 +16,9 @@ from twistarm.errors import InputError
 from twistarm.servo import ServoOutput
 from twistarm.strict_json import encode
 from twistarm.viewer import Viewer
-from twistarm.viewer.messages import SCHEMA, parse
+from twistarm.viewer.messages import SCHEMA, failure, number_of, parse
 from twistarm.viewer.path import tool_path
 from twistarm.viewer.scene import Scene
-from twistarm.viewer.server import _error
 from twistarm.viewer.servo_words import servo_words
 from twistarm.viewer.stage import LAYERS, Stage
 from viewer_page import THETA, Page, matrix, nothing, visit
@@ -74,6 +73,34 @@ def test_a_bad_message_gets_its_reason_and_the_server_lives_on(viewer: Viewer) -
         await page.until(lambda: page.latest["frame"]["theta"][1] == 0.5)
 
     visit(viewer, misbehave)
+
+
+@pytest.mark.parametrize(
+    "text",
+    [
+        '{"type": "explode", "number": 7}',
+        '{"type": "theta", "theta": 3, "number": 7}',
+        '{"type": "theta", "theta": [NaN, 0, 0], "number": 7}',
+        '{"type": "play", "type": "pause", "number": 7}',
+    ],
+)
+def test_what_is_refused_before_it_is_read_is_done_too(viewer: Viewer, text: str) -> None:
+    """A page waits for the `done` of what it asked before it asks again."""
+
+    async def misbehave(page: Page) -> None:
+        await page.send(text)
+        await page.until(lambda: "error" in page.latest and page.latest.get("done", {}).get("number") == 7)
+
+    visit(viewer, misbehave)
+
+
+@pytest.mark.parametrize(
+    "text",
+    ["", "7", "[7]", "{}", '{"number": "7"}', '{"number": -1}', '{"number": true}', "[" * 30_000, b"\xff",
+     f'{{"number": 1{"0" * 5000}}}'],
+)  # fmt: skip
+def test_a_number_that_cannot_be_read(text: str | bytes) -> None:
+    assert number_of(text) is None
 
 
 def test_a_message_too_long_closes_that_page_only(viewer: Viewer) -> None:
@@ -133,7 +160,7 @@ def test_a_request_and_its_number() -> None:
 def told(arm: Arm) -> Iterator[dict[str, Any]]:
     """Whatever the process says, with everything on show that can be."""
     stage = Stage(arm, THETA)
-    yield from (stage.hello({}), Scene(arm).message(), _error(InputError("no")))
+    yield from (stage.hello({}), Scene(arm).message(), failure(InputError("no")))
     yield from ({"type": "done", "number": 1}, {"type": "work", "jobs": [{"key": "plan", "share": 0.5}]})
     yield from stage.messages()
     for layer in LAYERS:

@@ -33,6 +33,18 @@ def test_configurations_in_their_order() -> None:
     assert len(tool_path(ARM, np.linspace(0, 3, 5000)[:, None])["points"]) <= MOST_POINTS
 
 
+def test_a_long_way_is_drawn_by_400_points_and_ends_where_it_ends() -> None:
+    """Evenly along an arc of 3 rad: steps of 2 mm, whose chords are 2 µm from the arc."""
+    points = np.array(tool_path(ARM, np.linspace(0, 3, 5000)[:, None])["points"])
+    assert len(points) == 400
+    steps = np.linalg.norm(np.diff(points, axis=0), axis=1)
+    np.testing.assert_allclose(steps, 0.3 * 3 / 399, rtol=5e-2)  # 12 or 13 of the 4999 steps
+    np.testing.assert_allclose(points[-1], [0.3 * np.cos(3), 0.3 * np.sin(3), 0.4], atol=1e-6)
+    moving = np.array(tool_path(ARM, MOTION)["points"])
+    assert 350 < len(moving) <= 400  # some steps beside rest are too short to be seen
+    assert np.linalg.norm(np.diff(moving, axis=0), axis=1).max() < 2 * 0.3 * np.pi / 2 / 399  # twice the mean speed
+
+
 def test_a_tool_that_stays_draws_nothing() -> None:
     still = ArmBuilder("still").revolute("a", [0, 0, 1], HOME[:3, 3]).tool(HOME).build()
     assert tool_path(still, [[0.0], [1.0], [2.0]])["points"] == []

@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+from dataclasses import fields
 from typing import Any
 
 import numpy as np
 import pytest
 from numpy.testing import assert_allclose
+from numpy.typing import ArrayLike, NDArray
 
 from recorded_poses import HOME, LEFT, REACH, ask, done, said
 from recorded_poses import stage as stage
@@ -69,9 +71,41 @@ def test_a_trajectory_of_python_is_plotted_against_the_arm_s_own_limits(arm: Arm
 def test_a_motion_of_many_pieces_and_one_of_none(arm: Arm) -> None:
     rng = np.random.default_rng(4)
     many = plan_joint(arm, arm.random_theta(rng, size=200), kind="trapezoid", limits=with_defaults(arm))
-    assert len(plots(arm, Playback(many))["times"]) == MOST_POINTS
+    assert len(plots(arm, Playback(many))["times"]) == MOST_POINTS <= 300  # about a plot's width in pixels
     still = plan_joint(arm, [HOME, HOME], limits=with_defaults(arm))
     assert plots(arm, Playback(still))["times"] == [0.0]
+
+
+class Odd(Trajectory):
+    """A motion of Python's own, one of whose rates, or one of whose peaks, is no number."""
+
+    at: int
+    number: float
+    of_peak: bool
+
+    def __call__(self, t: ArrayLike, order: int = 0) -> NDArray[np.float64]:
+        values = np.array(super().__call__(t, order))
+        if order == self.at and not self.of_peak:
+            values[..., -1, 1] = self.number
+        return values
+
+    def peak(self, order: int) -> NDArray[np.float64]:
+        values = np.array(super().peak(order))
+        if order == self.at and self.of_peak:
+            values[1] = self.number
+        return values
+
+
+@pytest.mark.parametrize("number", [np.nan, np.inf, -np.inf])
+@pytest.mark.parametrize("at", [0, 1, 2])
+@pytest.mark.parametrize("of_peak", [False, True])
+def test_one_value_that_is_no_number_is_enough(arm: Arm, number: float, at: int, of_peak: bool) -> None:
+    motion = swing(arm)
+    odd = Odd(**{field.name: getattr(motion, field.name) for field in fields(Trajectory)})
+    for name, value in {"at": at, "number": number, "of_peak": of_peak}.items():
+        object.__setattr__(odd, name, value)
+    message = plots(arm, Playback(odd))
+    assert (message["times"], message["joints"], message["velocity"]) == ([], [], [])
 
 
 def test_what_is_no_number_is_not_plotted(arm: Arm) -> None:

@@ -14,12 +14,14 @@ from scipy.spatial.transform import Rotation
 from twistarm import Arm, arm_from_screws, available_arms, joints, load_arm, poe, rotations
 from twistarm.errors import DescriptionError
 from twistarm.limits import usual_half
-from twistarm.viewer import Viewer
+from twistarm.viewer import Viewer, links, meshes
+from twistarm.viewer.axes import anchors
 from twistarm.viewer.meshes import load_parts, shaded
 from twistarm.viewer.placement import Placement, rpy
 from twistarm.viewer.scene import Scene, build_scene
 from twistarm.viewer.stage import Stage
 from twistarm.viewer.summary import _describe
+from twistarm.viewer.theory import axes
 from viewer_page import ARM, ROUNDING, THETA, matrix, nothing, visit
 from viewer_page import arm as arm
 from viewer_page import viewer as viewer
@@ -90,6 +92,31 @@ def test_arms_without_a_description_are_drawn_from_their_axes() -> None:
     assert stage.hello(scene.links)["arm"]["screws"] == ["helical", "prismatic", "revolute"]
     assert scene.notes == ()
     assert {"/arm/rod:0/rod", "/arm/rod:1/rail"} <= {umsgpack.unpackb(part)["path"] for part in scene.objects}
+
+
+def test_axes_off_the_origin_are_drawn_at_their_points_nearest_to_the_axis_before() -> None:
+    """By hand: z through (1, 0, 0); x through (0, 2, 3), whose point nearest to (1, 0, 0) is (1, 2, 3); a slide; and
+    y through (−4, 9, 5), whose point nearest to the last is (−4, 2, 5)."""
+    screws = np.column_stack(
+        [
+            joints.revolute([0, 0, 1], [1, 0, 0]),
+            joints.revolute([-1, 0, 0], [0, 2, 3]),
+            joints.prismatic([0, 0, 1]),
+            3.0 * joints.helical([0, 1, 0], [-4, 9, 5], 0.05),
+        ]
+    )
+    home = np.eye(4)
+    home[:3, 3] = [1, 2, 4]
+    arm = arm_from_screws(screws, home)
+    points = [[1, 0, 0], [1, 2, 3], [1, 2, 3], [-4, 2, 5]]
+    assert_allclose(anchors(arm), points, atol=ROUNDING)
+    drawn = {part["path"]: part["object"] for part in map(umsgpack.unpackb, build_scene(arm).objects)}
+    for i, point in enumerate(points):
+        path = "/arm/rod:base" if i == 0 else f"/arm/rod:{i - 1}"
+        origin = matrix(drawn[f"{path}/origin"]["object"]["matrix"])[:3, 3]
+        assert_allclose(origin, [0, 0, 0] if i == 0 else points[i - 1], atol=ROUNDING)
+        tip = np.array(axes(arm)["joints"][i]["tip"]) - point
+        assert_allclose(np.abs(tip) / np.linalg.norm(tip), np.abs([[0, 0, 1], [1, 0, 0], [0, 0, 1], [0, 1, 0]][i]))
 
 
 def test_a_cylinder_stands_along_z(arm: Arm) -> None:
@@ -191,6 +218,8 @@ def test_a_mesh_that_cannot_be_read_is_noted_and_the_rest_is_drawn(tmp_path: Pat
         load_parts(tmp_path / "lost.stl")
 
 
+GREEN = '<material name="m"><color rgba="0 1 0 1"/></material>'
+
 FACES = "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nusemtl red\nf 1 2 3\nusemtl blue\nf 1 2 4\n"
 
 
@@ -226,6 +255,23 @@ def test_a_mesh_is_scaled_mirrored_and_coloured_as_the_description_has_it(tmp_pa
     assert part["materials"][0]["color"] == 0x00FF00
 
 
+def test_a_file_s_own_colours_come_before_the_description_s_placeholder(tmp_path: Path) -> None:
+    (tmp_path / "part.obj").write_text("mtllib two.mtl\n" + FACES)
+    (tmp_path / "two.mtl").write_text("newmtl red\nKd 1 0 0\nnewmtl blue\nKd 0 0 1\n")
+    (tmp_path / "plain.obj").write_text("v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n")
+    visuals = [f'<visual><geometry><mesh filename="{name}.obj"/></geometry>{colour}</visual>' for name, colour in [
+        ("part", GREEN), ("plain", GREEN), ("plain", "")]]  # fmt: skip
+    (tmp_path / "arm.urdf").write_text(
+        f'<robot name="r"><link name="base">{"".join(visuals)}</link><link name="tip"/>'
+        '<joint name="j" type="continuous"><parent link="base"/><child link="tip"/><axis xyz="0 0 1"/></joint></robot>'
+    )
+    objects = Scene(load_arm(tmp_path / "arm.urdf")).whole().objects
+    drawn = {part["path"]: part["object"]["materials"][0]["color"] for part in map(umsgpack.unpackb, objects)
+             if "materials" in part["object"]}  # fmt: skip
+    colours = [{drawn[path] for path in drawn if path.startswith(f"/arm/link:base/visual{i}/")} for i in range(3)]
+    assert colours == [{0xFF0000, 0x0000FF}, {0x00FF00}, {0x9EA8B8}]  # 158, 168, 184: a light grey
+
+
 def test_a_scene_is_drawn_mesh_by_mesh_and_whoever_needs_it_whole_finishes_it(tmp_path: Path) -> None:
     import trimesh
 
@@ -239,3 +285,47 @@ def test_a_scene_is_drawn_mesh_by_mesh_and_whoever_needs_it_whole_finishes_it(tm
     assert not scene.draw()
     assert scene.whole() is scene
     assert len(scene.objects) == scene.plain + 1
+
+
+@pytest.mark.parametrize("place", ["reading", "drawing"])
+def test_whatever_ails_one_mesh_the_others_are_drawn(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, place: str
+) -> None:
+    import trimesh
+
+    for name in ("good", "bad"):
+        trimesh.creation.box((0.1, 0.1, 0.1)).export(tmp_path / f"{name}.stl")
+    mesh = '<visual><geometry><mesh filename="{}.stl"/></geometry></visual>'
+    (tmp_path / "arm.urdf").write_text(
+        f'<robot name="r"><link name="base">{mesh.format("bad")}{mesh.format("good")}</link><link name="tip">'
+        f'{mesh.format("bad")}</link><joint name="j" type="continuous"><parent link="base"/><child link="tip"/>'
+        '<origin xyz="0 0 1"/></joint></robot>'
+    )
+    if place == "reading":
+        parts = meshes.load_parts
+        monkeypatch.setattr(links, "load_parts", lambda path: parts(path) if path.stem == "good" else 1 / 0)
+    else:
+        draw = links._mesh
+        monkeypatch.setattr(links, "_mesh", lambda node, *rest: 1 / 0 if "0" in node else draw(node, *rest))
+    scene = Scene(load_arm(tmp_path / "arm.urdf")).whole()
+    assert scene.left == 0
+    assert len(scene.notes) == 1
+    assert "bad.stl: division by zero" in scene.notes[0]
+    drawn = [umsgpack.unpackb(part)["path"] for part in scene.objects]
+    assert "/arm/link:base/visual1/part0" in drawn
+    assert not any("visual0" in path for path in drawn)
+
+
+def test_a_mesh_whose_colour_cannot_be_told_is_drawn_without_and_what_cannot_be_shaded_is_an_error(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    import trimesh
+
+    box = trimesh.creation.box((0.1, 0.1, 0.1))
+    box.visual = trimesh.visual.TextureVisuals(material=trimesh.visual.material.MultiMaterial())
+    monkeypatch.setattr(trimesh, "load_scene", lambda path: trimesh.Scene(box))
+    (part,) = load_parts(tmp_path / "box.obj")
+    assert part.colour is None
+    monkeypatch.setattr(meshes, "shaded", lambda corners: 1 / 0)
+    with pytest.raises(DescriptionError, match=r"cannot read mesh .*box\.obj: division by zero; export it again"):
+        load_parts(tmp_path / "box.obj")

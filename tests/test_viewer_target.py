@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import time
 from typing import Any
 
 import numpy as np
@@ -9,14 +10,15 @@ import pinocchio
 import pytest
 from numpy.testing import assert_allclose, assert_array_equal
 
-from twistarm import Arm, InputError, load_arm, solve_ik
+from twistarm import Arm, InputError, arm_from_screws, joints, load_arm, solve_ik
+from twistarm.engine import MOST_JOINTS
 from twistarm.ik import Approach, Pose, Position
 from twistarm.planning.joint_space import plan_joint
 from twistarm.strict_json import encode
 from twistarm.viewer import Viewer
 from twistarm.viewer.messages import SCHEMA, parse
 from twistarm.viewer.stage import Stage
-from twistarm.viewer.target import MAX_TIME, nearer
+from twistarm.viewer.target import AT_ONCE, MAX_TIME, nearer
 from viewer_page import Page, visit
 
 ROVER = load_arm("rover_arm")
@@ -44,7 +46,15 @@ def start(stage: Stage, **fields: Any) -> Any:
 
 
 def finish(job: Any) -> None:
-    job.finish(job.work(lambda share: None))
+    """Do the job at once, where there is one: most targets are answered without."""
+    if job is not None:
+        job.finish(job.work(lambda share: None))
+
+
+@pytest.fixture
+def in_the_thread(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Every target is a job, as on an arm that the core cannot hold."""
+    monkeypatch.setattr("twistarm.viewer.target.solved_at_once", lambda *asked: None)
 
 
 def text(type: str, **fields: Any) -> str:
@@ -69,7 +79,6 @@ def test_a_target_in_reach_is_met(kind: str) -> None:
     position, quaternion = near(SIX)
     message = ask(stage, kind, position, quaternion)
     assert message["met"] is True
-    assert message["stop"] == "CONVERGED"
     assert message["given"] == {"kind": kind, "position": position.tolist(), "xyzw": quaternion}
     g, _, _ = SIX.by_pinocchio(stage.theta)
     before, _, _ = SIX.by_pinocchio(SIX.ready)
@@ -86,11 +95,10 @@ def test_out_of_reach_the_nearest_is_shown_and_the_reason_told() -> None:
     message = ask(stage, "position", position, quaternion)
     solution = solve_ik(ROVER, Position(position), ROVER.ready, posture="theta0", max_time=MAX_TIME)
     assert message["met"] is False
-    assert message["stop"] == "OUT_OF_REACH"
     assert message["words"] == solution.explain()
     g, _, _ = ROVER.by_pinocchio(stage.theta)
     distance = float(np.linalg.norm(g[:3, 3] - position))
-    assert distance == pytest.approx(message["position_error"], abs=MET)
+    assert distance == pytest.approx(solution.position_error, abs=MET)
     assert ROVER.limits.contains(stage.theta)
     closer = [np.linalg.norm(ROVER.fk(ROVER.random_theta(rng))[:3, 3] - position) for rng in rngs(300)]
     assert distance < min(closer)
@@ -140,6 +148,7 @@ def test_a_target_let_go_leaves_the_arm_where_it_is() -> None:
     assert stage.theta is theta
 
 
+@pytest.mark.usefixtures("in_the_thread")
 @pytest.mark.parametrize("meanwhile", ["release", "slider", "servo", "trajectory"])
 def test_an_answer_that_comes_too_late_changes_nothing(meanwhile: str) -> None:
     stage = Stage(ROVER)
@@ -159,6 +168,7 @@ def test_an_answer_that_comes_too_late_changes_nothing(meanwhile: str) -> None:
     assert told(stage)["given"] is None
 
 
+@pytest.mark.usefixtures("in_the_thread")
 def test_of_a_drag_each_answer_is_shown() -> None:
     stage = Stage(ROVER)
     position, quaternion = near(ROVER)
@@ -167,6 +177,60 @@ def test_of_a_drag_each_answer_is_shown() -> None:
     finish(first)
     finish(second)
     assert_allclose(ROVER.fk(stage.theta)[:3, 3], position + [0, 0, 0.01], atol=MET)
+
+
+@pytest.mark.parametrize("kind", ["pose", "position", "approach"])
+def test_what_a_short_search_meets_is_answered_at_once_and_as_by_one_with_all_its_time(kind: str) -> None:
+    stage, patient = Stage(SIX), Stage(SIX)
+    position, quaternion = near(SIX)
+    with pytest.MonkeyPatch.context() as patched:
+        patched.setattr("twistarm.viewer.target.solved_at_once", lambda *asked: None)
+        slow = ask(patient, kind, position, quaternion)
+    for _ in range(20):  # on a machine that others use too, a search may be interrupted
+        stage.show(SIX.ready)
+        if start(stage, kind=kind, position=position.tolist(), xyzw=quaternion) is None:
+            break
+    assert told(stage) == slow
+    assert_array_equal(stage.theta, patient.theta)
+
+
+def chain(n: int) -> Arm:
+    """n joints, a tenth of a metre apart, about x and y in turn."""
+    axes = [joints.revolute([i % 2, 1 - i % 2, 0], [0, 0, 0.1 * i]) for i in range(n)]
+    home = np.eye(4)
+    home[2, 3] = 0.1 * n
+    return arm_from_screws(np.hstack(axes), home)
+
+
+@pytest.mark.alone
+@pytest.mark.parametrize("arm", [ROVER, SIX, chain(MOST_JOINTS)], ids=lambda arm: f"{arm.n} joints")
+@pytest.mark.parametrize("kind", ["pose", "position", "approach"])
+def test_no_search_holds_up_the_loop(arm: Arm, kind: str) -> None:
+    stage, times = Stage(arm), []
+    for _ in range(20):
+        begin = time.perf_counter()
+        job = start(stage, kind=kind, position=[90.0, 0.0, 0.0], xyzw=[0, 0, 0, 1])
+        times.append(time.perf_counter() - begin)
+        assert job is not None
+    assert min(times) < 5 * AT_ONCE
+
+
+def test_an_arm_that_the_core_cannot_hold_is_left_to_the_thread(monkeypatch: pytest.MonkeyPatch) -> None:
+    arm = chain(MOST_JOINTS + 1)
+    monkeypatch.setattr("twistarm.viewer.target.solve_ik", None)
+    p = arm.fk(arm.ready)[:3, 3].tolist()
+    assert start(Stage(arm), kind="position", position=p, xyzw=[0, 0, 0, 1]) is not None
+
+
+def test_an_answer_that_a_later_target_has_overtaken_is_not_shown() -> None:
+    stage = Stage(ROVER)
+    position, quaternion = near(ROVER)
+    slow = start(stage, kind="position", position=[9.0, 0.0, 0.0], xyzw=quaternion)
+    assert ask(stage, "position", position, quaternion)["met"]
+    theta = stage.theta
+    finish(slow)
+    assert stage.theta is theta
+    assert told(stage)["met"]
 
 
 def test_a_target_stops_what_plays() -> None:

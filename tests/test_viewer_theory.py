@@ -35,6 +35,10 @@ for i in range(3):
     ELBOW = ELBOW.revolute(f"j{i}", [0, 0, 1], [0.5 * i, 0, 0])
 STRETCHED = ELBOW.tool(np.array([[1, 0, 0, 1.5], [0, 1, 0, 0], [0, 0, 1, 0], [0, 0, 0, 1.0]])).build()
 
+SLEDGE = ArmBuilder("sledge").prismatic("slide", [1, 0, 0], lower=-1, upper=1)
+SLEDGE = SLEDGE.revolute("turn", [0, 0, 1], [0, 0, 0], lower=-3, upper=3)  # the tool is 2 m from it
+SLEDGE = SLEDGE.tool(np.array([[1, 0, 0, 2.0], [0, 1, 0, 0], [0, 0, 1, 0], [0, 0, 0, 1.0]])).build()
+
 PAIR = """<robot name="pair"><link name="base"/><link name="a"/><link name="b"/><link name="tool"/>
   <joint name="lead" type="revolute"><parent link="base"/><child link="a"/><axis xyz="0 0 1"/>
     <limit lower="-2" upper="2" velocity="1" effort="1"/></joint>
@@ -273,6 +277,42 @@ def test_the_joint_that_moved() -> None:
     ask(stage, type="theta", theta=stage.theta.tolist())
     stage.show(stage.theta + [0.3, 0, 0.2, 0, 0])
     assert told(stage)["moved"] == 0  # type: ignore[index]
+
+
+@pytest.mark.parametrize(("slide", "turn", "moved"), [(0.21, 0.2, 1), (-0.39, 0.2, 1), (0.41, -0.2, 0), (0.1, 0.2, 1)])
+def test_which_moved_farther_is_measured_in_the_reach(slide: float, turn: float, moved: int) -> None:
+    """With a reach of 2 m, 0.2 rad are as far as 0.4 m."""
+    assert SLEDGE.reach == 2.0
+    stage = switched_on(SLEDGE)
+    stage.show(np.array([0.0, 0.0]))
+    assert told(stage) is not None
+    stage.show(np.array([slide, turn]))
+    assert told(stage)["moved"] == moved  # type: ignore[index]
+    motion = plan_joint(SLEDGE, [[0, 0], [slide, turn]], limits={"velocity": 1.0, "acceleration": 1.0})
+    for record in recorded(SLEDGE, np.zeros(2), motion)["numbers"][1:-1]:
+        assert record["moved"] == moved
+
+
+def test_the_lengths_to_which_rates_are_drawn() -> None:
+    """A quarter of a metre for 1 m/s, whatever the arm; 13 % of its size for 1 rad/s."""
+    for arm, size in ((SLEDGE, 2.0), (STRETCHED, 1.5)):
+        drawn = axes(arm)
+        assert (drawn["size"], drawn["length"], drawn["linear"]) == (size, size, 0.25)
+        assert drawn["angular"] == pytest.approx(0.13 * size)
+
+
+@pytest.mark.parametrize(("sigma", "words"), [
+    (0.039, "Rank 2 of 2, nearly singular: the tool can hardly move along its y."), (0.041, "Rank 2 of 2."),
+    (0.06, "Rank 2 of 2."), (0.0201, "Rank 2 of 2, nearly singular: the tool can hardly move along its y."),
+])  # fmt: skip
+def test_nearly_singular_begins_at_a_singular_value_of_a_25th(sigma: float, words: str) -> None:
+    """Two slides at an angle of 2 a to each other, about x: singular values √2 cos a and √2 sin a, along x and y."""
+    a = np.arcsin(sigma / np.sqrt(2))
+    builder = ArmBuilder("scissors").prismatic("p", [np.cos(a), np.sin(a), 0], lower=-1, upper=1)
+    arm = builder.prismatic("q", [np.cos(a), -np.sin(a), 0], lower=-1, upper=1).tool(np.eye(4)).build()
+    said = numbers(arm, np.zeros(2))
+    assert said["smallest"] == pytest.approx(sigma, abs=1e-12)
+    assert (said["below"], said["standing"]) == (0.04, words)
 
 
 def test_the_screw_of_a_motion() -> None:

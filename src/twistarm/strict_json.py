@@ -18,9 +18,13 @@ LARGEST_COUNTER = 2**53
 """Counters stay below, where every reader's numbers are whole."""
 
 
+_ENCODER = json.JSONEncoder(allow_nan=False, separators=(",", ":"))
+"""Made once: making it takes a tenth of the time that a frame of the view takes to encode."""
+
+
 def encode(message: Mapping[str, Any]) -> str:
     """A message as one line of JSON; NaN and infinity are refused rather than written."""
-    return json.dumps(message, allow_nan=False, separators=(",", ":"))
+    return _ENCODER.encode(message)
 
 
 def decoded(text: str | bytes) -> dict[str, Any]:

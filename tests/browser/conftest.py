@@ -26,6 +26,16 @@ FLAGS = (
     "--enable-unsafe-swiftshader",
 )
 
+UNDRAWN = """
+globalThis.undrawn = true;
+for (const { prototype } of [WebGLRenderingContext, WebGL2RenderingContext]) {
+  for (const name of ["clear", "drawArrays", "drawElements", "drawArraysInstanced", "drawElementsInstanced"]) {
+    const draw = prototype[name];
+    prototype[name] = function (...what) { if (!globalThis.undrawn) draw.apply(this, what); };
+  }
+}"""
+"""Software fills a view in 0.1 s to 0.4 s, a graphics card at once: pages do all but fill it, until `draw` asks."""
+
 
 def absent(reason: str) -> NoReturn:
     """Skip, or fail where everything is required."""
@@ -55,6 +65,7 @@ def browser() -> Iterator[Any]:
 def watched(browser: Any) -> Iterator[Any]:
     """A page in a window of its own; none of its scripts may fail."""
     context = browser.new_context(viewport={"width": 1280, "height": 720}, color_scheme="light")
+    context.add_init_script(UNDRAWN)
     opened = context.new_page()
     errors: list[str] = []
     opened.on("pageerror", lambda error: errors.append(str(error)))
@@ -73,5 +84,12 @@ def open_page(browser: Any) -> Callable[[], AbstractContextManager[Any]]:
 @pytest.fixture
 def page(open_page: Callable[[], AbstractContextManager[Any]]) -> Iterator[Any]:
     """A page of the test's own."""
+    with open_page() as opened:
+        yield opened
+
+
+@pytest.fixture
+def other(open_page: Callable[[], AbstractContextManager[Any]]) -> Iterator[Any]:
+    """A second page beside it, as somebody else's."""
     with open_page() as opened:
         yield opened

@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 import pytest
 from numpy.testing import assert_allclose
-from waiting import settled, until
+from waiting import draw, settled, until
 
 from twistarm import Arm, diagnose, load_arm
 from twistarm.viewer import Viewer, save_html
@@ -156,7 +156,7 @@ def test_a_link_stands_out_where_the_arm_has_it_and_moves_with_it(live: Any, arm
 
 
 def test_an_axis_is_thickened_about_itself_also_where_screws_are_not_shown(live: Any) -> None:
-    live.get_by_label("Screws").uncheck()
+    live.get_by_label("Screws", exact=True).uncheck()
     until(live, "!twistarm.view.node('/screws').visible")
     about(live, "limits-look-like-degrees").click()
     columns = [np.reshape(copy["matrix"], (4, 4)).T[:3, :3] for copy in live.evaluate(COPIES)]
@@ -166,7 +166,7 @@ def test_an_axis_is_thickened_about_itself_also_where_screws_are_not_shown(live:
         assert_allclose([x, y], [z, 1.0], atol=DRAWN)
         assert x > 1.5
         assert_allclose(scaled[:, 1], [0, 0, -1], atol=DRAWN)  # along the joint's axis
-    live.get_by_label("Screws").check()
+    live.get_by_label("Screws", exact=True).check()
     until(live, "twistarm.view.node('/screws').visible")
 
 
@@ -179,6 +179,7 @@ def test_by_keyboard_enter_chooses_and_escape_takes_it_back(live: Any) -> None:
 
 
 def test_what_is_chosen_is_seen_and_leaves_no_trace(live: Any) -> None:
+    draw(live)
     before = live.evaluate(PICTURE)
     about(live, "mass-implausible").click()
     assert live.evaluate(PICTURE) != before

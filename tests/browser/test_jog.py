@@ -67,7 +67,7 @@ def viewer() -> Iterator[Viewer]:
 
 @pytest.fixture(scope="module")
 def page(open_page: Callable[[], AbstractContextManager[Any]], viewer: Viewer) -> Iterator[Any]:
-    """One page for most tests: opening one takes seconds of drawing in software."""
+    """One page for most tests: opening one takes a second."""
     with open_page() as opened:
         yield settled(opened, viewer.url)
 
@@ -89,6 +89,12 @@ def heard(page: Any, viewer: Viewer) -> Iterator[Heard]:
 def line(page: Any) -> str:
     text: str = page.locator("#jog-line").inner_text()
     return text
+
+
+def let_go(page: Any) -> None:
+    """Nothing of the gamepad is held, and the page has seen it."""
+    page.evaluate(PAD, {})
+    until(page, "twistarm.jog.timer === null && twistarm.jog.gamepad.armed")
 
 
 def test_without_a_servo_a_page_takes_no_key_until_commands_are_taken(
@@ -243,8 +249,7 @@ def test_up_is_up(page: Any, heard: Heard) -> None:
             page.keyboard.press("t")
         page.keyboard.press("t")  # from the view's axes on to the base's
     for ahead in (-1, 1):  # a stick forward is −1
-        page.evaluate(PAD, {})
-        time.sleep(0.1)
+        let_go(page)
         page.evaluate(PAD, {"axes": [0, 0, 0, ahead], "buttons": {LB: 1}})
         assert 0.15 < -ahead * raised(heard.jog()) < 0.2
 
@@ -292,8 +297,7 @@ def test_a_gamepad_moves_while_a_shoulder_button_is_held(page: Any, heard: Heard
 
 def test_sticks_triggers_and_cross(page: Any, heard: Heard) -> None:
     for state, share in DEFLECTIONS:
-        page.evaluate(PAD, {})
-        time.sleep(0.1)
+        let_go(page)
         page.evaluate(PAD, {**state, "buttons": {**state.get("buttons", {}), LB: 1}})
         assert_allclose(heard.jog()["twist"], np.array(share) * np.repeat([LINEAR, ANGULAR], 3), atol=1e-12)
 
@@ -303,8 +307,7 @@ def test_a_shoulder_button_held_since_before_must_be_let_go_first(page: Any, hea
     page.evaluate(PAD, held)
     time.sleep(0.1)
     assert heard.messages == []
-    page.evaluate(PAD, {})
-    time.sleep(0.1)
+    let_go(page)
     page.evaluate(PAD, held)
     heard.await_kind("jog")
     page.evaluate("() => window.dispatchEvent(new Event('blur'))")

@@ -22,7 +22,7 @@ from twistarm.viewer import Viewer
 pytestmark = pytest.mark.browser
 
 WAY = 0.015
-"""How far a button is held [m]: a few frames of drawing in software."""
+"""How far a button is held [m]: a few frames."""
 
 TURN = 0.06
 """[rad]"""
@@ -38,7 +38,7 @@ FROM_MESHCAT = np.array([[1, 0, 0], [0, 0, -1], [0, 1, 0]])
 
 
 class Bench:
-    """A page with Drive switched on, and the view behind it; small, so that drawing in software follows a hand."""
+    """A page with Drive switched on, and the view behind it; small."""
 
     def __init__(self, name: str, open_page: Callable[[], AbstractContextManager[Any]], stack: ExitStack) -> None:
         self.arm = load_arm(name)
@@ -84,7 +84,7 @@ class Bench:
 
 @pytest.fixture(scope="module")
 def benches(open_page: Callable[[], AbstractContextManager[Any]]) -> Iterator[dict[str, Bench]]:
-    """The pages of these tests: opening one takes seconds of drawing in software."""
+    """The pages of these tests: opening one takes a second."""
     with ExitStack() as stack:
         yield {name: Bench(name, open_page, stack) for name in ("rover_arm", "rover_arm_6dof")}
 

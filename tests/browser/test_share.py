@@ -17,7 +17,7 @@ from numpy.testing import assert_allclose
 from numpy.typing import NDArray
 from PIL import Image
 from test_page import assert_drawn
-from waiting import settled, until
+from waiting import draw, settled, until
 
 from twistarm import Arm, Trajectory, available_arms, load_arm, plan_joint
 from twistarm.viewer import Viewer
@@ -39,6 +39,15 @@ CLOCK = """(loop) => {
   clock.advance();
   return [clock.time, clock.running];
 }"""
+
+CARD = """
+for (const { prototype } of [WebGLRenderingContext, WebGL2RenderingContext]) {
+  const get = prototype.getParameter;
+  prototype.getParameter = function (what) {
+    return [this.RENDERER, 0x9246].includes(what) ? "a graphics card" : get.call(this, what);
+  };
+}"""
+"""A page that takes software for a graphics card shows all it can; 0x9246 is UNMASKED_RENDERER_WEBGL."""
 
 
 @functools.cache
@@ -171,9 +180,11 @@ def test_the_stand_alone_page_of_an_arm_with_meshes(page: Any, tmp_path: Path) -
 
 
 def test_a_picture_has_the_size_asked_for_and_shows_what_is_seen(page: Any, tmp_path: Path) -> None:
+    page.add_init_script(CARD)
     with Viewer(load("rover_arm"), open_browser=False) as viewer:
         settled(page, viewer.url)
         before = page.evaluate("[twistarm.view.viewer.camera.zoom, twistarm.view.viewer.camera.aspect]")
+        draw(page)
         seen = np.asarray(Image.open(io.BytesIO(page.locator("#pane").screenshot())).convert("RGB")).astype(int)
         page.get_by_text("Share", exact=True).click()
         button = page.get_by_role("button", name="Picture")

@@ -11,7 +11,7 @@ import pytest
 from numpy.testing import assert_allclose
 from scipy.spatial.transform import Rotation
 from test_page import DRAWN, assert_drawn, load
-from waiting import settled, until
+from waiting import after_frames, settled, until
 
 from twistarm import available_arms, solve_ik
 from twistarm.ik import Approach
@@ -59,11 +59,7 @@ class Desk:
         self.page.get_by_label("Snap").set_checked(snap)
         if kind is not None:
             self.page.get_by_label("What the tool is to meet").select_option(kind)
-        self.picture()
-
-    def picture(self) -> None:
-        """Wait for what is drawn next."""
-        self.page.evaluate("new Promise((done) => requestAnimationFrame(() => requestAnimationFrame(done)))")
+        after_frames(self.page)
 
     def drawn(self) -> Any:
         """The tool's frame (4, 4) as it stands on the page."""
@@ -97,7 +93,7 @@ class Desk:
 
 @pytest.fixture(scope="module")
 def desks(open_page: Opened) -> Iterator[Callable[[str], Desk]]:
-    """A page for each arm: opening one takes seconds of drawing in software."""
+    """A page for each arm: opening one takes seconds."""
     with ExitStack() as stack:
         made: dict[str, Desk] = {}
 
@@ -105,7 +101,7 @@ def desks(open_page: Opened) -> Iterator[Callable[[str], Desk]]:
             if name not in made:
                 viewer = stack.enter_context(Viewer(load(name), open_browser=False))
                 page = stack.enter_context(open_page())
-                page.set_viewport_size({"width": 740, "height": 560})  # less to draw
+                page.set_viewport_size({"width": 740, "height": 560})
                 made[name] = Desk(settled(page, viewer.url), viewer)
             return made[name]
 
@@ -246,7 +242,7 @@ def test_out_of_reach_the_nearest_is_shown_and_the_page_says_why(rover: Desk) ->
     )
     assert ball == warning
     assert tether
-    rover.picture()
+    after_frames(rover.page)
     assert_allclose(rover.page.evaluate("twistarm.parts.target.gizmo.group.position.toArray()"), g[:3, 3])
     rover.page.get_by_role("button", name="Let go").click()
     until(rover.page, "twistarm.parts.target.given === null")

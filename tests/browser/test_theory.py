@@ -12,7 +12,7 @@ import numpy as np
 import pytest
 from numpy.testing import assert_allclose, assert_array_equal
 from numpy.typing import NDArray
-from waiting import settled, until
+from waiting import after_frames, settled, until
 
 from twistarm import Arm, load_arm, plan_joint
 from twistarm.planning.trajectory import Trajectory
@@ -29,7 +29,7 @@ Opened = Callable[[], AbstractContextManager[Any]]
 ARM = load_arm("rover_arm")
 
 SMALL = {"width": 960, "height": 480}
-"""Less to draw in software."""
+"""A small window."""
 
 FLOAT = 2e-6
 """Meshcat keeps matrices in double precision, three.js's colours and points are float32."""
@@ -46,6 +46,7 @@ DRAWN = """() => {
   const { instant, axes, labels, numbers } = theory;
   const toScreen = camera.projectionMatrix.clone();
   const placed = (text) => text.style.transform.match(/-?[\\d.]+/g).map(Number);
+  const seen = labels.layer.hidden ? [] : labels.labels;
   return {
     axes, spatial: theory.spatial.arrows.map((two) => two.map(arrow)),
     body: theory.body.arrows.map((two) => two.map(arrow)),
@@ -54,7 +55,7 @@ DRAWN = """() => {
     velocity: arrow(instant.velocity), time: twistarm.state.frame.time, numbers,
     projection: toScreen.multiply(camera.matrixWorldInverse).multiply(scene.matrixWorld).elements,
     size: [view.viewer.renderer.domElement.clientWidth, view.viewer.renderer.domElement.clientHeight],
-    labels: labels.labels.map(({ text }) => text.hidden ? null : [text.textContent, ...placed(text)]),
+    labels: seen.map(({ text }) => text.hidden ? null : [text.textContent, ...placed(text)]),
   };
 }"""
 """Every object of the theory as it stands in the scene, in base axes."""
@@ -68,7 +69,7 @@ def viewer() -> Iterator[Viewer]:
 
 @pytest.fixture(scope="module")
 def page(open_page: Opened, viewer: Viewer) -> Iterator[Any]:
-    """One page for all of the rover arm: opening one takes seconds of drawing in software."""
+    """One page for all of the rover arm: opening one takes a second."""
     with open_page() as opened:
         opened.context.grant_permissions(["clipboard-read", "clipboard-write"])
         opened.set_viewport_size(SMALL)
@@ -90,6 +91,7 @@ def switch(page: Any, *names: str, on: bool = True) -> None:
 def shown(page: Any, theta: Matrix) -> dict[str, Any]:
     """What is drawn once the numbers on the page are those of theta."""
     until(page, f"Math.abs(twistarm.state.frame.theta[1] - {float(theta[1])!r}) < 1e-12")
+    after_frames(page)
     drawn: dict[str, Any] = page.evaluate(DRAWN)
     return drawn
 
@@ -181,7 +183,6 @@ def test_columns_ellipsoids_and_labels(page: Any, viewer: Viewer) -> None:
     moved = np.array([-0.2, 0.1, 0.7, -0.3, 1.2])
     viewer.show(moved)
     until(page, f"twistarm.parts.theory.numbers.g[0][3] === {float(ARM.fk(moved)[0, 3])!r}")
-    page.evaluate("new Promise(requestAnimationFrame)")
     drawn = shown(page, moved)
     assert_columns(drawn, ARM, moved)
     assert_ellipsoids(drawn, ARM, moved)
@@ -202,7 +203,7 @@ def test_labels_follow_the_camera_and_hide_behind_it(page: Any, viewer: Viewer) 
     page.mouse.move(700, 370, steps=3)
     page.mouse.up()
     until(page, f"twistarm.parts.theory.labels.labels[0].text.style.transform !== 'translate({before[0][1]}px'")
-    page.wait_for_timeout(100)
+    after_frames(page)
     drawn = page.evaluate(DRAWN)
     assert drawn["labels"] != before
     assert assert_labels(drawn, ARM, viewer.theta) == 7
@@ -212,7 +213,7 @@ def test_labels_follow_the_camera_and_hide_behind_it(page: Any, viewer: Viewer) 
       camera.position.x += 0.01;
       controls.update();
     }""")
-    page.wait_for_timeout(200)
+    after_frames(page)
     assert assert_labels(page.evaluate(DRAWN), ARM, viewer.theta) < 7
     page.get_by_role("button", name="Fit view").click()
     page.get_by_label("Screws", exact=True).uncheck()
@@ -290,9 +291,10 @@ def test_numbers_are_written_and_copied_with_all_digits(page: Any, viewer: Viewe
 
 def copied(page: Any, name: str) -> str:
     button = page.get_by_role("button", name=f"Copy {name}", exact=True)
+    page.evaluate("document.getElementById('copied').replaceChildren()")
     button.focus()
     page.keyboard.press("Enter")
-    page.wait_for_timeout(50)
+    until(page, "document.getElementById('copied').textContent !== ''")
     text: str = page.evaluate("navigator.clipboard.readText()")
     return text
 
@@ -339,13 +341,11 @@ def test_other_arms(open_page: Opened, name: str) -> None:
     with Viewer(arm, theta, open_browser=False) as viewer, open_page() as opened:
         opened.set_viewport_size(SMALL)
         settled(opened, viewer.url)
-        opened.evaluate("twistarm.view.setVisible('arm', false)")  # its meshes take seconds in software
         show_theory(opened)
         switch(opened, "Labels", "Columns of Jˢ", "Columns of Jᵇ", "Linear ellipsoid", "Angular ellipsoid")
         switch(opened, "Instantaneous screw")
         opened.get_by_label("Joint whose screw").select_option(arm.joint_names[3])
         until(opened, "twistarm.parts.theory.visible.screw")
-        opened.wait_for_timeout(200)
         drawn = shown(opened, theta)
         assert_columns(drawn, arm, theta)
         assert_ellipsoids(drawn, arm, theta)
@@ -368,7 +368,7 @@ def test_the_stand_alone_page(open_page: Opened, tmp_path: Path) -> None:
         show_theory(opened)
         switch(opened, "Labels", "Columns of Jˢ", "Columns of Jᵇ", "Linear ellipsoid", "Instantaneous screw")
         assert opened.locator("#theory-layers").get_by_label("Workspace").count() == 0
-        opened.wait_for_timeout(200)
+        after_frames(opened)
         end = trajectory(trajectory.duration)
         drawn = opened.evaluate(DRAWN.replace("{ view, parts, theory = parts.theory }", "{ view, theory }"))
         assert_columns(drawn, ARM, end)

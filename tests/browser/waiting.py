@@ -6,7 +6,7 @@ import time
 from typing import Any
 
 WAIT = 20.0
-"""Seconds until something that should happen at once counts as not happening; software rendering is slow."""
+"""Seconds until something that should happen at once counts as not happening, on a busy machine too."""
 
 
 def until(page: Any, condition: str) -> None:
@@ -15,6 +15,17 @@ def until(page: Any, condition: str) -> None:
     while not page.evaluate(f"Boolean({condition})"):
         assert time.monotonic() < end, f"the page never showed {condition}"
         time.sleep(0.02)
+
+
+def after_frames(page: Any) -> None:
+    """Wait until the view has been rendered as it stands now: the first frame that comes may be under way."""
+    page.evaluate("() => new Promise((done) => requestAnimationFrame(() => requestAnimationFrame(done)))")
+
+
+def draw(page: Any) -> None:
+    """Fill the view from now on, until another page is loaded: for tests that look at its pixels."""
+    page.evaluate("globalThis.undrawn = false, twistarm.view.viewer.set_dirty()")
+    after_frames(page)
 
 
 def settled(page: Any, url: str) -> Any:

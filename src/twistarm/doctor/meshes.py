@@ -13,7 +13,7 @@ from ..description.findings import Finding, finding
 from ..description.tree import Description
 from ..errors import listed
 from ..files import is_file
-from .interrupts import interrupts_held
+from ..interrupts import interrupts_held
 
 TOO_LARGE = 20.0
 """Times the arm's own size: no link is as long."""

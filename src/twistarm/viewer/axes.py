@@ -71,7 +71,7 @@ def draw_rods(arm: Arm) -> list[bytes]:
     paths = ["/arm/rod:base", *(rod_path(i) for i in range(arm.screws.shape[1]))]
     drawn: list[bytes] = []
     for path, start, end in zip(paths, points[:-1], points[1:], strict=True):
-        drawn.append(drawing.sphere(f"{path}/origin", 0.02 * size, STICK, _at(start)))
+        drawn.append(drawing.sphere(f"{path}/origin", 0.02 * size, STICK, drawing.at(start)))
         if np.linalg.norm(end - start) > 1e-3 * size:
             drawn.append(drawing.rod(f"{path}/rod", start, end, 0.012 * size, STICK))
     lower, upper = (np.clip(arm.coupling.A @ bound, -size, size) for bound in arm.sampling_bounds)
@@ -81,9 +81,3 @@ def draw_rods(arm: Arm) -> list[bytes]:
             ends = points[i + 1] + lower[i] * axis, points[i + 1] + upper[i] * axis
             drawn.append(drawing.rod(f"{paths[i]}/rail", *ends, 0.006 * size, STICK))
     return drawn
-
-
-def _at(point: Array) -> Array:
-    g = np.eye(4)
-    g[:3, 3] = point
-    return g

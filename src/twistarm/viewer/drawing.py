@@ -41,6 +41,13 @@ def set_object(path: str, geometry: Any, colour: Colour, matrix: Array, **materi
     return _packed_object(path, lowered, matrix)
 
 
+def at(point: Array) -> Array:
+    """The pose (4, 4) at a point (3,), not turned."""
+    g = np.eye(4)
+    g[:3, 3] = point
+    return g
+
+
 def columns(matrix: Array) -> list[float]:
     """The sixteen numbers of a (4, 4) matrix column by column, as three.js wants them."""
     numbers: list[float] = matrix.T.ravel().tolist()

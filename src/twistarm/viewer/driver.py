@@ -41,6 +41,7 @@ class Driver:
         self._drive: Drive | None = None
         self._thread: threading.Thread | None = None
         self._closed = False
+        self._beginning = threading.Lock()  # no drive begins while the driver is closed
 
     def switch(self, on: bool) -> None:
         """Begin, or come to rest and end; in the server's loop. Harmless when repeated.
@@ -80,21 +81,26 @@ class Driver:
 
     def close(self, timeout: float) -> None:
         """Bring the arm to rest, and return once the thread has ended; no other drive begins."""
-        self._closed = True
+        with self._beginning:
+            self._closed = True
+            thread = self._thread
         self.stop()
-        if self._thread is not None:
-            self._thread.join(timeout)
+        if thread is not None:
+            thread.join(timeout)
 
     def _begin(self) -> None:
         stage = self._stage
         if stage.driven or self._commands.open:
             raise InputError(f"a servo of the program drives {stage.arm.name}: Drive is free once it has ended")
         require_all_inside(stage.arm, stage.theta)
-        stage.begin_drive(defaults_line(stage.arm))
-        self._commands.drive = True
-        self._drive = Drive(stage, self._commands.inbox, self._post, self._end)
-        self._thread = threading.Thread(target=self._drive.run, name="twistarm drive", daemon=True)
-        self._thread.start()
+        with self._beginning:
+            if self._closed:
+                return
+            stage.begin_drive(defaults_line(stage.arm))
+            self._commands.drive = True
+            self._drive = Drive(stage, self._commands.inbox, self._post, self._end)
+            self._thread = threading.Thread(target=self._drive.run, name="twistarm drive", daemon=True)
+            self._thread.start()
 
     def _end(self, drive: Drive) -> None:
         """In the loop, after the thread's last word."""

@@ -12,6 +12,7 @@ from ..arm import Arm
 from ..description.findings import Finding, Place, Severity
 from ..doctor import diagnose
 from ..errors import one_line
+from .board import Message
 from .messages import LONGEST_NAME
 from .nodes import link_path, screw_path
 
@@ -22,8 +23,6 @@ PATIENCE = 0.5
 """Seconds."""
 
 PENDING = "From the loading alone: the doctor looks while no servo drives."
-
-Message = dict[str, Any]
 
 
 def loaded(arm: Arm) -> Message:

@@ -11,15 +11,13 @@ import numpy as np
 from ..actuators import LINEAR_UNITS
 from ..arm import Arm
 from ..checks import Array
-from ..errors import InputError
 from ..manipulability import scaled_jacobian
 from ..servo import ServoSettings
 from ..servo.bounds import bounds_of
 from ..servo.resolved_rates import FIVE, NO_MOTION
 from ..usual_limits import with_defaults
 from .board import Message
-from .jobs import Job
-from .messages import Request
+from .part import Part
 
 if TYPE_CHECKING:
     from .stage import Stage
@@ -51,20 +49,14 @@ class Least(NamedTuple):
     u: Array
 
 
-class Gauge:
+class Gauge(Part):
     """The part that says how near the arm is to what slows a servo; silent where none drives."""
-
-    requests: frozenset[str] = frozenset()
 
     def __init__(self, arm: Arm) -> None:
         self._arm = arm
         self._measure: Measure | None = None
         self._at: Array | None = None
         self._words = SILENT
-
-    def handle(self, request: Request, stage: Stage, now: float) -> Job | None:
-        """It has no requests."""
-        raise InputError(f"no such request: {request.kind}")
 
     def messages(self, stage: Stage) -> Iterator[Message]:
         """sigma: smallest singular value [rad per rad], damped `below` that; lacks: its direction in base axes.

@@ -11,6 +11,7 @@ import tornado.websocket
 
 from ..errors import TwistarmError
 from ..strict_json import encode
+from .aside import aside
 from .downloads import DOWNLOADS
 from .guard import Guard
 
@@ -83,7 +84,7 @@ class PageHandler(FileHandler):
 
 
 class DownloadHandler(FileHandler):
-    """GET /TOKEN/NAME: a file of DOWNLOADS, made in a thread."""
+    """GET /TOKEN/NAME: a file of DOWNLOADS, made in a thread, one after the other."""
 
     def initialize(self, server: Server) -> None:
         """Called by tornado with the arguments of the route."""
@@ -94,8 +95,8 @@ class DownloadHandler(FileHandler):
         require_admission(self.server.guard, self.request, token)
         download = DOWNLOADS[name]
         try:
-            make = download.prepare(self.server.current(), self.server.scene)
-            text = await asyncio.get_running_loop().run_in_executor(None, make)
+            async with self.server.writing:
+                text = await aside(download.prepare(self.server.current(), self.server.scene))
         except TwistarmError as error:
             self.set_status(404)
             self.set_header("Content-Type", "text/plain; charset=utf-8")
@@ -179,6 +180,16 @@ class SocketHandler(tornado.websocket.WebSocketHandler):
             if self._sent < len(objects):
                 await self.write_message(objects[self._sent], binary=True)
                 self._sent += 1
-            if self._sent >= self.server.scene.plain:
-                while self._outbox:
-                    await self.write_message(self._outbox.pop(next(iter(self._outbox))))
+            if self._sent >= self.server.scene.plain and self._outbox:
+                await self._empty_outbox()
+
+    async def _empty_outbox(self) -> None:
+        """Send all that waits at once, and wait until the page has taken it: meanwhile the outbox fills anew.
+
+        A wait for each message would hold up the next for two turns of the loop.
+        """
+        texts, self._outbox = self._outbox, {}
+        for text in texts.values():
+            written = self.write_message(text)
+            written.add_done_callback(lambda each: each.cancelled() or each.exception())  # the last one's is raised
+        await written

@@ -7,6 +7,8 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any
 
+from ..errors import TwistarmError
+
 Progress = Callable[[float], None]
 
 Deliver = Callable[[Callable[[], None]], None]
@@ -21,10 +23,11 @@ class Job:
     """`work(progress)` runs in the thread of its `key`; `finish(result)` in the loop, where the stage may be changed.
 
     `progress` takes the fraction done; it raises ReplacedError once a later job of the same key waits. What `work`
-    raises is told to the pages.
+    raises is told to the pages, after `doing`: the kind of work in words, such as `planning the motion`.
     """
 
     key: str
+    doing: str
     work: Callable[[Progress], Any]
     finish: Callable[[Any], None]
 
@@ -48,9 +51,10 @@ class Workers:
 
     def stop(self, timeout: float) -> None:
         """Let every thread end, at its next word of progress or with its job; `timeout` [s] is waited for each."""
-        for worker in self._workers.values():
+        workers = list(self._workers.values())
+        for worker in workers:
             worker.stop()
-        for worker in self._workers.values():
+        for worker in workers:
             worker.thread.join(timeout)
 
 
@@ -90,7 +94,7 @@ class _Worker:
         except ReplacedError:
             return
         except Exception as error:
-            self._deliver(_raising(error))
+            self._deliver(_raising(job, error))
         else:
             self._deliver(lambda: job.finish(result))
         finally:
@@ -105,8 +109,8 @@ class _Worker:
         self._tell(self._key, share)
 
 
-def _raising(error: Exception) -> Callable[[], None]:
+def _raising(job: Job, error: Exception) -> Callable[[], None]:
     def fail() -> None:
-        raise error
+        raise TwistarmError(f"{job.doing}: {str(error) or type(error).__name__}") from error
 
     return fail

@@ -10,7 +10,7 @@ import numpy as np
 
 from ..checks import Array
 from ..description.tree import Description, Geometry, Link
-from ..errors import TwistarmError, listed
+from ..errors import TwistarmError, listed, one_line
 from . import drawing
 from .drawing import STICK, Colour
 from .meshes import Part, load_parts
@@ -50,26 +50,41 @@ def lost_meshes(description: Description) -> tuple[str, ...]:
 def draw_meshes(description: Description, size: float) -> Iterator[Drawn]:
     """Every mesh in its link's node, one after the other; a file is read once, and its fault told once."""
     read: dict[Path, list[Part] | str] = {}
+    told = {""}
     for link in description.links.values():
         undrawn = not any(visual.shape != "mesh" for visual in link.visuals)
         meshes = [(i, visual, visual.mesh) for i, visual in enumerate(link.visuals) if visual.mesh is not None]
         for k, (i, visual, path) in enumerate(meshes, 1):
-            new = path not in read
-            if new:
+            if path not in read:
                 read[path] = _parts_or_reason(path)
-            parts = read[path]
-            objects = [] if isinstance(parts, str) else _mesh(f"{link_path(link.name)}/visual{i}", visual, parts)
+            objects, note = _mesh_or_reason(f"{link_path(link.name)}/visual{i}", visual, path, read[path])
             undrawn = undrawn and not objects
             if undrawn and k == len(meshes):
                 objects = _stand_in(description, link, size)
-            yield Drawn(tuple(objects), (parts,) if new and isinstance(parts, str) else ())
+            yield Drawn(tuple(objects), () if note in told else (note,))
+            told.add(note)
 
 
 def _parts_or_reason(path: Path) -> list[Part] | str:
     try:
         return load_parts(path)
-    except TwistarmError as error:
-        return str(error)
+    except Exception as error:  # whatever ails one mesh, the others are drawn
+        return str(error) if isinstance(error, TwistarmError) else _reason(path, error)
+
+
+def _mesh_or_reason(node: str, visual: Geometry, path: Path, parts: list[Part] | str) -> tuple[list[bytes], str]:
+    if isinstance(parts, str):
+        return [], parts
+    try:
+        return _mesh(node, visual, parts), ""
+    except Exception as error:
+        return [], _reason(path, error)
+
+
+def _reason(path: Path, error: Exception) -> str:
+    return one_line(
+        f"cannot draw mesh {path}: {str(error) or type(error).__name__}; export it again as STL, DAE or OBJ"
+    )
 
 
 def _plain(description: Description, link: Link, size: float) -> list[bytes]:
@@ -87,14 +102,8 @@ def _stand_in(description: Description, link: Link, size: float) -> list[bytes]:
     drawn = drawing.triad(f"{path}/frame", FRAME * size) if link.visuals else []
     for i, end in enumerate(ends):
         drawn.append(drawing.rod(f"{path}/stick{i}", np.zeros(3), end, radius, STICK))
-        drawn.append(drawing.sphere(f"{path}/end{i}", radius, STICK, _at(end)))
+        drawn.append(drawing.sphere(f"{path}/end{i}", radius, STICK, drawing.at(end)))
     return [*drawn, drawing.sphere(f"{path}/origin", 1.6 * radius, STICK, np.eye(4))] if ends else drawn
-
-
-def _at(point: Array) -> Array:
-    g = np.eye(4)
-    g[:3, 3] = point
-    return g
 
 
 def _shape(path: str, visual: Geometry) -> list[bytes]:

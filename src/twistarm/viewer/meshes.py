@@ -10,8 +10,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..checks import Array, frozen
-from ..doctor.interrupts import interrupts_held
 from ..errors import DescriptionError, missing_extra
+from ..interrupts import interrupts_held
 from .drawing import Colour
 
 CREASE = np.cos(np.radians(35.0))
@@ -49,11 +49,13 @@ def load_parts(path: Path) -> list[Part]:
             scene = trimesh.load_scene(str(path))
             metres = trimesh.units.unit_conversion(scene.units, "meters") if scene.units else 1.0
             meshes = [mesh for mesh in scene.dump() if isinstance(mesh, trimesh.Trimesh) and len(mesh.faces)]
+            parts = [_part(mesh, metres) for mesh in meshes]
     except Exception as error:  # the readers of trimesh raise whatever their format made them stumble over
-        raise DescriptionError(f"cannot read mesh {path}: {error}; export it again as STL, DAE or OBJ") from error
-    if not meshes:
+        reason = str(error) or type(error).__name__
+        raise DescriptionError(f"cannot read mesh {path}: {reason}; export it again as STL, DAE or OBJ") from error
+    if not parts:
         raise DescriptionError(f"cannot read mesh {path}: it holds no triangles; export it again as STL, DAE or OBJ")
-    return [_part(mesh, metres) for mesh in meshes]
+    return parts
 
 
 def _part(mesh: Any, metres: float) -> Part:
@@ -66,6 +68,8 @@ def _own_colour(mesh: Any) -> Colour | None:
     if mesh.visual.kind is None:
         return None
     paint = mesh.visual.material if mesh.visual.kind == "texture" else mesh.visual
+    if paint.main_color is None:  # of several materials, none of which has one
+        return None
     red, green, blue, alpha = (float(part) / 255.0 for part in np.ravel(paint.main_color)[:4])
     return (red, green, blue, alpha)
 

@@ -48,6 +48,20 @@ def parse(message: str | bytes) -> Request:
     return Request(kind, {name: check(fields[name], name) for name, check in expected.items()}, count)
 
 
+def number_of(message: str | bytes) -> int | None:
+    """The number of a message that `parse` refuses, for its `done`: None where it carries none, or cannot be read."""
+    try:
+        fields = json.loads(message)
+        return counter(fields["number"], "number") if isinstance(fields, dict) else None
+    except (ValueError, KeyError, RecursionError):
+        return None
+
+
+def failure(error: Exception) -> dict[str, Any]:
+    """The message that tells of an error."""
+    return {"type": "error", "message": str(error) or type(error).__name__}
+
+
 def _name(value: Any, name: str) -> str:
     given = text(value, name)
     if len(given) > LONGEST_NAME:

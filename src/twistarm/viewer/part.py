@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable
 from typing import TYPE_CHECKING, Protocol
 
+from ..errors import InputError
 from .board import Message
 from .jobs import Job
 from .messages import Request
@@ -16,11 +17,12 @@ if TYPE_CHECKING:
 class Part(Protocol):
     """A part of what is on show. It lives in the server's loop, and has no threads and no sockets."""
 
-    requests: frozenset[str]
+    requests: frozenset[str] = frozenset()
     """The kinds of request that it answers."""
 
     def handle(self, request: Request, stage: Stage, now: float) -> Job | None:
         """Do what a page asks for at `now` [s], or return the job that will; TwistarmError where it cannot be done."""
+        raise InputError(f"no such request: {request.kind}")
 
     def messages(self, stage: Stage) -> Iterable[Message]:
         """What the pages are told of it; the same object while nothing has changed, where it is large."""

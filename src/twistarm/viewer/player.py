@@ -19,7 +19,7 @@ if TYPE_CHECKING:
     from .stage import Stage
 
 SPEEDS = (0.05, 20.0)
-"""Slowest and fastest that a page may play; whoever calls from Python may go beyond."""
+"""Slowest and fastest that a page may play; whoever calls from Python may go beyond, and that speed is kept."""
 
 
 class Player:
@@ -39,11 +39,17 @@ class Player:
         elif request.kind == "pause":
             self.playback.running = False
         elif request.kind == "pace":
-            self.playback.speed, self.playback.loop = _speed(request.fields["speed"]), request.fields["loop"]
+            self._pace(self.playback, request.fields["speed"], request.fields["loop"])
         else:
             self.playback.seek(request.fields["time"])
             stage.theta = checked_theta(stage.arm, self.playback.theta())
         return None
+
+    def _pace(self, playback: Playback, speed: float, loop: bool) -> None:
+        slowest, fastest = SPEEDS
+        if speed != playback.speed and not slowest <= speed <= fastest:
+            raise InputError(f"speed must be {slowest:g} … {fastest:g} times the trajectory's own; got {speed:g}")
+        playback.speed, playback.loop = speed, loop
 
     def messages(self, stage: Stage) -> Iterator[Message]:
         """The trajectory that is loaded; duration null where none is."""
@@ -89,10 +95,3 @@ class Player:
     def time(self) -> float:
         """The moment on show [s]."""
         return 0.0 if self.playback is None else self.playback.time
-
-
-def _speed(speed: float) -> float:
-    slowest, fastest = SPEEDS
-    if not slowest <= speed <= fastest:
-        raise InputError(f"speed must be {slowest:g} … {fastest:g} times the trajectory's own; got {speed:g}")
-    return speed

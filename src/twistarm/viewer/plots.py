@@ -12,8 +12,7 @@ from ..checks import Array
 from ..limits import JointLimits, usual_range
 from ..planning.trajectory import Trajectory
 from .board import Message
-from .jobs import Job
-from .messages import Request
+from .part import Part
 from .playback import Playback
 
 if TYPE_CHECKING:
@@ -34,18 +33,12 @@ DECIMALS = 6
 NO_PLOTS: Message = {"type": "plots", "times": [], "joints": [], **{rate: [] for rate in RATES}}
 
 
-class Plots:
+class Plots(Part):
     """Tells the pages of the trajectory that is loaded."""
-
-    requests: frozenset[str] = frozenset()
 
     def __init__(self) -> None:
         self._shown: Trajectory | None = None
         self._message = NO_PLOTS
-
-    def handle(self, request: Request, stage: Stage, now: float) -> Job | None:
-        """Nothing is asked of it."""
-        raise NotImplementedError
 
     def messages(self, stage: Stage) -> Iterator[Message]:
         """The same object as long as the trajectory is the same."""

@@ -84,7 +84,8 @@ class Program:
         points = np.array([pose.theta for pose in poses])
         if not np.ptp(points, axis=0).any():
             raise InputError("the poses of the list are all the same: there is no motion between them")
-        return Job("plan", partial(self._work, stage.arm, points, kind, stop), partial(self._finish, stage, poses))
+        work = partial(self._work, stage.arm, points, kind, stop)
+        return Job("plan", "planning the motion", work, partial(self._finish, stage, poses))
 
     def _work(
         self, arm: Arm, points: Array, kind: Kind, stop: bool, progress: Progress

@@ -3,39 +3,37 @@
 from __future__ import annotations
 
 import asyncio
-import re
 import threading
 import time
 from collections.abc import Callable
-from concurrent.futures import Future
+from concurrent.futures import Future, wait
 from contextlib import suppress
 from functools import partial
 from typing import Any, TypeVar
 
 import tornado.httpserver
-import tornado.web
 
-from ..errors import InputError
+from ..errors import InputError, TwistarmError
 from ..strict_json import LARGEST_MESSAGE, encode
-from .board import Board, Message
+from .board import Message
 from .commands import COMMANDS, PageCommands
-from .downloads import DOWNLOADS
 from .driver import Driver
 from .findings import Examination
 from .guard import Guard
-from .handlers import DownloadHandler, PageHandler, SocketHandler
+from .handlers import SocketHandler
 from .jobs import Job, Progress, Workers
 from .listening import bind
-from .messages import Request, parse
-from .page_files import page_files
+from .messages import Request, failure, number_of, parse
+from .news import News, Source
+from .routes import application
 from .scene import Scene
 from .stage import Stage
 
 FRAME_TIME = 1.0 / 60.0
 START_TIME = 10.0
 STOP_TIME = 5.0
-PING_TIME = 20
 IDLE_TIME = 60
+PATIENCE = 0.1
 
 Change = Callable[[Stage], None]
 Answer = TypeVar("Answer")
@@ -57,9 +55,10 @@ class Server:
         self._changes: dict[str, Change] = {}
         self._applied = 0.0
         self._pages = 0
-        self._board = Board()
+        self._news = News()
         self._jobs: dict[str, float] = {}
-        self.driver = Driver(stage, self.commands, self._post)
+        self.driver = Driver(stage, self.commands, self.post)
+        self.writing = asyncio.Lock()
         self._workers = Workers(self._deliver, self._show_job)
         self._player: asyncio.Task[None] | None = None
         self._thread = threading.Thread(target=lambda: asyncio.run(self._main()), name="twistarm viewer", daemon=True)
@@ -71,7 +70,7 @@ class Server:
         if not self._started.wait(START_TIME):
             raise InputError(f"the viewer's server did not start within {START_TIME:g} s")
         if self.scene.left:
-            self._workers.submit(Job("scene", self._draw, lambda result: None))
+            self._workers.submit(Job("scene", "reading the meshes", self._draw, lambda result: None))
 
     def stop(self) -> None:
         """Close every page's socket and the port, and end the thread. Harmless when repeated."""
@@ -93,11 +92,8 @@ class Server:
             self._changes.pop(key, None)
             self._changes[key] = change
         if first and self._thread.is_alive():
-            self._loop.call_soon_threadsafe(self._apply_in_time)
-
-    def _post(self, key: str, change: Change) -> None:
-        with suppress(RuntimeError):  # the loop may have been closed meanwhile
-            self.post(key, change)
+            with suppress(RuntimeError):  # the loop may have been closed meanwhile
+                self._loop.call_soon_threadsafe(self._apply_in_time)
 
     def _draw(self, progress: Progress) -> None:
         """Read the meshes while pages are served already; each word of progress has the pages told of what there is."""
@@ -106,7 +102,7 @@ class Server:
             progress(1.0 - self.scene.left / count)
 
     def _show_findings(self, message: dict[str, Any]) -> None:
-        self._post("findings", lambda stage: setattr(stage, "findings", message))
+        self.post("findings", lambda stage: setattr(stage, "findings", message))
 
     def _deliver(self, action: Callable[[], None]) -> None:
         """Do `action` in the loop at once, then tell the pages: the end of a job."""
@@ -114,22 +110,28 @@ class Server:
             self._loop.call_soon_threadsafe(self._finish, action)
 
     def _show_job(self, key: str, share: float | None) -> None:
-        self._post(f"job {key}", lambda stage: self._note_job(key, share))
+        self.post(f"job {key}", lambda stage: self._note_job(key, share))
 
     def ask(self, question: Callable[[Stage], Answer]) -> Answer:
-        """What `question` says of the stage once every change posted so far is applied."""
-        if not self._thread.is_alive():
-            return question(self.stage)
+        """What `question` says of the stage once every change posted so far is applied; of a closed view, as it stands.
+
+        Raises TwistarmError where the loop is held up for longer than STOP_TIME.
+        """
         future: Future[Answer] = Future()
-        self._loop.call_soon_threadsafe(self._answer, question, future)
-        return future.result(STOP_TIME)
+        with suppress(RuntimeError):  # the loop may have been closed, which is seen below
+            self._loop.call_soon_threadsafe(self._answer, question, future)
+        end = time.monotonic() + STOP_TIME
+        while self._thread.is_alive() and not wait([future], PATIENCE).done:
+            if time.monotonic() > end:
+                raise TwistarmError(f"the viewer did not answer within {STOP_TIME:g} s; it is busy: ask again")
+        return future.result() if future.done() else question(self.stage)
 
     # everything below runs in the loop ------------------------------------------------------------------
 
     async def _main(self) -> None:
         self._loop, self._stop = asyncio.get_running_loop(), asyncio.Event()
         http = tornado.httpserver.HTTPServer(
-            self._application(), max_body_size=LARGEST_MESSAGE, idle_connection_timeout=IDLE_TIME
+            application(self), max_body_size=LARGEST_MESSAGE, idle_connection_timeout=IDLE_TIME
         )
         http.add_sockets(self._sockets)
         consultation = self._loop.create_task(self.doctor.wait(self._calm))
@@ -145,20 +147,6 @@ class Server:
     def _calm(self) -> bool:
         return bool(self.clients) and not self.stage.driven and not self.scene.left
 
-    def _application(self) -> tornado.web.Application:
-        shared = {"server": self}
-        return tornado.web.Application(
-            [
-                (r"/([^/]*)/socket", SocketHandler, shared),
-                (rf"/([^/]*)/({'|'.join(map(re.escape, DOWNLOADS))})", DownloadHandler, shared),
-                (r"/([^/]*)/?(.*)", PageHandler, {"guard": self.guard, "files": page_files()}),
-            ],
-            log_function=lambda handler: None,
-            websocket_max_message_size=LARGEST_MESSAGE,
-            websocket_ping_interval=PING_TIME,
-            websocket_ping_timeout=PING_TIME,
-        )
-
     def name_page(self) -> str:
         """A name for the next page: each is a commander of its own."""
         self._pages += 1
@@ -169,13 +157,18 @@ class Server:
         return encode(self.stage.hello(self.scene.links))
 
     def state(self) -> dict[str, str]:
-        """The messages that say what is on show, by type."""
-        self._board.refresh(self._messages())
-        return self._board.texts()
+        """The messages that say what is on show, by type; what changed until now, the other pages are told too."""
+        self._tell_news()
+        return self._news.everything()
 
-    def _messages(self) -> list[Message]:
+    def _tell_news(self) -> None:
+        sources: list[Source] = [self._own_messages, *self.stage.sources()]
+        for kind, text in self._news.gather(sources).items():
+            self._tell(kind, text)
+
+    def _own_messages(self) -> list[Message]:
         jobs = [{"key": key, "share": share} for key, share in self._jobs.items()]
-        return [{"type": "work", "jobs": jobs}, self.scene.message(), *self.stage.messages()]
+        return [{"type": "work", "jobs": jobs}, self.scene.message()]
 
     def receive(self, text: str | bytes, sender: str) -> list[dict[str, Any]]:
         """Do what the page `sender` asks for, tell every page, and return what only the asking one is told.
@@ -186,13 +179,14 @@ class Server:
             request = parse(text)
         except Exception as error:
             self.commands.refuse(sender, str(error))
-            return [_error(error)]
+            number = number_of(text)
+            return [failure(error), *([] if number is None else [_done(number)])]
         replies: list[dict[str, Any]] = []
         try:
             self._do(request, sender)
         except Exception as error:
-            replies.append(_error(error))
-        return [*replies, {"type": "done", "number": request.number}]
+            replies.append(failure(error))
+        return [*replies, _done(request.number)]
 
     def _do(self, request: Request, sender: str) -> None:
         if request.kind in COMMANDS:
@@ -216,16 +210,16 @@ class Server:
             self._jobs[key] = share
 
     def leave(self, sender: str) -> None:
-        """A page has gone; after the last one nobody is left to switch Drive off."""
+        """A page has gone; after the last one nobody is left to switch Drive off, or to read the numbers."""
         self.commands.refuse(sender, "its page has gone")
         if not self.clients:
             self.driver.stop()
+            self.stage.unwatch()
 
     def publish(self) -> None:
         """Tell every page what changed since the last time, and keep a running trajectory running."""
         if self.clients:
-            for kind, text in self._board.refresh(self._messages()).items():
-                self._tell(kind, text)
+            self._tell_news()
         if self.stage.running and (self._player is None or self._player.done()):
             self._player = self._loop.create_task(self._play())
 
@@ -268,12 +262,12 @@ class Server:
         try:
             action()
         except Exception as error:
-            self._tell("error", encode(_error(error)))
+            self._tell("error", encode(failure(error)))
 
     def _tell(self, kind: str, text: str) -> None:
         for client in self.clients:
             client.put(kind, text)
 
 
-def _error(error: Exception) -> dict[str, Any]:
-    return {"type": "error", "message": str(error) or type(error).__name__}
+def _done(number: int) -> dict[str, Any]:
+    return {"type": "done", "number": number}

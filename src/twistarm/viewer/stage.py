@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -19,6 +20,7 @@ from .findings import loaded
 from .gauge import Gauge
 from .jobs import Job
 from .messages import Request
+from .news import Source
 from .part import Part
 from .path import NO_PATH
 from .placement import Placement
@@ -117,9 +119,11 @@ class Stage:
             self.show(self._pose(fields["name"]))
         elif request.kind == "random":
             self.show(checked_theta(self.arm, self.arm.random_theta(np.random.default_rng())))
-        else:
+        elif request.kind == "visible":
             self.set_visible(fields["what"], fields["visible"])
             return self.workspace.switched(fields["what"], self)
+        else:
+            raise InputError(f"no such request: {request.kind}")
         return None
 
     def take_commands(self) -> None:
@@ -149,6 +153,10 @@ class Stage:
         if what not in self.visible:
             raise unknown_name("layer", what, self.visible, within="the scene", listing=", ".join(self.visible))
         self.visible = {**self.visible, what: visible}
+
+    def unwatch(self) -> None:
+        """No page is left: nobody reads the numbers, which a page asks for while its panel is open."""
+        self.set_visible("numbers", False)
 
     def _require_no_servo(self, request: Request) -> None:
         gripper = request.kind == "joint" and request.fields["name"] in self.extra_joints
@@ -187,15 +195,15 @@ class Stage:
 
     def messages(self) -> list[Message]:
         """All that is on show, the frame last."""
-        told = [message for part in self.parts for message in part.messages(self)]
+        return [message for source in self.sources() for message in source()]
+
+    def sources(self) -> list[Source]:
+        """Whatever says what is on show: one that raises leaves the others alone."""
         return [
-            {"type": "visible", **self.visible},
-            self.path,
-            *told,
-            self.drive,
-            self.servo(),
-            self.findings,
-            self.frame(),
+            lambda: [{"type": "visible", **self.visible}, self.path],
+            *(partial(part.messages, self) for part in self.parts),
+            lambda: [self.drive, self.servo(), self.findings],
+            lambda: [self.frame()],
         ]
 
     def frame(self) -> Message:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import time
 from collections.abc import Iterator, Mapping
 from functools import partial
 from typing import TYPE_CHECKING, Any
@@ -15,7 +16,7 @@ from ..checks import Array
 from ..errors import InputError
 from ..ik import Approach, IKSolution, Pose, Position, solve_ik
 from .board import Message
-from .jobs import Job, Progress
+from .jobs import Job
 from .messages import Request
 
 if TYPE_CHECKING:
@@ -24,6 +25,9 @@ if TYPE_CHECKING:
 MAX_TIME = 0.5
 """Of a search [s]. The compiled core needs 3 ms at most; without it, a target out of reach takes some 0.4 s."""
 
+AT_ONCE = 0.2e-3
+"""Of a search in the loop [s], which the compiled core alone keeps: a dragged target takes it a tenth of this."""
+
 LENGTH_TOL = 1e-3
 """How far from 1 the length of a quaternion may be: decimal text, not another quantity."""
 
@@ -31,11 +35,7 @@ NOTHING: Message = {
     "type": "target",
     "given": None,
     "met": None,
-    "stop": None,
     "words": "",
-    "position_error": None,
-    "orientation_error": None,
-    "notes": [],
 }
 """What is told while no target is given."""
 
@@ -52,20 +52,27 @@ class TargetPart:
         self._told = NOTHING
         self._shown: Array | None = None  # the configuration on show, where it is the target's answer
         self._wanted = False  # whether an answer may still come
+        self._number = self._answered = 0  # of the latest target asked for, and of the one whose answer is on show
 
     def handle(self, request: Request, stage: Stage, now: float) -> Job | None:
-        """Solve for a target, from the configuration on show, or let it go. InputError for what can be no target."""
+        """Solve for a target, from the configuration on show, or let it go. InputError for what can be no target.
+
+        What one short search meets is answered at once; only what it does not meet is a job.
+        """
         if request.kind == "release":
             self._release()
             return None
-        target = _target(request.fields)
+        target, given = _target(request.fields), dict(request.fields)
         stage.show(stage.theta)  # a running trajectory stops
+        self._number += 1
         self._wanted = True
-        return Job(
-            key="target",
-            work=partial(_work, stage.arm, target, dict(request.fields), stage.theta),
-            finish=partial(self._finish, stage, stage.theta),
-        )
+        finish = partial(self._finish, stage, stage.theta, self._number)
+        solution = solved_at_once(stage.arm, target, stage.theta)
+        if solution is not None:
+            finish((solution.theta, _told(given, solution)))
+            return None
+        start = stage.theta
+        return Job("target", "solving for the target", lambda _: _solved(stage.arm, target, given, start), finish)
 
     def messages(self, stage: Stage) -> Iterator[Message]:
         """The target given, whether it is met, and the words of its solution."""
@@ -73,11 +80,12 @@ class TargetPart:
             self._release()
         yield self._told
 
-    def _finish(self, stage: Stage, start: Array, answer: Answer) -> None:
-        """Show the answer, unless the target was let go or the arm was moved by something else meanwhile."""
+    def _finish(self, stage: Stage, start: Array, number: int, answer: Answer) -> None:
+        """Show the answer, unless a later target has its answer, the target was let go, or something moved the arm."""
         moved = stage.theta is not start and stage.theta is not self._shown
-        if not self._wanted or moved or stage.driven or stage.running:
+        if number < self._answered or not self._wanted or moved or stage.driven or stage.running:
             return
+        self._answered = number
         self._shown, self._told = answer
         stage.show(self._shown)
 
@@ -87,9 +95,13 @@ class TargetPart:
 
 def _target(fields: Mapping[str, Any]) -> Pose | Position | Approach:
     """The target that a page asked for: {kind, position [m], xyzw}, of which a position needs no direction."""
-    p, R = np.array(fields["position"]), _rotation(fields["xyzw"])
+    p, xyzw = np.array(fields["position"]), fields["xyzw"]
+    length = math.hypot(*xyzw)
+    if abs(length - 1.0) > LENGTH_TOL:
+        raise InputError(f"xyzw must be a quaternion of length 1, as 0, 0, 0, 1 is; got one of length {length:g}")
     if fields["kind"] == "position":
         return Position(p)
+    R = rotations.from_xyzw(xyzw)
     if fields["kind"] == "approach":
         return Approach(p, R[:, 2])
     g = np.eye(4)
@@ -97,16 +109,21 @@ def _target(fields: Mapping[str, Any]) -> Pose | Position | Approach:
     return Pose(g)
 
 
-def _rotation(xyzw: list[float]) -> Array:
-    length = math.hypot(*xyzw)
-    if abs(length - 1.0) > LENGTH_TOL:
-        raise InputError(f"xyzw must be a quaternion of length 1, as 0, 0, 0, 1 is; got one of length {length:g}")
-    return rotations.from_xyzw(xyzw)
+def solved_at_once(arm: Arm, target: Pose | Position | Approach, start: Array) -> IKSolution | None:
+    """The solution of the first search from `start`, where it meets the target within AT_ONCE; else None.
+
+    It is what a search with all its time would answer, bit by bit: the first search that converges wins, and none of
+    it was cut short.
+    """
+    if arm.compiled is None:
+        return None
+    begin = time.perf_counter()
+    solution = solve_ik(arm, target, start, restarts=1, posture="theta0", max_time=AT_ONCE)
+    in_time = time.perf_counter() - begin < AT_ONCE
+    return solution if solution.converged and in_time else None
 
 
-def _work(
-    arm: Arm, target: Pose | Position | Approach, given: dict[str, Any], start: Array, progress: Progress
-) -> Answer:
+def _solved(arm: Arm, target: Pose | Position | Approach, given: dict[str, Any], start: Array) -> Answer:
     solution = solve_ik(arm, target, start, posture="theta0", max_time=MAX_TIME)
     return nearer(solution, start), _told(given, solution)
 
@@ -131,13 +148,5 @@ def _told(given: dict[str, Any], solution: IKSolution) -> Message:
         "type": "target",
         "given": given,
         "met": solution.converged,
-        "stop": solution.stop.name,
         "words": solution.explain(),
-        "position_error": _finite(solution.position_error),
-        "orientation_error": _finite(solution.orientation_error),
-        "notes": list(solution.notes),
     }
-
-
-def _finite(error: float) -> float | None:
-    return error if math.isfinite(error) else None

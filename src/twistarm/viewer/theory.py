@@ -9,13 +9,11 @@ import numpy as np
 
 from ..arm import Arm
 from ..checks import Array
-from ..errors import InputError
 from ..screws import to_screw
 from .axes import AXIS_HALF, PITCHLESS, anchors, arm_size
 from .board import Message
-from .jobs import Job
-from .messages import Request
 from .nodes import screw_path
+from .part import Part
 from .posture import numbers
 
 if TYPE_CHECKING:
@@ -31,20 +29,14 @@ ANGULAR = 0.13
 """Drawn length of 1 rad/s, in sizes of the arm."""
 
 
-class Theory:
+class Theory(Part):
     """What the posture comes to, computed only while some page shows something of it."""
-
-    requests: frozenset[str] = frozenset()
 
     def __init__(self, arm: Arm) -> None:
         self._axes: Message = {"type": "axes", **axes(arm)}
         self._theta: Array | None = None
         self._moved = 0
         self._numbers: Message = {}
-
-    def handle(self, request: Request, stage: Stage, now: float) -> Job | None:
-        """It has no requests: what is shown are layers."""
-        raise InputError(f"no such request: {request.kind}")
 
     def messages(self, stage: Stage) -> Iterator[Message]:
         """The joints' axes; and the numbers, where they are looked at."""

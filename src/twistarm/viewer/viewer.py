@@ -38,7 +38,9 @@ class Viewer(Closing):
 
     host: the interface to listen on; anything but the default opens the view to a network, the token still required.
     port: 0 takes a free one. open_browser: show the page at once; where no browser is found, `url` is there to open.
-    A context manager. Every method may be called from any thread and returns at once.
+    A context manager. Every method may be called from any thread. Those that move or show something return at once;
+    `theta` and `poses` wait for what was shown before, a frame at most; `save_html`, `save_png` and
+    `inline(static=True)` until all is written, every mesh read; `close` until all has ended; `wait` until then.
 
     Raises InputError for a theta of the wrong shape or a port in use, MissingExtraError without Meshcat.
     """

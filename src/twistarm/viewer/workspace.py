@@ -11,11 +11,10 @@ import numpy as np
 
 from ..arm import Arm
 from ..checks import Array
-from ..errors import InputError
 from ..servo.resolved_rates import NO_MOTION
 from .board import Message
 from .jobs import Job, Progress
-from .messages import Request
+from .part import Part
 
 if TYPE_CHECKING:
     from .stage import Stage
@@ -29,23 +28,17 @@ BATCH = 1000
 """Postures between two words of progress: some 30 ms."""
 
 
-class Workspace:
+class Workspace(Part):
     """The cloud of the arm, sampled when it is first switched on."""
-
-    requests: frozenset[str] = frozenset()
 
     def __init__(self) -> None:
         self._cloud: Message | None = None
-
-    def handle(self, request: Request, stage: Stage, now: float) -> Job | None:
-        """It has no requests: it is a layer."""
-        raise InputError(f"no such request: {request.kind}")
 
     def switched(self, what: str, stage: Stage) -> Job | None:
         """The job that samples the cloud, where it has been switched on and is not there."""
         if what != "workspace" or self._cloud is not None or not stage.visible["workspace"]:
             return None
-        return Job("workspace", partial(sampled_workspace, stage.arm), self._finish)
+        return Job("workspace", "sampling the workspace", partial(sampled_workspace, stage.arm), self._finish)
 
     def messages(self, stage: Stage) -> Iterator[Message]:
         """The cloud, once it is there."""

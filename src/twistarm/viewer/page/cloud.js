@@ -1,6 +1,6 @@
 // The reachable workspace: a cloud of points where the tool can be, coloured by how evenly it moves there.
 
-import { dispose } from "./solids.js";
+import { dispose } from "./disposal.js";
 import { THREE } from "./view.js";
 
 // From dark to light, so that the order is seen without the hues; neither end is lost on a light or a dark ground.

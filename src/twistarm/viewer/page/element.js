@@ -1,4 +1,6 @@
-// What the page makes of itself.
+// What the page is made of, and what it makes of itself.
+
+export const $ = (id) => document.getElementById(id);
 
 export function element(tag, className, text) {
   const made = document.createElement(tag);

@@ -1,6 +1,7 @@
 // A manipulability ellipsoid at the tool: how fast it moves, or turns, in each direction.
 
-import { dispose, rod } from "./solids.js";
+import { dispose } from "./disposal.js";
+import { rod } from "./solids.js";
 import { THREE } from "./view.js";
 
 const FLAT = 0.002; // half a thickness, in sizes of the arm, at which a disc or a line is still seen

@@ -1,7 +1,6 @@
 // The doctor's findings, gravest first; the chosen one is pointed at in the view.
 
-import { element } from "./element.js";
-import { $ } from "./panel.js";
+import { $, element } from "./element.js";
 
 const WORDS = { error: "error", warning: "warning", info: "remark" };
 

@@ -1,6 +1,7 @@
 // One link or joint that stands out: copies of what is drawn of it shine through everything before it, and an arrow
 // with its name points at it.
 
+import { dispose } from "./disposal.js";
 import { THREE } from "./view.js";
 
 const THICK = 2; // a screw's axis, beside how it is drawn
@@ -25,11 +26,11 @@ export class Highlight {
   }
 
   clear() {
-    this.group.traverse(({ material }) => {
-      material?.map?.dispose();
-      material?.dispose();
-    });
-    this.group.clear();
+    for (const { copy } of this.copies) {
+      copy.material.dispose(); // the geometry is that of what is drawn
+      this.group.remove(copy);
+    }
+    dispose(this.group);
     this.copies = [];
     this.node = null;
   }

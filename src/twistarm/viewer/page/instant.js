@@ -1,6 +1,7 @@
 // The instantaneous screw of the tool: its axis, a helix about it where it has a pitch, and the tool's velocity.
 
-import { AXIS, Arrow, LINEAR, dispose, rod, solid, vector } from "./solids.js";
+import { dispose } from "./disposal.js";
+import { AXIS, Arrow, LINEAR, rod, solid, vector } from "./solids.js";
 import { THREE } from "./view.js";
 
 const UP = new THREE.Vector3(0, 1, 0);

@@ -1,6 +1,7 @@
 // Jogging: what keys, buttons and a gamepad hold is said again and again as a twist, or as rates of joints; when nothing
 // is held any more, once to stop.
 
+import { $ } from "./element.js";
 import { Gamepad } from "./gamepad.js";
 import { AXES, inBase, ofHands } from "./jog_axes.js";
 import { JogLine } from "./jog_line.js";
@@ -10,8 +11,6 @@ import { Pushes } from "./pushes.js";
 const PERIOD = 40; // ms between two messages: some may be late before the process gives up waiting
 const FULL = [0.25, 1.0]; // m/s, the reduced speed of ISO 10218-1 at which people stand beside a robot; rad/s
 const SHARES = [0.05, 0.1, 0.2, 0.4, 0.7, 1];
-
-const $ = (id) => document.getElementById(id);
 
 export class Jog {
   // `act` holds jog(twist, frame), joints(rates) and stop(); `view` is what view axes are those of.

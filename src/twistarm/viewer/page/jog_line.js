@@ -1,13 +1,12 @@
 // The line of a few words at the bottom of the view: whether keys jog, along which axes, how fast, what the servo says.
 
+import { $ } from "./element.js";
 import { shown, signed } from "./units.js";
 
 const SLOW = 150; // ms between two words of this page: little more, and a command dies
 const LINGER = 2000; // ms for which this is said
 const WHOLE = 0.95; // of a command: what is above counts as all of it
 const STEADY = 300; // ms for which less must be done before it is said: every motion begins slowly
-
-const $ = (id) => document.getElementById(id);
 
 export class JogLine {
   constructor(jog) {

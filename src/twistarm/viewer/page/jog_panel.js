@@ -1,13 +1,12 @@
 // The panel Jog: the switch that begins and ends a servo, the axes, the speed, the buttons and the gauges.
 
+import { $ } from "./element.js";
 import { Gauge } from "./gauge.js";
 import { speedWords } from "./jog_line.js";
 import { JogPad } from "./jog_pad.js";
 
 const HINT = "Drive lets a servo on simulated joints move the arm by these buttons, by keys or a gamepad.";
 const OTHERS = "A servo of the program drives the arm.";
-
-const $ = (id) => document.getElementById(id);
 
 export class JogPanel {
   // `page` holds jog and ask(request).

@@ -1,9 +1,11 @@
 // A joint's row in the panel: name, limits, slider, and the number: to type where the arm can be moved, else to read.
 
 import { element } from "./element.js";
+import { cut } from "./names.js";
 import { NumberBox } from "./number_box.js";
 import { shown, span, unitShown } from "./units.js";
 
+const LONGEST = 16; // letters of a name
 const NEAR = 0.1; // of the range between two limits
 const LEAST = { rad: Math.PI / 36, m: 0.01 }; // near a limit in any case: 5°, 1 cm
 const ROUNDING = 1e-6; // rad, m: the process lets a value lie this far beyond
@@ -27,7 +29,7 @@ export class JointRow {
 
   head() {
     const head = element("div", "head");
-    const name = element("span", "name", this.joint.name);
+    const name = element("span", "name", cut(this.joint.name, LONGEST));
     name.title = this.joint.name;
     head.append(name, element("span", "type", this.joint.type), this.standing, this.ends);
     return head;

@@ -2,6 +2,7 @@
 
 import { element } from "./element.js";
 import { pitchWords } from "./figures.js";
+import { cut } from "./names.js";
 import { THREE } from "./view.js";
 
 const LONGEST = 20; // letters of a name
@@ -55,9 +56,7 @@ export class Labels {
 }
 
 function joint(name, pitch) {
-  const half = LONGEST / 2;
-  const short = name.length > LONGEST ? `${name.slice(0, half)}…${name.slice(1 - half)}` : name; // ends differ more often
   const made = element("span", "joint-label");
-  made.append(element("b", "", short), ` ${pitchWords(pitch)}`);
+  made.append(element("b", "", cut(name, LONGEST)), ` ${pitchWords(pitch)}`);
   return made;
 }

@@ -1,9 +1,13 @@
 // The socket to the process: reconnects by itself, and has at most one request under way, so that the latest wins.
 
 const RETRY = 1000; // ms
+const REFUSED_RETRY = 5000; // ms, where it is not for this page that a process answers
+const PROBE = 5000; // ms that a process has to answer whether it knows this page
+const PATIENCE = 10000; // ms after which a request without an answer holds up the others no longer
+const EACH = ["record", "reorder", "delete"]; // requests that add up: none stands for an earlier one
 
 export class Link {
-  // `on` holds message(object), object(bytes), status("live" | "offline"), idle().
+  // `on` holds message(object), object(bytes), status("live" | "offline"), idle(), refused().
   constructor(on) {
     this.on = on;
     this.pending = new Map();
@@ -16,16 +20,28 @@ export class Link {
     address.protocol = address.protocol === "https:" ? "wss:" : "ws:";
     this.socket = new WebSocket(address);
     this.socket.binaryType = "arraybuffer";
+    let opened = false;
     this.socket.onopen = () => {
-      this.pending.clear();
-      this.underway = 0;
+      opened = true;
+      this.reset();
       this.on.status("live");
     };
     this.socket.onmessage = ({ data }) => this.receive(data);
-    this.socket.onclose = () => {
-      this.on.status("offline");
-      setTimeout(() => this.connect(), RETRY);
-    };
+    this.socket.onclose = () => this.lose(opened);
+  }
+
+  // Whatever was asked, or waits, is nobody's any more.
+  reset() {
+    this.pending.clear();
+    this.answered();
+  }
+
+  async lose(opened) {
+    this.reset();
+    this.on.status("offline");
+    const unknown = !opened && (await refuses());
+    if (unknown) this.on.refused();
+    setTimeout(() => this.connect(), unknown ? REFUSED_RETRY : RETRY);
   }
 
   receive(data) {
@@ -33,15 +49,28 @@ export class Link {
     const message = JSON.parse(data);
     if (message.type !== "done") return this.on.message(message);
     // Requests are answered in their order, and of two answers that wait the process keeps the later.
-    if (message.number >= this.underway) this.underway = 0;
-    this.flush();
-    if (this.underway === 0) this.on.idle();
+    if (message.number >= this.underway) this.answered();
+    this.proceed();
   }
 
-  // A request of the same kind about the same thing that still waits is replaced.
-  send(request) {
-    this.pending.set(key(request), request);
+  answered() {
+    this.underway = 0;
+    clearTimeout(this.patience);
+  }
+
+  proceed() {
     this.flush();
+    if (!this.underway) this.on.idle();
+  }
+
+  // A request of the same kind about the same thing that still waits is replaced. False where there is nobody to ask.
+  send(request) {
+    if (this.socket.readyState !== WebSocket.OPEN) return false;
+    const place = EACH.includes(request.type) ? Symbol(request.type) : key(request);
+    this.pending.delete(place); // what is asked last is done last
+    this.pending.set(place, request);
+    this.flush();
+    return true;
   }
 
   // At once, ahead of whatever waits and without waiting for what is under way; what it calls off is not sent any more.
@@ -52,15 +81,28 @@ export class Link {
 
   flush() {
     if (this.underway || this.socket.readyState !== WebSocket.OPEN || this.pending.size === 0) return;
-    const request = this.pending.values().next().value;
-    this.pending.delete(key(request));
+    const [place, request] = this.pending.entries().next().value;
+    this.pending.delete(place);
     this.underway = this.transmit(request);
+    this.patience = setTimeout(() => {
+      this.answered();
+      this.proceed();
+    }, PATIENCE);
   }
 
   transmit(request) {
     this.number += 1;
     this.socket.send(JSON.stringify({ ...request, number: this.number }));
     return this.number;
+  }
+}
+
+// Whether a process answers that does not know this page: it has another token.
+async function refuses() {
+  try {
+    return !(await fetch("schema.json", { cache: "no-store", signal: AbortSignal.timeout(PROBE) })).ok;
+  } catch {
+    return false; // nobody answers
   }
 }
 

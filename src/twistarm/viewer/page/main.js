@@ -16,15 +16,23 @@ import { Program } from "./program.js";
 import { Progress } from "./progress.js";
 import { complaint } from "./schema.js";
 import { Share } from "./share.js";
+import { easeSoftware } from "./software.js";
 import { Tabs } from "./tabs.js";
 import { Target } from "./target.js";
 import { Theory } from "./theory.js";
 import { View } from "./view.js";
 import { Work } from "./work.js";
 
+const QUIET = ["jog", "jog_joints", "visible"]; // asked again and again, or unseen: an error stays to be read
+const SILENCE = "The process does not answer: nothing was sent.";
+const STRANGER = "The process was started anew: open the address that it printed.";
+
 const schema = await (await fetch("schema.json")).json();
 const view = new View(document.getElementById("pane"));
+easeSoftware(view);
 const state = { hello: null, frame: null, fitted: false };
+const said = {}; // the last message of each type
+let silence = SILENCE; // why nothing can be asked
 
 const panel = new Panel({
   joint: (name, value) => ask({ type: "joint", name, value }),
@@ -70,9 +78,32 @@ function look() {
   state.fitted = parts.progress.complete;
 }
 
+// Whether it is asked.
 function ask(request) {
-  panel.showError(complaint(schema.requests, request));
-  if (!complaint(schema.requests, request)) link.send(request);
+  const wrong = complaint(schema.requests, request);
+  if (wrong || !QUIET.includes(request.type)) panel.showError(wrong);
+  if (wrong) return false;
+  const sent = link.send(request);
+  if (!sent) takeBack();
+  return sent;
+}
+
+// Nobody was asked: all stands as the process left it.
+function takeBack() {
+  show({ type: "error", message: silence });
+  putBack();
+  for (const type of ["player", "program"]) if (said[type]) show(said[type]);
+  if (!said.visible) return;
+  panel.showVisible(said.visible);
+  parts.theory.switches.show(said.visible);
+}
+
+// What was refused goes back to where it stands.
+function putBack() {
+  panel.release();
+  if (!state.frame) return;
+  panel.show(state.frame);
+  parts.player.release();
 }
 
 const receive = {
@@ -113,6 +144,7 @@ const receive = {
 function show(message) {
   const wrong = complaint(schema.messages, message);
   if (wrong) return panel.showError(`this page does not understand the process: ${wrong}; load it again`);
+  said[message.type] = message;
   receive[message.type]?.(message);
   for (const part of Object.values(parts)) part.messages?.[message.type]?.(message);
 }
@@ -125,15 +157,17 @@ const link = new Link({
   },
   status(status) {
     panel.showStatus(status);
-    if (status !== "offline") return;
+    if (status !== "offline") {
+      silence = SILENCE;
+      return;
+    }
     jog.lose();
     for (const part of Object.values(parts)) part.offline?.();
   },
-  // What was refused goes back to where it stands.
-  idle() {
-    panel.release();
-    if (state.frame) panel.show(state.frame);
-    if (state.frame) parts.player.placed(state.frame);
+  idle: putBack,
+  refused() {
+    silence = STRANGER;
+    panel.showError(STRANGER);
   },
 });
 

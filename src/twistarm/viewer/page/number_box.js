@@ -88,11 +88,18 @@ export class NumberBox {
     if (!this.edited) return;
     const value = typed(this.input.value, this.joint.unit);
     if (value === null) {
-      this.act.complain(`${this.joint.name}: “${this.input.value}” is no number of ${this.unit}, such as 0.5`);
+      this.act.complain(`${this.joint.name}: “${this.input.value}” ${this.remedy()}`);
     } else {
       this.held = this.edited = false;
       this.act.send(value);
     }
+  }
+
+  // What to write in place of what is no number.
+  remedy() {
+    const pointed = this.input.value.replace(",", ".");
+    const comma = pointed !== this.input.value && typed(pointed, this.joint.unit) !== null;
+    return comma ? `has a comma: write a point, as in ${pointed.trim()}` : `is no number of ${this.unit}, such as 0.5`;
   }
 
   restore() {

@@ -5,6 +5,7 @@ import { element } from "./element.js";
 import { heads, pitchWords, python, pythonRows, short } from "./figures.js";
 
 const TWIST = ["vx", "vy", "vz", "ωx", "ωy", "ωz"];
+const MANY = 6; // columns as wide as the panel
 const UNITS = "in SI units and radians";
 
 export class Numbers {
@@ -47,12 +48,12 @@ class Table {
   constructor(name, title, meaning, columns, titles, rows, read) {
     this.read = read;
     this.cells = rows.map(() => columns.map(() => element("td")));
-    const table = element("table", "matrix");
+    const table = element("table", columns.length > MANY ? "matrix wide" : "matrix");
     table.setAttribute("aria-label", `${title}: ${meaning}`);
     table.style.setProperty("--columns", columns.length);
     if (columns.some(Boolean)) {
       const head = element("tr");
-      head.append(element("td"), ...columns.map((column, i) => Object.assign(headCell(column, "col"), { title: titles[i] })));
+      head.append(element("td"), ...columns.map((column, i) => jointCell(column, titles[i])));
       table.append(head);
     }
     rows.forEach((row, r) => {
@@ -104,6 +105,13 @@ function section(title, meaning, content, copy) {
   line.append(head, element("span", "meaning", meaning), button);
   made.append(line, content);
   return made;
+}
+
+// Of at most two lines; `title` is the whole of it.
+function jointCell(text, title) {
+  const cell = Object.assign(headCell("", "col"), { title });
+  cell.append(element("span", "", text));
+  return cell;
 }
 
 function headCell(text, scope) {

@@ -1,10 +1,11 @@
 // The panel beside the view: joints, named poses, the tool, switches.
 
-import { element } from "./element.js";
+import { $, element } from "./element.js";
 import { JointRow } from "./joint_row.js";
+import { cut } from "./names.js";
 import { inRadians, setRadians, shown, signed } from "./units.js";
 
-export const $ = (id) => document.getElementById(id);
+const LONGEST = 28; // letters of a frame's name
 
 export class Panel {
   // `act` holds what the page does about the panel: joint(name, value), pose(name), random(), copy(), visible(what, on),
@@ -28,7 +29,9 @@ export class Panel {
   build(arm, notes, movable) {
     document.title = `${arm.name} · twistarm`;
     $("name").textContent = $("name").title = arm.name;
-    $("ends").textContent = `${arm.joints.length} joint${arm.joints.length === 1 ? "" : "s"}, ${arm.base} → ${arm.tip}`;
+    const [base, tip] = [arm.base, arm.tip].map((name) => cut(name, LONGEST));
+    $("ends").textContent = `${arm.joints.length} joint${arm.joints.length === 1 ? "" : "s"}, ${base} → ${tip}`;
+    $("ends").title = `${arm.base} → ${arm.tip}`;
     this.buildButtons(movable ? arm.poses : null);
     for (const row of this.rows.values()) row.box?.abandon(); // what is typed is not for the arm that comes
     this.rows.clear();

@@ -1,19 +1,42 @@
 // The player below the view: play, pause, scrub, speed, again and again.
 
-const $ = (id) => document.getElementById(id);
+import { $ } from "./element.js";
 
 export class Player {
   // `act` holds play(), pause(), seek(time), pace(speed, loop).
   constructor(act) {
     this.act = act;
     this.running = this.driven = false;
-    this.duration = 0; // of the trajectory, s; the scrubber runs from 0 to 1
+    this.time = this.duration = 0; // of the trajectory, s; the scrubber runs from 0 to 1
+    this.other = new Option(); // a speed that is none of the list's
+    this.pressed = this.sought = false; // the scrubber: under a hand, and ahead of what is on show
     this.messages = { player: (message) => this.show(message), servo: ({ driven }) => this.disable(driven) };
     $("play").addEventListener("click", () => (this.running ? act.pause() : act.play()));
-    $("scrub").addEventListener("input", ({ target }) => act.seek(Number(target.value) * this.duration));
+    this.listen();
     for (const id of ["speed", "loop"]) {
       $(id).addEventListener("change", () => act.pace(Number($("speed").value), $("loop").checked));
     }
+  }
+
+  listen() {
+    $("scrub").addEventListener("pointerdown", () => { this.pressed = true; });
+    for (const end of ["pointerup", "pointercancel"]) addEventListener(end, () => this.lift());
+    $("scrub").addEventListener("input", ({ target }) => {
+      this.sought = true;
+      this.act.seek(Number(target.value) * this.duration);
+    });
+  }
+
+  lift() {
+    if (!this.pressed) return;
+    this.pressed = false;
+    this.follow();
+  }
+
+  // What was sought is on show.
+  release() {
+    this.sought = false;
+    this.follow();
   }
 
   // The trajectory that is loaded; duration null: none.
@@ -21,21 +44,37 @@ export class Player {
     $("player").hidden = duration === null;
     this.duration = duration ?? 0;
     $("loop").checked = loop;
+    this.showSpeed(speed);
+  }
+
+  // Python may play at any.
+  showSpeed(speed) {
+    this.other.remove();
     if (![...$("speed").options].some(({ value }) => Number(value) === speed)) {
-      $("speed").append(new Option(`${speed} ×`, speed)); // Python may play at any
+      Object.assign(this.other, { text: `${speed} ×`, value: speed });
+      $("speed").append(this.other);
     }
-    for (const option of $("speed").options) option.selected = Number(option.value) === speed;
+    $("speed").value = String(speed);
   }
 
   placed({ time, running }) {
-    this.running = running;
+    Object.assign(this, { time, running });
     $("play").disabled = this.driven && !running;
     $("play").textContent = running ? "❚❚" : "▶";
     $("play").setAttribute("aria-label", running ? "Pause" : "Play");
-    $("scrub").value = this.duration > 0 ? time / this.duration : 0;
+    this.follow();
     const text = `${time.toFixed(2)} / ${this.duration.toFixed(2)} s`;
     $("time").textContent = text;
     $("scrub").setAttribute("aria-valuetext", text);
+  }
+
+  offline() {
+    this.pressed = this.sought = false;
+  }
+
+  // A hand on the scrubber is not pulled along.
+  follow() {
+    if (!this.pressed && !this.sought) $("scrub").value = this.duration > 0 ? this.time / this.duration : 0;
   }
 
   // A servo drives the arm: what runs may be stopped, and that is all.

@@ -1,13 +1,11 @@
 // Position, velocity and acceleration of the trajectory that is loaded, against the limits, under the view.
 
-import { element } from "./element.js";
+import { $, element } from "./element.js";
 import { Plot, reading, swatch } from "./plot.js";
 import { RATES, scaled, share, worded } from "./plot_scale.js";
 
 const KEPT = "twistarm plots"; // in the browser's storage
 const LETTERS = 118; // of a legend, about
-
-const $ = (id) => document.getElementById(id);
 
 export class Plots {
   // `seek(time)` asks for a moment of the motion.

@@ -1,7 +1,7 @@
 // A list of poses as a file: joints, and poses with name and theta in rad and m.
 
-const LARGEST_FILE = 2 ** 20; // characters
-const LARGEST_MESSAGE = 63 * 1024; // bytes, the process takes 64 kB with what is around the list
+const LARGEST_FILE = 2 ** 20; // bytes, with whatever spaces and other entries it may have
+const LARGEST_LIST = 56 * 1024; // bytes, as in pose_list.py
 
 export function written(joints, poses) {
   const rows = poses.map(({ name, theta }) => `    ${JSON.stringify({ name, theta })}`);
@@ -10,14 +10,14 @@ export function written(joints, poses) {
 
 // {joints, poses} of a file that somebody chose; an Error with the reason where it is no such list.
 export async function read(file) {
-  if (file.size > LARGEST_FILE) throw new Error(`${file.name} has ${file.size} bytes; a list of poses has less than 64 kB`);
+  if (file.size > LARGEST_FILE) throw new Error(`${file.name} has ${file.size} bytes; a list of poses has at most 56 kB`);
   const found = parsed(file.name, await file.text());
   if (!names(found?.joints)) throw new Error(`${file.name}: "joints" must be a list of joint names`);
   if (!Array.isArray(found.poses)) throw new Error(`${file.name}: "poses" must be a list of poses, each with name and theta`);
   const poses = found.poses.map((pose, i) => checked(file.name, pose, i));
   const list = { joints: found.joints, poses };
   const size = new TextEncoder().encode(JSON.stringify(list)).length;
-  if (size > LARGEST_MESSAGE) throw new Error(`${file.name}: ${poses.length} poses have ${size} bytes; at most 64 kB`);
+  if (size > LARGEST_LIST) throw new Error(`${file.name}: ${poses.length} poses have ${size} bytes; at most ${LARGEST_LIST} (56 kB)`);
   return list;
 }
 

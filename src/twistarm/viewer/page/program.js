@@ -1,10 +1,9 @@
 // Recorded poses: a list to edit, save and load, and the motion planned through it.
 
+import { $ } from "./element.js";
 import { PoseList } from "./pose_list.js";
 import { read, written } from "./pose_file.js";
 import { fileName, save } from "./saving.js";
-
-const $ = (id) => document.getElementById(id);
 
 export class Program {
   // `page` holds panel, state and ask(request).
@@ -12,6 +11,7 @@ export class Program {
     this.page = page;
     this.poses = [];
     this.duration = null;
+    this.trying = this.failed = false; // the motion that was asked for last: it may still come, and it did not
     this.driven = false;
     this.list = new PoseList($("pose-list"), {
       go: (id) => page.ask({ type: "go", id }),
@@ -23,6 +23,7 @@ export class Program {
       program: (message) => this.show(message),
       player: (message) => this.load(message),
       servo: ({ driven }) => this.disable(driven),
+      error: () => this.fail(),
     };
     this.listen();
   }
@@ -38,7 +39,7 @@ export class Program {
   }
 
   show({ poses, planned, note }) {
-    Object.assign(this, { poses, planned, note });
+    Object.assign(this, { poses, planned, note, trying: false, failed: false });
     this.list.show(poses);
     if (this.page.state.frame) this.list.mark(this.page.state.frame.theta);
     $("pose-name").placeholder = `pose ${poses.length + 1}`;
@@ -52,7 +53,7 @@ export class Program {
   }
 
   load({ duration }) {
-    this.duration = duration;
+    Object.assign(this, { duration, failed: false });
     for (const link of document.querySelectorAll("#program a[download]")) {
       if (duration === null) link.removeAttribute("href");
       else link.href = link.dataset.file;
@@ -66,8 +67,15 @@ export class Program {
     this.tell();
   }
 
+  // What stays loaded is not what was asked for.
+  fail() {
+    Object.assign(this, { failed: this.failed || this.trying, trying: false });
+    this.tell();
+  }
+
   tell() {
-    const done = this.planned && this.duration !== null ? `Planned: ${this.duration.toFixed(2)} s` : "";
+    const word = this.failed ? "Not planned anew; still loaded" : "Planned";
+    const done = this.planned && this.duration !== null ? `${word}: ${this.duration.toFixed(2)} s` : "";
     $("program-note").textContent = [done, this.note].filter(Boolean).join("; ");
     $("program-note").classList.toggle("stale", !this.planned);
     $("plan").disabled = this.driven || this.poses.length < 2;
@@ -75,12 +83,11 @@ export class Program {
   }
 
   record() {
-    this.page.ask({ type: "record", name: $("pose-name").value });
-    $("pose-name").value = "";
+    if (this.page.ask({ type: "record", name: $("pose-name").value })) $("pose-name").value = "";
   }
 
   plan() {
-    this.page.ask({ type: "plan", kind: $("plan-kind").value, stop: $("plan-stop").checked });
+    this.trying = this.page.ask({ type: "plan", kind: $("plan-kind").value, stop: $("plan-stop").checked });
   }
 
   save() {

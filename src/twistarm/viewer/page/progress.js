@@ -31,7 +31,7 @@ export class Progress {
   show() {
     if (!this.told || this.complete) return;
     const total = Math.max(this.told.objects + this.told.left, this.drawn);
-    this.complete = this.drawn === total;
+    this.complete = this.told.left === 0 && this.drawn >= this.told.objects;
     this.bar.hidden = this.complete;
     this.bar.setAttribute("aria-valuenow", this.drawn);
     this.bar.setAttribute("aria-valuemax", total);

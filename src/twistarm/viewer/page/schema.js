@@ -19,16 +19,36 @@ const CHECKS = {
   poses: (value) => list(value) && value.every((pose) => object(pose) && Object.keys(pose).length === 2 && name(pose.name) && numbers(pose.theta)),
 };
 
+const WORDS = {
+  number: "a finite number",
+  numbers: "a list of finite numbers",
+  list: "a list",
+  text: "text",
+  object: "an object",
+  name: `text of at most ${LONGEST} characters`,
+  point: "a list of 3 numbers",
+  quaternion: "a list of 4 numbers",
+  count: "a whole number from 0 on",
+  flag: "true or false",
+  names: `a list of names of at most ${LONGEST} characters`,
+  poses: `a list of poses, each with a name of at most ${LONGEST} characters and theta, a list of numbers`,
+};
+
 // What is wrong with a message of this table, "requests" or "messages"; "" where nothing is.
 export function complaint(table, message) {
   const fields = table[message?.type];
   if (!fields) return `unknown message type ${message?.type}`;
   const { type, ...given } = message;
   for (const [field, word] of Object.entries(fields)) {
-    if (!fits(word, given[field])) return `${type}: ${field} must be a ${word}`;
+    if (!fits(word, given[field])) return `${type}: ${field} must be ${words(word)}`;
   }
   const extra = Object.keys(given).find((field) => !(field in fields));
   return extra === undefined ? "" : `${type} has no ${extra}`;
+}
+
+function words(word) {
+  if (word.endsWith("?")) return `${words(word.slice(0, -1))}, or null`;
+  return word.includes("|") ? `one of ${word.replaceAll("|", ", ")}` : WORDS[word];
 }
 
 function fits(word, value) {

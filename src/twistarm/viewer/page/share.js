@@ -1,7 +1,7 @@
 // What is handed on: the stand-alone page, and a picture of the view.
 
+import { $ } from "./element.js";
 import { asBlob, painted } from "./picture.js";
-import { $ } from "./panel.js";
 import { fileName, save } from "./saving.js";
 
 const SIDES = ["width", "height"];

@@ -48,14 +48,6 @@ export class Arrow {
   }
 }
 
-export function dispose(group) {
-  group.traverse(({ geometry, material }) => {
-    geometry?.dispose();
-    material?.dispose();
-  });
-  group.clear();
-}
-
 export function vector(numbers) {
   return new THREE.Vector3(...numbers);
 }

@@ -1,8 +1,9 @@
 // The stand-alone page: an arm and perhaps a motion, with nobody to ask.
 
+import { $ } from "./element.js";
 import { Findings } from "./findings.js";
 import { Highlight } from "./highlight.js";
-import { $, Panel } from "./panel.js";
+import { Panel } from "./panel.js";
 import { Playback } from "./playback.js";
 import { Player } from "./player.js";
 import { Plots } from "./plots.js";
@@ -52,6 +53,7 @@ const plots = new Plots(seek);
 
 function seek(time) {
   playback.seek(time);
+  player.release();
   show();
 }
 

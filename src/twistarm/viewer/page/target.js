@@ -1,9 +1,10 @@
 // The tool dragged, or told where to be: a target, and inverse kinematics after it.
 
+import { $ } from "./element.js";
 import { Gizmo } from "./gizmo.js";
 import { takesKeys } from "./keys.js";
 import { PoseBoxes } from "./pose_boxes.js";
-import { numbersOf, poseOf, same, standing, turned } from "./target_pose.js";
+import { describes, numbersOf, poseOf, same, standing, turned } from "./target_pose.js";
 import { Verdict } from "./verdict.js";
 import { THREE } from "./view.js";
 
@@ -16,12 +17,10 @@ const PARALLEL = 0.999; // cosine from which a ring is about the tool's own z
 const LATE = 60; // ms that an answer takes at most where nothing is slow
 const LOST = 2000; // ms after which no answer is expected any more: the arm was moved by another hand
 
-const $ = (id) => document.getElementById(id);
-
 export class Target {
   // `page` holds view, panel, state and ask(request).
   constructor(page) {
-    Object.assign(this, { page, given: null, tool: null, asked: null, start: null, driven: false });
+    Object.assign(this, { page, given: null, tool: null, asked: null, typed: null, start: null, driven: false });
     this.waiting = null; // the picture before which nothing more is sent
     this.newer = false; // whether what is asked was not sent yet
     this.gizmo = new Gizmo(page.view, {
@@ -32,7 +31,7 @@ export class Target {
       snap: () => $("target-snap").checked,
     });
     this.boxes = new PoseBoxes({
-      send: (numbers) => this.ask(turned(numbers)),
+      send: (numbers) => this.type(numbers),
       complain: (text) => page.panel.showError(text),
     });
     this.verdict = new Verdict();
@@ -70,7 +69,7 @@ export class Target {
   // An arm that is new to the page.
   hello({ arm }) {
     $("target-kind").value = KINDS.find(([least]) => arm.joints.length >= least)[1];
-    Object.assign(this, { given: null, tool: null, asked: null, newer: false });
+    Object.assign(this, { given: null, tool: null, asked: null, typed: null, newer: false });
     this.begun = this.kind;
     this.verdict.show(null);
     this.arrange();
@@ -158,11 +157,17 @@ export class Target {
     this.send();
   }
 
+  type(numbers) {
+    this.typed = numbers;
+    this.ask(turned(numbers));
+  }
+
   // The handles move with the arm: they wait for the answer, unless it is late.
   send() {
     const { kind, position, quaternion } = this.asked;
-    this.page.ask({ type: "target", kind, position: position.toArray(), xyzw: quaternion.toArray() });
     this.newer = false;
+    const asked = this.page.ask({ type: "target", kind, position: position.toArray(), xyzw: quaternion.toArray() });
+    if (!asked) return this.offline();
     cancelAnimationFrame(this.waiting);
     this.waiting = requestAnimationFrame(() => this.next());
     clearTimeout(this.late);
@@ -182,10 +187,15 @@ export class Target {
 
   put() {
     const pose = standing(this.given, this.tool);
-    this.boxes.show(this.given ? numbersOf(pose) : [...this.tool.position.toArray(), ...this.rpy]);
+    this.boxes.show(this.given ? this.numbers(pose) : [...this.tool.position.toArray(), ...this.rpy]);
     this.gizmo.place(this.asked ?? (this.given?.met ? this.tool : pose), this.tool, $("target-axes").value);
     const on = $("drag-tool").checked && !this.driven;
     this.gizmo.show(on, this.given?.met === false, (handle, direction) => this.allows(handle, direction));
+  }
+
+  // As they were typed, as long as they say the same: at a pitch of 90° roll and yaw can stand for each other.
+  numbers(pose) {
+    return this.typed && describes(this.typed, pose) ? this.typed : numbersOf(pose);
   }
 
   // A position has no turns, and an approach none about the tool's z axis.

@@ -30,6 +30,13 @@ export function turned(numbers) {
   return { position: new THREE.Vector3(x, y, z), quaternion: new THREE.Quaternion().setFromEuler(new THREE.Euler(...rpy, "ZYX")) };
 }
 
+// Whether six numbers say this pose, up to the rounding of a quaternion.
+export function describes(numbers, { position, quaternion }) {
+  const said = turned(numbers);
+  const near = said.position.distanceTo(position) < 1e-9;
+  return near && said.quaternion.angleTo(quaternion) < 1e-6;
+}
+
 // Whether the process answers what was asked.
 export function same(given, { kind, position, quaternion }) {
   const equal = (one, other) => one.every((value, i) => value === other[i]);

@@ -1,7 +1,7 @@
 // What of screw theory is drawn, for which joint, and at which scale.
 
 import { COLOURS } from "./cloud.js";
-import { element } from "./element.js";
+import { $, element } from "./element.js";
 import { short } from "./figures.js";
 
 const LAYERS = {
@@ -13,8 +13,6 @@ const LAYERS = {
   angular_ellipsoid: ["Angular ellipsoid", "Angular velocities of the tool for joint rates of 1 rad/s in all"],
   workspace: ["Workspace", "Where the tool comes to inside the limits, coloured by dexterity"],
 };
-
-const $ = (id) => document.getElementById(id);
 
 export class Switches {
   // `act` holds visible(layer, on), trace(on), clear(), chosen().

@@ -1,6 +1,6 @@
 // Where the tool has been since the trace was switched on, on this page.
 
-import { dispose } from "./solids.js";
+import { dispose } from "./disposal.js";
 import { THREE } from "./view.js";
 
 const STEP = 0.006; // of the arm's size, between points

@@ -1,6 +1,7 @@
 // The columns of a Jacobian, each as two arrows: v and w, at the origin of the frame they are written in.
 
-import { ANGULAR, Arrow, LINEAR, column, dispose } from "./solids.js";
+import { dispose } from "./disposal.js";
+import { ANGULAR, Arrow, LINEAR, column } from "./solids.js";
 import { THREE } from "./view.js";
 
 const THICK = 0.006; // of the arm's size

@@ -2,15 +2,18 @@
 
 import { element } from "./element.js";
 
+const REASON = "reason: "; // how a line of the words begins
+
 export class Verdict {
   constructor() {
     this.place = document.getElementById("target-words");
+    this.missed = document.getElementById("missed"); // the same in short, while another panel is in front
     this.told = "";
   }
 
   // While a hand moves the target, it is not read aloud.
   busy(on) {
-    this.place.setAttribute("aria-busy", on);
+    for (const place of [this.place, this.missed]) place.setAttribute("aria-busy", on);
   }
 
   // `near`: the target is this page's own, and whoever gave it should see why it is not met.
@@ -21,8 +24,17 @@ export class Verdict {
     const missed = message?.met === false && this.place.dataset.met !== "false";
     this.place.dataset.met = message?.met ?? "";
     this.place.replaceChildren(...(words ? lines(message) : []));
+    this.missed.textContent = message?.met === false ? `✕ not met: ${inShort(message)}` : "";
     if (missed && near) this.place.scrollIntoView({ block: "nearest" });
   }
+}
+
+// The reason, where one is given, and what was asked.
+function inShort({ words }) {
+  const [first, ...rest] = words.split("\n");
+  const asked = first.slice(first.indexOf(": ") + 2); // of which arm is no news
+  const reason = rest.find((line) => line.startsWith(REASON));
+  return reason ? `${reason.slice(REASON.length)} · ${asked}` : asked;
 }
 
 function lines({ met, words }) {

@@ -2,6 +2,8 @@
 
 /* global MeshCat */
 
+import { dispose } from "./disposal.js";
+
 export const THREE = MeshCat.THREE;
 const DIRECTION = [0.95, -1.15, 0.62]; // from the arm towards the camera, in the arm's base axes
 const MARGIN = 1.04;
@@ -13,6 +15,9 @@ export class View {
     // Meshcat takes the window's height for the pane's.
     const resize = this.viewer.set_3d_pane_size.bind(this.viewer);
     this.viewer.set_3d_pane_size = () => resize(pane.offsetWidth, pane.offsetHeight);
+    // A picture before it is known where to look shows nothing, and holds up what it waits for.
+    const render = this.viewer.render.bind(this.viewer);
+    this.viewer.render = () => this.radius !== undefined && render();
     this.segments = new Map();
     this.fixtures = new THREE.Group();
     this.viewer.scene.add(this.fixtures);
@@ -51,7 +56,7 @@ export class View {
   // The way of the tool: `points` in the base frame, none to draw none.
   drawPath({ points, radius }) {
     const group = this.node("/path");
-    group.clear();
+    dispose(group);
     if (points.length > 1) {
       const curve = new THREE.CatmullRomCurve3(points.map((point) => new THREE.Vector3(...point)));
       const tube = new THREE.TubeGeometry(curve, 2 * points.length, radius, 8);
@@ -129,7 +134,7 @@ export class View {
   // Floor and grid, in the colours of the page.
   furnish() {
     if (this.radius === undefined) return;
-    this.fixtures.clear();
+    dispose(this.fixtures);
     const cell = 10 ** Math.round(Math.log10(this.radius / 8));
     const reach = 5 * this.radius;
     const colour = new THREE.Color(getComputedStyle(document.documentElement).getPropertyValue("--grid").trim());

@@ -2,7 +2,7 @@
 
 import { element } from "./element.js";
 
-const WORDS = { plan: "planning", workspace: "sampling the workspace", target: "solving", share: "writing the page" };
+const WORDS = { plan: "planning", workspace: "sampling the workspace" };
 
 export class Work {
   constructor() {

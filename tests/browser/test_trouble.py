@@ -1,0 +1,225 @@
+"""What goes wrong around the page: refusals, a process that has gone, requests too fast, a hand on the scrubber."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from typing import Any
+
+import numpy as np
+import pytest
+from waiting import settled, until
+
+from twistarm import Arm, ArmBuilder
+from twistarm.planning.joint_space import plan_joint
+from twistarm.viewer import Viewer
+from twistarm.viewer.page_files import page_text
+from twistarm.viewer.pose_list import LARGEST_LIST
+
+pytestmark = pytest.mark.browser
+
+TOOL = np.array([[1, 0, 0, 0.5], [0, 1, 0, 0], [0, 0, 1, 0.4], [0, 0, 0, 1.0]])
+
+LOADED = """() => {
+  const { view, highlight } = twistarm;
+  const counts = [];
+  for (let k = 0; k < 10; k += 1) {
+    view.drawPath({ points: [[0, 0, 0], [0, 0.1 * k, 0.1], [0, 0, 0.2]], radius: 0.01 });
+    view.fit();
+    highlight.point("/screws", `a joint ${k}`);
+    view.viewer.render();
+    counts.push([view.viewer.renderer.info.memory.geometries, view.viewer.renderer.info.memory.textures].join());
+  }
+  highlight.point(null);
+  view.drawPath({ points: [], radius: 0.01 });
+  return counts;
+}"""
+"""What the graphics card holds after each of ten paths, fits and highlights."""
+
+
+def small() -> Arm:
+    builder = ArmBuilder("small").revolute("a", [0, 0, 1], [0, 0, 0], lower=-2.0, upper=2.0)
+    return (
+        builder.revolute("b", [0, 1, 0], [0, 0, 0.4], lower=-2.0, upper=2.0)
+        .revolute("c", [0, 1, 0], [0.25, 0, 0.4], lower=-2.0, upper=2.0)
+        .tool(TOOL)
+        .build()
+    )
+
+
+@pytest.fixture(scope="module")
+def arm() -> Arm:
+    return small()
+
+
+@pytest.fixture(scope="module")
+def viewer(arm: Arm, browser: Any) -> Iterator[Viewer]:
+    with Viewer(arm, open_browser=False) as served:
+        yield served
+
+
+@pytest.fixture(scope="module")
+def opened(open_page: Any, viewer: Viewer) -> Iterator[Any]:
+    with open_page() as page:
+        yield settled(page, viewer.url)
+
+
+@pytest.fixture
+def page(opened: Any) -> Any:
+    opened.set_viewport_size({"width": 1280, "height": 720})
+    opened.get_by_role("tab", name="Move").click()
+    return opened
+
+
+def said(page: Any) -> str:
+    return str(page.locator("#error").inner_text())
+
+
+def write(page: Any, label: str, text: str) -> None:
+    box = page.get_by_label(label, exact=True)
+    box.fill(text)
+    box.press("Enter")
+
+
+def test_after_a_refusal_the_page_goes_on(page: Any) -> None:
+    write(page, "a, degrees", "1e9")
+    until(page, "!document.getElementById('error').hidden")
+    before = page.evaluate("twistarm.state.frame.theta")
+    page.get_by_role("button", name="random").click()
+    until(page, f"String(twistarm.state.frame.theta) !== '{','.join(map(str, before))}'")
+    assert page.locator("#error").is_hidden()
+
+
+def test_a_comma_is_told_to_be_a_point(page: Any) -> None:
+    write(page, "a, degrees", "12,5")
+    assert said(page) == "a: “12,5” has a comma: write a point, as in 12.5"
+    page.keyboard.press("Escape")
+
+
+def test_requests_that_add_up_do_not_replace_one_another(page: Any, viewer: Viewer) -> None:
+    page.evaluate(
+        """() => {
+          const { act } = twistarm.panel;
+          act.joint("a", 0.1); act.joint("a", 0.2); act.joint("b", 0.3); act.joint("a", 0.4);
+          for (let k = 0; k < 3; k += 1) document.getElementById("record").click();
+        }"""
+    )
+    until(page, "document.querySelectorAll('#pose-list li').length === 3")
+    assert viewer.theta[:2].tolist() == [0.4, 0.3]
+
+
+def test_a_jogging_page_keeps_its_error_to_be_read(page: Any) -> None:
+    page.evaluate("twistarm.panel.act.joint('nobody', 0)")
+    until(page, "!document.getElementById('error').hidden")
+    kept = page.evaluate(  # before the process can say that no servo runs
+        """() => {
+          twistarm.jog.act.jog([0, 0, 0, 0, 0, 0], "base");
+          twistarm.jog.act.joints([0, 0, 0]);
+          return document.getElementById("error").textContent;
+        }"""
+    )
+    assert "nobody" in kept
+
+
+def test_a_bad_list_is_told_in_words_and_its_size_is_one_figure(page: Any) -> None:
+    page.evaluate("twistarm.parts.program.page.ask({ type: 'poses', joints: ['a'], poses: [{ name: 1, theta: [] }] })")
+    assert said(page).startswith("poses: poses must be a list of poses, each with a name of at most 1000 characters")
+    assert LARGEST_LIST == 56 * 1024
+    assert "56 * 1024" in page_text("pose_file.js")
+
+
+def test_what_is_no_longer_drawn_is_given_back(page: Any) -> None:
+    counts = page.evaluate(LOADED)
+    assert counts[2:] == [counts[1]] * 8
+
+
+def test_a_scene_is_complete_once_all_of_it_is_told_and_drawn(page: Any) -> None:
+    complete = page.evaluate(
+        """() => {
+          const { constructor } = twistarm.parts.progress;
+          const progress = new constructor(() => {}, () => {});
+          const mesh = (objects, left) => progress.learn({ objects, left, notes: [] }) ?? progress.complete;
+          const drawn = () => progress.add(1) ?? progress.complete;
+          return [mesh(2, 2), drawn(), drawn(), mesh(4, 1), drawn(), drawn(), drawn(), mesh(6, 0), drawn()];
+        }"""
+    )
+    assert complete == [False] * 8 + [True]
+
+
+def test_a_missed_target_is_told_beside_every_panel(page: Any) -> None:
+    write(page, "tool x, metres", "3")
+    until(page, "document.getElementById('target-words').dataset.met === 'false'")
+    missed = page.locator("#missed")
+    assert missed.is_hidden()  # the panel says it
+    page.get_by_role("tab", name="Theory").click()
+    assert missed.is_visible()
+    assert missed.inner_text().startswith("✕ not met: out of reach · the position (3, ")
+    page.get_by_role("tab", name="Move").click()
+    page.get_by_role("button", name="zero").click()
+    until(page, "document.getElementById('missed').textContent === ''")
+
+
+def test_the_six_numbers_of_a_target_stay_as_typed_at_a_pitch_of_90_degrees(page: Any) -> None:
+    page.get_by_label("What the tool is to meet").select_option("pose")
+    for angle, number in (("pitch", "90"), ("roll", "45"), ("yaw", "10")):
+        write(page, f"tool {angle}, degrees", number)
+        until(page, f"document.querySelector('[aria-label=\"tool {angle}, degrees\"]').value === '{number}.0'")
+        until(page, "twistarm.parts.target.asked === null")
+    read = [page.get_by_label(f"tool {angle}, degrees").input_value() for angle in ("roll", "pitch", "yaw")]
+    assert read == ["45.0", "90.0", "10.0"]
+
+
+def test_the_legend_and_the_switches_do_not_overlap(page: Any) -> None:
+    page.evaluate("twistarm.panel.showPath(true)")
+    for width in (1280, 1000, 900):
+        page.set_viewport_size({"width": width, "height": 600})
+        legend, switches = page.locator("#legend").bounding_box(), page.locator("#switches").bounding_box()
+        beside = legend["x"] + legend["width"] <= switches["x"]
+        assert beside or legend["y"] >= switches["y"] + switches["height"]
+        assert switches["x"] + switches["width"] <= width
+    page.evaluate("twistarm.panel.showPath(false)")
+
+
+def test_a_hand_on_the_scrubber_is_not_pulled_along(page: Any, viewer: Viewer, arm: Arm) -> None:
+    motion = plan_joint(arm, [np.zeros(3), 0.5 * np.ones(3)], limits={"velocity": 0.1, "acceleration": 1.0})
+    for speed in (0.7, 0.3):
+        viewer.play(motion, speed=speed)
+        until(page, f"document.getElementById('speed').value === '{speed}'")
+    assert page.locator("#speed option").count() == 7
+    until(page, "twistarm.state.frame.running")
+    box = page.locator("#scrub").bounding_box()
+    page.mouse.move(box["x"] + 0.5 * box["width"], box["y"] + box["height"] / 2)
+    page.mouse.down()
+    held = page.locator("#scrub").input_value()
+    until(page, "twistarm.link.underway === 0")
+    viewer.play(motion, speed=0.3)  # from the start, as another page may ask for
+    until(page, "twistarm.state.frame.time > 0.05 && twistarm.state.frame.time < 1")
+    assert page.locator("#scrub").input_value() == held
+    page.mouse.up()
+    share = "twistarm.state.frame.time / twistarm.parts.player.duration"
+    until(page, f"Math.abs(document.getElementById('scrub').value - {share}) < 0.01")
+    viewer.show(np.zeros(3))
+
+
+def test_a_process_that_has_gone_is_told_and_one_started_anew(browser: Any, arm: Arm) -> None:
+    page = browser.new_page()
+    errors: list[str] = []
+    page.on("pageerror", lambda error: errors.append(str(error)))
+    with Viewer(arm, open_browser=False) as first:
+        settled(page, first.url)
+        port = int(first.url.split(":")[2].split("/")[0])
+    until(page, "document.getElementById('status').textContent === 'offline'")
+    slider = page.locator('input[data-joint="a"]')
+    stands = slider.input_value()
+    slider.press("End")
+    assert said(page) == "The process does not answer: nothing was sent."
+    assert slider.input_value() == stands
+    write(page, "a, degrees", "12")
+    assert page.get_by_label("a, degrees").input_value() == f"{np.degrees(float(stands)):.1f}"
+    screws = page.get_by_label("Screws", exact=True)
+    screws.click()
+    assert screws.is_checked()
+    assert page.evaluate("twistarm.link.pending.size") == 0
+    with Viewer(arm, open_browser=False, port=port):
+        until(page, "document.getElementById('error').textContent.startsWith('The process was started anew')")
+    page.close()
+    assert errors == []

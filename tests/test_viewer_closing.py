@@ -1,0 +1,156 @@
+"""A view that is closed, closing or held up: its methods answer or say why not, and nothing keeps the program."""
+
+from __future__ import annotations
+
+import threading
+import time
+from collections.abc import Callable
+from dataclasses import replace
+from typing import Any
+
+import pytest
+from numpy.testing import assert_array_equal
+
+from twistarm import Arm
+from twistarm.errors import InputError, TwistarmError
+from twistarm.viewer import Viewer, driver, server
+from twistarm.viewer.commands import PageCommands
+from twistarm.viewer.downloads import DOWNLOADS
+from twistarm.viewer.stage import Stage
+from viewer_page import THETA, WAIT, get, swing
+from viewer_page import arm as arm
+from viewer_page import viewer as viewer
+
+
+def test_between_the_loop_s_end_and_the_thread_s_methods_answer_from_the_stage(arm: Arm, viewer: Viewer) -> None:
+    viewer.close()
+    viewer._server._thread = threading.current_thread()  # alive, as the server's is for a moment after its loop
+    viewer.show([0.0, 0.0, 0.1])
+    viewer._server._changes.clear()
+    viewer.play(swing(arm))
+    viewer._server._thread = threading.Thread()
+    assert_array_equal(viewer.theta, THETA)
+    assert viewer.poses == {}
+
+
+def test_what_the_loop_did_not_answer_before_its_end_is_answered(
+    viewer: Viewer, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(viewer._server, "_answer", lambda question, future: None)
+    threading.Timer(0.1, viewer.close).start()
+    begin = time.monotonic()
+    assert_array_equal(viewer.theta, THETA)
+    assert time.monotonic() - begin < server.STOP_TIME
+
+
+def test_a_loop_that_is_held_up_is_told_in_words(viewer: Viewer, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(server, "STOP_TIME", 0.2)
+    free = threading.Event()
+    viewer._server.post("hold", lambda stage: free.wait(WAIT))
+    try:
+        with pytest.raises(TwistarmError, match=r"^the viewer did not answer within 0\.2 s; it is busy: ask again$"):
+            _ = viewer.theta
+    finally:
+        free.set()
+
+
+# files that a page fetches ----------------------------------------------------------------------------
+
+
+class Writing:
+    """A download that waits for leave."""
+
+    def __init__(self, monkeypatch: pytest.MonkeyPatch) -> None:
+        self.begun, self.leave = threading.Semaphore(0), threading.Event()
+        self.under_way = self.most = 0
+        slow = replace(DOWNLOADS["motion.csv"], prepare=lambda stage, scene: self.write)
+        monkeypatch.setitem(DOWNLOADS, "motion.csv", slow)  # type: ignore[arg-type]
+
+    def write(self) -> str:
+        self.under_way += 1
+        self.most = max(self.most, self.under_way)
+        self.begun.release()
+        self.leave.wait(WAIT)
+        self.under_way -= 1
+        return "written"
+
+
+def fetch(viewer: Viewer, answers: list[Any]) -> threading.Thread:
+    def run() -> None:
+        try:
+            answers.append(get(viewer.url + "motion.csv")[:2])
+        except OSError as error:
+            answers.append(error)
+
+    thread = threading.Thread(target=run, daemon=True)
+    thread.start()
+    return thread
+
+
+def test_a_view_closes_at_once_while_a_file_is_written_and_the_program_may_end(
+    arm: Arm, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    writing, answers = Writing(monkeypatch), list[Any]()
+    before = set(threading.enumerate())
+    viewer = Viewer(arm, open_browser=False)
+    fetching = fetch(viewer, answers)
+    assert writing.begun.acquire(timeout=WAIT)
+    begin = time.monotonic()
+    viewer.close()
+    assert time.monotonic() - begin < 2.0
+    assert [thread for thread in set(threading.enumerate()) - before if not thread.daemon] == []
+    fetching.join(WAIT)
+    assert isinstance(answers[0], OSError)
+    writing.leave.set()
+
+
+def test_files_are_written_one_after_the_other(viewer: Viewer, monkeypatch: pytest.MonkeyPatch) -> None:
+    writing, answers = Writing(monkeypatch), list[Any]()
+    fetching = [fetch(viewer, answers) for _ in range(3)]
+    assert writing.begun.acquire(timeout=WAIT)
+    assert not writing.begun.acquire(timeout=0.3)
+    writing.leave.set()
+    for thread in fetching:
+        thread.join(WAIT)
+    assert answers == 3 * [(200, "written")]
+    assert writing.most == 1
+
+
+def test_what_a_file_fails_by_is_told(viewer: Viewer, monkeypatch: pytest.MonkeyPatch) -> None:
+    def fail() -> str:
+        raise InputError("nothing to write")
+
+    failing = replace(DOWNLOADS["motion.csv"], prepare=lambda stage, scene: fail)
+    monkeypatch.setitem(DOWNLOADS, "motion.csv", failing)  # type: ignore[arg-type]
+    assert get(viewer.url + "motion.csv")[:2] == (404, "nothing to write\n")
+
+
+# a drive that begins ----------------------------------------------------------------------------------
+
+
+def test_a_driver_closed_while_a_drive_begins_waits_for_it(arm: Arm, monkeypatch: pytest.MonkeyPatch) -> None:
+    beginning, closed = threading.Event(), list[object]()
+
+    class Slow(threading.Thread):
+        def start(self) -> None:
+            beginning.set()
+            time.sleep(0.2)
+            super().start()
+
+    def post(key: str, change: Callable[[Stage], None]) -> None: ...
+
+    def close() -> None:
+        try:
+            closed.append(beginning.wait(WAIT) and driven.close(WAIT))
+        except RuntimeError as error:
+            closed.append(error)
+
+    stage = Stage(arm, THETA)
+    driven = driver.Driver(stage, PageCommands(arm), post)
+    closer = threading.Thread(target=close)
+    closer.start()
+    monkeypatch.setattr(driver.threading, "Thread", Slow)
+    driven.switch(True)
+    closer.join(WAIT)
+    assert closed == [None]
+    assert [thread for thread in threading.enumerate() if thread.name == "twistarm drive"] == []

@@ -1,0 +1,96 @@
+"""When a drive may end, and whether one may begin, without a loop: clocks and joints of the test's own."""
+
+from __future__ import annotations
+
+import time
+from types import SimpleNamespace
+from typing import Any
+
+import numpy as np
+import pytest
+
+from twistarm import Arm, ArmBuilder
+from twistarm.errors import InputError
+from twistarm.servo import ServoOutput
+from twistarm.stream import Inbox
+from twistarm.viewer import Viewer
+from twistarm.viewer.commands import PageCommands
+from twistarm.viewer.driver import Drive, Driver
+from twistarm.viewer.messages import Request
+from twistarm.viewer.stage import Stage
+from viewer_page import Page, visit
+
+JOG = {"twist": [0.1, 0, 0, 0, 0, 0], "frame": "base"}
+
+
+def arm() -> Arm:
+    return ArmBuilder("one").revolute("a", [0, 0, 1], [0, 0, 0], lower=-3, upper=3).tool(np.eye(4)).build()
+
+
+def drive(rate: float) -> Drive:
+    """One whose joint moves at `rate` [rad/s], braked or not."""
+    begun = Drive(Stage(arm()), Inbox(), lambda key, change: None, lambda ended: None)
+    joints: Any = SimpleNamespace(theta=np.zeros(1), theta_dot=np.array([rate]))
+    begun._joints = joints
+    return begun
+
+
+@pytest.mark.parametrize(("since", "rate", "ended"), [
+    (0.0, 0.0, True), (0.0, 1e-3, False), (2.5, 1e-3, False), (3.1, 1e-3, True), (3.1, -2.0, True)
+])  # fmt: skip
+def test_it_ends_at_rest_or_three_seconds_after_it_was_asked_to(since: float, rate: float, ended: bool) -> None:
+    braking = drive(rate)
+    braking.end()
+    braking.asked_at -= since
+    assert braking._done() is ended
+
+
+def test_asked_again_it_does_not_wait_anew_and_unasked_it_goes_on() -> None:
+    braking = drive(1e-3)
+    assert not braking._done()
+    braking.asked_at = time.monotonic() - 3.1
+    braking.end()
+    assert braking._done()
+    assert not drive(0.0)._done()
+
+
+def test_none_begins_once_the_program_has_asked_for_commands() -> None:
+    """Before the stage has heard of it: that comes by way of the loop."""
+    stage = Stage(arm())
+    commands = PageCommands(stage.arm)
+    driver = Driver(stage, commands, lambda key, change: None)
+    commands.open = True
+    with pytest.raises(InputError, match="a servo of the program drives one: Drive is free once it has ended"):
+        driver.switch(True)
+    assert not stage.driven
+    assert not driver.on
+
+
+def test_commands_are_taken_from_when_a_servo_asks_for_them_until_it_ends() -> None:
+    commands = PageCommands(arm())
+    with pytest.raises(InputError, match="no servo takes commands here"):
+        commands.take(Request("jog", JOG, 1), "page 1")
+    assert commands.inbox.read(time.monotonic()).command is None
+    commands.open = True
+    commands.take(Request("jog", JOG, 1), "page 1")
+    assert commands.inbox.read(time.monotonic()).command is not None
+
+
+def test_a_servo_that_does_not_ask_for_commands_gets_none() -> None:
+    said = ServoOutput.stale(np.zeros(1), "why")
+
+    async def jog(page: Page) -> None:
+        for asks in (False, True):
+            if asks:
+                _ = viewer.commands
+            for _ in range(2):
+                viewer.show_servo(said)
+                await page.ask(type="jog", **JOG)
+                assert ("error" in page.latest) is not asks
+        viewer.show_servo(None)
+        viewer.show_servo(said)  # another one
+        await page.ask(type="jog", **JOG)
+        assert page.latest["error"]["message"].startswith("no servo takes commands here")
+
+    with Viewer(arm(), open_browser=False) as viewer:
+        visit(viewer, jog)

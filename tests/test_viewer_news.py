@@ -1,0 +1,125 @@
+"""What the pages are told: one source that fails leaves the others alone, and nothing that changed is lost."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Iterator
+from typing import Any
+
+import pytest
+
+from twistarm import Arm
+from twistarm.errors import InputError
+from twistarm.viewer import Viewer
+from twistarm.viewer.messages import Request
+from twistarm.viewer.news import News
+from twistarm.viewer.stage import Stage
+from twistarm.viewer.theory import SHOWN
+from viewer_page import Page, nothing, swing, visit
+from viewer_page import arm as arm
+from viewer_page import viewer as viewer
+
+
+def read(texts: dict[str, str]) -> dict[str, Any]:
+    return {kind: json.loads(text) for kind, text in texts.items()}
+
+
+class Source:
+    """Says its count, or fails."""
+
+    def __init__(self, kind: str) -> None:
+        self.kind, self.count, self.failure = kind, 0, ""
+
+    def __call__(self) -> Iterator[dict[str, Any]]:
+        if self.failure:
+            raise InputError(self.failure)
+        yield {"type": self.kind, "count": self.count}
+
+
+def test_a_source_that_fails_keeps_what_it_said_is_told_of_once_and_stops_no_other() -> None:
+    news, bad, good = News(), Source("bad"), Source("good")
+    assert set(news.gather([bad, good])) == {"bad", "good"}
+    bad.failure, good.count = "out of numbers", 1
+    told = read(news.gather([bad, good]))
+    assert told == {"error": {"type": "error", "message": "out of numbers"}, "good": {"type": "good", "count": 1}}
+    good.count = 2
+    assert set(news.gather([bad, good])) == {"good"}
+    late = read(news.everything())
+    assert (late["bad"]["count"], late["good"]["count"], late["error"]["message"]) == (0, 2, "out of numbers")
+    bad.failure, bad.count = "", 3
+    assert set(news.gather([bad, good])) == {"bad"}
+    assert "error" not in news.everything()
+    bad.failure = "out of numbers again"
+    assert read(news.gather([bad, good]))["error"]["message"] == "out of numbers again"
+
+
+def test_what_is_no_json_is_a_failure_of_its_source() -> None:
+    news, bad = News(), Source("bad")
+    bad.count = float("nan")  # type: ignore[assignment]
+    assert set(news.gather([bad, Source("good")])) == {"error", "good"}
+
+
+def test_a_part_that_fails_stops_neither_frames_nor_newcomers(viewer: Viewer, monkeypatch: pytest.MonkeyPatch) -> None:
+    def fail(stage: Stage) -> None:
+        raise InputError("the plots are lost")
+
+    async def watch(page: Page) -> None:
+        monkeypatch.setattr(viewer._server.stage.parts[-1], "messages", fail)
+        await page.ask(type="joint", name="pitch", value=0.25)
+        await page.until(lambda: page.latest["frame"]["theta"][1] == 0.25 and "error" in page.latest)
+        assert page.latest["error"]["message"] == "the plots are lost"
+        newcomer = await Page(page.address, {}).open()
+        await newcomer.until(lambda: "error" in newcomer.latest)
+        assert newcomer.latest["frame"]["theta"][1] == 0.25
+        newcomer.connection.close()
+
+    visit(viewer, watch)
+
+
+def test_a_newcomer_takes_nothing_from_those_who_are_there(viewer: Viewer) -> None:
+    async def watch(page: Page) -> None:
+        viewer._server.ask(lambda stage: stage.set_visible("frames", False))  # and nobody is told as yet
+        newcomer = await Page(page.address, {}).open()
+        assert not newcomer.latest["visible"]["frames"]
+        await page.until(lambda: not page.latest["visible"]["frames"])
+        newcomer.connection.close()
+
+    visit(viewer, watch)
+
+
+def test_numbers_end_with_the_last_page_and_what_people_switched_on_stays(viewer: Viewer) -> None:
+    async def look(page: Page) -> None:
+        for layer in SHOWN:
+            await page.ask(type="visible", what=layer, visible=True)
+        other = await Page(page.address, {}).open()
+        other.connection.close()
+        await other.until_closed()
+        await page.ask(type="visible", what="frames", visible=True)
+        assert page.latest["visible"]["numbers"]
+        page.connection.close()
+        await page.until_closed()
+
+    visit(viewer, look)
+    later = visit(viewer, nothing).latest["visible"]
+    assert [layer for layer in SHOWN if not later[layer]] == ["numbers"]
+
+
+def test_a_request_that_no_part_answers_is_refused(arm: Arm) -> None:
+    stage = Stage(arm)
+    for answers in (stage.handle, lambda request, now: stage.parts[2].handle(request, stage, now)):
+        with pytest.raises(InputError, match="no such request: stop"):
+            answers(Request("stop", {}, 0), 0.0)
+
+
+def test_a_speed_that_python_set_is_kept_when_a_page_loops(arm: Arm, viewer: Viewer) -> None:
+    viewer.play(swing(arm), speed=50.0)
+
+    async def pace(page: Page) -> None:
+        await page.until(lambda: page.latest["player"]["speed"] == 50.0)
+        await page.ask(type="pace", speed=50.0, loop=True)
+        await page.until(lambda: page.latest["player"]["loop"])
+        await page.ask(type="pace", speed=49.0, loop=False)
+        assert "speed must be 0.05 … 20 times" in page.latest["error"]["message"]
+        assert (page.latest["player"]["speed"], page.latest["player"]["loop"]) == (50.0, True)
+
+    visit(viewer, pace)
