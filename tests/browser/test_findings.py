@@ -218,3 +218,14 @@ def test_the_stand_alone_page_has_the_findings_too(page: Any, arm: Arm, tmp_path
     assert pointed_at(page, page.evaluate("(name) => twistarm.data.links[name]", HEAVY))
     page.keyboard.press("Escape")
     assert points_at_nothing(page)
+
+
+@pytest.mark.parametrize("name", ["rover_arm", "rover_arm_6dof", "panda"])
+def test_every_arm_s_page_lists_what_the_doctor_finds(page: Any, name: str) -> None:
+    arm = load_arm(name)
+    with Viewer(arm, open_browser=False) as viewer:
+        settled(page, viewer.url)
+        until(page, "document.getElementById('findings-note').textContent === ''")
+        page.locator("#findings summary").click()
+        shown = page.locator("#findings-list .finding .what").all_inner_texts()
+    assert shown == [one.what for one in diagnose(arm)]

@@ -82,11 +82,23 @@ class Bench:
         return before, self.standing()
 
 
+class Benches(dict[str, Bench]):
+    """The pages of these tests by arm, each opened when it is first asked for: that takes a second or two."""
+
+    def __init__(self, open_page: Callable[[], AbstractContextManager[Any]], stack: ExitStack) -> None:
+        super().__init__()
+        self._open = open_page, stack
+
+    def __missing__(self, name: str) -> Bench:
+        self[name] = Bench(name, *self._open)
+        return self[name]
+
+
 @pytest.fixture(scope="module")
-def benches(open_page: Callable[[], AbstractContextManager[Any]]) -> Iterator[dict[str, Bench]]:
-    """The pages of these tests: opening one takes a second."""
+def benches(open_page: Callable[[], AbstractContextManager[Any]]) -> Iterator[Benches]:
+    """Closed after the module."""
     with ExitStack() as stack:
-        yield {name: Bench(name, open_page, stack) for name in ("rover_arm", "rover_arm_6dof")}
+        yield Benches(open_page, stack)
 
 
 def button(page: Any, name: str, frame: str) -> Any:
@@ -111,8 +123,8 @@ def along(actual: Any, expected: Any) -> None:
     assert_allclose(actual / np.linalg.norm(actual), expected, atol=0.02)
 
 
-@pytest.mark.parametrize("name", ["rover_arm", "rover_arm_6dof"])
-def test_a_button_held_by_mouse_moves_the_tool_along_its_axis(benches: dict[str, Bench], name: str) -> None:
+@pytest.mark.parametrize("name", ["rover_arm", "rover_arm_6dof", "panda"])
+def test_a_button_held_by_mouse_moves_the_tool_along_its_axis(benches: Benches, name: str) -> None:
     bench = benches[name]
     arm, page = bench.arm, bench.drive(bench.arm.ready)
     before, after = bench.held("Move −z", "base")
@@ -127,14 +139,14 @@ def test_a_button_held_by_mouse_moves_the_tool_along_its_axis(benches: dict[str,
     view = axes_of_view(page)
     before, after = bench.held("Move up", "view")
     along(moved(arm, before, after)[0], view[:, 1])
-    if arm.n == 6:  # five joints cannot turn about any axis and keep the tool where it is
+    if arm.n > 5:  # five joints cannot turn about any axis and keep the tool where it is
         before, after = bench.held("Turn ↺", "view")
         way, turn = moved(arm, before, after)
         along(turn, view[:, 2])
         assert np.linalg.norm(way) < 3e-3
 
 
-def test_what_hands_push_in_view_axes_is_ahead_left_and_up(benches: dict[str, Bench]) -> None:
+def test_what_hands_push_in_view_axes_is_ahead_left_and_up(benches: Benches) -> None:
     page = benches["rover_arm_6dof"].drive(benches["rover_arm_6dof"].arm.ready)
     page.keyboard.press("t")
     page.keyboard.press("t")
@@ -162,7 +174,7 @@ def test_what_hands_push_in_view_axes_is_ahead_left_and_up(benches: dict[str, Be
     assert page.get_by_role("radio", name="base").is_checked()
 
 
-def test_buttons_by_keyboard_and_whatever_ends_a_press(benches: dict[str, Bench]) -> None:
+def test_buttons_by_keyboard_and_whatever_ends_a_press(benches: Benches) -> None:
     bench = benches["rover_arm"]
     arm, page = bench.arm, bench.drive(bench.arm.ready)
     page.get_by_role("button", name="Faster").click()
@@ -199,7 +211,7 @@ def test_buttons_by_keyboard_and_whatever_ends_a_press(benches: dict[str, Bench]
         page.mouse.up()
 
 
-def test_switched_off_the_sliders_are_free_where_the_arm_was_left(benches: dict[str, Bench]) -> None:
+def test_switched_off_the_sliders_are_free_where_the_arm_was_left(benches: Benches) -> None:
     bench = benches["rover_arm"]
     page = bench.drive(bench.arm.ready)
     assert page.locator(".joint input[type=range]").first.is_disabled()
@@ -215,7 +227,7 @@ def test_switched_off_the_sliders_are_free_where_the_arm_was_left(benches: dict[
     page.get_by_role("tab", name="Jog").click()
 
 
-def test_the_gauges_near_a_singularity_and_near_a_limit(benches: dict[str, Bench]) -> None:
+def test_the_gauges_near_a_singularity_and_near_a_limit(benches: Benches) -> None:
     bench = benches["rover_arm_6dof"]
     arm, theta = bench.arm, bench.arm.ready.copy()
     upper = arm.limits.upper[1]
