@@ -58,10 +58,11 @@ def test_a_new_page_is_told_the_arm_the_scene_and_where_everything_stands(arm: A
 
 
 def test_the_last_screw_carries_home_to_the_tool(arm: Arm) -> None:
-    carried = Placement(arm).carried(np.array(THETA))
-    assert_allclose(carried[-1] @ arm.home, arm.fk(THETA), atol=ROUNDING)
-    for i, g in enumerate(carried):
-        assert_allclose(g, poe.fk(arm.screws[:, : i + 1], np.eye(4), THETA[: i + 1]), atol=ROUNDING)
+    for drawn in (arm, arm_from_screws(arm.screws, arm.home)):
+        carried = Placement(drawn).carried(np.array(THETA), drawn.poses(THETA))
+        assert_allclose(carried[-1] @ arm.home, arm.fk(THETA), atol=ROUNDING)
+        for i, g in enumerate(carried):
+            assert_allclose(g, poe.fk(arm.screws[:, : i + 1], np.eye(4), THETA[: i + 1]), atol=ROUNDING)
 
 
 def test_roll_pitch_and_yaw_are_urdf_s() -> None:

@@ -34,7 +34,7 @@ def view(
     size: Annotated[str | None, typer.Option(metavar="WxH", help="Pixels of the picture; 1280x720.")] = None,
     rad: Radians = False,
 ) -> None:
-    """Show the arm in the browser, with a slider per joint; serves until Ctrl-C."""
+    """Show the arm in the browser: move, drag, jog, record poses, see its screws; serves until Ctrl-C."""
     if size is not None and screenshot is None:
         raise InputError("--size is that of the picture: it goes with --screenshot FILE")
     pixels = _pixels(size or "1280x720")

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from itertools import accumulate
 from math import atan2, cos, hypot, sin
 from typing import Any
 
@@ -11,25 +12,21 @@ import numpy as np
 from ..arm import Arm
 from ..checks import Array
 from ..rotations import GIMBAL_LOCK_TOL
-from ..screws import hat
+from ..screws import exp, inverse
 from .nodes import link_path, rod_path, screw_path
 
 
 class Placement:
-    """What the frames of one arm have in common, computed once: the names of the nodes and the powers of its screws."""
+    """What the frames of one arm have in common, computed once: the names of the nodes, and its links at rest."""
 
     def __init__(self, arm: Arm) -> None:
         self.arm = arm
         self._links = () if arm.description is None else tuple(arm.description.links)
-        self._A = arm.coupling.A
         m = arm.screws.shape[1]
         rods = [rod_path(i) for i in range(m)] if arm.description is None else []
         self._paths = [*map(link_path, self._links), *map(screw_path, range(m)), *rods, "/frames/tool"]
-        turn = np.linalg.norm(arm.screws[3:], axis=0)
-        self._rate = np.where(turn > 0, turn, 1.0)
-        xi = hat((arm.screws / self._rate).T)
         self._placed: tuple[Array | None, Mapping[str, float], dict[str, Any]] = (None, {}, {})
-        self._powers = np.stack([xi, xi @ xi, xi + xi @ xi @ xi], axis=1).reshape(m, 3, 16)
+        self._children, self._at_rest = _moving_links(arm)
 
     def at(self, theta: Array, others: Mapping[str, float]) -> dict[str, Any]:
         """Joint values [rad, m], the matrix of every moving node by columns, and the tool's position [m] and rpy [rad].
@@ -45,8 +42,8 @@ class Placement:
     def _place(self, theta: Array, others: Mapping[str, float]) -> dict[str, Any]:
         poses = self.arm.poses(theta, others)
         g_st = poses[self.arm.tip]
-        carried = self.carried(theta)
-        rods = carried if self.arm.description is None else []
+        carried = self.carried(theta, poses)
+        rods = carried if self.arm.description is None else carried[:0]
         stacked = np.array([*(poses[name] for name in self._links), *carried, *rods, g_st])
         columns = stacked.transpose(0, 2, 1).reshape(-1, 16).tolist()
         return {
@@ -56,20 +53,25 @@ class Placement:
             "tool": {"position": g_st[:3, 3].tolist(), "rpy": rpy(g_st)},
         }
 
-    def carried(self, theta: Array) -> list[Array]:
-        """Π_{j≤i} exp(ξ_j (A θ)_j) for every moving joint i: what the joints up to i do to space (MLS §3.2).
+    def carried(self, theta: Array, poses: Mapping[str, Array]) -> Array:
+        """What the joints up to i do to space, (m, 4, 4): Π_{j≤i} exp(ξ_j (A θ)_j) for every moving joint i (MLS §3.2).
 
-        With ‖w‖ = 1, exp(ξ̂φ) = I + sin φ ξ̂ + (1 − cos φ) ξ̂² + (φ − sin φ)(ξ̂ + ξ̂³), since ξ̂⁴ = −ξ̂²; with w = 0 it is
-        I + φ ξ̂, and the same sum. The last term is the slide along the axis.
+        A joint's link shows it: its pose g_i is that product times g_i(0). Without links the product is taken itself.
         """
-        phi = self._rate * (self._A @ theta)
-        sine = np.sin(phi)
-        factors = np.array([sine, 1.0 - np.cos(phi), phi - sine]).T
-        steps = (factors[:, None] @ self._powers).reshape(-1, 4, 4) + np.eye(4)
-        products = [steps[0]]
-        for step in steps[1:]:
-            products.append(products[-1] @ step)
-        return products
+        if self._children:
+            moved: Array = np.array([poses[name] for name in self._children]) @ self._at_rest
+            return moved
+        steps = exp(self.arm.screws.T, self.arm.coupling.A @ theta)
+        return np.array(list(accumulate(steps, np.matmul)))
+
+
+def _moving_links(arm: Arm) -> tuple[list[str], Array]:
+    """What link each moving joint of the chain carries, and its g_i(0)⁻¹, (m, 4, 4); none without a description."""
+    if arm.description is None:
+        return [], np.empty((0, 4, 4))
+    children = [joint.child for joint in arm.description.chain(arm.base, arm.tip_link) if joint.moving]
+    rest = arm.poses(np.zeros(arm.n))
+    return children, inverse(np.array([rest[name] for name in children]))
 
 
 def rpy(g: Array) -> list[float]:
