@@ -8,7 +8,6 @@ from types import SimpleNamespace
 import numpy as np
 
 from twistarm import load_arm, plan_joint
-from twistarm.planning import to_csv
 from twistarm.stream import Replay, SimulatedJoints, read_recording, run
 
 LATENCY, PERIOD, TIMEOUT = 0.05, 0.01, 0.2  # s: of the drives, of the loop, of commands and joint states
@@ -17,7 +16,7 @@ arm = load_arm("rover_arm")
 goal = arm.ready + [0.2, 0.3, -0.4, 0.2, 1.0]
 motion = plan_joint(arm, [arm.ready, goal], kind="quintic")
 with tempfile.TemporaryDirectory() as folder:
-    recording = read_recording(arm, to_csv(motion, Path(folder) / "motion.csv", dt=0.02))
+    recording = read_recording(arm, motion.to_csv(Path(folder) / "motion.csv", dt=0.02))
 
 
 def replay(source_ends=np.inf, feedback_ends=np.inf):

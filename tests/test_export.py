@@ -7,7 +7,7 @@ import pytest
 
 from test_trajectory import motion, standstill
 from twistarm.errors import InputError
-from twistarm.planning import Trajectory, to_csv, to_json
+from twistarm.planning import Trajectory
 
 
 def named(trajectory, names, units):
@@ -18,7 +18,7 @@ def named(trajectory, names, units):
 
 def test_csv_has_a_column_per_joint_and_rate_and_reads_back_exactly(tmp_path):
     trajectory = named(motion(), ("slide", "elbow, left"), ("m", "rad"))
-    path = to_csv(trajectory, tmp_path / "a.csv", dt=0.3)
+    path = trajectory.to_csv(tmp_path / "a.csv", dt=0.3)
     with open(path, newline="", encoding="utf-8") as file:
         header, *rows = csv.reader(file)
     assert header == [
@@ -36,7 +36,7 @@ def test_csv_has_a_column_per_joint_and_rate_and_reads_back_exactly(tmp_path):
 
 def test_json_is_a_joint_trajectory(tmp_path):
     trajectory = motion()
-    message = json.loads(to_json(trajectory, tmp_path / "a.json", dt=0.3).read_text())
+    message = json.loads(trajectory.to_json(tmp_path / "a.json", dt=0.3).read_text())
     assert list(message) == ["joint_names", "points"]
     assert message["joint_names"] == ["joint1", "joint2"]
     t, *values = trajectory.sample(0.3)
@@ -51,13 +51,13 @@ def test_json_is_a_joint_trajectory(tmp_path):
     assert stamps[-1] == 5 * 10**9
 
 
-@pytest.mark.parametrize("export", [to_csv, to_json])
+@pytest.mark.parametrize("export", [Trajectory.to_csv, Trajectory.to_json])
 def test_a_motion_of_no_length_is_one_point(tmp_path, export):
     text = export(standstill(), tmp_path / "a").read_text()
     assert text.count("0.3") == 1
 
 
-@pytest.mark.parametrize("export", [to_csv, to_json])
+@pytest.mark.parametrize("export", [Trajectory.to_csv, Trajectory.to_json])
 def test_a_failure_leaves_what_was_there(tmp_path, monkeypatch, export):
     path = tmp_path / "a"
     path.write_text("old")
@@ -68,7 +68,7 @@ def test_a_failure_leaves_what_was_there(tmp_path, monkeypatch, export):
     assert os.listdir(tmp_path) == ["a"]
 
 
-@pytest.mark.parametrize("export", [to_csv, to_json])
+@pytest.mark.parametrize("export", [Trajectory.to_csv, Trajectory.to_json])
 @pytest.mark.parametrize("dt", [0.0, -1.0, float("nan"), 1e-9])
 def test_a_bad_dt_writes_nothing(tmp_path, export, dt):
     with pytest.raises(InputError, match="dt must be"):
@@ -79,11 +79,11 @@ def test_a_bad_dt_writes_nothing(tmp_path, export, dt):
 def test_json_refuses_steps_below_a_nanosecond(tmp_path):
     line = Trajectory(("a",), ("m",), [[0.0], [1.0]], [0.0, 1e-8], [0.0, 1e-8], np.array([1e8, 0.0])[:, None, None])
     with pytest.raises(InputError, match=r"dt = 2e-10 s is too short for JointTrajectory.* nanoseconds"):
-        to_json(line, tmp_path / "a.json", 2e-10)
+        line.to_json(tmp_path / "a.json", 2e-10)
     assert os.listdir(tmp_path) == []
 
 
-@pytest.mark.parametrize("export", [to_csv, to_json])
+@pytest.mark.parametrize("export", [Trajectory.to_csv, Trajectory.to_json])
 def test_a_missing_folder_is_said(tmp_path, export):
     with pytest.raises(InputError, match="does not exist; create it first"):
         export(motion(), tmp_path / "missing" / "a")

@@ -13,7 +13,6 @@ from stream_stand_ins import robot as robot
 from stream_stand_ins import stream as stream
 from twistarm import plan_joint
 from twistarm.errors import InputError
-from twistarm.planning import to_csv
 from twistarm.servo import servo_step
 from twistarm.stream import Ending, Inbox, Measured, Metronome, Reading, Replay, read_recording
 from twistarm.stream.replay import AT_START
@@ -243,7 +242,7 @@ def test_a_replay_makes_up_for_where_the_arm_stood_at_the_start(rover, clock, st
     away = 0.8 * AT_START * np.array([1.0, -1.0, 1.0, -1.0, 1.0])
     start, end = rover.ready + [0.05, 0.0, 0.0, 0.0, 0.0], rover.ready + [0.1, 0.3, -0.4, 0.2, 1.0]
     motion = plan_joint(rover, [start, end], kind="trapezoid")
-    replay = Replay(rover, read_recording(rover, to_csv(motion, tmp_path / "motion.csv", dt=0.02)))
+    replay = Replay(rover, read_recording(rover, motion.to_csv(tmp_path / "motion.csv", dt=0.02)))
     robot = Robot(start + away, clock)
     report = stream(replay, robot, duration=30.0, until=lambda: replay.done)
     assert report.ending is Ending.DONE

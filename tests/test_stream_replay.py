@@ -8,7 +8,6 @@ import pytest
 from stream_stand_ins import FakeClock, Robot
 from twistarm import plan_joint
 from twistarm.errors import InputError, LimitError, TwistarmError
-from twistarm.planning import to_csv
 from twistarm.stream import Ending, Replay, SimulatedJoints, read_recording, run
 
 RATE = 100.0
@@ -24,7 +23,7 @@ def motion(rover):
 
 @pytest.fixture(scope="module")
 def file(motion, tmp_path_factory):
-    return to_csv(motion, tmp_path_factory.mktemp("replay") / "motion.csv", dt=0.02)
+    return motion.to_csv(tmp_path_factory.mktemp("replay") / "motion.csv", dt=0.02)
 
 
 def changed(file, tmp_path, change):

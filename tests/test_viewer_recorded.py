@@ -13,7 +13,6 @@ from numpy.testing import assert_allclose
 from twistarm import load_arm, plan_joint
 from twistarm.cli.application import run
 from twistarm.errors import InputError
-from twistarm.planning import to_csv
 from twistarm.viewer.recorded import recorded_motion
 
 ARM = load_arm("scara")
@@ -21,7 +20,7 @@ MOTION = plan_joint(ARM, [0.2 * ARM.ready, ARM.ready], limits={"velocity": 1.0, 
 
 
 def test_it_passes_every_line_with_its_rate_and_follows_the_motion_between(tmp_path: Path) -> None:
-    read = recorded_motion(ARM, to_csv(MOTION, tmp_path / "a.csv", dt=0.05))
+    read = recorded_motion(ARM, MOTION.to_csv(tmp_path / "a.csv", dt=0.05))
     t, theta, theta_dot, _ = MOTION.sample(0.05)
     assert read.joint_names == ARM.joint_names
     assert_allclose(read.duration, MOTION.duration)
@@ -48,7 +47,7 @@ def test_the_command_saves_a_page_that_plays_it(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
     monkeypatch.chdir(tmp_path)
-    to_csv(MOTION, "motion.csv")
+    MOTION.to_csv("motion.csv")
     assert run(["view", "scara", "--play", "motion.csv", "--save", "view.html"]) == 0
     stored = re.search(r'id="data">(.*?)</script>', Path("view.html").read_text())
     assert stored is not None

@@ -15,7 +15,7 @@ from ..comparison import crosscheck
 from ..errors import InputError
 from ..ik import Approach, solve_ik
 from ..loading import load_arm
-from ..planning import Trajectory, plan_joint, to_csv
+from ..planning import Trajectory, plan_joint
 from ..viewer import Viewer, save_html
 from .checking import check_table
 from .inspection import info_view
@@ -35,7 +35,7 @@ def demo(view: View = True, port: Port = 0, browser: Browser = True) -> None:
     trajectory = _show_motion(out, arm)
     if not (view and sys.stdout.isatty()):
         print(f"\nwritten: {save_html(arm, Path('demo.html'), trajectory)} (opens in a browser, offline)")
-        print(f"written: {to_csv(trajectory, Path('demo.csv'))}")
+        print(f"written: {trajectory.to_csv('demo.csv')}")
         return
     with Viewer(arm, trajectory(0.0), port=port, open_browser=False) as viewer:
         viewer.play(trajectory, loop=True)

@@ -13,7 +13,7 @@ from ..arm import Arm
 from ..checks import as_positive
 from ..files import writable
 from ..limits import JointLimits
-from ..planning import Trajectory, plan_joint, to_csv, to_json
+from ..planning import Trajectory, plan_joint
 from .options import Json, Radians, parse_theta, takes_arm
 from .output import console, number, print_json, progress_bar, shown, table, units
 
@@ -71,7 +71,7 @@ def plan(
             stop_at_waypoints=stop,
             progress=progress,
         )
-    written = [str(write(planned, file, dt)) for write, file in ((to_csv, csv), (to_json, trajectory)) if file]
+    written = [str(write(file, dt)) for write, file in ((planned.to_csv, csv), (planned.to_json, trajectory)) if file]
     if json:
         print_json(_as_json(arm, planned, written))
         return

@@ -1,7 +1,6 @@
 """Motions in time: planned inside the joint limits, evaluated at any instant, exported."""
 
-from .export import to_csv, to_json
 from .joint_space import plan_joint
 from .trajectory import Samples, Trajectory
 
-__all__ = ["Samples", "Trajectory", "plan_joint", "to_csv", "to_json"]
+__all__ = ["Samples", "Trajectory", "plan_joint"]

@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import os
 from dataclasses import dataclass
 from math import ceil
+from pathlib import Path
 from typing import NamedTuple
 
 import numpy as np
@@ -11,6 +13,7 @@ from numpy.typing import ArrayLike
 
 from ..checks import Array, as_floats, frozen
 from ..errors import InputError
+from ..files import write_whole
 from .piecewise import derivative, evaluate, extremes
 
 RATE_UNITS = ("", "/s", "/s²", "/s³")
@@ -108,6 +111,28 @@ class Trajectory:
         steps = max(ceil(self.duration / float(step) - LAST_STEP), int(self.duration > 0))
         t = np.append(step * np.arange(steps), self.duration)
         return Samples(t, self(t), self(t, 1), self(t, 2))
+
+    def to_csv(self, path: str | os.PathLike[str], dt: float = 0.01) -> Path:
+        """Write a row every `dt` [s] and one at the end: time, then position, velocity, acceleration of each joint.
+
+        The header names column and unit, `slide.position [m]`. Numbers are written so that reading gives the same
+        floats. The file is written whole or not at all; raises InputError where it cannot be, and for a bad `dt`.
+        Returns the path written.
+        """
+        from .export import csv_text
+
+        return write_whole(path, csv_text(self, dt))
+
+    def to_json(self, path: str | os.PathLike[str], dt: float = 0.01) -> Path:
+        """Write a `trajectory_msgs/JointTrajectory`: joint_names, and a point every `dt` [s] and one at the end.
+
+        Each point has positions, velocities, accelerations (rad or m, and per s, s²) and time_from_start as `sec` and
+        `nanosec`, strictly increasing from 0; the last velocity is zero. The file is written whole or not at all;
+        raises InputError where it cannot be, and for a bad `dt`. Returns the path written.
+        """
+        from .export import json_text
+
+        return write_whole(path, json_text(self, dt))
 
     def _held(self, values: Array, at: Array, order: int) -> Array:
         before, after = at <= 0, at >= self.duration
