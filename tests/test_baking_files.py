@@ -50,7 +50,7 @@ def test_an_edited_number_is_refused(rover: Arm, tmp_path: Path) -> None:
         load_arm(path)
     assert str(caught.value) == (
         f"{path}: edited or damaged since it was baked (its digest does not fit); bake it again from the description: "
-        "twistarm bake ARM FILE --force"
+        "twistarm bake ARM -o FILE --force"
     )
 
 
@@ -101,7 +101,7 @@ def test_a_file_that_is_no_arm_is_refused_in_one_line(case: str, rover: Arm, tmp
     message = str(caught.value)
     assert message.startswith(f"{path}: an unusable baked arm (")
     assert error in message
-    assert message.endswith("; bake it again from the description: twistarm bake ARM FILE --force")
+    assert message.endswith("; bake it again from the description: twistarm bake ARM -o FILE --force")
 
 
 @pytest.mark.parametrize(
@@ -185,13 +185,13 @@ def test_the_command(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: py
     assert said == "rover_arm.json: rover_arm, 5 joints from base_link to tool0; next: twistarm info rover_arm.json\n"
     assert run(["bake", "rover_arm"]) == 2
     error = capsys.readouterr().err
-    assert error == "error: rover_arm.json exists; --force replaces it, another name writes elsewhere\n"
-    assert run(["bake", "rover_arm.json", "again.json", "--json"]) == 0
+    assert error == "error: rover_arm.json exists; --force replaces it, another name keeps it\n"
+    assert run(["bake", "rover_arm.json", "-o", "again.json", "--json"]) == 0
     answer = json.loads(capsys.readouterr().out)
-    assert answer["file"] == "again.json"
+    assert answer["written"] == ["again.json"]
     assert answer["digest"] == json.loads((tmp_path / "again.json").read_text("utf-8"))["digest"]
     assert (tmp_path / "again.json").read_bytes() == (tmp_path / "rover_arm.json").read_bytes()
-    assert run(["bake", "rover_arm", "again.json", "--force"]) == 0
+    assert run(["bake", "rover_arm", "-o", "again.json", "--force"]) == 0
     capsys.readouterr()
     assert run(["fk", "rover_arm.json", "--json"]) == 0
     g = np.array(json.loads(capsys.readouterr().out)["matrix"])
@@ -202,8 +202,11 @@ def test_the_command(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: py
 @pytest.mark.parametrize(
     ("arguments", "error"),
     [
-        (["rover_arm", "arm.txt"], "error: a baked arm is named *.json; got arm.txt\n"),
-        (["rover_arm", "none/arm.json"], "does not exist; create it first\n"),
+        (
+            ["rover_arm", "-o", "arm.txt"],
+            "error: -o takes *.json or *.hpp; got arm.txt: another name, or --format",
+        ),
+        (["rover_arm", "-o", "none/arm.json"], "does not exist; create it first\n"),
         (["rover_arm.json"], "error: rover_arm.json: no such file; give a URDF or xacro file"),
     ],
 )

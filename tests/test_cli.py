@@ -120,8 +120,7 @@ def test_ik_out_of_reach_is_an_answer_with_exit_code_1(capsys: Capture) -> None:
 def test_plan_writes_its_files(capsys: Capture, tmp_path: Path) -> None:
     csv, trajectory = tmp_path / "t.csv", tmp_path / "t.json"
     content = answer(
-        capsys, "plan", "rover_arm", "--to", "0.2 -30 60 -20 0", "--to", "ready", "--csv", str(csv),
-        "--trajectory", str(trajectory),
+        capsys, "plan", "rover_arm", "--to", "0.2 -30 60 -20 0", "--to", "ready", "-o", str(csv), "-o", str(trajectory),
     )  # fmt: skip
     assert content["written"] == [str(csv), str(trajectory)]
     lines = csv.read_text().splitlines()
@@ -143,7 +142,7 @@ def test_plan_caps_lower_the_arms_limits_and_never_raise_them(capsys: Capture, r
 
 
 def test_view_warns_outside_the_limits(capsys: Capture, tmp_path: Path) -> None:
-    assert run(["view", "rover_arm", "--theta", "9 0 0 0 0", "--save", str(tmp_path / "v.html")]) == 0
+    assert run(["view", "rover_arm", "--theta", "9 0 0 0 0", "-o", str(tmp_path / "v.html")]) == 0
     assert "slide = 9 m lies outside its limits" in capsys.readouterr().err
 
 
@@ -162,7 +161,7 @@ def test_check_and_freeze(capsys: Capture, tmp_path: Path, monkeypatch: pytest.M
 
 
 def test_view_saves_a_page(capsys: Capture, tmp_path: Path) -> None:
-    assert run(["view", "rr_planar", "--save", str(tmp_path / "a.html")]) == 0
+    assert run(["view", "rr_planar", "-o", str(tmp_path / "a.html")]) == 0
     assert "<html" in (tmp_path / "a.html").read_text()[:500].lower()
 
 
@@ -207,12 +206,12 @@ BAD = {
     "no golden file": (["check", "rover_arm", "--against", "nowhere.json"], "cannot be read"),
     "freezing into nowhere": (["freeze", "rover_arm", "-o", "nowhere/g.json"], "does not exist; create it first"),
     "one file of two into nowhere": (
-        ["plan", "rover_arm", "--to", "zero", "--csv", "a.csv", "--trajectory", "nowhere/t.json"], "does not exist",
+        ["plan", "rover_arm", "--to", "zero", "-o", "a.csv", "-o", "nowhere/t.json"], "does not exist",
     ),
     "a cap of zero": (["plan", "rover_arm", "--to", "zero", "--velocity", "0"], "--velocity must be a positive number"),
     "a target beyond all units": (["ik", "rover_arm", "--xyz", "1e300 0 0"], "lengths are in metres"),
-    "a csv into nowhere": (["plan", "rover_arm", "--to", "zero", "--csv", "nowhere/t.csv"], "does not exist"),
-    "a page into nowhere": (["view", "rover_arm", "--save", "nowhere/a.html"], "does not exist"),
+    "a csv into nowhere": (["plan", "rover_arm", "--to", "zero", "-o", "nowhere/t.csv"], "does not exist"),
+    "a page into nowhere": (["view", "rover_arm", "-o", "nowhere/a.html"], "does not exist"),
     "an unknown command": (["inof", "rover_arm"], "inof"),
     "an unknown option": (["info", "rover_arm", "--jsno"], "--jsno"),
     "no arm": (["info"], "ARM"),

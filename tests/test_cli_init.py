@@ -32,7 +32,7 @@ def test_init_writes_an_arm_toml_that_every_command_takes(folder: Path, capsys: 
 def test_init_never_overwrites_unasked(folder: Path, capsys: Capture) -> None:
     write(folder, "mine", "arm.toml")
     assert error_of(capsys, "init", "arm.urdf") == (
-        "error: arm.toml exists; --force replaces it, --output writes elsewhere\n"
+        "error: arm.toml exists; --force replaces it, another name keeps it\n"
     )
     assert (folder / "arm.toml").read_text() == "mine"
     assert run(["init", "arm.urdf", "--output", "other.toml"]) == 0

@@ -362,17 +362,16 @@ def test_another_name_is_refused(rover: Arm, tmp_path: Path) -> None:
 
 def test_the_command_names_the_folder(compiler: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     path = tmp_path / "arm.hpp"
-    assert run(["bake", "rover_arm", "--cpp", str(path)]) == 0
+    assert run(["bake", "rover_arm", "-o", str(path)]) == 0
     said = capsys.readouterr().out
     assert said == f"{path}: rover_arm as namespace rover_arm; compile with -std=c++17 -I {core_headers()}\n"
     assert [file.name for file in tmp_path.iterdir()] == ["arm.hpp"]
-    assert run(["bake", "rover_arm", "--cpp", str(path)]) == 2
+    assert run(["bake", "rover_arm", "-o", str(path)]) == 2
     assert "exists; --force replaces it" in capsys.readouterr().err
     baked = tmp_path / "arm.json"
-    assert run(["bake", "rover_arm", str(baked), "--cpp", str(path), "--force", "--json"]) == 0
+    assert run(["bake", "rover_arm", "-o", str(baked), "-o", str(path), "--force", "--json"]) == 0
     answer = json.loads(capsys.readouterr().out)
-    assert answer["file"] == str(baked)
-    assert answer["cpp"] == str(path)
+    assert answer["written"] == [str(baked), str(path)]
     assert answer["include"] == str(core_headers())
     assert answer["digest"] in path.read_text("utf-8")
     assert answer["digest"] == json.loads(baked.read_text("utf-8"))["digest"]

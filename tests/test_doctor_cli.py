@@ -96,22 +96,22 @@ def test_codes_need_no_arm(capsys: Capture) -> None:
 def test_fix_writes_and_lists(capsys: Capture, tmp_path: Path) -> None:
     path = str(lay(CASES["axis-not-unit"], tmp_path))
     out = tmp_path / "fixed.urdf"
-    shown = page(capsys, path, "--fix", str(out))
+    shown = page(capsys, path, "--fix", "-o", str(out))
     assert "repaired: joint 'a': axis 0 0 2 normalised" in shown
     assert (
         f"written: {out} (1 repair; the same links, joints, limits and poses; Pinocchio's own parser reads it)" in shown
     )
     assert "axis-not-unit" not in page(capsys, str(out))
-    assert f"{out} exists; --force replaces it" in error_of(capsys, "doctor", path, "--fix", str(out))
-    content = answer(capsys, "doctor", path, "--fix", str(out), "--force")
+    assert f"{out} exists; --force replaces it" in error_of(capsys, "doctor", path, "--fix", "-o", str(out))
+    content = answer(capsys, "doctor", path, "--fix", "-o", str(out), "--force")
     assert content["repairs"] == ["joint 'a': axis 0 0 2 normalised"]
-    assert content["written"] == str(out)
-    assert "which stays as it is" in error_of(capsys, "doctor", path, "--fix", path)
+    assert content["written"] == [str(out)]
+    assert "which stays as it is" in error_of(capsys, "doctor", path, "--fix", "-o", path)
 
 
 def test_fix_of_what_cannot_be_read_writes_nothing(capsys: Capture, tmp_path: Path) -> None:
     out = tmp_path / "fixed.urdf"
-    shown = page(capsys, str(lay(CASES["limits-swapped"], tmp_path)), "--fix", str(out), code=1)
+    shown = page(capsys, str(lay(CASES["limits-swapped"], tmp_path)), "--fix", "-o", str(out), code=1)
     assert f"{out} not written: mend the errors above first" in shown
     assert not out.exists()
 

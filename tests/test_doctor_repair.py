@@ -11,19 +11,25 @@ import pytest
 from twistarm import DescriptionError, InputError, load_arm
 from twistarm.description.urdf import read_description
 from twistarm.doctor.equality import difference
-from twistarm.doctor.repair import Repair, write_repaired
+from twistarm.doctor.repair import Repair, repair
 from twistarm.doctor.source_text import SourceText
 from urdf_text import joint, robot, two_joints, write
+
+
+def written(path: Path, copy: Path, **reading: object) -> Repair:
+    """What was done; its text is the file `copy` afterwards."""
+    made = repair(read_description(path, **reading), copy)
+    copy.write_text(made.text, "utf-8")
+    return made
 
 
 def repaired(folder: Path, text: str, name: str = "arm.urdf") -> tuple[str, Repair]:
     """The copy's text and what was done; the original is as it was."""
     path = write(folder, text, name)
     before = path.read_bytes()
-    written, made = write_repaired(read_description(path), folder / "copy.urdf")
+    made = written(path, folder / "copy.urdf")
     assert path.read_bytes() == before
-    assert written == folder / "copy.urdf"
-    return written.read_text("utf-8"), made
+    return made.text, made
 
 
 REPAIRS = {
@@ -134,9 +140,8 @@ def test_another_encoding_becomes_utf_8(tmp_path: Path) -> None:
     path.write_bytes(
         two_joints().replace('"1.0"', '"1.0" encoding="iso-8859-1"', 1).replace("tiny", "Kühn").encode("latin-1")
     )
-    written, _ = write_repaired(read_description(path), tmp_path / "copy.urdf")
-    assert 'encoding="utf-8"?>' in written.read_text("utf-8")
-    assert read_description(written).name == "Kühn"
+    assert 'encoding="utf-8"?>' in written(path, tmp_path / "copy.urdf").text
+    assert read_description(tmp_path / "copy.urdf").name == "Kühn"
 
 
 def test_xacro_is_written_expanded(tmp_path: Path) -> None:
@@ -154,9 +159,8 @@ def test_meshes_are_found_from_another_folder(tmp_path: Path) -> None:
     (tmp_path / "arm" / "part.stl").write_text("solid\nendsolid\n")
     shape = '<visual><geometry><mesh filename="part.stl"/></geometry></visual>'
     path = write(tmp_path / "arm", two_joints().replace('<link name="upper"/>', f'<link name="upper">{shape}</link>'))
-    written, made = write_repaired(read_description(path), tmp_path / "copy.urdf")
-    assert made.changes == ("mesh path 'part.stl' made 'arm/part.stl'",)
-    assert read_description(written).links["upper"].visuals[0].mesh == tmp_path / "arm" / "part.stl"
+    assert written(path, tmp_path / "copy.urdf").changes == ("mesh path 'part.stl' made 'arm/part.stl'",)
+    assert read_description(tmp_path / "copy.urdf").links["upper"].visuals[0].mesh == tmp_path / "arm" / "part.stl"
 
 
 def test_a_slide_without_bounds_is_left_to_its_owner(tmp_path: Path) -> None:
@@ -174,10 +178,10 @@ def test_the_original_is_never_touched(tmp_path: Path) -> None:
     description = read_description(path)
     for name in ("arm.urdf", "link.urdf"):
         with pytest.raises(InputError, match="is the description itself, which stays as it is: give another name"):
-            write_repaired(description, tmp_path / name)
+            repair(description, tmp_path / name)
     for name in ("copy.xacro", "copy.urdf.xacro", "arm.toml", "copy"):
         with pytest.raises(InputError, match=r"the repaired copy is plain URDF: name it \*\.urdf"):
-            write_repaired(description, tmp_path / name)
+            repair(description, tmp_path / name)
     assert path.read_text() == two_joints(inside='<axis xyz="0 0 2"/>')
     assert sorted(file.name for file in tmp_path.iterdir()) == ["arm.urdf", "link.urdf"]
 
@@ -242,9 +246,8 @@ def test_real_descriptions_get_a_copy_that_pinocchio_reads(
     file: str, arguments: dict[str, object], models: Path, tmp_path: Path
 ) -> None:
     description = read_description(models / file, xacro_args=arguments)
-    written, made = write_repaired(description, tmp_path / "copy.urdf")
-    assert made.complaint == ""
-    copy = read_description(written, package_dirs=[models])
+    assert written(models / file, tmp_path / "copy.urdf", xacro_args=arguments).complaint == ""
+    copy = read_description(tmp_path / "copy.urdf", package_dirs=[models])
     worth = {"axis-not-unit", "inertial-unusable", "limit-incomplete"}
     assert not worth & {noted.code for noted in copy.findings}
     assert difference(description, copy) == ""

@@ -99,7 +99,7 @@ def test_the_program_in_cpp(workspace: Path) -> None:
         if os.environ.get("TWISTARM_REQUIRE_ALL"):
             pytest.fail("no C++ compiler, and TWISTARM_REQUIRE_ALL is set")
         pytest.skip("no C++ compiler")
-    done = run("twistarm bake my_arm/my_arm.urdf.xacro --cpp my_arm.hpp --force", workspace)
+    done = run("twistarm bake my_arm/my_arm.urdf.xacro -o my_arm.hpp --force", workspace)
     folder = done.stdout.split("-I ")[1].strip()
     command = [compiler, "-std=c++17", "-O1", "-I", folder, "main.cpp", "-o", "main"]
     built = subprocess.run(command, cwd=workspace, capture_output=True, text=True, timeout=300, check=False)

@@ -84,7 +84,7 @@ def test_without_a_browser_it_is_said_what_was_looked_for(path: Path, tmp_path: 
     assert str(caught.value) == (
         "a screenshot needs a browser, and there is none of chromium, chromium-browser, google-chrome, "
         "google-chrome-stable, microsoft-edge, microsoft-edge-stable on PATH, nor Chrome, Chromium or Edge in "
-        "/Applications; install one (on Debian: apt install chromium), or save the page (save_html, --save)"
+        "/Applications; install one (on Debian: apt install chromium), or save the page (-o FILE.html)"
     )
 
 
@@ -234,9 +234,9 @@ def test_the_command(
 ) -> None:
     monkeypatch.chdir(tmp_path)
     install(path, COPY.format(drawing(tmp_path)))
-    command = ["view", "rr_planar", "--theta", "10 20", "--screenshot", "arm.png", "--size"]
-    assert run([*command, "320x240", "--save", "arm.html"]) == 0
-    assert capsys.readouterr().out.splitlines() == [f"written: {tmp_path}/{name}" for name in ("arm.html", "arm.png")]
+    command = ["view", "rr_planar", "--theta", "10 20", "--force", "-o", "arm.png", "--size"]
+    assert run([*command, "320x240", "-o", "arm.html"]) == 0
+    assert capsys.readouterr().out.splitlines() == ["written: arm.png", "written: arm.html"]
     assert Image.open("arm.png").size == SIZE
     for size, message in {
         "320": "error: --size takes width and height in pixels, as in --size 1280x720; got '320'\n",
@@ -244,8 +244,8 @@ def test_the_command(
     }.items():
         assert run([*command, size]) == 2
         assert capsys.readouterr().err.startswith(message)
-    assert run(["view", "rr_planar", "--save", "arm.html", "--size", "320x240"]) == 2
-    assert capsys.readouterr().err == "error: --size is that of the picture: it goes with --screenshot FILE\n"
+    assert run(["view", "rr_planar", "-o", "new.html", "--size", "320x240"]) == 2
+    assert capsys.readouterr().err == "error: --size is that of the picture: it goes with -o FILE.png\n"
     (path / "chromium").unlink()
     assert run([*command, "320x240"]) == 2
     assert capsys.readouterr().err.startswith("error: a screenshot needs a browser, and there is none of chromium, ")

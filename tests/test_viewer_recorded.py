@@ -48,7 +48,7 @@ def test_the_command_saves_a_page_that_plays_it(
 ) -> None:
     monkeypatch.chdir(tmp_path)
     MOTION.to_csv("motion.csv")
-    assert run(["view", "scara", "--play", "motion.csv", "--save", "view.html"]) == 0
+    assert run(["view", "scara", "--play", "motion.csv", "-o", "view.html"]) == 0
     stored = re.search(r'id="data">(.*?)</script>', Path("view.html").read_text())
     assert stored is not None
     data = json.loads(stored[1])
@@ -56,7 +56,7 @@ def test_the_command_saves_a_page_that_plays_it(
     assert_allclose(data["samples"]["theta"][-1], ARM.ready, atol=1e-6)
     assert data["player"]["running"] is True
     capsys.readouterr()
-    assert run(["view", "scara", "--play", "nowhere.csv", "--save", "view.html"]) == 2
+    assert run(["view", "scara", "--play", "nowhere.csv", "--force", "-o", "view.html"]) == 2
     assert capsys.readouterr().err.startswith("error: cannot read nowhere.csv: No such file")
 
 

@@ -28,8 +28,8 @@ MAX_BYTES = 10_000_000
 
 JOINT_TYPES = ("revolute", "continuous", "prismatic", "helical")
 
-_BAKE = "twistarm bake ARM FILE writes one"
-_AGAIN = "bake it again from the description: twistarm bake ARM FILE --force"
+_BAKE = "twistarm bake ARM -o FILE writes one"
+_AGAIN = "bake it again from the description: twistarm bake ARM -o FILE --force"
 
 
 class Baked(NamedTuple):

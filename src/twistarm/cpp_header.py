@@ -194,7 +194,7 @@ _TEMPLATE = """\
 //
 // C++17 without heap, exceptions or run-time types, for T = float or double:
 //
-//     g++ -std=c++17 -O2 -I FOLDER program.cpp        (FOLDER is what `twistarm bake --cpp` names)
+//     g++ -std=c++17 -O2 -I FOLDER program.cpp        (FOLDER is what `twistarm bake -o FILE.hpp` names)
 //
 //     double theta[{namespace}::n] = {{}};
 //     const auto g = twistarm::forward({namespace}::chain<double>, theta);

@@ -52,6 +52,11 @@ def freeze(arm: Arm, path: str | os.PathLike[str]) -> None:
 
     All of it from the product of exponentials, so that the file depends on no engine. Written whole or not at all.
     """
+    write_whole(path, golden_text(arm))
+
+
+def golden_text(arm: Arm) -> str:
+    """What `freeze` writes."""
     theta = arm.random_theta(np.random.default_rng(0), SAMPLES)
     g, spatial, body = by_exponentials(arm, theta)
     content = {
@@ -72,7 +77,7 @@ def freeze(arm: Arm, path: str | os.PathLike[str]) -> None:
         "spatial_jacobian": spatial.tolist(),
         "body_jacobian": body.tolist(),
     }
-    write_whole(path, json.dumps(content, allow_nan=False) + "\n")
+    return json.dumps(content, allow_nan=False) + "\n"
 
 
 def compare(arm: Arm, path: str | os.PathLike[str]) -> Difference:

@@ -1,6 +1,6 @@
 // One pure step of a servo: from a command to joint rates. The readable twin is src/twistarm/servo/readable.py.
 //
-// The bounds of an arm stand in the header that `twistarm bake --cpp` writes, beside its chain:
+// The bounds of an arm stand in the header that `twistarm bake -o FILE.hpp` writes, beside its chain:
 //
 //     twistarm::servo_state<double, 6> state{};  // at rest, where the arm was measured to be
 //     for (int k = 0; k < 6; ++k) state.theta[k] = measured[k];

@@ -11,12 +11,12 @@ from ..arm import Arm
 from ..comparison import CrossCheck, crosscheck
 from ..doctor.folder import is_part
 from ..errors import InputError, TwistarmError
-from ..golden import Difference, compare
-from ..golden import freeze as write_golden
+from ..golden import Difference, compare, golden_text
 from ..loading import load_arm
 from .folders import PART, Line, refused, walk
 from .options import Json, takes_arm, takes_source
 from .output import console, print_json, progress_bar, table
+from .outputs import Force, Output, outputs_of
 
 Against = Annotated[Path | None, typer.Option(metavar="FILE", help="A golden file: say what has changed since.")]
 Samples = Annotated[int, typer.Option(min=1, max=1_000_000, help="Random configurations to compare at.")]
@@ -59,14 +59,12 @@ def _line(path: Path, load: dict[str, Any], samples: int) -> Line:
 
 
 @takes_arm
-def freeze(
-    arm: Arm,
-    output: Annotated[Path | None, typer.Option("--output", "-o", metavar="FILE", help="Where to write it.")] = None,
-) -> None:
+def freeze(arm: Arm, output: Output = None, force: Force = False) -> None:
     """Write a golden file: names, screws, home, limits, FK and Jacobians at 100 seeded configurations."""
-    path = output or Path(f"{Path(arm.name).name}.golden.json")
-    write_golden(arm, path)
-    print(f"{path}: {arm.name} frozen; later, with the same ARM and options: twistarm check … --against {path}")
+    outputs = outputs_of(output or f"{Path(arm.name).name}.golden.json", {"json": (".json",)}, force=force)
+    for name in outputs.write({"json": lambda: golden_text(arm)}):
+        later = f"later, with the same ARM and options: twistarm check … --against {name}"
+        print(f"{name}: {arm.name} frozen; {later}", file=outputs.words)
 
 
 def check_table(result: CrossCheck) -> Any:

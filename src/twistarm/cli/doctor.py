@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import Annotated, Any
+from typing import Annotated, Any, TextIO
 
 import typer
 from rich.markup import escape
@@ -14,12 +14,13 @@ from ..description.findings import refused as refusal_of
 from ..doctor import Diagnosis, examine
 from ..doctor.codes import codes_page
 from ..doctor.folder import is_part
-from ..doctor.repair import Repair, write_repaired
+from ..doctor.repair import Repair, repair
 from ..doctor.statements import summary
 from ..errors import InputError, TwistarmError
 from .folders import PART, Line, refused, walk
 from .options import Json, takes_source
 from .output import console, finding_json, print_json
+from .outputs import STDOUT, Force, Output, outputs_of
 from .wording import as_typed
 
 COLOURS = {"error": "bold red", "warning": "yellow", "info": "cyan"}
@@ -33,10 +34,8 @@ def _print_codes(wanted: bool) -> None:
 
 Strict = Annotated[bool, typer.Option("--strict", help="Exit with 1 for warnings too.")]
 Fix = Annotated[
-    Path | None,
-    typer.Option("--fix", metavar="OUT.urdf", help="Write a copy with the safe repairs made; the original stays."),
+    bool, typer.Option("--fix", help="Write a copy with the safe repairs made, to -o FILE.urdf; the original stays.")
 ]
-Force = Annotated[bool, typer.Option("--force", help="Let --fix replace a file that is there.")]
 Codes = Annotated[
     bool,
     typer.Option("--codes", is_eager=True, callback=_print_codes, help="List the codes of all findings, in Markdown."),
@@ -48,27 +47,33 @@ def doctor(
     source: str,
     load: dict[str, Any],
     strict: Strict = False,
-    fix: Fix = None,
+    fix: Fix = False,
+    output: Output = None,
     force: Force = False,
     codes: Codes = False,
     json: Json = False,
 ) -> int:
     """Say what is wrong with a description or an arm, what it means and the remedy; ARM may be a folder of them."""
+    if fix != (output is not None):
+        raise InputError("--fix and -o FILE.urdf go together: the repaired copy gets that name")
     if Path(source).is_dir():
-        if fix is not None:
+        if fix:
             raise InputError("--fix takes one description at a time; give a file in place of the folder")
         return walk(Path(source), "doctor", lambda path: _line(path, load, strict), json=json)
     diagnosis = examine(source, **load)
     _require_file(diagnosis, source)
-    written = None
-    if fix is not None and diagnosis.description is not None:
-        written = write_repaired(diagnosis.description, fix, force=force)
+    made = None
+    if output is not None and diagnosis.description is not None:
+        made = repair(diagnosis.description, "copy.urdf" if output == STDOUT else output)
+    outputs = outputs_of(output, {"urdf": (".urdf",)}, force=force, json=json, over_description=True)
+    if made is not None:
+        outputs.write({"urdf": lambda: made.text})
     if json:
-        print_json(_as_json(source, diagnosis, written))
+        print_json(_as_json(source, diagnosis, output, made))
     else:
-        _print(source, diagnosis)
-        _print_repair(fix, written)
-    return 0 if _good(diagnosis, strict) and (fix is None or written is not None) else 1
+        _print(source, diagnosis, outputs.words)
+        _print_repair(output, made, outputs.words)
+    return 0 if _good(diagnosis, strict) and (output is None or made is not None) else 1
 
 
 def _good(diagnosis: Diagnosis, strict: bool) -> bool:
@@ -81,8 +86,8 @@ def _require_file(diagnosis: Diagnosis, source: str) -> None:
         raise refusal_of(diagnosis.findings)
 
 
-def _print(source: str, diagnosis: Diagnosis) -> None:
-    out = console()
+def _print(source: str, diagnosis: Diagnosis, words: TextIO) -> None:
+    out = console(words)
     out.print(f"[bold]{escape(_name(source, diagnosis))}[/bold]: {escape(_abilities(diagnosis))}")
     if diagnosis.findings:
         out.print(_page(diagnosis))
@@ -120,18 +125,18 @@ def counted(findings: tuple[Finding, ...]) -> str:
     return ", ".join(f"{n} {word}{'s' * (n > 1)}" for word, n in numbers.items() if n) or "nothing to remark"
 
 
-def _print_repair(fix: Path | None, written: tuple[Path, Repair] | None) -> None:
-    if fix is None:
+def _print_repair(output: str | None, made: Repair | None, words: TextIO) -> None:
+    if output is None:
         return
-    if written is None:
-        print(f"{fix} not written: mend the errors above first")
+    if made is None:
+        print(f"{output} not written: mend the errors above first", file=words)
         return
-    _, made = written
     for change in made.changes:
-        print(f"repaired: {change}")
+        print(f"repaired: {change}", file=words)
     complaint = f"Pinocchio's own parser still refuses it: {made.complaint}"
     reads = complaint if made.complaint else "Pinocchio's own parser reads it"
-    print(f"written: {fix} ({_repairs(made)}; the same links, joints, limits and poses; {reads})")
+    same = "the same links, joints, limits and poses"
+    print(f"written: {output} ({_repairs(made)}; {same}; {reads})", file=words)
 
 
 def _repairs(made: Repair) -> str:
@@ -139,7 +144,7 @@ def _repairs(made: Repair) -> str:
     return f"{n} repair{'s' * (n > 1)}" if n else "nothing to repair"
 
 
-def _as_json(source: str, diagnosis: Diagnosis, written: tuple[Path, Repair] | None) -> dict[str, Any]:
+def _as_json(source: str, diagnosis: Diagnosis, output: str | None, made: Repair | None) -> dict[str, Any]:
     arm, able = diagnosis.arm, diagnosis.able
     content: dict[str, Any] = {
         "source": source,
@@ -148,9 +153,8 @@ def _as_json(source: str, diagnosis: Diagnosis, written: tuple[Path, Repair] | N
         "directions": able and {"position": able.position, "rotation_in_place": able.turning},
         "findings": [finding_json(one) | {"meaning": CODES[one.code].meaning} for one in diagnosis.findings],
     }
-    if written is not None:
-        path, made = written
-        content |= {"written": str(path), "repairs": made.changes, "pinocchio_complaint": made.complaint}
+    if made is not None:
+        content |= {"written": [output], "repairs": made.changes, "pinocchio_complaint": made.complaint}
     return content
 
 

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from enum import Enum
-from pathlib import Path
 from typing import Annotated, Any
 
 import numpy as np
@@ -11,11 +10,12 @@ import typer
 
 from ..arm import Arm
 from ..checks import as_positive
-from ..files import writable
 from ..limits import JointLimits
 from ..planning import Trajectory, plan_joint
+from ..planning.export import csv_text, json_text
 from .options import Json, Radians, parse_theta, takes_arm
 from .output import console, number, print_json, progress_bar, shown, table, units
+from .outputs import Force, Format, outputs_of
 
 
 class Kind(str, Enum):
@@ -35,6 +35,16 @@ Rate = Annotated[
     float | None,
     typer.Option(help="At most this for every joint (rad/s and m/s, or per s²); the arm's own limits hold as well."),
 ]
+Output = Annotated[
+    list[str] | None,
+    typer.Option(
+        "--output",
+        "-o",
+        metavar="FILE",
+        help="Write time, position, velocity and acceleration to *.csv, or a ROS JointTrajectory to *.json; - is "
+        "standard output; repeat it for both.",
+    ),
+]
 Step = Annotated[float, typer.Option(help="Time step of the files, in seconds.")]
 
 
@@ -47,21 +57,16 @@ def plan(
     velocity: Rate = None,
     acceleration: Rate = None,
     stop: Annotated[bool, typer.Option("--stop", help="Come to rest at every pose.")] = False,
-    csv: Annotated[
-        Path | None, typer.Option(metavar="FILE", help="Write time, position, velocity, acceleration.")
-    ] = None,
-    trajectory: Annotated[
-        Path | None, typer.Option(metavar="FILE", help="Write JSON shaped like a ROS JointTrajectory.")
-    ] = None,
+    output: Output = None,
+    form: Format = None,
+    force: Force = False,
     dt: Step = 0.01,
     rad: Radians = False,
     json: Json = False,
 ) -> None:
     """Plan the fastest spline through the poses under the position, velocity and acceleration limits."""
     limits = capped(arm, {"velocity": velocity, "acceleration": acceleration})
-    for destination in (csv, trajectory):
-        if destination is not None:
-            writable(destination)
+    outputs = outputs_of(output, {"csv": (".csv",), "json": (".json",)}, form, force=force, json=json)
     with progress_bar("planning") as progress:
         planned = plan_joint(
             arm,
@@ -71,13 +76,13 @@ def plan(
             stop_at_waypoints=stop,
             progress=progress,
         )
-    written = [str(write(file, dt)) for write, file in ((planned.to_csv, csv), (planned.to_json, trajectory)) if file]
+    written = outputs.write({"csv": lambda: csv_text(planned, dt), "json": lambda: json_text(planned, dt)})
     if json:
         print_json(_as_json(arm, planned, written))
         return
-    console().print(plan_table(arm, planned, rad, limits))
-    for file in written:
-        print(f"written: {file}")
+    console(outputs.words).print(plan_table(arm, planned, rad, limits))
+    for name in written:
+        print(f"written: {name}", file=outputs.words)
 
 
 def capped(arm: Arm, caps: dict[str, float | None]) -> JointLimits:

@@ -6,7 +6,7 @@ import json
 import sys
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
-from typing import Any
+from typing import Any, TextIO
 
 import numpy as np
 from rich.console import Console
@@ -23,9 +23,10 @@ PIPED_WIDTH = 160
 """Columns where nobody looks at a terminal: tables stay in one piece."""
 
 
-def console() -> Console:
-    """A console on the present stdout."""
-    return Console(width=None if sys.stdout.isatty() else PIPED_WIDTH, highlight=False)
+def console(words: TextIO | None = None) -> Console:
+    """A console on the present stdout, or on `words`."""
+    out = words or sys.stdout
+    return Console(file=out, width=None if out.isatty() else PIPED_WIDTH, highlight=False)
 
 
 def warn(message: str) -> None:

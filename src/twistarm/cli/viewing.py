@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+from collections.abc import Callable
 from pathlib import Path
 from typing import Annotated
 
@@ -10,14 +11,26 @@ import typer
 
 from ..arm import Arm
 from ..errors import InputError
-from ..viewer import Viewer, save_html, save_png, show_in_browser
+from ..viewer import Viewer, page_html, show_in_browser
+from ..viewer.exhibit import of_arm
 from ..viewer.recorded import recorded_motion
+from ..viewer.screenshot import png_of
 from .kinematics import warn_outside
 from .options import Radians, Theta, parse_theta, takes_arm
 from .output import warn
+from .outputs import Force, Format, outputs_of
 
 Port = Annotated[int, typer.Option(min=0, max=65535, help="Port to serve on; 0 takes a free one.")]
 Host = Annotated[str, typer.Option(help="Interface to serve on; anything else opens the view to that network.")]
+Output = Annotated[
+    list[str] | None,
+    typer.Option(
+        "--output",
+        "-o",
+        metavar="FILE",
+        help="Write a stand-alone page (*.html) or a picture (*.png) instead; - is standard output; repeat it.",
+    ),
+]
 Browser = Annotated[bool, typer.Option("--browser/--no-browser", help="Open the page in a browser.")]
 
 
@@ -28,24 +41,29 @@ def view(
     port: Port = 0,
     host: Host = "127.0.0.1",
     browser: Browser = True,
-    save: Annotated[Path | None, typer.Option(metavar="FILE", help="Write a stand-alone page instead.")] = None,
     play: Annotated[Path | None, typer.Option(metavar="CSV", help="Play a motion that `twistarm plan` wrote.")] = None,
-    screenshot: Annotated[Path | None, typer.Option(metavar="FILE", help="Write a picture (PNG) instead.")] = None,
+    output: Output = None,
+    form: Format = None,
+    force: Force = False,
     size: Annotated[str | None, typer.Option(metavar="WxH", help="Pixels of the picture; 1280x720.")] = None,
     rad: Radians = False,
 ) -> None:
     """Show the arm in the browser: move, drag, jog, record poses, see its screws; serves until Ctrl-C."""
-    if size is not None and screenshot is None:
-        raise InputError("--size is that of the picture: it goes with --screenshot FILE")
+    outputs = outputs_of(output, {"html": (".html", ".htm"), "png": (".png",)}, form, force=force)
+    if size is not None and all(kind != "png" for kind, _ in outputs.files):
+        raise InputError("--size is that of the picture: it goes with -o FILE.png")
     pixels = _pixels(size or "1280x720")
     x = parse_theta(arm, theta, rad)
     warn_outside(arm, x)
     motion = None if play is None else recorded_motion(arm, play)
-    if save is not None:
-        print(f"written: {save_html(arm, save, motion, x)}")
-    if screenshot is not None:
-        print(f"written: {save_png(arm, screenshot, x if motion is None else None, size=pixels, trajectory=motion)}")
-    if save is not None or screenshot is not None:
+    if outputs.files:
+        start = x if motion is None else motion(0.0)
+        contents: dict[str, Callable[[], str | bytes]] = {
+            "html": lambda: page_html(arm, motion, x),
+            "png": lambda: png_of(pixels, lambda: of_arm(arm, motion, start)),
+        }
+        for name in outputs.write(contents):
+            print(f"written: {name}", file=outputs.words)
         return
     with Viewer(arm, x, host=host, port=port, open_browser=False) as viewer:
         if motion is not None:
@@ -66,5 +84,5 @@ def serve(viewer: Viewer, what: str, browser: bool) -> None:
     """Print the page's address, open it in a browser if wanted and there is one, and serve until Ctrl-C."""
     print(f"{what} {viewer.url}  (Ctrl-C ends it)", flush=True)
     if browser and not show_in_browser(viewer.url):
-        warn("no browser found here; open the address yourself, or use --save for a page that needs no server")
+        warn("no browser found here; open the address yourself, or use -o FILE.html for a page that needs no server")
     viewer.wait()

@@ -22,7 +22,7 @@ from ..description.packages import package_index
 from ..description.tree import Description, Joint
 from ..description.urdf import build_description
 from ..errors import InputError
-from ..files import is_file, writable, write_whole
+from ..files import is_file, writable
 from ..pinocchio_model import complaint_about
 from .equality import difference
 from .source_text import SourceText
@@ -44,28 +44,17 @@ class Repair:
     complaint: str
 
 
-def write_repaired(
-    description: Description, output: str | os.PathLike[str], *, force: bool = False
-) -> tuple[Path, Repair]:
-    """Write the repaired copy of a description to the file `output`.urdf; a xacro source is written expanded.
+def repair(description: Description, output: str | os.PathLike[str]) -> Repair:
+    """The repaired text of a description, for the file `output`; a xacro source is expanded.
 
-    The copy is read again first and must be the same robot: names, types, limits, and every link's pose at random
-    joint values. Raises InputError for an output that is not a .urdf file, is the source, or stands there already
-    (unless `force`), TwistarmError if the copy differs.
+    It is read again and must be the same robot: names, types, limits, and every link's pose at random joint values;
+    else InputError, as for an output that is no .urdf file, or is the source.
     """
     target = writable(output, over_description=True)
     if target.suffix != ".urdf":
         raise InputError(f"the repaired copy is plain URDF: name it *.urdf; got {target.name!r}")
     if description.path is not None and target.exists() and os.path.samefile(target, description.path):
         raise InputError(f"{target} is the description itself, which stays as it is: give another name")
-    if target.exists() and not force:
-        raise InputError(f"{target} exists; --force replaces it, another name keeps it")
-    made = repair(description, target)
-    return write_whole(target, made.text, over_description=True), made
-
-
-def repair(description: Description, target: Path) -> Repair:
-    """The repaired text for a file at `target`, proven to be the same robot."""
     source = SourceText(description.text)
     folder = target.parent
     changes = [

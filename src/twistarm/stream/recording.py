@@ -1,4 +1,4 @@
-"""A recorded motion: the CSV that `Trajectory.to_csv` and `twistarm plan --csv` write, read strictly."""
+"""A recorded motion: the CSV that `Trajectory.to_csv` and `twistarm plan -o` write, read strictly."""
 
 from __future__ import annotations
 

@@ -33,7 +33,7 @@ def find_browser() -> str:
     if found is None:
         raise TwistarmError(
             f"a screenshot needs a browser, and there is none of {', '.join(NAMES)} on PATH, nor Chrome, Chromium or "
-            "Edge in /Applications; install one (on Debian: apt install chromium), or save the page (save_html, --save)"
+            "Edge in /Applications; install one (on Debian: apt install chromium), or save the page (-o FILE.html)"
         )
     return found
 

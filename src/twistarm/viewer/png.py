@@ -23,7 +23,7 @@ def fault(data: bytes, size: tuple[int, int]) -> str | None:
     if found != size:
         return "drew {} x {} pixels instead of {} x {}".format(*found, *size)
     if len(set(pixels)) < FEWEST_VALUES:
-        return "drew an empty page, as without WebGL; update it, or save the page (save_html, --save) and open that"
+        return "drew an empty page, as without WebGL; update it, or save the page (-o FILE.html) and open that"
     return None
 
 

@@ -12,7 +12,7 @@ from ..stream.recording import read_recording
 
 
 def recorded_motion(arm: Arm, path: str | os.PathLike[str]) -> Trajectory:
-    """The motion of `arm` in a CSV file, as `twistarm plan --csv` writes it: a cubic between each two of its lines.
+    """The motion of `arm` in a CSV file, as `twistarm plan -o` writes it: a cubic between each two of its lines.
 
     The cubic of each interval, h [s] long, has the recorded positions a, b and rates u, v at its ends (Hermite):
     a + u s + (3 (b − a)/h − 2 u − v) s²/h + (2 (a − b)/h + u + v) s³/h².

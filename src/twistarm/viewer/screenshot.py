@@ -48,20 +48,25 @@ def save_png(
 
 def write_picture(path: str | os.PathLike[str], size: tuple[int, int], show: Callable[[], Exhibit]) -> Path:
     """`save_png` of what `show` returns, which is asked once everything else is in order."""
-    wanted = _checked_size(size)
+    _checked_size(size)
     target = writable(path)
     if target.suffix.lower() != ".png":
         raise InputError(f"cannot write {target}: a screenshot is a PNG; give a name that ends in .png")
+    return write_whole(target, png_of(size, show))
+
+
+def png_of(size: tuple[int, int], show: Callable[[], Exhibit]) -> bytes:
+    """The picture that `write_picture` writes."""
+    wanted = _checked_size(size)
     browser = find_browser()
     # A snap sees neither /tmp nor hidden folders, but what is below the home folder.
     home = Path.home() if is_snap(browser) else None
     try:
         with tempfile.TemporaryDirectory(prefix="twistarm-", dir=home, ignore_cleanup_errors=True) as folder:
             page = write_whole(Path(folder, "arm.html"), _page(show(), wanted))
-            picture = draw(browser, page, wanted)
+            return draw(browser, page, wanted)
     except OSError as error:
         raise TwistarmError(f"cannot draw with {browser}: {error}") from error
-    return write_whole(target, picture)
 
 
 def _checked_size(size: tuple[int, int]) -> tuple[int, int]:

@@ -1,0 +1,101 @@
+"""`-o`: one way to name what a command writes, and nothing that stands there is lost."""
+
+from __future__ import annotations
+
+import json
+import os
+from pathlib import Path
+
+import pytest
+
+from test_cli import answer, error_of
+from twistarm.cli.application import run
+from urdf_text import two_joints, write
+
+Capture = pytest.CaptureFixture[str]
+
+PLAN = ["plan", "arm.urdf", "--from", "zero", "--to", "10 10", "--acceleration", "3"]
+WRITES = {
+    "init": (["init", "arm.urdf"], "arm.toml"),
+    "freeze": (["freeze", "arm.urdf"], "golden.json"),
+    "bake": (["bake", "arm.urdf"], "baked.json"),
+    "plan": (PLAN, "motion.csv"),
+    "plan a message": ([*PLAN, "--format", "json"], "motion.json"),
+    "view": (["view", "arm.urdf"], "page.html"),
+    "doctor --fix": (["doctor", "arm.urdf", "--fix"], "fixed.urdf"),
+}
+BARE = ("init", "freeze", "bake")
+"""They write although no name is given."""
+
+STABLE = 500_000
+"""Bytes that are compared: behind the page's code stand its own times."""
+
+
+@pytest.fixture
+def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    monkeypatch.chdir(tmp_path)
+    write(tmp_path, two_joints())
+    return tmp_path
+
+
+@pytest.mark.parametrize("case", WRITES)
+def test_a_file_is_written_kept_replaced_and_piped(
+    case: str, folder: Path, capsysbinary: pytest.CaptureFixture[bytes]
+) -> None:
+    command, name = WRITES[case]
+    assert run([*command, "-o", name]) == 0
+    written = (folder / name).read_bytes()[:STABLE]
+    (folder / name).write_text("mine")
+    capsysbinary.readouterr()
+    assert run([*command, "--output", name]) == 2
+    out, err = capsysbinary.readouterr()
+    assert (out, err.decode()) == (b"", f"error: {name} exists; --force replaces it, another name keeps it\n")
+    assert (folder / name).read_text() == "mine"
+    assert run([*command, "-o", name, "--force"]) == 0
+    assert (folder / name).read_bytes()[:STABLE] == written
+    capsysbinary.readouterr()
+    assert run([*command, "-o", "-"]) == 0
+    assert capsysbinary.readouterr().out[:STABLE] == written
+    assert sorted(os.listdir(folder)) == sorted(["arm.urdf", name])
+    assert run([*command, "-o", f"nowhere/{name}"]) == 2
+    assert b"does not exist; create it first" in capsysbinary.readouterr().err
+
+
+@pytest.mark.parametrize("command", BARE)
+def test_without_a_name_nothing_is_replaced_either(command: str, folder: Path, capsys: Capture) -> None:
+    assert run([command, "arm.urdf"]) == 0
+    capsys.readouterr()
+    assert "exists; --force replaces it" in error_of(capsys, command, "arm.urdf")
+
+
+def test_several_kinds_in_one_call(folder: Path, capsys: Capture) -> None:
+    content = answer(capsys, *PLAN, "-o", "a.csv", "-o", "a.json")
+    assert content["written"] == ["a.csv", "a.json"]
+    assert json.loads((folder / "a.json").read_text())["joint_names"] == ["a", "b"]
+    # One of them on standard output: what is said goes beside it.
+    assert run([*PLAN, "-o", "-", "-o", "b.json"]) == 0
+    out, err = capsys.readouterr()
+    assert out == (folder / "a.csv").read_text()
+    assert err.endswith("written: -\nwritten: b.json\n")
+
+
+REFUSED = {
+    "a kind nobody knows": ([*PLAN, "-o", "motion.txt"], "-o takes *.csv or *.json; got motion.txt"),
+    "a name against its kind": ([*PLAN, "-o", "m.csv", "--format", "json"], "named like a file of kind csv"),
+    "a format nobody knows": ([*PLAN, "-o", "-", "--format", "yaml"], "--format is one of csv, json; got 'yaml'"),
+    "two on standard output": ([*PLAN, "-o", "-", "-o", "-"], "gives standard output to one file"),
+    "an answer beside it": ([*PLAN, "-o", "-", "--json"], "gives standard output to one file"),
+    "a repaired copy without a name": (["doctor", "arm.urdf", "--fix"], "--fix and -o FILE.urdf go together"),
+    "a name without repairs": (["doctor", "arm.urdf", "-o", "a.urdf"], "--fix and -o FILE.urdf go together"),
+    "one file of two that is there": ([*PLAN, "-o", "new.csv", "-o", "old.json"], "old.json exists"),
+    "a description": (["freeze", "arm.urdf", "-o", "arm.urdf", "--force"], "a description stands there"),
+}
+
+
+@pytest.mark.parametrize("case", REFUSED)
+def test_what_cannot_be_written_is_said_before_anything_is(case: str, folder: Path, capsys: Capture) -> None:
+    command, message = REFUSED[case]
+    (folder / "old.json").write_text("mine")
+    assert message in error_of(capsys, *command)
+    assert sorted(os.listdir(folder)) == ["arm.urdf", "old.json"]
+    assert (folder / "old.json").read_text() == "mine"
