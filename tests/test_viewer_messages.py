@@ -161,6 +161,7 @@ def told(arm: Arm) -> Iterator[dict[str, Any]]:
     """Whatever the process says, with everything on show that can be."""
     stage = Stage(arm, THETA)
     yield from (stage.hello({}), Scene(arm).message(), failure(InputError("no")))
+    yield {"type": "notice", "words": "loaded again", "wrong": False}
     yield from ({"type": "done", "number": 1}, {"type": "work", "jobs": [{"key": "plan", "share": 0.5}]})
     yield from stage.messages()
     for layer in LAYERS:

@@ -29,12 +29,15 @@ def as_path(path: str | os.PathLike[str]) -> Path:
         return given
 
 
-def write_whole(path: str | os.PathLike[str], content: str | bytes, *, over_description: bool = False) -> Path:
+def write_whole(
+    path: str | os.PathLike[str], content: str | bytes, *, over_description: bool = False, private: bool = False
+) -> Path:
     """Write `content` to `path` so that a reader sees the old file or the new one, never a part of either.
 
     Text is written as UTF-8, line ends as they are. The content goes into a temporary file in the same
     folder, which then takes the name in one step (POSIX `rename`); on any error it is removed and what stood
-    at `path` stays. A link is followed, and an existing file keeps its permissions. Returns the path written.
+    at `path` stays. A link is followed, and an existing file keeps its permissions; a `private` one is for this user
+    alone. Returns the path written.
 
     Raises InputError where the folder does not exist or is not writable, where `path` is a folder or a device, and
     where a description stands there (`DESCRIPTIONS`), unless `over_description` lets it be replaced.
@@ -42,7 +45,7 @@ def write_whole(path: str | os.PathLike[str], content: str | bytes, *, over_desc
     target = writable(path, over_description=over_description)
     data = content.encode("utf-8") if isinstance(content, str) else content
     try:
-        _replace(target, data)
+        _replace(target, data, private)
     except OSError as error:
         raise InputError(f"cannot write {target}: {error.strerror or error}") from error
     return target
@@ -68,14 +71,16 @@ def writable(path: str | os.PathLike[str], *, over_description: bool = False) ->
     return target
 
 
-def _replace(target: Path, data: bytes) -> None:
+def _replace(target: Path, data: bytes, private: bool) -> None:
     temporary = target.with_name(f".{target.name[:60]}.{os.urandom(6).hex()}.part")
     try:
-        with open(temporary, "xb") as file:
+        with open(
+            temporary, "xb", opener=lambda name, flags: os.open(name, flags, 0o600 if private else 0o666)
+        ) as file:
             file.write(data)
             file.flush()
             os.fsync(file.fileno())
-        if target.exists():
+        if target.exists() and not private:
             os.chmod(temporary, target.stat().st_mode & 0o777)
         os.replace(temporary, target)
     except BaseException:

@@ -2,7 +2,10 @@
 
 from __future__ import annotations
 
+import socket
 from collections.abc import Iterator
+from contextlib import ExitStack
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -221,5 +224,47 @@ def test_a_process_that_has_gone_is_told_and_one_started_anew(browser: Any, arm:
     assert page.evaluate("twistarm.link.pending.size") == 0
     with Viewer(arm, open_browser=False, port=port):
         until(page, "document.getElementById('error').textContent.startsWith('The process was started anew')")
+    page.close()
+    assert errors == []
+
+
+def test_a_page_lives_on_when_the_view_at_its_address_is_started_anew(browser: Any, arm: Arm) -> None:
+    page = browser.new_page()
+    errors: list[str] = []
+    page.on("pageerror", lambda error: errors.append(str(error)))
+    look = (
+        "[twistarm.view.viewer.camera.position, twistarm.view.viewer.camera.quaternion].map((each) => each.toArray())"
+    )
+    kept = partial(Viewer, arm, open_browser=False, keep=True)
+    with socket.socket() as probe:
+        probe.bind(("127.0.0.1", 0))
+        port = int(probe.getsockname()[1])
+    with kept(port=port) as first:
+        settled(page, first.url)
+        first.show([0.1, 0.2, 0.3])
+        page.get_by_label("Frames", exact=True).click()
+        page.get_by_role("tab", name="Poses").click()
+        page.get_by_role("button", name="Record").click()
+        until(page, "document.querySelectorAll('#pose-list li').length === 1")
+        page.evaluate("twistarm.view.viewer.camera.position.x += 0.3, twistarm.view.viewer.controls.update()")
+        seen = page.evaluate(look)
+    until(page, "document.getElementById('status').textContent === 'offline'")
+    page.evaluate("globalThis.same = true")
+    with kept(port=port) as second:
+        until(
+            page, "document.getElementById('status').textContent === 'live' && twistarm.state.frame?.theta[1] === 0.2"
+        )
+        until(page, "document.querySelectorAll('#pose-list li').length === 1")
+        page_shows = "!document.getElementById('show-frames').checked && !twistarm.view.node('/frames').visible"
+        until(page, page_shows)
+        assert page.evaluate("same"), "it was not loaded again"
+        assert page.evaluate(look) == seen
+        assert page.locator("#error").is_hidden()
+        assert list(second.poses) == ["pose 1"]
+        page.evaluate("twistarm.parts.rejoining.code = 'another version'")
+    with ExitStack() as stack:
+        with page.expect_event("load"):
+            stack.enter_context(kept(port=port))
+        until(page, "globalThis.same === undefined && globalThis.twistarm?.state.fitted")
     page.close()
     assert errors == []

@@ -2,10 +2,8 @@
 
 from __future__ import annotations
 
-import signal
 import sys
-from collections.abc import Iterator
-from contextlib import ExitStack, contextmanager
+from contextlib import ExitStack
 from dataclasses import replace
 from math import inf
 from typing import Annotated, TextIO
@@ -26,6 +24,7 @@ from .motion import Rate, capped
 from .options import Json, Radians, Theta, parse_theta, takes_arm
 from .output import console, print_json, shown, units, warn
 from .servo_report import report_json, report_table
+from .signals import ended_like_ctrl_c
 from .viewing import Browser, Host, Port
 
 ROUNDING = 1e-6
@@ -163,15 +162,3 @@ def address(text: str, option: str) -> tuple[str, int]:
     if not host or not port.isdecimal() or int(port) > 65535:
         raise InputError(f"{option} takes HOST:PORT, as in {option} 127.0.0.1:5005; got {text!r}")
     return host.removeprefix("[").removesuffix("]"), int(port)
-
-
-@contextmanager
-def ended_like_ctrl_c() -> Iterator[None]:
-    """A closed terminal and `kill` end what runs as Ctrl-C does: with the arm brought to rest."""
-    numbers = [getattr(signal, name) for name in ("SIGTERM", "SIGHUP") if hasattr(signal, name)]
-    before = {number: signal.signal(number, signal.default_int_handler) for number in numbers}
-    try:
-        yield
-    finally:
-        for number, handler in before.items():
-            signal.signal(number, handler)

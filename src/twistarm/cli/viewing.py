@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Callable
+from contextlib import ExitStack
 from pathlib import Path
 from typing import Annotated
 
@@ -19,8 +20,16 @@ from .kinematics import warn_outside
 from .options import Radians, Theta, parse_theta, takes_arm
 from .output import warn
 from .outputs import Force, Format, outputs_of
+from .signals import ended_like_ctrl_c
 
-Port = Annotated[int, typer.Option(min=0, max=65535, help="Port to serve on; 0 takes a free one.")]
+Port = Annotated[
+    int,
+    typer.Option(
+        min=0,
+        max=65535,
+        help="Port to serve on; 0 takes a free one. Any other keeps its address and the recorded poses for next time.",
+    ),
+]
 Host = Annotated[str, typer.Option(help="Interface to serve on; anything else opens the view to that network.")]
 Output = Annotated[
     list[str] | None,
@@ -31,16 +40,20 @@ Output = Annotated[
         help="Write a stand-alone page (*.html) or a picture (*.png) instead; - is standard output; repeat it.",
     ),
 ]
+Fresh = Annotated[
+    bool, typer.Option("--fresh", help="With --port: begin with a new address, and without the poses kept for it.")
+]
 Browser = Annotated[bool, typer.Option("--browser/--no-browser", help="Open the page in a browser.")]
 
 
 @takes_arm
 def view(
     arm: Arm,
-    theta: Theta = "ready",
+    theta: Theta | None = None,
     port: Port = 0,
     host: Host = "127.0.0.1",
     browser: Browser = True,
+    fresh: Fresh = False,
     play: Annotated[Path | None, typer.Option(metavar="CSV", help="Play a motion that `twistarm plan` wrote.")] = None,
     output: Output = None,
     form: Format = None,
@@ -53,8 +66,11 @@ def view(
     if size is not None and all(kind != "png" for kind, _ in outputs.files):
         raise InputError("--size is that of the picture: it goes with -o FILE.png")
     pixels = _pixels(size or "1280x720")
-    x = parse_theta(arm, theta, rad)
-    warn_outside(arm, x)
+    if fresh and port == 0:
+        raise InputError("--fresh goes with --port PORT: without it nothing is kept")
+    x = None if theta is None else parse_theta(arm, theta, rad)
+    if x is not None:
+        warn_outside(arm, x)
     motion = None if play is None else recorded_motion(arm, play)
     if outputs.files:
         start = x if motion is None else motion(0.0)
@@ -65,7 +81,12 @@ def view(
         for name in outputs.write(contents):
             print(f"written: {name}", file=outputs.words)
         return
-    with Viewer(arm, x, host=host, port=port, open_browser=False) as viewer:
+    with ExitStack() as stack:
+        stack.enter_context(ended_like_ctrl_c())
+        kept = {"keep": port != 0, "fresh": fresh}
+        viewer = stack.enter_context(Viewer(arm, x, host=host, port=port, open_browser=False, **kept))
+        for note in viewer.notes:
+            warn(note)
         if motion is not None:
             viewer.show_path(motion)
             viewer.play(motion)

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from contextlib import contextmanager
 from dataclasses import dataclass, replace
 from typing import Any
 
@@ -65,12 +66,17 @@ class PoseList:
         order = self._order(joints)
         taken: list[RecordedPose] = []
         for pose in poses:
-            values = np.array(pose["theta"], dtype=np.float64)
-            if values.shape != (len(order),):
-                name = one_line(pose["name"], LONGEST_NAME)
-                raise InputError(f"the pose '{name}' has {len(values)} values, and the list moves {len(order)} joints")
-            taken.append(self._new(pose["name"], values[order], taken))
+            taken.append(self._read(pose, order, taken))
         self._keep(taken)
+
+    def take(self, joints: Sequence[str], poses: Iterable[Mapping[str, Any]]) -> list[str]:
+        """Add those of the list given that the arm can take; the reason for each that is left out."""
+        order = self._order(joints)
+        reasons: list[str] = []
+        for pose in poses:
+            with told(reasons):
+                self._keep([*self.poses, self._read(pose, order, self.poses)])
+        return reasons
 
     def theta(self, number: int) -> Array:
         """The configuration (n,) of a pose."""
@@ -98,6 +104,14 @@ class PoseList:
         limits = self._arm.limits
         return RecordedPose(self._made, free, frozen(np.clip(checked, limits.lower, limits.upper)))
 
+    def _read(self, pose: Mapping[str, Any], order: Sequence[int], others: Sequence[RecordedPose]) -> RecordedPose:
+        """A pose of a list whose joints stand in another order."""
+        values = np.array(pose["theta"], dtype=np.float64)
+        if values.shape != (len(order),):
+            name = one_line(pose["name"], LONGEST_NAME)
+            raise InputError(f"the pose '{name}' has {len(values)} values, and the list moves {len(order)} joints")
+        return self._new(pose["name"], values[order], others)
+
     def _order(self, joints: Sequence[str]) -> list[int]:
         """Where the arm's joints stand among `joints`."""
         names = self._arm.joint_names
@@ -112,6 +126,15 @@ class PoseList:
         if size > LARGEST_LIST and len(poses) >= len(self.poses):
             raise InputError(f"a list has at most {LARGEST_LIST} bytes; {len(poses)} poses would have {size}")
         self.poses = tuple(poses)
+
+
+@contextmanager
+def told(reasons: list[str]) -> Iterator[None]:
+    """What is refused inside goes to the reasons, and the rest goes on."""
+    try:
+        yield
+    except (InputError, LimitError) as error:
+        reasons.append(str(error))
 
 
 def _free(name: str, others: Sequence[RecordedPose]) -> str:

@@ -23,6 +23,7 @@ from .guard import Guard
 from .handlers import SocketHandler
 from .jobs import Job, Progress, Workers
 from .listening import bind
+from .memory import Memory
 from .messages import Request, failure, number_of, parse
 from .news import News, Source
 from .routes import application
@@ -42,15 +43,24 @@ Answer = TypeVar("Answer")
 class Server:
     """Serves a stage to any number of pages; what other threads may call stands first."""
 
-    def __init__(self, stage: Stage, scene: Scene, host: str, port: int) -> None:
+    def __init__(
+        self, stage: Stage, scene: Scene, host: str, port: int, memory: Memory | None = None, stands: bool = False
+    ) -> None:
+        """memory: what is kept at this address, of which theta is not taken where the stage `stands` as it shall."""
         self.stage = stage
         self.scene = scene
-        self.guard = Guard(host)
         self.commands = PageCommands(stage.arm)
         self.doctor = Examination(stage.arm, self._show_findings)
         self.clients: set[SocketHandler] = set()
         self._sockets = bind(host, port)
         self.port = int(self._sockets[0].getsockname()[1])
+        # Whoever has the port is the only one to use its files.
+        self.guard = Guard(host) if memory is None else Guard(host, memory.token())
+        self.memory = memory
+        if memory is not None:
+            memory.recall(stage, stands)
+        self._kept = stage.program.list.poses
+        self.notice: Message = {"type": "notice", "words": "; ".join(memory.notes) if memory else "", "wrong": False}
         self._lock = threading.Lock()
         self._changes: dict[str, Change] = {}
         self._applied = 0.0
@@ -81,6 +91,8 @@ class Server:
             self._thread.join(STOP_TIME)
         self._workers.stop(STOP_TIME)
         self.doctor.join(STOP_TIME)
+        if self.memory is not None:
+            self.memory.keep(self.stage)
 
     def post(self, key: str, change: Change) -> None:
         """Let the loop apply `change`, at most once in FRAME_TIME; one that waits under the same key is replaced.
@@ -168,7 +180,7 @@ class Server:
 
     def _own_messages(self) -> list[Message]:
         jobs = [{"key": key, "share": share} for key, share in self._jobs.items()]
-        return [{"type": "work", "jobs": jobs}, self.scene.message()]
+        return [{"type": "work", "jobs": jobs}, self.scene.message(), self.notice]
 
     def receive(self, text: str | bytes, sender: str) -> list[dict[str, Any]]:
         """Do what the page `sender` asks for, tell every page, and return what only the asking one is told.
@@ -220,8 +232,17 @@ class Server:
         """Tell every page what changed since the last time, and keep a running trajectory running."""
         if self.clients:
             self._tell_news()
+        self._keep_poses()
         if self.stage.running and (self._player is None or self._player.done()):
             self._player = self._loop.create_task(self._play())
+
+    def _keep_poses(self) -> None:
+        """Have the list written where it is kept and is another than before."""
+        stage, memory = self.stage, self.memory
+        if memory is not None and stage.program.list.poses is not self._kept:
+            self._kept = stage.program.list.poses
+            work = partial(memory.keep, stage)
+            self._workers.submit(Job("keep", "keeping the poses", lambda progress: work(), lambda result: None))
 
     def _apply_in_time(self) -> None:
         wait = self._applied + FRAME_TIME - self._loop.time()

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from functools import partial
+from secrets import token_urlsafe
 from typing import Any
 
 import numpy as np
@@ -21,6 +22,7 @@ from .gauge import Gauge
 from .jobs import Job
 from .messages import Request
 from .news import Source
+from .page_files import page_digest
 from .part import Part
 from .path import NO_PATH
 from .placement import Placement
@@ -47,6 +49,7 @@ class Stage:
 
     def __init__(self, arm: Arm, theta: ArrayLike | None = None) -> None:
         self.arm = arm
+        self.run = token_urlsafe(8)
         self._placement = Placement(arm)
         self.theta = arm.ready if theta is None else checked_theta(arm, theta)
         self.extra_joints = extra_joints(arm)
@@ -190,8 +193,12 @@ class Stage:
     # messages -----------------------------------------------------------------------------------------
 
     def hello(self, links: Mapping[str, str]) -> Message:
-        """What never changes: names, joints with units and slider ranges, poses, the node of every link."""
-        return {"type": "hello", "arm": describe_arm(self.arm), "links": dict(links)}
+        """What never changes: names, joints with units and slider ranges, poses, the node of every link.
+
+        And what a page that was here before goes by: the version of the page's code, and which view it is.
+        """
+        arm = describe_arm(self.arm)
+        return {"type": "hello", "arm": arm, "links": dict(links), "code": page_digest(), "run": self.run}
 
     def messages(self) -> list[Message]:
         """All that is on show, the frame last."""

@@ -15,6 +15,7 @@ from numpy.typing import ArrayLike
 from ..arm import Arm
 from ..checks import Array, as_positive
 from ..closing import Closing
+from ..errors import InputError
 from ..files import writable, write_whole
 from ..planning.trajectory import Trajectory
 from ..servo import ServoOutput
@@ -24,6 +25,7 @@ from .drawing import require_meshcat
 from .exhibit import Exhibit, on_show
 from .export import stand_alone
 from .inline import HEIGHT, Inline
+from .memory import Memory
 from .path import NO_PATH, tool_path
 from .scene import Scene
 from .screenshot import write_picture
@@ -38,6 +40,9 @@ class Viewer(Closing):
 
     host: the interface to listen on; anything but the default opens the view to a network, the token still required.
     port: 0 takes a free one. open_browser: show the page at once; where no browser is found, `url` is there to open.
+    keep: keep the address, and the poses recorded at it, in this user's files, so that a page lives again when the
+    program is started anew; it wants a port, without `theta` the arm stands where it stood last, and `notes` says what
+    could not be kept or taken. fresh: with another address, and without the poses kept.
     A context manager. Every method may be called from any thread. Those that move or show something return at once;
     `theta` and `poses` wait for what was shown before, a frame at most; `save_html`, `save_png` and
     `inline(static=True)` until all is written, every mesh read; `close` until all has ended; `wait` until then.
@@ -53,14 +58,20 @@ class Viewer(Closing):
         host: str = "127.0.0.1",
         port: int = 0,
         open_browser: bool = True,
+        keep: bool = False,
+        fresh: bool = False,
     ) -> None:
         require_meshcat()
         from .server import Server
 
+        if keep and port == 0:
+            raise InputError("an address is kept for a port that is always the same: give port=, as in port=8000")
         self.arm = arm
         self._host = host
         self._closed = threading.Event()
-        self._server = Server(Stage(arm, theta), Scene(arm), host, port)
+        memory = Memory(host, port, fresh) if keep else None
+        self._server = Server(Stage(arm, theta), Scene(arm), host, port, memory, stands=theta is not None)
+        self.notes: tuple[str, ...] = () if memory is None else tuple(memory.notes)
         self._server.start()
         if open_browser:
             show_in_browser(self.url)

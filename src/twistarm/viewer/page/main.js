@@ -9,11 +9,13 @@ import { Highlight } from "./highlight.js";
 import { Jog } from "./jog.js";
 import { JogPanel } from "./jog_panel.js";
 import { Link } from "./link.js";
+import { Notice } from "./notice.js";
 import { Panel } from "./panel.js";
 import { Player } from "./player.js";
 import { Plots } from "./plots.js";
 import { Program } from "./program.js";
 import { Progress } from "./progress.js";
+import { Rejoining } from "./rejoining.js";
 import { complaint } from "./schema.js";
 import { Share } from "./share.js";
 import { easeSoftware } from "./software.js";
@@ -55,6 +57,8 @@ const jog = new Jog({
 const page = { view, panel, jog, state, ask };
 const parts = {
   tabs: new Tabs(),
+  notice: new Notice(),
+  rejoining: new Rejoining(page),
   jogging: new JogPanel(page),
   target: new Target(page),
   program: new Program(page),

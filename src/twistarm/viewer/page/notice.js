@@ -1,0 +1,15 @@
+// What the process has to say of the arm on show as a whole, until it has something else to say.
+
+import { $ } from "./element.js";
+
+export class Notice {
+  constructor() {
+    this.messages = { notice: (message) => this.show(message) };
+  }
+
+  show({ words, wrong }) {
+    $("notice").textContent = words;
+    $("notice").hidden = words === "";
+    $("notice").classList.toggle("wrong", wrong);
+  }
+}

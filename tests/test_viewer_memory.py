@@ -1,0 +1,295 @@
+"""What a view at a fixed address keeps: its token, its poses and where it stood, and whom it trusts with them."""
+
+from __future__ import annotations
+
+import json
+import os
+import re
+import socket
+import stat
+import time
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from numpy.testing import assert_allclose
+
+from twistarm import Arm, load_arm
+from twistarm.cli.application import run
+from twistarm.errors import InputError
+from twistarm.viewer import Viewer
+from twistarm.viewer.memory import Memory
+from twistarm.viewer.private import PrivateFolder, state_folder
+from viewer_page import ARM, THETA, WAIT, Page, nothing, visit
+from viewer_page import arm as arm
+
+pytestmark = pytest.mark.skipif(os.name != "posix", reason="owners and modes are those of POSIX")
+
+
+@pytest.fixture
+def home(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    """A state folder of the test's own; what is kept is in the folder `twistarm` of it."""
+    monkeypatch.setenv("XDG_STATE_HOME", str(tmp_path / "state"))
+    return tmp_path / "state" / "twistarm"
+
+
+@pytest.fixture
+def port() -> int:
+    with socket.socket() as probe:
+        probe.bind(("127.0.0.1", 0))
+        return int(probe.getsockname()[1])
+
+
+def at(arm: Arm, port: int, **options: Any) -> Viewer:
+    return Viewer(arm, port=port, open_browser=False, keep=True, **options)
+
+
+def record(*names: str) -> Callable[[Page], Any]:
+    async def visitor(page: Page) -> None:
+        for name in names:
+            await page.ask(type="record", name=name)
+
+    return visitor
+
+
+def kept(home: Path, ending: str) -> Path:
+    (path,) = (file for file in home.glob(f"*{ending}") if ".old" not in file.name)
+    return path
+
+
+def until_kept(home: Path) -> Path:
+    end = time.monotonic() + WAIT
+    while not any(home.glob("*.json")):
+        assert time.monotonic() < end
+        time.sleep(0.01)
+    return kept(home, ".json")
+
+
+# one run after the other ------------------------------------------------------------------------------
+
+
+def test_the_address_the_poses_and_theta_are_those_of_the_last_run(arm: Arm, home: Path, port: int) -> None:
+    with at(arm, port) as first:
+        assert_allclose(first.theta, arm.ready)
+        first.show(THETA)
+        visit(first, record("one", "two"))
+        address = first.url
+    with at(arm, port) as second:
+        assert second.url == address
+        assert second.notes == ()
+        assert list(second.poses) == ["one", "two"]
+        assert_allclose(second.poses["two"], THETA)
+        assert_allclose(second.theta, THETA)
+    with at(arm, port, theta=np.zeros(3)) as third:
+        assert_allclose(third.theta, np.zeros(3))
+    for file in home.iterdir():
+        assert stat.S_IMODE(file.stat().st_mode) == 0o600, file
+    assert stat.S_IMODE(home.stat().st_mode) == 0o700
+
+
+def test_the_list_is_written_as_it_changes_not_only_at_the_end(arm: Arm, home: Path, port: int) -> None:
+    with at(arm, port) as viewer:
+        visit(viewer, record("one"))
+        found = json.loads(until_kept(home).read_text())
+        assert [pose["name"] for pose in found["poses"]] == ["one"]
+
+
+def test_fresh_has_another_address_and_no_poses(arm: Arm, home: Path, port: int) -> None:
+    with at(arm, port) as first:
+        visit(first, record("one"))
+        address = first.url
+    with at(arm, port, fresh=True) as second:
+        fresh = second.url
+        assert fresh != address
+        assert second.poses == {}
+    with at(arm, port) as third:
+        assert third.url == fresh
+        assert third.poses == {}
+
+
+def test_nothing_is_kept_unless_it_is_asked_for(arm: Arm, home: Path, port: int) -> None:
+    addresses = set()
+    for _ in range(2):
+        with Viewer(arm, port=port, open_browser=False) as viewer:
+            visit(viewer, record("one"))
+            addresses.add(viewer.url)
+    assert len(addresses) == 2
+    assert not home.exists()
+    with pytest.raises(InputError, match="give port=, as in port=8000"):
+        Viewer(arm, open_browser=False, keep=True)
+
+
+def test_hosts_ports_and_arms_have_their_own(arm: Arm, home: Path, port: int) -> None:
+    here = Memory("127.0.0.1", port).token()
+    assert here == Memory("127.0.0.1", port).token()
+    assert len({here, Memory("0.0.0.0", port).token(), Memory("127.0.0.1", port + 1).token()}) == 3
+    with at(arm, port) as viewer:
+        visit(viewer, record("one"))
+    with at(load_arm("rr_planar"), port) as viewer:
+        assert viewer.poses == {}
+        assert viewer.notes == ()
+    with at(arm, port) as viewer:
+        assert list(viewer.poses) == ["one"]
+
+
+def test_a_port_in_use_leaves_what_is_kept_alone(arm: Arm, home: Path, port: int) -> None:
+    with at(arm, port) as viewer:
+        visit(viewer, record("one"))
+        until_kept(home)
+        before = {file.name: file.read_bytes() for file in home.iterdir()}
+        with pytest.raises(InputError, match="in use"):
+            at(arm, port, fresh=True)
+        assert {file.name: file.read_bytes() for file in home.iterdir()} == before
+
+
+# an arm that has changed ------------------------------------------------------------------------------
+
+
+def test_what_does_not_fit_the_arm_any_more_is_left_out_and_stays_on_the_disk(
+    tmp_path: Path, home: Path, port: int
+) -> None:
+    path = tmp_path / "arm.urdf"
+    path.write_text(ARM)
+
+    async def two_poses(page: Page) -> None:
+        await page.ask(type="record", name="bent")
+        await page.ask(type="joint", name="pitch", value=0.3)
+        await page.ask(type="record", name="low")
+
+    with at(load_arm(path, tip="tool0"), port, theta=(0.4, 1.2, 0.1)) as viewer:
+        visit(viewer, two_poses)
+    path.write_text(ARM.replace('upper="1.5"', 'upper="0.5"'))
+    with at(load_arm(path, tip="tool0"), port) as viewer:
+        assert list(viewer.poses) == ["low"]
+        (note,) = viewer.notes
+        assert re.search(r"one does not fit: the pose 'bent': pitch = 1.2 is outside", note)
+        assert visit(viewer, nothing).latest["notice"] == {"type": "notice", "words": note, "wrong": False}
+    (old,) = home.glob("*.old.json")
+    assert [pose["name"] for pose in json.loads(old.read_text())["poses"]] == ["bent", "low"]
+    path.write_text(ARM.replace('name="pitch"', 'name="elbow"'))
+    with at(load_arm(path, tip="tool0"), port) as viewer:
+        assert viewer.poses == {}
+        assert "the list moves yaw, pitch, slide; small has yaw, elbow, slide" in viewer.notes[0]
+    assert [pose["name"] for pose in json.loads(old.read_text())["poses"]] == ["low"]
+
+
+# whom it trusts ---------------------------------------------------------------------------------------
+
+
+def test_a_token_file_that_others_could_have_read_or_made_is_replaced(
+    arm: Arm, home: Path, port: int, tmp_path: Path
+) -> None:
+    secret = Memory("127.0.0.1", port).token()
+    file = kept(home, ".token")
+    elsewhere = tmp_path / "elsewhere"
+    elsewhere.write_text("not ours")
+
+    def open_to_others() -> None:
+        file.chmod(0o644)
+
+    def a_link() -> None:
+        file.unlink()
+        file.symlink_to(elsewhere)
+
+    def a_pipe() -> None:
+        file.unlink()
+        os.mkfifo(file, 0o600)
+
+    def no_token() -> None:
+        file.write_text('{"token": "../../../etc"}')
+
+    def huge() -> None:
+        with open(file, "wb") as opened:
+            opened.truncate(1 << 40)
+
+    for spoil in (open_to_others, a_link, no_token, huge):
+        spoil()
+        memory = Memory("127.0.0.1", port)
+        token = memory.token()
+        assert token != secret, spoil.__name__
+        assert len(memory.notes) == 1, spoil.__name__
+        assert "the address is a new one" in memory.notes[0]
+        assert stat.S_IMODE(file.lstat().st_mode) == 0o600
+        again = Memory("127.0.0.1", port)
+        assert again.token() == token
+        assert again.notes == []
+        secret = token
+    assert elsewhere.read_text() == "not ours"
+    a_pipe()
+    memory = Memory("127.0.0.1", port)
+    assert memory.token() != secret
+    assert all(str(file) in note for note in memory.notes)
+
+
+@pytest.mark.parametrize(
+    "text",
+    ["", "[]", "{", "nonsense", '{"joints": 1, "poses": [], "theta": []}', '{"joints":["yaw","pitch","slide"]}',
+     '{"joints":["yaw","pitch","slide"],"poses":[{"name":"a","theta":[0,0,1e999]}],"theta":[0,0,0]}',
+     '{"joints":["yaw"],"poses":[],"theta":[0,0]}', "[" * 60_000, " " * 70_000],
+)  # fmt: skip
+def test_a_damaged_list_is_told_and_set_aside(arm: Arm, home: Path, port: int, text: str) -> None:
+    at(arm, port).close()
+    kept(home, ".json").write_text(text)
+    with at(arm, port) as viewer:
+        assert viewer.poses == {}
+        assert "are not taken" in viewer.notes[0]
+        assert "\n" not in viewer.notes[0]
+        visit(viewer, record("one"))
+    (old,) = home.glob("*.old.json")
+    assert old.read_text() == text
+    with at(arm, port) as viewer:
+        assert list(viewer.poses) == ["one"]
+
+
+def test_a_folder_of_somebody_else_is_not_used(home: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    folder = PrivateFolder(home)
+    folder.write("a", "text")
+    monkeypatch.setattr(os, "geteuid", lambda: os.getuid() + 1)
+    with pytest.raises(InputError, match="no folder of this user's own"):
+        PrivateFolder(home)
+    with pytest.raises(InputError, match="is not this user's alone"):
+        folder.read("a", 100)
+    memory = Memory("127.0.0.1", 8000)
+    assert "will not be kept" in memory.notes[0]
+    assert re.fullmatch(r"[\w-]{22}", memory.token())
+    monkeypatch.undo()
+    (tmp_path / "link").symlink_to(home)
+    with pytest.raises(InputError, match="no folder of this user's own"):
+        PrivateFolder(tmp_path / "link")
+    home.chmod(0o777)
+    PrivateFolder(home)
+    assert stat.S_IMODE(home.stat().st_mode) == 0o700
+
+
+def test_without_a_folder_the_view_is_served_all_the_same(
+    arm: Arm, home: Path, port: int, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    home.parent.mkdir()
+    home.write_text("a file where the folder should be")
+    with at(arm, port) as viewer:
+        visit(viewer, record("one"))
+        assert "will not be kept" in viewer.notes[0]
+    monkeypatch.delenv("XDG_STATE_HOME")
+    monkeypatch.setenv("HOME", "nowhere")
+    with pytest.raises(InputError, match="no home folder"):
+        state_folder()
+
+
+def test_where_state_is_kept(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
+    monkeypatch.setenv("HOME", str(tmp_path))
+    for given, system, expected in (
+        ("/x", "linux", "/x/twistarm"),
+        ("relative", "linux", f"{tmp_path}/.local/state/twistarm"),
+        ("", "linux", f"{tmp_path}/.local/state/twistarm"),
+        ("/x", "darwin", f"{tmp_path}/Library/Application Support/twistarm"),
+    ):
+        monkeypatch.setenv("XDG_STATE_HOME", given)
+        monkeypatch.setattr("sys.platform", system)
+        assert str(state_folder()) == expected
+
+
+def test_the_command_line_says_where_fresh_belongs(capsys: pytest.CaptureFixture[str]) -> None:
+    assert run(["view", "rr_planar", "--fresh", "--no-browser"]) == 2
+    assert "--fresh goes with --port PORT" in capsys.readouterr().err
