@@ -160,8 +160,10 @@ def test_the_plan_is_that_of_plan_joint_and_waits_to_be_played(stage: Stage, kin
     assert_array_equal(stage.theta, HOME)
     assert shares[-1] == 1.0
     assert said(stage, "program")["planned"]
+    straight = "" if kind == "cubic" else "straight in joint space between the poses: the tool's way is a curve; "
+    assert [said(stage, "program")[name] for name in ("kind", "stop")] == [kind, stop]
     assert said(stage, "program")["note"] == (
-        "no limits given, used instead: velocity 1 rad/s for yaw; acceleration 3 rad/s² for yaw, pitch; "
+        f"{straight}no limits given, used instead: velocity 1 rad/s for yaw; acceleration 3 rad/s² for yaw, pitch; "
         "acceleration 1 m/s² for slide"
     )
     assert said(stage, "path")["points"][0] == pytest.approx(stage.arm.fk(HOME)[:3, 3].tolist(), abs=1e-6)

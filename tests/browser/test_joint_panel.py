@@ -34,11 +34,12 @@ CONTRAST = """() => {
   const ground = (of) => getComputedStyle(document.querySelector(of)).backgroundColor;
   return ["near", "outside"].map((state) => {
     const row = document.querySelector(`.joint[data-limit=${state}]`);
-    const standing = getComputedStyle(row.querySelector(".standing")).color;
-    return [seen(standing), seen(ground("#panel"), getComputedStyle(row).backgroundColor)];
+    const under = [ground("#panel"), getComputedStyle(row).backgroundColor];
+    return [".standing", ".ends", ".unit", ".name"].map((part) =>
+      [seen(getComputedStyle(row.querySelector(part)).color), seen(...under)]);
   });
 }"""
-"""Text and ground of a row near a limit, and of one outside [0 … 255], as they lie over each other."""
+"""Texts and ground of a row near a limit, and of one outside [0 … 255], as they lie over each other."""
 
 
 @pytest.fixture(scope="module")
@@ -165,6 +166,21 @@ def test_nonsense_that_was_left_gives_way_to_the_joint_s_next_motion(page: Any) 
     assert box(page, "shoulder").get_attribute("aria-invalid") is None
 
 
+def test_what_is_wrong_in_a_box_and_the_words_about_it_go_together(page: Any, viewer: Viewer) -> None:
+    type_into(page, "shoulder", "12x")
+    page.keyboard.press("Tab")
+    viewer.show(at(shoulder=0.3))
+    stands(page, at(shoulder=0.3))
+    assert (box(page, "shoulder").input_value(), said(page)) == ("17.2", "")  # 0.3 rad
+    type_into(page, "shoulder", "12x")
+    page.keyboard.press("Tab")
+    type_into(page, "elbow", "1")
+    page.keyboard.press("Enter")
+    until(page, "document.getElementById('error').hidden")
+    assert box(page, "shoulder").input_value() == "17.2"
+    assert box(page, "shoulder").get_attribute("aria-invalid") is None
+
+
 def test_beyond_a_limit_is_refused_with_its_reason_and_the_old_value_comes_back(page: Any, viewer: Viewer) -> None:
     type_into(page, "shoulder", "200")
     page.keyboard.press("Enter")
@@ -246,16 +262,23 @@ def test_limits_are_told_in_words_and_by_a_colour_one_can_read(page: Any, viewer
         page.emulate_media(color_scheme=scheme)
         near, outside = page.evaluate(CONTRAST)
         assert near[0] != outside[0]
-        assert min(contrast(*near), contrast(*outside)) > 4.5, scheme  # WCAG 2.2, 1.4.3
+        assert min(contrast(*pair) for pair in (*near, *outside)) > 4.5, scheme  # WCAG 2.2, 1.4.3
 
 
-def test_near_is_at_least_five_degrees_and_a_centimetre(page: Any) -> None:
-    finger = page.get_by_role("group", name="finger_left")  # 0 … 0.04 m: 10 % would be 4 mm
-    for value, state in (("0.0099", "near"), ("0.0101", ""), ("0.0301", "near")):
-        type_into(page, "finger_left", value, "metres")
-        page.keyboard.press("Enter")
-        until(page, f"twistarm.state.frame.others.finger_left === {value}")
-        assert finger.get_attribute("data-limit") == state
+ROW = """async ([limits, unit, beside, numbers]) => {
+  const { JointRow } = await import(new URL("joint_row.js", location.href));
+  const row = new JointRow({ name: "a", type: "", unit, limits, range: limits, beside }, null);
+  return numbers.map((number) => (row.show(number), row.row.dataset.limit));
+}"""
+"""How a row of its own calls each of the numbers."""
+
+
+def test_near_is_at_least_five_degrees_and_a_centimetre_and_a_closed_gripper_is_not(page: Any) -> None:
+    slide = [[0, 0.04], "m", False, [0.0099, 0.0101, 0.0301]]  # 10 % would be 4 mm
+    assert page.evaluate(ROW, slide) == ["near", "", "near"]
+    assert page.evaluate(ROW, [[-0.1, 0.1], "rad", False, [-0.02, 0.005, 0.02]]) == ["near", "", "near"]
+    assert page.evaluate(ROW, [[0, 0.04], "m", True, [0, 0.04, 0.041]]) == ["", "", "outside"]
+    assert page.get_by_role("group", name="finger_left").get_attribute("data-limit") == ""  # it stands at 0
 
 
 def contrast(one: list[int], other: list[int]) -> float:
@@ -327,14 +350,30 @@ def test_seven_joints_and_a_gripper_need_no_scrolling(opened: Any, tmp_path: Pat
         settled(opened, viewer.url)
         until(opened, "document.querySelectorAll('.joint').length === 8")
         viewer.show([-2.9] * 7)  # near the limit: −166.2°, the widest there is to show
-        until(opened, "document.querySelectorAll('[data-limit=near]').length === 8")
+        until(opened, "document.querySelectorAll('[data-limit=near]').length === 7")
         for radians in (False, True):
             opened.get_by_label("Radians", exact=True).set_checked(radians)
             assert opened.evaluate("panel.scrollHeight <= panel.clientHeight && panel.scrollWidth <= panel.clientWidth")
             assert opened.evaluate(
                 "[...document.querySelectorAll('.joint .number')].every((b) => b.scrollWidth <= b.clientWidth)"
             )
-        assert opened.locator(".joint .name").first.get_attribute("title") == "a_rather_long_name_of_joint_0"
+        assert_cut_once(opened, "a_rather_long_name_of_joint_0")
+        opened.evaluate("twistarm.parts.target.type([9, 0, 0, 0, 0, 0])")
+        until(opened, "document.getElementById('target-words').dataset.met === 'false'")
+        verdict = opened.locator("#verdict").bounding_box()
+        assert verdict["y"] + verdict["height"] <= 720  # though the panel is full
+        assert opened.locator("#panel").evaluate("(panel) => panel.scrollTop") == 0
+        assert opened.get_by_role("spinbutton", name="tool x, metres").get_attribute("title").count("step by 0.001 m")
+
+
+def assert_cut_once(page: Any, name: str) -> None:
+    """In its middle: its end is seen, before that there is the one cut, and the whole is told."""
+    first = page.locator(".joint .name").first
+    assert first.get_attribute("title") == name
+    assert page.evaluate(
+        """() => [...document.querySelectorAll(".joint .name")].map(({ children }) =>
+             [...children].map((part) => [part.textContent, part.scrollWidth > part.clientWidth]))[0]"""
+    ) == [[name[:-9], True], [name[-9:], False]]
 
 
 def seven() -> str:

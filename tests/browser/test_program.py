@@ -195,6 +195,15 @@ def test_the_list_is_edited_by_keyboard_and_mouse_and_two_pages_stay_in_step(
     page.keyboard.press("Enter")
     until_listed(other, ["half a name", "c"])
     plan(page, "trapezoid")
+    until(other, "document.getElementById('plan-kind').value === 'trapezoid'")  # of all pages
+    assert "straight in joint space" in other.locator("#program-note").inner_text()
+    other.get_by_label("Kind of motion").select_option("quintic")
+    assert other.locator("#program-note").inner_text() == "Another kind of motion was planned: plan again."
+    plan(other, "quintic")
+    duration = other.evaluate("twistarm.parts.player.duration")
+    for each in (page, other):  # the arm stood there already: no frame told of it
+        until(each, f"document.getElementById('time').textContent === '0.00 / {duration:.2f} s'")
+    plan(page, "trapezoid")
     page.get_by_role("button", name="Move down half a name").click()
     until(other, "document.getElementById('program-note').textContent.includes('plan again')")
     assert_one_player(page, other)
@@ -256,8 +265,29 @@ def test_a_plot_is_clicked_to_seek_hovered_to_read_and_shows_one_joint_in_its_un
         page.evaluate("document.getElementById('pane').getBoundingClientRect().bottom")
         <= page.locator("#plots").bounding_box()["y"]
     )
+    page.get_by_role("checkbox", name="Radians").check()
+    assert velocity.locator("text.title").text_content() == f"Velocity, rad/s · limit ±{np.radians(limit):.2f}"
     page.get_by_role("checkbox", name="Plots").uncheck()
     assert page.locator("#plots").is_hidden()
+    assert_at_hand_on_a_phone(page)
+
+
+def assert_at_hand_on_a_phone(page: Any) -> None:
+    """At 390 × 844 all of it is on the screen, and large enough for a finger."""
+    page.set_viewport_size({"width": 390, "height": 844})
+    page.get_by_role("checkbox", name="Plots").check()
+    page.locator("#share summary").click()
+    for part in ("#plots", "#share-menu", "#player", "#switches"):
+        box = page.locator(part).bounding_box()
+        assert box["x"] >= 0, part
+        assert box["x"] + box["width"] <= 390, part
+        assert 0 <= box["y"] < box["y"] + box["height"] <= 844, part
+    assert page.locator("#scrub").bounding_box()["width"] >= 150
+    assert all(plot.bounding_box()["width"] > 300 for plot in page.locator(".plot").all())
+    boxes = page.locator("input[type=checkbox]:visible").all()
+    assert len(boxes) > 5
+    assert all(min(box.bounding_box()[side] for side in ("width", "height")) >= 24 for box in boxes)
+    assert page.evaluate("document.documentElement.scrollWidth <= 390 && panel.scrollWidth <= panel.clientWidth")
 
 
 def assert_read_off(plot: Any, motion: Trajectory, joint: int) -> None:

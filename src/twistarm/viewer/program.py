@@ -25,6 +25,9 @@ if TYPE_CHECKING:
 
 STALE = "The list has changed since this motion was planned: plan again."
 
+STRAIGHT = "straight in joint space between the poses: the tool's way is a curve"
+"""What is said of a motion that stops at each pose: straight, people take for the tool's way."""
+
 ON_THE_PAGE = "let it stop at each pose, or record poses in between"
 """What helps against a spline that swings too far, in the words of the page."""
 
@@ -40,6 +43,7 @@ class Program:
         self._usual = defaults_line(arm)
         self._motion: Trajectory | None = None
         self._through: tuple[int, ...] = ()
+        self._asked: tuple[Kind | None, bool] = (None, False)
         self._shown: tuple[Any, ...] = ()
         self._message: Message = {}
 
@@ -74,8 +78,10 @@ class Program:
     def _words(self, ours: bool) -> Message:
         current = ours and self._through == _ids(self.list.poses)
         poses = [{"id": pose.id, "name": pose.name, "theta": pose.theta.tolist()} for pose in self.list.poses]
-        note = (self._usual if current else STALE) if ours else ""
-        return {"type": "program", "poses": poses, "planned": current, "note": note}
+        kind, stop = self._asked if ours else (None, False)
+        straight = STRAIGHT if stop or kind == "trapezoid" else ""
+        note = ("; ".join(filter(None, (straight, self._usual))) if current else STALE) if ours else ""
+        return {"type": "program", "poses": poses, "planned": current, "kind": kind, "stop": stop, "note": note}
 
     def _plan(self, kind: Kind, stop: bool, stage: Stage) -> Job:
         poses = self.list.poses
@@ -85,7 +91,7 @@ class Program:
         if not np.ptp(points, axis=0).any():
             raise InputError("the poses of the list are all the same: there is no motion between them")
         work = partial(self._work, stage.arm, points, kind, stop)
-        return Job("plan", "planning the motion", work, partial(self._finish, stage, poses))
+        return Job("plan", "planning the motion", work, partial(self._finish, stage, poses, (kind, stop)))
 
     def _work(
         self, arm: Arm, points: Array, kind: Kind, stop: bool, progress: Progress
@@ -97,11 +103,17 @@ class Program:
             raise LimitError(str(error).replace(ADVICE, ON_THE_PAGE)) from error
         return motion, tool_path(arm, motion)
 
-    def _finish(self, stage: Stage, poses: tuple[RecordedPose, ...], result: tuple[Trajectory, dict[str, Any]]) -> None:
+    def _finish(
+        self,
+        stage: Stage,
+        poses: tuple[RecordedPose, ...],
+        asked: tuple[Kind, bool],
+        result: tuple[Trajectory, dict[str, Any]],
+    ) -> None:
         if stage.driven:
             raise InputError("the motion was planned and not loaded: a servo drives the arm meanwhile")
         self._motion, path = result
-        self._through = _ids(poses)
+        self._through, self._asked = _ids(poses), asked
         stage.stand_by(self._motion, self.limits)
         stage.draw_path(path)
 

@@ -1,6 +1,7 @@
 // Two bars: how far the driven arm is from a singularity, and from the nearest position limit.
 
 import { element } from "./element.js";
+import { writeName } from "./names.js";
 import { shown } from "./units.js";
 
 const FULL = 5; // a full bar, in what counts as near
@@ -75,7 +76,7 @@ class Bar {
 
   write(figure, words, spoken) {
     this.figure.textContent = figure;
-    this.words.textContent = words;
+    if (this.words.textContent !== words) writeName(this.words, words, null);
     this.row.title = spoken;
     this.meter.setAttribute("aria-valuetext", spoken);
   }

@@ -2,6 +2,7 @@
 // with its name points at it.
 
 import { dispose } from "./disposal.js";
+import { cut } from "./names.js";
 import { THREE } from "./view.js";
 
 const THICK = 2; // a screw's axis, beside how it is drawn
@@ -117,7 +118,7 @@ function arrow(length, style) {
 
 // A name that always faces the eye, HEIGHT high at any distance.
 function label(name, style, { viewer }) {
-  const text = name.length > LONGEST ? `${name.slice(0, LONGEST - 1)}…` : name;
+  const text = cut(name, LONGEST);
   const canvas = document.createElement("canvas");
   const pen = canvas.getContext("2d");
   const font = `600 ${HEIGHT}px ${getComputedStyle(document.body).fontFamily}`;

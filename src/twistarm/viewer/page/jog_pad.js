@@ -1,7 +1,7 @@
 // Buttons that move the tool or a joint for as long as they are held: by mouse, by touch, or by Space or Enter.
 
 import { element } from "./element.js";
-import { cut } from "./names.js";
+import { writeName } from "./names.js";
 
 const PLAIN = ["x", "y", "z"].flatMap((axis) => [[`−${axis}`, `+${axis}`]]);
 const ROUND = ["x", "y", "z"].map((axis) => [`${axis} ↻`, `${axis} ↺`]);
@@ -10,7 +10,6 @@ const WORDS = {
   tool: [...PLAIN, ...ROUND],
   view: [["left", "right"], ["down", "up"], ["away", "nearer"], ["tip down", "tip up"], ["right", "left"], ["↻", "↺"]],
 };
-const LONGEST = 20; // letters of a joint's name
 const HOLDING = ["Space", "Enter", "NumpadEnter"];
 
 export class JogPad {
@@ -29,11 +28,8 @@ export class JogPad {
       pair.forEach((button, i) => caption(button, "−+"[i], `${"−+"[i]} ${name}`));
       return pair;
     });
-    this.joints.replaceChildren(...joints.flatMap(({ name }, i) => {
-      const label = element("span", "name", cut(name, LONGEST));
-      label.title = name;
-      return [label, ...this.ofJoints.slice(2 * i, 2 * i + 2)];
-    }));
+    this.joints.replaceChildren(...joints.flatMap(({ name }, i) =>
+      [writeName(element("span", "name"), name), ...this.ofJoints.slice(2 * i, 2 * i + 2)]));
   }
 
   // Two buttons, there and back.

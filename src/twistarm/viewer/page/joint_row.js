@@ -1,11 +1,10 @@
 // A joint's row in the panel: name, limits, slider, and the number: to type where the arm can be moved, else to read.
 
 import { element } from "./element.js";
-import { cut } from "./names.js";
+import { writeName } from "./names.js";
 import { NumberBox } from "./number_box.js";
 import { shown, span, unitShown } from "./units.js";
 
-const LONGEST = 16; // letters of a name
 const NEAR = 0.1; // of the range between two limits
 const LEAST = { rad: Math.PI / 36, m: 0.01 }; // near a limit in any case: 5°, 1 cm
 const ROUNDING = 1e-6; // rad, m: the process lets a value lie this far beyond
@@ -29,9 +28,7 @@ export class JointRow {
 
   head() {
     const head = element("div", "head");
-    const name = element("span", "name", cut(this.joint.name, LONGEST));
-    name.title = this.joint.name;
-    head.append(name, element("span", "type", this.joint.type), this.standing, this.ends);
+    head.append(writeName(element("span", "name"), this.joint.name), element("span", "type", this.joint.type), this.standing, this.ends);
     return head;
   }
 
@@ -41,6 +38,7 @@ export class JointRow {
     Object.assign(slider, { type: "range", min: range[0], max: range[1], step: "any", disabled: !act });
     slider.dataset.joint = name;
     slider.setAttribute("aria-label", name);
+    slider.title = this.joint.type;
     slider.addEventListener("input", () => this.move(Number(slider.value), act));
     return slider;
   }
@@ -79,12 +77,12 @@ export class JointRow {
   }
 }
 
-// "near", "outside" or "", and of which limit.
-function standing({ limits, unit }, number) {
+// "near", "outside" or "", and of which limit. A joint beside the arm stands at its end as a rule: a closed gripper.
+function standing({ limits, unit, beside }, number) {
   const [lower, upper] = [limits[0] ?? -Infinity, limits[1] ?? Infinity];
   const [left, side] = number - lower < upper - number ? [number - lower, "lower"] : [upper - number, "upper"];
   const range = upper - lower;
   const margin = Math.max(Number.isFinite(range) ? NEAR * range : 0, LEAST[unit]);
   if (left < -ROUNDING) return ["outside", side];
-  return left < margin ? ["near", side] : ["", side];
+  return left < margin && !beside ? ["near", side] : ["", side];
 }

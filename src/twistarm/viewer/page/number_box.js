@@ -1,13 +1,13 @@
 // A joint's number to type: Enter or leaving the box sends it, Escape brings back what stands, arrow keys step.
 
 import { element } from "./element.js";
-import { figure, step, typed, unitShown } from "./units.js";
+import { figure, step, stride, typed, unitShown } from "./units.js";
 
 const STRIDES = { ArrowUp: 1, ArrowDown: -1, PageUp: 10, PageDown: -10 };
 const NAMES = { "°": "degrees", rad: "radians", m: "metres" };
 
 export class NumberBox {
-  // `act` holds send(value) in rad or m, and complain(text), "" once there is nothing to complain of any more.
+  // `act` holds send(value) in rad or m, complain(text, box), and settle(box) once there is nothing to complain of.
   constructor(joint, act) {
     Object.assign(this, { joint, act, number: 0, text: "" });
     this.held = false; // under somebody's hand: not written from outside
@@ -41,7 +41,7 @@ export class NumberBox {
     this.input.setAttribute("aria-label", `${name}, ${this.unit}`);
     if (lower !== null) this.input.setAttribute("aria-valuemin", lower);
     if (upper !== null) this.input.setAttribute("aria-valuemax", upper);
-    this.input.title = `In ${this.unit}. Enter sends, Escape restores, ↑ ↓ step by ${figure(step(unit), unit, 0)}, with Shift ten times that.`;
+    this.input.title = `In ${this.unit}. Enter sends, Escape restores, ↑ ↓ step by ${stride(unit)}, with Shift ten times that.`;
   }
 
   // `words`: the number and what is to be said of it.
@@ -63,8 +63,9 @@ export class NumberBox {
   }
 
   mark(nonsense) {
-    if (nonsense) this.input.setAttribute("aria-invalid", "true");
-    else this.input.removeAttribute("aria-invalid");
+    if (nonsense) return this.input.setAttribute("aria-invalid", "true");
+    this.input.removeAttribute("aria-invalid");
+    this.act.settle(this);
   }
 
   press(event) {
@@ -88,7 +89,7 @@ export class NumberBox {
     if (!this.edited) return;
     const value = typed(this.input.value, this.joint.unit);
     if (value === null) {
-      this.act.complain(`${this.joint.name}: “${this.input.value}” ${this.remedy()}`);
+      this.act.complain(`${this.joint.name}: “${this.input.value}” ${this.remedy()}`, this);
     } else {
       this.held = this.edited = false;
       this.act.send(value);
@@ -103,9 +104,13 @@ export class NumberBox {
   }
 
   restore() {
-    if (this.input.hasAttribute("aria-invalid")) this.act.complain("");
     this.held = false;
     this.write();
+  }
+
+  // The words about what is wrong here are gone: it goes too, unless somebody is at it.
+  forgive() {
+    if (document.activeElement !== this.input) this.restore();
   }
 
   // No further than to a limit.

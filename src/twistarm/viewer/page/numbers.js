@@ -3,6 +3,7 @@
 import { copyText } from "./copying.js";
 import { element } from "./element.js";
 import { heads, pitchWords, python, pythonRows, short } from "./figures.js";
+import { writeName } from "./names.js";
 
 const TWIST = ["vx", "vy", "vz", "ωx", "ωy", "ωz"];
 const MANY = 6; // columns as wide as the panel
@@ -119,8 +120,10 @@ function headCell(text, scope) {
 }
 
 function set(node, text) {
-  if (node.textContent !== text) node.textContent = text;
-  if (node.tagName === "DT" || node.tagName === "DD") node.title = text;
+  if (node.textContent === text) return;
+  if (node.tagName === "DT") return writeName(node, text);
+  node.textContent = text;
+  if (node.tagName === "DD") node.title = text;
 }
 
 const triple = (numbers, digits) => `(${numbers.map((number) => short(number, digits)).join(", ")})`;

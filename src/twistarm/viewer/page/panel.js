@@ -2,7 +2,7 @@
 
 import { $, element } from "./element.js";
 import { JointRow } from "./joint_row.js";
-import { cut } from "./names.js";
+import { cut, writeName } from "./names.js";
 import { inRadians, setRadians, shown, signed } from "./units.js";
 
 const LONGEST = 28; // letters of a frame's name
@@ -16,6 +16,7 @@ export class Panel {
     this.names = [];
     this.movers = []; // buttons that move the arm
     this.frame = null;
+    this.wrong = null; // the box that the error is about
     this.held = null; // the joint under somebody's hand: its row is not moved from outside
     for (const what of ["screws", "frames", "path"]) {
       $(`show-${what}`).addEventListener("change", (event) => act.visible(what, event.target.checked));
@@ -28,7 +29,7 @@ export class Panel {
   // `arm` as the process describes it, `notes` on what could not be drawn; without `movable` the rows only show.
   build(arm, notes, movable) {
     document.title = `${arm.name} · twistarm`;
-    $("name").textContent = $("name").title = arm.name;
+    writeName($("name"), arm.name);
     const [base, tip] = [arm.base, arm.tip].map((name) => cut(name, LONGEST));
     $("ends").textContent = `${arm.joints.length} joint${arm.joints.length === 1 ? "" : "s"}, ${base} → ${tip}`;
     $("ends").title = `${arm.base} → ${arm.tip}`;
@@ -37,7 +38,7 @@ export class Panel {
     this.rows.clear();
     const rows = arm.joints.map((joint) => this.row(joint, movable));
     if (arm.others.length) rows.push(element("h2", "", "Other joints"));
-    rows.push(...arm.others.map((joint) => this.row(joint, movable)));
+    rows.push(...arm.others.map((joint) => this.row({ ...joint, beside: true }, movable)));
     $("joints").replaceChildren(...rows);
     this.names = arm.joints.map((joint) => joint.name);
     $("notes").replaceChildren(...notes.map((note) => element("li", "", note)));
@@ -63,7 +64,8 @@ export class Panel {
         this.held = joint.name;
         this.act.joint(joint.name, value);
       },
-      complain: (text) => this.showError(text),
+      complain: (text, box) => this.complain(text, box),
+      settle: (box) => this.settle(box),
     };
     const row = new JointRow(joint, movable ? act : null);
     this.rows.set(joint.name, row);
@@ -116,15 +118,28 @@ export class Panel {
     $("status").dataset.state = state;
   }
 
+  // What is wrong in a box, and the words about it, go together.
+  complain(text, box) {
+    if (this.wrong === box) this.wrong = null; // it is still wrong
+    this.showError(text);
+    this.wrong = box;
+  }
+
+  settle(box) {
+    if (this.wrong === box) this.showError("");
+  }
+
   showError(message) {
+    const { wrong } = this;
+    this.wrong = null;
     $("error").textContent = message;
     $("error").hidden = message === "";
+    wrong?.forgive();
   }
 }
 
 function button(name, title, press) {
-  const made = element("button", "", name);
-  Object.assign(made, { type: "button", title });
+  const made = Object.assign(writeName(element("button"), name, title), { type: "button", ariaLabel: name });
   made.addEventListener("click", press);
   return made;
 }

@@ -45,6 +45,7 @@ export class Player {
     this.duration = duration ?? 0;
     $("loop").checked = loop;
     this.showSpeed(speed);
+    this.tell();
   }
 
   // Python may play at any.
@@ -62,8 +63,12 @@ export class Player {
     $("play").disabled = this.driven && !running;
     $("play").textContent = running ? "❚❚" : "▶";
     $("play").setAttribute("aria-label", running ? "Pause" : "Play");
+    this.tell();
+  }
+
+  tell() {
     this.follow();
-    const text = `${time.toFixed(2)} / ${this.duration.toFixed(2)} s`;
+    const text = `${this.time.toFixed(2)} / ${this.duration.toFixed(2)} s`;
     $("time").textContent = text;
     $("scrub").setAttribute("aria-valuetext", text);
   }

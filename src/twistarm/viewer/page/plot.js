@@ -1,6 +1,7 @@
 // One plot against time, drawn as SVG: lines of the joints, their limits, and where the motion is.
 
 import { element } from "./element.js";
+import { writeName } from "./names.js";
 import { decimals, ticks } from "./plot_scale.js";
 import { signed } from "./units.js";
 
@@ -109,7 +110,7 @@ export function swatch(joint) {
 
 // Rows of a name and a value beside a swatch, for what somebody points at.
 export function reading(rows) {
-  return rows.flatMap(({ joint, name, value }) => [swatch(joint), element("span", "name", name), element("span", "", value)]);
+  return rows.flatMap(({ joint, name, value }) => [swatch(joint), writeName(element("span", "name"), name), element("span", "", value)]);
 }
 
 function look(joint) {

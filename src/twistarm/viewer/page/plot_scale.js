@@ -1,6 +1,6 @@
 // What a plot shows of the joints, and in which numbers: all of them as shares of their limits, or one in its unit.
 
-import { figure, signed, unitShown } from "./units.js";
+import { figure, limitDigits, signed, unitShown } from "./units.js";
 
 export const RATES = ["position", "velocity", "acceleration"];
 const TITLES = { position: "Position", velocity: "Velocity", acceleration: "Acceleration" };
@@ -58,8 +58,9 @@ function alone(plots, rate, chosen) {
   const round = ticks(low, high).filter((at) => drawn.every((limit) => Math.abs(at - limit) > AIR * (high - low)));
   const marks = [...round.map((at) => ({ at, limit: false })), ...drawn.map((at) => ({ at, limit: true }))];
   const digits = decimals(high - low);
-  for (const mark of marks) mark.label = signed(mark.at, digits);
-  return { title: `${TITLES[rate]}, ${unitShown(joint.unit)}${PER[rate]}${told(joint, rate, limits, digits)}`, low, high, marks, lines };
+  const exact = limitDigits(joint.unit, digits);
+  for (const mark of marks) mark.label = signed(mark.at, mark.limit ? exact : digits);
+  return { title: `${TITLES[rate]}, ${unitShown(joint.unit)}${PER[rate]}${told(joint, rate, limits, exact)}`, low, high, marks, lines };
 }
 
 // What is behind the title: the limits in numbers.

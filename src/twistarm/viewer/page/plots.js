@@ -1,11 +1,11 @@
 // Position, velocity and acceleration of the trajectory that is loaded, against the limits, under the view.
 
 import { $, element } from "./element.js";
+import { writeName } from "./names.js";
 import { Plot, reading, swatch } from "./plot.js";
 import { RATES, scaled, share, worded } from "./plot_scale.js";
 
 const KEPT = "twistarm plots"; // in the browser's storage
-const LETTERS = 118; // of a legend, about
 
 export class Plots {
   // `seek(time)` asks for a moment of the motion.
@@ -117,14 +117,12 @@ function peaks(joint) {
   }).join(" and ");
 }
 
-// Names that stand beside one another: without what all of them begin with, up to an underscore, and cut in the middle.
+// Names that stand beside one another: without what all of them begin with, up to an underscore.
 function shortened(names) {
   const [first = ""] = names;
   const ends = [...first.matchAll(/_/g)].map(({ index }) => index + 1);
   const common = ends.findLast((end) => names.every((name) => name.startsWith(first.slice(0, end)) && name.length > end));
-  const bare = names.length > 1 ? names.map((name) => name.slice(common ?? 0)) : names;
-  const room = Math.max(9, Math.floor(LETTERS / Math.max(1, names.length)) - 6); // beside its line
-  return bare.map((name) => (name.length > room ? `${name.slice(0, room - 7)}…${name.slice(-6)}` : name));
+  return names.length > 1 ? names.map((name) => name.slice(common ?? 0)) : names;
 }
 
 function percent(part) {
@@ -140,17 +138,19 @@ function between(times, values, time) {
 
 function chip(name, title, press) {
   const made = element("button");
-  Object.assign(made, { type: "button", title });
-  made.append(element("span", "name", name));
+  Object.assign(made, { type: "button", title, ariaLabel: name });
+  made.append(writeName(element("span", "name"), name, null));
   made.addEventListener("click", press);
   return made;
 }
 
+// Where little room is they wait to be asked for.
 function kept() {
+  const room = !matchMedia("(max-width: 720px)").matches;
   try {
-    return localStorage.getItem(KEPT) !== "false";
+    return (localStorage.getItem(KEPT) ?? String(room)) === "true";
   } catch {
-    return true;
+    return room;
   }
 }
 

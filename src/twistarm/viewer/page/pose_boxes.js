@@ -7,7 +7,7 @@ import { shown } from "./units.js";
 const NAMES = ["x", "y", "z", "roll", "pitch", "yaw"];
 
 export class PoseBoxes {
-  // `act` holds send(numbers) with the six [m, rad], and complain(text).
+  // `act` holds send(numbers) with the six [m, rad], complain(text, box) and settle(box).
   constructor(act) {
     this.act = act;
     this.numbers = [0, 0, 0, 0, 0, 0];
@@ -19,7 +19,8 @@ export class PoseBoxes {
     const quantity = { name: `tool ${name}`, unit: i < 3 ? "m" : "rad", limits: [null, null] };
     const box = new NumberBox(quantity, {
       send: (value) => this.act.send(this.numbers.map((number, k) => (k === i ? value : number))),
-      complain: (text) => this.act.complain(text),
+      complain: (text, wrong) => this.act.complain(text, wrong),
+      settle: (wrong) => this.act.settle(wrong),
     });
     const entry = element("dd", "entry");
     entry.append(box.input);

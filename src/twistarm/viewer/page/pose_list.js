@@ -1,6 +1,7 @@
 // The rows of recorded poses: a name to edit, and buttons to go there, to move the row and to delete it.
 
 import { element } from "./element.js";
+import { writeName } from "./names.js";
 
 const LONGEST = 60;
 const SAME = 1e-9; // rad, m: the arm stands on a pose
@@ -81,7 +82,11 @@ class Row {
     this.up = this.button("", "↑", () => owner.move(this.id, -1));
     this.down = this.button("", "↓", () => owner.move(this.id, 1));
     this.remove = this.button("", "✕", () => act.remove(this.id));
-    this.item.append(this.box, this.go, this.up, this.down, this.remove);
+    const field = element("span", "field");
+    this.shown = element("span"); // over the box, in which a name is cut at its end
+    this.shown.ariaHidden = "true";
+    field.append(this.box, this.shown);
+    this.item.append(field, this.go, this.up, this.down, this.remove);
     this.item.addEventListener("keydown", (event) => this.press(event));
   }
 
@@ -110,6 +115,7 @@ class Row {
     [this.up.disabled, this.down.disabled] = [place === 0, place === count - 1];
     this.box.setAttribute("aria-label", `Name of pose ${place + 1}`);
     this.box.title = name;
+    writeName(this.shown, name, null);
     const words = [[this.go, "Go to"], [this.up, "Move up"], [this.down, "Move down"], [this.remove, "Delete"]];
     for (const [made, word] of words) made.title = made.ariaLabel = `${word} ${name}`;
   }

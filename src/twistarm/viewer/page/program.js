@@ -5,11 +5,14 @@ import { PoseList } from "./pose_list.js";
 import { read, written } from "./pose_file.js";
 import { fileName, save } from "./saving.js";
 
+const OUTDATED = "Another kind of motion was planned: plan again.";
+
 export class Program {
   // `page` holds panel, state and ask(request).
   constructor(page) {
     this.page = page;
     this.poses = [];
+    Object.assign(this, { planned: false, kind: null, stop: false, note: "" });
     this.duration = null;
     this.trying = this.failed = false; // the motion that was asked for last: it may still come, and it did not
     this.driven = false;
@@ -32,20 +35,40 @@ export class Program {
     $("record").addEventListener("click", () => this.record());
     $("pose-name").addEventListener("keydown", ({ key }) => key === "Enter" && this.record());
     $("plan").addEventListener("click", () => this.plan());
-    $("plan-kind").addEventListener("change", () => { $("plan-stop").disabled = $("plan-kind").value === "trapezoid"; });
+    for (const id of ["plan-kind", "plan-stop"]) $(id).addEventListener("change", () => this.choose());
     $("save-poses").addEventListener("click", () => this.save());
     $("load-poses").addEventListener("click", () => $("poses-file").click());
     $("poses-file").addEventListener("change", () => this.open());
   }
 
-  show({ poses, planned, note }) {
-    Object.assign(this, { poses, planned, note, trying: false, failed: false });
+  show({ poses, planned, kind, stop, note }) {
+    const another = kind !== null && (kind !== this.kind || stop !== this.stop);
+    Object.assign(this, { poses, planned, kind, stop, note, trying: false, failed: false });
+    if (another) this.follow();
     this.list.show(poses);
     if (this.page.state.frame) this.list.mark(this.page.state.frame.theta);
     $("pose-name").placeholder = `pose ${poses.length + 1}`;
     $("pose-hint").hidden = poses.length > 0;
     $("save-poses").disabled = poses.length === 0;
     this.tell();
+  }
+
+  // The boxes say what was planned, by whichever page.
+  follow() {
+    $("plan-kind").value = this.kind;
+    $("plan-stop").checked = this.stop;
+    this.choose();
+  }
+
+  choose() {
+    $("plan-stop").disabled = $("plan-kind").value === "trapezoid"; // which stops anyway
+    this.tell();
+  }
+
+  // Whether the motion is the one that the boxes ask for.
+  get asAsked() {
+    const kind = $("plan-kind").value;
+    return kind === this.kind && (kind === "trapezoid" || $("plan-stop").checked === this.stop);
   }
 
   placed({ theta }) {
@@ -76,8 +99,9 @@ export class Program {
   tell() {
     const word = this.failed ? "Not planned anew; still loaded" : "Planned";
     const done = this.planned && this.duration !== null ? `${word}: ${this.duration.toFixed(2)} s` : "";
-    $("program-note").textContent = [done, this.note].filter(Boolean).join("; ");
-    $("program-note").classList.toggle("stale", !this.planned);
+    const outdated = this.planned && !this.asAsked;
+    $("program-note").textContent = outdated ? OUTDATED : [done, this.note].filter(Boolean).join("; ");
+    $("program-note").classList.toggle("stale", outdated || !this.planned);
     $("plan").disabled = this.driven || this.poses.length < 2;
     $("plan").title = this.poses.length < 2 ? "Record two poses first" : "Through the poses in their order, within the limits";
   }

@@ -32,7 +32,8 @@ export class Target {
     });
     this.boxes = new PoseBoxes({
       send: (numbers) => this.type(numbers),
-      complain: (text) => page.panel.showError(text),
+      complain: (text, box) => page.panel.complain(text, box),
+      settle: (box) => page.panel.settle(box),
     });
     this.verdict = new Verdict();
     this.messages = {
@@ -96,7 +97,7 @@ export class Target {
   show(message) {
     this.given = message.given && { ...message.given, met: message.met };
     const answered = !this.given || (this.asked && same(this.given, this.asked));
-    this.verdict.show(message, this.gizmo.motion || answered);
+    this.verdict.show(message);
     if (answered && !this.gizmo.motion) this.asked = null;
     this.arrange();
   }

@@ -3,6 +3,10 @@
 import { COLOURS } from "./cloud.js";
 import { $, element } from "./element.js";
 import { short } from "./figures.js";
+import { cut } from "./names.js";
+
+const LONGEST = 22; // letters of a joint's name
+const SHORT = 11; // behind other words
 
 const LAYERS = {
   labels: ["Labels", "Name and pitch at each joint's axis, S and T at the frames"],
@@ -48,7 +52,7 @@ export class Switches {
   build(axes, names) {
     this.last = element("option", "", "last moved");
     this.last.value = "";
-    $("theory-joint").replaceChildren(this.last, ...names.map((name, i) => Object.assign(element("option", "", name), { value: i })));
+    $("theory-joint").replaceChildren(this.last, ...names.map((name, i) => Object.assign(element("option", "", cut(name, LONGEST)), { value: i, title: name })));
     const { linear, angular, length } = axes;
     $("theory-scale").textContent = `Drawn: 1 m/s is ${short(linear)} m long, 1 rad/s ${short(angular)} m; `
       + `joints at 1 rad/s, slides at ${short(length)} m/s (the reach).`;
@@ -57,7 +61,7 @@ export class Switches {
 
   // Which joint "last moved" stands for; null: none, the whole motion is shown.
   say(name) {
-    const text = name === null ? "the motion on show" : `last moved: ${name}`;
+    const text = name === null ? "the motion on show" : `last moved: ${cut(name, SHORT)}`;
     if (this.last.textContent !== text) this.last.textContent = text;
   }
 

@@ -2,6 +2,7 @@
 
 const DEGREES = 180 / Math.PI;
 const KEPT = "twistarm radians"; // in the browser's storage
+const NARROW = { "°": 10, rad: 0.1, m: 0.1 }; // ranges whose ends need a digit more
 const STEPS = { "°": 1, rad: 0.01, m: 0.001 };
 const WRITTEN = { "°": /\s*(°|deg)$/i, rad: /\s*rad$/i, m: /\s*m$/i }; // a unit that may follow a typed number
 const NUMBER = /^[+-]?(\d+\.?\d*|\.\d+)(e[+-]?\d+)?$/i;
@@ -49,7 +50,13 @@ export function shown(value, unit, digits) {
 }
 
 export function span([low, high], unit) {
-  return `${figure(low, unit, 0)} … ${figure(high, unit, 0)}${mark(unit)}`;
+  const digits = (high - low) * scale(unit) < NARROW[unitShown(unit)] ? 1 : 0;
+  return `${figure(low, unit, digits)} … ${figure(high, unit, digits)}${mark(unit)}`;
+}
+
+// Decimals of a limit beside others of `digits`: radians tell little without two.
+export function limitDigits(unit, digits) {
+  return unitShown(unit) === "°" ? digits : Math.max(2, digits);
 }
 
 // What was typed, in rad or m; null where it is no number.
@@ -62,6 +69,11 @@ export function typed(text, unit) {
 // What an arrow key adds, rad or m.
 export function step(unit) {
   return STEPS[unitShown(unit)] / scale(unit);
+}
+
+// The same in words.
+export function stride(unit) {
+  return `${STEPS[unitShown(unit)]}${mark(unit)}`;
 }
 
 function scale(unit) {

@@ -16,16 +16,13 @@ export class Verdict {
     for (const place of [this.place, this.missed]) place.setAttribute("aria-busy", on);
   }
 
-  // `near`: the target is this page's own, and whoever gave it should see why it is not met.
-  show(message, near) {
+  show(message) {
     const words = message?.given ? `${message.met}\n${message.words}` : "";
     if (words === this.told) return;
     this.told = words;
-    const missed = message?.met === false && this.place.dataset.met !== "false";
     this.place.dataset.met = message?.met ?? "";
     this.place.replaceChildren(...(words ? lines(message) : []));
     this.missed.textContent = message?.met === false ? `✕ not met: ${inShort(message)}` : "";
-    if (missed && near) this.place.scrollIntoView({ block: "nearest" });
   }
 }
 
