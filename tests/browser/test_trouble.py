@@ -6,17 +6,19 @@ import socket
 from collections.abc import Iterator
 from contextlib import ExitStack
 from functools import partial
+from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pytest
 from waiting import settled, until
 
-from twistarm import Arm, ArmBuilder
+from twistarm import Arm, ArmBuilder, load_arm
 from twistarm.planning.joint_space import plan_joint
 from twistarm.viewer import Viewer
 from twistarm.viewer.page_files import page_text
 from twistarm.viewer.pose_list import LARGEST_LIST
+from twistarm.viewer.watching import loaded
 
 pytestmark = pytest.mark.browser
 
@@ -224,6 +226,43 @@ def test_a_process_that_has_gone_is_told_and_one_started_anew(browser: Any, arm:
     assert page.evaluate("twistarm.link.pending.size") == 0
     with Viewer(arm, open_browser=False, port=port):
         until(page, "document.getElementById('error').textContent.startsWith('The process was started anew')")
+    page.close()
+    assert errors == []
+
+
+def test_an_arm_whose_file_changes_is_drawn_anew_and_one_that_is_broken_is_told(
+    browser: Any, arm: Arm, tmp_path: Path
+) -> None:
+    page = browser.new_page()
+    errors: list[str] = []
+    page.on("pageerror", lambda error: errors.append(str(error)))
+    file = tmp_path / "small.urdf"
+    file.write_text(arm.description.text)
+    load = partial(load_arm, file)
+    first, files = loaded(load)
+    shown = "document.getElementById('notice')"
+    with Viewer(first, [0.1, 0.2, 0.3], open_browser=False) as viewer:
+        viewer.watch(load, files)
+        settled(page, viewer.url)
+        page.evaluate("twistarm.view.viewer.camera.position.x += 0.3, twistarm.view.viewer.controls.update()")
+        look = (
+            "[twistarm.view.viewer.camera.position, twistarm.view.viewer.camera.quaternion].map((it) => it.toArray())"
+        )
+        seen = page.evaluate(look)
+        file.write_text(arm.description.text.replace("</robot>", ""))
+        until(page, f"!{shown}.hidden && {shown}.textContent.includes('small.urdf')")
+        assert page.locator("#notice").get_attribute("class") == "wrong"
+        assert "not loaded again" in page.locator("#notice").inner_text()
+        page.locator('input[data-joint="a"]').press("ArrowRight")  # the last one that could be loaded lives
+        until(page, "twistarm.state.frame.theta[0] !== 0.1")
+        viewer.show([0.1, 0.2, 0.3])
+        file.write_text(arm.description.text.replace('"c"', '"elbow"'))
+        until(page, f"{shown}.textContent.endsWith('loaded again') && !{shown}.classList.contains('wrong')")
+        until(page, "twistarm.state.frame?.theta.length === 3 && twistarm.panel.names[2] === 'elbow'")
+        assert page.evaluate("twistarm.state.frame.theta.slice(0, 2)") == [0.1, 0.2]
+        assert page.evaluate(look) == seen
+        page.locator('input[data-joint="elbow"]').press("Home")
+        until(page, "twistarm.state.frame.theta[2] === -2")
     page.close()
     assert errors == []
 

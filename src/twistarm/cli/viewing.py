@@ -5,19 +5,21 @@ from __future__ import annotations
 import re
 from collections.abc import Callable
 from contextlib import ExitStack
+from functools import partial
 from pathlib import Path
-from typing import Annotated
+from typing import Annotated, Any
 
 import typer
 
-from ..arm import Arm
 from ..errors import InputError
+from ..loading import load_arm
 from ..viewer import Viewer, page_html, show_in_browser
 from ..viewer.exhibit import of_arm
 from ..viewer.recorded import recorded_motion
 from ..viewer.screenshot import png_of
+from ..viewer.watching import loaded
 from .kinematics import warn_outside
-from .options import Radians, Theta, parse_theta, takes_arm
+from .options import Radians, Theta, parse_theta, takes_source
 from .output import warn
 from .outputs import Force, Format, outputs_of
 from .signals import ended_like_ctrl_c
@@ -43,17 +45,20 @@ Output = Annotated[
 Fresh = Annotated[
     bool, typer.Option("--fresh", help="With --port: begin with a new address, and without the poses kept for it.")
 ]
+Watch = Annotated[bool, typer.Option("--watch", help="Load the arm again whenever one of its files changes.")]
 Browser = Annotated[bool, typer.Option("--browser/--no-browser", help="Open the page in a browser.")]
 
 
-@takes_arm
+@takes_source
 def view(
-    arm: Arm,
+    source: str,
+    load: dict[str, Any],
     theta: Theta | None = None,
     port: Port = 0,
     host: Host = "127.0.0.1",
     browser: Browser = True,
     fresh: Fresh = False,
+    watch: Watch = False,
     play: Annotated[Path | None, typer.Option(metavar="CSV", help="Play a motion that `twistarm plan` wrote.")] = None,
     output: Output = None,
     form: Format = None,
@@ -66,6 +71,8 @@ def view(
     if size is not None and all(kind != "png" for kind, _ in outputs.files):
         raise InputError("--size is that of the picture: it goes with -o FILE.png")
     pixels = _pixels(size or "1280x720")
+    load_again = partial(load_arm, source, **load)
+    arm, files = loaded(load_again)
     if fresh and port == 0:
         raise InputError("--fresh goes with --port PORT: without it nothing is kept")
     x = None if theta is None else parse_theta(arm, theta, rad)
@@ -90,6 +97,8 @@ def view(
         if motion is not None:
             viewer.show_path(motion)
             viewer.play(motion)
+        if watch:
+            viewer.watch(load_again, files, warn)
         serve(viewer, f"{arm.name} at", browser)
 
 

@@ -4,6 +4,9 @@ from __future__ import annotations
 
 import codecs
 import xml.etree.ElementTree as ET
+from collections.abc import Iterator
+from contextlib import contextmanager
+from contextvars import ContextVar
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 from xml.parsers import expat
@@ -60,11 +63,33 @@ class Reading:
             raise refused(self.findings)
 
 
+_NOTED: ContextVar[set[Path] | None] = ContextVar("noted", default=None)
+
+
+@contextmanager
+def noted_files() -> Iterator[set[Path]]:
+    """The files of descriptions that are read inside, in this thread, as they become known; those missing too."""
+    files: set[Path] = set()
+    before = _NOTED.set(files)
+    try:
+        yield files
+    finally:
+        _NOTED.reset(before)
+
+
+def note_file(path: Path) -> None:
+    """Note that `path` is being looked for."""
+    noted = _NOTED.get()
+    if noted is not None:
+        noted.add(path.absolute())
+
+
 def read_text(path: Path, most: int = MAX_BYTES) -> str:
     """The file's text: UTF-16 by its byte-order mark, UTF-8 with or without one, else Latin-1.
 
     Raises DescriptionError for a file of more than `most` bytes, and for one that cannot be read.
     """
+    note_file(path)
     try:
         if path.exists() and not is_file(path):
             raise refusal("file-unreadable", Place(str(path)), "it is no regular file", "give a file")

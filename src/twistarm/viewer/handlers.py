@@ -16,6 +16,7 @@ from .downloads import DOWNLOADS
 from .guard import Guard
 
 if TYPE_CHECKING:
+    from .scene import Scene
     from .server import Server
 
 POLICY = (
@@ -39,6 +40,9 @@ def require_admission(guard: Guard, request: Any, token: str) -> None:
     if not guard.knows_token(token):
         raise tornado.web.HTTPError(403, reason="wrong token: open the address the viewer gave")
 
+
+REPLIES = ("done", "error")
+"""What answers the page itself, whatever arm is on show."""
 
 MOST_PAGES = 64
 """Sockets at a time: each costs a megabyte of buffers at the worst, and a team has fewer screens."""
@@ -114,6 +118,7 @@ class SocketHandler(tornado.websocket.WebSocketHandler):
         """Called by tornado with the arguments of the route."""
         self.server = server
         self._outbox: dict[str, str] = {}
+        self._scene: Scene | None = None  # of which the page has been sent the first objects
         self._waiting = asyncio.Event()
         self._sender: asyncio.Task[None] | None = None
         self._sent = 0
@@ -133,10 +138,15 @@ class SocketHandler(tornado.websocket.WebSocketHandler):
     def open(self, *path: str, **arguments: str) -> None:
         """Greet the page, then keep it up to date."""
         self.set_nodelay(True)
-        for kind, text in self.server.state().items():
-            self.put(kind, text)
+        self.begin(self.server.state())
         self.server.clients.add(self)
         self._sender = asyncio.get_running_loop().create_task(self._send())
+
+    def begin(self, texts: Mapping[str, str]) -> None:
+        """Say what is on show, all of it: the page knows nothing of this arm. Answers that wait are not lost."""
+        self._outbox = {kind: text for kind, text in self._outbox.items() if kind in REPLIES}
+        for kind, text in texts.items():
+            self.put(kind, text)
 
     def put(self, kind: str, text: str) -> None:
         """Send `text` as soon as the page has taken what came before; an unsent one of its kind is dropped."""
@@ -165,7 +175,6 @@ class SocketHandler(tornado.websocket.WebSocketHandler):
 
     async def _send(self) -> None:
         try:
-            await self.write_message(self.server.greeting())
             while True:
                 await self._waiting.wait()
                 self._waiting.clear()
@@ -175,12 +184,14 @@ class SocketHandler(tornado.websocket.WebSocketHandler):
 
     async def _catch_up(self) -> None:
         """Send what the page lacks of the scene; once all but the meshes is there, whatever else waits goes first."""
-        objects = self.server.scene.objects
-        while self._sent < len(objects) or self._outbox:
-            if self._sent < len(objects):
-                await self.write_message(objects[self._sent], binary=True)
+        while (scene := self.server.scene) is not self._scene or self._sent < len(scene.objects) or self._outbox:
+            if scene is not self._scene:  # a new page, or another arm
+                self._scene, self._sent = scene, 0
+                await self.write_message(self.server.greeting())
+            elif self._sent < len(scene.objects):
                 self._sent += 1
-            if self._sent >= self.server.scene.plain and self._outbox:
+                await self.write_message(scene.objects[self._sent - 1], binary=True)
+            if scene is self.server.scene and self._sent >= scene.plain and self._outbox:
                 await self._empty_outbox()
 
     async def _empty_outbox(self) -> None:

@@ -87,7 +87,7 @@ class Memory:
                 self.notes.append(f"of the poses kept, one{more} does not fit: {left[0]}; all are in {aside}")
         except TwistarmError as error:
             self.notes.append(f"the poses kept are not taken: {error}")
-            self._set_aside(self._folder)
+            self.set_aside()
 
     def _take(self, content: bytes, stage: Stage, stands: bool) -> list[str]:
         """What was left of the file, in words."""
@@ -100,9 +100,12 @@ class Memory:
         self._kept = "" if left else self._text(stage)
         return left
 
-    def _set_aside(self, folder: PrivateFolder) -> None:
+    def set_aside(self) -> None:
+        """Leave what is on the disk to whoever looks for it: it is not to be written over."""
+        if self._folder is None:
+            return
         try:
-            self.notes.append(f"what was kept is in {folder.set_aside(self._file)} now")
+            self.notes.append(f"what was kept is in {self._folder.set_aside(self._file)} now")
         except TwistarmError as error:
             self.notes.append(f"nothing will be kept: {error}")
             self._folder = None

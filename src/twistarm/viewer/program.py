@@ -75,6 +75,13 @@ class Program:
             self._shown, self._message = shown, self._words(loaded is not None and loaded is self._motion)
         yield self._message
 
+    def follow(self, other: Program) -> None:
+        """Take over which motion `other` planned, and through which poses: the list is the same or it is not."""
+        poses = [(pose.name, pose.theta.tolist()) for pose in self.list.poses]
+        self._motion = other._motion
+        if poses == [(pose.name, pose.theta.tolist()) for pose in other.list.poses]:
+            self._through = _ids(self.list.poses) if other._through == _ids(other.list.poses) else ()
+
     def _words(self, ours: bool) -> Message:
         current = ours and self._through == _ids(self.list.poses)
         poses = [{"id": pose.id, "name": pose.name, "theta": pose.theta.tolist()} for pose in self.list.poses]

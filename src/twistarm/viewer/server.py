@@ -16,6 +16,7 @@ import tornado.httpserver
 from ..errors import InputError, TwistarmError
 from ..strict_json import LARGEST_MESSAGE, encode
 from .board import Message
+from .carrying import carry
 from .commands import COMMANDS, PageCommands
 from .driver import Driver
 from .findings import Examination
@@ -47,10 +48,7 @@ class Server:
         self, stage: Stage, scene: Scene, host: str, port: int, memory: Memory | None = None, stands: bool = False
     ) -> None:
         """memory: what is kept at this address, of which theta is not taken where the stage `stands` as it shall."""
-        self.stage = stage
-        self.scene = scene
         self.commands = PageCommands(stage.arm)
-        self.doctor = Examination(stage.arm, self._show_findings)
         self.clients: set[SocketHandler] = set()
         self._sockets = bind(host, port)
         self.port = int(self._sockets[0].getsockname()[1])
@@ -65,22 +63,28 @@ class Server:
         self._changes: dict[str, Change] = {}
         self._applied = 0.0
         self._pages = 0
-        self._news = News()
         self._jobs: dict[str, float] = {}
-        self.driver = Driver(stage, self.commands, self.post)
+        self._take(stage, scene)
         self.writing = asyncio.Lock()
         self._workers = Workers(self._deliver, self._show_job)
         self._player: asyncio.Task[None] | None = None
         self._thread = threading.Thread(target=lambda: asyncio.run(self._main()), name="twistarm viewer", daemon=True)
         self._started = threading.Event()
 
+    def _take(self, stage: Stage, scene: Scene) -> None:
+        """Make this the arm on show: whatever is made for one arm is made here."""
+        self.stage, self.scene = stage, scene
+        self.commands.arm = stage.arm
+        self.driver = Driver(stage, self.commands, self.post)
+        self.doctor = Examination(stage.arm, lambda message: self._show_findings(stage, message))
+        self._news = News()
+
     def start(self) -> None:
         """Return once pages are served."""
         self._thread.start()
         if not self._started.wait(START_TIME):
             raise InputError(f"the viewer's server did not start within {START_TIME:g} s")
-        if self.scene.left:
-            self._workers.submit(Job("scene", "reading the meshes", self._draw, lambda result: None))
+        self._draw_meshes()
 
     def stop(self) -> None:
         """Close every page's socket and the port, and end the thread. Harmless when repeated."""
@@ -107,14 +111,30 @@ class Server:
             with suppress(RuntimeError):  # the loop may have been closed meanwhile
                 self._loop.call_soon_threadsafe(self._apply_in_time)
 
-    def _draw(self, progress: Progress) -> None:
-        """Read the meshes while pages are served already; each word of progress has the pages told of what there is."""
-        count = self.scene.left
-        while self.scene.draw():
-            progress(1.0 - self.scene.left / count)
+    def exchange(self, stage: Stage, scene: Scene) -> list[str]:
+        """Show another arm; what `carry` says of it. Raises InputError while a servo drives, and once closed."""
+        if not self._thread.is_alive():
+            raise InputError("the viewer was closed: there is nothing to show an arm in")
+        return self.ask(lambda shown: self._exchange(stage, scene))
 
-    def _show_findings(self, message: dict[str, Any]) -> None:
-        self.post("findings", lambda stage: setattr(stage, "findings", message))
+    def notify(self, words: str, wrong: bool = False) -> None:
+        """Have the pages say this until there is something else to say; `wrong`: it wants mending."""
+        notice = {"type": "notice", "words": words, "wrong": wrong}
+        self.post("notice", lambda stage: setattr(self, "notice", notice))
+
+    def _draw_meshes(self) -> None:
+        """Read them while pages are served already; each word of progress has the pages told of what there is."""
+        scene, count = self.scene, self.scene.left
+
+        def draw(progress: Progress) -> None:
+            while scene.draw():
+                progress(1.0 - scene.left / count)
+
+        if count:
+            self._workers.submit(Job("scene", "reading the meshes", draw, lambda result: None))
+
+    def _show_findings(self, examined: Stage, message: dict[str, Any]) -> None:
+        self.post("findings", lambda stage: setattr(examined, "findings", message))
 
     def _deliver(self, action: Callable[[], None]) -> None:
         """Do `action` in the loop at once, then tell the pages: the end of a job."""
@@ -146,15 +166,37 @@ class Server:
             application(self), max_body_size=LARGEST_MESSAGE, idle_connection_timeout=IDLE_TIME
         )
         http.add_sockets(self._sockets)
-        consultation = self._loop.create_task(self.doctor.wait(self._calm))
+        self._consult()
         self._started.set()
         await self._stop.wait()
-        consultation.cancel()
+        self._consultation.cancel()
         self._apply()
         http.stop()
         for client in list(self.clients):
             client.close(1001, "the viewer was closed")
         await http.close_all_connections()
+
+    def _consult(self) -> None:
+        self._consultation = self._loop.create_task(self.doctor.wait(self._calm))
+
+    def _exchange(self, stage: Stage, scene: Scene) -> list[str]:
+        old = self.stage
+        if old.driven:
+            raise InputError(f"a servo drives {old.arm.name}: another arm is shown once it has ended")
+        words = carry(old, stage)
+        if stage.left and self.memory is not None:
+            self.memory.set_aside()
+        self._consultation.cancel()
+        self._take(stage, scene)
+        self._consult()
+        self._draw_meshes()
+        if (job := stage.workspace.switched("workspace", stage)) is not None:
+            self._workers.submit(job)
+        texts = self.state()
+        for client in self.clients:
+            client.begin(texts)
+        self.publish()
+        return words
 
     def _calm(self) -> bool:
         return bool(self.clients) and not self.stage.driven and not self.scene.left

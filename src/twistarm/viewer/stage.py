@@ -17,6 +17,7 @@ from ..limits import JointLimits
 from ..planning.trajectory import Trajectory
 from .admission import checked_theta, require_all_inside, require_inside
 from .board import Message
+from .carrying import Left
 from .findings import loaded
 from .gauge import Gauge
 from .jobs import Job
@@ -69,6 +70,7 @@ class Stage:
             self.program,
             Plots(),
         )
+        self.left: tuple[Left, ...] = ()
         self.driven = self.jogging = False
         self.report: dict[str, Any] = SILENT
         self.drive: Message = NO_DRIVE

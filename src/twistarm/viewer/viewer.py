@@ -7,6 +7,7 @@ import sys
 import threading
 import time
 import webbrowser
+from collections.abc import Callable, Iterable
 from contextlib import suppress
 from pathlib import Path
 
@@ -31,6 +32,7 @@ from .scene import Scene
 from .screenshot import write_picture
 from .servo_words import servo_words
 from .stage import Stage
+from .watching import Watch
 
 MOVED = "the program moves the arm: Drive was switched off"
 
@@ -66,8 +68,8 @@ class Viewer(Closing):
 
         if keep and port == 0:
             raise InputError("an address is kept for a port that is always the same: give port=, as in port=8000")
-        self.arm = arm
         self._host = host
+        self._watches: list[Watch] = []
         self._closed = threading.Event()
         memory = Memory(host, port, fresh) if keep else None
         self._server = Server(Stage(arm, theta), Scene(arm), host, port, memory, stands=theta is not None)
@@ -83,22 +85,54 @@ class Viewer(Closing):
         return f"http://{f'[{name}]' if ':' in name else name}:{self._server.port}/{self._server.guard.token}/"
 
     @property
+    def arm(self) -> Arm:
+        """The arm on show."""
+        return self._server.stage.arm
+
+    @property
     def theta(self) -> Array:
         """The configuration (n,) on show [rad, m], whoever set it: Python, a slider, or a trajectory that plays."""
         return self._server.ask(lambda stage: stage.theta.copy())
 
     def show(self, theta: ArrayLike) -> None:
         """Stand at theta (n,) [rad, m]. Called faster than the pages can draw, the latest wins."""
-        checked = checked_theta(self.arm, theta).copy()
+        arm = self.arm
+        checked = checked_theta(arm, theta).copy()
         self._server.driver.drop(MOVED)
-        self._server.post("show", lambda stage: stage.show(checked))
+        self._post("show", arm, lambda stage: stage.show(checked))
 
     def play(self, trajectory: Trajectory, speed: float = 1.0, loop: bool = False) -> None:
         """Play `trajectory` from its start, `speed` times as fast, again and again with `loop`; returns at once."""
-        check_trajectory(self.arm, trajectory)
+        arm = self.arm
+        check_trajectory(arm, trajectory)
         times = as_positive(speed, "speed")
         self._server.driver.drop(MOVED)
-        self._server.post("play", lambda stage: stage.load(trajectory, times, loop, time.monotonic()))
+        self._post("play", arm, lambda stage: stage.load(trajectory, times, loop, time.monotonic()))
+
+    def _post(self, key: str, arm: Arm, change: Callable[[Stage], None]) -> None:
+        """Change what is on show, unless another arm has taken the place of `arm` meanwhile."""
+        self._server.post(key, lambda stage: change(stage) if stage.arm is arm else None)
+
+    def load(self, arm: Arm) -> tuple[str, ...]:
+        """Show `arm` in place of the one on show, on the pages that are open; returns once that is so.
+
+        Each joint stands where the joint of its name stood, layers and camera stay, and so do the poses and the motion
+        as far as they fit; what was changed or left out is returned, in words. Poses left out come back with an arm
+        that allows them.
+
+        Raises InputError while a servo drives the arm, and of a view that was closed.
+        """
+        return tuple(self._server.exchange(Stage(arm), Scene(arm)))
+
+    def watch(
+        self, load: Callable[[], Arm], files: Iterable[Path], say: Callable[[str], None] = lambda _: None
+    ) -> None:
+        """Show what `load` returns whenever one of `files`, or of those that it read the last time, has changed.
+
+        `twistarm.viewer.watching.loaded` finds the files of an arm. The pages say when it was loaded again, and why not
+        where it cannot be: the last one that could stays on show. `say` is told the same, from another thread.
+        """
+        self._watches.append(Watch(self._server, load, files, say))
 
     @property
     def poses(self) -> dict[str, Array]:
@@ -188,6 +222,8 @@ class Viewer(Closing):
     def close(self) -> None:
         """Stop serving; nothing is left running. Harmless when repeated."""
         self._closed.set()
+        for watch in self._watches:
+            watch.close()
         self._server.stop()
 
 

@@ -13,7 +13,7 @@ from typing import Any
 from xml.dom import minidom
 from xml.parsers.expat import ExpatError
 
-from ..document import Reading, parse_xml, read_text
+from ..document import Reading, note_file, parse_xml, read_text
 from ..findings import Place, refusal
 from ..packages import PackageIndex
 from .arguments import Arguments
@@ -156,6 +156,7 @@ class Expansion:
         if len(self._xacro.filestack) > MAX_INCLUDES:
             what = f"an included file refers to itself without end: {MAX_INCLUDES} files are open"
             raise Refused("xacro-recursion", what, "take out the include that comes back")
+        note_file(Path(name))
         return self._confinement.admit(name)
 
     def find(self, package: str) -> str:

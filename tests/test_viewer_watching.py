@@ -1,0 +1,272 @@
+"""Another arm in a view that is open: what stays of what was shown, and files that are watched while they change."""
+
+from __future__ import annotations
+
+import os
+import threading
+import time
+from collections.abc import Callable, Iterator
+from contextlib import suppress
+from functools import partial
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from numpy.testing import assert_allclose
+
+from twistarm import Arm, load_arm, plan_joint
+from twistarm.errors import DescriptionError, InputError
+from twistarm.viewer import Viewer
+from twistarm.viewer.watching import loaded
+from viewer_page import ARM, THETA, WAIT, Page, matrix, nothing, visit
+from viewer_page import arm as arm
+from viewer_page import viewer as viewer
+
+XACRO = """<robot name="small" xmlns:xacro="http://www.ros.org/wiki/xacro">
+  <xacro:include filename="links.xacro"/>
+  <joint name="pitch" type="revolute"><parent link="base_link"/><child link="tool0"/><origin xyz="0 0 0.4"/>
+    <axis xyz="0 1 0"/><limit lower="-1.5" upper="1.5" velocity="2" effort="5"/></joint>
+</robot>"""
+
+LINKS = """<robot xmlns:xacro="http://www.ros.org/wiki/xacro">
+  <link name="base_link"/>
+  <link name="tool0"><visual><geometry><mesh filename="tool.stl"/></geometry></visual></link>
+</robot>"""
+
+
+@pytest.fixture
+def path(tmp_path: Path) -> Path:
+    file = tmp_path / "small.urdf"
+    file.write_text(ARM)
+    return file
+
+
+def changed(path: Path, *pairs: tuple[str, str]) -> Arm:
+    """The arm with other words in its file."""
+    text = ARM
+    for old, new in pairs:
+        assert old in text
+        text = text.replace(old, new)
+    path.write_text(text)
+    return load_arm(path, tip="tool0")
+
+
+def until(condition: Callable[[], bool]) -> None:
+    end = time.monotonic() + WAIT
+    while not condition():
+        assert time.monotonic() < end
+        time.sleep(0.01)
+
+
+def words(viewer: Viewer) -> str:
+    return str(viewer._server.notice["words"])
+
+
+async def two_poses(page: Page) -> None:
+    await page.ask(type="record", name="one")
+    await page.ask(type="joint", name="pitch", value=1.2)
+    await page.ask(type="record", name="two")
+    await page.ask(type="joint", name="pitch", value=-0.7)
+    await page.ask(type="joint", name="finger", value=0.03)
+    await page.ask(type="visible", what="frames", visible=False)
+
+
+# another arm ------------------------------------------------------------------------------------------
+
+
+def test_theta_poses_layers_and_motion_stay_where_the_arm_allows_them(viewer: Viewer, path: Path) -> None:
+    visit(viewer, two_poses)
+    motion = plan_joint(viewer.arm, [(0, 0, 0), (0.5, 1.0, 0.1)], limits={"velocity": 1.0, "acceleration": 2.0})
+    viewer.play(motion)
+    viewer.show_path(motion)
+    viewer.show(THETA)
+    longer = changed(path, ('<origin xyz="0 0 0.4"/>', '<origin xyz="0 0 0.6"/>'))
+    assert viewer.load(longer) == ()
+    assert viewer.arm is longer
+    assert_allclose(viewer.theta, THETA)
+    assert list(viewer.poses) == ["one", "two"]
+    page = visit(viewer, nothing)
+    assert page.latest["frame"]["others"] == {"finger": 0.03}
+    assert not page.latest["visible"]["frames"]
+    assert page.latest["player"]["duration"] == motion.duration
+    assert_allclose(page.latest["path"]["points"][0], longer.fk(np.zeros(3))[:3, 3], atol=1e-6)
+    tighter = changed(path, ('upper="1.5"', 'upper="0.5"'), ('lower="-1.5"', 'lower="-0.5"'))
+    left = viewer.load(tighter)
+    assert left[0] == "moved to the nearer limit: 'pitch'"
+    assert "2 poses are left out until they fit, the first: the pose 'one': pitch = -0.7 is outside" in left[1]
+    assert left[2] == "the motion does not fit the arm any more and is gone"
+    assert_allclose(viewer.theta, [THETA[0], -0.5, THETA[2]])
+    assert viewer.poses == {}
+    assert viewer.load(longer) == ()
+    assert_allclose(viewer.poses["two"], [THETA[0], 1.2, THETA[2]])
+
+
+def test_joints_that_come_and_go(viewer: Viewer, path: Path) -> None:
+    visit(viewer, two_poses)
+    fixed = changed(path, ('name="slide" type="prismatic"', 'name="slide" type="fixed"'))
+    (left,) = viewer.load(fixed)
+    assert "the list moves yaw, pitch, slide; small has yaw, pitch" in left
+    assert_allclose(viewer.theta, THETA[:2])
+    viewer.load(changed(path))
+    assert_allclose(viewer.theta[:2], THETA[:2])
+    assert list(viewer.poses) == ["one", "two"]
+
+
+def test_pages_that_are_open_are_given_the_arm_and_what_they_asked_is_answered(viewer: Viewer, path: Path) -> None:
+    other = load_arm("rr_planar")
+
+    async def stay(page: Page) -> None:
+        objects = len(page.objects)
+        page.latest.clear()
+        viewer.load(other)
+        await page.until(lambda: page.latest.get("hello", {}).get("arm", {}).get("name") == other.name)
+        await page.until(lambda: "frame" in page.latest and page.latest["scene"]["left"] == 0)
+        await page.until(lambda: len(page.objects) == objects + page.latest["scene"]["objects"])
+        assert set(page.latest["frame"]["transforms"]) >= set(page.latest["hello"]["links"].values())
+        g = matrix(page.latest["frame"]["transforms"]["/frames/tool"])
+        assert_allclose(g, other.fk(viewer.theta), atol=1e-12)
+        await page.ask(type="theta", theta=[0.1, 0.2])
+        assert_allclose(viewer.theta, [0.1, 0.2])
+        await page.ask(type="theta", theta=[0.1, 0.2, 0.3])
+        assert "error" in page.latest
+
+    visit(viewer, stay)
+    with pytest.raises(InputError, match=r"got \(3,\)|3"):
+        viewer.show(THETA)
+
+
+def test_not_under_the_hands_of_a_servo_nor_in_a_view_that_is_closed(viewer: Viewer, path: Path) -> None:
+    arm = changed(path)
+    assert viewer.commands is not None
+    with pytest.raises(InputError, match="a servo drives small: another arm is shown once it has ended"):
+        viewer.load(arm)
+    viewer.show_servo(None)
+    viewer.load(arm)
+    viewer.close()
+    with pytest.raises(InputError, match="the viewer was closed"):
+        viewer.load(arm)
+
+
+def test_arms_exchanged_while_the_program_shows_and_pages_come_and_go(viewer: Viewer, path: Path) -> None:
+    three, two = viewer.arm, load_arm("rr_planar")
+    stop = threading.Event()
+
+    def show() -> None:
+        while not stop.is_set():
+            with suppress(InputError):  # of the wrong size, where the arm was exchanged between the two calls
+                viewer.show(viewer.arm.ready)
+
+    thread = threading.Thread(target=show)
+    thread.start()
+    for _ in range(5):
+        viewer.load(two)
+        assert "error" not in visit(viewer, nothing).latest
+        viewer.load(three)
+    stop.set()
+    thread.join()
+    assert viewer.theta.shape == (3,)
+
+
+# files ------------------------------------------------------------------------------------------------
+
+
+@pytest.fixture
+def source(tmp_path: Path) -> Path:
+    (tmp_path / "links.xacro").write_text(LINKS)
+    (tmp_path / "tool.stl").write_text("solid a\nendsolid a\n")
+    (tmp_path / "arm.toml").write_text('source = "arm.xacro"\ntip = "tool0"\n')
+    (tmp_path / "arm.xacro").write_text(XACRO)
+    return tmp_path / "arm.toml"
+
+
+@pytest.fixture
+def watched(source: Path) -> Iterator[tuple[Viewer, list[str]]]:
+    load, said = partial(load_arm, source), []
+    arm, files = loaded(load)
+    with Viewer(arm, [0.9], open_browser=False) as viewer:
+        viewer.watch(load, files, said.append)
+        yield viewer, said
+
+
+def test_every_file_that_was_read_or_looked_for_is_known(source: Path) -> None:
+    (source.parent / "arm.srdf").write_text('<robot name="small"/>')
+    _, files = loaded(partial(load_arm, source))
+    names = {path.name for path in files}
+    assert {"arm.toml", "arm.xacro", "links.xacro", "tool.stl", "arm.srdf"} <= names
+    (source.parent / "links.xacro").unlink()
+    from twistarm.description.document import noted_files
+
+    with pytest.raises(DescriptionError), noted_files() as noted:
+        load_arm(source)
+    assert "links.xacro" in {path.name for path in noted}
+
+
+def test_an_include_that_changes_breaks_vanishes_and_is_mended(watched: Any, source: Path) -> None:
+    viewer, said = watched
+    first, include = viewer.arm, source.parent / "links.xacro"
+    include.write_text(LINKS.replace("</robot>", '<link name="more"/></robot>'))  # no joint leads there
+    until(lambda: "not loaded again" in words(viewer))
+    assert viewer._server.notice["wrong"]
+    assert "more" in words(viewer)
+    assert viewer.arm is first
+    include.unlink()
+    until(lambda: "links.xacro" in words(viewer))
+    new = source.parent / "saved by an editor"
+    new.write_text(LINKS)
+    os.replace(new, include)
+    until(lambda: viewer.arm is not first)
+    until(lambda: words(viewer).endswith("loaded again"))
+    assert not viewer._server.notice["wrong"]
+    assert_allclose(viewer.theta, [0.9])
+    main = source.parent / "arm.xacro"
+    main.write_text(XACRO.replace('upper="1.5"', 'upper="0.5"'))
+    until(lambda: "moved to the nearer limit: 'pitch'" in words(viewer))
+    assert_allclose(viewer.theta, [0.5])
+    assert said[-1] == "loaded again; moved to the nearer limit: 'pitch'"
+    assert said[0].startswith("not loaded again: ")
+    main.unlink()
+    os.mkfifo(main)
+    until(lambda: "source 'arm.xacro' does not exist" in words(viewer))
+    main.unlink()
+    main.mkdir()
+    until(lambda: len(said) >= 6)
+    main.rmdir()
+    main.write_text(XACRO)
+    until(lambda: words(viewer).endswith("loaded again"))
+
+
+def test_a_mesh_is_watched_too(watched: Any, source: Path) -> None:
+    viewer, _ = watched
+    first = viewer.arm
+    (source.parent / "tool.stl").write_text("solid b\nendsolid b\n ")
+    until(lambda: viewer.arm is not first)
+
+
+def test_a_file_that_never_rests_neither_stops_the_view_nor_wears_it_out(watched: Any, source: Path) -> None:
+    viewer, said = watched
+    include = source.parent / "links.xacro"
+    end, k = time.monotonic() + 3.0, 0
+    while time.monotonic() < end:
+        k += 1
+        include.write_text(f"{LINKS}<!-- {k} -->")
+        time.sleep(0.001)
+    assert 1 <= len(said) <= 2
+    include.write_text(f"{LINKS}<!-- the last -->")
+    until(lambda: words(viewer).endswith("loaded again"))
+    start = time.monotonic()
+    viewer.close()
+    assert time.monotonic() - start < WAIT
+
+
+def test_what_changes_while_a_servo_drives_is_loaded_once_it_has_ended(watched: Any, source: Path) -> None:
+    viewer, said = watched
+    first = viewer.arm
+    assert viewer.commands is not None
+    (source.parent / "links.xacro").write_text(LINKS + " ")
+    until(lambda: "will be loaded once no servo drives" in words(viewer))
+    time.sleep(0.6)
+    assert len(said) == 1
+    assert viewer.arm is first
+    viewer.show_servo(None)
+    until(lambda: viewer.arm is not first)
