@@ -28,7 +28,7 @@ SAMPLED = 2e-4
 
 MEMBERS = (
     "scene scene_tree camera controls renderer set_camera set_3d_pane_size set_transform set_property set_dirty "
-    "delete_path handle_command_bytearray capture_image"
+    "needs_render delete_path handle_command_bytearray capture_image"
 )
 """What the page uses of Meshcat's viewer, private or not."""
 

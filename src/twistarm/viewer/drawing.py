@@ -41,6 +41,11 @@ def set_object(path: str, geometry: Any, colour: Colour, matrix: Array, **materi
     return _packed_object(path, lowered, matrix)
 
 
+def nothing(path: str) -> bytes:
+    """The packed message that takes away what is drawn at `path` and below."""
+    return _packed({"type": "delete", "path": path})
+
+
 def at(point: Array) -> Array:
     """The pose (4, 4) at a point (3,), not turned."""
     g = np.eye(4)

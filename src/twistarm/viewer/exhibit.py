@@ -67,7 +67,7 @@ class Exhibit:
             "aside": None if at is None or self._on(at) else self._stands(),
             "plots": plots(self.arm, at),
             "player": None if at is None else _player(at),
-            "objects": [base64.b64encode(part).decode("ascii") for part in scene.objects],
+            "objects": [base64.b64encode(part).decode("ascii") for part in scene.objects if part],
             "notes": scene.notes,
             "theory": recorded(self.arm, self.theta, None if at is None else at.trajectory),
             "findings": examined(self.arm) if self.findings is None else self.findings,

@@ -190,7 +190,8 @@ class SocketHandler(tornado.websocket.WebSocketHandler):
                 await self.write_message(self.server.greeting())
             elif self._sent < len(scene.objects):
                 self._sent += 1
-                await self.write_message(scene.objects[self._sent - 1], binary=True)
+                if scene.objects[self._sent - 1]:  # else a later one has replaced it
+                    await self.write_message(scene.objects[self._sent - 1], binary=True)
             if scene is self.server.scene and self._sent >= scene.plain and self._outbox:
                 await self._empty_outbox()
 

@@ -1,43 +1,53 @@
-"""The links of a description, drawn: primitives, meshes, and capsules where there is neither."""
+"""The links of a description, drawn: primitives at once, then mesh after mesh, with simple shapes until they come."""
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
+from math import ceil, inf
 from pathlib import Path
 
 import numpy as np
 
-from ..checks import Array
 from ..description.tree import Description, Geometry, Link
 from ..errors import TwistarmError, listed, one_line
 from . import drawing
-from .drawing import STICK, Colour
 from .meshes import Part, load_parts
 from .nodes import link_path
+from .shapes import PLAIN, lost_frame, shape, stand_in, stand_in_path
 
-PLAIN: Colour = (0.62, 0.66, 0.72, 1.0)
+TRIANGLES = 80_000
+"""Of all meshes of an arm together: a screen has some 200,000 pixels for it, and a processor draws these in 0.1 s."""
 
-FRAME = 0.08
-"""The axes of a link whose mesh is missing, in sizes of the arm."""
+FEWEST = 500
+"""Of one mesh: so that a bolt beside a heavy base is still a bolt."""
 
 
 @dataclass(frozen=True)
 class Drawn:
-    """What one mesh came to: messages that draw it or what stands in for it, and why it could not be read."""
+    """What the mesh at `node` came to: messages that draw it or what stands in for it, and why it could not be read.
 
+    `drawn`: it could be read; `exact`: more triangles than these its file does not have.
+    """
+
+    node: str
     objects: tuple[bytes, ...]
-    notes: tuple[str, ...]
+    note: str
+    drawn: bool
+    exact: bool
 
 
 def draw_plain(description: Description, size: float) -> list[bytes]:
-    """Every link in a node of its own, as far as that needs no file; `size` [m] scales what stands in for meshes."""
+    """Every link in a node of its own, as far as that needs no file, with simple shapes in place of its meshes.
+
+    `size` [m] scales what stands in.
+    """
     return [part for link in description.links.values() for part in _plain(description, link, size)]
 
 
 def count_meshes(description: Description) -> int:
     """How many times `draw_meshes` yields."""
-    return sum(visual.mesh is not None for link in description.links.values() for visual in link.visuals)
+    return sum(len(_found(link)) for link in description.links.values())
 
 
 def lost_meshes(description: Description) -> tuple[str, ...]:
@@ -47,29 +57,65 @@ def lost_meshes(description: Description) -> tuple[str, ...]:
     return (f"not drawn, the mesh was not found: {listed(dict.fromkeys(lost))}",) if lost else ()
 
 
-def draw_meshes(description: Description, size: float) -> Iterator[Drawn]:
-    """Every mesh in its link's node, one after the other; a file is read once, and its fault told once."""
+def draw_meshes(description: Description, size: float, exact: bool) -> Iterator[Drawn]:
+    """Every mesh in its link's node, one after the other; a file is read once, and its fault told once.
+
+    Unless `exact`, an arm of more than TRIANGLES is simplified to about so many, each file to its share of the bytes.
+    """
+    most = {} if exact else _shares(description)
     read: dict[Path, list[Part] | str] = {}
     told = {""}
     for link in description.links.values():
-        undrawn = not any(visual.shape != "mesh" for visual in link.visuals)
-        meshes = [(i, visual, visual.mesh) for i, visual in enumerate(link.visuals) if visual.mesh is not None]
-        for k, (i, visual, path) in enumerate(meshes, 1):
+        undrawn = _stands_in(link)
+        found = _found(link)
+        for k, (node, visual, path) in enumerate(found, 1):
             if path not in read:
-                read[path] = _parts_or_reason(path)
-            objects, note = _mesh_or_reason(f"{link_path(link.name)}/visual{i}", visual, path, read[path])
-            undrawn = undrawn and not objects
-            if undrawn and k == len(meshes):
-                objects = _stand_in(description, link, size)
-            yield Drawn(tuple(objects), () if note in told else (note,))
+                read[path] = _parts_or_reason(path, most.get(path, inf))
+            parts = read[path]
+            objects, note = _mesh_or_reason(node, visual, path, parts)
+            drawn = bool(objects)
+            undrawn = undrawn and not drawn
+            if k == len(found) and _stands_in(link):
+                objects += lost_frame(link, size) if undrawn else [drawing.nothing(stand_in_path(link))]
+            yield Drawn(node, tuple(objects), "" if note in told else note, drawn, _all_exact(parts))
             told.add(note)
 
 
-def _parts_or_reason(path: Path) -> list[Part] | str:
+def _found(link: Link) -> list[tuple[str, Geometry, Path]]:
+    """The link's meshes that were found: node, visual, file."""
+    path = link_path(link.name)
+    return [(f"{path}/visual{i}", visual, visual.mesh) for i, visual in enumerate(link.visuals) if visual.mesh]
+
+
+def _stands_in(link: Link) -> bool:
+    """Whether there is nothing to draw of a link but its meshes."""
+    return all(visual.shape == "mesh" for visual in link.visuals)
+
+
+def _shares(description: Description) -> Mapping[Path, int]:
+    """How many triangles each file may have, by its size: every time it is drawn counts."""
+    files = [path for link in description.links.values() for _, _, path in _found(link)]
+    sizes = {path: _bytes(path) for path in files}
+    whole = max(sum(sizes[path] for path in files), 1)
+    return {path: max(ceil(TRIANGLES * size / whole), FEWEST) for path, size in sizes.items()}
+
+
+def _bytes(path: Path) -> int:
     try:
-        return load_parts(path)
+        return path.stat().st_size
+    except OSError:  # which reading it will tell
+        return 0
+
+
+def _parts_or_reason(path: Path, most: float) -> list[Part] | str:
+    try:
+        return load_parts(path, most)
     except Exception as error:  # whatever ails one mesh, the others are drawn
         return str(error) if isinstance(error, TwistarmError) else _reason(path, error)
+
+
+def _all_exact(parts: list[Part] | str) -> bool:
+    return isinstance(parts, str) or all(part.exact for part in parts)
 
 
 def _mesh_or_reason(node: str, visual: Geometry, path: Path, parts: list[Part] | str) -> tuple[list[bytes], str]:
@@ -89,41 +135,15 @@ def _reason(path: Path, error: Exception) -> str:
 
 def _plain(description: Description, link: Link, size: float) -> list[bytes]:
     path = link_path(link.name)
-    drawn = [part for i, visual in enumerate(link.visuals) for part in _shape(f"{path}/visual{i}", visual)]
-    waits = any(visual.mesh is not None for visual in link.visuals)
-    return drawn or ([] if waits else _stand_in(description, link, size))
-
-
-def _stand_in(description: Description, link: Link, size: float) -> list[bytes]:
-    """Capsules from the link's origin to the joints that it carries; with its frame, where meshes are missing."""
-    carried = [joint.origin[:3, 3] for joint in description.joints.values() if joint.parent == link.name]
-    ends = [end for end in carried if np.linalg.norm(end) > 1e-3 * size]
-    path, radius = link_path(link.name), 0.012 * size
-    drawn = drawing.triad(f"{path}/frame", FRAME * size) if link.visuals else []
-    for i, end in enumerate(ends):
-        drawn.append(drawing.rod(f"{path}/stick{i}", np.zeros(3), end, radius, STICK))
-        drawn.append(drawing.sphere(f"{path}/end{i}", radius, STICK, drawing.at(end)))
-    return [*drawn, drawing.sphere(f"{path}/origin", 1.6 * radius, STICK, np.eye(4))] if ends else drawn
-
-
-def _shape(path: str, visual: Geometry) -> list[bytes]:
-    colour, g, size = visual.colour or PLAIN, visual.origin, visual.size
-    if visual.shape == "box":
-        return [drawing.box(path, size, colour, g)]
-    if visual.shape == "sphere":
-        return [drawing.sphere(path, size[0], colour, g)]
-    if visual.shape == "cylinder":
-        return [drawing.cylinder(path, size[0], size[1], colour, g)]
-    return _capsule(path, size[0], size[1], colour, g) if visual.shape == "capsule" else []
-
-
-def _capsule(path: str, radius: float, length: float, colour: Colour, g: Array) -> list[bytes]:
-    drawn = [drawing.cylinder(f"{path}/side", radius, length, colour, g)]
-    for name, z in (("bottom", -length / 2), ("top", length / 2)):
-        end = g.copy()
-        end[:3, 3] += z * g[:3, 2]
-        drawn.append(drawing.sphere(f"{path}/{name}", radius, colour, end))
-    return drawn
+    drawn = [
+        part
+        for i, visual in enumerate(link.visuals)
+        for part in shape(f"{path}/visual{i}", visual, visual.colour or PLAIN)
+    ]
+    if not _stands_in(link):
+        return drawn
+    lost = link.visuals and not _found(link)
+    return [*stand_in(description, link, size), *(lost_frame(link, size) if lost else [])]
 
 
 def _mesh(path: str, visual: Geometry, parts: Sequence[Part]) -> list[bytes]:

@@ -17,27 +17,41 @@ class Scene:
     """Messages that draw the arm once, in order; the node of each link; what could not be drawn, in words.
 
     Whatever moves has a node of its own: a configuration is then one matrix per node, {path: (4, 4) by columns}.
-    `objects` only ever grows, by `draw`, whichever thread calls it; the first `plain` of them are no meshes.
+    `objects` only ever grows, by `draw`, whichever thread calls it; the first `plain` of them are no meshes, and one
+    that a later one has replaced is empty. Meshes of more triangles than a screen shows are simplified unless `exact`;
+    `simplified`: whether any was.
     """
 
-    def __init__(self, arm: Arm) -> None:
+    def __init__(self, arm: Arm, exact: bool = False) -> None:
         drawing.require_meshcat()
-        size = arm_size(arm)
-        self.objects = [*draw_screws(arm), *_frames(size)]
+        self.exact, self.simplified = exact, False
+        self._description, self._size = arm.description, arm_size(arm)
+        self.objects = [*draw_screws(arm), *_frames(self._size)]
         self.links: dict[str, str] = {}
         self.notes: tuple[str, ...] = ()
-        self.left = 0
+        self._places: dict[str, range] = {}  # in `objects`, of each mesh drawn
+        self._meshes: Iterator[Drawn]
         self._lock = threading.Lock()
-        self._meshes: Iterator[Drawn] = iter(())
         if arm.description is None:
             self.objects += draw_rods(arm)
         else:
-            self.objects += draw_plain(arm.description, size)
+            self.objects += draw_plain(arm.description, self._size)
             self.links = {name: link_path(name) for name in arm.description.links}
             self.notes = lost_meshes(arm.description)
-            self.left = count_meshes(arm.description)
-            self._meshes = draw_meshes(arm.description, size)
         self.plain = len(self.objects)
+        self._begin()
+
+    def _begin(self) -> None:
+        self.left, self._meshes = 0, iter(())
+        if self._description is not None:
+            self.left = count_meshes(self._description)
+            self._meshes = draw_meshes(self._description, self._size, self.exact)
+
+    def draw_again(self, exact: bool) -> None:
+        """Begin anew with the meshes, in the place of those drawn, with all their triangles or simplified."""
+        with self._lock:
+            self.exact = exact
+            self._begin()
 
     def draw(self) -> bool:
         """Draw the next mesh; False where none is left."""
@@ -45,10 +59,20 @@ class Scene:
             piece = next(self._meshes, None)
             if piece is None:
                 return False
-            self.objects += piece.objects
-            self.notes += piece.notes
+            self._replace(piece)
+            self.simplified = self.simplified or not piece.exact
+            if piece.note and piece.note not in self.notes:
+                self.notes += (piece.note,)
             self.left -= 1
             return True
+
+    def _replace(self, piece: Drawn) -> None:
+        if piece.node in self._places and not piece.drawn:
+            return  # what was read before is better than nothing
+        for place in self._places.get(piece.node, ()):
+            self.objects[place] = b""
+        self._places[piece.node] = range(len(self.objects), len(self.objects) + len(piece.objects))
+        self.objects += piece.objects
 
     def whole(self) -> Scene:
         """The same, with every mesh."""
@@ -58,18 +82,25 @@ class Scene:
         return self
 
     def message(self) -> dict[str, Any]:
-        """How much there is to draw: objects so far, and meshes that are still to be read."""
-        return {"type": "scene", "objects": len(self.objects), "left": self.left, "notes": list(self.notes)}
+        """How much there is to draw: objects so far, and meshes that are still to be read; whether all of each."""
+        return {
+            "type": "scene",
+            "objects": sum(map(bool, self.objects)),
+            "left": self.left,
+            "exact": self.exact,
+            "simplified": self.simplified,
+            "notes": list(self.notes),
+        }
 
 
-def build_scene(arm: Arm) -> Scene:
+def build_scene(arm: Arm, exact: bool = False) -> Scene:
     """Draw `arm`, meshes included: a node per link, a node per screw, and the space and tool frames.
 
-    A mesh that was not found or cannot be read is noted, and a frame and capsules stand in for it; a link with nothing
-    to draw is a capsule from its origin to each joint that it carries. An arm without a description is drawn as rods
-    between the points of its axes.
+    A mesh that was not found or cannot be read is noted, and a frame and simple shapes stand in for it: those that the
+    link collides with, else a capsule from its origin to each joint that it carries; so in a link with nothing to draw.
+    An arm without a description is drawn as rods between the points of its axes.
     """
-    return Scene(arm).whole()
+    return Scene(arm, exact).whole()
 
 
 def _frames(size: float) -> list[bytes]:

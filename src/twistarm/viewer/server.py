@@ -128,7 +128,7 @@ class Server:
 
         def draw(progress: Progress) -> None:
             while scene.draw():
-                progress(1.0 - scene.left / count)
+                progress(max(0.0, 1.0 - scene.left / count))
 
         if count:
             self._workers.submit(Job("scene", "reading the meshes", draw, lambda result: None))
@@ -187,6 +187,7 @@ class Server:
         if stage.left and self.memory is not None:
             self.memory.set_aside()
         self._consultation.cancel()
+        scene.draw_again(self.scene.exact)
         self._take(stage, scene)
         self._consult()
         self._draw_meshes()
@@ -249,9 +250,16 @@ class Server:
         self._apply()
         if request.kind == "servo":
             self.driver.switch(request.fields["on"])
+        elif request.kind == "exact":
+            self._draw_exactly(request.fields["on"])
         elif (job := self.stage.handle(request, time.monotonic())) is not None:
             self._workers.submit(job)
         self.publish()
+
+    def _draw_exactly(self, exact: bool) -> None:
+        if exact != self.scene.exact:
+            self.scene.draw_again(exact)
+            self._draw_meshes()
 
     def _finish(self, action: Callable[[], None]) -> None:
         self._try(action)

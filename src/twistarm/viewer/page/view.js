@@ -8,6 +8,7 @@ export const THREE = MeshCat.THREE;
 const DIRECTION = [0.95, -1.15, 0.62]; // from the arm towards the camera, in the arm's base axes
 const MARGIN = 1.04;
 const PATH = 0xe8850c;
+const SOON = 300; // ms until what has come to be drawn is
 
 export class View {
   constructor(pane) {
@@ -19,6 +20,7 @@ export class View {
     const render = this.viewer.render.bind(this.viewer);
     this.viewer.render = () => this.radius !== undefined && render();
     this.segments = new Map();
+    this.soon = null;
     this.fixtures = new THREE.Group();
     this.viewer.scene.add(this.fixtures);
     for (const name of ["Lights", "Grid", "Axes"]) this.viewer.delete_path([name]);
@@ -43,9 +45,15 @@ export class View {
     scene.add(this.sun, this.sun.target);
   }
 
-  // One of Meshcat's own messages, packed: something to draw.
+  // One of Meshcat's own messages, packed: something to draw. Many come at once: a picture of each would hold up the next.
   draw(bytes) {
+    const { needs_render } = this.viewer;
     this.viewer.handle_command_bytearray(bytes);
+    this.viewer.needs_render = needs_render;
+    this.soon ??= setTimeout(() => {
+      this.soon = null;
+      this.viewer.set_dirty();
+    }, SOON);
   }
 
   // Take away what was drawn: another process may answer after a reconnection.
