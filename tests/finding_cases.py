@@ -8,6 +8,7 @@ from typing import Any
 
 from urdf_text import joint, robot, two_joints
 
+CAMERA = '<xacro:include filename="$(find camera)/camera.xacro"/><xacro:camera/>'
 XACRO = 'xmlns:xacro="http://www.ros.org/wiki/xacro"'
 
 
@@ -24,10 +25,10 @@ def urdf(text: str, **load: Any) -> Case:
     return Case({"arm.urdf": text}, load)
 
 
-def xacro(body: str, *, files: Mapping[str, str] | None = None) -> Case:
+def xacro(body: str, *, files: Mapping[str, str] | None = None, **load: Any) -> Case:
     """A two-joint arm with `body` in front of its links."""
     text = two_joints().replace('<robot name="tiny">', f'<robot name="tiny" {XACRO}>{body}')
-    return Case({"arm.urdf.xacro": text, **(files or {})})
+    return Case({"arm.urdf.xacro": text, **(files or {})}, load)
 
 
 def beside(name: str, text: str, *, arm: str | None = None, **load: Any) -> Case:
@@ -195,6 +196,9 @@ CASES: dict[str, Case] = {
     "inertial-unusable": with_body(mass="1kg"),
     # packages and xacro
     "package-not-found": xacro('<gazebo file="$(find nowhere)/x"/>'),
+    "package-without-manifest": xacro('<gazebo file="$(find copied)/x"/>', files={"copied/urdf/x.urdf": ""}),
+    "package-left-out": xacro(CAMERA, without=["camera"]),
+    "package-not-used": urdf(two_joints(), without=["camera"]),
     "package-needed-not-found": xacro('<xacro:include filename="$(find nowhere)/x.xacro"/>'),
     "xacro-argument-missing": xacro('<xacro:property name="h" value="$(arg height)"/><gazebo h="${h}"/>'),
     "xacro-argument-unknown": urdf(two_joints(), xacro_args={"colour": "red"}),

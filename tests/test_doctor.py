@@ -124,6 +124,17 @@ REAL = {
         {"xacro_args": {"ar_model": "mk3"}}, {"effort-not-given", "axes-almost-exact", "joint-off-the-chain"}
     ),
     "kortex_description/robots/gen3.xacro": ({"xacro_args": {"dof": 7}}, {"mesh-missing", "axes-almost-exact"}),
+    "robojackets_walliiarmv3/urc_arm_moveit_config/config/WalliiArmV3.urdf.xacro": ({}, {"package-without-manifest"}),
+    "annin_ar4_description/urdf/ar_gazebo.urdf.xacro": (
+        {"xacro_args": {"ar_model": "mk3"}, "without": ["annin_ar4_driver"], "tip": "ee_link"}, {"package-left-out"}
+    ),
+    "kortex_description/robots/kinova.urdf.xacro": (
+        {
+            "xacro_args": {"name": "gen3", "arm": "gen3", "gripper": "robotiq_2f_85"},
+            "without": "robotiq_description",
+        },
+        {"package-left-out"},
+    ),
     "kortex_description/robots/gen3_lite.urdf": ({}, {"mesh-missing", "axes-almost-exact", "joint-off-the-chain"}),
 }  # fmt: skip
 REFUSED = {
@@ -132,12 +143,9 @@ REFUSED = {
     "kortex_description/robots/gen3_robotiq_2f_140.xacro": ({}, "xacro-failed", 'Invalid parameter "sim"'),
     "kortex_description/multiple_robots/kortex_dual_robots.xacro": ({}, "xacro-failed", "Invalid parameter"),
     "kortex_description/robots/gen3.xacro": ({}, "xacro-failed", "arms/gen3/dof/"),
-    "annin_ar4_description/urdf/ar.urdf.xacro": ({}, "xacro-argument-missing", "ar_model (required)"),
+    "annin_ar4_description/urdf/ar.urdf.xacro": ({}, "xacro-argument-missing", "uses ar_model, which has no default"),
     "annin_ar4_description/urdf/ar_gazebo.urdf.xacro": (
         {"xacro_args": {"ar_model": "mk3"}}, "package-needed-not-found", "annin_ar4_driver"
-    ),
-    "robojackets_walliiarmv3/urc_arm_moveit_config/config/WalliiArmV3.urdf.xacro": (
-        {}, "package-needed-not-found", "package 'urc_gazebo' not found"
     ),
 }  # fmt: skip
 

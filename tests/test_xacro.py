@@ -35,16 +35,17 @@ FAILS = {
         as_xacro(
             '<xacro:arg name="size" default="2"/><xacro:property name="m" value="$(arg ar_model)"/><link name="${m}"/>'
         ),
-        "missing xacro argument ar_model; all arguments: size (default '2'), ar_model (required); "
-        "pass xacro_args={'ar_model': …}",
+        "missing xacro argument ar_model: arm.urdf.xacro uses ar_model, which has no default; the others have values: "
+        "size ('2'); pass xacro_args={'ar_model': …}",
     ),
     "an argument used before its default": (
         as_xacro('<xacro:arg name="name" default="ur"/>').replace('name="tiny"', 'name="$(arg name)"'),
-        "missing xacro argument name; all arguments: name (default 'ur'); pass xacro_args={'name': …}",
+        "missing xacro argument name: arm.urdf.xacro uses name above the line that gives it its default, 'ur', and "
+        "xacro reads from top to bottom; pass xacro_args={'name': 'ur'}",
     ),
     "an argument never declared": (
         as_xacro('<xacro:property name="m" value="$(arg dof)"/><link name="${m}"/>'),
-        "missing xacro argument dof; all arguments: dof (required)",
+        "missing xacro argument dof: arm.urdf.xacro uses dof, which has no default; pass xacro_args={'dof': …}",
     ),
     "no namespace": (
         ARM.replace("</robot>", '<xacro:property name="a" value="1"/></robot>'),
@@ -80,7 +81,7 @@ FAILS = {
     ),
     "an argument asked for in Python": (
         as_xacro("<link name=\"${xacro.arg('side')}\"/>"),
-        "missing xacro argument side; all arguments: none; pass xacro_args={'side': …}",
+        "missing xacro argument side: arm.urdf.xacro uses side, which has no default; pass xacro_args={'side': …}",
     ),
     "a message of its own": (as_xacro("${xacro.fatal('wrong', 'arm')}"), "xacro cannot expand it: wrong arm when"),
     "an unfinished expression": (as_xacro('<link name="${a"/>'), "xacro cannot expand it: invalid expression: ${a"),
@@ -97,6 +98,47 @@ def test_fails_in_one_line(case: str, tmp_path: Path) -> None:
     assert message in str(caught.value)
     assert "\n" not in str(caught.value)
     assert "arm.urdf.xacro" in str(caught.value)
+
+
+def test_an_argument_is_missed_where_it_is_used(tmp_path: Path) -> None:
+    """The file that wants it may be one that the description includes."""
+    write(tmp_path, f'<robot {XMLNS}><link name="$(arg side)"/></robot>', "part.xacro")
+    include = '<xacro:include filename="part.xacro"/>'
+    path = write(tmp_path, as_xacro(f'{include}<xacro:arg name="side" default="left"/>'), "arm.xacro")
+    late = "argument side: part.xacro uses side above the line that gives it its default, 'left'"
+    with pytest.raises(DescriptionError, match=late):
+        load_arm(path)
+    path = write(tmp_path, as_xacro(include), "arm.xacro")
+    with pytest.raises(DescriptionError, match="missing xacro argument side: part.xacro uses side"):
+        load_arm(path)
+
+
+EMPTY = '<xacro:arg name="dof" default=""/><xacro:arg name="kind" default="gen3"/>'
+PATHS = {
+    "an empty argument": ("arms/$(arg dof)dof/arm.xacro", "'dof' in {}, but '6dof', '7dof'", "dof (''); pass", "dof"),
+    "a wrong value": ("arms/$(arg kind)/arm.xacro", "'gen3' in {}, but '6dof', '7dof'", "kind ('gen3'); pass", "kind"),
+    "a wrong file": (
+        "arms/7dof/$(arg kind).xacro",
+        "'gen3.xacro' in {}/7dof, but 'arm.xacro'",
+        "kind ('gen3')",
+        "kind",
+    ),
+}
+
+
+@pytest.mark.parametrize("case", PATHS)
+def test_a_path_that_ends_nowhere_says_what_is_there_and_which_argument_to_pass(case: str, tmp_path: Path) -> None:
+    name, there, argument, wanted = PATHS[case]
+    for folder in ("6dof", "7dof"):
+        (tmp_path / "arms" / folder).mkdir(parents=True)
+        write(tmp_path / "arms" / folder, "<robot/>", "arm.xacro")
+    path = write(tmp_path, as_xacro(f'{EMPTY}<xacro:include filename="{name}"/>'), "arm.xacro")
+    with pytest.raises(DescriptionError) as caught:
+        load_arm(path)
+    assert f"there is no {there.format(tmp_path / 'arms')}; it may come from the xacro argument {argument}" in str(
+        caught.value
+    )
+    assert str(caught.value).endswith(f"pass xacro_args={{'{wanted}': …}}")
 
 
 @pytest.mark.parametrize("encoding", ["latin-1", "utf-8", "utf-8-sig", "utf-16"])

@@ -13,7 +13,7 @@ import numpy as np
 from .arm import Arm
 from .description.beside import files_beside, srdf_beside
 from .description.expansion.expand import is_xacro, xacro_arguments
-from .description.packages import package_index
+from .description.packages import package_index, package_names
 from .description.tips import TIP_PATTERNS
 from .description.toml_text import toml_key, toml_text
 from .description.tree import Description
@@ -43,6 +43,7 @@ def draft_arm_file(
     package_dirs: Iterable[str | os.PathLike[str]] = (),
     xacro_args: Mapping[str, object] | None = None,
     srdf: str | os.PathLike[str] | None = None,
+    without: Iterable[str] = (),
 ) -> Draft:
     """An arm.toml for a URDF or xacro file, to stand in `folder`: paths are written relative to that.
 
@@ -50,25 +51,30 @@ def draft_arm_file(
     it, and `Draft.unclear` says so. Raises what `load_arm` raises for every other reason.
     """
     file, folders, arguments = as_path(source), tuple(package_dirs), dict(xacro_args or {})
+    absent = package_names(without)
     if file.suffix == ".toml":
         raise InputError(f"{file} is an arm.toml already; give the URDF or xacro file")
-    description = read_description(file, package_dirs=folders, xacro_args=arguments)
+    description = read_description(file, package_dirs=folders, xacro_args=arguments, without=absent)
     arm, unclear = None, ""
     try:
-        specification = specify(file, base=base, tip=tip, package_dirs=folders, xacro_args=arguments, srdf=srdf)
+        specification = specify(
+            file, base=base, tip=tip, package_dirs=folders, xacro_args=arguments, srdf=srdf, without=absent
+        )
         arm = assemble(description, specification, {})
         prove(arm)
     except DescriptionError as error:
         if not any(finding.code == "no-tip" for finding in error.findings):
             raise
         unclear = str(error)
-    declared = xacro_arguments(file.resolve(), package_index(file, folders), arguments) if is_xacro(file) else {}
+    index = package_index(file, folders)
+    declared = xacro_arguments(file.resolve(), index, arguments, absent) if is_xacro(file) else {}
     where = Path(folder).resolve()
     parts = [
         _head(description, file, where),
         _ends(description, arm, base),
         _beside(description, where, srdf),
         _package_dirs(folders, where),
+        [f"without = [{', '.join(map(toml_text, absent))}]"] if absent else [],
         _tool(),
         _xacro_args(declared, arguments),
         _limits(description, arm),

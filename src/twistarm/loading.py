@@ -19,7 +19,9 @@ from .description.arm_file import ArmSpecification, Tool, read_arm_file
 from .description.arm_group import ArmGroup, arm_groups
 from .description.beside import path_from, srdf_beside
 from .description.chain import walk_chain
+from .description.expansion.left_out import blaming
 from .description.findings import Finding, Place, finding, refusal
+from .description.packages import package_names
 from .description.srdf import Semantics, read_srdf
 from .description.srdf_names import note_names
 from .description.tips import find_tip
@@ -47,6 +49,7 @@ def load_arm(
     limits: JointLimits | Mapping[str, Any] | str | os.PathLike[str] | None = None,
     locked: Mapping[str, float] | None = None,
     srdf: str | os.PathLike[str] | None = None,
+    without: Iterable[str] = (),
 ) -> Arm:
     """Load an arm from a URDF or xacro file, an arm.toml, or by its name in the catalogue (`available_arms()`).
 
@@ -57,6 +60,8 @@ def load_arm(
     {"elbow": 1.0}}, or the path of a joint_limits.yaml; `locked`: {joint: value [rad or m]} joints that stand still.
     `srdf`: a file, else the one of this robot that stands beside the description. `package_dirs`: folders with
     packages, beside those found around the file. What the caller gives wins over the arm.toml, and that over the SRDF.
+    `without`: packages that a xacro file asks for and that the arm can do without (a sensor's, a simulator's): their
+    includes and the macros that these would have brought are left out, each with a finding.
 
     Screws and home come from our own walk of the description; Pinocchio's model is built beside it, and both are
     compared at five random configurations (`arm.proof`).
@@ -66,12 +71,21 @@ def load_arm(
     """
     if is_baked(source):
         wishes = {"base": base, "tip": tip, "locked": locked, "srdf": srdf, "xacro_args": xacro_args}
-        return _baked_arm(as_path(source), wishes | {"package_dirs": tuple(_folders(package_dirs))}, limits)
+        packages = {"package_dirs": tuple(_folders(package_dirs)), "without": package_names(without)}
+        return _baked_arm(as_path(source), wishes | packages, limits)
     specification = specify(
-        source, base=base, tip=tip, package_dirs=package_dirs, xacro_args=xacro_args, locked=locked, srdf=srdf
+        source,
+        base=base,
+        tip=tip,
+        package_dirs=package_dirs,
+        xacro_args=xacro_args,
+        locked=locked,
+        srdf=srdf,
+        without=without,
     )
     description = read(specification)
-    arm = assemble(description, specification, {} if limits is None else limits)
+    with blaming(description.findings):
+        arm = assemble(description, specification, {} if limits is None else limits)
     return replace(arm, proof=prove(arm))
 
 
@@ -126,6 +140,7 @@ def specify(
     xacro_args: Mapping[str, object] | None = None,
     locked: Mapping[str, float] | None = None,
     srdf: str | os.PathLike[str] | None = None,
+    without: Iterable[str] = (),
 ) -> ArmSpecification:
     """What `load_arm` is to load, the caller's wishes put over those of an arm.toml."""
     for name, value in {"base": base, "tip": tip}.items():
@@ -142,6 +157,7 @@ def specify(
         tool=None if tip else specification.tool,
         package_dirs=(*_folders(package_dirs), *specification.package_dirs),
         xacro_args={**specification.xacro_args, **(xacro_args or {})},
+        without=package_names((*package_names(without), *specification.without)),
         locked={**specification.locked, **(locked or {})},
         srdf=srdf or specification.srdf,
     )
@@ -150,7 +166,10 @@ def specify(
 def read(specification: ArmSpecification) -> Description:
     """The description that a specification names."""
     return read_description(
-        specification.description, package_dirs=specification.package_dirs, xacro_args=specification.xacro_args
+        specification.description,
+        package_dirs=specification.package_dirs,
+        xacro_args=specification.xacro_args,
+        without=specification.without,
     )
 
 
@@ -257,7 +276,9 @@ def _semantics(
     if specification.srdf is None:
         semantics, noted = srdf_beside(description)
     else:
-        semantics = read_srdf(specification.srdf, specification.package_dirs, specification.xacro_args)
+        semantics = read_srdf(
+            specification.srdf, specification.package_dirs, specification.xacro_args, specification.without
+        )
         noted = ()
     return semantics, noted if semantics is None else (*noted, *note_names(semantics, description))
 

@@ -10,7 +10,7 @@ import typer
 from ..arm_file_draft import draft_arm_file
 from ..errors import InputError
 from ..loading import load_arm
-from .options import Base, PackageDir, Srdf, Tip, Xacro, xacro_arguments
+from .options import Base, PackageDir, Srdf, Tip, Without, Xacro, xacro_arguments
 from .outputs import NAMED, STDOUT, Force, outputs_of
 from .wording import as_typed
 
@@ -24,6 +24,7 @@ def init(
     tip: Tip = None,
     package_dir: PackageDir = None,
     xacro: Xacro = None,
+    without: Without = None,
     srdf: Srdf = None,
     force: Force = False,
 ) -> int:
@@ -39,6 +40,7 @@ def init(
         package_dirs=package_dir or (),
         xacro_args=xacro_arguments(xacro or []),
         srdf=srdf,
+        without=without or (),
     )
     outputs.write({"toml": lambda: draft.text})
     if draft.unclear:

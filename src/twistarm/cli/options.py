@@ -5,6 +5,7 @@ from __future__ import annotations
 import functools
 import inspect
 import re
+import shlex
 from collections.abc import Callable
 from pathlib import Path
 from typing import Annotated, Any
@@ -25,6 +26,10 @@ PackageDir = Annotated[
 ]
 Xacro = Annotated[
     list[str] | None, typer.Option("--xacro", metavar="NAME:=VALUE", help="A xacro argument; may be repeated.")
+]
+Without = Annotated[
+    list[str] | None,
+    typer.Option(metavar="PACKAGE", help="Leave out what a missing package would bring; may be repeated."),
 ]
 Srdf = Annotated[
     Path | None, typer.Option(metavar="FILE", help="SRDF: groups, named states; else the one beside the description.")
@@ -84,6 +89,7 @@ def _keywords(
     tip: Tip = None,
     package_dir: PackageDir = None,
     xacro: Xacro = None,
+    without: Without = None,
     srdf: Srdf = None,
     limits: Limits = None,
     locked: Locked = None,
@@ -96,6 +102,7 @@ def _keywords(
         "tip": tip,
         "package_dirs": package_dir or (),
         "xacro_args": xacro_arguments(xacro or []),
+        "without": without or (),
         "srdf": srdf,
         "limits": limits,
     }
@@ -129,7 +136,9 @@ def xacro_arguments(pairs: list[str]) -> dict[str, str]:
     for pair in pairs:
         name, separator, value = pair.partition(":=")
         if not separator:
-            raise InputError(f"--xacro takes NAME:=VALUE; got {pair!r}")
+            name, equals, value = pair.partition("=")
+            meant = f"; did you mean --xacro {shlex.quote(f'{name}:={value}')}?" if equals else ""
+            raise InputError(f"--xacro takes NAME:=VALUE; got {pair!r}{meant}")
         arguments[name] = value
     return arguments
 

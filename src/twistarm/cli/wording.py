@@ -3,8 +3,10 @@
 from __future__ import annotations
 
 import re
+import shlex
+from collections.abc import Callable
 
-_AS_TYPED = (
+_AS_TYPED: tuple[tuple[str, str | Callable[[re.Match[str]], str]], ...] = (
     (r"pass tip= \(a link: ", "pass --tip LINK (a link: "),
     (r"pass tip=", "pass --tip LINK"),
     (r"for (base|tip|locked)=", r"for --\1"),
@@ -12,7 +14,9 @@ _AS_TYPED = (
     (r"choose a base= beyond it", "choose a --base LINK beyond it"),
     (r"choose another base= or tip=", "choose another --base LINK or --tip LINK"),
     (r"\bas srdf=", "as --srdf FILE"),
-    (r"xacro_args=\{('\w+')?[^}]*\}", "--xacro NAME:=VALUE for each"),
+    (r"xacro_args=\{([^}]*)\}", lambda found: _xacro_options(found.group(1))),
+    (r"\bwithout=\['([^']*)'\]", r"--without \1"),
+    (r"\bwithout=", "--without"),
     (
         r"give it as limits=\{'(velocity|acceleration)': \{[^}]*\}\}, one number for every joint as "
         r"limits=\{'\w+': …\}, or",
@@ -22,6 +26,12 @@ _AS_TYPED = (
     (r"stop_at_waypoints=True", "--stop"),
     (r"change the limit by limits=", "change it in the arm's arm.toml"),
 )
+
+
+def _xacro_options(entries: str) -> str:
+    """`'dof': '7', 'name': …` as `--xacro dof:=7 --xacro name:=VALUE`."""
+    pairs = re.findall(r"'([^']*)': (?:'([^']*)'|…)", entries)
+    return " ".join(shlex.join(["--xacro", f"{name}:={value or 'VALUE'}"]) for name, value in pairs)
 
 
 def as_typed(message: str) -> str:

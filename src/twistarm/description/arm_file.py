@@ -17,6 +17,7 @@ from ..limits import FIELDS
 from ..rotations import from_rpy
 from .findings import Place, refusal
 from .motors import Motor, read_motors
+from .packages import package_names
 from .toml_entries import bounded, numbers_of, only, parse_toml, table_of, text_of, unusable
 
 
@@ -44,6 +45,7 @@ class ArmSpecification:
     tool: Tool | None = None
     package_dirs: tuple[str | os.PathLike[str], ...] = ()
     xacro_args: Mapping[str, object] = field(default_factory=dict)
+    without: tuple[str, ...] = ()
     limits: Mapping[str, Mapping[str, float]] = field(default_factory=dict)
     locked: Mapping[str, float] = field(default_factory=dict)
     poses: Mapping[str, Mapping[str, float]] = field(default_factory=dict)
@@ -54,7 +56,7 @@ class ArmSpecification:
 
 
 _TEXTS = ("name", "source", "base", "tip", "srdf", "joint_limits")
-_KEYS = (*_TEXTS, "tool", "xacro_args", "package_dirs", "limits", "locked", "poses", "actuators")
+_KEYS = (*_TEXTS, "tool", "xacro_args", "package_dirs", "without", "limits", "locked", "poses", "actuators")
 
 
 def read_arm_file(path: Path) -> ArmSpecification:
@@ -75,6 +77,7 @@ def read_arm_file(path: Path) -> ArmSpecification:
         tool=_tool(content, path),
         xacro_args=table_of(content, "xacro_args", path),
         package_dirs=_folders(content, path),
+        without=_without(content, path),
         limits=_limits(content, path),
         locked=_locked(content, path),
         poses={
@@ -94,6 +97,13 @@ def _file(name: str, key: str, path: Path) -> Path:
         what = f"{key} {name!r} does not exist beside it"
         raise refusal("file-not-found", Place(str(path)), what, "correct the path")
     return file
+
+
+def _without(content: Mapping[str, Any], path: Path) -> tuple[str, ...]:
+    try:
+        return package_names(content.get("without", []))
+    except InputError as error:
+        raise unusable(path, str(error)) from error
 
 
 def _folders(content: Mapping[str, Any], path: Path) -> tuple[Path, ...]:

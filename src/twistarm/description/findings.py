@@ -90,6 +90,11 @@ CODES: dict[str, Code] = {
     "inertial-unusable": Code("warning", "a mass or inertia cannot be read; the link counts as massless"),
     # packages and xacro
     "package-not-found": Code("warning", "a package was not found, but nothing the kinematics needs uses it"),
+    "package-without-manifest": Code("info", "a folder is taken for a package by its name; it has no package.xml"),
+    "package-left-out": Code(
+        "info", "a part of the description is left out with the package that the caller does without"
+    ),
+    "package-not-used": Code("warning", "nothing had to be left out for a package that the caller does without"),
     "package-needed-not-found": Code("error", "a package was not found whose files are needed"),
     "xacro-argument-missing": Code("error", "a xacro argument has no value"),
     "xacro-argument-unknown": Code("error", "xacro arguments were given that the file does not take"),

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import re
 import xml.etree.ElementTree as ET
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, field
@@ -10,6 +11,7 @@ from pathlib import Path
 
 from ..errors import InputError
 from ..files import as_path, is_file
+from .copies import find_copy
 
 MAX_DEPTH = 4
 """How deep under a folder that the user names packages are looked for."""
@@ -20,22 +22,45 @@ MAX_PARENTS = 8
 MANIFEST_BYTES = 1_000_000
 """A package.xml is a page long."""
 
+_NAME = re.compile(r"\w[\w.-]*")
+
+SOURCES = "src"
+"""Where a workspace keeps its packages."""
+
 
 @dataclass(frozen=True)
 class PackageIndex:
     """Packages found near a description, by the `<name>` in their package.xml (folder names may differ).
 
-    Searched in this order: the folders the user names, each parent of the description with its children,
-    `<prefix>/share/*` of AMENT_PREFIX_PATH, and ROS_PACKAGE_PATH.
+    Searched in this order: the folders the user names, each parent of the description with its children and those of
+    its `src`, `<prefix>/share/*` of AMENT_PREFIX_PATH, and ROS_PACKAGE_PATH. Where no package.xml has the name, a copy
+    in the first two places may bear it (`find_copy`).
     """
 
     file: Path
     user_dirs: tuple[Path, ...] = ()
+    _copies: dict[tuple[str, bool], Path | None] = field(default_factory=dict, repr=False, compare=False)
     _found: dict[str, Path | None] = field(default_factory=dict, repr=False, compare=False)
+    _near: list[Path] = field(default_factory=list, repr=False, compare=False)
     _search: list[Iterator[tuple[str | None, Path | None]]] = field(default_factory=list, repr=False, compare=False)
 
     def find(self, package: str) -> Path | None:
         """The folder of `package`, or None."""
+        return self._by_manifest(package) or self._copy(package, marked=True)
+
+    def find_for_mesh(self, package: str) -> Path | None:
+        """As `find`, and a folder of that name whatever it holds: a mesh is drawn, it cannot be quoted."""
+        return self.find(package) or self._copy(package, marked=False)
+
+    def is_copy(self, folder: Path) -> bool:
+        """Whether `find` has answered with that folder, which no package.xml names."""
+        return self._copies.get((folder.name, True)) == folder
+
+    def copies(self) -> dict[str, Path]:
+        """The folders that were taken for a package by their own name alone."""
+        return {package: folder for (package, _), folder in self._copies.items() if folder is not None}
+
+    def _by_manifest(self, package: str) -> Path | None:
         if not self._search:
             self._search.append((package_name(folder), folder) for folder in self._folders())
         while package not in self._found:
@@ -44,14 +69,12 @@ class PackageIndex:
                 self._found.setdefault(name, folder)
         return self._found[package]
 
-    def find_for_mesh(self, package: str) -> Path | None:
-        """As `find`, and where no package.xml names it, a folder of that name beside the file or in a user's folder."""
-        found = self.find(package)
-        if found is not None:
-            return found
-        places = [*self.user_dirs, *list(self.file.parents)[:MAX_PARENTS]]
-        candidates = [path for place in places for path in (place / package, place) if path.name == package]
-        return next((path for path in candidates if path.is_dir()), None)
+    def _copy(self, package: str, *, marked: bool) -> Path | None:
+        """Asked for after every folder near was looked through for a package.xml."""
+        key = package, marked
+        if key not in self._copies:
+            self._copies[key] = find_copy(package, self._near, self.file, marked=marked)
+        return self._copies[key]
 
     def searched(self) -> str:
         """Where a package was looked for, in words."""
@@ -61,14 +84,20 @@ class PackageIndex:
         return ", ".join(places)
 
     def _folders(self) -> Iterator[Path]:
-        for folder in self.user_dirs:
-            yield from _walk(folder, MAX_DEPTH)
-        for parent in list(self.file.parents)[:MAX_PARENTS]:
-            yield from _walk(parent, 1)
+        for folder in self._folders_near():
+            self._near.append(folder)
+            yield folder
         for prefix in _environment_paths("AMENT_PREFIX_PATH"):
             yield from _walk(prefix / "share", 1)
         for folder in _environment_paths("ROS_PACKAGE_PATH"):
             yield from _walk(folder, MAX_DEPTH)
+
+    def _folders_near(self) -> Iterator[Path]:
+        for folder in self.user_dirs:
+            yield from _walk(folder, MAX_DEPTH)
+        for parent in list(self.file.parents)[:MAX_PARENTS]:
+            yield from _walk(parent, 1)
+            yield from _children(parent / SOURCES)
 
 
 def package_index(file: Path, user_dirs: Iterable[str | os.PathLike[str]] = ()) -> PackageIndex:
@@ -80,6 +109,15 @@ def package_index(file: Path, user_dirs: Iterable[str | os.PathLike[str]] = ()) 
         if not folder.is_dir():
             raise InputError(f"package_dirs: {folder} is not a folder")
     return PackageIndex(file.resolve(), folders)
+
+
+def package_names(without: object) -> tuple[str, ...]:
+    """The packages to do without, one or several; InputError for what is no name of a package."""
+    names = [without] if isinstance(without, str) else list(without) if isinstance(without, Iterable) else [without]
+    for name in names:
+        if not (isinstance(name, str) and _NAME.fullmatch(name)):
+            raise InputError(f"without takes names of packages, as in $(find NAME)/…; got {name!r}")
+    return tuple(dict.fromkeys(names))
 
 
 def package_name(folder: Path) -> str | None:

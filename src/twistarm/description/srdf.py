@@ -87,8 +87,10 @@ def read_srdf(
     path: str | os.PathLike[str],
     package_dirs: Iterable[str | os.PathLike[str]] = (),
     xacro_args: Mapping[str, object] = MappingProxyType({}),
+    without: Iterable[str] = (),
 ) -> Semantics:
-    """Read an SRDF, plain or xacro; of `xacro_args` those are passed on that the file declares.
+    """Read an SRDF, plain or xacro; of `xacro_args` those are passed on that the file declares, `without` as in
+    `read_description`.
 
     Raises DescriptionError (file, line, element, remedy) for what is no SRDF.
     """
@@ -102,7 +104,8 @@ def read_srdf(
     if not is_xacro(file):
         return _semantics(read_text(file), Reading(file, index))
     known = declared_arguments([file])
-    text, _ = expand_xacro(file, index, {name: value for name, value in xacro_args.items() if name in known})
+    given = {name: value for name, value in xacro_args.items() if name in known}
+    text, _ = expand_xacro(file, index, given, without)
     return _semantics(text, Reading(file, index, show_lines=False))
 
 

@@ -15,6 +15,7 @@ from ..files import as_path, is_file
 from .axis import read_axis
 from .document import Reading, parse_xml, read_text
 from .expansion.expand import expand_xacro, is_xacro
+from .expansion.left_out import blaming, not_used
 from .findings import Place, refusal
 from .geometry import Geometries, floats, number, read_origin
 from .inertial import drop_unusable_inertials
@@ -43,8 +44,9 @@ def read_description(
     *,
     package_dirs: Iterable[str | os.PathLike[str]] = (),
     xacro_args: Mapping[str, object] | None = None,
+    without: Iterable[str] = (),
 ) -> Description:
-    """The description in a URDF or xacro file.
+    """The description in a URDF or xacro file; `without`: packages whose parts are left out (`expand_xacro`).
 
     Raises DescriptionError (file, element, remedy) for what cannot be a robot: not XML, two roots, a cycle, an
     undefined link, a duplicate name, a zero axis on a moving joint, a number that is none.
@@ -56,14 +58,16 @@ def read_description(
     file = file.resolve()
     packages = package_index(file, package_dirs)
     if is_xacro(file):
-        text, noted = expand_xacro(file, packages, xacro_args)
+        text, noted = expand_xacro(file, packages, xacro_args, without)
         reading = Reading(file, packages, show_lines=False, findings=list(noted))
     elif xacro_args:
         what = f"it is plain URDF and takes no xacro arguments ({', '.join(xacro_args)})"
         raise refusal("xacro-argument-unknown", Place(str(file)), what, "leave them out")
     else:
-        text, reading = read_text(file), Reading(file, packages)
-    return build_description(text, reading)
+        noted = tuple(not_used(package, file, ()) for package in without)
+        text, reading = read_text(file), Reading(file, packages, findings=list(noted))
+    with blaming(noted):
+        return build_description(text, reading)
 
 
 def build_description(text: str, reading: Reading) -> Description:
@@ -80,6 +84,7 @@ def build_description(text: str, reading: Reading) -> Description:
     geometries = Geometries(robot, reading)
     links = {element.get("name", ""): _read_link(element, geometries, reading) for element in robot.findall("link")}
     geometries.note_missing()
+    _note_copies(reading)
     rates: Rates = {}
     joints = _read_joints(robot, reading, rates)
     joints |= {name: replace(joints[name], part_of=whole) for name, whole in parts.items()}
@@ -96,6 +101,14 @@ def build_description(text: str, reading: Reading) -> Description:
         repaired=ET.tostring(robot, encoding="unicode"),
         findings=tuple(reading.findings),
     )
+
+
+def _note_copies(reading: Reading) -> None:
+    """Packages that were found by a folder's name alone."""
+    for package, folder in reading.packages.copies().items():
+        what = f"no package.xml names package {package!r}: it is taken to be the folder {folder}, for its name"
+        remedy = "put a package.xml of that name into it, or pass package_dirs=[folder that holds another]"
+        reading.note("package-without-manifest", None, what, remedy)
 
 
 def _name_robot(robot: ET.Element, reading: Reading) -> None:

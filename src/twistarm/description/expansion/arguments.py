@@ -12,6 +12,7 @@ from ..document import Reading, parse_xml, read_text
 from ..packages import package_index
 
 _USED = re.compile(r"\$\(arg\s+([^)\s]+)\s*\)")
+_PACKAGE = re.compile(r"\$\(find\s+([^)\s]+)\s*\)|package://([^/\s]+)")
 
 _XACRO_TAGS = ("property", "macro", "arg", "include", "if", "unless")
 
@@ -21,19 +22,22 @@ class Arguments:
     """What the files say that were looked through so far."""
 
     declared: dict[str, str | None] = field(default_factory=dict)
-    used: dict[str, None] = field(default_factory=dict)
+    used: dict[str, Path] = field(default_factory=dict)
+    """The first file that uses each."""
+    packages: dict[str, None] = field(default_factory=dict)
     unprefixed: set[str] = field(default_factory=set)
     """Names of properties and the like that were written without `xacro:`."""
 
-    def look_through(self, root: ET.Element) -> None:
-        """Add what stands in one document."""
+    def look_through(self, root: ET.Element, file: Path) -> None:
+        """Add what stands in the document of `file`."""
         for element in root.iter():
             if element.tag == "xacro:arg" and "name" in element.attrib:
                 self.declared.setdefault(element.attrib["name"], element.get("default"))
             elif element.tag in _XACRO_TAGS:
                 self.unprefixed.add(element.get("name", ""))
             for text in (*element.attrib.values(), element.text or "", element.tail or ""):
-                self.used.update(dict.fromkeys(_USED.findall(text)))
+                self.used = dict.fromkeys(_USED.findall(text), file) | self.used
+                self.packages.update(dict.fromkeys(one or other for one, other in _PACKAGE.findall(text)))
 
     def all(self) -> dict[str, str | None]:
         """Every argument with its default; None for one that is required, or used without being declared."""
@@ -44,5 +48,5 @@ def declared_arguments(files: Iterable[Path]) -> dict[str, str | None]:
     """Every argument that `files` declare or use, with its default or None; what they include is not opened."""
     arguments = Arguments()
     for file in files:
-        arguments.look_through(parse_xml(read_text(file), Reading(file, package_index(file))))
+        arguments.look_through(parse_xml(read_text(file), Reading(file, package_index(file))), file)
     return arguments.all()

@@ -7,6 +7,7 @@ import stat
 from dataclasses import dataclass, field
 from pathlib import Path
 
+from ..copies import is_too_wide
 from ..packages import PackageIndex, package_name
 from .work import Refused
 
@@ -25,8 +26,8 @@ class Confinement:
 
     The file's own package (the nearest folder above with a package.xml), or without one its folder and, where that is
     called urdf or the like, the one above; and the very folders in which the index finds packages, those in
-    `package_dirs` among them: a folder without a package.xml is none, whoever names it. Never the home folder or the
-    root of the file system as a whole.
+    `package_dirs` among them. A folder without a package.xml is one only where the description asks for a package of
+    its name and it looks like one (`PackageIndex`). Never the home folder or the root of the file system as a whole.
     """
 
     file: Path
@@ -60,16 +61,17 @@ class Confinement:
     def _is_known(self, folder: Path) -> bool:
         """Whether it is where the index finds a package, be it there or through the links of a workspace."""
         if folder not in self._known:
-            name = None if _is_too_wide(folder) else package_name(folder)
+            name = None if is_too_wide(folder) else package_name(folder)
             found = None if name is None else self.packages.find(name)
-            self._known[folder] = found is not None and folder in _real_folders(found)
+            named = found is not None and folder in _real_folders(found)
+            self._known[folder] = named or self.packages.is_copy(folder)
         return self._known[folder]
 
 
 def confinement(file: Path, packages: PackageIndex) -> Confinement:
     """What `file` may open, given the packages that the index finds."""
     real = Path(os.path.realpath(file))
-    return Confinement(real, packages, tuple(root for root in _own_folders(real) if not _is_too_wide(root)))
+    return Confinement(real, packages, tuple(root for root in _own_folders(real) if not is_too_wide(root)))
 
 
 def _real_folders(package: Path) -> tuple[Path, ...]:
@@ -78,13 +80,7 @@ def _real_folders(package: Path) -> tuple[Path, ...]:
 
 
 def _own_folders(file: Path) -> list[Path]:
-    package = next((folder for folder in file.parents if package_name(folder) and not _is_too_wide(folder)), None)
+    package = next((folder for folder in file.parents if package_name(folder) and not is_too_wide(folder)), None)
     if package is not None:
         return [package]
     return [file.parent, *([file.parent.parent] if file.parent.name in _PARTS else [])]
-
-
-def _is_too_wide(folder: Path) -> bool:
-    """Whether it is the home folder, or one that holds it."""
-    home = Path(os.path.realpath(os.path.expanduser("~")))
-    return home.is_relative_to(folder)

@@ -3,20 +3,23 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Iterator, Mapping
+from collections.abc import Mapping
 from pathlib import Path
-from typing import Any
 
-from ...errors import DescriptionError, InputError, closest
+from ...errors import DescriptionError, InputError, closest, listed
 from ..findings import Finding, Place, finding, refusal
 from ..packages import PackageIndex
+from .causes import causes
 from .hooks import MISSING_PACKAGE, Expansion
 from .work import Refused
+
+MOST_NEIGHBOURS = 8
+"""Names in a folder that are told where another was looked for."""
 
 
 def explain(error: Exception, expansion: Expansion, place: Place) -> DescriptionError:
     """The error to raise; `place`: the file, or the macro, that was being expanded."""
-    chain = list(_causes(error))
+    chain = list(causes(error))
     text = " ".join(str(error).split())
     for cause in chain:
         if isinstance(cause, DescriptionError):
@@ -32,27 +35,70 @@ def explain(error: Exception, expansion: Expansion, place: Place) -> Description
         return missing_argument(undefined.group(1), expansion)
     missing = re.search(re.escape(MISSING_PACKAGE) + r"([^/\s'\"]+)", text)
     if missing:
-        what = f"package {missing.group(1)!r} not found; searched {expansion.packages.searched()}"
-        return refusal("package-needed-not-found", place, _shortened(what), "pass package_dirs=[folder that holds it]")
+        return _missing_package(missing.group(1), expansion, place)
+    for cause in chain:
+        if isinstance(cause, OSError):
+            return refusal("xacro-failed", place, *_missing_file(cause, expansion))
     return refusal("xacro-failed", place, *_reworded(text, expansion))
 
 
-def missing_argument(undefined: str, expansion: Expansion) -> DescriptionError:
-    """Every argument, its default and the missing ones; `undefined` may have a default that comes too late."""
-    declared, given = expansion.found.all(), expansion.given
-    absent = [name for name, default in declared.items() if default is None and name not in given]
-    missing = list(dict.fromkeys([undefined, *absent]))
-    listing = ", ".join(
-        f"{name} (given: {given[name]})"
-        if name in given
-        else f"{name} (default {default!r})"
-        if default is not None
-        else f"{name} (required)"
-        for name, default in declared.items()
+def _missing_package(package: str, expansion: Expansion, place: Place) -> DescriptionError:
+    what = f"package {package!r} not found; searched {expansion.packages.searched()}"
+    remedy = (
+        "pass package_dirs=[folder that holds it], or where the arm can do without it (a sensor's, a gripper's, a "
+        f"simulator's) without=[{package!r}]"
     )
-    what = f"missing xacro argument{'s' * (len(missing) > 1)} {', '.join(missing)}; all arguments: {listing or 'none'}"
-    remedy = f"pass xacro_args={{{', '.join(f'{name!r}: …' for name in missing)}}}"
-    return refusal("xacro-argument-missing", Place(str(expansion.path)), _shortened(what), _shortened(remedy))
+    return refusal("package-needed-not-found", place, _shortened(what), remedy)
+
+
+def _missing_file(error: OSError, expansion: Expansion) -> tuple[str, str]:
+    """A file that cannot be opened: where its path ends, what stands there, and the arguments that it may hang on."""
+    what = f"xacro cannot expand it: {error.strerror}: {error.filename}"
+    path = Path(str(error.filename))
+    if not isinstance(error, FileNotFoundError) or not path.is_absolute():
+        return _shortened(what), "correct the path"
+    folder = next(parent for parent in path.parents if parent.is_dir())
+    absent = path.relative_to(folder).parts[0]
+    if there := expansion.neighbours(folder, path):
+        what += f"; there is no {absent!r} in {folder}, but {listed(there, MOST_NEIGHBOURS)}"
+    told = _behind(absent, expansion)
+    if not told:
+        return _shortened(what), "correct the path, or put the file there"
+    named = ", ".join(f"{name} ({value!r})" for name, value in told.items())
+    return _shortened(f"{what}; it may come from the xacro argument {named}"), _pass(dict.fromkeys(told, "…"))
+
+
+def _behind(part: str, expansion: Expansion) -> dict[str, str]:
+    """The arguments that a part of a path seems made with: the longest values in it; of empty ones, the names."""
+    values = {**expansion.found.all(), **expansion.given}
+    inside = {name: value for name, value in values.items() if value is not None and (value or name) in part}
+    longest = max((len(value or name) for name, value in inside.items()), default=0)
+    return {name: value for name, value in inside.items() if len(value or name) == longest > 1}
+
+
+def missing_argument(undefined: str, expansion: Expansion) -> DescriptionError:
+    """An argument without a value, with all others that have none either; or one whose default comes too late."""
+    declared, given = expansion.found.all(), expansion.given
+    used_in = expansion.found.used.get(undefined, expansion.path).name
+    absent = {name: "…" for name, default in declared.items() if default is None and name not in given}
+    late = declared.get(undefined)
+    missing = {undefined: late if late and "$" not in late else "…"} | absent
+    plural = "s" * (len(missing) > 1)
+    what = f"missing xacro argument{plural} {', '.join(missing)}: {used_in} uses {undefined}"
+    if late is not None:
+        what += f" above the line that gives it its default, {late!r}, and xacro reads from top to bottom"
+    else:
+        others = {name: given.get(name, default) for name, default in declared.items() if name not in missing}
+        what += ", which has no default"
+        if others:
+            what += f"; the others have values: {', '.join(f'{name} ({value!r})' for name, value in others.items())}"
+    return refusal("xacro-argument-missing", Place(str(expansion.path)), _shortened(what), _shortened(_pass(missing)))
+
+
+def _pass(arguments: Mapping[str, str]) -> str:
+    """What to give: `pass xacro_args={'dof': '7'}`; where only the user knows the value, an ellipsis."""
+    entries = (f"{name!r}: {value if value == '…' else repr(value)}" for name, value in arguments.items())
+    return f"pass xacro_args={{{', '.join(entries)}}}"
 
 
 def unknown_argument(name: str, path: Path, known: Mapping[str, str | None]) -> InputError:
@@ -69,15 +115,6 @@ def package_finding(path: Path, package: str, packages: PackageIndex) -> Finding
         f"$(find {package}): package not found (searched {packages.searched()}); nothing the kinematics needs uses it",
         f"pass package_dirs=[folder that holds {package}] if its files matter",
     )
-
-
-def current_place(xacro: Any, path: Path) -> Place:
-    """The macro being expanded and the file that defines it, else the file."""
-    if xacro.macrostack:
-        macro = xacro.macrostack[-1]
-        file, name = str(macro.history[-1][-1] or path), macro.body.getAttribute("name")
-        return Place(_shortened(file), element="macro", name=_shortened(name, 120))
-    return Place(_shortened(str(xacro.filestack[-1] if xacro.filestack else path)))
 
 
 def _reworded(text: str, expansion: Expansion) -> tuple[str, str]:
@@ -100,15 +137,3 @@ def _shortened(text: str, length: int = 700) -> str:
     """On one line, and no longer than a person reads."""
     line = " ".join(text.split())
     return line if len(line) <= length else f"{line[:length]}…"
-
-
-def _causes(error: BaseException) -> Iterator[Any]:
-    """The error and whatever it wraps: xacro keeps the original in `.exc`, Python in `__cause__`/`__context__`."""
-    seen: set[int] = set()
-    stack: list[BaseException | None] = [error]
-    while stack:
-        current = stack.pop()
-        if isinstance(current, BaseException) and id(current) not in seen:
-            seen.add(id(current))
-            yield current
-            stack += [getattr(current, "exc", None), current.__cause__, current.__context__]

@@ -3,14 +3,15 @@
 from __future__ import annotations
 
 import threading
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from pathlib import Path
 
 from ..document import read_text
 from ..findings import Finding
 from ..packages import PackageIndex
-from .errors import current_place, explain, package_finding, unknown_argument
+from .errors import explain, package_finding, unknown_argument
 from .hooks import Expansion
+from .left_out import blamed
 from .module import hooked, own_xacro
 
 _LOCK = threading.Lock()
@@ -18,32 +19,39 @@ _LOCK = threading.Lock()
 
 
 def expand_xacro(
-    path: Path, packages: PackageIndex, arguments: Mapping[str, object] | None = None
+    path: Path,
+    packages: PackageIndex,
+    arguments: Mapping[str, object] | None = None,
+    without: Iterable[str] = (),
 ) -> tuple[str, tuple[Finding, ...]]:
     """The URDF text that `path` expands to, and what was noticed on the way.
 
     Nothing outside the packages is opened (`confinement`), expressions reach nothing but their own values
     (`expressions`), and the work is counted (`work`). A package that is not found fails only where an
-    include or a YAML load needs it. Raises DescriptionError with the file, the cause and the remedy; a missing
-    argument is answered with the list of all arguments.
+    include or a YAML load needs it; of the packages in `without` nothing is opened, and what they would have brought is
+    left out (`left_out`). Raises DescriptionError with the file, the cause and the remedy.
     """
-    text, expansion = _expanded(path, packages, arguments or {})
+    text, expansion = _expanded(path, packages, arguments or {}, without)
     known = expansion.found.all()
     for name in expansion.given:
         if name not in known:
             raise unknown_argument(name, path, known)
-    return text, tuple(package_finding(path, name, packages) for name in sorted(expansion.unknown_packages))
+    unknown = (package_finding(path, name, packages) for name in sorted(expansion.unknown_packages))
+    return text, (*unknown, *expansion.left_out.findings(expansion.found.packages))
 
 
 def xacro_arguments(
-    path: Path, packages: PackageIndex, arguments: Mapping[str, object] | None = None
+    path: Path,
+    packages: PackageIndex,
+    arguments: Mapping[str, object] | None = None,
+    without: Iterable[str] = (),
 ) -> dict[str, str | None]:
     """Every argument that `path` takes, with what it includes: {name: default}, None where one must be given.
 
     What it includes may hang on `arguments`; those it does not take do no harm. Raises DescriptionError as
     `expand_xacro` does.
     """
-    return _expanded(path, packages, arguments or {})[1].found.all()
+    return _expanded(path, packages, arguments or {}, without)[1].found.all()
 
 
 def is_xacro(path: Path) -> bool:
@@ -51,11 +59,13 @@ def is_xacro(path: Path) -> bool:
     return path.suffix == ".xacro" or "<xacro:" in read_text(path)
 
 
-def _expanded(path: Path, packages: PackageIndex, arguments: Mapping[str, object]) -> tuple[str, Expansion]:
+def _expanded(
+    path: Path, packages: PackageIndex, arguments: Mapping[str, object], without: Iterable[str]
+) -> tuple[str, Expansion]:
     given = {name: _argument_text(value) for name, value in arguments.items()}
     with _LOCK:
         xacro = own_xacro()
-        expansion = Expansion(xacro, path, packages, given)
+        expansion = Expansion(xacro, path, packages, given, without)
         with (
             hooked(xacro, expansion.for_xacro()),
             hooked(xacro.substitution_args, expansion.for_substitution()),
@@ -63,7 +73,8 @@ def _expanded(path: Path, packages: PackageIndex, arguments: Mapping[str, object
             try:
                 return str(xacro.process_file(str(path), mappings=dict(given), verbosity=0).toxml()), expansion
             except Exception as error:
-                raise explain(error, expansion, current_place(xacro, path)) from error
+                explained = explain(error, expansion, expansion.place)
+                raise blamed(explained, expansion.left_out.findings(())) from error
 
 
 def _argument_text(value: object) -> str:

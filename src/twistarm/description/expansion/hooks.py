@@ -7,18 +7,21 @@ import fnmatch
 import keyword
 import os
 import re
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from pathlib import Path
 from typing import Any
 from xml.dom import minidom
 from xml.parsers.expat import ExpatError
 
+from ...errors import one_line
 from ..document import Reading, note_file, parse_xml, read_text
 from ..findings import Place, refusal
 from ..packages import PackageIndex
 from .arguments import Arguments
+from .causes import is_final
 from .confinement import confinement
 from .evaluation import Evaluation, say_nothing
+from .left_out import NEEDED, LeftOut
 from .work import CHARACTERS_PER_UNIT, Refused, Work
 from .yaml_data import load_yaml
 
@@ -41,8 +44,16 @@ _MACRO_PARAMETER = re.compile(
 )
 """xacro's pattern without its nested repetition, over which some texts take for ever."""
 
-_COUNTED = ("check_attrs", "resolve_macro", "replace_node", "parse_macro_arg")
-"""Functions of xacro that go on working, counted."""
+_KEPT = (
+    "check_attrs",
+    "resolve_macro",
+    "replace_node",
+    "parse_macro_arg",
+    "handle_macro_call",
+    "eval_all",
+    "grab_property",
+)
+"""Functions of xacro that go on working behind ours."""
 
 _WILDCARD = re.compile(r"[*?[]")
 
@@ -50,15 +61,19 @@ _WILDCARD = re.compile(r"[*?[]")
 class Expansion:
     """One expansion: what it has opened, declared and asked for, and the functions that xacro gets for it."""
 
-    def __init__(self, xacro: Any, path: Path, packages: PackageIndex, arguments: Mapping[str, str]) -> None:
+    def __init__(
+        self, xacro: Any, path: Path, packages: PackageIndex, arguments: Mapping[str, str], without: Iterable[str] = ()
+    ) -> None:
         self.path = path
         self.packages = packages
         self.given = dict(arguments)
+        self.left_out = LeftOut(tuple(without), path)
         self.found = Arguments()
         self.unknown_packages: set[str] = set()
         self._xacro = xacro
-        self._original: dict[str, Any] = {name: getattr(xacro, name, None) for name in _COUNTED}
+        self._original: dict[str, Any] = {name: getattr(xacro, name, None) for name in _KEPT}
         self._confinement = confinement(path, packages)
+        self._in_leavable = False
         self.work = Work()
         self._evaluation = Evaluation(xacro, self.work, self.find, self.load_yaml)
 
@@ -81,7 +96,11 @@ class Expansion:
             "resolve_macro": self.resolve_macro,
             "replace_node": self.replace_node,
             **dict.fromkeys(("message", "warning", "error", "print_location"), say_nothing),
+            **(self._leaving_out() if self.left_out.packages else {}),
         }
+
+    def _leaving_out(self) -> dict[str, Any]:
+        return {"handle_macro_call": self.call_macro, "eval_all": self.evaluate, "grab_property": self.grab_property}
 
     def for_substitution(self) -> dict[str, Any]:
         """Values for the module `xacro.substitution_args`."""
@@ -101,7 +120,7 @@ class Expansion:
             raise self._xacro.XacroException(f"{error.strerror}: {filename}", exc=error) from error
         text = read_text(path)
         self.work.charge(ELEMENT_COST * text.count("<") + ATTRIBUTE_COST * text.count("="))
-        self.found.look_through(parse_xml(text, Reading(path, self.packages)))
+        self.found.look_through(parse_xml(text, Reading(path, self.packages)), path)
         try:
             return minidom.parseString(text)
         except ExpatError as error:
@@ -113,6 +132,10 @@ class Expansion:
     def include_files(self, pattern: str, symbols: Any) -> Iterator[str]:
         """The files that an include names, one or those that its wildcards match."""
         name = self._absolute(str(self._evaluation.text(pattern, symbols)))
+        package = self.left_out.package_of(name)
+        if package is not None:
+            self.left_out.leave_out_file(name, package, self.place)
+            return
         yield from self._matching(name) if _WILDCARD.search(name) and not os.path.exists(name) else [name]
 
     def _matching(self, pattern: str) -> list[str]:
@@ -131,6 +154,10 @@ class Expansion:
     def load_yaml(self, filename: str) -> Any:
         """The data in a YAML file that may be read, with dotted access."""
         name = self._absolute(str(filename))
+        package = self.left_out.package_of(name)
+        if package is not None:
+            self.left_out.leave_out_data(name, package, self.place)
+            return self._xacro.YamlListWrapper.wrap({})
         try:
             path = self._admit(name)
         except OSError as error:
@@ -161,11 +188,76 @@ class Expansion:
 
     def find(self, package: str) -> str:
         """The folder of a package, or what stands for an unknown one."""
-        folder = self.packages.find(package)
-        if folder is None:
+        found = self.packages.find(package)
+        if found is None and package not in self.left_out.packages:
             self.unknown_packages.add(package)
-            return MISSING_PACKAGE + package
-        return str(folder)
+        folder = MISSING_PACKAGE + package if found is None else str(found)
+        self.left_out.learn(package, folder)
+        return folder
+
+    @property
+    def place(self) -> Place:
+        """The macro being expanded and the file that defines it, else the file."""
+        if self._xacro.macrostack:
+            macro = self._xacro.macrostack[-1]
+            return Place(str(macro.history[-1][-1] or self.path), element="macro", name=macro.body.getAttribute("name"))
+        return Place(str((self._xacro.filestack or [self.path])[-1]))
+
+    def neighbours(self, folder: Path, absent: Path) -> list[str]:
+        """What stands in a folder that may be read where `absent` was looked for: folders, or files of its kind."""
+        try:
+            self._confinement.require_inside(folder)
+            entries = sorted(entry for entry in folder.iterdir() if not entry.name.startswith("."))
+        except (Refused, OSError):
+            return []
+        if absent.parent == folder:
+            return [entry.name for entry in entries if entry.suffix == absent.suffix and not entry.is_dir()]
+        return [entry.name for entry in entries if entry.is_dir()]
+
+    # what is left out
+
+    def call_macro(self, node: Any, macros: Any, symbols: Any) -> bool:
+        """xacro's own; a macro that nothing defines is left out where an include has been."""
+        tag = node.tagName
+        if self.left_out and tag.startswith("xacro:") and tag != "xacro:call":
+            try:
+                self._original["resolve_macro"](tag[len("xacro:") :], macros, symbols)
+            except KeyError:
+                self.left_out.leave_out_macro(tag[len("xacro:") :], self.place)
+                self.replace_node(node, None)
+                return True
+        return bool(self._original["handle_macro_call"](node, macros, symbols))
+
+    def evaluate(self, node: Any, macros: Any, symbols: Any) -> None:
+        """xacro's own; an element that the arm is not read from is left out where it needs what has been."""
+        evaluate = self._original["eval_all"]
+        needed = node.tagName in NEEDED or node.tagName.startswith("xacro:") or node.parentNode is None
+        if needed or self._in_leavable:
+            evaluate(node, macros, symbols)
+            return
+        self._in_leavable = True
+        try:
+            self._or_leave_out(node, lambda: evaluate(node, macros, symbols))
+        finally:
+            self._in_leavable = False
+
+    def grab_property(self, node: Any, table: Any) -> None:
+        """xacro's own; a property that needs what has been left out stays undefined."""
+        self._or_leave_out(node, lambda: self._original["grab_property"](node, table))
+
+    def _or_leave_out(self, node: Any, act: Callable[[], None]) -> None:
+        """Do it, or where it cannot be done after something has been left out, remove the element."""
+        files, calls = len(self._xacro.filestack), len(self._xacro.macrostack)
+        try:
+            act()
+        except self._xacro.XacroException as error:
+            if not self.left_out or is_final(error):
+                raise
+            del self._xacro.filestack[files:], self._xacro.macrostack[calls:]
+            name = str(node.getAttribute("name"))
+            self.left_out.leave_out_element(node.tagName, name, self.place, one_line(str(error), 200))
+            if node.parentNode is not None:
+                self.replace_node(node, None)
 
     # work
 

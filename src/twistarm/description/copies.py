@@ -1,0 +1,45 @@
+"""Copies of packages out of a workspace: folders that bear a package's name and have no package.xml."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Iterable
+from pathlib import Path
+
+MARKS = ("urdf", "xacro", "robots", "meshes", "models", "launch", "worlds", "config")
+"""Folders of which a package of a robot holds one, or else a xacro or URDF file."""
+
+
+def find_copy(package: str, folders: Iterable[Path], file: Path, *, marked: bool) -> Path | None:
+    """The first of `folders` that may stand for `package`: it has that name and is the folder itself, no link to one.
+
+    The home folder and those that hold it never do, and beside them (`/etc`) only what `file` lies in. `marked`: it
+    must hold what packages of robots hold, because what is found is opened and may be quoted.
+    """
+    if package.startswith("."):
+        return None
+    named = (folder for folder in folders if folder.name == package and os.path.realpath(folder) == str(folder))
+    fitting = (folder for folder in named if not is_too_wide(folder) and (folder in file.parents or _is_own(folder)))
+    return next((folder for folder in fitting if not marked or _is_marked(folder)), None)
+
+
+def is_too_wide(folder: Path) -> bool:
+    """Whether it is the home folder, or one that holds it."""
+    return _home().is_relative_to(folder)
+
+
+def _is_own(folder: Path) -> bool:
+    """Whether it lies deeper than the folders of the system and of other people."""
+    return folder.parent != Path(folder.anchor) and folder.parent not in _home().parents
+
+
+def _home() -> Path:
+    return Path(os.path.realpath(os.path.expanduser("~")))
+
+
+def _is_marked(folder: Path) -> bool:
+    try:
+        entries = list(folder.iterdir())
+    except OSError:
+        return False
+    return any(entry.suffix in (".xacro", ".urdf") or (entry.name in MARKS and entry.is_dir()) for entry in entries)

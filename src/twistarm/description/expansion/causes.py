@@ -1,0 +1,26 @@
+"""What lies behind an error of xacro, which wraps them in one another."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from typing import Any
+
+from ...errors import DescriptionError
+from .work import Refused
+
+
+def causes(error: BaseException) -> Iterator[Any]:
+    """The error and whatever it wraps: xacro keeps the original in `.exc`, Python in `__cause__`/`__context__`."""
+    seen: set[int] = set()
+    stack: list[BaseException | None] = [error]
+    while stack:
+        current = stack.pop()
+        if isinstance(current, BaseException) and id(current) not in seen:
+            seen.add(id(current))
+            yield current
+            stack += [getattr(current, "exc", None), current.__cause__, current.__context__]
+
+
+def is_final(error: BaseException) -> bool:
+    """Whether it was refused, never ends or is a file that cannot be opened: nothing that leaving out would mend."""
+    return any(isinstance(cause, (Refused, DescriptionError, OSError, RecursionError)) for cause in causes(error))

@@ -1,0 +1,117 @@
+"""What an expansion leaves out with the packages that the caller does without, each part told as a finding."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Iterable, Iterator
+from contextlib import contextmanager
+from dataclasses import dataclass, field, replace
+from pathlib import Path
+
+from ...errors import DescriptionError, closest, listed
+from ..findings import Finding, Place, finding
+
+LEFT_OUT = "package-left-out"
+
+NEEDED = (
+    *("robot", "link", "joint", "parent", "child", "origin", "axis", "limit", "mimic"),
+    *("inertial", "mass", "inertia"),
+)
+"""Elements that the arm is read from. Any other is left out where what it needs has been left out."""
+
+
+MAY_LACK = (
+    *("xacro-failed", "xacro-argument-missing", "no-robot", "link-undefined", "several-roots", "mimic-master-missing"),
+    *("nothing-moves", "no-tip", "base-not-above-tip"),
+)
+"""Errors that may come from what was left out."""
+
+
+SHOWN = 3
+"""Parts left out that an error names."""
+
+
+@dataclass
+class LeftOut:
+    """The packages done without, and what has been left out with them so far."""
+
+    packages: tuple[str, ...]
+    file: Path
+    _parts: dict[str, Finding] = field(default_factory=dict)
+    _folders: dict[Path, str] = field(default_factory=dict)
+    _used: set[str] = field(default_factory=set)
+
+    def __bool__(self) -> bool:
+        return bool(self._parts)
+
+    def learn(self, package: str, folder: str) -> None:
+        """Remember where `$(find package)` leads."""
+        if package in self.packages:
+            self._folders[Path(folder)] = package
+
+    def package_of(self, name: str) -> str | None:
+        """The package done without that a file belongs to: in the folder found for it, or in one of its name."""
+        file = Path(name)
+        found = (package for folder, package in self._folders.items() if file.is_relative_to(folder))
+        way = Path(os.path.relpath(file, self.file.parent)).parts if self.packages else ()
+        return next(found, None) or next((package for package in self.packages if package in way), None)
+
+    def leave_out_file(self, name: str, package: str, place: Place) -> None:
+        """An include."""
+        self._used.add(package)
+        self._note(place, f"the include of {os.path.basename(name)!r} is left out without package {package!r}")
+
+    def leave_out_data(self, name: str, package: str, place: Place) -> None:
+        """A YAML load."""
+        self._used.add(package)
+        self._note(place, f"{os.path.basename(name)!r} counts as empty without package {package!r}")
+
+    def leave_out_macro(self, name: str, place: Place) -> None:
+        """A call of a macro that nothing defines which was opened."""
+        self._note(place, f"a call of the macro {name!r} is left out: only what was left out before may define it")
+
+    def leave_out_element(self, tag: str, name: str, place: Place, reason: str) -> None:
+        """An element that cannot be computed, nor need be."""
+        self._note(place, f"<{tag}{f' name={name!r}' if name else ''}> is left out: {reason}")
+
+    def findings(self, named: Iterable[str]) -> tuple[Finding, ...]:
+        """One for each part left out, and one for each package without any; `named`: all that the files name."""
+        idle = (package for package in self.packages if package not in self._used)
+        return (*self._parts.values(), *(not_used(package, self.file, named) for package in idle))
+
+    def _note(self, place: Place, what: str) -> None:
+        remedy = f"if it matters, pass package_dirs=[folder that holds {listed(self.packages)}] instead of without="
+        short = replace(place, file=os.path.basename(place.file))
+        self._parts.setdefault(what, finding(LEFT_OUT, short, what, remedy))
+
+
+def not_used(package: str, file: Path, named: Iterable[str]) -> Finding:
+    """A package done without that nothing had to be left out for."""
+    names = [name for name in named if name != package]
+    what = (
+        f"nothing is left out without {package!r}: no file of it is opened; packages named: {listed(names) or 'none'}"
+    )
+    remedy = f"correct the name{closest(package, names)}, or take it out of without="
+    return finding("package-not-used", Place(file.name), what, remedy)
+
+
+def blamed(error: DescriptionError, noted: Iterable[Finding]) -> DescriptionError:
+    """The error, and where something has been left out that this may be what is missing."""
+    parts = [one.what for one in noted if one.code == LEFT_OUT]
+    if not parts or not any(one.code in MAY_LACK for one in error.findings):
+        return error
+    more = f" (and {len(parts) - SHOWN} more)" if len(parts) > SHOWN else ""
+    told = f"{error}; this may be what is missing: {'; '.join(parts[:SHOWN])}{more}"
+    return DescriptionError(told, tuple(dict.fromkeys([*error.findings, *noted])))
+
+
+@contextmanager
+def blaming(noted: Iterable[Finding]) -> Iterator[None]:
+    """A DescriptionError within is raised as `blamed`."""
+    try:
+        yield
+    except DescriptionError as error:
+        told = blamed(error, noted)
+        if told is error:
+            raise
+        raise told from error

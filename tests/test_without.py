@@ -1,0 +1,252 @@
+"""Descriptions that ask for packages which are not there, and the arm can do without: a camera's, a simulator's."""
+
+from __future__ import annotations
+
+import re
+import shlex
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from twistarm import diagnose, load_arm
+from twistarm.arm import Arm
+from twistarm.cli.application import run
+from twistarm.errors import DescriptionError, InputError
+from twistarm.testing import assert_arm
+from urdf_text import joint, write
+from xacro_text import ARM, as_xacro
+
+INCLUDE = '<xacro:include filename="$(find realsense2_description)/urdf/_d435.urdf.xacro"/>'
+CAMERA = (
+    '<xacro:sensor_d435 parent="tool0" topics_ns="${camera_name}"><origin xyz="0 ${d435_y} 0"/></xacro:sensor_d435>'
+)
+XMLNS = 'xmlns:xacro="http://www.ros.org/wiki/xacro"'
+
+
+@dataclass(frozen=True)
+class Sensor:
+    """What stands in the arm's file, parts of what is said to be left out, and other files of the description."""
+
+    inside: str
+    told: tuple[str, ...]
+    files: Mapping[str, str] = field(default_factory=dict)
+
+
+LEFT_OUT = {
+    "a camera's macro with a block": Sensor(
+        INCLUDE + CAMERA, ("include of '_d435.urdf.xacro'", "call of the macro 'sensor_d435'")
+    ),
+    "an include that the missing one would have made": Sensor(
+        '<xacro:include filename="camera.xacro"/><xacro:camera/>',
+        ("include of '_d435.urdf.xacro'", "call of the macro 'sensor_d435'"),
+        {"camera.xacro": f'<robot {XMLNS}>{INCLUDE}<xacro:macro name="camera">{CAMERA}</xacro:macro></robot>'},
+    ),
+    "a macro called by its name in a property": Sensor(
+        INCLUDE + '<xacro:property name="kind" value="d435"/><xacro:call macro="sensor_${kind}" parent="tool0"/>',
+        ("call of the macro 'sensor_d435'",),
+    ),
+    "a macro in a namespace": Sensor(
+        INCLUDE.replace("/>", ' ns="rs"/>') + '<xacro:rs.camera parent="tool0"/>', ("macro 'rs.camera'",)
+    ),
+    "several files by a wildcard": Sensor(
+        INCLUDE.replace("_d435", "*") + CAMERA, ("include of '*.urdf.xacro'", "call of the macro 'sensor_d435'")
+    ),
+    "a property computed at once": Sensor(
+        INCLUDE + '<xacro:property name="half" value="${d435_height / 2}" lazy_eval="false"/><gazebo half="${half}"/>',
+        ("<xacro:property name='half'> is left out", "<gazebo> is left out: name 'half' is not defined"),
+    ),
+    "a call inside another that is left out": Sensor(
+        INCLUDE + "<xacro:mount><xacro:sensor_d435/></xacro:mount>", ("call of the macro 'mount'",)
+    ),
+    "an include under a condition": Sensor(
+        '<xacro:arg name="camera" default="true"/><xacro:if value="$(arg camera)">' + INCLUDE + CAMERA + "</xacro:if>",
+        ("include of '_d435.urdf.xacro'", "call of the macro 'sensor_d435'"),
+    ),
+    "a plugin with a value that is not there": Sensor(
+        INCLUDE + '<gazebo reference="tool0"><plugin name="cam" rate="${d435_rate}"/></gazebo>',
+        ("<gazebo> is left out: name 'd435_rate' is not defined",),
+    ),
+    "a shape with a value that is not there": Sensor(
+        INCLUDE + '<link name="stand"><visual><geometry><sphere radius="${d435_size}"/></geometry></visual></link>'
+        '<joint name="s" type="fixed"><parent link="tool0"/><child link="stand"/></joint>',
+        ("<visual> is left out: name 'd435_size' is not defined",),
+    ),
+    "parameters in YAML": Sensor(
+        '<xacro:property name="c" value="${xacro.load_yaml(\'$(find realsense2_description)/config/d435.yaml\')}"/>'
+        '<ros2_control name="camera"><param name="r">${c["rate"]}</param></ros2_control>',
+        (
+            "'d435.yaml' counts as empty",
+            "<ros2_control name='camera'> is left out: The yaml dictionary has no key 'rate'",
+        ),
+    ),
+    "an argument that the include would have declared": Sensor(
+        INCLUDE + '<transmission name="t" serial="$(arg d435_serial)"/>', ("<transmission name='t'> is left out",)
+    ),
+    "a path instead of $(find …)": Sensor(
+        '<xacro:include filename="../../realsense2_description/urdf/d435.xacro"/>', ("include of 'd435.xacro'",)
+    ),
+}
+
+
+def told(arm: Arm) -> list[str]:
+    return [one.what for one in arm.findings if one.code == "package-left-out"]
+
+
+@pytest.mark.parametrize("case", LEFT_OUT)
+def test_what_the_package_would_have_brought_is_left_out_and_told(case: str, tmp_path: Path) -> None:
+    sensor = LEFT_OUT[case]
+    for name, text in sensor.files.items():
+        write(tmp_path, text, name)
+    path = write(tmp_path, as_xacro(sensor.inside), "arm.xacro")
+    with pytest.raises(DescriptionError):
+        load_arm(path, tip="tool0")
+    arm = load_arm(path, tip="tool0", without=["realsense2_description"])
+    plain = load_arm(write(tmp_path, ARM))
+    np.testing.assert_array_equal(arm.screws, plain.screws)
+    np.testing.assert_array_equal(arm.home, plain.home)
+    for part in sensor.told:
+        assert any(part in what for what in told(arm)), told(arm)
+    includes = sum("include of" in what or "counts as empty" in what for what in told(arm))
+    assert includes == 1
+    assert len(told(arm)) == includes + sum("include of" not in part and "counts" not in part for part in sensor.told)
+
+
+def test_the_error_names_the_package_and_what_to_type(tmp_path: Path) -> None:
+    path = write(tmp_path, as_xacro(INCLUDE + CAMERA), "arm.xacro")
+    with pytest.raises(DescriptionError) as caught:
+        load_arm(path)
+    assert "package 'realsense2_description' not found" in str(caught.value)
+    assert str(caught.value).endswith("without=['realsense2_description']")
+    assert "package-needed-not-found" in [one.code for one in diagnose(path)]
+    assert "package-left-out" in [one.code for one in diagnose(path, without="realsense2_description")]
+
+
+def test_an_arm_does_without_two_packages(tmp_path: Path) -> None:
+    other = (
+        '<xacro:include filename="$(find velodyne_description)/urdf/VLP-16.urdf.xacro"/><xacro:VLP-16 parent="upper"/>'
+    )
+    path = write(tmp_path, as_xacro(INCLUDE + CAMERA + other), "arm.xacro")
+    with pytest.raises(DescriptionError, match=r"without=\['velodyne_description'\]$"):
+        load_arm(path, without="realsense2_description")
+    assert len(told(load_arm(path, without=["realsense2_description", "velodyne_description"]))) == 4
+
+
+NEEDED = {
+    "a joint on a link that is missing": (
+        joint("lens", "camera_link", "lens", kind="fixed") + '<link name="lens"/>',
+        "joint 'lens': its parent link 'camera_link' is not defined",
+    ),
+    "the tool on a link that is missing": (
+        joint("t", "gripper", "pen", kind="fixed") + '<link name="pen"/>',
+        "joint 't': its parent link 'gripper' is not defined",
+    ),
+    "a link that nothing joins": ('<link name="camera_bottom"/>', "2 root links: 'camera_bottom', 'base_link'"),
+    "a joint's place": (
+        '<link name="pen"/>' + joint("t", "tool0", "pen", kind="fixed", xyz="0 0 ${d435_height}"),
+        "name 'd435_height' is not defined",
+    ),
+    "a condition": ('<xacro:if value="${d435_used}"><link name="a"/></xacro:if>', "name 'd435_used' is not defined"),
+    "a mimic of a joint that is missing": (
+        '<link name="pen"/>' + joint("p", "tool0", "pen", inside='<mimic joint="finger"/>'),
+        "mimics 'finger'",
+    ),
+}
+
+
+@pytest.mark.parametrize("case", NEEDED)
+def test_what_the_arm_itself_needs_is_refused_as_before(case: str, tmp_path: Path) -> None:
+    inside, message = NEEDED[case]
+    path = write(tmp_path, as_xacro(INCLUDE + CAMERA + inside), "arm.xacro")
+    with pytest.raises(DescriptionError) as caught:
+        load_arm(path, tip="tool0", without=["realsense2_description"])
+    assert message in str(caught.value)
+    assert "may be what is missing: the include of '_d435.urdf.xacro' is left out" in str(caught.value)
+    codes = [one.code for one in diagnose(path, tip="tool0", without=["realsense2_description"])]
+    assert "package-left-out" in codes
+
+
+def test_another_mistake_is_not_blamed_on_what_is_left_out(tmp_path: Path) -> None:
+    outside = INCLUDE + '<xacro:include filename="/etc/hostname"/>'
+    with pytest.raises(DescriptionError) as caught:
+        load_arm(write(tmp_path, as_xacro(outside), "arm.xacro"), without=["realsense2_description"])
+    assert "what is missing" not in str(caught.value)
+
+
+def test_nothing_is_refused_less_for_being_inside_what_could_be_left_out(tmp_path: Path) -> None:
+    for reach, message in (
+        ("${xacro.load_yaml('/etc/hostname')}", "lies outside"),
+        ("${().__class__}", "is not allowed"),
+        ("${9**9**9}", "whole number"),
+        ("${xacro.load_yaml('$(find other)/a.yaml')}", "package 'other' not found"),
+        ("${xacro.load_yaml('absent.yaml')}", "No such file"),
+    ):
+        path = write(tmp_path, as_xacro(f'{INCLUDE}<gazebo a="{reach}"/>'), "arm.xacro")
+        with pytest.raises(DescriptionError, match=message):
+            load_arm(path, without=["realsense2_description"])
+
+
+def test_a_macro_that_is_there_is_called_and_one_before_any_include_is_a_mistake(tmp_path: Path) -> None:
+    mine = '<xacro:macro name="m"><link name="mine"/></xacro:macro><xacro:m/>' + joint(
+        "f", "tool0", "mine", kind="fixed"
+    )
+    path = write(tmp_path, as_xacro(INCLUDE + mine), "arm.xacro")
+    assert "mine" in load_arm(path, tip="tool0", without=["realsense2_description"]).frame_names
+    path = write(tmp_path, as_xacro("<xacro:sensor_d435/>" + INCLUDE), "arm.xacro")
+    with pytest.raises(DescriptionError, match="unknown macro name: xacro:sensor_d435"):
+        load_arm(path, without=["realsense2_description"])
+
+
+def test_a_package_that_is_there_can_be_done_without_too(tmp_path: Path) -> None:
+    folder = tmp_path / "folder_of_another_name"
+    folder.mkdir()
+    (folder / "package.xml").write_text("<package><name>realsense2_description</name></package>")
+    path = write(tmp_path, as_xacro(INCLUDE.replace("urdf/", "") + CAMERA), "arm.xacro")
+    write(folder, "<robot", "_d435.urdf.xacro")
+    assert len(told(load_arm(path, without=["realsense2_description"]))) == 2
+
+
+@pytest.mark.parametrize(("name", "text"), [("arm.xacro", as_xacro(CAMERA)), ("arm.urdf", ARM)])
+def test_a_package_that_is_not_asked_for_is_said(name: str, text: str, tmp_path: Path) -> None:
+    text = text.replace(CAMERA, '<gazebo a="$(find realsense2_description)/a.yaml"/>')
+    path = write(tmp_path, text, name)
+    arm = load_arm(path, without=["realsense_description"])
+    (one,) = [one for one in arm.findings if one.code == "package-not-used"]
+    assert "nothing is left out without 'realsense_description'" in one.what
+    assert ("closest: 'realsense2_description'" in one.remedy) == (name == "arm.xacro")
+
+
+@pytest.mark.parametrize("bad", ["", " ", "a/b", "..", "$(find a)", 3, None, ["a", ""], [["a"]]])
+def test_what_is_no_name_of_a_package_is_refused(bad: object, tmp_path: Path) -> None:
+    path = write(tmp_path, ARM)
+    with pytest.raises(InputError, match=r"without takes names of packages, as in \$\(find NAME\)/…; got "):
+        load_arm(path, without=bad)  # type: ignore[arg-type]
+
+
+def test_an_arm_file_says_what_it_does_without(tmp_path: Path) -> None:
+    write(tmp_path, as_xacro(INCLUDE + CAMERA), "arm.xacro")
+    path = write(tmp_path, 'source = "arm.xacro"\nwithout = ["realsense2_description"]', "arm.toml")
+    assert len(told(load_arm(path))) == 2
+    assert assert_arm(tmp_path / "arm.xacro", without=["realsense2_description"], samples=3).n == 2
+    bad = write(tmp_path, 'source = "arm.xacro"\nwithout = ["a/b"]', "bad.toml")
+    with pytest.raises(DescriptionError, match=r"bad.toml: without takes names of packages, .*got 'a/b'"):
+        load_arm(bad)
+
+
+def test_what_to_type_works_when_typed(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    """Each error ends in the options that answer it: followed one after the other, they load the arm."""
+    argument = '<xacro:arg name="side" default="left one"/>'
+    name = '<gazebo reference="$(arg side)"/><gazebo reference="$(arg model)"/>'
+    path = write(tmp_path, as_xacro(name + argument + INCLUDE + CAMERA), "arm.xacro")
+    typed: list[str] = []
+    for _ in range(2):
+        assert run(["info", str(path), *typed]) == 2
+        options = re.search("--(xacro|without) .*", capsys.readouterr().err)
+        assert options
+        typed += shlex.split(options.group())
+    assert typed == ["--xacro", "side:=left one", "--xacro", "model:=VALUE", "--without", "realsense2_description"]
+    draft = ["init", str(path), "-o", str(tmp_path / "arm.toml"), *typed]
+    assert run(draft) == 0
+    assert len(told(load_arm(tmp_path / "arm.toml"))) == 2
