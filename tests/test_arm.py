@@ -14,6 +14,8 @@ import pytest
 import twistarm
 from twistarm import Arm, JointLimits, arm_from_screws, joints, load_arm, screws
 from twistarm.errors import InputError, TwistarmError, UnknownNameError
+from twistarm.stream import SimulatedJoints
+from twistarm.viewer.admission import checked_theta
 from urdf_text import joint, robot, two_joints, write
 
 ROUNDING = 1e-12
@@ -208,6 +210,37 @@ def test_names_and_numbers(rover: twistarm.Arm) -> None:
         rover.theta_from(["slide", "elbow"], [1.0])
     with pytest.raises(InputError, match="named twice"):
         rover.theta_from(["slide", "slide"], [1.0, 2.0])
+
+
+THERE = twistarm.Position([0.7, 0, 0.6])
+
+BY_NAME = {
+    "fk": lambda arm, theta: arm.fk(theta),
+    "pose": lambda arm, theta: arm.pose(theta, "forearm"),
+    "poses": lambda arm, theta: arm.poses(theta)["forearm"],
+    "spatial_jacobian": lambda arm, theta: arm.spatial_jacobian(theta),
+    "body_jacobian": lambda arm, theta: arm.body_jacobian(theta),
+    "hybrid_jacobian": lambda arm, theta: arm.hybrid_jacobian(theta),
+    "manipulability": lambda arm, theta: arm.manipulability(theta).singular_values,
+    "joint_torques": lambda arm, theta: arm.joint_torques(theta, np.ones(6)),
+    "gravity_torques": lambda arm, theta: arm.gravity_torques(theta),
+    "by_pinocchio": lambda arm, theta: arm.by_pinocchio(theta)[1],
+    "theta_to_dict": lambda arm, theta: list(arm.theta_to_dict(theta).values()),
+    "solve_ik(theta0=)": lambda arm, theta: twistarm.solve_ik(arm, THERE, theta).theta,
+    "solve_ik(posture=)": lambda arm, theta: twistarm.solve_ik(arm, THERE, posture=theta).theta,
+    "solve_ik_batch(theta0=)": lambda arm, theta: twistarm.solve_ik_batch(arm, [THERE], theta).theta,
+    "ServoState.at": lambda arm, theta: twistarm.ServoState.at(arm, theta).theta,
+    "SimulatedJoints": lambda arm, theta: SimulatedJoints(arm, theta).read(0.0).theta,
+    "what a view shows": lambda arm, theta: checked_theta(arm, theta),
+}
+
+
+@pytest.mark.parametrize("case", BY_NAME)
+def test_a_pose_is_named_wherever_a_theta_is_taken(case: str, rover: twistarm.Arm) -> None:
+    for name, theta in {"zero": np.zeros(5), "stowed": rover.named_states["stowed"], "ready": rover.ready}.items():
+        assert np.array_equal(BY_NAME[case](rover, name), BY_NAME[case](rover, theta))
+    with pytest.raises((UnknownNameError, InputError), match="'ready', 'zero', 'stowed'"):
+        BY_NAME[case](rover, "raedy")
 
 
 BAD_THETA = {

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import re
+import shlex
 import subprocess
 import sys
 from pathlib import Path
@@ -11,10 +12,13 @@ from typing import Any
 
 import numpy as np
 import pytest
+import typer
 
 import twistarm
 from test_urdf import REFUSED
+from twistarm.cli import application
 from twistarm.cli.application import run
+from twistarm.cli.typed import NUMBERS as NUMBERS_OF_HELP
 from twistarm.rotations import from_rpy
 from urdf_text import joint, robot, two_joints, write
 
@@ -67,6 +71,8 @@ def test_fk_takes_degrees_and_metres(capsys: Capture, rover: twistarm.Arm) -> No
         "0.1 -30 45 10 90",
         "0.1,-30,45,10,90",
         "elbow=45 slide=0.1 shoulder=-30 wrist_roll=90 wrist_pitch=10",
+        "[0.1, -30.0,  45, 1e1, 90.]",
+        "([0.1; −30; 45; 10; 90])",
     ):
         content = answer(capsys, "fk", "rover_arm", "--theta", typed)
         assert np.allclose(content["matrix"], rover.fk(theta), atol=1e-12)
@@ -77,9 +83,87 @@ def test_fk_takes_degrees_and_metres(capsys: Capture, rover: twistarm.Arm) -> No
     assert np.allclose(frame["matrix"], np.eye(4), atol=1e-15)
 
 
+NUMBERS = ("-0.1", "-30", "45", "10", "-90")
+
+AS_WORDS = {
+    "after the option": ["fk", "--theta", *NUMBERS, "rover_arm"],
+    "before an option": ["fk", "rover_arm", "--theta", *NUMBERS, "--json"],
+    "joined by =": ["fk", "rover_arm", f"--theta={NUMBERS[0]}", *NUMBERS[1:]],
+    "as Python prints them": ["fk", "rover_arm", "--theta", "[-0.1,", "-30,", "45,", "10,", "-90]"],
+    "by joint": [
+        "fk",
+        "rover_arm",
+        "--theta",
+        "elbow=45",
+        "slide=-0.1",
+        "shoulder=-30",
+        "wrist_pitch=10",
+        "wrist_roll=-90",
+    ],
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("case", AS_WORDS)
+def test_numbers_need_no_quotes(case: str, capsys: Capture, rover: twistarm.Arm) -> None:
+    content = answer(capsys, *AS_WORDS[case])
+    assert np.allclose(content["theta"], [-0.1, *np.radians([-30.0, 45.0, 10.0, -90.0])])
+
+
+def test_every_option_of_several_numbers_takes_them_without_quotes(capsys: Capture, rover: twistarm.Arm) -> None:
+    content = answer(capsys, "ik", "--xyz", "0.8", "-0.1", "0.7", "--direction", "1", "0", "-0.1", "rover_arm",
+                     "--start", *NUMBERS, "--posture", *NUMBERS)  # fmt: skip
+    g = rover.fk(content["theta"])
+    assert np.allclose(g[:3, 3], [0.8, -0.1, 0.7], atol=1e-5)
+    assert np.allclose(np.cross(g[:3, 2], [1, 0, -0.1]), 0, atol=1e-5)
+    pose = [f"{x:.9f}" for x in rover.fk(rover.ready)[:3, 3]]
+    assert run(["ik", "rover_arm", "--xyz", *pose, "--rpy", "-10", "0", "-0"]) in (0, 1)
+    capsys.readouterr()
+    planned = answer(
+        capsys, "plan", "rover_arm", "--from", *NUMBERS, "--to", "0", "-20", "45", "10", "0", "--to", "ready"
+    )
+    assert np.allclose(planned["waypoints"][1], [0, *np.radians([-20, 45, 10, 0])])
+
+
+def test_every_command_with_numbers_knows_them() -> None:
+    several = {"--theta", "--start", "--posture", "--from", "--to", "--xyz", "--rpy", "--direction"}
+    found = {}
+    for name, command in typer.main.get_command(application.app).commands.items():  # type: ignore[attr-defined]
+        for option in command.params:
+            if several & set(option.opts):
+                found[name, option.opts[0]] = option.metavar in NUMBERS_OF_HELP
+    assert found
+    assert all(found.values()), found
+
+
+def test_joints_that_are_left_out_stay(capsys: Capture, rover: twistarm.Arm) -> None:
+    assert run(["fk", "rover_arm", "--theta", "elbow=60", "--json"]) == 0
+    out, err = capsys.readouterr()
+    assert err == "note: slide, shoulder, wrist_pitch, wrist_roll as in the pose ready\n"
+    theta = json.loads(out)["theta"]
+    assert theta == [*rover.ready[:2], np.radians(60.0), *rover.ready[3:]]
+    planned = answer(capsys, "plan", "rover_arm", "--from", "stowed", "--to", "elbow=60", "--to", "slide=0.1")
+    stowed = rover.theta_from("stowed")
+    assert np.allclose(planned["waypoints"][1], [*stowed[:2], np.radians(60.0), *stowed[3:]])
+    assert np.allclose(planned["waypoints"][2], [0.1, stowed[1], np.radians(60.0), *stowed[3:]])
+
+
+def test_a_printed_theta_is_pasted_back(capsys: Capture, rover: twistarm.Arm) -> None:
+    """At a limit too, which no decimals meet."""
+    theta = rover.limits.upper[:4].tolist() + [1 / 3]
+    typed = ["--rad", "--theta", *(repr(x) for x in theta)]
+    for radians in ([], ["--rad"]):
+        assert run(["ik", "rover_arm", "--xyz", "5", "1", "1", *radians]) == 1
+        shown = capsys.readouterr().out
+        line = next(line for line in shown.splitlines() if line.startswith("--theta"))
+        content = answer(capsys, "fk", "rover_arm", *shlex.split(line))
+        captured = rover.limits.contains(content["theta"])
+        assert captured, "nothing lies outside by rounding"
+    assert answer(capsys, "fk", "rover_arm", *typed)["theta"][:4] == theta[:4]
+
+
 def test_fk_warns_outside_the_limits(capsys: Capture) -> None:
     assert run(["fk", "rover_arm", "--theta", "0.7 0 0 0 0"]) == 0
-    assert capsys.readouterr().err == "warning: slide = 0.7 m lies outside its limits [-0.5, 0.5]\n"
+    assert capsys.readouterr().err == "warning: slide = 0.7 m lies outside its limits -0.5 … 0.5 m\n"
 
 
 def test_jacobian(capsys: Capture, rover: twistarm.Arm) -> None:
@@ -96,7 +180,8 @@ def test_ik_of_every_kind(capsys: Capture, rover: twistarm.Arm) -> None:
     xyz, direction = (" ".join(map(str, x)) for x in (g[:3, 3] + [0, 0.1, 0.05], g[:3, 2]))
     content = answer(capsys, "ik", "rover_arm", "--xyz", xyz, "--direction", direction)
     assert content["converged"]
-    reached = rover.fk(rover.theta_from(content["theta"]))
+    assert content["joint_names"] == list(rover.joint_names)
+    reached = rover.fk(content["theta"])
     assert np.allclose(reached[:3, 3], g[:3, 3] + [0, 0.1, 0.05], atol=1e-6)
     assert np.allclose(reached[:3, 2], g[:3, 2], atol=1e-6)
     assert answer(capsys, "ik", "rover_arm", "--xyz", xyz)["stop"] == "CONVERGED"
@@ -187,7 +272,7 @@ BAD = {
     "theta with a word": (["fk", "rover_arm", "--theta", "1 2 x 4 5"], "is neither joint values (5 numbers"),
     "theta with NaN": (["fk", "rover_arm", "--theta", "0 0 nan 0 0"], "theta must be finite; it holds nan at index [2]"),  # noqa: E501
     "theta of an unknown joint": (["fk", "rover_arm", "--theta", "elbw=1"], "no joint 'elbw' in rover_arm"),
-    "a joint typed twice": (["fk", "rover_arm", "--theta", "slide=1 slide=2"], "a joint is named twice"),
+    "a joint typed twice": (["fk", "rover_arm", "--theta", "slide=1 slide=2"], "a joint is named twice: slide, slide"),
     "a joint without a number": (["fk", "rover_arm", "--theta", "slide= elbow=1"], "is neither joint values"),
     "a name too long for a file": (["info", "x" * 300], "no usable path (File name too long)"),
     "a device": (["info", "/dev/null"], "/dev/null: not a regular file; give a URDF or xacro file"),

@@ -81,7 +81,7 @@ def test_where_nothing_is_free_only_whole_turns_are_left(solve):
 @pytest.mark.parametrize(
     ("posture", "text"),
     [
-        ("home", "posture must be 'theta0', 'centre' or a configuration (6,); got 'home'"),
+        ("home", "posture must be one of 'theta0', 'centre', 'ready', 'zero' or a configuration (6,); got 'home'"),
         (np.zeros(5), "posture must have shape (..., 6)"),
         (np.zeros((2, 6)), "posture must be 'theta0', 'centre' or one configuration (6,); got (2, 6)"),
         ([np.nan] * 6, "posture must be finite"),

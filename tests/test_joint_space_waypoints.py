@@ -71,7 +71,7 @@ def test_angles_are_not_wrapped():
         ([[0, 0, 0], [0, 0]], InputError, r"waypoint 1 must have shape \(..., 3\).*got \(2,\)"),
         ([[0, 0, 0], [[0, 0, 0]]], InputError, r"waypoint 1 must be one configuration \(3,\); got \(1, 3\)"),
         ([[0, 0, 0], [0, np.nan, 0]], InputError, "waypoint 1 must be finite; it holds nan at index"),
-        (["zero", "raedy"], UnknownNameError, "no named state 'raedy' in arm; closest: 'ready'.*'ready', 'zero'"),
+        (["zero", "raedy"], UnknownNameError, "no pose 'raedy' in arm; closest: 'ready'.*'ready', 'zero'"),
         (["zero", {"slide": 0, "elbow": 1}], InputError, "no value for joint 'shoulder'"),
         (["zero", {"slide": 0, "elbow": 1, "sholder": 0}], UnknownNameError, "no joint 'sholder'.*closest: 'shoulder'"),
     ],

@@ -129,6 +129,11 @@ class Arm:
         links = tuple(self.description.links) if self.description else (self.base,)
         return links if self.tip in links else (*links, self.tip)
 
+    @property
+    def pose_names(self) -> tuple[str, ...]:
+        """Names that stand for a theta wherever one is taken: `ready`, `zero` and those of `named_states`."""
+        return tuple(dict.fromkeys(("ready", "zero", *self.named_states)))
+
     @cached_property
     def ready(self) -> Array:
         """A well-conditioned posture inside the limits, (n,).
@@ -324,9 +329,22 @@ class Arm:
                 half[turning] = np.clip(1.0 / abs(pair.pitch), half[turning], AS_GOOD_AS_UNBOUNDED)
         return frozen(half)
 
-    def theta_from(self, values: Mapping[str, float] | Sequence[str], numbers: ArrayLike | None = None) -> Array:
-        """theta (n,) from {joint: value}, or from names and values in any order; every joint must be given."""
-        given = dict(values) if isinstance(values, Mapping) else self._paired(values, numbers)
+    def theta_from(
+        self,
+        values: ArrayLike | Mapping[str, float] | Sequence[str],
+        numbers: ArrayLike | None = None,
+        *,
+        name: str = "theta",
+    ) -> Array:
+        """theta (..., n) from numbers, (n,) from one of `pose_names`, {joint: value}, or joints' names and values.
+
+        By joint every one must be given, in any order. `name` is what an error calls the argument.
+        """
+        if isinstance(values, str):
+            return self._named(values)
+        if numbers is None and not isinstance(values, Mapping):
+            return as_theta(values, self.n, name, self.joint_names)
+        given = dict(values) if isinstance(values, Mapping) else self._paired(np.asarray(values).tolist(), numbers)
         for name in given:
             if name not in self.joint_names:
                 listing = f"base to tip: {listed(self.joint_names)}"
@@ -389,7 +407,15 @@ class Arm:
         return np.array([kind == "prismatic" for kind in self.joint_types])
 
     def _theta(self, theta: ArrayLike) -> Array:
-        return as_theta(theta, self.n, names=self.joint_names)
+        return self.theta_from(theta)
+
+    def _named(self, pose: str) -> Array:
+        if pose not in self.pose_names:
+            listing = f"poses: {listed(self.pose_names)}"
+            raise unknown_name("pose", pose, self.pose_names, within=self.name, listing=listing)
+        if pose in self.named_states:
+            return self.named_states[pose]
+        return self.ready if pose == "ready" else np.zeros(self.n)
 
     def _identity(self, theta: ArrayLike) -> Array:
         """The base seen from itself, one for each configuration."""

@@ -24,6 +24,7 @@ from . import (
     viewing,
     wiring,
 )
+from .typed import Command
 from .wording import as_typed
 
 BAD_ANSWER, BAD_INPUT, BUG, INTERRUPTED = 1, 2, 70, 130
@@ -37,21 +38,24 @@ app = typer.Typer(
     add_completion=False,
     pretty_exceptions_enable=False,
 )
-app.command()(demonstration.demo)
-app.command()(inspection.arms)
-app.command()(inspection.info)
-app.command()(init.init)
-app.command()(checking.check)
-app.command()(checking.freeze)
-app.command()(doctor.doctor)
-app.command()(baking.bake)
-app.command()(wiring.wiring)
-app.command()(kinematics.fk)
-app.command()(kinematics.jacobian)
-app.command()(inverse.ik)
-app.command()(motion.plan)
-app.command()(viewing.view)
-app.command()(servo.servo)
+for command in (
+    demonstration.demo,
+    inspection.arms,
+    inspection.info,
+    init.init,
+    checking.check,
+    checking.freeze,
+    doctor.doctor,
+    baking.bake,
+    wiring.wiring,
+    kinematics.fk,
+    kinematics.jacobian,
+    inverse.ik,
+    motion.plan,
+    viewing.view,
+    servo.servo,
+):
+    app.command(cls=Command)(command)
 
 
 @app.callback()

@@ -49,6 +49,7 @@ def info_json(arm: Arm) -> dict[str, Any]:
         "base": arm.base,
         "tip": arm.tip,
         "n": arm.n,
+        "joint_names": arm.joint_names,
         "joints": [
             {"name": name, "type": kind, "unit": unit} | {field: getattr(arm.limits, field)[i] for field in FIELDS}
             for i, (name, kind, unit) in enumerate(zip(arm.joint_names, arm.joint_types, arm.units, strict=True))

@@ -11,20 +11,19 @@ from ..arm import Arm
 from ..errors import InputError
 from ..ik import POSTURES, Approach, IKSolution, Pose, Position, solve_ik
 from ..rotations import from_rpy
-from .options import Json, Radians, Theta, parse_numbers, parse_theta, takes_arm
-from .output import console, pose_json, print_json, shown, table, units
+from .options import Json, Radians, Theta, takes_arm
+from .output import console, pose_json, print_json, shown, table, theta_typed, units
+from .typed import RPY, VALUES, XYZ, parse_numbers, parse_theta
 
-Xyz = Annotated[str, typer.Option(metavar="'X Y Z'", help="Position of the tool in the base frame, in metres.")]
+Xyz = Annotated[str, typer.Option(metavar=XYZ, help="Position of the tool in the base frame, in metres.")]
 Rpy = Annotated[
-    str | None, typer.Option(metavar="'R P Y'", help="Orientation: fixed-axis roll, pitch, yaw [°, or rad with --rad].")
+    str | None, typer.Option(metavar=RPY, help="Orientation: fixed-axis roll, pitch, yaw [°, or rad with --rad].")
 ]
-Direction = Annotated[
-    str | None, typer.Option(metavar="'X Y Z'", help="Only where the tool's z axis points, in base axes.")
-]
+Direction = Annotated[str | None, typer.Option(metavar=XYZ, help="Only where the tool's z axis points, in base axes.")]
 Posture = Annotated[
     str | None,
     typer.Option(
-        metavar="POSTURE",
+        metavar=VALUES,
         help="What a redundant arm stays near while it meets the target: theta0 (the start), centre, a pose or values.",
     ),
 ]
@@ -51,6 +50,7 @@ def ik(
         print_json(_as_json(arm, solution))
     else:
         console().print(solution_table(arm, solution, rad))
+        print(theta_typed(arm, solution.theta, rad))
         print(solution.explain())
     return 0 if solution.converged else 1
 
@@ -84,7 +84,8 @@ def _as_json(arm: Arm, solution: IKSolution) -> dict[str, Any]:
         "arm": arm.name,
         "converged": solution.converged,
         "stop": solution.stop.name,
-        "theta": arm.theta_to_dict(solution.theta),
+        "joint_names": arm.joint_names,
+        "theta": solution.theta,
         **{field: getattr(solution, field) for field in fields},
         "explanation": solution.explain(),
         "reached": pose_json(arm.fk(solution.theta)),

@@ -9,13 +9,14 @@ import numpy as np
 import typer
 
 from ..arm import Arm
-from ..checks import as_positive
+from ..checks import Array, as_positive
 from ..limits import JointLimits
 from ..planning import Trajectory, plan_joint
 from ..planning.export import csv_text, json_text
-from .options import Json, Radians, parse_theta, takes_arm
+from .options import Json, Radians, takes_arm
 from .output import console, number, print_json, progress_bar, shown, table, units
 from .outputs import Force, Format, outputs_of
+from .typed import POSE, parse_theta
 
 
 class Kind(str, Enum):
@@ -26,10 +27,14 @@ class Kind(str, Enum):
     trapezoid = "trapezoid"
 
 
-Start = Annotated[str, typer.Option("--from", metavar="POSE", help="Where it starts; as --to.")]
+Start = Annotated[str, typer.Option("--from", metavar=POSE, help="Where it starts; as --to.")]
 Through = Annotated[
     list[str],
-    typer.Option("--to", metavar="POSE", help="Joint values ('0 30 -45 …') or a pose's name; repeat it for each pose."),
+    typer.Option(
+        "--to",
+        metavar=POSE,
+        help="Joint values (0 30 -45 …), joint=value for those that move, or a pose's name; repeat it for each pose.",
+    ),
 ]
 Rate = Annotated[
     float | None,
@@ -70,7 +75,7 @@ def plan(
     with progress_bar("planning") as progress:
         planned = plan_joint(
             arm,
-            [parse_theta(arm, pose, rad) for pose in (start, *to)],
+            _typed_poses(arm, (start, *to), rad),
             kind=kind.value,
             limits=limits,
             stop_at_waypoints=stop,
@@ -83,6 +88,14 @@ def plan(
     console(outputs.words).print(plan_table(arm, planned, rad, limits))
     for name in written:
         print(f"written: {name}", file=outputs.words)
+
+
+def _typed_poses(arm: Arm, typed: tuple[str, ...], radians: bool) -> list[Array]:
+    """The poses as typed; a joint that one leaves out stays where the pose before it has it."""
+    poses = [parse_theta(arm, typed[0], radians)]
+    for text in typed[1:]:
+        poses.append(parse_theta(arm, text, radians, ("the pose before", poses[-1])))
+    return poses
 
 
 def capped(arm: Arm, caps: dict[str, float | None]) -> JointLimits:

@@ -1,10 +1,9 @@
-"""Options that commands share: which arm, and typed configurations."""
+"""Options that commands share: which arm, and how it is loaded."""
 
 from __future__ import annotations
 
 import functools
 import inspect
-import re
 import shlex
 from collections.abc import Callable
 from pathlib import Path
@@ -14,9 +13,9 @@ import numpy as np
 import typer
 
 from ..arm import Arm
-from ..checks import Array, as_theta
-from ..errors import InputError, UnknownNameError, listed
+from ..errors import InputError
 from ..loading import load_arm
+from .typed import VALUES
 
 Source = Annotated[str, typer.Argument(metavar="ARM", help="URDF, xacro, arm.toml, arm.json, or catalogue name.")]
 Base = Annotated[str | None, typer.Option(metavar="LINK", help="Base link, instead of the root.")]
@@ -45,14 +44,12 @@ Locked = Annotated[
 ]
 Json = Annotated[bool, typer.Option("--json", help="Print the answer as JSON, in SI units.")]
 Radians = Annotated[bool, typer.Option("--rad", help="Angles are typed and shown in radians, not degrees.")]
-Theta = Annotated[
-    str,
-    typer.Option(
-        metavar="VALUES",
-        help="Joint values base to tip ('0.1 30 -45'; degrees, metres for slides), 'joint=value …', "
-        "or a pose's name ('ready', 'zero').",
-    ),
-]
+POSTURE = typer.Option(
+    metavar=VALUES,
+    help="Joint values base to tip (0.1 30 -45; degrees, metres for slides), joint=value for some of them, the others "
+    "as in ready, or a pose's name (ready, zero).",
+)
+Theta = Annotated[str, POSTURE]
 
 
 def takes_arm(command: Callable[..., Any]) -> Callable[..., Any]:
@@ -141,61 +138,3 @@ def xacro_arguments(pairs: list[str]) -> dict[str, str]:
             raise InputError(f"--xacro takes NAME:=VALUE; got {pair!r}{meant}")
         arguments[name] = value
     return arguments
-
-
-def parse_theta(arm: Arm, text: str, radians: bool) -> Array:
-    """A typed configuration: numbers base to tip, `joint=value` pairs, or the name of a pose."""
-    if text in named_poses(arm):
-        return named_poses(arm)[text]
-    try:
-        if "=" in text:
-            theta = arm.theta_from(*_pairs(text))
-        else:
-            theta = np.array([float(word) for word in text.replace(",", " ").split()])
-    except (UnknownNameError, InputError):
-        raise
-    except ValueError as error:
-        raise InputError(
-            f"{text!r} is neither joint values ({arm.n} numbers, or joint=value …) nor one of the poses "
-            f"{listed(named_poses(arm))}"
-        ) from error
-    if theta.shape != (arm.n,):
-        raise InputError(f"{arm.name} takes {arm.n} values ({', '.join(arm.joint_names)}); got {len(theta)}: {text!r}")
-    as_theta(theta, arm.n)
-    return theta if radians else from_degrees(arm, theta)
-
-
-def _pairs(text: str) -> tuple[list[str], list[float]]:
-    """Names and values of `joint=value` pairs, spaces inside names and around = allowed; else ValueError."""
-    pair = re.compile(r"[\s,]*([^=]+?)\s*=\s*([^\s=,]+)(?=[\s,]|$)")
-    names, values, end = [], [], 0
-    for match in pair.finditer(text):
-        if match.start() != end:
-            raise ValueError(text)
-        names.append(match.group(1))
-        values.append(float(match.group(2)))
-        end = match.end()
-    if text[end:].strip(", "):
-        raise ValueError(text)
-    return names, values
-
-
-def named_poses(arm: Arm) -> dict[str, Array]:
-    """The arm's named poses, `ready` and `zero`."""
-    return {"zero": np.zeros(arm.n), "ready": arm.ready, **arm.named_states}
-
-
-def from_degrees(arm: Arm, values: Array) -> Array:
-    """Typed values, degrees and metres, in rad and m."""
-    return np.where(np.array(arm.units) == "rad", np.radians(values), values)
-
-
-def parse_numbers(text: str, count: int, name: str) -> Array:
-    """`count` numbers separated by spaces or commas."""
-    try:
-        numbers = np.array([float(word) for word in text.replace(",", " ").split()])
-    except ValueError:
-        numbers = np.array([])
-    if numbers.shape != (count,) or not np.isfinite(numbers).all():
-        raise InputError(f"{name} takes {count} numbers, as in {name} '{' '.join(['0'] * count)}'; got {text!r}")
-    return numbers

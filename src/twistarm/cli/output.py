@@ -34,6 +34,11 @@ def warn(message: str) -> None:
     print("warning: " + " ".join(message.split()), file=sys.stderr)
 
 
+def note(message: str) -> None:
+    """What was understood although it was not typed, on stderr, in one line."""
+    print("note: " + " ".join(message.split()), file=sys.stderr)
+
+
 def print_json(content: Any) -> None:
     """One JSON document; infinities become null."""
     print(json.dumps(plain(content), allow_nan=False, indent=2, ensure_ascii=False))
@@ -81,14 +86,27 @@ def table(title: str, columns: Sequence[str], rows: Sequence[Sequence[object]], 
     return made
 
 
-def shown(arm: Arm, values: Array, radians: bool) -> list[str]:
+def shown(arm: Arm, values: Array, radians: bool, digits: int = 4) -> list[str]:
     """Joint values as a person reads them: degrees (or rad) and metres."""
-    return [number(x if unit == "m" or radians else np.degrees(x)) for x, unit in zip(values, arm.units, strict=True)]
+    return [
+        number(x if unit == "m" or radians else np.degrees(x), digits)
+        for x, unit in zip(values, arm.units, strict=True)
+    ]
 
 
 def units(arm: Arm, radians: bool) -> list[str]:
     """The units that `shown` uses."""
     return [unit if unit == "m" or radians else "°" for unit in arm.units]
+
+
+def theta_typed(arm: Arm, theta: Array, radians: bool) -> str:
+    """theta (n,) as it can be typed or pasted: `--theta "0.1 -30 60"`."""
+    return f'--theta "{theta_values(arm, theta, radians)}"' + " --rad" * radians
+
+
+def theta_values(arm: Arm, theta: Array, radians: bool) -> str:
+    """The numbers of `theta_typed`, to 1 µm and some 1e-8 rad (1e-6 rad in radians)."""
+    return " ".join(shown(arm, theta, radians, digits=6))
 
 
 def number(value: float, digits: int = 4) -> str:

@@ -21,14 +21,12 @@ from ..stream.streaming import TOLERANCE, checked_rate
 from ..usual_limits import defaults_line, with_defaults
 from ..viewer import Viewer, show_in_browser
 from .motion import Rate, capped
-from .options import Json, Radians, Theta, parse_theta, takes_arm
+from .options import Json, Radians, Theta, takes_arm
 from .output import console, print_json, shown, units, warn
 from .servo_report import report_json, report_table
 from .signals import ended_like_ctrl_c
+from .typed import parse_theta
 from .viewing import Browser, Host, Port
-
-ROUNDING = 1e-6
-"""Outside a limit by less [rad, m] is rounding of what was typed."""
 
 Udp = Annotated[str | None, typer.Option(metavar="HOST:PORT", help="Send setpoints to a robot there; needs --listen.")]
 Listen = Annotated[
@@ -79,7 +77,8 @@ def servo(
     checked_rate(rate, settings)
     require_positive(duration=duration, tolerance=tolerance)
     require_positive(command_timeout=command_timeout, feedback_timeout=feedback_timeout)
-    x = inside(arm, parse_theta(arm, theta, rad), rad)
+    x = parse_theta(arm, theta, rad)
+    require_inside(arm, x, rad)
     limits = capped(arm, {"velocity": velocity, "acceleration": acceleration})
     driven = replace(arm, limits=with_defaults(arm, limits))
 
@@ -115,16 +114,14 @@ def not_negative(value: float, option: str) -> float:
     return value
 
 
-def inside(arm: Arm, theta: Array, radians: bool) -> Array:
-    """theta (n,) inside the position limits; what is outside by more than rounding is refused as it was typed."""
-    clipped = np.clip(theta, arm.limits.lower, arm.limits.upper)
-    off = np.abs(theta - clipped)
-    if off.max() > ROUNDING:
+def require_inside(arm: Arm, theta: Array, radians: bool) -> None:
+    """LimitError, in the unit that was typed, where theta (n,) is outside the position limits."""
+    off = np.abs(theta - np.clip(theta, arm.limits.lower, arm.limits.upper))
+    if off.max() > 0.0:
         j = int(off.argmax())
         value, lower, upper = (shown(arm, each, radians)[j] for each in (theta, arm.limits.lower, arm.limits.upper))
         name, unit = arm.joint_names[j], units(arm, radians)[j]
         raise LimitError(f"--theta: {name} = {value} {unit} lies outside its limits {lower} … {upper} {unit}")
-    return clipped
 
 
 def joints_of(

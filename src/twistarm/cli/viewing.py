@@ -19,10 +19,11 @@ from ..viewer.recorded import recorded_motion
 from ..viewer.screenshot import png_of
 from ..viewer.watching import loaded
 from .kinematics import warn_outside
-from .options import Radians, Theta, parse_theta, takes_source
+from .options import POSTURE, Radians, takes_source
 from .output import warn
 from .outputs import Force, Format, outputs_of
 from .signals import ended_like_ctrl_c
+from .typed import parse_theta
 
 Port = Annotated[
     int,
@@ -53,7 +54,7 @@ Browser = Annotated[bool, typer.Option("--browser/--no-browser", help="Open the 
 def view(
     source: str,
     load: dict[str, Any],
-    theta: Theta | None = None,
+    theta: Annotated[str | None, POSTURE] = None,
     port: Port = 0,
     host: Host = "127.0.0.1",
     browser: Browser = True,
@@ -77,7 +78,7 @@ def view(
         raise InputError("--fresh goes with --port PORT: without it nothing is kept")
     x = None if theta is None else parse_theta(arm, theta, rad)
     if x is not None:
-        warn_outside(arm, x)
+        warn_outside(arm, x, rad)
     motion = None if play is None else recorded_motion(arm, play)
     if outputs.files:
         start = x if motion is None else motion(0.0)

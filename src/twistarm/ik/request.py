@@ -10,8 +10,8 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from ..arm import Arm
-from ..checks import Array, as_floats, as_theta, frozen
-from ..errors import InputError
+from ..checks import Array, as_floats, frozen
+from ..errors import InputError, listed
 from .damped import Tolerances
 from .starts import as_seed
 
@@ -80,7 +80,7 @@ def require_arm(arm: Any) -> Arm:
 def _start(arm: Arm, theta0: ArrayLike | None, count: int | None) -> Array:
     if theta0 is None:
         return arm.ready
-    given = as_theta(theta0, arm.n, "theta0", arm.joint_names)
+    given = arm.theta_from(theta0, name="theta0")
     if np.abs(given).max(initial=0.0) > FARTHEST_START:
         far = np.unravel_index(int(np.abs(given).argmax()), given.shape)
         raise InputError(
@@ -100,11 +100,12 @@ def _posture(arm: Arm, posture: ArrayLike | str | None, start: Array, count: int
     """Where a redundant arm would rather be."""
     if posture is None:
         return None
-    if isinstance(posture, str):
-        if posture not in POSTURES:
-            raise InputError(f"posture must be 'theta0', 'centre' or a configuration ({arm.n},); got {posture!r}")
+    if isinstance(posture, str) and posture in POSTURES:
         return start if posture == "theta0" else arm.limits.middle()
-    given = as_theta(posture, arm.n, "posture", arm.joint_names)
+    if isinstance(posture, str) and posture not in arm.pose_names:
+        names = listed((*POSTURES, *arm.pose_names))
+        raise InputError(f"posture must be one of {names} or a configuration ({arm.n},); got {posture!r}")
+    given = arm.theta_from(posture, name="posture")
     if given.ndim == 1 or (count is not None and given.shape == (count, arm.n)):
         return frozen(given)
     raise InputError(

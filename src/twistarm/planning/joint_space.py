@@ -9,8 +9,8 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from ..arm import Arm
-from ..checks import Array, as_floats, as_theta
-from ..errors import InputError, closest, listed, unknown_name
+from ..checks import Array, as_floats
+from ..errors import InputError, closest, listed
 from ..limits import JointLimits
 from . import spline, timing
 from .timing import Progress
@@ -51,8 +51,8 @@ def plan_joint(
 ) -> Trajectory:
     """A motion through `waypoints`, at rest at the first and the last, that keeps the joint limits everywhere.
 
-    Waypoints (k, n), k ≥ 2 [rad, m]: arrays, mappings {joint: value} or names of states ("ready", "zero", or one
-    of `arm.named_states`). A joint goes the way the numbers say: no angle is wrapped, continuous joints included.
+    Waypoints (k, n), k ≥ 2 [rad, m]: arrays, mappings {joint: value} or names of poses
+    (`arm.pose_names`). A joint goes the way the numbers say: no angle is wrapped, continuous joints included.
 
     - `cubic`: the C² spline; acceleration jumps at the start and the end only.
     - `quintic`: the C⁴ spline, acceleration zero at both ends; smoother, and it swings wider between waypoints.
@@ -122,23 +122,10 @@ def as_limits(arm: Arm, limits: JointLimits | Mapping[str, Any] | None) -> Joint
 
 
 def _waypoint(arm: Arm, waypoint: Any, index: int) -> Array:
-    if isinstance(waypoint, Mapping):
-        return arm.theta_from(waypoint)
-    if isinstance(waypoint, str):
-        return _named_state(arm, waypoint)
-    theta = as_theta(waypoint, arm.n, f"waypoint {index}", arm.joint_names)
+    theta = arm.theta_from(waypoint, name=f"waypoint {index}")
     if theta.ndim != 1:
         raise InputError(f"waypoint {index} must be one configuration ({arm.n},); got {theta.shape}")
     return theta
-
-
-def _named_state(arm: Arm, name: str) -> Array:
-    if name in arm.named_states:
-        return arm.named_states[name]
-    if name in ("ready", "zero"):
-        return arm.ready if name == "ready" else np.zeros(arm.n)
-    names = dict.fromkeys([*arm.named_states, "ready", "zero"])
-    raise unknown_name("named state", name, names, within=arm.name, listing=f"named states: {listed(names)}")
 
 
 def _as_times(times: ArrayLike, count: int) -> Array:

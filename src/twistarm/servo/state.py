@@ -32,7 +32,7 @@ class ServoState:
     @classmethod
     def at(cls, arm: Arm, theta: ArrayLike) -> ServoState:
         """At rest at the measured theta (n,). Raises InputError for anything but n finite numbers."""
-        return cls.moving(arm, theta, np.zeros(arm.n))
+        return cls.moving(arm, arm.theta_from(theta), np.zeros(arm.n))
 
     @classmethod
     def moving(cls, arm: Arm, theta: ArrayLike, theta_dot: ArrayLike) -> ServoState:

@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from ..arm import Arm
-from ..checks import Array, as_floats, as_theta, frozen
+from ..checks import Array, as_floats, frozen
 from ..errors import InputError
 from .protocols import Measured, Setpoint
 
@@ -59,7 +59,7 @@ class SimulatedJoints:
     ) -> None:
         if not 0.0 <= latency < inf:
             raise InputError(f"latency must be a number of seconds from 0 on; got {latency!r}")
-        self._theta = as_theta(theta, arm.n, names=arm.joint_names).copy()
+        self._theta = arm.theta_from(theta).copy()
         if self._theta.ndim != 1:
             raise InputError(f"theta must be one configuration ({arm.n},); got {self._theta.shape}")
         self._theta_dot = np.zeros(arm.n)

@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from ..arm import Arm
-from ..checks import Array, as_theta
+from ..checks import Array
 from ..errors import InputError, LimitError
 from ..planning.trajectory import Trajectory
 from .messages import LARGEST_VALUE
@@ -17,7 +17,7 @@ LIMIT_TOL = 1e-6
 
 def checked_theta(arm: Arm, theta: ArrayLike) -> Array:
     """`theta` as one configuration (n,) that can be drawn."""
-    array = as_theta(theta, arm.n, names=arm.joint_names)
+    array = arm.theta_from(theta)
     if array.ndim != 1:
         raise InputError(f"theta must be one configuration, shape ({arm.n},); got {array.shape}")
     if np.abs(array).max(initial=0.0) > LARGEST_VALUE:

@@ -1,0 +1,145 @@
+"""What a person types as numbers: configurations, positions, directions."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Collection, Sequence
+from typing import Any
+
+import numpy as np
+from typer.core import TyperCommand
+
+from ..arm import Arm
+from ..checks import Array, as_theta
+from ..errors import InputError, UnknownNameError, listed
+from .output import note
+
+VALUES = "VALUES"
+POSE = "POSE"
+XYZ = "'X Y Z'"
+RPY = "'R P Y'"
+WXYZ, XYZW = "'W X Y Z'", "'X Y Z W'"
+NUMBERS = (VALUES, POSE, XYZ, RPY, WXYZ, XYZW)
+"""How the help names what an option takes where that is several numbers."""
+
+ROUNDING = 1e-6
+"""Outside a limit by less [rad, m] is rounding of what was printed: a limit itself, pasted, is one."""
+
+_AROUND = "[](),;"
+"""Stands around numbers in what Python, NumPy and --json print."""
+
+
+class Command(TyperCommand):
+    """A command whose options of several numbers need no quotes: `--theta 0.1 -30 60`, `--xyz 0.8 -0.1 0.7`."""
+
+    def parse_args(self, ctx: Any, args: list[str]) -> list[str]:
+        """Click's, of words in which such numbers are one."""
+        several = [name for option in self.params if option.metavar in NUMBERS for name in option.opts]
+        return super().parse_args(ctx, joined(args, several))
+
+
+def joined(words: Sequence[str], options: Collection[str]) -> list[str]:
+    """`words` with what follows one of `options` made one word, as far as it is numbers or joint=value pairs."""
+    made: list[str] = []
+    goes_on = False
+    for i, word in enumerate(words):
+        if word == "--":
+            return [*made, *words[i:]]
+        if goes_on and _is_part(word):
+            made[-1] += f" {word}"
+            continue
+        option, _, value = word.partition("=")
+        goes_on = _is_part(word if made and made[-1] in options else value if option in options else "")
+        made.append(word)
+    return made
+
+
+def _is_part(word: str) -> bool:
+    """Whether a typed word is one of several values: a number, or joint=value."""
+    name, equals, value = word.rpartition("=")
+    try:
+        float(_plain(value if equals and not name.startswith("-") else word))
+    except ValueError:
+        return False
+    return True
+
+
+def _plain(text: str) -> str:
+    """`text` without the brackets and commas around numbers, and with the minus that a computer reads."""
+    return text.translate({ord(sign): " " for sign in _AROUND} | {ord("−"): "-"}).strip()
+
+
+def parse_theta(arm: Arm, text: str, radians: bool, rest: tuple[str, Array] | None = None) -> Array:
+    """A typed configuration: numbers base to tip, `joint=value` pairs, or the name of a pose.
+
+    Joints that pairs leave out are as in `rest`, a name and its theta, by default the pose ready; a note says so. What
+    lies outside a limit by rounding is put onto it.
+    """
+    if text.strip() in arm.pose_names:
+        return arm.theta_from(text.strip())
+    theta = _typed(arm, text, radians, rest)
+    onto = np.clip(theta, arm.limits.lower, arm.limits.upper)
+    return np.where(np.abs(theta - onto) <= ROUNDING, onto, theta)
+
+
+def _typed(arm: Arm, text: str, radians: bool, rest: tuple[str, Array] | None) -> Array:
+    try:
+        if "=" in text:
+            return _by_joint(arm, *_pairs(text), radians, rest)
+        theta = np.array([float(word) for word in _plain(text).split()])
+    except (UnknownNameError, InputError):
+        raise
+    except ValueError as error:
+        raise InputError(
+            f"{text!r} is neither joint values ({arm.n} numbers, or joint=value …) nor one of the poses "
+            f"{listed(arm.pose_names)}"
+        ) from error
+    if theta.shape != (arm.n,):
+        raise InputError(f"{arm.name} takes {arm.n} values ({', '.join(arm.joint_names)}); got {len(theta)}: {text!r}")
+    as_theta(theta, arm.n)
+    return theta if radians else from_degrees(arm, theta)
+
+
+def _by_joint(arm: Arm, names: list[str], values: list[float], radians: bool, rest: tuple[str, Array] | None) -> Array:
+    """theta of typed joints, the others as in `rest`."""
+    if len(set(names)) < len(names):
+        raise InputError(f"a joint is named twice: {', '.join(names)}")
+    others = [name for name in arm.joint_names if name not in names]
+    typed = arm.theta_from([*names, *others], [*values, *(0.0 for _ in others)])
+    if not others:
+        return typed if radians else from_degrees(arm, typed)
+    name, theta = rest or ("the pose ready", arm.ready)
+    note(f"{', '.join(others)} as in {name}")
+    given = np.array([joint in names for joint in arm.joint_names])
+    return np.where(given, typed if radians else from_degrees(arm, typed), theta)
+
+
+def _pairs(text: str) -> tuple[list[str], list[float]]:
+    """Names and values of `joint=value` pairs, spaces inside names and around = allowed; else ValueError."""
+    pair = re.compile(r"[\s,]*([^=]+?)\s*=\s*([^\s=,]+)(?=[\s,]|$)")
+    names, values, end = [], [], 0
+    for match in pair.finditer(text):
+        if match.start() != end:
+            raise ValueError(text)
+        names.append(match.group(1))
+        values.append(float(_plain(match.group(2))))
+        end = match.end()
+    if text[end:].strip(", "):
+        raise ValueError(text)
+    return names, values
+
+
+def from_degrees(arm: Arm, values: Array) -> Array:
+    """Typed values, degrees and metres, in rad and m."""
+    return np.where(np.array(arm.units) == "rad", np.radians(values), values)
+
+
+def parse_numbers(text: str, count: int, name: str) -> Array:
+    """`count` numbers separated by spaces or commas."""
+    try:
+        numbers = np.array([float(word) for word in _plain(text).split()])
+    except ValueError:
+        numbers = np.array([])
+    if numbers.shape != (count,) or not np.isfinite(numbers).all():
+        raise InputError(f"{name} takes {count} numbers, as in {name} {' '.join(['0'] * count)}; got {text!r}")
+    return numbers
