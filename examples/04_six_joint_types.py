@@ -5,6 +5,7 @@ import tempfile
 from pathlib import Path
 
 import numpy as np
+from numpy.typing import NDArray
 
 from twistarm import ArmBuilder, crosscheck, joints, plan_joint, save_html
 
@@ -31,7 +32,7 @@ farthest = {
 }
 
 
-def claim(kind, theta, p):
+def claim(kind: str, theta: NDArray[np.float64], p: NDArray[np.float64]) -> bool:
     """What the path p (k, 3) of the tool must be, seen from geometry alone."""
     radius, height = np.linalg.norm(p[:, :2], axis=1), p[:, 2]
     if kind == "revolute":

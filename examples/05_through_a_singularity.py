@@ -1,22 +1,35 @@
 """Jog the tool outward until the arm is stretched, go through the straight elbow to the other branch, and come back."""
 
 import numpy as np
+from numpy.typing import NDArray
 
 from twistarm import load_arm
-from twistarm.servo import JogCommand, PoseCommand, ServoState, ServoStatus, TwistCommand, servo_step
+from twistarm.servo import (
+    AnyCommand,
+    JogCommand,
+    PoseCommand,
+    ServoOutput,
+    ServoState,
+    ServoStatus,
+    TwistCommand,
+    servo_step,
+)
+
+Array = NDArray[np.float64]
 
 arm, dt, speed = load_arm("rover_arm_6dof"), 0.01, 0.1  # s, m/s
 rest = JogCommand.of(arm, {})
 longest = 0.35 + np.hypot(0.12 + 0.51, 0.03)  # from the shoulder to the wrist, m: the README of the robot
 
 
-def outward(theta):
+def outward(theta: Array) -> tuple[float, Array]:
     """From the shoulder to the wrist, in the upright plane of the arm: (distance, direction)."""
     way = (arm.pose(theta, "wrist") - arm.pose(theta, "upper_arm"))[:3, 3] * [1, 0, 1]
-    return np.linalg.norm(way), way / np.linalg.norm(way)
+    distance = float(np.linalg.norm(way))
+    return distance, way / distance
 
 
-def drive(state, command, seconds):
+def drive(state: ServoState, command: AnyCommand, seconds: float) -> tuple[ServoState, Array, list[ServoOutput]]:
     """The last state, the velocities of the tool (k, 3) and the outputs; the joints' limits hold, whatever happens."""
     states, outputs = [state], []
     for _ in range(round(seconds / dt)):
@@ -30,7 +43,7 @@ def drive(state, command, seconds):
     return state, np.diff(arm.fk(theta)[:, :3, 3], axis=0) / dt, outputs
 
 
-def jog_tool(state, v, seconds):
+def jog_tool(state: ServoState, v: Array, seconds: float) -> tuple[ServoState, ServoOutput]:
     """A straight jog of the tool: as asked where nothing is slowed, and from one speed to the next without a shake."""
     state, velocities, outputs = drive(state, TwistCommand([*v, 0, 0, 0], frame="base"), seconds)
     steady = [output.status is ServoStatus.OK and output.scale > 1 - 1e-6 for output in outputs]
@@ -41,7 +54,7 @@ def jog_tool(state, v, seconds):
     return drive(state, rest, 0.5)[0], outputs[-1]
 
 
-def jog_elbow(state, rate, seconds):
+def jog_elbow(state: ServoState, rate: float, seconds: float) -> ServoState:
     state, _, _ = drive(state, JogCommand.of(arm, {"elbow_pitch": rate}), seconds)
     return drive(state, rest, 0.5)[0]
 

@@ -22,7 +22,7 @@ assert np.sign(begin[2]) == np.sign(end[2]), "the elbow is on one side all the w
 
 state, poses = ServoState.at(arm, begin), [arm.fk(begin)]
 for _ in range(600):
-    left = length - normal @ (poses[-1] - poses[0])[:3, 3]
+    left = length - float(normal @ (poses[-1] - poses[0])[:3, 3])
     command = TwistCommand([0, 0, min(speed, 3 * left), 0, 0, 0], hold="orientation")
     state, output = servo_step(arm, state, command, dt)
     poses.append(arm.fk(state.theta))

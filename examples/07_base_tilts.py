@@ -1,15 +1,18 @@
 """The rover pitches and rolls while the tool keeps its pose in the world: the pose to hold moves, and says how fast."""
 
 import numpy as np
+from numpy.typing import NDArray
 
-from twistarm import load_arm, rotations, screws
+from twistarm import Arm, load_arm, rotations, screws
 from twistarm.servo import PoseCommand, ServoState, servo_step
 
+Array = NDArray[np.float64]
+
 dt, seconds, pitch, roll = 0.01, 4.0, np.radians(8), np.radians(5)
-times = dt * np.arange(round(seconds / dt) + 1)
+times: Array = dt * np.arange(round(seconds / dt) + 1.0)
 
 
-def base(t):
+def base(t: Array) -> Array:
     """g_world_base at times t: the deck tilts about the arm's base, at rest at both ends."""
     share = 0.5 - 0.5 * np.cos(np.pi * t / seconds)
     g = np.tile(np.eye(4), (len(t), 1, 1))
@@ -17,13 +20,13 @@ def base(t):
     return g
 
 
-def gyro(t, h=1e-5):
+def gyro(t: Array, h: float = 1e-5) -> Array:
     """Angular velocities of the base in its own axes [rad/s]: what an IMU on the deck measures."""
     before, after = base(t - h)[:, :3, :3], base(t + h)[:, :3, :3]
     return rotations.log(before.swapaxes(1, 2) @ after) / (2 * h)
 
 
-def hold(arm, start, feed_forward):
+def hold(arm: Arm, start: Array, feed_forward: bool) -> tuple[Array, Array]:
     """How far off the tool is from its first pose in the world after each step: positions [m] and angles [rad]."""
     state, theta = ServoState.at(arm, start), [start]
     wanted = screws.inverse(base(times)) @ arm.fk(start)

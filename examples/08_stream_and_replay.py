@@ -4,11 +4,12 @@ import tempfile
 from dataclasses import replace
 from pathlib import Path
 from types import SimpleNamespace
+from typing import Any
 
 import numpy as np
 
-from twistarm import load_arm, plan_joint
-from twistarm.stream import Replay, SimulatedJoints, read_recording, run
+from twistarm import ServoState, load_arm, plan_joint
+from twistarm.stream import Cycle, Reading, Replay, SimulatedJoints, read_recording, run
 
 LATENCY, PERIOD, TIMEOUT = 0.05, 0.01, 0.2  # s: of the drives, of the loop, of commands and joint states
 
@@ -19,7 +20,7 @@ with tempfile.TemporaryDirectory() as folder:
     recording = read_recording(arm, motion.to_csv(Path(folder) / "motion.csv", dt=0.02))
 
 
-def replay(source_ends=np.inf, feedback_ends=np.inf):
+def replay(source_ends: float = np.inf, feedback_ends: float = np.inf) -> tuple[Any, ...]:
     """The report, and times, rates, joints and troubles of the cycles; a cut wire's last word grows old."""
     clock = SimpleNamespace(time=0.0)  # time passes only while the loop sleeps: the same run every time, and at once
     clock.now = lambda: clock.time
@@ -27,21 +28,25 @@ def replay(source_ends=np.inf, feedback_ends=np.inf):
     source, joints = Replay(arm, recording), SimulatedJoints(arm, arm.ready, latency=LATENCY, clock=clock.now)
     said, rows = SimpleNamespace(), []
 
-    def command(now, state):
+    def command(now: float, state: ServoState) -> Reading:
         if now < source_ends:
             said.command = source.read(now, state)
-        return replace(said.command, age=max(0.0, now - source_ends))
+        last: Reading = said.command
+        return replace(last, age=max(0.0, now - source_ends))
 
-    def state(now):
+    def state(now: float) -> Any:
         if now < feedback_ends:
             said.state = joints.read(now)
         return said.state
 
+    def note(cycle: Cycle) -> None:
+        assert cycle.setpoint is not None
+        rows.append((cycle.time, cycle.setpoint.theta_dot, joints.theta, cycle.reason))
+
     # Whatever has the method `read` is a source, or a feedback.
     report = run(
         arm, SimpleNamespace(read=command), joints, SimpleNamespace(read=state), rate=1 / PERIOD,
-        duration=motion.duration + 1.0, clock=clock,
-        on_cycle=lambda cycle: rows.append((cycle.time, cycle.setpoint.theta_dot, joints.theta, cycle.reason)),
+        duration=motion.duration + 1.0, clock=clock, on_cycle=note,
     )  # fmt: skip
     return report, *(np.array(column) for column in zip(*rows, strict=True))
 

@@ -31,6 +31,7 @@ with tempfile.TemporaryDirectory() as folder:
     file.write_text(file.read_text() + MOTORS)
     arm = load_arm(file)
 motors = arm.actuators
+assert motors is not None
 
 # There and back: for a turn of the roll the two drives count 60 turns, against each other.
 turn = arm.theta_from({**arm.theta_to_dict(arm.ready), "wrist_roll": 2 * np.pi})

@@ -33,7 +33,7 @@ LAYERS = (
     ("_core",),
     ("motion_limits",),
     ("limits",),
-    ("lower_pairs",),
+    ("lower_pairs", "roll_axis"),
     ("joints",),
     ("screws",),
     ("rotations",),

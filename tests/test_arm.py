@@ -206,7 +206,7 @@ def test_names_and_numbers(rover: twistarm.Arm) -> None:
         rover.theta_from({"elbw": 1.0})
     with pytest.raises(InputError, match="no value for joint 'shoulder'"):
         rover.theta_from({name: 0.0 for name in rover.joint_names if name != "shoulder"})
-    with pytest.raises(InputError, match="2 names but 1 values"):
+    with pytest.raises(InputError, match="2 names but 1 numbers"):
         rover.theta_from(["slide", "elbow"], [1.0])
     with pytest.raises(InputError, match="named twice"):
         rover.theta_from(["slide", "slide"], [1.0, 2.0])

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from finding_cases import chain
-from twistarm import Arm, diagnose, load_arm
+from twistarm import Approach, Arm, ArmBuilder, diagnose, load_arm, solve_ik
 from twistarm.doctor.abilities import Abilities, abilities_of, sample_motions
 from twistarm.doctor.statements import summary
 from urdf_text import joint, robot, write
@@ -152,13 +152,20 @@ def test_an_arm_of_seven_has_one_to_spare() -> None:
 
 
 def test_where_an_approach_can_be_asked_for_it_can_be_met() -> None:
-    """The so100's roll is about its y axis: any direction of its z axis can be reached, near by."""
-    from twistarm import Approach, solve_ik
-
-    (said,) = [one for one in diagnose("so100") if one.code == "cannot-turn-in-place"]
-    assert "ask for an Approach: a position and where the tool's z axis points" in said.remedy
-    arm = load_arm("so100")
-    g = arm.fk(arm.ready)
+    """A forearm that rolls and a wrist that pitches point the tool's z axis, drawn outward, any way near by."""
+    home = np.array([[0, 0, 1.0, 0.8], [0, 1, 0, 0], [-1, 0, 0, 0.3], [0, 0, 0, 1]])
+    builder = ArmBuilder("made").revolute("turn", [0, 0, 1], [0, 0, 0]).revolute("shoulder", [0, 1, 0], [0, 0, 0.3])
+    builder = builder.revolute("elbow", [0, 1, 0], [0.3, 0, 0.3]).revolute("roll", [1, 0, 0], [0, 0, 0.3])
+    arm = builder.revolute("pitch", [0, 1, 0], [0.6, 0, 0.3]).tool(home).build()
+    (said,) = [one for one in diagnose(arm) if one.code == "cannot-turn-in-place"]
+    assert "ask for an Approach: a position and where the tool points, by its z axis" in said.remedy
+    g = arm.fk([0.2, 0.3, 0.8, 0.5, 0.6])
     for turn in ((0.03, 0.0), (0.0, 0.03), (-0.03, 0.03)):
         direction = g[:3, 2] + turn[0] * g[:3, 0] + turn[1] * g[:3, 1]
-        assert solve_ik(arm, Approach(g[:3, 3], direction)).converged
+        assert solve_ik(arm, Approach(g[:3, 3], direction), [0.2, 0.3, 0.8, 0.5, 0.6]).converged
+
+
+def test_an_arm_that_rolls_about_another_axis_is_told_of_that_axis() -> None:
+    (said,) = [one for one in diagnose("so100") if one.code == "cannot-turn-in-place"]
+    assert "it rolls about its y axis" in said.what
+    assert "ask for a Position, or for poses whose y axis is square to the pitch axis" in said.remedy

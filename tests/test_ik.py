@@ -110,7 +110,7 @@ def test_targets_with_joints_at_their_limits_are_met(name):
 
 NAN = float("nan")
 MISUSED = (
-    (lambda arm: solve_ik("ur5", np.eye(4)), "arm must be an Arm, as load_arm returns it; got str"),
+    (lambda arm: solve_ik("ur5", np.eye(4)), "arm must be an Arm, as load_arm returns it; got 'ur5'"),
     (lambda arm: solve_ik(arm, np.eye(3)), "target must be a Pose, Position, Approach or Task, or a pose (4, 4)"),
     (lambda arm: solve_ik(arm, np.full((4, 4), NAN)), "must be finite"),
     (lambda arm: solve_ik(arm, np.diag([2.0, 2, 2, 1])), "rotation of the pose g is not in SO(3)"),

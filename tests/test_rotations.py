@@ -382,3 +382,43 @@ def test_a_batch_is_its_elements_one_by_one(batch):
 def test_bad_input_is_refused(call, text):
     with pytest.raises(InputError, match=text):
         call()
+
+
+# the nearest rotation ---------------------------------------------------------------------------------
+
+MATRICES = np.random.default_rng(5).normal(size=(300, 3, 3)) * 10.0 ** np.linspace(-200, 200, 300)[:, None, None]
+"""Half of them mirror; none is near a rotation."""
+
+
+def test_the_nearest_rotation_is_the_one_that_aligns_the_axes():
+    """SciPy's least squares Σ |A eᵢ − R eᵢ|² is ‖A − R‖²."""
+    for A in MATRICES[100:200]:
+        expected, _ = Rotation.align_vectors(A.T / np.abs(A).max(), np.eye(3))
+        close(rotations.nearest(A), expected.as_matrix(), SCIPY)
+
+
+def test_no_turn_brings_the_nearest_rotation_nearer():
+    R, A = rotations.nearest(MATRICES), MATRICES / np.abs(MATRICES).max(axis=(1, 2), keepdims=True)
+    close(np.swapaxes(R, 1, 2) @ R, np.broadcast_to(np.eye(3), R.shape), SCIPY)
+    assert (np.linalg.det(R) > 0).all()
+    least = np.linalg.norm(A - R, axis=(1, 2))
+    for angle in (1e-3, 0.5, np.pi):
+        for axis in np.vstack([np.eye(3), -np.eye(3)]):
+            turned = R @ rotations.exp(axis, angle)
+            assert (np.linalg.norm(A - turned, axis=(1, 2)) >= least - 1e-12).all()
+
+
+@given(any_rotation(), st.floats(1e-100, 1e100))
+def test_a_rotation_is_its_own_nearest_whatever_it_is_multiplied_by(R, factor):
+    close(rotations.nearest(factor * R), R, SCIPY)
+
+
+@pytest.mark.parametrize("A", [np.zeros((3, 3)), np.diag([1.0, 0, 0]), np.diag([1.0, 1, -1]), -np.eye(3)])
+def test_where_many_rotations_are_equally_near_none_is_taken(A):
+    with pytest.raises(InputError, match="A has no one nearest rotation"):
+        rotations.nearest(A)
+
+
+def test_a_flat_matrix_has_one_and_a_mirror_that_is_uneven_too():
+    close(rotations.nearest(np.diag([2.0, 1.0, 0.0])), np.eye(3), SCIPY)
+    close(rotations.nearest(np.diag([1.0, 1.0, -0.5])), np.eye(3), SCIPY)

@@ -403,7 +403,7 @@ def test_a_screw_is_read_only_and_picklable():
         (lambda: screws.transform_wrench(np.eye(3), np.ones(6)), r"pose g_ab must have shape"),
         (
             lambda: screws.from_angular_first(np.ones((6, 3))),
-            r"V must have shape \(\.\.\., 6\); got \(6, 3\)",
+            r"V of shape \(6, 3\) holds twists in its columns",
         ),
         (lambda: screws.to_screw([1, 2, 3]), r"xi must have shape \(\.\.\., 6\)"),
     ],
@@ -411,3 +411,17 @@ def test_a_screw_is_read_only_and_picklable():
 def test_bad_input_is_refused(call, text):
     with pytest.raises(InputError, match=text):
         call()
+
+
+def test_six_twists_in_a_square_are_not_guessed_to_be_rows_or_columns():
+    V = np.arange(36.0).reshape(6, 6)
+    for convert in (screws.from_angular_first, screws.to_angular_first):
+        with pytest.raises(InputError, match=r'may hold twists either way: say twists="rows" or "columns"'):
+            convert(V)
+        assert np.array_equal(convert(V, twists="rows"), V[:, [3, 4, 5, 0, 1, 2]])
+        assert np.array_equal(convert(V, twists="columns"), V[[3, 4, 5, 0, 1, 2]])
+        assert np.array_equal(convert(V[:, :5], twists="columns"), V[[3, 4, 5, 0, 1, 2], :5])
+        with pytest.raises(InputError, match="holds twists in its columns"):
+            convert(V[:, :5])
+        with pytest.raises(InputError, match="twists must be 'rows' or 'columns'; got 'colums'; closest: 'columns'"):
+            convert(V, twists="colums")

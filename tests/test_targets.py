@@ -144,7 +144,7 @@ def test_inside_its_tolerance_a_component_does_not_pull():
 
 
 def test_an_opposite_approach_still_has_a_way_back():
-    target = Approach([0, 0, 0], [0, 0, -1])
+    target = Approach([0, 0, 0], [0, 0, -1], [0, 0, 1])
     error, _ = target.rotation_rows(np.eye(4), np.eye(6))
     assert np.linalg.norm(error) == pytest.approx(2)
     assert target.orientation_error(np.eye(4)) == pytest.approx(np.pi)
@@ -192,9 +192,9 @@ REFUSED = (
     (lambda: Task(np.eye(4), np.zeros(5)), "tolerance must be six numbers"),
     (lambda: Task(np.eye(4), [0, 0, 0, 0, 0, -0.1]), "must not be negative or NaN"),
     (lambda: Task(np.eye(4), [0, 0, 0, 0, 0, np.nan]), "must not be negative or NaN"),
-    (lambda: Task(np.eye(4), ["a"] * 6), "tolerance must be six numbers"),
+    (lambda: Task(np.eye(4), ["a"] * 6), "tolerance must be an array of real numbers"),
     (lambda: Task(np.eye(4), [np.inf] * 3 + [4.0] * 3), "leaves all six components free"),
-    (lambda: Task(np.eye(4), np.zeros(6), frame="world"), "frame must be 'tool' (the target's axes) or 'base'"),
+    (lambda: Task(np.eye(4), np.zeros(6), frame="world"), "frame must be 'tool' or 'base'"),
     (lambda: as_target("forward"), "target must be a Pose, Position, Approach or Task, or a pose (4, 4) in SE(3)"),
     (lambda: as_target(np.zeros(3)), "target must be a Pose, Position, Approach or Task"),
 )

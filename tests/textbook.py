@@ -57,7 +57,7 @@ def sc(*angles):
 
 def lynch_park(*rows):
     """A (6, m) stack from rows of (w, v), as the book prints them."""
-    return screws.from_angular_first(np.array(rows, dtype=float)).T
+    return screws.from_angular_first(np.array(rows, dtype=float), twists="rows").T
 
 
 def stanford():

@@ -1,5 +1,7 @@
 """2.1 Rotations: Euler angles, rotation matrices, quaternions and the exponential, each told by another."""
 
+from functools import partial
+
 import numpy as np
 
 from twistarm import rotations
@@ -8,7 +10,7 @@ alpha, beta, gamma = 0.3, 1.1, -0.4
 
 # ZYZ Euler angles are three rotations, each about the axes as the ones before have left them.
 R = rotations.from_euler("ZYZ", [alpha, beta, gamma])
-Rz, Ry = (lambda t, a=axis: rotations.exp(np.eye(3)[a] * t) for axis in (2, 1))
+Rz, Ry = (partial(rotations.exp, axis) for axis in ([0, 0, 1], [0, 1, 0]))
 assert np.allclose(R, Rz(alpha) @ Ry(beta) @ Rz(gamma))
 
 # SO(3): RᵀR = I and det R = +1; columns of R_ab are B's axes seen from A.

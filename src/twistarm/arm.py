@@ -16,21 +16,36 @@ from numpy.typing import ArrayLike
 from . import engine, poe
 from .actuators import Actuators
 from .baking import Baked, write_baked
-from .checks import Array, as_floats, as_number, as_pose, as_theta, as_twist, as_vector, frozen
+from .checks import (
+    Array,
+    as_floats,
+    as_generator,
+    as_number,
+    as_pose,
+    as_shape,
+    as_theta,
+    as_twist,
+    as_vector,
+    frozen,
+    require,
+    require_mapping,
+    require_names,
+)
 from .description.coupling import Affine
 from .description.findings import Finding
 from .description.tree import Description
-from .errors import InputError, TwistarmError, listed, unknown_name
+from .errors import InputError, TwistarmError, listed, shown, unknown_name
 from .limits import AS_GOOD_AS_UNBOUNDED, JointLimits, usual_half
 from .lower_pairs import lower_pairs
 from .manipulability import Manipulability, manipulability_of
 from .pinocchio_model import PinocchioModel
+from .roll_axis import roll_axis
 from .screws import adjoint, inverse
 
 READY_SAMPLES = 63
 """Random configurations that compete with the middle of the limits to be the ready pose."""
 
-_MADE_WHEN_ASKED = ("compiled", "pinocchio", "ready", "usual_half", "_tool_action")
+_MADE_WHEN_ASKED = ("compiled", "pinocchio", "ready", "tool_axis", "usual_half", "_tool_action")
 
 
 class Coupling(NamedTuple):
@@ -123,6 +138,14 @@ class Arm:
         body: Array = adjoint(inverse(self.home)) @ self.screws
         return body
 
+    @cached_property
+    def tool_axis(self) -> Array:
+        """The unit vector (3,), in tool axes, about which the last joint rolls the tool, outward; z where none does.
+
+        What an `Approach` points where it is not told otherwise; see `twistarm.roll_axis` for the exact rule.
+        """
+        return roll_axis(self.body_screws, self.coupling.A, self.reach)
+
     @property
     def frame_names(self) -> tuple[str, ...]:
         """Every link of the description, and the tool; base and tool alone where there is no description."""
@@ -143,7 +166,7 @@ class Arm:
         """
         if "ready" in self.named_states:
             return self.named_states["ready"]
-        candidates = np.vstack([self.limits.middle(), self.random_theta(np.random.default_rng(0), READY_SAMPLES)])
+        candidates = np.vstack([self.limits.middle(), self.random_theta(0, READY_SAMPLES)])
         found = self.manipulability(candidates)
         return frozen(candidates[int(np.argmin(found.condition_in(int(found.rank.max()))))])
 
@@ -183,7 +206,7 @@ class Arm:
 
     def pose(self, theta: ArrayLike, frame: str) -> Array:
         """Pose (..., 4, 4) of a frame of `frame_names` seen from the base."""
-        if frame not in self.frame_names:
+        if not isinstance(frame, str) or frame not in self.frame_names:
             listing = f"{len(self.frame_names)} frames: arm.frame_names"
             within = self.name if self.description is not None else f"{self.name}, {self._whence}"
             raise unknown_name("frame", frame, self.frame_names, within=within, listing=listing)
@@ -200,7 +223,7 @@ class Arm:
         `others`: values of joints outside the chain by name (fingers, a second arm); 0 where not given.
         """
         x = self._theta(theta)
-        self._check_others(others or {})
+        self._check_others({} if others is None else require_mapping(others, "others", "{'finger_joint': 0.02}"))
         if self.description is None:
             return {self.base: self._identity(x), self.tip: self.fk(x)}
         model = self.pinocchio
@@ -305,11 +328,13 @@ class Arm:
 
     # -- configurations ------------------------------------------------------------------------------------------
 
-    def random_theta(self, rng: np.random.Generator, size: int | tuple[int, ...] | None = None) -> Array:
-        """Uniform in the limits, (n,) or (*size, n); where unbounded, in ± `usual_half`: π rad, 1 m."""
-        shape = () if size is None else (size,) if isinstance(size, (int, np.integer)) else tuple(size)
+    def random_theta(self, rng: int | np.random.Generator, size: int | tuple[int, ...] | None = None) -> Array:
+        """Uniform in the limits, (n,) or (*size, n); where unbounded, in ± `usual_half`: π rad, 1 m.
+
+        `rng` is a seed, which gives the same each time, or a NumPy Generator, which goes on.
+        """
         lower, upper = self.sampling_bounds
-        return rng.uniform(lower, upper, (*shape, self.n))
+        return as_generator(rng).uniform(lower, upper, (*as_shape(size, "size"), self.n))
 
     @property
     def sampling_bounds(self) -> tuple[Array, Array]:
@@ -367,7 +392,7 @@ class Arm:
         if g.ndim != 2:
             raise InputError(f"g_tip_tool must be one pose (4, 4); got {g.shape}")
         if not isinstance(name, str) or not name.strip():
-            raise InputError(f"the tool's name must be a text, and not an empty one; got {name!r}")
+            raise InputError(f"the tool's name must be a text, and not an empty one; got {shown(name)}")
         if name in self.frame_names:
             raise InputError(f"{self.name} has a frame {name!r} already; give the tool another name")
         end = self.home[:3, 3]
@@ -457,12 +482,17 @@ class Arm:
                 raise unknown_name("joint outside the chain", name, outside, within=self.name, listing=listing)
 
     def _paired(self, names: Sequence[str], numbers: ArrayLike | None) -> dict[str, float]:
-        values = np.atleast_1d(as_floats([] if numbers is None else numbers, "values"))
-        if isinstance(names, str) or len(names) != values.size:
-            raise InputError(f"{len(names)} names but {values.size} values; give one value per name")
-        if len(set(names)) != len(names):
-            raise InputError(f"a joint is named twice in {list(names)}")
-        return {str(name): float(value) for name, value in zip(names, values, strict=True)}
+        given, values = require_names(names, "names"), as_floats([] if numbers is None else numbers, "numbers").ravel()
+        if len(given) != values.size:
+            raise InputError(f"{len(given)} names but {values.size} numbers; give one number per name")
+        if len(set(given)) != len(given):
+            raise InputError(f"a joint is named twice in {listed(given)}")
+        return dict(zip(given, values.tolist(), strict=True))
+
+
+def require_arm(arm: Any) -> Arm:
+    """`arm`, or InputError."""
+    return require(arm, Arm, "arm", "as load_arm returns it")
 
 
 def _one_vector(value: ArrayLike, name: str) -> Array:

@@ -2,36 +2,72 @@
 
 from __future__ import annotations
 
+import sys
+import warnings
+from collections.abc import Callable, Collection, Mapping, Sequence
 from contextlib import suppress
-from typing import Any
+from typing import Any, TypeVar
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from .errors import InputError
+from .errors import SHOWN, InputError, RoundedPoseWarning, closest, one_line, shown
 
 Array = NDArray[np.float64]
 
-ORTHONORMAL_TOL = 1e-6
-"""How far RᵀR may be from I: beyond the rounding of printed and single-precision poses, it is a mistake."""
+RealArray = NDArray[np.floating[Any]] | NDArray[np.integer[Any]]
+Row = RealArray | Sequence[float]
+"""Numbers in a row, as a caller may write them; unlike NumPy's `ArrayLike`, a text is none."""
+
+Matrix = RealArray | Sequence[Row]
+"""Rows of numbers, as a caller may write them."""
+
+Given = ArrayLike | Matrix
+
+T = TypeVar("T")
+
+SEEDS = 2**64
+
+NO_NUMBERS = {"c": "complex numbers", "U": "text", "S": "text"}
+"""Kinds of NumPy's types, in words."""
+
+LARGEST_ARRAY = 10**9
+"""More along one axis is a mistake."""
+
+ORTHONORMAL_TOL = 1e-3
+"""How far a matrix may be from a rotation: as far as three printed decimals bring it. Farther, it is a mistake."""
+
+ROUNDED_TOL = 1e-6
+"""Beyond this more than single precision was lost, and it is said that a pose was rounded."""
+
+LAST_ROW_TOL = 1e-6
+"""How far a pose's last row may be from 0 0 0 1."""
 
 CLEAN_TOL = 1e-14
 """Below this a rotation is left as it is: its error is already that of double precision."""
 
 
-def as_floats(value: ArrayLike, name: str) -> Array:
+def as_floats(value: Given, name: str) -> Array:
     """`value` as a float64 array of finite numbers."""
-    try:
-        array = np.asarray(value)
-        if array.dtype.kind == "c":
-            raise ValueError("complex numbers")
-        array = np.asarray(array, dtype=np.float64)
-    except (ValueError, TypeError, OverflowError) as error:
-        raise InputError(f"{name} must be an array of real numbers; got {_short(value)} ({error})") from error
+    array = as_reals(value, name)
     if not np.isfinite(array).all():
         index = tuple(int(i) for i in np.argwhere(~np.isfinite(array))[0])
         raise InputError(f"{name} must be finite; it holds {array[index]} at index {list(index)}")
     return array
+
+
+def as_reals(value: Given, name: str) -> Array:
+    """`value` as a float64 array of numbers, which may be infinite or NaN."""
+    try:
+        array = np.asarray(value)
+        if array.dtype.kind not in "biufO":
+            raise ValueError(NO_NUMBERS.get(array.dtype.kind, f"of type {array.dtype}"))
+        if np.any(getattr(value, "mask", False)):
+            raise ValueError("some are masked")
+        return np.asarray(array, dtype=np.float64)
+    except Exception as error:  # an object's own conversion may raise anything, as that of a tensor with a gradient
+        why = one_line(str(error), SHOWN)
+        raise InputError(f"{name} must be an array of real numbers; got {shown(value)} ({why})") from error
 
 
 def as_number(value: ArrayLike, name: str) -> float:
@@ -48,8 +84,80 @@ def as_positive(value: ArrayLike, name: str) -> float:
     with suppress(InputError):
         number = as_number(value, name)
     if not number > 0.0:
-        raise InputError(f"{name} must be a positive number; got {value!r}")
+        raise InputError(f"{name} must be a positive number; got {shown(value)}")
     return number
+
+
+def as_whole(value: Any, name: str, least: int, most: int) -> int:
+    """`value` as a whole number in [least, most]."""
+    if not isinstance(value, (int, np.integer)) or isinstance(value, bool) or not least <= value <= most:
+        raise InputError(f"{name} must be a whole number, at least {least}, at most {most}; got {shown(value)}")
+    return int(value)
+
+
+def as_shape(value: Any, name: str) -> tuple[int, ...]:
+    """`value`, how many or a tuple of that along several axes, as a shape; None is the shape of one."""
+    lengths = () if value is None else value if isinstance(value, tuple) else (value,)
+    return tuple(as_whole(length, name, 0, LARGEST_ARRAY) for length in lengths)
+
+
+def as_flag(value: Any, name: str) -> bool:
+    """`value` as True or False."""
+    if not isinstance(value, (bool, np.bool_)):
+        raise InputError(f"{name} must be True or False; got {shown(value)}")
+    return bool(value)
+
+
+def as_seed(rng: Any) -> int:
+    """A seed from an integer in [0, 2⁶⁴), or drawn from a NumPy Generator."""
+    if isinstance(rng, np.random.Generator):
+        return int(rng.integers(2**63))
+    if isinstance(rng, (int, np.integer)) and not isinstance(rng, bool) and 0 <= rng < SEEDS:
+        return int(rng)
+    raise InputError(f"rng must be a seed, an integer from 0 to 2^64 − 1, or a numpy Generator; got {shown(rng)}")
+
+
+def as_generator(rng: Any) -> np.random.Generator:
+    """A NumPy Generator: the one given, or a new one of a seed."""
+    return rng if isinstance(rng, np.random.Generator) else np.random.default_rng(as_seed(rng))
+
+
+def require(value: Any, kind: type[T], name: str, how: str) -> T:
+    """`value`, or InputError where it is no `kind`; `how` says where one comes from."""
+    if not isinstance(value, kind):
+        article = "an" if kind.__name__[0] in "AEIO" else "a"
+        raise InputError(f"{name} must be {article} {kind.__name__}, {how}; got {shown(value)}")
+    return value
+
+
+def require_choice(value: Any, choices: Collection[str], name: str) -> str:
+    """`value`, or InputError where it is none of the texts `choices`."""
+    if not isinstance(value, str) or value not in choices:
+        *others, last = map(repr, choices)
+        raise InputError(f"{name} must be {', '.join(others)} or {last}; got {shown(value)}{closest(value, choices)}")
+    return value
+
+
+def require_mapping(value: Any, name: str, example: str) -> Mapping[str, Any]:
+    """`value`, or InputError where it maps no names to anything."""
+    if not isinstance(value, Mapping) or not all(isinstance(key, str) for key in value):
+        raise InputError(f"{name} must be a mapping such as {example}; got {shown(value)}")
+    return value
+
+
+def require_names(values: Any, name: str) -> tuple[str, ...]:
+    """`values`, a sequence of texts, as a tuple; InputError for a single text or anything else."""
+    if isinstance(values, str) or not isinstance(values, Collection) or not all(isinstance(v, str) for v in values):
+        raise InputError(f"{name} must be a sequence of names; got {shown(values)}")
+    return tuple(values)
+
+
+def require_callback(value: Any, name: str, arguments: str) -> Callable[..., object] | None:
+    """`value`, or InputError where it is neither a function nor None."""
+    if value is not None and not callable(value):
+        raise InputError(f"{name} must be a function of {arguments}, or None; got {shown(value)}")
+    found: Callable[..., object] | None = value
+    return found
 
 
 def as_vector(value: ArrayLike, name: str, size: int = 3) -> Array:
@@ -79,34 +187,55 @@ def as_twist(value: ArrayLike, name: str = "twist") -> Array:
 def as_rotation(value: ArrayLike, name: str = "rotation") -> Array:
     """`value` as rotation matrices (..., 3, 3).
 
-    Up to `ORTHONORMAL_TOL` off, the nearest rotation is returned (polar factor); further off, or a reflection,
-    is refused.
+    How far a matrix is off is max |RᵀR − I| / 2: what its columns lack of unit length, or of being square to each
+    other. Up to `ORTHONORMAL_TOL` the nearest rotation is returned, beyond `ROUNDED_TOL` with a RoundedPoseWarning;
+    what is further off, or a reflection, is refused.
     """
     R = as_floats(value, name)
     if R.shape[-2:] != (3, 3):
         raise InputError(f"{name} must have shape (..., 3, 3); got {R.shape}")
-    off = np.abs(np.swapaxes(R, -1, -2) @ R - np.eye(3)).max(initial=0.0)
+    off = 0.5 * np.abs(np.swapaxes(R, -1, -2) @ R - np.eye(3)).max(initial=0.0)
     if off > ORTHONORMAL_TOL:
         raise InputError(
-            f"{name} is not in SO(3): RᵀR is {off:.3g} away from the identity (allowed {ORTHONORMAL_TOL:g}); "
-            "build it with twistarm.rotations"
+            f"{name} is not in SO(3): its columns are {off:.2g} away from square unit vectors "
+            f"(allowed {ORTHONORMAL_TOL:g}); if it is a rotation but for noise, take twistarm.rotations.nearest of it"
         )
     if not (np.linalg.det(R) > 0).all():
         raise InputError(f"{name} is not in SO(3): its determinant is −1, a reflection; swap or negate one axis")
     if off <= CLEAN_TOL:
         return R
-    U, _, Vt = np.linalg.svd(R)
-    nearest: Array = U @ Vt
-    return nearest
+    if off > ROUNDED_TOL:
+        said = f"{name} is {off:.1g} away from a rotation, as rounded numbers are: the nearest rotation is taken"
+        warnings.warn(said, RoundedPoseWarning, stacklevel=_outside())
+    return nearest_rotation(R)[0]
 
 
-def as_pose(value: ArrayLike, name: str = "pose") -> Array:
+def nearest_rotation(A: Array) -> tuple[Array, Array]:
+    """The rotations nearest to matrices (..., 3, 3), and how definite each is: σ₂ ± σ₃. See `rotations.nearest`."""
+    U, sigma, Vt = np.linalg.svd(A)
+    sense = np.sign(np.linalg.det(U @ Vt))
+    U[..., :, 2] *= sense[..., None]
+    R = U @ Vt
+    # One step toward RᵀR = I takes the rounding of the decomposition away.
+    R = 1.5 * R - 0.5 * R @ (np.swapaxes(R, -1, -2) @ R)
+    return R, sigma[..., 1] + sense * sigma[..., 2]
+
+
+def _outside() -> int:
+    """How many calls up the caller's own code stands: what a warning points at."""
+    depth, frame = 1, sys._getframe(1)
+    while frame.f_back is not None and frame.f_globals.get("__name__", "").split(".")[0] == __name__.split(".")[0]:
+        depth, frame = depth + 1, frame.f_back
+    return depth
+
+
+def as_pose(value: Given, name: str = "pose") -> Array:
     """`value` as homogeneous poses (..., 4, 4) in SE(3), the rotation cleaned as by `as_rotation`."""
     g = as_floats(value, name)
     if g.shape[-2:] != (4, 4):
         raise InputError(f"{name} must have shape (..., 4, 4); got {g.shape}")
-    if not np.abs(g[..., 3, :] - [0.0, 0.0, 0.0, 1.0]).max(initial=0.0) <= ORTHONORMAL_TOL:
-        raise InputError(f"{name} is not in SE(3): its last row must be 0 0 0 1; got {_short(g[..., 3, :])}")
+    if not np.abs(g[..., 3, :] - [0.0, 0.0, 0.0, 1.0]).max(initial=0.0) <= LAST_ROW_TOL:
+        raise InputError(f"{name} is not in SE(3): its last row must be 0 0 0 1; got {shown(g[..., 3, :])}")
     clean = np.zeros(g.shape)
     clean[..., :3, :3] = as_rotation(g[..., :3, :3], f"rotation of the {name}")
     clean[..., :3, 3] = g[..., :3, 3]
@@ -137,8 +266,3 @@ def frozen(array: ArrayLike) -> Array:
     copy = np.array(array, dtype=np.float64, order="C")
     copy.flags.writeable = False
     return copy
-
-
-def _short(value: Any) -> str:
-    text = " ".join(str(value).split())
-    return text if len(text) <= 60 else text[:57] + "…"

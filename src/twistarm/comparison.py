@@ -12,8 +12,8 @@ from typing import Any
 import numpy as np
 
 from . import engine, poe
-from .arm import Arm
-from .checks import Array, frozen
+from .arm import Arm, require_arm
+from .checks import Array, as_whole, frozen, require_callback
 from .description.tree import Description
 from .errors import ComparisonError, InputError, MissingExtraError, missing_extra
 from .lower_pairs import LowerPair, lower_pairs
@@ -37,6 +37,9 @@ STEP, SMALLEST_STEP = 1e-3, 1e-7
 
 YOURDFPY_SAMPLES, YOURDFPY_STEPS = 200, 100_000
 """yourdfpy walks from each link to the base, some 4 µs a joint: at most so many postures, and so many steps in all."""
+
+MOST_SAMPLES = 10_000_000
+"""Of an hour or so; more are a mistake."""
 
 Progress = Callable[[float], object]
 """Called with the fraction done, 0 to 1."""
@@ -109,11 +112,8 @@ def crosscheck(
     text. What an engine cannot do is "not compared", with the reason. Absolute errors, in metres and radians (entries
     of R); allowed are `POSE_TOL` times the arm's size where that exceeds 1 m.
     """
-    if isinstance(samples, bool) or not isinstance(samples, (int, np.integer)) or samples < 1:
-        raise InputError(f"samples must be a whole number, at least 1; got {samples!r}")
-    if not isinstance(rng, np.random.Generator) and not (isinstance(rng, (int, np.integer)) and rng >= 0):
-        raise InputError(f"rng must be a seed ≥ 0 or a NumPy Generator; got {rng!r}")
-    theta = arm.random_theta(np.random.default_rng(rng), int(samples))
+    theta = require_arm(arm).random_theta(rng, as_whole(samples, "samples", 1, MOST_SAMPLES))
+    require_callback(progress, "progress", "(fraction)")
     parts: list[Callable[[], Iterable[Comparison]]] = [
         lambda: _pinocchio(arm, theta),
         lambda: _core(arm, theta),

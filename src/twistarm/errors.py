@@ -4,7 +4,14 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 from difflib import get_close_matches
+from reprlib import Repr
 from typing import Any
+
+SHOWN = 80
+"""Characters of a value that a message repeats: it is the caller's own, and names or the first numbers are enough."""
+
+_BRIEF = Repr()
+_BRIEF.maxstring = _BRIEF.maxother = SHOWN
 
 LONGEST = 1800
 """Characters of a message: a description may hold names of any length, and a line has to be read."""
@@ -58,6 +65,10 @@ class MissingExtraError(TwistarmError, ImportError):
     """An optional dependency is not installed; the message is the command that installs it."""
 
 
+class RoundedPoseWarning(UserWarning):
+    """A pose or rotation was rounded, as printed numbers are, and the nearest rotation was taken in its place."""
+
+
 class ComparisonError(TwistarmError):
     """Two accounts of the same arm disagree."""
 
@@ -71,13 +82,15 @@ def one_line(text: str, longest: int = LONGEST) -> str:
     return f"{line[: longest - end]} … {line[-end:]}"
 
 
-def unknown_name(kind: str, given: str, names: Iterable[str], *, within: str, listing: str) -> UnknownNameError:
+def unknown_name(kind: str, given: Any, names: Iterable[str], *, within: str, listing: str) -> UnknownNameError:
     """`no frame 'tool_0' in ur5; closest: 'tool0' (12 frames: arm.frame_names)`."""
-    return UnknownNameError(f"no {kind} {given!r} in {within}{closest(given, names)} ({listing})")
+    return UnknownNameError(f"no {kind} {shown(given)} in {within}{closest(given, names)} ({listing})")
 
 
-def closest(given: str, names: Iterable[str]) -> str:
+def closest(given: Any, names: Iterable[str]) -> str:
     """`; closest: 'a', 'b'`, or nothing where no name is similar."""
+    if not isinstance(given, str):
+        return ""
     candidates = list(names)
     folded = {name.casefold(): name for name in candidates}
     matches = get_close_matches(given.casefold(), folded, n=3, cutoff=0.5)
@@ -89,6 +102,17 @@ def listed(names: Iterable[str], limit: int = 12) -> str:
     every = list(names)
     text = ", ".join(_quoted(name) for name in every[:limit])
     return text if len(every) <= limit else f"{text}, … ({len(every)} in all)"
+
+
+def shown(value: Any) -> str:
+    """What was given, as a message repeats it: on one line and short, of a larger array the shape alone."""
+    shape = getattr(value, "shape", ())
+    if isinstance(shape, tuple) and len(shape) > 1:
+        return f"{type(value).__name__} of shape {shape}"
+    try:
+        return one_line(" ".join(_BRIEF.repr(value).split()), SHOWN)
+    except Exception:  # what an object's own repr raises must not hide what is wrong
+        return f"an object of type {type(value).__name__}"
 
 
 def _quoted(name: str) -> str:

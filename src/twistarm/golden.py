@@ -57,7 +57,7 @@ def freeze(arm: Arm, path: str | os.PathLike[str]) -> None:
 
 def golden_text(arm: Arm) -> str:
     """What `freeze` writes."""
-    theta = arm.random_theta(np.random.default_rng(0), SAMPLES)
+    theta = arm.random_theta(0, SAMPLES)
     g, spatial, body = by_exponentials(arm, theta)
     content = {
         "format": FORMAT,

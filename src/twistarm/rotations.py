@@ -10,14 +10,25 @@ from itertools import product
 import numpy as np
 from numpy.typing import ArrayLike
 
-from .checks import Array, as_direction, as_floats, as_rotation, as_vector, require_broadcast
-from .errors import InputError
+from .checks import (
+    Array,
+    as_direction,
+    as_floats,
+    as_rotation,
+    as_vector,
+    nearest_rotation,
+    require_broadcast,
+)
+from .errors import InputError, shown
 
 HALF_TURN_TOL = 5e-16
 """A quaternion's scalar part below this is rounding: a half turn, for which Q and −Q are equally good."""
 
 GIMBAL_LOCK_TOL = 1e-14
 """Below this the sine that tells the first Euler angle from the third is rounding."""
+
+INDEFINITE = 1e-12
+"""Where σ₂ ± σ₃ of a matrix scaled to 1 is no more than this, rounding alone decides which rotation is nearest."""
 
 TINY = 1e-200
 """A vector shorter than this has no direction: its quotients would lose digits to underflow."""
@@ -62,6 +73,27 @@ def log_of(R: Array) -> Array:
     """`log` of a rotation already checked."""
     axis, angle = _axis_angle(R)
     return axis * angle[..., None]
+
+
+def nearest(A: ArrayLike) -> Array:
+    """The rotation R (..., 3, 3) nearest to a matrix A (..., 3, 3): the least ‖R − A‖ in the Frobenius norm.
+
+    With the singular values σ₁ ≥ σ₂ ≥ σ₃ of A = U Σ Vᵀ and s = det U Vᵀ = ±1 it is R = U diag(1, 1, s) Vᵀ; where
+    s = 1, the orthogonal factor of the polar decomposition. A positive factor changes nothing, and a rotation is its
+    own nearest. There is one if σ₂ + s σ₃ > 0; raises InputError where there is not (a matrix of rank 1 or 0, or a
+    reflection with σ₂ = σ₃, which many rotations are equally near to).
+    Source: Kabsch 1976, "A solution for the best rotation to relate two sets of vectors"; Golub & Van Loan, Matrix
+    Computations, §6.4.1 (the orthogonal Procrustes problem).
+    """
+    A = as_floats(A, "A")
+    if A.shape[-2:] != (3, 3):
+        raise InputError(f"A must have shape (..., 3, 3); got {A.shape}")
+    # Scaled first, so that nothing overflows.
+    size = np.abs(A).max(axis=(-2, -1), keepdims=True)
+    R, definite = nearest_rotation(A / np.where(size > 0.0, size, 1.0))
+    if not (definite > INDEFINITE).all():
+        raise InputError("A has no one nearest rotation: it flattens space to a line, or mirrors it alike in a plane")
+    return R
 
 
 def angle_between(R1: ArrayLike, R2: ArrayLike) -> Array:
@@ -296,9 +328,9 @@ def _left_to_right(order: str, angles: ArrayLike) -> tuple[tuple[int, int, int],
 
 def _euler_axes(order: str) -> tuple[tuple[int, int, int], bool]:
     """The axes of the factors of R from left to right, and whether that is the order's list backwards."""
-    if order not in EULER_ORDERS:
+    if not isinstance(order, str) or order not in EULER_ORDERS:
         raise InputError(
-            f"no Euler order {order!r}: give three letters of XYZ (about the moving axes) or xyz (about the "
+            f"no Euler order {shown(order)}: give three letters of XYZ (about the moving axes) or xyz (about the "
             "fixed axes), neighbours different, for example 'ZYZ', 'ZYX' or 'xyz'"
         )
     fixed = order.islower()

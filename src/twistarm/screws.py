@@ -6,17 +6,20 @@ A twist is xi = (v, w), linear part first; a pose is a homogeneous g. Any leadin
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import Literal
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from . import rotations
-from .checks import Array, as_floats, as_pose, as_twist, frozen, require_broadcast
+from .checks import Array, as_floats, as_pose, as_twist, frozen, require_broadcast, require_choice
 from .errors import InputError
 from .rotations import cross, skew
 
 ALGEBRA_TOL = 1e-4
 """How far, relative to its size, a matrix may be from so(3) or se(3): room for numerical derivatives."""
+
+Twists = Literal["rows", "columns"]
 
 TRANSLATION_TOL = 1e-15
 """A twist with less rotation than this, in rad per metre, is a translation: the rest is rounding."""
@@ -67,17 +70,32 @@ def bracket(a: ArrayLike, b: ArrayLike) -> Array:
     return np.concatenate([linear, cross(a[..., 3:], b[..., 3:])], axis=-1)
 
 
-def from_angular_first(V: ArrayLike) -> Array:
-    """The twist (v, w) (..., 6) of Lynch & Park's (w, v); wrenches too: (f, τ) from (τ, f).
+def from_angular_first(V: ArrayLike, *, twists: Twists | None = None) -> Array:
+    """The twist (v, w) of Lynch & Park's (w, v); wrenches too: (f, τ) from (τ, f).
 
-    A Jacobian's twists are its columns: `from_angular_first(J.T).T`.
+    `twists` says where they stand: "rows", along the last axis, (..., 6); "columns", as in a Jacobian, along the last
+    but one, (..., 6, n). Without it they are rows; an array (..., 6, 6), which could be either, is then refused.
     """
-    return np.roll(as_twist(V, "V"), 3, axis=-1)
+    return _swapped(V, "V", twists)
 
 
-def to_angular_first(xi: ArrayLike) -> Array:
-    """Lynch & Park's (w, v) (..., 6) of the twist (v, w); wrenches too: (τ, f) from (f, τ)."""
-    return np.roll(as_twist(xi, "xi"), -3, axis=-1)
+def to_angular_first(xi: ArrayLike, *, twists: Twists | None = None) -> Array:
+    """Lynch & Park's (w, v) of the twist (v, w); wrenches too: (τ, f) from (f, τ). `twists` as above."""
+    return _swapped(xi, "xi", twists)
+
+
+def _swapped(value: ArrayLike, name: str, twists: Twists | None) -> Array:
+    """Twists with their halves swapped: there and back alike."""
+    array = as_floats(value, name)
+    if twists is None and array.shape[-2:] == (6, 6):
+        raise InputError(f'{name} of shape {array.shape} may hold twists either way: say twists="rows" or "columns"')
+    if twists is not None and require_choice(twists, ("rows", "columns"), "twists") == "columns":
+        if array.ndim < 2 or array.shape[-2] != 6:
+            raise InputError(f"{name} must have shape (..., 6, n), a twist in each column; got {array.shape}")
+        return np.roll(array, 3, axis=-2)
+    if array.ndim > 1 and array.shape[-2] == 6 != array.shape[-1]:
+        raise InputError(f'{name} of shape {array.shape} holds twists in its columns: say twists="columns"')
+    return np.roll(as_twist(array, name), 3, axis=-1)
 
 
 def _require_algebra(matrix: Array, off: float) -> None:

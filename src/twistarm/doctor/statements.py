@@ -9,7 +9,7 @@ import numpy as np
 from ..arm import Arm
 from ..checks import Array
 from ..description.findings import Finding, finding
-from ..ik.explain import axis_in_words
+from ..ik.wording import axis_in_words, direction_in_words
 from .abilities import TOL, Abilities
 from .wording import place_of
 
@@ -37,7 +37,7 @@ def check_abilities(arm: Arm, able: Abilities) -> Iterator[Finding]:
         remedy = "leave these rotations free: a Position, or a Task with inf for them"
         yield finding("cannot-turn", place, cannot_turn(able), remedy)
     if able.turning + len(able.unturned) < 3:
-        yield finding("cannot-turn-in-place", place, cannot_turn_in_place(able), _instead(able))
+        yield finding("cannot-turn-in-place", place, cannot_turn_in_place(able), _instead(able, arm.tool_axis))
     if able.rank < min(arm.n, 6):
         what = (
             f"its {arm.n} joints move the tool in {able.rank} directions only: {arm.n - able.rank} to spare everywhere"
@@ -123,22 +123,23 @@ def _other_axes(able: Abilities, roll: Array) -> Array:
     return axes
 
 
-def _instead(able: Abilities) -> str:
+def _instead(able: Abilities, tool_axis: Array) -> str:
     """What can be asked for instead of a whole pose."""
     nearest = "solve_ik gives the nearest to any other pose and says what is missing"
     if able.position < 3:
         return nearest
-    if able.turning == 2 and _points_anywhere(able):
-        return f"ask for an Approach: a position and where the tool's z axis points; {nearest}"
+    if able.turning == 2 and _points_anywhere(able, tool_axis):
+        pointed = direction_in_words(tool_axis, "tool")
+        return f"ask for an Approach: a position and where the tool points, by {pointed}; {nearest}"
     if _pitches(able):
         return f"ask for a Position, or for poses whose {_roll_name(able)[4:]} is square to the pitch axis; {nearest}"
     return f"ask for a Position; {nearest}"
 
 
-def _points_anywhere(able: Abilities) -> bool:
-    """Whether the free rotations turn the tool's z axis in both directions across it."""
-    z = able.R[:, :, 2]
-    turning = np.cross(np.swapaxes(able.free, 1, 2), z[:, None, :])
+def _points_anywhere(able: Abilities, tool_axis: Array) -> bool:
+    """Whether the free rotations turn the axis that an `Approach` points in both directions across it."""
+    pointed = able.R @ tool_axis
+    turning = np.cross(np.swapaxes(able.free, 1, 2), pointed[:, None, :])
     return bool((np.linalg.svd(turning, compute_uv=False)[:, 1] > TOL).all())
 
 

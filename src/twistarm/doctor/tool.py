@@ -12,9 +12,11 @@ from ..description.findings import Finding, finding
 from ..description.tips import TIP_PATTERNS
 from ..description.tree import Description
 from ..errors import listed
+from ..ik.wording import direction_in_words
 from .wording import SHOWN
 
-SNIPPET = '[tool]\nname = "tool"\nxyz = [0.0, 0.0, 0.1]\nrpy = [0.0, 0.0, 0.0]'
+OUT = 0.1
+"""How far out [m] the tool of the snippet is."""
 
 
 def check_tool(arm: Arm, description: Description) -> Iterator[Finding]:
@@ -27,8 +29,15 @@ def check_tool(arm: Arm, description: Description) -> Iterator[Finding]:
             description.place(description.links[arm.tip_link]),
             f"the tool is the frame of {last.name} itself: its origin lies on that joint's axis, "
             "and nothing says where the arm grips",
-            f"say in arm.toml where the tool is, seen from {arm.tip_link} [m, rad], for one:\n{SNIPPET}",
+            f"say in arm.toml where the tool is, seen from {arm.tip_link} [m, rad], "
+            f"for one {OUT:g} m along {direction_in_words(arm.tool_axis, 'tool')}:\n{_snippet(arm)}",
         )
+
+
+def _snippet(arm: Arm) -> str:
+    """A tool out on the axis about which the last joint rolls it, as an arm.toml says it."""
+    xyz = ", ".join(f"{value + 0.0:.6g}" for value in OUT * arm.tool_axis)
+    return f'[tool]\nname = "tool"\nxyz = [{xyz}]\nrpy = [0.0, 0.0, 0.0]'
 
 
 def check_other_tips(arm: Arm, description: Description) -> Iterator[Finding]:

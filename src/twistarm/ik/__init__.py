@@ -4,11 +4,12 @@ from .batch import IKBatch, solve_ik_batch
 from .request import POSTURES
 from .solution import IKSolution, StopReason
 from .solve import solve_ik
-from .targets import Approach, Pose, Position, Task
+from .targets import AnyTarget, Approach, Pose, Position, TargetLike, Task
 from .task_space import Target
 
 __all__ = [
     "POSTURES",
+    "AnyTarget",
     "Approach",
     "IKBatch",
     "IKSolution",
@@ -16,6 +17,7 @@ __all__ = [
     "Position",
     "StopReason",
     "Target",
+    "TargetLike",
     "Task",
     "solve_ik",
     "solve_ik_batch",

@@ -92,7 +92,7 @@ def approach_plane(arm: Arm, target: Target, theta: Array) -> ApproachPlane | No
     There is one if the arm's free motions turn the axis a only within one plane, ȧ = ω × a of rank 1, and the plane is
     the same a good way along them.
     """
-    wanted = _approach(target)
+    wanted = _approach(arm, target)
     if wanted is None:
         return None
     tool_axis, direction = wanted
@@ -120,12 +120,12 @@ def _approach_normal(arm: Arm, target: Target, theta: Array, tool_axis: Array) -
     return normal
 
 
-def _approach(target: Target) -> tuple[Array, Array] | None:
+def _approach(arm: Arm, target: Target) -> tuple[Array, Array] | None:
     """The tool axis and where it is to point (base axes), for targets that say so."""
     if isinstance(target, Approach):
-        return target.tool_axis, target.direction
+        return target.axis, target.direction
     if isinstance(target, Pose):
-        return np.array([0.0, 0.0, 1.0]), target.g[:3, 2]
+        return arm.tool_axis, target.g[:3, :3] @ arm.tool_axis
     return None
 
 

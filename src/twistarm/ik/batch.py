@@ -12,16 +12,16 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from .. import engine
-from ..arm import Arm
-from ..checks import Array, as_pose, frozen
-from ..errors import InputError
+from ..arm import Arm, require_arm
+from ..checks import Array, RealArray, as_pose, as_whole, frozen, require_callback
+from ..errors import InputError, shown
 from . import readable
 from .answer import PlainAnswer
 from .deadline import Deadline
 from .ranges import joint_ranges
-from .request import Request, checked, require_arm
+from .request import Request, checked
 from .solution import STOPS, IKSolution, StopReason
-from .targets import FARTHEST, KINDS, AnyTarget, Pose, as_target
+from .targets import FARTHEST, KINDS, AnyTarget, Pose, TargetLike, target_for
 
 Progress = Callable[[int, int], object]
 """Called with how many targets are done, and how many there are."""
@@ -95,7 +95,7 @@ class IKBatch:
 
     def __getitem__(self, index: int) -> IKSolution:
         i = operator.index(index)
-        n, row, target = self.arm.n, self.rows[i], as_target(self.targets[i])
+        n, row, target = self.arm.n, self.rows[i], target_for(self.arm, self.targets[i])
         flags, start = int(row[-1]), self.request.theta0
         answer = PlainAnswer(
             kind=target.kind,
@@ -119,7 +119,7 @@ class IKBatch:
 
 def solve_ik_batch(
     arm: Arm,
-    targets: ArrayLike | Sequence[Any],
+    targets: RealArray | Sequence[TargetLike],
     theta0: ArrayLike | None = None,
     *,
     position_tol: float = 1e-6,
@@ -143,24 +143,22 @@ def solve_ik_batch(
     """
     asked = _targets(targets, require_arm(arm))
     request = checked(arm, theta0, posture, (position_tol, orientation_tol), restarts, max_time, rng, count=len(asked))
-    if isinstance(threads, bool) or not isinstance(threads, (int, np.integer)) or not 1 <= threads <= MAX_THREADS:
-        raise InputError(f"threads must be a whole number from 1 to {MAX_THREADS}; got {threads!r}")
-    if progress is not None and not callable(progress):
-        raise InputError(f"progress must be a function of (done, count), or None; got {progress!r}")
+    workers = as_whole(threads, "threads", 1, MAX_THREADS)
+    require_callback(progress, "progress", "(done, count)")
     if arm.compiled is None:
         rows = _readably(arm, asked, request, progress)
     else:
-        rows = _by_core(arm.compiled, asked, request, Errand(int(threads), progress))
+        rows = _by_core(arm.compiled, asked, request, Errand(workers, progress))
     return IKBatch(arm, asked, request, _begun(arm, request, rows))
 
 
-def _targets(targets: ArrayLike | Sequence[Any], arm: Arm) -> Array | tuple[AnyTarget, ...]:
+def _targets(targets: Any, arm: Arm) -> Array | tuple[AnyTarget, ...]:
     """Poses as one array (N, 4, 4), anything else as targets."""
     if isinstance(targets, np.ndarray):
         return _poses(targets, arm)
     if isinstance(targets, str) or not isinstance(targets, Sequence):
-        raise InputError(f"targets must be poses (N, 4, 4) or a sequence of targets; got {type(targets).__name__}")
-    return tuple(_one(i, target) for i, target in enumerate(targets))
+        raise InputError(f"targets must be poses (N, 4, 4) or a sequence of targets; got {shown(targets)}")
+    return tuple(_one(i, target, arm) for i, target in enumerate(targets))
 
 
 def _poses(targets: NDArray[Any], arm: Arm) -> Array:
@@ -174,15 +172,15 @@ def _poses(targets: NDArray[Any], arm: Arm) -> Array:
     try:
         poses = frozen(as_pose(targets, "targets"))
     except InputError:
-        poses = frozen([_one(i, g).numbers for i, g in enumerate(targets)])
+        poses = frozen([_one(i, g, arm).numbers for i, g in enumerate(targets)])
     if np.abs(poses[:, :3, 3]).max(initial=0.0) > FARTHEST:
-        poses = frozen([_one(i, g).numbers for i, g in enumerate(targets)])
+        poses = frozen([_one(i, g, arm).numbers for i, g in enumerate(targets)])
     return poses
 
 
-def _one(i: int, target: Any) -> AnyTarget:
+def _one(i: int, target: Any, arm: Arm) -> AnyTarget:
     try:
-        return as_target(target)
+        return target_for(arm, target)
     except InputError as error:
         raise InputError(f"targets[{i}]: {error}") from error
 
@@ -250,7 +248,7 @@ def _readably(arm: Arm, targets: Array | tuple[AnyTarget, ...], request: Request
         if deadline.passed:
             break
         one = _part(request, np.array(i))
-        answer = readable.solve(arm, as_target(target), replace(one, max_time=deadline.left))
+        answer = readable.solve(arm, target_for(arm, target), replace(one, max_time=deadline.left))
         rows[i] = _row(arm, answer)
         if progress is not None:
             progress(i + 1, len(targets))

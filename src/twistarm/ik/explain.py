@@ -7,19 +7,16 @@ import math
 import numpy as np
 
 from ..arm import Arm
-from ..checks import Array
 from .abilities import Split, approach_plane, out_of_surface, split_rotation
 from .ranges import joint_ranges
 from .solution import IKSolution, StopReason
+from .wording import axis_in_words
 
 AT_BOUND = 1e-6
 """How near [rad, m] to its bound a joint stands at it."""
 
 NEGLIGIBLE = math.radians(0.005)
 """Angles [rad] that would be printed as 0.00°."""
-
-ALONG_AXIS = 0.995
-"""Cosine from which on a direction goes by the name of an axis, 5.7° from it."""
 
 
 def explain(solution: IKSolution) -> str:
@@ -115,16 +112,6 @@ def _missing_rotation(solution: IKSolution, split: Split) -> list[str]:
     if split.prevented > NEGLIGIBLE:
         lines.append(f"{_degrees(split.prevented)} of the rotation are prevented by limits or reach")
     return lines
-
-
-def axis_in_words(axis: Array, frame: str) -> str:
-    """A unit vector (3,) by the name of the axis it lies along, of the "base" or the "tool", else in numbers."""
-    largest = int(np.argmax(np.abs(axis)))
-    if abs(axis[largest]) >= ALONG_AXIS:
-        owner = "its" if frame == "tool" else "the base's"
-        return f"{owner} {'xyz'[largest]} axis"
-    numbers = ", ".join(f"{value + 0.0:.2f}" for value in axis * np.sign(axis[largest]))
-    return f"({numbers}) in {frame} axes"
 
 
 def _value(arm: Arm, i: int, value: float) -> str:

@@ -4,16 +4,14 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from ..arm import Arm
-from ..checks import Array, as_floats, frozen
-from ..errors import InputError, listed
+from ..checks import Array, as_floats, as_seed, as_whole, frozen
+from ..errors import InputError, listed, shown
 from .damped import Tolerances
-from .starts import as_seed
 
 LEAST_TOLERANCE = 1e-12
 """Below this a tolerance asks for more digits than forward kinematics has."""
@@ -52,11 +50,7 @@ def checked(
 
     `count`: that of a batch, whose starts may be one for all (n,), or one for each (count, n).
     """
-    if isinstance(restarts, bool) or not isinstance(restarts, (int, np.integer)) or not 1 <= restarts <= MAX_RESTARTS:
-        raise InputError(
-            "restarts must be a whole number, at least 1 (the search from theta0), "
-            f"at most {MAX_RESTARTS}; got {restarts!r}"
-        )
+    searches = as_whole(restarts, "restarts", 1, MAX_RESTARTS)
     start = _start(arm, theta0, count)
     return Request(
         theta0=start,
@@ -64,17 +58,10 @@ def checked(
         tolerances=Tolerances(
             _tolerance(tolerances[0], "position_tol [m]"), _tolerance(tolerances[1], "orientation_tol [rad]")
         ),
-        restarts=int(restarts),
+        restarts=searches,
         seed=as_seed(rng),
         max_time=_seconds(max_time),
     )
-
-
-def require_arm(arm: Any) -> Arm:
-    """`arm`, or InputError."""
-    if not isinstance(arm, Arm):
-        raise InputError(f"arm must be an Arm, as load_arm returns it; got {type(arm).__name__}")
-    return arm
 
 
 def _start(arm: Arm, theta0: ArrayLike | None, count: int | None) -> Array:
@@ -104,7 +91,7 @@ def _posture(arm: Arm, posture: ArrayLike | str | None, start: Array, count: int
         return start if posture == "theta0" else arm.limits.middle()
     if isinstance(posture, str) and posture not in arm.pose_names:
         names = listed((*POSTURES, *arm.pose_names))
-        raise InputError(f"posture must be one of {names} or a configuration ({arm.n},); got {posture!r}")
+        raise InputError(f"posture must be one of {names} or a configuration ({arm.n},); got {shown(posture)}")
     given = arm.theta_from(posture, name="posture")
     if given.ndim == 1 or (count is not None and given.shape == (count, arm.n)):
         return frozen(given)
@@ -116,7 +103,7 @@ def _posture(arm: Arm, posture: ArrayLike | str | None, start: Array, count: int
 def _tolerance(value: float, name: str) -> float:
     number = as_floats(value, name)
     if number.ndim or not number >= LEAST_TOLERANCE:
-        raise InputError(f"{name} must be one number, at least {LEAST_TOLERANCE:g}; got {value!r}")
+        raise InputError(f"{name} must be one number, at least {LEAST_TOLERANCE:g}; got {shown(value)}")
     return float(number)
 
 
@@ -125,5 +112,5 @@ def _seconds(value: float | None) -> float:
         return math.inf
     number = as_floats(value, "max_time [s]")
     if number.ndim or not number > 0:
-        raise InputError(f"max_time must be a positive number of seconds, or None for no limit; got {value!r}")
+        raise InputError(f"max_time must be a positive number of seconds, or None for no limit; got {shown(value)}")
     return float(number)

@@ -3,22 +3,21 @@
 from __future__ import annotations
 
 import math
-from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike
 
-from ..arm import Arm
+from ..arm import Arm, require_arm
 from . import readable
 from .answer import Answer
-from .request import Request, checked, require_arm
+from .request import Request, checked
 from .solution import IKSolution
-from .targets import KINDS, AnyTarget, Pose, as_target
+from .targets import KINDS, AnyTarget, Approach, Pose, TargetLike, target_for
 
 
 def solve_ik(
     arm: Arm,
-    target: Any,
+    target: TargetLike,
     theta0: ArrayLike | None = None,
     *,
     position_tol: float = 1e-6,
@@ -47,13 +46,15 @@ def solve_ik(
     chain = require_arm(arm).compiled
     if chain is not None:
         # What is plainly right goes straight to the core; checking it here would cost more than solving it.
-        given = target if type(target) in KINDS else None
+        given = target if isinstance(target, KINDS) else None
+        if isinstance(given, Approach):
+            given = given.of(arm)
         kind, numbers = (Pose.kind, target) if given is None else (given.kind, given.numbers)
         start = arm.ready if theta0 is None else theta0
         answer = chain.solve(kind, numbers, start, position_tol, orientation_tol, restarts, rng, max_time, posture)
         if answer is not None:
             return IKSolution(arm, answer, given)
-    asked = as_target(target)
+    asked = target_for(arm, target)
     request = checked(arm, theta0, posture, (position_tol, orientation_tol), restarts, max_time, rng)
     return IKSolution(arm, solved(arm, asked, request), asked)
 

@@ -3,15 +3,11 @@
 from __future__ import annotations
 
 from functools import cache
-from typing import Any
 
 import numpy as np
 
-from ..checks import Array
-from ..errors import InputError
+from ..checks import SEEDS, Array
 from .ranges import JointRanges
-
-SEEDS = 2**64
 
 GOLDEN = 0x9E3779B97F4A7C15
 """The increment of SplitMix64: 2⁶⁴ over the golden ratio."""
@@ -53,12 +49,3 @@ def _mixed(word: int) -> int:
     word = (word ^ (word >> 30)) * 0xBF58476D1CE4E5B9 % SEEDS
     word = (word ^ (word >> 27)) * 0x94D049BB133111EB % SEEDS
     return word ^ (word >> 31)
-
-
-def as_seed(rng: Any) -> int:
-    """A seed from an integer in [0, 2⁶⁴), or drawn from a NumPy Generator."""
-    if isinstance(rng, np.random.Generator):
-        return int(rng.integers(2**63))
-    if isinstance(rng, (int, np.integer)) and not isinstance(rng, bool) and 0 <= rng < SEEDS:
-        return int(rng)
-    raise InputError(f"rng must be a seed, an integer from 0 to 2^64 − 1, or a numpy Generator; got {rng!r}")

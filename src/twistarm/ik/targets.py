@@ -4,15 +4,18 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass, field
+from functools import cached_property
 from typing import Any, ClassVar
 
 import numpy as np
 from numpy.typing import ArrayLike
 
-from ..checks import Array, as_direction, as_pose, as_vector, frozen
+from ..arm import Arm
+from ..checks import Array, Matrix, Row, as_direction, as_pose, as_reals, as_vector, frozen, require_choice
 from ..errors import InputError
 from . import rotation_errors
 from .task_space import Rows, excess, offset_rows
+from .wording import direction_in_words, metres, numbers
 
 NONE = frozen(np.zeros(0))
 THREE = frozen(np.zeros(3))
@@ -23,7 +26,7 @@ FARTHEST = 1e6
 """Beyond this [m] a target is a mistake in the units, and its square leaves the range where errors add up."""
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, init=False)
 class Pose:
     """The whole pose: g_st(θ) = g, (4, 4).
 
@@ -36,8 +39,8 @@ class Pose:
     position_tolerance: ClassVar[Array] = THREE
     rotation_tolerance: ClassVar[Array] = THREE
 
-    def __post_init__(self) -> None:
-        object.__setattr__(self, "g", _one_pose(self.g, "pose g"))
+    def __init__(self, g: Matrix) -> None:
+        object.__setattr__(self, "g", _one_pose(g, "pose g"))
 
     @property
     def numbers(self) -> Array:
@@ -67,10 +70,10 @@ class Pose:
     def asked(self) -> str:
         """The target in words."""
         turned = math.degrees(rotation_errors.angle(self.g[:3, :3]))
-        return f"the pose at {_metres(self.g[:3, 3])}, turned {turned:.1f}° from the base's axes"
+        return f"the pose at {metres(self.g[:3, 3])}, turned {turned:.1f}° from the base's axes"
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, init=False)
 class Position:
     """The tool's origin at p (3,) [m] in the base frame, the orientation free."""
 
@@ -80,8 +83,8 @@ class Position:
     position_tolerance: ClassVar[Array] = THREE
     rotation_tolerance: ClassVar[Array] = NONE
 
-    def __post_init__(self) -> None:
-        object.__setattr__(self, "p", _one_vector(self.p, "p"))
+    def __init__(self, p: Row) -> None:
+        object.__setattr__(self, "p", _one_vector(p, "p"))
 
     @property
     def numbers(self) -> Array:
@@ -110,12 +113,15 @@ class Position:
 
     def asked(self) -> str:
         """The target in words."""
-        return f"the position {_metres(self.p)}"
+        return f"the position {metres(self.p)}"
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, init=False)
 class Approach:
     """The tool's origin at p [m] and R @ tool_axis = direction (base axes); turning about the tool axis is free.
+
+    `tool_axis` (3,), in tool axes, is what points along the direction; None means that of the arm, `arm.tool_axis`:
+    the axis about which its last joint rolls the tool. `solve_ik` puts it in, and its solution's target has it.
 
     Orientation error: the angle between the axes. The rotation has two rows, across the tool axis. Both axes may have
     any length but zero, which raises InputError.
@@ -123,21 +129,39 @@ class Approach:
 
     p: Array
     direction: Array
-    tool_axis: Array = field(default_factory=lambda: np.array([0.0, 0.0, 1.0]))
-    across: Array = field(init=False, repr=False)
-    numbers: Array = field(init=False, repr=False)
+    tool_axis: Array | None
 
     kind: ClassVar[int] = 2
     position_tolerance: ClassVar[Array] = THREE
     rotation_tolerance: ClassVar[Array] = TWO
 
-    def __post_init__(self) -> None:
-        object.__setattr__(self, "p", _one_vector(self.p, "p"))
-        for name in ("direction", "tool_axis"):
-            object.__setattr__(self, name, _one_direction(getattr(self, name), name))
-        # The rows of Vᵀ beyond the first span the plane across the axis.
-        object.__setattr__(self, "across", frozen(np.linalg.svd(self.tool_axis[None, :])[2][1:]))
-        object.__setattr__(self, "numbers", frozen([*self.p, *self.direction, *self.tool_axis]))
+    def __init__(self, p: Row, direction: Row, tool_axis: Row | None = None) -> None:
+        object.__setattr__(self, "p", _one_vector(p, "p"))
+        object.__setattr__(self, "direction", _one_direction(direction, "direction"))
+        axis = None if tool_axis is None else _one_direction(tool_axis, "tool_axis")
+        object.__setattr__(self, "tool_axis", axis)
+
+    def of(self, arm: Arm) -> Approach:
+        """The same with a tool axis: its own, or that of the arm."""
+        return self if self.tool_axis is not None else Approach(self.p, self.direction, arm.tool_axis)
+
+    @property
+    def axis(self) -> Array:
+        """The tool axis (3,). Raises InputError where it was left to the arm."""
+        if self.tool_axis is None:
+            raise InputError("this Approach leaves its tool axis to the arm: ask approach.of(arm), or give tool_axis=")
+        return self.tool_axis
+
+    @cached_property
+    def across(self) -> Array:
+        """Two unit vectors (2, 3) that span the plane across the tool axis."""
+        # The rows of Vᵀ beyond the first span it.
+        return frozen(np.linalg.svd(self.axis[None, :])[2][1:])
+
+    @cached_property
+    def numbers(self) -> Array:
+        """p, direction, tool axis."""
+        return frozen([*self.p, *self.direction, *self.axis])
 
     def position_rows(self, g: Array, J_b: Array) -> Rows:
         """The offset from p, in tool axes."""
@@ -146,11 +170,11 @@ class Approach:
     def rotation_rows(self, g: Array, J_b: Array) -> Rows:
         """2 sin(φ/2) u across the axis, φ the angle and u the axis of the turn from the direction to the tool axis."""
         direction = g[:3, :3].T @ self.direction
-        turn = _cross(direction, self.tool_axis)
+        turn = _cross(direction, self.axis)
         length = math.sqrt(turn @ turn)
         # Parallel, the error is zero whatever u is; opposite, every u across the axis is as good.
         u = self.across @ (turn / length) if length > 0.0 else np.array([1.0, 0.0])
-        return u * math.dist(direction, self.tool_axis), self.across @ J_b[3:]
+        return u * math.dist(direction, self.axis), self.across @ J_b[3:]
 
     def position_error(self, g: Array) -> float:
         """Distance from p [m]."""
@@ -158,23 +182,21 @@ class Approach:
 
     def orientation_error(self, g: Array) -> float:
         """Angle [rad] between R @ tool_axis and the direction."""
-        axis = g[:3, :3] @ self.tool_axis
+        axis = g[:3, :3] @ self.axis
         turn = _cross(axis, self.direction)
         return math.atan2(math.sqrt(turn @ turn), float(axis @ self.direction))
 
     def at(self, g: Array) -> Approach:
         """The same kind of target, met by the pose g."""
-        return Approach(g[:3, 3], g[:3, :3] @ self.tool_axis, self.tool_axis)
+        return Approach(g[:3, 3], g[:3, :3] @ self.axis, self.axis)
 
     def asked(self) -> str:
         """The target in words."""
-        return (
-            f"the position {_metres(self.p)} with the tool's axis {_numbers(self.tool_axis)} "
-            f"along {_numbers(self.direction)}"
-        )
+        axis = "its axis" if self.tool_axis is None else direction_in_words(self.tool_axis, "tool")
+        return f"the position {metres(self.p)} with the tool pointing by {axis} along {numbers(self.direction)}"
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, init=False)
 class Task:
     """The pose g within `tolerance`, six numbers (x, y, z [m], rx, ry, rz [rad]).
 
@@ -186,7 +208,7 @@ class Task:
 
     g: Array
     tolerance: Array
-    frame: str = "tool"
+    frame: str
     held: tuple[list[int], list[int]] = field(init=False, repr=False)
     position_tolerance: Array = field(init=False, repr=False)
     rotation_tolerance: Array = field(init=False, repr=False)
@@ -194,11 +216,10 @@ class Task:
 
     kind: ClassVar[int] = 3
 
-    def __post_init__(self) -> None:
-        object.__setattr__(self, "g", _one_pose(self.g, "pose g"))
-        if self.frame not in ("tool", "base"):
-            raise InputError(f"frame must be 'tool' (the target's axes) or 'base'; got {self.frame!r}")
-        tolerance = _as_tolerance(self.tolerance)
+    def __init__(self, g: Matrix, tolerance: Row, frame: str = "tool") -> None:
+        object.__setattr__(self, "g", _one_pose(g, "pose g"))
+        object.__setattr__(self, "frame", require_choice(frame, ("tool", "base"), "frame"))
+        tolerance = _as_tolerance(tolerance)
         position, rotation = tolerance[:3], tolerance[3:]
         held = [i for i in range(3) if position[i] < math.inf], [i for i in range(3) if rotation[i] < math.pi]
         if not held[0] and not held[1]:
@@ -243,7 +264,7 @@ class Task:
         free = [name for name, t in zip(("x", "y", "z"), self.tolerance[:3], strict=True) if math.isinf(t)]
         free += [f"turning about {name}" for name, t in zip("xyz", self.tolerance[3:], strict=True) if t >= math.pi]
         axes = "tool's" if self.frame == "tool" else "base's"
-        return f"the pose at {_metres(self.g[:3, 3])} within tolerances along the {axes} axes" + (
+        return f"the pose at {metres(self.g[:3, 3])} within tolerances along the {axes} axes" + (
             f" ({', '.join(free)} free)" if free else ""
         )
 
@@ -256,9 +277,18 @@ class Task:
 
 AnyTarget = Pose | Position | Approach | Task
 
+TargetLike = AnyTarget | Matrix
+"""What a caller may ask for: a target, or a bare pose (4, 4)."""
+
 KINDS = (Pose, Position, Approach, Task)
 """By their `kind`. `numbers` are how the core is told a target: g | p | p, direction, tool axis | g, tolerance,
 1 for base axes."""
+
+
+def target_for(arm: Arm, value: Any) -> AnyTarget:
+    """`value` as a target for the arm, whose axis it points if none was given."""
+    target = as_target(value)
+    return target.of(arm) if isinstance(target, Approach) else target
 
 
 def as_target(value: Any) -> AnyTarget:
@@ -289,7 +319,7 @@ def _cross(a: Array, b: Array) -> Array:
     return np.array([a2 * b3 - a3 * b2, a3 * b1 - a1 * b3, a1 * b2 - a2 * b1])
 
 
-def _one_pose(value: ArrayLike, name: str) -> Array:
+def _one_pose(value: Matrix, name: str) -> Array:
     g = as_pose(value, name)
     if g.shape != (4, 4):
         raise InputError(f"{name} must be one pose of shape (4, 4); got {g.shape}")
@@ -318,20 +348,9 @@ def _require_near(p: Array, name: str) -> None:
 
 
 def _as_tolerance(value: ArrayLike) -> Array:
-    try:
-        tolerance = np.asarray(value, dtype=np.float64)
-    except (TypeError, ValueError) as error:
-        raise InputError(f"tolerance must be six numbers (x, y, z [m], rx, ry, rz [rad]); got {value!r}") from error
+    tolerance = as_reals(value, "tolerance")
     if tolerance.shape != (6,):
         raise InputError(f"tolerance must be six numbers (x, y, z [m], rx, ry, rz [rad]); got shape {tolerance.shape}")
     if not (tolerance >= 0).all():
         raise InputError(f"tolerance must not be negative or NaN (0: exact, inf: free); got {tolerance.tolist()}")
     return tolerance
-
-
-def _metres(p: Array) -> str:
-    return f"{_numbers(p)} m"
-
-
-def _numbers(values: Array) -> str:
-    return "(" + ", ".join(f"{value:.4g}" for value in np.round(values, 6) + 0.0) + ")"

@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from ..arm import Arm
-from ..checks import Array, as_floats
+from ..checks import Array, RealArray, Row, as_floats
 from ..errors import InputError, closest, listed
 from ..limits import JointLimits
 from . import spline, timing
@@ -36,7 +36,8 @@ FITS = {
 
 ADVICE = "use stop_at_waypoints=True, which goes straight from waypoint to waypoint, or add waypoints"
 
-Waypoints = ArrayLike | Sequence[ArrayLike | Mapping[str, float] | str]
+Waypoints = RealArray | Sequence[Row | Mapping[str, float] | str]
+"""Configurations as arrays, mappings {joint: value} or names of states."""
 
 
 def plan_joint(

@@ -1,6 +1,6 @@
 """The servo: from a command to joint rates, one pure step at a time."""
 
-from .command import AnyCommand, JogCommand, PoseCommand, TwistCommand
+from .command import AnyCommand, CommandLike, JogCommand, PoseCommand, TwistCommand
 from .output import ServoOutput, ServoStatus
 from .settings import ServoSettings
 from .state import ServoState
@@ -8,6 +8,7 @@ from .step import servo_step
 
 __all__ = [
     "AnyCommand",
+    "CommandLike",
     "JogCommand",
     "PoseCommand",
     "ServoOutput",

@@ -3,15 +3,27 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from contextlib import suppress
 from dataclasses import dataclass, field
 from typing import Any, ClassVar
 
 import numpy as np
 from numpy.typing import ArrayLike
 
-from ..arm import Arm
-from ..checks import Array, as_floats, as_pose, as_twist, frozen
-from ..errors import InputError, listed
+from ..arm import Arm, require_arm
+from ..checks import (
+    Array,
+    Matrix,
+    Row,
+    as_floats,
+    as_number,
+    as_pose,
+    as_twist,
+    frozen,
+    require_choice,
+    require_mapping,
+)
+from ..errors import InputError, listed, shown
 
 TOOL, BASE = "tool", "base"
 FRAMES = (TOOL, BASE)
@@ -26,7 +38,7 @@ HELD = {
 """Components (vx, vy, vz, wx, wy, wz) that are held, by the names of their halves."""
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, init=False)
 class TwistCommand:
     """Move the tool: twist (v, w) (6,) [m/s, rad/s] of the tool's origin, in tool axes or in base axes.
 
@@ -42,26 +54,25 @@ class TwistCommand:
     """
 
     twist: Array
-    frame: str = TOOL
-    hold: str | Sequence[bool] | None = None
+    frame: str
+    hold: str | Sequence[bool] | None
     held: tuple[bool, ...] = field(init=False, repr=False)
     numbers: Array = field(init=False, repr=False)
     flags: int = field(init=False, repr=False)
     kind: ClassVar[int] = 2
 
-    def __post_init__(self) -> None:
-        twist = _six(self.twist, "twist")
-        if self.frame not in FRAMES:
-            raise InputError(f"frame must be 'tool' or 'base'; got {self.frame!r}")
-        held = held_components(self.hold)
-        if any(twist[k] != 0.0 for k in range(6) if held[k]):
-            raise InputError(f"a held component cannot be commanded: hold={self.hold!r}, twist={twist.tolist()}")
-        flags = int(self.frame == BASE) + sum(2 << k for k in range(6) if held[k])
-        for name, value in {"twist": twist, "held": held, "numbers": twist, "flags": flags}.items():
+    def __init__(self, twist: Row, frame: str = TOOL, hold: str | Sequence[bool] | None = None) -> None:
+        six, held = _six(twist, "twist"), held_components(hold)
+        require_choice(frame, FRAMES, "frame")
+        if any(six[k] != 0.0 for k in range(6) if held[k]):
+            raise InputError(f"a held component cannot be commanded: hold={hold!r}, twist={six.tolist()}")
+        flags = int(frame == BASE) + sum(2 << k for k in range(6) if held[k])
+        values = {"twist": six, "frame": frame, "hold": hold, "held": held, "numbers": six, "flags": flags}
+        for name, value in values.items():
             object.__setattr__(self, name, value)
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, init=False)
 class JogCommand:
     """Move the joints: their rates (n,) [rad/s, m/s], base to tip. See also `JogCommand.of`."""
 
@@ -70,8 +81,8 @@ class JogCommand:
     flags: ClassVar[int] = 0
     kind: ClassVar[int] = 1
 
-    def __post_init__(self) -> None:
-        rates = _moderate(as_floats(self.theta_dot, "theta_dot"), "theta_dot", FASTEST)
+    def __init__(self, theta_dot: Row) -> None:
+        rates = _moderate(as_floats(theta_dot, "theta_dot"), "theta_dot", FASTEST)
         if rates.ndim != 1:
             raise InputError(f"theta_dot must be one number per joint, shape (n,); got {rates.shape}")
         for name in ("theta_dot", "numbers"):
@@ -80,10 +91,11 @@ class JogCommand:
     @classmethod
     def of(cls, arm: Arm, rates: Mapping[str, float]) -> JogCommand:
         """The rates of some joints by name, the others at rest. Raises UnknownNameError for a joint of another arm."""
-        return cls(arm.theta_from(dict.fromkeys(arm.joint_names, 0.0) | dict(rates)))
+        given = require_mapping(rates, "rates", "{'elbow': 0.1}")
+        return cls(require_arm(arm).theta_from(dict.fromkeys(arm.joint_names, 0.0) | dict(given)))
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, init=False)
 class PoseCommand:
     """Bring the tool to the pose g (4, 4), seen from the base, straight and turning about one axis, and hold it there.
 
@@ -94,30 +106,33 @@ class PoseCommand:
     """
 
     g: Array
-    velocity: ArrayLike = field(default_factory=lambda: np.zeros(6))
-    linear_speed: float = 0.25
-    angular_speed: float = 1.0
+    velocity: Array
+    linear_speed: float
+    angular_speed: float
     numbers: Array = field(init=False, repr=False)
     flags: ClassVar[int] = 1
     kind: ClassVar[int] = 3
 
-    def __post_init__(self) -> None:
-        g = as_pose(self.g, "g")
-        if g.shape != (4, 4):
-            raise InputError(f"g must be one pose, shape (4, 4); got {g.shape}")
-        _moderate(g, "g", FARTHEST)
-        for name in ("linear_speed", "angular_speed"):
-            speed = getattr(self, name)
-            if not (isinstance(speed, (int, float)) and 0.0 < speed <= FASTEST):
-                raise InputError(f"{name} must be a positive number, at most {FASTEST:g}; got {speed!r}")
-        velocity = _six(self.velocity, "velocity")
-        numbers = frozen([*g.ravel(), *velocity, self.linear_speed, self.angular_speed])
-        for name, value in {"g": frozen(g), "velocity": velocity, "numbers": numbers}.items():
+    def __init__(
+        self, g: Matrix, velocity: Row = (0.0,) * 6, linear_speed: float = 0.25, angular_speed: float = 1.0
+    ) -> None:
+        pose = as_pose(g, "g")
+        if pose.shape != (4, 4):
+            raise InputError(f"g must be one pose, shape (4, 4); got {pose.shape}")
+        _moderate(pose, "g", FARTHEST)
+        speeds = {"linear_speed": linear_speed, "angular_speed": angular_speed}
+        checked = {name: _speed(speed, name) for name, speed in speeds.items()}
+        moving = _six(velocity, "velocity")
+        numbers = frozen([*pose.ravel(), *moving, *checked.values()])
+        for name, value in {"g": frozen(pose), "velocity": moving, **checked, "numbers": numbers}.items():
             object.__setattr__(self, name, value)
 
 
 # `kind`, `flags` (1 for base axes, 2 << k for held component k) and `numbers` say the same to the compiled core.
 AnyCommand = TwistCommand | JogCommand | PoseCommand
+
+CommandLike = AnyCommand | Row | None
+"""What a step may be told: a command, six numbers for a twist in tool axes, or nothing."""
 
 
 def held_components(hold: Any) -> tuple[bool, ...]:
@@ -129,7 +144,16 @@ def held_components(hold: Any) -> tuple[bool, ...]:
     several = tuple(hold) if isinstance(hold, (Sequence, np.ndarray)) and not isinstance(hold, str) else ()
     if len(several) == 6 and all(isinstance(each, (bool, np.bool_)) for each in several):
         return tuple(bool(each) for each in several)
-    raise InputError(f"hold must be {listed(HELD)} or six booleans (vx, vy, vz, wx, wy, wz); got {hold!r}")
+    raise InputError(f"hold must be {listed(HELD)} or six booleans (vx, vy, vz, wx, wy, wz); got {shown(hold)}")
+
+
+def _speed(value: float, name: str) -> float:
+    speed = 0.0
+    with suppress(InputError):
+        speed = as_number(value, name)
+    if not 0.0 < speed <= FASTEST:
+        raise InputError(f"{name} must be a positive number, at most {FASTEST:g}; got {shown(value)}")
+    return speed
 
 
 def _six(values: ArrayLike, name: str) -> Array:

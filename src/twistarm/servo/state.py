@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike
 
-from ..arm import Arm
+from ..arm import Arm, require_arm
 from ..checks import Array, as_theta, frozen
 from ..errors import InputError
 
@@ -32,11 +32,12 @@ class ServoState:
     @classmethod
     def at(cls, arm: Arm, theta: ArrayLike) -> ServoState:
         """At rest at the measured theta (n,). Raises InputError for anything but n finite numbers."""
-        return cls.moving(arm, arm.theta_from(theta), np.zeros(arm.n))
+        return cls.moving(arm, require_arm(arm).theta_from(theta), np.zeros(arm.n))
 
     @classmethod
     def moving(cls, arm: Arm, theta: ArrayLike, theta_dot: ArrayLike) -> ServoState:
         """At the measured theta (n,), moving at theta_dot (n,). Raises InputError for anything but finite numbers."""
+        require_arm(arm)
         values = {"theta": theta, "theta_dot": theta_dot}
         checked = {name: as_theta(value, arm.n, name, arm.joint_names) for name, value in values.items()}
         for name, value in checked.items():

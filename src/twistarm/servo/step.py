@@ -6,13 +6,13 @@ from typing import Any
 
 import numpy as np
 
-from ..arm import Arm
-from ..checks import as_pose, frozen
-from ..errors import InputError
+from ..arm import Arm, require_arm
+from ..checks import as_pose, frozen, require
+from ..errors import InputError, shown
 from . import readable
 from .answer import Answer, Cause
 from .bounds import Bounds, bounds_of
-from .command import AnyCommand, JogCommand, PoseCommand, TwistCommand
+from .command import AnyCommand, CommandLike, JogCommand, PoseCommand, TwistCommand
 from .output import ServoOutput
 from .settings import ServoSettings
 from .state import ServoState
@@ -22,7 +22,7 @@ _DEFAULT = ServoSettings()
 
 
 def servo_step(
-    arm: Arm, state: ServoState, command: Any, dt: float, *, settings: ServoSettings = _DEFAULT
+    arm: Arm, state: ServoState, command: CommandLike, dt: float, *, settings: ServoSettings = _DEFAULT
 ) -> tuple[ServoState, ServoOutput]:
     """One step of the servo: the state after `dt` [s] under `command`, and the joint rates that lead there.
 
@@ -36,11 +36,14 @@ def servo_step(
     lost and reported. Near a singularity the direction that is about to be lost is damped where the motion approaches
     it, not where it leaves it. Velocity and acceleration limits, those of the motors of an arm.toml too, slow the
     motion as a whole; a joint at its position limit stops, and the others keep what is left of the motion.
+
+    Raises InputError for an arm, a state or settings that are none: `ServoState.at(arm, theta)` makes a state.
     """
-    bounds = bounds_of(arm, settings)
+    require(state, ServoState, "state", "as ServoState.at(arm, theta) makes it")
+    bounds = bounds_of(require_arm(arm), require(settings, ServoSettings, "settings", "as ServoSettings() is"))
     step = _seconds(dt)
     if not 0.0 < step <= settings.longest_dt:
-        return _refused(arm, state, f"dt must be more than 0 and at most {settings.longest_dt:g} s; got {dt!r}")
+        return _refused(arm, state, f"dt must be more than 0 and at most {settings.longest_dt:g} s; got {shown(dt)}")
     checked, reason = _usable(arm, command)
     try:
         answer = _answer(arm, bounds, state, checked, step)
@@ -55,7 +58,7 @@ def servo_step(
 def _seconds(dt: Any) -> float:
     try:
         return float(dt)
-    except (TypeError, ValueError):
+    except Exception:  # an object's own __float__ may raise anything
         return np.nan
 
 

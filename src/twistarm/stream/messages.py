@@ -118,7 +118,7 @@ def _pose(arm: Arm, message: Mapping[str, Any]) -> AnyCommand:
     given = message["pose"]
     g = _pose_from_parts(given) if isinstance(given, Mapping) else _pose_from_rows(given)
     speeds = {name: number(message[name], name) for name in _SPEEDS if name in message}
-    return PoseCommand(g, **speeds)
+    return PoseCommand(g, (0.0,) * 6, **speeds)
 
 
 def _pose_from_rows(rows: Any) -> Array:

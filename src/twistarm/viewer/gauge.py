@@ -81,7 +81,7 @@ class Measure:
         motors = arm.actuators.units[: len(self.bounds.motion.names) - arm.n] if arm.actuators else ()
         self.units = (*("m" if unit in LINEAR_UNITS else "rad" for unit in motors), *arm.units)
         self._slides = np.array(arm.units) == "m"
-        postures = [arm.ready, *arm.random_theta(np.random.default_rng(0), SAMPLES)]
+        postures = [arm.ready, *arm.random_theta(0, SAMPLES)]
         ranks = [[len(sigma) for sigma, _ in self._levels(theta)] for theta in postures]
         self._ranks = np.max(ranks, axis=0)
 

@@ -22,6 +22,7 @@ def describe_arm(arm: Arm) -> dict[str, Any]:
         "name": arm.name,
         "base": arm.base,
         "tip": arm.tip,
+        "tool_axis": arm.tool_axis.tolist(),
         "joints": [_describe(*joint) for joint in joints],
         "others": [_describe(*joint) for joint in others],
         "poses": list(named_poses(arm)),

@@ -62,7 +62,7 @@ class TargetPart:
         if request.kind == "release":
             self._release()
             return None
-        target, given = _target(request.fields), dict(request.fields)
+        target, given = _target(stage.arm, request.fields), dict(request.fields)
         stage.show(stage.theta)  # a running trajectory stops
         self._number += 1
         self._wanted = True
@@ -93,7 +93,7 @@ class TargetPart:
         self._told, self._shown, self._wanted = NOTHING, None, False
 
 
-def _target(fields: Mapping[str, Any]) -> Pose | Position | Approach:
+def _target(arm: Arm, fields: Mapping[str, Any]) -> Pose | Position | Approach:
     """The target that a page asked for: {kind, position [m], xyzw}, of which a position needs no direction."""
     p, xyzw = np.array(fields["position"]), fields["xyzw"]
     length = math.hypot(*xyzw)
@@ -103,7 +103,7 @@ def _target(fields: Mapping[str, Any]) -> Pose | Position | Approach:
         return Position(p)
     R = rotations.from_xyzw(xyzw)
     if fields["kind"] == "approach":
-        return Approach(p, R[:, 2])
+        return Approach(p, R @ arm.tool_axis, arm.tool_axis)
     g = np.eye(4)
     g[:3, :3], g[:3, 3] = R, p
     return Pose(g)

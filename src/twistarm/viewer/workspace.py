@@ -70,7 +70,7 @@ def sampled_workspace(arm: Arm, progress: Progress) -> dict[str, Any]:
 
 def sampled(arm: Arm, progress: Progress) -> tuple[Array, Array]:
     """Tool positions (N, 3) [m] and scaled singular values (N, min(6, n)) at random postures inside the limits."""
-    theta = arm.random_theta(np.random.default_rng(SEED), POINTS)
+    theta = arm.random_theta(SEED, POINTS)
     positions, values = [], []
     for start in range(0, POINTS, BATCH):
         progress(start / POINTS)

@@ -21,7 +21,7 @@ def plausible_units(wiring: Wiring) -> list[str]:
 
     The arm's are those of random postures: what the motors read may be wrong.
     """
-    usual = _mean_distance(wiring.arm.fk(wiring.arm.random_theta(np.random.default_rng(0), POSTURES))[:, :3, 3])
+    usual = _mean_distance(wiring.arm.fk(wiring.arm.random_theta(0, POSTURES))[:, :3, 3])
     measured = _mean_distance(wiring.position)
     if not usual or not measured or 1 / ALIKE < measured / usual < ALIKE:
         return []

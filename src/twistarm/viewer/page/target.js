@@ -10,10 +10,10 @@ import { THREE } from "./view.js";
 
 const KINDS = [[6, "pose"], [5, "approach"], [0, "position"]]; // what an arm of at least so many joints begins with
 const HINTS = {
-  approach: "5 joints: not every pose is in reach, so the tool's z axis is pointed and its turn about z is free.",
+  approach: "5 joints: not every pose is in reach, so the axis about which the tool rolls is pointed, and its turn about that is free.",
   position: "Fewer than 5 joints: the tool's position is met, and its orientation is free.",
 };
-const PARALLEL = 0.999; // cosine from which a ring is about the tool's own z
+const PARALLEL = 0.999; // cosine from which a ring is about the axis that an approach points
 const LATE = 60; // ms that an answer takes at most where nothing is slow
 const LOST = 2000; // ms after which no answer is expected any more: the arm was moved by another hand
 
@@ -199,10 +199,10 @@ export class Target {
     return this.typed && describes(this.typed, pose) ? this.typed : numbersOf(pose);
   }
 
-  // A position has no turns, and an approach none about the tool's z axis.
+  // A position has no turns, and an approach none about the axis that it points.
   allows({ kind }, direction) {
     if (kind !== "turn" || this.kind === "pose") return true;
-    const z = new THREE.Vector3(0, 0, 1).applyQuaternion(this.gizmo.pose.quaternion);
-    return this.kind === "approach" && Math.abs(direction.dot(z)) < PARALLEL;
+    const pointed = new THREE.Vector3(...this.page.state.hello.arm.tool_axis).applyQuaternion(this.gizmo.pose.quaternion);
+    return this.kind === "approach" && Math.abs(direction.dot(pointed)) < PARALLEL;
   }
 }
