@@ -148,7 +148,12 @@ CASES: dict[str, Case] = {
     "mimic-outside-limits": urdf(follower(MIMIC.format(1), '<limit lower="0" upper="0" velocity="1" effort="1"/>')),
     "locked-outside-limits": urdf(two_joints(), locked={"a": 2.0}),
     # the chain
-    "no-tip": urdf(two_joints().replace("tool0", "gripper")),
+    "no-tip": urdf(
+        robot(
+            joint("a", "base_link", "upper"), joint("b", "upper", "gripper"), joint("c", "upper", "probe"),
+            links=("base_link", "upper", "gripper", "probe"),
+        )
+    ),
     "base-not-above-tip": urdf(two_joints(), base="tool0", tip="upper"),
     "nothing-moves": urdf(two_joints(), tip="base_link"),
     "floating-in-chain": urdf(two_joints(kind="floating")),

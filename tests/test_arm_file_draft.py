@@ -125,7 +125,7 @@ def test_without_a_clear_tip_the_candidates_stand_in_it(tmp_path: Path) -> None:
     parts = joint("a", "base_link", "upper"), joint("b c", "upper", "left"), joint("d", "upper", "right tip")
     write(tmp_path, robot(*parts, links=("base_link", "upper", "left", "right tip")))
     draft = draft_arm_file(tmp_path / "arm.urdf", tmp_path)
-    assert "several links could be the tip: 'left', 'right tip'" in draft.unclear
+    assert "several links could be the tip: 'left' (2 joints), 'right tip' (2 joints)" in draft.unclear
     path = write(tmp_path, draft.text, "arm.toml")
     with pytest.raises(DescriptionError, match="several links could be the tip"):
         load_arm(path)

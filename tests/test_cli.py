@@ -322,9 +322,10 @@ def test_every_refused_description_is_one_line(case: str, capsys: Capture, tmp_p
 
 
 def test_several_possible_tips_are_listed(capsys: Capture, tmp_path: Path) -> None:
-    parts = joint("a", "base_link", "upper"), joint("b", "upper", "left"), joint("c", "upper", "right")
-    path = write(tmp_path, robot(*parts, links=("base_link", "upper", "left", "right")))
-    assert "several links could be the tip: 'left', 'right'; pass --tip LINK" in error_of(capsys, "info", str(path))
+    parts = joint("a", "base_link", "upper"), joint("b", "upper", "left tip"), joint("c", "upper", "right")
+    path = write(tmp_path, robot(*parts, links=("base_link", "upper", "left tip", "right")))
+    said = error_of(capsys, "info", str(path))
+    assert said.endswith("could be the tip: 'left tip' (2 joints), 'right' (2 joints); pass --tip 'left tip'\n")
 
 
 def test_planning_without_limits_names_the_joint_and_the_argument(capsys: Capture, tmp_path: Path) -> None:

@@ -48,7 +48,7 @@ def test_init_without_a_clear_tip_says_what_to_fill_in(folder: Path, capsys: Cap
     assert run(["init", "arm.urdf"]) == 1
     said = capsys.readouterr().out
     assert said.startswith("arm.toml: written, but take the # away from one tip = in it before it loads: ")
-    assert "several links could be the tip: 'left', 'right'; pass --tip LINK" in said
+    assert said.endswith("several links could be the tip: 'left' (2 joints), 'right' (2 joints); pass --tip left\n")
     assert '# tip = "left"' in (folder / "arm.toml").read_text()
     assert run(["init", "arm.urdf", "--force", "--tip", "right"]) == 0
     assert load_arm("arm.toml").joint_names == ("a", "c")

@@ -39,8 +39,8 @@ def test_no_false_alarm_about_the_catalogue(name: str) -> None:
 
 def test_a_refused_description_is_looked_at_all_the_same(tmp_path: Path) -> None:
     bad = '<limit lower="-170" upper="170" velocity="1" effort="1"/>'
-    text = two_joints(inside=bad).replace("tool0", "gripper")
-    findings = diagnose(write(tmp_path, text))
+    parts = joint("a", "base_link", "upper", inside=bad), joint("b", "upper", "left"), joint("c", "upper", "right")
+    findings = diagnose(write(tmp_path, robot(*parts, links=("base_link", "upper", "left", "right"))))
     assert [one.code for one in findings] == ["no-tip", "limits-look-like-degrees"]
 
 
@@ -110,11 +110,11 @@ REAL = {
         {}, {"home-singular", "cannot-turn-in-place", "several-tips"}
     ),
     "robojackets_walliiarmv3/urc_gazebo/urdf/WalliiArmV3.urdf": (
-        {"tip": "claw"},
+        {},
         {"mesh-missing", "velocity-not-given", "effort-not-given", "mimic-outside-limits", "tool-frame-missing"},
     ),
     "robojackets_walli_v2_block/urdf/walli_arm_v2_block/robot.urdf": (
-        {"tip": "ee"}, {"limit-incomplete", "mass-tiny", "axes-almost-exact", "home-singular", "cannot-turn-in-place"}
+        {}, {"limit-incomplete", "mass-tiny", "axes-almost-exact", "home-singular", "cannot-turn-in-place"}
     ),
     "ur_description/urdf/ur.urdf.xacro": (
         {"xacro_args": {"name": "ur", "ur_type": "ur5e"}}, {"mesh-missing", "home-singular", "several-tips"}

@@ -63,7 +63,7 @@ def test_exit_codes_by_severity(capsys: Capture, tmp_path: Path) -> None:
 
 def test_remedies_are_worded_for_the_command_line(capsys: Capture, tmp_path: Path) -> None:
     shown = page(capsys, str(lay(CASES["no-tip"], tmp_path)), code=1)
-    assert "pass --tip LINK" in shown
+    assert "pass --tip gripper" in shown
     assert "tip=" not in shown
 
 

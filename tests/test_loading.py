@@ -41,15 +41,20 @@ def test_names_that_mean_the_tool_come_first(tmp_path: Path) -> None:
 def test_several_tips_are_listed(tmp_path: Path) -> None:
     parts = joint("a", "base_link", "upper"), joint("b", "upper", "left"), joint("c", "upper", "right")
     path = write(tmp_path, robot(*parts, links=("base_link", "upper", "left", "right")))
-    with pytest.raises(DescriptionError, match="several links could be the tip: 'left', 'right'; pass tip="):
+    with pytest.raises(
+        DescriptionError, match=r"could be the tip: 'left' \(2 joints\), 'right' \(2 joints\); pass tip='left'$"
+    ):
         load_arm(path)
     assert load_arm(path, tip="left").joint_names == ("a", "b")
 
 
-def test_a_gripper_is_never_taken_silently_for_the_tool(tmp_path: Path) -> None:
+def test_a_jaw_is_not_taken_for_the_tool_and_the_choice_is_told(tmp_path: Path) -> None:
     parts = joint("a", "base_link", "hand"), joint("jaw_joint", "hand", "mover")
-    with pytest.raises(DescriptionError, match="its only leaf looks like a gripper: 'mover'; pass tip="):
-        load_arm(write(tmp_path, robot(*parts, links=("base_link", "hand", "mover"))))
+    arm = load_arm(write(tmp_path, robot(*parts, links=("base_link", "hand", "mover"))))
+    assert (arm.tip, arm.joint_names) == ("hand", ("a",))
+    (told,) = (one for one in arm.findings if one.code == "several-tips")
+    assert told.severity == "info"
+    assert "nobody said which: the finger moves on it, 1 joint from 'base_link'; other candidates: 'mover'" in told.what
 
 
 def test_a_tip_that_does_not_exist_offers_the_closest(tmp_path: Path) -> None:

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import os
-import re
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from pathlib import Path
@@ -14,7 +13,7 @@ from .arm import Arm
 from .description.beside import files_beside, srdf_beside
 from .description.expansion.expand import is_xacro, xacro_arguments
 from .description.packages import package_index, package_names
-from .description.tips import TIP_PATTERNS
+from .description.tips import candidates
 from .description.toml_text import toml_key, toml_text
 from .description.tree import Description
 from .description.urdf import read_description
@@ -96,12 +95,10 @@ def _head(description: Description, file: Path, where: Path) -> list[str]:
 
 def _ends(description: Description, arm: Arm | None, base: str | None) -> list[str]:
     if arm is None:
-        usual = [link for link in description.links for p in TIP_PATTERNS if re.fullmatch(p, link, re.IGNORECASE)]
-        candidates = dict.fromkeys([*usual, *description.leaves])
         return [
             f"base = {toml_text(base or description.root)}",
             "# It is not clear which link is the tool. Take the # away from one of these, or name another link:",
-            *(f"# tip = {toml_text(link)}" for link in candidates),
+            *(f"# tip = {toml_text(link)}" for link in candidates(description, base)),
         ]
     others = [toml_text(link) for link in description.leaves if link != arm.tip]
     lines = [f"base = {toml_text(arm.base)}", f"tip = {toml_text(arm.tip)}"]

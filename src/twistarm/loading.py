@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -24,7 +24,7 @@ from .description.findings import Finding, Place, finding, refusal
 from .description.packages import package_names
 from .description.srdf import Semantics, read_srdf
 from .description.srdf_names import note_names
-from .description.tips import find_tip
+from .description.tips import choose_ends, note_choice
 from .description.tree import Description
 from .description.urdf import read_description
 from .errors import ComparisonError, InputError, UnknownNameError, closest, listed
@@ -55,9 +55,10 @@ def load_arm(
 
     An arm.json that `Arm.bake` wrote is read as it is, without Pinocchio; of the options it takes `limits` alone.
 
-    `base` is the root link unless given; `tip` is that of the SRDF's one arm group, or found by its name (`tool0`,
-    `tcp`, …) or as the only leaf that is no gripper. `limits`: {"velocity": 1.0} for every joint, {"velocity":
-    {"elbow": 1.0}}, or the path of a joint_limits.yaml; `locked`: {joint: value [rad or m]} joints that stand still.
+    `base` is the root link unless given, on a rover the arm's own first link; `tip` is that of the SRDF's one arm
+    group, or the link that a person would name, which a finding tells with the other candidates. `limits`: {"velocity":
+    1.0} for every joint, {"velocity": {"elbow": 1.0}}, or the path of a joint_limits.yaml; `locked`: {joint: value
+    [rad or m]} joints that stand still.
     `srdf`: a file, else the one of this robot that stands beside the description. `package_dirs`: folders with
     packages, beside those found around the file. What the caller gives wins over the arm.toml, and that over the SRDF.
     `without`: packages that a xacro file asks for and that the arm can do without (a sensor's, a simulator's): their
@@ -244,7 +245,7 @@ def _folders(package_dirs: Folders) -> tuple[str | os.PathLike[str], ...]:
 def assemble(description: Description, specification: ArmSpecification, changes: Changes) -> Arm:
     """The arm that a specification makes of its description, `changes` being the caller's limits; not yet proven."""
     semantics, noted = _semantics(description, specification)
-    base, tip, group = _ends(description, specification, semantics)
+    base, tip, group, chosen = _ends(description, specification, semantics)
     tool = _tool(description, specification, tip)
     chain = walk_chain(description, base, tip, tool.g_tip_tool, specification.locked)
     limits, limiting = fitted_limits(chain.limits, chain.coordinates, specification, changes, description.joints)
@@ -260,7 +261,7 @@ def assemble(description: Description, specification: ArmSpecification, changes:
         coupling=Coupling(*chain.coupling),
         limits=limits,
         reach=chain.reach or 1.0,
-        findings=(*description.findings, *noted, *chain.findings, *limiting),
+        findings=(*description.findings, *noted, *chosen, *chain.findings, *limiting),
         description=description,
         couplings=chain.couplings,
         tool=tool.g_tip_tool,
@@ -285,16 +286,17 @@ def _semantics(
 
 def _ends(
     description: Description, specification: ArmSpecification, semantics: Semantics | None
-) -> tuple[str, str, ArmGroup | None]:
-    """Base and tip: as said, else those of the SRDF's one arm group, else found by name; and the group of that tip."""
+) -> tuple[str, str, ArmGroup | None, Sequence[Finding]]:
+    """Base and tip: as said, else those of the SRDF's one arm group, else chosen; the group of that tip, and why."""
     groups = arm_groups(semantics, description) if semantics else ()
     base = description.require_link(specification.base, "base") if specification.base else None
     if specification.tip:
         tip = description.require_link(specification.tip, "tip")
-        return base or description.root, tip, next((group for group in groups if group.tip == tip), None)
+        return base or description.root, tip, next((group for group in groups if group.tip == tip), None), ()
     if len(groups) == 1:
-        return base or groups[0].base or description.root, groups[0].tip, groups[0]
-    return base or description.root, find_tip(description, map(str, groups)), None
+        return base or groups[0].base or description.root, groups[0].tip, groups[0], ()
+    choice = choose_ends(description, base, map(str, groups))
+    return choice.base, choice.tip, None, note_choice(description, choice)
 
 
 def _tool(description: Description, specification: ArmSpecification, tip: str) -> Tool:

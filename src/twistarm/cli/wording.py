@@ -4,10 +4,11 @@ from __future__ import annotations
 
 import re
 import shlex
+from ast import literal_eval
 from collections.abc import Callable
 
 _AS_TYPED: tuple[tuple[str, str | Callable[[re.Match[str]], str]], ...] = (
-    (r"pass tip= \(a link: ", "pass --tip LINK (a link: "),
+    (r"""pass tip=('[^']*'|"[^"]*")""", lambda found: f"pass --tip {shlex.quote(literal_eval(found[1]))}"),
     (r"pass tip=", "pass --tip LINK"),
     (r"for (base|tip|locked)=", r"for --\1"),
     (r"package_dirs=\[folder that holds ([^\]]*)\]", r"--package-dir FOLDER (the one that holds \1)"),

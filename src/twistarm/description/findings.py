@@ -62,6 +62,7 @@ CODES: dict[str, Code] = {
     "locked-outside-limits": Code("warning", "a joint is locked outside its own limits"),
     # the chain
     "no-tip": Code("error", "it is not clear which link is the tool"),
+    "several-tips": Code("info", "nobody said which link is the tool; the likeliest was taken"),
     "base-not-above-tip": Code("error", "the tip does not hang on the base"),
     "nothing-moves": Code("error", "no joint moves between base and tip"),
     "floating-in-chain": Code("error", "a floating joint between base and tip: its motion is not a joint angle"),
@@ -126,7 +127,6 @@ CODES: dict[str, Code] = {
     "axes-almost-exact": Code("info", "axes are parallel, square or meeting but for a little; closed forms need all"),
     # the tool
     "tool-frame-missing": Code("warning", "the tool is the last joint's own frame; nothing says where the arm grips"),
-    "several-tips": Code("info", "nobody said which link is the tool, and the tree has other ends"),
     # bodies
     "mass-tiny": Code("info", "links weigh next to nothing"),
     "mass-implausible": Code("warning", "a link is heavier than any arm's; its mass may be in grams"),

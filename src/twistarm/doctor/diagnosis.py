@@ -22,7 +22,7 @@ from .meshes import check_meshes
 from .mimics import check_mimics
 from .postures import check_postures
 from .statements import check_abilities
-from .tool import check_other_tips, check_tool
+from .tool import check_tool
 
 _ORDER = ("error", "warning", "info")
 
@@ -63,7 +63,7 @@ def examine(source: str | os.PathLike[str] | Arm, **load: Any) -> Diagnosis:
     if isinstance(source, Arm):
         if load:
             raise InputError(f"an Arm is loaded already and takes no {', '.join(load)}")
-        return _of_arm(source, guessed_tip=False)
+        return _of_arm(source)
     limits = load.pop("limits", None)
     try:
         specification = specify(source, **load)
@@ -82,7 +82,7 @@ def examine(source: str | os.PathLike[str] | Arm, **load: Any) -> Diagnosis:
     except (InputError, UnknownNameError) as error:
         refused = [_of_arm_file(error, source, load | {"limits": limits})]
     else:
-        return _of_arm(proven, guessed_tip=specification.tip is None)
+        return _of_arm(proven)
     known = [one for one in description.findings if one not in refused]
     return Diagnosis(_in_order([*refused, *known, *_of_description(description, None)]), description)
 
@@ -101,7 +101,7 @@ def _told_by(error: DescriptionError, place: Place) -> list[Finding]:
     return list(error.findings) or [finding("arm-file-unusable", place, str(error), "correct it")]
 
 
-def _of_arm(arm: Arm, *, guessed_tip: bool) -> Diagnosis:
+def _of_arm(arm: Arm) -> Diagnosis:
     motions = sample_motions(arm)
     able = abilities_of(motions)
     found = [*arm.findings, *check_zero(arm), *check_reach(arm), *check_postures(arm, able.rank)]
@@ -109,7 +109,6 @@ def _of_arm(arm: Arm, *, guessed_tip: bool) -> Diagnosis:
     if arm.description is not None:
         found += _of_description(arm.description, arm)
         found += [*check_tool(arm, arm.description), *check_off_the_chain(arm, arm.description)]
-        found += check_other_tips(arm, arm.description) if guessed_tip else []
     return Diagnosis(_in_order(found), arm.description, arm, able)
 
 

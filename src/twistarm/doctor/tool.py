@@ -1,19 +1,16 @@
-"""The tool frame: whether there is one beyond the last joint, and what else could have been meant."""
+"""The tool frame: whether there is one beyond the last joint."""
 
 from __future__ import annotations
 
-import re
 from collections.abc import Iterator
 
 import numpy as np
 
 from ..arm import Arm
 from ..description.findings import Finding, finding
-from ..description.tips import TIP_PATTERNS
+from ..description.link_names import tool_rank
 from ..description.tree import Description
-from ..errors import listed
 from ..ik.wording import direction_in_words
-from .wording import SHOWN
 
 OUT = 0.1
 """How far out [m] the tool of the snippet is."""
@@ -22,7 +19,7 @@ OUT = 0.1
 def check_tool(arm: Arm, description: Description) -> Iterator[Finding]:
     """A tip that is the last joint's own link, and is not called a tool: its origin lies on that joint's axis."""
     last = description.chain(arm.base, arm.tip_link)[-1]
-    named = any(re.fullmatch(pattern, arm.tip_link, re.IGNORECASE) for pattern in TIP_PATTERNS)
+    named = tool_rank(arm.tip_link) is not None
     if last.moving and last.type != "prismatic" and not named and np.array_equal(arm.tool, np.eye(4)):
         yield finding(
             "tool-frame-missing",
@@ -38,25 +35,3 @@ def _snippet(arm: Arm) -> str:
     """A tool out on the axis about which the last joint rolls it, as an arm.toml says it."""
     xyz = ", ".join(f"{value + 0.0:.6g}" for value in OUT * arm.tool_axis)
     return f'[tool]\nname = "tool"\nxyz = [{xyz}]\nrpy = [0.0, 0.0, 0.0]'
-
-
-def check_other_tips(arm: Arm, description: Description) -> Iterator[Finding]:
-    """Other ends of the tree that could have been meant, where nobody said which."""
-    below = _below(description, arm.tip_link)
-    others = [leaf for leaf in description.leaves if leaf not in below]
-    if others:
-        yield finding(
-            "several-tips",
-            description.place(description.links[arm.tip_link]),
-            f"taken as the tool, as nobody said which; the tree has other ends: {listed(others, SHOWN)}",
-            "pass tip= if another is meant",
-        )
-
-
-def _below(description: Description, link: str) -> set[str]:
-    """The link and whatever hangs on it."""
-    below = {link}
-    for joint in description.outward_joints():
-        if joint.parent in below:
-            below.add(joint.child)
-    return below
