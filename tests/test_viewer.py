@@ -150,11 +150,12 @@ def test_the_stand_alone_page_needs_nothing_from_anywhere(arm: Arm, tmp_path: Pa
     path = save_html(arm, tmp_path / "view.html", swing(arm))
     text = path.read_text(encoding="utf-8")
     assert re.search(r"""(?:src|href)=["'](?!data:)""", re.sub(r"<script.*?</script>", "", text, flags=re.S)) is None
-    assert text.count("<script") == text.count("</script>") == 3
+    assert text.count("<script") == text.count("</script>") == 4
     assert "default-src 'none'" in text
     data = stored(text)
     assert data["samples"]["times"][-1] == swing(arm).duration
-    assert len(data["samples"]["nodes"]["/frames/tool"]) == len(data["samples"]["times"])
+    assert len(data["samples"]["theta"]) == len(data["samples"]["times"])
+    assert text.index('id="state">{}') < text.index('<script type="module">')
 
 
 def test_names_cannot_break_out_of_the_stand_alone_page(tmp_path: Path) -> None:

@@ -10,9 +10,8 @@ from typing import Any
 import numpy as np
 import pytest
 from numpy.testing import assert_allclose
-from numpy.typing import NDArray
-from scipy.spatial.transform import Rotation
 
+from test_viewer_kinematics import placed
 from twistarm import Arm, Trajectory, Viewer
 from twistarm.errors import InputError
 from twistarm.viewer import exhibit
@@ -21,8 +20,8 @@ from viewer_page import THETA, get, swing, visit
 from viewer_page import arm as arm
 from viewer_page import viewer as viewer
 
-ROUNDED = 2e-6
-"""Of positions and quaternions with six decimals."""
+ROUNDED = 1e-8
+"""Of joint values with nine decimals."""
 
 
 def stored(text: str) -> Any:
@@ -37,19 +36,12 @@ def downloaded(viewer: Viewer) -> Any:
     return stored(text)
 
 
-def pose(seven: list[float]) -> NDArray[np.float64]:
-    g = np.eye(4)
-    g[:3, :3] = Rotation.from_quat(seven[3:]).as_matrix()
-    g[:3, 3] = seven[:3]
-    return g
-
-
-def assert_stands(arm: Arm, data: Any, samples: Any, k: int, theta: Any) -> None:
-    """Sample k has every link, and the tool, where arm.poses has them."""
-    poses = arm.poses(theta, data["samples"]["others"])
+def assert_stands(arm: Arm, data: Any, told: Any, theta: Any) -> None:
+    """What is told of theta has every link, and the tool, where arm.poses has them."""
+    assert_allclose(told, theta, atol=ROUNDED)
+    nodes, poses = placed(data["kinematics"], [*told, *data["others"].values()]), arm.poses(theta, data["others"])
     for name, path in {**data["links"], arm.tip: "/frames/tool"}.items():
-        assert_allclose(pose(samples["nodes"][path][k]), poses[name], atol=ROUNDED, err_msg=name)
-    assert_allclose(samples["theta"][k], theta, atol=ROUNDED)
+        assert_allclose(nodes[path], poses[name], atol=ROUNDED, err_msg=name)
 
 
 def load_paused(viewer: Viewer, motion: Trajectory, time: float) -> None:
@@ -68,11 +60,11 @@ def test_the_page_has_every_joint_and_layer_as_it_stands(arm: Arm, viewer: Viewe
 
     visit(viewer, move)
     data = downloaded(viewer)
-    assert data["samples"]["others"] == {"finger": 0.03}
+    assert data["others"] == {"finger": 0.03}
     assert data["visible"]["frames"] is False
     assert data["visible"]["screws"] is True
     assert data["samples"]["times"] == [0.0]
-    assert_stands(arm, data, data["samples"], 0, THETA)
+    assert_stands(arm, data, data["samples"]["theta"][0], THETA)
     assert data["player"] is data["aside"] is None
 
 
@@ -87,7 +79,7 @@ def test_the_page_has_the_motion_and_the_moment_and_pace_of_it(arm: Arm, viewer:
     assert samples["times"][-1] == motion.duration
     assert np.diff(samples["times"]).max() < 1 / 29
     for k in (0, 7, len(samples["times"]) // 2, -1):
-        assert_stands(arm, data, samples, k, motion(samples["times"][k]))
+        assert_stands(arm, data, samples["theta"][k], motion(samples["times"][k]))
 
 
 def test_an_arm_that_was_moved_aside_stands_there_and_keeps_its_motion(arm: Arm, viewer: Viewer) -> None:
@@ -96,7 +88,19 @@ def test_an_arm_that_was_moved_aside_stands_there_and_keeps_its_motion(arm: Arm,
     data = downloaded(viewer)
     assert data["player"]["time"] == 0.5
     assert len(data["samples"]["times"]) > 10
-    assert_stands(arm, data, data["aside"], 0, [0.1, 0.2, 0.05])
+    assert_stands(arm, data, data["aside"], [0.1, 0.2, 0.05])
+
+
+def test_the_page_has_the_poses_of_the_arm_and_those_recorded(arm: Arm, viewer: Viewer) -> None:
+    async def record(page: Any) -> None:
+        for name in ("mine", "zero"):
+            await page.ask(type="record", name=name)
+
+    visit(viewer, record)
+    poses = downloaded(viewer)["poses"]
+    assert list(poses) == ["zero", "ready", "mine", "zero (recorded)"]
+    assert poses["zero"] == [0.0, 0.0, 0.0]
+    assert poses["mine"] == poses["zero (recorded)"] == list(THETA)
 
 
 def test_a_motion_that_runs_goes_on_from_where_it_is(arm: Arm, viewer: Viewer) -> None:

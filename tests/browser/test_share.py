@@ -19,8 +19,11 @@ from PIL import Image
 from test_page import assert_drawn
 from waiting import draw, settled, until
 
+from test_viewer_kinematics import BRANCHED
 from twistarm import Arm, Trajectory, available_arms, load_arm, plan_joint
+from twistarm.rotations import to_rpy
 from twistarm.viewer import Viewer
+from viewer_page import matrix
 
 pytestmark = pytest.mark.browser
 
@@ -123,6 +126,63 @@ def test_the_stand_alone_page_by_mouse(page: Any, tmp_path: Path) -> None:
         assert page.evaluate("twistarm.state.frame.running") is False
         stopped = page.evaluate("twistarm.state.frame.time")
         assert_drawn(page, arm, motion(stopped), tol=SAMPLED)
+
+
+def test_the_saved_page_stands_as_the_one_it_was_saved_from_and_its_joints_move(page: Any, tmp_path: Path) -> None:
+    (tmp_path / "branched.urdf").write_text(BRANCHED)
+    arm = load_arm(tmp_path / "branched.urdf", base="base_link", tip="tool0")
+    look = "(({ position, target, zoom }) => [...position, ...target, zoom])(twistarm.view.remembered())"
+    chosen = "['theory-joint', 'show-plots'].map((id) => ((it) => it.checked + it.value)(document.getElementById(id)))"
+    motion = plan_joint(arm, [arm.ready, 0.8 * arm.ready], limits={"velocity": 0.5, "acceleration": 1.0})
+    with Viewer(arm, open_browser=False) as viewer:
+        settled(page, viewer.url)
+        viewer.play(motion)
+        until(page, "!document.querySelector('#player').hidden && !document.querySelector('#plots').hidden")
+        page.evaluate("twistarm.view.viewer.camera.position.x += 0.3, twistarm.view.viewer.controls.update()")
+        page.get_by_role("tab", name="Theory").click()
+        until(page, "document.getElementById('theory-joint').length === 3")
+        page.get_by_label("Joint whose screw and columns are drawn").select_option(label="c")
+        page.locator("#plots-joints button").nth(2).click()
+        page.get_by_label("Radians", exact=True).check()
+        stood = page.evaluate(look), page.evaluate(chosen)
+        page.get_by_text("Share", exact=True).click()
+        path = saved(page, tmp_path, page.get_by_role("button", name="Stand-alone page").click)
+    with watched_requests(page):
+        page.goto(path.as_uri())
+        until(page, "document.body.dataset.drawn === ''")
+        assert_allclose(page.evaluate(look), stood[0], atol=1e-6)
+        assert page.evaluate(chosen) == stood[1]
+        assert page.evaluate("twistarm.plots.chosen") == 1
+        assert page.get_by_label("Radians", exact=True).is_checked()
+        assert page.get_by_role("tabpanel", name="Theory").is_visible()
+        page.get_by_role("tab", name="Move").click()
+        slider = page.locator('input[data-joint="c"]')
+        slider.press("End")
+        page.locator('input[data-joint="turn"]').press("ArrowRight")  # carries the base
+        page.get_by_label("a, radians", exact=True).fill("-0.4")
+        page.keyboard.press("Enter")
+        frame = page.evaluate("twistarm.state.frame")
+        assert frame["theta"] == [-0.4, 0.6]
+        assert frame["others"]["turn"] > 0.0
+        assert not frame["running"]
+        poses = arm.poses(frame["theta"], frame["others"])
+        for name, link in page.evaluate("twistarm.data.links").items():
+            assert_allclose(matrix(frame["transforms"][link]), poses[name], atol=1e-9, err_msg=name)
+        assert_allclose(page.evaluate("twistarm.view.drawn('/frames/tool')"), poses["tool0"].T.ravel(), atol=1e-9)
+        assert_allclose(frame["tool"]["rpy"], to_rpy(poses["tool0"][:3, :3]), atol=1e-9)
+        page.get_by_label("c, metres").fill("0.7")
+        page.keyboard.press("Enter")
+        assert page.locator("#error").inner_text() == "c = 0.700 m is outside its limits 0.10 … 0.60 m"
+        assert page.evaluate("twistarm.state.frame.theta") == [-0.4, 0.6]
+        page.get_by_role("button", name="zero", exact=True).click()
+        assert page.evaluate("twistarm.state.frame.theta") == [0.0, 0.0]
+        assert page.locator("#error").is_hidden()
+        page.get_by_role("tab", name="Theory").click()
+        assert page.get_by_text("You moved the arm").is_visible()
+        page.get_by_role("button", name="Play").click()
+        until(page, "!twistarm.state.frame.running && twistarm.state.frame.time > 0")
+        assert page.get_by_text("You moved the arm").is_hidden()
+        assert_allclose(page.evaluate("twistarm.state.frame.theta"), 0.8 * arm.ready, atol=1e-8)
 
 
 def test_the_stand_alone_page_by_keyboard_of_an_arm_moved_aside(page: Any, tmp_path: Path) -> None:

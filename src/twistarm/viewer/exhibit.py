@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import base64
 from collections.abc import Mapping
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from typing import Any
 
 import numpy as np
@@ -16,13 +16,14 @@ from ..planning.trajectory import Trajectory
 from .admission import check_trajectory, checked_theta
 from .board import Message
 from .findings import PENDING, examined
+from .kinematics import kinematics
 from .path import NO_PATH, tool_path
 from .playback import Playback
 from .plots import plots
-from .samples import Samples, moving, standing
+from .samples import moving, standing
 from .scene import Scene, build_scene
 from .stage import LAYERS, Stage
-from .summary import describe_arm, extra_joints, rest
+from .summary import describe_arm, extra_joints, named_poses, rest
 from .theory_record import recorded
 
 SAME = 1e-9
@@ -34,7 +35,7 @@ class Exhibit:
     """`arm` at theta (n,) [rad, m] with the joints beside it, drawn as `scene`, and the layers that are on.
 
     `playback`: the motion that the page can play and the moment at which it begins, None for an arm that stands.
-    `findings`: the message about them, None where the doctor has not looked.
+    `findings`: the message about them, None where the doctor has not looked. `recorded`: poses by name.
     """
 
     arm: Arm
@@ -45,6 +46,7 @@ class Exhibit:
     path: Mapping[str, Any]
     playback: Playback | None
     findings: Message | None
+    recorded: Mapping[str, Array] = field(default_factory=dict)
 
     def playing(self, trajectory: Trajectory) -> Exhibit:
         """The same with `trajectory`, which begins at once, and its path; InputError where it is of another arm."""
@@ -63,8 +65,11 @@ class Exhibit:
             "links": scene.links,
             "visible": dict(self.visible),
             "path": dict(self.path),
-            "samples": self._stands() if at is None else moving(self.arm, at.trajectory, self.others),
-            "aside": None if at is None or self._on(at) else self._stands(),
+            "kinematics": kinematics(self.arm, list(self.others)),
+            "others": dict(self.others),
+            "poses": self._poses(),
+            "samples": standing(self.theta) if at is None else moving(self.arm, at.trajectory),
+            "aside": None if at is None or self._on(at) else self.theta.tolist(),
             "plots": plots(self.arm, at),
             "player": None if at is None else _player(at),
             "objects": [base64.b64encode(part).decode("ascii") for part in scene.objects if part],
@@ -73,8 +78,11 @@ class Exhibit:
             "findings": examined(self.arm) if self.findings is None else self.findings,
         }
 
-    def _stands(self) -> Samples:
-        return standing(self.arm, self.theta, self.others)
+    def _poses(self) -> dict[str, list[float]]:
+        """By name what the page can go to: the arm's poses, and those recorded in the view."""
+        named = {name: theta.tolist() for name, theta in named_poses(self.arm).items()}
+        own = {f"{name} (recorded)" if name in named else name: theta.tolist() for name, theta in self.recorded.items()}
+        return named | own
 
     def _on(self, playback: Playback) -> bool:
         """Whether the arm is where the motion has it: somebody may have moved it since."""
@@ -107,6 +115,7 @@ def on_show(stage: Stage, scene: Scene) -> Exhibit:
         stage.path,
         None if playback is None else replace(playback),
         None if unexamined else stage.findings,
+        stage.program.list.named(),
     )
 
 

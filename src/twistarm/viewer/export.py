@@ -21,6 +21,9 @@ from .page_files import meshcat_bundle, page_text
 EXPORT = r"^export ((?:async )?function|class|const) ([\w$]+)"
 """How the page's modules export: a definition at the start of a line."""
 
+STATE = '<script type="application/json" id="state">{}</script>'
+"""How the page that saved it stood, its camera and what was chosen: share.js writes it in place of the braces."""
+
 POLICY = "default-src 'none'; script-src 'unsafe-inline'; style-src 'unsafe-inline'; img-src data: blob:"
 
 
@@ -56,7 +59,8 @@ def stand_alone(shown: Exhibit) -> str:
     literal = encode(shown.data()).replace("<", "\\u003c")
     policy = f'<meta http-equiv="Content-Security-Policy" content="{POLICY}">'
     scripts = (
-        f'<script type="application/json" id="data">{literal}</script>\n<script type="module">\n{_program()}</script>'
+        f'<script type="application/json" id="data">{literal}</script>\n{STATE}\n'
+        f'<script type="module">\n{_program()}</script>'
     )
     for old, new in (
         ("<title>twistarm</title>", f"<title>{escape(shown.arm.name)} · twistarm</title>"),

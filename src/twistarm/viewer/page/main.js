@@ -54,7 +54,8 @@ const jog = new Jog({
   stop: () => link.interrupt({ type: "stop" }, { type: "jog" }, { type: "jog_joints" }),
 }, view);
 
-const page = { view, panel, jog, state, ask };
+const keepers = () => ({ ...parts, view, panel }); // of how the page stands
+const page = { view, panel, jog, state, ask, keepers };
 const parts = {
   tabs: new Tabs(),
   notice: new Notice(),

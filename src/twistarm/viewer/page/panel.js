@@ -78,6 +78,15 @@ export class Panel {
     if (this.frame) this.show(this.frame);
   }
 
+  remembered() {
+    return { radians: inRadians() };
+  }
+
+  recall({ radians }) {
+    $("radians").checked = radians;
+    this.switchUnits(radians);
+  }
+
   show(frame) {
     this.frame = frame;
     this.names.forEach((name, i) => this.showJoint(name, frame.theta[i]));

@@ -56,6 +56,17 @@ export class Plots {
     this.mark();
   }
 
+  remembered() {
+    return { shown: $("show-plots").checked, joint: this.data?.joints[this.chosen]?.name ?? null };
+  }
+
+  recall({ shown, joint }) {
+    const place = this.data.joints.findIndex(({ name }) => name === joint);
+    $("show-plots").checked = shown;
+    this.choose(place < 0 ? null : place);
+    this.reveal();
+  }
+
   choose(joint) {
     this.chosen = joint;
     this.mark();

@@ -1,6 +1,7 @@
 // What is handed on: the stand-alone page, and a picture of the view.
 
 import { $ } from "./element.js";
+import { stateOf } from "./page_state.js";
 import { asBlob, painted } from "./picture.js";
 import { fileName, save } from "./saving.js";
 
@@ -9,10 +10,13 @@ const SMALLEST = 16; // pixels
 const LARGEST = 8192;
 const KEPT = "twistarm picture"; // in the browser's storage: [width, height] as typed
 
+const STATE = 'id="state">{}'; // where export.py leaves room for it, ahead of all scripts
+
 export class Share {
-  // `page` holds the view.
-  constructor({ view }) {
-    this.view = view;
+  // `page` holds the view and, where the page can be saved, keepers().
+  constructor(page) {
+    this.page = page;
+    this.view = page.view;
     this.name = "";
     const typed = kept();
     SIDES.forEach((side, i) => {
@@ -69,7 +73,11 @@ export class Share {
       throw new Error("the process does not answer; is it still running?");
     }
     if (!answer.ok) throw new Error((await answer.text()).trim());
-    return saved(await answer.blob(), fileName(this.name, ".html"));
+    const page = await answer.text();
+    // A "<" in JSON can only stand in a string; escaped, no name can close the script.
+    const state = JSON.stringify(stateOf(this.page.keepers())).replaceAll("<", "\\u003c");
+    const [head, tail] = halves(page, STATE);
+    return saved(new Blob([head, STATE.slice(0, -2), state, tail], { type: "text/html" }), fileName(this.name, ".html"));
   }
 
   async picture() {
@@ -94,6 +102,12 @@ export class Share {
 function saved(blob, name) {
   save(blob, name);
   return name;
+}
+
+// What stands before and after the first `mark` in a text.
+function halves(text, mark) {
+  const at = text.indexOf(mark);
+  return [text.slice(0, at), text.slice(at + mark.length)];
 }
 
 function pixels(text, side) {

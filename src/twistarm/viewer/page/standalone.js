@@ -1,8 +1,11 @@
 // The stand-alone page: an arm and perhaps a motion, with nobody to ask.
 
+import { copyTheta } from "./copying.js";
 import { $ } from "./element.js";
 import { Findings } from "./findings.js";
 import { Highlight } from "./highlight.js";
+import { LocalArm } from "./local_arm.js";
+import { restore } from "./page_state.js";
 import { Panel } from "./panel.js";
 import { Playback } from "./playback.js";
 import { Player } from "./player.js";
@@ -26,9 +29,30 @@ const theory = new TheoryRecord(view, data);
 const recording = new Recording(data.samples);
 const playback = new Playback(recording.duration, data.player ?? STANDS);
 const state = { frame: null };
+let aside = data.aside && "saved"; // where the arm stands, if not on its motion: as it was saved, or by hand
 let next; // frame of a running motion
 
+const arm = new LocalArm(data, {
+  moved() {
+    aside = "hand";
+    playback.pause();
+    panel.showError("");
+    panel.release();
+    show();
+  },
+  refuse(words) {
+    panel.showError(words);
+    panel.release();
+    panel.show(state.frame);
+  },
+});
+if (data.aside) arm.theta = data.aside;
+
 const panel = new Panel({
+  joint: (name, value) => arm.joint(name, value),
+  pose: (name) => arm.pose(name),
+  random: () => arm.random(),
+  copy: () => copyTheta(state.frame.theta),
   visible(what, on) {
     view.setVisible(what, on);
     data.visible[what] = on;
@@ -52,13 +76,15 @@ const player = new Player({
 const plots = new Plots(seek);
 
 function seek(time) {
+  aside = null;
   playback.seek(time);
   player.release();
   show();
 }
 
-function show(frame = recording.at(playback.time)) {
-  state.frame = { ...frame, time: playback.time, running: playback.running };
+function show() {
+  const frame = arm.frame(aside ? arm.theta : recording.at(playback.time));
+  state.frame = { ...frame, time: playback.time, running: playback.running, aside };
   view.place(state.frame.transforms);
   highlight.follow();
   panel.show(state.frame);
@@ -72,6 +98,7 @@ function showPlayer() {
 }
 
 function run() {
+  aside = null;
   playback.play();
   tick();
 }
@@ -90,7 +117,7 @@ addEventListener("keydown", (event) => {
   player.act[playback.running ? "pause" : "play"]();
 });
 
-panel.build(data.arm, data.notes, false);
+panel.build({ ...data.arm, poses: Object.keys(data.poses) }, data.notes, true);
 share.hello(data);
 findings.show(data.findings);
 panel.showVisible(data.visible);
@@ -100,9 +127,10 @@ showPlayer();
 for (const object of data.objects) view.draw(Uint8Array.from(atob(object), (letter) => letter.charCodeAt(0)));
 view.drawPath(data.path);
 for (const [layer, on] of Object.entries(data.visible)) view.setVisible(layer, on);
-show(data.aside ? { ...new Recording(data.aside).at(0), aside: true } : undefined);
+show();
 view.fit();
+restore({ view, tabs, panel, plots, theory: theory.theory }, JSON.parse($("state").textContent));
 document.body.dataset.drawn = "";
 if (playback.running) tick();
 
-globalThis.twistarm = { tabs, view, panel, findings, highlight, share, playback, player, plots, state, data, theory: theory.theory };
+globalThis.twistarm = { tabs, view, panel, arm, findings, highlight, share, playback, player, plots, state, data, theory: theory.theory };

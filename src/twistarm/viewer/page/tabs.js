@@ -21,6 +21,15 @@ export class Tabs {
     dispatchEvent(new CustomEvent("panel", { detail: chosen.getAttribute("aria-controls") }));
   }
 
+  remembered() {
+    return this.tabs.find((tab) => tab.getAttribute("aria-selected") === "true").id;
+  }
+
+  recall(id) {
+    const tab = this.tabs.find((each) => each.id === id);
+    if (tab) this.choose(tab); // a page without the process has fewer
+  }
+
   press(event) {
     const step = { ArrowRight: 1, ArrowLeft: -1 }[event.key];
     if (!step) return;

@@ -81,6 +81,22 @@ export class Theory {
     if (wanted && this.numbers) this.tables.show(this.numbers, this.chosen());
   }
 
+  remembered() {
+    return this.switches.remembered();
+  }
+
+  recall(chosen) {
+    this.switches.recall(chosen);
+    this.draw();
+  }
+
+  // Nobody knows the numbers any more.
+  forget() {
+    if (this.numbers === null) return;
+    this.numbers = null;
+    this.show(this.visible);
+  }
+
   take(numbers) {
     this.numbers = numbers;
     if (this.visible) this.show(this.visible);

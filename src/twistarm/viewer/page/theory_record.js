@@ -1,6 +1,10 @@
 // The panel of the theory on a stand-alone page: the numbers are those of the nearest moment that has some.
 
+import { $, element } from "./element.js";
 import { Theory } from "./theory.js";
+
+const MOVED = "You moved the arm: what is drawn from numbers, and they themselves, were saved for where it stood and for its "
+  + "motion. The view that is served has them everywhere.";
 
 export class TheoryRecord {
   // `data`: arm, visible, and theory: axes, times [s], the numbers at each, and those of the arm as it was saved.
@@ -14,14 +18,20 @@ export class TheoryRecord {
         this.theory.show(data.visible);
       },
     });
+    this.words = element("p", "", MOVED);
+    $("theory-numbers").before(this.words);
     this.theory.build(data.theory.axes);
     this.theory.show(data.visible);
   }
 
+  // `aside`: the arm stands as it was saved, or where somebody moved it by "hand", for which there are no numbers.
   placed({ time, aside }) {
-    const numbers = aside ? this.record.aside : this.record.numbers[this.nearest(time)];
-    if (numbers !== this.theory.numbers) this.theory.take(numbers);
-    else this.theory.placed();
+    const numbers = aside ? { saved: this.record.aside, hand: null }[aside] : this.record.numbers[this.nearest(time)];
+    this.words.hidden = numbers !== null;
+    $("theory-numbers").hidden = numbers === null;
+    if (numbers === null) this.theory.forget();
+    else if (numbers !== this.theory.numbers) this.theory.take(numbers);
+    this.theory.placed();
   }
 
   nearest(time) {

@@ -49,6 +49,15 @@ export class Switches {
     return $("theory-all").checked;
   }
 
+  remembered() {
+    return { joint: $("theory-joint").value, all: this.all };
+  }
+
+  recall({ joint, all }) {
+    $("theory-joint").value = joint;
+    $("theory-all").checked = all;
+  }
+
   build(axes, names) {
     this.last = element("option", "", "last moved");
     this.last.value = "";

@@ -100,6 +100,23 @@ export class View {
     return new THREE.Matrix4().copy(scene.matrixWorld).invert().multiply(this.node(path).matrixWorld).toArray();
   }
 
+  // Where the camera is and looks, in the arm's base frame.
+  remembered() {
+    const { camera, controls } = this.viewer;
+    return { position: camera.position.toArray(), target: controls.target.toArray(), zoom: camera.zoom };
+  }
+
+  recall({ position, target, zoom }) {
+    const { camera, controls } = this.viewer;
+    camera.position.fromArray(position);
+    controls.target.fromArray(target);
+    camera.zoom = zoom;
+    camera.updateProjectionMatrix();
+    controls.update();
+    this.turned = true;
+    this.viewer.set_dirty();
+  }
+
   // Look at the whole arm, and give floor and light its size.
   fit() {
     const { scene, camera, controls } = this.viewer;

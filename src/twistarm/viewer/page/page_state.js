@@ -1,0 +1,12 @@
+// How a page stands, so that another can stand so: of each part that has it, remembered() is told to recall(what).
+
+export function stateOf(parts) {
+  const keepers = Object.entries(parts).filter(([, part]) => part.remembered);
+  return Object.fromEntries(keepers.map(([name, part]) => [name, part.remembered()]));
+}
+
+export function restore(parts, state) {
+  for (const [name, part] of Object.entries(parts)) {
+    if (name in state) part.recall?.(state[name]);
+  }
+}
