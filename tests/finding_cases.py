@@ -167,6 +167,10 @@ CASES: dict[str, Case] = {
     "srdf-ambiguous": Case({"arm.urdf": two_joints(), "one.srdf": srdf(), "two.srdf": srdf()}),
     "srdf-ignored": beside("arm.srdf", "<robot"),
     "srdf-unusable": beside("arm.srdf", "<robots/>", srdf="arm.srdf"),
+    "ready-named": beside(
+        "arm.srdf",
+        srdf(STATES.replace('"s"', '"Home"') + '<joint name="a" value="0"/><joint name="b" value="0"/></group_state>'),
+    ),
     "srdf-other-robot": beside("arm.srdf", srdf(name="other"), srdf="arm.srdf"),
     "srdf-unknown-name": beside("arm.srdf", srdf('<group name="g"><joint name="zz"/></group>'), srdf="arm.srdf"),
     "state-incomplete": beside("arm.srdf", srdf(f'{STATES}<joint name="a" value="0"/></group_state>')),

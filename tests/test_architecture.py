@@ -26,7 +26,7 @@ LAYERS = (
     ("servo", "ik"),
     ("usual_limits",),
     ("arm", "native_joints"),
-    ("baking",),
+    ("baking", "ready_pose"),
     ("pinocchio_model", "manipulability", "actuators"),
     ("description",),
     ("poe", "engine"),

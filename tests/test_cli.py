@@ -216,6 +216,23 @@ def test_plan_writes_its_files(capsys: Capture, tmp_path: Path) -> None:
     assert "peak velocity" in capsys.readouterr().out
 
 
+def test_plan_says_where_it_starts_unless_told(capsys: Capture, rover: twistarm.Arm) -> None:
+    """As it would be typed: the line, handed back as --from, plans the same motion."""
+    assert run(["plan", "rover_arm", "--to", "reach"]) == 0
+    told = capsys.readouterr().err
+    typed = re.search(r"starts at ready \(the pose named 'ready'\): --from \"(.*)\"", told)
+    assert typed
+    first, again = (
+        answer(capsys, "plan", "rover_arm", "--to", "reach", *start) for start in ([], ["--from", typed[1]])
+    )
+    assert first["start"] == "ready"
+    assert again["start"] == typed[1]
+    assert np.allclose(first["waypoints"], again["waypoints"], atol=1e-6)
+    assert np.array_equal(first["waypoints"][0], rover.ready)
+    assert run(["plan", "rover_arm", "--from", "stowed", "--to", "reach"]) == 0
+    assert "starts at" not in capsys.readouterr().err
+
+
 def test_plan_caps_lower_the_arms_limits_and_never_raise_them(capsys: Capture, rover: twistarm.Arm) -> None:
     for velocity, acceleration in (("5", "20"), ("0.2", "0.5")):
         content = answer(

@@ -39,13 +39,11 @@ from .limits import AS_GOOD_AS_UNBOUNDED, JointLimits, usual_half
 from .lower_pairs import lower_pairs
 from .manipulability import Manipulability, manipulability_of
 from .pinocchio_model import PinocchioModel
+from .ready_pose import Bodies, Mechanism, Overlapping, computed_ready, named_ready
 from .roll_axis import roll_axis
 from .screws import adjoint, inverse
 
-READY_SAMPLES = 63
-"""Random configurations that compete with the middle of the limits to be the ready pose."""
-
-_MADE_WHEN_ASKED = ("compiled", "pinocchio", "ready", "tool_axis", "usual_half", "_tool_action")
+_MADE_WHEN_ASKED = ("compiled", "pinocchio", "ready", "computed_ready", "tool_axis", "usual_half", "_tool_action")
 
 
 class Coupling(NamedTuple):
@@ -159,16 +157,22 @@ class Arm:
 
     @cached_property
     def ready(self) -> Array:
-        """A well-conditioned posture inside the limits, (n,).
+        """The posture to start from, inside the limits, (n,): a named one, else `computed_ready`.
 
-        The named pose `ready`; else the best conditioned of the middle of the limits (0 where unbounded) and 63
-        seeded random configurations, by the directions that the arm can move in at all.
+        Of the usual names (`ready`, `home`, `default`, `rest`, `stowed`) the first that there is, in any capitals.
         """
-        if "ready" in self.named_states:
-            return self.named_states["ready"]
-        candidates = np.vstack([self.limits.middle(), self.random_theta(0, READY_SAMPLES)])
-        found = self.manipulability(candidates)
-        return frozen(candidates[int(np.argmin(found.condition_in(int(found.rank.max()))))])
+        name = named_ready(self.named_states)
+        return self.computed_ready if name is None else self.named_states[name]
+
+    @cached_property
+    def computed_ready(self) -> Array:
+        """A tidy posture, (n,): round numbers off the limits, well conditioned, the tool in front and above the base.
+
+        No two links overlap in it, as far as the description has shapes.
+        """
+        numbers = self.screws, self.home, self.coupling.A, self.reach
+        mechanism = Mechanism(*numbers, self.limits, self.sampling_bounds, self.units)
+        return frozen(computed_ready(mechanism, self._overlapping()))
 
     @cached_property
     def pinocchio(self) -> PinocchioModel:
@@ -419,6 +423,14 @@ class Arm:
         if self.description is None:
             return self.joint_names
         return tuple(joint.name for joint in self.description.chain(self.base, self.tip_link) if joint.moving)
+
+    def _overlapping(self) -> Overlapping | None:
+        """Tells which links run into each other; None without a description, or where it has no shapes."""
+        if self.description is None or not self.description.has_shapes:
+            return None
+        return Bodies(
+            self.pinocchio, self.description, self.base, self.moving_names[0], self.disabled_pairs
+        ).overlapping
 
     @property
     def _whence(self) -> str:

@@ -31,6 +31,7 @@ from .errors import ComparisonError, InputError, UnknownNameError, closest, list
 from .files import as_path, is_file
 from .fitting import Changes, fitted_actuators, fitted_limits, fitted_poses, fitted_states
 from .limits import JointLimits
+from .ready_pose import named_ready
 
 PROOF_SAMPLES = 5
 PROOF_TOL = 1e-9
@@ -315,7 +316,7 @@ def _with_what_is_said(
     actuators, driving = fitted_actuators(arm, specification)
     arm = replace(arm, named_states=poses, actuators=actuators, findings=(*arm.findings, *posing, *driving))
     if semantics is None or arm.description is None:
-        return arm
+        return _with_ready_said(arm, specification, None)
     states, stating = fitted_states(arm, semantics, group.name if group else "", specification.locked)
     pairs = semantics.disabled_pairs(arm.description.links)
     taken = [f"the tip {group.tip!r} (group {group.name!r})"] if group and not specification.tip else []
@@ -327,6 +328,21 @@ def _with_what_is_said(
         f"{path_from(arm.description, semantics.path)} gives {', '.join(taken) or 'nothing that the arm uses'}",
         "tip=, an arm.toml or another srdf= win over it",
     )
-    return replace(
+    arm = replace(
         arm, named_states={**states, **poses}, disabled_pairs=pairs, findings=(*arm.findings, found, *stating)
     )
+    return _with_ready_said(arm, specification, semantics)
+
+
+def _with_ready_said(arm: Arm, specification: ArmSpecification, semantics: Semantics | None) -> Arm:
+    """The arm with a finding that says which named pose is its `ready`, unless the arm.toml says so by that name."""
+    name = named_ready(arm.named_states)
+    own = name in specification.poses
+    if name is None or (own and name == "ready"):
+        return arm
+    place = Place(specification.source, None, "pose", name)
+    if not own and semantics is not None:
+        place = Place(semantics.path.name, None, "group_state", name)
+    what = f"the ready pose, where programs start, is the one named {name!r}"
+    said = finding("ready-named", place, what, "[poses.ready] in an arm.toml wins over it")
+    return replace(arm, findings=(*arm.findings, said))

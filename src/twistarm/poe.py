@@ -18,13 +18,13 @@ from .screws import adjoint_of, exp, inverse_of
 def fk(screws: ArrayLike, home: ArrayLike, x: ArrayLike) -> Array:
     """g_st(x) = e^{ξ̂₁x₁} ⋯ e^{ξ̂ₘxₘ} g_st(0), (..., 4, 4). MLS §3.2.2, eq. 3.3."""
     S, home = _as_screws(screws), _as_home(home)
-    return _motion(_products(S, x)) @ home
+    return _motion(motions(S, x)) @ home
 
 
 def fk_body(body_screws: ArrayLike, home: ArrayLike, x: ArrayLike) -> Array:
     """g_st(x) = g_st(0) e^{B̂₁x₁} ⋯ e^{B̂ₘxₘ}, (..., 4, 4), from `body_screws`. Lynch & Park §4.1.3."""
     B, home = _as_screws(body_screws, "body_screws"), _as_home(home)
-    return home @ _motion(_products(B, x))
+    return home @ _motion(motions(B, x))
 
 
 def body_screws(screws: ArrayLike, home: ArrayLike) -> Array:
@@ -38,18 +38,18 @@ def spatial_jacobian(screws: ArrayLike, x: ArrayLike) -> Array:
     Column i is the twist of joint i where it now stands. With mimic joints, V^s = J^s A dtheta/dt.
     """
     S = _as_screws(screws)
-    return _columns(_products(S, x), S)
+    return columns(motions(S, x), S)
 
 
 def body_jacobian(screws: ArrayLike, home: ArrayLike, x: ArrayLike) -> Array:
     """J^b (..., 6, m) with V^b = J^b dx/dt: J^b = Ad(g_st(x)⁻¹) J^s. MLS §3.4.1."""
     S, home = _as_screws(screws), _as_home(home)
-    products = _products(S, x)
-    return adjoint_of(inverse_of(_motion(products) @ home)) @ _columns(products, S)
+    products = motions(S, x)
+    return adjoint_of(inverse_of(_motion(products) @ home)) @ columns(products, S)
 
 
-def _products(S: Array, x: ArrayLike) -> Array:
-    """(..., m, 4, 4): e^{ξ̂₁x₁}, e^{ξ̂₁x₁} e^{ξ̂₂x₂}, …, the motion that each joint has undergone."""
+def motions(S: Array, x: ArrayLike) -> Array:
+    """The motion that each joint has undergone, (..., m, 4, 4): e^{ξ̂₁x₁}, e^{ξ̂₁x₁} e^{ξ̂₂x₂}, …"""
     products = exp(S.T, as_theta(x, S.shape[1], "x"))
     for i in range(1, S.shape[1]):
         products[..., i, :, :] = products[..., i - 1, :, :] @ products[..., i, :, :]
@@ -63,7 +63,7 @@ def _motion(products: Array) -> Array:
     return products[..., -1, :, :]
 
 
-def _columns(products: Array, S: Array) -> Array:
+def columns(products: Array, S: Array) -> Array:
     """J^s: each twist of S carried along. A joint's own motion leaves its twist where it is, so it may be included."""
     J = np.empty((*products.shape[:-3], *S.shape))
     v, w = np.moveaxis(products[..., :3, :3] @ S.T.reshape(-1, 2, 3).swapaxes(1, 2), -1, 0)

@@ -13,8 +13,9 @@ from ..checks import Array, as_positive
 from ..limits import JointLimits
 from ..planning import Trajectory, plan_joint
 from ..planning.export import csv_text, json_text
+from ..ready_pose import named_ready
 from .options import Json, Radians, takes_arm
-from .output import console, number, print_json, progress_bar, shown, table, units
+from .output import console, note, number, print_json, progress_bar, shown, table, theta_values, units
 from .outputs import Force, Format, outputs_of
 from .typed import POSE, parse_theta
 
@@ -27,7 +28,9 @@ class Kind(str, Enum):
     trapezoid = "trapezoid"
 
 
-Start = Annotated[str, typer.Option("--from", metavar=POSE, help="Where it starts; as --to.")]
+Start = Annotated[
+    str | None, typer.Option("--from", metavar=POSE, help="Where it starts, as --to; unless given, the ready pose.")
+]
 Through = Annotated[
     list[str],
     typer.Option(
@@ -57,7 +60,7 @@ Step = Annotated[float, typer.Option(help="Time step of the files, in seconds.")
 def plan(
     arm: Arm,
     to: Through,
-    start: Start = "ready",
+    start: Start = None,
     kind: Kind = Kind.quintic,
     velocity: Rate = None,
     acceleration: Rate = None,
@@ -70,12 +73,15 @@ def plan(
     json: Json = False,
 ) -> None:
     """Plan the fastest spline through the poses under the position, velocity and acceleration limits."""
+    origin = "ready" if start is None else start
+    if start is None:
+        note(_start(arm, rad))
     limits = capped(arm, {"velocity": velocity, "acceleration": acceleration})
     outputs = outputs_of(output, {"csv": (".csv",), "json": (".json",)}, form, force=force, json=json)
     with progress_bar("planning") as progress:
         planned = plan_joint(
             arm,
-            _typed_poses(arm, (start, *to), rad),
+            _typed_poses(arm, (origin, *to), rad),
             kind=kind.value,
             limits=limits,
             stop_at_waypoints=stop,
@@ -83,7 +89,7 @@ def plan(
         )
     written = outputs.write({"csv": lambda: csv_text(planned, dt), "json": lambda: json_text(planned, dt)})
     if json:
-        print_json(_as_json(arm, planned, written))
+        print_json({**_as_json(arm, planned, written), "start": origin})
         return
     console(outputs.words).print(plan_table(arm, planned, rad, limits))
     for name in written:
@@ -105,6 +111,13 @@ def capped(arm: Arm, caps: dict[str, float | None]) -> JointLimits:
             as_positive(cap, f"--{name}")
     changes = {name: np.minimum(getattr(arm.limits, name), cap) for name, cap in caps.items() if cap is not None}
     return arm.limits.with_(changes, arm.joint_names)
+
+
+def _start(arm: Arm, radians: bool) -> str:
+    """Where a plan starts that was not told: which pose `ready` is, as it would be typed."""
+    name = named_ready(arm.named_states)
+    which = "computed" if name is None else f"the pose named {name!r}"
+    return f'starts at ready ({which}): --from "{theta_values(arm, arm.ready, radians)}"'
 
 
 def plan_table(arm: Arm, planned: Trajectory, radians: bool, limits: JointLimits) -> Any:

@@ -85,6 +85,7 @@ CODES: dict[str, Code] = {
     "limits-empty": Code("info", "a file of limits gives none"),
     "limits-not-scaled": Code("info", "MoveIt's default scaling of limits is not applied"),
     "limits-entry-unknown": Code("warning", "a file of limits has an entry of an unknown name"),
+    "ready-named": Code("info", "the pose to start from is one that the description names"),
     # what hangs on the links
     "mesh-missing": Code("warning", "mesh files were not found; frames are drawn instead"),
     "bad-geometry": Code("warning", "a shape has no usable size or place; it is not drawn"),

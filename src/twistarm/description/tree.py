@@ -114,6 +114,11 @@ class Description:
         parents = {joint.parent for joint in self.joints.values()}
         return tuple(name for name in self.links if name not in parents)
 
+    @property
+    def has_shapes(self) -> bool:
+        """Something is drawn on a link, or collides."""
+        return any(link.collisions or link.visuals for link in self.links.values())
+
     def place(self, part: Joint | Link | None = None) -> Place:
         """Where a joint or link stands in the file; without one, the file."""
         file = self.path.name if self.path else self.name
@@ -158,6 +163,14 @@ class Description:
     def extent(self) -> float:
         """The largest coordinate [m] of any link in the root frame, joints at 0: what rounding is measured by."""
         return max(float(np.abs(g[..., :3, 3]).max()) for g in self.link_poses({}).values())
+
+    def beyond(self, joint: str) -> frozenset[str]:
+        """The links that `joint` carries, all branches included."""
+        carried = {self.joints[joint].child}
+        for each in self.outward_joints():
+            if each.parent in carried:
+                carried.add(each.child)
+        return frozenset(carried)
 
     def outward_joints(self) -> tuple[Joint, ...]:
         """Every joint, parents before children."""

@@ -1,0 +1,8 @@
+"""The posture that one would put an arm in: one that its description names, else a tidy one that is computed."""
+
+from .bodies import Bodies
+from .merit import Mechanism
+from .named import USUAL_NAMES, named_ready
+from .search import Overlapping, computed_ready
+
+__all__ = ["USUAL_NAMES", "Bodies", "Mechanism", "Overlapping", "computed_ready", "named_ready"]

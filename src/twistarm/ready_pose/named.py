@@ -1,0 +1,18 @@
+"""Which of the named postures of a description is the one to start from."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+
+USUAL_NAMES = ("ready", "home", "default", "rest", "stowed")
+"""What descriptions call the posture that an arm waits in, the likeliest first."""
+
+
+def named_ready(names: Iterable[str]) -> str | None:
+    """The name that stands first in `USUAL_NAMES`, whatever its capitals (as written there before others), or None."""
+    given = sorted(names, key=lambda name: name not in USUAL_NAMES)
+    for usual in USUAL_NAMES:
+        for name in given:
+            if name.strip().casefold() == usual:
+                return name
+    return None
