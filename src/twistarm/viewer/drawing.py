@@ -111,12 +111,20 @@ def arrow(path: str, start: Array, end: Array, radius: float, colour: Colour) ->
     head = 6.0 * radius
     neck, tip = _along(start, end, 1.0, -head)[:3, 3], _along(start, end, 1.0, -0.5 * head)
     drawn: list[bytes] = []
-    glow = {"emissive": _rgb((0.25 * colour[0], 0.25 * colour[1], 0.25 * colour[2], 1.0))}
-    for layer, opacity, material in (("solid", 1.0, glow), ("ghost", GHOST, {**glow, "depthTest": False})):
-        tint = (*colour[:3], opacity)
+    for layer, tint, material in _shining(colour):
         drawn.append(rod(f"{path}/{layer}-shaft", start, neck, radius, tint, **material))
         drawn.append(cylinder(f"{path}/{layer}-head", 2.6 * radius, head, tint, tip, top=0.0, **material))
     return drawn
+
+
+def _shining(colour: Colour) -> list[tuple[str, Colour, dict[str, Any]]]:
+    """The two layers of what is seen through all that lies in front of it: name, colour, material."""
+    red, green, blue, _ = colour
+    glow = {"emissive": _rgb((0.25 * red, 0.25 * green, 0.25 * blue, 1.0))}
+    return [
+        ("solid", (red, green, blue, 1.0), glow),
+        ("ghost", (red, green, blue, GHOST), {**glow, "depthTest": False}),
+    ]
 
 
 def triad(path: str, length: float) -> list[bytes]:
@@ -127,6 +135,16 @@ def triad(path: str, length: float) -> list[bytes]:
     for name, end, colour in named:
         drawn += arrow(f"{path}/{name}", origin, end, 0.025 * length, colour)
     return drawn
+
+
+def axes(path: str, length: float) -> list[bytes]:
+    """A frame as three thin rods, without heads: unlike what can be taken hold of, and what lies in front shows it."""
+    named = zip("xyz", length * np.eye(3), (RED, GREEN, BLUE), strict=True)
+    return [
+        rod(f"{path}/{name}/{layer}", np.zeros(3), end, 0.02 * length, tint, **material)
+        for name, end, colour in named
+        for layer, tint, material in _shining(colour)
+    ]
 
 
 def _along(start: Array, end: Array, fraction: float, shift: float = 0.0) -> Array:

@@ -104,4 +104,4 @@ def build_scene(arm: Arm, exact: bool = False) -> Scene:
 
 
 def _frames(size: float) -> list[bytes]:
-    return [*drawing.triad("/frames/space", 0.16 * size), *drawing.triad("/frames/tool", 0.16 * size)]
+    return [*drawing.triad("/frames/space", 0.16 * size), *drawing.axes("/frames/tool", 0.11 * size)]

@@ -16,6 +16,7 @@ from ..checks import Array
 from ..errors import InputError
 from ..ik import Approach, IKSolution, Pose, Position, solve_ik
 from .board import Message
+from .ghost import ghost
 from .jobs import Job
 from .messages import Request
 
@@ -36,6 +37,7 @@ NOTHING: Message = {
     "given": None,
     "met": None,
     "words": "",
+    "ghost": None,
 }
 """What is told while no target is given."""
 
@@ -71,8 +73,8 @@ class TargetPart:
         if solution is not None:
             finish((solution.theta, _told(given, solution)))
             return None
-        start = stage.theta
-        return Job("target", "solving for the target", lambda _: _solved(stage.arm, target, given, start), finish)
+        solve = partial(_solved, stage.arm, target, given, stage.theta, stage.others)
+        return Job("target", "solving for the target", lambda _: solve(), finish)
 
     def messages(self, stage: Stage) -> Iterator[Message]:
         """The target given, whether it is met, and the words of its solution."""
@@ -123,9 +125,15 @@ def solved_at_once(arm: Arm, target: Pose | Position | Approach, start: Array) -
     return solution if solution.converged and in_time else None
 
 
-def _solved(arm: Arm, target: Pose | Position | Approach, given: dict[str, Any], start: Array) -> Answer:
+def _solved(
+    arm: Arm,
+    target: Pose | Position | Approach,
+    given: dict[str, Any],
+    start: Array,
+    others: Mapping[str, float],
+) -> Answer:
     solution = solve_ik(arm, target, start, posture="theta0", max_time=MAX_TIME)
-    return nearer(solution, start), _told(given, solution)
+    return nearer(solution, start), {**_told(given, solution), "ghost": ghost(solution, others)}
 
 
 def nearer(solution: IKSolution, start: Array) -> Array:
@@ -149,4 +157,5 @@ def _told(given: dict[str, Any], solution: IKSolution) -> Message:
         "given": given,
         "met": solution.converged,
         "words": solution.explain(),
+        "ghost": None,
     }

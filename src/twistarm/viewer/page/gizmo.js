@@ -154,14 +154,22 @@ export class Gizmo {
     this.view.viewer.set_dirty();
   }
 
-  // The handle under the pointer: the ball before the others, then whichever is nearest to the eye.
+  // The handle under the pointer: the ball before the others, then whichever is nearest to the eye. Within the rings,
+  // where nothing is, the ball is taken too: a grab that just misses a handle must not turn the view.
   hit(event) {
     if (!this.group.visible) return null;
     this.aim(event);
     const shown = this.handles.filter(({ group }) => group.visible);
     const hits = this.caster.intersectObjects(shown.map(({ grip }) => grip));
     const found = hits.map(({ object }) => shown.find(({ grip }) => grip === object));
-    return found.find(({ kind }) => kind === "free") ?? found[0] ?? null;
+    const ball = shown.find(({ kind }) => kind === "free");
+    return found.includes(ball) ? ball : (found[0] ?? (this.within(this.caster.ray) ? ball : null));
+  }
+
+  // Whether a ray passes through the gizmo within its rings.
+  within(ray) {
+    const { scene } = this.view.viewer;
+    return ray.distanceToPoint(scene.localToWorld(this.pose.position.clone())) < RING.radius * this.unit;
   }
 
   // The pointer's ray in base axes.

@@ -1,5 +1,6 @@
-// The handles of the gizmo, sized in pixels: three arrows, three rings, a ball in the middle. Each has a fat shape that
-// is not drawn, to be taken hold of.
+// The handles of the gizmo, sized in pixels: three rings, a cone on each axis beyond them, a ball in the middle. Nothing
+// of it is like the tool's own frame, which is thin and has no heads. Each handle has a fat shape that is not drawn, to be
+// taken hold of.
 
 import { THREE } from "./view.js";
 
@@ -8,9 +9,9 @@ const FREE = 0xf2f4f7;
 const RIM = 0x39424e;
 const LIT = 0xffb000;
 const AXES = ["x", "y", "z"];
-const ARROW = { from: 18, neck: 84, tip: 106, thick: 2.2, head: 7.5, grip: 10 };
-export const RING = { radius: 64, thick: 2, grip: 8 };
-const BALL = { radius: 9, grip: 15 };
+const CONE = { from: 80, tip: 106, wide: 10, grip: 14 };
+export const RING = { radius: 64, thick: 2.6, grip: 8 };
+const BALL = { radius: 9, grip: 17 };
 const NEAR_AXIS = 0.97; // cosine beyond which an arrow points at the eye, and cannot be drawn along
 const ON_TOP = 20; // drawn after all else
 
@@ -60,9 +61,8 @@ function rim() {
 }
 
 function arrow(name, axis) {
-  const { from, neck, tip, thick, head, grip } = ARROW;
-  const shapes = [rod(thick, thick, from, neck, axis), rod(0, head, neck, tip, axis)];
-  return new Handle(name, "move", axis, COLORS[axis], shapes, rod(grip, grip, from, tip + 4, axis));
+  const { from, tip, wide, grip } = CONE;
+  return new Handle(name, "move", axis, COLORS[axis], [rod(0, wide, from, tip, axis)], rod(grip, grip, from - 4, tip + 6, axis));
 }
 
 // From `from` to `to` along an axis, with its radii at `to` and at `from`.

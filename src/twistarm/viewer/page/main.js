@@ -4,20 +4,26 @@
 // for an arm that is new to the page, placed(frame) after the arm has moved, offline() when the process has gone.
 
 import { copyTheta } from "./copying.js";
+import { Cube } from "./cube.js";
 import { Findings } from "./findings.js";
+import { Ghost } from "./ghost.js";
 import { Highlight } from "./highlight.js";
 import { Jog } from "./jog.js";
 import { JogPanel } from "./jog_panel.js";
 import { Link } from "./link.js";
+import { LinkList } from "./link_list.js";
+import { LinkNames } from "./link_names.js";
 import { Notice } from "./notice.js";
 import { Panel } from "./panel.js";
 import { Player } from "./player.js";
 import { Plots } from "./plots.js";
+import { Presets } from "./presets.js";
 import { Program } from "./program.js";
 import { Progress } from "./progress.js";
 import { Rejoining } from "./rejoining.js";
 import { complaint } from "./schema.js";
 import { Share } from "./share.js";
+import { Sight } from "./sight.js";
 import { easeSoftware } from "./software.js";
 import { Tabs } from "./tabs.js";
 import { Target } from "./target.js";
@@ -45,6 +51,8 @@ const panel = new Panel({
   fit: () => view.fit(),
 });
 
+const presets = new Presets(view);
+const cube = new Cube(view, (side) => presets.go(side));
 const highlight = new Highlight(view);
 const findings = new Findings((node, name) => highlight.point(node, name));
 
@@ -58,10 +66,14 @@ const keepers = () => ({ ...parts, view, panel }); // of how the page stands
 const page = { view, panel, jog, state, ask, keepers };
 const parts = {
   tabs: new Tabs(),
+  sight: new Sight((side) => presets.go(side), (on) => ask({ type: "exact", on })),
+  links: new LinkList(view),
+  linkNames: new LinkNames(view),
   notice: new Notice(),
   rejoining: new Rejoining(page),
   jogging: new JogPanel(page),
   target: new Target(page),
+  ghost: new Ghost(view),
   program: new Program(page),
   player: new Player({
     play: () => ask({ type: "play" }),
@@ -176,4 +188,4 @@ const link = new Link({
   },
 });
 
-globalThis.twistarm = { view, panel, findings, highlight, jog, link, state, parts };
+globalThis.twistarm = { presets, cube, view, panel, findings, highlight, jog, link, state, parts };

@@ -1,17 +1,22 @@
 // The stand-alone page: an arm and perhaps a motion, with nobody to ask.
 
 import { copyTheta } from "./copying.js";
+import { Cube } from "./cube.js";
 import { $ } from "./element.js";
 import { Findings } from "./findings.js";
 import { Highlight } from "./highlight.js";
+import { LinkList } from "./link_list.js";
+import { LinkNames } from "./link_names.js";
 import { LocalArm } from "./local_arm.js";
 import { restore } from "./page_state.js";
 import { Panel } from "./panel.js";
 import { Playback } from "./playback.js";
 import { Player } from "./player.js";
 import { Plots } from "./plots.js";
+import { Presets } from "./presets.js";
 import { Recording } from "./recording.js";
 import { Share } from "./share.js";
+import { Sight } from "./sight.js";
 import { Tabs } from "./tabs.js";
 import { TheoryRecord } from "./theory_record.js";
 import { View } from "./view.js";
@@ -22,6 +27,11 @@ const data = JSON.parse(document.getElementById("data").textContent);
 for (const part of document.querySelectorAll("[data-live]")) part.remove(); // there is nobody to ask
 const tabs = new Tabs();
 const view = new View(document.getElementById("pane"));
+const presets = new Presets(view);
+const cube = new Cube(view, (side) => presets.go(side));
+const sight = new Sight((side) => presets.go(side), null);
+const links = new LinkList(view);
+const linkNames = new LinkNames(view);
 const highlight = new Highlight(view);
 const findings = new Findings((node, name) => highlight.point(node, name));
 const share = new Share({ view });
@@ -118,7 +128,7 @@ addEventListener("keydown", (event) => {
 });
 
 panel.build({ ...data.arm, poses: Object.keys(data.poses) }, data.notes, true);
-share.hello(data);
+for (const part of [share, links, linkNames]) part.hello(data);
 findings.show(data.findings);
 panel.showVisible(data.visible);
 panel.showPath(data.path.points.length > 0);
@@ -129,8 +139,8 @@ view.drawPath(data.path);
 for (const [layer, on] of Object.entries(data.visible)) view.setVisible(layer, on);
 show();
 view.fit();
-restore({ view, tabs, panel, plots, theory: theory.theory }, JSON.parse($("state").textContent));
+restore({ view, links, tabs, panel, plots, theory: theory.theory }, JSON.parse($("state").textContent));
 document.body.dataset.drawn = "";
 if (playback.running) tick();
 
-globalThis.twistarm = { tabs, view, panel, arm, findings, highlight, share, playback, player, plots, state, data, theory: theory.theory };
+globalThis.twistarm = { presets, cube, sight, links, linkNames, tabs, view, panel, arm, findings, highlight, share, playback, player, plots, state, data, theory: theory.theory };

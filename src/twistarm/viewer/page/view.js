@@ -3,9 +3,10 @@
 /* global MeshCat */
 
 import { dispose } from "./disposal.js";
+import { Rim } from "./rim.js";
 
 export const THREE = MeshCat.THREE;
-const DIRECTION = [0.95, -1.15, 0.62]; // from the arm towards the camera, in the arm's base axes
+export const DIRECTION = [0.95, -1.15, 0.62]; // from the arm towards the camera, in the arm's base axes
 const MARGIN = 1.04;
 const PATH = 0xe8850c;
 const SOON = 300; // ms until what has come to be drawn is
@@ -21,6 +22,8 @@ export class View {
     this.viewer.render = () => this.radius !== undefined && render();
     this.segments = new Map();
     this.soon = null;
+    this.rim = new Rim();
+    this.onDrawn = [() => this.rim.give(this.node("/arm"))]; // done with what is new
     this.fixtures = new THREE.Group();
     this.viewer.scene.add(this.fixtures);
     for (const name of ["Lights", "Grid", "Axes"]) this.viewer.delete_path([name]);
@@ -28,7 +31,8 @@ export class View {
     this.light();
     this.turned = false; // by somebody's hand
     this.viewer.controls.addEventListener("start", () => (this.turned = true));
-    matchMedia("(prefers-color-scheme: dark)").addEventListener("change", () => this.furnish());
+    this.dark = matchMedia("(prefers-color-scheme: dark)");
+    this.dark.addEventListener("change", () => this.furnish());
     new ResizeObserver(() => this.viewer.set_3d_pane_size()).observe(pane);
   }
 
@@ -52,6 +56,7 @@ export class View {
     this.viewer.needs_render = needs_render;
     this.soon ??= setTimeout(() => {
       this.soon = null;
+      for (const act of this.onDrawn) act();
       this.viewer.set_dirty();
     }, SOON);
   }
@@ -119,7 +124,17 @@ export class View {
 
   // Look at the whole arm, and give floor and light its size.
   fit() {
-    const { scene, camera, controls } = this.viewer;
+    const { camera, controls } = this.viewer;
+    const { position, target } = this.standpoint(DIRECTION);
+    camera.position.copy(position);
+    controls.target.copy(target);
+    controls.update();
+    this.viewer.set_dirty();
+  }
+
+  // Where the camera must stand, and what it must look at, to see the whole arm from a direction in base axes.
+  standpoint([x, y, z]) {
+    const { scene, camera } = this.viewer;
     this.viewer.set_3d_pane_size();
     scene.updateMatrixWorld(true);
     const box = new THREE.Box3().setFromObject(this.node("/arm"));
@@ -132,12 +147,10 @@ export class View {
     this.furnish();
     this.aim(center);
     Object.assign(camera, { fov: 32, near: this.radius / 50, far: this.radius * 100 });
-    const [x, y, z] = DIRECTION;
+    camera.updateProjectionMatrix();
     const towards = new THREE.Vector3(x, z, -y).normalize();
-    camera.position.copy(center).addScaledVector(towards, MARGIN * distance(box, center, towards, camera));
-    controls.target.copy(center);
-    controls.update();
-    this.viewer.set_dirty();
+    const position = center.clone().addScaledVector(towards, MARGIN * distance(box, center, towards, camera));
+    return { position, target: center };
   }
 
   aim(center) {
@@ -159,6 +172,7 @@ export class View {
   // Floor and grid, in the colours of the page.
   furnish() {
     if (this.radius === undefined) return;
+    this.rim.show(this.dark.matches);
     dispose(this.fixtures);
     const cell = 10 ** Math.round(Math.log10(this.radius / 8));
     const reach = 5 * this.radius;

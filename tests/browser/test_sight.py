@@ -1,0 +1,269 @@
+"""How the arm is looked at: from which side, which of its links, how exactly; and what is seen of a target not met."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from contextlib import AbstractContextManager
+from typing import Any
+
+import numpy as np
+import pytest
+from numpy.testing import assert_allclose
+from scipy.spatial.transform import Rotation
+from test_page import load
+from test_target import PROJECT
+from waiting import after_frames, settled, until
+
+from twistarm import Arm, solve_ik
+from twistarm.ik import Pose
+from twistarm.viewer import Viewer
+
+pytestmark = pytest.mark.browser
+
+TOWARDS = """() => {
+  const { camera, controls, scene } = twistarm.view.viewer;
+  scene.updateMatrixWorld(true);
+  const [eye, at] = [camera.position, controls.target].map((each) => scene.worldToLocal(each.clone()));
+  return eye.sub(at).normalize().toArray();
+}"""
+"""The direction from what is looked at towards the camera, in base axes."""
+
+SIDES = {"front": [1, 0, 0], "right": [0, -1, 0], "top": [0, 0, 1], "back": [-1, 0, 0], "left": [0, 1, 0]}
+
+CONTRAST = 2.0
+"""What a black part has at least beside the view's ground, by WCAG; on the ground of before it was 1.1."""
+
+
+@pytest.fixture(scope="module")
+def arm() -> Arm:
+    return load("rover_arm_6dof")
+
+
+@pytest.fixture(scope="module")
+def viewer(arm: Arm) -> Iterator[Viewer]:
+    with Viewer(arm, open_browser=False) as served:
+        yield served
+
+
+@pytest.fixture(scope="module")
+def seen(open_page: Callable[[], AbstractContextManager[Any]], viewer: Viewer) -> Iterator[Any]:
+    with open_page() as page:
+        yield settled(page, viewer.url)
+
+
+@pytest.fixture
+def page(seen: Any, viewer: Viewer, arm: Arm) -> Any:
+    """The one page, as it was at first."""
+    viewer.show(arm.ready)
+    seen.evaluate("twistarm.view.fit(), twistarm.parts.links.recall({ hidden: [], opacity: 1 })")
+    until(seen, f"twistarm.state.frame.theta.every((value, i) => value === {arm.ready.tolist()}[i])")
+    return seen
+
+
+def in_view(page: Any) -> bool:
+    """Whether all of the arm's origins are in the picture."""
+    shown: bool = page.evaluate(
+        """() => Object.values(twistarm.state.hello.links).every((path) => {
+          const at = new MeshCat.THREE.Vector3().setFromMatrixPosition(twistarm.view.node(path).matrixWorld);
+          at.project(twistarm.view.viewer.camera);
+          return Math.abs(at.x) < 1 && Math.abs(at.y) < 1;
+        })"""
+    )
+    return shown
+
+
+def test_presets_and_the_faces_of_the_cube_show_the_arm_from_that_side(page: Any) -> None:
+    page.get_by_text("View", exact=True).click()
+    first = page.evaluate(TOWARDS)
+    for button, side in (("Front", "front"), ("Side", "right"), ("Top", "top")):
+        page.get_by_role("button", name=button, exact=True).click()
+        until(page, "twistarm.presets.moving === null")
+        assert_allclose(page.evaluate(TOWARDS), SIDES[side], atol=2e-3)
+        assert in_view(page)
+    page.get_by_role("button", name="Iso", exact=True).click()
+    until(page, "twistarm.presets.moving === null")
+    assert_allclose(page.evaluate(TOWARDS), first, atol=1e-6)
+    page.keyboard.press("Escape")
+    assert page.locator("#sight-menu").is_hidden()
+    for side in ("back", "left"):
+        page.evaluate(f"document.querySelector('#cube [title=\"Look from the {side}\"]').click()")
+        until(page, "twistarm.presets.moving === null")
+        assert_allclose(page.evaluate(TOWARDS), SIDES[side], atol=2e-3)
+        after_frames(page)
+        assert in_front(page) == side
+
+
+def in_front(page: Any) -> str:
+    """The face of the cube that is seen in its middle, as a person would press it."""
+    x, y = page.evaluate("(({ left, top }) => [left, top])(document.getElementById('cube').getBoundingClientRect())")
+    name: str = page.evaluate("([x, y]) => document.elementFromPoint(x, y).textContent", [x, y])
+    return name
+
+
+def test_links_are_hidden_and_seen_through_and_another_page_can_be_told(page: Any, arm: Arm) -> None:
+    forearm = page.evaluate("twistarm.state.hello.links.forearm")
+    shown = f"twistarm.view.node({forearm!r}).visible"
+    page.get_by_text("View", exact=True).click()
+    page.get_by_role("checkbox", name="forearm", exact=True).uncheck()
+    assert not page.evaluate(shown)
+    page.get_by_role("slider", name="Opacity").fill("0.4")
+    opacity = f"""(() => {{
+      const found = [];
+      twistarm.view.node({forearm!r}).traverse(({{ material }}) => material && found.push(material.opacity));
+      return found;
+    }})()"""
+    assert set(page.evaluate(opacity)) == {0.4}
+    told = page.evaluate("twistarm.parts.links.remembered()")
+    assert told == {"hidden": ["forearm"], "opacity": 0.4}
+    page.get_by_role("button", name="All", exact=True).click()
+    assert page.evaluate(shown)
+    assert set(page.evaluate(opacity)) == {1}
+    page.evaluate("(told) => twistarm.parts.links.recall(told)", told)
+    assert not page.evaluate(shown)
+    assert not page.get_by_role("checkbox", name="forearm", exact=True).is_checked()
+    page.keyboard.press("Escape")
+    assert arm.description is not None
+    assert page.locator("#links label").count() == len(arm.description.links)
+
+
+def test_the_name_of_a_link_stands_beside_the_pointer_and_not_while_a_hand_turns_the_view(page: Any, arm: Arm) -> None:
+    poses = arm.poses(arm.ready)
+    middle = (poses["upper_arm"][:3, 3] + poses["forearm"][:3, 3]) / 2
+    x, y, _ = page.evaluate(PROJECT, [middle.tolist()])
+    page.mouse.move(x, y)
+    label = page.locator("#link-name")
+    until(page, "!document.getElementById('link-name').hidden")
+    assert label.inner_text() == "upper_arm"
+    page.mouse.down()
+    page.mouse.move(x + 3, y + 3)
+    assert label.is_hidden()
+    page.mouse.up()
+    page.evaluate("twistarm.parts.links.recall({ hidden: ['upper_arm'], opacity: 1 })")
+    page.mouse.move(x, y)
+    page.wait_for_timeout(100)
+    assert label.is_hidden() or label.inner_text() != "upper_arm"
+    page.evaluate("twistarm.parts.links.recall({ hidden: [], opacity: 1 })")
+    page.evaluate("twistarm.view.fit()")
+    x, y, _ = page.evaluate(PROJECT, [middle.tolist()])
+    finger = page.context.new_cdp_session(page)
+    finger.send("Input.dispatchTouchEvent", {"type": "touchStart", "touchPoints": [{"x": x, "y": y}]})
+    finger.send("Input.dispatchTouchEvent", {"type": "touchEnd", "touchPoints": []})
+    until(page, "document.getElementById('link-name').textContent === 'upper_arm'")
+    page.mouse.move(700, 600)
+
+
+def forbidden(arm: Arm) -> Any:
+    """A pose that the arm would meet but for the limit of its elbow."""
+    theta = arm.ready.copy()
+    theta[2] = arm.limits.upper[2] + 0.4
+    g = arm.fk(theta)
+    found = solve_ik(arm, Pose(g))
+    assert not found.converged
+    assert found.unlimited is not None
+    return g
+
+
+ASK = """([position, xyzw]) => twistarm.parts.target.ask({
+  position: new MeshCat.THREE.Vector3(...position), quaternion: new MeshCat.THREE.Quaternion(...xyzw),
+})"""
+
+GHOST = """() => {
+  const { ghost } = twistarm.parts;
+  return [globalThis.told.ghost, ghost.copies.length, ghost.frame.children.length, ghost.frame.position.toArray()];
+}"""
+
+
+def test_a_target_that_is_not_met_is_drawn_where_it_was_asked_and_the_arm_as_it_would_have_to_stand(
+    page: Any, arm: Arm
+) -> None:
+    g = forbidden(arm)
+    page.get_by_label("What the tool is to meet").select_option("pose")
+    page.evaluate(
+        """() => {
+          const { ghost } = twistarm.parts;
+          const show = ghost.messages.target;
+          ghost.messages.target = (message) => { globalThis.told = message; show(message); };
+        }"""
+    )
+    page.evaluate(ASK, [g[:3, 3].tolist(), Rotation.from_matrix(g[:3, :3]).as_quat().tolist()])
+    until(page, "globalThis.told?.met === false")
+    transforms, copies, parts, place = page.evaluate(GHOST)
+    tip = page.evaluate(f"twistarm.state.hello.links[{arm.tip!r}]")
+    assert_allclose(np.array(transforms[tip]).reshape(4, 4).T, g, atol=1e-5)  # it does meet the target
+    assert copies > 10
+    assert parts == 4  # three axes and the origin
+    assert_allclose(place, g[:3, 3])
+    drawn = page.evaluate(
+        """() => {
+          const { path, source, copy } = twistarm.parts.ghost.copies.at(-1);
+          const { scene } = twistarm.view.viewer;
+          const inNode = twistarm.view.node(path).matrixWorld.clone().invert().multiply(source.matrixWorld);
+          return [path, copy.matrix.toArray(), inNode.toArray()];
+        }"""
+    )
+    copy, in_node = (np.array(each).reshape(4, 4).T for each in drawn[1:])
+    assert_allclose(copy, np.array(transforms[drawn[0]]).reshape(4, 4).T @ in_node, atol=1e-9)
+    page.evaluate(ASK, [[0.0, 0.0, 9.0], [0, 0, 0, 1]])  # beyond any reach: nothing to draw the arm at
+    until(page, "globalThis.told.given.position[2] === 9 && globalThis.told.met === false")
+    assert page.evaluate(GHOST)[:3] == [None, 0, 4]
+    page.get_by_role("button", name="Let go").click()
+    until(page, "globalThis.told.given === null")
+    assert page.evaluate(GHOST)[1:3] == [0, 0]
+
+
+def test_a_grab_that_just_misses_a_handle_does_not_turn_the_view(page: Any) -> None:
+    page.get_by_label("Drag tool").check()
+    after_frames(page)
+    camera = "twistarm.view.viewer.camera.position.toArray()"
+    before = page.evaluate(camera)
+    x, y, _ = page.evaluate(PROJECT, [page.evaluate("twistarm.parts.target.gizmo.pose.position.toArray()")])
+    free = "twistarm.parts.target.gizmo.lit?.name"
+    turns = np.exp(2j * np.pi * np.arange(16) / 16)
+    offsets = [radius * turn for radius in (24, 36, 48) for turn in turns]
+    names = []
+    for offset in offsets:
+        page.mouse.move(x + offset.real, y + offset.imag)
+        names.append(page.evaluate(free))
+    assert None not in names
+    between = offsets[names.index("free")]
+    page.mouse.move(x + between.real, y + between.imag)
+    page.mouse.down()
+    page.mouse.move(x + 10, y + 10)
+    page.mouse.up()
+    assert page.evaluate(camera) == before
+    page.get_by_label("Drag tool").uncheck()
+
+
+def test_dark_parts_stand_off_the_ground_of_the_dark_theme(page: Any) -> None:
+    page.emulate_media(color_scheme="dark")
+    grounds = page.evaluate(
+        """() => ["--sky", "--ground"].map((name) => {
+          const { r, g, b } = new MeshCat.THREE.Color(
+            getComputedStyle(document.documentElement).getPropertyValue(name).trim());
+          return [r, g, b];
+        })"""
+    )
+    black = luminance([0.1, 0.1, 0.1])  # the Panda's and the UR's dark parts as they are lit
+    for ground in grounds:
+        assert (luminance(ground) + 0.05) / (black + 0.05) > CONTRAST
+    until(page, "twistarm.view.rim.light.value > 0")
+    given = page.evaluate(
+        """() => {
+          const found = [];
+          twistarm.view.node("/arm").traverse(({ material }) => {
+            if (material?.depthTest) found.push(material.onBeforeCompile === twistarm.view.rim.compile);
+          });
+          return found;
+        }"""
+    )
+    assert given
+    assert all(given)
+    page.emulate_media(color_scheme="light")
+    until(page, "twistarm.view.rim.light.value === 0")
+
+
+def luminance(colour: Any) -> float:
+    """The relative luminance of an sRGB colour, by WCAG 2."""
+    parts = np.asarray(colour)
+    linear = np.where(parts <= 0.03928, parts / 12.92, ((parts + 0.055) / 1.055) ** 2.4)
+    return float(linear @ [0.2126, 0.7152, 0.0722])
