@@ -17,7 +17,9 @@ from numpy.testing import assert_allclose
 
 from twistarm import Arm, load_arm, plan_joint
 from twistarm.errors import DescriptionError, InputError
-from twistarm.viewer import Viewer
+from twistarm.viewer import Viewer, links
+from twistarm.viewer.meshes import load_parts
+from twistarm.viewer.scene import Scene
 from twistarm.viewer.watching import loaded
 from viewer_page import ARM, THETA, WAIT, Page, matrix, nothing, visit
 from viewer_page import arm as arm
@@ -234,6 +236,31 @@ def test_an_include_that_changes_breaks_vanishes_and_is_mended(watched: Any, sou
     main.rmdir()
     main.write_text(XACRO)
     until(lambda: words(viewer).endswith("loaded again"))
+
+
+def test_a_mesh_that_has_not_changed_is_not_read_again(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    import trimesh
+
+    for name in ("one", "two"):
+        trimesh.creation.box((0.1, 0.1, 0.1)).export(tmp_path / f"{name}.stl")
+    mesh = '<visual><geometry><mesh filename="{}.stl"/></geometry></visual>'
+    drawn = LINKS.replace("</robot>", "").replace('mesh filename="tool.stl"', 'mesh filename="one.stl"')
+    base = drawn.replace('<link name="base_link"/>', f'<link name="base_link">{mesh.format("two")}</link>') + "</robot>"
+    (tmp_path / "links.xacro").write_text(base)
+    (tmp_path / "arm.xacro").write_text(XACRO)
+    first = Scene(load_arm(tmp_path / "arm.xacro")).whole()
+    read: list[str] = []
+    monkeypatch.setattr(links, "load_parts", lambda path, most: read.append(path.name) or load_parts(path, most))
+    (tmp_path / "arm.xacro").write_text(XACRO.replace("0 0 0.4", "0 0 0.5"))
+    second = first.successor(load_arm(tmp_path / "arm.xacro"))
+    assert second.left == 2
+    second.whole()
+    assert read == []
+    assert second.objects[second.plain :] == first.objects[first.plain :]
+    trimesh.creation.box((0.2, 0.1, 0.1)).export(tmp_path / "two.stl")
+    third = second.successor(load_arm(tmp_path / "arm.xacro")).whole()
+    assert read == ["two.stl"]
+    assert third.objects[third.plain :] != first.objects[first.plain :]
 
 
 def test_a_mesh_is_watched_too(watched: Any, source: Path) -> None:

@@ -20,6 +20,17 @@ def is_file(path: Path) -> bool:
         return False
 
 
+def stamp(path: Path) -> tuple[int, ...] | None:
+    """What tells one content of a file from another: when it was changed, its length, and which file it is, as an
+    editor may put another in its place. None where there is no file.
+    """
+    try:
+        found = path.stat()
+    except (OSError, ValueError):
+        return None
+    return found.st_mtime_ns, found.st_size, found.st_ino
+
+
 def as_path(path: str | os.PathLike[str]) -> Path:
     """The path with a leading `~` resolved; as it is where there is no such user."""
     given = Path(path)

@@ -37,7 +37,7 @@ def demo(view: View = True, port: Port = 0, browser: Browser = True) -> None:
         print(f"\nwritten: {save_html(arm, Path('demo.html'), trajectory)} (opens in a browser, offline)")
         print(f"written: {trajectory.to_csv('demo.csv')}")
         return
-    with Viewer(arm, trajectory(0.0), port=port, open_browser=False) as viewer:
+    with Viewer(arm, trajectory(0.0), port=port, open_browser=False, keep=port != 0) as viewer:
         viewer.play(trajectory, loop=True)
         serve(viewer, "\nThe arm plays it at", browser)
 

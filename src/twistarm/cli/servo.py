@@ -85,7 +85,7 @@ def servo(
     with ExitStack() as stack:
         stack.enter_context(ended_like_ctrl_c())
         sink, feedback = joints_of(driven, x, udp, listen, feedback_timeout, stack)
-        viewer = stack.enter_context(Viewer(driven, x, host=host, port=port, open_browser=False))
+        viewer = stack.enter_context(Viewer(driven, x, host=host, port=port, open_browser=False, keep=port != 0))
         source = source_of(driven, viewer, commands, command_timeout, stack)
         announce(viewer, defaults_line(arm, limits), browser, sys.stderr if json else sys.stdout)
         report = run(
@@ -148,6 +148,8 @@ def announce(viewer: Viewer, line: str, browser: bool, out: TextIO) -> None:
     """Print which limits were not given and where the arm is, and open the page if wanted and there is a browser."""
     if line:
         print(f"{line} (--velocity, --acceleration)", file=out)
+    for note in viewer.notes:
+        warn(note)
     print(f"{viewer.arm.name} at {viewer.url}  (Ctrl-C ends it)", file=out, flush=True)
     if browser and not show_in_browser(viewer.url):
         warn("no browser found here; open the address yourself")

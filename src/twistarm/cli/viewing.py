@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+import sys
 from collections.abc import Callable
 from contextlib import ExitStack
 from functools import partial
@@ -80,6 +81,8 @@ def view(
     if x is not None:
         warn_outside(arm, x, rad)
     motion = None if play is None else recorded_motion(arm, play)
+    if outputs.files and (watch or fresh):
+        raise InputError("--watch and --fresh are for a page that is served: they do not go with -o FILE")
     if outputs.files:
         start = x if motion is None else motion(0.0)
         contents: dict[str, Callable[[], str | bytes]] = {
@@ -93,13 +96,11 @@ def view(
         stack.enter_context(ended_like_ctrl_c())
         kept = {"keep": port != 0, "fresh": fresh}
         viewer = stack.enter_context(Viewer(arm, x, host=host, port=port, open_browser=False, **kept))
-        for note in viewer.notes:
-            warn(note)
         if motion is not None:
             viewer.show_path(motion)
             viewer.play(motion)
         if watch:
-            viewer.watch(load_again, files, warn)
+            viewer.watch(load_again, files, lambda words: print(words, file=sys.stderr))
         serve(viewer, f"{arm.name} at", browser)
 
 
@@ -113,6 +114,8 @@ def _pixels(text: str) -> tuple[int, int]:
 
 def serve(viewer: Viewer, what: str, browser: bool) -> None:
     """Print the page's address, open it in a browser if wanted and there is one, and serve until Ctrl-C."""
+    for note in viewer.notes:
+        warn(note)
     print(f"{what} {viewer.url}  (Ctrl-C ends it)", flush=True)
     if browser and not show_in_browser(viewer.url):
         warn("no browser found here; open the address yourself, or use -o FILE.html for a page that needs no server")

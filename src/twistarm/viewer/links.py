@@ -11,6 +11,7 @@ import numpy as np
 
 from ..description.tree import Description, Geometry, Link
 from ..errors import TwistarmError, listed, one_line
+from ..files import stamp
 from . import drawing
 from .meshes import Part, load_parts
 from .nodes import link_path
@@ -23,11 +24,15 @@ FEWEST = 500
 """Of one mesh: so that a bolt beside a heavy base is still a bolt."""
 
 
+Source = tuple[object, ...]
+"""What a drawn mesh hangs on: of equal sources, the messages are equal."""
+
+
 @dataclass(frozen=True)
 class Drawn:
     """What the mesh at `node` came to: messages that draw it or what stands in for it, and why it could not be read.
 
-    `drawn`: it could be read; `exact`: more triangles than these its file does not have.
+    `drawn`: it could be read; `exact`: more triangles than these its file does not have; `source`: what it was made of.
     """
 
     node: str
@@ -35,6 +40,7 @@ class Drawn:
     note: str
     drawn: bool
     exact: bool
+    source: Source
 
 
 def draw_plain(description: Description, size: float) -> list[bytes]:
@@ -57,8 +63,10 @@ def lost_meshes(description: Description) -> tuple[str, ...]:
     return (f"not drawn, the mesh was not found: {listed(dict.fromkeys(lost))}",) if lost else ()
 
 
-def draw_meshes(description: Description, size: float, exact: bool) -> Iterator[Drawn]:
+def draw_meshes(description: Description, size: float, exact: bool, known: Mapping[Source, Drawn]) -> Iterator[Drawn]:
     """Every mesh in its link's node, one after the other; a file is read once, and its fault told once.
+
+    What is `known`, drawn before from the same source, is not read at all.
 
     Unless `exact`, an arm of more than TRIANGLES is simplified to about so many, each file to its share of the bytes.
     """
@@ -69,6 +77,11 @@ def draw_meshes(description: Description, size: float, exact: bool) -> Iterator[
         undrawn = _stands_in(link)
         found = _found(link)
         for k, (node, visual, path) in enumerate(found, 1):
+            source = _source(node, visual, path, most.get(path, inf), k == len(found))
+            if source in known:
+                undrawn = False
+                yield known[source]
+                continue
             if path not in read:
                 read[path] = _parts_or_reason(path, most.get(path, inf))
             parts = read[path]
@@ -77,8 +90,12 @@ def draw_meshes(description: Description, size: float, exact: bool) -> Iterator[
             undrawn = undrawn and not drawn
             if k == len(found) and _stands_in(link):
                 objects += lost_frame(link, size) if undrawn else [drawing.nothing(stand_in_path(link))]
-            yield Drawn(node, tuple(objects), "" if note in told else note, drawn, _all_exact(parts))
+            yield Drawn(node, tuple(objects), "" if note in told else note, drawn, _all_exact(parts), source)
             told.add(note)
+
+
+def _source(node: str, visual: Geometry, path: Path, most: float, last: bool) -> Source:
+    return node, path, stamp(path), most, visual.origin.tobytes(), visual.size, visual.colour, last
 
 
 def _found(link: Link) -> list[tuple[str, Geometry, Path]]:

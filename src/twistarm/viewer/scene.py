@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 import threading
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from typing import Any
 
 from ..arm import Arm
 from . import drawing
 from .axes import arm_size, draw_rods, draw_screws
-from .links import Drawn, count_meshes, draw_meshes, draw_plain, lost_meshes
+from .links import Drawn, Source, count_meshes, draw_meshes, draw_plain, lost_meshes
 from .nodes import link_path
 
 
@@ -22,13 +22,16 @@ class Scene:
     `simplified`: whether any was.
     """
 
-    def __init__(self, arm: Arm, exact: bool = False) -> None:
+    def __init__(self, arm: Arm, exact: bool = False, known: Mapping[Source, Drawn] | None = None) -> None:
+        """known: meshes that were drawn before, which are not read again."""
         drawing.require_meshcat()
+        self._known = dict(known or {})
         self.exact, self.simplified = exact, False
         self._description, self._size = arm.description, arm_size(arm)
         self.objects = [*draw_screws(arm), *_frames(self._size)]
         self.links: dict[str, str] = {}
         self.notes: tuple[str, ...] = ()
+        self._pieces: dict[str, Drawn] = {}  # by node
         self._places: dict[str, range] = {}  # in `objects`, of each mesh drawn
         self._meshes: Iterator[Drawn]
         self._lock = threading.Lock()
@@ -45,7 +48,11 @@ class Scene:
         self.left, self._meshes = 0, iter(())
         if self._description is not None:
             self.left = count_meshes(self._description)
-            self._meshes = draw_meshes(self._description, self._size, self.exact)
+            self._meshes = draw_meshes(self._description, self._size, self.exact, self._known)
+
+    def successor(self, arm: Arm) -> Scene:
+        """The scene of another arm, for which no file is read that was drawn here and has not changed since."""
+        return Scene(arm, self.exact, {piece.source: piece for piece in self._pieces.values() if piece.drawn})
 
     def draw_again(self, exact: bool) -> None:
         """Begin anew with the meshes, in the place of those drawn, with all their triangles or simplified."""
@@ -72,6 +79,7 @@ class Scene:
         for place in self._places.get(piece.node, ()):
             self.objects[place] = b""
         self._places[piece.node] = range(len(self.objects), len(self.objects) + len(piece.objects))
+        self._pieces[piece.node] = piece
         self.objects += piece.objects
 
     def whole(self) -> Scene:

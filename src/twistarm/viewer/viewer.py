@@ -122,7 +122,7 @@ class Viewer(Closing):
 
         Raises InputError while a servo drives the arm, and of a view that was closed.
         """
-        return tuple(self._server.exchange(Stage(arm), Scene(arm)))
+        return tuple(self._server.exchange(Stage(arm), self._server.scene.successor(arm)))
 
     def watch(
         self, load: Callable[[], Arm], files: Iterable[Path], say: Callable[[str], None] = lambda _: None

@@ -12,7 +12,7 @@ from ..arm import Arm
 from ..closing import Closing
 from ..description.document import noted_files
 from ..errors import one_line
-from .scene import Scene
+from ..files import stamp
 from .stage import Stage
 
 if TYPE_CHECKING:
@@ -26,7 +26,6 @@ LONGEST_UNREST = 2.0
 """Seconds after which files that never stop changing are loaded all the same."""
 
 Stamps = dict[Path, tuple[int, ...] | None]
-"""What tells one content of a file from another; None where there is no file."""
 
 
 def loaded(load: Callable[[], Arm]) -> tuple[Arm, set[Path]]:
@@ -87,7 +86,10 @@ class Watch(Closing):
                 arm = self._load()
             files |= meshes_of(arm)
             if not self._closed.is_set():
-                self._tell("; ".join(["loaded again", *self._server.exchange(Stage(arm), Scene(arm))]), wrong=False)
+                self._tell(
+                    "; ".join(["loaded again", *self._server.exchange(Stage(arm), self._server.scene.successor(arm))]),
+                    wrong=False,
+                )
         except Exception as error:
             if self._server.stage.driven:  # since a moment ago
                 self._wait()
@@ -112,12 +114,3 @@ class Watch(Closing):
 def stamps(files: Iterable[Path]) -> Stamps:
     """The stamp of each file."""
     return {path: stamp(path) for path in files}
-
-
-def stamp(path: Path) -> tuple[int, ...] | None:
-    """When it was changed, how long it is, and which file it is: an editor may put another in its place."""
-    try:
-        found = path.stat()
-    except (OSError, ValueError):
-        return None
-    return found.st_mtime_ns, found.st_size, found.st_ino

@@ -3,8 +3,7 @@
 import { $, element } from "./element.js";
 import { Theory } from "./theory.js";
 
-const MOVED = "You moved the arm: what is drawn from numbers, and they themselves, were saved for where it stood and for its "
-  + "motion. The view that is served has them everywhere.";
+const MOVED = "You moved the arm: numbers were saved for where it stood and for its motion alone. The live view has them everywhere.";
 
 export class TheoryRecord {
   // `data`: arm, visible, and theory: axes, times [s], the numbers at each, and those of the arm as it was saved.
