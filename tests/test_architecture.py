@@ -38,6 +38,7 @@ LAYERS = (
     ("screws",),
     ("rotations",),
     ("files", "wheels"),
+    ("brief",),
     ("checks", "closing", "interrupts", "shared_libraries", "strict_json"),
     ("errors",),
 )

@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
+from .brief import told
 from .checks import Array, as_floats, as_theta, frozen
 from .errors import InputError, listed
 from .limits import JointLimits
@@ -27,7 +28,7 @@ NOT_GIVEN = JointLimits.unbounded(0)
 """Limits of no motor, which stand for unbounded ones of as many as there are."""
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, repr=False)
 class Actuators:
     """k motors that drive n joint coordinates: motor = G theta + o, both sides in rad, or m where they slide.
 
@@ -77,6 +78,9 @@ class Actuators:
         if self.limits.lower.size != k:
             object.__setattr__(self, "limits", JointLimits.unbounded(k))
         _ = self.joint_limits
+
+    def __repr__(self) -> str:
+        return told("Actuators", {"names": self.names, "joint_names": self.joint_names})
 
     def __getstate__(self) -> dict[str, Any]:
         return {name: value for name, value in self.__dict__.items() if name not in _MADE_WHEN_ASKED}

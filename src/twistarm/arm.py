@@ -16,6 +16,7 @@ from numpy.typing import ArrayLike
 from . import engine, poe
 from .actuators import Actuators
 from .baking import Baked, write_baked
+from .brief import html_table, in_brief, told
 from .checks import (
     Array,
     as_floats,
@@ -52,6 +53,9 @@ class Coupling(NamedTuple):
     A: Array
     b: Array
 
+    def __repr__(self) -> str:
+        return told("Coupling", self._asdict())
+
 
 class Proof(NamedTuple):
     """The check at load: worst differences between product of exponentials and Pinocchio, over `samples` postures."""
@@ -61,7 +65,7 @@ class Proof(NamedTuple):
     samples: int
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, repr=False)
 class Arm:
     """A robot arm with n independent joint coordinates `theta` (..., n) [rad or m], ordered base to tip.
 
@@ -117,6 +121,23 @@ class Arm:
         kept = {name: value for name, value in self.__dict__.items() if name not in _MADE_WHEN_ASKED}
         # What keeps a mapping from being changed cannot be pickled.
         return kept | {name: dict(kept[name]) for name in ("named_states", "couplings")}
+
+    def __repr__(self) -> str:
+        return f"Arm({self.name}: {self._summary}; joints {in_brief(self.joint_names)})"
+
+    def _repr_html_(self) -> str:
+        """A table of the joints, for a notebook."""
+        limits = zip(self.limits.lower, self.limits.upper, self.limits.velocity, self.ready, strict=True)
+        rows = (
+            [name, kind, unit, *(_or_none(value) for value in numbers)]
+            for name, kind, unit, numbers in zip(self.joint_names, self.joint_types, self.units, limits, strict=True)
+        )
+        head = ["joint", "type", "unit", "lower", "upper", "velocity (per s)", "ready"]
+        return html_table(f"{self.name}: {self._summary}", head, rows)
+
+    @property
+    def _summary(self) -> str:
+        return f"{self.n} joint{'s' * (self.n != 1)} from {self.base} to {self.tip}, reach {self.reach:.3g} m"
 
     # -- what it is ----------------------------------------------------------------------------------------------
 
@@ -505,6 +526,11 @@ class Arm:
 def require_arm(arm: Any) -> Arm:
     """`arm`, or InputError."""
     return require(arm, Arm, "arm", "as load_arm returns it")
+
+
+def _or_none(value: float) -> str:
+    """A limit in a table; nothing where it was not given."""
+    return f"{value:.4g}" if np.isfinite(value) else "–"
 
 
 def _one_vector(value: ArrayLike, name: str) -> Array:

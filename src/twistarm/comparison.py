@@ -13,6 +13,7 @@ import numpy as np
 
 from . import engine, poe
 from .arm import Arm, require_arm
+from .brief import Brief
 from .checks import Array, as_whole, frozen, require_callback
 from .description.tree import Description
 from .errors import ComparisonError, InputError, MissingExtraError, missing_extra
@@ -45,8 +46,8 @@ Progress = Callable[[float], object]
 """Called with the fraction done, 0 to 1."""
 
 
-@dataclass(frozen=True)
-class Comparison:
+@dataclass(frozen=True, repr=False)
+class Comparison(Brief):
     """One quantity in two engines: the worst difference, where it was found, what is allowed; or why not compared."""
 
     quantity: str
@@ -63,12 +64,18 @@ class Comparison:
         return bool(self.not_compared) or self.worst <= self.tolerance
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, repr=False)
 class CrossCheck:
     """Every comparison made of one arm."""
 
     arm: str
     comparisons: tuple[Comparison, ...]
+
+    def __repr__(self) -> str:
+        compared = [row for row in self.comparisons if not row.not_compared]
+        worst = max((row.worst for row in compared), default=0.0)
+        verdict = "all agree" if self.ok else f"{sum(not row.ok for row in self.comparisons)} disagree"
+        return f"CrossCheck({self.arm}: {len(compared)} comparisons, {verdict}, worst {worst:.2g})"
 
     @property
     def ok(self) -> bool:

@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
+from .brief import told
 from .checks import Array, frozen
 from .errors import InputError, LimitError, unknown_name
 
@@ -19,7 +20,7 @@ AS_GOOD_AS_UNBOUNDED = 1e4
 """No joint turns or slides that far [rad, m]; files write such numbers where they mean no limit."""
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, repr=False)
 class JointLimits:
     """Limits of n degrees of freedom, each an (n,) array: rad or m, and their rates; N m or N for effort.
 
@@ -54,6 +55,10 @@ class JointLimits:
     def __setstate__(self, state: dict[str, Any]) -> None:
         self.__dict__.update(state)
         self.__post_init__()
+
+    def __repr__(self) -> str:
+        given = {name: getattr(self, name) for name in FIELDS if not np.isinf(getattr(self, name)).all()}
+        return told("JointLimits", given or {"unbounded": self.lower.size})
 
     @classmethod
     def unbounded(cls, n: int) -> JointLimits:

@@ -6,14 +6,15 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from .brief import Brief
 from .checks import Array
 
 NO_MOTION = 1e-9
 """A singular value this small beside the largest is the rounding of 0."""
 
 
-@dataclass(frozen=True)
-class Manipulability:
+@dataclass(frozen=True, repr=False)
+class Manipulability(Brief):
     """Singular values of the body Jacobian, metres and radians brought together by `length` [m].
 
     The linear rows are divided by `length`, the columns of prismatic joints multiplied by it, so that every number

@@ -8,6 +8,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from .brief import Brief
 from .checks import Array, frozen
 from .errors import InputError
 from .limits import JointLimits
@@ -30,8 +31,8 @@ class Allowed(NamedTuple):
     limit: str | None = None
 
 
-@dataclass(frozen=True, eq=False)
-class MotionLimits:
+@dataclass(frozen=True, eq=False, repr=False)
+class MotionLimits(Brief):
     """Limits of x = C theta + c, one row for each motor or joint: C (r, n), c (r,), `limits` of r rows [rad or m].
 
     A motion is safe while the arm could stop straight on, all joints slowing in proportion. That takes the time

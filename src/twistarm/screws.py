@@ -12,6 +12,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from . import rotations
+from .brief import Brief
 from .checks import Array, as_floats, as_pose, as_twist, frozen, require_broadcast, require_choice
 from .errors import InputError
 from .rotations import cross, skew
@@ -218,8 +219,8 @@ def _rotated(g: Array, halves: Array) -> tuple[Array, Array]:
 # screws -----------------------------------------------------------------------------------------------
 
 
-@dataclass(frozen=True, eq=False)
-class Screw:
+@dataclass(frozen=True, eq=False, repr=False)
+class Screw(Brief):
     """The geometry of a twist: turning about a line while sliding along it (Chasles). MLS §2.3.3.
 
     axis: unit vector (..., 3); zero for the zero twist.

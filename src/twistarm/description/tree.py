@@ -91,7 +91,7 @@ class Joint:
         return np.concatenate([self.axis, zero] if self.type == "prismatic" else [zero, self.axis])
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, repr=False)
 class Description:
     """Links and joints as read, repaired, with the findings of the reading.
 
@@ -107,6 +107,10 @@ class Description:
     text: str = field(repr=False)
     repaired: str = field(repr=False)
     findings: tuple[Finding, ...] = ()
+
+    def __repr__(self) -> str:
+        source = f" from {self.path.name}" if self.path else ""
+        return f"Description({self.name}: {len(self.links)} links, {len(self.joints)} joints{source})"
 
     @property
     def leaves(self) -> tuple[str, ...]:

@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 
 from ..arm import Arm
+from ..brief import told
 from ..checks import Array
 from ..errors import NotConvergedError
 from .answer import Answer, plain
@@ -159,7 +160,5 @@ class IKSolution:
         return IKSolution, (self._arm, plain(self._answer), self._target)
 
     def __repr__(self) -> str:
-        return (
-            f"IKSolution({self.stop.name}, theta={self.theta!r}, position_error={self.position_error:.3g}, "
-            f"orientation_error={self.orientation_error:.3g}, method={self.method!r})"
-        )
+        off = {"position_error": self.position_error, "orientation_error": self.orientation_error}
+        return told("IKSolution", {"stop": self.stop, "theta": self.theta, **off, "method": self.method})

@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from ..arm import Arm
+from ..brief import Brief
 from ..checks import Array, Matrix, Row, as_direction, as_pose, as_reals, as_vector, frozen, require_choice
 from ..errors import InputError
 from . import rotation_errors
@@ -26,8 +27,8 @@ FARTHEST = 1e6
 """Beyond this [m] a target is a mistake in the units, and its square leaves the range where errors add up."""
 
 
-@dataclass(frozen=True, eq=False, init=False)
-class Pose:
+@dataclass(frozen=True, eq=False, init=False, repr=False)
+class Pose(Brief):
     """The whole pose: g_st(θ) = g, (4, 4).
 
     Position error ‖p − p_g‖; orientation error the angle of R_gᵀ R. Raises InputError for what is not in SE(3).
@@ -73,8 +74,8 @@ class Pose:
         return f"the pose at {metres(self.g[:3, 3])}, turned {turned:.1f}° from the base's axes"
 
 
-@dataclass(frozen=True, eq=False, init=False)
-class Position:
+@dataclass(frozen=True, eq=False, init=False, repr=False)
+class Position(Brief):
     """The tool's origin at p (3,) [m] in the base frame, the orientation free."""
 
     p: Array
@@ -116,8 +117,8 @@ class Position:
         return f"the position {metres(self.p)}"
 
 
-@dataclass(frozen=True, eq=False, init=False)
-class Approach:
+@dataclass(frozen=True, eq=False, init=False, repr=False)
+class Approach(Brief):
     """The tool's origin at p [m] and R @ tool_axis = direction (base axes); turning about the tool axis is free.
 
     `tool_axis` (3,), in tool axes, is what points along the direction; None means that of the arm, `arm.tool_axis`:
@@ -196,8 +197,8 @@ class Approach:
         return f"the position {metres(self.p)} with the tool pointing by {axis} along {numbers(self.direction)}"
 
 
-@dataclass(frozen=True, eq=False, init=False)
-class Task:
+@dataclass(frozen=True, eq=False, init=False, repr=False)
+class Task(Brief):
     """The pose g within `tolerance`, six numbers (x, y, z [m], rx, ry, rz [rad]).
 
     The error is (p − p_g, log(R R_gᵀ)) in base axes, turned into the target's axes for frame="tool". A tolerance of 0

@@ -11,6 +11,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike
 
+from ..brief import in_brief, told
 from ..checks import Array, as_floats, frozen
 from ..errors import InputError
 from ..files import write_whole
@@ -34,8 +35,11 @@ class Samples(NamedTuple):
     theta_dot: Array
     theta_ddot: Array
 
+    def __repr__(self) -> str:
+        return told("Samples", self._asdict())
 
-@dataclass(frozen=True, eq=False)
+
+@dataclass(frozen=True, eq=False, repr=False)
 class Trajectory:
     """theta(t) of n joints, a polynomial on each of s pieces; at rest before, at the start, at the end and after.
 
@@ -64,6 +68,10 @@ class Trajectory:
         steps = np.diff(self.breakpoints)
         if s < 1 or self.breakpoints[0] != 0 or not ((steps > 0).all() or (s == 1 and steps[0] == 0)):
             raise InputError("the breakpoints of a trajectory must increase from 0")
+
+    def __repr__(self) -> str:
+        through = f"{self.duration:.4g} s through {len(self.times)} waypoints"
+        return f"Trajectory({through}; joints {in_brief(self.joint_names)})"
 
     @property
     def n(self) -> int:

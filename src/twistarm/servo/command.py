@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from ..arm import Arm, require_arm
+from ..brief import Brief
 from ..checks import (
     Array,
     Matrix,
@@ -38,8 +39,8 @@ HELD = {
 """Components (vx, vy, vz, wx, wy, wz) that are held, by the names of their halves."""
 
 
-@dataclass(frozen=True, eq=False, init=False)
-class TwistCommand:
+@dataclass(frozen=True, eq=False, init=False, repr=False)
+class TwistCommand(Brief):
     """Move the tool: twist (v, w) (6,) [m/s, rad/s] of the tool's origin, in tool axes or in base axes.
 
     frame="tool": the body twist V^b = (g⁻¹ ġ)^∨. frame="base": (ṗ, ω), the velocity of the tool's origin and the
@@ -72,8 +73,8 @@ class TwistCommand:
             object.__setattr__(self, name, value)
 
 
-@dataclass(frozen=True, eq=False, init=False)
-class JogCommand:
+@dataclass(frozen=True, eq=False, init=False, repr=False)
+class JogCommand(Brief):
     """Move the joints: their rates (n,) [rad/s, m/s], base to tip. See also `JogCommand.of`."""
 
     theta_dot: Array
@@ -95,8 +96,8 @@ class JogCommand:
         return cls(require_arm(arm).theta_from(dict.fromkeys(arm.joint_names, 0.0) | dict(given)))
 
 
-@dataclass(frozen=True, eq=False, init=False)
-class PoseCommand:
+@dataclass(frozen=True, eq=False, init=False, repr=False)
+class PoseCommand(Brief):
     """Bring the tool to the pose g (4, 4), seen from the base, straight and turning about one axis, and hold it there.
 
     Where acceleration limits are tight for the speeds, the tool may pass the pose by millimetres and come back.

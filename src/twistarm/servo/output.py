@@ -7,6 +7,7 @@ from enum import Enum
 
 import numpy as np
 
+from ..brief import Brief
 from ..checks import Array, frozen
 from .answer import Answer, Cause
 from .bounds import Bounds
@@ -38,8 +39,8 @@ WORTH_SAYING = 0.02
 _NOTHING_LOST = frozen(np.zeros(6))
 
 
-@dataclass(frozen=True, eq=False)
-class ServoOutput:
+@dataclass(frozen=True, eq=False, repr=False)
+class ServoOutput(Brief):
     """What one step answers.
 
     theta_dot (n,) [rad/s, m/s]: the joint rates for the coming dt.

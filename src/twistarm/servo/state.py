@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from ..arm import Arm, require_arm
+from ..brief import Brief
 from ..checks import Array, as_theta, frozen
 from ..errors import InputError
 
@@ -15,8 +16,8 @@ MOST = 1e6
 """No joint is beyond it, nor as fast [rad, m, per s]."""
 
 
-@dataclass(frozen=True, eq=False)
-class ServoState:
+@dataclass(frozen=True, eq=False, repr=False)
+class ServoState(Brief):
     """Where the commanded arm is, theta (n,) [rad, m], how it moves, theta_dot (n,), and the pose it holds.
 
     theta is integrated from what was commanded, never read back from the arm: measured noise cannot make it drift.

@@ -9,13 +9,14 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Protocol
 
+from ..brief import Brief
 from ..checks import Array
 from ..errors import TwistarmError
 from ..servo import AnyCommand, ServoOutput, ServoState
 
 
-@dataclass(frozen=True, eq=False)
-class Reading:
+@dataclass(frozen=True, eq=False, repr=False)
+class Reading(Brief):
     """What a source has at this moment: a command and its age [s], or None and the reason why there is none.
 
     `idle`: nobody wants anything, for nobody ever commanded, or the last word was a stop; then silence is no trouble.
@@ -27,8 +28,8 @@ class Reading:
     idle: bool = False
 
 
-@dataclass(frozen=True, eq=False)
-class Measured:
+@dataclass(frozen=True, eq=False, repr=False)
+class Measured(Brief):
     """Where the joints are, theta (n,) [rad, m], and when that was heard [s]; None and a reason where it is unknown."""
 
     theta: Array | None
@@ -36,8 +37,8 @@ class Measured:
     reason: str = ""
 
 
-@dataclass(frozen=True, eq=False)
-class Setpoint:
+@dataclass(frozen=True, eq=False, repr=False)
+class Setpoint(Brief):
     """What the joints are told: rates theta_dot (n,) until the next one, and theta (n,) where they are by then.
 
     `time` [s] is the clock's when it was computed, `number` counts from 0.

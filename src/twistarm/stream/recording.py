@@ -11,6 +11,7 @@ from pathlib import Path
 import numpy as np
 
 from ..arm import Arm
+from ..brief import Brief
 from ..checks import Array, as_floats, frozen
 from ..errors import InputError, LimitError, closest, listed
 
@@ -23,8 +24,8 @@ BEYOND_LIMIT = 1e-6
 """Beyond a position limit by less [rad, m] is rounding of the file."""
 
 
-@dataclass(frozen=True, eq=False)
-class Recording:
+@dataclass(frozen=True, eq=False, repr=False)
+class Recording(Brief):
     """theta (k, n) and theta_dot (k, n) at the times t (k,) [s], which increase from 0, at least two of them."""
 
     t: Array

@@ -8,6 +8,7 @@ from dataclasses import dataclass
 from enum import Enum
 from types import MappingProxyType
 
+from ..brief import told
 from ..servo import ServoStatus
 from .metronome import Lateness
 
@@ -28,7 +29,7 @@ class Ending(Enum):
 AS_ASKED = (Ending.DURATION, Ending.DONE, Ending.INTERRUPTED)
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, repr=False)
 class StreamReport:
     """What a stream did.
 
@@ -59,6 +60,10 @@ class StreamReport:
     undelivered: tuple[str, ...]
     delivered: bool
     failures: tuple[str, ...]
+
+    def __repr__(self) -> str:
+        named = {name: getattr(self, name) for name in ("cycles", "missed", "duration", "ending", "reason")}
+        return told("StreamReport", named)
 
     @property
     def ok(self) -> bool:

@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from ..arm import Arm
+from ..brief import Brief
 from ..checks import Array, as_positive, frozen
 from ..errors import InputError
 from ..servo import AnyCommand, ServoOutput, ServoSettings, ServoState, servo_step
@@ -25,8 +26,8 @@ BRAKING_SPARE = 0.5
 """Seconds that coming to rest may take beyond twice what velocity over acceleration says."""
 
 
-@dataclass(frozen=True, eq=False)
-class Cycle:
+@dataclass(frozen=True, eq=False, repr=False)
+class Cycle(Brief):
     """What happened in one cycle.
 
     theta (n,): the joint state where it can be used. setpoint: what was computed, None before the first joint state.

@@ -12,6 +12,7 @@ from typing import Any
 import numpy as np
 
 from ..actuators import Actuators
+from ..brief import Brief
 from ..checks import Array, as_floats, as_pose, frozen
 from ..description.document import read_text
 from ..description.geometry import number
@@ -30,8 +31,8 @@ UNIT_LENGTH_TOL = 0.01
 """A logged quaternion is rounded to a few digits; one that is further from length 1 holds something else."""
 
 
-@dataclass(frozen=True, eq=False)
-class WiringLog:
+@dataclass(frozen=True, eq=False, repr=False)
+class WiringLog(Brief):
     """K moments: `counts` (K, k) as the drives of `names` count, `measured` the tool seen from the base link.
 
     `measured` (K, 3) are positions of the tool's origin [m], or (K, 4, 4) poses. Raises InputError for anything else.

@@ -6,6 +6,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import NamedTuple
 
+from ..brief import told
 from ..errors import ComparisonError
 
 
@@ -44,7 +45,7 @@ class MotorVerdict:
     remedy: str
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, repr=False)
 class WiringReport:
     """The verdict on the whole ("sound", "fault", "cannot tell", "unexplained"), and on each motor.
 
@@ -61,6 +62,9 @@ class WiringReport:
     before: Residual
     after: Residual
     worst_row: int
+
+    def __repr__(self) -> str:
+        return told("WiringReport", {"arm": self.arm, "verdict": self.verdict, "what": self.what})
 
     @property
     def ok(self) -> bool:

@@ -1,0 +1,73 @@
+"""How objects show themselves at a prompt, in a line or three, and in a notebook, as a table."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable, Sequence
+from dataclasses import fields
+from enum import Enum
+from html import escape
+from typing import Any
+
+import numpy as np
+
+from .errors import SHOWN, one_line, shown
+
+LONGEST_ROW = 8
+"""Numbers in a row before the shape alone is told."""
+
+CELL = "padding: 0.15em 0.8em; text-align: {}; border-bottom: 1px solid rgba(128, 128, 128, 0.4)"
+"""Colours of the page around it, dark or light, and lines that show on both."""
+
+
+class Brief:
+    """A dataclass whose repr fits a prompt: numbers with four digits, of larger arrays the shape alone."""
+
+    def __repr__(self) -> str:
+        named = {each.name: getattr(self, each.name) for each in fields(self) if each.repr}  # type: ignore[arg-type]
+        return told(type(self).__name__, named)
+
+
+def told(kind: str, named: dict[str, Any]) -> str:
+    """`Position(p=[1, 0, 0.5])`: an object by its kind and what it holds."""
+    return f"{kind}({', '.join(f'{name}={in_brief(value)}' for name, value in named.items())})"
+
+
+def in_brief(value: Any) -> str:
+    """A value in a few characters."""
+    if isinstance(value, Enum):
+        return value.name
+    if isinstance(value, (float, np.floating)):
+        return f"{value:.4g}"
+    if isinstance(value, np.ndarray):
+        return _array(value) if value.ndim else in_brief(value.item())
+    if isinstance(value, (list, tuple)):
+        more = [f"… {len(value)} in all"] if len(value) > LONGEST_ROW else []
+        texts = [each if isinstance(each, str) else in_brief(each) for each in value[:LONGEST_ROW]]
+        return f"[{', '.join([*texts, *more])}]"
+    return repr(value) if isinstance(value, Brief) else shown(value)
+
+
+def html_table(caption: str, head: Sequence[str], rows: Iterable[Sequence[str]]) -> str:
+    """A table for a notebook: texts to the left, numbers to the right; every text is escaped."""
+    titles = "".join(f'<th style="{CELL.format("left")}">{escape(title)}</th>' for title in head)
+    lines = "".join(f"<tr>{''.join(map(_cell, row))}</tr>" for row in rows)
+    return (
+        f'<table style="border-collapse: collapse"><caption style="text-align: left">{escape(caption)}</caption>'
+        f"<thead><tr>{titles}</tr></thead><tbody>{lines}</tbody></table>"
+    )
+
+
+def _cell(text: str) -> str:
+    side = "right" if text.lstrip("−-")[:1].isdigit() else "left"
+    return f'<td style="{CELL.format(side)}">{escape(one_line(text, SHOWN))}</td>'
+
+
+def _array(array: np.ndarray[Any, Any]) -> str:
+    if array.shape == (4, 4):
+        turned = math.degrees(math.acos(min(max((float(np.trace(array)) - 2.0) / 2.0, -1.0), 1.0)))
+        return f"at {_array(array[:3, 3])} turned {turned:.4g}°"
+    if array.ndim == 1 and len(array) <= LONGEST_ROW and array.dtype.kind in "iuf":
+        # What is below 1e-12 beside other numbers is the rounding of a zero.
+        return f"[{', '.join('0' if abs(value) < 1e-12 else f'{value:.4g}' for value in array.tolist())}]"
+    return f"array of shape {array.shape}"

@@ -1,0 +1,142 @@
+"""What objects show of themselves: a line or three at a prompt, and an arm as a table in a notebook."""
+
+from __future__ import annotations
+
+from html.parser import HTMLParser
+
+import numpy as np
+import pytest
+
+from catalogue import load
+from twistarm import (
+    Actuators,
+    Approach,
+    Arm,
+    JogCommand,
+    Pose,
+    PoseCommand,
+    Position,
+    ServoState,
+    Task,
+    Trajectory,
+    TwistCommand,
+    arm_from_screws,
+    crosscheck,
+    plan_joint,
+    screws,
+    servo_step,
+    solve_ik,
+    solve_ik_batch,
+)
+from twistarm.wiring import WiringLog
+
+LONGEST = 240
+"""Three lines of a terminal of 80 columns."""
+
+
+def printed() -> list[object]:
+    """One of whatever a person prints."""
+    arm = load("panda")
+    theta, g = arm.ready, arm.fk(arm.ready)
+    motion = plan(arm)
+    state, output = servo_step(arm, ServoState.at(arm, theta), [0.1, 0, 0, 0, 0, 0], 0.01)
+    check = crosscheck(arm, 2)
+    motors = Actuators(arm.joint_names, arm.joint_names, 50 * np.eye(7), np.zeros(7), ("tick",) * 7, 4096 * np.ones(7))
+    targets = [Pose(g), Position([1, 0, 0]), Approach([1, 0, 0], [0, 0, 1]), Task(g, [0] * 6)]
+    commands = [TwistCommand([0.1, 0, 0, 0, 0, 0]), JogCommand(theta), PoseCommand(g)]
+    answers = [solve_ik(arm, targets[1]), solve_ik(arm, Position([9, 0, 0])), solve_ik_batch(arm, targets)]
+    parts = [
+        arm.limits,
+        arm.coupling,
+        arm.proof,
+        arm.description,
+        arm.manipulability(theta),
+        motion.sample(0.1),
+        motors,
+    ]
+    log = WiringLog(("a", "b"), np.zeros((9, 2)), np.zeros((9, 3)))
+    screw = screws.to_screw([0.1, 0, 0, 0, 0, 1])
+    return [
+        arm,
+        motion,
+        state,
+        output,
+        check,
+        check.comparisons[0],
+        *targets,
+        *commands,
+        *answers,
+        *parts,
+        motors,
+        log,
+        screw,
+    ]
+
+
+def plan(arm: Arm) -> Trajectory:
+    return plan_joint(arm, [arm.ready, arm.ready], limits={"velocity": 1.0, "acceleration": 1.0})
+
+
+def test_every_object_fits_three_lines_of_a_terminal() -> None:
+    for thing in printed():
+        text = repr(thing)
+        assert text.startswith(type(thing).__name__), text
+        assert "\n" not in text, text
+        assert len(text) <= LONGEST, f"{len(text)}: {text}"
+
+
+def test_what_is_said_is_what_is_held() -> None:
+    arm = load("rover_arm")
+    assert repr(arm) == (
+        "Arm(rover_arm: 5 joints from base_link to tool0, reach 1.08 m; "
+        "joints [slide, shoulder, elbow, wrist_pitch, wrist_roll])"
+    )
+    assert repr(plan(arm)).startswith("Trajectory(0 s through 2 waypoints; joints [slide, shoulder,")
+    assert repr(Position([1.23456789, 1e-17, -2])) == "Position(p=[1.235, 0, -2])"
+    g = screws.exp([0.5, 0, 0, 0, 0, 0]) @ screws.exp([0, 0, 0, 0, 0, np.pi / 3])
+    assert repr(Pose(g)) == "Pose(g=at [0.5, 0, 0] turned 60°)"
+
+
+@pytest.mark.parametrize("n", [1, 32])
+def test_arms_of_any_length_are_told_in_brief(n: int) -> None:
+    columns = np.tile([[0.0], [0], [0], [0], [0], [1]], (1, n))
+    arm = arm_from_screws(columns, np.eye(4), name="long")
+    for thing in (arm, arm.limits, plan(arm)):
+        assert len(repr(thing)) <= LONGEST
+
+
+class Cells(HTMLParser):
+    """The texts of the cells, row by row, and the names of all tags."""
+
+    def __init__(self, text: str) -> None:
+        super().__init__()
+        self.rows: list[list[str]] = []
+        self.tags: set[str] = set()
+        self.feed(text)
+
+    def handle_starttag(self, tag: str, attrs: object) -> None:
+        self.tags.add(tag)
+        if tag == "tr":
+            self.rows.append([])
+
+    def handle_data(self, data: str) -> None:
+        if self.rows:
+            self.rows[-1].append(data)
+
+
+def test_a_notebook_shows_an_arm_as_a_table_of_its_joints() -> None:
+    arm = load("rover_arm")
+    head, *rows = Cells(arm._repr_html_()).rows
+    assert head == ["joint", "type", "unit", "lower", "upper", "velocity (per s)", "ready"]
+    assert [row[0] for row in rows] == list(arm.joint_names)
+    assert rows[0][1:6] == ["prismatic", "m", "-0.5", "0.5", "0.5"]
+    assert rows[4][3:5] == ["–", "–"], "a continuous joint has no limits"
+    assert [float(row[6]) for row in rows] == pytest.approx(arm.ready.tolist(), rel=1e-3)
+
+
+def test_names_do_not_become_markup() -> None:
+    name = "<script>alert(1)</script>"
+    arm = arm_from_screws(np.array([[0.0, 0, 0, 0, 0, 1]]).T, np.eye(4), joints=[name], name="<b>&")
+    shown = Cells(arm._repr_html_())
+    assert shown.tags <= {"table", "caption", "thead", "tbody", "tr", "th", "td"}
+    assert shown.rows[1][0] == name
