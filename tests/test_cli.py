@@ -254,10 +254,20 @@ def test_check_and_freeze(capsys: Capture, tmp_path: Path, monkeypatch: pytest.M
     assert run(["freeze", str(path)]) == 0
     assert "tiny.golden.json: tiny frozen; later" in capsys.readouterr().out
     assert run(["check", str(path), "--samples", "20", "--against", "tiny.golden.json"]) == 0
-    assert "unchanged since tiny.golden.json" in capsys.readouterr().out
+    assert capsys.readouterr().out.startswith("tiny: all engines agree; unchanged since tiny.golden.json\n")
     write(tmp_path, two_joints(xyz="0.012 0 0.5"))
     assert run(["check", str(path), "--samples", "20", "--against", "tiny.golden.json"]) == 1
-    assert "changed: joint a moved 12 mm along x" in capsys.readouterr().out
+    assert capsys.readouterr().out.startswith(
+        "tiny: all engines agree; CHANGED since tiny.golden.json\nchanged: joint a moved 12 mm along x\n"
+    )
+    assert run(["check", str(path), "--samples", "20", "--against", "tiny.golden.json", "--json"]) == 1
+    content = json.loads(capsys.readouterr().out)
+    assert (content["ok"], content["unchanged"]) == (False, False)
+    write(tmp_path, two_joints(xyz="0.0000009 0 0.5"))  # less than a micrometre: rounding of another export
+    assert answer(capsys, "check", str(path), "--samples", "20", "--against", "tiny.golden.json")["unchanged"]
+    write(tmp_path, two_joints(xyz="0.000002 0 0.5"))
+    assert run(["check", str(path), "--samples", "20", "--against", "tiny.golden.json"]) == 1
+    capsys.readouterr()
     content = answer(capsys, "check", str(path), "--samples", "20")
     assert content["ok"]
 
@@ -317,7 +327,8 @@ BAD = {
     "a page into nowhere": (["view", "rover_arm", "-o", "nowhere/a.html"], "does not exist"),
     "an unknown command": (["inof", "rover_arm"], "inof"),
     "an unknown option": (["info", "rover_arm", "--jsno"], "--jsno"),
-    "no arm": (["info"], "ARM"),
+    "no arm": (["fk"], "ARM"),
+    "options without an arm": (["info", "--tip", "tool0"], "give an ARM"),
 }  # fmt: skip
 
 
@@ -345,11 +356,22 @@ def test_several_possible_tips_are_listed(capsys: Capture, tmp_path: Path) -> No
     assert said.endswith("could be the tip: 'left tip' (2 joints), 'right' (2 joints); pass --tip 'left tip'\n")
 
 
-def test_planning_without_limits_names_the_joint_and_the_argument(capsys: Capture, tmp_path: Path) -> None:
+def test_planning_without_limits_assumes_the_usual_ones_and_says_so(capsys: Capture, tmp_path: Path) -> None:
     path = write(tmp_path, two_joints())
-    message = error_of(capsys, "plan", str(path), "--from", "zero", "--to", "10 10")
-    assert "no acceleration limit for a, b: give one for every joint as --acceleration NUMBER" in message
-    assert run(["plan", str(path), "--from", "zero", "--to", "10 10", "--acceleration", "3"]) == 0
+    assumed = "no limits given, used instead: acceleration 3 rad/s² for a, b"
+    assert run(["plan", str(path), "--from", "zero", "--to", "10 10"]) == 0
+    assert capsys.readouterr().out.startswith(f"{assumed} (--velocity, --acceleration)\n")
+    content = answer(capsys, "plan", str(path), "--from", "zero", "--to", "10 10")
+    assert content["assumed"] == assumed
+    assert np.isclose(max(content["peak_acceleration"]), 3.0)
+    given = answer(capsys, "plan", str(path), "--from", "zero", "--to", "10 10", "--acceleration", "2")
+    assert given["assumed"] is None
+    assert np.isclose(max(given["peak_acceleration"]), 2.0)
+
+
+def test_the_kind_of_spline_is_the_same_in_python(capsys: Capture, rover: twistarm.Arm) -> None:
+    motion = twistarm.plan_joint(rover, ["ready", "stowed"])
+    assert np.isclose(answer(capsys, "plan", "rover_arm", "--to", "stowed")["duration"], motion.duration)
 
 
 def test_a_port_in_use(capsys: Capture) -> None:
@@ -397,6 +419,35 @@ def test_the_installed_program() -> None:
     helped = subprocess.run([program, "--help"], capture_output=True, text=True, timeout=60, check=True)
     commands = "demo arms info init check freeze doctor bake wiring fk jacobian ik plan view servo"
     assert set(commands.split()) <= set(re.findall(r"\w+", helped.stdout))
+
+
+def test_version_and_what_is_installed(capsys: Capture) -> None:
+    done = subprocess.run([sys.executable, "-m", "twistarm", "--version"], capture_output=True, text=True, timeout=60)
+    assert (done.returncode, done.stdout) == (0, f"twistarm {twistarm.__version__}\n")
+    content = answer(capsys, "info")
+    assert content["twistarm"] == twistarm.__version__
+    assert content["libraries"]["numpy"] == np.__version__
+    assert {"pin", "meshcat", "yourdfpy", "example-robot-data", "scipy"} <= set(content["libraries"])
+    assert run(["info"]) == 0
+    shown = capsys.readouterr().out
+    assert f"engine: {content['engine']}" in shown
+    assert f"numpy                {np.__version__}" in shown
+
+
+def test_bare_it_shows_the_commands(capsys: Capture) -> None:
+    assert run([]) == 0
+    captured = capsys.readouterr()
+    assert captured.err == ""
+    assert all(word in captured.out for word in ("Usage", "doctor", "jacobian", "--version"))
+
+
+def test_the_shell_completes_commands_options_and_arms() -> None:
+    program = str(Path(sys.executable).with_name("twistarm"))
+    for line, wanted in (("ja", "jacobian"), ("info --xa", "--xacro"), ("fk rover_arm_6", "rover_arm_6dof")):
+        typed = {"COMP_WORDS": f"twistarm {line}", "COMP_CWORD": str(1 + line.count(" "))}
+        asked = {"_TWISTARM_COMPLETE": "complete_bash", **typed}
+        done = subprocess.run([program], capture_output=True, text=True, timeout=60, env=asked)
+        assert done.stdout.split() == [wanted]
 
 
 def test_a_reader_that_leaves_early_is_no_error() -> None:

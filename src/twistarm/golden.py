@@ -22,8 +22,11 @@ from .screws import Screw, adjoint, hat, inverse, to_screw
 FORMAT = "twistarm golden 1"
 SAMPLES = 100
 
-SAME_TOL = 1e-9
-"""Smaller differences, in m and rad, come from rounding on another machine, not from a changed description."""
+SAME_TOL = 1e-6
+"""Smaller differences, below 1 µm and 1e-6 rad, come from rounding in an export, not from a changed description."""
+
+OPPOSITE = 1e-9
+"""Unit vectors whose product is nearer than this to -1 are opposite: no least turn takes one to the other."""
 
 
 @dataclass(frozen=True)
@@ -261,7 +264,7 @@ def _axis_change(before: Array, now: Array, tool: Array, new_tool: Array) -> tup
     turned = np.abs(new.axis - old.axis).max() > SAME_TOL
     if turned and np.abs(adjoint(motion) @ before - now).max() <= SAME_TOL:
         return _motion_words(motion, anchor), motion
-    reversed_axis = float(old.axis @ new.axis) < -1 + SAME_TOL
+    reversed_axis = float(old.axis @ new.axis) < -1 + OPPOSITE
     words = ["is reversed: it turns or slides the other way"] if reversed_axis else []
     # Reversed, the line stays where it is: nothing beyond it has turned.
     turn = np.eye(3) if reversed_axis else _turn(old.axis, new.axis)

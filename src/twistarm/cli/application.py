@@ -6,6 +6,7 @@ import io
 import os
 import sys
 from collections.abc import Sequence
+from typing import Annotated
 
 import typer
 
@@ -25,6 +26,7 @@ from . import (
     wiring,
 )
 from .typed import Command
+from .versions import version
 from .wording import as_typed
 
 BAD_ANSWER, BAD_INPUT, BUG, INTERRUPTED = 1, 2, 70, 130
@@ -34,8 +36,6 @@ app = typer.Typer(
     name="twistarm",
     help="Kinematics of robot arms in the language of screws. ARM is a URDF or xacro file, an arm.toml, or a name "
     "that `twistarm arms` lists.",
-    no_args_is_help=True,
-    add_completion=False,
     pretty_exceptions_enable=False,
 )
 for command in (
@@ -58,9 +58,22 @@ for command in (
     app.command(cls=Command)(command)
 
 
-@app.callback()
-def _program(debug: bool = typer.Option(False, "--debug", help="Show the traceback of an error.")) -> None:
-    pass
+def _print_version(wanted: bool) -> None:
+    if wanted:
+        print(f"twistarm {version()}")
+        raise typer.Exit
+
+
+Version = Annotated[
+    bool, typer.Option("--version", is_eager=True, callback=_print_version, help="Print twistarm's version.")
+]
+Debug = Annotated[bool, typer.Option("--debug", help="Show the traceback of an error.")]
+
+
+@app.callback(invoke_without_command=True)
+def _program(context: typer.Context, show_version: Version = False, debug: Debug = False) -> None:
+    if context.invoked_subcommand is None:
+        print(context.get_help(), end="")
 
 
 def main() -> None:

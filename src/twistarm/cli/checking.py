@@ -38,10 +38,28 @@ def check(
     if json:
         print_json(_as_json(result, difference))
     else:
-        console().print(check_table(result))
-        if against is not None and difference is not None:
-            _print_difference(difference, against)
-    return 0 if result.ok and (difference is None or difference.same) else 1
+        _print(result, difference, against)
+    return 0 if _good(result, difference) else 1
+
+
+def _good(result: CrossCheck, difference: Difference | None) -> bool:
+    return result.ok and (difference is None or difference.same)
+
+
+def verdict(result: CrossCheck) -> str:
+    """What the rows come to, in one line."""
+    silent = [engine for engine in result.left_out if engine in ("pinocchio", "yourdfpy")]
+    agree = f"the engines agree, but {' and '.join(silent)} compared nothing" if silent else "all engines agree"
+    return f"{result.arm}: {agree if result.ok else 'THE ENGINES DISAGREE'}"
+
+
+def _print(result: CrossCheck, difference: Difference | None, against: Path | None) -> None:
+    """The verdict first, then what has changed, then the rows."""
+    since = "" if difference is None else f"; {'unchanged' if difference.same else 'CHANGED'} since {against}"
+    print(verdict(result) + since)
+    for change in difference.changes if difference else ():
+        print(f"changed: {change}")
+    console().print(check_table(result))
 
 
 def _line(path: Path, load: dict[str, Any], samples: int) -> Line:
@@ -54,8 +72,7 @@ def _line(path: Path, load: dict[str, Any], samples: int) -> Line:
         return Line(PART, None) if is_part(path, findings) else refused(why, error=str(error))
     result = crosscheck(arm, samples)
     worst = max((row.worst for row in result.comparisons if not row.not_compared), default=0.0)
-    verdict = "ok" if result.ok else "WRONG"
-    return Line(verdict, result.ok, arm.n, f"worst difference {worst:.1e}", {"worst": worst})
+    return Line("ok" if result.ok else "WRONG", result.ok, arm.n, f"worst difference {worst:.1e}", {"worst": worst})
 
 
 @takes_arm
@@ -81,27 +98,18 @@ def check_table(result: CrossCheck) -> Any:
         for row in result.comparisons
     ]
     columns = ["quantity", "engines", "worst difference", "allowed", "postures", ""]
-    silent = [engine for engine in result.left_out if engine in ("pinocchio", "yourdfpy")]
-    agree = f"the engines agree, but {' and '.join(silent)} compared nothing" if silent else "all engines agree"
-    verdict = agree if result.ok else "THE ENGINES DISAGREE"
-    return table(f"{result.arm}: {verdict}", columns, rows, text=columns)
-
-
-def _print_difference(difference: Difference, against: Path) -> None:
-    if difference.same:
-        print(f"unchanged since {against}")
-    for change in difference.changes:
-        print(f"changed: {change}")
+    return table("", columns, rows, text=columns)
 
 
 def _as_json(result: CrossCheck, difference: Difference | None) -> dict[str, Any]:
     content: dict[str, Any] = {
         "arm": result.arm,
-        "ok": result.ok,
+        "ok": _good(result, difference),
         "comparisons": [vars(row) | {"ok": row.ok} for row in result.comparisons],
     }
     if difference is not None:
         content |= {
+            "unchanged": difference.same,
             "changes": difference.changes,
             "pose_error": difference.pose_error,
             "jacobian_error": difference.jacobian_error,

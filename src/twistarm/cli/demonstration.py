@@ -17,7 +17,7 @@ from ..ik import Approach, solve_ik
 from ..loading import load_arm
 from ..planning import Trajectory, plan_joint
 from ..viewer import Viewer, save_html
-from .checking import check_table
+from .checking import check_table, verdict
 from .inspection import info_view
 from .inverse import solution_table
 from .motion import plan_table
@@ -50,7 +50,9 @@ def _show_arm(out: Console, arm: Arm) -> None:
     out.print(jacobian_table(arm, "spatial Jacobian", arm.spatial_jacobian(arm.ready)))
     out.print(jacobian_table(arm, "body Jacobian", arm.body_jacobian(arm.ready)))
     out.rule("3. The screw view proven against Pinocchio and yourdfpy")
-    out.print(check_table(crosscheck(arm).require()))
+    result = crosscheck(arm).require()
+    print(verdict(result))
+    out.print(check_table(result))
 
 
 def _show_motion(out: Console, arm: Arm) -> Trajectory:

@@ -15,8 +15,9 @@ from ..arm import Arm
 from ..description import catalog
 from ..description.motors import MOTOR_LIMITS
 from ..limits import FIELDS
-from .options import Json, Radians, takes_arm
+from .options import Json, Radians, takes_arm_or_none
 from .output import console, finding_json, number, print_json, shown, table, units
+from .versions import versions_json, versions_text
 from .wording import as_typed
 
 
@@ -32,13 +33,15 @@ def arms(json: Json = False) -> None:
     print("example-robot-data:  " + ", ".join(models) + note)
 
 
-@takes_arm
-def info(arm: Arm, rad: Radians = False, json: Json = False) -> None:
-    """Show what was loaded: joints, limits, base, tip, named poses, findings, and the proof."""
+@takes_arm_or_none
+def info(arm: Arm | None, rad: Radians = False, json: Json = False) -> None:
+    """Show what was loaded: joints, limits, base, tip, named poses, findings, proof; without ARM what is installed."""
     if json:
-        print_json(info_json(arm))
-        return
-    console().print(info_view(arm, rad))
+        print_json(versions_json() if arm is None else info_json(arm))
+    elif arm is None:
+        print(versions_text())
+    else:
+        console().print(info_view(arm, rad))
 
 
 def info_json(arm: Arm) -> dict[str, Any]:

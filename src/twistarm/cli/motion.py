@@ -14,6 +14,7 @@ from ..limits import JointLimits
 from ..planning import Trajectory, plan_joint
 from ..planning.export import csv_text, json_text
 from ..ready_pose import named_ready
+from ..usual_limits import defaults_line, with_defaults
 from .options import Json, Radians, takes_arm
 from .output import console, note, number, print_json, progress_bar, shown, table, theta_values, units
 from .outputs import Force, Format, outputs_of
@@ -61,7 +62,7 @@ def plan(
     arm: Arm,
     to: Through,
     start: Start = None,
-    kind: Kind = Kind.quintic,
+    kind: Kind = Kind.cubic,
     velocity: Rate = None,
     acceleration: Rate = None,
     stop: Annotated[bool, typer.Option("--stop", help="Come to rest at every pose.")] = False,
@@ -72,11 +73,10 @@ def plan(
     rad: Radians = False,
     json: Json = False,
 ) -> None:
-    """Plan the fastest spline through the poses under the position, velocity and acceleration limits."""
+    """Plan the fastest spline through the poses under position, velocity and acceleration limits, or the usual ones."""
     origin = "ready" if start is None else start
-    if start is None:
-        note(_start(arm, rad))
-    limits = capped(arm, {"velocity": velocity, "acceleration": acceleration})
+    given = capped(arm, {"velocity": velocity, "acceleration": acceleration})
+    limits = with_defaults(arm, given)
     outputs = outputs_of(output, {"csv": (".csv",), "json": (".json",)}, form, force=force, json=json)
     with progress_bar("planning") as progress:
         planned = plan_joint(
@@ -87,10 +87,14 @@ def plan(
             stop_at_waypoints=stop,
             progress=progress,
         )
+    if start is None:
+        note(_start(arm, rad))
     written = outputs.write({"csv": lambda: csv_text(planned, dt), "json": lambda: json_text(planned, dt)})
     if json:
-        print_json({**_as_json(arm, planned, written), "start": origin})
+        print_json({**_as_json(arm, planned, written), "start": origin, "assumed": defaults_line(arm, given) or None})
         return
+    if assumed := defaults_line(arm, given):
+        print(f"{assumed} (--velocity, --acceleration)", file=outputs.words)
     console(outputs.words).print(plan_table(arm, planned, rad, limits))
     for name in written:
         print(f"written: {name}", file=outputs.words)

@@ -13,11 +13,29 @@ import numpy as np
 import typer
 
 from ..arm import Arm
+from ..description.catalog import model_arms, own_arms
 from ..errors import InputError
 from ..loading import load_arm
 from .typed import VALUES
 
-Source = Annotated[str, typer.Argument(metavar="ARM", help="URDF, xacro, arm.toml, arm.json, or catalogue name.")]
+ENDINGS = (".urdf", ".xacro", ".toml", ".json")
+"""Of files that may be an ARM."""
+
+
+def arms_like(typed: str) -> list[str]:
+    """Completions of ARM: names of the catalogue and descriptions here; none leave the shell its own."""
+    names = [name for name in (*own_arms(), *model_arms()) if name.startswith(typed)]
+    files = [path.name for path in Path().glob("*") if path.name.startswith(typed) and path.suffix in ENDINGS]
+    return names + files if names else []
+
+
+ARM = typer.Argument(
+    metavar="ARM", help="URDF, xacro, arm.toml, arm.json, or catalogue name.", autocompletion=arms_like
+)
+Source = Annotated[str, ARM]
+ARM_OR_NONE = inspect.Parameter(
+    "source", inspect.Parameter.KEYWORD_ONLY, default=None, annotation=Annotated[str | None, ARM]
+)
 Base = Annotated[str | None, typer.Option(metavar="LINK", help="Base link, instead of the root.")]
 Tip = Annotated[str | None, typer.Option(metavar="LINK", help="Tip link, instead of the one found by its name.")]
 PackageDir = Annotated[
@@ -57,20 +75,31 @@ def takes_arm(command: Callable[..., Any]) -> Callable[..., Any]:
     return _with_load_options(command, 1, lambda source, load: (load_arm(source, **load),))
 
 
+def takes_arm_or_none(command: Callable[..., Any]) -> Callable[..., Any]:
+    """The same where ARM may be left out: the command gets None then."""
+    return _with_load_options(command, 1, lambda source, load: (source and load_arm(source, **load),), ARM_OR_NONE)
+
+
 def takes_source(command: Callable[..., Any]) -> Callable[..., Any]:
     """The same for a command that loads by itself: its first two parameters get ARM and the keywords of `load_arm`."""
     return _with_load_options(command, 2, lambda source, load: (source, load))
 
 
 def _with_load_options(
-    command: Callable[..., Any], replaced: int, answer: Callable[[str, dict[str, Any]], tuple[Any, ...]]
+    command: Callable[..., Any],
+    replaced: int,
+    answer: Callable[[str, dict[str, Any]], tuple[Any, ...]],
+    source: inspect.Parameter | None = None,
 ) -> Callable[..., Any]:
     own = list(inspect.signature(command, eval_str=True).parameters.values())[replaced:]
     load = {n: p for n, p in inspect.signature(_keywords, eval_str=True).parameters.items() if n != "radians"}
+    load["source"] = source or load["source"]
 
     @functools.wraps(command)
     def run(**arguments: Any) -> Any:
         typed = {name: arguments.pop(name) for name in load}
+        if typed["source"] is None and any(typed.values()):
+            raise InputError("give an ARM: the other options are about one")
         source, keywords = _keywords(**typed, radians=bool(arguments.get("rad")))
         return command(*answer(source, keywords), **arguments)
 

@@ -18,11 +18,6 @@ _AS_TYPED: tuple[tuple[str, str | Callable[[re.Match[str]], str]], ...] = (
     (r"xacro_args=\{([^}]*)\}", lambda found: _xacro_options(found.group(1))),
     (r"\bwithout=\['([^']*)'\]", r"--without \1"),
     (r"\bwithout=", "--without"),
-    (
-        r"give it as limits=\{'(velocity|acceleration)': \{[^}]*\}\}, one number for every joint as "
-        r"limits=\{'\w+': …\}, or",
-        r"give one for every joint as --\1 NUMBER, or each joint's",
-    ),
     (r" \((\d+) frames: arm\.frame_names\)", r" (\1 frames: twistarm info ARM --json)"),
     (r"stop_at_waypoints=True", "--stop"),
     (r"change the limit by limits=", "change it in the arm's arm.toml"),

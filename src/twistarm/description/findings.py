@@ -125,7 +125,7 @@ CODES: dict[str, Code] = {
     "joint-without-effect": Code("warning", "a coordinate of the arm never moves the tool"),
     "joint-off-the-chain": Code("info", "joints that are not between base and tip"),
     # axes
-    "axes-almost-exact": Code("info", "axes are parallel, square or meeting but for a little; closed forms need all"),
+    "axes-almost-exact": Code("info", "axes are parallel, square or meeting but for a little"),
     # the tool
     "tool-frame-missing": Code("warning", "the tool is the last joint's own frame; nothing says where the arm grips"),
     # bodies

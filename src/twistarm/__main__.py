@@ -1,0 +1,5 @@
+"""`python -m twistarm`: the program."""
+
+from .cli import main
+
+main()
