@@ -8,7 +8,17 @@ from typing import Literal
 
 import numpy as np
 
-from .link_names import finger_named, hand_named, is_jaw, is_tool, linkage_named, locomotion_named, sensor_named
+from .link_names import (
+    camera_named,
+    finger_named,
+    hand_named,
+    is_jaw,
+    is_tool,
+    linkage_named,
+    locomotion_named,
+    sensor_named,
+    wrist_named,
+)
 from .tree import Description, Joint
 
 Part = Literal["limb", "locomotion", "finger", "head", "rod"]
@@ -29,9 +39,9 @@ class Body:
     """Links that fixed joints join, behind the moving `joint` (None for the first body).
 
     `links` gives for each, the outer ones last, the link it is fixed on ("" for the first). `depth` counts the joints
-    from the first body, `height` those beyond this one; `virtual`: on the way there are only joints that stand for a
-    base that moves freely. `holds_tool`: a link of it or beyond is named as the tool; `follows`: its joint and all
-    beyond are mimics.
+    from the first body, a planar one once, `height` those beyond this one; `virtual`: on the way there are only joints
+    that stand for a base that moves freely. `holds_tool`: a link of it or beyond is named as the tool; `follows`: its
+    joint and all beyond are mimics.
     """
 
     joint: Joint | None
@@ -96,7 +106,8 @@ def bodies(description: Description, base: str) -> list[Body]:
     for body in found:
         for joint in _leaving(body, outward):
             virtual = body.virtual and _is_virtual(description, joint)
-            body.children.append(Body(joint, {joint.child: ""}, body, body.depth + 1, virtual))
+            depth = body.depth + (not joint.part_of or body.joint is None or body.joint.part_of != joint.part_of)
+            body.children.append(Body(joint, {joint.child: ""}, body, depth, virtual))
         found += body.children
     for body in reversed(found):
         _measure(body)
@@ -208,7 +219,8 @@ def _opposed(fingers: Sequence[Body]) -> bool:
 def _closes(finger: Body, body: Body) -> bool:
     """Whether a single finger moves against this body: it bears a tool frame or a fixed finger, or is a jaw's hand."""
     fixed = body.holds_tool or any(is_jaw(link) for link in list(body.links)[1:])
-    return not finger.children and (fixed or (is_jaw(finger.first) and hand_named(body.links)))
+    jaw = is_jaw(finger.first) and hand_named(body.links)
+    return not finger.children and not wrist_named(finger.names) and (fixed or jaw)
 
 
 # -- rods and heads ----------------------------------------------------------------------------------------------------
@@ -225,6 +237,11 @@ def _tell_rods(body: Body) -> None:
 
 
 def _tell_heads(body: Body) -> None:
-    """Heads, masts and cameras that turn: ends named so, and what carries nothing else and is named so."""
-    ends = [child for child in body.on("limb") if len(child.on("head")) == len(child.children)]
-    _label((child for child in ends if sensor_named(child.names) and not child.holds_tool), "head")
+    """Heads, masts and cameras that turn: branches named so throughout, beside limbs or wheels or at a camera."""
+    limbs = body.on("limb")
+    named = [child for child in limbs if all(sensor_named(one.names) for one in child.beyond())]
+    heads = [child for child in named if not child.holds_tool]
+    beside = len(heads) < len(limbs) or bool(body.on("locomotion"))
+    for child in heads:
+        if beside or any(camera_named(one.names) for one in child.beyond()):
+            _label(child.beyond(), "head")

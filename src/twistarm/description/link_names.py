@@ -29,9 +29,9 @@ _ROLLING = re.compile(
     r"wheel|cast[eo]r|rocker|bogie|suspension|steer|tyre|propell|thigh|calf|shank|ankle|coxa|femur|tibia|"
     r"(?:^|_)(tires?|track|axle|diff|differential|leg|hip|knee|foot|feet|toe)(?:_|\d|$)"
 )
-_SENSOR = re.compile(
-    r"camera|lidar|gimbal|kinect|(?:^|_)(head|neck|pan|tilt|mast|cam|eyes?|screen|radar|laser|ptz|antenna)(?:_|\d|$)"
-)
+_CAMERA = re.compile(r"camera|lidar|gimbal|kinect|(?:^|_)(cam|eyes?|radar|ptz|antenna)(?:_|\d|$)")
+_SENSOR = re.compile(_CAMERA.pattern + r"|(?:^|_)(head|neck|pan|tilt|mast|screen|laser)(?:_|\d|$)")
+_WRIST = re.compile(r"wrist|twist|rotat|(?:^|_)(roll|yaw|pitch)(?:_|\d|$)")
 _ORNAMENT = re.compile(
     r"camera|lidar|gimbal|kinect|realsense|optical|sensor|motor|servo|marker|aruco|april_?tag|microphone|speaker|"
     r"visual|collision|inertia|antenna|accelero|display|calib|bearing|screw|cable|cover|ft_frame|"
@@ -96,6 +96,16 @@ def hand_named(names: Iterable[str]) -> bool:
 def locomotion_named(names: Iterable[str]) -> bool:
     """Whether one of the names is that of a wheel, what carries it, or a leg."""
     return _any(_ROLLING, names)
+
+
+def camera_named(names: Iterable[str]) -> bool:
+    """Whether one of the names is that of something that looks or listens."""
+    return _any(_CAMERA, names)
+
+
+def wrist_named(names: Iterable[str]) -> bool:
+    """Whether one of the names is that of a joint which turns a hand."""
+    return _any(_WRIST, names)
 
 
 def sensor_named(names: Iterable[str]) -> bool:

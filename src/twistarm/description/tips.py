@@ -94,8 +94,8 @@ def _main(ends: Sequence[Body]) -> Body | None:
 
 def _outweighs(end: Body, other: Body) -> bool:
     """Whether the chain to `end` is clearly the arm, counted from where the one to `other` leaves it."""
-    shared = sum(a is b for a, b in zip(end.path(), other.path(), strict=False))
-    mine, its = end.depth + 1 - shared, other.depth + 1 - shared
+    fork = max(a.depth for a, b in zip(end.path(), other.path(), strict=False) if a is b)
+    mine, its = end.depth - fork, other.depth - fork
     if its > ARM or speaks(other):
         return False
     return mine >= its if speaks(end) else mine >= min(its + 2, 2 * its)
