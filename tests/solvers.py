@@ -6,7 +6,7 @@ import pytest
 
 from twistarm.ik import IKSolution, readable, solve_ik
 from twistarm.ik.request import checked
-from twistarm.ik.targets import as_target
+from twistarm.ik.targets import target_for
 
 
 def readable_ik(
@@ -22,7 +22,7 @@ def readable_ik(
     posture=None,
 ):
     """`solve_ik` by the readable solver, whatever engine the arm has."""
-    asked = as_target(target)
+    asked = target_for(arm, target)
     request = checked(arm, theta0, posture, (position_tol, orientation_tol), restarts, max_time, rng)
     return IKSolution(arm, readable.solve(arm, asked, request), asked)
 

@@ -328,9 +328,9 @@ def test_the_words_for_targets():
     g = moved(np.eye(4), [0.1, 0, 0.25])
     task = Task(g, [np.inf, 0, 0, 0, 0, np.inf], frame="base")
     assert Pose(g).asked() == "the pose at (0.1, 0, 0.25) m, turned 0.0° from the base's axes"
-    assert Approach(g[:3, 3], [0, 0, -2]).asked() == (
-        "the position (0.1, 0, 0.25) m with the tool's axis (0, 0, 1) along (0, 0, -1)"
-    )
+    approach = "the position (0.1, 0, 0.25) m with the tool pointing {}along (0, 0, -1)"
+    assert Approach(g[:3, 3], [0, 0, -2]).asked() == approach.format("")
+    assert Approach(g[:3, 3], [0, 0, -2], [-1, 0, 0]).asked() == approach.format("its −x axis ")
     assert task.asked() == (
         "the pose at (0.1, 0, 0.25) m within tolerances along the base's axes (x, turning about z free)"
     )

@@ -62,7 +62,7 @@ def test_a_position_and_an_approach_leave_freedom_too(solve):
     arm, rng = load("ur5"), np.random.default_rng(4)
     for _ in range(3):
         g = arm.fk(arm.random_theta(rng))
-        for target in (Position(g[:3, 3]), Approach(g[:3, 3], g[:3, 2])):
+        for target in (Position(g[:3, 3]), Approach(g[:3, 3], g[:3, 2], [0, 0, 1])):
             plain = solve(arm, target, arm.ready)
             near = solve(arm, target, arm.ready, posture="theta0")
             assert max(errors(target, pinocchio_fk(arm, near.theta))) <= 1.01e-6

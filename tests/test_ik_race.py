@@ -9,10 +9,11 @@ from hypothesis import strategies as st
 
 from catalogue import load
 from ik_targets import STRICT, moved, turned
+from twistarm.checks import as_seed
 from twistarm.ik import Pose, damped, race, solve_ik
 from twistarm.ik.deadline import Deadline
 from twistarm.ik.ranges import joint_ranges
-from twistarm.ik.starts import as_seed, random_start
+from twistarm.ik.starts import random_start
 
 # repeatability -------------------------------------------------------------------------------------------
 

@@ -193,8 +193,8 @@ class Approach(Brief):
 
     def asked(self) -> str:
         """The target in words."""
-        axis = "its axis" if self.tool_axis is None else direction_in_words(self.tool_axis, "tool")
-        return f"the position {metres(self.p)} with the tool pointing by {axis} along {numbers(self.direction)}"
+        axis = "" if self.tool_axis is None else f"{direction_in_words(self.tool_axis, 'tool')} "
+        return f"the position {metres(self.p)} with the tool pointing {axis}along {numbers(self.direction)}"
 
 
 @dataclass(frozen=True, eq=False, init=False, repr=False)
