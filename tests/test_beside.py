@@ -44,7 +44,7 @@ def test_found_where_packages_keep_it(place: str, urdf: Path) -> None:
     srdf(urdf.parent / PLACES[place])
     arm = load_arm(urdf)
     assert arm.named_states["home"].tolist() == [0.1, 0.2]
-    assert codes(arm) == ["srdf-found"]
+    assert codes(arm) == ["srdf-found", "ready-named"]
 
 
 def test_another_robots_is_left_alone(urdf: Path) -> None:
@@ -85,7 +85,7 @@ def test_one_that_is_named_wins_and_may_be_another_robots(urdf: Path) -> None:
     other = srdf(urdf.parents[2] / "elsewhere", name="other", state="stowed")
     arm = load_arm(urdf, srdf=other)
     assert list(arm.named_states) == ["stowed"]
-    assert codes(arm) == ["srdf-other-robot", "srdf-found"]
+    assert codes(arm) == ["srdf-other-robot", "srdf-found", "ready-named"]
     assert "it is for a robot 'other', the description is of 'tiny'; it is used" in arm.findings[0].what
     toml = write(urdf.parent, 'source = "arm.urdf"\nsrdf = "../../elsewhere/arm.srdf"', "arm.toml")
     assert list(load_arm(toml).named_states) == ["stowed"]

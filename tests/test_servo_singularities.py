@@ -22,13 +22,18 @@ def test_what_cannot_be_done_at_all_is_not_called_ok():
         assert "can hardly move that way" in output.reason
 
 
+STARTS = {"so100": [0.45, 0.1, -0.9, -2.4, 1.6]}
+"""Where arms start that are not driven from ready."""
+
+
 @pytest.mark.parametrize("name", ["rover_arm", "so101", "so100", "scara", "rr_planar", "ur5", "rover_arm_6dof"])
 def test_nothing_shakes_at_the_edge_of_the_reach(name):
     """Driven on against its reach for ten seconds, no joint keeps turning round: at most now and then."""
     arm = load(name)
-    out = arm.fk(arm.ready)[:3, 3] / np.linalg.norm(arm.fk(arm.ready)[:3, 3])
+    start = np.array(STARTS.get(name, arm.ready))
+    out = arm.fk(start)[:3, 3] / np.linalg.norm(arm.fk(start)[:3, 3])
     for direction in (out, [1.0, 0, 0], [0, 0, 1.0]):
-        state, rates = ServoState.at(arm, arm.ready), []
+        state, rates = ServoState.at(arm, start), []
         command = TwistCommand([*(0.1 * arm.reach * np.asarray(direction)), 0, 0, 0], "base")
         for _ in range(1000):
             state, _ = servo_step(arm, state, command, DT)

@@ -227,7 +227,7 @@ def test_while_meshes_are_read_the_doctor_waits(
     mesh = '<visual><geometry><mesh filename="part.stl"/></geometry></visual>'
     (tmp_path / "arm.urdf").write_text(URDF.replace('<link name="tool0"/>', f'<link name="tool0">{mesh}</link>'))
     leave = threading.Event()
-    monkeypatch.setattr("twistarm.viewer.links.load_parts", lambda path: leave.wait(10) and [])
+    monkeypatch.setattr("twistarm.viewer.links.load_parts", lambda path, most: leave.wait(10) and [])
 
     async def look(page: Page) -> None:
         await asyncio.sleep(0.1)

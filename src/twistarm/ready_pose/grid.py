@@ -54,13 +54,15 @@ class Grid:
 
 def grid_of(limits: JointLimits, bounds: tuple[Array, Array], units: tuple[str, ...]) -> Grid:
     """The tidy values inside `limits`, of which `bounds` (n,) are the lower and upper made finite."""
-    lower = np.where(limits.lower > -AS_GOOD_AS_UNBOUNDED, bounds[0], -np.inf)
-    upper = np.where(limits.upper < AS_GOOD_AS_UNBOUNDED, bounds[1], np.inf)
-    columns = [_column(*each) for each in zip(lower, upper, bounds[1] - bounds[0], units, strict=True)]
+    span = bounds[1] - bounds[0]
+    lower = np.where((limits.lower > -AS_GOOD_AS_UNBOUNDED) | (span == 0.0), bounds[0], -np.inf)
+    upper = np.where((limits.upper < AS_GOOD_AS_UNBOUNDED) | (span == 0.0), bounds[1], np.inf)
+    columns = [_column(*each) for each in zip(lower, upper, span, units, strict=True)]
     count = np.array([len(values) for values, _, _ in columns])
     values, cost = np.zeros((2, len(columns), count.max()))
     for i, (its_values, its_cost, _) in enumerate(columns):
-        values[i, : count[i]], cost[i, : count[i]] = its_values, its_cost
+        values[i, : count[i]] = np.clip(its_values, limits.lower[i], limits.upper[i])
+        cost[i, : count[i]] = its_cost
     return Grid(values, cost, count, np.array([rest for _, _, rest in columns]))
 
 
