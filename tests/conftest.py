@@ -18,10 +18,13 @@ hypothesis.settings.load_profile("twistarm")
 
 @pytest.fixture(scope="session", autouse=True)
 def state(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Path]:
-    """The folder in which programs keep their state: not that of whoever runs the tests."""
+    """The folder in which programs keep their state: not that of whoever runs the tests, nor the width of a terminal
+    that pytest's workers are told.
+    """
     folder = tmp_path_factory.mktemp("state")
     with pytest.MonkeyPatch.context() as patch:
         patch.setenv("XDG_STATE_HOME", str(folder))
+        patch.delenv("COLUMNS", raising=False)
         yield folder
 
 

@@ -181,7 +181,7 @@ def test_info_shows_what_the_motors_allow(toml: Path, capsys: Capture) -> None:
     shown = capsys.readouterr().out
     assert "limits of the motors" in shown
     row = next(line for line in shown[shown.index("moving alone") :].splitlines() if "wrist_roll" in line)
-    assert [cell.strip() for cell in row.strip("│").split("│")] == ["wrist_roll", "rad", "2", "24"]
+    assert row.split() == ["wrist_roll", "rad", "2", "24"]
     assert run(["info", str(toml), "--json"]) == 0
     motors = json.loads(capsys.readouterr().out)["actuators"]
     assert motors["limits"]["velocity"] == [None, 90.0, None, 120.0, 120.0]

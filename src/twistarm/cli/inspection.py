@@ -87,7 +87,7 @@ def info_view(arm: Arm, radians: bool) -> Group:
         f"[bold]{escape(arm.name)}[/bold]: {arm.n} degrees of freedom from {escape(arm.base)} to {escape(arm.tip)}, "
         f"reach {arm.reach:.3f} m ({escape(arm.source)})"
     )
-    parts: list[Any] = [head, _joints(arm, radians), _poses(arm, radians)]
+    parts: list[Any] = [head, "", _joints(arm, radians), "", _poses(arm, radians), ""]
     if arm.proof is not None:
         parts.append(
             f"proof at load: screws and Pinocchio agree within {arm.proof.pose_error:.1e} (pose) and "
@@ -95,7 +95,9 @@ def info_view(arm: Arm, radians: bool) -> Group:
         )
     parts.append(escape(engine_view(arm)))
     if arm.actuators is not None:
-        parts += [_actuators(arm.actuators), *_motor_limits(arm, arm.actuators, radians)]
+        for motors in (_actuators(arm.actuators), *_motor_limits(arm, arm.actuators, radians)):
+            parts += ["", motors]
+        parts.append("")
     parts += [escape(as_typed(str(finding))) for finding in arm.findings]
     return Group(*parts)
 
@@ -152,11 +154,10 @@ def _motor_limits(arm: Arm, motors: Actuators, radians: bool) -> list[Any]:
 
 
 def _poses(arm: Arm, radians: bool) -> Any:
+    """A column for each pose, its name as it can be typed."""
     poses = {"ready": arm.ready, **arm.named_states}
-    condition = {name: float(arm.manipulability(theta).condition) for name, theta in poses.items()}
-    rows = [
-        [name, *shown(arm, theta, radians), "singular" if np.isinf(condition[name]) else number(condition[name], 1)]
-        for name, theta in poses.items()
-    ]
-    names = [f"{name} [{unit}]" for name, unit in zip(arm.joint_names, units(arm, radians), strict=True)]
-    return table("poses", ["pose", *names, "condition"], rows)
+    conditions = [float(arm.manipulability(theta).condition) for theta in poses.values()]
+    values = [shown(arm, theta, radians) for theta in poses.values()]
+    rows = [list(row) for row in zip(arm.joint_names, units(arm, radians), *values, strict=True)]
+    rows.append(["condition", "", *("singular" if np.isinf(x) else number(x, 1) for x in conditions)])
+    return table("poses (typed by name: --theta ready)", ["joint", "unit", *poses], rows, text=["unit"])

@@ -1,7 +1,8 @@
-"""`ik`: joint values for a target."""
+"""`ik`: joint values for a target, or for each target of a CSV file."""
 
 from __future__ import annotations
 
+import os
 from typing import Annotated, Any
 
 import numpy as np
@@ -9,17 +10,19 @@ import typer
 
 from ..arm import Arm
 from ..errors import InputError
-from ..ik import POSTURES, Approach, IKSolution, Pose, Position, solve_ik
-from ..rotations import from_rpy
+from ..ik import POSTURES, IKSolution, solve_ik, solve_ik_batch
+from .answers import answers_csv, tell_answers
+from .csv_rows import Columns, read_sheet
 from .options import Json, Radians, Theta, takes_arm
-from .output import console, pose_json, print_json, shown, table, theta_typed, units
-from .typed import RPY, VALUES, XYZ, parse_numbers, parse_theta
+from .output import console, pose_json, print_json, progress_bar, shown, table, theta_typed, units
+from .outputs import Force, Output, outputs_of
+from .targets import COLUMNS, Axis, Direction, Quaternion, QuaternionXyzw, Rpy, targets_in, typed_orientation
+from .typed import VALUES, XYZ, parse_numbers, parse_theta
 
-Xyz = Annotated[str, typer.Option(metavar=XYZ, help="Position of the tool in the base frame, in metres.")]
-Rpy = Annotated[
-    str | None, typer.Option(metavar=RPY, help="Orientation: fixed-axis roll, pitch, yaw [°, or rad with --rad].")
+Xyz = Annotated[str | None, typer.Option(metavar=XYZ, help="Position of the tool in the base frame, in metres.")]
+Targets = Annotated[
+    str | None, typer.Option(metavar="CSV", help=f"A target in each row: {COLUMNS}; - is standard input.")
 ]
-Direction = Annotated[str | None, typer.Option(metavar=XYZ, help="Only where the tool's z axis points, in base axes.")]
 Posture = Annotated[
     str | None,
     typer.Option(
@@ -27,47 +30,66 @@ Posture = Annotated[
         help="What a redundant arm stays near while it meets the target: theta0 (the start), centre, a pose or values.",
     ),
 ]
+PositionTolerance = Annotated[float, typer.Option(metavar="M", help="How far off a position is still met, in metres.")]
+OrientationTolerance = Annotated[
+    float | None,
+    typer.Option(metavar="ANGLE", help="How far the tool may be turned off [°, or rad with --rad]; 1e-6 rad."),
+]
 MaxTime = Annotated[float | None, typer.Option("--max-time", metavar="S", help="Give up after so many seconds.")]
 
 
 @takes_arm
 def ik(
     arm: Arm,
-    xyz: Xyz,
+    xyz: Xyz = None,
     rpy: Rpy = None,
+    quaternion: Quaternion = None,
+    quaternion_xyzw: QuaternionXyzw = None,
     direction: Direction = None,
+    axis: Axis = None,
+    targets: Targets = None,
+    columns: Columns = None,
     start: Theta = "ready",
     posture: Posture = None,
+    position_tolerance: PositionTolerance = 1e-6,
+    orientation_tolerance: OrientationTolerance = None,
     max_time: MaxTime = None,
+    output: Output = None,
+    force: Force = False,
     rad: Radians = False,
     json: Json = False,
 ) -> int:
-    """Inverse kinematics: a pose (--xyz and --rpy), an approach (--xyz and --direction) or a position (--xyz)."""
-    target = _target(xyz, rpy, direction, rad)
-    preferred = posture if posture in (None, *POSTURES) else parse_theta(arm, str(posture), rad)
-    solution = solve_ik(arm, target, parse_theta(arm, start, rad), posture=preferred, max_time=max_time)
+    """Inverse kinematics: a position (--xyz), and how the tool is turned; or every row of a CSV file (--targets)."""
+    if (xyz is None) == (targets is None):
+        raise InputError("give one position by --xyz, or a file of targets by --targets")
+    outputs = outputs_of(output, {"csv": (".csv",)}, force=force, json=json)
+    orientation = typed_orientation(rpy, quaternion, quaternion_xyzw, direction, axis, rad)
+    angle = orientation_tolerance
+    how: dict[str, Any] = {
+        "theta0": parse_theta(arm, start, rad),
+        "posture": posture if posture in (None, *POSTURES) else parse_theta(arm, str(posture), rad),
+        "position_tol": position_tolerance,
+        "orientation_tol": 1e-6 if angle is None else angle if rad else float(np.radians(angle)),
+        "max_time": max_time,
+    }
+    if targets is not None:
+        sheet = read_sheet(targets, columns)
+        asked = targets_in(sheet, orientation)
+        with progress_bar("ik") as progress:
+            batch = solve_ik_batch(
+                arm, asked, **how, threads=os.cpu_count() or 1, progress=lambda done, count: progress(done / count)
+            )
+        return tell_answers(sheet, batch, outputs, radians=rad, json=json)
+    solution = solve_ik(arm, orientation.at(parse_numbers(str(xyz), 3, "--xyz")), **how)
+    written = outputs.write({"csv": lambda: answers_csv(arm, [1], [solution])})
     if json:
-        print_json(_as_json(arm, solution))
+        print_json(_as_json(arm, solution) | {"written": written})
     else:
-        console().print(solution_table(arm, solution, rad))
-        print(theta_typed(arm, solution.theta, rad))
-        print(solution.explain())
+        console(outputs.words).print(solution_table(arm, solution, rad))
+        print(theta_typed(arm, solution.theta, rad), file=outputs.words)
+        print(solution.explain(), file=outputs.words)
+        outputs.say(written)
     return 0 if solution.converged else 1
-
-
-def _target(xyz: str, rpy: str | None, direction: str | None, radians: bool) -> Pose | Approach | Position:
-    if rpy is not None and direction is not None:
-        raise InputError("give --rpy for a whole pose or --direction for an approach, not both")
-    p = parse_numbers(xyz, 3, "--xyz")
-    if direction is not None:
-        return Approach(p, parse_numbers(direction, 3, "--direction"))
-    if rpy is None:
-        return Position(p)
-    angles = parse_numbers(rpy, 3, "--rpy")
-    g = np.eye(4)
-    g[:3, :3] = from_rpy(angles if radians else np.radians(angles))
-    g[:3, 3] = p
-    return Pose(g)
 
 
 def solution_table(arm: Arm, solution: IKSolution, radians: bool) -> Any:

@@ -9,7 +9,9 @@ import typer
 
 from ..arm import Arm
 from ..checks import Array
-from .options import Json, Radians, Theta, takes_arm
+from ..errors import InputError
+from .csv_rows import Columns, read_sheet
+from .options import POSTURE, Json, Radians, Theta, takes_arm
 from .output import (
     console,
     jacobian_table,
@@ -22,7 +24,17 @@ from .output import (
     units,
     warn,
 )
+from .outputs import Force, Output, outputs_of
+from .postures import poses_csv, postures_in, tell_poses
 from .typed import parse_theta
+
+Postures = Annotated[
+    str | None,
+    typer.Option(
+        metavar="CSV",
+        help="A posture in each row: a column for each joint [rad, m], `elbow [deg]` for degrees; - is standard input.",
+    ),
+]
 
 
 class Kind(str, Enum):
@@ -36,16 +48,28 @@ class Kind(str, Enum):
 @takes_arm
 def fk(
     arm: Arm,
-    theta: Theta = "ready",
+    theta: Annotated[str | None, POSTURE] = None,
+    postures: Postures = None,
+    columns: Columns = None,
     frame: Annotated[str | None, typer.Option(metavar="LINK", help="Another frame than the tip.")] = None,
+    output: Output = None,
+    force: Force = False,
     rad: Radians = False,
     json: Json = False,
 ) -> None:
     """Forward kinematics: the pose of the tip, or of another frame, seen from the base."""
-    x = parse_theta(arm, theta, rad)
-    warn_outside(arm, x, rad)
+    outputs = outputs_of(output, {"csv": (".csv",)}, force=force, json=json)
     name = frame or arm.tip
+    if postures is not None:
+        if theta is not None:
+            raise InputError("give one --theta, or a file of postures by --postures")
+        sheet = read_sheet(postures, columns)
+        tell_poses(arm, sheet, postures_in(arm, sheet), name, outputs, json=json)
+        return
+    x = parse_theta(arm, "ready" if theta is None else theta, rad)
+    warn_outside(arm, x, rad)
     g = arm.pose(x, name)
+    written = outputs.write({"csv": lambda: poses_csv([1], g[None])})
     if json:
         print_json(
             {
@@ -55,10 +79,13 @@ def fk(
                 "base": arm.base,
                 "frame": name,
                 **pose_json(g),
+                "written": written,
             }
         )
         return
-    console().print(pose_table(f"{name} seen from {arm.base} at {theta_typed(arm, x, rad)}", g))
+    console(outputs.words).print(pose_table(f"{name} seen from {arm.base}", g))
+    print(theta_typed(arm, x, rad), file=outputs.words)
+    outputs.say(written)
 
 
 @takes_arm
@@ -84,7 +111,8 @@ def jacobian(
         return
     out = console()
     for name, J in matrices.items():
-        out.print(jacobian_table(arm, f"{name} Jacobian at {theta_typed(arm, x, rad)}", J))
+        out.print(jacobian_table(arm, f"{name} Jacobian", J), "")
+    print(theta_typed(arm, x, rad))
     values = " ".join(number(s) for s in measure.singular_values)
     out.print(f"singular values {values}, condition {float(measure.condition):.3g} (length {measure.length:.3f} m)")
 

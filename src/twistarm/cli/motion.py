@@ -96,8 +96,7 @@ def plan(
     if assumed := defaults_line(arm, given):
         print(f"{assumed} (--velocity, --acceleration)", file=outputs.words)
     console(outputs.words).print(plan_table(arm, planned, rad, limits))
-    for name in written:
-        print(f"written: {name}", file=outputs.words)
+    outputs.say(written)
 
 
 def _typed_poses(arm: Arm, typed: tuple[str, ...], radians: bool) -> list[Array]:
@@ -126,16 +125,20 @@ def _start(arm: Arm, radians: bool) -> str:
 
 def plan_table(arm: Arm, planned: Trajectory, radians: bool, limits: JointLimits) -> Any:
     """When each pose is passed, and the peaks beside the limits that were kept."""
-    names = [f"{name} [{unit}]" for name, unit in zip(arm.joint_names, units(arm, radians), strict=True)]
-    rows = [
-        [f"at {time:.3f} s", *shown(arm, pose, radians)]
+    columns = {
+        f"at {number(time, 3)} s": shown(arm, pose, radians)
         for time, pose in zip(planned.times, planned.waypoints, strict=True)
-    ]
-    for order, word, limit in ((1, "velocity", limits.velocity), (2, "acceleration", limits.acceleration)):
-        rows.append([f"peak {word}", *shown(arm, planned.peak(order), radians)])
+    }
+    for order, per, word, limit in (
+        (1, "/s", "velocity", limits.velocity),
+        (2, "/s²", "acceleration", limits.acceleration),
+    ):
+        columns[f"peak {word} {per}"] = shown(arm, planned.peak(order), radians)
         if np.isfinite(limit).any():
-            rows.append(["  limit", *shown(arm, limit, radians)])
-    return table(f"{arm.name}: {number(planned.duration, 3)} s", ["", *names], rows)
+            columns[f"{word} limit {per}"] = shown(arm, limit, radians)
+    rows = [list(row) for row in zip(arm.joint_names, units(arm, radians), *columns.values(), strict=True)]
+    title = f"{arm.name}: {number(planned.duration, 3)} s"
+    return table(title, ["joint", "unit", *columns], rows, text=["unit"])
 
 
 def _as_json(arm: Arm, planned: Trajectory, written: list[str]) -> dict[str, Any]:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import os
 import sys
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
@@ -10,14 +11,13 @@ from typing import Any, TextIO
 
 import numpy as np
 from rich.console import Console
-from rich.markup import escape
 from rich.progress import Progress
-from rich.table import Table
 
 from ..arm import Arm
 from ..checks import Array
 from ..description.findings import Finding
 from ..rotations import to_quaternion_wxyz, to_rpy
+from .grid import Column, Grid
 
 PIPED_WIDTH = 160
 """Columns where nobody looks at a terminal: tables stay in one piece."""
@@ -26,7 +26,8 @@ PIPED_WIDTH = 160
 def console(words: TextIO | None = None) -> Console:
     """A console on the present stdout, or on `words`."""
     out = words or sys.stdout
-    return Console(file=out, width=None if out.isatty() else PIPED_WIDTH, highlight=False)
+    known = out.isatty() or "COLUMNS" in os.environ
+    return Console(file=out, width=None if known else PIPED_WIDTH, highlight=False)
 
 
 def warn(message: str) -> None:
@@ -75,15 +76,19 @@ def plain(value: Any) -> Any:
     return value
 
 
-def table(title: str, columns: Sequence[str], rows: Sequence[Sequence[object]], text: Sequence[str] = ()) -> Table:
-    """A table of numbers, aligned to the right, but for its first column and those named in `text`."""
-    heads = any(columns)
-    made = Table(title=escape(title), title_justify="left", title_style="bold", header_style="dim", show_header=heads)
-    for i, column in enumerate(columns):
-        made.add_column(escape(column), justify="left" if i == 0 or column in text else "right", overflow="fold")
-    for row in rows:
-        made.add_row(*(escape(str(cell)) for cell in row))
-    return made
+def table(
+    title: str, columns: Sequence[str], rows: Sequence[Sequence[object]], text: Sequence[str] = (), caption: str = ""
+) -> Grid:
+    """A table of numbers, aligned to the right, but for names in its first column and the columns named in `text`."""
+    cells = zip(*(map(str, row) for row in rows), strict=True) if rows else ((),) * len(columns)
+    return Grid(
+        title,
+        tuple(
+            Column(head, tuple(cell), left=i == 0 or head in text, wraps=head in text)
+            for i, (head, cell) in enumerate(zip(columns, cells, strict=True))
+        ),
+        caption,
+    )
 
 
 def shown(arm: Arm, values: Array, radians: bool, digits: int = 4) -> list[str]:
@@ -122,14 +127,14 @@ def matrix_rows(matrix: Array, names: Sequence[str]) -> list[list[str]]:
     return [[name, *(f"{x:.6f}" for x in np.round(row, 6) + 0.0)] for name, row in zip(names, matrix, strict=True)]
 
 
-def pose_table(title: str, g: Array) -> Table:
+def pose_table(title: str, g: Array) -> Grid:
     """A pose as matrix, position, rpy and quaternion."""
-    made = table(title, ["g", "x", "y", "z", "p [m]"], matrix_rows(g[:3], "xyz"))
     rpy = " ".join(number(np.degrees(x), 3) for x in to_rpy(g[:3, :3]))
-    quaternion = " ".join(f"{x:.6f}" for x in to_quaternion_wxyz(g[:3, :3]))
-    made.caption = f"rpy {rpy} °   quaternion (w x y z) {quaternion}"
-    made.caption_justify = "left"
-    return made
+    quaternion = " ".join(number(x, 6) for x in to_quaternion_wxyz(g[:3, :3]))
+    caption = (
+        f"quaternion (w x y z) {quaternion}\nroll pitch yaw {rpy} °: turns about the base's x, then y, then z axis"
+    )
+    return table(title, ["g", "x", "y", "z", "p [m]"], matrix_rows(g[:3], "xyz"), caption=caption)
 
 
 def pose_json(g: Array) -> dict[str, Any]:
@@ -138,7 +143,7 @@ def pose_json(g: Array) -> dict[str, Any]:
     return {"matrix": g, "position": g[:3, 3], "rpy": to_rpy(R), "quaternion_wxyz": to_quaternion_wxyz(R)}
 
 
-def jacobian_table(arm: Arm, title: str, J: Array) -> Table:
+def jacobian_table(arm: Arm, title: str, J: Array) -> Grid:
     """A Jacobian with its rows and columns named."""
     return table(title, ["", *arm.joint_names], matrix_rows(J, ["v x", "v y", "v z", "ω x", "ω y", "ω z"]))
 

@@ -47,6 +47,12 @@ class Outputs:
                 write_whole(name, content, over_description=self.over_description)
         return [name for name, _ in made]
 
+    def say(self, written: Sequence[str]) -> None:
+        """Tell a person which files were written."""
+        for name in written:
+            if name != STDOUT:
+                print(f"written: {name}", file=self.words)
+
 
 def outputs_of(
     typed: str | Sequence[str] | None,

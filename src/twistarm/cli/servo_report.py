@@ -5,10 +5,9 @@ from __future__ import annotations
 from dataclasses import fields
 from typing import Any
 
-from rich.table import Table
-
 from ..arm import Arm
 from ..stream import StreamReport
+from .grid import Grid
 from .output import table
 
 
@@ -19,7 +18,7 @@ def report_json(arm: Arm, report: StreamReport) -> dict[str, Any]:
     return {"arm": arm.name, **values, "ending": report.ending.name, "statuses": statuses, "ok": report.ok}
 
 
-def report_table(arm: Arm, report: StreamReport) -> Table:
+def report_table(arm: Arm, report: StreamReport) -> Grid:
     """The same for people."""
     late = [f"{1e3 * seconds:.2f} ms" for seconds in (report.late_p50, report.late_p99, report.late_max)]
     statuses = ", ".join(f"{status.name} {count}" for status, count in report.statuses.items())

@@ -19,7 +19,8 @@ POSE = "POSE"
 XYZ = "'X Y Z'"
 RPY = "'R P Y'"
 WXYZ, XYZW = "'W X Y Z'", "'X Y Z W'"
-NUMBERS = (VALUES, POSE, XYZ, RPY, WXYZ, XYZW)
+AXIS = "AXIS"
+NUMBERS = (VALUES, POSE, XYZ, RPY, WXYZ, XYZW, AXIS)
 """How the help names what an option takes where that is several numbers."""
 
 ROUNDING = 1e-6

@@ -89,8 +89,7 @@ def view(
             "html": lambda: page_html(arm, motion, x),
             "png": lambda: png_of(pixels, lambda: of_arm(arm, motion, start)),
         }
-        for name in outputs.write(contents):
-            print(f"written: {name}", file=outputs.words)
+        outputs.say(outputs.write(contents))
         return
     with ExitStack() as stack:
         stack.enter_context(ended_like_ctrl_c())

@@ -1,0 +1,73 @@
+"""The answers of `ik` to the targets of a CSV file: shown, counted and written."""
+
+from __future__ import annotations
+
+import csv
+import io
+from typing import Any
+
+from ..arm import Arm
+from ..ik import IKBatch, IKSolution, StopReason
+from .csv_rows import ROWS_SHOWN, Sheet, few
+from .output import console, print_json, table, theta_typed
+from .outputs import Outputs
+
+
+def tell_answers(sheet: Sheet, batch: IKBatch, outputs: Outputs, *, radians: bool, json: bool) -> int:
+    """Write and say the answers to a file's targets; the exit code."""
+    arm, lines, answers = batch.arm, [row.line for row in sheet.rows], list(batch)
+    written = outputs.write({"csv": lambda: answers_csv(arm, lines, answers)})
+    if json:
+        print_json(
+            {
+                "arm": arm.name,
+                "joint_names": arm.joint_names,
+                "met": int(batch.converged.sum()),
+                "answers": [_row_json(*pair) for pair in zip(lines, answers, strict=True)],
+                "written": written,
+            }
+        )
+    else:
+        if not written:
+            console().print(_answers(arm, lines, answers, radians))
+        print(_counted(sheet, lines, answers), file=outputs.words)
+        outputs.say(written)
+    return 0 if batch.converged.all() else 1
+
+
+def _row_json(line: int, answer: IKSolution) -> dict[str, Any]:
+    fields = ("converged", "theta", "position_error", "orientation_error")
+    return {"line": line, "stop": answer.stop.name} | {field: getattr(answer, field) for field in fields}
+
+
+def _answers(arm: Arm, lines: list[int], answers: list[IKSolution], radians: bool) -> Any:
+    """The first answers, each as it can be typed."""
+    rows = [
+        [line, answer.stop.name, theta_typed(arm, answer.theta, radians)]
+        for line, answer in list(zip(lines, answers, strict=True))[:ROWS_SHOWN]
+    ]
+    return table(arm.name, ["line", "answer", "theta"], rows, text=["answer", "theta"])
+
+
+def _counted(sheet: Sheet, lines: list[int], answers: list[IKSolution]) -> str:
+    """How many targets are met, and which are not, by reasons."""
+    by_reason: dict[StopReason, list[int]] = {}
+    for line, answer in zip(lines, answers, strict=True):
+        by_reason.setdefault(answer.stop, []).append(line)
+    met = len(by_reason.pop(StopReason.CONVERGED, ()))
+    count = f"{met} of {len(answers)} targets of {sheet.file} met"
+    if len(answers) > ROWS_SHOWN:
+        count += " (-o FILE.csv has them all)"
+    return "\n".join([count, *(f"{reason.value}: line {few(numbers)}" for reason, numbers in by_reason.items())])
+
+
+def answers_csv(arm: Arm, lines: list[int], answers: list[IKSolution]) -> str:
+    """The answers as CSV: theta, whether and why not, and how far off."""
+    text = io.StringIO()
+    writer = csv.writer(text, lineterminator="\n")
+    joints = [f"{name} [{unit}]" for name, unit in zip(arm.joint_names, arm.units, strict=True)]
+    writer.writerow(["line", *joints, "answer", "position_error [m]", "orientation_error [rad]"])
+    for line, answer in zip(lines, answers, strict=True):
+        errors = [answer.position_error, answer.orientation_error]
+        writer.writerow([line, *answer.theta.tolist(), answer.stop.name, *errors])
+    return text.getvalue()

@@ -1,0 +1,212 @@
+"""Rows of numbers in CSV as people have them: with a header or without, by commas, semicolons, tabs or spaces."""
+
+from __future__ import annotations
+
+import csv
+import re
+import sys
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Annotated, TypeVar
+
+import numpy as np
+import typer
+
+from ..checks import Array
+from ..description.document import read_text
+from ..description.geometry import number
+from ..errors import InputError, listed, shown
+from .output import note
+
+Columns = Annotated[
+    str | None,
+    typer.Option(metavar="A,B,…", help="Names of the CSV's columns, where its header has none or others."),
+]
+
+MAX_BYTES = 200_000_000
+
+STDIN = "-"
+
+ROWS_SHOWN = 20
+"""Of answers to a file, and of the numbers of its lines: another file has all."""
+
+FACTORS = {
+    "m": {"m": 1.0, "cm": 0.01, "mm": 0.001},
+    "rad": {"rad": 1.0, "radians": 1.0, "deg": np.pi / 180, "degrees": np.pi / 180, "°": np.pi / 180},
+    "1": {"1": 1.0, "-": 1.0},
+}
+"""What one of a header's unit is in that of a quantity [m, rad, 1]."""
+
+UNIT = re.compile(r"(.*?)(?:\s*[\[(]\s*([^\])]*?)\s*[\])]|[_ ](m|cm|mm|rad|deg|degrees))?")
+"""A column's name with or without its unit: `x`, `x [mm]`, `roll (deg)`, `elbow_deg`."""
+
+OURS = re.compile(r"(line|answer|position_error|orientation_error|time|.*\.velocity|.*\.acceleration)( \[.*\])?$")
+"""Columns of the files that twistarm writes, beside those that it reads again."""
+
+T = TypeVar("T")
+
+
+@dataclass(frozen=True)
+class Row:
+    """The cells of a line that says something."""
+
+    line: int
+    cells: tuple[str, ...]
+
+
+@dataclass(frozen=True)
+class Column:
+    """Where a quantity stands, and what one of its unit is in SI."""
+
+    index: int
+    factor: float
+
+
+@dataclass(frozen=True)
+class Sheet:
+    """A CSV file; `header` is None where the first line holds numbers already."""
+
+    file: str
+    header: tuple[str, ...] | None
+    rows: tuple[Row, ...]
+
+    def columns(self, known: Mapping[str, str], units: Mapping[str, str]) -> dict[str, Column]:
+        """Where the quantities of `units` [m, rad, 1] stand that the header names in one of the ways of `known`.
+
+        The unit may follow a name; else it is SI. What is not known is passed over with a note.
+        """
+        assert self.header is not None, "a sheet without one was refused, or got its names"
+        found: dict[str, Column] = {}
+        passed_over: list[str] = []
+        for index, cell in enumerate(self.header):
+            name, unit = _known(cell.strip(), known)
+            if name is None:
+                passed_over += [] if OURS.match(cell) else [cell.strip()]
+                continue
+            factors = FACTORS[units[name]]
+            if unit.casefold() not in ("", *factors):
+                raise InputError(f"{self.file}: {name} is a column in {listed(factors)}; its header says {unit!r}")
+            if name in found:
+                raise InputError(f"{self.file}: two columns hold {name}: {listed(self.header)}")
+            found[name] = Column(index, factors.get(unit.casefold(), 1.0))
+        if found and passed_over:
+            note(f"{self.file}: not used: {', '.join(passed_over)}")
+        return found
+
+    def numbers(self, row: Row, columns: Sequence[Column]) -> Array:
+        """The row's values of `columns`, in SI. Raises InputError for what is missing or no number."""
+        width = len(self.header or self.rows[0].cells)
+        if len(row.cells) != width:
+            raise InputError(f"{len(row.cells)} values where there are {width} columns")
+        return np.array([_number(row.cells[column.index]) * column.factor for column in columns])
+
+    def each(self, make: Callable[[Row], T]) -> list[T]:
+        """What `make` makes of every row. Raises InputError with the numbers of all lines of which it makes nothing."""
+        made = [_attempt(make, row) for row in self.rows]
+        bad = [(row.line, one) for row, one in zip(self.rows, made, strict=True) if isinstance(one, InputError)]
+        if bad:
+            (line, why), *others = bad
+            more = f"; also bad: line {few([other for other, _ in others])}" if others else ""
+            raise InputError(f"{self.file}, line {line}: {why}{more}")
+        return [one for one in made if not isinstance(one, InputError)]
+
+
+def _attempt(make: Callable[[Row], T], row: Row) -> T | InputError:
+    try:
+        return make(row)
+    except InputError as error:
+        return error
+
+
+def few(lines: Sequence[int]) -> str:
+    """The first of some lines' numbers, and how many more there are."""
+    left = len(lines) - ROWS_SHOWN
+    return ", ".join(map(str, lines[:ROWS_SHOWN])) + (f" and {left} more" if left > 0 else "")
+
+
+def read_sheet(path: str, names: str | None) -> Sheet:
+    """The sheet in a file, or on standard input for -; `names` [a,b,c] take the place of its header.
+
+    Lines that begin with # are comments, but for one before the first row that is a header for as many columns.
+    """
+    file = "standard input" if path == STDIN else path
+    lines = (sys.stdin.read() if path == STDIN else read_text(Path(path), MAX_BYTES)).splitlines()
+    written = next((line for line in lines if line.strip() and not _is_comment(line)), "")
+    rows = _rows(lines, written, file)
+    if not rows:
+        raise InputError(f"{file} holds no rows of numbers")
+    header = None if all(map(_is_number, rows[0].cells)) else rows[0].cells
+    if header and any(map(_is_number, header)):
+        said = shown(", ".join(header))
+        raise InputError(f"{file}, line {rows[0].line}: neither a header nor a row of numbers: {said}")
+    rows = rows[1:] if header else rows
+    if names is not None:
+        header = tuple(name.strip() for name in re.split(r"[,;]", names))
+    elif header is None and rows:
+        header = _commented_header(lines[: rows[0].line - 1], written, len(rows[0].cells))
+    if not rows:
+        raise InputError(f"{file} holds a header and no rows of numbers")
+    return Sheet(file, header, tuple(rows))
+
+
+def _rows(lines: Sequence[str], written: str, file: str) -> list[Row]:
+    said = [(k, line) for k, line in enumerate(lines, 1) if line.strip() and not _is_comment(line)]
+    try:
+        return [Row(k, _cells(line, written)) for k, line in said]
+    except csv.Error as error:
+        raise InputError(f"{file} is no CSV text: {error}") from error
+
+
+def _cells(line: str, like: str) -> tuple[str, ...]:
+    """The cells of a line of a file that is written `like` this one."""
+    separator = next((sign for sign in "\t;," if sign in like), None)
+    cells = line.split() if separator is None else next(csv.reader([line], delimiter=separator))
+    return tuple(cell.strip() for cell in cells)
+
+
+def _commented_header(before: Sequence[str], like: str, width: int) -> tuple[str, ...] | None:
+    """The header that NumPy and others write as a comment."""
+    comments = [line.lstrip("# ") for line in before if _is_comment(line)]
+    for cells in (_cells(comment, mark) for comment in reversed(comments) for mark in (like, comment)):
+        if len(cells) == width and not any(map(_is_number, cells)):
+            return cells
+    return None
+
+
+def _is_comment(line: str) -> bool:
+    return line.lstrip().startswith("#")
+
+
+def _is_number(cell: str) -> bool:
+    """Whether a cell is one, be it with a decimal comma, which `_number` refuses."""
+    try:
+        number(cell.replace(",", "."))
+    except ValueError:
+        return False
+    return True
+
+
+def _number(cell: str) -> float:
+    if "," in cell and _is_number(cell):
+        raise InputError(f"{shown(cell)}: decimals have a point, as in {cell.replace(',', '.')}")
+    value = number(cell) if _is_number(cell) else np.nan
+    if not np.isfinite(value):
+        raise InputError(f"{shown(cell)} is no number")
+    return value
+
+
+def _known(cell: str, known: Mapping[str, str]) -> tuple[str | None, str]:
+    """The quantity that a header's cell names, and its unit."""
+    match = UNIT.fullmatch(cell)
+    name, unit = (match[1], match[2] or match[3] or "") if match else (cell, "")
+    for said, its_unit in ((cell, ""), (name, unit)):
+        found = known.get(said) or known.get(said.casefold())
+        if found is not None:
+            return found, its_unit
+    return None, ""
+
+
+def no_column(sheet: Sheet, wanted: str) -> InputError:
+    """The error for a header that does not name what is needed."""
+    return InputError(f"{sheet.file}: {wanted}; its header has {listed(sheet.header or ())}")

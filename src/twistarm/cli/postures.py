@@ -1,0 +1,101 @@
+"""Postures in a CSV file for `fk`, and the poses that they give."""
+
+from __future__ import annotations
+
+import csv
+import io
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+
+from ..arm import Arm
+from ..checks import Array
+from ..errors import InputError, listed
+from ..rotations import to_xyzw
+from .csv_rows import ROWS_SHOWN, Sheet, few, no_column
+from .output import console, note, number, pose_json, print_json, table, warn
+from .outputs import Outputs
+
+
+def postures_in(arm: Arm, sheet: Sheet) -> Array:
+    """theta (N, n) of a CSV's rows: a column for each joint, by names or, without, base to tip [rad, m].
+
+    Joints without a column stand as in ready, with a note.
+    """
+    if sheet.header is None:
+        width = len(sheet.rows[0].cells)
+        if width != arm.n:
+            raise InputError(
+                f"{sheet.file} has {width} columns without names, and {arm.name} {arm.n} joints "
+                f"({', '.join(arm.joint_names)}): add --columns with their names"
+            )
+        sheet = replace(sheet, header=arm.joint_names)
+    known = {said: name for name in arm.joint_names for said in (name, f"{name}.position")}
+    columns = sheet.columns(known, dict(zip(arm.joint_names, arm.units, strict=True)))
+    if not columns:
+        raise no_column(sheet, f"no column is a joint of {arm.name}: {listed(arm.joint_names)}")
+    others = [name for name in arm.joint_names if name not in columns]
+    if others:
+        note(f"{', '.join(others)} as in the pose ready")
+    theta = np.tile(arm.ready, (len(sheet.rows), 1))
+    theta[:, [arm.joint_names.index(name) for name in columns]] = sheet.each(
+        lambda row: sheet.numbers(row, list(columns.values()))
+    )
+    _warn_outside(arm, theta, sheet)
+    return theta
+
+
+def _warn_outside(arm: Arm, theta: Array, sheet: Sheet) -> None:
+    outside = [row.line for row, inside in zip(sheet.rows, arm.limits.contains(theta), strict=True) if not inside]
+    if outside:
+        warn(
+            f"{sheet.file}: outside the limits: line {few(outside)}; angles are rad unless the header says so, as in "
+            f"'{arm.joint_names[-1]} [deg]'"
+        )
+
+
+def tell_poses(arm: Arm, sheet: Sheet, theta: Array, frame: str, outputs: Outputs, *, json: bool) -> None:
+    """Write and say the poses of a frame at every theta (N, n)."""
+    g, lines = arm.pose(theta, frame), [row.line for row in sheet.rows]
+    written = outputs.write({"csv": lambda: poses_csv(lines, g)})
+    if json:
+        poses = [{"line": line, "theta": x, **pose_json(one)} for line, x, one in zip(lines, theta, g, strict=True)]
+        print_json(
+            {
+                "arm": arm.name,
+                "joint_names": arm.joint_names,
+                "base": arm.base,
+                "frame": frame,
+                "poses": poses,
+                "written": written,
+            }
+        )
+        return
+    if not written:
+        console().print(_table(f"{frame} seen from {arm.base}", lines, g))
+        if len(lines) > ROWS_SHOWN:
+            print(f"{ROWS_SHOWN} of {len(lines)} poses (-o FILE.csv has them all)")
+    outputs.say(written)
+
+
+COLUMNS = ("x [m]", "y [m]", "z [m]", "qx", "qy", "qz", "qw")
+
+
+def _numbers(g: Array) -> Array:
+    """Position and quaternion (N, 7) of poses (N, 4, 4)."""
+    return np.concatenate([g[:, :3, 3], to_xyzw(g[:, :3, :3])], axis=-1)
+
+
+def _table(title: str, lines: list[int], g: Array) -> Any:
+    rows = [[line, *(number(x, 6) for x in row)] for line, row in zip(lines[:ROWS_SHOWN], _numbers(g), strict=False)]
+    return table(title, ["line", *COLUMNS], rows)
+
+
+def poses_csv(lines: list[int], g: Array) -> str:
+    """Poses (N, 4, 4) as CSV: positions and quaternions, scalar last, as `ik --targets` reads them."""
+    text = io.StringIO()
+    writer = csv.writer(text, lineterminator="\n")
+    writer.writerow(["line", *COLUMNS])
+    writer.writerows([line, *row] for line, row in zip(lines, _numbers(g).tolist(), strict=True))
+    return text.getvalue()

@@ -1,0 +1,175 @@
+"""Targets for inverse kinematics as they are typed and as they stand in a CSV file."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Annotated
+
+import numpy as np
+import typer
+
+from ..checks import Array
+from ..errors import InputError
+from ..ik import Approach, Pose, Position
+from ..rotations import from_rpy, from_xyzw
+from .csv_rows import Sheet, no_column
+from .typed import AXIS, RPY, WXYZ, XYZ, XYZW, parse_numbers
+
+Target = Pose | Approach | Position
+
+Rpy = Annotated[
+    str | None,
+    typer.Option(
+        metavar=RPY, help="Orientation: turns about the base's x, y and z axes, in this order [°, or rad with --rad]."
+    ),
+]
+Quaternion = Annotated[
+    str | None, typer.Option("--quaternion", "--quaternion-wxyz", metavar=WXYZ, help="Orientation, scalar first.")
+]
+QuaternionXyzw = Annotated[
+    str | None, typer.Option(metavar=XYZW, help="Orientation, scalar last, as in ROS and SciPy.")
+]
+Direction = Annotated[
+    str | None, typer.Option(metavar=XYZ, help="Only where the tool points, in base axes; turning about that is free.")
+]
+Axis = Annotated[
+    str | None,
+    typer.Option(
+        metavar=AXIS,
+        help="The tool's axis that --direction points: x, -y, … or three numbers; unless given, the one about which "
+        "the last joint rolls the tool.",
+    ),
+]
+
+UNIT_LENGTH_TOL = 0.01
+"""A quaternion is rounded to a few digits; one that is further from length 1 holds something else."""
+
+TURN = 2.0 * np.pi
+"""A larger roll, pitch or yaw is one in degrees."""
+
+POSITION, ANGLES, DIRECTION, QUATERNION = (
+    ("x", "y", "z"),
+    ("roll", "pitch", "yaw"),
+    ("dx", "dy", "dz"),
+    ("qx", "qy", "qz", "qw"),
+)
+UNITS = dict.fromkeys(POSITION, "m") | dict.fromkeys(ANGLES, "rad") | dict.fromkeys((*DIRECTION, *QUATERNION), "1")
+
+COLUMNS = "x, y, z [m], and to turn the tool qx, qy, qz, qw, or roll, pitch, yaw [rad], or dx, dy, dz to point it"
+
+KNOWN = (
+    {said + axis: axis for axis in "xyz" for said in ("", "p", "pos_", "position_", "position.", "pose.position.")}
+    | {said + axis: f"d{axis}" for axis in "xyz" for said in ("d", "direction_", "direction.")}
+    | {
+        said + part: f"q{part}"
+        for part in "xyzw"
+        for said in ("q", "q_", "quaternion_", "quaternion.", "orientation_", "orientation.", "pose.orientation.")
+    }
+    | {name: name for name in ANGLES}
+)
+"""What columns are called, here and by others."""
+
+TWO_MEANINGS = {"rx", "ry", "rz"}
+"""Some call the parts of a rotation vector so, others roll, pitch and yaw."""
+
+
+@dataclass(frozen=True)
+class Orientation:
+    """What is asked of the tool beside its position: a rotation, a direction for an axis, or nothing."""
+
+    rotation: Array | None = None
+    direction: Array | None = None
+    axis: Array | None = None
+
+    @property
+    def is_given(self) -> bool:
+        """Whether something is asked."""
+        return self.rotation is not None or self.direction is not None
+
+    def at(self, p: Array) -> Target:
+        """The target with the tool's origin at p (3,) [m]."""
+        if self.direction is not None:
+            return Approach(p, self.direction, self.axis)
+        if self.axis is not None:
+            raise InputError("--axis says which axis of the tool --direction points: give a direction too")
+        if self.rotation is None:
+            return Position(p)
+        g = np.eye(4)
+        g[:3, :3], g[:3, 3] = self.rotation, p
+        return Pose(g)
+
+
+def typed_orientation(
+    rpy: str | None, wxyz: str | None, xyzw: str | None, direction: str | None, axis: str | None, radians: bool
+) -> Orientation:
+    """The orientation that the options ask for."""
+    options = {"--rpy": rpy, "--quaternion": wxyz, "--quaternion-xyzw": xyzw, "--direction": direction}
+    given = {option: text for option, text in options.items() if text is not None}
+    if len(given) > 1:
+        which = " or ".join(given)
+        raise InputError(f"give {which}, not both: a whole orientation, or only where the tool points")
+    tool_axis = None if axis is None else _axis(axis)
+    for option, text in given.items():
+        if option == "--direction":
+            return Orientation(direction=parse_numbers(text, 3, option), axis=tool_axis)
+        if option == "--rpy":
+            angles = parse_numbers(text, 3, option)
+            return Orientation(rotation=from_rpy(angles if radians else np.radians(angles)))
+        scalar_last = option == "--quaternion-xyzw"
+        return Orientation(rotation=_rotation(np.roll(parse_numbers(text, 4, option), 0 if scalar_last else -1)))
+    return Orientation(axis=tool_axis)
+
+
+def _axis(text: str) -> Array:
+    """A typed axis of the tool: a letter with or without a sign, or three numbers."""
+    letter = text.strip().lstrip("+-−")
+    if letter in ("x", "y", "z"):
+        axis = np.zeros(3)
+        axis["xyz".index(letter)] = -1.0 if text.strip()[0] in "-−" else 1.0
+        return axis
+    try:
+        return parse_numbers(text, 3, "--axis")
+    except InputError as error:
+        raise InputError(f"--axis takes x, y, z, -x, -y, -z or three numbers; got {text!r}") from error
+
+
+def _rotation(xyzw: Array) -> Array:
+    length = float(np.linalg.norm(xyzw))
+    if abs(length - 1.0) > UNIT_LENGTH_TOL:
+        raise InputError(f"a quaternion has length 1; this one has {length:.3g}")
+    return from_xyzw(xyzw)
+
+
+def targets_in(sheet: Sheet, orientation: Orientation) -> list[Target]:
+    """The targets of a CSV's rows: positions with what else the header names, or with the orientation typed."""
+    if sheet.header is None:
+        width = len(sheet.rows[0].cells)
+        if width != 3:
+            raise InputError(f"{sheet.file} has {width} columns without names: add --columns with those of {COLUMNS}")
+        sheet = Sheet(sheet.file, POSITION, sheet.rows)
+    if TWO_MEANINGS & {cell.casefold() for cell in sheet.header or ()}:
+        raise InputError(f"{sheet.file}: rx, ry, rz mean two things: name them roll, pitch, yaw, or write quaternions")
+    columns = sheet.columns(KNOWN, UNITS)
+    kinds = [kind for kind in (ANGLES, DIRECTION, QUATERNION) if any(name in columns for name in kind)]
+    needed = (*POSITION, *(kinds[0] if kinds else ()))
+    missing = [name for name in needed if name not in columns]
+    if missing:
+        raise no_column(sheet, f"no column {', '.join(missing)}; targets have {COLUMNS}")
+    if len(kinds) > 1 or (kinds and orientation.is_given):
+        raise InputError(f"{sheet.file}: its columns and the options turn the tool in more than one way; keep one")
+    places = [columns[name] for name in needed]
+    return sheet.each(lambda row: _target(sheet.numbers(row, places), kinds[0] if kinds else (), orientation))
+
+
+def _target(values: Array, kind: tuple[str, ...], orientation: Orientation) -> Target:
+    """The target of a row: its position, then what `kind` names."""
+    if kind == ANGLES:
+        largest = np.abs(values[3:]).max()
+        if largest > TURN:
+            raise InputError(f"an angle of {largest:g} rad looks like degrees: name the column 'roll [deg]'")
+        orientation = Orientation(rotation=from_rpy(values[3:]))
+    elif kind == DIRECTION:
+        orientation = Orientation(direction=values[3:], axis=orientation.axis)
+    elif kind == QUATERNION:
+        orientation = Orientation(rotation=_rotation(values[3:]))
+    return orientation.at(values[:3])

@@ -1,0 +1,156 @@
+"""`ik --targets` and `fk --postures`: rows of numbers as strangers write them, and back."""
+
+from __future__ import annotations
+
+import csv
+import io
+import json
+from pathlib import Path
+
+import numpy as np
+import pinocchio as pin
+import pytest
+from scipy.spatial.transform import Rotation
+
+from catalogue import load
+from ik_targets import pinocchio_fk
+from twistarm.cli.application import run
+
+Capture = pytest.CaptureFixture[str]
+
+ROTATION = Rotation.from_euler("xyz", [170, 5, 40], degrees=True)
+"""Roll, pitch, yaw about the base's axes, by SciPy."""
+
+QX, QY, QZ, QW = ROTATION.as_quat()
+
+AS_WRITTEN = {
+    "header, commas, quaternions": f"x,y,z,qx,qy,qz,qw\n0.4,0.1,0.3,{QX},{QY},{QZ},{QW}\n",
+    "scalar first, in another order": f"qw,qx,qy,qz,z,y,x\n{QW},{QX},{QY},{QZ},0.3,0.1,0.4\n",
+    "names of ROS, semicolons, a byte-order mark": "\ufeffposition.x;position.y;position.z;orientation.x;orientation.y;"
+    f"orientation.z;orientation.w\r\n0.4;0.1;0.3;{QX};{QY};{QZ};{QW}\r\n",
+    "units, tabs, a column of words": "name\tX [mm]\tY [mm]\tz (m)\troll_deg\tpitch [deg]\tyaw [°]\n"
+    "pick\t400\t100\t0.3\t170\t5\t40\n",
+    "NumPy's header, spaces": "# x y z roll pitch yaw\n0.4 0.1 0.3 {} {} {}\n".format(*np.radians([170, 5, 40])),
+}
+
+
+def rows_of(text: str) -> list[dict[str, str]]:
+    return list(csv.DictReader(io.StringIO(text)))
+
+
+@pytest.mark.parametrize("case", AS_WRITTEN)
+def test_a_strangers_targets_are_read(case: str, tmp_path: Path, capsys: Capture) -> None:
+    arm, file = load("ur5"), tmp_path / "targets.csv"
+    file.write_text(AS_WRITTEN[case], "utf-8")
+    assert run(["ik", "ur5", "--targets", str(file), "--json"]) == 0
+    (answer,) = json.loads(capsys.readouterr().out)["answers"]
+    g = pinocchio_fk(arm, np.array(answer["theta"]))
+    assert np.allclose(g[:3, 3], [0.4, 0.1, 0.3], atol=2e-6)
+    assert np.linalg.norm(pin.log3(g[:3, :3] @ ROTATION.as_matrix().T)) < 3e-6
+
+
+def test_positions_without_a_header_take_the_orientation_that_is_typed(tmp_path: Path, capsys: Capture) -> None:
+    arm, file, out = load("ur5"), tmp_path / "targets.csv", tmp_path / "answers.csv"
+    file.write_text("# picks\n0.4,0.1,0.3\n\n9,9,9\n0.4,-0.1,0.3\n", "utf-8")
+    typed = ["--targets", str(file), "--direction", "0", "0", "-1", "--axis", "-x", "-o", str(out)]
+    assert run(["ik", "ur5", *typed]) == 1
+    assert "2 of 3 targets" in (said := capsys.readouterr().out)
+    assert "out of reach: line 4" in said
+    rows = rows_of(out.read_text())
+    assert [(row["line"], row["answer"]) for row in rows] == [
+        ("2", "CONVERGED"), ("4", "OUT_OF_REACH"), ("5", "CONVERGED"),
+    ]  # fmt: skip
+    theta = np.array([[float(row[f"{name} [rad]"]) for name in arm.joint_names] for row in rows])
+    g = pinocchio_fk(arm, theta[2])
+    assert np.allclose(g[:3, 3], [0.4, -0.1, 0.3], atol=2e-6)
+    assert np.allclose(-g[:3, 0], [0, 0, -1], atol=2e-6)
+
+
+def test_answers_are_postures_and_poses_are_targets(
+    tmp_path: Path, capsys: Capture, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    arm = load("rover_arm")
+    monkeypatch.chdir(tmp_path)
+    theta = arm.random_theta(2, 30)
+    np.savetxt("theta.txt", theta)
+    assert run(["fk", "rover_arm", "--postures", "theta.txt", "-o", "poses.csv"]) == 0
+    assert run(["ik", "rover_arm", "--targets", "poses.csv", "-o", "theta.csv"]) == 0
+    assert run(["fk", "rover_arm", "--postures", "theta.csv", "--json"]) == 0
+    captured = capsys.readouterr()
+    assert captured.err == ""
+    poses = json.loads(captured.out[captured.out.index("{") :])["poses"]
+    for pose, x in zip(poses, theta, strict=True):
+        assert np.allclose(pose["matrix"], pinocchio_fk(arm, x), atol=1e-5)
+
+
+def test_joints_may_be_left_out_and_be_in_degrees(tmp_path: Path, capsys: Capture) -> None:
+    arm, file = load("rover_arm"), tmp_path / "p.csv"
+    file.write_text("wrist_roll [deg],slide_mm\n90,100\n", "utf-8")
+    assert run(["fk", "rover_arm", "--postures", str(file), "--json"]) == 0
+    captured = capsys.readouterr()
+    assert captured.err == "note: shoulder, elbow, wrist_pitch as in the pose ready\n"
+    (pose,) = json.loads(captured.out)["poses"]
+    assert np.allclose(pose["theta"], [0.1, *arm.ready[1:4], np.pi / 2])
+    file.write_text("elbow\n90\n", "utf-8")
+    assert run(["fk", "rover_arm", "--postures", str(file)]) == 0
+    assert "outside the limits: line 2; angles are rad unless the header says so" in capsys.readouterr().err
+
+
+BAD = {
+    "numbers that are none": ("x,y,z\n1,a,1\n1,1,1\n1,,1\n", "line 2: 'a' is no number; also bad: line 4"),
+    "a row too short": ("x,y,z\n1,1,1\n1,1\n", "line 3: 2 values where there are 3 columns"),
+    "decimal commas": ("0,4;0,1;0,3\n", "line 1: '0,4': decimals have a point, as in 0.4"),
+    "no length": ("x,y,z,dx,dy,dz\n1,1,1,0,0,0\n", "line 2: direction must not be the zero vector"),
+    "no quaternion": ("x,y,z,qx,qy,qz,qw\n1,1,1,1,1,1,1\n", "line 2: a quaternion has length 1; this one has 2"),
+    "degrees": ("x,y,z,roll,pitch,yaw\n1,1,1,0,90,0\n", "looks like degrees: name the column 'roll [deg]'"),
+    "a rotation vector or not": ("x,y,z,rx,ry,rz\n1,1,1,0,0,0\n", "rx, ry, rz mean two things"),
+    "seven columns without names": ("1,1,1,0,0,0,1\n", "7 columns without names: add --columns"),
+    "half an orientation": ("x,y,z,roll\n1,1,1,0\n", "no column pitch, yaw"),
+    "no position": ("a,b\n1,2\n", "no column x, y, z"),
+    "an unknown unit": ("x [in],y,z\n1,1,1\n", "x is a column in"),
+    "a column twice": ("x,y,z,X\n1,1,1,1\n", "two columns hold x"),
+    "nothing": ("", "holds no rows of numbers"),
+    "a header alone": ("x,y,z\n", "holds a header and no rows of numbers"),
+    "half a header": ("x,y,3\n1,1,1\n", "line 1: neither a header nor a row of numbers"),
+    "beyond all units": ("x,y,z\n1e300,0,0\n", "lengths are in metres"),
+}
+
+
+@pytest.mark.parametrize("case", BAD)
+def test_bad_rows_are_named_and_nothing_is_written(case: str, tmp_path: Path, capsys: Capture) -> None:
+    text, message = BAD[case]
+    file, out = tmp_path / "t.csv", tmp_path / "out.csv"
+    file.write_text(text, "utf-8")
+    assert run(["ik", "ur5", "--targets", str(file), "-o", str(out)]) == 2
+    captured = capsys.readouterr()
+    assert message in captured.err
+    assert captured.err.count("\n") == 1
+    assert not out.exists()
+
+
+def test_columns_can_be_named_by_an_option(tmp_path: Path, capsys: Capture) -> None:
+    file = tmp_path / "t.csv"
+    file.write_text("0.4,0.1,0.3,1,0,0,0\n", "utf-8")
+    assert run(["ik", "ur5", "--targets", str(file), "--columns", "x,y,z,qx,qy,qz,qw", "--json"]) == 0
+    (answer,) = json.loads(capsys.readouterr().out)["answers"]
+    assert np.allclose(pinocchio_fk(load("ur5"), np.array(answer["theta"]))[:3, :3], np.diag([1, -1, -1]), atol=3e-6)
+
+
+@pytest.mark.parametrize("typed", ["--quaternion 0 1 0 0", "--quaternion-xyzw 1 0 0 0", "--rpy 180 0 0"])
+def test_an_orientation_is_typed_in_three_ways(typed: str, capsys: Capture) -> None:
+    assert run(["ik", "ur5", "--xyz", "0.4", "0.1", "0.3", *typed.split(), "--json"]) == 0
+    theta = json.loads(capsys.readouterr().out)["theta"]
+    assert np.allclose(pinocchio_fk(load("ur5"), np.array(theta))[:3, :3], np.diag([1, -1, -1]), atol=3e-6)
+
+
+def test_tolerances_are_what_is_typed(capsys: Capture) -> None:
+    """The angle in degrees, or in radians with --rad: a search that may stop earlier does."""
+    for typed, within in (
+        (["--position-tolerance", "0.02", "--orientation-tolerance", "3"], np.radians(3)),
+        (["--position-tolerance", "0.02", "--orientation-tolerance", "0.05", "--rad"], 0.05),
+    ):
+        assert run(["ik", "ur5", "--xyz", "0.4 0.1 0.3", "--quaternion", "0 1 0 0", *typed, "--json"]) == 0
+        content = json.loads(capsys.readouterr().out)
+        assert max(content["position_error"], content["orientation_error"]) > 1e-6
+        assert content["position_error"] <= 0.02
+        assert content["orientation_error"] <= within
