@@ -166,12 +166,12 @@ def test_theta_by_the_joint_s_own_name_lists_the_coordinates(tmp_path: Path) -> 
 
 
 def test_thousands_of_them_take_seconds(tmp_path: Path) -> None:
-    n = 4000
+    n = 1500
     links = ("base_link", *(f"l{i}" for i in range(n)))
     path = write(tmp_path, robot(*(joint(f"p{i}", "base_link", f"l{i}", "planar") for i in range(n)), links=links))
     start = time.process_time()
     description = read_description(path)
-    assert time.process_time() - start < 12.0
+    assert time.process_time() - start < 4.0
     assert list(description.joints) == [f"p{i}_{part}" for i in range(n) for part in ("x", "y", "rz")]
 
 

@@ -49,6 +49,7 @@ def the_same(done: subprocess.CompletedProcess[str], undisturbed: object) -> Non
     assert json.loads(done.stdout) == undisturbed
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     "text",
     [
@@ -66,12 +67,14 @@ def test_a_foreign_pinocchio(tmp_path: Path, undisturbed: object, text: str) -> 
     the_same(run(*FK, PYTHONPATH=str(foreign)), undisturbed)
 
 
+@pytest.mark.slow
 def test_the_registrys_pinocchio(tmp_path: Path, undisturbed: object) -> None:
     namesake = package(tmp_path, "pinocchio", "", plugin="")
     metadata(namesake, "pinocchio", "0.4.3", ("pinocchio/__init__.py", "pinocchio/plugin.py"))
     the_same(run(*FK, PYTHONPATH=str(namesake)), undisturbed)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     "text",
     [
@@ -84,6 +87,7 @@ def test_a_foreign_xacro(tmp_path: Path, undisturbed: object, text: str) -> None
     the_same(run(*FK, PYTHONPATH=str(package(tmp_path, "xacro", text))), undisturbed)
 
 
+@pytest.mark.slow
 @pytest.mark.skipif(sys.platform == "darwin", reason="macOS puts DYLD_LIBRARY_PATH before absolute paths")
 def test_foreign_libraries(tmp_path: Path, undisturbed: object) -> None:
     import pinocchio
