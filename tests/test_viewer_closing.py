@@ -23,7 +23,7 @@ from viewer_page import viewer as viewer
 
 
 def test_between_the_loop_s_end_and_the_thread_s_methods_answer_from_the_stage(arm: Arm, viewer: Viewer) -> None:
-    viewer.close()
+    viewer._server.stop()
     viewer._server._thread = threading.current_thread()  # alive, as the server's is for a moment after its loop
     viewer.show([0.0, 0.0, 0.1])
     viewer._server._changes.clear()
@@ -31,6 +31,24 @@ def test_between_the_loop_s_end_and_the_thread_s_methods_answer_from_the_stage(a
     viewer._server._thread = threading.Thread()
     assert_array_equal(viewer.theta, THETA)
     assert viewer.poses == {}
+
+
+def test_a_closed_view_shows_nothing_more_and_still_answers(arm: Arm, viewer: Viewer) -> None:
+    viewer.close()
+    moving = (
+        lambda: viewer.show(THETA),
+        lambda: viewer.play(swing(arm)),
+        lambda: viewer.show_path(None),
+        lambda: viewer.show_screws(False),
+        lambda: viewer.show_frames(False),
+        lambda: viewer.load(arm),
+    )
+    for call in moving:
+        with pytest.raises(InputError, match="the viewer was closed"):
+            call()
+    viewer.show_servo(None)  # a loop that drives an arm goes on
+    assert_array_equal(viewer.theta, THETA)
+    assert "srcdoc" in viewer.inline(static=True).html
 
 
 def test_what_the_loop_did_not_answer_before_its_end_is_answered(

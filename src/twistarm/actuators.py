@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from .brief import told
-from .checks import Array, as_floats, as_theta, frozen
+from .checks import Array, as_floats, as_reals, as_theta, frozen, require, require_names
 from .errors import InputError, listed
 from .limits import JointLimits
 from .motion_limits import MotionLimits
@@ -61,13 +61,16 @@ class Actuators:
     limits: JointLimits = NOT_GIVEN
 
     def __post_init__(self) -> None:
+        for name in ("names", "joint_names", "units"):
+            object.__setattr__(self, name, require_names(getattr(self, name), name))
+        require(self.limits, JointLimits, "limits", "of the motors")
         k, n = len(self.names), len(self.joint_names)
         for name, shape in {"G": (k, n), "offset": (k,)}.items():
             values = as_floats(getattr(self, name), name)
             if values.shape != shape:
                 raise InputError(f"{name} of {k} actuators and {n} joints must have shape {shape}; got {values.shape}")
             object.__setattr__(self, name, frozen(values))
-        ticks = frozen(self.ticks_per_turn)
+        ticks = frozen(as_reals(self.ticks_per_turn, "ticks_per_turn"))
         if ticks.shape != (k,) or len(self.units) != k:
             raise InputError(f"{k} actuators need {k} units and ticks_per_turn; got {len(self.units)}, {ticks.shape}")
         object.__setattr__(self, "ticks_per_turn", ticks)
@@ -158,7 +161,7 @@ class Actuators:
         if joints is None:
             return MotionLimits(self.names, self.G, self.offset, self.limits)
         n = len(self.joint_names)
-        if joints.lower.size != n:
+        if require(joints, JointLimits, "joints", "as an arm's limits are").lower.size != n:
             raise InputError(f"joints must be the limits of {n} joints ({listed(self.joint_names)})")
         both = {field: np.concatenate([getattr(self.limits, field), getattr(joints, field)]) for field in vars(joints)}
         C, c = np.vstack([self.G, np.eye(n)]), np.concatenate([self.offset, np.zeros(n)])

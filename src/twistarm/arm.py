@@ -394,7 +394,7 @@ class Arm:
             return self._named(values)
         if numbers is None and not isinstance(values, Mapping):
             return as_theta(values, self.n, name, self.joint_names)
-        given = dict(values) if isinstance(values, Mapping) else self._paired(np.asarray(values).tolist(), numbers)
+        given = dict(values) if isinstance(values, Mapping) else self._paired(values, numbers)
         for name in given:
             if name not in self.joint_names:
                 listing = f"base to tip: {listed(self.joint_names)}"
@@ -514,7 +514,7 @@ class Arm:
                 listing = f"independent joints outside the chain: {listed(outside) or 'none'}"
                 raise unknown_name("joint outside the chain", name, outside, within=self.name, listing=listing)
 
-    def _paired(self, names: Sequence[str], numbers: ArrayLike | None) -> dict[str, float]:
+    def _paired(self, names: object, numbers: ArrayLike | None) -> dict[str, float]:
         given, values = require_names(names, "names"), as_floats([] if numbers is None else numbers, "numbers").ravel()
         if len(given) != values.size:
             raise InputError(f"{len(given)} names but {values.size} numbers; give one number per name")

@@ -21,7 +21,7 @@ from .description.geometry import LARGEST
 from .description.packages import PackageIndex
 from .description.planar import coordinate_names
 from .description.urdf import WIDE, build_description
-from .errors import InputError, listed
+from .errors import InputError, listed, shown
 from .limits import JointLimits
 from .loading import assemble, prove
 from .rotations import to_rpy
@@ -289,7 +289,7 @@ def _text(numbers: Array) -> str:
 
 def _check_name(name: object, what: str) -> None:
     if not isinstance(name, str) or not name.strip() or not name.isprintable():
-        raise InputError(f"{what} must be a text of printable characters; got {name!r}")
+        raise InputError(f"{what} must be a text of printable characters; got {shown(name)}")
 
 
 @contextmanager

@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from .arm import Arm, Coupling
-from .checks import Array, as_floats, as_pose
+from .checks import Array, as_floats, as_pose, require_names
 from .errors import InputError
 from .limits import JointLimits
 from .lower_pairs import lower_pairs
@@ -37,7 +37,7 @@ def arm_from_screws(
     if xi.ndim != 2 or xi.shape[0] != 6 or xi.shape[1] == 0:
         raise InputError(f"screws must have shape (6, n), one column per joint; got {xi.shape}")
     n = xi.shape[1]
-    names = tuple(joints) if joints is not None else tuple(f"joint{i + 1}" for i in range(n))
+    names = tuple(f"joint{i + 1}" for i in range(n)) if joints is None else require_names(joints, "joints")
     if len(names) != n or len(set(names)) != n:
         raise InputError(f"joints must be {n} different names, one per column of screws; got {list(names)}")
     if not (np.abs(xi).max(axis=0) > 0).all():
@@ -45,6 +45,7 @@ def arm_from_screws(
     g = as_pose(home, "home")
     if g.ndim != 2:
         raise InputError(f"home must be one pose (4, 4); got {g.shape}")
+    limits = {} if limits is None else limits
     if isinstance(limits, JointLimits) and limits.lower.size != n:
         raise InputError(f"limits must be those of {n} joints; got {limits.lower.size}")
     prismatic = np.linalg.norm(xi[3:], axis=0) < 1e-12 * np.linalg.norm(xi[:3], axis=0)
@@ -58,7 +59,7 @@ def arm_from_screws(
         screws=xi,
         home=g,
         coupling=Coupling(np.eye(n), np.zeros(n)),
-        limits=limits if isinstance(limits, JointLimits) else JointLimits.unbounded(n).with_(limits or {}, names),
+        limits=limits if isinstance(limits, JointLimits) else JointLimits.unbounded(n).with_(limits, names),
         reach=_reach(xi[:, ~prismatic], g[:3, 3]) or 1.0,
     )
 

@@ -147,9 +147,13 @@ def require_mapping(value: Any, name: str, example: str) -> Mapping[str, Any]:
 
 def require_names(values: Any, name: str) -> tuple[str, ...]:
     """`values`, a sequence of texts, as a tuple; InputError for a single text or anything else."""
-    if isinstance(values, str) or not isinstance(values, Collection) or not all(isinstance(v, str) for v in values):
+    try:
+        names = (None,) if isinstance(values, str) else tuple(values)
+    except TypeError:
+        names = (None,)
+    if not all(isinstance(one, str) for one in names):
         raise InputError(f"{name} must be a sequence of names; got {shown(values)}")
-    return tuple(values)
+    return tuple(str(one) for one in names)
 
 
 def require_callback(value: Any, name: str, arguments: str) -> Callable[..., object] | None:
@@ -158,6 +162,13 @@ def require_callback(value: Any, name: str, arguments: str) -> Callable[..., obj
         raise InputError(f"{name} must be a function of {arguments}, or None; got {shown(value)}")
     found: Callable[..., object] | None = value
     return found
+
+
+def require_method(value: T, name: str, method: str) -> T:
+    """`value`, or InputError where it has no such method."""
+    if isinstance(value, type) or not callable(getattr(value, method, None)):
+        raise InputError(f"{name} must be an object with a method {method}; got {shown(value)}")
+    return value
 
 
 def as_vector(value: ArrayLike, name: str, size: int = 3) -> Array:

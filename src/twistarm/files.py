@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 import os
+from collections.abc import Iterable
 from contextlib import suppress
 from pathlib import Path
 
-from .errors import InputError
+from .errors import InputError, shown
 
 DESCRIPTIONS = (".urdf", ".xacro", ".srdf", ".toml", ".yaml", ".yml")
 """Names of what a team wrote itself: no output takes its place unasked."""
@@ -32,12 +33,23 @@ def stamp(path: Path) -> tuple[int, ...] | None:
 
 
 def as_path(path: str | os.PathLike[str]) -> Path:
-    """The path with a leading `~` resolved; as it is where there is no such user."""
-    given = Path(path)
+    """The path with a leading `~` resolved; as it is where there is no such user. InputError for what is no path."""
+    try:
+        given = Path(path)
+    except TypeError as error:
+        raise InputError(f"a path must be a string or a Path; got {shown(path)}") from error
     try:
         return given.expanduser()
     except RuntimeError:
         return given
+
+
+def as_paths(paths: Iterable[str | os.PathLike[str]], name: str) -> tuple[Path, ...]:
+    """One path or several, each `as_path`; InputError for what is neither."""
+    try:
+        return tuple(map(as_path, [paths] if isinstance(paths, (str, os.PathLike)) else paths))
+    except TypeError as error:
+        raise InputError(f"{name} must be a path or several; got {shown(paths)}") from error
 
 
 def write_whole(
@@ -68,7 +80,7 @@ def writable(path: str | os.PathLike[str], *, over_description: bool = False) ->
         target = Path(os.path.realpath(os.fspath(path)))
         target.exists()
     except (TypeError, ValueError) as error:
-        raise InputError(f"the path of a file to write must be a string or a Path; got {path!r}") from error
+        raise InputError(f"the path of a file to write must be a string or a Path; got {shown(path)}") from error
     except OSError as error:
         raise InputError(f"cannot write {str(path)[:60]}…: {error.strerror or error}") from error
     if not target.parent.is_dir():

@@ -10,11 +10,11 @@ from typing import Any
 
 import numpy as np
 
-from .arm import Arm
+from .arm import Arm, require_arm
 from .checks import Array, as_floats, as_pose
 from .comparison import by_exponentials
 from .errors import ComparisonError, DescriptionError
-from .files import is_file, write_whole
+from .files import as_path, is_file, write_whole
 from .limits import FIELDS
 from .rotations import log as rotation_log
 from .screws import Screw, adjoint, hat, inverse, to_screw
@@ -60,7 +60,7 @@ def freeze(arm: Arm, path: str | os.PathLike[str]) -> None:
 
 def golden_text(arm: Arm) -> str:
     """What `freeze` writes."""
-    theta = arm.random_theta(0, SAMPLES)
+    theta = require_arm(arm).random_theta(0, SAMPLES)
     g, spatial, body = by_exponentials(arm, theta)
     content = {
         "format": FORMAT,
@@ -85,7 +85,7 @@ def golden_text(arm: Arm) -> str:
 
 def compare(arm: Arm, path: str | os.PathLike[str]) -> Difference:
     """What has changed since `freeze` wrote `path`, in words; DescriptionError if the file is no golden file."""
-    return _compare(arm, _read(Path(path)))
+    return _compare(require_arm(arm), _read(as_path(path)))
 
 
 def _compare(arm: Arm, golden: dict[str, Any]) -> Difference:

@@ -10,8 +10,8 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from .brief import told
-from .checks import Array, frozen
-from .errors import InputError, LimitError, unknown_name
+from .checks import Array, as_reals, as_theta, frozen, require_names
+from .errors import InputError, LimitError, shown, unknown_name
 
 FIELDS = ("lower", "upper", "velocity", "acceleration", "jerk", "effort")
 RATES = FIELDS[2:]
@@ -38,9 +38,9 @@ class JointLimits:
     effort: Array
 
     def __post_init__(self) -> None:
-        n = np.size(self.lower)
+        n = as_reals(self.lower, "limits.lower").size
         for name in FIELDS:
-            values = frozen(getattr(self, name))
+            values = frozen(as_reals(getattr(self, name), f"limits.{name}"))
             if values.shape != (n,) or np.isnan(values).any():
                 raise InputError(f"limits.{name} must be {n} numbers without NaN; got {values.tolist()}")
             if name in RATES and (values < 0).any():
@@ -68,7 +68,7 @@ class JointLimits:
 
     def contains(self, theta: ArrayLike, tol: float = 0.0) -> np.ndarray[Any, np.dtype[np.bool_]]:
         """Whether theta (..., n) lies inside the position limits, `tol` [rad, m] beyond them allowed."""
-        x = np.asarray(theta, dtype=np.float64)
+        x = as_theta(theta, self.lower.size)
         return np.asarray(((x >= self.lower - tol) & (x <= self.upper + tol)).all(-1))
 
     def sampling_bounds(self, half: Array) -> tuple[Array, Array]:
@@ -85,7 +85,11 @@ class JointLimits:
     def with_(self, changes: Mapping[str, Any], names: Sequence[str]) -> JointLimits:
         """A copy with `changes`: {"velocity": 1.0} for every joint, or {"velocity": {"elbow": 1.0}} by name."""
         if not isinstance(changes, Mapping):
-            raise InputError(f"limits must be a JointLimits or a mapping such as {{'velocity': 1.0}}; got {changes!r}")
+            wanted = "a JointLimits or a mapping such as {'velocity': 1.0}"
+            raise InputError(f"limits must be {wanted}; got {shown(changes)}")
+        names = require_names(names, "names")
+        if len(names) != self.lower.size:
+            raise InputError(f"names must be those of {self.lower.size} joints; got {len(names)}")
         updated = {field: getattr(self, field).copy() for field in FIELDS}
         for field, value in changes.items():
             if field not in FIELDS:

@@ -13,7 +13,7 @@ import numpy as np
 from . import poe
 from .arm import Arm, Coupling, Proof
 from .baking import SUFFIX, read_baked
-from .checks import frozen
+from .checks import frozen, require_mapping
 from .description import catalog
 from .description.arm_file import ArmSpecification, Tool, read_arm_file
 from .description.arm_group import ArmGroup, arm_groups
@@ -27,8 +27,8 @@ from .description.srdf_names import note_names
 from .description.tips import choose_ends, note_choice
 from .description.tree import Description
 from .description.urdf import read_description
-from .errors import ComparisonError, InputError, UnknownNameError, closest, listed
-from .files import as_path, is_file
+from .errors import ComparisonError, InputError, UnknownNameError, closest, listed, shown
+from .files import as_path, as_paths, is_file
 from .fitting import Changes, fitted_actuators, fitted_limits, fitted_poses, fitted_states
 from .limits import JointLimits
 from .ready_pose import named_ready
@@ -73,7 +73,7 @@ def load_arm(
     """
     if is_baked(source):
         wishes = {"base": base, "tip": tip, "locked": locked, "srdf": srdf, "xacro_args": xacro_args}
-        packages = {"package_dirs": tuple(_folders(package_dirs)), "without": package_names(without)}
+        packages = {"package_dirs": as_paths(package_dirs, "package_dirs"), "without": package_names(without)}
         return _baked_arm(as_path(source), wishes | packages, limits)
     specification = specify(
         source,
@@ -147,9 +147,11 @@ def specify(
     """What `load_arm` is to load, the caller's wishes put over those of an arm.toml."""
     for name, value in {"base": base, "tip": tip}.items():
         if value is not None and not (isinstance(value, str) and value.strip()):
-            raise InputError(f"{name} must be the name of a link; got {value!r}")
+            raise InputError(f"{name} must be the name of a link; got {shown(value)}")
     if srdf is not None and not isinstance(srdf, (str, os.PathLike)):
-        raise InputError(f"srdf must be the path of an SRDF file; got {srdf!r}")
+        raise InputError(f"srdf must be the path of an SRDF file; got {shown(srdf)}")
+    arguments = {} if xacro_args is None else require_mapping(xacro_args, "xacro_args", "{'dof': 7}")
+    standing = {} if locked is None else require_mapping(locked, "locked", "{'slide': 0.1}")
     specification = _specification(source)
     return replace(
         specification,
@@ -157,10 +159,10 @@ def specify(
         base=base or specification.base,
         tip=tip or specification.tip,
         tool=None if tip else specification.tool,
-        package_dirs=(*_folders(package_dirs), *specification.package_dirs),
-        xacro_args={**specification.xacro_args, **(xacro_args or {})},
+        package_dirs=(*as_paths(package_dirs, "package_dirs"), *specification.package_dirs),
+        xacro_args={**specification.xacro_args, **arguments},
         without=package_names((*package_names(without), *specification.without)),
-        locked={**specification.locked, **(locked or {})},
+        locked={**specification.locked, **standing},
         srdf=srdf or specification.srdf,
     )
 
@@ -206,7 +208,7 @@ def prove(arm: Arm) -> Proof:
 def _specification(source: str | os.PathLike[str]) -> ArmSpecification:
     """A path wins over a catalogue name, so that a local file is never shadowed."""
     if not isinstance(source, (str, os.PathLike)):
-        raise InputError(f"source must be a path or a name; got {source!r}")
+        raise InputError(f"source must be a path or a name; got {shown(source)}")
     text = str(os.fspath(source))
     path = as_path(text)
     if is_baked(path):
@@ -237,10 +239,6 @@ def _kind(path: Path) -> str:
         return "a folder" if path.is_dir() else "not a regular file" if path.exists() else ""
     except (OSError, ValueError) as error:
         return f"no usable path ({getattr(error, 'strerror', None) or error})"
-
-
-def _folders(package_dirs: Folders) -> tuple[str | os.PathLike[str], ...]:
-    return (package_dirs,) if isinstance(package_dirs, (str, os.PathLike)) else tuple(package_dirs)
 
 
 def assemble(description: Description, specification: ArmSpecification, changes: Changes) -> Arm:

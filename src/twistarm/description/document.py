@@ -98,8 +98,8 @@ def read_text(path: Path, most: int = MAX_BYTES) -> str:
             what = f"it has {size:,} bytes; at most {most:,} are read"
             raise refusal("file-too-large", Place(str(path)), what, "is it the right file?")
         data = path.read_bytes()
-    except OSError as error:
-        what = f"cannot be read: {error.strerror or error}"
+    except (OSError, ValueError) as error:
+        what = f"cannot be read: {getattr(error, 'strerror', None) or error}"
         raise refusal("file-unreadable", Place(str(path)), what, "check the disk and the file's permissions") from error
     wide = data.startswith((codecs.BOM_UTF16_LE, codecs.BOM_UTF16_BE))
     try:

@@ -9,7 +9,8 @@ from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, field
 from pathlib import Path
 
-from ..errors import InputError
+from ..checks import require_names
+from ..errors import InputError, shown
 from ..files import as_path, is_file
 from .copies import find_copy
 
@@ -104,19 +105,26 @@ def package_index(file: Path, user_dirs: Iterable[str | os.PathLike[str]] = ()) 
     """The index for one description; InputError for a user's folder that does not exist."""
     if isinstance(user_dirs, (str, os.PathLike)):
         user_dirs = [user_dirs]
-    folders = tuple(as_path(folder).resolve() for folder in user_dirs)
-    for folder in folders:
-        if not folder.is_dir():
-            raise InputError(f"package_dirs: {folder} is not a folder")
-    return PackageIndex(file.resolve(), folders)
+    return PackageIndex(file.resolve(), tuple(_users_folder(as_path(folder)) for folder in user_dirs))
+
+
+def _users_folder(folder: Path) -> Path:
+    try:
+        resolved = folder.resolve()
+        usable = resolved.is_dir()
+    except (OSError, ValueError) as error:
+        raise InputError(f"package_dirs: {shown(str(folder))} is no usable path ({error})") from error
+    if not usable:
+        raise InputError(f"package_dirs: {resolved} is not a folder")
+    return resolved
 
 
 def package_names(without: object) -> tuple[str, ...]:
     """The packages to do without, one or several; InputError for what is no name of a package."""
-    names = [without] if isinstance(without, str) else list(without) if isinstance(without, Iterable) else [without]
+    names = (without,) if isinstance(without, str) else require_names(without, "without")
     for name in names:
-        if not (isinstance(name, str) and _NAME.fullmatch(name)):
-            raise InputError(f"without takes names of packages, as in $(find NAME)/…; got {name!r}")
+        if not _NAME.fullmatch(name):
+            raise InputError(f"without takes names of packages, as in $(find NAME)/…; got {shown(name)}")
     return tuple(dict.fromkeys(names))
 
 

@@ -10,7 +10,7 @@ from typing import Any, ClassVar
 import numpy as np
 from numpy.typing import ArrayLike
 
-from ..arm import Arm
+from ..arm import Arm, require_arm
 from ..brief import Brief
 from ..checks import Array, Matrix, Row, as_direction, as_pose, as_reals, as_vector, frozen, require_choice
 from ..errors import InputError
@@ -144,7 +144,8 @@ class Approach(Brief):
 
     def of(self, arm: Arm) -> Approach:
         """The same with a tool axis: its own, or that of the arm."""
-        return self if self.tool_axis is not None else Approach(self.p, self.direction, arm.tool_axis)
+        axis = require_arm(arm).tool_axis
+        return self if self.tool_axis is not None else Approach(self.p, self.direction, axis)
 
     @property
     def axis(self) -> Array:

@@ -8,9 +8,9 @@ from typing import Any, Literal
 import numpy as np
 from numpy.typing import ArrayLike
 
-from ..arm import Arm
-from ..checks import Array, RealArray, Row, as_floats
-from ..errors import InputError, closest, listed
+from ..arm import Arm, require_arm
+from ..checks import Array, RealArray, Row, as_flag, as_floats, require_callback, require_choice
+from ..errors import InputError, shown
 from ..limits import JointLimits
 from . import spline, timing
 from .timing import Progress
@@ -79,9 +79,10 @@ def plan_joint(
     are too short, or a missing limit; InputError or UnknownNameError for arguments that do not fit.
     Source: Lynch & Park, Modern Robotics, §9.2 and §9.3.
     """
-    if kind not in KINDS:
-        raise InputError(f"kind must be one of {listed(KINDS)}; got {kind!r}{closest(str(kind), KINDS)}")
-    points = as_waypoints(arm, waypoints)
+    require_choice(kind, KINDS, "kind")
+    as_flag(stop_at_waypoints, "stop_at_waypoints")
+    require_callback(progress, "progress", "(fraction)")
+    points = as_waypoints(require_arm(arm), waypoints)
     bounds = as_limits(arm, limits)
     require_waypoints(points, bounds, arm.joint_names, arm.units)
     if times is not None:
@@ -102,7 +103,7 @@ def plan_joint(
 def as_waypoints(arm: Arm, waypoints: Waypoints) -> Array:
     """Waypoints (k, n), k ≥ 2, from arrays, {joint: value} mappings and names of states."""
     if isinstance(waypoints, str | Mapping) or not np.iterable(waypoints):
-        raise InputError(f"waypoints must be a sequence of at least two configurations; got {waypoints!r}")
+        raise InputError(f"waypoints must be a sequence of at least two configurations; got {shown(waypoints)}")
     points = [_waypoint(arm, waypoint, i) for i, waypoint in enumerate(waypoints)]
     if len(points) < 2:
         raise InputError(f"waypoints must be at least two configurations, start and goal; got {len(points)}")
@@ -117,7 +118,7 @@ def as_limits(arm: Arm, limits: JointLimits | Mapping[str, Any] | None) -> Joint
         return arm.limits.with_(limits, arm.joint_names)
     if not isinstance(limits, JointLimits) or len(limits.lower) != arm.n:
         raise InputError(
-            f"limits must be JointLimits of {arm.n} joints or a mapping such as dict(velocity=1.0); got {limits!r}"
+            f"limits must be JointLimits of {arm.n} joints or a mapping such as dict(velocity=1.0); got {shown(limits)}"
         )
     return limits
 

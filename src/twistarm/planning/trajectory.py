@@ -13,7 +13,7 @@ from numpy.typing import ArrayLike
 
 from ..brief import in_brief, told
 from ..checks import Array, as_floats, frozen
-from ..errors import InputError
+from ..errors import InputError, shown
 from ..files import write_whole
 from .piecewise import derivative, evaluate, extremes
 
@@ -155,4 +155,4 @@ class Trajectory:
 
 def _check_order(order: int) -> None:
     if not isinstance(order, int | np.integer) or not 0 <= order < len(RATE_UNITS):
-        raise InputError(f"order must be 0 (position), 1, 2 or 3 (jerk); got {order!r}")
+        raise InputError(f"order must be 0 (position), 1, 2 or 3 (jerk); got {shown(order)}")

@@ -142,7 +142,8 @@ def held_components(hold: Any) -> tuple[bool, ...]:
         return (False,) * 6
     if isinstance(hold, str) and hold in HELD:
         return HELD[hold]
-    several = tuple(hold) if isinstance(hold, (Sequence, np.ndarray)) and not isinstance(hold, str) else ()
+    row = hold.ndim == 1 if isinstance(hold, np.ndarray) else isinstance(hold, Sequence) and not isinstance(hold, str)
+    several = tuple(hold) if row else ()
     if len(several) == 6 and all(isinstance(each, (bool, np.bool_)) for each in several):
         return tuple(bool(each) for each in several)
     raise InputError(f"hold must be {listed(HELD)} or six booleans (vx, vy, vz, wx, wy, wz); got {shown(hold)}")

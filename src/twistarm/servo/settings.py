@@ -29,7 +29,7 @@ class ServoSettings:
     def __post_init__(self) -> None:
         for name in ("length", "singular_below", "longest_dt"):
             value = getattr(self, name)
-            if value is not None:
+            if value is not None or name != "length":
                 object.__setattr__(self, name, as_positive(value, name))
         if self.singular_below <= NO_MOTION:
             raise InputError(f"singular_below must be more than {NO_MOTION:g}, which counts as no motion at all")

@@ -6,7 +6,6 @@ import csv
 import os
 from collections.abc import Iterable
 from dataclasses import dataclass
-from pathlib import Path
 
 import numpy as np
 
@@ -14,6 +13,7 @@ from ..arm import Arm
 from ..brief import Brief
 from ..checks import Array, as_floats, frozen
 from ..errors import InputError, LimitError, closest, listed
+from ..files import as_path
 
 TIME = "time [s]"
 
@@ -60,7 +60,7 @@ def read_recording(arm: Arm, path: str | os.PathLike[str]) -> Recording:
     in any order; others are passed over. Raises InputError with the line for what is not a finite number in its place
     or a time that does not increase, LimitError for a position outside the arm's limits.
     """
-    file = Path(path)
+    file = as_path(path)
     try:
         if file.stat().st_size > LARGEST_FILE:
             raise InputError(f"{file} is larger than {LARGEST_FILE // 10**6} MB; record at a lower rate")
@@ -68,7 +68,9 @@ def read_recording(arm: Arm, path: str | os.PathLike[str]) -> Recording:
             return _recording(arm, csv.reader(lines), str(file))
     except OSError as error:
         raise InputError(f"cannot read {file}: {error.strerror or error}") from error
-    except (UnicodeDecodeError, csv.Error) as error:
+    except InputError:
+        raise
+    except (ValueError, csv.Error) as error:  # a name that cannot be a file's is a ValueError too
         raise InputError(f"{file} is no CSV text: {error}") from error
 
 

@@ -10,9 +10,9 @@ from math import inf
 import numpy as np
 from numpy.typing import ArrayLike
 
-from ..arm import Arm
-from ..checks import Array, as_floats, frozen
-from ..errors import InputError
+from ..arm import Arm, require_arm
+from ..checks import Array, as_floats, as_number, frozen
+from ..errors import InputError, shown
 from .protocols import Measured, Setpoint
 
 SUBSTEP = 0.002
@@ -57,9 +57,9 @@ class SimulatedJoints:
         acceleration: ArrayLike | None = None,
         clock: Callable[[], float] = time.monotonic,
     ) -> None:
-        if not 0.0 <= latency < inf:
-            raise InputError(f"latency must be a number of seconds from 0 on; got {latency!r}")
-        self._theta = arm.theta_from(theta).copy()
+        if not 0.0 <= as_number(latency, "latency") < inf:
+            raise InputError(f"latency must be a number of seconds from 0 on; got {latency:g}")
+        self._theta = require_arm(arm).theta_from(theta).copy()
         if self._theta.ndim != 1:
             raise InputError(f"theta must be one configuration ({arm.n},); got {self._theta.shape}")
         self._theta_dot = np.zeros(arm.n)
@@ -147,5 +147,5 @@ def _limit(given: ArrayLike | None, of_arm: Array, name: str) -> Array:
         return of_arm
     values = as_floats(given, name)
     if values.shape not in ((), of_arm.shape) or not (values > 0.0).all():
-        raise InputError(f"{name} must be one positive number or {of_arm.size}; got {given!r}")
+        raise InputError(f"{name} must be one positive number or {of_arm.size}; got {shown(given)}")
     return np.broadcast_to(values, of_arm.shape)

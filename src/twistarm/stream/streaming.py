@@ -8,9 +8,9 @@ from math import inf
 import numpy as np
 from numpy.typing import ArrayLike
 
-from ..arm import Arm
+from ..arm import Arm, require_arm
 from ..brief import Brief
-from ..checks import Array, as_positive, frozen
+from ..checks import Array, as_positive, frozen, require, require_method
 from ..errors import InputError
 from ..servo import AnyCommand, ServoOutput, ServoSettings, ServoState, servo_step
 from .failures import StreamError, asked, worded
@@ -65,8 +65,12 @@ class Streaming:
         settings: ServoSettings | None = None,
         velocity_mode: bool = False,
     ) -> None:
-        self.arm, self.source, self.sink, self.feedback = arm, source, sink, feedback
-        self.settings = settings or ServoSettings()
+        self.arm = require_arm(arm)
+        self.source = require_method(source, "source", "read")
+        self.sink = require_method(sink, "sink", "write")
+        self.feedback = require_method(feedback, "feedback", "read")
+        given = ServoSettings() if settings is None else settings
+        self.settings = require(given, ServoSettings, "settings", "as ServoSettings() is")
         self.rate = checked_rate(rate, self.settings)
         self.period = 1.0 / self.rate
         self.command_timeout = as_positive(command_timeout, "command_timeout")

@@ -9,7 +9,7 @@ from numpy.typing import ArrayLike
 
 from ..arm import Arm
 from ..checks import Array, as_floats, as_theta
-from ..errors import InputError
+from ..errors import InputError, shown
 from ..limits import AS_GOOD_AS_UNBOUNDED
 from .protocols import Measured
 
@@ -27,7 +27,7 @@ class FeedbackWatch:
         self._timeout = timeout
         given = as_floats(tolerance, "tolerance")
         if given.shape not in ((), (arm.n,)) or not (given > 0.0).all():
-            raise InputError(f"tolerance must be one positive number or {arm.n}, in rad or m; got {tolerance!r}")
+            raise InputError(f"tolerance must be one positive number or {arm.n}, in rad or m; got {shown(tolerance)}")
         self._tolerance = np.broadcast_to(given, (arm.n,))
         self._heard = inf
         self.returned = False

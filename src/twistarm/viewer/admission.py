@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from ..arm import Arm
-from ..checks import Array
+from ..checks import Array, require
 from ..errors import InputError, LimitError
 from ..planning.trajectory import Trajectory
 from .messages import LARGEST_VALUE
@@ -27,6 +27,7 @@ def checked_theta(arm: Arm, theta: ArrayLike) -> Array:
 
 def check_trajectory(arm: Arm, trajectory: Trajectory) -> None:
     """InputError where `trajectory` is not one of this arm's joints."""
+    require(trajectory, Trajectory, "trajectory", "as plan_joint returns it")
     if tuple(trajectory.joint_names) != tuple(arm.joint_names):
         raise InputError(
             f"the trajectory moves {', '.join(trajectory.joint_names)}; "

@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
-from ..arm import Arm
+from ..arm import Arm, require_arm
 from ..checks import Array
 from ..planning.trajectory import Trajectory
 from .admission import check_trajectory, checked_theta
@@ -91,7 +91,7 @@ class Exhibit:
 
 def of_arm(arm: Arm, trajectory: Trajectory | None = None, theta: ArrayLike | None = None) -> Exhibit:
     """`arm` at theta (n,), ready where not given, with everything on and `trajectory` playing if one is given."""
-    start = arm.ready if theta is None else checked_theta(arm, theta)
+    start = require_arm(arm).ready if theta is None else checked_theta(arm, theta)
     if trajectory is not None:
         check_trajectory(arm, trajectory)  # before the meshes are read
     others = {name: rest(joint) for name, joint in extra_joints(arm).items()}

@@ -8,13 +8,13 @@ from collections.abc import Sequence
 
 import tornado.netutil
 
-from ..errors import InputError
+from ..errors import InputError, shown
 
 
 def bind(host: str, port: int) -> Sequence[socket.socket]:
     """Sockets listening on `host` and `port` (0: a free one); InputError where that cannot be had."""
     if not isinstance(port, int) or isinstance(port, bool) or not 0 <= port <= 65535:
-        raise InputError(f"port must be 0 (a free one) … 65535; got {port!r}")
+        raise InputError(f"port must be 0 (a free one) … 65535; got {shown(port)}")
     try:
         return tornado.netutil.bind_sockets(port, host or None)
     except (OSError, UnicodeError) as error:

@@ -12,7 +12,7 @@ from pathlib import Path
 from numpy.typing import ArrayLike
 
 from ..arm import Arm
-from ..errors import InputError, TwistarmError
+from ..errors import InputError, TwistarmError, shown
 from ..files import writable, write_whole
 from ..planning.trajectory import Trajectory
 from .browsers import find_browser, is_snap
@@ -75,9 +75,8 @@ def _checked_size(size: tuple[int, int]) -> tuple[int, int]:
     except (TypeError, ValueError):
         width = height = 0
     if not (SMALLEST <= width <= LARGEST and SMALLEST <= height <= LARGEST):
-        raise InputError(
-            f"size must be width and height in whole pixels, {SMALLEST} to {LARGEST} each, as (1280, 720); got {size!r}"
-        )
+        wanted = f"width and height in whole pixels, {SMALLEST} to {LARGEST} each, as (1280, 720)"
+        raise InputError(f"size must be {wanted}; got {shown(size)}")
     return width, height
 
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from typing import Any
 
+from ..checks import require
 from ..servo import AnyCommand, PoseCommand, ServoOutput, ServoStatus
 from ..stream import Cycle
 
@@ -18,6 +19,7 @@ def servo_words(answer: Cycle | ServoOutput) -> dict[str, Any]:
     """
     if isinstance(answer, ServoOutput):
         return _words(answer, True)
+    require(answer, Cycle, "answer", "as stream.run hands to on_cycle, or a ServoOutput, or None")
     if answer.setpoint is None or not answer.delivered:
         return {**SILENT, "reason": answer.reason}
     reading = answer.reading

@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
-from ..arm import Arm
+from ..arm import Arm, require_arm
 from ..checks import Array
 from ..errors import InputError, unknown_name
 from ..limits import JointLimits
@@ -49,7 +49,7 @@ class Stage:
     """The state that every page shows; each change is a method, each message about it a dict."""
 
     def __init__(self, arm: Arm, theta: ArrayLike | None = None) -> None:
-        self.arm = arm
+        self.arm = require_arm(arm)
         self.run = token_urlsafe(8)
         self._placement = Placement(arm)
         self.theta = arm.ready if theta is None else checked_theta(arm, theta)

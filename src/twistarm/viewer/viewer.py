@@ -13,10 +13,10 @@ from pathlib import Path
 
 from numpy.typing import ArrayLike
 
-from ..arm import Arm
-from ..checks import Array, as_positive
+from ..arm import Arm, require_arm
+from ..checks import Array, as_flag, as_positive
 from ..closing import Closing
-from ..errors import InputError
+from ..errors import InputError, shown
 from ..files import writable, write_whole
 from ..planning.trajectory import Trajectory
 from ..servo import ServoOutput
@@ -49,7 +49,8 @@ class Viewer(Closing):
     `theta` and `poses` wait for what was shown before, a frame at most; `save_html`, `save_png` and
     `inline(static=True)` until all is written, every mesh read; `close` until all has ended; `wait` until then.
 
-    Raises InputError for a theta of the wrong shape or a port in use, MissingExtraError without Meshcat.
+    Raises InputError for a theta of the wrong shape or a port in use, MissingExtraError without Meshcat. What moves or
+    shows something raises InputError once the view is closed.
     """
 
     def __init__(
@@ -66,7 +67,10 @@ class Viewer(Closing):
         require_meshcat()
         from .server import Server
 
-        if keep and port == 0:
+        require_arm(arm)
+        if not isinstance(host, str):
+            raise InputError(f"host must be the name or address of an interface; got {shown(host)}")
+        if as_flag(keep, "keep") and port == 0:
             raise InputError("an address is kept for a port that is always the same: give port=, as in port=8000")
         self._host = host
         self._watches: list[Watch] = []
@@ -96,13 +100,22 @@ class Viewer(Closing):
 
     def show(self, theta: ArrayLike) -> None:
         """Stand at theta (n,) [rad, m]. Called faster than the pages can draw, the latest wins."""
+        self._require_open()
+        self._stand(theta)
+
+    def _stand(self, theta: ArrayLike) -> None:
         arm = self.arm
         checked = checked_theta(arm, theta).copy()
         self._server.driver.drop(MOVED)
         self._post("show", arm, lambda stage: stage.show(checked))
 
+    def _require_open(self) -> None:
+        if self._closed.is_set():
+            raise InputError("the viewer was closed: there is nothing to show it in; Viewer(arm) opens another")
+
     def play(self, trajectory: Trajectory, speed: float = 1.0, loop: bool = False) -> None:
         """Play `trajectory` from its start, `speed` times as fast, again and again with `loop`; returns at once."""
+        self._require_open()
         arm = self.arm
         check_trajectory(arm, trajectory)
         times = as_positive(speed, "speed")
@@ -155,27 +168,34 @@ class Viewer(Closing):
         """Show what a cycle of `twistarm.stream.run` came to: where the joints are, and the servo's status and reason.
 
         An answer of `servo_step` gives status and reason alone; None: the servo has ended, and sliders work again.
-        Called at any rate, the latest is shown, at most 60 times a second.
+        Called at any rate, the latest is shown, at most 60 times a second. Harmless once the view is closed: a loop
+        that drives an arm does not end for that.
         """
         if answer is None and self._server.driver.on:  # no servo of the program's
             return
         self._server.driver.drop()
         if isinstance(answer, Cycle) and answer.theta is not None:
-            self.show(answer.theta)
+            self._stand(answer.theta)
         self._server.commands.open = self._server.commands.open and answer is not None
         report = None if answer is None else servo_words(answer)
         self._server.post("servo", lambda stage: stage.hear(report))
 
     def show_screws(self, visible: bool = True) -> None:
         """Draw each joint's screw axis where it lies at the configuration on show, or draw none."""
-        self._server.post("screws", lambda stage: stage.set_visible("screws", bool(visible)))
+        self._set_visible("screws", visible)
 
     def show_frames(self, visible: bool = True) -> None:
         """Draw the space and the tool frame, or do not."""
-        self._server.post("frames", lambda stage: stage.set_visible("frames", bool(visible)))
+        self._set_visible("frames", visible)
+
+    def _set_visible(self, layer: str, visible: bool) -> None:
+        self._require_open()
+        flag = as_flag(visible, "visible")
+        self._server.post(layer, lambda stage: stage.set_visible(layer, flag))
 
     def show_path(self, motion: Trajectory | ArrayLike | None) -> None:
         """Draw the way of the tool's origin along a trajectory, or through configurations (k, n); None draws none."""
+        self._require_open()
         path = NO_PATH if motion is None else tool_path(self.arm, motion)
         self._server.post("path", lambda stage: stage.draw_path(path))
 
@@ -196,7 +216,7 @@ class Viewer(Closing):
         JupyterHub, and for VS Code, whose notebooks stand in frames of schemes of its own (`vscode-webview:`, shared by
         all its extensions) that the live page does not admit.
         """
-        if static:
+        if as_flag(static, "static"):
             return Inline.page(stand_alone(self._exhibit()), self.arm.name, height)
         return Inline.live(self.url, self.arm.name, height)
 

@@ -12,7 +12,7 @@ from ..arm import Arm
 from ..closing import Closing
 from ..description.document import noted_files
 from ..errors import one_line
-from ..files import stamp
+from ..files import as_paths, stamp
 from .stage import Stage
 
 if TYPE_CHECKING:
@@ -113,4 +113,4 @@ class Watch(Closing):
 
 def stamps(files: Iterable[Path]) -> Stamps:
     """The stamp of each file."""
-    return {path: stamp(path) for path in files}
+    return {path: stamp(path) for path in as_paths(files, "files")}

@@ -9,8 +9,8 @@ from dataclasses import replace
 import numpy as np
 
 from ..actuators import Actuators
-from ..arm import Arm
-from ..checks import Array, as_positive
+from ..arm import Arm, require_arm
+from ..checks import Array, as_positive, require_callback
 from ..errors import InputError
 from .advice import moved
 from .fit import best_fit
@@ -48,7 +48,8 @@ def check_wiring(
 
     Raises InputError for an arm without actuators, joints that they do not determine, and an unusable log.
     """
-    motors = arm.actuators
+    motors = require_arm(arm).actuators
+    require_callback(progress, "progress", "(fraction)")
     if motors is None:
         raise InputError(f"{arm.name} has no actuators: describe its motors as [actuators.NAME] in its arm.toml")
     noise = as_positive(position_noise, "position_noise"), as_positive(orientation_noise, "orientation_noise")

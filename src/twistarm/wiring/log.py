@@ -13,10 +13,11 @@ import numpy as np
 
 from ..actuators import Actuators
 from ..brief import Brief
-from ..checks import Array, as_floats, as_pose, frozen
+from ..checks import Array, as_floats, as_pose, frozen, require
 from ..description.document import read_text
 from ..description.geometry import number
 from ..errors import InputError, closest, listed
+from ..files import as_path
 from ..rotations import from_xyzw
 
 MAX_BYTES = 20_000_000
@@ -80,7 +81,8 @@ def read_log(path: str | os.PathLike[str], motors: Actuators) -> WiringLog:
     that the motor's drive counts in. A line that begins with # is a comment. Raises InputError with the line's number
     for whatever is not a number, missing or too much.
     """
-    file = Path(path)
+    file = as_path(path)
+    require(motors, Actuators, "motors", "as arm.actuators is")
     rows = _rows(file)
     if not rows:
         raise InputError(f"{file}: no line but comments; the first names the columns: {_wanted(motors)}")
