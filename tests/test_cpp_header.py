@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import os
+import re
 import shutil
 import subprocess
 from dataclasses import dataclass
@@ -13,7 +14,21 @@ import numpy as np
 import pytest
 
 from catalogue import load
-from twistarm import Arm, ArmBuilder, InputError, TwistarmError, arm_from_screws, cpp_header, engine, load_arm
+from twistarm import (
+    Approach,
+    Arm,
+    ArmBuilder,
+    InputError,
+    Pose,
+    Position,
+    Task,
+    TwistarmError,
+    arm_from_screws,
+    cpp_header,
+    engine,
+    load_arm,
+    solve_ik,
+)
 from twistarm.baking import digest_of
 from twistarm.cli.application import run
 from twistarm.cpp_header import core_headers, namespace_of, write_cpp_header
@@ -242,45 +257,114 @@ def test_a_target_out_of_reach_is_not_converged(built: Built) -> None:
     assert built.arm.limits.contains(answers, {"double": 0.0, "float": 1e-6}[built.real]).all()
 
 
-def test_every_kind_of_target_and_number_of_lanes(compiler: str, rover: Arm, tmp_path: Path) -> None:
-    """A position and an approach at Pinocchio's pose; a target of another kind than was compiled is not met."""
-    write_cpp_header(rover, tmp_path / "arm.hpp")
-    theta = rover.random_theta(np.random.default_rng(6))
-    (g,), _, _ = reference(rover, theta[None])
-    p, z = (", ".join(map(repr, column.tolist())) for column in (g[:3, 3], g[:3, 2]))
-    (tmp_path / "kinds.cpp").write_text(
-        f"""
-        #include <cstdio>
-        #include "arm.hpp"
-        using namespace rover_arm;
-        using kind = twistarm::target_kind;
-        template <kind Kind, int Lanes> void show(const twistarm::target<double>& asked) {{
-            const auto found = solve_ik<Kind, Lanes>(ranges<double>(), asked, poses<double>[0]);
-            std::printf("%d ", found.converged ? 1 : 0);
-            for (double angle : found.theta) std::printf("%.17g ", angle);
-            std::printf("\\n");
-        }}
-        int main() {{
-            const double p[3] = {{{p}}}, direction[3] = {{{z}}}, axis[3] = {{0.0, 0.0, 1.0}};
-            show<kind::position, 2>(twistarm::position_target(p));
-            show<kind::position, 8>(twistarm::position_target(p));
-            show<kind::approach, 2>(twistarm::approach_target(p, direction, axis));
-            show<kind::approach, 4>(twistarm::approach_target(p, direction, axis));
-            show<kind::approach, 2>(twistarm::position_target(p));
-        }}
-        """,
-        encoding="utf-8",
+KINDS = """
+// Reads a target as its kind and 23 numbers (g or p and two axes, tolerances, whether along the base's axes) and how
+// the program knows the kind; writes the answer and whether it converged; again.
+#include <cstdio>
+#include "arm.hpp"
+using namespace ARM;
+template <class Target> twistarm::solution<double, n> answer(const Target& asked) {
+    static const auto limits = ranges<double>();
+    return solve_ik(limits, asked, poses<double>[0]);
+}
+twistarm::solution<double, n> answer(int kind, bool at_run_time, const double* given) {
+    const auto pose = twistarm::pose_target(twistarm::frame_from_rows<double>(given));
+    const auto position = twistarm::position_target(given);
+    const auto approach = twistarm::approach_target(given, given + 3, given + 6);
+    const auto task = twistarm::task_target(twistarm::frame_from_rows<double>(given), given + 16, given[22] != 0.0);
+    if (at_run_time) {
+        const twistarm::target<double> any[] = {pose, position, approach, task};
+        return answer(any[kind]);
+    }
+    return kind == 0 ? answer(pose) : kind == 1 ? answer(position) : kind == 2 ? answer(approach) : answer(task);
+}
+int main() {
+    int kind, at_run_time;
+    double given[23];
+    while (std::scanf("%d %d", &kind, &at_run_time) == 2) {
+        for (double& number : given)
+            if (std::scanf("%lf", &number) != 1) return 1;
+        const auto found = answer(kind, at_run_time != 0, given);
+        for (double angle : found.theta) std::printf("%.17g ", angle);
+        std::printf("%d\\n", found.converged ? 1 : 0);
+    }
+}
+"""
+
+OF_EVERY_SIZE = [
+    pytest.param(name, marks=() if name == "rover_arm" else pytest.mark.slow)
+    for name in ("mimic", "rover_arm", "rover_arm_6dof", "panda")
+]
+"""Four to seven coordinates."""
+
+
+def drawn_targets(arm: Arm, count: int) -> list[Pose | Position | Approach | Task]:
+    """Targets of every kind at Pinocchio's poses of configurations inside the limits."""
+    goals, _, _ = reference(arm, arm.random_theta(np.random.default_rng(6), count))
+    along, about = (0.01, 0.02, 0.0, 0.2, 0.0, np.inf), (0.0, np.inf, 0.0, 4.0, 0.1, 0.1)
+    kinds = (
+        Pose,
+        lambda g: Position(g[:3, 3]),
+        lambda g: Approach(g[:3, 3], 2 * g[:3, :3] @ arm.tool_axis, arm.tool_axis),
+        lambda g: Task(g, along, "tool"),
+        lambda g: Task(g, about, "base"),
     )
-    # Four solvers in one file: unoptimised they compile in a third of the time.
-    command = [compiler, *STRICT, f"-I{tmp_path}", f"-I{core_headers()}", str(tmp_path / "kinds.cpp")]
-    compile_one([*command, "-o", str(tmp_path / "kinds")])
-    done = subprocess.run([tmp_path / "kinds"], capture_output=True, text=True, check=True, timeout=60)
-    met, answers = np.split(np.array(done.stdout.split(), float).reshape(5, 6), [1], axis=1)
-    assert met[:, 0].tolist() == [1, 1, 1, 1, 0]
-    reached, _, _ = reference(rover, answers[:4])
-    assert np.linalg.norm(reached[:, :3, 3] - g[:3, 3], axis=1).max() < 1.1e-6
-    assert np.linalg.norm(reached[2:, :3, 2] - g[:3, 2], axis=1).max() < 1.1e-6
-    assert np.abs(answers[[0, 2]] - answers[[1, 3]]).max() < 1e-9
+    return [kind(g) for g in goals for kind in kinds]
+
+
+@pytest.mark.parametrize("name", OF_EVERY_SIZE)
+def test_every_kind_of_target(name: str, compiler: str, tmp_path: Path) -> None:
+    """Each target is met where Python's own solver meets it, by the same configuration, and Pinocchio judges it."""
+    arm = ARMS[name](tmp_path) if name in ARMS else load(name)
+    write_cpp_header(arm, tmp_path / "arm.hpp")
+    (tmp_path / "kinds.cpp").write_text(KINDS, encoding="utf-8")
+    # Eight solvers in one file: unoptimised they compile in a third of the time.
+    command = [compiler, *STRICT, f"-DARM={namespace_of(arm.name)}", f"-I{tmp_path}", f"-I{core_headers()}"]
+    compile_one([*command, str(tmp_path / "kinds.cpp"), "-o", str(tmp_path / "kinds")])
+    targets = drawn_targets(arm, 30)
+    rows = [[*target.numbers.flat, *np.zeros(23 - target.numbers.size)] for target in targets]
+    text = "\n".join(
+        f"{target.kind} {i // 5 % 2} {' '.join(map(repr, map(float, row)))}"
+        for i, (target, row) in enumerate(zip(targets, rows, strict=True))
+    )
+    done = subprocess.run([tmp_path / "kinds"], input=text, capture_output=True, text=True, check=True, timeout=60)
+    numbers = np.array(done.stdout.split(), float).reshape(len(targets), arm.n + 1)
+    answers, met = numbers[:, :-1], numbers[:, -1] == 1
+    theirs = [solve_ik(arm, target) for target in targets]
+    assert met.tolist() == [solution.converged for solution in theirs]
+    assert met.mean() > 0.95
+    assert arm.limits.contains(answers, 1e-12).all()
+    reached, _, _ = reference(arm, answers)
+    for target, g in zip(np.array(targets)[met], reached[met], strict=True):
+        assert target.position_error(g) < 1.001e-6
+        assert target.orientation_error(g) < 1.001e-6
+    apart = np.abs(answers - [solution.theta for solution in theirs]).max(axis=1)
+    assert (apart < 1e-6).mean() > 0.985  # where another search wins by a rounding, another root may be the answer
+
+
+WRONG = """
+#include "arm.hpp"
+using namespace ARM;
+void ask(const twistarm::frame<double>& g, const twistarm::frame<float>& single, const double* theta0) {
+    const auto limits = ranges<double>();
+    solve_ik(limits, g, theta0);
+    solve_ik(limits, twistarm::pose_target(single), theta0);
+    solve_ik<twistarm::target_kind::pose>(limits, twistarm::position_target(g.p), theta0);
+    solve_ik<3>(limits, twistarm::pose_target(g), theta0);
+    twistarm::pose_target(g).kind = twistarm::target_kind::position;
+}
+"""
+
+
+def test_what_cannot_work_does_not_compile(compiler: str, rover: Arm, tmp_path: Path) -> None:
+    write_cpp_header(rover, tmp_path / "arm.hpp")
+    (tmp_path / "wrong.cpp").write_text(WRONG, encoding="utf-8")
+    command = [compiler, "-std=c++17", "-fsyntax-only", "-DARM=rover_arm", f"-I{tmp_path}", f"-I{core_headers()}"]
+    done = subprocess.run([*command, str(tmp_path / "wrong.cpp")], capture_output=True, text=True, check=False)
+    said = [line for line in done.stderr.splitlines() if " error: " in line]
+    whys = ("pose_target, position_target", "leave out <Kind>", "2, 4 or 8 searches", "read-only|cannot assign")
+    assert [sum(bool(re.search(why, line)) for line in said) for why in whys] == [2, 1, 1, 1]
+    assert len(said) == 5
 
 
 # -- what it says ------------------------------------------------------------------------------------------------

@@ -21,7 +21,8 @@ void near_the_middle(const setting& with, double step, double* theta) {
 /// Asks for the pose at θ, or for its position.
 void ask_for(setting& with, int t, target_kind kind, const double* theta) {
     const auto goal = to_frame<double>(with.source.fk(theta));
-    with.given.asked[t] = kind == target_kind::position ? position_target(goal.p) : pose_target(goal);
+    with.given.asked[t] = pose_target(goal);
+    if (kind == target_kind::position) with.given.asked[t] = position_target(goal.p);
 }
 
 void test_targets_that_can_be_met(generator& random, const drawn_arm& source, target_kind kind) {

@@ -64,7 +64,7 @@ def namespace_of(name: str) -> str:
 
 
 def cpp_header(arm: Arm) -> str:
-    """The header's text: `chain`, limits, poses and `servo_bounds` of the arm as constants, and `solve_ik`.
+    """The header's text: `chain`, limits, poses, `servo_bounds` of the arm as constants, and `solve_ik`.
 
     The chain is the compiled core's own: constant transforms between joints that turn about z (core/include/twistarm/
     chain.hpp), which only the core computes. TwistarmError where there is none.
@@ -90,6 +90,7 @@ def cpp_header(arm: Arm) -> str:
         velocity=_doubles(arm.limits.velocity),
         acceleration=_doubles(arm.limits.acceleration),
         effort=_doubles(arm.limits.effort),
+        tool_axis=_numbers(arm.tool_axis),
         pose_count=len(poses),
         pose_names=_texts(poses),
         poses=_rows(map(_numbers, poses.values())),
@@ -213,6 +214,7 @@ _TEMPLATE = """\
 #pragma once
 
 #include <cstdint>
+#include <type_traits>
 
 #include <twistarm/twistarm.hpp>
 
@@ -280,22 +282,42 @@ template <class T> twistarm::ranges<T, n> ranges() {{
     return twistarm::ranges_of(chain<T>, lower, upper, start_lower, start_upper);
 }}
 
-/// Inverse kinematics of a target of this kind, inside the limits: from theta0 (n,), then from random starts of `seed`,
-/// settings.searches in all. Not converged where none met it, or where the target is of another kind.
+/// The tool's own axis, about which the last joint rolls it: what an approach points where no other is meant.
+template <class T> inline constexpr T tool_axis[3] = {tool_axis};
+
+/// Inverse kinematics inside the limits: from theta0 (n,), then from random starts of `seed`, settings.searches in all.
+///
+/// `asked` is what twistarm::pose_target(g), position_target(p), approach_target(p, direction, tool_axis) or
+/// task_target(g, tolerance, base_axes) returns (twistarm/target.hpp). Where its kind is known only when the program
+/// runs, a twistarm::target<T>, the solvers of all four kinds are compiled.
+///
+/// These are the searches of Python's solve_ik, with the same answer where one of them meets the target; where none
+/// does, the end of the one that came nearest, not converged. twistarm::answer_to (twistarm/answer.hpp) goes on to the
+/// nearest configuration and the reason, and keeps to the branch of theta0, as Python does, for twenty times the code.
 ///
 /// `Lanes` searches (2, 4 or 8) run side by side; their number changes speed, code and stack, not the answer.
-template <twistarm::target_kind Kind = twistarm::target_kind::pose, int Lanes = 0, class T>
-twistarm::solution<T, n> solve_ik(const twistarm::ranges<T, n>& limits, const twistarm::target<T>& asked,
-                                  const T* theta0, const twistarm::search_settings<T>& settings = {{}},
-                                  std::uint64_t seed = 0) {{
+template <int Lanes = 0, class T, class Target>
+twistarm::solution<T, n> solve_ik(const twistarm::ranges<T, n>& limits, const Target& asked, const T* theta0,
+                                  const twistarm::search_settings<T>& settings = {{}}, std::uint64_t seed = 0) {{
     constexpr int in_register = TWISTARM_REGISTER_BYTES / static_cast<int>(sizeof(T));
-    constexpr int lanes = Lanes > 0 ? Lanes : in_register < 8 ? in_register : 8;
+    constexpr int lanes = Lanes != 0 ? Lanes : in_register < 8 ? in_register : 8;
+    constexpr bool is_target = std::is_base_of_v<twistarm::target<T>, Target>;
+    constexpr bool fits = lanes == 2 || lanes == 4 || lanes == 8;
+    static_assert(is_target, "solve_ik takes what twistarm::pose_target, position_target, approach_target or "
+                             "task_target makes of numbers of the type that the ranges have");
+    static_assert(fits, "solve_ik<Lanes>: 2, 4 or 8 searches run side by side; without <Lanes> as many as suit");
     twistarm::solution<T, n> found{{}};
-    T* const no_ends = nullptr;
-    twistarm::never stopped;
-    if (asked.kind == Kind)
-        twistarm::solve_kind<Kind, lanes>(chain<T>, limits, settings, asked, theta0, seed, found, no_ends, 0, stopped);
+    if constexpr (is_target && fits) twistarm::solve<lanes>(chain<T>, limits, settings, asked, theta0, seed, found);
     return found;
+}}
+
+/// The same where the kind of the target is named: what asks for another does not compile.
+template <twistarm::target_kind Kind, int Lanes = 0, class T, class Target>
+twistarm::solution<T, n> solve_ik(const twistarm::ranges<T, n>& limits, const Target& asked, const T* theta0,
+                                  const twistarm::search_settings<T>& settings = {{}}, std::uint64_t seed = 0) {{
+    static_assert(twistarm::may_be<Kind, Target>, "solve_ik<Kind> is asked for a target of another kind: leave out "
+                                                  "<Kind>, the target knows its own");
+    return solve_ik<Lanes>(limits, asked, theta0, settings, seed);
 }}
 
 }}  // namespace {namespace}

@@ -29,6 +29,7 @@ template <class V, class T, int N, int M, class Stopped> struct race_of_one fina
     Stopped& stopped;
 
     int search[lane_count] = {};
+    unsigned fresh = 0;  ///< lanes whose search has not been looked at yet: their iterations are another's
     int begun = 0, iterations = 0, winner = none, looks = 0;
     T least_error = static_cast<T>(__builtin_inf()), start_error = static_cast<T>(__builtin_inf());
     bool over = false;
@@ -57,6 +58,7 @@ template <class V, class T, int N, int M, class Stopped> struct race_of_one fina
             for (int k = 0; k < arm.coordinates(); ++k) starts.theta[k][i] = theta0[k];
         else start_at(range, arm.coordinates(), sequence, search[i], &starts.theta[0][i], lane_count);
         starts.waiting |= 1U << i;
+        fresh |= 1U << i;
     }
 
     void failed(const lane_searches<V, N>& lanes, int i) {
@@ -98,13 +100,21 @@ template <class V, class T, int N, int M, class Stopped> struct race_of_one fina
             if (search[i] != none) failed(lanes, i);
     }
 
-    /// Over once no search that is still running could win, or when the time is up.
+    /// The fewest iterations with which the search in a lane can still converge.
+    int least_steps(const lane_searches<V, N>& lanes, int i, unsigned unseen) const {
+        return (unseen >> i & 1U) != 0U ? 0 : static_cast<int>(lane(lanes.iterations, i)) + 1;
+    }
+
+    /// Over once no search that runs or has yet to begin could win, or when the time is up.
     bool finished(const lane_searches<V, N>& lanes) override {
+        const unsigned unseen = fresh;
+        fresh = 0U;
         if (looks == 0) start_error = lane(lanes.error, 0);
         if (++looks % looks_for_a_clock == 0 && stopped()) cut_short(lanes);
         if (winner == none || over) return over;
+        if (begun < settings.searches && beats(begun, 0)) return false;
         for (int i = 0; i < lane_count; ++i)
-            if (search[i] != none && beats(search[i], static_cast<int>(lane(lanes.iterations, i)) + 1)) return false;
+            if (search[i] != none && beats(search[i], least_steps(lanes, i, unseen))) return false;
         return true;
     }
 };
@@ -145,13 +155,21 @@ void solve_kind(const chain<T, N, M>& arm, const ranges<T, N>& range, const sear
     detail::race_to<pack<T, Lanes>, Kind>(arm, range, settings, asked, start, seed, ends, room, stopped, found);
 }
 
-/// The same for a target of any kind.
-template <class T, int N, int M, class Stopped>
+/// The same, of the kind that the target's type says.
+template <int Lanes = lanes_in_round, class T, target_kind Kind, int N, int M, class Stopped>
+void solve(const chain<T, N, M>& arm, const ranges<T, N>& range, const search_settings<T>& settings,
+           const target_of<T, Kind>& asked, const T* theta0, std::uint64_t seed, solution<T, N>& found, T* ends,
+           int room, Stopped& stopped) {
+    solve_kind<Kind, Lanes>(arm, range, settings, asked, theta0, seed, found, ends, room, stopped);
+}
+
+/// The same for a target of any kind: the solvers of all four are compiled.
+template <int Lanes = lanes_in_round, class T, int N, int M, class Stopped>
 void solve(const chain<T, N, M>& arm, const ranges<T, N>& range, const search_settings<T>& settings,
            const target<T>& asked, const T* theta0, std::uint64_t seed, solution<T, N>& found, T* ends, int room,
            Stopped& stopped) {
     const auto solve_as = [&](auto kind) {
-        solve_kind<kind()>(arm, range, settings, asked, theta0, seed, found, ends, room, stopped);
+        solve_kind<kind(), Lanes>(arm, range, settings, asked, theta0, seed, found, ends, room, stopped);
     };
     switch (asked.kind) {
         case target_kind::pose: return solve_as(std::integral_constant<target_kind, target_kind::pose>{});
@@ -162,11 +180,11 @@ void solve(const chain<T, N, M>& arm, const ranges<T, N>& range, const search_se
 }
 
 /// The same without a clock; `ends` (settings.searches, n) or null.
-template <class T, int N, int M>
+template <int Lanes = lanes_in_round, class T, int N, int M, class Target>
 void solve(const chain<T, N, M>& arm, const ranges<T, N>& range, const search_settings<T>& settings,
-           const target<T>& asked, const T* theta0, std::uint64_t seed, solution<T, N>& found, T* ends = nullptr) {
+           const Target& asked, const T* theta0, std::uint64_t seed, solution<T, N>& found, T* ends = nullptr) {
     never stopped;
-    solve(arm, range, settings, asked, theta0, seed, found, ends, settings.searches, stopped);
+    solve<Lanes>(arm, range, settings, asked, theta0, seed, found, ends, settings.searches, stopped);
 }
 
 TWISTARM_END

@@ -15,7 +15,7 @@ constexpr int rows_of(target_kind kind) {
     return kind == target_kind::position ? 3 : (kind == target_kind::approach ? 5 : 6);
 }
 
-/// A target, in the base frame; lengths in m, angles in rad.
+/// A target of whatever kind, in the base frame; lengths in m, angles in rad.
 template <class T> struct target {
     target_kind kind;
     frame<T> goal;                   ///< position and approach: its origin alone
@@ -24,30 +24,43 @@ template <class T> struct target {
     bool base_axes;                  ///< task: tolerances along the base's axes, not the goal's
 };
 
-/// The whole pose g.
-template <class T> target<T> pose_target(const frame<T>& g) { return {target_kind::pose, g, {}, {}, {}, false}; }
+/// A target whose kind is known when the program is compiled: the solver of that kind is all that it needs.
+template <class T, target_kind Kind> struct target_of : target<T> {
+    static constexpr target_kind kind = Kind;  ///< before the member of this name, so that nothing changes that
+};
 
-/// The tool's origin at p [m].
-template <class T> target<T> position_target(const T p[3]) {
-    target<T> asked{target_kind::position, identity_frame<T>(), {}, {}, {}, false};
-    for (int k = 0; k < 3; ++k) asked.goal.p[k] = p[k];
-    return asked;
+/// Whether what is asked for by a Target can be of this kind; a plain `target` can be of any.
+template <target_kind Kind, class Target> constexpr bool may_be = true;
+template <target_kind Kind, class T, target_kind Other> constexpr bool may_be<Kind, target_of<T, Other>> = Kind == Other;
+
+/// The whole pose g.
+template <class T> target_of<T, target_kind::pose> pose_target(const frame<T>& g) {
+    return {{target_kind::pose, g, {}, {}, {}, false}};
 }
 
-/// The tool's origin at p [m] and R tool_axis = direction, both unit vectors.
-template <class T> target<T> approach_target(const T p[3], const T direction[3], const T tool_axis[3]) {
-    target<T> asked = position_target(p);
-    asked.kind = target_kind::approach;
+/// The tool's origin at p [m].
+template <class T> target_of<T, target_kind::position> position_target(const T p[3]) {
+    frame<T> goal = identity_frame<T>();
+    for (int k = 0; k < 3; ++k) goal.p[k] = p[k];
+    return {{target_kind::position, goal, {}, {}, {}, false}};
+}
+
+/// The tool's origin at p [m] and R tool_axis along the direction, both of any length but zero.
+template <class T>
+target_of<T, target_kind::approach> approach_target(const T p[3], const T direction[3], const T tool_axis[3]) {
+    target_of<T, target_kind::approach> asked{{target_kind::approach, position_target(p).goal, {}, {}, {}, false}};
+    const T length = sqrt(dot(direction, direction)), tool_length = sqrt(dot(tool_axis, tool_axis));
     for (int k = 0; k < 3; ++k) {
-        asked.direction[k] = direction[k];
-        asked.tool_axis[k] = tool_axis[k];
+        asked.direction[k] = direction[k] / length;
+        asked.tool_axis[k] = tool_axis[k] / tool_length;
     }
     return asked;
 }
 
 /// The pose g within six tolerances ≥ 0; infinite, or ≥ π for a rotation, leaves a component free.
-template <class T> target<T> task_target(const frame<T>& g, const T tolerance[6], bool base_axes) {
-    target<T> asked{target_kind::task, g, {}, {}, {}, base_axes};
+template <class T>
+target_of<T, target_kind::task> task_target(const frame<T>& g, const T tolerance[6], bool base_axes) {
+    target_of<T, target_kind::task> asked{{target_kind::task, g, {}, {}, {}, base_axes}};
     for (int k = 0; k < 6; ++k)
         asked.tolerance[k] = k >= 3 && tolerance[k] >= T(3.14159265358979323846) ? T(__builtin_inf()) : tolerance[k];
     return asked;
