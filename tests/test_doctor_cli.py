@@ -11,6 +11,7 @@ import pytest
 from finding_cases import CASES, XACRO
 from test_cli import error_of
 from test_finding_codes import lay
+from twistarm import load_arm
 from twistarm.cli.application import run
 from twistarm.description.findings import CODES
 from twistarm.doctor.codes import codes_page
@@ -142,6 +143,7 @@ def test_a_folder_is_doctored_with_a_line_each(capsys: Capture, tmp_path: Path) 
     assert [file["file"] for file in content["files"]] == FILES
     assert [file["ok"] for file in content["files"]] == [False, True, True, None, True]
     assert [file["n"] for file in content["files"]] == [None, 1, 1, None, 2]
+    assert [file["tip"] for file in content["files"]] == [None, "tool0", "hook", None, "flange"]
     assert content["files"][0]["findings"][0]["code"] == "xml-malformed"
     shown = page(capsys, str(tmp_path), code=1)
     assert "broken.urdf refused not well-formed XML" in shown
@@ -150,6 +152,16 @@ def test_a_folder_is_doctored_with_a_line_each(capsys: Capture, tmp_path: Path) 
     (tmp_path / "broken.urdf").unlink()
     assert "3 of 3 good" in page(capsys, str(tmp_path))
     assert "2 of 3 good" in page(capsys, str(tmp_path), "--strict", code=1)
+
+
+def test_a_tip_that_nobody_named_is_told_in_the_folder_s_line_and_in_the_arm_file_that_init_writes(
+    capsys: Capture, tmp_path: Path
+) -> None:
+    path = lay(CASES["several-tips"], tmp_path)
+    (chosen,) = (one for one in load_arm(path).findings if one.code == "several-tips")
+    assert f"{chosen.place.name} (chosen)" in page(capsys, str(tmp_path))
+    assert run(["init", str(path), "-o", "-"]) == 0
+    assert f'tip = "{chosen.place.name}"\n# {chosen.what}\n' in capsys.readouterr().out
 
 
 def test_folders_behind_links_are_not_looked_into(tmp_path: Path) -> None:

@@ -100,9 +100,10 @@ def _ends(description: Description, arm: Arm | None, base: str | None) -> list[s
             "# It is not clear which link is the tool. Take the # away from one of these, or name another link:",
             *(f"# tip = {toml_text(link)}" for link in candidates(description, base)),
         ]
-    others = [toml_text(link) for link in description.leaves if link != arm.tip]
     lines = [f"base = {toml_text(arm.base)}", f"tip = {toml_text(arm.tip)}"]
-    return [*lines, f"# Other ends: {', '.join(others)}"] if others else lines
+    chosen = [f"# {finding.what}" for finding in arm.findings if finding.code == "several-tips"]
+    others = [toml_text(link) for link in description.leaves if link != arm.tip]
+    return lines + (chosen or [f"# Other ends: {', '.join(others)}"] if chosen or others else [])
 
 
 def _beside(description: Description, where: Path, srdf: str | os.PathLike[str] | None) -> list[str]:

@@ -61,7 +61,7 @@ PICTURE = """() => {
 def arm(tmp_path_factory: pytest.TempPathFactory) -> Arm:
     path = tmp_path_factory.mktemp("arm") / "patient.urdf"
     path.write_text(URDF)
-    return load_arm(path, tip="tool0")
+    return load_arm(path)
 
 
 @pytest.fixture(scope="module")
@@ -170,6 +170,14 @@ def test_an_axis_is_thickened_about_itself_also_where_screws_are_not_shown(live:
     until(live, "twistarm.view.node('/screws').visible")
 
 
+def test_the_header_says_that_nobody_named_the_tip_and_leads_to_the_reason(live: Any, arm: Arm) -> None:
+    (chosen,) = (one for one in arm.findings if one.code == "several-tips")
+    live.evaluate("document.getElementById('findings').open = false")
+    live.get_by_role("button", name="tip taken: why?").click()
+    assert chosen.what in live.locator('.finding[aria-pressed="true"]').inner_text()
+    assert pointed_at(live, live.evaluate(f"twistarm.state.hello.links[{arm.tip!r}]"))
+
+
 def test_by_keyboard_enter_chooses_and_escape_takes_it_back(live: Any) -> None:
     about(live, "axis-not-unit").focus()
     live.keyboard.press("Enter")
@@ -228,4 +236,5 @@ def test_every_arm_s_page_lists_what_the_doctor_finds(page: Any, name: str) -> N
         until(page, "document.getElementById('findings-note').textContent === ''")
         page.locator("#findings summary").click()
         shown = page.locator("#findings-list .finding .what").all_inner_texts()
+        page.goto("about:blank")  # else it asks for the view again while that waits for the doctor
     assert shown == [one.what for one in diagnose(arm)]

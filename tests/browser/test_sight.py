@@ -55,21 +55,39 @@ def seen(open_page: Callable[[], AbstractContextManager[Any]], viewer: Viewer) -
 def page(seen: Any, viewer: Viewer, arm: Arm) -> Any:
     """The one page, as it was at first."""
     viewer.show(arm.ready)
-    seen.evaluate("twistarm.view.fit(), twistarm.parts.links.recall({ hidden: [], opacity: 1 })")
     until(seen, f"twistarm.state.frame.theta.every((value, i) => value === {arm.ready.tolist()}[i])")
+    seen.evaluate("twistarm.parts.links.recall({ hidden: [], opacity: 1 }), twistarm.view.fit()")
     return seen
 
 
+OUTERMOST = """() => {
+  const { camera } = twistarm.view.viewer;
+  const seen = [];
+  for (const layer of ["/arm", "/screws", "/frames"]) twistarm.view.node(layer).traverseVisible((part) => {
+    if (!part.geometry) return;
+    const { array, count } = part.geometry.getAttribute("position");
+    for (let i = 0; i < count; i += 1) {
+      seen.push(new MeshCat.THREE.Vector3().fromArray(array, 3 * i).applyMatrix4(part.matrixWorld).project(camera));
+    }
+  });
+  const pane = document.getElementById("pane").getBoundingClientRect();
+  const xs = seen.map(({ x }) => ((1 + x) / 2) * pane.width + pane.left);
+  const ys = seen.map(({ y }) => ((1 - y) / 2) * pane.height + pane.top);
+  const over = document.getElementById("switches").getBoundingClientRect().bottom;
+  return [
+    Math.min(...xs) - pane.left, pane.right - Math.max(...xs), Math.min(...ys) - over, pane.bottom - Math.max(...ys),
+    pane.height - over,
+  ];
+}"""
+"""How far within the sides of what is free of the view everything drawn lies [px]: left, right, top and bottom; the
+height of what is free."""
+
+
 def in_view(page: Any) -> bool:
-    """Whether all of the arm's origins are in the picture."""
-    shown: bool = page.evaluate(
-        """() => Object.values(twistarm.state.hello.links).every((path) => {
-          const at = new MeshCat.THREE.Vector3().setFromMatrixPosition(twistarm.view.node(path).matrixWorld);
-          at.project(twistarm.view.viewer.camera);
-          return Math.abs(at.x) < 1 && Math.abs(at.y) < 1;
-        })"""
-    )
-    return shown
+    """Whether all that is drawn can be seen, and is as large as the view allows."""
+    *margins, height = page.evaluate(OUTERMOST)
+    across, along = margins[:2], margins[2:]
+    return min(margins) > 0 and (sum(across) < 0.3 * height or sum(along) < 0.3 * height)
 
 
 def test_presets_and_the_faces_of_the_cube_show_the_arm_from_that_side(page: Any) -> None:
@@ -230,8 +248,31 @@ def test_a_grab_that_just_misses_a_handle_does_not_turn_the_view(page: Any) -> N
     page.mouse.down()
     page.mouse.move(x + 10, y + 10)
     page.mouse.up()
-    assert page.evaluate(camera) == before
+    assert_allclose(page.evaluate(camera), before, rtol=1e-12)
     page.get_by_label("Drag tool").uncheck()
+
+
+def test_the_arm_is_whole_in_a_window_of_any_shape_until_somebody_turns_the_view(page: Any) -> None:
+    assert in_view(page)
+    page.set_viewport_size({"width": 390, "height": 844})
+    until(page, "document.getElementById('pane').offsetWidth === 390")
+    after_frames(page)
+    assert in_view(page)
+    page.set_viewport_size({"width": 1280, "height": 720})
+    until(page, "document.getElementById('pane').offsetWidth > 390")
+    after_frames(page)
+    assert in_view(page)
+    x, y = 800, 600
+    page.mouse.move(x, y)
+    page.mouse.down()
+    page.mouse.move(x + 40, y)
+    page.mouse.up()
+    camera = "twistarm.view.viewer.camera.position.toArray()"
+    turned = page.evaluate(camera)
+    page.set_viewport_size({"width": 900, "height": 720})
+    after_frames(page)
+    assert page.evaluate(camera) == turned
+    page.set_viewport_size({"width": 1280, "height": 720})
 
 
 def test_dark_parts_stand_off_the_ground_of_the_dark_theme(page: Any) -> None:
@@ -259,7 +300,7 @@ def test_dark_parts_stand_off_the_ground_of_the_dark_theme(page: Any) -> None:
     assert given
     assert all(given)
     page.emulate_media(color_scheme="light")
-    until(page, "twistarm.view.rim.light.value === 0")
+    until(page, "twistarm.view.rim.light.value < 0")  # shade, for what is white
 
 
 def luminance(colour: Any) -> float:

@@ -155,7 +155,7 @@ def test_a_ring_turns_the_tool_where_it_is(desk: Desk) -> None:
     across, on = np.eye(3)[(i + 1) % 3], np.eye(3)[(i + 2) % 3]
     at = [np.cos(a) * across + np.sin(a) * on for a in np.radians([-45, -32])]
     if i == 1:
-        at = [np.cos(a) * across + np.sin(a) * on for a in np.radians([-135, -122])]
+        at = [np.cos(a) * across + np.sin(a) * on for a in np.radians([30, 43])]
     desk.drag(desk.handle(ABOUT * at[0]), desk.handle(ABOUT * at[1]))
     given = desk.answered()
     assert given["met"], desk.page.locator("#target-words").inner_text()

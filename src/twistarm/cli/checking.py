@@ -72,7 +72,7 @@ def _line(path: Path, load: dict[str, Any], samples: int) -> Line:
         return Line(PART, None) if is_part(path, findings) else refused(why, error=str(error))
     result = crosscheck(arm, samples)
     worst = max((row.worst for row in result.comparisons if not row.not_compared), default=0.0)
-    return Line("ok" if result.ok else "WRONG", result.ok, arm.n, f"worst difference {worst:.1e}", {"worst": worst})
+    return Line("ok" if result.ok else "WRONG", result.ok, arm, f"worst difference {worst:.1e}", {"worst": worst})
 
 
 @takes_arm

@@ -169,7 +169,7 @@ def _line(path: Path, load: dict[str, Any], strict: bool) -> Line:
     more = {"findings": [finding_json(one) for one in found]}
     if diagnosis.arm is None:
         return refused(found[0].what, **more)
-    return Line(counted(found), _good(diagnosis, strict), diagnosis.arm.n, _grave(found), more)
+    return Line(counted(found), _good(diagnosis, strict), diagnosis.arm, _grave(found), more)
 
 
 def _grave(findings: tuple[Finding, ...]) -> str:

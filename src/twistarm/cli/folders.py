@@ -8,6 +8,7 @@ from pathlib import Path
 from textwrap import shorten
 from typing import Any
 
+from ..arm import Arm
 from ..doctor.folder import descriptions_in
 from .output import console, print_json, progress_bar, table
 from .wording import as_typed
@@ -25,7 +26,7 @@ class Line:
 
     verdict: str
     good: bool | None
-    joints: int | None = None
+    arm: Arm | None = None
     detail: str = ""
     more: Mapping[str, Any] = field(default_factory=dict)
 
@@ -52,16 +53,22 @@ def walk(folder: Path, title: str, look: Callable[[Path], Line], *, json: bool) 
 
 
 def _print(folder: Path, title: str, lines: Mapping[Path, Line]) -> None:
-    columns = ["file", "verdict", "joints", "detail"]
-    rows = [
-        [str(path), line.verdict, "" if line.joints is None else line.joints, line.detail]
-        for path, line in lines.items()
-    ]
-    console().print(table(f"{folder}: {title}", columns, rows, text=["verdict", "detail"]))
+    columns = ["file", "verdict", "joints", "tip", "detail"]
+    rows = [[str(path), line.verdict, *_arm(line.arm), line.detail] for path, line in lines.items()]
+    console().print(table(f"{folder}: {title}", columns, rows, text=["verdict", "tip", "detail"]))
     judged = [line.good for line in lines.values() if line.good is not None]
     apart = f" (beside {len(lines) - len(judged)} with macros only)" if len(judged) < len(lines) else ""
     print(f"{sum(judged)} of {len(judged)} good{apart}")
 
 
+def _arm(arm: Arm | None) -> tuple[object, str]:
+    """How many joints, and the tip; whether it was chosen for want of anybody who says which."""
+    if arm is None:
+        return "", ""
+    return arm.n, f"{arm.tip} (chosen)" if any(one.code == "several-tips" for one in arm.findings) else arm.tip
+
+
 def _as_json(path: Path, line: Line) -> dict[str, Any]:
-    return {"file": str(path), "verdict": line.verdict, "n": line.joints, "ok": line.good, **line.more}
+    arm = line.arm
+    ends = {"n": arm and arm.n, "base": arm and arm.base, "tip": arm and arm.tip}
+    return {"file": str(path), "verdict": line.verdict, **ends, "ok": line.good, **line.more}

@@ -1,7 +1,7 @@
 // A cube that turns with the view and says from which side the arm is seen; a press on a face goes to that side. Made of
 // the page's own elements: it takes no pixel of the view's to draw.
 
-import { element } from "./element.js";
+import { $, element } from "./element.js";
 import { SIDES } from "./presets.js";
 import { THREE } from "./view.js";
 
@@ -18,7 +18,7 @@ export class Cube {
     this.body.append(...Object.keys(SIDES).filter((name) => name !== "iso").map((name) => face(name, go)));
     this.letters = ["x", "y", "z"].map((name) => element("span", `axis ${name}`, name));
     this.box.append(this.body, ...this.letters);
-    document.querySelector("main").append(this.box);
+    $("top").append(this.box);
     const { scene } = view.viewer;
     const before = scene.onAfterRender;
     scene.onAfterRender = (...drawn) => {

@@ -2,6 +2,7 @@
 
 import { $, element } from "./element.js";
 
+const TAKEN = "several-tips"; // the finding that says which link was taken as the tool, where nobody said
 const WORDS = { error: "error", warning: "warning", info: "remark" };
 
 export class Findings {
@@ -10,6 +11,7 @@ export class Findings {
     this.point = point;
     this.chosen = null; // a finding's key
     this.buttons = new Map();
+    $("tip-taken").addEventListener("click", () => this.explain());
     addEventListener("keydown", ({ key }) => {
       if (key === "Escape") this.choose(null);
     });
@@ -22,6 +24,9 @@ export class Findings {
     $("findings-count").textContent = counted(counts);
     $("findings-note").textContent = note;
     $("findings-list").replaceChildren(...findings.map((finding) => this.item(finding)));
+    this.taken = findings.find(({ code }) => code === TAKEN);
+    $("tip-taken").hidden = !this.taken;
+    $("tip-taken").title = this.taken?.what ?? "";
     if (this.buttons.has(this.chosen)) this.mark();
     else this.choose(null);
   }
@@ -45,6 +50,14 @@ export class Findings {
     button.title = `Point at ${finding.name}; Escape takes it back`;
     button.addEventListener("click", () => this.choose(this.chosen === key ? null : key, finding));
     this.buttons.set(key, button);
+  }
+
+  // Why this link is the tool, and which others could be meant.
+  explain() {
+    const key = JSON.stringify(this.taken);
+    $("findings").open = true;
+    this.choose(key, this.taken);
+    this.buttons.get(key).scrollIntoView({ block: "nearest" });
   }
 
   choose(key, finding) {

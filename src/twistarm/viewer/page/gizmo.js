@@ -1,7 +1,7 @@
 // Handles at the tool that a mouse or a finger takes hold of. They keep their size on the screen and shine through.
 
 import { Motion } from "./gizmo_motion.js";
-import { RING, makeHandles, makeTether, stretch } from "./gizmo_shapes.js";
+import { REACH, RING, makeHandles, makeTether, stretch } from "./gizmo_shapes.js";
 import { THREE } from "./view.js";
 
 export class Gizmo {
@@ -17,6 +17,7 @@ export class Gizmo {
     this.group.add(...this.handles.map(({ group }) => group));
     this.caster = new THREE.Raycaster();
     view.viewer.scene.add(this.group, this.tether);
+    view.handles = this;
     this.scale();
     this.listen(view.viewer.dom_element);
   }
@@ -30,6 +31,15 @@ export class Gizmo {
       if (this.group.visible) this.face(camera, renderer.domElement.clientHeight);
       if (this.tether.visible) stretch(this.tether, this.pose.position, this.tool.position, this.unit);
     };
+  }
+
+  // How far they reach (world) in a view of this height [px], seen from `eye`; none where they are not shown.
+  corners(eye, height) {
+    if (!this.group.visible) return [];
+    const middle = this.view.viewer.scene.localToWorld(this.pose.position.clone());
+    const slope = Math.tan((this.view.viewer.camera.fov * Math.PI) / 360);
+    const reach = (2 * REACH * slope * eye.distanceTo(middle)) / height;
+    return [0, 1, 2].flatMap((axis) => [-reach, reach].map((by) => new THREE.Vector3().setComponent(axis, by).add(middle)));
   }
 
   face(camera, height) {
@@ -61,7 +71,9 @@ export class Gizmo {
   // `allows(handle, direction)`: which handles, by their direction in base axes; `missed`: the tool is not at the target.
   show(on, missed, allows) {
     for (const handle of this.handles) handle.allowed = allows(handle, this.direction(handle));
+    const other = on !== this.group.visible;
     this.group.visible = on;
+    if (other) this.view.reframe();
     this.tether.visible = on && missed;
     if (missed !== this.missed) this.warn(missed);
     if (on) return;

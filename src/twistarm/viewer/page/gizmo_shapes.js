@@ -10,6 +10,7 @@ const RIM = 0x39424e;
 const LIT = 0xffb000;
 const AXES = ["x", "y", "z"];
 const CONE = { from: 80, tip: 106, wide: 10, grip: 14 };
+export const REACH = CONE.tip; // of the whole
 export const RING = { radius: 64, thick: 2.6, grip: 8 };
 const BALL = { radius: 9, grip: 17 };
 const NEAR_AXIS = 0.97; // cosine beyond which an arrow points at the eye, and cannot be drawn along

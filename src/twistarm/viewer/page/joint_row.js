@@ -1,4 +1,4 @@
-// A joint's row in the panel: name, limits, slider, and the number: to type where the arm can be moved, else to read.
+// A joint's row in the panel: name, limits, slider, and the number to type.
 
 import { element } from "./element.js";
 import { writeName } from "./names.js";
@@ -10,7 +10,7 @@ const LEAST = { rad: Math.PI / 36, m: 0.01 }; // near a limit in any case: 5°, 
 const ROUNDING = 1e-6; // rad, m: the process lets a value lie this far beyond
 
 export class JointRow {
-  // `act` holds send(value) in rad or m, and complain(text); without, the row only shows.
+  // `act` holds send(value) in rad or m, and complain(text).
   constructor(joint, act) {
     Object.assign(this, { joint, number: 0 });
     this.row = element("div", "joint");
@@ -19,23 +19,24 @@ export class JointRow {
     this.standing = element("span", "standing");
     this.ends = element("span", "ends");
     this.slider = this.makeSlider(act);
-    this.box = act ? new NumberBox(joint, { ...act, send: (value) => this.move(value, act) }) : null;
-    this.output = act ? null : element("output");
+    this.box = new NumberBox(joint, { ...act, send: (value) => this.move(value, act) });
     this.unit = element("span", "unit");
-    this.row.append(this.head(), this.slider, ...(act ? [this.box.input, this.unit] : [this.output]));
+    this.row.append(this.head(), this.slider, this.box.input, this.unit);
     this.label();
   }
 
   head() {
     const head = element("div", "head");
-    head.append(writeName(element("span", "name"), this.joint.name), element("span", "type", this.joint.type), this.standing, this.ends);
+    const called = element("span", "called");
+    called.append(writeName(element("span", "name"), this.joint.name), element("span", "type", this.joint.type));
+    head.append(called, this.standing, this.ends);
     return head;
   }
 
   makeSlider(act) {
     const { name, range } = this.joint;
     const slider = element("input");
-    Object.assign(slider, { type: "range", min: range[0], max: range[1], step: "any", disabled: !act });
+    Object.assign(slider, { type: "range", min: range[0], max: range[1], step: "any" });
     slider.dataset.joint = name;
     slider.setAttribute("aria-label", name);
     slider.title = this.joint.type;
@@ -54,7 +55,7 @@ export class JointRow {
     this.ends.textContent = span(range, unit);
     this.ends.title = limits.every((limit) => limit === null) ? "No limits: the slider's range" : "";
     this.unit.textContent = unitShown(unit);
-    this.box?.label();
+    this.box.label();
     this.show(this.number);
   }
 
@@ -64,8 +65,7 @@ export class JointRow {
     const words = state ? `${shown(number, unit)}, ${state} its ${side} limit` : shown(number, unit);
     this.number = this.slider.value = number;
     this.slider.setAttribute("aria-valuetext", words);
-    this.box?.show(number, words);
-    if (this.output) this.output.textContent = shown(number, unit);
+    this.box.show(number, words);
     this.row.dataset.limit = state;
     this.row.title = state ? words : "";
     this.standing.textContent = state ? `${state === "near" ? "▸" : "▲"} ${state} ${side}` : "";
@@ -73,7 +73,7 @@ export class JointRow {
 
   disable(disabled) {
     this.slider.disabled = disabled;
-    this.box?.disable(disabled);
+    this.box.disable(disabled);
   }
 }
 

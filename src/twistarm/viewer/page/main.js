@@ -130,7 +130,7 @@ const receive = {
     view.clear();
     panel.showError("");
     panel.release();
-    panel.build(message.arm, [], true);
+    panel.build(message.arm, []);
     for (const part of Object.values(parts)) part.hello?.(message);
   },
   frame(message) {

@@ -26,30 +26,29 @@ export class Panel {
     $("fit").addEventListener("click", () => act.fit());
   }
 
-  // `arm` as the process describes it, `notes` on what could not be drawn; without `movable` the rows only show.
-  build(arm, notes, movable) {
+  // `arm` as the process describes it, `notes` on what could not be drawn.
+  build(arm, notes) {
     document.title = `${arm.name} · twistarm`;
     writeName($("name"), arm.name);
     const [base, tip] = [arm.base, arm.tip].map((name) => cut(name, LONGEST));
-    $("ends").textContent = `${arm.joints.length} joint${arm.joints.length === 1 ? "" : "s"}, ${base} → ${tip}`;
-    $("ends").title = `${arm.base} → ${arm.tip}`;
-    this.buildButtons(movable ? arm.poses : null);
-    for (const row of this.rows.values()) row.box?.abandon(); // what is typed is not for the arm that comes
+    $("base-and-tip").textContent = `${arm.joints.length} joint${arm.joints.length === 1 ? "" : "s"}, ${base} → ${tip}`;
+    $("base-and-tip").title = `${arm.base} → ${arm.tip}`;
+    this.buildButtons(arm.poses);
+    for (const row of this.rows.values()) row.box.abandon(); // what is typed is not for the arm that comes
     this.rows.clear();
-    const rows = arm.joints.map((joint) => this.row(joint, movable));
+    const rows = arm.joints.map((joint) => this.row(joint));
     if (arm.others.length) rows.push(element("h2", "", "Other joints"));
-    rows.push(...arm.others.map((joint) => this.row({ ...joint, beside: true }, movable)));
+    rows.push(...arm.others.map((joint) => this.row({ ...joint, beside: true })));
     $("joints").replaceChildren(...rows);
     this.names = arm.joints.map((joint) => joint.name);
     $("notes").replaceChildren(...notes.map((note) => element("li", "", note)));
     for (const item of $("legend").children) item.hidden = !arm.screws.includes(item.className);
   }
 
-  // Of named poses, and beside them; null: nothing can be moved.
+  // Of named poses, and beside them.
   buildButtons(poses) {
-    this.movers = (poses ?? []).map((name) => button(name, `Go to the pose ${name}`, () => this.act.pose(name)));
+    this.movers = poses.map((name) => button(name, `Go to the pose ${name}`, () => this.act.pose(name)));
     $("poses").replaceChildren(...this.movers);
-    if (!poses) return;
     const random = button("random", "Anywhere inside the limits", () => this.act.random());
     this.movers.push(random);
     const copy = button("copy theta", "The arm's joint values as a Python list, in rad and m", () => this.act.copy());
@@ -58,7 +57,7 @@ export class Panel {
     $("poses").append(apart);
   }
 
-  row(joint, movable) {
+  row(joint) {
     const act = {
       send: (value) => {
         this.held = joint.name;
@@ -67,7 +66,7 @@ export class Panel {
       complain: (text, box) => this.complain(text, box),
       settle: (box) => this.settle(box),
     };
-    const row = new JointRow(joint, movable ? act : null);
+    const row = new JointRow(joint, act);
     this.rows.set(joint.name, row);
     return row.row;
   }

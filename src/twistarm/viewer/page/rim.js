@@ -1,13 +1,14 @@
-// Light along the contours of what is drawn, in the dark theme: a part as dark as what lies behind it keeps its edge.
+// Light along the contours of what is drawn in the dark theme, and shade in the light one: a part as dark or as bright as
+// what lies behind it keeps its edge.
 
-const STRENGTH = 0.5; // of the light where the surface turns away from the eye
-const NONE = 0;
+const LIGHT = 0.5; // added where the surface turns away from the eye
+const SHADE = -0.22;
 
 const BEND = "float bend = 1.0 - abs(dot(normalize(transformedNormal), normalize(-mvPosition.xyz)));";
 
 export class Rim {
   constructor() {
-    this.light = { value: NONE };
+    this.light = { value: SHADE };
     this.compile = (shader) => {
       shader.uniforms.rimLight = this.light;
       shader.vertexShader = shader.vertexShader
@@ -20,7 +21,7 @@ export class Rim {
   }
 
   show(dark) {
-    this.light.value = dark ? STRENGTH : NONE;
+    this.light.value = dark ? LIGHT : SHADE;
   }
 
   // All that is drawn below `node`, unless it shines through.

@@ -127,7 +127,7 @@ addEventListener("keydown", (event) => {
   player.act[playback.running ? "pause" : "play"]();
 });
 
-panel.build({ ...data.arm, poses: Object.keys(data.poses) }, data.notes, true);
+panel.build({ ...data.arm, poses: Object.keys(data.poses) }, data.notes);
 for (const part of [share, links, linkNames]) part.hello(data);
 findings.show(data.findings);
 panel.showVisible(data.visible);

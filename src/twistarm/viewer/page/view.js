@@ -3,11 +3,12 @@
 /* global MeshCat */
 
 import { dispose } from "./disposal.js";
+import { corners, covered, framed, OVER } from "./framing.js";
 import { Rim } from "./rim.js";
 
 export const THREE = MeshCat.THREE;
 export const DIRECTION = [0.95, -1.15, 0.62]; // from the arm towards the camera, in the arm's base axes
-const MARGIN = 1.04;
+const NOTHING = [new THREE.Vector3(-0.5, 0, -0.5), new THREE.Vector3(0.5, 1, 0.5)]; // where nothing is drawn
 const PATH = 0xe8850c;
 const SOON = 300; // ms until what has come to be drawn is
 
@@ -29,11 +30,13 @@ export class View {
     for (const name of ["Lights", "Grid", "Axes"]) this.viewer.delete_path([name]);
     this.viewer.set_property(["Background"], "visible", false);
     this.light();
+    this.handles = null; // of the tool, where there are any: their corners(eye, height) are to be seen
     this.turned = false; // by somebody's hand
     this.viewer.controls.addEventListener("start", () => (this.turned = true));
     this.dark = matchMedia("(prefers-color-scheme: dark)");
     this.dark.addEventListener("change", () => this.furnish());
-    new ResizeObserver(() => this.viewer.set_3d_pane_size()).observe(pane);
+    const room = new ResizeObserver(() => this.reframe());
+    for (const each of [pane, ...document.querySelectorAll(OVER)]) room.observe(each);
   }
 
   light() {
@@ -122,8 +125,15 @@ export class View {
     this.viewer.set_dirty();
   }
 
+  // There is more room than before, or less: whose view nobody has turned sees the whole arm still.
+  reframe() {
+    if (this.radius === undefined || this.turned) this.viewer.set_3d_pane_size();
+    else this.fit();
+  }
+
   // Look at the whole arm, and give floor and light its size.
   fit() {
+    this.turned = false;
     const { camera, controls } = this.viewer;
     const { position, target } = this.standpoint(DIRECTION);
     camera.position.copy(position);
@@ -132,15 +142,16 @@ export class View {
     this.viewer.set_dirty();
   }
 
-  // Where the camera must stand, and what it must look at, to see the whole arm from a direction in base axes.
+  // Where the camera must stand, and what it must look at, to see all that is shown from a direction in base axes.
   standpoint([x, y, z]) {
-    const { scene, camera } = this.viewer;
+    const { scene, camera, dom_element } = this.viewer;
     this.viewer.set_3d_pane_size();
     scene.updateMatrixWorld(true);
-    const box = new THREE.Box3().setFromObject(this.node("/arm"));
-    if (box.isEmpty()) box.set(new THREE.Vector3(-0.5, 0, -0.5), new THREE.Vector3(0.5, 1, 0.5));
+    const arm = corners(this.node("/arm"));
     // The tool and its way may lie away from what is drawn.
-    for (const part of ["/frames/space", "/frames/tool", "/path"]) box.expandByObject(this.node(part));
+    const beside = ["/frames/space", "/frames/tool", "/path"].flatMap((path) => corners(this.node(path)));
+    const all = [...(arm.length ? arm : NOTHING), ...beside];
+    const box = new THREE.Box3().setFromPoints(all);
     const { center, radius } = box.getBoundingSphere(new THREE.Sphere());
     this.radius = Math.max(radius, 1e-3);
     this.floor = Math.min(0, box.min.y);
@@ -148,9 +159,11 @@ export class View {
     this.aim(center);
     Object.assign(camera, { fov: 32, near: this.radius / 50, far: this.radius * 100 });
     camera.updateProjectionMatrix();
+    const seen = ["/arm", "/frames", "/path", "/screws"].flatMap((path) => corners(this.node(path), true));
     const towards = new THREE.Vector3(x, z, -y).normalize();
-    const position = center.clone().addScaledVector(towards, MARGIN * distance(box, center, towards, camera));
-    return { position, target: center };
+    const frame = (more) => framed([...(seen.length ? seen : all), ...more], towards, camera, covered(dom_element));
+    // Handles keep their size on the screen: from farther away they reach farther.
+    return [1, 2, 3].reduce((found) => frame(this.handles?.corners(found.position, dom_element.offsetHeight) ?? []), frame([]));
   }
 
   aim(center) {
@@ -181,17 +194,6 @@ export class View {
     this.fixtures.position.z = this.floor - 1e-4 * this.radius;
     this.viewer.set_dirty();
   }
-}
-
-// How far from `center` the camera must stand for the corners of `box` to be in view.
-function distance(box, center, towards, { fov, aspect }) {
-  const right = new THREE.Vector3(0, 1, 0).cross(towards).normalize();
-  const up = new THREE.Vector3().crossVectors(towards, right);
-  const slope = Math.tan((fov * Math.PI) / 360);
-  const corners = [0, 1, 2, 3, 4, 5, 6, 7].map((bits) =>
-    new THREE.Vector3(...["x", "y", "z"].map((axis, k) => ((bits >> k) & 1 ? box.max : box.min)[axis])).sub(center));
-  return Math.max(...corners.map((corner) =>
-    corner.dot(towards) + Math.max(Math.abs(corner.dot(up)), Math.abs(corner.dot(right)) / aspect) / slope));
 }
 
 // Lines every `cell` metres that fade away towards `reach`.

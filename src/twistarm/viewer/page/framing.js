@@ -1,0 +1,57 @@
+// Where the camera stands so that all of what is drawn fills what is free of the view.
+
+/* global MeshCat */
+
+const { Box3, Vector3 } = MeshCat.THREE;
+
+const MARGIN = 1.06;
+const MOST = 0.3; // of the view's height that is left free for what stands over it, above and below
+export const OVER = "#switches, #player, #plots"; // what stands over the view
+
+// The corners (world) of the boxes around all that is drawn below a node; `seen`: only of what is shown.
+export function corners(node, seen = false) {
+  if (seen && !node.visible) return [];
+  return [...own(node), ...node.children.flatMap((child) => corners(child, seen))];
+}
+
+function own({ geometry, matrixWorld }) {
+  if (!geometry) return [];
+  if (geometry.boundingBox === null) geometry.computeBoundingBox();
+  const ends = [geometry.boundingBox.min, geometry.boundingBox.max];
+  return [0, 1, 2, 3, 4, 5, 6, 7].map((bits) =>
+    new Vector3(...["x", "y", "z"].map((axis, k) => ends[(bits >> k) & 1][axis])).applyMatrix4(matrixWorld));
+}
+
+// The shares of the pane's height that are covered at its top and bottom.
+export function covered(pane) {
+  const { top, bottom, height } = pane.getBoundingClientRect();
+  const shares = { top: 0, bottom: 0 };
+  for (const each of document.querySelectorAll(OVER)) {
+    const over = each.getBoundingClientRect();
+    if (over.height === 0) continue;
+    const [side, depth] = over.top + over.bottom < top + bottom ? ["top", over.bottom - top] : ["bottom", bottom - over.top];
+    shares[side] = Math.min(MOST, Math.max(shares[side], depth / height));
+  }
+  return shares;
+}
+
+// Position and target (world) of a camera as near as it can be, seen from it `towards` itself: {top, bottom} shares of the
+// picture stay free. The four sides of what it sees each pass through the outermost of the points.
+export function framed(points, towards, { fov, aspect }, { top, bottom }) {
+  const right = new Vector3(0, 1, 0).cross(towards).normalize();
+  const up = new Vector3().crossVectors(towards, right);
+  const slope = Math.tan((fov * Math.PI) / 360) / MARGIN;
+  const across = between(points, right, towards, slope * aspect, slope * aspect);
+  const along = between(points, up, towards, slope * (1 - 2 * top), slope * (1 - 2 * bottom));
+  const depth = Math.max(across.depth, along.depth);
+  const position = new Vector3().addScaledVector(right, across.at(depth)).addScaledVector(up, along.at(depth)).addScaledVector(towards, depth);
+  const middle = new Box3().setFromPoints(points).getCenter(new Vector3()).dot(towards);
+  return { position, target: position.clone().addScaledVector(towards, middle - depth) };
+}
+
+// How far out a camera must be for all points to lie between two planes through it, of these slopes, and where it is then.
+function between(points, axis, towards, more, less) {
+  const high = Math.max(...points.map((point) => point.dot(axis) + more * point.dot(towards)));
+  const low = Math.min(...points.map((point) => point.dot(axis) - less * point.dot(towards)));
+  return { depth: (high - low) / (more + less), at: (depth) => (high + low - (more - less) * depth) / 2 };
+}
