@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import csv
 import json
 import os
 from pathlib import Path
@@ -99,3 +100,15 @@ def test_what_cannot_be_written_is_said_before_anything_is(case: str, folder: Pa
     assert message in error_of(capsys, *command)
     assert sorted(os.listdir(folder)) == ["arm.urdf", "old.json"]
     assert (folder / "old.json").read_text() == "mine"
+
+
+def test_a_motion_with_motors_is_played(folder: Path) -> None:
+    """What the motors do follows the joints' columns, and what reads a motion passes over it."""
+    motor = '[actuators.left]\nratio = { a = 50.0 }\nunit = "tick"\nticks_per_turn = 4096\n'
+    (folder / "arm.toml").write_text(f'source = "arm.urdf"\n{motor}')
+    assert run(["plan", "arm.toml", *PLAN[2:], "-o", "motion.csv"]) == 0
+    with open(folder / "motion.csv", newline="", encoding="utf-8") as file:
+        *_, last = csv.DictReader(file)
+    # 10° of the joint are 500° of the motor.
+    assert float(last["left.counts [tick]"]) == pytest.approx(500 / 360 * 4096)
+    assert run(["view", "arm.toml", "--play", "motion.csv", "-o", "page.html"]) == 0

@@ -1,13 +1,17 @@
 import csv
 import json
 import os
+from dataclasses import replace
 
 import numpy as np
 import pytest
 
+from catalogue import load
 from test_trajectory import motion, standstill
+from twistarm import Actuators, plan_joint
 from twistarm.errors import InputError
 from twistarm.planning import Trajectory
+from twistarm.stream import read_recording
 
 
 def named(trajectory, names, units):
@@ -87,3 +91,81 @@ def test_json_refuses_steps_below_a_nanosecond(tmp_path):
 def test_a_missing_folder_is_said(tmp_path, export):
     with pytest.raises(InputError, match="does not exist; create it first"):
         export(motion(), tmp_path / "missing" / "a")
+
+
+# -- motors ------------------------------------------------------------------------------------------------------
+
+
+def with_motors():
+    """The rover arm, driven at the shoulder and by a differential wrist, and a motion of its."""
+    arm = load("rover_arm")
+    G = np.array([[0, 100.0, 0, 0, 0], [0, 0, 0, 60.0, 60.0], [0, 0, 0, 60.0, -60.0]])
+    ticks = np.array([np.nan, 4096, 1024])
+    motors = Actuators(
+        ("shoulder", "left", "right"), arm.joint_names, G, np.array([0.4, 0, 0]), ("deg", "tick", "tick"), ticks
+    )
+    arm = replace(arm, actuators=motors)
+    return arm, plan_joint(arm, [arm.ready, arm.random_theta(2)], limits={"acceleration": 2.0})
+
+
+def by_hand(theta, theta_dot):
+    """Of each motor where it is and how fast it turns, in rad, then as its drive counts it."""
+    shoulder, pitch, roll = theta[:, 1], theta[:, 3], theta[:, 4]
+    motor = np.stack([100 * shoulder + 0.4, 60 * pitch + 60 * roll, 60 * pitch - 60 * roll], axis=1)
+    shoulder, pitch, roll = theta_dot[:, 1], theta_dot[:, 3], theta_dot[:, 4]
+    motor_dot = np.stack([100 * shoulder, 60 * pitch + 60 * roll, 60 * pitch - 60 * roll], axis=1)
+    counts = np.array([180 / np.pi, 4096 / (2 * np.pi), 1024 / (2 * np.pi)])
+    return motor, motor_dot, motor * counts, motor_dot * counts
+
+
+def test_the_motors_columns_follow_the_joints_and_the_file_is_still_a_motion(tmp_path):
+    arm, trajectory = with_motors()
+    path = trajectory.to_csv(tmp_path / "a.csv", dt=0.1)
+    with open(path, newline="", encoding="utf-8") as file:
+        header, *rows = csv.reader(file)
+    assert header[:16] == next(csv.reader(plain(trajectory).to_csv(tmp_path / "b.csv").open(encoding="utf-8")))
+    assert header[16:] == [
+        "shoulder.motor_position [rad]", "shoulder.motor_velocity [rad/s]", "shoulder.counts [deg]",
+        "shoulder.counts_rate [deg/s]",
+        "left.motor_position [rad]", "left.motor_velocity [rad/s]", "left.counts [tick]", "left.counts_rate [tick/s]",
+        "right.motor_position [rad]", "right.motor_velocity [rad/s]", "right.counts [tick]",
+        "right.counts_rate [tick/s]",
+    ]  # fmt: skip
+    table = np.array(rows, dtype=float)
+    _, theta, theta_dot, _ = trajectory.sample(0.1)
+    expected = np.stack(by_hand(theta, theta_dot), axis=-1).reshape(len(theta), -1)
+    assert np.allclose(table[:, 16:], expected, rtol=1e-12, atol=1e-12)
+    again = read_recording(arm, path)
+    assert np.array_equal(again.theta, theta)
+    assert np.array_equal(again.theta_dot, theta_dot)
+
+
+def test_the_motors_stand_beside_the_points_of_a_joint_trajectory(tmp_path):
+    arm, trajectory = with_motors()
+    message = json.loads(trajectory.to_json(tmp_path / "a.json", dt=0.1).read_text())
+    without = json.loads(plain(trajectory).to_json(tmp_path / "b.json", dt=0.1).read_text())
+    motors = message.pop("motors")
+    assert message == without
+    assert motors["names"] == ["shoulder", "left", "right"]
+    assert motors["units"] == ["rad", "rad", "rad"]
+    assert motors["count_units"] == ["deg", "tick", "tick"]
+    _, theta, theta_dot, _ = trajectory.sample(0.1)
+    keys = ("positions", "velocities", "counts", "counts_rates")
+    for key, expected in zip(keys, by_hand(theta, theta_dot), strict=True):
+        assert np.allclose([point[key] for point in motors["points"]], expected, rtol=1e-12, atol=1e-12)
+    given = plain(trajectory).to_json(tmp_path / "c.json", dt=0.1, actuators=arm.actuators)
+    assert given.read_text() == (tmp_path / "a.json").read_text()
+
+
+def plain(trajectory):
+    """The same without motors."""
+    return replace(trajectory, actuators=None)
+
+
+def test_actuators_of_other_joints_are_refused(tmp_path):
+    arm, _ = with_motors()
+    with pytest.raises(
+        InputError, match="actuators must drive the trajectory's joints, 'joint1', 'joint2', in this order"
+    ):
+        motion().to_csv(tmp_path / "a.csv", actuators=arm.actuators)
+    assert os.listdir(tmp_path) == []

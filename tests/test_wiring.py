@@ -257,10 +257,11 @@ def test_logs_that_are_none() -> None:
     assert not pickle.loads(pickle.dumps(log)).counts.flags.writeable
 
 
-def test_the_page_about_motors() -> None:
+def test_the_page_about_motors(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
+    monkeypatch.chdir(tmp_path)
     page = (Path(__file__).parents[1] / "docs" / "motors.md").read_text("utf-8")
     programs = re.findall(r"```python\n(.*?)```", page, re.S)
-    assert len(programs) == 3
+    assert len(programs) == 4
     names: dict[str, object] = {}
     for program in programs:
         exec(compile(program, "docs/motors.md", "exec"), names)

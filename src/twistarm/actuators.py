@@ -102,6 +102,11 @@ class Actuators:
         free = np.abs(null).max(axis=0, initial=0.0) > RANK_TOL
         return tuple(name for name, loose in zip(self.joint_names, free, strict=True) if loose)
 
+    @property
+    def motor_units(self) -> tuple[str, ...]:
+        """What each motor's position is in: rad, or m where its drive pushes."""
+        return tuple("m" if unit in LINEAR_UNITS else "rad" for unit in self.units)
+
     # -- positions, velocities, torques ------------------------------------------------------------------------------
 
     def to_motor(self, theta: ArrayLike) -> Array:
@@ -115,7 +120,7 @@ class Actuators:
         With more motors than joints the least squares: the theta that least |G theta + o − motor| [rad, m] leaves.
         Raises InputError naming the joints that the motors do not determine (G has not full column rank).
         """
-        theta: Array = (self._motors(motor, "motor") - self.offset) @ self._inverse.T
+        theta: Array = (self._motors(motor, "motor") - self.offset) @ self.P.T
         return theta
 
     def velocity_to_motor(self, theta_dot: ArrayLike) -> Array:
@@ -125,7 +130,7 @@ class Actuators:
 
     def velocity_to_theta(self, motor_dot: ArrayLike) -> Array:
         """theta_dot (..., n) with G theta_dot = motor_dot (..., k) [rad/s or m/s]; refused and solved as `to_theta`."""
-        theta_dot: Array = self._motors(motor_dot, "motor_dot") @ self._inverse.T
+        theta_dot: Array = self._motors(motor_dot, "motor_dot") @ self.P.T
         return theta_dot
 
     def torque_to_motor(self, tau: ArrayLike) -> Array:
@@ -133,7 +138,7 @@ class Actuators:
 
         Raises InputError naming the joints that the motors do not determine.
         """
-        tau_motor: Array = self._joints(tau, "tau") @ self._inverse
+        tau_motor: Array = self._joints(tau, "tau") @ self.P
         return tau_motor
 
     def torque_to_theta(self, tau_motor: ArrayLike) -> Array:
@@ -142,13 +147,13 @@ class Actuators:
         return tau
 
     def to_counts(self, motor: ArrayLike) -> Array:
-        """Motors (..., k) [rad or m] in what each drive counts, `units`; ticks are not rounded."""
-        counts: Array = self._motors(motor, "motor") * self._per_radian
+        """Motors (..., k) [rad or m] in what each drive counts, `units`; ticks are not rounded. Rates alike."""
+        counts: Array = self._motors(motor, "motor") * self.counts_per_unit
         return counts
 
     def from_counts(self, counts: ArrayLike) -> Array:
         """Motors (..., k) [rad or m] from what the drives count: the inverse of `to_counts`."""
-        motor: Array = self._motors(counts, "counts") / self._per_radian
+        motor: Array = self._motors(counts, "counts") / self.counts_per_unit
         return motor
 
     # -- limits ------------------------------------------------------------------------------------------------------
@@ -183,15 +188,15 @@ class Actuators:
         if (lower > upper).any():
             j = int(np.argmax(lower > upper))
             raise InputError(f"the motors' position limits leave joint {self.joint_names[j]!r} no place")
-        effort = np.full(n, np.inf) if self.undriven else _least(self.limits.effort, self._inverse.T)
+        effort = np.full(n, np.inf) if self.undriven else _least(self.limits.effort, self.P.T)
         velocity, acceleration = _least(self.limits.velocity, self.G), _least(self.limits.acceleration, self.G)
         return JointLimits(lower, upper, velocity, acceleration, np.full(n, np.inf), effort)
 
     # -- inside ------------------------------------------------------------------------------------------------------
 
     @cached_property
-    def _inverse(self) -> Array:
-        """P (n, k), with P G = I."""
+    def P(self) -> Array:
+        """P (n, k), with P G = I. Raises InputError naming the joints that the motors do not determine."""
         if self.undriven:
             raise InputError(
                 f"the motors {listed(self.names)} do not determine joint {listed(self.undriven)}: "
@@ -203,7 +208,8 @@ class Actuators:
         return frozen(columns.T * np.linalg.pinv(self.G * rows * columns) * rows.T)
 
     @cached_property
-    def _per_radian(self) -> Array:
+    def counts_per_unit(self) -> Array:
+        """How many of its `units` a drive counts for one rad (or one m) of its motor, (k,)."""
         ticks = self.ticks_per_turn / (2 * np.pi)
         return frozen([t if unit == "tick" else UNITS[unit] for unit, t in zip(self.units, ticks, strict=True)])
 
@@ -214,7 +220,7 @@ class Actuators:
         return as_theta(values, len(self.names), name, self.names)
 
 
-_MADE_WHEN_ASKED = ("undriven", "joint_limits", "_inverse", "_per_radian")
+_MADE_WHEN_ASKED = ("undriven", "joint_limits", "P", "counts_per_unit")
 
 
 def _require_countable(name: str, unit: str, ticks: float) -> None:

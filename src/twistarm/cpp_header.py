@@ -64,7 +64,7 @@ def namespace_of(name: str) -> str:
 
 
 def cpp_header(arm: Arm) -> str:
-    """The header's text: `chain`, limits, poses, `servo_bounds` of the arm as constants, and `solve_ik`.
+    """The header's text: `chain`, limits, poses, `servo_bounds`, `actuators` of the arm as constants, and `solve_ik`.
 
     The chain is the compiled core's own: constant transforms between joints that turn about z (core/include/twistarm/
     chain.hpp), which only the core computes. TwistarmError where there is none.
@@ -100,6 +100,7 @@ def cpp_header(arm: Arm) -> str:
         links=_rows(map(_link, constants["links"])),
         coupling=_rows(map(_numbers, np.asarray(constants["coupling"]))),
         **_servo(arm),
+        motors_section=_motors(arm),
     )
 
 
@@ -132,6 +133,25 @@ def _servo(arm: Arm) -> Mapping[str, str | int]:
         "length": _number(bounds.length),
         "below": _number(bounds.singular_below),
     }
+
+
+def _motors(arm: Arm) -> str:
+    """The arm's `twistarm::actuators`, or that it has none."""
+    motors = arm.actuators
+    if motors is None or not motors.names:
+        return "// No motors are described: with [actuators] in the arm.toml, `actuators` stands here.\n"
+    n, k, determined = arm.n, len(motors.names), not motors.undriven
+    return _MOTORS.format(
+        k=k,
+        names=_texts(motors.names),
+        units=_texts(motors.motor_units),
+        counted=_texts(motors.units),
+        determined=_truth(determined),
+        G=_rows(map(_numbers, motors.G)),
+        offset=_numbers(motors.offset),
+        P=_rows(map(_numbers, motors.P if determined else np.zeros((n, k)))),
+        counts=_numbers(motors.counts_per_unit),
+    )
 
 
 _MOTION = ("lower", "upper", "velocity", "acceleration")
@@ -189,6 +209,26 @@ def _text(name: str) -> str:
 def _octal(character: str) -> str:
     return "".join(f"\\{byte:03o}" for byte in character.encode("utf-8", "surrogatepass"))
 
+
+_MOTORS = """\
+/// Motors, what their positions are in, and what their drives count.
+inline constexpr int motors = {k};
+inline constexpr const char* motor_names[motors] = {{{names}}};
+inline constexpr const char* motor_units[motors] = {{{units}}};
+inline constexpr const char* count_units[motors] = {{{counted}}};
+
+/// From joints to motors and to what their drives count, and back (twistarm/actuators.hpp):
+///
+///     T motor[motors], counts[motors];
+///     actuators<T>.to_motor(theta, motor);    // and to_theta; velocity_to_motor, velocity_to_theta
+///     actuators<T>.to_counts(motor, counts);  // and from_counts; not rounded
+template <class T> inline constexpr twistarm::actuators<T, n, motors, {determined}> actuators = {{
+    {G},
+    {offset},
+    {P},
+    {counts},
+}};
+"""
 
 _TEMPLATE = """\
 // The arm {arm} from {base} to {tip}, written by twistarm; change the arm and write this again.
@@ -277,6 +317,7 @@ template <class T> inline constexpr twistarm::servo_bounds<T, n> servo_bounds = 
     {length}, {below},
 }};
 
+{motors_section}
 /// The limits as `solve_ik` takes them; make them once.
 template <class T> twistarm::ranges<T, n> ranges() {{
     return twistarm::ranges_of(chain<T>, lower, upper, start_lower, start_upper);

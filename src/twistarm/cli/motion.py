@@ -50,8 +50,8 @@ Output = Annotated[
         "--output",
         "-o",
         metavar="FILE",
-        help="Write time, position, velocity and acceleration to *.csv, or a ROS JointTrajectory to *.json; - is "
-        "standard output; repeat it for both.",
+        help="Write time, position, velocity and acceleration to *.csv, or a ROS JointTrajectory to *.json; with "
+        "[actuators] what the motors do and their drives count as well. - is standard output; repeat it for both.",
     ),
 ]
 Step = Annotated[float, typer.Option(help="Time step of the files, in seconds.")]

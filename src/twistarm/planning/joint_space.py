@@ -93,7 +93,7 @@ def plan_joint(
         kept, owner = _distinct(points)
         kept_times, breakpoints, coefficients = _fastest(kept, kind, stop_at_waypoints, bounds, progress)
         when = kept_times[owner]
-    motion = Trajectory(arm.joint_names, arm.units, points, when, breakpoints, coefficients)
+    motion = Trajectory(arm.joint_names, arm.units, points, when, breakpoints, coefficients, arm.actuators)
     require_within(motion, bounds, ADVICE)
     if progress is not None:
         progress(1.0)

@@ -11,6 +11,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike
 
+from ..actuators import Actuators
 from ..brief import in_brief, told
 from ..checks import Array, as_floats, frozen
 from ..errors import InputError, shown
@@ -46,7 +47,8 @@ class Trajectory:
     `breakpoints` (s + 1,) [s] starts at 0 and increases; `coefficients` (degree + 1, s, n), highest power of
     t − breakpoints[i] first, as in SciPy's `PPoly(coefficients, breakpoints)`. `waypoints` (k, n) are what it
     was planned through and `times` (k,) [s] when it passes them: equal for waypoints that were merged into one.
-    A motion from a point to itself has duration 0 and one piece of no length.
+    A motion from a point to itself has duration 0 and one piece of no length. `actuators` are the motors of the arm
+    that it was planned for, if it has any: files say them too.
     """
 
     joint_names: tuple[str, ...]
@@ -55,6 +57,7 @@ class Trajectory:
     times: Array
     breakpoints: Array
     coefficients: Array
+    actuators: Actuators | None = None
 
     def __post_init__(self) -> None:
         for name in ("waypoints", "times", "breakpoints", "coefficients"):
@@ -120,27 +123,30 @@ class Trajectory:
         t = np.append(step * np.arange(steps), self.duration)
         return Samples(t, self(t), self(t, 1), self(t, 2))
 
-    def to_csv(self, path: str | os.PathLike[str], dt: float = 0.01) -> Path:
+    def to_csv(self, path: str | os.PathLike[str], dt: float = 0.01, *, actuators: Actuators | None = None) -> Path:
         """Write a row every `dt` [s] and one at the end: time, then position, velocity, acceleration of each joint.
 
-        The header names column and unit, `slide.position [m]`. Numbers are written so that reading gives the same
-        floats. The file is written whole or not at all; raises InputError where it cannot be, and for a bad `dt`.
-        Returns the path written.
+        The header names column and unit, `slide.position [m]`. Then, where there are motors (`actuators`, else those of
+        the arm), of each `left.motor_position [rad]` and `left.motor_velocity [rad/s]`, on its side of the gears, and
+        what its drive counts, `left.counts [tick]` and `left.counts_rate [tick/s]`, not rounded. Numbers are written so
+        that reading gives the same floats. The file is written whole or not at all; raises InputError where it cannot
+        be, for a bad `dt`, and for actuators of other joints. Returns the path written.
         """
         from .export import csv_text
 
-        return write_whole(path, csv_text(self, dt))
+        return write_whole(path, csv_text(self, dt, actuators))
 
-    def to_json(self, path: str | os.PathLike[str], dt: float = 0.01) -> Path:
+    def to_json(self, path: str | os.PathLike[str], dt: float = 0.01, *, actuators: Actuators | None = None) -> Path:
         """Write a `trajectory_msgs/JointTrajectory`: joint_names, and a point every `dt` [s] and one at the end.
 
         Each point has positions, velocities, accelerations (rad or m, and per s, s²) and time_from_start as `sec` and
-        `nanosec`, strictly increasing from 0; the last velocity is zero. The file is written whole or not at all;
-        raises InputError where it cannot be, and for a bad `dt`. Returns the path written.
+        `nanosec`, strictly increasing from 0; the last velocity is zero. Where there are motors (as in `to_csv`),
+        `motors` stands beside: names, units, count_units, and as many points of positions, velocities, counts and
+        counts_rates. The file is written whole or not at all; raises InputError as `to_csv`. Returns the path written.
         """
         from .export import json_text
 
-        return write_whole(path, json_text(self, dt))
+        return write_whole(path, json_text(self, dt, actuators))
 
     def _held(self, values: Array, at: Array, order: int) -> Array:
         before, after = at <= 0, at >= self.duration

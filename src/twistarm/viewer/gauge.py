@@ -8,7 +8,6 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
-from ..actuators import LINEAR_UNITS
 from ..arm import Arm
 from ..checks import Array
 from ..manipulability import scaled_jacobian
@@ -78,8 +77,8 @@ class Measure:
     def __init__(self, arm: Arm) -> None:
         self.arm, settings = arm, ServoSettings()
         self.bounds = bounds_of(replace(arm, limits=with_defaults(arm)), settings)
-        motors = arm.actuators.units[: len(self.bounds.motion.names) - arm.n] if arm.actuators else ()
-        self.units = (*("m" if unit in LINEAR_UNITS else "rad" for unit in motors), *arm.units)
+        motors = arm.actuators.motor_units[: len(self.bounds.motion.names) - arm.n] if arm.actuators else ()
+        self.units = (*motors, *arm.units)
         self._slides = np.array(arm.units) == "m"
         postures = [arm.ready, *arm.random_theta(0, SAMPLES)]
         ranks = [[len(sigma) for sigma, _ in self._levels(theta)] for theta in postures]

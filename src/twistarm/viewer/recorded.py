@@ -25,4 +25,6 @@ def recorded_motion(arm: Arm, path: str | os.PathLike[str]) -> Trajectory:
     h = np.diff(recording.t)[:, None]
     mean = (b - a) / h
     coefficients = np.stack([(u + v - 2.0 * mean) / h**2, (3.0 * mean - 2.0 * u - v) / h, u, a])
-    return Trajectory(arm.joint_names, arm.units, recording.theta, recording.t, recording.t, coefficients)
+    return Trajectory(
+        arm.joint_names, arm.units, recording.theta, recording.t, recording.t, coefficients, arm.actuators
+    )
