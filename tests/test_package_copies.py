@@ -142,3 +142,30 @@ def test_nothing_is_looked_for_while_every_package_has_its_manifest(tmp_path: Pa
     index = package_index(lay(tmp_path, {"parts/arm.urdf": ARM, "parts/package.xml": MANIFEST("parts")}))
     assert index.find("parts") == tmp_path / "parts"
     assert index.copies() == {}
+
+
+@pytest.mark.parametrize(
+    ("arm", "part", "said"),
+    [
+        (
+            "mine/urdf/arm.xacro",
+            "mine/urdf/part.xacro",
+            "urdf/part.xacro, stands in {}/mine; if that folder is the pack",
+        ),
+        (
+            "arm.xacro",
+            "mine/urdf/part.xacro",
+            "urdf/part.xacro, stands in {}/mine; if that folder is the package, name",
+        ),
+        (
+            "arm.xacro",
+            "part.xacro",
+            "stands at {}/part.xacro; copy the package with its folders: there it is parts/urdf",
+        ),
+    ],
+)
+def test_a_package_under_another_name_is_pointed_at(arm: str, part: str, said: str, tmp_path: Path) -> None:
+    path = lay(tmp_path, {arm: INCLUDE, part: PART})
+    with pytest.raises(DescriptionError, match="package 'parts' not found") as refused:
+        load_arm(path, tip="tool0", package_dirs=[tmp_path / "mine"] if (tmp_path / "mine").is_dir() else [])
+    assert said.format(tmp_path) in str(refused.value)

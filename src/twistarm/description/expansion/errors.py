@@ -17,6 +17,10 @@ MOST_NEIGHBOURS = 8
 """Names in a folder that are told where another was looked for."""
 
 
+NEAR = 3
+"""So many folders above a description may be the package that it is of."""
+
+
 def explain(error: Exception, expansion: Expansion, place: Place) -> DescriptionError:
     """The error to raise; `place`: the file, or the macro, that was being expanded."""
     chain = list(causes(error))
@@ -33,22 +37,37 @@ def explain(error: Exception, expansion: Expansion, place: Place) -> Description
     undefined = re.search(r"Undefined substitution argument (\S+)", text)
     if undefined:
         return missing_argument(undefined.group(1), expansion)
-    missing = re.search(re.escape(MISSING_PACKAGE) + r"([^/\s'\"]+)", text)
+    missing = re.search(re.escape(MISSING_PACKAGE) + r"([^/\s'\"]+)/*([^\s'\"]*)", text)
     if missing:
-        return _missing_package(missing.group(1), expansion, place)
+        return _missing_package(missing.group(1), Path(missing.group(2)), expansion, place)
     for cause in chain:
         if isinstance(cause, OSError):
             return refusal("xacro-failed", place, *_missing_file(cause, expansion))
     return refusal("xacro-failed", place, *_reworded(text, expansion))
 
 
-def _missing_package(package: str, expansion: Expansion, place: Place) -> DescriptionError:
+def _missing_package(package: str, wanted: Path, expansion: Expansion, place: Place) -> DescriptionError:
+    """A package that is nowhere; `wanted`: the file in it that was asked for."""
     what = f"package {package!r} not found; searched {expansion.packages.searched()}"
     remedy = (
         "pass package_dirs=[folder that holds it], or where the arm can do without it (a sensor's, a gripper's, a "
         f"simulator's) without=[{package!r}]"
     )
+    if near := _folder_with(wanted, expansion):
+        what += f"; the file that is asked for, {wanted}, stands in {near}"
+        remedy = f"if that folder is the package, name it {package}; else {remedy}"
+    elif (beside := expansion.path.parent / wanted.name).is_file():
+        what += f"; the file that is asked for stands at {beside}"
+        remedy = f"copy the package with its folders: there it is {package}/{wanted}; else {remedy}"
     return refusal("package-needed-not-found", place, _shortened(what), remedy)
+
+
+def _folder_with(wanted: Path, expansion: Expansion) -> Path | None:
+    """A folder near the description, or given by the user, in which the wanted file of a package stands as in that."""
+    if not wanted.name or ".." in wanted.parts:
+        return None
+    near = (*expansion.packages.user_dirs, *list(expansion.path.parents)[:NEAR])
+    return next((folder for folder in near if (folder / wanted).is_file()), None)
 
 
 def _missing_file(error: OSError, expansion: Expansion) -> tuple[str, str]:
