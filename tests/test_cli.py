@@ -461,3 +461,36 @@ def test_a_reader_that_leaves_early_is_no_error() -> None:
         check=True,
     )
     assert "Traceback" not in done.stderr
+
+
+@pytest.mark.parametrize(
+    ("arguments", "degrees", "radians"),
+    [
+        (["plan", "rover_arm", "--to", "elbow=400"], "at 400°, 264.782° beyond its upper limit 135.218°", "at 400 rad"),
+        (
+            ["info", "rover_arm", "--locked", "elbow=500"],
+            "locked at 500°, outside its limits -135.218° … 135.218°",
+            "locked at 500 rad",
+        ),
+        (["ik", "rover_arm", "--xyz", "0.8 0 0.5", "--start", "0 400 0 0 0"], "shoulder 400.0° was brought", None),
+    ],
+)
+def test_what_is_typed_in_degrees_is_answered_in_degrees(
+    arguments: list[str], degrees: str, radians: str | None, capsys: Capture
+) -> None:
+    run(arguments)
+    said = "".join(capsys.readouterr())
+    assert degrees in said
+    assert not re.search(r"\d rad\b(?!/)", said)
+    if radians is not None:
+        run([*arguments, "--rad"])
+        assert radians in "".join(capsys.readouterr())
+
+
+def test_remedies_are_those_of_the_command_line(capsys: Capture) -> None:
+    """No argument of Python's stands alone in what a person reads."""
+    for command in ("info", "doctor"):
+        for arm in ("panda", "kinova", "ur5"):
+            assert run([command, arm]) == 0
+            assert not re.search(r"(?<!-)\b(tip|srdf|base|locked|limits|xacro_args|package_dirs|without)=[\s,;)]",
+                                 capsys.readouterr().out)  # fmt: skip

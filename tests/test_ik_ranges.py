@@ -68,8 +68,8 @@ def test_a_start_outside_the_limits_comes_inside_first_and_is_noted():
     solution = solve_ik(arm, arm.fk(arm.ready), theta0)
     assert solution.converged
     assert solution.notes == (
-        f"theta0 lay outside the limits: panda_joint2 {theta0[1]:.4g} rad was brought inside, to "
-        f"{arm.limits.upper[1]:.4g} rad",
+        f"theta0 lay outside the limits: panda_joint2 {np.degrees(theta0[1]):.1f}° was brought inside, to "
+        f"{np.degrees(arm.limits.upper[1]):.1f}°",
     )
     assert solution.notes[0] in solution.explain()
     assert solve_ik(arm, arm.fk(arm.ready), arm.ready).notes == ()

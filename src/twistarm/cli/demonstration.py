@@ -46,7 +46,7 @@ def _show_arm(out: Console, arm: Arm) -> None:
     out.rule("1. The arm, from xacro")
     out.print(info_view(arm, radians=False))
     out.rule("2. Forward kinematics and Jacobians at the ready pose")
-    out.print(pose_table(f"{arm.tip} seen from {arm.base}", arm.fk(arm.ready)))
+    out.print(pose_table(f"{arm.tip} seen from {arm.base}", arm.fk(arm.ready), radians=False))
     out.print(jacobian_table(arm, "spatial Jacobian", arm.spatial_jacobian(arm.ready)))
     out.print(jacobian_table(arm, "body Jacobian", arm.body_jacobian(arm.ready)))
     out.rule("3. The screw view proven against Pinocchio and yourdfpy")

@@ -54,7 +54,7 @@ class Column:
 
 def _parts(head: str) -> list[str]:
     """Where a head may be broken: behind spaces and underscores."""
-    return re.findall(r"[^\s_]*(?:[_]+|\s+|$)", head) or [""]
+    return re.findall(r"[^ _]*(?:_+| +|$)", head) or [""]
 
 
 @dataclass(frozen=True)

@@ -18,7 +18,7 @@ from ..limits import FIELDS
 from .options import Json, Radians, takes_arm_or_none
 from .output import console, finding_json, number, print_json, shown, table, units
 from .versions import versions_json, versions_text
-from .wording import as_typed
+from .wording import as_typed, in_degrees
 
 
 def arms(json: Json = False) -> None:
@@ -98,7 +98,8 @@ def info_view(arm: Arm, radians: bool) -> Group:
         for motors in (_actuators(arm.actuators), *_motor_limits(arm, arm.actuators, radians)):
             parts += ["", motors]
         parts.append("")
-    parts += [escape(as_typed(str(finding))) for finding in arm.findings]
+    told = [as_typed(str(finding)) for finding in arm.findings]
+    parts += [escape(text if radians else in_degrees(text)) for text in told]
     return Group(*parts)
 
 

@@ -9,6 +9,7 @@ import numpy as np
 import typer
 
 from ..arm import Arm
+from ..checks import as_positive
 from ..errors import InputError
 from ..ik import POSTURES, IKSolution, solve_ik, solve_ik_batch
 from .answers import answers_csv, tell_answers
@@ -64,7 +65,8 @@ def ik(
         raise InputError("give one position by --xyz, or a file of targets by --targets")
     outputs = outputs_of(output, {"csv": (".csv",)}, force=force, json=json)
     orientation = typed_orientation(rpy, quaternion, quaternion_xyzw, direction, axis, rad)
-    angle = orientation_tolerance
+    as_positive(position_tolerance, "--position-tolerance")
+    angle = None if orientation_tolerance is None else as_positive(orientation_tolerance, "--orientation-tolerance")
     how: dict[str, Any] = {
         "theta0": parse_theta(arm, start, rad),
         "posture": posture if posture in (None, *POSTURES) else parse_theta(arm, str(posture), rad),

@@ -83,7 +83,7 @@ def fk(
             }
         )
         return
-    console(outputs.words).print(pose_table(f"{name} seen from {arm.base}", g))
+    console(outputs.words).print(pose_table(f"{name} seen from {arm.base}", g, rad))
     print(theta_typed(arm, x, rad), file=outputs.words)
     outputs.say(written)
 

@@ -19,6 +19,7 @@ from .options import Json, Radians, takes_arm
 from .output import console, note, number, print_json, progress_bar, shown, table, theta_values, units
 from .outputs import Force, Format, outputs_of
 from .typed import POSE, parse_theta
+from .wording import told_in_degrees
 
 
 class Kind(str, Enum):
@@ -78,15 +79,9 @@ def plan(
     given = capped(arm, {"velocity": velocity, "acceleration": acceleration})
     limits = with_defaults(arm, given)
     outputs = outputs_of(output, {"csv": (".csv",), "json": (".json",)}, form, force=force, json=json)
-    with progress_bar("planning") as progress:
-        planned = plan_joint(
-            arm,
-            _typed_poses(arm, (origin, *to), rad),
-            kind=kind.value,
-            limits=limits,
-            stop_at_waypoints=stop,
-            progress=progress,
-        )
+    poses = _typed_poses(arm, (origin, *to), rad)
+    with progress_bar("planning") as progress, told_in_degrees(not rad):
+        planned = plan_joint(arm, poses, kind=kind.value, limits=limits, stop_at_waypoints=stop, progress=progress)
     if start is None:
         note(_start(arm, rad))
     written = outputs.write({"csv": lambda: csv_text(planned, dt), "json": lambda: json_text(planned, dt)})
@@ -126,7 +121,7 @@ def _start(arm: Arm, radians: bool) -> str:
 def plan_table(arm: Arm, planned: Trajectory, radians: bool, limits: JointLimits) -> Any:
     """When each pose is passed, and the peaks beside the limits that were kept."""
     columns = {
-        f"at {number(time, 3)} s": shown(arm, pose, radians)
+        f"at {number(time, 3)}\N{NO-BREAK SPACE}s": shown(arm, pose, radians)
         for time, pose in zip(planned.times, planned.waypoints, strict=True)
     }
     for order, per, word, limit in (

@@ -127,13 +127,12 @@ def matrix_rows(matrix: Array, names: Sequence[str]) -> list[list[str]]:
     return [[name, *(f"{x:.6f}" for x in np.round(row, 6) + 0.0)] for name, row in zip(names, matrix, strict=True)]
 
 
-def pose_table(title: str, g: Array) -> Grid:
+def pose_table(title: str, g: Array, radians: bool) -> Grid:
     """A pose as matrix, position, rpy and quaternion."""
-    rpy = " ".join(number(np.degrees(x), 3) for x in to_rpy(g[:3, :3]))
+    angles = to_rpy(g[:3, :3])
+    rpy = " ".join([*(number(x, 6) for x in angles), "rad"] if radians else [*map(number, np.degrees(angles)), "°"])
     quaternion = " ".join(number(x, 6) for x in to_quaternion_wxyz(g[:3, :3]))
-    caption = (
-        f"quaternion (w x y z) {quaternion}\nroll pitch yaw {rpy} °: turns about the base's x, then y, then z axis"
-    )
+    caption = f"quaternion (w x y z) {quaternion}\nroll pitch yaw {rpy}: turns about the base's x, then y, then z axis"
     return table(title, ["g", "x", "y", "z", "p [m]"], matrix_rows(g[:3], "xyz"), caption=caption)
 
 

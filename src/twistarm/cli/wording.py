@@ -2,10 +2,14 @@
 
 from __future__ import annotations
 
+import math
 import re
 import shlex
 from ast import literal_eval
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+
+from ..errors import LimitError
 
 _AS_TYPED: tuple[tuple[str, str | Callable[[re.Match[str]], str]], ...] = (
     (r"""pass tip=('[^']*'|"[^"]*")""", lambda found: f"pass --tip {shlex.quote(literal_eval(found[1]))}"),
@@ -24,6 +28,35 @@ _AS_TYPED: tuple[tuple[str, str | Callable[[re.Match[str]], str]], ...] = (
 )
 
 
+_PYTHON_NAMES = {
+    "base": "--base",
+    "tip": "--tip",
+    "srdf": "--srdf",
+    "limits": "--limits",
+    "locked": "--locked",
+    "without": "--without",
+    "xacro_args": "--xacro",
+    "package_dirs": "--package-dir",
+}
+"""Arguments of `load_arm` where a message names them alone."""
+
+
+def in_degrees(message: str) -> str:
+    """`message` with what is said in rad, rad/s or rad/s² said in degrees: what was typed in degrees is answered so."""
+    return re.sub(
+        r"(-?\d[\d.]*(?:e[+-]?\d+)?) rad(?![\w])", lambda found: f"{math.degrees(float(found[1])):.6g}°", message
+    )
+
+
+@contextmanager
+def told_in_degrees(wanted: bool) -> Iterator[None]:
+    """A LimitError from within says angles in degrees, if `wanted`."""
+    try:
+        yield
+    except LimitError as error:
+        raise LimitError(in_degrees(str(error)) if wanted else str(error)) from error
+
+
 def _xacro_options(entries: str) -> str:
     """`'dof': '7', 'name': …` as `--xacro dof:=7 --xacro name:=VALUE`."""
     pairs = re.findall(r"'([^']*)': (?:'([^']*)'|…)", entries)
@@ -34,4 +67,5 @@ def as_typed(message: str) -> str:
     """`message` with arguments of the Python call replaced by the options that stand for them."""
     for python, option in _AS_TYPED:
         message = re.sub(python, option, message)
-    return message
+    names = "|".join(_PYTHON_NAMES)
+    return re.sub(rf"(?<![\w\['\"-])({names})=(?=[\s,;)])", lambda found: _PYTHON_NAMES[found[1]], message)

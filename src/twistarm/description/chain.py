@@ -150,10 +150,11 @@ def _locked_outside(description: Description, locked: Mapping[str, float]) -> li
         finding(
             "locked-outside-limits",
             description.place(joint),
-            f"it is locked at {value:g}, outside its limits [{joint.lower:g}, {joint.upper:g}]",
-            "lock it inside its limits; angles are in radians",
+            f"it is locked at {value:g} {unit}, outside its limits {joint.lower:g} {unit} … {joint.upper:g} {unit}",
+            "lock it inside its limits",
         )
         for name, value in locked.items()
         for joint in [description.joints[name]]
+        for unit in ["m" if joint.type == "prismatic" else "rad"]
         if not joint.lower <= value <= joint.upper
     ]

@@ -13,6 +13,7 @@ from ..checks import Array, frozen
 from ..errors import DescriptionError, closest
 from ..files import as_path, is_file
 from .axis import read_axis
+from .catalog import models_share
 from .document import Reading, parse_xml, read_text
 from .expansion.expand import expand_xacro, is_xacro
 from .expansion.left_out import blaming, not_used
@@ -106,6 +107,8 @@ def build_description(text: str, reading: Reading) -> Description:
 def _note_copies(reading: Reading) -> None:
     """Packages that were found by a folder's name alone."""
     for package, folder in reading.packages.copies().items():
+        if folder.parent == models_share():  # the wheel's own, which pip has put there
+            continue
         what = f"no package.xml names package {package!r}: it is taken to be the folder {folder}, for its name"
         remedy = "put a package.xml of that name into it, or pass package_dirs=[folder that holds another]"
         reading.note("package-without-manifest", None, what, remedy)

@@ -55,7 +55,7 @@ def _contradiction(values: Mapping[str, float], locked: Mapping[str, float]) -> 
     """Why a pose cannot be taken with these joints locked; empty if it can."""
     for joint, value in locked.items():
         if abs(values.get(joint, value) - value) > LOCK_TOL:
-            return f"it puts {joint} at {values[joint]:g}, which is locked at {value:g}"
+            return f"it puts {joint} elsewhere than where it is locked"
     return ""
 
 

@@ -6,11 +6,18 @@ import math
 
 import numpy as np
 
-from ..arm import Arm
 from .abilities import Split, approach_plane, out_of_surface, split_rotation
 from .ranges import joint_ranges
 from .solution import IKSolution, StopReason
-from .wording import axis_in_words
+from .targets import Approach, Pose, Task
+from .wording import axis_in_words, value_in_words
+
+OFF_BY = {
+    Pose: "as one turn about one axis",
+    Approach: "from the tool's axis to the direction",
+    Task: "beyond its tolerances, as the length of a rotation vector",
+}
+"""What the angle of an orientation error is, by the kind of target."""
 
 AT_BOUND = 1e-6
 """How near [rad, m] to its bound a joint stands at it."""
@@ -44,7 +51,8 @@ def reached(solution: IKSolution) -> str:
         parts.append(f"position {_length(solution.position_error)} off" if off else "position met")
     if len(solution.target.rotation_tolerance):
         off = solution.orientation_error > solution.tolerances.orientation
-        parts.append(f"orientation {_degrees(solution.orientation_error)} off" if off else "orientation met")
+        how = OFF_BY[type(solution.target)]
+        parts.append(f"orientation {_degrees(solution.orientation_error)} off, {how}" if off else "orientation met")
     return ", ".join(parts)
 
 
@@ -69,7 +77,7 @@ def at_bounds(solution: IKSolution) -> list[str]:
         at_lower, at_upper = (abs(solution.theta[i] - bound) <= AT_BOUND for bound in (lower[i], upper[i]))
         if not turns[i] and (at_lower or at_upper):
             side = "fixed" if at_lower and at_upper else "lower" if at_lower else "upper"
-            words.append(f"{name} ({side}, {_value(arm, i, solution.theta[i])})")
+            words.append(f"{name} ({side}, {value_in_words(solution.theta[i], arm.units[i])})")
     return words
 
 
@@ -83,7 +91,8 @@ def _blocked(solution: IKSolution) -> list[str]:
         inside = np.clip(theta[i], arm.limits.lower[i], arm.limits.upper[i])
         if theta[i] != inside and not turns[i]:
             side = "lower" if theta[i] < inside else "upper"
-            needs.append(f"{name} {_value(arm, i, theta[i])} ({side} bound {_value(arm, i, inside)})")
+            value, bound = (value_in_words(x, arm.units[i]) for x in (theta[i], inside))
+            needs.append(f"{name} {value} ({side} bound {bound})")
     return [f"without limits it could be met, for one with {', '.join(needs)}"]
 
 
@@ -112,10 +121,6 @@ def _missing_rotation(solution: IKSolution, split: Split) -> list[str]:
     if split.prevented > NEGLIGIBLE:
         lines.append(f"{_degrees(split.prevented)} of the rotation are prevented by limits or reach")
     return lines
-
-
-def _value(arm: Arm, i: int, value: float) -> str:
-    return f"{value:.4g} m" if arm.units[i] == "m" else f"{math.degrees(value):.1f}°"
 
 
 def _length(metres: float) -> str:

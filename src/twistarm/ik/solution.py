@@ -15,6 +15,7 @@ from .answer import Answer, plain
 from .damped import Tolerances
 from .ranges import joint_ranges
 from .targets import AnyTarget, target_of
+from .wording import value_in_words
 
 DAMPED, NEAREST = "damped least squares", "nearest configuration"
 
@@ -142,7 +143,8 @@ class IKSolution:
         given = np.frombuffer(self._answer.theta0)
         inside = joint_ranges(self._arm).inside(given)
         return [
-            f"theta0 lay outside the limits: {name} {was:.4g} {unit} was brought inside, to {now:.4g} {unit}"
+            f"theta0 lay outside the limits: {name} {value_in_words(was, unit)} was brought inside, to "
+            f"{value_in_words(now, unit)}"
             for name, was, now, unit in zip(self._arm.joint_names, given, inside, self._arm.units, strict=True)
             if was != now
         ]
@@ -153,7 +155,7 @@ class IKSolution:
         i = int(np.argmax(moved))
         return (
             "another branch: the target is near the pose of theta0, but the answer is not near theta0; "
-            f"{self._arm.joint_names[i]} moves by {moved[i]:.3g} {self._arm.units[i]}"
+            f"{self._arm.joint_names[i]} moves by {value_in_words(moved[i], self._arm.units[i])}"
         )
 
     def __reduce__(self) -> tuple[Any, ...]:

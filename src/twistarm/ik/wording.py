@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import math
+
 import numpy as np
 
 from ..checks import Array
@@ -23,6 +25,11 @@ def direction_in_words(direction: Array, frame: str) -> str:
         return f"{owner} {'−' * int(direction[largest] < 0)}{'xyz'[largest]} axis"
     components = ", ".join(f"{value + 0.0:.2f}" for value in direction)
     return f"({components}) in {frame} axes"
+
+
+def value_in_words(value: float, unit: str) -> str:
+    """A joint's value as a person reads it: metres or degrees."""
+    return f"{value:.4g} m" if unit == "m" else f"{math.degrees(value):.1f}°"
 
 
 def metres(p: Array) -> str:

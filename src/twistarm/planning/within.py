@@ -61,7 +61,7 @@ def require_waypoints(waypoints: Array, limits: JointLimits, names: Sequence[str
     side = "lower" if waypoints[i, j] < limits.lower[j] else "upper"
     raise LimitError(
         f"waypoint {i} (counted from 0) puts joint {names[j]!r} at {waypoints[i, j]:.6g} {units[j]}, "
-        f"{beyond[i, j]:.3g} {units[j]} beyond its {side} limit {getattr(limits, side)[j]:.6g} {units[j]}: "
+        f"{beyond[i, j]:.6g} {units[j]} beyond its {side} limit {getattr(limits, side)[j]:.6g} {units[j]}: "
         "move the waypoint, or change the limit by limits="
     )
 
@@ -76,7 +76,7 @@ def _require_positions(trajectory: Trajectory, limits: JointLimits, advice: str)
     time = trajectory.breakpoints[s] + tau[c, s, j]
     raise LimitError(
         f"between its waypoints joint {trajectory.joint_names[j]!r} would swing to {values[c, s, j]:.6g} {unit} at "
-        f"t = {time:.4g} s, {beyond[c, s, j]:.3g} {unit} beyond its {side} limit "
+        f"t = {time:.4g} s, {beyond[c, s, j]:.6g} {unit} beyond its {side} limit "
         f"{getattr(limits, side)[j]:.6g} {unit}: {advice}"
     )
 
