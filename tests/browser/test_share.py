@@ -138,7 +138,14 @@ def test_the_saved_page_stands_as_the_one_it_was_saved_from_and_its_joints_move(
         settled(page, viewer.url)
         viewer.play(motion)
         until(page, "!document.querySelector('#player').hidden && !document.querySelector('#plots').hidden")
-        page.evaluate("twistarm.view.viewer.camera.position.x += 0.3, twistarm.view.viewer.controls.update()")
+        page.evaluate(
+            """() => {
+              const { camera, controls } = twistarm.view.viewer;
+              controls.dispatchEvent({ type: "start" }); // a hand
+              camera.position.x += 0.3;
+              controls.update();
+            }"""
+        )
         page.get_by_role("tab", name="Theory").click()
         until(page, "document.getElementById('theory-joint').length === 3")
         page.get_by_label("Joint whose screw and columns are drawn").select_option(label="c")
@@ -246,6 +253,7 @@ def test_a_picture_has_the_size_asked_for_and_shows_what_is_seen(page: Any, tmp_
         settled(page, viewer.url)
         before = page.evaluate("[twistarm.view.viewer.camera.zoom, twistarm.view.viewer.camera.aspect]")
         draw(page)
+        page.evaluate("document.getElementById('cube').hidden = true")
         seen = np.asarray(Image.open(io.BytesIO(page.locator("#pane").screenshot())).convert("RGB")).astype(int)
         page.get_by_text("Share", exact=True).click()
         button = page.get_by_role("button", name="Picture")

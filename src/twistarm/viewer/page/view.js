@@ -108,13 +108,16 @@ export class View {
     return new THREE.Matrix4().copy(scene.matrixWorld).invert().multiply(this.node(path).matrixWorld).toArray();
   }
 
-  // Where the camera is and looks, in the arm's base frame.
+  // Where somebody has put the camera, in the arm's base frame; null: where it sees all, in a window of any shape.
   remembered() {
+    if (!this.turned) return null;
     const { camera, controls } = this.viewer;
     return { position: camera.position.toArray(), target: controls.target.toArray(), zoom: camera.zoom };
   }
 
-  recall({ position, target, zoom }) {
+  recall(put) {
+    if (put === null) return;
+    const { position, target, zoom } = put;
     const { camera, controls } = this.viewer;
     camera.position.fromArray(position);
     controls.target.fromArray(target);
