@@ -24,7 +24,7 @@ LAYERS = (
     ("loading", "building"),
     ("fitting",),
     ("servo", "ik"),
-    ("usual_limits",),
+    ("usual_limits", "inability"),
     ("arm", "native_joints"),
     ("baking", "ready_pose"),
     ("pinocchio_model", "manipulability", "actuators"),
@@ -38,7 +38,7 @@ LAYERS = (
     ("screws",),
     ("rotations",),
     ("files", "wheels"),
-    ("brief",),
+    ("brief", "vector_words"),
     ("checks", "closing", "interrupts", "shared_libraries", "strict_json"),
     ("errors",),
 )

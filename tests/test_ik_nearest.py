@@ -210,7 +210,7 @@ def test_out_of_its_plane(planar):
     solution = solve_ik(planar, Position([0.4, 0.3, 0.25]))
     assert solution.stop is StopReason.OUT_OF_REACH
     assert solution.position_error == pytest.approx(0.25, abs=1e-9)
-    assert "the arm cannot move its tool along the base's z axis at all" in solution.explain()
+    assert "this arm cannot move that way: no joint moves its tool along the base's z axis" in solution.explain()
 
 
 def test_blocked_by_a_limit(planar):
@@ -224,7 +224,7 @@ def test_blocked_by_a_limit(planar):
     text = solution.explain()
     assert "reason: blocked by joint limits" in text
     assert "elbow 151.0° (upper bound 90.0°)" in text or "elbow -151.0° (lower bound 0.0°)" in text
-    assert "at its bound: elbow (upper, 90.0°)" in text
+    assert "at the upper position limit of elbow (90.0°)" in text
 
 
 def test_a_direction_no_joint_turns(planar):
@@ -232,8 +232,8 @@ def test_a_direction_no_joint_turns(planar):
     solution = solve_ik(planar, Task(g, [0, 0, 0, 0, 0, np.inf]))
     assert solution.stop is StopReason.IMPOSSIBLE_DIRECTION
     assert solution.position_error < 1e-9
-    assert "20.0° of the rotation cannot be done at all" in solution.explain()
-    assert "no joint turns the tool about its x axis" in solution.explain()
+    cannot = "with the position held, no joint turns its tool about its x axis; 20.0° of the rotation are missing"
+    assert f"this arm cannot turn that way: {cannot}" in solution.explain()
 
 
 @pytest.mark.parametrize(

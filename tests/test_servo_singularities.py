@@ -10,16 +10,75 @@ from servo_drives import DT, driven, pose
 from twistarm import manipulability
 from twistarm.servo import ServoSettings, ServoState, ServoStatus, TwistCommand, servo_step
 
+BENT = {
+    "rr_planar": [0.3, 0.9],
+    "scara": [0.3, 0.9, 0.2, 0.05],
+    "rover_arm": [0.1, 0.7, -0.9, 0.4, 0.3],
+    "so101": [0.3, -0.4, 0.9, -0.5, 0.4],
+    "ur5": [0.3, -0.9, 1.2, 0.5, 1.3, 0.2],
+}
+"""Postures off any singularity."""
 
-def test_what_cannot_be_done_at_all_is_not_called_ok():
-    """Out of its plane rr_planar never moves; stretched, ur5 has no motion about base x: both say so in words."""
-    for name, twist in (("rr_planar", [0, 0, 0.1, 0, 0, 0]), ("ur5", [0, 0, 0, 0.3, 0, 0])):
-        arm = load(name)
-        state, output = servo_step(arm, ServoState.at(arm, np.zeros(arm.n)), TwistCommand(twist, "base"), DT)
-        assert not state.theta_dot.any() or np.abs(state.theta_dot).max() < 1e-6
-        assert output.status is ServoStatus.SLOWED_SINGULARITY
+LACKING = [("rr_planar", "move", 2), *((name, "turn", k) for name in ("rr_planar", "scara") for k in (0, 1))]
+"""What these arms have at no posture, by their geometry: along or about which of the base's axes."""
+
+
+def pushed(name, theta, twist, frame="base"):
+    """What the servo says of this twist after 0.4 s, from rest."""
+    arm = load(name)
+    state, output = ServoState.at(arm, theta), None
+    for _ in range(40):
+        state, output = servo_step(arm, state, TwistCommand(twist, frame), DT)
+    return output
+
+
+@pytest.mark.parametrize(("name", "half", "k"), LACKING)
+def test_what_an_arm_has_at_no_posture_is_impossible_and_no_singularity(name, half, k):
+    """Bent, and stretched, where it is singular too."""
+    twist = 0.05 * np.eye(6)[k + 3 * (half == "turn")]
+    held, done = (
+        ("with the position held, ", "turns its tool about") if half == "turn" else ("", "moves its tool along")
+    )
+    for theta in (BENT[name], np.zeros(len(BENT[name]))):
+        output = pushed(name, theta, twist)
+        assert output.status is ServoStatus.IMPOSSIBLE_DIRECTION
         assert output.lost_share == pytest.approx(1.0, abs=1e-3)
-        assert "can hardly move that way" in output.reason
+        assert output.reason == f"this arm cannot {half} that way: {held}no joint {done} the base's {'xyz'[k]} axis"
+
+
+@pytest.mark.parametrize("name", ["rover_arm", "so101"])
+def test_the_third_turn_of_five_joints_is_missing_whatever_is_done_beside_it(name):
+    """By Pinocchio's Jacobian: with the position held, the rotations are a plane, and its normal is what is missing."""
+    g, _, J = load(name).by_pinocchio(BENT[name])
+    turns = np.linalg.svd(J[3:] @ np.linalg.svd(J[:3])[2][3:].T)[0]
+    missing = "this arm cannot turn that way: with the position held, no joint turns its tool about"
+    for frame, R in (("tool", np.eye(3)), ("base", g[:3, :3])):
+        output = pushed(name, BENT[name], np.r_[0, 0, 0, 0.05 * R @ turns[:, 2]], frame)
+        assert output.status is ServoStatus.IMPOSSIBLE_DIRECTION
+        assert output.reason.startswith(missing)
+    partly = pushed(name, BENT[name], np.r_[0, 0, 0, 0.05 * (turns[:, 2] + turns[:, 0])], "tool")
+    assert partly.status is ServoStatus.OK
+    assert partly.reason.startswith(missing)
+
+
+def test_a_motion_that_the_arm_has_elsewhere_is_a_singularity():
+    """Stretched, ur5 has no motion about base x, and rr_planar none along itself: bent they have."""
+    for name, twist, way in (("ur5", [0, 0, 0, 0.3, 0, 0], "turn"), ("rr_planar", [0.1, 0, 0, 0, 0, 0], "move")):
+        output = pushed(name, np.zeros(len(BENT[name])), twist)
+        assert output.status is ServoStatus.SLOWED_SINGULARITY
+        assert f"this arm can hardly {way} that way from here" in output.reason
+    assert pushed("ur5", BENT["ur5"], [0, 0, 0, 0.1, 0, 0]).reason == "moving as commanded"
+
+
+def test_a_planar_arm_turns_its_tool_on_the_way_and_says_so():
+    twist = [0.02, 0, 0, 0, 0, 0]
+    output = pushed("rr_planar", BENT["rr_planar"], twist)
+    assert output.status is ServoStatus.OK
+    assert output.reason == "this arm cannot move that way without turning its tool about the base's z axis"
+    arm = load("rr_planar")
+    held = TwistCommand(twist, "base", hold="orientation")
+    _, output = servo_step(arm, ServoState.at(arm, BENT["rr_planar"]), held, DT)
+    assert "cannot move that way: with the orientation held, no joint moves its tool along" in output.reason
 
 
 STARTS = {"so100": [0.45, 0.1, -0.9, -2.4, 1.6]}

@@ -9,7 +9,7 @@ import numpy as np
 from ..arm import Arm
 from ..checks import Array
 from ..description.findings import Finding, finding
-from ..ik.wording import axis_in_words, direction_in_words
+from ..vector_words import axis_in_words, direction_in_words
 from .abilities import TOL, Abilities
 from .wording import place_of
 

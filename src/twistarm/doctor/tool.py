@@ -10,7 +10,7 @@ from ..arm import Arm
 from ..description.findings import Finding, finding
 from ..description.link_names import tool_rank
 from ..description.tree import Description
-from ..ik.wording import direction_in_words
+from ..vector_words import direction_in_words
 
 OUT = 0.1
 """How far out [m] the tool of the snippet is."""

@@ -6,11 +6,12 @@ import math
 
 import numpy as np
 
+from ..inability import cannot_move, cannot_turn, position_limit
+from ..vector_words import axis_in_words, value_in_words
 from .abilities import Split, approach_plane, out_of_surface, split_rotation
 from .ranges import joint_ranges
 from .solution import IKSolution, StopReason
 from .targets import Approach, Pose, Task
-from .wording import axis_in_words, value_in_words
 
 OFF_BY = {
     Pose: "as one turn about one axis",
@@ -65,7 +66,7 @@ def _why(solution: IKSolution) -> list[str]:
         return ["the search for the nearest did not settle; try more restarts, another rng or another theta0"]
     lines = _blocked(solution) if solution.stop is StopReason.BLOCKED_BY_LIMITS else _missing(solution)
     bounds = at_bounds(solution)
-    return [*lines, f"at its bound: {', '.join(bounds)}"] if bounds else lines
+    return [*lines, f"at {', '.join(bounds)}"] if bounds else lines
 
 
 def at_bounds(solution: IKSolution) -> list[str]:
@@ -76,8 +77,8 @@ def at_bounds(solution: IKSolution) -> list[str]:
     for i, name in enumerate(arm.joint_names):
         at_lower, at_upper = (abs(solution.theta[i] - bound) <= AT_BOUND for bound in (lower[i], upper[i]))
         if not turns[i] and (at_lower or at_upper):
-            side = "fixed" if at_lower and at_upper else "lower" if at_lower else "upper"
-            words.append(f"{name} ({side}, {value_in_words(solution.theta[i], arm.units[i])})")
+            side = "only" if at_lower and at_upper else "lower" if at_lower else "upper"
+            words.append(f"{position_limit(side, name)} ({value_in_words(solution.theta[i], arm.units[i])})")
     return words
 
 
@@ -101,16 +102,16 @@ def _missing(solution: IKSolution) -> list[str]:
     if solution.position_error > solution.tolerances.position:
         lines = [f"the nearest position the arm reaches inside its limits is {_length(solution.position_error)} away"]
         missed = out_of_surface(solution.arm, solution.target, solution.theta)
-        return lines + [f"the arm cannot move its tool along {axis_in_words(axis, 'base')} at all" for axis in missed]
+        return lines + [cannot_move(axis, "base") for axis in missed]
     return _missing_rotation(solution, split_rotation(solution.arm, solution.target, solution.theta))
 
 
 def _missing_rotation(solution: IKSolution, split: Split) -> list[str]:
     lines = []
     if split.impossible > NEGLIGIBLE:
+        held = "the position" if len(solution.target.position_tolerance) else ""
         lines.append(
-            f"{_degrees(split.impossible)} of the rotation cannot be done at all: with the position held, "
-            f"no joint turns the tool about {axis_in_words(split.axis, 'tool')}"
+            f"{cannot_turn(split.axis, 'tool', held)}; {_degrees(split.impossible)} of the rotation are missing"
         )
     plane = approach_plane(solution.arm, solution.target, solution.theta)
     if plane is not None and plane.angle > NEGLIGIBLE:

@@ -11,11 +11,12 @@ from ..arm import Arm
 from ..brief import told
 from ..checks import Array
 from ..errors import NotConvergedError
+from ..inability import CANNOT_TURN
+from ..vector_words import value_in_words
 from .answer import Answer, plain
 from .damped import Tolerances
 from .ranges import joint_ranges
 from .targets import AnyTarget, target_of
-from .wording import value_in_words
 
 DAMPED, NEAREST = "damped least squares", "nearest configuration"
 
@@ -25,7 +26,7 @@ class StopReason(Enum):
 
     CONVERGED = "the target is met"
     OUT_OF_REACH = "out of reach"
-    IMPOSSIBLE_DIRECTION = "impossible direction: the arm has no joint for it"
+    IMPOSSIBLE_DIRECTION = CANNOT_TURN
     BLOCKED_BY_LIMITS = "blocked by joint limits"
     EXHAUSTED = "no answer found, and none excluded"
     TIMED_OUT = "the time was up"

@@ -14,9 +14,9 @@ from ..arm import Arm, require_arm
 from ..brief import Brief
 from ..checks import Array, Matrix, Row, as_direction, as_pose, as_reals, as_vector, frozen, require_choice
 from ..errors import InputError
+from ..vector_words import direction_in_words, metres, numbers
 from . import rotation_errors
 from .task_space import Rows, excess, offset_rows
-from .wording import direction_in_words, metres, numbers
 
 NONE = frozen(np.zeros(0))
 THREE = frozen(np.zeros(3))

@@ -4,13 +4,17 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from enum import Enum
+from functools import cached_property
 
 import numpy as np
 
+from ..arm import Arm
 from ..brief import Brief
 from ..checks import Array, frozen
+from ..inability import ANGULAR, LINEAR, Lack, cannot_move, cannot_turn, lack, must_turn, position_limit, singular
 from .answer import Answer, Cause
 from .bounds import Bounds
+from .command import BASE, AnyCommand, TwistCommand
 
 
 class ServoStatus(Enum):
@@ -20,6 +24,7 @@ class ServoStatus(Enum):
     SLOWED_SINGULARITY = "slowed near a singularity"
     SLOWED_LIMIT = "slowed by a limit"
     HALTED_LIMIT = "halted by a position limit"
+    IMPOSSIBLE_DIRECTION = "this arm has no such motion"
     STALE = "no usable command or state: coming to rest"
 
 
@@ -31,12 +36,24 @@ _STATUS = {
     Cause.UPPER: ServoStatus.SLOWED_LIMIT,
 }
 
-_WORDS = {Cause.VELOCITY: "velocity", Cause.LOWER: "lower position", Cause.UPPER: "upper position"}
+_SIDES = {Cause.LOWER: "lower", Cause.UPPER: "upper"}
 
 WORTH_SAYING = 0.02
 """Of the command: a smaller loss is not put into words."""
 
+ALL = 0.95
+"""A larger share is all of it."""
+
 _NOTHING_LOST = frozen(np.zeros(6))
+
+
+@dataclass(frozen=True, eq=False)
+class Asked:
+    """What a step was asked for: a command, of an arm at theta (n,)."""
+
+    arm: Arm
+    theta: Array
+    command: AnyCommand | None
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -63,21 +80,31 @@ class ServoOutput(Brief):
     joint: str | None
     remaining: tuple[float, float]
     _why: str | Cause
+    _asked: Asked | None = None
 
-    @property
+    @cached_property
     def reason(self) -> str:
-        """The status in words: which joint, which limit, what was wrong with the command."""
+        """The status in words: which joint, which limit, what the arm cannot do, what was wrong with the command."""
         if isinstance(self._why, str):
             return self._why
-        if self._why in _WORDS:
-            verb = "halted" if self.status is ServoStatus.HALTED_LIMIT else "slowed"
-            return f"{verb} by the {_WORDS[self._why]} limit of {self.joint}"
-        if self._why is Cause.SINGULARITY:
-            most = f"; {self.joint} would have to move most for it" if self.joint else ""
-            return f"near a singularity: the arm can hardly move that way from here{most}"
-        if self.lost_share > WORTH_SAYING:
-            return f"{self.status.value}, but for {self.lost_share:.0%} that the arm cannot do here"
+        verb = "halted" if self.status is ServoStatus.HALTED_LIMIT else "slowed"
+        if self._why in _SIDES:
+            return f"{verb} by {position_limit(_SIDES[self._why], str(self.joint))}"
+        if self._why is Cause.VELOCITY:
+            return f"slowed by the velocity limit of {self.joint}"
+        if self._asked and (self._why is Cause.SINGULARITY or self.lost_share > WORTH_SAYING):
+            return _missing(self._asked, self.lost_twist, self.joint, self.share)[1]
+        if self.scale < ALL:
+            return "changing speed, as fast as the acceleration limits allow"
         return self.status.value
+
+    @property
+    def share(self) -> float:
+        """How much of the command is done, 0 … 1; a rotation that the tool does on its way counts for nothing."""
+        missing = (
+            self.lost_share if self._asked is None else _missing_share(self._asked, self.lost_twist, self.lost_share)
+        )
+        return self.scale * min(max(1.0 - missing, 0.0), 1.0)
 
     @classmethod
     def stale(cls, theta_dot: Array, reason: str) -> ServoOutput:
@@ -85,11 +112,51 @@ class ServoOutput(Brief):
         return cls(theta_dot, ServoStatus.STALE, 0.0, _NOTHING_LOST, 0.0, None, (0.0, 0.0), reason)
 
     @classmethod
-    def of(cls, answer: Answer, bounds: Bounds, joint_names: tuple[str, ...]) -> ServoOutput:
+    def of(cls, answer: Answer, bounds: Bounds, asked: Asked) -> ServoOutput:
         """What an answer of the core, or of the readable step, means."""
         cause, row = answer.cause, answer.row
         status = ServoStatus.HALTED_LIMIT if answer.halted else _STATUS[cause]
-        names = joint_names if cause is Cause.SINGULARITY else bounds.motion.names
+        names = asked.arm.joint_names if cause is Cause.SINGULARITY else bounds.motion.names
         joint = names[row] if row >= 0 else None
+        why: str | Cause = cause
+        if joint is None and answer.lost_share > ALL and _missing_share(asked, answer.lost, answer.lost_share) > ALL:
+            found, why = _missing(asked, answer.lost, joint, 0.0)
+            nowhere = found is Lack.EVERYWHERE
+            status = ServoStatus.IMPOSSIBLE_DIRECTION if nowhere else ServoStatus.SLOWED_SINGULARITY
         lost = answer.lost, answer.lost_share
-        return cls(answer.theta_dot, status, answer.scale, *lost, joint, answer.remaining, cause)
+        return cls(answer.theta_dot, status, answer.scale, *lost, joint, answer.remaining, why, asked)
+
+
+def _missing_share(asked: Asked, lost: Array, lost_share: float) -> float:
+    """aᵀ lost / |a|² for the commanded twist a, metres measured in the reach; `lost_share` for any other command."""
+    if not isinstance(asked.command, TwistCommand) or not asked.command.numbers.any():
+        return lost_share
+    scale = np.repeat([1.0 / asked.arm.reach, 1.0], 3)
+    twist = asked.command.numbers * scale
+    return float(twist @ (lost * scale) / (twist @ twist))
+
+
+def _missing(asked: Asked, lost: Array, joint: str | None, share: float) -> tuple[Lack, str]:
+    """Of the twist (6,) that is lost the graver half: whether the arm has it elsewhere, and that in words."""
+    turned = np.linalg.norm(lost[3:]) * asked.arm.reach >= np.linalg.norm(lost[:3])
+    half, way = (ANGULAR, "turn") if turned else (LINEAR, "move")
+    part = lost[list(half)]
+    unit = part / max(float(np.linalg.norm(part)), np.finfo(float).tiny)
+    twist = asked.command if isinstance(asked.command, TwistCommand) else None
+    frame = BASE if twist is None else twist.frame
+    before, held = _going_before(twist, half)
+    found = lack(asked.arm, asked.theta, half, unit, frame, before)
+    on_the_way = turned and twist is not None and not twist.twist[3:].any()
+    if found is not Lack.EVERYWHERE:
+        return found, singular("move" if on_the_way else way, share, joint)
+    if on_the_way:
+        return found, must_turn(unit, frame)
+    return found, (cannot_turn if turned else cannot_move)(unit, frame, held)
+
+
+def _going_before(twist: TwistCommand | None, half: tuple[int, ...]) -> tuple[tuple[int, ...], str]:
+    """The components that go before one half of a command, and what they are called."""
+    held = [] if twist is None else [k for k in range(6) if twist.held[k] and k not in half]
+    if half == ANGULAR:
+        return LINEAR, "the position"
+    return tuple(held), "the orientation" if len(held) == len(ANGULAR) else "what is to stay" if held else ""

@@ -9,6 +9,7 @@ from typing import NamedTuple
 import numpy as np
 
 from ..checks import Array
+from ..inability import BESIDE, NO_MOTION
 from .priorities import prior_shares
 
 ALL = (0, 1, 2, 3, 4, 5)
@@ -16,15 +17,9 @@ ALL = (0, 1, 2, 3, 4, 5)
 FIVE = 5
 """Joints from which on singularities are those of the whole twist, not of its levels."""
 
-NO_MOTION = 1e-3
-"""A singular value below this counts as none: descriptions write 1.57 for a right angle, and mean planes by it."""
-
 RISE, LEAST_RISE = 0.1, 0.02
 """dσ per scaled radian along its own direction: from LEAST_RISE on, a motion counts as leaving a singularity, from RISE
 on entirely. In between both answers are mixed, so that nothing switches."""
-
-BESIDE = 0.05
-"""How far beside a singular posture one looks for the directions that it lacks [scaled rad]."""
 
 DIFFERENCE = 1e-4
 """Step of a finite difference [scaled rad]."""

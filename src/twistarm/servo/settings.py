@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 from ..checks import as_number, as_positive
 from ..errors import InputError
-from .resolved_rates import NO_MOTION
+from ..inability import NO_MOTION
 
 
 @dataclass(frozen=True)

@@ -13,7 +13,7 @@ from . import readable
 from .answer import Answer, Cause
 from .bounds import Bounds, bounds_of
 from .command import AnyCommand, CommandLike, JogCommand, PoseCommand, TwistCommand
-from .output import ServoOutput
+from .output import Asked, ServoOutput
 from .settings import ServoSettings
 from .state import ServoState
 
@@ -52,7 +52,7 @@ def servo_step(
     after = ServoState(answer.theta, answer.theta_dot, answer.held, _holding(checked))
     if checked is None:
         return after, ServoOutput.stale(after.theta_dot, reason)
-    return after, ServoOutput.of(answer, bounds, arm.joint_names)
+    return after, ServoOutput.of(answer, bounds, Asked(arm, state.theta, checked))
 
 
 def _seconds(dt: Any) -> float:

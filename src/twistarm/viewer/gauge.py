@@ -10,10 +10,11 @@ import numpy as np
 
 from ..arm import Arm
 from ..checks import Array
+from ..inability import NO_MOTION
 from ..manipulability import scaled_jacobian
 from ..servo import ServoSettings
 from ..servo.bounds import bounds_of
-from ..servo.resolved_rates import FIVE, NO_MOTION
+from ..servo.resolved_rates import FIVE
 from ..usual_limits import with_defaults
 from .board import Message
 from .part import Part

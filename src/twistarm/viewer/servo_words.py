@@ -28,13 +28,12 @@ def servo_words(answer: Cycle | ServoOutput) -> dict[str, Any]:
 
 
 def _words(output: ServoOutput, asked: bool) -> dict[str, Any]:
-    share = output.scale * max(0.0, 1.0 - output.lost_share)
     told = asked and output.status is not ServoStatus.STALE
     return {
         "status": output.status.name,
         "joint": output.joint,
         "reason": output.reason,
-        "share": round(share, 2) if told else None,  # whole percents: pages are told only of what changes
+        "share": round(output.share, 2) if told else None,  # whole percents: pages are told only of what changes
     }
 
 

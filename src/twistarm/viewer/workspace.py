@@ -11,7 +11,7 @@ import numpy as np
 
 from ..arm import Arm
 from ..checks import Array
-from ..servo.resolved_rates import NO_MOTION
+from ..inability import NO_MOTION
 from .board import Message
 from .jobs import Job, Progress
 from .part import Part

@@ -51,15 +51,20 @@ export class JogLine {
   }
 
   heard() {
-    const word = this.servo.status === "OK" ? "OK" : this.servo.reason;
+    const word = this.servo.status === "OK" && !this.steady ? "OK" : this.servo.reason;
     const late = performance.now() - Math.min(this.slowed, this.staled) < LINGER;
     return late ? [word, "this browser is too slow: make the window smaller"].filter(Boolean).join(" · ") : word;
   }
 
-  // How much of the command is done, where it is not all of it.
+  // Whether less than all has been done for a while.
+  get steady() {
+    return performance.now() - this.partial >= STEADY;
+  }
+
+  // How much of the command is done, where it is not all of it, and not nothing, which the reason says.
   done() {
-    const steady = performance.now() - this.partial >= STEADY;
-    return steady ? `${Math.round(100 * this.servo.share)} % of what was asked` : "";
+    const percent = Math.round(100 * this.servo.share);
+    return this.steady && percent > 0 ? `${percent} % of what was asked` : "";
   }
 }
 

@@ -6,7 +6,7 @@ import math
 
 import numpy as np
 
-from ..checks import Array
+from .checks import Array
 
 ALONG_AXIS = 0.995
 """Cosine from which on a direction goes by the name of an axis, 5.7° from it."""
