@@ -179,7 +179,7 @@ def test_switched_off_it_comes_to_rest_and_sliders_are_free_where_it_was_left(vi
     async def jog(page: Page) -> None:
         turn = {"type": "jog_joints", "rates": [0.5, *[0.0] * (arm.n - 1)]}
         await push(page, away(viewer, 0.05), **turn)
-        await ask(page, type="pose", name="ready")
+        await ask(page, type="pose", name="ready", ease=False)
         assert page.latest["error"]["message"] == (
             f"a servo drives {arm.name}: sliders, poses and trajectories are free again once Drive in the Jog panel "
             "is switched off"

@@ -180,7 +180,7 @@ def test_the_page_lives_while_the_doctor_is_slow(arm: Arm, viewer: Viewer, monke
 
     async def look(page: Page) -> None:
         assert page.latest["findings"] == loaded(arm)
-        await page.ask(type="pose", name="zero")
+        await page.ask(type="pose", name="zero", ease=False)
         await page.until(lambda: not any(page.latest["frame"]["theta"]))
         assert page.latest["findings"]["note"] == PENDING
         done.set()

@@ -270,7 +270,7 @@ def test_what_would_move_the_arm_under_the_servo_s_hands_is_refused(viewer: View
         for request in (
             {"type": "theta", "theta": [0, 0]},
             {"type": "joint", "name": "a", "value": 0.1},
-            {"type": "pose", "name": "zero"},
+            {"type": "pose", "name": "zero", "ease": False},
             {"type": "play"},
             {"type": "seek", "time": 0.1},
         ):

@@ -37,7 +37,7 @@ def ask(stage: Stage, text: str) -> Any:
 
 def test_random_configurations_are_inside_the_limits_and_never_the_same() -> None:
     stage = Stage(ARM)
-    drawn = np.array([ask(stage, '{"type": "random"}') for _ in range(200)])
+    drawn = np.array([ask(stage, '{"type": "random", "ease": false}') for _ in range(200)])
     assert np.all((drawn >= LOWER) & (drawn <= UPPER))
     assert len(np.unique(drawn, axis=0)) == 200
     # Of 200 even draws, none in one of the tenths at the ends: less than 1 in 10^8 for all six.
@@ -47,26 +47,25 @@ def test_random_configurations_are_inside_the_limits_and_never_the_same() -> Non
 
 
 def test_two_views_start_with_different_random_configurations() -> None:
-    first, second = (ask(Stage(ARM), '{"type": "random"}') for _ in range(2))
+    first, second = (ask(Stage(ARM), '{"type": "random", "ease": false}') for _ in range(2))
     assert not np.array_equal(first, second)
 
 
 def test_without_limits_random_is_within_a_turn_and_a_metre() -> None:
     stage = Stage(FREE)
     for _ in range(50):
-        assert np.all(np.abs(ask(stage, '{"type": "random"}')) <= [np.pi, 1.0])
+        assert np.all(np.abs(ask(stage, '{"type": "random", "ease": false}')) <= [np.pi, 1.0])
 
 
 def test_random_leaves_the_joints_beside_the_arm_alone() -> None:
     stage = Stage(load_arm("rover_arm"))
     ask(stage, '{"type": "joint", "name": "finger_left", "value": 0.02}')
-    ask(stage, '{"type": "random"}')
+    ask(stage, '{"type": "random", "ease": false}')
     assert stage.others["finger_left"] == 0.02
 
 
-def test_random_takes_no_fields() -> None:
-    assert parse('{"type": "random", "number": 3}').fields == {}
-    with pytest.raises(InputError, match=r"random needs no fields; got \['seed'\]"):
+def test_random_takes_no_seed() -> None:
+    with pytest.raises(InputError, match=r"random needs ease; got \['seed'\]"):
         parse('{"type": "random", "seed": 1}')
 
 
@@ -74,10 +73,10 @@ def test_random_is_refused_while_a_servo_drives() -> None:
     stage = Stage(ARM, [0.0, 0.27, 0.1])
     stage.take_commands()
     with pytest.raises(InputError, match="a servo drives trio"):
-        ask(stage, '{"type": "random"}')
+        ask(stage, '{"type": "random", "ease": false}')
     assert_array_equal(stage.theta, [0.0, 0.27, 0.1])
     stage.hear(None)
-    assert not np.array_equal(ask(stage, '{"type": "random"}'), [0.0, 0.27, 0.1])
+    assert not np.array_equal(ask(stage, '{"type": "random", "ease": false}'), [0.0, 0.27, 0.1])
 
 
 @pytest.mark.parametrize(

@@ -239,7 +239,7 @@ def test_ten_thousand_hostile_messages_leave_the_server_alive_and_its_memory_fla
     async def flood(page: Page, texts: list[str | bytes]) -> None:
         for text in texts:
             await page.connection.write_message(text, binary=isinstance(text, bytes))
-        await page.ask(type="pose", name="zero")
+        await page.ask(type="pose", name="zero", ease=False)
 
     visit(viewer, lambda page: flood(page, messages[:1000]))
     with flat_memory(viewer):

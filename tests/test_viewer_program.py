@@ -34,7 +34,7 @@ def test_what_is_on_show_is_recorded_and_gone_to(stage: Stage) -> None:
         ("left", LEFT),
     ]
     assert len({pose["id"] for pose in poses}) == 3
-    ask(stage, "go", id=poses[1]["id"])
+    ask(stage, "go", id=poses[1]["id"], ease=False)
     assert_array_equal(stage.theta, REACH)
 
 
@@ -60,7 +60,7 @@ def test_a_number_that_is_gone_is_refused_in_words_and_never_comes_again(stage: 
     ask(stage, "delete", id=gone)
     ask(stage, "record", name="new")
     assert names(stage) == ["home", "reach", "new"]
-    for kind, fields in (("go", {}), ("delete", {}), ("rename", {"name": "x"}), ("reorder", {"place": 0})):
+    for kind, fields in (("go", {"ease": False}), ("delete", {}), ("rename", {"name": "x"}), ("reorder", {"place": 0})):
         with pytest.raises(InputError, match=f"no pose number {gone} in the list: it was deleted"):
             ask(stage, kind, id=gone, **fields)
     assert names(stage) == ["home", "reach", "new"]
@@ -202,7 +202,7 @@ def test_what_cannot_be_planned_is_said(stage: Stage) -> None:
         ask(stage, "delete", id=number)
     with pytest.raises(InputError, match="a motion needs at least two poses; the list has 1: record another"):
         ask(stage, "plan", kind="cubic", stop=False)
-    ask(stage, "go", id=ids[2])
+    ask(stage, "go", id=ids[2], ease=False)
     ask(stage, "record", name="again")
     with pytest.raises(InputError, match="the poses of the list are all the same"):
         ask(stage, "plan", kind="cubic", stop=False)
@@ -222,7 +222,7 @@ def test_while_a_servo_drives_poses_are_recorded_and_nothing_is_gone_to(stage: S
     stage.take_commands()
     ask(stage, "record", name="jogged")
     assert names(stage)[-1] == "jogged"
-    for kind, fields in (("go", {"id": first}), ("plan", {"kind": "cubic", "stop": True})):
+    for kind, fields in (("go", {"id": first, "ease": False}), ("plan", {"kind": "cubic", "stop": True})):
         with pytest.raises(InputError, match="a servo drives"):
             ask(stage, kind, **fields)
     with pytest.raises(InputError, match="not loaded: a servo drives the arm"):
@@ -252,7 +252,7 @@ def test_two_pages_edit_one_list_and_python_reads_it(arm: Arm, viewer: Viewer) -
         other = await Page(page.address, {}).open()
         await page.ask(type="record", name="first")
         await other.until(lambda: len(other.latest["program"]["poses"]) == 1)
-        await other.ask(type="pose", name="zero")
+        await other.ask(type="pose", name="zero", ease=False)
         await other.ask(type="record", name="")
         await page.until(lambda: len(page.latest["program"]["poses"]) == 2)
         first = page.latest["program"]["poses"][0]["id"]
@@ -262,7 +262,7 @@ def test_two_pages_edit_one_list_and_python_reads_it(arm: Arm, viewer: Viewer) -
         await page.until(lambda: len(page.latest["plots"]["times"]) > 0)
         assert page.latest["frame"]["theta"] == [0.0, 0.0, 0.0]
         await page.ask(type="delete", id=first)
-        await other.ask(type="go", id=first)
+        await other.ask(type="go", id=first, ease=False)
         assert "no pose number" in other.latest["error"]["message"]
         other.connection.close()
 

@@ -38,7 +38,7 @@ def test_the_servo_s_word_reaches_every_page_the_late_ones_too(viewer: Viewer) -
     }  # fmt: skip
 
     async def read(page: Page) -> None:
-        await page.until(lambda: page.latest["servo"] == expected)
+        await page.until(lambda: page.latest.get("servo") == expected)
 
     visit(viewer, read)
     assert visit(viewer, nothing).latest["servo"] == expected
@@ -56,7 +56,7 @@ def test_a_servo_that_nobody_on_the_page_commands_and_its_end(viewer: Viewer) ->
         await page.until(lambda: page.latest["servo"]["reason"] == "no joint state has arrived")
         assert not page.latest["servo"]["jog"]
         assert page.latest["servo"]["driven"]
-        await ask(page, type="pose", name="zero")
+        await ask(page, type="pose", name="zero", ease=False)
         assert page.latest["error"]["message"].startswith("a servo drives pair")
         _ = viewer.commands
         await page.until(lambda: page.latest["servo"]["jog"])
@@ -66,7 +66,7 @@ def test_a_servo_that_nobody_on_the_page_commands_and_its_end(viewer: Viewer) ->
         assert page.latest["servo"]["reason"] == ""
         await jog(page)
         assert page.latest["error"]["message"].startswith("no servo takes commands here")
-        await ask(page, type="pose", name="zero")
+        await ask(page, type="pose", name="zero", ease=False)
         assert "error" not in page.latest
 
     visit(viewer, read)

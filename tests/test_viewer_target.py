@@ -301,7 +301,7 @@ def test_every_page_sees_the_target_and_where_the_arm_went() -> None:
                 assert one.latest["target"]["met"]
                 await one.until(lambda one=one: one.latest["frame"]["theta"] != SIX.ready.tolist())
                 assert_allclose(one.latest["frame"]["tool"]["position"], position, atol=MET)
-            await other.ask(type="pose", name="ready")
+            await other.ask(type="pose", name="ready", ease=False)
             await page.until(lambda: page.latest["target"]["given"] is None)
             await page.ask(type="target", kind="pose", position=[0, 0, 1], xyzw=[0, 0, 0, 0])
             assert "xyzw must be a quaternion of length 1" in page.latest["error"]["message"]

@@ -291,6 +291,7 @@ def contrast(one: list[int], other: list[int]) -> float:
 
 
 def test_random_goes_somewhere_else_inside_the_limits(page: Any, viewer: Viewer) -> None:
+    page.emulate_media(reduced_motion="reduce")  # at once
     before = START
     for _ in range(4):
         page.get_by_role("button", name="random").press("Enter")

@@ -185,9 +185,17 @@ def test_the_list_is_edited_by_keyboard_and_mouse_and_two_pages_stay_in_step(
     press_of_the_list(other, "Delete b")
     until_listed(page, ["drop", "a", "c"])
     assert list(viewer.poses) == ["drop", "a", "c"]
+    page.keyboard.press("ControlOrMeta+z")
+    until_listed(other, ["drop", "a", "b", "c"])
+    other.get_by_role("button", name="Undo").click()
+    until_listed(page, ["a", "drop", "b", "c"])
+    page.keyboard.press("ControlOrMeta+Shift+z")
+    page.keyboard.press("ControlOrMeta+Shift+z")
+    until_listed(other, ["drop", "a", "c"])
     # What is being typed in a row survives what another page does to the list.
     box = page.get_by_label("Name of pose 1")
     box.fill("half a na")
+    page.keyboard.press("ControlOrMeta+Shift+z")  # the box's own: nothing happens to the list
     press_of_the_list(other, "Delete a")
     until(page, "document.querySelectorAll('#pose-list li').length === 2")
     assert listed(page) == ["half a na", "c"]
@@ -215,6 +223,9 @@ def test_the_list_is_edited_by_keyboard_and_mouse_and_two_pages_stay_in_step(
     until(page, "twistarm.parts.program.poses.length === 5")
     page.evaluate("for (const { id } of twistarm.parts.program.poses) twistarm.parts.program.list.act.remove(id)")
     until_listed(other, [])
+    for _ in range(5):
+        other.get_by_role("button", name="Undo").click()
+    until_listed(page, ["c", "half a name", "x", "y", "z"])
     assert page.evaluate("document.getElementById('error').hidden")
 
 

@@ -181,9 +181,23 @@ def test_the_saved_page_stands_as_the_one_it_was_saved_from_and_its_joints_move(
         page.keyboard.press("Enter")
         assert page.locator("#error").inner_text() == "c = 0.700 m is outside its limits 0.10 … 0.60 m"
         assert page.evaluate("twistarm.state.frame.theta") == [-0.4, 0.6]
+        page.evaluate(
+            "globalThis.seen = []; globalThis.tell = twistarm.panel.show.bind(twistarm.panel);"
+            "twistarm.panel.show = (frame) => { seen.push(frame.theta[1]); tell(frame); }; 0"
+        )
         page.get_by_role("button", name="zero", exact=True).click()
-        assert page.evaluate("twistarm.state.frame.theta") == [0.0, 0.0]
+        until(page, "String(twistarm.state.frame.theta) === '0,0'")
+        assert 0.6 > page.evaluate("seen.find((value) => value < 0.6)") > 0.0, "on its way"
         assert page.locator("#error").is_hidden()
+        page.keyboard.press("ControlOrMeta+z")
+        until(page, "String(twistarm.state.frame.theta) === '-0.4,0.6'")
+        page.get_by_role("button", name="Undo").click()
+        until(page, "twistarm.state.frame.theta[0] !== -0.4 && twistarm.state.frame.theta[1] === 0.6")
+        page.emulate_media(reduced_motion="reduce")
+        for _ in range(2):
+            page.keyboard.press("ControlOrMeta+Shift+z")
+        assert page.evaluate("twistarm.state.frame.theta") == [0.0, 0.0], "at once"
+        assert page.get_by_role("button", name="Redo").get_attribute("title") == "Nothing to redo"
         page.get_by_role("tab", name="Theory").click()
         assert page.get_by_text("You moved the arm").is_visible()
         page.get_by_role("button", name="Play").click()

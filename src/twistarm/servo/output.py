@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from enum import Enum
 from functools import cached_property
 
@@ -79,8 +79,8 @@ class ServoOutput(Brief):
     lost_share: float
     joint: str | None
     remaining: tuple[float, float]
-    _why: str | Cause
-    _asked: Asked | None = None
+    _why: str | Cause = field(repr=False)
+    _asked: Asked | None = field(default=None, repr=False)
 
     @cached_property
     def reason(self) -> str:
@@ -92,19 +92,21 @@ class ServoOutput(Brief):
             return f"{verb} by {position_limit(_SIDES[self._why], str(self.joint))}"
         if self._why is Cause.VELOCITY:
             return f"slowed by the velocity limit of {self.joint}"
-        if self._asked and (self._why is Cause.SINGULARITY or self.lost_share > WORTH_SAYING):
-            return _missing(self._asked, self.lost_twist, self.joint, self.share)[1]
-        if self.scale < ALL:
+        complete = self._why is Cause.NONE and self._missing_share < WORTH_SAYING
+        if complete and self.scale < ALL:
             return "changing speed, as fast as the acceleration limits allow"
+        if self._asked and not (complete and self.lost_share < WORTH_SAYING):
+            return _missing(self._asked, self.lost_twist, self.joint, self.share)[1]
         return self.status.value
 
     @property
     def share(self) -> float:
         """How much of the command is done, 0 … 1; a rotation that the tool does on its way counts for nothing."""
-        missing = (
-            self.lost_share if self._asked is None else _missing_share(self._asked, self.lost_twist, self.lost_share)
-        )
-        return self.scale * min(max(1.0 - missing, 0.0), 1.0)
+        return self.scale * (1.0 - self._missing_share)
+
+    @property
+    def _missing_share(self) -> float:
+        return _missing_share(self._asked, self.lost_twist, self.lost_share)
 
     @classmethod
     def stale(cls, theta_dot: Array, reason: str) -> ServoOutput:
@@ -127,13 +129,13 @@ class ServoOutput(Brief):
         return cls(answer.theta_dot, status, answer.scale, *lost, joint, answer.remaining, why, asked)
 
 
-def _missing_share(asked: Asked, lost: Array, lost_share: float) -> float:
+def _missing_share(asked: Asked | None, lost: Array, lost_share: float) -> float:
     """aᵀ lost / |a|² for the commanded twist a, metres measured in the reach; `lost_share` for any other command."""
-    if not isinstance(asked.command, TwistCommand) or not asked.command.numbers.any():
-        return lost_share
-    scale = np.repeat([1.0 / asked.arm.reach, 1.0], 3)
-    twist = asked.command.numbers * scale
-    return float(twist @ (lost * scale) / (twist @ twist))
+    if asked is not None and isinstance(asked.command, TwistCommand) and asked.command.numbers.any():
+        scale = np.repeat([1.0 / asked.arm.reach, 1.0], 3)
+        twist = asked.command.numbers * scale
+        lost_share = float(twist @ (lost * scale) / (twist @ twist))
+    return min(max(lost_share, 0.0), 1.0)
 
 
 def _missing(asked: Asked, lost: Array, joint: str | None, share: float) -> tuple[Lack, str]:

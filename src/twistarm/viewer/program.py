@@ -61,7 +61,7 @@ class Program:
         elif kind == "delete":
             self.list.delete(fields["id"])
         elif kind == "go":
-            stage.show(self.list.theta(fields["id"]))
+            stage.go(self.list.theta(fields["id"]), fields["ease"], now)
         else:
             self.list.replace(fields["joints"], fields["poses"])
         return None

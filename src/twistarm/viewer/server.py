@@ -279,11 +279,11 @@ class Server:
             self.stage.unwatch()
 
     def publish(self) -> None:
-        """Tell every page what changed since the last time, and keep a running trajectory running."""
+        """Tell every page what changed since the last time, and keep what moves moving."""
         if self.clients:
             self._tell_news()
         self._keep_poses()
-        if self.stage.running and (self._player is None or self._player.done()):
+        if self.stage.moving and (self._player is None or self._player.done()):
             self._player = self._loop.create_task(self._play())
 
     def _keep_poses(self) -> None:
@@ -323,7 +323,7 @@ class Server:
             future.set_exception(error)
 
     async def _play(self) -> None:
-        while self.stage.running:
+        while self.stage.moving:
             await asyncio.sleep(FRAME_TIME)
             self._try(lambda: self.stage.advance(time.monotonic()))
             self._try(self.publish)

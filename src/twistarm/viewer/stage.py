@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from dataclasses import replace
 from functools import partial
 from secrets import token_urlsafe
 from typing import Any
@@ -20,6 +21,8 @@ from .board import Message
 from .carrying import Left
 from .findings import loaded
 from .gauge import Gauge
+from .glide import Glide
+from .history import History, Seen
 from .jobs import Job
 from .messages import Request
 from .news import Source
@@ -37,7 +40,7 @@ from .theory import SHOWN, Theory
 from .workspace import Workspace
 
 DRIVING = ("theta", "joint", "pose", "random", "play", "seek", "target", "go", "plan")
-"""Requests that would move the arm under a servo's hands."""
+"""Requests that move the arm: not under a servo's hands."""
 
 NO_DRIVE: Message = {"type": "drive", "on": False, "note": ""}
 
@@ -61,6 +64,8 @@ class Stage:
         self.player = Player()
         self.program = Program(arm)
         self.workspace = Workspace()
+        self.history = History()
+        self._glide: Glide | None = None
         self.parts: tuple[Part, ...] = (
             self.player,
             TargetPart(),
@@ -68,24 +73,43 @@ class Stage:
             Theory(arm),
             self.workspace,
             self.program,
+            self.history,
             Plots(),
         )
         self.left: tuple[Left, ...] = ()
         self.driven = self.jogging = False
         self.report: dict[str, Any] = SILENT
         self.drive: Message = NO_DRIVE
+        self._before_drive = self.seen()
 
     def show(self, theta: Array) -> None:
-        """Stand at theta (n,); a running trajectory stops."""
-        self.player.halt()
+        """Stand at theta (n,); whatever moves the arm stops."""
+        self._stop()
         self.theta = theta
+
+    def go(self, theta: Array, ease: bool, now: float) -> None:
+        """Stand at theta (n,), with `ease` in half a second; whatever else moves the arm stops."""
+        self.show(self.theta if ease else theta)
+        if not np.array_equal(self.theta, theta):
+            self._glide = Glide(self.theta, theta, now)
+
+    def seen(self) -> Seen:
+        """The list of poses, and where the arm stands or is about to."""
+        theta = self.theta if self._glide is None else self._glide.goal
+        return Seen(self.program.list.poses, theta, self.others)
+
+    def _stop(self) -> None:
+        self.player.halt()
+        self._glide = None
 
     def load(self, trajectory: Trajectory, speed: float, loop: bool, now: float) -> None:
         """Play `trajectory` from its start."""
+        self._stop()
         self.theta = self.player.load(trajectory, speed, loop, now)
 
     def stand_by(self, trajectory: Trajectory, limits: JointLimits) -> None:
         """Stand at the start of `trajectory`, planned by `limits`, for a page to play."""
+        self._stop()
         self.theta = self.player.stand_by(trajectory, limits)
 
     def draw_path(self, path: Mapping[str, Any]) -> None:
@@ -93,7 +117,11 @@ class Stage:
         self.path = {"type": "path", **path}
 
     def advance(self, now: float) -> None:
-        """Follow a running trajectory up to `now` [s]; one that raises stops where it is."""
+        """Follow what moves the arm up to `now` [s]; a trajectory that raises stops where it is."""
+        if self._glide is not None:
+            self.theta = self._glide.at(now)
+            self._glide = None if self.theta is self._glide.goal else self._glide
+            return
         try:
             theta = self.player.advance(now)
             if theta is not None:
@@ -107,10 +135,32 @@ class Stage:
         """Whether a trajectory runs."""
         return self.player.running
 
+    @property
+    def moving(self) -> bool:
+        """Whether the arm moves by itself: a trajectory runs, or it is on its way to a pose."""
+        return self.running or self._glide is not None
+
     def handle(self, request: Request, now: float) -> Job | None:
         """Do what a page asks for, or return the job that will; TwistarmError, and nothing changed, where it cannot."""
+        if self._drives(request):
+            self.require_free()
+        before = self.seen()
+        job = self._handle(request, now)
+        self._note(request, before)
+        return None if job is None else replace(job, finish=partial(self._finish, job, request))
+
+    def _finish(self, job: Job, request: Request, result: Any) -> None:
+        before = self.seen()
+        job.finish(result)
+        self._note(request, before)
+
+    def _note(self, request: Request, before: Seen) -> None:
+        self.history.note(request.kind, str(request.fields.get("name", "")), before, self.seen())
+
+    def _handle(self, request: Request, now: float) -> Job | None:
         fields = request.fields
-        self._require_no_servo(request)
+        if self._drives(request):
+            self._glide = None
         for part in self.parts:
             if request.kind in part.requests:
                 return part.handle(request, self, now)
@@ -121,9 +171,9 @@ class Stage:
         elif request.kind == "joint":
             self._set_joint(fields["name"], fields["value"])
         elif request.kind == "pose":
-            self.show(self._pose(fields["name"]))
+            self.go(self._pose(fields["name"]), fields["ease"], now)
         elif request.kind == "random":
-            self.show(checked_theta(self.arm, self.arm.random_theta(np.random.default_rng())))
+            self.go(checked_theta(self.arm, self.arm.random_theta(np.random.default_rng())), fields["ease"], now)
         elif request.kind == "visible":
             self.set_visible(fields["what"], fields["visible"])
             return self.workspace.switched(fields["what"], self)
@@ -137,13 +187,15 @@ class Stage:
 
     def begin_drive(self, note: str) -> None:
         """A servo of the pages' own drives the arm; `note`: the limits that it had to choose."""
-        self.player.halt()
+        self._stop()
+        self._before_drive = self.seen()
         self.take_commands()
         self.drive = {"type": "drive", "on": True, "note": note}
 
     def end_drive(self, taken_over: bool) -> None:
         """It has ended; `taken_over`: another servo drives by now."""
         self.drive = NO_DRIVE
+        self.history.note("jog", "", self._before_drive, self.seen())
         if not taken_over:
             self.hear(None)
 
@@ -163,9 +215,14 @@ class Stage:
         """No page is left: nobody reads the numbers, which a page asks for while its panel is open."""
         self.set_visible("numbers", False)
 
-    def _require_no_servo(self, request: Request) -> None:
+    def _drives(self, request: Request) -> bool:
+        """Whether it moves the arm, and not a joint beside it."""
         gripper = request.kind == "joint" and request.fields["name"] in self.extra_joints
-        if self.driven and request.kind in DRIVING and not gripper:
+        return request.kind in DRIVING and not gripper
+
+    def require_free(self) -> None:
+        """InputError while a servo drives the arm."""
+        if self.driven:
             end = "Drive in the Jog panel is switched off" if self.drive["on"] else "it has ended"
             raise InputError(
                 f"a servo drives {self.arm.name}: sliders, poses and trajectories are free again once {end}"

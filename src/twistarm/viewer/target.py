@@ -85,7 +85,7 @@ class TargetPart:
     def _finish(self, stage: Stage, start: Array, number: int, answer: Answer) -> None:
         """Show the answer, unless a later target has its answer, the target was let go, or something moved the arm."""
         moved = stage.theta is not start and stage.theta is not self._shown
-        if number < self._answered or not self._wanted or moved or stage.driven or stage.running:
+        if number < self._answered or not self._wanted or moved or stage.driven or stage.moving:
             return
         self._answered = number
         self._shown, self._told = answer

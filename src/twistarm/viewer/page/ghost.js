@@ -15,7 +15,7 @@ const ABOVE = 10; // drawn after the arm, before the handles
 
 export class Ghost {
   constructor(view) {
-    Object.assign(this, { view, copies: [] });
+    Object.assign(this, { view, copies: [], late: null });
     this.frame = new THREE.Group();
     this.arm = new THREE.Group();
     view.viewer.scene.add(this.frame, this.arm);
@@ -26,6 +26,11 @@ export class Ghost {
     this.clear();
   }
 
+  // The arm stands, and its size is known.
+  placed() {
+    if (this.late) this.show(this.late);
+  }
+
   clear() {
     dispose(this.frame);
     for (const { copy } of this.copies) copy.material.dispose(); // the geometry is that of what is drawn
@@ -33,7 +38,10 @@ export class Ghost {
     this.arm.clear();
   }
 
-  show({ given, met, ghost }) {
+  show(message) {
+    this.late = this.view.radius === undefined ? message : null;
+    if (this.late) return;
+    const { given, met, ghost } = message;
     const stood = this.copies.length > 0 && ghost !== null;
     if (!stood) this.clear();
     dispose(this.frame);

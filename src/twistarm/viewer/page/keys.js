@@ -34,6 +34,11 @@ export class Keys {
   }
 }
 
+// Whether `element` holds a text that is written in it.
+export function types(element) {
+  return element?.matches("input:is([type=text], :not([type])), textarea, [contenteditable]") ?? false;
+}
+
 // Whether typing is for `element`: a slider or a text field, say.
 export function takesKeys(element) {
   return element?.matches("input:not([type=checkbox]), select, textarea, [contenteditable]") ?? false;

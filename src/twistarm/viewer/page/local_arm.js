@@ -1,6 +1,8 @@
-// The arm of a page that has nobody to ask: its joints are moved here, inside their limits.
+// The arm of a page that has nobody to ask: its joints are moved here, inside their limits, and moved back.
 
+import { Glide } from "./glide.js";
 import { Kinematics, told } from "./kinematics.js";
+import { LocalHistory } from "./local_history.js";
 import { shown, span } from "./units.js";
 
 const ROUNDING = 1e-6; // rad, m: a value may lie this far beyond a limit, as in admission.py
@@ -12,6 +14,8 @@ export class LocalArm {
     this.kinematics = new Kinematics(kinematics);
     this.names = arm.joints.map(({ name }) => name);
     this.theta = arm.joints.map(() => 0);
+    this.history = new LocalHistory();
+    this.glide = new Glide((theta) => this.stand(theta));
   }
 
   // The frame with the arm at theta, as the process sends it live.
@@ -28,19 +32,42 @@ export class LocalArm {
       const limits = span(joint.range, joint.unit);
       return this.act.refuse(`${name} = ${shown(value, joint.unit)} is outside its limits ${limits}`);
     }
+    this.history.note(`move ${name}`, this.stood);
     const place = this.names.indexOf(name);
     if (place < 0) this.others = { ...this.others, [name]: value };
-    else this.theta = this.theta.with(place, value);
-    return this.act.moved();
+    else this.glide.stop();
+    return this.stand(place < 0 ? this.theta : this.theta.with(place, value));
   }
 
   pose(name) {
-    this.theta = [...this.poses[name]];
-    this.act.moved();
+    this.go(`go to ${name}`, this.poses[name]);
   }
 
   random() {
-    this.theta = this.arm.joints.map(({ range: [lower, upper] }) => lower + Math.random() * (upper - lower));
+    const anywhere = ({ range: [lower, upper] }) => lower + Math.random() * (upper - lower);
+    this.go("go to a random configuration", this.arm.joints.map(anywhere));
+  }
+
+  go(words, goal) {
+    if (goal.every((value, i) => value === this.stood.theta[i])) return;
+    this.history.note(words, this.stood);
+    this.glide.go(this.theta, goal);
+  }
+
+  // By "undo" or "redo".
+  back(kind) {
+    const { theta, others } = this.history.take(kind, this.stood);
+    this.others = others;
+    this.glide.go(this.theta, theta);
+  }
+
+  // Where it stands, or is about to.
+  get stood() {
+    return { theta: this.glide.goal ?? this.theta, others: this.others };
+  }
+
+  stand(theta) {
+    this.theta = theta;
     this.act.moved();
   }
 }

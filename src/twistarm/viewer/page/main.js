@@ -7,7 +7,9 @@ import { copyTheta } from "./copying.js";
 import { Cube } from "./cube.js";
 import { Findings } from "./findings.js";
 import { Ghost } from "./ghost.js";
+import { eases } from "./glide.js";
 import { Highlight } from "./highlight.js";
+import { History } from "./history.js";
 import { Jog } from "./jog.js";
 import { JogPanel } from "./jog_panel.js";
 import { Link } from "./link.js";
@@ -44,8 +46,8 @@ let silence = SILENCE; // why nothing can be asked
 
 const panel = new Panel({
   joint: (name, value) => ask({ type: "joint", name, value }),
-  pose: (name) => ask({ type: "pose", name }),
-  random: () => ask({ type: "random" }),
+  pose: (name) => ask({ type: "pose", name, ease: eases() }),
+  random: () => ask({ type: "random", ease: eases() }),
   copy: () => copyTheta(state.frame.theta),
   visible: (what, visible) => ask({ type: "visible", what, visible }),
   fit: () => view.fit(),
@@ -80,6 +82,10 @@ const parts = {
     pause: () => ask({ type: "pause" }),
     seek: (time) => ask({ type: "seek", time }),
     pace: (speed, loop) => ask({ type: "pace", speed, loop }),
+  }),
+  history: new History({
+    undo: () => ask({ type: "undo", ease: eases() }),
+    redo: () => ask({ type: "redo", ease: eases() }),
   }),
   plots: new Plots((time) => ask({ type: "seek", time })),
   theory: new Theory(page),
@@ -138,8 +144,8 @@ const receive = {
     view.place(message.transforms);
     highlight.follow();
     panel.show(message);
-    for (const part of Object.values(parts)) part.placed?.(message);
     look();
+    for (const part of Object.values(parts)) part.placed?.(message);
   },
   visible(message) {
     for (const layer of ["screws", "frames", "path"]) view.setVisible(layer, message[layer]);

@@ -1,6 +1,7 @@
 // Recorded poses: a list to edit, save and load, and the motion planned through it.
 
 import { $ } from "./element.js";
+import { eases } from "./glide.js";
 import { PoseList } from "./pose_list.js";
 import { read, written } from "./pose_file.js";
 import { fileName, save } from "./saving.js";
@@ -17,7 +18,7 @@ export class Program {
     this.trying = this.failed = false; // the motion that was asked for last: it may still come, and it did not
     this.driven = false;
     this.list = new PoseList($("pose-list"), {
-      go: (id) => page.ask({ type: "go", id }),
+      go: (id) => page.ask({ type: "go", id, ease: eases() }),
       rename: (id, name) => page.ask({ type: "rename", id, name }),
       reorder: (id, place) => page.ask({ type: "reorder", id, place }),
       remove: (id) => page.ask({ type: "delete", id }),

@@ -5,6 +5,7 @@ import { Cube } from "./cube.js";
 import { $ } from "./element.js";
 import { Findings } from "./findings.js";
 import { Highlight } from "./highlight.js";
+import { History } from "./history.js";
 import { LinkList } from "./link_list.js";
 import { LinkNames } from "./link_names.js";
 import { LocalArm } from "./local_arm.js";
@@ -84,8 +85,10 @@ const player = new Player({
   },
 });
 const plots = new Plots(seek);
+const history = new History({ undo: () => arm.back("undo"), redo: () => arm.back("redo") });
 
 function seek(time) {
+  arm.glide.stop();
   aside = null;
   playback.seek(time);
   player.release();
@@ -101,6 +104,7 @@ function show() {
   player.placed(state.frame);
   plots.placed(state.frame);
   theory.placed(state.frame);
+  history.show(arm.history.words);
 }
 
 function showPlayer() {
@@ -108,6 +112,7 @@ function showPlayer() {
 }
 
 function run() {
+  arm.glide.stop();
   aside = null;
   playback.play();
   tick();
@@ -143,4 +148,4 @@ restore({ view, links, tabs, panel, plots, theory: theory.theory }, JSON.parse($
 document.body.dataset.drawn = "";
 if (playback.running) tick();
 
-globalThis.twistarm = { presets, cube, sight, links, linkNames, tabs, view, panel, arm, findings, highlight, share, playback, player, plots, state, data, theory: theory.theory };
+globalThis.twistarm = { presets, cube, sight, links, linkNames, tabs, view, panel, arm, history, findings, highlight, share, playback, player, plots, state, data, theory: theory.theory };

@@ -1,0 +1,175 @@
+"""Undo and redo on the pages, and the way to a pose: the process's side."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from numpy.testing import assert_allclose, assert_array_equal
+
+from recorded_poses import HOME, REACH, ask, done, names, said
+from recorded_poses import stage as stage
+from twistarm import load_arm
+from twistarm.errors import InputError
+from twistarm.viewer import Viewer, history
+from twistarm.viewer.stage import Stage
+from viewer_page import Page, visit
+from viewer_page import arm as arm
+
+
+def undo(stage: Stage, kind: str = "undo") -> None:
+    ask(stage, kind, ease=False)
+
+
+def test_every_edit_of_the_list_is_undone_and_done_again_the_arm_left_alone(stage: Stage) -> None:
+    """Back through four edits and forth again the list is what it was, numbers and all."""
+    first, second, third = (pose["id"] for pose in said(stage, "program")["poses"])
+    ask(stage, "rename", id=first, name="start")
+    ask(stage, "reorder", id=third, place=0)
+    ask(stage, "delete", id=second)
+    ask(stage, "poses", joints=list(stage.arm.joint_names), poses=[{"name": "other", "theta": list(REACH)}])
+    stood = stage.theta
+    seen = [stage.program.list.poses]
+    for _ in range(4):
+        undo(stage)
+        seen.append(stage.program.list.poses)
+    assert [[pose.name for pose in poses] for poses in seen] == [
+        ["other"], ["left", "start"], ["left", "start", "reach"], ["start", "reach", "left"], ["home", "reach", "left"]
+    ]  # fmt: skip
+    assert [pose.id for pose in seen[-1]] == [first, second, third]
+    assert stage.theta is stood
+    for poses in reversed(seen[:-1]):
+        undo(stage, "redo")
+        assert stage.program.list.poses is poses
+    with pytest.raises(InputError, match="nothing to redo"):
+        undo(stage, "redo")
+
+
+def test_a_plan_that_an_undone_edit_had_outdated_is_the_list_s_again(stage: Stage) -> None:
+    done(ask(stage, "plan", kind="cubic", stop=False))
+    ask(stage, "delete", id=said(stage, "program")["poses"][1]["id"])
+    assert not said(stage, "program")["planned"]
+    undo(stage)
+    assert said(stage, "program")["planned"]
+
+
+def test_moves_are_undone_a_drag_as_one_and_what_is_new_ends_what_was_undone(
+    stage: Stage, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    clock = [100.0]
+    monkeypatch.setattr(history, "monotonic", lambda: clock[0])
+    first, second = stage.arm.joint_names[:2]
+    began = stage.theta
+    for value in (0.1, 0.2, 0.3):
+        ask(stage, "joint", name=first, value=value)
+        clock[0] += 0.5
+    clock[0] += 2.0
+    ask(stage, "joint", name=first, value=0.4)
+    ask(stage, "joint", name=second, value=0.05)
+    assert said(stage, "history")["undo"] == f"move {second}"
+    for expected in (0.4, 0.3):
+        undo(stage)
+        assert stage.theta[0] == expected
+    undo(stage)
+    assert_array_equal(stage.theta, began)
+    undo(stage, "redo")
+    assert stage.theta[0] == 0.3
+    assert said(stage, "history")["redo"] == f"move {first}"
+    ask(stage, "theta", theta=list(HOME))
+    assert said(stage, "history")["redo"] is None
+
+
+def test_a_joint_beside_the_arm_and_a_target_that_takes_its_time_are_undone_too() -> None:
+    stage = Stage(load_arm("rover_arm"))
+    ask(stage, "joint", name="finger_left", value=0.02)
+    ready = stage.theta
+    p = stage.arm.fk(ready)[:3, 3] + [5.0, 0.0, 0.0]  # beyond its reach: the patient search
+    done(ask(stage, "target", kind="position", position=p.tolist(), xyzw=[0, 0, 0, 1]))
+    assert not np.array_equal(stage.theta, ready)
+    undo(stage)
+    assert_array_equal(stage.theta, ready)
+    assert stage.others["finger_left"] == 0.02
+    undo(stage)
+    assert stage.others["finger_left"] == 0.0
+
+
+def test_the_way_to_a_pose_is_straight_eased_and_ends_on_it_to_the_bit(stage: Stage) -> None:
+    ask(stage, "theta", theta=list(HOME))
+    goal = np.array(REACH)
+    ask(stage, "go", id=said(stage, "program")["poses"][1]["id"], ease=True)
+    assert not said(stage, "frame")["running"]  # no trajectory plays
+    shares = []
+    for now in (0.0, 0.01, 0.125, 0.25, 0.375, 0.49):
+        stage.advance(now)
+        way = stage.theta - np.array(HOME)
+        shares.append(float(way @ (goal - HOME) / ((goal - HOME) @ (goal - HOME))))
+        assert_allclose(way, shares[-1] * (goal - HOME), atol=1e-12)
+    assert_allclose(shares[3], 0.5)
+    assert shares[1] < 0.01 < 0.99 < shares[5]  # slow at both ends
+    assert stage.moving
+    stage.advance(0.5)
+    assert_array_equal(stage.theta, goal)
+    assert not stage.moving
+    undo(stage)
+    assert_array_equal(stage.theta, HOME)
+
+
+@pytest.mark.parametrize("other", ["joint", "play", "show", "undo", "servo"])
+def test_whatever_else_moves_the_arm_ends_the_way_to_a_pose(stage: Stage, other: str) -> None:
+    ask(stage, "theta", theta=list(HOME))
+    done(ask(stage, "plan", kind="cubic", stop=False))
+    ask(stage, "go", id=said(stage, "program")["poses"][1]["id"], ease=True)
+    stage.advance(0.2)
+    here = stage.theta
+    if other == "joint":
+        ask(stage, "joint", name=stage.arm.joint_names[0], value=0.11)
+        here = np.array([0.11, *here[1:]])
+    elif other == "play":
+        ask(stage, "play")
+        assert stage.running
+        ask(stage, "pause")
+    elif other == "show":
+        stage.show(here)
+    elif other == "undo":
+        undo(stage)
+        here = stage.theta
+        assert_array_equal(here, HOME)
+    else:
+        stage.begin_drive("")
+    stage.advance(0.3)
+    assert_array_equal(stage.theta, here)
+    assert not stage.moving
+
+
+def test_a_jog_is_one_step_and_while_a_servo_drives_nothing_is_moved_back(stage: Stage) -> None:
+    began = stage.theta
+    stage.begin_drive("")
+    for share in (0.1, 0.2):
+        stage.show(began + share)
+    ask(stage, "delete", id=said(stage, "program")["poses"][0]["id"])
+    undo(stage)
+    assert len(names(stage)) == 3  # the list is free
+    stage.end_drive(False)
+    assert said(stage, "history")["undo"] == "jog"
+    stage.begin_drive("")
+    with pytest.raises(InputError, match="a servo drives"):
+        undo(stage)
+    stage.end_drive(False)
+    undo(stage)
+    assert_array_equal(stage.theta, began)
+
+
+def test_over_the_socket_a_pose_is_reached_frame_by_frame() -> None:
+    async def use(page: Page) -> None:
+        seen = set()
+        await page.ask(type="pose", name="zero", ease=True)
+
+        def there() -> bool:
+            seen.add(page.latest["frame"]["theta"][1])
+            return not any(page.latest["frame"]["theta"])
+
+        await page.until(there)
+        assert len(seen) > 4
+        assert page.latest["history"] == {"type": "history", "undo": "go to zero", "redo": None}
+
+    with Viewer(load_arm("rover_arm"), open_browser=False) as viewer:
+        visit(viewer, use)
