@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import signal
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from types import FrameType
 
@@ -12,10 +12,11 @@ Handler = Callable[[int, FrameType | None], object] | int | None
 
 
 @contextmanager
-def ended_like_ctrl_c() -> Iterator[None]:
+def ended_like_ctrl_c() -> Iterator[list[int]]:
     """A closed terminal and `kill` end what runs as Ctrl-C does: the arm is brought to rest, the poses are kept.
 
-    The process then ends by the signal that it was sent, as whoever sent it expects.
+    The process then ends by the signal that it was sent, as whoever sent it expects; where something inside takes the
+    interruption for its own end, it does so by `end_by` and the list that the context gives.
     """
     sent: list[int] = []
 
@@ -25,14 +26,19 @@ def ended_like_ctrl_c() -> Iterator[None]:
 
     before = {number: signal.signal(number, end) for number in (signal.SIGTERM, signal.SIGHUP)}
     try:
-        yield
+        yield sent
     except KeyboardInterrupt:
         _restore(before)
-        for number in sent[:1]:
-            signal.raise_signal(number)
+        end_by(sent)
         raise
     finally:
         _restore(before)
+
+
+def end_by(sent: Sequence[int]) -> None:
+    """End by the first of the signals that were sent, if any was."""
+    for number in sent[:1]:
+        signal.raise_signal(number)
 
 
 def _restore(handlers: Mapping[signal.Signals, Handler]) -> None:
