@@ -311,6 +311,16 @@ BAD = {
     ),
     "a direction of no length": (["ik", "rover_arm", "--xyz", "1 0 0", "--direction", "0 0 0"], "zero vector"),
     "no target": (["ik", "rover_arm"], "xyz"),
+    "two sources of targets": (["ik", "rover_arm", "--xyz", "1 0 0", "--targets", "t.csv"], "or a file of targets"),
+    "columns of no file": (["fk", "rover_arm", "--columns", "a,b"], "it goes with --postures"),
+    "a file of targets that is not there": (["ik", "rover_arm", "--targets", "t.csv"], "is the path right?"),
+    "two orientations": (
+        ["ik", "rover_arm", "--xyz", "1 0 0", "--rpy", "0 0 0", "--quaternion", "1 0 0 0"], "not both",
+    ),
+    "an axis that points nowhere": (["ik", "rover_arm", "--xyz", "1 0 0", "--axis", "x"], "give a direction too"),
+    "an axis by no name": (
+        ["ik", "rover_arm", "--xyz", "1 0 0", "--direction", "1 0 0", "--axis", "up"], "--axis takes x, y, z",
+    ),
     "a waypoint outside the limits": (["plan", "rover_arm", "--to", "0.7 0 0 0 0"], "slide"),
     "a xacro argument without :=": (["info", "rover_arm", "--xacro", "deck=1"], "did you mean --xacro deck:=1?"),
     "no name of a package": (["info", "rover_arm", "--without", "a/b"], "without takes names of packages"),

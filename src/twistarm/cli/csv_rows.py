@@ -143,6 +143,8 @@ def read_sheet(path: str, names: str | None) -> Sheet:
     rows = rows[1:] if header else rows
     if names is not None:
         header = tuple(name.strip() for name in re.split(r"[,;]", names))
+        if rows and len(header) != len(rows[0].cells):
+            raise InputError(f"--columns names {len(header)} columns; {file} has {len(rows[0].cells)}")
     elif header is None and rows:
         header = _commented_header(lines[: rows[0].line - 1], written, len(rows[0].cells))
     if not rows:

@@ -63,6 +63,8 @@ def ik(
     """Inverse kinematics: a position (--xyz), and how the tool is turned; or every row of a CSV file (--targets)."""
     if (xyz is None) == (targets is None):
         raise InputError("give one position by --xyz, or a file of targets by --targets")
+    if columns is not None and targets is None:
+        raise InputError("--columns names the columns of a file: it goes with --targets")
     outputs = outputs_of(output, {"csv": (".csv",)}, force=force, json=json)
     orientation = typed_orientation(rpy, quaternion, quaternion_xyzw, direction, axis, rad)
     as_positive(position_tolerance, "--position-tolerance")

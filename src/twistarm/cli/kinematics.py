@@ -58,6 +58,8 @@ def fk(
     json: Json = False,
 ) -> None:
     """Forward kinematics: the pose of the tip, or of another frame, seen from the base."""
+    if columns is not None and postures is None:
+        raise InputError("--columns names the columns of a file: it goes with --postures")
     outputs = outputs_of(output, {"csv": (".csv",)}, force=force, json=json)
     name = frame or arm.tip
     if postures is not None:

@@ -100,7 +100,9 @@ def read_text(path: Path, most: int = MAX_BYTES) -> str:
         data = path.read_bytes()
     except (OSError, ValueError) as error:
         what = f"cannot be read: {getattr(error, 'strerror', None) or error}"
-        raise refusal("file-unreadable", Place(str(path)), what, "check the disk and the file's permissions") from error
+        missing = isinstance(error, FileNotFoundError)
+        remedy = "is the path right?" if missing else "check the disk and the file's permissions"
+        raise refusal("file-unreadable", Place(str(path)), what, remedy) from error
     wide = data.startswith((codecs.BOM_UTF16_LE, codecs.BOM_UTF16_BE))
     try:
         return data.decode("utf-16" if wide else "utf-8-sig")
