@@ -5,6 +5,7 @@ from __future__ import annotations
 import csv
 import json
 import os
+import re
 from pathlib import Path
 
 import pytest
@@ -112,3 +113,20 @@ def test_a_motion_with_motors_is_played(folder: Path) -> None:
     # 10° of the joint are 500° of the motor.
     assert float(last["left.counts [tick]"]) == pytest.approx(500 / 360 * 4096)
     assert run(["view", "arm.toml", "--play", "motion.csv", "-o", "page.html"]) == 0
+
+
+def test_a_motor_that_would_need_more_than_it_may_is_said_with_the_cap_that_keeps_it(
+    folder: Path, capsys: Capture
+) -> None:
+    """Two joints at once ask of a motor what neither asks alone."""
+    motor = "[actuators.left]\nratio = { a = 50.0, b = -50.0 }\nlimits = { velocity = 30.0 }\n"
+    (folder / "arm.toml").write_text(f'source = "arm.urdf"\n{motor}')
+    command = ["plan", "arm.toml", "--from", "zero", "--to", "50 -50", "--acceleration", "3"]
+    assert run(command) == 0
+    warned = re.search(
+        r"warning: motor 'left' would need [\d.]+ rad/s; its velocity limit is 30 rad/s: (--velocity 0.3) keeps it\n",
+        capsys.readouterr().err,
+    )
+    assert warned
+    assert run([*command, *warned[1].split()]) == 0
+    assert "warning" not in capsys.readouterr().err

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from enum import Enum
 from typing import Annotated, Any
 
@@ -13,10 +14,11 @@ from ..checks import Array, as_positive
 from ..limits import JointLimits
 from ..planning import Trajectory, plan_joint
 from ..planning.export import csv_text, json_text
+from ..planning.within import RATE_TOL
 from ..ready_pose import named_ready
 from ..usual_limits import defaults_line, with_defaults
 from .options import Json, Radians, takes_arm
-from .output import console, note, number, print_json, progress_bar, shown, table, theta_values, units
+from .output import console, note, number, print_json, progress_bar, shown, table, theta_values, units, warn
 from .outputs import Force, Format, outputs_of
 from .typed import POSE, parse_theta
 from .wording import told_in_degrees
@@ -84,6 +86,8 @@ def plan(
         planned = plan_joint(arm, poses, kind=kind.value, limits=limits, stop_at_waypoints=stop, progress=progress)
     if start is None:
         note(_start(arm, rad))
+    for words in motors_beyond(planned):
+        warn(words)
     written = outputs.write({"csv": lambda: csv_text(planned, dt), "json": lambda: json_text(planned, dt)})
     if json:
         print_json({**_as_json(arm, planned, written), "start": origin, "assumed": defaults_line(arm, given) or None})
@@ -92,6 +96,22 @@ def plan(
         print(f"{assumed} (--velocity, --acceleration)", file=outputs.words)
     console(outputs.words).print(plan_table(arm, planned, rad, limits))
     outputs.say(written)
+
+
+def motors_beyond(planned: Trajectory) -> Iterator[str]:
+    """Motors of which a plan asks more than they may do, mostly those that serve several joints, and what helps."""
+    motors = planned.actuators
+    if motors is None:
+        return
+    motion = planned.of_motors()
+    for order, rate, per in ((1, "velocity", "/s"), (2, "acceleration", "/s²")):
+        limit, peak = getattr(motors.limits, rate), motion.peak(order)
+        for i in np.flatnonzero(peak > limit * (1.0 + RATE_TOL)):
+            cap, unit = limit[i] / np.abs(motors.G[i]).sum(), motion.units[i] + per
+            yield (
+                f"motor {motors.names[i]!r} would need {number(peak[i])} {unit}; its {rate} limit is "
+                f"{number(limit[i])} {unit}: --{rate} {number(np.floor(cap * 1e4) / 1e4)} keeps it"
+            )
 
 
 def _typed_poses(arm: Arm, typed: tuple[str, ...], radians: bool) -> list[Array]:

@@ -11,8 +11,8 @@ import numpy as np
 
 from ..actuators import Actuators
 from ..checks import Array
-from ..errors import InputError, listed
-from .trajectory import Samples, Trajectory
+from ..errors import InputError
+from .trajectory import Trajectory
 
 RATES = ("position", "velocity", "acceleration")
 CSV_UNITS = ("", "/s", "/s^2")
@@ -27,7 +27,7 @@ def csv_text(trajectory: Trajectory, dt: float, actuators: Actuators | None = No
     values = [np.stack(samples[1:], axis=-1)]
     columns = ["time [s]", *_joint_columns(trajectory)]
     if motors := _motors_of(trajectory, actuators):
-        values.append(np.stack(list(_motor_values(motors, samples).values()), axis=-1))
+        values.append(np.stack(list(_motor_values(trajectory, motors, dt).values()), axis=-1))
         columns += _motor_columns(motors)
     rows = len(samples.t)
     table = np.column_stack([samples.t, *(each.reshape(rows, -1) for each in values)])
@@ -55,7 +55,7 @@ def json_text(trajectory: Trajectory, dt: float, actuators: Actuators | None = N
     ]
     message: dict[str, Any] = {"joint_names": list(trajectory.joint_names), "points": points}
     if motors := _motors_of(trajectory, actuators):
-        message["motors"] = _motors_message(motors, samples)
+        message["motors"] = _motors_message(trajectory, motors, dt)
     return json.dumps(message, indent=1, allow_nan=False) + "\n"
 
 
@@ -73,17 +73,12 @@ def _joint_columns(trajectory: Trajectory) -> list[str]:
 def _motors_of(trajectory: Trajectory, actuators: Actuators | None) -> Actuators | None:
     """The motors to write: those given, else those of the arm that was planned for, if it has any."""
     motors = trajectory.actuators if actuators is None else actuators
-    if motors is not None and motors.joint_names != trajectory.joint_names:
-        raise InputError(
-            f"actuators must drive the trajectory's joints, {listed(trajectory.joint_names)}, in this order; "
-            f"these drive {listed(motors.joint_names)}"
-        )
     return motors if motors is not None and motors.names else None
 
 
-def _motor_values(motors: Actuators, samples: Samples) -> dict[str, Array]:
+def _motor_values(trajectory: Trajectory, motors: Actuators, dt: float) -> dict[str, Array]:
     """Where the motors are and how fast they turn, in rad or m and as their drives count, each (m, k)."""
-    motor, motor_dot = motors.to_motor(samples.theta), motors.velocity_to_motor(samples.theta_dot)
+    _, motor, motor_dot, _ = trajectory.of_motors(motors).sample(dt)
     return {
         "motor_position": motor,
         "motor_velocity": motor_dot,
@@ -105,9 +100,9 @@ def _motor_columns(motors: Actuators) -> list[str]:
     ]
 
 
-def _motors_message(motors: Actuators, samples: Samples) -> dict[str, Any]:
+def _motors_message(trajectory: Trajectory, motors: Actuators, dt: float) -> dict[str, Any]:
     """Beside the joints' points, which keep to ROS's fields: as many points of the motors."""
-    position, velocity, counts, rate = _motor_values(motors, samples).values()
+    position, velocity, counts, rate = _motor_values(trajectory, motors, dt).values()
     return {
         "names": list(motors.names),
         "units": list(motors.motor_units),

@@ -14,7 +14,7 @@ from numpy.typing import ArrayLike
 from ..actuators import Actuators
 from ..brief import in_brief, told
 from ..checks import Array, as_floats, frozen
-from ..errors import InputError, shown
+from ..errors import InputError, listed, shown
 from ..files import write_whole
 from .piecewise import derivative, evaluate, extremes
 
@@ -122,6 +122,24 @@ class Trajectory:
         steps = max(ceil(self.duration / float(step) - LAST_STEP), int(self.duration > 0))
         t = np.append(step * np.arange(steps), self.duration)
         return Samples(t, self(t), self(t, 1), self(t, 2))
+
+    def of_motors(self, actuators: Actuators | None = None) -> Trajectory:
+        """The same motion as its motors make it: motor = G theta + o of k motors [rad, or m where a drive pushes].
+
+        Of `actuators`, else of those of the arm. Raises InputError where there are none, or they drive other joints.
+        """
+        motors = self.actuators if actuators is None else actuators
+        if motors is None:
+            raise InputError("this trajectory knows no motors: give actuators=, or plan for an arm with [actuators]")
+        if motors.joint_names != self.joint_names:
+            raise InputError(
+                f"actuators must drive the trajectory's joints, {listed(self.joint_names)}, in this order; "
+                f"these drive {listed(motors.joint_names)}"
+            )
+        coefficients = self.coefficients @ motors.G.T
+        coefficients[-1] += motors.offset
+        waypoints = motors.to_motor(self.waypoints)
+        return Trajectory(motors.names, motors.motor_units, waypoints, self.times, self.breakpoints, coefficients)
 
     def to_csv(self, path: str | os.PathLike[str], dt: float = 0.01, *, actuators: Actuators | None = None) -> Path:
         """Write a row every `dt` [s] and one at the end: time, then position, velocity, acceleration of each joint.
