@@ -187,7 +187,9 @@ export class View {
 
   // Floor and grid, in the colours of the page.
   furnish() {
-    if (this.radius === undefined) return;
+    const wanted = `${this.radius} ${this.floor} ${this.dark.matches}`;
+    if (this.radius === undefined || wanted === this.furnished) return;
+    this.furnished = wanted; // thousands of lines, and a look from another side needs no others
     this.rim.show(this.dark.matches);
     dispose(this.fixtures);
     const cell = 10 ** Math.round(Math.log10(this.radius / 8));
