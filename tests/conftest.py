@@ -25,6 +25,9 @@ def state(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Path]:
     with pytest.MonkeyPatch.context() as patch:
         patch.setenv("XDG_STATE_HOME", str(folder))
         patch.delenv("COLUMNS", raising=False)
+        os.unsetenv(
+            "COLUMNS"
+        )  # GNU readline, which pytest loads, sets it without os.environ: programs would inherit it
         yield folder
 
 
