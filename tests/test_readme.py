@@ -52,7 +52,11 @@ def arguments_of(line: str) -> list[str]:
 
 def run(line: str, folder: Path) -> subprocess.CompletedProcess[str]:
     command = [Path(sys.executable).with_name("twistarm"), *arguments_of(line)]
-    return subprocess.run(command, cwd=folder, capture_output=True, text=True, timeout=120, check=False)
+    # As this process sees it: readline, which pytest loads, tells children alone of a terminal 80 columns wide.
+    environment = dict(os.environ)
+    return subprocess.run(
+        command, cwd=folder, capture_output=True, text=True, timeout=120, check=False, env=environment
+    )
 
 
 def test_the_readme_has_programs_and_commands() -> None:
