@@ -252,7 +252,7 @@ def test_the_command(
 
 
 @pytest.mark.browser
-@pytest.mark.parametrize("size", [(1280, 720), (320, 640)])
+@pytest.mark.parametrize("size", [pytest.param((1280, 720), marks=pytest.mark.slow), (320, 640)])
 def test_a_real_browser_draws_the_whole_arm(tmp_path: Path, scratch: Path, size: tuple[int, int]) -> None:
     """Screws are drawn pink, and in no other place but the legend: they show where the arm is."""
     try:

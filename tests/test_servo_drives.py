@@ -13,7 +13,7 @@ from twistarm.servo import JogCommand, ServoState, ServoStatus, TwistCommand, se
 
 QUICK, WHOLE = 25, 1000
 
-SIZES = range(3, 9)
+SIZES = [pytest.param(n, marks=pytest.mark.slow) if n in (4, 6, 7) else n for n in range(3, 9)]
 
 AWAY = 0.1
 """Least singular value, metres measured in the reach, of a posture away from singularities."""

@@ -79,7 +79,7 @@ def hear(viewer: Viewer, heard: Callable[[dict[str, Any]], bool]) -> Page:
     """A page that stays until the findings are as `heard` wants them."""
 
     async def read(page: Page) -> None:
-        await page.until(lambda: heard(page.latest["findings"]))
+        await page.until(lambda: "findings" in page.latest and heard(page.latest["findings"]))
 
     return visit(viewer, read)
 

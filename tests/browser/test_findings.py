@@ -10,6 +10,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from arms import ARMS
 from numpy.testing import assert_allclose
 from waiting import draw, settled, until
 
@@ -228,7 +229,7 @@ def test_the_stand_alone_page_has_the_findings_too(page: Any, arm: Arm, tmp_path
     assert points_at_nothing(page)
 
 
-@pytest.mark.parametrize("name", ["rover_arm", "rover_arm_6dof", "panda"])
+@pytest.mark.parametrize("name", ARMS)
 def test_every_arm_s_page_lists_what_the_doctor_finds(page: Any, name: str) -> None:
     arm = load_arm(name)
     with Viewer(arm, open_browser=False) as viewer:

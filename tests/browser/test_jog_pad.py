@@ -10,6 +10,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from arms import ARMS
 from jogging import HIDE
 from numpy.testing import assert_allclose
 from numpy.typing import NDArray
@@ -123,7 +124,7 @@ def along(actual: Any, expected: Any) -> None:
     assert_allclose(actual / np.linalg.norm(actual), expected, atol=0.02)
 
 
-@pytest.mark.parametrize("name", ["rover_arm", "rover_arm_6dof", "panda"])
+@pytest.mark.parametrize("name", ARMS)
 def test_a_button_held_by_mouse_moves_the_tool_along_its_axis(benches: Benches, name: str) -> None:
     bench = benches[name]
     arm, page = bench.arm, bench.drive(bench.arm.ready)

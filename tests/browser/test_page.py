@@ -32,7 +32,7 @@ MEMBERS = (
 )
 """What the page uses of Meshcat's viewer, private or not."""
 
-ARMS = ("rover_arm", "rover_arm_6dof", "panda")
+ARMS = ("rover_arm", pytest.param("rover_arm_6dof", marks=pytest.mark.slow), "panda")
 
 
 Opened = Callable[[], AbstractContextManager[Any]]

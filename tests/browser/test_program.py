@@ -11,6 +11,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from arms import ARMS
 from numpy.testing import assert_allclose, assert_array_equal
 from waiting import settled, until
 
@@ -26,8 +27,6 @@ DRAWN = 1e-12
 """Meshcat takes a matrix apart into position, quaternion and scale: a few roundings in double precision."""
 
 POSE = '{"name": "p", "theta": [0]}'
-
-ARMS = ("rover_arm", "rover_arm_6dof", "panda")
 
 
 @functools.cache

@@ -8,6 +8,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from arms import ARMS
 from numpy.testing import assert_allclose
 from scipy.spatial.transform import Rotation
 from test_page import DRAWN, assert_drawn, load
@@ -19,7 +20,6 @@ from twistarm.viewer import Viewer
 
 pytestmark = pytest.mark.browser
 
-ARMS = ("rover_arm", "rover_arm_6dof", "panda")
 
 MET = 3e-6
 """The solver's tolerance [m, rad], and its part that every coordinate may have."""

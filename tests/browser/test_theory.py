@@ -334,6 +334,7 @@ def test_numbers_are_asked_for_while_the_panel_is_open(page: Any, viewer: Viewer
 # other arms ----------------------------------------------------------------------------------------------------------
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", ["rover_arm_6dof", "panda"])
 def test_other_arms(open_page: Opened, name: str) -> None:
     arm = load_arm(name)
