@@ -68,8 +68,7 @@ def _line(path: Path, load: dict[str, Any], samples: int) -> Line:
         arm = load_arm(path, **load)
     except TwistarmError as error:
         findings = getattr(error, "findings", ())
-        why = next((one.what for one in findings if one.severity == "error"), str(error))
-        return Line(PART, None) if is_part(path, findings) else refused(why, error=str(error))
+        return Line(PART, None) if is_part(path, findings) else refused(str(error), findings, error=str(error))
     result = crosscheck(arm, samples)
     worst = max((row.worst for row in result.comparisons if not row.not_compared), default=0.0)
     return Line("ok" if result.ok else "WRONG", result.ok, arm, f"worst difference {worst:.1e}", {"worst": worst})

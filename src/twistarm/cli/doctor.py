@@ -168,7 +168,7 @@ def _line(path: Path, load: dict[str, Any], strict: bool) -> Line:
         return Line(PART, None)
     more = {"findings": [finding_json(one) for one in found]}
     if diagnosis.arm is None:
-        return refused(found[0].what, **more)
+        return refused("", found, **more)
     return Line(counted(found), _good(diagnosis, strict), diagnosis.arm, _grave(found), more)
 
 

@@ -1,20 +1,23 @@
-"""`check` and `doctor` over a folder: every description in turn, a line each."""
+"""`check` and `doctor` over a folder: every description in turn, an entry each."""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
-from textwrap import shorten
 from typing import Any
 
+from rich.markup import escape
+from rich.table import Table
+
 from ..arm import Arm
+from ..description.findings import Finding
 from ..doctor.folder import descriptions_in
-from .output import console, print_json, progress_bar, table
+from .output import console, print_json, progress_bar
 from .wording import as_typed
 
-LONGEST = 80
-"""Characters of a reason in a folder's table: twistarm doctor FILE tells the rest."""
+VERDICT = 24
+"""Characters of a verdict on a line."""
 
 PART = "no robot: macros only"
 """The verdict on a file that others include."""
@@ -31,9 +34,11 @@ class Line:
     more: Mapping[str, Any] = field(default_factory=dict)
 
 
-def refused(why: str, **more: Any) -> Line:
-    """The line of a file that cannot be loaded."""
-    return Line("refused", False, detail=shorten(as_typed(why), LONGEST, placeholder=" …"), more=more)
+def refused(said: str, found: Iterable[Finding] = (), /, **more: Any) -> Line:
+    """The line of a file that cannot be loaded: its first error and the remedy, else what was `said`."""
+    error = next((one for one in found if one.severity == "error"), None)
+    why = said if error is None else "; ".join(filter(None, (error.what, error.remedy)))
+    return Line("refused", False, detail=as_typed(why), more=more)
 
 
 def walk(folder: Path, title: str, look: Callable[[Path], Line], *, json: bool) -> int:
@@ -53,19 +58,22 @@ def walk(folder: Path, title: str, look: Callable[[Path], Line], *, json: bool) 
 
 
 def _print(folder: Path, title: str, lines: Mapping[Path, Line]) -> None:
-    columns = ["file", "verdict", "joints", "tip", "detail"]
-    rows = [[str(path), line.verdict, *_arm(line.arm), line.detail] for path, line in lines.items()]
-    console().print(table(f"{folder}: {title}", columns, rows, text=["verdict", "tip", "detail"]))
-    judged = [line.good for line in lines.values() if line.good is not None]
+    page = Table.grid(padding=(0, 2, 0, 0))
+    page.add_column(max_width=VERDICT)
+    page.add_column(overflow="fold")
+    judged = {path: line for path, line in lines.items() if line.good is not None}
+    for path, line in judged.items():
+        said = [escape(str(path)), f"[dim]{escape(_arm(line.arm))}[/dim]" if line.arm else "", escape(line.detail)]
+        page.add_row(escape(line.verdict), "\n".join(part for part in said if part))
+    console().print(f"[bold]{escape(str(folder))}: {title}[/bold]", page)
     apart = f" (beside {len(lines) - len(judged)} with macros only)" if len(judged) < len(lines) else ""
-    print(f"{sum(judged)} of {len(judged)} good{apart}")
+    print(f"{sum(bool(line.good) for line in judged.values())} of {len(judged)} good{apart}")
 
 
-def _arm(arm: Arm | None) -> tuple[object, str]:
+def _arm(arm: Arm) -> str:
     """How many joints, and the tip; whether it was chosen for want of anybody who says which."""
-    if arm is None:
-        return "", ""
-    return arm.n, f"{arm.tip} (chosen)" if any(one.code == "several-tips" for one in arm.findings) else arm.tip
+    chosen = " (chosen)" if any(one.code == "several-tips" for one in arm.findings) else ""
+    return f"{arm.n} joint{'s' * (arm.n != 1)} from {arm.base} to {arm.tip}{chosen}"
 
 
 def _as_json(path: Path, line: Line) -> dict[str, Any]:
