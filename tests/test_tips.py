@@ -34,6 +34,8 @@ TIPS = {
     "its flange behind it": (f"{SIX} -> end_effector_link -> end_effector_flange_link", "end_effector_link"),
     "and what it grabs with": (f"{SIX} -> end_effector -> end_effector_grabber", "end_effector"),
     "two alike behind each other": (f"{SIX} -> arm_tool_link -> wrist_ft_tool_link", "wrist_ft_tool_link"),
+    "a tool on a tool0": (f"{SIX} -> flange -> tool0 -> gripper_base [{FINGERS} | -> grasp_link]", "grasp_link"),
+    "a tool0 below no tool": (f"{SIX} -> tool0 -> plate", "tool0"),
     "a grasp target": (f"{SIX} -> hand [{FINGERS} | -> panda_grasptarget]", "panda_grasptarget"),
     "a flange behind a sensor": (f"{SIX} [-> flange | -> ft_frame]", "flange"),
     "a name in the middle is none": ("base R> l1 R> ee_link R> l3 R> l4 R> l5", "l5"),
@@ -50,6 +52,9 @@ TIPS = {
     "a linkage": (f"{SIX} -> gripper_base_link [{PARALLEL.format('')}]", "gripper_base_link"),
     "three fingers and a frame": (
         f"{SIX} [-> end_effector | R> f1 R> tip_1 | R> f2 R> tip_2 | R> f3 R> tip_3]", "end_effector"
+    ),
+    "jointed fingers that follow": (
+        f"{SIX} [P> middle | Rm> left_1 P> left_2 R> left_3 | Rm> right_1 Pm> right_2 Rm> right_3]", "l6"
     ),
     "a hand with a longer thumb": (
         f"{SIX} -> wrist [R> a1 R> a2 | R> b1 R> b2 | R> c1 R> c2 | R> d1 R> d2 R> d3]", "wrist"

@@ -194,11 +194,15 @@ def _may_be_palm(body: Body) -> bool:
 
 
 def _alike(short: Sequence[Body]) -> Sequence[Body]:
-    """The longest branches of one length and one type of joint that oppose each other, or are more than two."""
+    """The longest branches of one length and one type of joint that oppose each other, or are more than two.
+
+    Only branches of which one follows another are a pair of fingers of more than two joints.
+    """
     for height in sorted({child.height for child in short}, reverse=True):
         for kind in ("prismatic", "revolute", "continuous"):
             alike = [child for child in short if child.height == height and child.joint and child.joint.type == kind]
-            pair = len(alike) > 1 and height < LONGEST_FINGER and _opposed(alike)
+            coupled = any(child.joint and child.joint.mimic for child in alike)
+            pair = len(alike) > 1 and (height < LONGEST_FINGER or coupled) and _opposed(alike)
             if pair or len(alike) > LONGEST_FINGER:
                 return alike
     return ()

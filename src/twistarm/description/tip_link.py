@@ -6,7 +6,7 @@ from collections import Counter
 from typing import NamedTuple
 
 from .limbs import Body
-from .link_names import carries_tool, finger_named, is_flange, is_ornament, tool_rank
+from .link_names import carries_tool, finger_named, is_flange, is_ornament, is_tool, tool_rank
 from .tree import Description
 
 
@@ -21,9 +21,10 @@ class TipLink(NamedTuple):
 def tip_link(description: Description, end: Body) -> TipLink:
     """The link of the body that a person would name.
 
-    The one with the most usual name; of several such the outermost, if they lie behind one another. Else, with
-    fingers, the frame between them or their palm. Else the only end that is no ornament, or the only one named as a
-    flange or a hand, or the link that carries them all, if they are parts with a shape.
+    The one with the most usual name, a tool's own before the `tool0` it is screwed on; of several such the outermost,
+    if they lie behind one another. Else, with fingers, the frame between them or their palm. Else the only end that is
+    no ornament, or the only one named as a flange or a hand, or the link that carries them all, if they are parts with
+    a shape.
     """
     usual = _usual(end)
     if usual:
@@ -47,9 +48,14 @@ def speaks(end: Body) -> bool:
 
 
 def _usual(end: Body) -> list[str]:
-    """The links with usual names, the most usual first, and of equal ones the outermost."""
-    ranked = [(rank, -len(end.inward(link)), link) for link in end.links if (rank := tool_rank(link)) is not None]
-    return [link for _, _, link in sorted(ranked, key=lambda one: one[:2])]
+    """The links with usual names, the most usual first, of equal ones the outermost; last a tool0 below a tool."""
+    carriers = {link for tool in end.links if is_tool(tool) for link in end.inward(tool)[1:] if tool_rank(link) == 0}
+    ranked = [
+        (link in carriers, rank, -len(end.inward(link)), link)
+        for link in end.links
+        if (rank := tool_rank(link)) is not None
+    ]
+    return [link for *_, link in sorted(ranked, key=lambda one: one[:3])]
 
 
 def _ends(end: Body) -> list[str]:
