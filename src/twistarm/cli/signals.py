@@ -16,7 +16,8 @@ def ended_like_ctrl_c() -> Iterator[list[int]]:
     """A closed terminal and `kill` end what runs as Ctrl-C does: the arm is brought to rest, the poses are kept.
 
     The process then ends by the signal that it was sent, as whoever sent it expects; where something inside takes the
-    interruption for its own end, it does so by `end_by` and the list that the context gives.
+    interruption for its own end, it does so by `end_by` and the list that the context gives. A signal that is ignored,
+    as a closed terminal is under `nohup`, stays so.
     """
     sent: list[int] = []
 
@@ -24,7 +25,8 @@ def ended_like_ctrl_c() -> Iterator[list[int]]:
         sent.append(number)
         raise KeyboardInterrupt
 
-    before = {number: signal.signal(number, end) for number in (signal.SIGTERM, signal.SIGHUP)}
+    heeded = [number for number in (signal.SIGTERM, signal.SIGHUP) if signal.getsignal(number) != signal.SIG_IGN]
+    before = {number: signal.signal(number, end) for number in heeded}
     try:
         yield sent
     except KeyboardInterrupt:
