@@ -158,6 +158,32 @@ def test_a_jog_is_one_step_and_while_a_servo_drives_nothing_is_moved_back(stage:
     assert_array_equal(stage.theta, began)
 
 
+def test_what_was_recorded_during_a_drive_outlives_its_undoing(stage: Stage) -> None:
+    began = stage.theta
+    stage.begin_drive("")
+    stage.show(began - 0.1)
+    ask(stage, "record", name="taught")
+    stage.end_drive(False)
+    undo(stage)
+    assert_array_equal(stage.theta, began)
+    assert names(stage)[-1] == "taught"
+    undo(stage)
+    assert "taught" not in names(stage)
+
+
+def test_a_joint_beside_the_arm_is_put_back_alone_and_while_a_servo_drives() -> None:
+    stage = Stage(load_arm("rover_arm"))
+    ask(stage, "joint", name="finger_left", value=0.02)
+    stage.show(stage.theta + 0.1)  # by Python, which is no step
+    there = stage.theta
+    stage.begin_drive("")
+    undo(stage)
+    assert stage.others["finger_left"] == 0.0
+    assert_array_equal(stage.theta, there)
+    undo(stage, "redo")
+    assert stage.others["finger_left"] == 0.02
+
+
 def test_over_the_socket_a_pose_is_reached_frame_by_frame() -> None:
     async def use(page: Page) -> None:
         seen = set()

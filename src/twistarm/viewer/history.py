@@ -52,11 +52,12 @@ class Seen(NamedTuple):
 
 @dataclass(frozen=True, eq=False)
 class Step:
-    """Either the list or where the arm stood, as it was before; `words` say what changed it since."""
+    """What was changed, as it was before: the list, theta, or the joints beside the arm; `words` say by what."""
 
     words: str
     poses: tuple[RecordedPose, ...] | None = None
-    stood: tuple[Array, Mapping[str, float]] | None = None
+    theta: Array | None = None
+    others: Mapping[str, float] | None = None
 
 
 class History:
@@ -75,7 +76,7 @@ class History:
         if not source:
             raise InputError(f"nothing to {request.kind}")
         step = source[-1]
-        if step.stood is not None:
+        if step.theta is not None:
             stage.require_free()
         source.pop()
         sink.append(self._taken_back(step, stage, request.fields["ease"], now))
@@ -94,10 +95,13 @@ class History:
         words = WORDS[kind].format(name=name)
         if after.poses is not before.poses:
             self._keep(Step(words, poses=before.poses))
-        elif not np.array_equal(after.theta, before.theta) or after.others != before.others:
+            return
+        theta = None if np.array_equal(after.theta, before.theta) else before.theta
+        others = None if after.others == before.others else before.others
+        if theta is not None or others is not None:
             (last, at), now = self._last, monotonic()
             if last != words or now - at > PAUSE:
-                self._keep(Step(words, stood=(before.theta, before.others)))
+                self._keep(Step(words, theta=theta, others=others))
             self._last = (words, now)
 
     def _keep(self, step: Step) -> None:
@@ -107,12 +111,12 @@ class History:
 
     def _taken_back(self, step: Step, stage: Stage, ease: bool, now: float) -> Step:
         """Put back what the step has kept; the step that undoes this again."""
-        now_there = stage.seen()
+        there = stage.seen()
         if step.poses is not None:
             stage.program.list.restore(step.poses)
-            return Step(step.words, poses=now_there.poses)
-        assert step.stood is not None, "a step has changed one of the two"
-        theta, others = step.stood
-        stage.others = dict(others)
-        stage.go(theta, ease, now)
-        return Step(step.words, stood=(now_there.theta, now_there.others))
+        if step.others is not None:
+            stage.others = dict(step.others)
+        if step.theta is not None:
+            stage.go(step.theta, ease, now)
+        changed = {name: value for name, value in there._asdict().items() if getattr(step, name) is not None}
+        return Step(step.words, **changed)

@@ -80,7 +80,7 @@ class Stage:
         self.driven = self.jogging = False
         self.report: dict[str, Any] = SILENT
         self.drive: Message = NO_DRIVE
-        self._before_drive = self.seen()
+        self._before_drive = self.theta
 
     def show(self, theta: Array) -> None:
         """Stand at theta (n,); whatever moves the arm stops."""
@@ -188,14 +188,15 @@ class Stage:
     def begin_drive(self, note: str) -> None:
         """A servo of the pages' own drives the arm; `note`: the limits that it had to choose."""
         self._stop()
-        self._before_drive = self.seen()
+        self._before_drive = self.theta
         self.take_commands()
         self.drive = {"type": "drive", "on": True, "note": note}
 
     def end_drive(self, taken_over: bool) -> None:
         """It has ended; `taken_over`: another servo drives by now."""
         self.drive = NO_DRIVE
-        self.history.note("jog", "", self._before_drive, self.seen())
+        after = self.seen()  # the list and the joints beside the arm were free, and have steps of their own
+        self.history.note("jog", "", after._replace(theta=self._before_drive), after)
         if not taken_over:
             self.hear(None)
 
