@@ -59,6 +59,10 @@ def kept(home: Path, ending: str) -> Path:
     return path
 
 
+def poses_in(file: Path) -> list[str]:
+    return [pose["name"] for pose in json.loads(file.read_text())["poses"]]
+
+
 def until_kept(home: Path) -> Path:
     end = time.monotonic() + WAIT
     while not any(home.glob("*.json")):
@@ -92,8 +96,7 @@ def test_the_address_the_poses_and_theta_are_those_of_the_last_run(arm: Arm, hom
 def test_the_list_is_written_as_it_changes_not_only_at_the_end(arm: Arm, home: Path, port: int) -> None:
     with at(arm, port) as viewer:
         visit(viewer, record("one"))
-        found = json.loads(until_kept(home).read_text())
-        assert [pose["name"] for pose in found["poses"]] == ["one"]
+        assert poses_in(until_kept(home)) == ["one"]
 
 
 def test_fresh_has_another_address_and_no_poses(arm: Arm, home: Path, port: int) -> None:
@@ -167,12 +170,32 @@ def test_what_does_not_fit_the_arm_any_more_is_left_out_and_stays_on_the_disk(
         assert re.search(r"one does not fit: the pose 'bent': pitch = 1.2 is outside", note)
         assert visit(viewer, nothing).latest["notice"] == {"type": "notice", "words": note, "wrong": False}
     (old,) = home.glob("*.old.json")
-    assert [pose["name"] for pose in json.loads(old.read_text())["poses"]] == ["bent", "low"]
+    assert poses_in(old) == ["bent", "low"]
     path.write_text(ARM.replace('name="pitch"', 'name="elbow"'))
     with at(load_arm(path, tip="tool0"), port) as viewer:
         assert viewer.poses == {}
         assert "the list moves yaw, pitch, slide; small has yaw, elbow, slide" in viewer.notes[0]
-    assert [pose["name"] for pose in json.loads(old.read_text())["poses"]] == ["low"]
+    assert poses_in(old) == ["bent", "low"]
+    (later,) = home.glob("*.old2.json")
+    assert poses_in(later) == ["low"]
+
+
+def test_poses_left_out_by_one_load_after_another_are_on_the_disk_still(tmp_path: Path, home: Path, port: int) -> None:
+    """What an earlier load has set aside, a later one neither replaces nor stops being kept for."""
+    path = tmp_path / "arm.urdf"
+    path.write_text(ARM)
+    with at(load_arm(path, tip="tool0"), port, theta=(0.4, 1.2, 0.1)) as viewer:
+        visit(viewer, record("bent"))
+        viewer.show((0.4, 0.3, 0.1))
+        visit(viewer, record("low"))
+        for upper in ("0.5", "0.51", "0.2", "0.21"):
+            path.write_text(ARM.replace('upper="1.5"', f'upper="{upper}"'))
+            words = viewer.load(load_arm(path, tip="tool0"))
+            assert any("what was kept is in" in word for word in words) == (upper in ("0.5", "0.2"))
+        viewer.show((0.4, 0.1, 0.1))
+        visit(viewer, record("flat"))
+    assert poses_in(kept(home, ".json")) == ["flat"]
+    assert {name for file in home.glob("*.old*.json") for name in poses_in(file)} == {"bent", "low"}
 
 
 # whom it trusts ---------------------------------------------------------------------------------------
@@ -184,7 +207,8 @@ def test_a_token_file_that_others_could_have_read_or_made_is_replaced(
     secret = Memory("127.0.0.1", port).token()
     file = kept(home, ".token")
     elsewhere = tmp_path / "elsewhere"
-    elsewhere.write_text("not ours")
+    elsewhere.write_text("A" * 22)  # a token, and of this user: but somebody chose where it is
+    elsewhere.chmod(0o600)
 
     def open_to_others() -> None:
         file.chmod(0o644)
@@ -216,7 +240,7 @@ def test_a_token_file_that_others_could_have_read_or_made_is_replaced(
         assert again.token() == token
         assert again.notes == []
         secret = token
-    assert elsewhere.read_text() == "not ours"
+    assert elsewhere.read_text() == "A" * 22
     a_pipe()
     memory = Memory("127.0.0.1", port)
     assert memory.token() != secret

@@ -86,8 +86,7 @@ class Memory:
                 aside = self._folder.set_aside(self._file)
                 self.notes.append(f"of the poses kept, one{more} does not fit: {left[0]}; all are in {aside}")
         except TwistarmError as error:
-            self.notes.append(f"the poses kept are not taken: {error}")
-            self.set_aside()
+            self.notes += [f"the poses kept are not taken: {error}", self._set_aside()]
 
     def _take(self, content: bytes, stage: Stage, stands: bool) -> list[str]:
         """What was left of the file, in words."""
@@ -100,15 +99,24 @@ class Memory:
         self._kept = "" if left else self._text(stage)
         return left
 
-    def set_aside(self) -> None:
-        """Leave what is on the disk to whoever looks for it: it is not to be written over."""
+    def set_aside(self, stage: Stage) -> list[str]:
+        """Leave what there is to keep to whoever looks for it, and begin another file; where it is, in words."""
         if self._folder is None:
-            return
+            return []
         try:
-            self.notes.append(f"what was kept is in {self._folder.set_aside(self._file)} now")
+            self.keep(stage)  # it may have changed a moment ago
         except TwistarmError as error:
-            self.notes.append(f"nothing will be kept: {error}")
+            return [f"the poses cannot be set aside: {error}"]
+        return [self._set_aside()]
+
+    def _set_aside(self) -> str:
+        assert self._folder is not None, "there is a file to set aside"
+        try:
+            self._kept = ""
+            return f"what was kept is in {self._folder.set_aside(self._file)} now"
+        except TwistarmError as error:
             self._folder = None
+            return f"nothing will be kept: {error}"
 
     def keep(self, stage: Stage) -> None:
         """Write what there is to keep, if that is another than the last time. Raises TwistarmError where it cannot."""

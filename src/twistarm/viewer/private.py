@@ -5,6 +5,7 @@ from __future__ import annotations
 import os
 import stat
 import sys
+from itertools import count
 from pathlib import Path
 
 from ..errors import InputError
@@ -75,9 +76,10 @@ class PrivateFolder:
         write_whole(path, content, private=True)
 
     def set_aside(self, name: str) -> Path:
-        """Give the file another name, at which it can be looked at; what had that name before is lost."""
+        """Give the file another name, which is free, and at which it can be looked at."""
         path = self.path / name
+        names = (path.with_suffix(f".old{'' if k == 1 else k}{path.suffix}") for k in count(1))
         try:
-            return path.replace(path.with_suffix(".old" + path.suffix))
+            return path.replace(next(free for free in names if not os.path.lexists(free)))
         except OSError as error:
             raise InputError(f"{path} cannot be renamed: {error.strerror or error}") from error

@@ -184,8 +184,8 @@ class Server:
         if old.driven:
             raise InputError(f"a servo drives {old.arm.name}: another arm is shown once it has ended")
         words = carry(old, stage)
-        if stage.left and self.memory is not None:
-            self.memory.set_aside()
+        if self.memory is not None and any(pose not in old.left for pose in stage.left):
+            words += self.memory.set_aside(old)
         self._consultation.cancel()
         scene.draw_again(self.scene.exact)
         self._take(stage, scene)
