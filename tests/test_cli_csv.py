@@ -99,6 +99,7 @@ def test_joints_may_be_left_out_and_be_in_degrees(tmp_path: Path, capsys: Captur
 BAD = {
     "numbers that are none": ("x,y,z\n1,a,1\n1,1,1\n1,,1\n", "line 2: 'a' is no number; also bad: line 4"),
     "a row too short": ("x,y,z\n1,1,1\n1,1\n", "line 3: 2 values where there are 3 columns"),
+    "a row too long": ("x,y,z\n1,1,1\n1,1,1,1\n", "line 3: 4 values where there are 3 columns"),
     "decimal commas": ("0,4;0,1;0,3\n", "line 1: '0,4': decimals have a point, as in 0.4"),
     "no length": ("x,y,z,dx,dy,dz\n1,1,1,0,0,0\n", "line 2: direction must not be the zero vector"),
     "no quaternion": ("x,y,z,qx,qy,qz,qw\n1,1,1,1,1,1,1\n", "line 2: a quaternion has length 1; this one has 2"),
