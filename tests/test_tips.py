@@ -166,6 +166,14 @@ def test_what_is_equal_is_asked(case: str, tmp_path: Path) -> None:
     assert len(str(caught.value)) < 400
 
 
+def test_what_does_not_turn_against_each_other_is_no_pair_of_fingers(tmp_path: Path) -> None:
+    """Two short branches beyond a wrist are fingers only if their axes are parallel."""
+    before, joint, after = skeleton(f"{SIX} [R> l7 | R> l8]").partition('<joint name="to l8"')
+    assert 'xyz="0 0 1"' in after
+    with pytest.raises(DescriptionError, match="'l7' \\(7 joints\\), 'l8' \\(7 joints\\)"):
+        load_arm(write(tmp_path, before + joint + after.replace('axis xyz="0 0 1"', 'axis xyz="1 0 0"', 1)))
+
+
 def test_with_a_base_the_tip_is_looked_for_beyond_it(tmp_path: Path) -> None:
     path = write(tmp_path, skeleton("torso [-> l0 R> l1 R> l2 -> l_tcp | -> r0 R> r1 R> r2 -> r_tcp]"))
     assert load_arm(path, base="r0").tip == "r_tcp"

@@ -84,6 +84,26 @@ def test_what_is_thin_does_not_vanish(seed: int) -> None:
     assert_allclose(np.ptp(coarse.reshape(-1, 3), axis=0), np.ptp(rod.vertices, axis=0), atol=0.04)
 
 
+def test_a_plate_far_thinner_than_the_cells_keeps_both_its_sides() -> None:
+    plate = trimesh.creation.box((1.0, 1.0, 0.01))
+    for _ in range(6):
+        plate = plate.subdivide()
+    assert mesh_of(simplified(plate.triangles, 2_000)).volume == pytest.approx(0.01, rel=0.02)
+
+
+def test_where_planes_are_almost_parallel_nothing_leaves_the_box_around_the_mesh() -> None:
+    """Rough sheet: the planes of a cell meet far away."""
+    n = 120
+    x, y = np.meshgrid(np.linspace(0, 1, n), np.linspace(0, 1, n))
+    rough = np.stack([x, y, 5e-4 * np.random.default_rng(0).standard_normal((n, n)) + 0.02 * np.abs(x - 0.5)], -1)
+    a, b, c, d = (rough[i : n - 1 + i, j : n - 1 + j].reshape(-1, 3) for i, j in ((0, 0), (1, 0), (1, 1), (0, 1)))
+    sheet = np.concatenate([np.stack([a, b, c], 1), np.stack([a, c, d], 1)])
+    coarse = simplified(sheet, 1_500)
+    assert len(coarse) < 2_000
+    assert (coarse >= sheet.min(axis=(0, 1))).all()
+    assert (coarse <= sheet.max(axis=(0, 1))).all()
+
+
 # normals ----------------------------------------------------------------------------------------------
 
 
