@@ -225,7 +225,7 @@ def test_an_include_that_changes_breaks_vanishes_and_is_mended(watched: Any, sou
     main.write_text(XACRO.replace('upper="1.5"', 'upper="0.5"'))
     until(lambda: "moved to the nearer limit: 'pitch'" in words(viewer))
     assert_allclose(viewer.theta, [0.5])
-    assert said[-1] == "loaded again; moved to the nearer limit: 'pitch'"
+    until(lambda: said[-1] == "loaded again; moved to the nearer limit: 'pitch'")
     assert said[0].startswith("not loaded again: ")
     main.unlink()
     os.mkfifo(main)
