@@ -198,11 +198,16 @@ def test_the_saved_page_stands_as_the_one_it_was_saved_from_and_its_joints_move(
             page.keyboard.press("ControlOrMeta+Shift+z")
         assert page.evaluate("twistarm.state.frame.theta") == [0.0, 0.0], "at once"
         assert page.get_by_role("button", name="Redo").get_attribute("title") == "Nothing to redo"
+        turned = page.evaluate("twistarm.state.frame.others.turn")
+        page.locator('input[data-joint="turn"]').press("ArrowRight")
         page.get_by_role("tab", name="Theory").click()
         assert page.get_by_text("You moved the arm").is_visible()
         page.get_by_role("button", name="Play").click()
         until(page, "!twistarm.state.frame.running && twistarm.state.frame.time > 0")
         assert page.get_by_text("You moved the arm").is_hidden()
+        assert page.evaluate("twistarm.state.frame.others.turn") > turned
+        page.keyboard.press("ControlOrMeta+z")
+        assert page.evaluate("twistarm.state.frame.others.turn") == turned
         assert_allclose(page.evaluate("twistarm.state.frame.theta"), 0.8 * arm.ready, atol=1e-8)
 
 

@@ -32,8 +32,9 @@ export class LocalArm {
       const limits = span(joint.range, joint.unit);
       return this.act.refuse(`${name} = ${shown(value, joint.unit)} is outside its limits ${limits}`);
     }
-    this.history.note(`move ${name}`, this.stood);
     const place = this.names.indexOf(name);
+    const { theta, others } = this.stood;
+    this.history.note(`move ${name}`, place < 0 ? { others } : { theta });
     if (place < 0) this.others = { ...this.others, [name]: value };
     else this.glide.stop();
     return this.stand(place < 0 ? this.theta : this.theta.with(place, value));
@@ -49,16 +50,18 @@ export class LocalArm {
   }
 
   go(words, goal) {
-    if (goal.every((value, i) => value === this.stood.theta[i])) return;
-    this.history.note(words, this.stood);
+    const { theta } = this.stood;
+    if (goal.every((value, i) => value === theta[i])) return;
+    this.history.note(words, { theta });
     this.glide.go(this.theta, goal);
   }
 
   // By "undo" or "redo".
   back(kind) {
     const { theta, others } = this.history.take(kind, this.stood);
-    this.others = others;
-    this.glide.go(this.theta, theta);
+    if (others) this.others = others;
+    if (theta) this.glide.go(this.theta, theta);
+    else this.stand(this.theta);
   }
 
   // Where it stands, or is about to.

@@ -1,4 +1,5 @@
-// The moves of an arm with nobody to ask, to be undone and done again; as history.py has them live.
+// The moves of an arm with nobody to ask, to be undone and done again; as history.py has them live. A step is what was
+// moved, as it was before: `theta`, or the joints beside the arm, `others`.
 
 const MOST = 100; // steps
 const PAUSE = 1000; // ms between two moves of the same kind from which on they are two: a drag is one
@@ -8,20 +9,21 @@ export class LocalHistory {
     Object.assign(this, { undo: [], redo: [], last: ["", -Infinity] });
   }
 
-  // Before what `words` say is done: where the arm stands.
-  note(words, stood) {
+  // Before what `words` say is done: what it moves.
+  note(words, before) {
     const [last, at] = this.last;
     const now = performance.now();
-    if (last !== words || now - at > PAUSE) this.undo = [...this.undo.slice(1 - MOST), { words, stood }];
+    if (last !== words || now - at > PAUSE) this.undo = [...this.undo.slice(1 - MOST), { words, before }];
     Object.assign(this, { redo: [], last: [words, now] });
   }
 
-  // Where the arm goes by "undo" or "redo" from where it stands.
-  take(kind, stood) {
-    const step = this[kind].pop();
-    this[kind === "undo" ? "redo" : "undo"].push({ ...step, stood });
+  // What is put back by "undo" or "redo"; `now`: theta and others as they are.
+  take(kind, now) {
+    const { words, before } = this[kind].pop();
+    const changed = Object.fromEntries(Object.keys(before).map((part) => [part, now[part]]));
+    this[kind === "undo" ? "redo" : "undo"].push({ words, before: changed });
     this.last = ["", -Infinity];
-    return step.stood;
+    return before;
   }
 
   // What each would do; null: nothing.
