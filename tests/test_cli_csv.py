@@ -49,6 +49,15 @@ def test_a_strangers_targets_are_read(case: str, tmp_path: Path, capsys: Capture
     assert np.linalg.norm(pin.log3(g[:3, :3] @ ROTATION.as_matrix().T)) < 3e-6
 
 
+@pytest.mark.parametrize("encoding", ["utf-8-sig", "utf-16", "latin-1"])
+def test_standard_input_is_read_as_a_file_is(encoding: str, capsys: Capture, monkeypatch: pytest.MonkeyPatch) -> None:
+    data = AS_WRITTEN["units, tabs, a column of words"].encode(encoding)
+    monkeypatch.setattr("sys.stdin", io.TextIOWrapper(io.BytesIO(data), "utf-8"))
+    assert run(["ik", "ur5", "--targets", "-", "--json"]) == 0
+    (answer,) = json.loads(capsys.readouterr().out)["answers"]
+    assert np.allclose(pinocchio_fk(load("ur5"), np.array(answer["theta"]))[:3, 3], [0.4, 0.1, 0.3], atol=2e-6)
+
+
 def test_positions_without_a_header_take_the_orientation_that_is_typed(tmp_path: Path, capsys: Capture) -> None:
     arm, file, out = load("ur5"), tmp_path / "targets.csv", tmp_path / "answers.csv"
     file.write_text("# picks\n0.4,0.1,0.3\n\n9,9,9\n0.4,-0.1,0.3\n", "utf-8")

@@ -14,7 +14,7 @@ import numpy as np
 import typer
 
 from ..checks import Array
-from ..description.document import read_text
+from ..description.document import decoded, read_text
 from ..description.geometry import number
 from ..errors import InputError, listed, shown
 from .output import note
@@ -131,7 +131,8 @@ def read_sheet(path: str, names: str | None) -> Sheet:
     Lines that begin with # are comments, but for one before the first row that is a header for as many columns.
     """
     file = "standard input" if path == STDIN else path
-    lines = (sys.stdin.read() if path == STDIN else read_text(Path(path), MAX_BYTES)).splitlines()
+    text = decoded(sys.stdin.buffer.read()) if path == STDIN else read_text(Path(path), MAX_BYTES)
+    lines = text.splitlines()
     written = next((line for line in lines if line.strip() and not _is_comment(line)), "")
     rows = _rows(lines, written, file)
     if not rows:

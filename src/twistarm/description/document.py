@@ -85,7 +85,7 @@ def note_file(path: Path) -> None:
 
 
 def read_text(path: Path, most: int = MAX_BYTES) -> str:
-    """The file's text: UTF-16 by its byte-order mark, UTF-8 with or without one, else Latin-1.
+    """The file's text, by `decoded`.
 
     Raises DescriptionError for a file of more than `most` bytes, and for one that cannot be read.
     """
@@ -103,6 +103,11 @@ def read_text(path: Path, most: int = MAX_BYTES) -> str:
         missing = isinstance(error, FileNotFoundError)
         remedy = "is the path right?" if missing else "check the disk and the file's permissions"
         raise refusal("file-unreadable", Place(str(path)), what, remedy) from error
+    return decoded(data)
+
+
+def decoded(data: bytes) -> str:
+    """Bytes as text: UTF-16 by its byte-order mark, UTF-8 with or without one, else Latin-1."""
     wide = data.startswith((codecs.BOM_UTF16_LE, codecs.BOM_UTF16_BE))
     try:
         return data.decode("utf-16" if wide else "utf-8-sig")
