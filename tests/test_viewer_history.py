@@ -9,7 +9,7 @@ from numpy.testing import assert_allclose, assert_array_equal
 from recorded_poses import HOME, REACH, ask, done, names, said
 from recorded_poses import stage as stage
 from twistarm import load_arm
-from twistarm.errors import InputError
+from twistarm.errors import InputError, LimitError
 from twistarm.viewer import Viewer, history
 from twistarm.viewer.stage import Stage
 from viewer_page import Page, visit
@@ -138,6 +138,16 @@ def test_whatever_else_moves_the_arm_ends_the_way_to_a_pose(stage: Stage, other:
     stage.advance(0.3)
     assert_array_equal(stage.theta, here)
     assert not stage.moving
+
+
+def test_what_is_refused_does_not_end_the_way_to_a_pose(stage: Stage) -> None:
+    ask(stage, "theta", theta=list(HOME))
+    ask(stage, "go", id=said(stage, "program")["poses"][1]["id"], ease=True)
+    stage.advance(0.2)
+    with pytest.raises(LimitError):
+        ask(stage, "joint", name=stage.arm.joint_names[2], value=99.0)
+    stage.advance(0.5)
+    assert_array_equal(stage.theta, REACH)
 
 
 def test_a_jog_is_one_step_and_while_a_servo_drives_nothing_is_moved_back(stage: Stage) -> None:

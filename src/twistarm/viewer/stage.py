@@ -144,8 +144,12 @@ class Stage:
         """Do what a page asks for, or return the job that will; TwistarmError, and nothing changed, where it cannot."""
         if self._drives(request):
             self.require_free()
-        before = self.seen()
-        job = self._handle(request, now)
+        before, glide = self.seen(), self._glide
+        try:
+            job = self._handle(request, now)
+        except Exception:
+            self._glide = glide
+            raise
         self._note(request, before)
         return None if job is None else replace(job, finish=partial(self._finish, job, request))
 
