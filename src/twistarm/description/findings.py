@@ -87,7 +87,7 @@ CODES: dict[str, Code] = {
     "limits-entry-unknown": Code("warning", "a file of limits has an entry of an unknown name"),
     "ready-named": Code("info", "the pose to start from is one that the description names"),
     # what hangs on the links
-    "mesh-missing": Code("warning", "mesh files were not found; frames are drawn instead"),
+    "mesh-missing": Code("warning", "mesh files were not found; simple shapes are drawn instead"),
     "bad-geometry": Code("warning", "a shape has no usable size or place; it is not drawn"),
     "inertial-unusable": Code("warning", "a mass or inertia cannot be read; the link counts as massless"),
     # packages and xacro

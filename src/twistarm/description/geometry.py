@@ -51,7 +51,7 @@ class Geometries:
             "mesh-missing",
             None,
             f"{len(names)} mesh file{'s' * (len(names) > 1)} not found: {listed(names, 2)}; the kinematics is whole",
-            "pass package_dirs=[folder that holds the package], or restore the files; frames are drawn instead",
+            "pass package_dirs=[folder that holds the package], or restore the files; simple shapes are drawn instead",
         )
 
     def _read(self, link: ET.Element, element: ET.Element) -> Geometry | None:
