@@ -62,7 +62,7 @@ def test_a_new_page_is_told_the_arm_the_scene_and_where_everything_stands(arm: A
         "left": 0,
         "exact": False,
         "simplified": False,
-        "notes": ["not drawn, the mesh was not found: 'a/b <i>'"],
+        "notes": ["drawn as simple shapes, the mesh was not found: 'a/b <i>'"],
     }
     assert frame["theta"] == list(THETA)
     poses = arm.poses(THETA, {"finger": 0.01})

@@ -352,6 +352,11 @@ def test_a_page_that_is_too_slow_says_so(page: Any, viewer: Viewer, heard: Heard
     viewer.show_servo(replace(ServoOutput.stale(np.zeros(1), ""), status=ServoStatus.OK, scale=1.0))
     until(page, f"{text('jog-servo')} === 'OK · {slow}'")
     until(page, f"{text('jog-servo')} === 'OK'")
+    viewer.show_servo(ServoOutput.stale(np.zeros(1), old))
+    page.evaluate("() => { const end = performance.now() + 300; while (performance.now() < end); }")
+    until(page, f"{text('jog-servo')} === '{old} · {slow}'")
+    viewer.show_servo(None)
+    until(page, "document.getElementById('jog').hidden")  # at once: nobody drives any more
     page.keyboard.up("w")
 
 

@@ -52,7 +52,7 @@ export class JogLine {
 
   heard() {
     const word = this.servo.status === "OK" && !this.steady ? "OK" : this.servo.reason;
-    const late = performance.now() - Math.min(this.slowed, this.staled) < LINGER;
+    const late = this.servo.jog && performance.now() - Math.min(this.slowed, this.staled) < LINGER;
     return late ? [word, "this browser is too slow: make the window smaller"].filter(Boolean).join(" · ") : word;
   }
 
