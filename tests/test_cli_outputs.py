@@ -57,7 +57,9 @@ def test_a_file_is_written_kept_replaced_and_piped(
     assert (folder / name).read_bytes()[:STABLE] == written
     capsysbinary.readouterr()
     assert run([*command, "-o", "-"]) == 0
-    assert capsysbinary.readouterr().out[:STABLE] == written
+    out, err = capsysbinary.readouterr()
+    assert out[:STABLE] == written
+    assert not err.decode().rstrip().endswith(" -"), "no command reads standard output again"
     assert sorted(os.listdir(folder)) == sorted(["arm.urdf", name])
     assert run([*command, "-o", f"nowhere/{name}"]) == 2
     assert b"does not exist; create it first" in capsysbinary.readouterr().err

@@ -16,7 +16,7 @@ from ..loading import load_arm
 from .folders import PART, Line, refused, walk
 from .options import Json, takes_arm, takes_source
 from .output import console, print_json, progress_bar, table
-from .outputs import Force, Output, outputs_of
+from .outputs import STDOUT, Force, Output, outputs_of
 
 Against = Annotated[Path | None, typer.Option(metavar="FILE", help="A golden file: say what has changed since.")]
 Samples = Annotated[int, typer.Option(min=1, max=1_000_000, help="Random configurations to compare at.")]
@@ -79,8 +79,9 @@ def freeze(arm: Arm, output: Output = None, force: Force = False) -> None:
     """Write a golden file: names, screws, home, limits, FK and Jacobians at 100 seeded configurations."""
     outputs = outputs_of(output or f"{Path(arm.name).name}.golden.json", {"json": (".json",)}, force=force)
     for name in outputs.write({"json": lambda: golden_text(arm)}):
-        later = f"later, with the same ARM and options: twistarm check … --against {name}"
-        print(f"{name}: {arm.name} frozen; {later}", file=outputs.words)
+        if name != STDOUT:
+            later = f"later, with the same ARM and options: twistarm check … --against {name}"
+            print(f"{name}: {arm.name} frozen; {later}", file=outputs.words)
 
 
 def check_table(result: CrossCheck) -> Any:

@@ -24,7 +24,7 @@ from .motion import plan_table
 from .output import console, jacobian_table, pose_table
 from .viewing import Browser, Port, serve
 
-View = Annotated[bool, typer.Option("--view/--no-view", help="Open the live view, or write demo.html and demo.csv.")]
+View = Annotated[bool, typer.Option("--view/--no-view", help="Open the view, or write demo.html and demo.csv anew.")]
 
 
 def demo(view: View = True, port: Port = 0, browser: Browser = True) -> None:

@@ -110,8 +110,14 @@ def motors_beyond(planned: Trajectory) -> Iterator[str]:
             cap, unit = limit[i] / np.abs(motors.G[i]).sum(), motion.units[i] + per
             yield (
                 f"motor {motors.names[i]!r} would need {number(peak[i])} {unit}; its {rate} limit is "
-                f"{number(limit[i])} {unit}: --{rate} {number(np.floor(cap * 1e4) / 1e4)} keeps it"
+                f"{number(limit[i])} {unit}: --{rate} {_rounded_down(cap)} keeps it"
             )
+
+
+def _rounded_down(cap: float) -> str:
+    """A positive cap in three digits, as it is typed."""
+    step = 10.0 ** (np.floor(np.log10(cap)) - 2)
+    return f"{np.floor(cap / step) * step:.3g}"
 
 
 def _typed_poses(arm: Arm, typed: tuple[str, ...], radians: bool) -> list[Array]:
