@@ -37,7 +37,7 @@ def test_numbers_of_any_kind_become_float64(value):
         ("abc", r"x must be an array of real numbers; got 'abc' \(text\)"),
         ([[1, 2], [3]], r"x must be an array of real numbers; got \[\[1, 2\], \[3\]\] \("),
         ([1 + 2j], r"x must be an array of real numbers; got \[\(1\+2j\)\] \(complex numbers\)"),
-        (None, r"x must be "),
+        (None, r"x must be an array of real numbers; got None"),
         ({"a": 1}, r"x must be an array of real numbers; got \{'a': 1\}"),
         ([1.0, np.nan], r"x must be finite; it holds nan at index \[1\]"),
         ([[0.0, 1.0], [np.inf, 0.0]], r"x must be finite; it holds inf at index \[1, 0\]"),

@@ -49,6 +49,8 @@ CLEAN_TOL = 1e-14
 
 def as_floats(value: Given, name: str) -> Array:
     """`value` as a float64 array of finite numbers."""
+    if value is None:  # to NumPy a NaN
+        raise InputError(f"{name} must be an array of real numbers; got None")
     array = as_reals(value, name)
     if not np.isfinite(array).all():
         index = tuple(int(i) for i in np.argwhere(~np.isfinite(array))[0])
