@@ -297,9 +297,11 @@ BAD = {
     "a base beyond the tip": (["info", "rover_arm", "--base", "tool0", "--tip", "base_link"], "is no ancestor of tip"),
     "theta too short": (["fk", "rover_arm", "--theta", "1 2"], "rover_arm takes 5 values (slide, shoulder"),
     "theta with a word": (["fk", "rover_arm", "--theta", "1 2 x 4 5"], "is neither joint values (5 numbers"),
-    "theta with NaN": (["fk", "rover_arm", "--theta", "0 0 nan 0 0"], "theta must be finite; it holds nan at index [2]"),  # noqa: E501
+    "theta with NaN": (["fk", "rover_arm", "--theta", "0 0 nan 0 0"], "elbow takes a number, as in elbow=10; got nan"),
     "theta of an unknown joint": (["fk", "rover_arm", "--theta", "elbw=1"], "no joint 'elbw' in rover_arm"),
     "a joint typed twice": (["fk", "rover_arm", "--theta", "slide=1 slide=2"], "a joint is named twice: slide, slide"),
+    "a joint with a word": (["fk", "rover_arm", "--theta", "elbow=abc"], "elbow takes a number, as in elbow=10"),
+    "a kind of nobody": (["plan", "rover_arm", "--to", "reach", "--kind", "banana"], "'--kind': 'banana' is not"),
     "a joint without a number": (["fk", "rover_arm", "--theta", "slide= elbow=1"], "is neither joint values"),
     "a name too long for a file": (["info", "x" * 300], "no usable path (File name too long)"),
     "a device": (["info", "/dev/null"], "/dev/null: not a regular file; give a URDF or xacro file"),

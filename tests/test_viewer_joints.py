@@ -83,7 +83,7 @@ def test_random_is_refused_while_a_servo_drives() -> None:
     ("name", "value", "message"),
     [
         # 0.5 rad = 28.6479°, 0.1 rad = 5.72958°, 1 rad = 57.2958°
-        ("turn", 1, "turn = 1 is outside its limits -0.5 … 0.1 rad (57.2958°, allowed -28.6479° … 5.72958°)"),
+        ("turn", 1, "turn = 57.2958° is outside its limits -28.6479° … 5.72958° (1 rad, allowed -0.5 … 0.1 rad)"),
         ("reach", 1, "reach = 1 is outside its limits 0 … 0.2 m"),
     ],
 )

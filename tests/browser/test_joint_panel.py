@@ -186,7 +186,7 @@ def test_beyond_a_limit_is_refused_with_its_reason_and_the_old_value_comes_back(
     page.keyboard.press("Enter")
     until(page, "!document.getElementById('error').hidden")
     assert said(page) == (
-        "shoulder = 3.49066 is outside its limits -1.57 … 1.57 rad (200°, allowed -89.9544° … 89.9544°)"
+        "shoulder = 200° is outside its limits -89.9544° … 89.9544° (3.49066 rad, allowed -1.57 … 1.57 rad)"
     )
     stands(page, START)
     assert box(page, "shoulder").input_value() == "11.5"

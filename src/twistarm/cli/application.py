@@ -116,7 +116,8 @@ def _report(error: Exception) -> int:
         return BAD_INPUT
     # Usage errors: typer's click raises them with their own wording.
     if hasattr(error, "format_message"):
-        _say(f"{error.format_message()} (see twistarm --help, or --help after the command)")
+        words = error.format_message().replace("Value error, ", "")
+        _say(f"{words} (see twistarm --help, or --help after the command)")
         return BAD_INPUT
     _say(f"{type(error).__name__}: {error}; a fault of twistarm's: please report it with the output of --debug")
     return BUG

@@ -10,7 +10,7 @@ import numpy as np
 from typer.core import TyperCommand
 
 from ..arm import Arm
-from ..checks import Array, as_theta
+from ..checks import Array
 from ..errors import InputError, UnknownNameError, listed
 from .output import note
 
@@ -97,7 +97,8 @@ def _typed(arm: Arm, text: str, radians: bool, rest: tuple[str, Array] | None) -
         ) from error
     if theta.shape != (arm.n,):
         raise InputError(f"{arm.name} takes {arm.n} values ({', '.join(arm.joint_names)}); got {len(theta)}: {text!r}")
-    as_theta(theta, arm.n)
+    for name, value in zip(arm.joint_names, theta, strict=True):
+        _require_finite(name, value, value)
     return theta if radians else from_degrees(arm, theta)
 
 
@@ -122,12 +123,23 @@ def _pairs(text: str) -> tuple[list[str], list[float]]:
     for match in pair.finditer(text):
         if match.start() != end:
             raise ValueError(text)
-        names.append(match.group(1))
-        values.append(float(_plain(match.group(2))))
+        name, value = match.groups()
+        try:
+            number = float(_plain(value))
+        except ValueError:
+            number = np.nan
+        _require_finite(name, number, value)
+        names.append(name)
+        values.append(number)
         end = match.end()
     if text[end:].strip(", "):
         raise ValueError(text)
     return names, values
+
+
+def _require_finite(joint: str, number: float, typed: object) -> None:
+    if not np.isfinite(number):
+        raise InputError(f"{joint} takes a number, as in {joint}=10; got {typed}")
 
 
 def from_degrees(arm: Arm, values: Array) -> Array:

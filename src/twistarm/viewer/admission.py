@@ -44,9 +44,12 @@ def require_all_inside(arm: Arm, theta: Array) -> None:
 
 
 def require_inside(name: str, value: float, lower: float, upper: float, unit: str) -> None:
-    """LimitError where a joint would leave its limits; in degrees too where the unit is rad, as a page shows them."""
+    """LimitError where a joint would leave its limits; in degrees first where the unit is rad, as a page shows them."""
     if lower - LIMIT_TOL <= value <= upper + LIMIT_TOL:
         return
+    in_si = f"{name} = {value:g} is outside its limits {lower:g} … {upper:g} {unit}"
+    if unit != "rad":
+        raise LimitError(in_si)
     low, given, high = np.degrees([lower, value, upper])
-    in_degrees = f" ({given:.6g}°, allowed {low:.6g}° … {high:.6g}°)" if unit == "rad" else ""
-    raise LimitError(f"{name} = {value:g} is outside its limits {lower:g} … {upper:g} {unit}{in_degrees}")
+    in_rad = f"{value:g} rad, allowed {lower:g} … {upper:g} rad"
+    raise LimitError(f"{name} = {given:.6g}° is outside its limits {low:.6g}° … {high:.6g}° ({in_rad})")
