@@ -167,7 +167,7 @@ def test_what_does_not_fit_the_arm_any_more_is_left_out_and_stays_on_the_disk(
     with at(load_arm(path, tip="tool0"), port) as viewer:
         assert list(viewer.poses) == ["low"]
         (note,) = viewer.notes
-        assert re.search(r"one does not fit: the pose 'bent': pitch = 1.2 is outside", note)
+        assert re.search(r"one does not fit: the pose 'bent': pitch = 68.7549° is outside", note)
         assert visit(viewer, nothing).latest["notice"] == {"type": "notice", "words": note, "wrong": False}
     (old,) = home.glob("*.old.json")
     assert poses_in(old) == ["bent", "low"]

@@ -96,7 +96,7 @@ def test_theta_poses_layers_and_motion_stay_where_the_arm_allows_them(viewer: Vi
     tighter = changed(path, ('upper="1.5"', 'upper="0.5"'), ('lower="-1.5"', 'lower="-0.5"'))
     left = viewer.load(tighter)
     assert left[0] == "moved to the nearer limit: 'pitch'"
-    assert "2 poses are left out until they fit, the first: the pose 'one': pitch = -0.7 is outside" in left[1]
+    assert "2 poses are left out until they fit, the first: the pose 'one': pitch = -40.107° is outside" in left[1]
     assert left[2] == "the motion does not fit the arm any more and is gone"
     assert_allclose(viewer.theta, [THETA[0], -0.5, THETA[2]])
     assert viewer.poses == {}
