@@ -232,6 +232,7 @@ def test_what_cannot_be_installed_says_so_in_a_line(tmp_path):
 # -- the whole -----------------------------------------------------------------------------------------------------
 
 
+@pytest.mark.slow
 def test_a_quick_run(tmp_path, capsys):
     file, picture = tmp_path / "figures.json", tmp_path / "figures.svg"
     main(["--quick", "--arms", "panda", "so101", "--seed", "11", "--json", str(file), "--plot", str(picture)])

@@ -113,7 +113,7 @@ def test_a_spline_that_swings_beyond_a_limit_is_refused_and_the_advice_helps(kin
     assert ARM.limits.contains(motion(np.linspace(0, motion.duration, 999)), tol=PASSES).all()
 
 
-@pytest.mark.parametrize("kind", ["cubic", "quintic"])
+@pytest.mark.parametrize("kind", ["cubic", pytest.param("quintic", marks=pytest.mark.slow)])
 def test_whatever_a_spline_returns_is_inside(kind):
     rng, inside, refused = np.random.default_rng(2), 0, 0
     for _ in range(30):

@@ -104,7 +104,7 @@ def test_planted_faults_are_named_and_the_corrected_entries_are_the_true_ones(ca
 
 
 @pytest.mark.parametrize("poses", [True, False], ids=["poses", "positions"])
-@pytest.mark.parametrize("name", ["rover_arm", "rover_arm_6dof"])
+@pytest.mark.parametrize("name", ["rover_arm", pytest.param("rover_arm_6dof", marks=pytest.mark.slow)])
 def test_no_false_alarm_on_honest_logs(name: str, poses: bool) -> None:
     """50 logs each; with positions alone, the two motors of the wrist cannot be told apart, and that is said."""
     arm = geared(name)

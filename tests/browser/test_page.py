@@ -230,6 +230,7 @@ def test_the_tool_s_path_is_a_line_along_its_way(shown: Shown, arm: Arm) -> None
     until(page, "twistarm.view.node('/path').children.length === 0")
 
 
+@pytest.mark.slow
 def test_a_stand_alone_page_plays_from_disk_without_a_network(page: Any, arm: Arm, tmp_path: Path) -> None:
     motion = plan_joint(arm, [arm.ready, 0.8 * arm.ready], limits={"velocity": 0.5, "acceleration": 1.0})
     path = save_html(arm, tmp_path / "view.html", motion)

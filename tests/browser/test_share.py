@@ -92,6 +92,7 @@ def pink(pixels: NDArray[np.int64]) -> NDArray[np.bool_]:
     return (red > 180) & (green < 90) & (blue > 100)
 
 
+@pytest.mark.slow
 def test_the_stand_alone_page_by_mouse(page: Any, tmp_path: Path) -> None:
     arm = load("rover_arm")
     motion = motion_of(arm)
