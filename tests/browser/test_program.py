@@ -409,6 +409,10 @@ def test_a_stand_alone_page_has_speed_loop_and_plots(page: Any, arm: Arm, tmp_pa
     page.get_by_label("Playback speed").select_option("4")
     page.get_by_label("Loop").check()
     until(page, "twistarm.playback.speed === 4 && twistarm.playback.loop")
+    scrubber = page.locator("#scrub")
+    scrubber.dispatch_event("pointerdown")  # where it stands, which is no input
+    scrubber.dispatch_event("pointerup", {"bubbles": True})
+    until(page, "!twistarm.state.frame.running")
     scrub(page, 0.9)
     page.get_by_role("button", name="Play").click()
     until(page, f"twistarm.state.frame.time < {0.5 * motion.duration}")

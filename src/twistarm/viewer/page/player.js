@@ -21,15 +21,19 @@ export class Player {
   listen() {
     $("scrub").addEventListener("pointerdown", () => { this.pressed = true; });
     for (const end of ["pointerup", "pointercancel"]) addEventListener(end, () => this.lift());
-    $("scrub").addEventListener("input", ({ target }) => {
-      this.sought = true;
-      this.act.seek(Number(target.value) * this.duration);
-    });
+    $("scrub").addEventListener("input", ({ target }) => this.seek(target));
   }
 
+  seek(scrub) {
+    this.sought = true;
+    this.act.seek(Number(scrub.value) * this.duration);
+  }
+
+  // A press where the scrubber stands is no input, and holds the motion there all the same.
   lift() {
     if (!this.pressed) return;
     this.pressed = false;
+    if (this.running && !this.sought) this.seek($("scrub"));
     this.follow();
   }
 
