@@ -30,10 +30,8 @@ FILES = {mark.removeprefix("file "): text for mark, _, text in BLOCKS if mark.st
 PRINTED = [text for mark, _, text in BLOCKS if mark == "output"]
 
 
-@pytest.fixture(scope="module")
-def workspace(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """A folder as the tour has it: the reader's own arm in `my_arm/`, everything run in its order."""
-    folder = tmp_path_factory.mktemp("tour")
+def laid_out(folder: Path) -> Path:
+    """A folder as the tour begins with: the reader's own arm in `my_arm/`, and the files that are shown."""
     robot = ROOT / "robots" / "rover_arm"
     (folder / "my_arm").mkdir()
     for file in robot.glob("*.xacro"):
@@ -41,6 +39,22 @@ def workspace(tmp_path_factory: pytest.TempPathFactory) -> Path:
         (folder / "my_arm" / name).write_bytes(file.read_bytes())
     for file, text in FILES.items():
         (folder / file).write_text(text, "utf-8")
+    return folder
+
+
+@pytest.fixture(scope="module")
+def workspace(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """A folder as the tour has it, in which everything is run in its order."""
+    return laid_out(tmp_path_factory.mktemp("tour"))
+
+
+@pytest.fixture(scope="module")
+def kept(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """A folder in which the tour's golden file and header are written: tests may run apart from each other."""
+    folder = laid_out(tmp_path_factory.mktemp("kept"))
+    for line in COMMANDS:
+        if arguments_of(line)[0] in ("freeze", "bake"):
+            assert run(line, folder).returncode == 0, line
     return folder
 
 
@@ -90,25 +104,25 @@ def test_an_arm_file_with_everything_in_it(workspace: Path) -> None:
     assert "4096" in done.stdout
 
 
-def test_every_program(workspace: Path) -> None:
+def test_every_program(kept: Path) -> None:
     for text in PROGRAMS:
-        done = subprocess.run([sys.executable, "-c", text], cwd=workspace, capture_output=True, text=True, timeout=120)
+        done = subprocess.run([sys.executable, "-c", text], cwd=kept, capture_output=True, text=True, timeout=120)
         assert done.returncode == 0, f"{text}\n{done.stderr}"
 
 
-def test_the_program_in_cpp(workspace: Path) -> None:
+def test_the_program_in_cpp(kept: Path) -> None:
     """Written by the commands of the README, which leave the header there."""
     compiler = shutil.which("c++") or shutil.which("g++") or shutil.which("clang++")
     if compiler is None:
         if os.environ.get("TWISTARM_REQUIRE_ALL"):
             pytest.fail("no C++ compiler, and TWISTARM_REQUIRE_ALL is set")
         pytest.skip("no C++ compiler")
-    done = run("twistarm bake my_arm/my_arm.urdf.xacro -o my_arm.hpp --force", workspace)
+    done = run("twistarm bake my_arm/my_arm.urdf.xacro -o my_arm.hpp --force", kept)
     folder = done.stdout.split("-I ")[1].strip()
     command = [compiler, "-std=c++17", "-O1", "-I", folder, "main.cpp", "-o", "main"]
-    built = subprocess.run(command, cwd=workspace, capture_output=True, text=True, timeout=300, check=False)
+    built = subprocess.run(command, cwd=kept, capture_output=True, text=True, timeout=300, check=False)
     assert built.returncode == 0, built.stderr
-    assert subprocess.run(["./main"], cwd=workspace, timeout=60, check=False).returncode == 0
+    assert subprocess.run(["./main"], cwd=kept, timeout=60, check=False).returncode == 0
 
 
 def test_the_pictures_exist() -> None:
