@@ -102,7 +102,9 @@ def test_no_other_folder_is_taken_for_a_package(case: str, tmp_path: Path) -> No
         load_arm(tmp_path / "ws" / "arm" / "arm.xacro")
 
 
-@pytest.mark.parametrize("package_dirs", [(), (".",), ("..",), ("../..",)])
+@pytest.mark.parametrize(
+    "package_dirs", [(), (".",), ("..",), ("../..",), pytest.param(("/",), marks=pytest.mark.slow)]
+)
 def test_neither_the_home_folder_nor_what_stands_beside_it(
     package_dirs: tuple[str, ...], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
