@@ -7,7 +7,7 @@ from pathlib import Path
 
 import pytest
 
-from hostile import TOKEN, XMLNS, Sandbox, sandbox
+from hostile.sandbox import TOKEN, XMLNS, Sandbox, sandbox
 from twistarm import load_arm
 from twistarm.description.expansion.confinement import MAX_BYTES, confinement
 from twistarm.description.expansion.expand import expand_xacro

@@ -9,7 +9,7 @@ from xml.sax.saxutils import quoteattr
 
 import pytest
 
-from hostile import Sandbox, sandbox
+from hostile.sandbox import Sandbox, sandbox
 from twistarm.description.expansion.expressions import Expressions
 from twistarm.description.expansion.guards import Guards
 from twistarm.description.expansion.names import direct_names, math_names, python_names, tokenize

@@ -6,7 +6,7 @@ from pathlib import Path
 
 import pytest
 
-from hostile import TOKEN, XMLNS
+from hostile.sandbox import TOKEN, XMLNS
 from twistarm import load_arm
 from twistarm.arm import Arm
 from twistarm.description.packages import package_index

@@ -8,8 +8,8 @@ from pathlib import Path
 import pytest
 import xacro.substitution_args
 
-from hostile import XMLNS, Sandbox
-from hostile import place as place
+from hostile.sandbox import XMLNS, Sandbox
+from hostile.sandbox import place as place
 from twistarm import load_arm
 from twistarm.description.expansion.expand import expand_xacro, is_xacro
 from twistarm.description.packages import package_index

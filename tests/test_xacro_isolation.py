@@ -11,8 +11,8 @@ from pathlib import Path
 import pytest
 import xacro.substitution_args
 
-from hostile import XMLNS, Sandbox
-from hostile import place as place
+from hostile.sandbox import XMLNS, Sandbox
+from hostile.sandbox import place as place
 from twistarm.description.expansion import hooks
 from twistarm.description.expansion.expand import expand_xacro
 from twistarm.description.expansion.module import own_xacro

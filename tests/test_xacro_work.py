@@ -6,8 +6,8 @@ from pathlib import Path
 
 import pytest
 
-from hostile import Sandbox
-from hostile import place as place
+from hostile.sandbox import Sandbox
+from hostile.sandbox import place as place
 from twistarm.description.expansion import hooks
 from twistarm.description.expansion.expand import expand_xacro
 from twistarm.description.expansion.work import MAX_WORK, Work

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from hostile import XMLNS
+from hostile.sandbox import XMLNS
 from urdf_text import joint, robot
 
 ARM = robot(joint("a", "base_link", "upper"), joint("b", "upper", "tool0"))

@@ -1,11 +1,14 @@
-"""Writing a file whole or not at all."""
+"""Reading a regular file within bounds, and writing one whole or not at all."""
 
 from __future__ import annotations
 
+import errno
 import os
+import stat
 from collections.abc import Iterable
 from contextlib import suppress
 from pathlib import Path
+from typing import BinaryIO
 
 from .errors import InputError, shown
 
@@ -19,6 +22,32 @@ def is_file(path: Path) -> bool:
         return path.is_file()
     except (OSError, ValueError):
         return False
+
+
+def open_regular(path: str | os.PathLike[str]) -> BinaryIO:
+    """The regular file at `path`, opened to read, links followed.
+
+    Opened first and looked at then, so that nothing can be put in its place in between; a FIFO or a device neither
+    blocks nor is read. OSError where there is none that can be opened, its `strerror` in words.
+    """
+    descriptor = os.open(path, os.O_RDONLY | os.O_NONBLOCK | os.O_NOCTTY | os.O_CLOEXEC)
+    try:
+        if not stat.S_ISREG(os.fstat(descriptor).st_mode):
+            raise OSError(errno.EINVAL, "it is no regular file", os.fspath(path))
+        return open(descriptor, "rb")
+    except BaseException:
+        os.close(descriptor)
+        raise
+
+
+def read_bounded(path: str | os.PathLike[str], most: int) -> bytes:
+    """What the regular file at `path` holds; OSError as `open_regular`, with EFBIG for more than `most` bytes."""
+    with open_regular(path) as file:
+        data = file.read(most + 1)
+        size = max(len(data), os.fstat(file.fileno()).st_size)
+    if size > most:
+        raise OSError(errno.EFBIG, f"it has {size:,} bytes; at most {most:,} are read", os.fspath(path))
+    return data
 
 
 def stamp(path: Path) -> tuple[int, ...] | None:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import codecs
+import errno
 import xml.etree.ElementTree as ET
 from collections.abc import Iterator
 from contextlib import contextmanager
@@ -12,7 +13,7 @@ from pathlib import Path
 from xml.parsers import expat
 
 from ..errors import DescriptionError
-from ..files import is_file
+from ..files import read_bounded
 from .findings import Finding, Place, finding, refusal, refused
 from .packages import PackageIndex
 
@@ -91,18 +92,16 @@ def read_text(path: Path, most: int = MAX_BYTES) -> str:
     """
     note_file(path)
     try:
-        if path.exists() and not is_file(path):
-            raise refusal("file-unreadable", Place(str(path)), "it is no regular file", "give a file")
-        size = path.stat().st_size
-        if size > most:
-            what = f"it has {size:,} bytes; at most {most:,} are read"
-            raise refusal("file-too-large", Place(str(path)), what, "is it the right file?")
-        data = path.read_bytes()
+        data = read_bounded(path, most)
     except (OSError, ValueError) as error:
-        what = f"cannot be read: {getattr(error, 'strerror', None) or error}"
-        missing = isinstance(error, FileNotFoundError)
-        remedy = "is the path right?" if missing else "check the disk and the file's permissions"
-        raise refusal("file-unreadable", Place(str(path)), what, remedy) from error
+        told, place = str(getattr(error, "strerror", None) or error), Place(str(path))
+        number = getattr(error, "errno", None)
+        if number == errno.EFBIG:
+            raise refusal("file-too-large", place, told, "is it the right file?") from error
+        if number == errno.EINVAL:
+            raise refusal("file-unreadable", place, told, "give a file") from error
+        remedy = "is the path right?" if number == errno.ENOENT else "check the disk and the file's permissions"
+        raise refusal("file-unreadable", place, f"cannot be read: {told}", remedy) from error
     return decoded(data)
 
 

@@ -1,0 +1,111 @@
+"""A hostile case tried as its victim would: by the command line, in a process of its own, on a clock and on scales."""
+
+from __future__ import annotations
+
+import os
+import signal
+import subprocess
+import sys
+import tempfile
+import threading
+import time
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+from pathlib import Path
+
+SECONDS, MEGABYTES = 5.0, 500.0
+"""Within these a hostile file is refused or loaded."""
+
+PATIENCE = 60.0
+"""Seconds after which an attempt is killed."""
+
+
+@dataclass(frozen=True)
+class Outcome:
+    """What came of it: the exit code (None where it had to be killed), what was printed, and what it took.
+
+    `megabytes` is the most that the process, or one that it waited for, held at a time.
+    """
+
+    code: int | None
+    output: str
+    errors: str
+    seconds: float
+    megabytes: float
+
+    @property
+    def fault(self) -> str:
+        """What no input may cause, in words; empty where nothing is wrong."""
+        if self.code is None:
+            return f"hangs: killed after {self.seconds:.0f} s"
+        if self.code < 0:
+            return f"ends by signal {-self.code}"
+        if "Traceback" in self.errors or "fault of twistarm" in self.errors:
+            return f"traceback: {self.errors.strip().splitlines()[-1][:100]}"
+        if self.code == 0:
+            return ""
+        return "" if self.errors.strip() else f"exit {self.code} without a word"
+
+    def within(self, seconds: float = SECONDS, megabytes: float = MEGABYTES) -> str:
+        """`fault`, or what was taken beyond the given seconds and megabytes."""
+        if self.fault or (self.seconds <= seconds and self.megabytes <= megabytes):
+            return self.fault
+        return f"{self.seconds:.1f} s, {self.megabytes:.0f} MB"
+
+
+def attempt(*arguments: str, folder: Path, env: Mapping[str, str] | None = None, seconds: float = PATIENCE) -> Outcome:
+    """`twistarm arguments` in `folder`, without a terminal, killed with all that it started after `seconds`."""
+    command = [sys.executable, "-m", "twistarm", *arguments]
+    with tempfile.TemporaryFile() as output, tempfile.TemporaryFile() as errors:
+        began = time.monotonic()
+        process = subprocess.Popen(
+            command,
+            cwd=folder,
+            env={**os.environ, "COLUMNS": "80", **(env or {})},
+            stdin=subprocess.DEVNULL,
+            stdout=output,
+            stderr=errors,
+            start_new_session=True,
+        )
+        late = threading.Event()
+
+        def end() -> None:
+            late.set()
+            os.killpg(process.pid, signal.SIGKILL)
+
+        clock = threading.Timer(seconds, end)
+        clock.start()
+        _, status, used = os.wait4(process.pid, 0)
+        took = time.monotonic() - began
+        clock.cancel()
+        process.returncode = os.waitstatus_to_exitcode(status)
+        told = [file.seek(0) or file.read().decode("utf-8", "replace") for file in (output, errors)]
+    kilobytes = used.ru_maxrss / (1024 if sys.platform == "darwin" else 1)
+    return Outcome(None if late.is_set() else process.returncode, told[0], told[1], took, kilobytes / 1000)
+
+
+@dataclass
+class Figures:
+    """What a whole class of cases came to, printed by `make test-all`."""
+
+    title: str
+    rows: list[tuple[str, Outcome, str]] = field(default_factory=list)
+
+    def add(self, case: str, outcome: Outcome, fault: str) -> None:
+        """`fault` empty: as it should be."""
+        self.rows.append((case, outcome, fault))
+
+    @property
+    def faults(self) -> list[str]:
+        return [f"{case}: {fault}" for case, _, fault in self.rows if fault]
+
+    def __str__(self) -> str:
+        worst: Sequence[Outcome] = [outcome for _, outcome, _ in self.rows]
+        slowest = max(worst, key=lambda one: one.seconds)
+        largest = max(worst, key=lambda one: one.megabytes)
+        head = (
+            f"{self.title}: {len(self.rows)} cases, {len(self.faults)} faults; at most {slowest.seconds:.1f} s, "
+            f"{largest.megabytes:.0f} MB"
+        )
+        lines = [f"  {one.seconds:6.1f} s {one.megabytes:6.0f} MB  {case}  {fault}" for case, one, fault in self.rows]
+        return "\n".join([head, *lines])
