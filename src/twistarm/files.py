@@ -3,8 +3,10 @@
 from __future__ import annotations
 
 import errno
+import fcntl
 import os
 import stat
+import sys
 from collections.abc import Iterable
 from contextlib import suppress
 from pathlib import Path
@@ -38,6 +40,20 @@ def open_regular(path: str | os.PathLike[str]) -> BinaryIO:
     except BaseException:
         os.close(descriptor)
         raise
+
+
+def opened_path(file: BinaryIO | int) -> Path:
+    """Where the opened file or folder (or its descriptor) lies, as the system knows it: without links, and whatever
+    has taken the place of its name since.
+
+    OSError where the system does not tell: /proc is not mounted, or the file was deleted.
+    """
+    descriptor = file if isinstance(file, int) else file.fileno()
+    if os.fstat(descriptor).st_nlink == 0:
+        raise OSError(errno.ENOENT, "it was deleted while it was being read")
+    if sys.platform == "darwin":
+        return Path(os.fsdecode(fcntl.fcntl(descriptor, fcntl.F_GETPATH, bytes(1024)).rstrip(b"\0")))
+    return Path(os.readlink(f"/proc/self/fd/{descriptor}"))
 
 
 def read_bounded(path: str | os.PathLike[str], most: int) -> bytes:
