@@ -39,7 +39,7 @@ LAYERS = (
     ("rotations",),
     ("files", "wheels"),
     ("brief", "vector_words"),
-    ("checks", "closing", "interrupts", "shared_libraries", "strict_json"),
+    ("checks", "closing", "interrupts", "shared_libraries", "strict_json", "temporaries"),
     ("errors",),
 )
 """Top to bottom: a module may import what stands further down, and its own package."""

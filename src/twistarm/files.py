@@ -8,11 +8,11 @@ import os
 import stat
 import sys
 from collections.abc import Iterable
-from contextlib import suppress
 from pathlib import Path
 from typing import BinaryIO
 
 from .errors import InputError, shown
+from .temporaries import replace_whole
 
 DESCRIPTIONS = (".urdf", ".xacro", ".srdf", ".toml", ".yaml", ".yml")
 """Names of what a team wrote itself: no output takes its place unasked."""
@@ -59,8 +59,9 @@ def opened_path(file: BinaryIO | int) -> Path:
 def read_bounded(path: str | os.PathLike[str], most: int) -> bytes:
     """What the regular file at `path` holds; OSError as `open_regular`, with EFBIG for more than `most` bytes."""
     with open_regular(path) as file:
-        data = file.read(most + 1)
-        size = max(len(data), os.fstat(file.fileno()).st_size)
+        size = os.fstat(file.fileno()).st_size
+        data = b"" if size > most else file.read(most + 1)
+        size = max(len(data), size)
     if size > most:
         raise OSError(errno.EFBIG, f"it has {size:,} bytes; at most {most:,} are read", os.fspath(path))
     return data
@@ -104,8 +105,9 @@ def write_whole(
 
     Text is written as UTF-8, line ends as they are. The content goes into a temporary file in the same
     folder, which then takes the name in one step (POSIX `rename`); on any error it is removed and what stood
-    at `path` stays. A link is followed, and an existing file keeps its permissions; a `private` one is for this user
-    alone. Returns the path written.
+    at `path` stays; one that a killed process left is removed by the next write into the folder. A link is followed,
+    and an existing file keeps its permissions, which the temporary one has from its first byte; a `private` one is for
+    this user alone. Returns the path written.
 
     Raises InputError where the folder does not exist or is not writable, where `path` is a folder or a device, and
     where a description stands there (`DESCRIPTIONS`), unless `over_description` lets it be replaced.
@@ -113,7 +115,7 @@ def write_whole(
     target = writable(path, over_description=over_description)
     data = content.encode("utf-8") if isinstance(content, str) else content
     try:
-        _replace(target, data, private)
+        replace_whole(target, data, private)
     except OSError as error:
         raise InputError(f"cannot write {target}: {error.strerror or error}") from error
     return target
@@ -137,21 +139,3 @@ def writable(path: str | os.PathLike[str], *, over_description: bool = False) ->
     if target.exists() and target.suffix in DESCRIPTIONS and not over_description:
         raise InputError(f"cannot write {target}: a description stands there and would be lost; give another name")
     return target
-
-
-def _replace(target: Path, data: bytes, private: bool) -> None:
-    temporary = target.with_name(f".{target.name[:60]}.{os.urandom(6).hex()}.part")
-    try:
-        with open(
-            temporary, "xb", opener=lambda name, flags: os.open(name, flags, 0o600 if private else 0o666)
-        ) as file:
-            file.write(data)
-            file.flush()
-            os.fsync(file.fileno())
-        if target.exists() and not private:
-            os.chmod(temporary, target.stat().st_mode & 0o777)
-        os.replace(temporary, target)
-    except BaseException:
-        with suppress(OSError):
-            os.unlink(temporary)
-        raise
