@@ -20,7 +20,7 @@ LAYERS = (
     ("guide", "testing"),
     ("viewer",),
     ("planning", "stream", "golden", "doctor", "arm_file_draft", "cpp_header"),
-    ("comparison", "wiring", "arm_builder"),
+    ("comparison", "changes", "wiring", "arm_builder"),
     ("loading", "building"),
     ("fitting",),
     ("servo", "ik"),

@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 import json
-import os
 from pathlib import Path
 
 import numpy as np
 import pytest
 
 from twistarm import Arm, compare, freeze, load_arm
+from twistarm.cli.application import run
 from twistarm.errors import ComparisonError, DescriptionError, InputError
 from twistarm.limits import FIELDS
 from twistarm.testing import assert_arm
@@ -148,7 +148,7 @@ def test_a_damaged_golden_file_is_never_unchanged(change: str, tmp_path: Path) -
 
 DAMAGED = {
     "nested without end": ("[" * 100_000, "not a golden file"),
-    "nothing": (None, "cannot be read: No such file or directory; twistarm freeze writes one"),
+    "nothing": (None, "cannot be read: No such file or directory; is the path right?"),
     "no JSON": ("frozen", "not a golden file"),
     "another file": ('{"format": "something"}', "not a golden file of this version"),
     "half of it": ('{"format": "twistarm golden 1", "base": "base_link"}', "a damaged golden file"),
@@ -243,7 +243,69 @@ def test_a_tool_that_stays_while_a_joint_moves_is_said_to(golden: Path, tmp_path
     )
 
 
-def test_a_pipe_is_no_golden_file(tmp_path: Path, rover: Arm) -> None:
-    os.mkfifo(tmp_path / "pipe")
-    with pytest.raises(DescriptionError, match="pipe: not a regular file; twistarm freeze writes a golden file"):
-        compare(rover, tmp_path / "pipe")
+MOTORS = """source = "arm.urdf"
+[actuators.lift]
+ratio = {{ shoulder = {shoulder}, elbow = {elbow} }}
+offset = {offset}
+unit = "{unit}"
+ticks_per_turn = {ticks}
+limits = {{ velocity = {velocity} }}
+[actuators.{name}]
+ratio = {{ wrist_roll = 20.0 }}
+"""
+USUAL = {"shoulder": 40, "elbow": -2, "offset": 0.1, "unit": "tick", "ticks": 4096, "velocity": 300, "name": "roll"}
+
+MOTOR_CHANGES = {
+    "nothing": ({}, ()),
+    "a ratio": ({"shoulder": 42}, ("ratio of motor lift to joint shoulder: 40 to 42",)),
+    "a ratio in its eighth digit": (
+        {"shoulder": 40.000001},
+        ("ratio of motor lift to joint shoulder: 40 to 40.000001",),
+    ),
+    "a sign": ({"elbow": 2}, ("ratio of motor lift to joint elbow reversed: -2 to 2",)),
+    "an offset": ({"offset": -0.1}, ("offset of motor lift: 0.1 to -0.1 rad",)),
+    "an offset below rounding": ({"offset": 0.1000001}, ()),
+    "ticks": ({"ticks": 8192}, ("ticks per turn of motor lift: 4096 to 8192",)),
+    "what the drive counts": ({"unit": "turn"}, ("motor lift counted in tick, counts in turn",)),
+    "a limit": ({"velocity": 200}, ("velocity limit of motor lift lowered: 300 to 200",)),
+    "a name": ({"name": "twist"}, ("motor roll is gone", "motor twist is new")),
+}
+
+
+def driven(folder: Path, **changes: object) -> Arm:
+    build(folder)
+    (folder / "arm.toml").write_text(MOTORS.format(**USUAL | changes))
+    return load_arm(folder / "arm.toml")
+
+
+@pytest.mark.parametrize("case", MOTOR_CHANGES)
+def test_changed_motors_are_told_in_words(case: str, tmp_path: Path) -> None:
+    changes, expected = MOTOR_CHANGES[case]
+    freeze(driven(tmp_path), tmp_path / "g.json")
+    difference = compare(driven(tmp_path, **changes), tmp_path / "g.json")
+    assert (difference.changes, difference.notes) == (expected, ())
+
+
+def test_motors_that_come_and_go_are_told(tmp_path: Path) -> None:
+    driven_arm, bare = driven(tmp_path), load_arm(tmp_path / "arm.urdf")
+    freeze(bare, tmp_path / "g.json")
+    assert compare(driven_arm, tmp_path / "g.json").changes == ("motor lift is new", "motor roll is new")
+    freeze(driven_arm, tmp_path / "g.json")
+    assert compare(bare, tmp_path / "g.json").changes == ("motor lift is gone", "motor roll is gone")
+
+
+def test_a_golden_file_from_before_motors_says_that_it_knows_none(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    arm, path = driven(tmp_path), tmp_path / "g.json"
+    freeze(arm, path)
+    content = json.loads(path.read_text())
+    del content["actuators"]
+    path.write_text(json.dumps(content))
+    difference = compare(arm, path)
+    assert difference.same
+    assert run(["check", str(tmp_path / "arm.toml"), "--samples", "5", "--against", str(path)]) == 0
+    said = "the golden file knows nothing of the motors, which were not compared: freeze the arm again"
+    assert difference.notes == (said,)
+    assert capsys.readouterr().err == f"note: {said}\n"
+    assert compare(load_arm(tmp_path / "arm.urdf"), path).notes == (), "an arm without motors"

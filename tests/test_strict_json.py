@@ -28,7 +28,7 @@ def test_a_number_that_is_none_is_not_written(value):
         ('{"a": {"b": 1, "b": 2}}', "each name once"),
         ('{"a": NaN}', "numbers must be finite; got NaN"),
         ("[1]", r"one JSON object; got \[1\]"),
-        ("[" * 60_000, "one JSON object; RecursionError|one JSON object; maximum recursion"),
+        ("[" * 60_000, "one JSON object; it nests too deep"),
         (" " * (LARGEST_MESSAGE + 1), "at most 65536 bytes; got 65537"),
         (b"\xff{}", "one JSON object"),
     ],

@@ -18,7 +18,7 @@ from .description.document import read_text
 from .errors import DescriptionError, InputError
 from .files import writable, write_whole
 from .limits import FIELDS, JointLimits
-from .strict_json import text
+from .strict_json import parsed, text
 
 SUFFIX = ".json"
 FORMAT, VERSION = "twistarm arm", 1
@@ -103,7 +103,7 @@ def _content(baked: Baked) -> dict[str, Any]:
         "reach": float(baked.reach),
         "ready": baked.ready.tolist(),
         "named_states": {name: theta.tolist() for name, theta in baked.named_states.items()},
-        "actuators": None if baked.actuators is None else _actuators(baked.actuators),
+        "actuators": None if baked.actuators is None else actuators_entry(baked.actuators),
         "disabled_pairs": [list(pair) for pair in sorted(baked.disabled_pairs)],
         "proof": proof,
     }
@@ -120,7 +120,8 @@ def _joints(baked: Baked) -> list[dict[str, Any]]:
     ]
 
 
-def _actuators(motors: Actuators) -> dict[str, Any]:
+def actuators_entry(motors: Actuators) -> dict[str, Any]:
+    """The motors as they stand in an arm.json and in a golden file."""
     return {
         "names": list(motors.names),
         "G": motors.G.tolist(),
@@ -162,13 +163,13 @@ def read_baked(path: Path) -> Baked:
     try:
         return _checked(content)
     except (KeyError, TypeError, ValueError, AttributeError) as error:
-        raise DescriptionError(f"{path}: an unusable baked arm ({_reason(error)}); {_AGAIN}") from error
+        raise DescriptionError(f"{path}: an unusable baked arm ({reason(error)}); {_AGAIN}") from error
 
 
 def _content_of(path: Path) -> dict[str, Any]:
     """The file's content, of this format and version, and as it was written."""
     try:
-        content = json.loads(read_text(path, MAX_BYTES))
+        content = parsed(read_text(path, MAX_BYTES))
         if not isinstance(content, dict) or content.get("format") != FORMAT:
             raise ValueError(f"it does not say 'format': {FORMAT!r}")
         version = content.get("version")
@@ -184,7 +185,8 @@ def _content_of(path: Path) -> dict[str, Any]:
     return kept
 
 
-def _reason(error: Exception) -> str:
+def reason(error: Exception) -> str:
+    """Why a file of numbers does not fit, in words."""
     return f"{error} is missing" if isinstance(error, KeyError) else str(error)
 
 
@@ -197,7 +199,7 @@ def _checked(content: dict[str, Any]) -> Baked:
     screws = _array(content["screws"], "screws", (6, m))
     if not (np.abs(screws).max(axis=0) > 0).all():
         raise ValueError("a joint whose screw is zero")
-    limits = JointLimits(**{field: _bounds([joint[field] for joint in joints], field) for field in FIELDS})
+    limits = read_limits({field: [joint[field] for joint in joints] for field in FIELDS})
     ready = _array(content["ready"], "ready", (n,))
     if not limits.contains(ready):
         raise ValueError("ready lies outside the limits")
@@ -215,7 +217,7 @@ def _checked(content: dict[str, Any]) -> Baked:
         reach=as_positive(content["reach"], "reach"),
         ready=ready,
         named_states={name: _array(x, f"pose {name}", (n,)) for name, x in content["named_states"].items()},
-        actuators=_read_actuators(content["actuators"], names),
+        actuators=read_actuators(content["actuators"], names),
         disabled_pairs=frozenset(_pair(pair) for pair in content["disabled_pairs"]),
         proof=_read_proof(content["proof"]),
     )
@@ -261,7 +263,8 @@ def _given(values: list[float | None], name: str, absent: float) -> Array:
     return np.where([value is None for value in values], absent, finite)
 
 
-def _read_actuators(content: Mapping[str, Any] | None, joint_names: tuple[str, ...]) -> Actuators | None:
+def read_actuators(content: Mapping[str, Any] | None, joint_names: tuple[str, ...]) -> Actuators | None:
+    """The motors of such an entry; KeyError, TypeError or ValueError for what is none."""
     if content is None:
         return None
     names = _names(content["names"], "actuators")
@@ -273,11 +276,12 @@ def _read_actuators(content: Mapping[str, Any] | None, joint_names: tuple[str, .
         units=tuple(content["units"]),
         ticks_per_turn=_given(content["ticks_per_turn"], "ticks_per_turn", np.nan),
         # A file baked before motors had limits has none.
-        limits=_read_motor_limits(content["limits"]) if "limits" in content else JointLimits.unbounded(len(names)),
+        limits=read_limits(content["limits"]) if "limits" in content else JointLimits.unbounded(len(names)),
     )
 
 
-def _read_motor_limits(content: Mapping[str, Any]) -> JointLimits:
+def read_limits(content: Mapping[str, Any]) -> JointLimits:
+    """Limits by field, null where not given."""
     return JointLimits(**{field: _bounds(content[field], field) for field in FIELDS})
 
 

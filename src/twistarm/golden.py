@@ -11,19 +11,28 @@ from typing import Any
 import numpy as np
 
 from .arm import Arm, require_arm
+from .baking import actuators_entry, read_actuators, read_limits, reason
+from .changes import SAME_TOL, limit_changes, motor_changes, name_changes
 from .checks import Array, as_floats, as_pose
 from .comparison import by_exponentials
+from .description.document import read_text
 from .errors import ComparisonError, DescriptionError
-from .files import as_path, is_file, write_whole
+from .files import as_path, write_whole
 from .limits import FIELDS
 from .rotations import log as rotation_log
 from .screws import Screw, adjoint, hat, inverse, to_screw
+from .strict_json import parsed
 
 FORMAT = "twistarm golden 1"
+
+MAX_BYTES = 10_000_000
+"""Six joints have some 200 kB; 250 joints 7 MB."""
+
+_FREEZE = "twistarm freeze writes one"
 SAMPLES = 100
 
-SAME_TOL = 1e-6
-"""Smaller differences, below 1 µm and 1e-6 rad, come from rounding in an export, not from a changed description."""
+NO_MOTORS = "the golden file knows nothing of the motors, which were not compared: freeze the arm again"
+"""Of a file that was written before motors were frozen."""
 
 OPPOSITE = 1e-9
 """Unit vectors whose product is nearer than this to -1 are opposite: no least turn takes one to the other."""
@@ -31,12 +40,16 @@ OPPOSITE = 1e-9
 
 @dataclass(frozen=True)
 class Difference:
-    """What has changed, one sentence each; empty for the same arm. `pose_error` and `jacobian_error` are the worst."""
+    """What has changed, one sentence each; empty for the same arm. `pose_error` and `jacobian_error` are the worst.
+
+    `notes` say what could not be compared.
+    """
 
     arm: str
     changes: tuple[str, ...]
     pose_error: float = 0.0
     jacobian_error: float = 0.0
+    notes: tuple[str, ...] = ()
 
     @property
     def same(self) -> bool:
@@ -51,7 +64,8 @@ class Difference:
 
 
 def freeze(arm: Arm, path: str | os.PathLike[str]) -> None:
-    """Write the arm as numbers (JSON, SI): names, screws, home, limits, and FK and Jacobians at 100 seeded postures.
+    """Write the arm as numbers (JSON, SI): names, screws, home, limits, motors, and FK and Jacobians at 100 seeded
+    postures.
 
     All of it from the product of exponentials, so that the file depends on no engine. Written whole or not at all.
     """
@@ -75,6 +89,7 @@ def golden_text(arm: Arm) -> str:
         "screws": arm.screws.tolist(),
         "home": arm.home.tolist(),
         "coupling": {"A": arm.coupling.A.tolist(), "b": arm.coupling.b.tolist()},
+        "actuators": None if arm.actuators is None else actuators_entry(arm.actuators),
         "theta": theta.tolist(),
         "fk": g.tolist(),
         "spatial_jacobian": spatial.tolist(),
@@ -94,10 +109,15 @@ def _compare(arm: Arm, golden: dict[str, Any]) -> Difference:
         for role in ("base", "tip")
         if golden[role] != getattr(arm, role)
     ]
-    changes += _joint_changes(arm, golden["joints"])
+    changes += _joint_changes(arm, golden)
+    notes: tuple[str, ...] = ()
+    if "actuators" in golden:
+        changes += motor_changes(golden["actuators"], arm.actuators)
+    elif arm.actuators is not None:
+        notes = (NO_MOTORS,)
     then = [joint["name"] for joint in golden["joints"]]
     if then != list(arm.joint_names) or golden["screws"].shape != arm.screws.shape:
-        return Difference(arm.name, tuple(changes or ["the joints that follow others are different ones"]))
+        return Difference(arm.name, tuple(changes or ["the joints that follow others are different ones"]), notes=notes)
     moved = _geometry_changes(arm, golden["screws"], golden["home"])
     if max(np.abs(golden[k] - v).max() for k, v in zip("Ab", arm.coupling, strict=True)) > SAME_TOL:
         moved.append("the coupling of mimic or locked joints is different")
@@ -112,7 +132,7 @@ def _compare(arm: Arm, golden: dict[str, Any]) -> Difference:
         moved.append(
             f"poses differ by up to {pose_error:.2g} and Jacobians by {jacobian_error:.2g} over {len(theta)} postures"
         )
-    return Difference(arm.name, (*changes, *moved), pose_error, jacobian_error)
+    return Difference(arm.name, (*changes, *moved), pose_error, jacobian_error, notes)
 
 
 def _finite(value: float) -> float | None:
@@ -121,32 +141,22 @@ def _finite(value: float) -> float | None:
 
 
 def _read(path: Path) -> dict[str, Any]:
-    if path.exists() and not is_file(path):
-        raise DescriptionError(f"{path}: not a regular file; twistarm freeze writes a golden file")
     try:
-        content = json.loads(path.read_text("utf-8"), parse_constant=_refuse)
-    except OSError as error:
-        raise DescriptionError(
-            f"{path}: cannot be read: {error.strerror or error}; twistarm freeze writes one"
-        ) from error
-    except (ValueError, RecursionError) as error:
-        raise DescriptionError(f"{path}: not a golden file: {error}") from error
+        content = parsed(read_text(path, MAX_BYTES))
+    except ValueError as error:
+        raise DescriptionError(f"{path}: not a golden file: {error}; {_FREEZE}") from error
     if not isinstance(content, dict) or content.get("format") != FORMAT:
-        raise DescriptionError(f"{path}: not a golden file of this version ({FORMAT!r}); twistarm freeze writes one")
+        raise DescriptionError(f"{path}: not a golden file of this version ({FORMAT!r}); {_FREEZE}")
     try:
         return {**content, **_checked(content)}
     except (KeyError, TypeError, ValueError, AttributeError) as error:
         raise DescriptionError(
-            f"{path}: a damaged golden file ({error!r}); write it anew with twistarm freeze"
+            f"{path}: a damaged golden file ({reason(error)}); write it anew with twistarm freeze"
         ) from error
 
 
-def _refuse(constant: str) -> float:
-    raise ValueError(f"{constant} is no number")
-
-
 def _checked(content: dict[str, Any]) -> dict[str, Any]:
-    """The arrays of a golden file, each of the shape that its joints ask for; ValueError otherwise."""
+    """The arrays, limits and motors of a golden file, of the shapes that its joints ask for; ValueError otherwise."""
     n, m = len(content["joints"]), len(content["coupling"]["b"])
     N = len(content["theta"])
     shapes = {
@@ -161,70 +171,29 @@ def _checked(content: dict[str, Any]) -> dict[str, Any]:
     if not np.abs(arrays["screws"]).max(axis=0).all():
         raise ValueError("a joint whose screw is zero")
     as_pose(arrays["home"], "home")
-    for joint in content["joints"]:
-        for field in FIELDS:
-            _bound(joint[field], 1)
+    joints = content["joints"]
+    for joint in joints:
         if not all(isinstance(joint[key], str) for key in ("name", "type")):
             raise ValueError("a joint without name or type")
     if not all(isinstance(content[key], str) for key in ("base", "tip")):
         raise ValueError("no base or no tip")
-    return arrays
+    read: dict[str, Any] = {"limits": read_limits({field: [joint[field] for joint in joints] for field in FIELDS})}
+    if "actuators" in content:
+        read["actuators"] = read_actuators(content["actuators"], tuple(joint["name"] for joint in joints))
+    return arrays | read
 
 
-# -- joints and limits -------------------------------------------------------------------------------------------
-
-
-def _joint_changes(arm: Arm, then: list[dict[str, Any]]) -> list[str]:
-    before, now = [joint["name"] for joint in then], list(arm.joint_names)
-    changes = [f"joint {name} is gone" for name in before if name not in now]
-    changes += [f"joint {name} is new" for name in now if name not in before]
-    if not changes and before != now:
-        changes.append(f"the joints' order was {', '.join(before)}, is {', '.join(now)}")
-    for joint in then:
-        if joint["name"] in now:
-            changes += _one_joint(arm, now.index(joint["name"]), joint)
+def _joint_changes(arm: Arm, golden: dict[str, Any]) -> list[str]:
+    then, now = [joint["name"] for joint in golden["joints"]], list(arm.joint_names)
+    changes = name_changes("joint", then, now)
+    for i, joint in enumerate(golden["joints"]):
+        name = joint["name"]
+        if name in now:
+            j = now.index(name)
+            if joint["type"] != arm.joint_types[j]:
+                changes.append(f"joint {name} was {joint['type']}, is {arm.joint_types[j]}")
+            changes += limit_changes(name, arm.units[j], golden["limits"], i, arm.limits, j)
     return changes
-
-
-def _one_joint(arm: Arm, i: int, then: dict[str, Any]) -> list[str]:
-    name = arm.joint_names[i]
-    changes = []
-    if then["type"] != arm.joint_types[i]:
-        changes.append(f"joint {name} was {then['type']}, is {arm.joint_types[i]}")
-    lower, upper = (_bound(then[field], sign) for field, sign in (("lower", -1), ("upper", 1)))
-    now = float(arm.limits.lower[i]), float(arm.limits.upper[i])
-    if not (_same(lower, now[0]) and _same(upper, now[1])):
-        changes.append(
-            f"limits of {name} {_word(lower, upper, *now)}: {_span(lower, upper)} to {_span(*now)} {arm.units[i]}"
-        )
-    for field in FIELDS[2:]:
-        before, after = _bound(then[field], 1), float(getattr(arm.limits, field)[i])
-        if not _same(before, after):
-            word = "lowered" if after < before else "raised"
-            changes.append(f"{field} limit of {name} {word}: {_number(before)} to {_number(after)}")
-    return changes
-
-
-def _bound(value: float | None, sign: int) -> float:
-    return sign * np.inf if value is None else float(value)
-
-
-def _same(a: float, b: float) -> bool:
-    return a == b or abs(a - b) <= SAME_TOL
-
-
-def _word(lower: float, upper: float, new_lower: float, new_upper: float) -> str:
-    if new_lower >= lower and new_upper <= upper:
-        return "narrowed"
-    return "widened" if new_lower <= lower and new_upper >= upper else "shifted"
-
-
-def _span(lower: float, upper: float) -> str:
-    return f"[{_number(lower)}, {_number(upper)}]"
-
-
-def _number(value: float) -> str:
-    return "not given" if np.isinf(value) else f"{value:.6g}"
 
 
 # -- geometry ----------------------------------------------------------------------------------------------------

@@ -17,6 +17,9 @@ LARGEST_NUMBER = 1e300
 LARGEST_COUNTER = 2**53
 """Counters stay below, where every reader's numbers are whole."""
 
+DIGITS = 18
+"""Of a number that is read as a whole one."""
+
 
 _ENCODER = json.JSONEncoder(allow_nan=False, separators=(",", ":"))
 """Made once: making it takes a tenth of the time that a frame of the view takes to encode."""
@@ -32,15 +35,24 @@ def decoded(text: str | bytes) -> dict[str, Any]:
     if len(text) > LARGEST_MESSAGE:
         raise InputError(f"a message has at most {LARGEST_MESSAGE} bytes; got {len(text)}")
     try:
-        line = text.decode("utf-8") if isinstance(text, bytes) else text
-        message = json.loads(line, parse_constant=_no_constant, object_pairs_hook=_once)
+        message = parsed(text.decode("utf-8") if isinstance(text, bytes) else text)
     except InputError:
         raise
-    except (ValueError, RecursionError) as error:
+    except ValueError as error:
         raise InputError(f"a message is one JSON object; {short(error)}: {short(text)}") from error
     if not isinstance(message, dict):
         raise InputError(f"a message is one JSON object; got {short(message)}")
     return message
+
+
+def parsed(text: str) -> Any:
+    """What a JSON text of any kind holds. Raises ValueError, in one line, for what is none, for a name that stands
+    twice in an object, for numbers beyond the floats, and where it nests too deep.
+    """
+    try:
+        return json.loads(text, parse_constant=_no_constant, parse_int=_whole, object_pairs_hook=_once)
+    except RecursionError as error:
+        raise ValueError("it nests too deep") from error
 
 
 def numbers(value: Any, name: str, size: int | None = None, largest: float = LARGEST_NUMBER) -> list[float]:
@@ -92,8 +104,16 @@ def short(value: Any) -> str:
 def _once(pairs: list[tuple[str, Any]]) -> dict[str, Any]:
     message = dict(pairs)
     if len(message) != len(pairs):
-        raise InputError(f"a message has each name once; got {short([name for name, _ in pairs])}")
+        raise InputError(f"an object has each name once; got {short([name for name, _ in pairs])}")
     return message
+
+
+def _whole(digits: str) -> float:
+    """A whole number; beyond the counters as every reader has it. Python's own reads a thousand digits, but no more."""
+    value = int(digits) if len(digits) <= DIGITS else float(digits)
+    if value == float("inf") or value == -float("inf"):
+        raise InputError(f"numbers must be finite; got one of {len(digits):,} digits")
+    return value
 
 
 def _no_constant(name: str) -> float:

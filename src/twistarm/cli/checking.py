@@ -15,7 +15,7 @@ from ..golden import Difference, compare, golden_text
 from ..loading import load_arm
 from .folders import PART, Line, refused, walk
 from .options import Json, takes_arm, takes_source
-from .output import console, print_json, progress_bar, table
+from .output import console, note, print_json, progress_bar, table
 from .outputs import STDOUT, Force, Output, outputs_of
 
 Against = Annotated[Path | None, typer.Option(metavar="FILE", help="A golden file: say what has changed since.")]
@@ -39,6 +39,8 @@ def check(
         print_json(_as_json(result, difference))
     else:
         _print(result, difference, against)
+    for words in difference.notes if difference else ():
+        note(words)
     return 0 if _good(result, difference) else 1
 
 
@@ -76,7 +78,7 @@ def _line(path: Path, load: dict[str, Any], samples: int) -> Line:
 
 @takes_arm
 def freeze(arm: Arm, output: Output = None, force: Force = False) -> None:
-    """Write a golden file: names, screws, home, limits, FK and Jacobians at 100 seeded configurations."""
+    """Write a golden file: names, screws, home, limits, motors, FK and Jacobians at 100 seeded configurations."""
     outputs = outputs_of(output or f"{Path(arm.name).name}.golden.json", {"json": (".json",)}, force=force)
     for name in outputs.write({"json": lambda: golden_text(arm)}):
         if name != STDOUT:
@@ -111,6 +113,7 @@ def _as_json(result: CrossCheck, difference: Difference | None) -> dict[str, Any
         content |= {
             "unchanged": difference.same,
             "changes": difference.changes,
+            "notes": difference.notes,
             "pose_error": difference.pose_error,
             "jacobian_error": difference.jacobian_error,
         }
