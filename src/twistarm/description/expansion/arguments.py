@@ -36,8 +36,10 @@ class Arguments:
             elif element.tag in _XACRO_TAGS:
                 self.unprefixed.add(element.get("name", ""))
             for text in (*element.attrib.values(), element.text or "", element.tail or ""):
-                self.used = dict.fromkeys(_USED.findall(text), file) | self.used
-                self.packages.update(dict.fromkeys(one or other for one, other in _PACKAGE.findall(text)))
+                for name in _USED.findall(text) if "$(" in text else ():
+                    self.used.setdefault(name, file)
+                for one, other in _PACKAGE.findall(text) if "$(" in text or "://" in text else ():
+                    self.packages[one or other] = None
 
     def all(self) -> dict[str, str | None]:
         """Every argument with its default; None for one that is required, or used without being declared."""

@@ -8,7 +8,7 @@ from typing import Any
 
 from .expressions import Expressions
 from .guards import Guards
-from .names import direct_names, math_names, python_names, tokenize
+from .names import direct_names, dotify, math_names, python_names, tokenize
 from .work import Refused, Work
 
 _TOKEN = re.compile(r"(\$\$+[{(])|\$\{([^}]*)\}|\$\(([^)]*)\)|([^$]+|\$[^{($]+|\$$)")
@@ -100,7 +100,7 @@ class Evaluation:
         files = {
             "load_yaml": load_yaml,
             "abs_filename": self._xacro.abs_filename_spec,
-            "dotify": self._xacro.YamlDictWrapper,
+            "dotify": dotify,
         }
         messages = dict.fromkeys(("message", "warning", "error", "print_location"), say_nothing)
         offered = {**files, **messages, "fatal": self._fail, "tokenize": tokenize, "arg": self._argument}

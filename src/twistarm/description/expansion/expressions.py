@@ -14,7 +14,7 @@ from types import CodeType
 from typing import Any
 
 from .guards import OPERATORS, REFUSED, Guards, key
-from .work import MAX_BITS, Refused
+from .work import MAX_BITS, SCOPES_PER_UNIT, Refused
 
 MAX_LENGTH = 10_000
 """Longer texts than anyone writes as one expression; Python's parser recurses over them."""
@@ -88,8 +88,11 @@ class _Scope(dict[str, Any]):
             }
         )
         self._names = names
+        self._work = guards.work
+        self._cost = getattr(names, "depth", 0) // SCOPES_PER_UNIT
 
     def __missing__(self, name: str) -> Any:
+        self._work.charge(self._cost)
         return self._names[name]
 
 

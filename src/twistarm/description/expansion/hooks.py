@@ -10,20 +10,19 @@ import re
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from pathlib import Path
 from typing import Any
-from xml.dom import minidom
-from xml.parsers.expat import ExpatError
 
 from ...errors import one_line
 from ..document import Reading, note_file, parse_xml, read_text
-from ..findings import Place, refusal
+from ..findings import Place
 from ..packages import PackageIndex
 from .arguments import Arguments
 from .causes import is_final
 from .confinement import confinement
+from .dom import replace, xacro_document
 from .evaluation import Evaluation, say_nothing
 from .left_out import NEEDED, LeftOut
-from .work import CHARACTERS_PER_UNIT, Refused, Work
-from .yaml_data import load_yaml
+from .work import CHARACTERS_PER_UNIT, SCOPES_PER_UNIT, Refused, Work
+from .yaml_data import dotted, load_yaml
 
 MISSING_PACKAGE = "/package-not-found/"
 """Stands for the folder of an unknown package; harmless in texts nobody opens, recognised where a file is opened."""
@@ -31,12 +30,13 @@ MISSING_PACKAGE = "/package-not-found/"
 MAX_INCLUDES = 30
 """Files that include one another that deep do so in a circle, which costs seconds until the stack is full."""
 
+FILE_COST = 200
 ELEMENT_COST = 15
-ATTRIBUTE_COST = 10
+ATTRIBUTE_COST = 12
 CHANGE_COST = 25
 MACRO_COST = 100
 SIBLINGS_PER_UNIT = 50
-"""xacro and minidom look through a parent's children whenever they change one."""
+"""minidom looks through a parent's children whenever it changes one."""
 
 _MACRO_PARAMETER = re.compile(
     r"^\s*([^\s:=]+?)\s*:?=\s*(\^\|?)?"
@@ -47,7 +47,6 @@ _MACRO_PARAMETER = re.compile(
 _KEPT = (
     "check_attrs",
     "resolve_macro",
-    "replace_node",
     "parse_macro_arg",
     "handle_macro_call",
     "eval_all",
@@ -81,7 +80,7 @@ class Expansion:
         """Values for the module `xacro`."""
         return {
             "_global_symbols": self._evaluation.symbols,
-            "_empty_text_node": minidom.Document().createTextNode("\n\n"),
+            "remove_previous_comments": say_nothing,  # no comment comes so far
             "substitution_args_context": {"arg": {}},
             "filestack": None,
             "macrostack": None,
@@ -119,15 +118,12 @@ class Expansion:
             self._xacro.filestack.pop()
             raise self._xacro.XacroException(f"{error.strerror}: {filename}", exc=error) from error
         text = read_text(path)
+        self.work.charge_text(len(text))
         self.work.charge(ELEMENT_COST * text.count("<") + ATTRIBUTE_COST * text.count("="))
-        self.found.look_through(parse_xml(text, Reading(path, self.packages)), path)
-        try:
-            return minidom.parseString(text)
-        except ExpatError as error:
-            what = f"not well-formed XML: {error}"
-            if "unbound prefix" in what:
-                what = 'a tag\'s prefix is not declared: add xmlns:xacro="http://www.ros.org/wiki/xacro" to <robot>'
-            raise refusal("xml-malformed", Place(str(path), error.lineno), what) from error
+        reading = Reading(path, self.packages)
+        root = parse_xml(text, reading)
+        self.found.look_through(root, path)
+        return xacro_document(root, reading)
 
     def include_files(self, pattern: str, symbols: Any) -> Iterator[str]:
         """The files that an include names, one or those that its wildcards match."""
@@ -157,7 +153,7 @@ class Expansion:
         package = self.left_out.package_of(name)
         if package is not None:
             self.left_out.leave_out_data(name, package, self.place)
-            return self._xacro.YamlListWrapper.wrap({})
+            return dotted({})
         try:
             path = self._admit(name)
         except OSError as error:
@@ -166,7 +162,7 @@ class Expansion:
         units = {unit.value.tag: self._unit(unit.value.conversion_constant) for unit in self._xacro.ConstructUnits}
         data = load_yaml(read_text(path), str(path), units, self.work)
         self._xacro.filestack.pop()
-        return self._xacro.YamlListWrapper.wrap(data)
+        return dotted(data)
 
     def _unit(self, factor: float) -> Callable[[str], float]:
         return lambda text: self._evaluation.number(text) * factor
@@ -183,6 +179,7 @@ class Expansion:
         if len(self._xacro.filestack) > MAX_INCLUDES:
             what = f"an included file refers to itself without end: {MAX_INCLUDES} files are open"
             raise Refused("xacro-recursion", what, "take out the include that comes back")
+        self.work.charge(FILE_COST)
         note_file(Path(name))
         return self._confinement.admit(name)
 
@@ -263,23 +260,26 @@ class Expansion:
 
     def check_attributes(self, tag: Any, required: list[str], optional: list[str]) -> Any:
         """xacro's own, counted: it runs once for each element of xacro."""
-        self.work.charge(CHANGE_COST + len(tag.parentNode.childNodes) // SIBLINGS_PER_UNIT)
+        self.work.charge(CHANGE_COST + self._scopes + len(tag.parentNode.childNodes) // SIBLINGS_PER_UNIT)
         return self._original["check_attrs"](tag, required, optional)
+
+    @property
+    def _scopes(self) -> int:
+        """What looking a name up costs here."""
+        return len(self._xacro.macrostack) // SCOPES_PER_UNIT
 
     def resolve_macro(self, name: str, macros: Any, symbols: Any) -> Any:
         """xacro's own, counted: it runs once for each call of a macro, whose body is then copied."""
         found = self._original["resolve_macro"](name, macros, symbols)
-        self.work.charge(MACRO_COST + ELEMENT_COST * _size(found[2].body))
+        self.work.charge(MACRO_COST + self._scopes + ELEMENT_COST * _size(found[2].body))
         return found
 
     def replace_node(self, node: Any, by: Any, content_only: bool = False) -> None:
-        """xacro's own, counted: each node moved is searched for among its new siblings, and a block was copied."""
+        """In the place of xacro's, counted; a block was copied."""
         new = by if isinstance(by, list) else [by] if by is not None else []
-        siblings = len(node.parentNode.childNodes)
-        moved = sum(len(part.childNodes) if content_only else 1 for part in new)
         size = sum(map(_size, [node, *new])) * (ELEMENT_COST if node.nodeName == "xacro:insert_block" else 1)
-        self.work.charge(CHANGE_COST + size + moved * siblings // SIBLINGS_PER_UNIT)
-        self._original["replace_node"](node, by, content_only)
+        self.work.charge(CHANGE_COST + size + len(node.parentNode.childNodes) // SIBLINGS_PER_UNIT)
+        replace(node, new, content_only)
 
     def macro_parameter(self, text: str) -> Any:
         """xacro's own, counted: it copies the rest of the parameters each time."""

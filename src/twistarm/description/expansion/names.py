@@ -11,6 +11,7 @@ from typing import Any
 
 from .guards import REFUSED, Guards
 from .work import Refused
+from .yaml_data import dotted
 
 _PLAIN = """
     abs all any bool dict divmod float int isinstance len list max min ord range repr set sorted str tuple
@@ -77,6 +78,13 @@ def tokenize(text: str, sep: str = ",; ", skip_empty: bool = True) -> list[str]:
         )
     words = re.split(f"[{re.escape(sep)}]", text)
     return [word for word in words if word] if skip_empty else words
+
+
+def dotify(value: Any) -> Any:
+    """xacro's own; what is not a dictionary yet would have to be made one."""
+    if not isinstance(value, dict):
+        raise Refused(REFUSED, "dotify() of anything but a dictionary is not allowed", "write {'key': value}")
+    return dotted(value)
 
 
 def _counted(function: Callable[..., int]) -> Callable[..., int]:

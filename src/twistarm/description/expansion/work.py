@@ -18,6 +18,9 @@ LONG_INTEGER_COST = 500
 CHARACTERS_PER_UNIT = 16
 """Text is copied faster than objects are made."""
 
+SCOPES_PER_UNIT = 4
+"""A name is sought in the scope of each macro around, from the innermost outward."""
+
 
 class Refused(Exception):  # noqa: N818 - it is no error yet: its place is not known here
     """What a description may not do, without its place; `errors.explain` adds that."""

@@ -47,6 +47,34 @@ def load_yaml(text: str, name: str, units: Mapping[str, Callable[[str], float]],
         loader.dispose()
 
 
+class Dotted(dict[str, Any]):
+    """A dictionary whose items an expression may write behind a dot. xacro's own copies the item at each look."""
+
+    __slots__ = ()
+
+    def __getitem__(self, key: str) -> Any:
+        try:
+            return super().__getitem__(key)
+        except KeyError:
+            raise AttributeError(f"The yaml dictionary has no key '{key}'") from None
+
+
+def dotted(value: Any) -> Any:
+    """Plain data with every dictionary in it `Dotted`, what is shared still shared."""
+    return _dotted(value, {})
+
+
+def _dotted(value: Any, made: dict[int, Any]) -> Any:
+    if not isinstance(value, (dict, list)):
+        return value
+    if id(value) not in made:
+        if isinstance(value, dict):
+            made[id(value)] = Dotted({key: _dotted(item, made) for key, item in value.items()})
+        else:
+            made[id(value)] = [_dotted(item, made) for item in value]
+    return made[id(value)]
+
+
 def _written_out(node: Any, sizes: dict[int, int]) -> int:
     """How many nodes there are when every alias is written out."""
     size = sizes.get(id(node))
