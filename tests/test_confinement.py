@@ -325,11 +325,11 @@ def test_a_file_up_to_the_size_is_read(tmp_path: Path) -> None:
     guard = confinement(tmp_path / "arm.xacro", package_index(tmp_path / "arm.xacro"))
     with open(tmp_path / "a.yaml", "wb") as file:
         file.truncate(MAX_BYTES)
-    assert guard.admit(str(tmp_path / "a.yaml")) == (tmp_path / "a.yaml").resolve()
+    assert guard.read(str(tmp_path / "a.yaml"))[0] == (tmp_path / "a.yaml").resolve()
     with open(tmp_path / "a.yaml", "wb") as file:
         file.truncate(MAX_BYTES + 1)
     with pytest.raises(Refused):
-        guard.admit(str(tmp_path / "a.yaml"))
+        guard.read(str(tmp_path / "a.yaml"))
 
 
 def test_wildcards_match_as_in_xacro(tmp_path: Path) -> None:

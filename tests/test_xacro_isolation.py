@@ -13,7 +13,7 @@ import xacro.substitution_args
 
 from hostile.sandbox import XMLNS, Sandbox
 from hostile.sandbox import place as place
-from twistarm.description.expansion import hooks
+from twistarm.description.expansion import confinement
 from twistarm.description.expansion.expand import expand_xacro
 from twistarm.description.expansion.module import own_xacro
 from twistarm.description.packages import package_index
@@ -137,12 +137,12 @@ def test_nothing_of_the_programs_is_touched_while_a_file_is_expanded(
 
     states = []
 
-    def read(path: Path) -> str:
+    def read(data: bytes) -> str:
         states.append(seen())
-        return path.read_text()
+        return data.decode()
 
     before = seen()
-    monkeypatch.setattr(hooks, "read_text", read)
+    monkeypatch.setattr(confinement, "decoded", read)
     path = write(tmp_path, as_xacro("<link name=\"${xacro.warning('loud')}\"/>"), "arm.xacro")
     expand_xacro(path, package_index(path))
     assert states == [before]

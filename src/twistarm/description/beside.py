@@ -20,9 +20,12 @@ MOVEIT = "*_moveit_config"
 
 
 def files_beside(file: Path, pattern: str) -> tuple[Path, ...]:
-    """Files named like `pattern` (`*.srdf`) in the description's folder and where packages keep them beside it."""
+    """Files named like `pattern` (`*.srdf`) in the description's folder and where packages keep them beside it.
+
+    What is there through a link lies elsewhere, and nobody has asked for it.
+    """
     found = (path for folder in _folders(file) for path in _glob(folder, pattern))
-    return tuple(path for path in dict.fromkeys(found) if is_file(path))
+    return tuple(path for path in dict.fromkeys(found) if is_file(path) and path.resolve() == path)
 
 
 def srdf_beside(description: Description) -> tuple[Semantics | None, tuple[Finding, ...]]:

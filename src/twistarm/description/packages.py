@@ -11,7 +11,7 @@ from pathlib import Path
 
 from ..checks import require_names
 from ..errors import InputError, shown
-from ..files import as_path, is_file
+from ..files import as_path, is_file, read_bounded
 from .copies import find_copy
 
 MAX_DEPTH = 4
@@ -84,14 +84,15 @@ class PackageIndex:
         places += [name for name in ("AMENT_PREFIX_PATH", "ROS_PACKAGE_PATH") if os.environ.get(name)]
         return ", ".join(places)
 
+    def sourced(self, package: str) -> Iterator[Path]:
+        """Every folder of `package` in the environment's, those behind another that `find` answers with too."""
+        return (folder for folder in _folders_of_environment() if package_name(folder) == package)
+
     def _folders(self) -> Iterator[Path]:
         for folder in self._folders_near():
             self._near.append(folder)
             yield folder
-        for prefix in _environment_paths("AMENT_PREFIX_PATH"):
-            yield from _walk(prefix / "share", 1)
-        for folder in _environment_paths("ROS_PACKAGE_PATH"):
-            yield from _walk(folder, MAX_DEPTH)
+        yield from _folders_of_environment()
 
     def _folders_near(self) -> Iterator[Path]:
         for folder in self.user_dirs:
@@ -134,9 +135,8 @@ def package_name(folder: Path) -> str | None:
     if not is_file(manifest):
         return None
     try:
-        if manifest.stat().st_size > MANIFEST_BYTES:
-            return None
-        name = ET.parse(manifest, ET.XMLParser(target=_Plain())).getroot().findtext("name")
+        text = read_bounded(manifest, MANIFEST_BYTES)
+        name = ET.fromstring(text, ET.XMLParser(target=_Plain())).findtext("name")
     except (ET.ParseError, OSError, ValueError, LookupError):
         return None
     return name.strip() if name else None
@@ -162,6 +162,13 @@ def _children(folder: Path) -> list[Path]:
         return sorted(child for child in folder.iterdir() if not child.name.startswith(".") and child.is_dir())
     except OSError:
         return []
+
+
+def _folders_of_environment() -> Iterator[Path]:
+    for prefix in _environment_paths("AMENT_PREFIX_PATH"):
+        yield from _walk(prefix / "share", 1)
+    for folder in _environment_paths("ROS_PACKAGE_PATH"):
+        yield from _walk(folder, MAX_DEPTH)
 
 
 def _environment_paths(variable: str) -> list[Path]:

@@ -2,13 +2,16 @@
 
 from __future__ import annotations
 
+import errno
 import os
-import stat
+from collections.abc import Iterator
 from dataclasses import dataclass, field
 from pathlib import Path
 
+from ...files import open_regular, opened_path
 from ..copies import is_too_wide
-from ..packages import PackageIndex, package_name
+from ..document import decoded
+from ..packages import SOURCES, PackageIndex, package_name
 from .work import Refused
 
 MAX_BYTES = 10_000_000
@@ -22,12 +25,16 @@ _PARTS = ("urdf", "xacro", "robots", "robot", "description", "model", "models")
 
 @dataclass(frozen=True)
 class Confinement:
-    """The folders that `file` and whatever it includes may read from, links followed before anything is decided.
+    """The folders that `file` and whatever it includes may read from.
 
     The file's own package (the nearest folder above with a package.xml), or without one its folder and, where that is
     called urdf or the like, the one above; and the very folders in which the index finds packages, those in
     `package_dirs` among them. A folder without a package.xml is one only where the description asks for a package of
     its name and it looks like one (`PackageIndex`). Never the home folder or the root of the file system as a whole.
+
+    A file counts where it lies when it is open, not where its name stood before: nothing can be put in its place
+    between the look and the reading. No link opens what it points at, because a stranger's archive may hold any; but
+    for those that the user's own build has made (`_is_built_from`).
     """
 
     file: Path
@@ -35,20 +42,38 @@ class Confinement:
     roots: tuple[Path, ...] = ()
     _known: dict[Path, bool] = field(default_factory=dict, repr=False, compare=False)
 
-    def admit(self, name: str) -> Path:
-        """The regular file that `name` stands for; Refused outside the roots, OSError where there is none."""
+    def read(self, name: str) -> tuple[Path, str]:
+        """Where the regular file lies that `name` stands for, and its text.
+
+        Refused outside the folders, whether or not there is a file; OSError where there is none inside.
+        """
         try:
-            real = Path(os.path.realpath(name))
-            status = real.stat()
+            self.require_inside(Path(os.path.realpath(name)))  # a device is not even opened
+            with open_regular(name) as file:
+                real = opened_path(file)
+                self.require_inside(real)
+                data = file.read(MAX_BYTES + 1)
+                size = max(len(data), os.fstat(file.fileno()).st_size)
         except ValueError:
             raise Refused(OUTSIDE, f"{name!a} is no path", "write a path or $(find package)/…") from None
-        self.require_inside(real)
-        if not stat.S_ISREG(status.st_mode):
-            raise Refused("file-unreadable", f"{name} is no regular file", "include files, not folders or devices")
-        if status.st_size > MAX_BYTES:
-            what = f"{name} has {status.st_size / 1e6:.0f} MB; at most {MAX_BYTES / 1e6:.0f} MB are read"
+        except OSError as error:
+            if error.errno != errno.EINVAL:
+                raise
+            raise Refused("file-unreadable", f"{name}: {error.strerror}", "include regular files") from error
+        if size > MAX_BYTES:
+            what = f"{name} has {size / 1e6:.0f} MB; at most {MAX_BYTES / 1e6:.0f} MB are read"
             raise Refused("file-too-large", what, "is it a xacro or YAML file?")
-        return real
+        return real, decoded(data)
+
+    def entries(self, folder: str | os.PathLike[str]) -> list[str]:
+        """The names in a folder that may be read, sorted; Refused and OSError as `read`."""
+        self.require_inside(Path(os.path.realpath(folder)))
+        descriptor = os.open(folder, os.O_RDONLY | os.O_DIRECTORY | os.O_CLOEXEC)
+        try:
+            self.require_inside(opened_path(descriptor))
+            return sorted(os.listdir(descriptor))
+        finally:
+            os.close(descriptor)
 
     def require_inside(self, real: Path) -> None:
         """Refused where `real`, a path without links, lies in none of the folders."""
@@ -59,24 +84,53 @@ class Confinement:
             raise Refused(OUTSIDE, what, "pass package_dirs=[folder that holds its package]")
 
     def _is_known(self, folder: Path) -> bool:
-        """Whether it is where the index finds a package, be it there or through the links of a workspace."""
+        """Whether it is where the index finds a package, be it there or by the user's own build."""
         if folder not in self._known:
             name = None if is_too_wide(folder) else package_name(folder)
             found = None if name is None else self.packages.find(name)
-            named = found is not None and folder in _real_folders(found)
+            named = found is not None and (
+                found == folder or _is_built_from(found, folder) or folder in self._sourced(str(name))
+            )
             self._known[folder] = named or self.packages.is_copy(folder)
         return self._known[folder]
+
+    def _sourced(self, package: str) -> Iterator[Path]:
+        """Where the links of the environment's packages of a name lead: whoever sourced a workspace has built it."""
+        for found in self.packages.sourced(package):
+            yield from (_real(found), _real(found / "package.xml").parent)
 
 
 def confinement(file: Path, packages: PackageIndex) -> Confinement:
     """What `file` may open, given the packages that the index finds."""
-    real = Path(os.path.realpath(file))
+    real = _real(file)
     return Confinement(real, packages, tuple(root for root in _own_folders(real) if not is_too_wide(root)))
 
 
-def _real_folders(package: Path) -> tuple[Path, ...]:
-    """The package's folder, and where its manifest lies: `colcon build --symlink-install` links each file by itself."""
-    return Path(os.path.realpath(package)), Path(os.path.realpath(package / "package.xml")).parent
+def _real(path: Path) -> Path:
+    """The path without links, spelled as the system spells what is open (on macOS in the letters' own case)."""
+    try:
+        descriptor = os.open(path, os.O_RDONLY | os.O_NONBLOCK | os.O_NOCTTY | os.O_CLOEXEC)
+    except OSError:
+        return Path(os.path.realpath(path))
+    try:
+        return opened_path(descriptor)
+    finally:
+        os.close(descriptor)
+
+
+def _is_built_from(installed: Path, folder: Path) -> bool:
+    """Whether `folder` is a source in the very workspace whose `install` holds the package.
+
+    `colcon build --symlink-install` leaves `install/…/share/NAME/package.xml`, a link to `src/…/NAME/package.xml`. An
+    archive may hold such links too, but what they point at then lies in its own `src`.
+    """
+    if _real(installed) != installed or _real(installed / "package.xml").parent != folder:
+        return False
+    workspace = next((parent.parent for parent in installed.parents if parent.name == "install"), None)
+    if workspace is None or installed.parent.name != "share" or is_too_wide(workspace):
+        return False
+    sources = workspace / SOURCES
+    return folder.is_relative_to(sources) and not any(part[0] == "." for part in folder.relative_to(sources).parts)
 
 
 def _own_folders(file: Path) -> list[Path]:

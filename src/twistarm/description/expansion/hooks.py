@@ -12,7 +12,7 @@ from pathlib import Path
 from typing import Any
 
 from ...errors import one_line
-from ..document import Reading, note_file, parse_xml, read_text
+from ..document import Reading, note_file, parse_xml
 from ..findings import Place
 from ..packages import PackageIndex
 from .arguments import Arguments
@@ -110,14 +110,13 @@ class Expansion:
     def parse(self, text: Any, filename: str) -> Any:
         """The document in a file that may be read."""
         try:
-            path = self._admit(filename)
+            path, text = self._read(filename)
         except Refused:
             self._xacro.filestack.pop()
             raise
         except OSError as error:
             self._xacro.filestack.pop()
             raise self._xacro.XacroException(f"{error.strerror}: {filename}", exc=error) from error
-        text = read_text(path)
         self.work.charge_text(len(text))
         self.work.charge(ELEMENT_COST * text.count("<") + ATTRIBUTE_COST * text.count("="))
         reading = Reading(path, self.packages)
@@ -141,8 +140,7 @@ class Expansion:
                 what = f"wildcards in the folder of {pattern!r} are not allowed"
                 raise Refused("include-pattern-refused", what, "use them in the file's name, or name each file")
             return []
-        self._confinement.require_inside(Path(os.path.realpath(folder)))
-        names = sorted(os.listdir(folder))
+        names = self._confinement.entries(folder)
         self.work.charge(len(names))
         shown = [other for other in names if name.startswith(".") or not other.startswith(".")]
         return [os.path.join(folder, match) for match in fnmatch.filter(shown, name)]
@@ -155,12 +153,12 @@ class Expansion:
             self.left_out.leave_out_data(name, package, self.place)
             return dotted({})
         try:
-            path = self._admit(name)
+            path, text = self._read(name)
         except OSError as error:
             raise self._xacro.XacroException(f"{error.strerror}: {name}", exc=error) from error
         self._xacro.filestack.append(name)
         units = {unit.value.tag: self._unit(unit.value.conversion_constant) for unit in self._xacro.ConstructUnits}
-        data = load_yaml(read_text(path), str(path), units, self.work)
+        data = load_yaml(text, str(path), units, self.work)
         self._xacro.filestack.pop()
         return dotted(data)
 
@@ -173,7 +171,7 @@ class Expansion:
             raise Refused("file-outside-packages", what, "write a path or $(find package)/…")
         return str(self._xacro.abs_filename_spec(name))
 
-    def _admit(self, name: str) -> Path:
+    def _read(self, name: str) -> tuple[Path, str]:
         if name.startswith(MISSING_PACKAGE):
             raise FileNotFoundError(errno.ENOENT, os.strerror(errno.ENOENT), name)
         if len(self._xacro.filestack) > MAX_INCLUDES:
@@ -181,7 +179,7 @@ class Expansion:
             raise Refused("xacro-recursion", what, "take out the include that comes back")
         self.work.charge(FILE_COST)
         note_file(Path(name))
-        return self._confinement.admit(name)
+        return self._confinement.read(name)
 
     def find(self, package: str) -> str:
         """The folder of a package, or what stands for an unknown one."""
@@ -203,10 +201,10 @@ class Expansion:
     def neighbours(self, folder: Path, absent: Path) -> list[str]:
         """What stands in a folder that may be read where `absent` was looked for: folders, or files of its kind."""
         try:
-            self._confinement.require_inside(folder)
-            entries = sorted(entry for entry in folder.iterdir() if not entry.name.startswith("."))
+            names = self._confinement.entries(folder)
         except (Refused, OSError):
             return []
+        entries = [folder / name for name in names if not name.startswith(".")]
         if absent.parent == folder:
             return [entry.name for entry in entries if entry.suffix == absent.suffix and not entry.is_dir()]
         return [entry.name for entry in entries if entry.is_dir()]
