@@ -117,6 +117,8 @@ CASES: dict[str, Case] = {
               links=("base_link", "upper", "x", "y"))
     ),
     "too-deep": urdf(chain(*["0 0 1"] * 1200)),
+    "too-many-parts": urdf(robot(links=("a",) * 5001)),
+    "name-too-long": urdf(robot(links=("a" * 501,))),
     "too-many-joints": urdf(chain(*["0 0 1"] * 260)),
     # joints
     "joint-type-unknown": urdf(two_joints(kind="rotary")),

@@ -243,7 +243,7 @@ def test_a_long_line_of_mimics_is_followed_to_its_end(tmp_path: Path) -> None:
     path = write(tmp_path, robot(*joints, joint("j898", links[898], links[899]), links=links))
     couplings = resolve_couplings(read_description(path), {})
     assert {(affine.master, affine.multiplier) for affine in couplings.values()} == {("j898", 1.0)}
-    with pytest.raises(DescriptionError, match="899 moving joints; at most 250"):
+    with pytest.raises(DescriptionError, match="899 moving joints; at most 200"):
         load_arm(path, tip="l899")
 
 
@@ -297,7 +297,7 @@ def test_a_file_beyond_all_descriptions_is_not_read(tmp_path: Path) -> None:
     with pytest.raises(DescriptionError) as caught:
         load_arm(path)
     assert str(caught.value) == (
-        f"{path}: it has 3,221,225,472 bytes; at most 50,000,000 are read; is it the right file?"
+        f"{path}: it has 3,221,225,472 bytes; at most 20,000,000 are read; is it the right file?"
     )
     assert [one.code for one in caught.value.findings] == ["file-too-large"]
 
@@ -307,16 +307,19 @@ def test_thousands_of_mistakes_take_no_longer_than_thousands_of_names(tmp_path: 
     joints = (joint(f"j{i}", "base", f"x{i}", "fixed") for i in range(n))
     path = write(tmp_path, robot(*joints, links=("base", *(f"l{i}" for i in range(n)))))
     start = time.process_time()
-    with pytest.raises(DescriptionError, match="and 2999 more"):
+    with pytest.raises(DescriptionError, match="closest: 'l0'.*more: twistarm doctor lists them"):
         load_arm(path)
     assert time.process_time() - start < 6.0
 
 
 def test_what_is_not_ours_is_left_out_in_no_time_however_much_it_is(tmp_path: Path) -> None:
-    path = write(tmp_path, two_joints().replace("</robot>", '<gazebo x="1"/>' * 300_000 + "</robot>"))
+    path = write(tmp_path, two_joints().replace("</robot>", '<gazebo x="1"/>' * 120_000 + "</robot>"))
     start = time.process_time()
     assert load_arm(path).n == 2
-    assert time.process_time() - start < 8.0
+    assert time.process_time() - start < 3.0
+    path = write(tmp_path, two_joints().replace("</robot>", '<gazebo x="1"/>' * 130_000 + "</robot>"))
+    with pytest.raises(DescriptionError, match="more than 250,000 elements and attributes; leave out"):
+        load_arm(path)
 
 
 def test_a_robot_without_a_name_takes_the_files(tmp_path: Path) -> None:

@@ -16,6 +16,9 @@ _BRIEF.maxstring = _BRIEF.maxother = SHOWN
 LONGEST = 1800
 """Characters of a message: a description may hold names of any length, and a line has to be read."""
 
+LONGEST_COMPARED = 200
+"""Characters of a name that is compared with others: that takes time by the product of their lengths."""
+
 
 class TwistarmError(Exception):
     """Whatever twistarm raises on purpose. Its text is one line that any terminal can show."""
@@ -89,9 +92,9 @@ def unknown_name(kind: str, given: Any, names: Iterable[str], *, within: str, li
 
 def closest(given: Any, names: Iterable[str]) -> str:
     """`; closest: 'a', 'b'`, or nothing where no name is similar."""
-    if not isinstance(given, str):
+    if not isinstance(given, str) or len(given) > LONGEST_COMPARED:
         return ""
-    candidates = list(names)
+    candidates = [name for name in names if len(name) <= LONGEST_COMPARED]
     folded = {name.casefold(): name for name in candidates}
     matches = get_close_matches(given.casefold(), folded, n=3, cutoff=0.5)
     return "; closest: " + ", ".join(_quoted(folded[m]) for m in matches) if matches else ""

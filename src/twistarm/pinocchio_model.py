@@ -17,8 +17,8 @@ from .description.coupling import Affine
 from .description.findings import refusal
 from .description.tree import Description
 
-MAX_MOVING_JOINTS = 250
-"""Pinocchio's data holds four tensors of nv³ numbers: half a gigabyte here, and no robot has as many joints."""
+MAX_MOVING_JOINTS = 200
+"""Pinocchio's data holds four tensors of nv³ numbers: a quarter of a gigabyte here, and no robot has as many joints."""
 
 _WHEEL = wheels.Wheel(
     "pinocchio",
@@ -65,13 +65,14 @@ class PinocchioModel:
         self._A, self._b = self._affine()
         # What moves above the base carries base and tip alike: only the chain's joints move one against the other.
         self._A_chain = self._A * np.isin(np.arange(self.model.nq), [self._index[name] for name in chain])[:, None]
-        self._frames = {link: int(self.model.getFrameId(link, self._pin.FrameType.BODY)) for link in description.links}
+        body = self._pin.FrameType.BODY
+        self._frames = {str(frame.name): i for i, frame in enumerate(self.model.frames) if frame.type == body}
 
     @property
     def data(self) -> Any:
         """Pinocchio's data, one for each thread."""
         if not hasattr(self._local, "data"):
-            self._local.data = self.model.createData()
+            self._local.data = self._pin.Data(self.model)  # createData() would make it twice
         return self._local.data
 
     def frame_id(self, link: str) -> int:

@@ -24,7 +24,8 @@ PATIENCE = 60.0
 class Outcome:
     """What came of it: the exit code (None where it had to be killed), what was printed, and what it took.
 
-    `megabytes` is the most that the process, or one that it waited for, held at a time.
+    `seconds` are the clock's, `busy` the processor's; `megabytes` is the most that the process, or one that it waited
+    for, held at a time.
     """
 
     code: int | None
@@ -32,6 +33,7 @@ class Outcome:
     errors: str
     seconds: float
     megabytes: float
+    busy: float = 0.0
 
     @property
     def fault(self) -> str:
@@ -80,8 +82,9 @@ def attempt(*arguments: str, folder: Path, env: Mapping[str, str] | None = None,
         clock.cancel()
         process.returncode = os.waitstatus_to_exitcode(status)
         told = [file.seek(0) or file.read().decode("utf-8", "replace") for file in (output, errors)]
+    busy = used.ru_utime + used.ru_stime
     kilobytes = used.ru_maxrss / (1024 if sys.platform == "darwin" else 1)
-    return Outcome(None if late.is_set() else process.returncode, told[0], told[1], took, kilobytes / 1000)
+    return Outcome(None if late.is_set() else process.returncode, told[0], told[1], took, kilobytes / 1000, busy)
 
 
 @dataclass

@@ -19,6 +19,10 @@ MOVEIT = "*_moveit_config"
 """The MoveIt package of the same workspace: one or two folders above the description's."""
 
 
+MOST_BYTES, FILE_BYTES = 3_000_000, 10_000
+"""SRDFs that nobody named are read up to so much in all; each counts for no less than the second."""
+
+
 def files_beside(file: Path, pattern: str) -> tuple[Path, ...]:
     """Files named like `pattern` (`*.srdf`) in the description's folder and where packages keep them beside it.
 
@@ -37,7 +41,14 @@ def srdf_beside(description: Description) -> tuple[Semantics | None, tuple[Findi
         return None, ()
     matching: list[Semantics] = []
     noted: list[Finding] = []
-    for path in files_beside(description.path, "*.srdf"):
+    left = MOST_BYTES
+    every = files_beside(description.path, "*.srdf")
+    for i, path in enumerate(every):
+        left -= max(FILE_BYTES, path.stat().st_size)
+        if left < 0:
+            what = f"{len(every)} SRDFs are beside the description; {len(every) - i} of them are not looked at"
+            noted.append(finding("srdf-ignored", Place(path.name), what, "name the right one as srdf="))
+            break
         try:
             semantics = read_srdf(path)
         except DescriptionError as error:

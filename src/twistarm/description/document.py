@@ -14,14 +14,20 @@ from xml.parsers import expat
 
 from ..errors import DescriptionError
 from ..files import read_bounded
-from .findings import Finding, Place, finding, refusal, refused
+from .findings import Findings, Place, finding, refusal, refused
 from .packages import PackageIndex
 
-MAX_BYTES = 50_000_000
+MAX_BYTES = 20_000_000
 """A whole humanoid's URDF has some 200 kB, a robot cell's a few MB."""
+
+MAX_PARTS = 250_000
+"""Elements and attributes; a whole humanoid's URDF has some 8,000."""
 
 MAX_NESTING = 100
 """No description nests deeper, and Python's own XML writer recurses."""
+
+CHUNK = 1_000_000
+"""Bytes that expat is given at a time: a Ctrl-C waits for it."""
 
 
 @dataclass
@@ -32,7 +38,7 @@ class Reading:
     packages: PackageIndex
     lines: dict[ET.Element, int] = field(default_factory=dict)
     show_lines: bool = True
-    findings: list[Finding] = field(default_factory=list)
+    findings: Findings = field(default_factory=Findings)
 
     def place(self, element: ET.Element | None = None) -> Place:
         """Where an element stands: file, line, tag and name; without an element, the file."""
@@ -52,7 +58,7 @@ class Reading:
     def note(self, code: str, at: Place | ET.Element | None, what: str, remedy: str, *, repaired: bool = False) -> None:
         """Add a finding about an element, another place, or the file as a whole."""
         place = at if isinstance(at, Place) else self.place(at)
-        self.findings.append(finding(code, place, what, remedy, repaired=repaired))
+        self.findings.take([finding(code, place, what, remedy, repaired=repaired)])
 
     def error(self, element: ET.Element, code: str, what: str, remedy: str = "") -> DescriptionError:
         """The error for an element that cannot be repaired."""
@@ -60,8 +66,8 @@ class Reading:
 
     def require_usable(self) -> None:
         """Raise DescriptionError if anything noted so far is an error."""
-        if any(noted.severity == "error" for noted in self.findings):
-            raise refused(self.findings)
+        if any(noted.severity == "error" for noted in self.findings.kept):
+            raise refused(self.findings.told(self.place()))
 
 
 _NOTED: ContextVar[set[Path] | None] = ContextVar("noted", default=None)
@@ -118,16 +124,23 @@ def parse_xml(text: str, reading: Reading) -> ET.Element:
     """The root element of `text`; every element's line goes into `reading.lines`.
 
     Plain expat without namespaces: leftovers such as `xacro:` prefixes or `<gazebo>` blocks with undeclared ones do
-    not matter. A document type (the door to entities and external files) is refused.
+    not matter. A document type (the door to entities and external files) is refused, and so are more than `MAX_PARTS`
+    elements and attributes.
     """
     builder = ET.TreeBuilder()
     parser = expat.ParserCreate("utf-8")
     parser.buffer_text = True
 
     open_tags: list[str] = []
+    parts = 0
 
     def start(tag: str, attributes: dict[str, str]) -> None:
+        nonlocal parts
         open_tags.append(tag)
+        parts += 1 + len(attributes)
+        if parts > MAX_PARTS:
+            what = f"it has more than {MAX_PARTS:,} elements and attributes"
+            raise refusal("file-too-large", reading.whole, what, "leave out what the arm does not need")
         if len(open_tags) > MAX_NESTING:
             place = replace(reading.whole, line=parser.CurrentLineNumber)
             what = f"elements are nested more than {MAX_NESTING} deep"
@@ -148,7 +161,10 @@ def parse_xml(text: str, reading: Reading) -> ET.Element:
     parser.CharacterDataHandler = builder.data
     parser.StartDoctypeDeclHandler = refuse
     try:
-        parser.Parse(text.encode("utf-8", "surrogatepass"), True)
+        data = text.encode("utf-8", "surrogatepass")
+        for begin in range(0, len(data), CHUNK):
+            parser.Parse(data[begin : begin + CHUNK], False)
+        parser.Parse(b"", True)
     except expat.ExpatError as error:
         what = f"not well-formed XML: {error}"
         place = replace(reading.whole, line=error.lineno if reading.show_lines else None)

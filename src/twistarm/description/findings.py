@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
+from collections import Counter
 from collections.abc import Iterable
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Literal, NamedTuple
 
 from ..errors import DescriptionError, one_line
@@ -37,6 +38,8 @@ CODES: dict[str, Code] = {
     "cycle": Code("error", "links and joints form a circle"),
     "too-deep": Code("error", "the chain is longer than any robot's"),
     "too-many-joints": Code("error", "more moving joints than Pinocchio's data has room for"),
+    "too-many-parts": Code("error", "more links, joints or shapes than any robot has"),
+    "name-too-long": Code("error", "a name is longer than anybody writes or reads"),
     # joints
     "joint-type-unknown": Code("error", "URDF has no such joint type"),
     "origin-malformed": Code("error", "a joint's place is not given in numbers"),
@@ -148,6 +151,9 @@ CODES: dict[str, Code] = {
 """Every code a finding may carry. `docs/findings.md` is made from this table."""
 
 
+MOST_OF_A_KIND = 100
+"""Findings of one code that are told; nobody reads more, and a generated file has one in every element."""
+
 LONGEST_PLACE, LONGEST_WHAT = 300, 1000
 """Characters: names in a description may have thousands."""
 
@@ -186,6 +192,35 @@ class Finding:
 
     def __str__(self) -> str:
         return f"{self.severity}: {self.place}: {self.what} ({self.remedy})"
+
+
+@dataclass
+class Findings:
+    """What is noticed in the course of a reading: of one code the first are kept, all counted."""
+
+    kept: list[Finding] = field(default_factory=list)
+    _counts: Counter[str] = field(default_factory=Counter)
+
+    def take(self, findings: Iterable[Finding]) -> None:
+        """Add some."""
+        for one in findings:
+            self._counts[one.code] += 1
+            if self._counts[one.code] <= MOST_OF_A_KIND:
+                self.kept.append(one)
+
+    def told(self, place: Place) -> tuple[Finding, ...]:
+        """Those that are kept, and for each code with more how many, in the file that is `place`."""
+        more = {code: count - MOST_OF_A_KIND for code, count in self._counts.items() if count > MOST_OF_A_KIND}
+        remedy = "correct those that are told: the others may go with them"
+        rest = (finding(code, place, f"the same is so {many} times more", remedy) for code, many in more.items())
+        return (*self.kept, *rest)
+
+
+def at_most(findings: Iterable[Finding], place: Place) -> tuple[Finding, ...]:
+    """`findings`, no more of one code than anybody reads."""
+    noted = Findings()
+    noted.take(findings)
+    return noted.told(place)
 
 
 def finding(code: str, place: Place, what: str, remedy: str, *, repaired: bool = False) -> Finding:

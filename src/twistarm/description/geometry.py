@@ -21,6 +21,9 @@ from .tree import Geometry
 LARGEST = 1e9
 """No length, angle, mass or multiplier of a robot comes near; beyond it products overflow."""
 
+MAX_NUMBER = 400
+"""Characters of a number."""
+
 Colour = tuple[float, float, float, float]
 _FIND = re.compile(r"^\$\(find\s+([^)\s]+)\)/?(.*)$")
 _PACKAGE = re.compile(r"^(?:package|model)://([^/]+)/?(.*)$")
@@ -142,7 +145,8 @@ def mesh_scale(text: str | None) -> tuple[float, ...]:
 
 def floats(text: str, count: int) -> list[float]:
     """Exactly `count` numbers of a size that robots have, or ValueError."""
-    values = [number(word) for word in text.split()] if text.isascii() else []
+    words = text.split(maxsplit=count)
+    values = [number(word) for word in words] if text.isascii() and len(words) == count else []
     if len(values) != count or not (np.abs(values) <= LARGEST).all():
         raise ValueError(f"{count} finite numbers expected, none beyond {LARGEST:g}; got {text[:60]!r}")
     return values
@@ -150,6 +154,6 @@ def floats(text: str, count: int) -> list[float]:
 
 def number(word: str) -> float:
     """A number as every reader of URDF takes it: not Python's 1_000, nor digits of another script."""
-    if not word.isascii() or "_" in word:
+    if not word.isascii() or "_" in word or len(word) > MAX_NUMBER:
         raise ValueError(f"no number: {word[:60]!r}")
     return float(word)

@@ -7,14 +7,14 @@ import xml.etree.ElementTree as ET
 from .document import Reading
 from .geometry import floats, read_origin
 
-_INERTIA = ("ixx", "ixy", "ixz", "iyy", "iyz", "izz")
+INERTIA = ("ixx", "ixy", "ixz", "iyy", "iyz", "izz")
 
 
 def drop_unusable_inertials(robot: ET.Element, reading: Reading) -> None:
     """Remove every `<inertial>` that cannot be read; kinematics does not need it, gravity torques do."""
     for link in robot.findall("link"):
-        for surplus in link.findall("inertial")[1:]:
-            link.remove(surplus)
+        first = link.find("inertial")
+        link[:] = [child for child in link if child.tag != "inertial" or child is first]
         for inertial in link.findall("inertial"):
             problem = inertial_problem(inertial)
             if problem:
@@ -37,7 +37,7 @@ def inertial_problem(inertial: ET.Element) -> str:
         return "lacks <mass> or <inertia>"
     try:
         (value,) = floats(mass.get("value", ""), 1)
-        for name in _INERTIA:
+        for name in INERTIA:
             floats(inertia.get(name, "0"), 1)
         read_origin(inertial)
     except ValueError as error:
@@ -48,5 +48,5 @@ def inertial_problem(inertial: ET.Element) -> str:
 def _write_plainly(inertial: ET.Element) -> None:
     """For Pinocchio, which takes " 1 " for no mass, and all of an inertia for zero if one of the six is missing."""
     for element in (*inertial.findall("mass"), *inertial.findall("inertia")):
-        for name in ("value",) if element.tag == "mass" else _INERTIA:
+        for name in ("value",) if element.tag == "mass" else INERTIA:
             element.set(name, element.get(name, "0").strip())

@@ -4,14 +4,15 @@ from __future__ import annotations
 
 import os
 import re
-import xml.etree.ElementTree as ET
-from collections.abc import Iterable, Iterator
+from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass, field
 from pathlib import Path
+from typing import BinaryIO
+from xml.parsers import expat
 
 from ..checks import require_names
 from ..errors import InputError, shown
-from ..files import as_path, is_file, read_bounded
+from ..files import as_path, is_file, open_regular
 from .copies import find_copy
 
 MAX_DEPTH = 4
@@ -20,8 +21,15 @@ MAX_DEPTH = 4
 MAX_PARENTS = 8
 """How many parents of the description are looked through, with their children."""
 
-MANIFEST_BYTES = 1_000_000
-"""A package.xml is a page long."""
+MANIFEST_BYTES, PIECE = 16_384, 2_048
+"""A package.xml's name stands at its head, behind a licence at most: so far it is read, in such pieces."""
+
+MAX_FOLDERS = 20_000
+"""Folders that one search looks at among those of the user, near the description or of ROS's variables, each. Ubuntu's
+ROS with all its tools has some 400 packages; a second is enough for as many folders as these."""
+
+ENTRIES_PER_FOLDER = 20
+"""Entries of a folder that take as long as a folder does."""
 
 _NAME = re.compile(r"\w[\w.-]*")
 
@@ -42,7 +50,8 @@ class PackageIndex:
     user_dirs: tuple[Path, ...] = ()
     _copies: dict[tuple[str, bool], Path | None] = field(default_factory=dict, repr=False, compare=False)
     _found: dict[str, Path | None] = field(default_factory=dict, repr=False, compare=False)
-    _near: list[Path] = field(default_factory=list, repr=False, compare=False)
+    _by_name: dict[str, list[Path]] = field(default_factory=dict, repr=False, compare=False)
+    _unseen: dict[str, None] = field(default_factory=dict, repr=False, compare=False)
     _search: list[Iterator[tuple[str | None, Path | None]]] = field(default_factory=list, repr=False, compare=False)
 
     def find(self, package: str) -> Path | None:
@@ -74,7 +83,7 @@ class PackageIndex:
         """Asked for after every folder near was looked through for a package.xml."""
         key = package, marked
         if key not in self._copies:
-            self._copies[key] = find_copy(package, self._near, self.file, marked=marked)
+            self._copies[key] = find_copy(package, self._by_name.get(package, ()), self.file, marked=marked)
         return self._copies[key]
 
     def searched(self) -> str:
@@ -82,24 +91,91 @@ class PackageIndex:
         places = [str(path) for path in self.user_dirs]
         places.append(f"the folders above {self.file.name}")
         places += [name for name in ("AMENT_PREFIX_PATH", "ROS_PACKAGE_PATH") if os.environ.get(name)]
-        return ", ".join(places)
+        return ", ".join(places) + "".join(self._unseen)
 
     def sourced(self, package: str) -> Iterator[Path]:
         """Every folder of `package` in the environment's, those behind another that `find` answers with too."""
-        return (folder for folder in _folders_of_environment() if package_name(folder) == package)
+        return (folder for folder in self._folders_of_environment() if package_name(folder) == package)
 
     def _folders(self) -> Iterator[Path]:
         for folder in self._folders_near():
-            self._near.append(folder)
+            self._by_name.setdefault(folder.name, []).append(folder)
             yield folder
-        yield from _folders_of_environment()
+        yield from self._folders_of_environment()
+
+    def _folders_of_environment(self) -> Iterator[Path]:
+        walk = self._walk("the variables of ROS")
+        for prefix in _environment_paths("AMENT_PREFIX_PATH"):
+            yield from walk.through(prefix / "share", 1)
+        for folder in _environment_paths("ROS_PACKAGE_PATH"):
+            yield from walk.through(folder, MAX_DEPTH)
 
     def _folders_near(self) -> Iterator[Path]:
+        walk = self._walk("package_dirs")
         for folder in self.user_dirs:
-            yield from _walk(folder, MAX_DEPTH)
+            yield from walk.through(folder, MAX_DEPTH)
+        walk = self._walk("the folders above")
         for parent in list(self.file.parents)[:MAX_PARENTS]:
-            yield from _walk(parent, 1)
-            yield from _children(parent / SOURCES)
+            yield from walk.through(parent, 1)
+            yield from walk.children(parent / SOURCES)
+
+    def _walk(self, where: str) -> Walk:
+        """A walk that says in `searched` where it has ended early."""
+        what = f" (only the first {MAX_FOLDERS:,} of the folders of {where}: name nearer ones as package_dirs)"
+        return Walk(lambda: self._unseen.setdefault(what))
+
+
+@dataclass
+class Walk:
+    """A walk through folders, breadth first, that looks at no more than `left`; `ended` is called where it stops.
+
+    Hidden and unreadable ones are left out. A link to a folder that it has come through leads nowhere new.
+    """
+
+    ended: Callable[[], None]
+    left: int = MAX_FOLDERS
+    _seen: set[tuple[int, int]] = field(default_factory=set)
+
+    def through(self, folder: Path, depth: int) -> Iterator[Path]:
+        """`folder` and what stands below, so many levels deep."""
+        level = [folder]
+        for _ in range(depth + 1):
+            yield from level
+            if _ < depth:
+                level = [child for parent in level for child in self.children(parent)]
+
+    def children(self, folder: Path) -> list[Path]:
+        """The folders in a folder, by their names."""
+        if self.left <= 0:
+            return []
+        found, entries = [], 0
+        try:
+            with os.scandir(folder) as inside:
+                for entry in inside:
+                    entries += 1
+                    if not entry.name.startswith(".") and self._leads_on(entry):
+                        found.append(entry.name)
+                    if len(found) + entries // ENTRIES_PER_FOLDER > self.left:
+                        break
+        except OSError:
+            pass
+        self.left -= len(found) + entries // ENTRIES_PER_FOLDER
+        if self.left <= 0:
+            self.ended()
+        return [folder / name for name in sorted(found)]
+
+    def _leads_on(self, entry: os.DirEntry[str]) -> bool:
+        """Whether it is a folder, and if by a link, one that was not met before."""
+        try:
+            if not entry.is_dir():
+                return False
+            status = entry.stat()
+        except OSError:
+            return False
+        place = status.st_dev, status.st_ino
+        new = place not in self._seen
+        self._seen.add(place)
+        return new or not entry.is_symlink()
 
 
 def package_index(file: Path, user_dirs: Iterable[str | os.PathLike[str]] = ()) -> PackageIndex:
@@ -130,45 +206,47 @@ def package_names(without: object) -> tuple[str, ...]:
 
 
 def package_name(folder: Path) -> str | None:
-    """The `<name>` in the folder's package.xml; None without a readable one of a manifest's size."""
+    """The `<name>` in the folder's package.xml; None without a readable one near its head."""
     manifest = folder / "package.xml"
     if not is_file(manifest):
         return None
     try:
-        text = read_bounded(manifest, MANIFEST_BYTES)
-        name = ET.fromstring(text, ET.XMLParser(target=_Plain())).findtext("name")
-    except (ET.ParseError, OSError, ValueError, LookupError):
+        with open_regular(manifest) as file:
+            return _name_in(file)
+    except (expat.ExpatError, OSError, ValueError, LookupError):
         return None
-    return name.strip() if name else None
 
 
-class _Plain(ET.TreeBuilder):
-    """Elements without a document type, hence without entities."""
+def _name_in(file: BinaryIO) -> str | None:
+    """The text of the first `<name>` in the root element; a document type, hence entities, is an ExpatError."""
+    parser = expat.ParserCreate()
+    parser.buffer_text = True
+    tags: list[str] = []
+    texts: list[str] = []
+    found: list[str] = []
 
-    def doctype(self, *_: object) -> None:
-        raise ET.ParseError("a document type is not allowed")
+    def end(tag: str) -> None:
+        if len(tags) == 2 and tag == "name":
+            found.append("".join(texts).strip())
+        tags.pop()
 
+    def text(data: str) -> None:
+        if len(tags) == 2 and tags[-1] == "name":
+            texts.append(data)
 
-def _walk(folder: Path, depth: int) -> Iterator[Path]:
-    """`folder` and its subfolders, breadth first, hidden ones and unreadable ones left out."""
-    level = [folder]
-    for _ in range(depth + 1):
-        yield from level
-        level = [child for parent in level for child in _children(parent)]
+    def refuse(*_: object) -> None:
+        raise expat.ExpatError("a document type is not allowed")
 
-
-def _children(folder: Path) -> list[Path]:
-    try:
-        return sorted(child for child in folder.iterdir() if not child.name.startswith(".") and child.is_dir())
-    except OSError:
-        return []
-
-
-def _folders_of_environment() -> Iterator[Path]:
-    for prefix in _environment_paths("AMENT_PREFIX_PATH"):
-        yield from _walk(prefix / "share", 1)
-    for folder in _environment_paths("ROS_PACKAGE_PATH"):
-        yield from _walk(folder, MAX_DEPTH)
+    parser.StartElementHandler = lambda tag, _: tags.append(tag)
+    parser.EndElementHandler = end
+    parser.CharacterDataHandler = text
+    parser.StartDoctypeDeclHandler = refuse
+    for _ in range(0, MANIFEST_BYTES, PIECE):
+        piece = file.read(PIECE)
+        parser.Parse(piece, not piece)
+        if found or not piece:
+            break
+    return found[0] or None if found else None
 
 
 def _environment_paths(variable: str) -> list[Path]:

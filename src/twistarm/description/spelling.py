@@ -23,24 +23,33 @@ SIMILAR = 0.75
 """Of two words, so that `orgin` is a slip and `physics` another tool's."""
 
 
+MOST_WORDS, LONGEST, MOST_ATTRIBUTES = 1_000, 40, 10
+"""Different words that are compared, letters of one, and attributes of an element that are told."""
+
+
 def note_unread_words(robot: ET.Element, reading: Reading) -> None:
     """Note what no reader of URDF takes up in a moving or fixed joint's place, axis, limits and mimic.
 
     An attribute that the element does not have, an element whose name is nearly one of `ATTRIBUTES`, a second one of
     a kind (the first counts), and an `<axis>` without its numbers, which then is x.
     """
+    slips: dict[str, bool] = {}
     for joint in robot.findall("joint"):
-        _note_slips(joint, reading)
+        _note_slips(joint, reading, slips)
         _note_doubles(joint, reading)
         for element in joint:
             _note_attributes(joint, element, reading)
 
 
-def _note_slips(joint: ET.Element, reading: Reading) -> None:
+def _note_slips(joint: ET.Element, reading: Reading, known: dict[str, bool]) -> None:
+    """`known`: the words that were looked at, and whether each is nearly one of `ATTRIBUTES`."""
     for element in joint:
-        if element.tag not in ATTRIBUTES and get_close_matches(element.tag.casefold(), ATTRIBUTES, 1, SIMILAR):
-            remedy = f"correct the name{closest(element.tag, ATTRIBUTES)}"
-            reading.note("word-unread", joint, f"its <{element.tag}> means nothing and is not read", remedy)
+        tag = element.tag
+        if tag not in ATTRIBUTES and tag not in known and len(known) < MOST_WORDS:
+            known[tag] = len(tag) <= LONGEST and bool(get_close_matches(tag.casefold(), ATTRIBUTES, 1, SIMILAR))
+        if known.get(tag):
+            remedy = f"correct the name{closest(tag, ATTRIBUTES)}"
+            reading.note("word-unread", joint, f"its <{tag}> means nothing and is not read", remedy)
 
 
 def _note_doubles(joint: ET.Element, reading: Reading) -> None:
@@ -52,9 +61,11 @@ def _note_doubles(joint: ET.Element, reading: Reading) -> None:
 
 def _note_attributes(joint: ET.Element, element: ET.Element, reading: Reading) -> None:
     known = ATTRIBUTES.get(element.tag, ())
-    for name in element.attrib:
-        if known and name not in known and ":" not in name:
-            remedy = f"its attributes are {listed(known)}{closest(name, known)}"
-            reading.note("word-unread", joint, f"{name}= in its <{element.tag}> means nothing and is not read", remedy)
+    unread = [name for name in element.attrib if known and name not in known and ":" not in name]
+    for name in unread[:MOST_ATTRIBUTES]:
+        remedy = f"its attributes are {listed(known)}{closest(name, known)}"
+        more = f" (nor {len(unread) - MOST_ATTRIBUTES} others)" if len(unread) > MOST_ATTRIBUTES else ""
+        what = f"{name}= in its <{element.tag}> means nothing and is not read{more}"
+        reading.note("word-unread", joint, what, remedy)
     if element.tag == "axis" and "xyz" not in element.attrib and joint.get("type") not in ("fixed", "floating"):
         reading.note("word-unread", joint, "its <axis> has no xyz=; taken as 1 0 0", 'write <axis xyz="…"/>')

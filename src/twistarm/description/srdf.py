@@ -22,7 +22,7 @@ MAX_BYTES = 1_000_000
 """A whole humanoid's SRDF has some 200 kB."""
 
 MAX_GROUPS = 200
-"""And some 30 groups; each is held against all others, and each silent link against all links."""
+"""And some 30 groups; each is held against all others, and each silent link against all links. States are shown."""
 
 Pair = tuple[str, str]
 
@@ -114,7 +114,7 @@ def _semantics(text: str, reading: Reading) -> Semantics:
     if robot.tag != "robot" or robot.find("link") is not None:
         what = "it holds links, as a URDF does" if robot.tag == "robot" else f"its root element is <{robot.tag}>"
         raise refusal("srdf-unusable", reading.whole, what, "is it an SRDF file?")
-    for tag in ("group", "end_effector", "disable_default_collisions"):
+    for tag in ("group", "group_state", "end_effector", "disable_default_collisions"):
         if len(robot.findall(tag)) > MAX_GROUPS:
             what = f"it has {len(robot.findall(tag))} elements <{tag}>; allowed are {MAX_GROUPS}"
             raise refusal("srdf-unusable", reading.whole, what, "is it an SRDF file?")

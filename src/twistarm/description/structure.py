@@ -13,6 +13,13 @@ MAX_LINKS_DEEP = 1000
 """Deeper chains are refused: Pinocchio's parser overflows its stack at some 4,000."""
 
 
+MAX_PARTS = {"link": 5_000, "joint": 5_000, "visual": 10_000, "collision": 10_000}
+"""The largest robots have some 150 links and 300 shapes, a whole cell a few thousand. Pinocchio compares each name with
+all before, in one call for which Ctrl-C waits: 5,000 take it a quarter of a second, 20,000 some four."""
+
+MAX_NAME = 500
+"""Characters of a link's or joint's name."""
+
 MOST_HINTS = 10
 """Mistakes that come with the closest name: the search takes as long as there are names."""
 
@@ -20,6 +27,7 @@ MOST_HINTS = 10
 def check_structure(robot: ET.Element, reading: Reading) -> None:
     """Raise DescriptionError for whatever keeps the description from being a tree of named links and joints."""
     links, joints = robot.findall("link"), robot.findall("joint")
+    _check_counts(robot, reading)
     if not links:
         raise refusal("no-robot", reading.whole, "it has no links", "is it a robot description?")
     for elements in (links, joints):
@@ -34,6 +42,15 @@ def check_structure(robot: ET.Element, reading: Reading) -> None:
     _check_connected(robot, reading)
 
 
+def _check_counts(robot: ET.Element, reading: Reading) -> None:
+    counts = Counter(element.tag for element in robot if element.tag in MAX_PARTS)
+    counts.update(shape.tag for link in robot.findall("link") for shape in link if shape.tag in MAX_PARTS)
+    for tag, most in MAX_PARTS.items():
+        if counts[tag] > most:
+            what = f"it has {counts[tag]:,} elements <{tag}>; at most {most:,} are read"
+            raise refusal("too-many-parts", reading.whole, what, "is it a whole scene? leave out all but the robot")
+
+
 def root_link(robot: ET.Element) -> str:
     """The one link that is nobody's child."""
     return _roots(robot)[0]
@@ -43,6 +60,9 @@ def _check_names(elements: list[ET.Element], reading: Reading) -> None:
     for element in elements:
         if not element.get("name"):
             reading.note("name-missing", element, "it has no name", "every link and joint needs one")
+        elif len(element.get("name", "")) > MAX_NAME:
+            what = f"its name has {len(element.get('name', '')):,} characters; at most {MAX_NAME} are read"
+            reading.note("name-too-long", element, what, "shorten it")
     counts = Counter(element.get("name") for element in elements)
     last = {element.get("name"): element for element in elements}
     for name, count in counts.items():
@@ -56,7 +76,7 @@ def _check_end(joint: ET.Element, end: str, names: set[str], reading: Reading) -
     if not link:
         reading.note("end-missing", joint, f"it has no <{end} link=…>", f"name its {end} link")
     elif link not in names:
-        hint = closest(link, names) if len(reading.findings) < MOST_HINTS else ""
+        hint = closest(link, names) if len(reading.findings.kept) < MOST_HINTS else ""
         remedy = f"define it, or correct the name{hint}"
         reading.note("link-undefined", joint, f"its {end} link {link!r} is not defined", remedy)
 

@@ -19,7 +19,7 @@ from .expansion.expand import expand_xacro, is_xacro
 from .expansion.left_out import blaming, not_used
 from .findings import Place, refusal
 from .geometry import Geometries, floats, number, read_origin
-from .inertial import drop_unusable_inertials
+from .inertial import INERTIA, drop_unusable_inertials
 from .packages import package_index
 from .planar import split_planar_joints
 from .spelling import note_unread_words
@@ -60,13 +60,14 @@ def read_description(
     packages = package_index(file, package_dirs)
     if is_xacro(file):
         text, noted = expand_xacro(file, packages, xacro_args, without)
-        reading = Reading(file, packages, show_lines=False, findings=list(noted))
+        reading = Reading(file, packages, show_lines=False)
     elif xacro_args:
         what = f"it is plain URDF and takes no xacro arguments ({', '.join(xacro_args)})"
         raise refusal("xacro-argument-unknown", Place(str(file)), what, "leave them out")
     else:
         noted = tuple(not_used(package, file, ()) for package in without)
-        text, reading = read_text(file), Reading(file, packages, findings=list(noted))
+        text, reading = read_text(file), Reading(file, packages)
+    reading.findings.take(noted)
     with blaming(noted):
         return build_description(text, reading)
 
@@ -100,7 +101,7 @@ def build_description(text: str, reading: Reading) -> Description:
         joints=joints,
         text=text,
         repaired=ET.tostring(robot, encoding="unicode"),
-        findings=tuple(reading.findings),
+        findings=reading.findings.told(reading.place()),
     )
 
 
@@ -142,7 +143,7 @@ def _try_joint(element: ET.Element, reading: Reading, rates: Rates) -> Joint | N
     try:
         return _read_joint(element, reading, rates)
     except DescriptionError as error:
-        reading.findings += error.findings
+        reading.findings.take(error.findings)
         return None
 
 
@@ -299,9 +300,25 @@ def _make_loadable(element: ET.Element, axis: Array, bounds: tuple[float, float]
 def _only(element: ET.Element, tag: str) -> ET.Element:
     """The first child of that tag, made if absent, any further one removed."""
     found = element.findall(tag)
-    for surplus in found[1:]:
-        element.remove(surplus)
+    if len(found) > 1:
+        element[:] = [child for child in element if child.tag != tag or child is found[0]]
     return found[0] if found else ET.SubElement(element, tag)
+
+
+_KEPT = {
+    "robot": ("name",),
+    "link": ("name",),
+    "joint": ("name", "type"),
+    "parent": ("link",),
+    "child": ("link",),
+    "origin": ("xyz", "rpy"),
+    "axis": ("xyz",),
+    "limit": LIMIT_NAMES,
+    "inertial": (),
+    "mass": ("value",),
+    "inertia": INERTIA,
+}
+"""What Pinocchio reads: elements and their attributes. It looks through all others for each that it asks for."""
 
 
 def _strip_to_kinematics(robot: ET.Element) -> None:
@@ -309,18 +326,12 @@ def _strip_to_kinematics(robot: ET.Element) -> None:
     robot[:] = [element for element in robot if element.tag in ("link", "joint")]
     for link in robot.findall("link"):
         link[:] = link.findall("inertial")
-    for joint in robot.findall("joint"):
-        joint[:] = [child for child in joint if child.tag in ("parent", "child", "origin", "axis", "limit")]
     for element in robot.iter():
-        _drop_foreign(element)
+        kept = _KEPT[element.tag]
+        if len(element.attrib) > len(kept) or not element.attrib.keys() <= set(kept):
+            for name in element.attrib.keys() - kept:
+                del element.attrib[name]
+        element[:] = [child for child in element if child.tag in _KEPT]
     for origin in robot.iter("origin"):
         for name, value in origin.attrib.items():
             origin.set(name, " ".join(value.split()))
-
-
-def _drop_foreign(element: ET.Element) -> None:
-    """Prefixed names and namespaces: nothing of URDF's, and readers that know namespaces stumble over them."""
-    for name in [name for name in element.attrib if ":" in name or name == "xmlns"]:
-        del element.attrib[name]
-    for child in [child for child in element if ":" in child.tag]:
-        element.remove(child)

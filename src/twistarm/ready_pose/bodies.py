@@ -13,8 +13,8 @@ from ..description.tree import Description, Geometry, Link
 from ..pinocchio_model import PinocchioModel, import_pinocchio
 from .hull import outer_points
 
-MOST_PAIRS = 2_000
-"""Of shapes: beyond, a robot is a whole scene, and what runs into what is not looked at."""
+MOST_SHAPES, MOST_PAIRS = 500, 2_000
+"""Shapes, and pairs of them: beyond, a robot is a whole scene, and what runs into what is not looked at."""
 
 GROUND = "the base plane"
 
@@ -36,7 +36,8 @@ class Bodies:
         self._geometry = self._pin.GeometryModel()
         self._links: list[str] = []
         self._add(base, GROUND, self._pin.coal.Halfspace(np.array([0.0, 0.0, 1.0]), 0.0), np.eye(4))
-        for link in description.links.values():
+        shapes = sum(len(link.collisions or link.visuals) for link in description.links.values())
+        for link in description.links.values() if shapes <= MOST_SHAPES else ():
             for shape, origin in _shapes(self._pin.coal, link):
                 self._add(link.name, link.name, shape, origin)
         for one, other in self._pairs(description.beyond(first), exempt):

@@ -19,6 +19,9 @@ SAMPLES, KNOWING = 192, 24
 BEST, ROUNDS, BLOCK = 3, 10, 8
 """So many of them are improved, in so many rounds, each with so many neighbouring coordinates at a time."""
 
+MOST_STEPS = 1280
+"""Steps, each for every moving joint: chains of more than 32 get fewer of them."""
+
 TRIES = 8
 """At most so many neighbours, the best first, are looked at for one whose links keep apart."""
 
@@ -102,7 +105,8 @@ class _Search:
         found: _Found = {rows[k].tobytes(): (rows[k], costs[k]) for k in kept}
         blocks = [self.moving[k : k + BLOCK] for k in range(0, len(self.moving), BLOCK)]
         idle = 0
-        for turn in range(ROUNDS * len(blocks)):
+        steps = min(ROUNDS * len(blocks), MOST_STEPS // self.merit.mechanism.screws.shape[1])
+        for turn in range(steps):
             better = self._step(blocks[turn % len(blocks)], *map(np.array, zip(*found.values(), strict=True)))
             idle = idle + 1 if better.keys() == found.keys() else 0
             found = better
