@@ -127,6 +127,8 @@ def parse_xml(text: str, reading: Reading) -> ET.Element:
     not matter. A document type (the door to entities and external files) is refused, and so are more than `MAX_PARTS`
     elements and attributes.
     """
+    if text.count("=") > MAX_PARTS:  # expat collects all attributes of an element before it can be stopped
+        raise _too_many(reading)
     builder = ET.TreeBuilder()
     parser = expat.ParserCreate("utf-8")
     parser.buffer_text = True
@@ -139,8 +141,7 @@ def parse_xml(text: str, reading: Reading) -> ET.Element:
         open_tags.append(tag)
         parts += 1 + len(attributes)
         if parts > MAX_PARTS:
-            what = f"it has more than {MAX_PARTS:,} elements and attributes"
-            raise refusal("file-too-large", reading.whole, what, "leave out what the arm does not need")
+            raise _too_many(reading)
         if len(open_tags) > MAX_NESTING:
             place = replace(reading.whole, line=parser.CurrentLineNumber)
             what = f"elements are nested more than {MAX_NESTING} deep"
@@ -170,3 +171,8 @@ def parse_xml(text: str, reading: Reading) -> ET.Element:
         place = replace(reading.whole, line=error.lineno if reading.show_lines else None)
         raise refusal("xml-malformed", place, what, "is it a URDF or xacro file?") from error
     return builder.close()
+
+
+def _too_many(reading: Reading) -> DescriptionError:
+    what = f"it has more than {MAX_PARTS:,} elements and attributes"
+    return refusal("file-too-large", reading.whole, what, "leave out what the arm does not need")

@@ -13,9 +13,9 @@ MAX_LINKS_DEEP = 1000
 """Deeper chains are refused: Pinocchio's parser overflows its stack at some 4,000."""
 
 
-MAX_PARTS = {"link": 5_000, "joint": 5_000, "visual": 10_000, "collision": 10_000}
+MAX_PARTS = {"link": 4_000, "joint": 4_000, "visual": 10_000, "collision": 10_000}
 """The largest robots have some 150 links and 300 shapes, a whole cell a few thousand. Pinocchio compares each name with
-all before, in one call for which Ctrl-C waits: 5,000 take it a quarter of a second, 20,000 some four."""
+all before, in one call for which Ctrl-C waits: 4,000 take it a fifth of a second, 20,000 some five."""
 
 MAX_NAME = 500
 """Characters of a link's or joint's name."""

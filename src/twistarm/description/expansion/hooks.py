@@ -276,7 +276,8 @@ class Expansion:
         """In the place of xacro's, counted; a block was copied."""
         new = by if isinstance(by, list) else [by] if by is not None else []
         size = sum(map(_size, [node, *new])) * (ELEMENT_COST if node.nodeName == "xacro:insert_block" else 1)
-        self.work.charge(CHANGE_COST + size + len(node.parentNode.childNodes) // SIBLINGS_PER_UNIT)
+        moved = sum(len(part.childNodes) if content_only else 1 for part in new)
+        self.work.charge(CHANGE_COST + size + moved + len(node.parentNode.childNodes) // SIBLINGS_PER_UNIT)
         replace(node, new, content_only)
 
     def macro_parameter(self, text: str) -> Any:

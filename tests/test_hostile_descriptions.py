@@ -1,0 +1,108 @@
+"""Descriptions that ask for much work: each is loaded or refused within seconds and megabytes, and Ctrl-C ends it."""
+
+from __future__ import annotations
+
+import os
+import re
+import signal
+import subprocess
+import sys
+import time
+from pathlib import Path
+
+import pytest
+
+from hostile.attempt import MEGABYTES, SECONDS, Figures, Outcome, attempt
+from hostile.descriptions import CASES, Case
+from twistarm import load_arm
+from twistarm.errors import DescriptionError
+
+SAMPLE = (
+    *("100,000 comments before a property", "a comment of 9 MB included 200 times"),
+    *("a comprehension over dots", "properties set in 280 macros"),
+    *("100,000 attributes on a joint of a URDF", "a name of 9 MB", "5,000 collisions on a link"),
+    *("20,000 links side by side", "240 mimics of one joint", "3,000 joints with words unread"),
+    *("200 manifests of 1 MB, the name at the end", "links in circles"),
+)
+
+PROMPT = 0.5
+"""Seconds within which Ctrl-C ends a command."""
+
+
+def judged(case: Case, code: int | None, errors: str) -> str:
+    """What is wrong with how a command ended; empty if nothing."""
+    if case.refusal:
+        refused = code == 2 and re.search(case.refusal, errors) is not None
+        return "" if refused else f"not refused as {case.refusal!r}: {code} {errors[:200]}"
+    return "" if code == 0 else f"not loaded: {code} {errors[:200]}"
+
+
+@pytest.mark.parametrize("name", SAMPLE)
+def test_much_work_is_done_or_refused_soon(name: str, tmp_path: Path) -> None:
+    case = CASES[name]
+    file, *options = case.write(tmp_path)
+    folders = [tmp_path / options[1]] if options else []
+    start, code, told = time.process_time(), 0, ""
+    try:
+        assert load_arm(tmp_path / file, package_dirs=folders).ready.shape == (2,)
+    except DescriptionError as error:
+        code, told = 2, str(error)
+    assert time.process_time() - start < SECONDS
+    assert not judged(case, code, told)
+
+
+@pytest.mark.slow
+def test_every_description_that_asks_for_much_work(tmp_path: Path) -> None:
+    figures = Figures("descriptions that ask for much work")
+    for number, (name, case) in enumerate(CASES.items()):
+        folder = tmp_path / str(number)
+        folder.mkdir()
+        outcome = attempt("info", *case.write(folder), folder=folder)
+        figures.add(name, outcome, outcome.fault or judged(case, outcome.code, outcome.errors) or _greedy(outcome))
+    print(figures)
+    assert not figures.faults
+
+
+def _greedy(outcome: Outcome) -> str:
+    """By the processor's seconds: a machine with other work to do is none of the case's faults."""
+    within = outcome.busy <= SECONDS and outcome.megabytes <= MEGABYTES
+    return "" if within else f"{outcome.busy:.1f} s, {outcome.megabytes:.0f} MB"
+
+
+INTERRUPTED = {
+    "info": (
+        *("a comment of 9 MB", "50,000 look-ups through 280 macros", "10,000 files by a wildcard"),
+        *("100,000 attributes on a joint of a URDF", "3,900 links in chains of 50", "100 joints in a chain"),
+        *("195 joints in a chain", "the whole disk"),
+    ),
+    "doctor": ("3,900 links in chains of 50", "100 joints in a chain"),
+    "check": ("100 joints in a chain",),
+}
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(
+    ("command", "name"), [(command, name) for command in INTERRUPTED for name in INTERRUPTED[command]]
+)
+def test_ctrl_c_ends_it_at_any_moment(command: str, name: str, tmp_path: Path) -> None:
+    arguments = (command, *CASES[name].write(tmp_path))
+    whole = attempt(*arguments, folder=tmp_path).seconds
+    for share in (0.5, 0.65, 0.8, 0.95):
+        assert min(_interrupted(arguments, tmp_path, share * whole) for _ in range(3)) < PROMPT
+
+
+def _interrupted(arguments: tuple[str, ...], folder: Path, after: float) -> float:
+    """Seconds from a Ctrl-C to the end of `twistarm arguments`; 0 where that came first."""
+    process = subprocess.Popen(
+        [sys.executable, "-m", "twistarm", *arguments],
+        cwd=folder,
+        stdin=subprocess.DEVNULL,
+        stdout=subprocess.DEVNULL,
+        stderr=subprocess.DEVNULL,
+        env={**os.environ, "COLUMNS": "80"},
+    )
+    time.sleep(after)
+    began = time.monotonic()
+    process.send_signal(signal.SIGINT)
+    process.wait(60)
+    return time.monotonic() - began
