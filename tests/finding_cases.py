@@ -282,8 +282,8 @@ CASES: dict[str, Case] = {
     "mesh-too-small": with_mesh(triangle(0.3), scale="0.001 0.001 0.001"),
     "mesh-lfs-pointer": with_mesh(POINTER),
     "mesh-unreadable": with_mesh("solid nothing\nendsolid nothing\n"),
-    "mesh-not-looked-at": with_mesh("", size=30_000_000),
 }  # fmt: skip
-"""`engine-refuses` and `engines-disagree` have no input: they tell of a fault, ours or Pinocchio's."""
+"""`engine-refuses` and `engines-disagree` have no input: they tell of a fault, ours or Pinocchio's. Nor has
+`mesh-not-looked-at`: it tells of what is missing here."""
 
-FAULTS = ("engine-refuses", "engines-disagree")
+FAULTS = ("engine-refuses", "engines-disagree", "mesh-not-looked-at")

@@ -26,7 +26,7 @@ LAYERS = (
     ("servo", "ik"),
     ("usual_limits", "inability"),
     ("arm", "native_joints"),
-    ("baking", "ready_pose"),
+    ("baking", "meshes", "ready_pose"),
     ("pinocchio_model", "manipulability", "actuators"),
     ("description",),
     ("poe", "engine"),
@@ -39,7 +39,7 @@ LAYERS = (
     ("rotations",),
     ("files", "wheels"),
     ("brief", "vector_words"),
-    ("checks", "closing", "interrupts", "shared_libraries", "strict_json", "temporaries"),
+    ("checks", "closing", "shared_libraries", "strict_json", "temporaries"),
     ("errors",),
 )
 """Top to bottom: a module may import what stands further down, and its own package."""
@@ -51,8 +51,8 @@ ALLOWED = {
     "meshcat": {"viewer"},
     "tornado": {"viewer"},
     "umsgpack": {"viewer"},
-    "trimesh": {"viewer", "doctor"},
-    "collada": {"viewer"},
+    "trimesh": {"meshes"},
+    "collada": {"meshes"},
     "yourdfpy": {"comparison"},
     "scipy": {"planning"},
     "serial": {"stream"},

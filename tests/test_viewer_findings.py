@@ -18,6 +18,8 @@ import pytest
 
 from twistarm import Arm, arm_from_screws, diagnose, joints, load_arm
 from twistarm.description.findings import CODES, Finding, Place, finding
+from twistarm.doctor import Diagnosis
+from twistarm.meshes import MeshReader
 from twistarm.viewer import Viewer, save_html
 from twistarm.viewer import findings as module
 from twistarm.viewer import server as server_module
@@ -67,7 +69,7 @@ def impatient(monkeypatch: pytest.MonkeyPatch) -> None:
 def visits(monkeypatch: pytest.MonkeyPatch) -> list[Arm]:
     """The arms that the doctor has begun to look at."""
     seen: list[Arm] = []
-    monkeypatch.setattr(module, "diagnose", lambda arm: (seen.append(arm), ())[1])
+    monkeypatch.setattr(module, "examine_arm", lambda arm, reader: (seen.append(arm), Diagnosis(()))[1])
     return seen
 
 
@@ -138,7 +140,7 @@ def test_what_the_loading_noted_is_sorted_and_the_doctor_is_announced(arm: Arm) 
 def test_an_arm_without_a_description_has_what_its_loading_noted_and_no_doctor(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
-    monkeypatch.setattr(module, "diagnose", lambda arm: pytest.fail("there is nothing to look at"))
+    monkeypatch.setattr(module, "examine_arm", lambda arm, reader: pytest.fail("there is nothing to look at"))
     bare = arm_from_screws(joints.revolute([0, 0, 1], [0, 0, 0]), np.eye(4), joints=["turn"])
     assert examined(bare) == loaded(bare) == {"type": "findings", "findings": [], "counts": {}, "note": ""}
     assert node_of(bare, Place("bare", None, "joint", "turn")) == "/screws/screw:0"
@@ -176,7 +178,8 @@ def test_without_a_page_nobody_diagnoses(viewer: Viewer, visits: list[Arm]) -> N
 
 def test_the_page_lives_while_the_doctor_is_slow(arm: Arm, viewer: Viewer, monkeypatch: pytest.MonkeyPatch) -> None:
     done = threading.Event()
-    monkeypatch.setattr(module, "diagnose", lambda arm: done.wait(10) and (note("axis-zero", Place("late")),))
+    late = Diagnosis((note("axis-zero", Place("late")),))
+    monkeypatch.setattr(module, "examine_arm", lambda arm, reader: done.wait(10) and late)
 
     async def look(page: Page) -> None:
         assert page.latest["findings"] == loaded(arm)
@@ -194,10 +197,10 @@ def test_the_page_lives_while_the_doctor_is_slow(arm: Arm, viewer: Viewer, monke
 def test_a_doctor_who_fails_is_told_and_the_page_lives(
     arm: Arm, viewer: Viewer, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    def fail(arm: Arm) -> None:
+    def fail(arm: Arm, reader: MeshReader) -> None:
         raise RuntimeError(f"{SCRIPT}\nat a loss")
 
-    monkeypatch.setattr(module, "diagnose", fail)
+    monkeypatch.setattr(module, "examine_arm", fail)
     page = hear(viewer, lambda message: message["note"] != PENDING)
     told = page.latest["findings"]
     assert told["note"] == rf"From the loading alone: the doctor failed: {SCRIPT}\nat a loss"
@@ -227,7 +230,7 @@ def test_while_meshes_are_read_the_doctor_waits(
     mesh = '<visual><geometry><mesh filename="part.stl"/></geometry></visual>'
     (tmp_path / "arm.urdf").write_text(URDF.replace('<link name="tool0"/>', f'<link name="tool0">{mesh}</link>'))
     leave = threading.Event()
-    monkeypatch.setattr("twistarm.viewer.links.load_parts", lambda path, most: leave.wait(10) and [])
+    monkeypatch.setattr(MeshReader, "parts", lambda self, path, most: leave.wait(10) and [])
 
     async def look(page: Page) -> None:
         await asyncio.sleep(0.1)
@@ -244,7 +247,7 @@ def test_while_meshes_are_read_the_doctor_waits(
 
 def test_closing_does_not_wait_for_ever_for_the_doctor(arm: Arm, monkeypatch: pytest.MonkeyPatch) -> None:
     done = threading.Event()
-    monkeypatch.setattr(module, "diagnose", lambda arm: (done.wait(10), ())[1])
+    monkeypatch.setattr(module, "examine_arm", lambda arm, reader: (done.wait(10), Diagnosis(()))[1])
     monkeypatch.setattr(server_module, "STOP_TIME", 0.5)
     with Viewer(arm, open_browser=False) as viewer:
         visit(viewer, stay)
@@ -255,8 +258,7 @@ def test_closing_does_not_wait_for_ever_for_the_doctor(arm: Arm, monkeypatch: py
 
 def test_an_examination_happens_once(arm: Arm) -> None:
     told: list[dict[str, Any]] = []
-    examination = Examination(arm, told.append)
-    examination.join(1.0)  # not begun: nothing to wait for
+    examination = Examination(arm, MeshReader(), told.append)
     examination.begin()
     examination.begin()
     examination.join(10.0)

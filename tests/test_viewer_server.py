@@ -19,9 +19,9 @@ from tornado.httpclient import HTTPClientError
 
 from twistarm import Arm
 from twistarm.errors import InputError, MissingExtraError
+from twistarm.meshes import MeshReader
 from twistarm.viewer import Viewer, save_html
 from twistarm.viewer.guard import Guard
-from twistarm.viewer.meshes import load_parts
 from viewer_page import WAIT, Page, get, nothing, visit
 from viewer_page import arm as arm
 from viewer_page import viewer as viewer
@@ -214,7 +214,7 @@ def test_without_meshcat_the_error_says_what_to_install(
             view()
     monkeypatch.setitem(sys.modules, "trimesh", None)
     with pytest.raises(MissingExtraError, match=r"drawing a mesh needs trimesh"):
-        load_parts(tmp_path / "x.stl")
+        MeshReader().parts(tmp_path / "x.stl")
 
 
 def test_importing_the_viewer_imports_no_extra() -> None:

@@ -17,8 +17,8 @@ from numpy.testing import assert_allclose
 
 from twistarm import Arm, load_arm, plan_joint
 from twistarm.errors import DescriptionError, InputError
-from twistarm.viewer import Viewer, links
-from twistarm.viewer.meshes import load_parts
+from twistarm.meshes import MeshReader
+from twistarm.viewer import Viewer
 from twistarm.viewer.scene import Scene
 from twistarm.viewer.watching import loaded
 from viewer_page import ARM, THETA, WAIT, Page, matrix, nothing, visit
@@ -250,7 +250,8 @@ def test_a_mesh_that_has_not_changed_is_not_read_again(tmp_path: Path, monkeypat
     (tmp_path / "arm.xacro").write_text(XACRO)
     first = Scene(load_arm(tmp_path / "arm.xacro")).whole()
     read: list[str] = []
-    monkeypatch.setattr(links, "load_parts", lambda path, most: read.append(path.name) or load_parts(path, most))
+    parts = MeshReader.parts
+    monkeypatch.setattr(MeshReader, "parts", lambda self, path, most: read.append(path.name) or parts(self, path, most))
     (tmp_path / "arm.xacro").write_text(XACRO.replace("0 0 0.4", "0 0 0.5"))
     second = first.successor(load_arm(tmp_path / "arm.xacro"))
     assert second.left == 2

@@ -15,7 +15,8 @@ from waiting import WAIT, settled, until
 
 import schema_samples as samples
 from twistarm import load_arm
-from twistarm.viewer import Viewer, links
+from twistarm.meshes import MeshReader
+from twistarm.viewer import Viewer
 from twistarm.viewer.messages import LARGEST_VALUE, SCHEMA
 
 pytestmark = pytest.mark.browser
@@ -27,16 +28,16 @@ DRAWN = "twistarm.parts.progress.drawn"
 
 
 class Gate:
-    """Lets `load_parts` read one mesh for each time it is opened."""
+    """Lets one mesh be read for each time it is opened."""
 
     def __init__(self, monkeypatch: pytest.MonkeyPatch) -> None:
-        self.leave, load = threading.Semaphore(0), links.load_parts
+        self.leave, parts = threading.Semaphore(0), MeshReader.parts
 
-        def wait_and_load(path: Path, most: float) -> Any:
+        def wait_and_read(reader: MeshReader, path: Path, most: float) -> Any:
             assert self.leave.acquire(timeout=WAIT)
-            return load(path, most)
+            return parts(reader, path, most)
 
-        monkeypatch.setattr(links, "load_parts", wait_and_load)
+        monkeypatch.setattr(MeshReader, "parts", wait_and_read)
 
     def open(self, times: int) -> None:
         for _ in range(times):

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 import re
 import xml.etree.ElementTree as ET
 from collections.abc import Callable
@@ -120,11 +121,16 @@ def resolve_uri(uri: str, file: Path, packages: PackageIndex) -> Path | None:
     match = _PACKAGE.match(uri) or _FIND.match(uri)
     if match:
         folder = packages.find_for_mesh(match.group(1))
-        return None if folder is None else (folder / unquote(match.group(2))).resolve()
+        return None if folder is None else _real(folder / unquote(match.group(2)))
     if uri.startswith("file://"):
         path = Path(unquote(uri[len("file://") :]).replace("localhost/", "/", 1))
         return path if path.is_absolute() else file.parent / path
-    return (file.parent / uri).resolve() if uri and "\0" not in uri else None
+    return _real(file.parent / uri) if uri and "\0" not in uri else None
+
+
+def _real(path: Path) -> Path:
+    """The path with links followed; as far as they lead anywhere, where they go round in circles."""
+    return Path(os.path.realpath(path))
 
 
 def read_origin(element: ET.Element) -> Array:

@@ -13,6 +13,7 @@ from ..description.findings import Finding, Place, finding
 from ..description.tree import Description
 from ..errors import ComparisonError, DescriptionError, InputError, UnknownNameError
 from ..loading import assemble, prove, read, specify
+from ..meshes import MeshReader
 from .abilities import Abilities, abilities_of, sample_motions
 from .axes import check_axes
 from .idle import check_off_the_chain, check_without_effect
@@ -63,7 +64,7 @@ def examine(source: str | os.PathLike[str] | Arm, **load: Any) -> Diagnosis:
     if isinstance(source, Arm):
         if load:
             raise InputError(f"an Arm is loaded already and takes no {', '.join(load)}")
-        return _of_arm(source)
+        return examine_arm(source)
     limits = load.pop("limits", None)
     try:
         specification = specify(source, **load)
@@ -82,7 +83,7 @@ def examine(source: str | os.PathLike[str] | Arm, **load: Any) -> Diagnosis:
     except (InputError, UnknownNameError) as error:
         refused = [_of_arm_file(error, source, load | {"limits": limits})]
     else:
-        return _of_arm(proven)
+        return examine_arm(proven)
     known = [one for one in description.findings if one not in refused]
     return Diagnosis(_in_order([*refused, *known, *_of_description(description, None)]), description)
 
@@ -101,24 +102,29 @@ def _told_by(error: DescriptionError, place: Place) -> list[Finding]:
     return list(error.findings) or [finding("arm-file-unusable", place, str(error), "correct it")]
 
 
-def _of_arm(arm: Arm) -> Diagnosis:
+def examine_arm(arm: Arm, reader: MeshReader | None = None) -> Diagnosis:
+    """`examine` for an arm, whose meshes `reader` reads, or has read."""
     motions = sample_motions(arm)
     able = abilities_of(motions)
     found = [*arm.findings, *check_zero(arm), *check_reach(arm), *check_postures(arm, able.rank)]
     found += [*check_abilities(arm, able), *check_without_effect(arm, motions), *check_axes(arm)]
     if arm.description is not None:
-        found += _of_description(arm.description, arm)
+        found += _of_description(arm.description, arm, reader)
         found += [*check_tool(arm, arm.description), *check_off_the_chain(arm, arm.description)]
     return Diagnosis(_in_order(found), arm.description, arm, able)
 
 
-def _of_description(description: Description, arm: Arm | None) -> Iterator[Finding]:
+def _of_description(description: Description, arm: Arm | None, reader: MeshReader | None = None) -> Iterator[Finding]:
     """What needs no tip."""
     yield from check_limits(description, arm)
     couplings, chain = (arm.couplings, arm.moving_names) if arm else (_couplings(description), ())
     yield from check_mimics(description, couplings, chain)
     yield from check_inertias(description)
-    yield from check_meshes(description)
+    if reader is not None:
+        yield from check_meshes(description, reader)
+        return
+    with MeshReader() as own:
+        yield from check_meshes(description, own)
 
 
 def _couplings(description: Description) -> Any:

@@ -11,18 +11,15 @@ import numpy as np
 from ..checks import Array
 from ..description.findings import Finding, finding
 from ..description.tree import Description
-from ..errors import listed
-from ..files import is_file
-from ..interrupts import interrupts_held
+from ..errors import MissingExtraError, TwistarmError, listed
+from ..files import is_file, open_regular
+from ..meshes import MeshReader, UnreadableMeshError
 
 TOO_LARGE = 20.0
 """Times the arm's own size: no link is as long."""
 
 TOO_SMALL = 1.0 / 50.0
 """Of the arm's own size: of all its meshes the largest is longer."""
-
-LARGEST_FILE, LARGEST_TOTAL = 20_000_000, 100_000_000
-"""Bytes of one mesh, and of all, that are read for their size."""
 
 SHOWN = 3
 """File names in one finding."""
@@ -40,7 +37,7 @@ class Use(NamedTuple):
     scale: tuple[float, ...]
 
 
-def check_meshes(description: Description) -> Iterator[Finding]:
+def check_meshes(description: Description, reader: MeshReader) -> Iterator[Finding]:
     """Every mesh file once: its first bytes, then the size of what it holds."""
     uses = _uses(description)
     paths = list(dict.fromkeys(use.path for use in uses))
@@ -53,29 +50,26 @@ def check_meshes(description: Description) -> Iterator[Finding]:
             "Git LFS pointers, not meshes; they are not drawn",
             "run git lfs pull in the repository they come from",
         )
-    rest = [path for path in paths if path not in pointers]
+    yield from _sizes(description, [path for path in paths if path not in pointers], uses, reader)
+
+
+def _sizes(description: Description, paths: list[Path], uses: list[Use], reader: MeshReader) -> Iterator[Finding]:
     try:
-        with interrupts_held():
-            import trimesh  # noqa: F401
-    except ImportError:
-        if rest:
-            what = f"{len(rest)} mesh files, whose size was not looked at: that needs trimesh"
-            yield finding("mesh-not-looked-at", description.place(), what, "pip install 'twistarm[view]'")
+        found = {path: _length(path, reader) for path in paths}
+    except MissingExtraError:
+        what = f"{len(paths)} mesh files, whose size was not looked at: that needs trimesh"
+        yield finding("mesh-not-looked-at", description.place(), what, "pip install 'twistarm[view]'")
         return
-    yield from _sizes(description, rest, uses)
-
-
-def _sizes(description: Description, paths: list[Path], uses: list[Use]) -> Iterator[Finding]:
-    small = _affordable(paths)
-    lengths = {path: length_of(path) for path in small}
-    broken = [path for path, length in lengths.items() if length is None]
-    if broken:
-        remedy = "export them again as STL, DAE or OBJ"
-        yield _told("mesh-unreadable", description, broken, "cannot be read as meshes; they are not drawn", remedy)
-    if len(small) < len(paths):
-        left = [path for path in paths if path not in small]
-        what = f"too many bytes to look at their size here ({LARGEST_FILE / 1e6:.0f} MB each at most)"
-        yield _told("mesh-not-looked-at", description, left, what, "look at them with twistarm view")
+    except TwistarmError as error:
+        yield _told("mesh-not-looked-at", description, paths, str(error), "look at them where it can be started")
+        return
+    lengths = {path: length for path, length in found.items() if not isinstance(length, UnreadableMeshError)}
+    broken: dict[tuple[str, str], list[Path]] = {}
+    for path, why in found.items():
+        if isinstance(why, UnreadableMeshError):
+            broken.setdefault((why.reason, why.remedy), []).append(path)
+    for (reason, remedy), files in broken.items():
+        yield _told("mesh-unreadable", description, files, f"{reason}; simple shapes are drawn instead", remedy)
     flat = [use.path for use in uses if not all(use.scale)]
     if flat:
         remedy = 'write scale="1 1 1" in <mesh>, or what makes metres of the unit it was exported in'
@@ -125,18 +119,11 @@ def _rescaled(uses: Sequence[Use], factor: float) -> str:
     return f'write scale="{_numbers(np.array(scales.pop()) * factor)}" in <mesh>'
 
 
-def length_of(path: Path) -> float | None:
-    """The longest side of the mesh's box, in metres where its file names the unit; None if it cannot be read."""
-    import trimesh
-
+def _length(path: Path, reader: MeshReader) -> float | UnreadableMeshError:
     try:
-        with interrupts_held():
-            scene = trimesh.load_scene(str(path))
-        metres = trimesh.units.unit_conversion(scene.units, "meters") if scene.units else 1.0
-        length = float(np.ptp(scene.bounds, axis=0).max()) * float(metres)
-    except Exception:  # the readers of trimesh raise whatever their format made them stumble over
-        return None
-    return length if np.isfinite(length) and length > 0 else None
+        return reader.length(path)
+    except UnreadableMeshError as error:
+        return error
 
 
 def _uses(description: Description) -> list[Use]:
@@ -146,19 +133,9 @@ def _uses(description: Description) -> list[Use]:
     return list(dict.fromkeys(uses))
 
 
-def _affordable(paths: Sequence[Path]) -> list[Path]:
-    total, chosen = 0, []
-    for path in paths:
-        size = path.stat().st_size
-        if size <= LARGEST_FILE and total + size <= LARGEST_TOTAL:
-            total += size
-            chosen.append(path)
-    return chosen
-
-
 def _is_pointer(path: Path) -> bool:
     try:
-        with path.open("rb") as file:
+        with open_regular(path) as file:
             return file.read(len(_POINTER)) == _POINTER
     except OSError:
         return False

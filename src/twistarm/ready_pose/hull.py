@@ -7,7 +7,7 @@ from pathlib import Path
 import numpy as np
 
 from ..checks import Array
-from ..files import is_file
+from ..files import read_bounded
 
 LARGEST, HEAD, TRIANGLE = 10_000_000, 84, 50
 """Bytes: a file that is read at most, an STL's head, and each of its triangles."""
@@ -38,10 +38,10 @@ def outer_points(path: Path, scale: tuple[float, ...]) -> Array | None:
 
 def _vertices(path: Path) -> Array | None:
     """Vertices (N, 3) of a binary STL; None for any other file."""
+    if path.suffix.lower() != ".stl":
+        return None
     try:
-        if path.suffix.lower() != ".stl" or not is_file(path) or path.stat().st_size > LARGEST:
-            return None
-        data = path.read_bytes()
+        data = read_bounded(path, LARGEST)
     except OSError:
         return None
     count = int.from_bytes(data[80:HEAD], "little")

@@ -75,7 +75,7 @@ class Exhibit:
             "objects": [base64.b64encode(part).decode("ascii") for part in scene.objects if part],
             "notes": scene.notes,
             "theory": recorded(self.arm, self.theta, None if at is None else at.trajectory),
-            "findings": examined(self.arm) if self.findings is None else self.findings,
+            "findings": examined(self.arm, scene.reader) if self.findings is None else self.findings,
         }
 
     def _poses(self) -> dict[str, list[float]]:

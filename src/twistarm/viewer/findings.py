@@ -10,8 +10,9 @@ from typing import Any, get_args
 
 from ..arm import Arm
 from ..description.findings import Finding, Place, Severity
-from ..doctor import diagnose
+from ..doctor import examine_arm
 from ..errors import one_line
+from ..meshes import MeshReader
 from .board import Message
 from .messages import LONGEST_NAME
 from .nodes import link_path, screw_path
@@ -30,12 +31,15 @@ def loaded(arm: Arm) -> Message:
     return _message(arm, arm.findings, PENDING if arm.description is not None else "")
 
 
-def examined(arm: Arm) -> Message:
-    """What the doctor finds; of an arm without a description, and where the doctor fails, what the loading noted."""
+def examined(arm: Arm, reader: MeshReader | None = None) -> Message:
+    """What the doctor finds; of an arm without a description, and where the doctor fails, what the loading noted.
+
+    reader: who has read the arm's meshes.
+    """
     if arm.description is None:
         return _message(arm, arm.findings, "")
     try:
-        found = diagnose(arm)
+        found = examine_arm(arm, reader).findings
     except Exception as error:  # whatever ails the doctor, the page lives, and says so
         reason = str(error) or type(error).__name__
         return _message(arm, arm.findings, one_line(f"From the loading alone: the doctor failed: {reason}"))
@@ -59,9 +63,10 @@ def node_of(arm: Arm, place: Place) -> str | None:
 class Examination:
     """The doctor at work in a thread of its own, once: `tell` is called from there with the message."""
 
-    def __init__(self, arm: Arm, tell: Callable[[Message], None]) -> None:
+    def __init__(self, arm: Arm, reader: MeshReader, tell: Callable[[Message], None]) -> None:
         self._begun = arm.description is None
-        self._thread = threading.Thread(target=lambda: tell(examined(arm)), name="twistarm doctor", daemon=True)
+        self._reader = reader
+        self._thread = threading.Thread(target=lambda: tell(examined(arm, reader)), name="twistarm doctor", daemon=True)
 
     async def wait(self, calm: Callable[[], bool]) -> None:
         """Begin when it has been `calm` for PATIENCE: a page that loads and a servo that drives would be delayed."""
@@ -78,7 +83,8 @@ class Examination:
             self._thread.start()
 
     def join(self, timeout: float) -> None:
-        """Wait until it has ended, or `timeout` [s]: the doctor cannot be interrupted."""
+        """Wait until it has ended, or `timeout` [s]: but for what is being read, the doctor cannot be interrupted."""
+        self._reader.close()
         if self._thread.is_alive():
             self._thread.join(timeout)
 

@@ -12,8 +12,8 @@ import numpy as np
 from ..description.tree import Description, Geometry, Link
 from ..errors import TwistarmError, listed, one_line
 from ..files import stamp
+from ..meshes import LIGHTER, MeshReader, Part, UnreadableMeshError
 from . import drawing
-from .meshes import Part, load_parts
 from .nodes import link_path
 from .shapes import PLAIN, lost_frame, shape, stand_in, stand_in_path
 
@@ -22,6 +22,9 @@ TRIANGLES = 80_000
 
 FEWEST = 500
 """Of one mesh: so that a bolt beside a heavy base is still a bolt."""
+
+MOST_TRIANGLES, MOST_OBJECTS = 5_000_000, 20_000
+"""Of all that is drawn, with all triangles of the files: a browser's memory has an end."""
 
 
 Source = tuple[object, ...]
@@ -63,7 +66,9 @@ def lost_meshes(description: Description) -> tuple[str, ...]:
     return (f"drawn as simple shapes, the mesh was not found: {listed(dict.fromkeys(lost))}",) if lost else ()
 
 
-def draw_meshes(description: Description, size: float, exact: bool, known: Mapping[Source, Drawn]) -> Iterator[Drawn]:
+def draw_meshes(
+    description: Description, size: float, exact: bool, known: Mapping[Source, Drawn], reader: MeshReader
+) -> Iterator[Drawn]:
     """Every mesh in its link's node, one after the other; a file is read once, and its fault told once.
 
     What is `known`, drawn before from the same source, is not read at all.
@@ -72,7 +77,7 @@ def draw_meshes(description: Description, size: float, exact: bool, known: Mappi
     """
     most = {} if exact else _shares(description)
     read: dict[Path, list[Part] | str] = {}
-    told = {""}
+    told, room = {""}, _Room()
     for link in description.links.values():
         undrawn = _stands_in(link)
         found = _found(link)
@@ -83,9 +88,9 @@ def draw_meshes(description: Description, size: float, exact: bool, known: Mappi
                 yield known[source]
                 continue
             if path not in read:
-                read[path] = _parts_or_reason(path, most.get(path, inf))
+                read[path] = _parts_or_reason(reader, path, most.get(path, inf))
             parts = read[path]
-            objects, note = _mesh_or_reason(node, visual, path, parts)
+            objects, note = _mesh_or_reason(node, visual, path, parts, room)
             drawn = bool(objects)
             undrawn = undrawn and not drawn
             if k == len(found) and _stands_in(link):
@@ -124,9 +129,9 @@ def _bytes(path: Path) -> int:
         return 0
 
 
-def _parts_or_reason(path: Path, most: float) -> list[Part] | str:
+def _parts_or_reason(reader: MeshReader, path: Path, most: float) -> list[Part] | str:
     try:
-        return load_parts(path, most)
+        return reader.parts(path, most)
     except Exception as error:  # whatever ails one mesh, the others are drawn
         return str(error) if isinstance(error, TwistarmError) else _reason(path, error)
 
@@ -135,18 +140,38 @@ def _all_exact(parts: list[Part] | str) -> bool:
     return isinstance(parts, str) or all(part.exact for part in parts)
 
 
-def _mesh_or_reason(node: str, visual: Geometry, path: Path, parts: list[Part] | str) -> tuple[list[bytes], str]:
+class _Room:
+    """How much may still be drawn."""
+
+    def __init__(self) -> None:
+        self._triangles, self._objects = MOST_TRIANGLES, MOST_OBJECTS
+
+    def take(self, path: Path, parts: Sequence[Part]) -> None:
+        """UnreadableMeshError where there is no room for `parts`."""
+        triangles, objects = self._triangles - sum(len(part.faces) for part in parts), self._objects - len(parts)
+        if triangles < 0 or objects < 0:
+            most = f"{MOST_TRIANGLES:,} triangles and {MOST_OBJECTS:,} parts"
+            raise UnreadableMeshError(path, f"with it the arm would have more than {most}", LIGHTER)
+        self._triangles, self._objects = triangles, objects
+
+
+def _mesh_or_reason(
+    node: str, visual: Geometry, path: Path, parts: list[Part] | str, room: _Room
+) -> tuple[list[bytes], str]:
     if isinstance(parts, str):
         return [], parts
     try:
+        room.take(path, parts)
         return _mesh(node, visual, parts), ""
+    except TwistarmError as error:
+        return [], str(error)
     except Exception as error:
         return [], _reason(path, error)
 
 
 def _reason(path: Path, error: Exception) -> str:
     return one_line(
-        f"cannot draw mesh {path}: {str(error) or type(error).__name__}; export it again as STL, DAE or OBJ"
+        f"cannot draw mesh {path.name}: {str(error) or type(error).__name__}; export it again as STL, DAE or OBJ"
     )
 
 

@@ -7,6 +7,7 @@ from collections.abc import Iterator, Mapping
 from typing import Any
 
 from ..arm import Arm
+from ..meshes import MeshReader
 from . import drawing
 from .axes import arm_size, draw_rods, draw_screws
 from .links import Drawn, Source, count_meshes, draw_meshes, draw_plain, lost_meshes
@@ -19,7 +20,7 @@ class Scene:
     Whatever moves has a node of its own: a configuration is then one matrix per node, {path: (4, 4) by columns}.
     `objects` only ever grows, by `draw`, whichever thread calls it; the first `plain` of them are no meshes, and one
     that a later one has replaced is empty. Meshes of more triangles than a screen shows are simplified unless `exact`;
-    `simplified`: whether any was.
+    `simplified`: whether any was; `reader`: who has read them, and knows their lengths.
     """
 
     def __init__(self, arm: Arm, exact: bool = False, known: Mapping[Source, Drawn] | None = None) -> None:
@@ -34,6 +35,7 @@ class Scene:
         self._pieces: dict[str, Drawn] = {}  # by node
         self._places: dict[str, range] = {}  # in `objects`, of each mesh drawn
         self._meshes: Iterator[Drawn]
+        self.reader = MeshReader()
         self._lock = threading.Lock()
         if arm.description is None:
             self.objects += draw_rods(arm)
@@ -45,10 +47,11 @@ class Scene:
         self._begin()
 
     def _begin(self) -> None:
-        self.left, self._meshes = 0, iter(())
+        self.reader.rest()
+        self.left, self._meshes, self.reader = 0, iter(()), MeshReader()
         if self._description is not None:
             self.left = count_meshes(self._description)
-            self._meshes = draw_meshes(self._description, self._size, self.exact, self._known)
+            self._meshes = draw_meshes(self._description, self._size, self.exact, self._known, self.reader)
 
     def successor(self, arm: Arm) -> Scene:
         """The scene of another arm, for which no file is read that was drawn here and has not changed since."""
@@ -65,6 +68,7 @@ class Scene:
         with self._lock:
             piece = next(self._meshes, None)
             if piece is None:
+                self.reader.rest()
                 return False
             self._replace(piece)
             self.simplified = self.simplified or not piece.exact
@@ -72,6 +76,10 @@ class Scene:
                 self.notes += (piece.note,)
             self.left -= 1
             return True
+
+    def close(self) -> None:
+        """Draw no more mesh; the one that is being read is given up. From any thread."""
+        self.reader.close()
 
     def _replace(self, piece: Drawn) -> None:
         if piece.node in self._places and not piece.drawn:

@@ -76,7 +76,7 @@ class Server:
         self.stage, self.scene = stage, scene
         self.commands.arm = stage.arm
         self.driver = Driver(stage, self.commands, self.post)
-        self.doctor = Examination(stage.arm, lambda message: self._show_findings(stage, message))
+        self.doctor = Examination(stage.arm, scene.reader, lambda message: self._show_findings(stage, message))
         self._news = News()
 
     def start(self) -> None:
@@ -93,6 +93,7 @@ class Server:
             with suppress(RuntimeError):  # the loop may have been closed meanwhile, by another thread's stop
                 self._loop.call_soon_threadsafe(self._stop.set)
             self._thread.join(STOP_TIME)
+        self.scene.close()
         self._workers.stop(STOP_TIME)
         self.doctor.join(STOP_TIME)
         if self.memory is not None:

@@ -1,0 +1,132 @@
+"""The program that reads meshes: started by `process.py`, one mesh after the other, until it is asked no more."""
+
+from __future__ import annotations
+
+import json
+import os
+import queue
+import resource
+import sys
+import threading
+import time
+import types
+from collections.abc import Iterable, Sequence
+from contextlib import suppress
+from importlib.abc import MetaPathFinder
+from importlib.machinery import ModuleSpec
+from math import inf
+from pathlib import Path
+from typing import Any, BinaryIO
+
+from .limits import MEMORY, seconds_for
+from .loading import length_of, parts_from, pieces_of
+from .mesh_file import MeshFile, RefusedError, mesh_file
+from .protocol import answer_of, packed
+
+LIBRARIES = ("twistarm", "numpy", "trimesh", "collada", "dateutil", "six")
+"""All that reading a mesh needs. What trimesh would use beside them decodes images, unpacks and tessellates."""
+
+FORBIDDEN = (
+    "subprocess.Popen",
+    "socket.connect",
+    "socket.bind",
+    "socket.getaddrinfo",
+    *(f"os.{name}" for name in ("system", "exec", "fork", "forkpty", "posix_spawn", "remove", "rename", "rmdir")),
+)
+"""What no reader of meshes does, as Python's audit events name it."""
+
+
+class _Needed(MetaPathFinder):
+    """Finds what `finders` find of the standard library and LIBRARIES, and nothing else that is installed."""
+
+    def __init__(self, finders: Iterable[Any]) -> None:
+        self._finders = tuple(finders)
+
+    def find_spec(self, name: str, path: Sequence[str] | None, target: Any = None) -> ModuleSpec | None:
+        top = name.partition(".")[0]
+        if top not in LIBRARIES and top not in sys.stdlib_module_names and not top.startswith("_sysconfigdata"):
+            return None
+        return next(filter(None, (finder.find_spec(name, path, target) for finder in self._finders)), None)
+
+
+def main() -> None:
+    """Answer the requests on standard input, on standard output; end with the one who asks."""
+    answers = os.fdopen(os.dup(1), "wb")
+    os.dup2(os.open(os.devnull, os.O_WRONLY), 1)  # whatever a library prints is no answer
+    requests: queue.SimpleQueue[bytes] = queue.SimpleQueue()
+    threading.Thread(target=_take, args=(sys.stdin.buffer, requests), daemon=True).start()
+    answers.write(packed({"lacking": _prepare()}, []))
+    while True:
+        answers.flush()
+        answers.write(_answer(json.loads(requests.get())))
+
+
+def _take(source: BinaryIO, requests: queue.SimpleQueue[bytes]) -> None:
+    """Whoever asked is gone at the end of `source`: what is being read is for nobody."""
+    for line in source:
+        requests.put(line)
+    os._exit(0)
+
+
+def _prepare() -> str:
+    """Import what reads meshes and nothing else, then give up what no mesh needs; what is lacking, in words."""
+    guess = types.ModuleType("charset_normalizer")  # of text that is no UTF-8: its numbers are the same in any
+    guess.detect = lambda text: {"encoding": "latin-1", "confidence": 1.0}  # type: ignore[attr-defined]
+    sys.modules["charset_normalizer"] = sys.modules["chardet"] = guess
+    sys.meta_path[:] = [_Needed(sys.meta_path)]
+    try:
+        import trimesh  # noqa: F401
+
+        with suppress(ImportError):  # then COLLADA is not read
+            import collada  # noqa: F401
+    except ImportError as error:
+        return str(error)
+    for what, most in ((resource.RLIMIT_AS, MEMORY), (resource.RLIMIT_FSIZE, 0), (resource.RLIMIT_CORE, 0)):
+        with suppress(ValueError, OSError):  # where the system has no such limit, the clock is left
+            resource.setrlimit(what, (most, most))
+    sys.addaudithook(_watch)
+    return ""
+
+
+def _watch(event: str, details: tuple[Any, ...]) -> None:
+    if event in FORBIDDEN:
+        raise PermissionError(f"{event} is not for the reader of meshes")
+
+
+def _answer(request: dict[str, Any]) -> bytes:
+    began, allowance = time.process_time(), _Allowance()
+    try:
+        head, arrays = _read(mesh_file(Path(request["path"]), allowance.more), request)
+    except MemoryError:
+        head, arrays = {"memory": True}, []
+    except RefusedError as error:
+        head, arrays = {"reason": str(error)}, []
+    except RecursionError:
+        head, arrays = {"reason": "it is nested too deeply"}, []
+    except OSError as error:
+        head, arrays = {"reason": error.strerror or str(error)}, []
+    except Exception as error:  # the readers raise whatever a file makes them stumble over, and quote what they like
+        head, arrays = {"reason": f"its contents are malformed ({type(error).__name__})"}, []
+    return packed(head | {"seconds": time.process_time() - began, "bytes": allowance.size}, arrays)
+
+
+def _read(file: MeshFile, request: dict[str, Any]) -> tuple[dict[str, Any], list[Any]]:
+    pieces = pieces_of(file)
+    head: dict[str, Any] = {"length": length_of(pieces)}
+    if not request["parts"]:
+        return head, []
+    told, arrays = answer_of(parts_from(pieces, inf if request["most"] is None else request["most"]))
+    return head | told, arrays
+
+
+class _Allowance:
+    """Processor time for a mesh, by its bytes: the system ends the process that takes more."""
+
+    def __init__(self) -> None:
+        self.size = 0
+        self._began = time.process_time()
+
+    def more(self, size: int) -> None:
+        self.size += size
+        end = int(self._began + seconds_for(self.size)) + 1
+        resource.setrlimit(resource.RLIMIT_CPU, (end, resource.getrlimit(resource.RLIMIT_CPU)[1]))

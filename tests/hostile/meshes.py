@@ -1,0 +1,530 @@
+"""Hostile meshes: files that want memory, time or somebody's secrets from whoever looks at an arm."""
+
+from __future__ import annotations
+
+import base64
+import json
+import os
+import struct
+import zipfile
+from collections.abc import Callable
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+CANARY = b"471108151234567890124711"
+"""Of a secret that lies outside of the arm's package: text, and as the bytes of a mesh two points near each other."""
+
+CORNERS = struct.pack("<9f", 0, 0, 0, 0.1, 0, 0, 0, 0.1, 0)
+"""Three points."""
+
+
+@dataclass(frozen=True)
+class Case:
+    """`write` puts a mesh into the folder `arm/meshes`, beside which lies `outside`, and names it; `said`: what of the
+    reason, empty where it is drawn.
+    """
+
+    write: Callable[[Path], str]
+    said: str = ""
+
+
+def lay(case: Case, folder: Path) -> Path:
+    """A description of an arm whose upper link is the mesh, in a package; and a secret beside the package."""
+    meshes, outside = folder / "arm" / "meshes", folder / "outside"
+    meshes.mkdir(parents=True)
+    outside.mkdir()
+    (folder / "arm" / "package.xml").write_text("<package><name>arm</name></package>")
+    (outside / "secret.bin").write_bytes(CANARY * 60)
+    (outside / "secret.mtl").write_bytes(b"newmtl a\nKd 1 0 0\n# " + CANARY)
+    name = case.write(meshes)
+    mesh = f'<visual><geometry><mesh filename="meshes/{name}"/></geometry></visual>'
+    path = folder / "arm" / "arm.urdf"
+    path.write_text(
+        f'<robot name="r"><link name="base"/><link name="upper">{mesh}</link><link name="tip"/>'
+        '<joint name="a" type="continuous"><parent link="base"/><child link="upper"/><axis xyz="0 0 1"/></joint>'
+        '<joint name="b" type="continuous"><parent link="upper"/><child link="tip"/><origin xyz="0 0 0.3"/>'
+        '<axis xyz="0 1 0"/></joint></robot>'
+    )
+    return path
+
+
+def text(name: str, content: str | bytes | Callable[[], str | bytes], said: str = "") -> Case:
+    """One file."""
+
+    def write(folder: Path) -> str:
+        made = content() if callable(content) else content
+        (folder / name).write_bytes(made.encode() if isinstance(made, str) else made)
+        return name
+
+    return Case(write, said)
+
+
+# glTF and GLB -------------------------------------------------------------------------------------------------------
+
+
+def tree(buffers: list[dict[str, Any]], accessor: dict[str, Any] | None = None, **more: Any) -> dict[str, Any]:
+    """A glTF of one triangle whose corners are the first 36 bytes of the first buffer."""
+    return {
+        "asset": {"version": "2.0"},
+        "scene": 0,
+        "scenes": [{"nodes": [0]}],
+        "nodes": [{"mesh": 0}],
+        "meshes": [{"primitives": [{"attributes": {"POSITION": 0}}]}],
+        "accessors": [{"bufferView": 0, "componentType": 5126, "count": 3, "type": "VEC3"} | (accessor or {})],
+        "bufferViews": [{"buffer": 0, "byteLength": 36}],
+        "buffers": buffers,
+        **more,
+    }
+
+
+def data(content: bytes = CORNERS) -> dict[str, Any]:
+    uri = "data:application/octet-stream;base64," + base64.b64encode(content).decode()
+    return {"uri": uri, "byteLength": len(content)}
+
+
+def gltf(made: dict[str, Any] | Callable[[], dict[str, Any]], said: str = "") -> Case:
+    return text("mesh.gltf", lambda: json.dumps(made() if callable(made) else made), said)
+
+
+def buffer_at(uri: str, said: str) -> Case:
+    """A buffer in another file; {outside} stands for the folder outside."""
+
+    def write(folder: Path) -> str:
+        outside = folder.parent.parent / "outside"
+        named = uri.replace("{outside}", str(outside))
+        (folder / "mesh.gltf").write_text(json.dumps(tree([{"uri": named, "byteLength": 36}])))
+        (folder / "link.bin").symlink_to(outside / "secret.bin")
+        (folder / "linked").symlink_to(outside)
+        (folder / "loop.bin").symlink_to("loop.bin")
+        (folder / "folder.bin").mkdir()
+        (folder / "own one.bin").write_bytes(CORNERS)
+        os.mkfifo(folder / "fifo.bin")
+        (folder / "zero.bin").symlink_to("/dev/zero")
+        with (folder / "huge.bin").open("wb") as file:
+            file.truncate(200_000_000)
+        return "mesh.gltf"
+
+    return Case(write, said)
+
+
+def glb(head: Any, chunk: bytes = b"", *, length: int | None = None, says: int | None = None) -> bytes:
+    """A GLB whose lengths may lie."""
+    line = head if isinstance(head, bytes) else json.dumps(head).encode()
+    line += b" " * (-len(line) % 4)
+    body = struct.pack("<II", len(line) if says is None else says, 0x4E4F534A) + line
+    if chunk:
+        body += struct.pack("<II", len(chunk), 0x004E4942) + chunk
+    return struct.pack("<III", 0x46546C67, 2, 12 + len(body) if length is None else length) + body
+
+
+def strided(stride: int) -> dict[str, Any]:
+    return {"buffer": 0, "byteLength": 36, "byteStride": stride}
+
+
+def nested(depth: int) -> dict[str, Any]:
+    nodes: list[dict[str, Any]] = [{"children": [i + 1]} for i in range(depth)]
+    return tree([data()], nodes=[*nodes, {"mesh": 0}])
+
+
+def doubling(depth: int) -> dict[str, Any]:
+    """Nodes that share their children, twice at every level."""
+    nodes: list[dict[str, Any]] = [{"children": [i + 1, i + 1]} for i in range(depth)]
+    return tree([data()], nodes=[*nodes, {"mesh": 0}])
+
+
+PNG = base64.b64encode(
+    b"\x89PNG\r\n\x1a\n" + struct.pack(">I4s2I5B", 13, b"IHDR", 60000, 60000, 8, 6, 0, 0, 0)
+).decode()
+
+PAINTED = tree(
+    [data()],
+    images=[{"uri": "data:image/png;base64," + PNG}, {"uri": "../../outside/secret.bin"}, {"uri": "/dev/zero"}],
+    textures=[{"source": 0}, {"source": 1}, {"source": 2}],
+    materials=[{"pbrMetallicRoughness": {"baseColorTexture": {"index": i}}} for i in range(3)],
+    meshes=[{"primitives": [{"attributes": {"POSITION": 0}, "material": i} for i in range(3)]}],
+)
+
+OUT, NOT_THERE, MALFORMED = "a file outside its package", "which is not there", "its contents are malformed"
+
+GLTF = {
+    "gltf: uri ../outside": buffer_at("../../outside/secret.bin", OUT),
+    "gltf: uri absolute": buffer_at("{outside}/secret.bin", OUT),
+    "gltf: uri /etc/passwd": buffer_at("/etc/passwd", "which is not opened"),
+    "gltf: uri file://": buffer_at("file://{outside}/secret.bin", NOT_THERE),
+    "gltf: uri http://": buffer_at("http://127.0.0.1:9/secret.bin", NOT_THERE),
+    "gltf: uri percent-encoded": buffer_at("%2e%2e/%2e%2e/outside/secret.bin", OUT),
+    "gltf: uri with backslashes": buffer_at("..\\..\\outside\\secret.bin", OUT),
+    "gltf: uri through a link to a file": buffer_at("link.bin", OUT),
+    "gltf: uri through a link to a folder": buffer_at("linked/secret.bin", OUT),
+    "gltf: uri to a link loop": buffer_at("loop.bin", "cannot be read"),
+    "gltf: uri to a folder": buffer_at("folder.bin", "no regular file"),
+    "gltf: uri to a FIFO": buffer_at("fifo.bin", "no regular file"),
+    "gltf: uri to a device": buffer_at("zero.bin", "no regular file"),
+    "gltf: uri to 200 MB": buffer_at("huge.bin", "more than 100 MB"),
+    "gltf: uri that is empty": buffer_at("", "which is not opened"),
+    "gltf: uri with a zero byte": buffer_at("a\0.bin", "cannot be read"),
+    "gltf: uri of its own": buffer_at("own%20one.bin", ""),
+    "gltf: uri that is a number": gltf(tree([{"uri": 7, "byteLength": 36}]), "malformed"),
+    "gltf: data of 60 MB": gltf(lambda: tree([data(bytes(60_000_000))]), "point"),
+    "gltf: data that is no base64": gltf(tree([{"uri": "data:;base64,%%%"}]), "malformed"),
+    "gltf: a count of 1e9": gltf(tree([data()], {"count": 10**9}), MALFORMED),
+    "gltf: a count of 1e30": gltf(tree([data()], {"count": 10**30}), MALFORMED),
+    "gltf: a negative count": gltf(tree([data()], {"count": -3}), "no triangles"),
+    "gltf: an offset beyond": gltf(tree([data()], {"byteOffset": 10**9}), MALFORMED),
+    "gltf: sparse, of 1e9": gltf(
+        tree([data()], {"bufferView": None, "count": 10**9, "sparse": {"count": 10**9}}), "malformed|memory|s$"
+    ),
+    "gltf: no view, a count of 3e8": gltf(
+        lambda: (made := tree([data()], {"count": 3 * 10**8}), made["accessors"][0].pop("bufferView"), made)[2],
+        "memory|malformed|triangles|more than|point",
+    ),
+    "gltf: a stride of 0": gltf(
+        tree([data()], bufferViews=[{"buffer": 0, "byteLength": 36, "byteStride": 0}]), "|malformed"
+    ),
+    "gltf: a stride of 1e9": gltf(
+        tree([data()], bufferViews=[{"buffer": 0, "byteLength": 36, "byteStride": 10**9}]), MALFORMED
+    ),
+    "gltf: a cycle of nodes": gltf(
+        tree([data()], nodes=[{"children": [1]}, {"children": [0], "mesh": 0}]), "|malformed"
+    ),
+    "gltf: a node its own child": gltf(tree([data()], nodes=[{"children": [0], "mesh": 0}]), ""),
+    "gltf: 20,000 nodes deep": gltf(lambda: nested(20_000), ""),
+    "gltf: children doubled 25 times": gltf(lambda: doubling(25), ""),
+    "gltf: JSON 100,000 lists deep": text("mesh.gltf", "[" * 100_000, "no JSON|nested"),
+    "gltf: no JSON": text("mesh.gltf", b"\xff\xfe\x00", "no JSON"),
+    "gltf: a list": text("mesh.gltf", "[1]", MALFORMED),
+    "gltf: images of 14 GB, outside and endless": gltf(PAINTED, ""),
+    "gltf: Draco": gltf(
+        tree(
+            [data()],
+            extensionsUsed=["KHR_draco_mesh_compression"],
+            extensionsRequired=["KHR_draco_mesh_compression"],
+            meshes=[
+                {
+                    "primitives": [
+                        {
+                            "attributes": {"POSITION": 0},
+                            "extensions": {
+                                "KHR_draco_mesh_compression": {"bufferView": 0, "attributes": {"POSITION": 0}}
+                            },
+                        }
+                    ]
+                }
+            ],
+        ),
+        "",
+    ),
+    "gltf: a matrix of NaN": gltf(tree([data()], nodes=[{"mesh": 0, "matrix": [float("nan")] * 16}]), "no finite|malf"),
+    "gltf: a scale of 1e308": gltf(tree([data()], nodes=[{"mesh": 0, "scale": [1e308] * 3}]), "no finite|malformed"),
+    "gltf: points of NaN": gltf(tree([data(struct.pack("<9f", *[float("nan")] * 9))]), "no finite"),
+    "gltf: 6,000 parts": gltf(
+        lambda: tree([data()], meshes=[{"primitives": [{"attributes": {"POSITION": 0}}] * 6_000}]), "parts|more than"
+    ),
+    "gltf: 100,000 nodes of a mesh": gltf(
+        lambda: tree([data()], scenes=[{"nodes": list(range(100_000))}], nodes=[{"mesh": 0}] * 100_000),
+        "parts|more than",
+    ),
+    "glb: a chunk that is longer than the file": text("mesh.glb", glb(tree([]), says=4_000_000_000), MALFORMED),
+    "glb: a length of 4 GB": text("mesh.glb", glb(tree([{"byteLength": 36}]), CORNERS, length=4_294_967_295), ""),
+    "glb: a length of 0": text("mesh.glb", glb(tree([{"byteLength": 36}]), CORNERS, length=0), "malformed|"),
+    "glb: a head alone": text("mesh.glb", b"glTF", MALFORMED),
+    "glb: a uri outside": text("mesh.glb", glb(tree([{"uri": "../../outside/secret.bin", "byteLength": 36}])), OUT),
+    "glb: an image of 14 GB": text("mesh.glb", glb({**PAINTED, "buffers": [{"byteLength": 36}]}, CORNERS), ""),
+}
+
+
+# OBJ ----------------------------------------------------------------------------------------------------------------
+
+FACES = "v 0 0 0\nv 0.1 0 0\nv 0 0.1 0\nusemtl a\nf 1 2 3\n"
+
+
+def library(name: str, said: str) -> Case:
+    """An OBJ with a material library; {outside} stands for the folder outside."""
+
+    def write(folder: Path) -> str:
+        outside = folder.parent.parent / "outside"
+        (folder / "mesh.obj").write_text(f"mtllib {name.replace('{outside}', str(outside))}\n{FACES}")
+        (folder / "link.mtl").symlink_to(outside / "secret.mtl")
+        (folder / "zero.mtl").symlink_to("/dev/zero")
+        (folder / "loop.mtl").symlink_to("loop.mtl")
+        (folder / "map.mtl").write_text("newmtl a\nKd 1 0 0\nmap_Kd ../../outside/secret.bin\nmap_Kd /dev/zero\n")
+        (folder / "wide.mtl").write_text("newmtl a\nKd " + "1 " * 2_000_000 + "\n")
+        os.mkfifo(folder / "fifo.mtl")
+        return "mesh.obj"
+
+    return Case(write, said)
+
+
+def polygon(corners: int) -> str:
+    points = "\n".join(f"v {i % 997 * 1e-4} {i % 991 * 1e-4} 0" for i in range(corners))
+    return f"{points}\nf {' '.join(map(str, range(1, corners + 1)))}\n"
+
+
+def mixed(faces: int) -> str:
+    """Triangles and quadrilaterals, which are read one by one."""
+    return "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\n" + "f 1 2 3\nf 1 2 3 4\n" * (faces // 2)
+
+
+def fan(count: int) -> bytes:
+    """A binary STL of triangles round one point."""
+    import numpy as np
+
+    angle = np.linspace(0, 6.283, count + 1)
+    rim = np.column_stack([np.cos(angle), np.sin(angle), np.zeros(count + 1)])
+    made = np.zeros(count, dtype=[("n", "<f4", 3), ("v", "<f4", (3, 3)), ("a", "<u2")])
+    made["v"] = np.stack([np.tile([0.0, 0.0, 0.5], (count, 1)), rim[:-1], rim[1:]], axis=1)
+    return bytes(80) + struct.pack("<I", count) + made.tobytes()
+
+
+OBJ = {
+    "obj: mtllib /dev/zero": library("/dev/zero", ""),
+    "obj: mtllib a link to /dev/zero": library("zero.mtl", "no regular file"),
+    "obj: mtllib a FIFO": library("fifo.mtl", "no regular file"),
+    "obj: mtllib through a link": library("link.mtl", OUT),
+    "obj: mtllib outside": library("../../outside/secret.mtl", OUT),
+    "obj: mtllib absolute": library("{outside}/secret.mtl", OUT),
+    "obj: mtllib a link loop": library("loop.mtl", "cannot be read"),
+    "obj: mtllib /etc/passwd": library("/etc/passwd", ""),
+    "obj: mtllib its own folder": library(".", ""),
+    "obj: mtllib missing": library("C:\\Users\\me\\arm.mtl", ""),
+    "obj: mtllib with images outside": library("map.mtl", ""),
+    "obj: mtllib with a line of 4 MB": library("wide.mtl", ""),
+    "obj: a face of 200,000 corners": text("mesh.obj", lambda: polygon(200_000), ""),
+    "obj: 400,000 mixed faces": text("mesh.obj", lambda: mixed(400_000), ""),
+    "obj: 2,000 times usemtl": text("mesh.obj", FACES + "usemtl b\nf 1 2 3\nusemtl c\nf 1 3 2\n" * 1_000, ""),
+    "obj: 20,000 materials": text(
+        "mesh.obj", lambda: FACES + "".join(f"usemtl m{i}\nf 1 2 3\n" for i in range(20_000)), "parts|more than"
+    ),
+    "obj: negative indices": text("mesh.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf -3 -2 -1\n", ""),
+    "obj: indices far below": text("mesh.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf -300 -200 -1\n", "malformed|vertices"),
+    "obj: indices of 1e18": text("mesh.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 1000000000000000000\n", "malf|vertices"),
+    "obj: indices of 0": text("mesh.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 0 0 0\n", "point|vertices"),
+    "obj: a line of 10 MB": text("mesh.obj", lambda: "# " + "x" * 10_000_000 + "\n" + FACES, ""),
+    "obj: a number of 10 MB": text("mesh.obj", lambda: "v " + "1" * 10_000_000 + " 0 0\n" + FACES, "|malformed"),
+    "obj: 10 MB of line continuations": text("mesh.obj", lambda: "\\\n" * 5_000_000 + FACES, ""),
+    "obj: NaN": text("mesh.obj", "v nan 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n", "no finite"),
+    "obj: infinite": text("mesh.obj", "v 1e999 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n", "no finite"),
+    "obj: 1e300": text("mesh.obj", "v 1e300 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n", "no finite"),
+    "obj: points alone": text("mesh.obj", "v 0 0 0\nv 1 0 0\n", "no triangles"),
+    "obj: empty": text("mesh.obj", "", "no triangles|malformed"),
+    "obj: one point thrice": text("mesh.obj", "v 1 1 1\nf 1 1 1\n", "one point"),
+}
+
+
+# STL and PLY --------------------------------------------------------------------------------------------------------
+
+
+def ply(head: str, body: bytes = b"") -> bytes:
+    return f"ply\nformat binary_little_endian 1.0\n{head}\nend_header\n".encode() + body
+
+
+XYZ = "property float x\nproperty float y\nproperty float z"
+LIST = "property list uchar int vertex_indices"
+
+STL_AND_PLY = {
+    "stl: a count that lies": text(
+        "mesh.stl", bytes(80) + struct.pack("<I", 4_294_967_295) + bytes(500), "triangles|malf"
+    ),
+    "stl: a count of 0": text("mesh.stl", bytes(84), "no triangles|malformed"),
+    "stl: cut": text("mesh.stl", lambda: fan(100)[:-7], "triangles|malformed"),
+    "stl: ASCII without an end": text(
+        "mesh.stl", lambda: "solid a\n" + "facet normal 0 0 1\nvertex 0 0 0\n" * 200_000, "tri"
+    ),
+    "stl: ASCII of one line": text("mesh.stl", lambda: "solid " + "vertex 0 0 0 " * 500_000 + "endsolid", "tri|malf"),
+    "stl: 100,000 solids": text("mesh.stl", lambda: "solid a\nendsolid a\n" * 100_000, "triangles|malformed|more than"),
+    "stl: 20,000 solids of a triangle": text(
+        "mesh.stl",
+        lambda: "solid a\nvertex 0 0 0\nvertex 1 0 0\nvertex 0 1 0\nendsolid a\n" * 20_000,
+        "parts|more than",
+    ),
+    "stl: NaN": text("mesh.stl", bytes(80) + struct.pack("<I", 1) + b"\xff" * 48 + b"\0\0", "no finite"),
+    "stl: 1e38": text("mesh.stl", bytes(80) + struct.pack("<I12fH", 1, *[1e38] * 6, *[-1e38] * 6, 0), "no finite"),
+    "stl: a fan of 20,000": text("mesh.stl", lambda: fan(20_000), ""),
+    "stl: a fan of 200,000": text("mesh.stl", lambda: fan(200_000), ""),
+    "stl: 200,000 times one point": text(
+        "mesh.stl", bytes(80) + struct.pack("<I", 200_000) + bytes(10_000_000), "point"
+    ),
+    "stl: a million triangles": text("mesh.stl", lambda: fan(1_000_000), ""),
+    "ply: a count of 1e12": text("mesh.ply", ply(f"element vertex 1000000000000\n{XYZ}"), "malformed|memory|triangles"),
+    "ply: a negative count": text("mesh.ply", ply(f"element vertex -1\n{XYZ}"), "malformed|triangles"),
+    "ply: a list of 1e9": text(
+        "mesh.ply",
+        ply(
+            f"element vertex 3\n{XYZ}\nelement face 1\nproperty list uint int vertex_indices",
+            CORNERS + b"\x00\xca\x9a\x3b",
+        ),
+        "malformed|memory|triangles",
+    ),
+    "ply: faces of 1e12": text(
+        "mesh.ply", ply(f"element vertex 3\n{XYZ}\nelement face 1000000000000\n{LIST}", CORNERS), "malformed|memory|tri"
+    ),
+    "ply: indices beyond": text(
+        "mesh.ply",
+        ply(f"element vertex 3\n{XYZ}\nelement face 1\n{LIST}", CORNERS + struct.pack("<B3i", 3, 0, 1, 2_000_000)),
+        "malformed|vertices",
+    ),
+    "ply: 200,000 elements": text(
+        "mesh.ply", lambda: ply("\n".join(f"element e{i} 0\nproperty float x" for i in range(200_000))), "malf|tri|more"
+    ),
+    "ply: a texture outside": text(
+        "mesh.ply",
+        ply(
+            f"comment TextureFile ../../outside/secret.bin\nelement vertex 3\n{XYZ}\nelement face 1\n{LIST}",
+            CORNERS + struct.pack("<B3i", 3, 0, 1, 2),
+        ),
+        "",
+    ),
+    "ply: a header without an end": text(
+        "mesh.ply", lambda: b"ply\n" + b"comment x\n" * 1_000_000, "malformed|more than"
+    ),
+}
+
+
+# COLLADA ------------------------------------------------------------------------------------------------------------
+
+
+GEOMETRY = """<library_geometries><geometry id="g"><mesh><source id="p">
+<float_array id="q" count="9">0 0 0 0.1 0 0 0 0.1 0</float_array><technique_common><accessor source="#q" count="3"
+stride="3"><param name="X" type="float"/><param name="Y" type="float"/><param name="Z" type="float"/></accessor>
+</technique_common></source><vertices id="v"><input semantic="POSITION" source="#p"/></vertices>
+<triangles count="{count}"><input semantic="VERTEX" source="#v" offset="0"/><p>{indices}</p></triangles></mesh>
+</geometry></library_geometries>"""
+
+
+def dae(scene: str, *, unit: str = "1", head: str = "", nodes: str = "", indices: str = "0 1 2", count: int = 1) -> str:
+    return (
+        f'<?xml version="1.0"?>{head}<COLLADA xmlns="http://www.collada.org/2005/11/COLLADASchema" version="1.4.1">'
+        f'<asset><unit name="u" meter="{unit}"/></asset>{GEOMETRY.format(count=count, indices=indices)}{nodes}'
+        f'<library_visual_scenes><visual_scene id="s"><node>{scene}</node></visual_scene></library_visual_scenes>'
+        '<scene><instance_visual_scene url="#s"/></scene></COLLADA>'
+    )
+
+
+DRAWN = '<instance_geometry url="#g"/>'
+
+
+def instances(width: int, depth: int) -> str:
+    """A node that holds the one below it `width` times."""
+    below = [f'<instance_node url="#n{level}"/>' * width for level in range(depth)]
+    nodes = [f'<node id="n{level}">{inside}</node>' for level, inside in enumerate([DRAWN, *below])]
+    return dae(f'<instance_node url="#n{depth}"/>', nodes=f"<library_nodes>{''.join(nodes)}</library_nodes>")
+
+
+LAUGHS = (
+    "<!DOCTYPE COLLADA ["
+    + '<!ENTITY a "ha">'
+    + "".join(f'<!ENTITY {chr(98 + i)} "{f"&{chr(97 + i)};" * 10}">' for i in range(9))
+    + "]>"
+)
+
+DAE = {
+    "dae: instances nested 4^14": text("mesh.dae", instances(4, 14), "more than"),
+    "dae: instances nested 10^4": text("mesh.dae", instances(10, 4), "parts|more than"),
+    "dae: a billion laughs": text("mesh.dae", dae(DRAWN, head=LAUGHS, indices="&j;"), "document type"),
+    "dae: an entity of /etc/passwd": text(
+        "mesh.dae",
+        dae(DRAWN, head='<!DOCTYPE a [<!ENTITY x SYSTEM "file:///etc/passwd">]>', indices="&x;"),
+        "document type",
+    ),
+    "dae: a document type elsewhere": text(
+        "mesh.dae", dae(DRAWN, head='<!DOCTYPE a SYSTEM "http://127.0.0.1:9/x.dtd">'), "document type"
+    ),
+    "dae: UTF-16 with a document type": text(
+        "mesh.dae",
+        lambda: dae(DRAWN, head="<!DOCTYPE a>").replace('"1.0"', '"1.0" encoding="UTF-16"').encode("utf-16"),
+        "document type",
+    ),
+    "dae: a unit of 1e308": text("mesh.dae", dae(DRAWN, unit="1e308"), "unit|no finite"),
+    "dae: a unit of 1e999": text("mesh.dae", dae(DRAWN, unit="1e999"), "unit"),
+    "dae: a unit of NaN": text("mesh.dae", dae(DRAWN, unit="nan"), "unit"),
+    "dae: a unit of 0": text("mesh.dae", dae(DRAWN, unit="0"), "unit"),
+    "dae: a negative unit": text("mesh.dae", dae(DRAWN, unit="-1"), "unit"),
+    "dae: a unit in words": text("mesh.dae", dae(DRAWN, unit="metre"), "malformed|"),
+    "dae: a count of 1e12": text("mesh.dae", dae(DRAWN, count=10**12), ""),
+    "dae: indices beyond": text("mesh.dae", dae(DRAWN, indices="0 1 2000000"), "malformed|vertices|triangles"),
+    "dae: a matrix of 1e308": text("mesh.dae", dae(f"<scale>1e308 1e308 1e308</scale>{DRAWN}"), "no finite"),
+    "dae: 100,000 elements deep": text(
+        "mesh.dae", lambda: dae("<node>" * 100_000 + "</node>" * 100_000), "more|nested|tri|malf"
+    ),
+    "dae: a node that holds itself": text(
+        "mesh.dae",
+        dae(
+            '<instance_node url="#a"/>',
+            nodes='<library_nodes><node id="a"><instance_node url="#a"/></node></library_nodes>',
+        ),
+        "nested|malformed|triangles|more than",
+    ),
+    "dae: a polygon of 100,000 corners": text(
+        "mesh.dae",
+        lambda: dae(DRAWN, indices="0 1 2 " * 33_333).replace("<triangles", "<polylist").replace(
+            "</triangles", "</polylist").replace("<p>", "<vcount>99999</vcount><p>"),
+        "",
+    ),
+    "dae: no XML": text("mesh.dae", b"PK\x03\x04" + bytes(100), "no XML"),
+    "dae: an image outside": text(
+        "mesh.dae",
+        dae(DRAWN, nodes='<library_images><image id="i"><init_from>../../outside/secret.bin</init_from></image>'
+            "</library_images>"),
+        "",
+    ),
+}  # fmt: skip
+
+
+# what is no mesh, and archives --------------------------------------------------------------------------------------
+
+
+def archive(name: str, inside: str, size: int = 200_000_000) -> Case:
+    """A small archive of a large file of zeros, or of a mesh."""
+
+    def write(folder: Path) -> str:
+        with zipfile.ZipFile(folder / name, "w", zipfile.ZIP_DEFLATED) as packed, packed.open(inside, "w") as file:
+            for _ in range(size // 1_000_000):
+                file.write(bytes(1_000_000))
+        return name
+
+    said = "not read here" if not name.endswith((".dae", ".stl", ".glb")) else "no XML|triangles|malformed"
+    return Case(write, said)
+
+
+def special(name: str, make: Callable[[Path], Any], said: str) -> Case:
+    def write(folder: Path) -> str:
+        make(folder / name)
+        return name
+
+    return Case(write, said)
+
+
+def sparse(path: Path) -> None:
+    with path.open("wb") as file:
+        file.truncate(5_000_000_000)
+
+
+OTHERS = {
+    "archive: 3mf": archive("mesh.3mf", "3D/3dmodel.model"),
+    "archive: zae": archive("mesh.zae", "mesh.dae"),
+    "archive: zip": archive("mesh.zip", "mesh.stl"),
+    "archive: called .dae": archive("mesh.dae", "mesh.dae"),
+    "archive: called .stl": archive("mesh.stl", "mesh.stl"),
+    "archive: called .glb": archive("mesh.glb", "mesh.glb"),
+    "other: xyz": text("mesh.xyz", lambda: "0 0 0\n" * 1_000_000, "not read here"),
+    "other: stp": text("mesh.stp", "ISO-10303-21;", "not read here"),
+    "other: off": text("mesh.off", "OFF\n3 1 0\n0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n", "not read here"),
+    "other: svg": text("mesh.svg", "<svg/>", "not read here"),
+    "other: json": text("mesh.json", "{}", "not read here"),
+    "other: no ending": text("mesh", CORNERS, "not read here"),
+    "other: 5 GB": special("mesh.stl", sparse, "5000 MB; at most"),
+    "other: a link to a file of text outside": special(
+        "mesh.stl", lambda path: path.symlink_to(path.parents[2] / "outside" / "secret.bin"), "triangles|malformed"
+    ),
+}
+
+NO_FILES = {
+    "other: a FIFO": special("mesh.stl", os.mkfifo, ""),
+    "other: a link to a device": special("mesh.obj", lambda path: path.symlink_to("/dev/zero"), ""),
+    "other: a link loop": special("mesh.dae", lambda path: path.symlink_to(path.name), ""),
+    "other: a folder": special("mesh.gltf", Path.mkdir, ""),
+}
+"""Missing, as the reading of the description has it."""
+
+CASES: dict[str, Case] = {**GLTF, **OBJ, **STL_AND_PLY, **DAE, **OTHERS, **NO_FILES}

@@ -1,0 +1,101 @@
+"""Hostile meshes: none reads what it must not, takes more than its share, or costs the arm more than its shape."""
+
+from __future__ import annotations
+
+import base64
+import json
+import re
+from pathlib import Path
+
+import pytest
+
+from hostile.attempt import Figures, Outcome, attempt
+from hostile.meshes import CANARY, CASES, NO_FILES, Case, lay
+from twistarm import load_arm
+from twistarm.meshes import MeshReader, UnreadableMeshError
+
+SECONDS, MEGABYTES = 15.0, 1_500.0
+"""A mesh has some seconds of its own, and the memory of the process that reads it."""
+
+
+def fault_of(case: Case, folder: Path, figures: Figures, name: str) -> None:
+    """What is wrong with how `doctor` and `view` take it, added to the figures."""
+    path = lay(case, folder)
+    outcome = attempt("doctor", str(path), "--json", folder=folder)
+    figures.add(f"{name}: doctor", outcome, outcome.within(SECONDS, MEGABYTES) or _told(case, outcome))
+    outcome = attempt("view", str(path), "-o", str(folder / "page.html"), folder=folder)
+    figures.add(f"{name}: view", outcome, outcome.within(SECONDS, MEGABYTES) or _shown(case, outcome, folder))
+
+
+def _told(case: Case, outcome: Outcome) -> str:
+    found = [one for one in json.loads(outcome.output)["findings"] if one["code"].startswith("mesh")]
+    if CANARY in outcome.output.encode():
+        return "the canary is told"
+    if case in NO_FILES.values():
+        return "" if [one["code"] for one in found] == ["mesh-missing"] else f"not missing: {found}"
+    said = [one["what"] for one in found if one["code"] == "mesh-unreadable"]
+    if not case.said:
+        return ""
+    return "" if said and re.search(case.said, said[0]) else f"not said: {said}"
+
+
+def _shown(case: Case, outcome: Outcome, folder: Path) -> str:
+    if outcome.code != 0:
+        return f"exit {outcome.code}: {outcome.errors[:100]}"
+    page = (folder / "page.html").read_text()
+    literal = re.search(r'<script type="application/json" id="data">(.*?)</script>', page, re.DOTALL)
+    assert literal is not None
+    told = json.loads(literal.group(1))
+    drawn = [base64.b64decode(each) for each in told["objects"]]
+    if CANARY in page.encode() or any(CANARY[i : i + 12] in each for each in drawn for i in (0, 12)):
+        return "the canary is drawn"
+    notes = [note for note in told["notes"] if "cannot read mesh" in note]
+    return "" if not case.said or notes else f"no note: {told['notes']}"
+
+
+QUICK = re.compile("uri|mtllib (?!with a line)|unit|document|laughs|NaN|count of|stride|indices|JSON|Draco|image|other")
+"""Of which each takes some milliseconds."""
+
+
+def test_what_a_mesh_refers_to_is_its_own_and_its_numbers_are_numbers(tmp_path: Path) -> None:
+    wrong, tried = [], 0
+    with MeshReader() as meshes:
+        for k, (name, case) in enumerate(CASES.items()):
+            if QUICK.search(name) and name not in NO_FILES:
+                (tmp_path / str(k)).mkdir()
+                lay(case, tmp_path / str(k))
+                (mesh,) = (path for path in (tmp_path / str(k) / "arm/meshes").glob("mesh*") if path.suffix != ".mtl")
+                told = _read(meshes, mesh)
+                tried += 1
+                if (not re.search(case.said, told)) if case.said else told:
+                    wrong.append(f"{name}: {told}")
+    assert tried > 60
+    assert not wrong
+
+
+def _read(meshes: MeshReader, mesh: Path) -> str:
+    """Why it is not drawn, or what of the canary is; empty where all is well."""
+    try:
+        drawn = b"".join(part.vertices.astype("<f4").tobytes() for part in meshes.parts(mesh))
+    except UnreadableMeshError as error:
+        return error.reason
+    return "the canary is drawn" if any(CANARY[i : i + 12] in drawn for i in (0, 12)) else ""
+
+
+@pytest.mark.parametrize("name", NO_FILES)
+def test_a_mesh_that_is_no_file_is_missing(tmp_path: Path, name: str) -> None:
+    arm = load_arm(lay(CASES[name], tmp_path))
+    assert "mesh-missing" in [one.code for one in arm.findings]
+
+
+@pytest.mark.slow
+def test_no_mesh_takes_more_than_its_share_or_shows_what_is_not_its_own(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    figures = Figures("hostile meshes")
+    for k, (name, case) in enumerate(CASES.items()):
+        (tmp_path / str(k)).mkdir()
+        fault_of(case, tmp_path / str(k), figures, name)
+    with capsys.disabled():
+        print(f"\n{figures}")
+    assert not figures.faults

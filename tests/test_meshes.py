@@ -1,0 +1,233 @@
+"""The process that reads meshes: what it may take, what it says, and that it goes when nobody asks any more."""
+
+from __future__ import annotations
+
+import os
+import signal
+import subprocess
+import sys
+import time
+from pathlib import Path
+
+import pytest
+import trimesh
+
+from hostile.meshes import CASES, fan, instances, lay
+from twistarm import diagnose, load_arm
+from twistarm.errors import InputError, TwistarmError
+from twistarm.meshes import MeshReader, UnreadableMeshError, limits, process, reader
+from twistarm.viewer import Viewer
+from twistarm.viewer.scene import Scene
+
+SLOW = instances(4, 14)
+"""A COLLADA file that no time is enough for."""
+
+
+def box(path: Path) -> Path:
+    trimesh.creation.box((0.1, 0.2, 0.3)).export(path)
+    return path
+
+
+def running(mark: Path) -> list[int]:
+    """The readers of meshes whose environment names `mark`."""
+    numbers = [int(entry.name) for entry in Path("/proc").iterdir() if entry.name.isdigit()]
+    return [number for number in numbers if _reads(number, mark)]
+
+
+def _reads(number: int, mark: Path) -> bool:
+    try:
+        marked = str(mark).encode() in Path(f"/proc/{number}/environ").read_bytes()
+        return marked and b"twistarm.meshes.worker" in Path(f"/proc/{number}/cmdline").read_bytes()
+    except OSError:
+        return False
+
+
+@pytest.mark.parametrize("ending", ["stl", "STL", "obj", "dae", "ply", "glb", "gltf"])
+def test_every_format_that_is_read_comes_to_the_same_box(tmp_path: Path, ending: str) -> None:
+    solid = trimesh.creation.box((0.1, 0.2, 0.3))
+    if ending == "gltf":
+        for name, content in solid.export(file_type="gltf").items():
+            (tmp_path / name).write_bytes(content)
+        path = tmp_path / "model.gltf"
+    else:
+        path = tmp_path / f"box.{ending}"
+        path.write_bytes(trimesh.exchange.export.export_mesh(solid, None, file_type=ending.lower()).encode()
+                         if ending == "obj" else solid.export(file_type=ending.lower()))  # fmt: skip
+    with MeshReader() as meshes:
+        (part,) = meshes.parts(path)
+        assert len(part.faces) == 12
+        assert meshes.length(path) == pytest.approx(0.3)
+
+
+def test_one_process_reads_mesh_after_mesh_and_one_that_broke_a_limit_is_replaced(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(reader, "seconds_for", lambda size: 1.0)
+    monkeypatch.setattr(reader, "PATIENCE", 1.0)
+    (tmp_path / "slow.dae").write_text(SLOW)
+    with MeshReader() as meshes:
+        meshes.parts(box(tmp_path / "a.stl"))
+        first = meshes._process
+        meshes.parts(box(tmp_path / "b.stl"))
+        assert meshes._process is first
+        with pytest.raises(
+            UnreadableMeshError, match=r"slow\.dae: reading it takes more than 1 s; export it with fewer"
+        ):
+            meshes.parts(tmp_path / "slow.dae")
+        assert first is not None
+        assert not first.alive
+        assert meshes.parts(tmp_path / "b.stl")
+        second = meshes._process
+    with MeshReader() as meshes:  # the next arm's
+        meshes.parts(tmp_path / "a.stl")
+        assert meshes._process is second
+
+
+def test_all_meshes_of_an_arm_share_their_time(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(reader, "seconds_for", lambda size: 0.5)
+    monkeypatch.setattr(reader, "PATIENCE", 1.0)
+    monkeypatch.setattr(reader, "ARM_SECONDS", 0.9)
+    reasons = []
+    with MeshReader() as meshes:
+        for k in range(4):
+            (tmp_path / f"{k}.dae").write_text(SLOW)
+            with pytest.raises(UnreadableMeshError) as caught:
+                meshes.length(tmp_path / f"{k}.dae")
+            reasons.append(caught.value.reason)
+    assert ["the meshes before it" in reason for reason in reasons] == [False, False, True, True]
+
+
+def test_processor_time_and_memory_are_limited_by_the_system(tmp_path: Path) -> None:
+    (tmp_path / "slow.dae").write_text(SLOW)
+    (tmp_path / "many.stl").write_bytes(fan(1_000_001))
+    with MeshReader() as meshes:
+        with pytest.raises(UnreadableMeshError, match="holds 1,000,001 triangles; at most 1,000,000 are drawn"):
+            meshes.length(tmp_path / "many.stl")
+        began = time.monotonic()
+        with pytest.raises(UnreadableMeshError, match="takes more than (3 s|1200 MB of memory)"):
+            meshes.length(tmp_path / "slow.dae")
+        assert time.monotonic() - began < limits.PATIENCE * 3.0
+
+
+def test_what_was_read_is_not_read_again_for_its_length(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    with MeshReader() as meshes:
+        meshes.parts(box(tmp_path / "a.stl"))
+        monkeypatch.setattr(MeshReader, "_read", lambda *_: pytest.fail("it is known"))
+        assert meshes.length(tmp_path / "a.stl") == pytest.approx(0.3)
+
+
+def test_a_module_beside_the_description_is_never_imported(tmp_path: Path) -> None:
+    box(tmp_path / "a.stl")
+    for name in ("numpy", "trimesh", "json", "collada"):
+        (tmp_path / f"{name}.py").write_text(f"open({str(tmp_path / 'ran')!r}, 'w')\n")
+    program = (
+        "import sys; sys.path[:] = [f for f in sys.path if f]; import twistarm, os; from pathlib import Path;"
+        f"os.chdir({str(tmp_path)!r}); sys.path.insert(0, ''); sys.path.insert(0, os.getcwd());"
+        "from twistarm.meshes.reader import MeshReader; print(len(MeshReader().parts(Path('a.stl'))[0].faces))"
+    )
+    done = subprocess.run(
+        [sys.executable, "-I", "-c", program], capture_output=True, text=True, timeout=60, check=False
+    )
+    assert done.stdout == "12\n", done.stderr
+    assert not (tmp_path / "ran").exists()
+
+
+def test_where_no_process_can_be_started_it_is_said_once_and_the_arm_lives(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    path = lay(CASES["stl: a fan of 20,000"], tmp_path)
+    mesh = '<visual><geometry><mesh filename="meshes/other.stl"/></geometry></visual>'
+    path.write_text(path.read_text().replace('<link name="base"/>', f'<link name="base">{mesh}</link>'))
+    box(path.parent / "meshes" / "other.stl")
+    monkeypatch.setattr(process, "_idle", [])
+
+    def refuse(*_: object, **__: object) -> None:
+        raise PermissionError(1, "Operation not permitted")
+
+    monkeypatch.setattr(subprocess, "Popen", refuse)
+    arm = load_arm(path)
+    (note,) = Scene(arm).whole().notes
+    assert note.startswith(
+        "no mesh is drawn: the process that reads them could not be started here (Operation not perm"
+    )
+    (said,) = [one for one in diagnose(arm) if one.code == "mesh-not-looked-at"]
+    assert "could not be started" in said.what
+
+
+def test_a_reader_that_is_closed_gives_up_what_it_reads(tmp_path: Path) -> None:
+    (tmp_path / "meshes").mkdir()
+    path = lay(CASES["dae: instances nested 4^14"], tmp_path / "meshes")
+    viewer = Viewer(load_arm(path), open_browser=False)
+    until(lambda: viewer._server.scene.reader._asking)
+    began = time.monotonic()
+    viewer.close()
+    assert time.monotonic() - began < 0.5
+    with pytest.raises(InputError, match="was closed"):
+        viewer._server.scene.reader.parts(box(tmp_path / "a.stl"))
+
+
+@pytest.mark.skipif(not Path("/proc/self/environ").exists(), reason="processes are looked for in /proc")
+@pytest.mark.parametrize(
+    ("command", "how"),
+    [
+        ("doctor", signal.SIGINT),
+        *(
+            pytest.param(command, how, marks=pytest.mark.slow)
+            for command in ("doctor", "view", "view -o")
+            for how in (signal.SIGINT, signal.SIGTERM, signal.SIGKILL)
+            if (command, how) != ("doctor", signal.SIGINT)
+        ),
+    ],
+)
+def test_the_first_ctrl_c_ends_all_and_no_reader_outlives_its_parent(
+    tmp_path: Path, command: str, how: signal.Signals
+) -> None:
+    path = lay(CASES["dae: instances nested 4^14"], tmp_path)
+    more = {"doctor": [], "view": ["--no-browser"], "view -o": ["-o", str(tmp_path / "page.html")]}[command]
+    program = subprocess.Popen(
+        [sys.executable, "-m", "twistarm", command.split()[0], str(path), *more],
+        env=os.environ | {"MARK": str(tmp_path)},
+        stdout=subprocess.DEVNULL,
+        stderr=subprocess.PIPE,
+        text=True,
+    )
+    try:
+        until(lambda: running(tmp_path) and _busy(running(tmp_path)[0]))
+        began = time.monotonic()
+        program.send_signal(how)
+        _, errors = program.communicate(timeout=10)
+        took = time.monotonic() - began
+    finally:
+        program.kill()
+    assert took < 1.5  # 0.5 s on a machine that has nothing else to do
+    assert "Traceback" not in errors
+    until(lambda: not running(tmp_path), 2.0)
+
+
+def _busy(number: int) -> bool:
+    """Whether it has spent half a second on its mesh."""
+    try:
+        return int(Path(f"/proc/{number}/stat").read_text().split()[13]) > 60
+    except OSError:
+        return False
+
+
+def until(holds: object, seconds: float = 30.0) -> None:
+    end = time.monotonic() + seconds
+    while not holds():  # type: ignore[operator]
+        assert time.monotonic() < end
+        time.sleep(0.02)
+
+
+def test_nonsense_from_the_process_is_an_answer_that_is_none(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    path = box(tmp_path / "a.stl")
+    for head in (b"[]\n", b"{", b'{"parts": [{"vertices": 3, "faces": 1e9}]}\n', b'{"parts": [{}]}\n'):
+        asked = MeshReader()
+        with asked:
+            asked.length(path)
+            assert asked._process is not None
+            monkeypatch.setattr(type(asked._process), "_say", lambda self, request, head=head: self._came.extend(head))
+            monkeypatch.setattr(reader, "PATIENCE", 0.1)
+            with pytest.raises(TwistarmError, match="came to nonsense|takes more than"):
+                asked.parts(path)
+        monkeypatch.undo()
