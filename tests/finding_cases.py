@@ -208,6 +208,7 @@ CASES: dict[str, Case] = {
     # packages and xacro
     "package-not-found": xacro('<gazebo file="$(find nowhere)/x"/>'),
     "package-without-manifest": xacro('<gazebo file="$(find copied)/x"/>', files={"copied/urdf/x.urdf": ""}),
+    "environment-kept": xacro('<gazebo h="$(optenv HOME)"/>'),
     "package-left-out": xacro(CAMERA, without=["camera"]),
     "package-not-used": urdf(two_joints(), without=["camera"]),
     "package-needed-not-found": xacro('<xacro:include filename="$(find nowhere)/x.xacro"/>'),

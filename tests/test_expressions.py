@@ -334,7 +334,7 @@ def test_hostile_commands_are_refused_in_one_line(expression: str, place: Sandbo
         ("(-1) ** 0.5", "a value of type complex is not allowed"),
         ("xacro.load_yaml('bytes.yaml')", "a value of type bytes is not allowed"),
         ("xacro.tokenize('a', sep='^,')", "the separators '^,' are not allowed"),
-        ("math", "a function or a namespace is no value (in ${math}); call it, or name what stands in it"),
+        ("math", "a namespace is no value, nor text (in ${math}); call it, or name what stands in it"),
         ("config._x", "the attribute ._x is not allowed (in ${config._x}); use ['...'] for a key of that name"),
         ("python.type(len)(1)", "calling builtin_function_or_method is not allowed"),
         ("'a' * 10**10", "expanding it takes more work than any robot's description needs (in ${'a' * 10**10}); look"),

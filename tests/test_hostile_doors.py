@@ -9,12 +9,16 @@ import pytest
 
 from hostile.doors import LINKS, MANIFEST, Reader, lay, link, reader, swapping, texts
 from hostile.sandbox import TOKEN, XMLNS
+from twistarm import load_arm
+from twistarm.cli.application import run
 from twistarm.description.beside import files_beside
 from twistarm.description.expansion.confinement import confinement
 from twistarm.description.expansion.expand import expand_xacro
 from twistarm.description.expansion.work import Refused
 from twistarm.description.packages import package_index
-from twistarm.errors import DescriptionError
+from twistarm.errors import DescriptionError, InputError
+from urdf_text import write
+from xacro_text import as_xacro
 
 PART = f'<robot {XMLNS}><link name="part"/></robot>'
 
@@ -110,3 +114,109 @@ def test_tens_of_thousands_of_tries_open_nothing(victim: Reader) -> None:
     swaps, ours, secrets = swapped_reads(victim, 70_000)
     print(f"\na folder swapped for a link {swaps} times in 140,000 tries: {ours} files read, {secrets} secrets")
     assert secrets == 0
+
+
+OBJECTS = (
+    "sin",
+    "math",
+    "xacro.tokenize",
+    "load_yaml",
+    "xacro.fatal",
+    "python.type(1)",
+    "int",
+    "python",
+    "xacro.abs_filename",
+)
+AS_TEXT = (
+    *("@", "str(@)", "python.repr(@)", "'%s' % @", "'%r' % (1, @)", "'%s%%' % [@]", "[@]", "str([1, dict(a=@)])"),
+    *("dict(a=(@,))", "'a'.join(map(str, [@]))", "python.map(str, [@])", "[1, 2].index(@)", "dict(a=1)[@]", "[1][@]"),
+    *(
+        "dict(a=1).get('b', @)",
+        "xacro.fatal('see', @)",
+        "str(python.sorted([@]))",
+        "'a' + str(dict(a=@))",
+        "str(dict(a=@).items())",
+    ),
+)
+
+
+@pytest.mark.parametrize("thing", OBJECTS)
+def test_no_object_of_the_program_becomes_text(thing: str, tmp_path: Path) -> None:
+    """Its text would tell where it lies in memory."""
+    path = tmp_path / "arm.xacro"
+    for expression in AS_TEXT:
+        written = expression.replace("@", thing)
+        for text in (f"${{{written}}}", f"a ${{{written}}}"):
+            path.write_text(f'<robot name="{text}" {XMLNS}/>')
+            answer = read(path)
+            assert "no value, nor text" in answer, text
+            assert " at 0x" not in answer
+            assert "<" not in answer.replace("<robot name=", "")
+
+
+def test_dates_and_all_that_a_yaml_file_holds_become_text(tmp_path: Path) -> None:
+    lay(tmp_path, {"a.yaml": "{calibrated: 2024-02-29, sizes: [1, 2.5, true, null, {a: !!set {b}}]}"})
+    path = tmp_path / "arm.xacro"
+    path.write_text(f"<robot name=\"${{str(xacro.load_yaml('a.yaml'))}} ${{(1, 2)}} ${{range(3)}}\" {XMLNS}/>")
+    assert "datetime.date(2024, 2, 29)" in read(path)
+
+
+ASKING = (
+    "$(optenv CANARY)",
+    "$(optenv CANARY no)",
+    "$(env CANARY)",
+    "$(optenv ${'CAN' + 'ARY'})",
+    "$(eval 1)$(env CANARY)",
+)
+
+
+@pytest.mark.parametrize("asking", ASKING)
+def test_a_variable_that_nobody_allows_counts_as_not_set(
+    asking: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    path = tmp_path / "arm.xacro"
+    path.write_text(f'<robot name="r{asking}" {XMLNS}/>')
+
+    def asked(env: tuple[str, ...]) -> tuple[str, list[str]]:
+        try:
+            text, noted = expand_xacro(path, package_index(path), env=env)
+        except DescriptionError as error:
+            return str(error), []
+        return text, [f"{one.code}: {one.what}; {one.remedy}" for one in noted]
+
+    monkeypatch.delenv("CANARY", raising=False)
+    unset = asked(("OTHER",))
+    monkeypatch.setenv("CANARY", TOKEN)
+    assert asked(("OTHER",)) == unset
+    text, noted = unset
+    if "optenv" in asking:
+        assert noted[0].startswith("environment-kept: it asks for the environment variable 'CANARY', and was answered")
+        assert noted[0].endswith("pass env=['CANARY'] if it may know it")
+    else:
+        assert "environment variable 'CANARY' is not set for it; pass env=[NAME] if it may know it" in text
+    text, noted = asked(("CANARY",))
+    assert f'{TOKEN}"' in text
+    assert not any("'CANARY'" in one for one in noted)
+
+
+def test_who_may_allow_a_variable(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """The caller, in Python and on the command line; no arm.toml."""
+    monkeypatch.setenv("CANARY", TOKEN)
+    path = write(tmp_path, as_xacro("").replace('name="tiny"', 'name="$(optenv CANARY arm)"'), "arm.xacro")
+    assert load_arm(path, tip="tool0").name == "arm"
+    assert load_arm(path, tip="tool0", env="CANARY").name == TOKEN
+    with pytest.raises(
+        InputError, match="env takes names of environment variables, without their values; got 'CANARY=1'"
+    ):
+        load_arm(path, env=["CANARY=1"])
+    toml = write(tmp_path, 'source = "arm.xacro"\ntip = "tool0"\nenv = ["CANARY"]', "arm.toml")
+    with pytest.raises(DescriptionError, match="unknown entry 'env'|'env'"):
+        load_arm(toml)
+    assert run(["info", str(path), "--tip", "tool0"]) == 0
+    told = capsys.readouterr().out
+    assert "--env CANARY if it may know it" in " ".join(told.replace("│", " ").split())
+    assert TOKEN not in told
+    assert run(["info", str(path), "--tip", "tool0", "--env", "CANARY"]) == 0
+    assert TOKEN in capsys.readouterr().out

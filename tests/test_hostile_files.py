@@ -24,7 +24,7 @@ REFUSED = {
     "tower_of_powers.xacro": ("xacro-too-large", "a whole number of more than 10000 bits"),
     "two_of_everything.urdf": ("xml-malformed", "junk after document element: line 14"),
     "unit_after_a_limit.yaml": ("limits-unusable", "could not convert string to float: '9e'"),
-    "value_of_a_module.xacro": ("xacro-expression-refused", "a function or a namespace is no value"),
+    "value_of_a_module.xacro": ("xacro-expression-refused", "a namespace is no value, nor text"),
     "zero_bytes.urdf": ("xml-malformed", "zero_bytes.urdf:6"),
 }
 """The code of the refusal and words of its message."""

@@ -12,7 +12,7 @@ import numpy as np
 from .arm import Arm
 from .description.beside import files_beside, srdf_beside
 from .description.expansion.expand import is_xacro, xacro_arguments
-from .description.packages import package_index, package_names
+from .description.packages import package_index, package_names, variable_names
 from .description.tips import candidates
 from .description.toml_text import toml_key, toml_text
 from .description.tree import Description
@@ -43,21 +43,23 @@ def draft_arm_file(
     xacro_args: Mapping[str, object] | None = None,
     srdf: str | os.PathLike[str] | None = None,
     without: Iterable[str] = (),
+    env: Iterable[str] = (),
 ) -> Draft:
     """An arm.toml for a URDF or xacro file, to stand in `folder`: paths are written relative to that.
 
-    It loads as the same arm that `load_arm` makes of these arguments. Where no tip is clear the candidates stand in
-    it, and `Draft.unclear` says so. Raises what `load_arm` raises for every other reason.
+    It loads as the same arm that `load_arm` makes of these arguments, given the same `env`, which is never written.
+    Where no tip is clear the candidates stand in it, and `Draft.unclear` says so. Raises what `load_arm` raises for
+    every other reason.
     """
     file, folders, arguments = as_path(source), tuple(package_dirs), dict(xacro_args or {})
-    absent = package_names(without)
+    absent, env = package_names(without), variable_names(env)
     if file.suffix == ".toml":
         raise InputError(f"{file} is an arm.toml already; give the URDF or xacro file")
-    description = read_description(file, package_dirs=folders, xacro_args=arguments, without=absent)
+    description = read_description(file, package_dirs=folders, xacro_args=arguments, without=absent, env=env)
     arm, unclear = None, ""
     try:
         specification = specify(
-            file, base=base, tip=tip, package_dirs=folders, xacro_args=arguments, srdf=srdf, without=absent
+            file, base=base, tip=tip, package_dirs=folders, xacro_args=arguments, srdf=srdf, without=absent, env=env
         )
         arm = assemble(description, specification, {})
         prove(arm)
@@ -66,7 +68,7 @@ def draft_arm_file(
             raise
         unclear = str(error)
     index = package_index(file, folders)
-    declared = xacro_arguments(file.resolve(), index, arguments, absent) if is_xacro(file) else {}
+    declared = xacro_arguments(file.resolve(), index, arguments, absent, env) if is_xacro(file) else {}
     where = Path(folder).resolve()
     parts = [
         _head(description, file, where),

@@ -21,7 +21,7 @@ from .description.beside import path_from, srdf_beside
 from .description.chain import walk_chain
 from .description.expansion.left_out import blaming
 from .description.findings import Finding, Place, finding, refusal
-from .description.packages import package_names
+from .description.packages import package_names, variable_names
 from .description.srdf import Semantics, read_srdf
 from .description.srdf_names import note_names
 from .description.tips import choose_ends, note_choice
@@ -51,6 +51,7 @@ def load_arm(
     locked: Mapping[str, float] | None = None,
     srdf: str | os.PathLike[str] | None = None,
     without: Iterable[str] = (),
+    env: Iterable[str] = (),
 ) -> Arm:
     """Load an arm from a URDF or xacro file, an arm.toml, or by its name in the catalogue (`available_arms()`).
 
@@ -63,7 +64,8 @@ def load_arm(
     `srdf`: a file, else the one of this robot that stands beside the description. `package_dirs`: folders with
     packages, beside those found around the file. What the caller gives wins over the arm.toml, and that over the SRDF.
     `without`: packages that a xacro file asks for and that the arm can do without (a sensor's, a simulator's): their
-    includes and the macros that these would have brought are left out, each with a finding.
+    includes and the macros that these would have brought are left out, each with a finding. `env`: the environment
+    variables that a xacro file may know; any other counts as not set, and a finding says so.
 
     Screws and home come from our own walk of the description; Pinocchio's model is built beside it, and both are
     compared at five random configurations (`arm.proof`).
@@ -74,7 +76,7 @@ def load_arm(
     if is_baked(source):
         wishes = {"base": base, "tip": tip, "locked": locked, "srdf": srdf, "xacro_args": xacro_args}
         packages = {"package_dirs": as_paths(package_dirs, "package_dirs"), "without": package_names(without)}
-        return _baked_arm(as_path(source), wishes | packages, limits)
+        return _baked_arm(as_path(source), {**wishes, **packages, "env": variable_names(env)}, limits)
     specification = specify(
         source,
         base=base,
@@ -84,6 +86,7 @@ def load_arm(
         locked=locked,
         srdf=srdf,
         without=without,
+        env=env,
     )
     description = read(specification)
     with blaming(description.findings):
@@ -143,6 +146,7 @@ def specify(
     locked: Mapping[str, float] | None = None,
     srdf: str | os.PathLike[str] | None = None,
     without: Iterable[str] = (),
+    env: Iterable[str] = (),
 ) -> ArmSpecification:
     """What `load_arm` is to load, the caller's wishes put over those of an arm.toml."""
     for name, value in {"base": base, "tip": tip}.items():
@@ -162,6 +166,7 @@ def specify(
         package_dirs=(*as_paths(package_dirs, "package_dirs"), *specification.package_dirs),
         xacro_args={**specification.xacro_args, **arguments},
         without=package_names((*package_names(without), *specification.without)),
+        env=variable_names(env),
         locked={**specification.locked, **standing},
         srdf=srdf or specification.srdf,
     )
@@ -174,6 +179,7 @@ def read(specification: ArmSpecification) -> Description:
         package_dirs=specification.package_dirs,
         xacro_args=specification.xacro_args,
         without=specification.without,
+        env=specification.env,
     )
 
 
@@ -277,7 +283,11 @@ def _semantics(
         semantics, noted = srdf_beside(description)
     else:
         semantics = read_srdf(
-            specification.srdf, specification.package_dirs, specification.xacro_args, specification.without
+            specification.srdf,
+            specification.package_dirs,
+            specification.xacro_args,
+            specification.without,
+            specification.env,
         )
         noted = ()
     return semantics, noted if semantics is None else (*noted, *note_names(semantics, description))

@@ -10,7 +10,7 @@ import typer
 from ..arm_file_draft import draft_arm_file
 from ..errors import InputError
 from ..loading import load_arm
-from .options import Base, PackageDir, Srdf, Tip, Without, Xacro, xacro_arguments
+from .options import Base, Env, PackageDir, Srdf, Tip, Without, Xacro, xacro_arguments
 from .outputs import NAMED, STDOUT, Force, outputs_of
 from .wording import as_typed
 
@@ -25,6 +25,7 @@ def init(
     package_dir: PackageDir = None,
     xacro: Xacro = None,
     without: Without = None,
+    env: Env = None,
     srdf: Srdf = None,
     force: Force = False,
 ) -> int:
@@ -41,6 +42,7 @@ def init(
         xacro_args=xacro_arguments(xacro or []),
         srdf=srdf,
         without=without or (),
+        env=env or (),
     )
     outputs.write({"toml": lambda: draft.text})
     if draft.unclear:
@@ -48,6 +50,6 @@ def init(
         print(f"{output}: written, but {unclear}", file=outputs.words)
         return 1
     if output != STDOUT:
-        arm = load_arm(output)
+        arm = load_arm(output, env=env or ())
         print(f"{output}: {arm.n} joints from {arm.base} to {arm.tip}; next: twistarm info {output}")
     return 0

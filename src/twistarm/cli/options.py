@@ -48,6 +48,10 @@ Without = Annotated[
     list[str] | None,
     typer.Option(metavar="PACKAGE", help="Leave out what a missing package would bring; may be repeated."),
 ]
+Env = Annotated[
+    list[str] | None,
+    typer.Option(metavar="NAME", help="An environment variable that the xacro file may know; may be repeated."),
+]
 Srdf = Annotated[
     Path | None, typer.Option(metavar="FILE", help="SRDF: groups, named states; else the one beside the description.")
 ]
@@ -116,6 +120,7 @@ def _keywords(
     package_dir: PackageDir = None,
     xacro: Xacro = None,
     without: Without = None,
+    env: Env = None,
     srdf: Srdf = None,
     limits: Limits = None,
     locked: Locked = None,
@@ -129,6 +134,7 @@ def _keywords(
         "package_dirs": package_dir or (),
         "xacro_args": xacro_arguments(xacro or []),
         "without": without or (),
+        "env": env or (),
         "srdf": srdf,
         "limits": limits,
     }

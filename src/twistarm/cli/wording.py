@@ -22,6 +22,8 @@ _AS_TYPED: tuple[tuple[str, str | Callable[[re.Match[str]], str]], ...] = (
     (r"xacro_args=\{([^}]*)\}", lambda found: _xacro_options(found.group(1))),
     (r"\bwithout=\['([^']*)'\]", r"--without \1"),
     (r"\bwithout=", "--without"),
+    (r"\benv=\['([^']*)'\]", r"--env \1"),
+    (r"\benv=\[NAME\]", "--env NAME"),
     (r" \((\d+) frames: arm\.frame_names\)", r" (\1 frames: twistarm info ARM --json)"),
     (r"stop_at_waypoints=True", "--stop"),
     (r"change the limit by limits=", "change it in the arm's arm.toml"),
@@ -35,6 +37,7 @@ _PYTHON_NAMES = {
     "limits": "--limits",
     "locked": "--locked",
     "without": "--without",
+    "env": "--env",
     "xacro_args": "--xacro",
     "package_dirs": "--package-dir",
 }

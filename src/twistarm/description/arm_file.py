@@ -34,7 +34,8 @@ class ArmSpecification:
     """What is to be loaded: a description file and what is said about it, SI units and radians.
 
     `source` is what the user named: the description itself, an arm.toml or a name of the catalogue. `other_chain`
-    tells that the caller has asked for another base or tip, so that not all of the rest need fit.
+    tells that the caller has asked for another base or tip, so that not all of the rest need fit. `env`, the variables
+    that the description may know, is the caller's alone: an arm.toml may be a stranger's.
     """
 
     description: Path
@@ -46,6 +47,7 @@ class ArmSpecification:
     package_dirs: tuple[str | os.PathLike[str], ...] = ()
     xacro_args: Mapping[str, object] = field(default_factory=dict)
     without: tuple[str, ...] = ()
+    env: tuple[str, ...] = ()
     limits: Mapping[str, Mapping[str, float]] = field(default_factory=dict)
     locked: Mapping[str, float] = field(default_factory=dict)
     poses: Mapping[str, Mapping[str, float]] = field(default_factory=dict)

@@ -100,6 +100,7 @@ CODES: dict[str, Code] = {
         "info", "a part of the description is left out with the package that the caller does without"
     ),
     "package-not-used": Code("warning", "nothing had to be left out for a package that the caller does without"),
+    "environment-kept": Code("info", "an environment variable that was asked for counts as not set"),
     "package-needed-not-found": Code("error", "a package was not found whose files are needed"),
     "xacro-argument-missing": Code("error", "a xacro argument has no value"),
     "xacro-argument-unknown": Code("error", "xacro arguments were given that the file does not take"),

@@ -32,6 +32,7 @@ ENTRIES_PER_FOLDER = 20
 """Entries of a folder that take as long as a folder does."""
 
 _NAME = re.compile(r"\w[\w.-]*")
+_VARIABLE = re.compile(r"[A-Za-z_]\w*", re.ASCII)
 
 SOURCES = "src"
 """Where a workspace keeps its packages."""
@@ -202,6 +203,15 @@ def package_names(without: object) -> tuple[str, ...]:
     for name in names:
         if not _NAME.fullmatch(name):
             raise InputError(f"without takes names of packages, as in $(find NAME)/…; got {shown(name)}")
+    return tuple(dict.fromkeys(names))
+
+
+def variable_names(env: object) -> tuple[str, ...]:
+    """The environment variables that a file may know, one or several; InputError for what is no name of one."""
+    names = (env,) if isinstance(env, str) else require_names(env, "env")
+    for name in names:
+        if not _VARIABLE.fullmatch(name):
+            raise InputError(f"env takes names of environment variables, without their values; got {shown(name)}")
     return tuple(dict.fromkeys(names))
 
 

@@ -88,9 +88,10 @@ def read_srdf(
     package_dirs: Iterable[str | os.PathLike[str]] = (),
     xacro_args: Mapping[str, object] = MappingProxyType({}),
     without: Iterable[str] = (),
+    env: Iterable[str] = (),
 ) -> Semantics:
-    """Read an SRDF, plain or xacro; of `xacro_args` those are passed on that the file declares, `without` as in
-    `read_description`.
+    """Read an SRDF, plain or xacro; of `xacro_args` those are passed on that the file declares, `without` and `env` as
+    in `read_description`.
 
     Raises DescriptionError (file, line, element, remedy) for what is no SRDF.
     """
@@ -105,7 +106,7 @@ def read_srdf(
         return _semantics(read_text(file), Reading(file, index))
     known = declared_arguments([file])
     given = {name: value for name, value in xacro_args.items() if name in known}
-    text, _ = expand_xacro(file, index, given, without)
+    text, _ = expand_xacro(file, index, given, without, env)
     return _semantics(text, Reading(file, index, show_lines=False))
 
 

@@ -46,8 +46,10 @@ def read_description(
     package_dirs: Iterable[str | os.PathLike[str]] = (),
     xacro_args: Mapping[str, object] | None = None,
     without: Iterable[str] = (),
+    env: Iterable[str] = (),
 ) -> Description:
-    """The description in a URDF or xacro file; `without`: packages whose parts are left out (`expand_xacro`).
+    """The description in a URDF or xacro file; `without`: packages whose parts are left out; `env`: the
+    environment variables that it may know (`expand_xacro`).
 
     Raises DescriptionError (file, element, remedy) for what cannot be a robot: not XML, two roots, a cycle, an
     undefined link, a duplicate name, a zero axis on a moving joint, a number that is none.
@@ -59,7 +61,7 @@ def read_description(
     file = file.resolve()
     packages = package_index(file, package_dirs)
     if is_xacro(file):
-        text, noted = expand_xacro(file, packages, xacro_args, without)
+        text, noted = expand_xacro(file, packages, xacro_args, without, env)
         reading = Reading(file, packages, show_lines=False)
     elif xacro_args:
         what = f"it is plain URDF and takes no xacro arguments ({', '.join(xacro_args)})"

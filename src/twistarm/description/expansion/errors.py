@@ -10,6 +10,7 @@ from ...errors import DescriptionError, InputError, closest, listed
 from ..findings import Finding, Place, finding, refusal
 from ..packages import PackageIndex
 from .causes import causes
+from .environment import NotSetError
 from .hooks import MISSING_PACKAGE, Expansion
 from .work import Refused
 
@@ -43,6 +44,9 @@ def explain(error: Exception, expansion: Expansion, place: Place) -> Description
     for cause in chain:
         if isinstance(cause, OSError):
             return refusal("xacro-failed", place, *_missing_file(cause, expansion))
+        if isinstance(cause, NotSetError):
+            remedy = "pass env=[NAME] if it may know it, and set it"
+            return refusal("xacro-failed", place, f"xacro cannot expand it: {cause}", remedy)
     return refusal("xacro-failed", place, *_reworded(text, expansion))
 
 

@@ -6,6 +6,7 @@ import re
 from collections.abc import Callable, Mapping
 from typing import Any
 
+from .environment import Environment
 from .expressions import Expressions
 from .guards import Guards
 from .names import direct_names, dotify, math_names, python_names, tokenize
@@ -21,13 +22,20 @@ class Evaluation:
     `find` answers `$(find package)`, `load_yaml` opens what may be opened.
     """
 
-    def __init__(self, xacro: Any, work: Work, find: Callable[[str], str], load_yaml: Callable[[str], Any]) -> None:
+    def __init__(
+        self,
+        xacro: Any,
+        work: Work,
+        find: Callable[[str], str],
+        load_yaml: Callable[[str], Any],
+        environment: Environment,
+    ) -> None:
         self._xacro = xacro
         self._work = work
         self._guards = Guards(work, xacro.Table)
         self._expressions = Expressions(self._guards)
         self._commands: dict[str, Any] = {}
-        self.symbols = self._make_symbols(find, load_yaml)
+        self.symbols = self._make_symbols(find, load_yaml, environment)
         """The names at the root of every scope, for xacro's `_global_symbols`."""
 
     def number(self, expression: str) -> float:
@@ -95,7 +103,9 @@ class Evaluation:
             raise self._xacro.XacroException(f"Undefined substitution argument {name}")
         return arguments[name]
 
-    def _make_symbols(self, find: Callable[[str], str], load_yaml: Callable[[str], Any]) -> dict[str, Any]:
+    def _make_symbols(
+        self, find: Callable[[str], str], load_yaml: Callable[[str], Any], environment: Environment
+    ) -> dict[str, Any]:
         python, mathematics = python_names(self._guards), math_names(self._guards)
         files = {
             "load_yaml": load_yaml,
@@ -104,10 +114,9 @@ class Evaluation:
         }
         messages = dict.fromkeys(("message", "warning", "error", "print_location"), say_nothing)
         offered = {**files, **messages, "fatal": self._fail, "tokenize": tokenize, "arg": self._argument}
-        substitution = self._xacro.substitution_args
         self._commands = {
             **{"true": True, "false": False, "find": find},
-            **{"env": substitution._eval_env, "optenv": substitution._eval_optenv},
+            **{"env": environment.required, "optenv": environment.optional},
             **{"arg": lambda name: self._convert(self._argument(name))},
             **mathematics,
             **python,
@@ -123,7 +132,7 @@ class Evaluation:
         return namespace
 
     def _fail(self, *words: Any) -> None:
-        raise self._xacro.XacroException(" ".join(map(str, words)))
+        raise self._xacro.XacroException(" ".join(map(str, self._guards.data(words))))
 
 
 class _CommandNames(dict[str, Any]):

@@ -23,21 +23,24 @@ def expand_xacro(
     packages: PackageIndex,
     arguments: Mapping[str, object] | None = None,
     without: Iterable[str] = (),
+    env: Iterable[str] = (),
 ) -> tuple[str, tuple[Finding, ...]]:
     """The URDF text that `path` expands to, and what was noticed on the way.
 
     Nothing outside the packages is opened (`confinement`), expressions reach nothing but their own values
-    (`expressions`), and the work is counted (`work`). A package that is not found fails only where an
-    include or a YAML load needs it; of the packages in `without` nothing is opened, and what they would have brought is
-    left out (`left_out`). Raises DescriptionError with the file, the cause and the remedy.
+    (`expressions`), of the environment it knows the variables in `env` alone (`environment`), and the work is counted
+    (`work`). A package that is not found fails only where an include or a YAML load needs it; of the packages in
+    `without` nothing is opened, and what they would have brought is left out (`left_out`). Raises DescriptionError with
+    the file, the cause and the remedy.
     """
-    text, expansion = _expanded(path, packages, arguments or {}, without)
+    text, expansion = _expanded(path, packages, arguments or {}, without, env)
     known = expansion.found.all()
     for name in expansion.given:
         if name not in known:
             raise unknown_argument(name, path, known)
     unknown = (package_finding(path, name, packages) for name in sorted(expansion.unknown_packages))
-    return text, (*unknown, *expansion.left_out.findings(expansion.found.packages))
+    noted = (*unknown, *expansion.environment.findings(), *expansion.left_out.findings(expansion.found.packages))
+    return text, noted
 
 
 def xacro_arguments(
@@ -45,13 +48,14 @@ def xacro_arguments(
     packages: PackageIndex,
     arguments: Mapping[str, object] | None = None,
     without: Iterable[str] = (),
+    env: Iterable[str] = (),
 ) -> dict[str, str | None]:
     """Every argument that `path` takes, with what it includes: {name: default}, None where one must be given.
 
     What it includes may hang on `arguments`; those it does not take do no harm. Raises DescriptionError as
     `expand_xacro` does.
     """
-    return _expanded(path, packages, arguments or {}, without)[1].found.all()
+    return _expanded(path, packages, arguments or {}, without, env)[1].found.all()
 
 
 def is_xacro(path: Path) -> bool:
@@ -60,12 +64,12 @@ def is_xacro(path: Path) -> bool:
 
 
 def _expanded(
-    path: Path, packages: PackageIndex, arguments: Mapping[str, object], without: Iterable[str]
+    path: Path, packages: PackageIndex, arguments: Mapping[str, object], without: Iterable[str], env: Iterable[str]
 ) -> tuple[str, Expansion]:
     given = {name: _argument_text(value) for name, value in arguments.items()}
     with _LOCK:
         xacro = own_xacro()
-        expansion = Expansion(xacro, path, packages, given, without)
+        expansion = Expansion(xacro, path, packages, given, without, env)
         with (
             hooked(xacro, expansion.for_xacro()),
             hooked(xacro.substitution_args, expansion.for_substitution()),

@@ -65,10 +65,7 @@ class Expressions:
             self._guards.work.charge(COMPILATION_COST * known[1])
         code, cost = known
         self._guards.work.charge(cost)
-        value = self._guards.work.weigh(eval(code, _Scope(names, self._guards)))
-        if callable(value) or isinstance(value, self._guards.namespace):
-            raise Refused(REFUSED, "a function or a namespace is no value", "call it, or name what stands in it")
-        return value
+        return self._guards.data(self._guards.work.weigh(eval(code, _Scope(names, self._guards))))
 
 
 class _Scope(dict[str, Any]):
@@ -84,6 +81,7 @@ class _Scope(dict[str, Any]):
                 "__call": guards.call,
                 "__iterate": guards.iterate,
                 "__weigh": guards.work.weigh,
+                "__item": lambda value: guards.data(guards.work.weigh(value)),
                 "__key": key,
             }
         )
@@ -166,7 +164,7 @@ class _Guarding(ast.NodeTransformer):
         value = self.visit(node.value)
         if isinstance(node.slice, ast.Slice):
             return _guard("__weigh", ast.Subscript(value, self.generic_visit(node.slice), ast.Load()))
-        return ast.Subscript(value, _guard("__weigh", self.visit(node.slice)), ast.Load())
+        return ast.Subscript(value, _guard("__item", self.visit(node.slice)), ast.Load())
 
     def visit_Slice(self, node: ast.Slice) -> ast.expr:
         raise Refused(REFUSED, "a slice of several dimensions is not allowed", "slice once")

@@ -6,11 +6,15 @@ import operator
 import re
 from collections.abc import Callable, Iterable, Sized
 from dataclasses import dataclass, field
+from datetime import date
 from typing import Any
 
 from .work import CHARACTERS_PER_UNIT, MAX_BITS, Refused, Work
 
 REFUSED = "xacro-expression-refused"
+
+_DATA = (str, int, float, type(None), list, tuple, dict, set, range, date)
+"""A date stands in many a YAML file."""
 
 _OF_TEXT = """
     capitalize count endswith find index isalnum isalpha isdigit islower isspace isupper join lower lstrip partition
@@ -66,6 +70,8 @@ class Guards:
         self.work.weigh(left)
         self.work.weigh(right)
         self._foresee(name, left, right)
+        if isinstance(left, str):
+            self.data(right)
         return self.work.weigh(OPERATORS[name](left, right))
 
     def _foresee(self, name: str, left: Any, right: Any) -> None:
@@ -105,6 +111,7 @@ class Guards:
         if isinstance(value, self.namespace) or kind is None or name not in METHODS[kind]:
             return self.call(self._function(value, name), *arguments, **named)
         self._admit(value, *arguments, *named.values())
+        self.data([*arguments, *named.values()])
         if isinstance(value, str):
             self._foresee_text(value, *arguments, *named.values())
         result = getattr(value, name)(*arguments, **named)
@@ -138,6 +145,8 @@ class Guards:
                 self.work.charge(len(argument) * (len(argument).bit_length() if function is sorted else 1))
         for argument in arguments:
             _check_hashed(function, argument)
+        if function in (str, repr):
+            self.data([*arguments, *named.values()])
         return self.work.weigh(function(*arguments, **named))
 
     def _admit(self, *values: Any) -> None:
@@ -147,6 +156,28 @@ class Guards:
                 name = getattr(value, "__name__", type(value).__name__)
                 raise Refused(REFUSED, f"calling {name} is not allowed", "call the functions that xacro offers")
             self.work.weigh(value)
+
+    def data(self, value: Any) -> Any:
+        """The value, which may become text: numbers, texts, truth values, None, and what is made up of them.
+
+        Refused otherwise: the text of a function or a type tells about the program, its place in memory too. To be
+        weighed before, for shared parts are looked at each time.
+        """
+        stack = [value]
+        while stack:
+            part = stack.pop()
+            if isinstance(part, self.namespace) or not isinstance(part, _DATA):
+                kind = "namespace" if isinstance(part, self.namespace) else "function" if callable(part) else ""
+                raise Refused(
+                    REFUSED,
+                    f"a {kind or type(part).__name__} is no value, nor text",
+                    "call it, or name what stands in it",
+                )
+            if isinstance(part, dict):
+                stack += [*dict.keys(part), *dict.values(part)]
+            elif isinstance(part, (list, tuple, set)):
+                stack += list.__iter__(part) if isinstance(part, list) else part
+        return value
 
     def iterate(self, values: Any, cost: int) -> Any:
         """What a comprehension runs over, charged beforehand; `cost`: of one round."""

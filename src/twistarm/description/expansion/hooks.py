@@ -19,6 +19,7 @@ from .arguments import Arguments
 from .causes import is_final
 from .confinement import confinement
 from .dom import replace, xacro_document
+from .environment import Environment
 from .evaluation import Evaluation, say_nothing
 from .left_out import NEEDED, LeftOut
 from .work import CHARACTERS_PER_UNIT, SCOPES_PER_UNIT, Refused, Work
@@ -61,7 +62,13 @@ class Expansion:
     """One expansion: what it has opened, declared and asked for, and the functions that xacro gets for it."""
 
     def __init__(
-        self, xacro: Any, path: Path, packages: PackageIndex, arguments: Mapping[str, str], without: Iterable[str] = ()
+        self,
+        xacro: Any,
+        path: Path,
+        packages: PackageIndex,
+        arguments: Mapping[str, str],
+        without: Iterable[str] = (),
+        env: Iterable[str] = (),
     ) -> None:
         self.path = path
         self.packages = packages
@@ -74,7 +81,8 @@ class Expansion:
         self._confinement = confinement(path, packages)
         self._in_leavable = False
         self.work = Work()
-        self._evaluation = Evaluation(xacro, self.work, self.find, self.load_yaml)
+        self.environment = Environment(path, tuple(env))
+        self._evaluation = Evaluation(xacro, self.work, self.find, self.load_yaml, self.environment)
 
     def for_xacro(self) -> dict[str, Any]:
         """Values for the module `xacro`."""
@@ -103,7 +111,12 @@ class Expansion:
 
     def for_substitution(self) -> dict[str, Any]:
         """Values for the module `xacro.substitution_args`."""
-        return {"_eval_find": self.find, "_eval": self._evaluation.command}
+        return {
+            "_eval_find": self.find,
+            "_eval": self._evaluation.command,
+            "_eval_env": self.environment.required,
+            "_eval_optenv": self.environment.optional,
+        }
 
     # files
 

@@ -1,0 +1,51 @@
+"""What a description may know of the environment: the variables that its reader names, and no other."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Iterator
+from dataclasses import dataclass, field
+from pathlib import Path
+
+from ..findings import Finding, Place, finding
+
+NOT_SET = "environment variable {} is not set for it"
+
+
+class NotSetError(Exception):
+    """A variable that the file needs has no value, or none for this file."""
+
+
+@dataclass
+class Environment:
+    """Stands in the place of xacro's `$(env NAME)` and `$(optenv NAME default)`, and of both in `$(eval ...)`.
+
+    A name that is not among the `allowed` counts as not set, whether it is or not: whatever a file reads may end in a
+    robot's name, and with it on a page that is passed on.
+    """
+
+    file: Path
+    allowed: tuple[str, ...] = ()
+    _kept: dict[str, str] = field(default_factory=dict)
+
+    def required(self, name: str) -> str:
+        """The variable's value; NotSetError without one."""
+        value = os.environ.get(name) if name in self.allowed else None
+        if value is None:
+            raise NotSetError(NOT_SET.format(repr(name)))
+        return value
+
+    def optional(self, name: str, default: str = "") -> str:
+        """The variable's value, else the default."""
+        if name in self.allowed:
+            return os.environ.get(name, default)
+        self._kept.setdefault(name, default)
+        return default
+
+    def findings(self) -> Iterator[Finding]:
+        """One for each name that was asked for and is not allowed."""
+        for name, default in self._kept.items():
+            what = (
+                f"it asks for the environment variable {name!r}, and was answered as if that were not set: {default!r}"
+            )
+            yield finding("environment-kept", Place(self.file.name), what, f"pass env=[{name!r}] if it may know it")
