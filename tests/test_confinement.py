@@ -41,7 +41,7 @@ HOSTILE = {
     "through a package": (include("$(find arm)/../outside/secret.xacro"), OUTSIDE),
     "through a property": ('<xacro:property name="f" value="@SECRET"/>' + include("${f}"), OUTSIDE),
     "through an argument": ('<xacro:arg name="f" default="@SECRET"/>' + include("$(arg f)"), OUTSIDE),
-    "through the environment": (include("$(env CANARY_FOLDER)/secret.xacro"), OUTSIDE),
+    "through the environment": (include("$(env CANARY_FOLDER)/secret.xacro"), "is not set for it"),
     "through an optional variable": (include("$(optenv NO_SUCH_VARIABLE @SECRET)"), OUTSIDE),
     "through $(cwd)": (include("$(cwd)/outside/secret.xacro"), OUTSIDE),
     "optional all the same": (include("../outside/secret.xacro", 'optional="true"'), OUTSIDE),
