@@ -36,7 +36,7 @@ LAYERS = (
     ("lower_pairs", "roll_axis"),
     ("joints",),
     ("screws",),
-    ("rotations",),
+    ("rotations", "csv_lines"),
     ("files", "wheels"),
     ("brief", "vector_words"),
     ("checks", "closing", "shared_libraries", "strict_json", "temporaries"),

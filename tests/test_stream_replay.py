@@ -163,6 +163,6 @@ def test_what_is_no_recording_is_refused_with_its_line(rover, file, tmp_path, ch
 def test_files_that_are_none(rover, tmp_path):
     with pytest.raises(InputError, match="cannot read"):
         read_recording(rover, tmp_path / "none.csv")
-    (tmp_path / "binary.csv").write_bytes(b"\xff\xfe\x00\x81")
-    with pytest.raises(InputError, match="no CSV text"):
+    (tmp_path / "binary.csv").write_bytes(b"\xff\xfe\x00\x81\x00")
+    with pytest.raises(InputError, match="is no text"):
         read_recording(rover, tmp_path / "binary.csv")

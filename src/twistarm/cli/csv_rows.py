@@ -5,16 +5,15 @@ from __future__ import annotations
 import csv
 import re
 import sys
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
-from pathlib import Path
 from typing import Annotated, TypeVar
 
 import numpy as np
 import typer
 
 from ..checks import Array
-from ..description.document import decoded, read_text
+from ..csv_lines import Bounds, csv_lines, lines_in
 from ..description.geometry import number
 from ..errors import InputError, listed, shown
 from .output import note
@@ -24,7 +23,8 @@ Columns = Annotated[
     typer.Option(metavar="A,B,…", help="Names of the CSV's columns, where its header has none or others."),
 ]
 
-MAX_BYTES = 200_000_000
+BOUNDS = Bounds(bytes=15_000_000, lines=100_000)
+"""A row of seven numbers with all their digits has 140 bytes."""
 
 STDIN = "-"
 
@@ -131,8 +131,7 @@ def read_sheet(path: str, names: str | None) -> Sheet:
     Lines that begin with # are comments, but for one before the first row that is a header for as many columns.
     """
     file = "standard input" if path == STDIN else path
-    text = decoded(sys.stdin.buffer.read()) if path == STDIN else read_text(Path(path), MAX_BYTES)
-    lines = text.splitlines()
+    lines = list(_from_stdin(file) if path == STDIN else csv_lines(path, BOUNDS))
     written = next((line for line in lines if line.strip() and not _is_comment(line)), "")
     rows = _rows(lines, written, file)
     if not rows:
@@ -151,6 +150,12 @@ def read_sheet(path: str, names: str | None) -> Sheet:
     if not rows:
         raise InputError(f"{file} holds a header and no rows of numbers")
     return Sheet(file, header, tuple(rows))
+
+
+def _from_stdin(name: str) -> Iterator[str]:
+    if sys.stdin is None:
+        raise InputError(f"there is no {name}: it is closed")
+    return lines_in(sys.stdin.buffer, name, BOUNDS)
 
 
 def _rows(lines: Sequence[str], written: str, file: str) -> list[Row]:

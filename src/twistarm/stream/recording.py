@@ -4,21 +4,27 @@ from __future__ import annotations
 
 import csv
 import os
-from collections.abc import Iterable
+from array import array
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
+from math import isfinite
 
 import numpy as np
 
 from ..arm import Arm
 from ..brief import Brief
 from ..checks import Array, as_floats, frozen
+from ..csv_lines import Bounds, csv_lines
 from ..errors import InputError, LimitError, closest, listed
 from ..files import as_path
 
 TIME = "time [s]"
 
-LARGEST_FILE = 200_000_000
-"""Bytes of a recording: some hours at 100 Hz."""
+BOUNDS = Bounds(bytes=200_000_000, lines=500_000)
+"""83 minutes at 100 Hz."""
+
+MOST_NUMBERS = 10_000_000
+"""That are kept of a recording: the time, and of each joint position and velocity, of every line."""
 
 BEYOND_LIMIT = 1e-6
 """Beyond a position limit by less [rad, m] is rounding of the file."""
@@ -62,15 +68,8 @@ def read_recording(arm: Arm, path: str | os.PathLike[str]) -> Recording:
     """
     file = as_path(path)
     try:
-        if file.stat().st_size > LARGEST_FILE:
-            raise InputError(f"{file} is larger than {LARGEST_FILE // 10**6} MB; record at a lower rate")
-        with open(file, newline="", encoding="utf-8-sig") as lines:
-            return _recording(arm, csv.reader(lines), str(file))
-    except OSError as error:
-        raise InputError(f"cannot read {file}: {error.strerror or error}") from error
-    except InputError:
-        raise
-    except (ValueError, csv.Error) as error:  # a name that cannot be a file's is a ValueError too
+        return _recording(arm, csv.reader(csv_lines(file, BOUNDS)), str(file))
+    except csv.Error as error:
         raise InputError(f"{file} is no CSV text: {error}") from error
 
 
@@ -78,14 +77,16 @@ def _recording(arm: Arm, reader: Iterable[list[str]], file: str) -> Recording:
     rows = iter(reader)
     header = next(rows, [])
     columns = _columns(arm, header, file)
-    lines, values = [], []
+    lines, values = array("q"), array("d")
     for line, row in enumerate(rows, 2):
         if row:
             lines.append(line)
-            values.append(_numbers(row, header, columns, f"{file}, line {line}"))
-    if len(values) < 2:
-        raise InputError(f"{file}: a recording needs two lines of numbers at least; got {len(values)}")
-    table = np.array(values)
+            values.extend(_numbers(row, header, columns, f"{file}, line {line}"))
+        if len(values) > MOST_NUMBERS:
+            raise InputError(f"{file} has more than {MOST_NUMBERS:,} numbers; split it, or record at a lower rate")
+    if len(lines) < 2:
+        raise InputError(f"{file}: a recording needs two lines of numbers at least; got {len(lines)}")
+    table = np.frombuffer(values).reshape(len(lines), len(columns))
     t = table[:, 0] - table[0, 0]
     if not (np.diff(t) > 0.0).all():
         k = int(np.argmin(np.diff(t) > 0.0)) + 1
@@ -115,13 +116,14 @@ def _numbers(row: list[str], header: list[str], columns: list[int], place: str) 
         raise InputError(f"{place}: {len(header)} numbers are needed, as in the header; got {len(row)}")
     try:
         values = [float(row[k]) for k in columns]
-        as_floats(values, "every number")
+        if not all(map(isfinite, values)):
+            as_floats(values, "every number")
     except ValueError as error:  # InputError is one
         raise InputError(f"{place}: {error}") from error
     return values
 
 
-def _require_within(arm: Arm, theta: Array, lines: list[int], file: str) -> None:
+def _require_within(arm: Arm, theta: Array, lines: Sequence[int], file: str) -> None:
     beyond = np.maximum(arm.limits.lower - theta, theta - arm.limits.upper)
     k, j = (int(index) for index in np.unravel_index(np.argmax(beyond), beyond.shape))
     if beyond[k, j] > BEYOND_LIMIT:

@@ -14,13 +14,13 @@ import numpy as np
 from ..actuators import Actuators
 from ..brief import Brief
 from ..checks import Array, as_floats, as_pose, frozen, require
-from ..description.document import read_text
+from ..csv_lines import Bounds, csv_lines
 from ..description.geometry import number
 from ..errors import InputError, closest, listed
 from ..files import as_path
 from ..rotations import from_xyzw
 
-MAX_BYTES = 20_000_000
+BOUNDS = Bounds(bytes=10_000_000, lines=100_000)
 """A row has some 150 bytes; a camera's half hour at 30 Hz is 8 MB."""
 
 POSITION, ROTATION = ("x", "y", "z"), ("qx", "qy", "qz", "qw")
@@ -103,7 +103,7 @@ def read_log(path: str | os.PathLike[str], motors: Actuators) -> WiringLog:
 
 def _rows(file: Path) -> list[tuple[int, list[str]]]:
     """The cells of every line that says something, and its number."""
-    lines = read_text(file, MAX_BYTES).splitlines()
+    lines = csv_lines(file, BOUNDS)
     cells = csv.reader("" if line.lstrip().startswith("#") else line for line in lines)
     try:
         return [(cells.line_num, row) for row in cells if any(map(str.strip, row))]

@@ -1,0 +1,80 @@
+"""The lines of a CSV file that somebody else wrote, one after the other and within bounds."""
+
+from __future__ import annotations
+
+import codecs
+import io
+import os
+import re
+from collections.abc import Iterator
+from itertools import chain
+from typing import BinaryIO, NamedTuple
+
+from .errors import InputError
+from .files import as_path, open_regular
+
+MAX_LINE = 100_000
+"""Characters of a line: a thousand columns of numbers with all their digits are 20,000."""
+
+
+class Bounds(NamedTuple):
+    """How much is read of a file: bytes and lines."""
+
+    bytes: int
+    lines: int
+
+
+def csv_lines(path: str | os.PathLike[str], bounds: Bounds) -> Iterator[str]:
+    """The lines of the regular file at `path`, as `lines_in`; InputError where it cannot be read."""
+    file = as_path(path)
+    try:
+        opened = open_regular(file)
+    except (OSError, ValueError) as error:  # a name that cannot be a file's is a ValueError
+        raise InputError(f"cannot read {file}: {getattr(error, 'strerror', None) or error}") from error
+    with opened:
+        yield from lines_in(opened, str(file), bounds)
+
+
+def lines_in(file: BinaryIO, name: str, bounds: Bounds) -> Iterator[str]:
+    """The lines of an opened file or a pipe, with their ends: UTF-16 by its byte-order mark, else UTF-8 with or
+    without one, or Latin-1.
+
+    Raises InputError for a line of more than `MAX_LINE` characters and beyond the bounds, having read little more.
+    """
+    size = 0
+    try:
+        for count, line in enumerate(_lines(file), 1):
+            size += len(line)
+            if len(line) > MAX_LINE:
+                raise InputError(f"{name}, line {count}: more than {MAX_LINE:,} characters; is it the right file?")
+            if size > bounds.bytes or count > bounds.lines:
+                allowed = f"{bounds.bytes / 1e6:.0f} MB and {bounds.lines:,} lines"
+                raise InputError(f"{name} is too large: at most {allowed} are read; split it, or leave out lines")
+            yield line
+    except OSError as error:
+        raise InputError(f"cannot read {name}: {error.strerror or error}") from error
+    except UnicodeError as error:
+        raise InputError(f"{name} is no text: {error}") from error
+
+
+def _lines(file: BinaryIO) -> Iterator[str]:
+    """Decoded lines; one that is too long comes in pieces that are too long."""
+    head = file.read(2)
+    if head in (codecs.BOM_UTF16_LE, codecs.BOM_UTF16_BE):
+        text = io.TextIOWrapper(file, "utf-16-le" if head == codecs.BOM_UTF16_LE else "utf-16-be", newline="")
+        yield from iter(lambda: text.readline(MAX_LINE + 1), "")
+        return
+    first = _decoded(head + file.readline(MAX_LINE)).removeprefix("\ufeff")
+    for piece in chain([first], map(_decoded, iter(lambda: file.readline(MAX_LINE + 1), b""))):
+        # Ends of the old Macintosh, \r alone, are ends too.
+        yield from _ENDS.findall(piece) if len(piece) <= MAX_LINE else [piece]
+
+
+_ENDS = re.compile(r"[^\r\n]*(?:\r\n?|\n)|[^\r\n]+")
+
+
+def _decoded(line: bytes) -> str:
+    try:
+        return line.decode("utf-8")
+    except UnicodeDecodeError:
+        return line.decode("latin-1")
