@@ -315,7 +315,7 @@ BAD = {
     "no target": (["ik", "rover_arm"], "xyz"),
     "two sources of targets": (["ik", "rover_arm", "--xyz", "1 0 0", "--targets", "t.csv"], "or a file of targets"),
     "columns of no file": (["fk", "rover_arm", "--columns", "a,b"], "it goes with --postures"),
-    "a file of targets that is not there": (["ik", "rover_arm", "--targets", "t.csv"], "is the path right?"),
+    "a file of targets that is not there": (["ik", "rover_arm", "--targets", "t.csv"], "t.csv: no such file; give"),
     "two orientations": (
         ["ik", "rover_arm", "--xyz", "1 0 0", "--rpy", "0 0 0", "--quaternion", "1 0 0 0"], "not both",
     ),

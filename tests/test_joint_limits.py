@@ -144,8 +144,8 @@ def test_refused_in_one_line(case: str, tmp_path: Path) -> None:
 
 
 def test_files_that_are_none(tmp_path: Path) -> None:
-    for path in (tmp_path / "no.yaml", tmp_path):
-        with pytest.raises(DescriptionError, match="no such file; give the path of a joint_limits.yaml"):
+    for path, what in ((tmp_path / "no.yaml", "no such file"), (tmp_path, "a folder")):
+        with pytest.raises(DescriptionError, match=f"{what}; give the path of a joint_limits.yaml"):
             read_joint_limits(path)
     with pytest.raises(DescriptionError, match="it has 300014 bytes; joint limits have at most 250000"):
         read_joint_limits(write(tmp_path, "joint_limits:\n" + "#" * 300_000, "big.yaml"))

@@ -11,7 +11,7 @@ from itertools import chain
 from typing import BinaryIO, NamedTuple
 
 from .errors import InputError
-from .files import as_path, open_regular
+from .files import as_path, open_regular, why_no_file
 
 MAX_LINE = 100_000
 """Characters of a line: a thousand columns of numbers with all their digits are 20,000."""
@@ -30,7 +30,8 @@ def csv_lines(path: str | os.PathLike[str], bounds: Bounds) -> Iterator[str]:
     try:
         opened = open_regular(file)
     except (OSError, ValueError) as error:  # a name that cannot be a file's is a ValueError
-        raise InputError(f"cannot read {file}: {getattr(error, 'strerror', None) or error}") from error
+        why = why_no_file(file) or getattr(error, "strerror", None)
+        raise InputError(f"cannot read {file}: {why}; give the path of a CSV file") from error
     with opened:
         yield from lines_in(opened, str(file), bounds)
 

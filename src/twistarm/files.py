@@ -18,12 +18,27 @@ DESCRIPTIONS = (".urdf", ".xacro", ".srdf", ".toml", ".yaml", ".yml")
 """Names of what a team wrote itself: no output takes its place unasked."""
 
 
+NO_SUCH_FILE = "no such file"
+
+
 def is_file(path: Path) -> bool:
     """Whether `path` is a regular file that can be seen; a name too long or malformed is none."""
     try:
         return path.is_file()
     except (OSError, ValueError):
         return False
+
+
+def why_no_file(path: Path) -> str:
+    """What stands at `path` instead of a regular file; empty for one."""
+    try:
+        mode = os.stat(path).st_mode
+    except ValueError as error:
+        return f"no usable path ({error})"
+    except OSError as error:
+        nothing = error.errno in (errno.ENOENT, errno.ENOTDIR)
+        return NO_SUCH_FILE if nothing else f"no usable path ({error.strerror or error})"
+    return "a folder" if stat.S_ISDIR(mode) else "" if stat.S_ISREG(mode) else "not a regular file"
 
 
 def open_regular(path: str | os.PathLike[str]) -> BinaryIO:

@@ -28,7 +28,7 @@ from .description.tips import choose_ends, note_choice
 from .description.tree import Description
 from .description.urdf import read_description
 from .errors import ComparisonError, InputError, UnknownNameError, closest, listed, shown
-from .files import as_path, as_paths, is_file
+from .files import NO_SUCH_FILE, as_path, as_paths, is_file, why_no_file
 from .fitting import Changes, fitted_actuators, fitted_limits, fitted_poses, fitted_states
 from .limits import JointLimits
 from .ready_pose import named_ready
@@ -229,22 +229,14 @@ def _specification(source: str | os.PathLike[str]) -> ArmSpecification:
         file, (_, base, tip) = entry
         share = file.parents[len(Path(entry[1].file).parts) + 1]
         return ArmSpecification(file, text, name=text, base=base, tip=tip, package_dirs=(share,))
-    kind = _kind(path)
-    if kind or path.suffix or len(path.parts) > 1:
+    why = why_no_file(path)
+    if why != NO_SUCH_FILE or path.suffix or len(path.parts) > 1:
         remedy = f"give a URDF or xacro file, an arm.toml or one of {listed(available_arms(), 20)}"
-        raise refusal("file-not-found", Place(text[:200]), kind or "no such file", remedy)
+        raise refusal("file-not-found", Place(text[:200]), why, remedy)
     names = available_arms()
     raise UnknownNameError(
         f"no arm {text!r} in the catalogue, nor a file of that name{closest(text, names)} (arms: {', '.join(names)})"
     )
-
-
-def _kind(path: Path) -> str:
-    """What stands at `path` instead of a file; empty if nothing does."""
-    try:
-        return "a folder" if path.is_dir() else "not a regular file" if path.exists() else ""
-    except (OSError, ValueError) as error:
-        return f"no usable path ({getattr(error, 'strerror', None) or error})"
 
 
 def assemble(description: Description, specification: ArmSpecification, changes: Changes) -> Arm:

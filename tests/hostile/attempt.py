@@ -12,6 +12,7 @@ import time
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
+from typing import IO
 
 SECONDS, MEGABYTES = 5.0, 500.0
 """Within these a hostile file is refused or loaded."""
@@ -44,18 +45,22 @@ class Outcome:
             return f"ends by signal {-self.code}"
         if "Traceback" in self.errors or "fault of twistarm" in self.errors:
             return f"traceback: {self.errors.strip().splitlines()[-1][:100]}"
-        if self.code == 0:
-            return ""
-        return "" if self.errors.strip() else f"exit {self.code} without a word"
+        return f"exit {self.code} without a word" if self.code and not (self.errors + self.output).strip() else ""
 
     def within(self, seconds: float = SECONDS, megabytes: float = MEGABYTES) -> str:
-        """`fault`, or what was taken beyond the given seconds and megabytes."""
-        if self.fault or (self.seconds <= seconds and self.megabytes <= megabytes):
+        """`fault`, or what was taken beyond the given seconds (of the processor: others may use it too) and megabytes."""
+        if self.fault or (self.busy <= seconds and self.megabytes <= megabytes):
             return self.fault
-        return f"{self.seconds:.1f} s, {self.megabytes:.0f} MB"
+        return f"{self.busy:.1f} s, {self.megabytes:.0f} MB"
 
 
-def attempt(*arguments: str, folder: Path, env: Mapping[str, str] | None = None, seconds: float = PATIENCE) -> Outcome:
+def attempt(
+    *arguments: str,
+    folder: Path,
+    env: Mapping[str, str] | None = None,
+    seconds: float = PATIENCE,
+    stdin: IO[bytes] | int = subprocess.DEVNULL,
+) -> Outcome:
     """`twistarm arguments` in `folder`, without a terminal, killed with all that it started after `seconds`."""
     command = [sys.executable, "-m", "twistarm", *arguments]
     with tempfile.TemporaryFile() as output, tempfile.TemporaryFile() as errors:
@@ -64,7 +69,7 @@ def attempt(*arguments: str, folder: Path, env: Mapping[str, str] | None = None,
             command,
             cwd=folder,
             env={**os.environ, "COLUMNS": "80", **(env or {})},
-            stdin=subprocess.DEVNULL,
+            stdin=stdin,
             stdout=output,
             stderr=errors,
             start_new_session=True,

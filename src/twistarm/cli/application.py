@@ -27,7 +27,7 @@ from . import (
 )
 from .typed import Command
 from .versions import version
-from .wording import as_typed
+from .wording import told
 
 BAD_ANSWER, BAD_INPUT, BUG, INTERRUPTED = 1, 2, 70, 130
 """Exit codes: an answer that is not good; input that cannot be used; a fault of ours; Ctrl-C."""
@@ -108,19 +108,13 @@ def run(arguments: Sequence[str]) -> int:
 
 
 def _report(error: Exception) -> int:
-    if isinstance(error, TwistarmError):
-        _say(as_typed(str(error)))
-        return BAD_INPUT
-    if isinstance(error, OSError):
-        _say(f"the operating system refuses: {error}")
-        return BAD_INPUT
     # Usage errors: typer's click raises them with their own wording.
     if hasattr(error, "format_message"):
         words = error.format_message().replace("Value error, ", "")
         _say(f"{words} (see twistarm --help, or --help after the command)")
         return BAD_INPUT
-    _say(f"{type(error).__name__}: {error}; a fault of twistarm's: please report it with the output of --debug")
-    return BUG
+    _say(told(error))
+    return BAD_INPUT if isinstance(error, (TwistarmError, OSError)) else BUG
 
 
 def _say(message: str) -> None:

@@ -10,7 +10,7 @@ import typer
 from ..arm import Arm
 from ..comparison import CrossCheck, crosscheck
 from ..doctor.folder import is_part
-from ..errors import InputError, TwistarmError
+from ..errors import DescriptionError, InputError
 from ..golden import Difference, compare, golden_text
 from ..loading import load_arm
 from .folders import PART, Line, refused, walk
@@ -68,9 +68,10 @@ def _line(path: Path, load: dict[str, Any], samples: int) -> Line:
     """The cross-check of one file of a folder."""
     try:
         arm = load_arm(path, **load)
-    except TwistarmError as error:
-        findings = getattr(error, "findings", ())
-        return Line(PART, None) if is_part(path, findings) else refused(str(error), findings, error=str(error))
+    except DescriptionError as error:
+        if is_part(path, error.findings):
+            return Line(PART, None)
+        return refused(str(error), error.findings, error=str(error))
     result = crosscheck(arm, samples)
     worst = max((row.worst for row in result.comparisons if not row.not_compared), default=0.0)
     return Line("ok" if result.ok else "WRONG", result.ok, arm, f"worst difference {worst:.1e}", {"worst": worst})

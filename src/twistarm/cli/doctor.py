@@ -16,7 +16,7 @@ from ..doctor.codes import codes_page
 from ..doctor.folder import is_part
 from ..doctor.repair import Repair, repair
 from ..doctor.statements import summary
-from ..errors import InputError, TwistarmError
+from ..errors import InputError
 from .folders import PART, Line, refused, walk
 from .options import Json, takes_source
 from .output import console, finding_json, print_json
@@ -159,10 +159,7 @@ def _as_json(source: str, diagnosis: Diagnosis, output: str | None, made: Repair
 
 
 def _line(path: Path, load: dict[str, Any], strict: bool) -> Line:
-    try:
-        diagnosis = examine(path, **load)
-    except TwistarmError as error:
-        return refused(str(error))
+    diagnosis = examine(path, **load)
     found = diagnosis.findings
     if is_part(path, found):
         return Line(PART, None)

@@ -14,7 +14,7 @@ from ..arm import Arm
 from ..description.findings import Finding
 from ..doctor.folder import descriptions_in
 from .output import console, print_json, progress_bar
-from .wording import as_typed
+from .wording import as_typed, told
 
 VERDICT = 24
 """Characters of a verdict on a line."""
@@ -47,7 +47,7 @@ def walk(folder: Path, title: str, look: Callable[[Path], Line], *, json: bool) 
     lines: dict[Path, Line] = {}
     with progress_bar(title) as progress:
         for done, path in enumerate(files, start=1):
-            lines[path.relative_to(folder)] = look(path)
+            lines[path.relative_to(folder)] = _looked(path, look)
             progress(done / len(files))
     good = all(line.good is not False for line in lines.values())
     if json:
@@ -55,6 +55,14 @@ def walk(folder: Path, title: str, look: Callable[[Path], Line], *, json: bool) 
     else:
         _print(folder, title, lines)
     return 0 if good else 1
+
+
+def _looked(path: Path, look: Callable[[Path], Line]) -> Line:
+    """Whatever is wrong with one file costs its own line alone."""
+    try:
+        return look(path)
+    except Exception as error:
+        return Line("refused", False, detail=told(error), more={"error": told(error)})
 
 
 def _print(folder: Path, title: str, lines: Mapping[Path, Line]) -> None:

@@ -9,7 +9,7 @@ from ast import literal_eval
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 
-from ..errors import LimitError
+from ..errors import LimitError, TwistarmError
 
 _AS_TYPED: tuple[tuple[str, str | Callable[[re.Match[str]], str]], ...] = (
     (r"""pass tip=('[^']*'|"[^"]*")""", lambda found: f"pass --tip {shlex.quote(literal_eval(found[1]))}"),
@@ -72,3 +72,12 @@ def as_typed(message: str) -> str:
         message = re.sub(python, option, message)
     names = "|".join(_PYTHON_NAMES)
     return re.sub(rf"(?<![\w\['\"-])({names})=(?=[\s,;)])", lambda found: _PYTHON_NAMES[found[1]], message)
+
+
+def told(error: Exception) -> str:
+    """What an error is told as: ours in the program's words, the system's as it is, any other as our fault."""
+    if isinstance(error, TwistarmError):
+        return as_typed(str(error))
+    if isinstance(error, OSError):
+        return f"the operating system refuses: {error}"
+    return f"{type(error).__name__}: {error}; a fault of twistarm's: please report it with the output of --debug"

@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 
 from ..errors import DescriptionError, closest, listed
-from ..files import as_path, is_file
+from ..files import as_path, why_no_file
 from .document import read_text
 from .findings import Finding, Place, finding, refusal
 from .yaml_reading import parse_yaml
@@ -84,8 +84,8 @@ def read_joint_limits(path: str | os.PathLike[str]) -> LimitsFile:
     Raises DescriptionError (file, joint, remedy).
     """
     file = as_path(path)
-    if not is_file(file):
-        raise refusal("file-not-found", Place(str(file)), "no such file", "give the path of a joint_limits.yaml")
+    if why := why_no_file(file):
+        raise refusal("file-not-found", Place(str(file)), why, "give the path of a joint_limits.yaml")
     if file.stat().st_size > MAX_BYTES:
         raise _unusable(file, f"it has {file.stat().st_size} bytes; joint limits have at most {MAX_BYTES}")
     content = parse_yaml(read_text(file), file)

@@ -11,7 +11,7 @@ from types import MappingProxyType
 
 import numpy as np
 
-from ..files import as_path, is_file
+from ..files import as_path, why_no_file
 from .document import Reading, parse_xml, read_text
 from .expansion.arguments import declared_arguments
 from .expansion.expand import expand_xacro, is_xacro
@@ -96,8 +96,8 @@ def read_srdf(
     Raises DescriptionError (file, line, element, remedy) for what is no SRDF.
     """
     file = as_path(path)
-    if not is_file(file):
-        raise refusal("file-not-found", Place(str(file)), "no such file", "give the path of an SRDF")
+    if why := why_no_file(file):
+        raise refusal("file-not-found", Place(str(file)), why, "give the path of an SRDF")
     if file.stat().st_size > MAX_BYTES:
         what = f"it has {file.stat().st_size} bytes; an SRDF has at most {MAX_BYTES}"
         raise refusal("srdf-unusable", Place(str(file)), what, "is it an SRDF file?")

@@ -11,7 +11,7 @@ import numpy as np
 
 from ..checks import Array, frozen
 from ..errors import DescriptionError, closest
-from ..files import as_path, is_file
+from ..files import as_path, why_no_file
 from .axis import read_axis
 from .catalog import models_share
 from .document import Reading, parse_xml, read_text
@@ -55,9 +55,9 @@ def read_description(
     undefined link, a duplicate name, a zero axis on a moving joint, a number that is none.
     """
     file = as_path(path)
-    if not is_file(file):
+    if why := why_no_file(file):
         remedy = "give a URDF or xacro file, an arm.toml or a catalogue name"
-        raise refusal("file-not-found", Place(str(file)), "no such file", remedy)
+        raise refusal("file-not-found", Place(str(file)), why, remedy)
     file = file.resolve()
     packages = package_index(file, package_dirs)
     if is_xacro(file):
