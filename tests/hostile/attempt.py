@@ -48,7 +48,7 @@ class Outcome:
         return f"exit {self.code} without a word" if self.code and not (self.errors + self.output).strip() else ""
 
     def within(self, seconds: float = SECONDS, megabytes: float = MEGABYTES) -> str:
-        """`fault`, or what was taken beyond the given seconds (of the processor: others may use it too) and megabytes."""
+        """`fault`, or what was taken beyond the given seconds of the processor and megabytes."""
         if self.fault or (self.busy <= seconds and self.megabytes <= megabytes):
             return self.fault
         return f"{self.busy:.1f} s, {self.megabytes:.0f} MB"
