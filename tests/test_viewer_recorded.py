@@ -57,7 +57,7 @@ def test_the_command_saves_a_page_that_plays_it(
     assert data["player"]["running"] is True
     capsys.readouterr()
     assert run(["view", "scara", "--play", "nowhere.csv", "--force", "-o", "view.html"]) == 2
-    assert capsys.readouterr().err.startswith("error: cannot read nowhere.csv: No such file")
+    assert capsys.readouterr().err.startswith("error: cannot read nowhere.csv: no such file")
 
 
 def test_what_is_no_recording_is_refused(tmp_path: Path) -> None:
