@@ -243,7 +243,7 @@ def test_a_long_line_of_mimics_is_followed_to_its_end(tmp_path: Path) -> None:
     path = write(tmp_path, robot(*joints, joint("j898", links[898], links[899]), links=links))
     couplings = resolve_couplings(read_description(path), {})
     assert {(affine.master, affine.multiplier) for affine in couplings.values()} == {("j898", 1.0)}
-    with pytest.raises(DescriptionError, match="899 moving joints; at most 200"):
+    with pytest.raises(DescriptionError, match="899 moving joints; at most 150"):
         load_arm(path, tip="l899")
 
 

@@ -39,6 +39,10 @@ STEP, SMALLEST_STEP = 1e-3, 1e-7
 YOURDFPY_SAMPLES, YOURDFPY_STEPS = 200, 100_000
 """yourdfpy walks from each link to the base, some 4 µs a joint: at most so many postures, and so many steps in all."""
 
+YOURDFPY_LINKS, YOURDFPY_CUBES = 500, 20_000_000
+"""It keeps a path between any two links, and finds the order to multiply a link's joints in with their cube of steps,
+some 0.1 µs each."""
+
 MOST_SAMPLES = 10_000_000
 """Of an hour or so; more are a mistake."""
 
@@ -271,7 +275,9 @@ def _yourdfpy(arm: Arm, theta: Array) -> list[Comparison]:
     reason = _beyond_yourdfpy(arm)
     if reason:
         return [_skipped("all links", "yourdfpy", reason)]
-    subset = theta[: min(YOURDFPY_SAMPLES, max(1, YOURDFPY_STEPS // _steps(arm.description)))]
+    depths = _depths(arm.description)
+    most = min(YOURDFPY_STEPS // max(1, sum(depths)), YOURDFPY_CUBES // max(1, sum(depth**3 for depth in depths)))
+    subset = theta[: min(YOURDFPY_SAMPLES, max(1, most))]
     try:
         with _quiet_yourdfpy():
             theirs = _yourdfpy_poses(arm, subset)
@@ -290,12 +296,12 @@ def _yourdfpy(arm: Arm, theta: Array) -> list[Comparison]:
     ]
 
 
-def _steps(description: Description) -> int:
-    """How many joints lie between the links and the root, all links together."""
+def _depths(description: Description) -> list[int]:
+    """How many joints lie between each link and the root."""
     depth = {description.root: 0}
     for joint in description.outward_joints():
         depth[joint.child] = depth[joint.parent] + 1
-    return max(1, sum(depth.values()))
+    return list(depth.values())
 
 
 def _our_poses(arm: Arm, theta: Array) -> Array:
@@ -324,6 +330,10 @@ def _beyond_yourdfpy(arm: Arm) -> str:
     """Why yourdfpy cannot be asked about this arm; empty if it can."""
     assert arm.description is not None
     joints = arm.description.joints
+    if len(arm.description.links) > YOURDFPY_LINKS:
+        return f"yourdfpy has room for {YOURDFPY_LINKS} links, and these are {len(arm.description.links)}"
+    if sum(depth**3 for depth in _depths(arm.description)) > YOURDFPY_CUBES:
+        return f"yourdfpy takes minutes for a chain of {max(_depths(arm.description))} joints"
     for joint in joints.values():
         if joint.part_of:
             return f"yourdfpy takes the planar joint {joint.part_of!r} as fixed"

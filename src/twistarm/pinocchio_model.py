@@ -17,8 +17,9 @@ from .description.coupling import Affine
 from .description.findings import refusal
 from .description.tree import Description
 
-MAX_MOVING_JOINTS = 200
-"""Pinocchio's data holds four tensors of nv³ numbers: a quarter of a gigabyte here, and no robot has as many joints."""
+MAX_MOVING_JOINTS = 150
+"""Pinocchio's data holds four tensors of nv³ numbers: 0.12 GB here, and the doctor has two. A humanoid with two whole
+hands has some 80."""
 
 _WHEEL = wheels.Wheel(
     "pinocchio",

@@ -68,7 +68,7 @@ def xacro(inside: Callable[[], str], refusal: str = LOADS, **files: Text) -> Cas
 
 def named(files: Mapping[str, Text]) -> dict[str, Text]:
     """Keywords as names of files: `a_yaml` is a.yaml."""
-    return {name.replace("_", "."): text for name, text in files.items()}
+    return {".".join(name.rsplit("_", 1)): text for name, text in files.items()}
 
 
 def included(text: Text) -> Text:
@@ -462,14 +462,12 @@ LARGE = {
             '<link name="x"/><joint name="x" type="revolute"><parent link="tool"/><child link="x"/>'
             f'<axis xyz="0 0 1"/>{LIMIT * 40_000}</joint>'
         ),
-        "more than 250,000 elements and attributes",
     ),
     "15,000 masses in one link": urdf(
         lambda: (
             f'<link name="x">{INERTIAL.format(1) * 15_000}</link><joint name="x" type="fixed">'
             '<parent link="tool"/><child link="x"/></joint>'
         ),
-        "more than 250,000 elements and attributes",
     ),
     "30,000 simulator's elements": urdf(
         lambda: times(30_000, '<gazebo reference="l{0}"><material>Gazebo/Red</material></gazebo>')
@@ -504,15 +502,15 @@ LARGE = {
             '<child link="x"/></joint>'
         )
     ),
-    "20,000 meshes that are nowhere": urdf(
+    "9,000 meshes that are nowhere": urdf(
         lambda: (
-            f'<link name="x">{times(20_000, MESH.format("m{0}.stl"))}</link><joint name="x" type="fixed">'
+            f'<link name="x">{times(9_000, MESH.format("m{0}.stl"))}</link><joint name="x" type="fixed">'
             '<parent link="tool"/><child link="x"/></joint>'
         )
     ),
-    "20,000 meshes of 20,000 packages": urdf(
+    "9,000 meshes of 9,000 packages": urdf(
         lambda: (
-            f'<link name="x">{times(20_000, MESH.format("package://p{0}/m.stl"))}</link>'
+            f'<link name="x">{times(9_000, MESH.format("package://p{0}/m.stl"))}</link>'
             '<joint name="x" type="fixed"><parent link="tool"/><child link="x"/></joint>'
         )
     ),
@@ -584,21 +582,20 @@ TREES = {
         "cycle",
     ),
     "100 joints in a chain": urdf(lambda: links(98, chain, "continuous", '<origin xyz="0.1 0 0"/>')),
-    "195 joints in a chain": urdf(lambda: links(193, chain, "continuous", '<origin xyz="0.1 0 0"/>')),
-    "195 joints side by side": urdf(lambda: links(193, lambda i: "base", "continuous")),
-    "a chain of 195 mimics": urdf(lambda: mimics(193, lambda i: f"k{i - 1}" if i else "j2")),
-    "195 joints and 3,700 links": urdf(
+    "145 joints in a chain": urdf(lambda: links(143, chain, "continuous", '<origin xyz="0.1 0 0"/>')),
+    "145 joints side by side": urdf(lambda: links(143, lambda i: "base", "continuous")),
+    "a chain of 145 mimics": urdf(lambda: mimics(143, lambda i: f"k{i - 1}" if i else "j2")),
+    "145 joints and 3,700 links": urdf(
         lambda: (
-            links(193, chain, "continuous")
-            + links(3_700, lambda i: f"l{i % 193}")
-            .replace('"l', '"x')
-            .replace('parent link="x', 'parent link="l')
-            .replace('"k', '"y')
+            links(143, chain, "continuous", '<origin xyz="0.1 0 0"/>')
+            + links(3_700, lambda i: "base").replace('"l', '"x').replace('"k', '"y')
         )
     ),
     "240 joints in a chain": urdf(lambda: links(238, chain, "continuous", '<origin xyz="0.1 0 0"/>'), "moving joints"),
     "240 joints side by side": urdf(lambda: links(238, lambda i: "base", "continuous"), "moving joints"),
-    "1,000 joints side by side": urdf(lambda: links(1_000, lambda i: "tool", "continuous"), "moving joints"),
+    "1,000 joints side by side": urdf(
+        lambda: links(1_000, lambda i: "tool", "continuous"), "moving joints|nothing that is an arm"
+    ),
     "100 planar joints": urdf(lambda: links(100, chain, "planar"), "moving joints"),
     "100 floating joints": urdf(lambda: links(100, lambda i: "base", "floating")),
     "3,000 floating joints": urdf(lambda: links(3_000, lambda i: "base", "floating"), "moving joints"),
@@ -609,20 +606,14 @@ TREES = {
     "100 mimics in a circle": urdf(lambda: mimics(100, lambda i: f"k{(i + 1) % 100}"), "circle"),
     "100 joints and 3,000 links": urdf(
         lambda: (
-            links(98, chain, "continuous")
-            + links(3_000, lambda i: f"l{i % 98}")
-            .replace('"l', '"x')
-            .replace('parent link="x', 'parent link="l')
-            .replace('"k', '"y')
+            links(98, chain, "continuous", '<origin xyz="0.1 0 0"/>')
+            + links(3_000, lambda i: "base").replace('"l', '"x').replace('"k', '"y')
         )
     ),
-    "200 joints and 3,900 links": urdf(
+    "200 joints and 3,700 links": urdf(
         lambda: (
-            links(198, chain, "continuous")
-            + links(3_900, lambda i: f"l{i % 198}")
-            .replace('"l', '"x')
-            .replace('parent link="x', 'parent link="l')
-            .replace('"k', '"y')
+            links(198, chain, "continuous", '<origin xyz="0.1 0 0"/>')
+            + links(3_700, lambda i: "base").replace('"l', '"x').replace('"k', '"y')
         ),
         "moving joints",
     ),

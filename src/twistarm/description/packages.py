@@ -190,7 +190,7 @@ def _users_folder(folder: Path) -> Path:
     try:
         resolved = folder.resolve()
         usable = resolved.is_dir()
-    except (OSError, ValueError) as error:
+    except (OSError, ValueError, RuntimeError) as error:  # the last for links in a circle, before Python 3.13
         raise InputError(f"package_dirs: {shown(str(folder))} is no usable path ({error})") from error
     if not usable:
         raise InputError(f"package_dirs: {resolved} is not a folder")
