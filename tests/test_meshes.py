@@ -97,6 +97,7 @@ def test_all_meshes_of_an_arm_share_their_time(tmp_path: Path, monkeypatch: pyte
     assert ["the meshes before it" in reason for reason in reasons] == [False, False, True, True]
 
 
+@pytest.mark.slow
 def test_processor_time_and_memory_are_limited_by_the_system(tmp_path: Path) -> None:
     (tmp_path / "slow.dae").write_text(SLOW)
     (tmp_path / "many.stl").write_bytes(fan(1_000_001))

@@ -19,7 +19,7 @@ from .axes import check_axes
 from .idle import check_off_the_chain, check_without_effect
 from .inertia import check_inertias
 from .limits import check_limits, check_reach, check_zero
-from .meshes import check_meshes
+from .meshes import check_meshes, has_meshes
 from .mimics import check_mimics
 from .postures import check_postures
 from .statements import check_abilities
@@ -85,7 +85,8 @@ def examine(source: str | os.PathLike[str] | Arm, **load: Any) -> Diagnosis:
     else:
         return examine_arm(proven)
     known = [one for one in description.findings if one not in refused]
-    return Diagnosis(_in_order([*refused, *known, *_of_description(description, None)]), description)
+    with MeshReader() as reader:
+        return Diagnosis(_in_order([*refused, *known, *_of_description(description, None, reader)]), description)
 
 
 def _of_arm_file(
@@ -104,6 +105,11 @@ def _told_by(error: DescriptionError, place: Place) -> list[Finding]:
 
 def examine_arm(arm: Arm, reader: MeshReader | None = None) -> Diagnosis:
     """`examine` for an arm, whose meshes `reader` reads, or has read."""
+    if reader is None:
+        with MeshReader() as own:
+            if has_meshes(arm.description):
+                own.begin()
+            return examine_arm(arm, own)
     motions = sample_motions(arm)
     able = abilities_of(motions)
     found = [*arm.findings, *check_zero(arm), *check_reach(arm), *check_postures(arm, able.rank)]
@@ -114,17 +120,13 @@ def examine_arm(arm: Arm, reader: MeshReader | None = None) -> Diagnosis:
     return Diagnosis(_in_order(found), arm.description, arm, able)
 
 
-def _of_description(description: Description, arm: Arm | None, reader: MeshReader | None = None) -> Iterator[Finding]:
+def _of_description(description: Description, arm: Arm | None, reader: MeshReader) -> Iterator[Finding]:
     """What needs no tip."""
     yield from check_limits(description, arm)
     couplings, chain = (arm.couplings, arm.moving_names) if arm else (_couplings(description), ())
     yield from check_mimics(description, couplings, chain)
     yield from check_inertias(description)
-    if reader is not None:
-        yield from check_meshes(description, reader)
-        return
-    with MeshReader() as own:
-        yield from check_meshes(description, own)
+    yield from check_meshes(description, reader)
 
 
 def _couplings(description: Description) -> Any:

@@ -37,6 +37,11 @@ class Use(NamedTuple):
     scale: tuple[float, ...]
 
 
+def has_meshes(description: Description | None) -> bool:
+    """Whether there is any that can be read."""
+    return description is not None and bool(_uses(description))
+
+
 def check_meshes(description: Description, reader: MeshReader) -> Iterator[Finding]:
     """Every mesh file once: its first bytes, then the size of what it holds."""
     uses = _uses(description)

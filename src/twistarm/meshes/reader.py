@@ -5,6 +5,7 @@ from __future__ import annotations
 import os
 import signal
 import threading
+from contextlib import suppress
 from importlib.util import find_spec
 from math import inf, isfinite
 from pathlib import Path
@@ -47,6 +48,12 @@ class MeshReader(Closing):
         self._turn, self._lock = threading.Lock(), threading.Lock()
         self._asking = self._closed = False
         self._lengths: dict[Path, float | TwistarmError] = {}
+
+    def begin(self) -> None:
+        """Have the process start, if it can: what it imports takes some tenths of a second. Returns at once."""
+        if find_spec("trimesh") is not None:
+            with self._lock, suppress(TwistarmError):
+                self._have_process()
 
     def parts(self, path: Path, most: float = inf) -> list[Part]:
         """The parts of the mesh file at `path`, in its own frame and in metres if it names its unit, simplified to
@@ -101,13 +108,13 @@ class MeshReader(Closing):
         self._allowed = min(self._allowed + SECONDS_PER_MEGABYTE * size / 1e6, ARM_SECONDS_AT_MOST)
 
     def _ask(self, path: Path, request: dict[str, Any]) -> tuple[dict[str, Any], list[Part]]:
-        self._begin()
+        self._require_process()
         try:
             return self._answer(path, request, seconds_for(_size(path)))
         finally:
             self._asking = False
 
-    def _begin(self) -> None:
+    def _require_process(self) -> None:
         if self._unavailable is not None:
             raise self._unavailable
         if find_spec("trimesh") is None:
@@ -115,12 +122,15 @@ class MeshReader(Closing):
         with self._lock:
             if self._closed:
                 raise InputError("the reader of meshes was closed")
-            try:
-                self._process = self._process if self._process and self._process.alive else taken()
-            except TwistarmError as error:
-                self._unavailable = error
-                raise
+            self._have_process()
             self._asking = True
+
+    def _have_process(self) -> None:
+        try:
+            self._process = self._process if self._process and self._process.alive else taken()
+        except TwistarmError as error:
+            self._unavailable = error
+            raise
 
     def _answer(self, path: Path, request: dict[str, Any], seconds: float) -> tuple[dict[str, Any], list[Part]]:
         if self._spent >= self._allowed:

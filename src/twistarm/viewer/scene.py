@@ -51,6 +51,8 @@ class Scene:
         self.left, self._meshes, self.reader = 0, iter(()), MeshReader()
         if self._description is not None:
             self.left = count_meshes(self._description)
+            if self.left:
+                self.reader.begin()
             self._meshes = draw_meshes(self._description, self._size, self.exact, self._known, self.reader)
 
     def successor(self, arm: Arm) -> Scene:
