@@ -76,9 +76,18 @@ class ComparisonError(TwistarmError):
     """Two accounts of the same arm disagree."""
 
 
+def printable(text: str) -> str:
+    """`text` with line ends and other characters escaped that a terminal would obey or not show: C0 and C1, escapes,
+    marks of direction and of no width, half characters. A space that does not break is one that can be seen.
+    """
+    if text.isprintable():
+        return text
+    return "".join(c if c.isprintable() or c == "\xa0" else c.encode("unicode_escape").decode("ascii") for c in text)
+
+
 def one_line(text: str, longest: int = LONGEST) -> str:
-    """`text` with line ends and other unprintable characters escaped, and the middle left out where it is too long."""
-    line = "".join(c if c.isprintable() else c.encode("unicode_escape").decode("ascii") for c in text)
+    """`text` as `printable`, and the middle left out where it is too long."""
+    line = printable(text)
     if len(line) <= longest:
         return line
     end = longest // 4

@@ -9,7 +9,7 @@ from typing import Any
 from ..arm import Arm
 from ..ik import IKBatch, IKSolution, StopReason
 from .csv_rows import ROWS_SHOWN, Sheet, few
-from .output import console, print_json, table, theta_typed
+from .output import console, print_json, say, table, theta_typed
 from .outputs import Outputs
 
 
@@ -30,7 +30,7 @@ def tell_answers(sheet: Sheet, batch: IKBatch, outputs: Outputs, *, radians: boo
     else:
         if not written:
             console().print(_answers(arm, lines, answers, radians))
-        print(_counted(sheet, lines, answers), file=outputs.words)
+        say(*_counted(sheet, lines, answers), file=outputs.words)
         outputs.say(written)
     return 0 if batch.converged.all() else 1
 
@@ -49,7 +49,7 @@ def _answers(arm: Arm, lines: list[int], answers: list[IKSolution], radians: boo
     return table(arm.name, ["line", "answer", "theta"], rows, text=["answer", "theta"])
 
 
-def _counted(sheet: Sheet, lines: list[int], answers: list[IKSolution]) -> str:
+def _counted(sheet: Sheet, lines: list[int], answers: list[IKSolution]) -> list[str]:
     """How many targets are met, and which are not, by reasons."""
     by_reason: dict[StopReason, list[int]] = {}
     for line, answer in zip(lines, answers, strict=True):
@@ -58,7 +58,7 @@ def _counted(sheet: Sheet, lines: list[int], answers: list[IKSolution]) -> str:
     count = f"{met} of {len(answers)} targets of {sheet.file} met"
     if len(answers) > ROWS_SHOWN:
         count += " (-o FILE.csv has them all)"
-    return "\n".join([count, *(f"{reason.value}: line {few(numbers)}" for reason, numbers in by_reason.items())])
+    return [count, *(f"{reason.value}: line {few(numbers)}" for reason, numbers in by_reason.items())]
 
 
 def answers_csv(arm: Arm, lines: list[int], answers: list[IKSolution]) -> str:

@@ -25,6 +25,7 @@ from . import (
     viewing,
     wiring,
 )
+from .output import say
 from .typed import Command
 from .versions import version
 from .wording import told
@@ -60,7 +61,7 @@ for command in (
 
 def _print_version(wanted: bool) -> None:
     if wanted:
-        print(f"twistarm {version()}")
+        say(f"twistarm {version()}")
         raise typer.Exit
 
 
@@ -73,7 +74,7 @@ Debug = Annotated[bool, typer.Option("--debug", help="Show the traceback of an e
 @app.callback(invoke_without_command=True)
 def _program(context: typer.Context, show_version: Version = False, debug: Debug = False) -> None:
     if context.invoked_subcommand is None:
-        print(context.get_help(), end="")
+        say(*context.get_help().splitlines())
 
 
 def main() -> None:
@@ -119,4 +120,4 @@ def _report(error: Exception) -> int:
 
 def _say(message: str) -> None:
     """One line, whatever the message holds."""
-    print("error: " + " ".join(message.split()), file=sys.stderr)
+    say(f"error: {' '.join(message.split())}", file=sys.stderr)

@@ -11,7 +11,7 @@ from ..arm import Arm
 from ..baking import SUFFIX, digest_of, text_of
 from ..cpp_header import SUFFIXES, core_headers, cpp_header, namespace_of
 from .options import Json, takes_arm
-from .output import print_json
+from .output import print_json, say
 from .outputs import STDOUT, Force, Format, outputs_of
 
 Output = Annotated[
@@ -36,4 +36,4 @@ def bake(arm: Arm, output: Output = None, form: Format = None, force: Force = Fa
         then = "" if name == STDOUT else f"; next: twistarm info {name}"
         baked = f"{arm.name}, {arm.n} joints from {arm.base} to {arm.tip}{then}"
         header = f"{arm.name} as namespace {namespace_of(arm.name)}; compile with -std=c++17 -I {include}"
-        print(f"{name}: {baked if kind == 'json' else header}", file=outputs.words)
+        say(f"{name}: {baked if kind == 'json' else header}", file=outputs.words)

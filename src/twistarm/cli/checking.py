@@ -15,7 +15,7 @@ from ..golden import Difference, compare, golden_text
 from ..loading import load_arm
 from .folders import PART, Line, refused, walk
 from .options import Json, takes_arm, takes_source
-from .output import console, note, print_json, progress_bar, table
+from .output import console, note, print_json, progress_bar, say, table
 from .outputs import STDOUT, Force, Output, outputs_of
 
 Against = Annotated[Path | None, typer.Option(metavar="FILE", help="A golden file: say what has changed since.")]
@@ -58,9 +58,9 @@ def verdict(result: CrossCheck) -> str:
 def _print(result: CrossCheck, difference: Difference | None, against: Path | None) -> None:
     """The verdict first, then what has changed, then the rows."""
     since = "" if difference is None else f"; {'unchanged' if difference.same else 'CHANGED'} since {against}"
-    print(verdict(result) + since)
+    say(verdict(result) + since)
     for change in difference.changes if difference else ():
-        print(f"changed: {change}")
+        say(f"changed: {change}")
     console().print(check_table(result))
 
 
@@ -84,7 +84,7 @@ def freeze(arm: Arm, output: Output = None, force: Force = False) -> None:
     for name in outputs.write({"json": lambda: golden_text(arm)}):
         if name != STDOUT:
             later = f"later, with the same ARM and options: twistarm check … --against {name}"
-            print(f"{name}: {arm.name} frozen; {later}", file=outputs.words)
+            say(f"{name}: {arm.name} frozen; {later}", file=outputs.words)
 
 
 def check_table(result: CrossCheck) -> Any:

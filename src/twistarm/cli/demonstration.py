@@ -21,7 +21,7 @@ from .checking import check_table, verdict
 from .inspection import info_view
 from .inverse import solution_table
 from .motion import plan_table
-from .output import console, jacobian_table, pose_table
+from .output import console, jacobian_table, pose_table, say
 from .viewing import Browser, Port, serve
 
 View = Annotated[bool, typer.Option("--view/--no-view", help="Open the view, or write demo.html and demo.csv anew.")]
@@ -34,12 +34,12 @@ def demo(view: View = True, port: Port = 0, browser: Browser = True) -> None:
     _show_arm(out, arm)
     trajectory = _show_motion(out, arm)
     if not (view and sys.stdout.isatty()):
-        print(f"\nwritten: {save_html(arm, Path('demo.html'), trajectory)} (opens in a browser, offline)")
-        print(f"written: {trajectory.to_csv('demo.csv')}")
+        say("", f"written: {save_html(arm, Path('demo.html'), trajectory)} (opens in a browser, offline)")
+        say(f"written: {trajectory.to_csv('demo.csv')}")
         return
     with Viewer(arm, trajectory(0.0), port=port, open_browser=False, keep=port != 0) as viewer:
         viewer.play(trajectory, loop=True)
-        serve(viewer, "\nThe arm plays it at", browser)
+        serve(viewer, "The arm plays it at", browser)
 
 
 def _show_arm(out: Console, arm: Arm) -> None:
@@ -51,7 +51,7 @@ def _show_arm(out: Console, arm: Arm) -> None:
     out.print(jacobian_table(arm, "body Jacobian", arm.body_jacobian(arm.ready)))
     out.rule("3. The screw view proven against Pinocchio and yourdfpy")
     result = crosscheck(arm).require()
-    print(verdict(result))
+    say(verdict(result))
     out.print(check_table(result))
 
 
@@ -61,7 +61,7 @@ def _show_motion(out: Console, arm: Arm) -> Trajectory:
     target = Approach(g[:3, 3] + [0.0, 0.1, 0.1], g[:3, 2])
     solution = solve_ik(arm, target)
     out.print(solution_table(arm, solution, radians=False))
-    print(solution.explain())
+    say(*solution.explain().splitlines())
     if not solution.converged:
         raise InputError("the demo's target was not reached: please report it")
     out.rule("5. A trajectory through three poses: stowed, ready, and that target")

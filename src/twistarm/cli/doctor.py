@@ -6,7 +6,6 @@ from pathlib import Path
 from typing import Annotated, Any, TextIO
 
 import typer
-from rich.markup import escape
 from rich.table import Table
 
 from ..description.findings import CODES, Finding
@@ -19,7 +18,7 @@ from ..doctor.statements import summary
 from ..errors import InputError
 from .folders import PART, Line, refused, walk
 from .options import Json, takes_source
-from .output import console, finding_json, print_json
+from .output import console, finding_json, literal, print_json, say
 from .outputs import STDOUT, Force, Output, outputs_of
 from .wording import as_typed
 
@@ -28,7 +27,7 @@ COLOURS = {"error": "bold red", "warning": "yellow", "info": "cyan"}
 
 def _print_codes(wanted: bool) -> None:
     if wanted:
-        print(codes_page(), end="")
+        say(*codes_page().splitlines())
         raise typer.Exit
 
 
@@ -88,7 +87,7 @@ def _require_file(diagnosis: Diagnosis, source: str) -> None:
 
 def _print(source: str, diagnosis: Diagnosis, words: TextIO) -> None:
     out = console(words)
-    out.print(f"[bold]{escape(_name(source, diagnosis))}[/bold]: {escape(_abilities(diagnosis))}")
+    out.print(f"[bold]{literal(_name(source, diagnosis))}[/bold]: {literal(_abilities(diagnosis))}")
     if diagnosis.findings:
         out.print(_page(diagnosis))
     out.print(counted(diagnosis.findings))
@@ -112,7 +111,7 @@ def _page(diagnosis: Diagnosis) -> Table:
     page.add_column(overflow="fold")
     for one in diagnosis.findings:
         colour = COLOURS[one.severity]
-        place, what, remedy = (escape(as_typed(text)) for text in (str(one.place), one.what, one.remedy))
+        place, what, remedy = (literal(as_typed(text)) for text in (str(one.place), one.what, one.remedy))
         said = [f"[dim]{place}[/dim]", what, f"→ {remedy}" if remedy else ""]
         page.add_row(f"[{colour}]{one.severity}[/{colour}]\n{one.code}", "\n".join(part for part in said if part))
     return page
@@ -129,14 +128,14 @@ def _print_repair(output: str | None, made: Repair | None, words: TextIO) -> Non
     if output is None:
         return
     if made is None:
-        print(f"{output} not written: mend the errors above first", file=words)
+        say(f"{output} not written: mend the errors above first", file=words)
         return
     for change in made.changes:
-        print(f"repaired: {change}", file=words)
+        say(f"repaired: {change}", file=words)
     complaint = f"Pinocchio's own parser still refuses it: {made.complaint}"
     reads = complaint if made.complaint else "Pinocchio's own parser reads it"
     same = "the same links, joints, limits and poses"
-    print(f"written: {output} ({_repairs(made)}; {same}; {reads})", file=words)
+    say(f"written: {output} ({_repairs(made)}; {same}; {reads})", file=words)
 
 
 def _repairs(made: Repair) -> str:

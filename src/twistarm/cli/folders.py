@@ -7,13 +7,12 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
-from rich.markup import escape
 from rich.table import Table
 
 from ..arm import Arm
 from ..description.findings import Finding
 from ..doctor.folder import descriptions_in
-from .output import console, print_json, progress_bar
+from .output import console, literal, print_json, progress_bar, say
 from .wording import as_typed, told
 
 VERDICT = 24
@@ -71,11 +70,11 @@ def _print(folder: Path, title: str, lines: Mapping[Path, Line]) -> None:
     page.add_column(overflow="fold")
     judged = {path: line for path, line in lines.items() if line.good is not None}
     for path, line in judged.items():
-        said = [escape(str(path)), f"[dim]{escape(_arm(line.arm))}[/dim]" if line.arm else "", escape(line.detail)]
-        page.add_row(escape(line.verdict), "\n".join(part for part in said if part))
-    console().print(f"[bold]{escape(str(folder))}: {title}[/bold]", page)
+        said = [literal(str(path)), f"[dim]{literal(_arm(line.arm))}[/dim]" if line.arm else "", literal(line.detail)]
+        page.add_row(literal(line.verdict), "\n".join(part for part in said if part))
+    console().print(f"[bold]{literal(str(folder))}: {title}[/bold]", page)
     apart = f" (beside {len(lines) - len(judged)} with macros only)" if len(judged) < len(lines) else ""
-    print(f"{sum(bool(line.good) for line in judged.values())} of {len(judged)} good{apart}")
+    say(f"{sum(bool(line.good) for line in judged.values())} of {len(judged)} good{apart}")
 
 
 def _arm(arm: Arm) -> str:

@@ -11,6 +11,7 @@ from ..arm_file_draft import draft_arm_file
 from ..errors import InputError
 from ..loading import load_arm
 from .options import Base, Env, PackageDir, Srdf, Tip, Without, Xacro, xacro_arguments
+from .output import say
 from .outputs import NAMED, STDOUT, Force, outputs_of
 from .wording import as_typed
 
@@ -47,9 +48,9 @@ def init(
     outputs.write({"toml": lambda: draft.text})
     if draft.unclear:
         unclear = f"take the # away from one tip = in it before it loads: {as_typed(draft.unclear)}"
-        print(f"{output}: written, but {unclear}", file=outputs.words)
+        say(f"{output}: written, but {unclear}", file=outputs.words)
         return 1
     if output != STDOUT:
         arm = load_arm(output, env=env or ())
-        print(f"{output}: {arm.n} joints from {arm.base} to {arm.tip}; next: twistarm info {output}")
+        say(f"{output}: {arm.n} joints from {arm.base} to {arm.tip}; next: twistarm info {output}")
     return 0

@@ -7,7 +7,6 @@ from typing import Any
 
 import numpy as np
 from rich.console import Group
-from rich.markup import escape
 
 from .. import engine
 from ..actuators import Actuators
@@ -16,7 +15,7 @@ from ..description import catalog
 from ..description.motors import MOTOR_LIMITS
 from ..limits import FIELDS
 from .options import Json, Radians, takes_arm_or_none
-from .output import console, finding_json, number, print_json, shown, table, units
+from .output import console, finding_json, literal, number, print_json, say, shown, table, units
 from .versions import versions_json, versions_text
 from .wording import as_typed, in_degrees
 
@@ -28,9 +27,9 @@ def arms(json: Json = False) -> None:
     if json:
         print_json({"own": own, "models": models, "models_installed": installed})
         return
-    print("twistarm's own:      " + ", ".join(own))
+    say("twistarm's own:      " + ", ".join(own))
     note = "" if installed else "   (not installed: pip install 'twistarm[models]')"
-    print("example-robot-data:  " + ", ".join(models) + note)
+    say("example-robot-data:  " + ", ".join(models) + note)
 
 
 @takes_arm_or_none
@@ -39,7 +38,7 @@ def info(arm: Arm | None, rad: Radians = False, json: Json = False) -> None:
     if json:
         print_json(versions_json() if arm is None else info_json(arm))
     elif arm is None:
-        print(versions_text())
+        say(*versions_text().splitlines())
     else:
         console().print(info_view(arm, rad))
 
@@ -84,8 +83,8 @@ def actuators_json(motors: Actuators) -> dict[str, Any]:
 def info_view(arm: Arm, radians: bool) -> Group:
     """The tables of `info`."""
     head = (
-        f"[bold]{escape(arm.name)}[/bold]: {arm.n} degrees of freedom from {escape(arm.base)} to {escape(arm.tip)}, "
-        f"reach {arm.reach:.3f} m ({escape(arm.source)})"
+        f"[bold]{literal(arm.name)}[/bold]: {arm.n} degrees of freedom from {literal(arm.base)} to {literal(arm.tip)}, "
+        f"reach {arm.reach:.3f} m ({literal(arm.source)})"
     )
     parts: list[Any] = [head, "", _joints(arm, radians), "", _poses(arm, radians), ""]
     if arm.proof is not None:
@@ -93,13 +92,13 @@ def info_view(arm: Arm, radians: bool) -> Group:
             f"proof at load: screws and Pinocchio agree within {arm.proof.pose_error:.1e} (pose) and "
             f"{arm.proof.jacobian_error:.1e} (Jacobian) at {arm.proof.samples} random postures"
         )
-    parts.append(escape(engine_view(arm)))
+    parts.append(literal(engine_view(arm)))
     if arm.actuators is not None:
         for motors in (_actuators(arm.actuators), *_motor_limits(arm, arm.actuators, radians)):
             parts += ["", motors]
         parts.append("")
     told = [as_typed(str(finding)) for finding in arm.findings]
-    parts += [escape(text if radians else in_degrees(text)) for text in told]
+    parts += [literal(text if radians else in_degrees(text)) for text in told]
     return Group(*parts)
 
 

@@ -15,7 +15,7 @@ from ..ik import POSTURES, IKSolution, solve_ik, solve_ik_batch
 from .answers import answers_csv, tell_answers
 from .csv_rows import Columns, read_sheet
 from .options import Json, Radians, Theta, takes_arm
-from .output import console, pose_json, print_json, progress_bar, shown, table, theta_typed, units
+from .output import console, pose_json, print_json, progress_bar, say, shown, table, theta_typed, units
 from .outputs import Force, Output, outputs_of
 from .targets import COLUMNS, Axis, Direction, Quaternion, QuaternionXyzw, Rpy, targets_in, typed_orientation
 from .typed import VALUES, XYZ, parse_numbers, parse_theta
@@ -90,8 +90,7 @@ def ik(
         print_json(_as_json(arm, solution) | {"written": written})
     else:
         console(outputs.words).print(solution_table(arm, solution, rad))
-        print(theta_typed(arm, solution.theta, rad), file=outputs.words)
-        print(solution.explain(), file=outputs.words)
+        say(theta_typed(arm, solution.theta, rad), *solution.explain().splitlines(), file=outputs.words)
         outputs.say(written)
     return 0 if solution.converged else 1
 

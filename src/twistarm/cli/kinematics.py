@@ -19,6 +19,7 @@ from .output import (
     pose_json,
     pose_table,
     print_json,
+    say,
     shown,
     theta_typed,
     units,
@@ -86,7 +87,7 @@ def fk(
         )
         return
     console(outputs.words).print(pose_table(f"{name} seen from {arm.base}", g, rad))
-    print(theta_typed(arm, x, rad), file=outputs.words)
+    say(theta_typed(arm, x, rad), file=outputs.words)
     outputs.say(written)
 
 
@@ -114,7 +115,7 @@ def jacobian(
     out = console()
     for name, J in matrices.items():
         out.print(jacobian_table(arm, f"{name} Jacobian", J), "")
-    print(theta_typed(arm, x, rad))
+    say(theta_typed(arm, x, rad))
     values = " ".join(number(s) for s in measure.singular_values)
     out.print(f"singular values {values}, condition {float(measure.condition):.3g} (length {measure.length:.3f} m)")
 

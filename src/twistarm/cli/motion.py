@@ -18,7 +18,7 @@ from ..planning.within import RATE_TOL
 from ..ready_pose import named_ready
 from ..usual_limits import defaults_line, with_defaults
 from .options import Json, Radians, takes_arm
-from .output import console, note, number, print_json, progress_bar, shown, table, theta_values, units, warn
+from .output import console, note, number, print_json, progress_bar, say, shown, table, theta_values, units, warn
 from .outputs import Force, Format, outputs_of
 from .typed import POSE, parse_theta
 from .wording import told_in_degrees
@@ -93,7 +93,7 @@ def plan(
         print_json({**_as_json(arm, planned, written), "start": origin, "assumed": defaults_line(arm, given) or None})
         return
     if assumed := defaults_line(arm, given):
-        print(f"{assumed} (--velocity, --acceleration)", file=outputs.words)
+        say(f"{assumed} (--velocity, --acceleration)", file=outputs.words)
     console(outputs.words).print(plan_table(arm, planned, rad, limits))
     outputs.say(written)
 

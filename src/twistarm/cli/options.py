@@ -25,8 +25,12 @@ ENDINGS = (".urdf", ".xacro", ".toml", ".json")
 def arms_like(typed: str) -> list[str]:
     """Completions of ARM: names of the catalogue and descriptions here; none leave the shell its own."""
     names = [name for name in (*own_arms(), *model_arms()) if name.startswith(typed)]
-    files = [path.name for path in Path().glob("*") if path.name.startswith(typed) and path.suffix in ENDINGS]
+    files = [path.name for path in Path().glob("*") if _fits(path.name, typed)]
     return names + files if names else []
+
+
+def _fits(name: str, typed: str) -> bool:
+    return name.startswith(typed) and name.endswith(ENDINGS) and name.isprintable()
 
 
 ARM = typer.Argument(

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import os
+import re
 import sys
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
@@ -11,11 +12,13 @@ from typing import Any, TextIO
 
 import numpy as np
 from rich.console import Console
+from rich.markup import escape
 from rich.progress import Progress
 
 from ..arm import Arm
 from ..checks import Array
 from ..description.findings import Finding
+from ..errors import printable
 from ..rotations import to_quaternion_wxyz, to_rpy
 from .grid import Column, Grid
 
@@ -24,25 +27,44 @@ PIPED_WIDTH = 160
 
 
 def console(words: TextIO | None = None) -> Console:
-    """A console on the present stdout, or on `words`."""
+    """A console on the present stdout, or on `words`. What it is given as markup holds names as `literal` alone."""
     out = words or sys.stdout
     known = out.isatty() or "COLUMNS" in os.environ
-    return Console(file=out, width=None if known else PIPED_WIDTH, highlight=False)
+    return Console(file=out, width=None if known else PIPED_WIDTH, highlight=False, emoji=False)
+
+
+def literal(text: object) -> str:
+    """A name or any other text in a console's markup, to be shown as it is and on its line."""
+    return escape(printable(str(text)))
+
+
+def say(*lines: object, file: TextIO | None = None) -> None:
+    """Print lines, each in one: whatever names it holds, none becomes a line, a colour or an order to the terminal."""
+    print(*(printable(str(line)) for line in lines), sep="\n", file=file or sys.stdout, flush=True)
 
 
 def warn(message: str) -> None:
     """A warning on stderr, in one line."""
-    print("warning: " + " ".join(message.split()), file=sys.stderr)
+    say(f"warning: {message}", file=sys.stderr)
 
 
 def note(message: str) -> None:
     """What was understood although it was not typed, on stderr, in one line."""
-    print("note: " + " ".join(message.split()), file=sys.stderr)
+    say(f"note: {message}", file=sys.stderr)
 
 
 def print_json(content: Any) -> None:
     """One JSON document; infinities become null."""
-    print(json.dumps(plain(content), allow_nan=False, indent=2, ensure_ascii=False))
+    text = json.dumps(plain(content), allow_nan=False, indent=2, ensure_ascii=False)
+    print(_UNUSUAL.sub(_in_json, text))
+
+
+_UNUSUAL = re.compile(r"[^\n -~]")
+
+
+def _in_json(found: re.Match[str]) -> str:
+    """A character of a JSON text that a terminal would not just show, as JSON escapes it."""
+    return found[0] if found[0].isprintable() else json.dumps(found[0])[1:-1]
 
 
 def finding_json(finding: Finding) -> dict[str, Any]:
@@ -80,11 +102,11 @@ def table(
     title: str, columns: Sequence[str], rows: Sequence[Sequence[object]], text: Sequence[str] = (), caption: str = ""
 ) -> Grid:
     """A table of numbers, aligned to the right, but for names in its first column and the columns named in `text`."""
-    cells = zip(*(map(str, row) for row in rows), strict=True) if rows else ((),) * len(columns)
+    cells = zip(*(map(printable, map(str, row)) for row in rows), strict=True) if rows else ((),) * len(columns)
     return Grid(
-        title,
+        printable(title),
         tuple(
-            Column(head, tuple(cell), left=i == 0 or head in text, wraps=head in text)
+            Column(printable(head), tuple(cell), left=i == 0 or head in text, wraps=head in text)
             for i, (head, cell) in enumerate(zip(columns, cells, strict=True))
         ),
         caption,

@@ -11,6 +11,7 @@ import typer
 
 from ..errors import InputError
 from ..files import writable, write_whole
+from .output import say
 
 STDOUT = "-"
 
@@ -42,7 +43,7 @@ class Outputs:
         made = [(name, contents[kind]()) for kind, name in self.files]
         for name, content in made:
             if name == STDOUT:
-                sys.stdout.buffer.write(content.encode() if isinstance(content, str) else content)
+                _to_stdout(content)
             else:
                 write_whole(name, content, over_description=self.over_description)
         return [name for name, _ in made]
@@ -51,7 +52,15 @@ class Outputs:
         """Tell a person which files were written."""
         for name in written:
             if name != STDOUT:
-                print(f"written: {name}", file=self.words)
+                say(f"written: {name}", file=self.words)
+
+
+def _to_stdout(content: str | bytes) -> None:
+    """As it is into a pipe or a file; a terminal shows it."""
+    if isinstance(content, str) and sys.stdout.isatty():
+        say(*content.splitlines())
+    else:
+        sys.stdout.buffer.write(content.encode() if isinstance(content, str) else content)
 
 
 def outputs_of(

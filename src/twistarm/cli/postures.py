@@ -14,7 +14,7 @@ from ..checks import Array
 from ..errors import InputError, listed
 from ..rotations import to_xyzw
 from .csv_rows import ROWS_SHOWN, Sheet, few, no_column
-from .output import console, note, number, pose_json, print_json, table, warn
+from .output import console, note, number, pose_json, print_json, say, table, warn
 from .outputs import Outputs
 
 
@@ -75,7 +75,7 @@ def tell_poses(arm: Arm, sheet: Sheet, theta: Array, frame: str, outputs: Output
     if not written:
         console().print(_table(f"{frame} seen from {arm.base}", lines, g))
         if len(lines) > ROWS_SHOWN:
-            print(f"{ROWS_SHOWN} of {len(lines)} poses (-o FILE.csv has them all)")
+            say(f"{ROWS_SHOWN} of {len(lines)} poses (-o FILE.csv has them all)")
     outputs.say(written)
 
 

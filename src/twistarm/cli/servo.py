@@ -22,7 +22,7 @@ from ..usual_limits import defaults_line, with_defaults
 from ..viewer import Viewer, show_in_browser
 from .motion import Rate, capped
 from .options import Json, Radians, Theta, takes_arm
-from .output import console, print_json, shown, units, warn
+from .output import console, print_json, say, shown, units, warn
 from .servo_report import report_json, report_table
 from .signals import ended_like_ctrl_c
 from .typed import parse_theta
@@ -147,10 +147,10 @@ def source_of(arm: Arm, viewer: Viewer, commands: str | None, timeout: float, st
 def announce(viewer: Viewer, line: str, browser: bool, out: TextIO) -> None:
     """Print which limits were not given and where the arm is, and open the page if wanted and there is a browser."""
     if line:
-        print(f"{line} (--velocity, --acceleration)", file=out)
+        say(f"{line} (--velocity, --acceleration)", file=out)
     for note in viewer.notes:
         warn(note)
-    print(f"{viewer.arm.name} at {viewer.url}  (Ctrl-C ends it)", file=out, flush=True)
+    say(f"{viewer.arm.name} at {viewer.url}  (Ctrl-C ends it)", file=out)
     if browser and not show_in_browser(viewer.url):
         warn("no browser found here; open the address yourself")
 

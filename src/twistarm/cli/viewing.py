@@ -21,7 +21,7 @@ from ..viewer.screenshot import png_of
 from ..viewer.watching import loaded
 from .kinematics import warn_outside
 from .options import POSTURE, Radians, takes_source
-from .output import warn
+from .output import say, warn
 from .outputs import Force, Format, outputs_of
 from .signals import end_by, ended_like_ctrl_c
 from .typed import parse_theta
@@ -99,7 +99,7 @@ def view(
             viewer.show_path(motion)
             viewer.play(motion)
         if watch:
-            viewer.watch(load_again, files, lambda words: print(words, file=sys.stderr))
+            viewer.watch(load_again, files, lambda words: say(words, file=sys.stderr))
         serve(viewer, f"{arm.name} at", browser)
     end_by(sent)
 
@@ -116,7 +116,7 @@ def serve(viewer: Viewer, what: str, browser: bool) -> None:
     """Print the page's address, open it in a browser if wanted and there is one, and serve until Ctrl-C."""
     for note in viewer.notes:
         warn(note)
-    print(f"{what} {viewer.url}  (Ctrl-C ends it)", flush=True)
+    say(f"{what} {viewer.url}  (Ctrl-C ends it)")
     if browser and not show_in_browser(viewer.url):
         warn("no browser found here; open the address yourself, or use -o FILE.html for a page that needs no server")
     viewer.wait()

@@ -12,7 +12,7 @@ import typer
 from ..arm import Arm
 from ..wiring import MotorVerdict, Residual, WiringReport, check_wiring
 from .options import Json, takes_arm
-from .output import console, number, print_json, progress_bar, table
+from .output import console, number, print_json, progress_bar, say, table
 
 Log = Annotated[
     Path, typer.Argument(metavar="LOG", help="CSV: a column per motor, x, y, z [m], and qx, qy, qz, qw if measured.")
@@ -49,11 +49,11 @@ def _print(arm: Arm, report: WiringReport) -> None:
     console().print(_table(arm, report))
     before, after = _residual(report.before), _residual(report.after)
     rows = "1 row" if report.rows == 1 else f"{report.rows} rows"
-    print(f"{rows}; measured against computed: {before} as the arm.toml says, {after} as found here")
+    say(f"{rows}; measured against computed: {before} as the arm.toml says, {after} as found here")
     for motor in report.motors:
         if motor.verdict != "sound" and motor.what:
-            print(f"{motor.name}: {motor.what}" + (f"; {motor.remedy}" if motor.remedy else ""))
-    print(f"{report.verdict}: {report.what}")
+            say(f"{motor.name}: {motor.what}" + (f"; {motor.remedy}" if motor.remedy else ""))
+    say(f"{report.verdict}: {report.what}")
 
 
 def _table(arm: Arm, report: WiringReport) -> Any:

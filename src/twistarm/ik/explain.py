@@ -6,6 +6,7 @@ import math
 
 import numpy as np
 
+from ..errors import printable
 from ..inability import cannot_move, cannot_turn, position_limit
 from ..vector_words import axis_in_words, value_in_words
 from .abilities import Split, approach_plane, out_of_surface, split_rotation
@@ -34,7 +35,7 @@ def explain(solution: IKSolution) -> str:
         lines.append(f"reason: {solution.stop.value}")
         lines += [f"  {line}" for line in _why(solution)]
     lines.append(f"found by {solution.method}: {solution.iterations} iterations, {_counted(solution.restarts)}")
-    return "\n".join(lines + [f"note: {note}" for note in solution.notes])
+    return "\n".join(map(printable, [*lines, *(f"note: {note}" for note in solution.notes)]))
 
 
 def summary(solution: IKSolution) -> str:
