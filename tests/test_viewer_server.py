@@ -102,8 +102,8 @@ ODD_REQUESTS = [
     (b"GET /{token}//etc/passwd", 404),
     (b"GET /{token}/%00", 404),
     (b"GET /{token}/%ff", 400),
-    (b"GET /%ff/", 400),
-    (b"GET http://evil.example/{token}/", 404),
+    (b"GET /%ff/", 403),
+    (b"GET http://evil.example/{token}/", 403),
     (b"GET /" + 1000 * b"long/", 403),
     (b"GET /" + 100_000 * b"a", None),
     (b"GET /{token}/socket", 400),
@@ -123,7 +123,7 @@ def test_odd_requests_are_refused_in_a_line_and_nothing_is_printed(
         assert b"root:" not in answer
     assert b" 403 " in raw(viewer, b"GET /" + token + b"/ HTTP/1.1\r\nHost: [::1\r\n")
     assert (
-        raw(viewer, b"GET /" + token + b"/ HTTP/1.1\r\nHost: a\r\nContent-Length: 999999999\r\n")[:12]
+        raw(viewer, b"GET /" + token + b"/ HTTP/1.1\r\nHost: 127.0.0.1\r\nContent-Length: 1\r\n")[:12]
         == b"HTTP/1.1 400"
     )
     assert get(viewer.url)[0] == 200
@@ -232,7 +232,7 @@ def test_a_missing_browser_is_no_error(
     monkeypatch.setattr("webbrowser.open", opened.append)
     monkeypatch.setenv("BROWSER", "none-of-this-name")
     with Viewer(arm) as viewer:
-        assert opened == [viewer.url]
+        assert re.fullmatch(rf"{viewer.url.rsplit('/', 2)[0]}/open/[\w-]{{22}}", opened[0])
     if sys.platform.startswith("linux"):
         for name in ("DISPLAY", "WAYLAND_DISPLAY", "BROWSER"):
             monkeypatch.delenv(name, raising=False)

@@ -19,7 +19,7 @@ from ..stream import Feedback, SimulatedJoints, Sink, Source, UdpFeedback, UdpSi
 from ..stream.inbox import COMMAND_TIMEOUT, FEEDBACK_TIMEOUT
 from ..stream.streaming import TOLERANCE, checked_rate
 from ..usual_limits import defaults_line, with_defaults
-from ..viewer import Viewer, show_in_browser
+from ..viewer import Viewer
 from .motion import Rate, capped
 from .options import Json, Radians, Theta, takes_arm
 from .output import console, print_json, say, shown, units, warn
@@ -151,7 +151,7 @@ def announce(viewer: Viewer, line: str, browser: bool, out: TextIO) -> None:
     for note in viewer.notes:
         warn(note)
     say(f"{viewer.arm.name} at {viewer.url}  (Ctrl-C ends it)", file=out)
-    if browser and not show_in_browser(viewer.url):
+    if browser and not viewer.open_page():
         warn("no browser found here; open the address yourself")
 
 

@@ -14,7 +14,7 @@ import typer
 
 from ..errors import InputError
 from ..loading import load_arm
-from ..viewer import Viewer, page_html, show_in_browser
+from ..viewer import Viewer, page_html
 from ..viewer.exhibit import of_arm
 from ..viewer.recorded import recorded_motion
 from ..viewer.screenshot import png_of
@@ -117,6 +117,6 @@ def serve(viewer: Viewer, what: str, browser: bool) -> None:
     for note in viewer.notes:
         warn(note)
     say(f"{what} {viewer.url}  (Ctrl-C ends it)")
-    if browser and not show_in_browser(viewer.url):
+    if browser and not viewer.open_page():
         warn("no browser found here; open the address yourself, or use -o FILE.html for a page that needs no server")
     viewer.wait()

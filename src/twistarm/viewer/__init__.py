@@ -3,6 +3,6 @@
 from .export import page_html, save_html
 from .inline import Inline
 from .screenshot import save_png
-from .viewer import Viewer, show_in_browser
+from .viewer import Viewer
 
-__all__ = ["Inline", "Viewer", "page_html", "save_html", "save_png", "show_in_browser"]
+__all__ = ["Inline", "Viewer", "page_html", "save_html", "save_png"]

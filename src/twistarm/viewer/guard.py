@@ -5,6 +5,7 @@ from __future__ import annotations
 import hmac
 import ipaddress
 import socket
+from collections.abc import Mapping
 from dataclasses import dataclass, field
 from secrets import token_urlsafe
 from urllib.parse import urlsplit
@@ -35,6 +36,14 @@ class Guard:
     def knows_token(self, given: str) -> bool:
         """Compares in constant time."""
         return hmac.compare_digest(given.encode(), self.token.encode())
+
+    def refusal(self, method: str, headers: Mapping[str, str]) -> tuple[int, str] | None:
+        """Status and reason for whoever asks for what we are not; None where all that is left to show is the token."""
+        if method != "GET":
+            return 405, "Method Not Allowed"
+        if not self.admits_host(headers.get("Host") or self.host):
+            return 403, "foreign Host"
+        return None if self.admits_origin(headers.get("Origin")) else (403, "foreign Origin")
 
     def admits_host(self, host: str) -> bool:
         """Whether a Host header names this machine."""

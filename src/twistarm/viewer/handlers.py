@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 import asyncio
-from collections.abc import Mapping
+import time
+from collections import Counter
+from collections.abc import Awaitable, Mapping
 from typing import TYPE_CHECKING, Any
 
 import tornado.web
@@ -12,8 +14,9 @@ import tornado.websocket
 from ..errors import TwistarmError
 from ..strict_json import encode
 from .aside import aside
-from .downloads import DOWNLOADS
-from .guard import Guard
+from .door import ALWAYS
+from .downloads import DOWNLOADS, Download
+from .visitor import Peer, Visitor, first_to_leave
 
 if TYPE_CHECKING:
     from .scene import Scene
@@ -31,16 +34,6 @@ does. Whoever would have hands click on it unseen must have a server here, and k
 """
 
 
-def require_admission(guard: Guard, request: Any, token: str) -> None:
-    """403 for a foreign Host or Origin, or a wrong token, each with its reason."""
-    if not guard.admits_host(request.host):
-        raise tornado.web.HTTPError(403, reason="foreign Host")
-    if not guard.admits_origin(request.headers.get("Origin")):
-        raise tornado.web.HTTPError(403, reason="foreign Origin")
-    if not guard.knows_token(token):
-        raise tornado.web.HTTPError(403, reason="wrong token: open the address the viewer gave")
-
-
 REPLIES = ("done", "error")
 """What answers the page itself, whatever arm is on show."""
 
@@ -48,14 +41,17 @@ MOST_PAGES = 64
 """Sockets at a time: each costs a megabyte of buffers at the worst, and a team has fewer screens."""
 
 
+MOST_FILES = 4
+"""Files at a time made for one computer, and on their way to it."""
+
+
 class FileHandler(tornado.web.RequestHandler):
     """What every answer to a GET has."""
 
     def set_default_headers(self) -> None:
         """On every answer, errors included."""
-        self.set_header("Cache-Control", "no-store")
-        self.set_header("Referrer-Policy", "no-referrer")
-        self.set_header("X-Content-Type-Options", "nosniff")
+        for name, value in ALWAYS.items():
+            self.set_header(name, value)
         self.clear_header("Server")
 
     def write_error(self, status_code: int, **kwargs: Any) -> None:
@@ -70,13 +66,12 @@ class FileHandler(tornado.web.RequestHandler):
 class PageHandler(FileHandler):
     """GET /TOKEN/FILE: one of the page's files."""
 
-    def initialize(self, guard: Guard, files: Mapping[str, tuple[str, bytes]]) -> None:
+    def initialize(self, files: Mapping[str, tuple[str, bytes]]) -> None:
         """Called by tornado with the arguments of the route."""
-        self.guard, self.files = guard, files
+        self.files = files
 
     def get(self, token: str, name: str) -> None:
         """Send the file; the bare /TOKEN is led to /TOKEN/, on which the page's relative addresses rest."""
-        require_admission(self.guard, self.request, token)
         if not name and not self.request.path.endswith("/"):
             return self.redirect(f"/{token}/")
         if name not in self.files:
@@ -96,8 +91,17 @@ class DownloadHandler(FileHandler):
 
     async def get(self, token: str, name: str) -> None:
         """Send the file to be saved; 404 and the reason where there is none now."""
-        require_admission(self.server.guard, self.request, token)
         download = DOWNLOADS[name]
+        peer: Peer = self.request.connection.stream.peer  # type: ignore[union-attr]
+        if peer.files >= MOST_FILES:
+            raise tornado.web.HTTPError(503, reason=f"{MOST_FILES} files are under way to this computer")
+        peer.files += 1
+        try:
+            await self._send(download)
+        finally:
+            peer.files -= 1
+
+    async def _send(self, download: Download) -> None:
         try:
             async with self.server.writing:
                 text = await aside(download.prepare(self.server.current(), self.server.scene))
@@ -123,13 +127,24 @@ class SocketHandler(tornado.websocket.WebSocketHandler):
         self._sender: asyncio.Task[None] | None = None
         self._sent = 0
         self.name = server.name_page()
+        self._visitor: Visitor = self.request.connection.stream  # type: ignore[union-attr]
+        self.peer: Peer = self._visitor.peer
 
     async def get(self, *path: str, **arguments: str) -> None:
-        """Refuse strangers, and whom there is no room for, before the handshake."""
-        require_admission(self.server.guard, self.request, path[0])
-        if len(self.server.clients) >= MOST_PAGES:
+        """Refuse whom there is no room for, before the handshake."""
+        if len(self.server.clients) >= MOST_PAGES and not self._takes_a_place():
             raise tornado.web.HTTPError(503, reason=f"{MOST_PAGES} pages are open: close one of them")
         await super().get(*path, **arguments)
+
+    def _takes_a_place(self) -> bool:
+        """Have the latest page of the peer with the most of them go, where this one's peer has fewer all the same."""
+        latest = first_to_leave(reversed(self.server.clients))
+        count = Counter(each.peer for each in self.server.clients)
+        if count[self.peer] + 1 >= count[latest.peer]:
+            return False
+        del self.server.clients[latest]
+        latest.close(1013, "the place is another computer's")
+        return True
 
     def check_origin(self, origin: str) -> bool:
         """Ask the guard, which knows forwarded ports."""
@@ -138,8 +153,9 @@ class SocketHandler(tornado.websocket.WebSocketHandler):
     def open(self, *path: str, **arguments: str) -> None:
         """Greet the page, then keep it up to date."""
         self.set_nodelay(True)
+        self._visitor.page = True
         self.begin(self.server.state())
-        self.server.clients.add(self)
+        self.server.clients[self] = None
         self._sender = asyncio.get_running_loop().create_task(self._send())
 
     def begin(self, texts: Mapping[str, str]) -> None:
@@ -154,14 +170,16 @@ class SocketHandler(tornado.websocket.WebSocketHandler):
         self._outbox[kind] = text
         self._waiting.set()
 
-    def on_message(self, message: str | bytes) -> None:
-        """Whatever arrives gets an answer."""
+    def on_message(self, message: str | bytes) -> Awaitable[None] | None:
+        """Whatever arrives gets an answer; what comes without end has to wait in between."""
+        begin = time.monotonic()
         for reply in self.server.receive(message, self.name):
             self.put(reply["type"], encode(reply))
+        return self.peer.spend(time.monotonic() - begin)
 
     def on_close(self) -> None:
         """Forget the page, and what it commanded."""
-        self.server.clients.discard(self)
+        self.server.clients.pop(self, None)
         self.server.leave(self.name)
         if self._sender is not None:
             self._sender.cancel()
@@ -180,7 +198,7 @@ class SocketHandler(tornado.websocket.WebSocketHandler):
                 self._waiting.clear()
                 await self._catch_up()
         except tornado.websocket.WebSocketClosedError:
-            self.server.clients.discard(self)
+            self.server.clients.pop(self, None)
 
     async def _catch_up(self) -> None:
         """Send what the page lacks of the scene; once all but the meshes is there, whatever else waits goes first."""

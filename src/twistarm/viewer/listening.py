@@ -10,13 +10,16 @@ import tornado.netutil
 
 from ..errors import InputError, shown
 
+BACKLOG = 1024
+"""Connections that the system keeps until they are accepted; the next one would wait a second before it tries again."""
+
 
 def bind(host: str, port: int) -> Sequence[socket.socket]:
     """Sockets listening on `host` and `port` (0: a free one); InputError where that cannot be had."""
     if not isinstance(port, int) or isinstance(port, bool) or not 0 <= port <= 65535:
         raise InputError(f"port must be 0 (a free one) … 65535; got {shown(port)}")
     try:
-        return tornado.netutil.bind_sockets(port, host or None)
+        return tornado.netutil.bind_sockets(port, host or None, backlog=BACKLOG)
     except (OSError, UnicodeError) as error:
         raise InputError(_bind_message(host, port, error)) from error
 

@@ -21,14 +21,14 @@ PING_TIME = 20
 
 
 def application(server: Server) -> tornado.web.Application:
-    """Everything stands under the token."""
+    """Everything stands under the token, which the door has seen."""
     shared, files = {"server": server}, page_files()
     files[""] = (files[""][0], with_preloads(files[""][1]))
     return tornado.web.Application(
         [
             (r"/([^/]*)/socket", SocketHandler, shared),
             (rf"/([^/]*)/({'|'.join(map(re.escape, DOWNLOADS))})", DownloadHandler, shared),
-            (r"/([^/]*)/?(.*)", PageHandler, {"guard": server.guard, "files": files}),
+            (r"/([^/]*)/?(.*)", PageHandler, {"files": files}),
         ],
         log_function=lambda handler: None,
         websocket_max_message_size=LARGEST_MESSAGE,

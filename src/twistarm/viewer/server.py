@@ -11,17 +11,18 @@ from contextlib import suppress
 from functools import partial
 from typing import Any, TypeVar
 
-import tornado.httpserver
-
 from ..errors import InputError, TwistarmError
-from ..strict_json import LARGEST_MESSAGE, encode
+from ..strict_json import encode
 from .board import Message
 from .carrying import carry
 from .commands import COMMANDS, PageCommands
+from .complaints import Complaints
+from .door import Door
 from .driver import Driver
 from .findings import Examination
 from .guard import Guard
 from .handlers import SocketHandler
+from .invitations import Invitations
 from .jobs import Job, Progress, Workers
 from .listening import bind
 from .memory import Memory
@@ -34,7 +35,6 @@ from .stage import Stage
 FRAME_TIME = 1.0 / 60.0
 START_TIME = 10.0
 STOP_TIME = 5.0
-IDLE_TIME = 60
 PATIENCE = 0.1
 
 Change = Callable[[Stage], None]
@@ -49,11 +49,13 @@ class Server:
     ) -> None:
         """memory: what is kept at this address, of which theta is not taken where the stage `stands` as it shall."""
         self.commands = PageCommands(stage.arm)
-        self.clients: set[SocketHandler] = set()
+        self.clients: dict[SocketHandler, None] = {}
         self._sockets = bind(host, port)
         self.port = int(self._sockets[0].getsockname()[1])
         # Whoever has the port is the only one to use its files.
         self.guard = Guard(host) if memory is None else Guard(host, memory.token())
+        self.invitations = Invitations()
+        self.complaints = Complaints(f"the view at port {self.port}")
         self.memory = memory
         if memory is not None:
             memory.recall(stage, stands)
@@ -163,19 +165,16 @@ class Server:
 
     async def _main(self) -> None:
         self._loop, self._stop = asyncio.get_running_loop(), asyncio.Event()
-        http = tornado.httpserver.HTTPServer(
-            application(self), max_body_size=LARGEST_MESSAGE, idle_connection_timeout=IDLE_TIME
-        )
-        http.add_sockets(self._sockets)
-        self._consult()
-        self._started.set()
-        await self._stop.wait()
-        self._consultation.cancel()
-        self._apply()
-        http.stop()
-        for client in list(self.clients):
-            client.close(1001, "the viewer was closed")
-        await http.close_all_connections()
+        with self.complaints:
+            self.door = Door(application(self), self.guard, self.invitations, self.complaints)
+            self._consult()
+            self._started.set()
+            await self.door.serve(self._sockets, self._stop)
+            self._consultation.cancel()
+            self._apply()
+            for client in list(self.clients):
+                client.close(1001, "the viewer was closed")
+            await self.door.close()
 
     def _consult(self) -> None:
         self._consultation = self._loop.create_task(self.doctor.wait(self._calm))

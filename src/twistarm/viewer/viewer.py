@@ -80,13 +80,25 @@ class Viewer(Closing):
         self.notes: tuple[str, ...] = () if memory is None else tuple(memory.notes)
         self._server.start()
         if open_browser:
-            show_in_browser(self.url)
+            self.open_page()
 
     @property
     def url(self) -> str:
         """The page's address, its secret token included: whoever knows it can move the view."""
+        return f"{self._origin}/{self._server.guard.token}/"
+
+    @property
+    def _origin(self) -> str:
         name = {"": "127.0.0.1", "0.0.0.0": "127.0.0.1", "::": "::1"}.get(self._host, self._host)
-        return f"http://{f'[{name}]' if ':' in name else name}:{self._server.port}/{self._server.guard.token}/"
+        return f"http://{f'[{name}]' if ':' in name else name}:{self._server.port}"
+
+    def open_page(self) -> bool:
+        """Open the page in this user's browser; whether there is one with a window.
+
+        What it is started with, other users of this computer can read: an address that leads to the page once, within
+        two minutes, and on Linux only this user.
+        """
+        return _started_browser(f"{self._origin}/{self._server.invitations.write()}")
 
     @property
     def arm(self) -> Arm:
@@ -247,8 +259,8 @@ class Viewer(Closing):
         self._server.stop()
 
 
-def show_in_browser(url: str) -> bool:
-    """Open `url` in the user's browser if there is one with a window: one in the terminal would take it over."""
+def _started_browser(url: str) -> bool:
+    """Whether there is a browser with a window, which opens `url` then: one in the terminal would take it over."""
     windowless = sys.platform.startswith("linux") and not any(map(os.environ.get, ("DISPLAY", "WAYLAND_DISPLAY")))
     if windowless and not os.environ.get("BROWSER"):
         return False
