@@ -130,7 +130,7 @@ def test_findings_that_are_known_are_not_looked_for_again(
     arm: Arm, viewer: Viewer, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     known = examined(arm)
-    monkeypatch.setattr(exhibit, "examined", lambda arm: {**known, "note": "looked now"})
+    monkeypatch.setattr(exhibit, "examined", lambda *given: {**known, "note": "looked now"})
     assert downloaded(viewer)["findings"]["note"] == "looked now"
     viewer._server.post("findings", lambda stage: setattr(stage, "findings", known))
     viewer._server.ask(lambda stage: None)
@@ -140,7 +140,7 @@ def test_findings_that_are_known_are_not_looked_for_again(
 def test_the_doctor_is_not_asked_while_a_servo_drives(
     arm: Arm, viewer: Viewer, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr(exhibit, "examined", lambda arm: pytest.fail("the doctor was asked"))
+    monkeypatch.setattr(exhibit, "examined", lambda *given: pytest.fail("the doctor was asked"))
     assert viewer.commands is not None
     assert downloaded(viewer)["findings"] == loaded(arm)
 
