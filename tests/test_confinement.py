@@ -65,7 +65,7 @@ HOSTILE = {
     "the password file": (include("/etc/passwd"), OUTSIDE),
     "a URI": (include("file://@SECRET"), "is a URI; only files of packages are opened"),
     "a URI of the web": (load("https://example.org/arm.yaml"), "is a URI"),
-    "a package URI": (include("package://arm/parts.xacro"), "write a path or $(find package)/…"),
+    "a package URI": (include("package://arm/parts.xacro"), "No such file or directory"),
     "a folder": (include("."), "is no regular file"),
     "a pipe": (include("pipe"), "is no regular file"),
     "a pipe as YAML": (load("pipe"), "is no regular file"),

@@ -16,6 +16,7 @@ from twistarm.description.expansion.confinement import confinement
 from twistarm.description.expansion.expand import expand_xacro
 from twistarm.description.expansion.work import Refused
 from twistarm.description.packages import package_index
+from twistarm.description.urdf import read_description
 from twistarm.errors import DescriptionError, InputError
 from urdf_text import write
 from xacro_text import as_xacro
@@ -220,3 +221,26 @@ def test_who_may_allow_a_variable(
     assert TOKEN not in told
     assert run(["info", str(path), "--tip", "tool0", "--env", "CANARY"]) == 0
     assert TOKEN in capsys.readouterr().out
+
+
+def test_no_path_of_the_machine_gets_into_the_text(victim: Reader, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Whatever is made of `$(find …)` and its like, a name or a part of one, tells the package; its files are found."""
+    paths = "$(find secret)", "$(find arm)", "$(cwd)", "${xacro.abs_filename('x')}", "${abs_filename('.')[:40]}"
+    meshes = (
+        "file://$(find arm)/m.stl",
+        "$(find arm)/m.stl",
+        "${xacro.abs_filename('m.stl')}",
+        "file://${abs_filename('m.stl')}",
+    )
+    drawn = "".join(f'<visual><geometry><mesh filename="{mesh}"/></geometry></visual>' for mesh in meshes)
+    inside = f'<link name="a">{drawn}</link>' + "".join(f'<b c="{path}"/>' for path in paths)
+    folder = victim.home / "arm"
+    loads = "<b c=\"${xacro.load_yaml(xacro.abs_filename('a.yaml'))} ${xacro.load_yaml('$(find arm)/a.yaml')['a']}\"/>"
+    text = f'<robot name="{"".join(paths)}" {XMLNS}>{inside}{loads}</robot>'
+    lay(folder, {"package.xml": MANIFEST("arm"), "arm.xacro": text, "m.stl": "", "a.yaml": "a: here"})
+    monkeypatch.chdir(victim.home)
+    written = read(folder / "arm.xacro", victim.secret.parent)
+    assert "reader" not in written
+    assert written.count("here") == 2
+    description = read_description(folder / "arm.xacro")
+    assert [shape.mesh for shape in description.links["a"].visuals] == [folder / "m.stl"] * len(meshes)

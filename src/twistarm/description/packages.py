@@ -201,9 +201,14 @@ def package_names(without: object) -> tuple[str, ...]:
     """The packages to do without, one or several; InputError for what is no name of a package."""
     names = (without,) if isinstance(without, str) else require_names(without, "without")
     for name in names:
-        if not _NAME.fullmatch(name):
+        if not is_package_name(name):
             raise InputError(f"without takes names of packages, as in $(find NAME)/…; got {shown(name)}")
     return tuple(dict.fromkeys(names))
+
+
+def is_package_name(name: str) -> bool:
+    """Whether a package may be called so: a word, no path."""
+    return _NAME.fullmatch(name) is not None
 
 
 def variable_names(env: object) -> tuple[str, ...]:

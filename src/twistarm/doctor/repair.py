@@ -31,7 +31,6 @@ UNIT = 1e-9
 """An axis whose length is off by more is written anew."""
 
 _FIND = re.compile(r"^\$\(find\s+([^)\s]+)\)/?")
-_UNKNOWN_PACKAGE = re.compile(r"^(?:file://)?/package-not-found/([^/]+)/")
 _SCHEME = re.compile(r"^\w+://")
 
 
@@ -138,10 +137,9 @@ def _mesh(source: SourceText, mesh: ET.Element, description: Description, folder
 
 def _moved_uri(uri: str, description: Description, folder: Path) -> str:
     """The URI as a package's, or seen from the copy's folder where it is a path beside the original."""
-    for pattern in (_FIND, _UNKNOWN_PACKAGE):
-        found = pattern.match(uri)
-        if found:
-            return f"package://{found.group(1)}/{uri[found.end() :]}"
+    found = _FIND.match(uri)
+    if found:
+        return f"package://{found.group(1)}/{uri[found.end() :]}"
     home = description.path.parent if description.path else folder
     if _SCHEME.match(uri) or os.path.isabs(uri) or home == folder or not is_file(home / uri):
         return uri

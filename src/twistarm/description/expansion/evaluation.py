@@ -16,10 +16,14 @@ _TOKEN = re.compile(r"(\$\$+[{(])|\$\{([^}]*)\}|\$\(([^)]*)\)|([^$]+|\$[^{($]+|\
 """xacro's tokens: escaped dollars, `${expression}`, `$(command)`, text."""
 
 
+WORKING_FOLDER = ".cwd"
+"""Stands for it as a package's name would."""
+
+
 class Evaluation:
     """Stands in the place of xacro's `eval_text` and `safe_eval`, and of its `$(eval ...)`.
 
-    `find` answers `$(find package)`, `load_yaml` opens what may be opened.
+    `find` answers `$(find package)`, `files` holds the functions about files.
     """
 
     def __init__(
@@ -27,7 +31,7 @@ class Evaluation:
         xacro: Any,
         work: Work,
         find: Callable[[str], str],
-        load_yaml: Callable[[str], Any],
+        files: Mapping[str, Callable[[str], Any]],
         environment: Environment,
     ) -> None:
         self._xacro = xacro
@@ -35,7 +39,7 @@ class Evaluation:
         self._guards = Guards(work, xacro.Table)
         self._expressions = Expressions(self._guards)
         self._commands: dict[str, Any] = {}
-        self.symbols = self._make_symbols(find, load_yaml, environment)
+        self.symbols = self._make_symbols(find, files, environment)
         """The names at the root of every scope, for xacro's `_global_symbols`."""
 
     def number(self, expression: str) -> float:
@@ -79,6 +83,8 @@ class Evaluation:
 
     def _run(self, command: str) -> str:
         self._work.charge(1 + len(command))
+        if command == "$(cwd)":
+            return f"package://{WORKING_FOLDER}"
         try:
             result = str(self._xacro.eval_extension(command))
         except Exception as error:
@@ -104,14 +110,10 @@ class Evaluation:
         return arguments[name]
 
     def _make_symbols(
-        self, find: Callable[[str], str], load_yaml: Callable[[str], Any], environment: Environment
+        self, find: Callable[[str], str], functions: Mapping[str, Callable[[str], Any]], environment: Environment
     ) -> dict[str, Any]:
         python, mathematics = python_names(self._guards), math_names(self._guards)
-        files = {
-            "load_yaml": load_yaml,
-            "abs_filename": self._xacro.abs_filename_spec,
-            "dotify": dotify,
-        }
+        files = {**functions, "dotify": dotify}
         messages = dict.fromkeys(("message", "warning", "error", "print_location"), say_nothing)
         offered = {**files, **messages, "fatal": self._fail, "tokenize": tokenize, "arg": self._argument}
         self._commands = {

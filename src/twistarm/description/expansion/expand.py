@@ -10,9 +10,11 @@ from ..document import read_text
 from ..findings import Finding
 from ..packages import PackageIndex
 from .errors import explain, package_finding, unknown_argument
-from .hooks import Expansion
+from .hooks import HERE, PACKAGE, Expansion
 from .left_out import blamed
 from .module import hooked, own_xacro
+
+_DECLARATION = '<?xml version="1.0" ?>'
 
 _LOCK = threading.Lock()
 """xacro keeps arguments, file stack and verbosity in module globals: one expansion at a time."""
@@ -75,10 +77,19 @@ def _expanded(
             hooked(xacro.substitution_args, expansion.for_substitution()),
         ):
             try:
-                return str(xacro.process_file(str(path), mappings=dict(given), verbosity=0).toxml()), expansion
+                document = xacro.process_file(str(path), mappings=dict(given), verbosity=0)
+                return _portable(document.documentElement.toxml()), expansion
             except Exception as error:
                 explained = explain(error, expansion, expansion.place)
                 raise blamed(explained, expansion.left_out.findings(())) from error
+
+
+def _portable(robot: str) -> str:
+    """The text without xacro's banner, which tells where the file lies, and its paths as any reader of URDF takes them.
+
+    `file://$(find arm)/…` is the package's file; what lies beside the description is named from there.
+    """
+    return _DECLARATION + robot.replace(f"file://{PACKAGE}", PACKAGE).replace(HERE, "")
 
 
 def _argument_text(value: object) -> str:

@@ -14,19 +14,26 @@ from typing import Any
 from ...errors import one_line
 from ..document import Reading, note_file, parse_xml
 from ..findings import Place
-from ..packages import PackageIndex
+from ..packages import PackageIndex, is_package_name
 from .arguments import Arguments
 from .causes import is_final
 from .confinement import confinement
 from .dom import replace, xacro_document
 from .environment import Environment
-from .evaluation import Evaluation, say_nothing
+from .evaluation import WORKING_FOLDER, Evaluation, say_nothing
 from .left_out import NEEDED, LeftOut
 from .work import CHARACTERS_PER_UNIT, SCOPES_PER_UNIT, Refused, Work
 from .yaml_data import dotted, load_yaml
 
+PACKAGE = "package://"
+"""What `$(find NAME)` begins with: it names the package. Where its folder lies is known where a file is opened, and
+stays out of the texts, whose names end on pages that are passed on."""
+
+HERE = f"{PACKAGE}./"
+"""The description's own folder."""
+
 MISSING_PACKAGE = "/package-not-found/"
-"""Stands for the folder of an unknown package; harmless in texts nobody opens, recognised where a file is opened."""
+"""Stands for the folder of an unknown package where a file in it is to be opened."""
 
 MAX_INCLUDES = 30
 """Files that include one another that deep do so in a circle, which costs seconds until the stack is full."""
@@ -82,7 +89,8 @@ class Expansion:
         self._in_leavable = False
         self.work = Work()
         self.environment = Environment(path, tuple(env))
-        self._evaluation = Evaluation(xacro, self.work, self.find, self.load_yaml, self.environment)
+        files = {"load_yaml": self.load_yaml, "abs_filename": self.named_from_here}
+        self._evaluation = Evaluation(xacro, self.work, self.find, files, self.environment)
 
     def for_xacro(self) -> dict[str, Any]:
         """Values for the module `xacro`."""
@@ -179,6 +187,9 @@ class Expansion:
         return lambda text: self._evaluation.number(text) * factor
 
     def _absolute(self, name: str) -> str:
+        if name.startswith(PACKAGE):
+            package, _, rest = name[len(PACKAGE) :].partition("/")
+            return f"{self._folder(package)}/{rest}"
         if "://" in name:
             what = f"{name!r} is a URI; only files of packages are opened"
             raise Refused("file-outside-packages", what, "write a path or $(find package)/…")
@@ -194,14 +205,25 @@ class Expansion:
         note_file(Path(name))
         return self._confinement.read(name)
 
+    def _folder(self, package: str) -> str:
+        special = {".": str(self.path.parent), WORKING_FOLDER: os.getcwd()}
+        return special.get(package) or str(self.packages.find(package) or MISSING_PACKAGE + package)
+
     def find(self, package: str) -> str:
-        """The folder of a package, or what stands for an unknown one."""
-        found = self.packages.find(package)
-        if found is None and package not in self.left_out.packages:
+        """What stands for the folder of a package."""
+        if self.packages.find(package) is None and package not in self.left_out.packages:
             self.unknown_packages.add(package)
-        folder = MISSING_PACKAGE + package if found is None else str(found)
-        self.left_out.learn(package, folder)
-        return folder
+        if not is_package_name(package):
+            return MISSING_PACKAGE + package
+        self.left_out.learn(package, self._folder(package))
+        return PACKAGE + package
+
+    def named_from_here(self, name: str) -> str:
+        """A file named as the file being read names it, as any other names it too."""
+        if os.path.isabs(name) or name.startswith(PACKAGE):
+            return name
+        folder = os.path.dirname(self._xacro.filestack[-1] or self.path)
+        return HERE + os.path.relpath(os.path.join(folder, name), self.path.parent)
 
     @property
     def place(self) -> Place:
