@@ -1,12 +1,13 @@
-"""The lines of a CSV file that somebody else wrote, one after the other and within bounds."""
+"""The lines of a CSV file that somebody else wrote, one after the other and within bounds; and CSV that we write."""
 
 from __future__ import annotations
 
 import codecs
+import csv
 import io
 import os
 import re
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator, Sequence
 from itertools import chain
 from typing import BinaryIO, NamedTuple
 
@@ -15,6 +16,10 @@ from .files import as_path, open_regular, why_no_file
 
 MAX_LINE = 100_000
 """Characters of a line: a thousand columns of numbers with all their digits are 20,000."""
+
+
+_FORMULA = re.compile(r"'*\s*[=+\-@＝＋－＠]|'*[\t\r\n]")
+"""What a spreadsheet would compute rather than show, behind any apostrophes."""
 
 
 class Bounds(NamedTuple):
@@ -79,3 +84,21 @@ def _decoded(line: bytes) -> str:
         return line.decode("utf-8")
     except UnicodeDecodeError:
         return line.decode("latin-1")
+
+
+def csv_text(header: Sequence[str], rows: Iterable[Sequence[object]]) -> str:
+    """A table as CSV. No text in it begins a formula in a spreadsheet: such a name gets an apostrophe before it."""
+    text = io.StringIO()
+    writer = csv.writer(text, lineterminator="\n")
+    writer.writerow(map(_as_text, header))
+    writer.writerows([_as_text(cell) if isinstance(cell, str) else cell for cell in row] for row in rows)
+    return text.getvalue()
+
+
+def name_in(cell: str) -> str:
+    """The name that stands in a header's cell, without the apostrophe of `csv_text`."""
+    return cell[1:] if cell.startswith("'") and _FORMULA.match(cell) else cell
+
+
+def _as_text(cell: str) -> str:
+    return f"'{cell}" if _FORMULA.match(cell) else cell

@@ -14,8 +14,11 @@ from typing import BinaryIO
 from .errors import InputError, shown
 from .temporaries import replace_whole
 
-DESCRIPTIONS = (".urdf", ".xacro", ".srdf", ".toml", ".yaml", ".yml")
-"""Names of what a team wrote itself: no output takes its place unasked."""
+DESCRIPTIONS = (".urdf", ".xacro", ".srdf", ".sdf", ".xml", ".toml", ".yaml", ".yml")
+"""Names, in any letters, of what a team wrote itself: no output takes its place unasked."""
+
+_HEAD = 10_000
+"""Bytes of a file that are looked at for a description under another name."""
 
 
 NO_SUCH_FILE = "no such file"
@@ -151,6 +154,21 @@ def writable(path: str | os.PathLike[str], *, over_description: bool = False) ->
         raise InputError(f"cannot write {target}: it is a folder; give the name of a file in it")
     if target.exists() and not target.is_file():
         raise InputError(f"cannot write {target}: it is not a regular file and cannot be replaced as a whole")
-    if target.exists() and target.suffix in DESCRIPTIONS and not over_description:
+    if not over_description and target.exists() and _is_description(target):
         raise InputError(f"cannot write {target}: a description stands there and would be lost; give another name")
     return target
+
+
+def _is_description(file: Path) -> bool:
+    """Whether it is one by its name, or by the element that its text begins with."""
+    if file.suffix.lower() in DESCRIPTIONS:
+        return True
+    try:
+        with open_regular(file) as opened:
+            head = opened.read(_HEAD).replace(b"\0", b"").lstrip(b"\xef\xbb\xbf\xff\xfe \t\r\n")  # UTF-16 too
+    except OSError:
+        return False
+    ends = {b"<?": b"?>", b"<!--": b"-->"}
+    while end := next((end for start, end in ends.items() if head.startswith(start)), None):
+        head = head.partition(end)[2].lstrip()
+    return head.startswith((b"<robot", b"<sdf"))

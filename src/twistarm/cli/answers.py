@@ -2,11 +2,10 @@
 
 from __future__ import annotations
 
-import csv
-import io
 from typing import Any
 
 from ..arm import Arm
+from ..csv_lines import csv_text
 from ..ik import IKBatch, IKSolution, StopReason
 from .csv_rows import ROWS_SHOWN, Sheet, few
 from .output import console, print_json, say, table, theta_typed
@@ -63,11 +62,9 @@ def _counted(sheet: Sheet, lines: list[int], answers: list[IKSolution]) -> list[
 
 def answers_csv(arm: Arm, lines: list[int], answers: list[IKSolution]) -> str:
     """The answers as CSV: theta, whether and why not, and how far off."""
-    text = io.StringIO()
-    writer = csv.writer(text, lineterminator="\n")
     joints = [f"{name} [{unit}]" for name, unit in zip(arm.joint_names, arm.units, strict=True)]
-    writer.writerow(["line", *joints, "answer", "position_error [m]", "orientation_error [rad]"])
-    for line, answer in zip(lines, answers, strict=True):
-        errors = [answer.position_error, answer.orientation_error]
-        writer.writerow([line, *answer.theta.tolist(), answer.stop.name, *errors])
-    return text.getvalue()
+    rows = (
+        [line, *answer.theta.tolist(), answer.stop.name, answer.position_error, answer.orientation_error]
+        for line, answer in zip(lines, answers, strict=True)
+    )
+    return csv_text(["line", *joints, "answer", "position_error [m]", "orientation_error [rad]"], rows)

@@ -13,7 +13,7 @@ import numpy as np
 import typer
 
 from ..checks import Array
-from ..csv_lines import Bounds, csv_lines, lines_in
+from ..csv_lines import Bounds, csv_lines, lines_in, name_in
 from ..description.geometry import number
 from ..errors import InputError, listed, shown
 from .output import note
@@ -136,7 +136,7 @@ def read_sheet(path: str, names: str | None) -> Sheet:
     rows = _rows(lines, written, file)
     if not rows:
         raise InputError(f"{file} holds no rows of numbers")
-    header = None if all(map(_is_number, rows[0].cells)) else rows[0].cells
+    header = None if all(map(_is_number, rows[0].cells)) else tuple(map(name_in, rows[0].cells))
     if header and any(map(_is_number, header)):
         said = shown(", ".join(header))
         raise InputError(f"{file}, line {rows[0].line}: neither a header nor a row of numbers: {said}")

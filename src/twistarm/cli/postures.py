@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import csv
-import io
 from dataclasses import replace
 from typing import Any
 
@@ -11,6 +9,7 @@ import numpy as np
 
 from ..arm import Arm
 from ..checks import Array
+from ..csv_lines import csv_text
 from ..errors import InputError, listed
 from ..rotations import to_xyzw
 from .csv_rows import ROWS_SHOWN, Sheet, few, no_column
@@ -94,8 +93,5 @@ def _table(title: str, lines: list[int], g: Array) -> Any:
 
 def poses_csv(lines: list[int], g: Array) -> str:
     """Poses (N, 4, 4) as CSV: positions and quaternions, scalar last, as `ik --targets` reads them."""
-    text = io.StringIO()
-    writer = csv.writer(text, lineterminator="\n")
-    writer.writerow(["line", *COLUMNS])
-    writer.writerows([line, *row] for line, row in zip(lines, _numbers(g).tolist(), strict=True))
-    return text.getvalue()
+    rows = ([line, *row] for line, row in zip(lines, _numbers(g).tolist(), strict=True))
+    return csv_text(["line", *COLUMNS], rows)

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import csv
-import io
 import json
 from typing import Any
 
@@ -11,6 +9,7 @@ import numpy as np
 
 from ..actuators import Actuators
 from ..checks import Array
+from ..csv_lines import csv_text as lines_of
 from ..errors import InputError
 from .trajectory import Trajectory
 
@@ -31,11 +30,7 @@ def csv_text(trajectory: Trajectory, dt: float, actuators: Actuators | None = No
         columns += _motor_columns(motors)
     rows = len(samples.t)
     table = np.column_stack([samples.t, *(each.reshape(rows, -1) for each in values)])
-    text = io.StringIO()
-    writer = csv.writer(text, lineterminator="\n")
-    writer.writerow(columns)
-    writer.writerows(table.tolist())
-    return text.getvalue()
+    return lines_of(columns, table.tolist())
 
 
 def json_text(trajectory: Trajectory, dt: float, actuators: Actuators | None = None) -> str:

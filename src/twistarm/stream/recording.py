@@ -14,7 +14,7 @@ import numpy as np
 from ..arm import Arm
 from ..brief import Brief
 from ..checks import Array, as_floats, frozen
-from ..csv_lines import Bounds, csv_lines
+from ..csv_lines import Bounds, csv_lines, name_in
 from ..errors import InputError, LimitError, closest, listed
 from ..files import as_path
 
@@ -75,7 +75,7 @@ def read_recording(arm: Arm, path: str | os.PathLike[str]) -> Recording:
 
 def _recording(arm: Arm, reader: Iterable[list[str]], file: str) -> Recording:
     rows = iter(reader)
-    header = next(rows, [])
+    header = list(map(name_in, next(rows, [])))
     columns = _columns(arm, header, file)
     lines, values = array("q"), array("d")
     for line, row in enumerate(rows, 2):

@@ -14,7 +14,7 @@ import numpy as np
 from ..actuators import Actuators
 from ..brief import Brief
 from ..checks import Array, as_floats, as_pose, frozen, require
-from ..csv_lines import Bounds, csv_lines
+from ..csv_lines import Bounds, csv_lines, name_in
 from ..description.geometry import number
 from ..errors import InputError, closest, listed
 from ..files import as_path
@@ -87,7 +87,7 @@ def read_log(path: str | os.PathLike[str], motors: Actuators) -> WiringLog:
     if not rows:
         raise InputError(f"{file}: no line but comments; the first names the columns: {_wanted(motors)}")
     (number, header), *rest = rows
-    names = _columns(header, motors, f"{file}:{number}")
+    names = _columns(list(map(name_in, header)), motors, f"{file}:{number}")
     values = np.array([_numbers(row, names, f"{file}:{line}") for line, row in rest]).reshape(-1, len(names))
     column = {name: values[:, i] for i, name in enumerate(names)}
     counts = np.stack([column[name] for name in motors.names], axis=-1)
