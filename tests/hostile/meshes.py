@@ -213,7 +213,7 @@ GLTF = {
                 }
             ],
         ),
-        "",
+        "compressed by Draco",
     ),
     "gltf: a matrix of NaN": gltf(tree([data()], nodes=[{"mesh": 0, "matrix": [float("nan")] * 16}]), "no finite|malf"),
     "gltf: a scale of 1e308": gltf(tree([data()], nodes=[{"mesh": 0, "scale": [1e308] * 3}]), "no finite|malformed"),

@@ -18,6 +18,12 @@ from .references import References
 from .shading import shaded
 from .simplifying import simplified
 
+CHUNK = 4096
+"""Bytes."""
+
+COMPRESSED = (b"KHR_draco_mesh_compression", b"EXT_meshopt_compression", b"KHR_meshopt_compression")
+"""Extensions of glTF whose buffers are packed."""
+
 Piece = tuple[Array, Colour | None]
 """Corners (F, 3, 3) [m] of the triangles of one material, and its colour."""
 
@@ -61,6 +67,8 @@ def _pieces(file: MeshFile) -> Iterator[Piece]:
     references: Any = References(file)
     if file.kind == "dae":
         _require_plain_xml(file.data)
+    if file.kind in ("gltf", "glb") and any(word in file.data for word in COMPRESSED):
+        raise RefusedError("it is compressed by Draco or meshopt, which is not read here")
     # What it would merge is welded here.
     scene = trimesh.load_scene(io.BytesIO(file.data), file_type=file.kind, resolver=references, process=False)
     if references.refused:
@@ -125,7 +133,9 @@ def _require_plain_xml(data: bytes) -> None:
     parser = xml.parsers.expat.ParserCreate()
     parser.StartDoctypeDeclHandler, parser.StartElementHandler = refuse, stop
     try:
-        parser.Parse(data, True)
+        for start in range(0, len(data), CHUNK):  # it ends with the chunk in which it is stopped
+            parser.Parse(data[start : start + CHUNK], False)
+        parser.Parse(b"", True)
     except _RootReachedError:
         return
     except xml.parsers.expat.ExpatError as error:

@@ -24,8 +24,11 @@ PROGRAM = "import json, sys; sys.path[:] = json.loads(sys.argv[1]); from twistar
 ALONE = {"OPENBLAS_NUM_THREADS": "1", "OMP_NUM_THREADS": "1", "MKL_NUM_THREADS": "1"}
 """Threads that are not needed take addresses and time."""
 
-START = 60.0
+START = 30.0
 """Seconds on the clock until it must be ready: some tenths, and more where nothing is in memory yet."""
+
+LAST = 0.2
+"""Seconds that a killed one is waited for."""
 
 CHUNK = 1 << 20
 """Bytes."""
@@ -89,7 +92,8 @@ class Process:
         with suppress(ProcessLookupError, PermissionError):  # it has ended, and nobody has been told yet
             if self._popen.poll() is None:
                 os.killpg(self._popen.pid, signal.SIGKILL)
-        self._popen.wait()
+        with suppress(subprocess.TimeoutExpired):  # a disk that does not answer holds it up, and nobody else
+            self._popen.wait(LAST)
 
     def _begin(self) -> None:
         self._end = time.monotonic() + START
@@ -140,8 +144,9 @@ class Process:
 
 def _module_path() -> list[str]:
     """Where modules are found, but for the current folder: what lies beside a description is never imported."""
-    own, here = Path(__file__).parents[2], os.getcwd()
-    return [folder for folder in sys.path if os.path.isabs(folder) and (folder != here or Path(folder) == own)]
+    own, here = (os.path.realpath(folder) for folder in (Path(__file__).parents[2], "."))
+    places = ((folder, os.path.realpath(folder)) for folder in sys.path if os.path.isabs(folder))
+    return [folder for folder, place in places if place != here or place == own]
 
 
 def _unavailable(why: str) -> TwistarmError:

@@ -12,7 +12,7 @@ import numpy as np
 from ..description.tree import Description, Geometry, Link
 from ..errors import TwistarmError, listed, one_line
 from ..files import stamp
-from ..meshes import LIGHTER, MeshReader, Part, UnreadableMeshError
+from ..meshes import LIGHTER, REMEDY, MeshReader, Part, UnreadableMeshError
 from . import drawing
 from .nodes import link_path
 from .shapes import PLAIN, lost_frame, shape, stand_in, stand_in_path
@@ -170,9 +170,7 @@ def _mesh_or_reason(
 
 
 def _reason(path: Path, error: Exception) -> str:
-    return one_line(
-        f"cannot draw mesh {path.name}: {str(error) or type(error).__name__}; export it again as STL, DAE or OBJ"
-    )
+    return one_line(f"cannot draw mesh {path.name}: {str(error) or type(error).__name__}; {REMEDY}")
 
 
 def _plain(description: Description, link: Link, size: float) -> list[bytes]:
