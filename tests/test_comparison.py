@@ -11,6 +11,7 @@ import numpy as np
 import pytest
 
 import twistarm
+from hostile.descriptions import CASES
 from test_loading import REAL
 from twistarm import arm_from_screws, crosscheck, load_arm
 from twistarm.errors import ComparisonError, InputError, MissingExtraError
@@ -59,6 +60,12 @@ def test_what_an_engine_cannot_do_is_not_compared(tmp_path: Path) -> None:
     )
     rows = [row for row in crosscheck(arm, 10).comparisons if "yourdfpy" in row.engines]
     assert [row.not_compared for row in rows] == ["yourdfpy drops the mimic of a mimic 'm'"]
+
+
+def test_a_hundred_followers_of_one_joint_agree_and_take_no_minutes(tmp_path: Path) -> None:
+    (file,) = CASES["100 mimics of one joint"].write(tmp_path)
+    result = crosscheck(load_arm(tmp_path / file), samples=20).require()
+    assert result.left_out["yourdfpy"] == "yourdfpy takes minutes for a chain of 102 joints"
 
 
 def test_an_arm_from_screws_is_checked_against_pinocchio_too() -> None:

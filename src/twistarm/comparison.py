@@ -39,9 +39,13 @@ STEP, SMALLEST_STEP = 1e-3, 1e-7
 YOURDFPY_SAMPLES, YOURDFPY_STEPS = 200, 100_000
 """yourdfpy walks from each link to the base, some 4 µs a joint: at most so many postures, and so many steps in all."""
 
-YOURDFPY_LINKS, YOURDFPY_CUBES = 500, 20_000_000
-"""It keeps a path between any two links, and finds the order to multiply a link's joints in with their cube of steps,
-some 0.1 µs each."""
+YOURDFPY_LINKS, YOURDFPY_TAGS, YOURDFPY_CUBES = 500, 30_000, 20_000_000
+"""It keeps a path between any two links, makes a body of each shape, 0.1 ms for a tag of the text, and finds the order
+to multiply a link's joints in with their cube of steps, some 0.1 µs each."""
+
+USUAL_LINKS, USUAL_PRODUCT = 150, 1024
+"""Links of a description, and joints of a chain times its coordinates: of larger ones fewer postures are compared, so
+that it takes as long and as much memory."""
 
 MOST_SAMPLES = 10_000_000
 """Of an hour or so; more are a mistake."""
@@ -162,6 +166,11 @@ def _size(arm: Arm) -> float:
     return size * max(faster, float(values[turning].max(initial=0.0)) / WIDE_ANGLE)
 
 
+def _fewer(theta: Array, size: int, usual: int) -> Array:
+    """The first of the postures, as many fewer as `size` exceeds what is usual."""
+    return theta[: max(1, len(theta) * usual // max(size, usual))]
+
+
 def _pinocchio(arm: Arm, theta: Array) -> list[Comparison]:
     g, spatial, body = by_exponentials(arm, theta)
     tolerance = POSE_TOL * _size(arm)
@@ -214,6 +223,7 @@ def _native_chain(arm: Arm, theta: Array, pairs: tuple[LowerPair, ...], ball: Ba
     except InputError as error:
         return [_skipped(f"pose, J^s, J^b{suffix}", "pinocchio", str(error))]
     A = arm.coupling.A
+    theta = _fewer(theta, A.size, USUAL_PRODUCT)
     g, spatial, body = chain.kinematics(theta @ A.T)
     ours = by_exponentials(arm, theta)
     tolerance = POSE_TOL * _size(arm)
@@ -225,12 +235,13 @@ def _native_chain(arm: Arm, theta: Array, pairs: tuple[LowerPair, ...], ball: Ba
 
 def _differences(arm: Arm, theta: Array) -> list[Comparison]:
     """(g⁻¹ ∂g/∂θ_i)^∨ by (8(g₊ − g₋) − (g₊₊ − g₋₋))/12h against the columns of J^b by product of exponentials."""
+    theta = _fewer(theta, arm.coupling.A.size, USUAL_PRODUCT)
     body = poe.body_jacobian(arm.screws, arm.home, theta @ arm.coupling.A.T) @ arm.coupling.A
     back = inverse(arm.fk(theta))
     numeric = np.empty_like(body)
     turns = np.abs(arm.coupling.A) * np.linalg.norm(arm.screws[3:], axis=0)[:, None]
-    # A coordinate that turns a joint many times as far gets a step as many times smaller.
-    steps = STEP / np.maximum(1.0, turns.max(axis=0))
+    # A coordinate that turns its joints many times as far, all together, gets a step as many times smaller.
+    steps = STEP / np.maximum(1.0, turns.sum(axis=0))
     if steps.min() < SMALLEST_STEP:
         reason = f"a follower turns {turns.max():g} times as far as its master: a difference is all rounding"
         return [_skipped("body Jacobian", "differences", reason)]
@@ -246,6 +257,7 @@ def _differences(arm: Arm, theta: Array) -> list[Comparison]:
 def _links(arm: Arm, theta: Array) -> list[Comparison]:
     if arm.description is None:
         return []
+    theta = _fewer(theta, len(arm.description.links), USUAL_LINKS)
     ours, reference = _walked_poses(arm, theta), arm.poses(theta)
     difference = np.stack([ours[link] - reference[link] for link in arm.description.links], axis=1)
     return [_compared("all links", ("walk", "pinocchio"), difference, theta, POSE_TOL * _size(arm))]
@@ -332,6 +344,8 @@ def _beyond_yourdfpy(arm: Arm) -> str:
     joints = arm.description.joints
     if len(arm.description.links) > YOURDFPY_LINKS:
         return f"yourdfpy has room for {YOURDFPY_LINKS} links, and these are {len(arm.description.links)}"
+    if (tags := arm.description.text.count("<")) > YOURDFPY_TAGS:
+        return f"yourdfpy takes long for a text of {tags:,} tags"
     if sum(depth**3 for depth in _depths(arm.description)) > YOURDFPY_CUBES:
         return f"yourdfpy takes minutes for a chain of {max(_depths(arm.description))} joints"
     for joint in joints.values():

@@ -328,7 +328,7 @@ LOOKUPS = {
         TOO_LARGE,
     ),
     "aliases in YAML": xacro(
-        lambda: '<xacro:property name="d" value="${xacro.load_yaml(\'a.yaml\')}"/>',
+        lambda: "<xacro:property name=\"d\" value=\"${xacro.load_yaml('a.yaml')}\"/><a b='${d}'/>",
         TOO_LARGE,
         a_yaml=lambda: "a0: &a0 1\n" + "".join(f"a{i + 1}: &a{i + 1} [" + f"*a{i}," * 9 + "]\n" for i in range(20)),
     ),
