@@ -19,6 +19,7 @@ import pytest
 
 from test_cli import error_of
 from twistarm.cli.application import run
+from twistarm.cli.signals import ended_like_ctrl_c
 from twistarm.stream import Cycle
 from twistarm.stream import run as stream
 from twistarm.viewer import Viewer
@@ -134,9 +135,10 @@ def test_kill_and_a_closed_terminal_end_it_as_ctrl_c_does(
         os.kill(os.getpid(), number)
 
     monkeypatch.setattr(Viewer, "show_servo", stop)
-    assert run(["servo", "scara", "--no-browser", "--duration", "30"]) == 0
+    with ended_like_ctrl_c() as sent:
+        assert run(["servo", "scara", "--no-browser", "--duration", "30"], sent) == 0
     out, err = capsys.readouterr()
-    assert err == ""
+    assert (err, sent) == ("", [number])
     assert "it was interrupted" in out
     assert "at rest" in out
     assert signal.getsignal(number) is usual

@@ -1,10 +1,13 @@
-"""What ends `view` and `servo`: signals, as whoever sends them expects it."""
+"""What ends the program: signals, as whoever sends them expects it."""
 
 from __future__ import annotations
 
+import os
 import signal
 import subprocess
 import sys
+from contextlib import suppress
+from pathlib import Path
 
 import pytest
 
@@ -12,14 +15,17 @@ pytestmark = pytest.mark.skipif(sys.platform == "win32", reason="Windows has no 
 
 PROGRAM = """
 import signal, sys
-from twistarm.cli.signals import ended_like_ctrl_c
+from twistarm.cli.signals import end_by, ended_like_ctrl_c
 signal.signal(signal.SIGHUP, {hangup})
-with ended_like_ctrl_c():
+with ended_like_ctrl_c() as sent:
     try:
         signal.raise_signal(signal.{sent})
         print("goes on")
+    except KeyboardInterrupt:
+        pass
     finally:
         print("at rest", flush=True)
+end_by(sent)
 """
 
 
@@ -35,3 +41,58 @@ def test_a_signal_ends_the_program_unless_it_is_ignored(sent: str, hangup: str, 
     program = PROGRAM.format(sent=sent, hangup=hangup)
     done = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True, timeout=60, check=False)
     assert (done.stdout, done.returncode) == (said, code)
+
+
+SENT_AT_AN_IMPORT = """
+import os, signal, sys
+
+class Sender:
+    def find_spec(name, path=None, target=None):
+        if name == "{module}":
+            os.kill(os.getpid(), signal.{sent})
+
+sys.meta_path.insert(0, Sender)
+sys.argv = ["twistarm", "info", "rr_planar"]
+from twistarm.cli import main
+main()
+"""
+
+
+@pytest.mark.parametrize(
+    ("module", "sent"), [("numpy", "SIGINT"), ("typer", "SIGINT"), ("pinocchio", "SIGINT"), ("pinocchio", "SIGTERM")]
+)
+def test_a_signal_ends_it_without_a_word_from_its_first_line_on(module: str, sent: str) -> None:
+    """While it is loaded and while it loads an arm."""
+    program = SENT_AT_AN_IMPORT.format(module=module, sent=sent)
+    done = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True, timeout=60, check=False)
+    assert (done.stdout, done.stderr, done.returncode) == ("", "", -getattr(signal, sent))
+
+
+SENT_WHILE_IT_DRAWS = """
+import os, signal, sys
+from twistarm.cli import application, folders
+folders._looked = lambda *_: os.kill(os.getpid(), signal.{sent})
+sys.argv = ["twistarm", "doctor", "."]
+application.program()
+"""
+
+
+@pytest.mark.parametrize("sent", ["SIGINT", "SIGTERM", "SIGHUP"])
+def test_the_cursor_comes_back_whatever_ends_it(sent: str, tmp_path: Path) -> None:
+    (tmp_path / "arm.urdf").write_text("<robot/>")
+    ours, terminal = os.openpty()
+    program = SENT_WHILE_IT_DRAWS.format(sent=sent)
+    env = {**os.environ, "TERM": "xterm-256color"}
+    with subprocess.Popen(
+        [sys.executable, "-c", program], cwd=tmp_path, env=env, stdout=terminal, stderr=terminal
+    ) as it:
+        os.close(terminal)
+        drawn = b""
+        with suppress(OSError):  # the other side is closed
+            while part := os.read(ours, 4096):
+                drawn += part
+    os.close(ours)
+    assert it.returncode == -getattr(signal, sent)
+    assert b"\x1b[?25l" in drawn, "it was hidden"
+    assert drawn.rpartition(b"\x1b[?25l")[2].count(b"\x1b[?25h") == 1
+    assert b"Traceback" not in drawn

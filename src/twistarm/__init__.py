@@ -5,34 +5,35 @@ pose `g_ab` (..., 4, 4) is frame b seen from frame a, p_a = g_ab @ p_b; a twist 
 Murray, Li & Sastry and in Pinocchio; s is the space frame (the base link), t the tool frame (the tip link).
 """
 
-from importlib import import_module
-from typing import TYPE_CHECKING, Any
+from __future__ import annotations
 
-from . import joints, poe, rotations, screws
-from .actuators import Actuators
-from .arm import Arm, Coupling, Proof
-from .building import arm_from_screws
-from .description.findings import Finding
-from .errors import (
-    ComparisonError,
-    DescriptionError,
-    InputError,
-    LimitError,
-    MissingExtraError,
-    NotConvergedError,
-    TwistarmError,
-    UnknownNameError,
-)
-from .limits import JointLimits
-from .loading import available_arms, load_arm
-from .manipulability import Manipulability
-
+TYPE_CHECKING = False
 if TYPE_CHECKING:
+    from typing import Any
+
+    from . import joints, poe, rotations, screws
+    from .actuators import Actuators
+    from .arm import Arm, Coupling, Proof
     from .arm_builder import ArmBuilder
+    from .building import arm_from_screws
     from .comparison import Comparison, CrossCheck, crosscheck
+    from .description.findings import Finding
     from .doctor import diagnose
+    from .errors import (
+        ComparisonError,
+        DescriptionError,
+        InputError,
+        LimitError,
+        MissingExtraError,
+        NotConvergedError,
+        TwistarmError,
+        UnknownNameError,
+    )
     from .golden import Difference, compare, freeze
     from .ik import Approach, IKBatch, IKSolution, Pose, Position, StopReason, Task, solve_ik, solve_ik_batch
+    from .limits import JointLimits
+    from .loading import available_arms, load_arm
+    from .manipulability import Manipulability
     from .planning import Trajectory, plan_joint
     from .servo import (
         JogCommand,
@@ -105,13 +106,34 @@ __all__ = [
     "solve_ik_batch",
 ]
 
-_LATER = {
+_NAMES = {
+    "actuators": ("Actuators",),
+    "arm": ("Arm", "Coupling", "Proof"),
     "arm_builder": ("ArmBuilder",),
+    "building": ("arm_from_screws",),
     "comparison": ("Comparison", "CrossCheck", "crosscheck"),
+    "description.findings": ("Finding",),
     "doctor": ("diagnose",),
+    "errors": (
+        "ComparisonError",
+        "DescriptionError",
+        "InputError",
+        "LimitError",
+        "MissingExtraError",
+        "NotConvergedError",
+        "TwistarmError",
+        "UnknownNameError",
+    ),
     "golden": ("Difference", "compare", "freeze"),
     "ik": ("Approach", "IKBatch", "IKSolution", "Pose", "Position", "StopReason", "Task", "solve_ik", "solve_ik_batch"),
+    "joints": (),
+    "limits": ("JointLimits",),
+    "loading": ("available_arms", "load_arm"),
+    "manipulability": ("Manipulability",),
     "planning": ("Trajectory", "plan_joint"),
+    "poe": (),
+    "rotations": (),
+    "screws": (),
     "servo": (
         "JogCommand",
         "PoseCommand",
@@ -126,11 +148,15 @@ _LATER = {
     "viewer": ("Viewer", "save_html", "save_png"),
     "wiring": ("check_wiring",),
 }
-"""Names by module that a program may do without: each is imported when it is first asked for."""
+"""Names by module: each is imported when it is first asked for, so that the program can heed Ctrl-C
+before; typing and importlib too.
+"""
 
 
 def __getattr__(name: str) -> Any:
-    for module, names in _LATER.items():
+    from importlib import import_module
+
+    for module, names in _NAMES.items():
         if name == module or name in names:
             found = import_module(f".{module}", __name__)
             # Kept, so that this is asked once for each name.

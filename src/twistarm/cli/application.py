@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import io
 import os
+import signal
 import sys
 from collections.abc import Sequence
 from typing import Annotated
@@ -26,6 +27,7 @@ from . import (
     wiring,
 )
 from .output import say
+from .signals import end_by, ended_like_ctrl_c
 from .typed import Command
 from .versions import version
 from .wording import told
@@ -77,17 +79,24 @@ def _program(context: typer.Context, show_version: Version = False, debug: Debug
         say(*context.get_help().splitlines())
 
 
-def main() -> None:
-    """Entry point of the `twistarm` program."""
+def program() -> None:
+    """Run what was typed, and end with its exit code or by the signal that ended it."""
     for stream in (sys.stdout, sys.stderr):
         # A terminal that lacks ° or ξ shows a question mark instead of stopping the program.
         if isinstance(stream, io.TextIOWrapper):
             stream.reconfigure(errors="replace")
-    sys.exit(run(sys.argv[1:]))
+    with ended_like_ctrl_c() as sent:
+        code = run(sys.argv[1:], sent)
+    # Ctrl-C is how a view or a servo is ended: it has done what it was told.
+    end_by([number for number in sent if number != signal.SIGINT or code == INTERRUPTED])
+    sys.exit(code)
 
 
-def run(arguments: Sequence[str]) -> int:
-    """Run the program and return its exit code; every error is one line on stderr, unless --debug asks for more."""
+def run(arguments: Sequence[str], sent: Sequence[int] = ()) -> int:
+    """Run the program and return its exit code; every error is one line on stderr, unless --debug asks for more.
+
+    What fails after a signal was `sent` fails for it: imports and other people's code take the interruption so.
+    """
     debug = "--debug" in arguments
     # --debug may stand anywhere, not only before the command.
     rest = [argument for argument in arguments if argument != "--debug"]
@@ -103,6 +112,8 @@ def run(arguments: Sequence[str]) -> int:
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
         return BAD_ANSWER
     except Exception as error:
+        if sent:
+            return INTERRUPTED
         if debug:
             raise
         return _report(error)

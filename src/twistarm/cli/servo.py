@@ -24,7 +24,6 @@ from .motion import Rate, capped
 from .options import Json, Radians, Theta, takes_arm
 from .output import console, print_json, say, shown, units, warn
 from .servo_report import report_json, report_table
-from .signals import ended_like_ctrl_c
 from .typed import parse_theta
 from .viewing import Browser, Host, Port
 
@@ -83,7 +82,6 @@ def servo(
     driven = replace(arm, limits=with_defaults(arm, limits))
 
     with ExitStack() as stack:
-        stack.enter_context(ended_like_ctrl_c())
         sink, feedback = joints_of(driven, x, udp, listen, feedback_timeout, stack)
         viewer = stack.enter_context(Viewer(driven, x, host=host, port=port, open_browser=False, keep=port != 0))
         source = source_of(driven, viewer, commands, command_timeout, stack)

@@ -23,7 +23,6 @@ from .kinematics import warn_outside
 from .options import POSTURE, Radians, takes_source
 from .output import say, warn
 from .outputs import Force, Format, outputs_of
-from .signals import end_by, ended_like_ctrl_c
 from .typed import parse_theta
 
 Port = Annotated[
@@ -92,7 +91,6 @@ def view(
         outputs.say(outputs.write(contents))
         return
     with ExitStack() as stack:
-        sent = stack.enter_context(ended_like_ctrl_c())
         kept = {"keep": port != 0, "fresh": fresh}
         viewer = stack.enter_context(Viewer(arm, x, host=host, port=port, open_browser=False, **kept))
         if motion is not None:
@@ -101,7 +99,6 @@ def view(
         if watch:
             viewer.watch(load_again, files, lambda words: say(words, file=sys.stderr))
         serve(viewer, f"{arm.name} at", browser)
-    end_by(sent)
 
 
 def _pixels(text: str) -> tuple[int, int]:
