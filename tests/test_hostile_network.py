@@ -3,14 +3,19 @@
 from __future__ import annotations
 
 import os
+import socket
+import statistics
 import sys
+import time
 from collections.abc import Iterator
-from contextlib import ExitStack, contextmanager
+from contextlib import ExitStack, contextmanager, suppress
 
 import pytest
 
 from hostile.network import MEMBERS, SILENT, STRANGERS
 from hostile.served import Result, Trouble, quiet, served
+from twistarm import Arm
+from twistarm.stream import UdpSource
 
 pytestmark = pytest.mark.skipif(not sys.platform.startswith("linux"), reason="processes are weighed by /proc")
 
@@ -65,3 +70,32 @@ def test_the_honest_page_goes_on_whatever_is_done() -> None:
             print(trouble.victim.log())
     print(f"\nnetwork: {len(results)} attacks, {len(faults)} faults", *results, sep="\n")
     assert faults == []
+
+
+FLOODS = {
+    "crumbs": b"x",
+    "large": b"x" * 60_000,
+    "deep": b'{"type":' + b"[" * 60_000,
+    "numbers": b'{"theta":[' + b"0," * 30_000 + b"0]}",
+    "names": b"{" + b",".join(b'"%d":0' % k for k in range(7000)) + b"}",
+    "digits": b'{"theta":[1' + b"0" * 60_000 + b"]}",
+    "bells": b"\x07" * 60_000,
+}
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("flood", FLOODS)
+def test_a_cycle_stays_short_while_datagrams_come_without_end(flood: str, rover: Arm) -> None:
+    """At 100 Hz a cycle has 10 ms; what arrives may take half of them, in the processor's time."""
+    with UdpSource(rover) as source, socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as sender:
+        spent = []
+        for _ in range(50):
+            with suppress(BlockingIOError):
+                for _ in range(200):
+                    sender.sendto(FLOODS[flood], socket.MSG_DONTWAIT, source.address)
+            begin = time.thread_time()
+            reading = source.read(time.monotonic())
+            spent.append(time.thread_time() - begin)
+        assert reading.command is None
+        print(f"\n{flood}: {1e3 * statistics.median(spent):.2f} ms, at most {1e3 * max(spent):.2f} ms")
+        assert statistics.median(spent) < 0.005

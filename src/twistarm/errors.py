@@ -87,6 +87,8 @@ def printable(text: str) -> str:
 
 def one_line(text: str, longest: int = LONGEST) -> str:
     """`text` as `printable`, and the middle left out where it is too long."""
+    if len(text) > 2 * longest:  # of what is left out nothing is looked at
+        text = text[:longest] + text[-longest:]
     line = printable(text)
     if len(line) <= longest:
         return line

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 from collections.abc import Mapping
+from math import isinf
 from typing import Any
 
 from .errors import InputError, one_line
@@ -110,8 +111,10 @@ def _once(pairs: list[tuple[str, Any]]) -> dict[str, Any]:
 
 def _whole(digits: str) -> float:
     """A whole number; beyond the counters as every reader has it. Python's own reads a thousand digits, but no more."""
-    value = int(digits) if len(digits) <= DIGITS else float(digits)
-    if value == float("inf") or value == -float("inf"):
+    if len(digits) <= DIGITS:
+        return int(digits)
+    value = float(digits)
+    if isinf(value):
         raise InputError(f"numbers must be finite; got one of {len(digits):,} digits")
     return value
 
