@@ -1,0 +1,72 @@
+"""Lines of CSV as people's programs write them, and where reading stops."""
+
+from __future__ import annotations
+
+import io
+from pathlib import Path
+
+import pytest
+
+from twistarm.csv_lines import MAX_LINE, Bounds, csv_lines, lines_in
+from twistarm.errors import InputError
+
+FEW = Bounds(bytes=100, lines=10)
+
+TEXT = "Gelenk ä,b\n1,2\n"
+
+
+@pytest.mark.parametrize(
+    "data",
+    [
+        TEXT.encode(),
+        TEXT.encode("utf-8-sig"),
+        TEXT.encode("latin-1"),
+        TEXT.encode("utf-16"),
+        b"\xfe\xff" + TEXT.encode("utf-16-be"),
+        TEXT.replace("\n", "\r\n").encode(),
+        TEXT.replace("\n", "\r").encode(),
+    ],
+)
+def test_lines_are_those_that_were_written_in_whatever_encoding(data: bytes) -> None:
+    assert [line.rstrip("\r\n") for line in lines_in(io.BytesIO(data), "it", FEW)] == ["Gelenk ä,b", "1,2"]
+
+
+@pytest.mark.parametrize("data", [b"", b"\n", b"1", b"1\n", b"1\r\n", b"\r\n1"])
+def test_short_files_are_whole(data: bytes) -> None:
+    assert "".join(lines_in(io.BytesIO(data), "it", FEW)).encode() == data
+
+
+class Endless(io.RawIOBase):
+    """A pipe whose other side writes for ever; `read` counts."""
+
+    def __init__(self, text: bytes) -> None:
+        self.text, self.given = text, 0
+
+    def readable(self) -> bool:
+        return True
+
+    def readinto(self, into: bytearray) -> int:  # type: ignore[override]
+        self.given += len(into)
+        into[:] = (self.text * (len(into) // len(self.text) + 1))[: len(into)]
+        return len(into)
+
+
+@pytest.mark.parametrize(
+    ("text", "said"),
+    [
+        (b"\0", "standard input, line 1: more than 100,000 characters; is it the right file?"),
+        (b"1,2\n", "standard input is too large: at most 1 MB and 1,000 lines are read; split it, or leave out lines"),
+        (b"1," * 1_000 + b"\n", "standard input is too large: at most 1 MB and 1,000 lines are read"),
+    ],
+)
+def test_what_has_no_end_is_left_soon(text: bytes, said: str) -> None:
+    pipe = Endless(text)
+    with pytest.raises(InputError, match=said):
+        list(lines_in(io.BufferedReader(pipe), "standard input", Bounds(bytes=1_000_000, lines=1000)))
+    assert pipe.given < 1_000_000 + 2 * MAX_LINE
+
+
+def test_a_line_too_long_is_never_cut_into_two(tmp_path: Path) -> None:
+    (tmp_path / "old.csv").write_bytes(b"1,2\r" * MAX_LINE)
+    with pytest.raises(InputError, match="more than 100,000 characters"):
+        list(csv_lines(tmp_path / "old.csv", Bounds(bytes=10**9, lines=10**9)))
