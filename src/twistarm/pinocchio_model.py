@@ -26,6 +26,7 @@ _WHEEL = wheels.Wheel(
     "pin",  # `pinocchio` on the registry is another project
     needs=(
         "buildModelFromXML",
+        "Data",
         "FrameType",
         "ReferenceFrame",
         "forwardKinematics",
