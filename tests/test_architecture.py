@@ -38,7 +38,7 @@ LAYERS = (
     ("screws",),
     ("rotations", "csv_lines"),
     ("files", "wheels"),
-    ("brief", "vector_words"),
+    ("brief", "places", "vector_words"),
     ("checks", "closing", "shared_libraries", "strict_json", "temporaries"),
     ("errors",),
 )

@@ -16,6 +16,7 @@ from ..doctor.folder import is_part
 from ..doctor.repair import Repair, repair
 from ..doctor.statements import summary
 from ..errors import InputError
+from ..places import without_places
 from .folders import PART, Line, refused, walk
 from .options import Json, takes_source
 from .output import console, finding_json, literal, print_json, say
@@ -146,7 +147,7 @@ def _repairs(made: Repair) -> str:
 def _as_json(source: str, diagnosis: Diagnosis, output: str | None, made: Repair | None) -> dict[str, Any]:
     arm, able = diagnosis.arm, diagnosis.able
     content: dict[str, Any] = {
-        "source": source,
+        "source": without_places(source, Path(source)),
         "arm": _name(source, diagnosis),
         "n": arm and arm.n,
         "directions": able and {"position": able.position, "rotation_in_place": able.turning},

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import fields
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -14,6 +15,7 @@ from ..arm import Arm
 from ..description import catalog
 from ..description.motors import MOTOR_LIMITS
 from ..limits import FIELDS
+from ..places import without_places
 from .options import Json, Radians, takes_arm_or_none
 from .output import console, finding_json, literal, number, print_json, say, shown, table, units
 from .versions import versions_json, versions_text
@@ -47,7 +49,7 @@ def info_json(arm: Arm) -> dict[str, Any]:
     """Everything `info` shows, for programs."""
     return {
         "name": arm.name,
-        "source": arm.source,
+        "source": without_places(arm.source, Path(arm.source)),
         "base": arm.base,
         "tip": arm.tip,
         "n": arm.n,

@@ -8,6 +8,7 @@ import re
 import sys
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
+from pathlib import Path
 from typing import Any, TextIO
 
 import numpy as np
@@ -19,6 +20,7 @@ from ..arm import Arm
 from ..checks import Array
 from ..description.findings import Finding
 from ..errors import printable
+from ..places import without_places
 from ..rotations import to_quaternion_wxyz, to_rpy
 from .grid import Column, Grid
 
@@ -68,17 +70,18 @@ def _in_json(found: re.Match[str]) -> str:
 
 
 def finding_json(finding: Finding) -> dict[str, Any]:
-    """A finding for programs: its place in parts."""
+    """A finding for programs, which may pass it on: its place in parts, and no folder of this machine."""
     place = finding.place
+    here = Path(place.file)
     return {
         "code": finding.code,
         "severity": finding.severity,
-        "file": place.file,
+        "file": without_places(place.file, here),
         "line": place.line,
         "element": place.element,
         "name": place.name,
-        "what": finding.what,
-        "remedy": finding.remedy,
+        "what": without_places(finding.what, here),
+        "remedy": without_places(finding.remedy, here),
         "repaired": finding.repaired,
     }
 

@@ -14,6 +14,7 @@ import numpy as np
 from ..checks import Array
 from ..errors import listed
 from ..files import is_file
+from ..places import without_places
 from ..rotations import from_rpy
 from .document import Reading
 from .packages import PackageIndex
@@ -50,7 +51,7 @@ class Geometries:
         """One finding for all meshes that were not found."""
         if not self._missing:
             return
-        names = list(dict.fromkeys(self._missing))
+        names = [without_places(uri, Path(uri.removeprefix("file://"))) for uri in dict.fromkeys(self._missing)]
         self._reading.note(
             "mesh-missing",
             None,

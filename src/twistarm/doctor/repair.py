@@ -12,13 +12,14 @@ import xml.etree.ElementTree as ET
 from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
+from urllib.parse import unquote
 
 import numpy as np
 
 from ..description.document import Reading
 from ..description.geometry import floats
 from ..description.inertial import inertial_problem
-from ..description.packages import package_index
+from ..description.packages import package_index, package_name
 from ..description.tree import Description, Joint
 from ..description.urdf import build_description
 from ..errors import InputError
@@ -141,6 +142,20 @@ def _moved_uri(uri: str, description: Description, folder: Path) -> str:
     if found:
         return f"package://{found.group(1)}/{uri[found.end() :]}"
     home = description.path.parent if description.path else folder
-    if _SCHEME.match(uri) or os.path.isabs(uri) or home == folder or not is_file(home / uri):
+    if uri.startswith("file://") or os.path.isabs(uri):
+        return _without_root(Path(unquote(uri.removeprefix("file://").removeprefix("localhost"))), folder)
+    if _SCHEME.match(uri) or home == folder or not is_file(home / uri):
         return uri
     return Path(os.path.relpath(home / uri, folder)).as_posix()
+
+
+def _without_root(file: Path, folder: Path) -> str:
+    """A mesh that was named from the root of this machine: its package's, else seen from `folder`; one that is not
+    there by its name alone.
+    """
+    if not is_file(file):
+        return file.name
+    for package in file.parents:
+        if name := package_name(package):
+            return f"package://{name}/{file.relative_to(package).as_posix()}"
+    return Path(os.path.relpath(file, folder)).as_posix()

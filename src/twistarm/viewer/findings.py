@@ -13,6 +13,7 @@ from ..description.findings import Finding, Place, Severity
 from ..doctor import examine_arm
 from ..errors import one_line
 from ..meshes import MeshReader
+from ..places import without_places
 from .board import Message
 from .messages import LONGEST_NAME
 from .nodes import link_path, screw_path
@@ -42,7 +43,8 @@ def examined(arm: Arm, reader: MeshReader | None = None) -> Message:
         found = examine_arm(arm, reader).findings
     except Exception as error:  # whatever ails the doctor, the page lives, and says so
         reason = str(error) or type(error).__name__
-        return _message(arm, arm.findings, one_line(f"From the loading alone: the doctor failed: {reason}"))
+        failed = one_line(f"From the loading alone: the doctor failed: {reason}")
+        return _message(arm, arm.findings, without_places(failed, arm.description.path))
     return _message(arm, found, "")
 
 
@@ -105,12 +107,13 @@ def _message(arm: Arm, findings: Iterable[Finding], note: str) -> Message:
 def _told(arm: Arm, found: Finding) -> dict[str, Any]:
     """A finding in plain text; node null where it is about no single link or joint of the arm."""
     node = node_of(arm, found.place)
+    here = None if arm.description is None else arm.description.path
     return {
         "severity": found.severity,
         "code": found.code,
-        "place": str(found.place),
-        "what": found.what,
-        "remedy": found.remedy,
+        "place": without_places(str(found.place), here),
+        "what": without_places(found.what, here),
+        "remedy": without_places(found.remedy, here),
         "node": node,
         "name": one_line(found.place.name, LONGEST_NAME) if node else "",
     }

@@ -9,6 +9,7 @@ from functools import partial
 from typing import Any
 
 from ..errors import InputError
+from ..places import without_places
 from ..strict_json import counter, decoded, flag, number, numbers, short, text
 from .page_files import page_text
 
@@ -59,7 +60,7 @@ def number_of(message: str | bytes) -> int | None:
 
 def failure(error: Exception) -> dict[str, Any]:
     """The message that tells of an error."""
-    return {"type": "error", "message": str(error) or type(error).__name__}
+    return {"type": "error", "message": without_places(str(error)) or type(error).__name__}
 
 
 def _name(value: Any, name: str) -> str:

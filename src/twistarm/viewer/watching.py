@@ -13,6 +13,7 @@ from ..closing import Closing
 from ..description.document import noted_files
 from ..errors import one_line
 from ..files import as_paths, stamp
+from ..places import without_places
 from .stage import Stage
 
 if TYPE_CHECKING:
@@ -107,7 +108,8 @@ class Watch(Closing):
     def _tell(self, words: str, wrong: bool) -> None:
         self._waiting = False
         if not self._closed.is_set():
-            self._server.notify(f"{time.strftime('%H:%M:%S')} {words}", wrong)
+            told = without_places(words, *self._stamps)
+            self._server.notify(f"{time.strftime('%H:%M:%S')} {told}", wrong)
             self._say(words)
 
 

@@ -8,7 +8,6 @@ from pathlib import Path
 
 from ...errors import DescriptionError, InputError, closest, listed
 from ..findings import Finding, Place, finding, refusal
-from ..packages import PackageIndex
 from .causes import causes
 from .environment import NotSetError
 from .hooks import MISSING_PACKAGE, Expansion
@@ -130,12 +129,12 @@ def unknown_argument(name: str, path: Path, known: Mapping[str, str | None]) -> 
     return InputError(f"{path.name} has no xacro argument {name!r}{closest(name, known)} ({allowed})")
 
 
-def package_finding(path: Path, package: str, packages: PackageIndex) -> Finding:
+def package_finding(path: Path, package: str) -> Finding:
     """A package that is nowhere, and that nothing needed which was opened."""
     return finding(
         "package-not-found",
         Place(path.name),
-        f"$(find {package}): package not found (searched {packages.searched()}); nothing the kinematics needs uses it",
+        f"$(find {package}): package not found; nothing the kinematics needs uses it",
         f"pass package_dirs=[folder that holds {package}] if its files matter",
     )
 

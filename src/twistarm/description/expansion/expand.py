@@ -40,7 +40,7 @@ def expand_xacro(
     for name in expansion.given:
         if name not in known:
             raise unknown_argument(name, path, known)
-    unknown = (package_finding(path, name, packages) for name in sorted(expansion.unknown_packages))
+    unknown = (package_finding(path, name) for name in sorted(expansion.unknown_packages))
     noted = (*unknown, *expansion.environment.findings(), *expansion.left_out.findings(expansion.found.packages))
     return text, noted
 

@@ -1,0 +1,29 @@
+"""What is said about files without where on this machine they lie, for texts that are passed on."""
+
+from __future__ import annotations
+
+import os
+import re
+from pathlib import Path
+
+_ABSOLUTE = re.compile(r"(?<![\w.:/~)}>-])(?:file://(?:localhost)?)?/(?:[^\s/'\"<>|,;()]+/)+([^\s/'\"<>|,;()]*)")
+
+
+def without_places(text: str, *files: Path | None) -> str:
+    """`text` with the path of a file reduced to its name, or to the way from a folder that need not be told.
+
+    Those are the folders above `files`, the home folder and the working one, whatever their names hold; any other
+    path that begins at the root is known by its slashes.
+    """
+    for folder in _folders(files):
+        text = re.sub(rf"(?<![\w.:~)}}>-])(?:file://(?:localhost)?)?{re.escape(folder)}(?:/|(?![\w.-]))", "", text)
+    return _ABSOLUTE.sub(r"\1", text)
+
+
+def _folders(files: tuple[Path | None, ...]) -> list[str]:
+    """The longest first, the root left out."""
+    known = {Path.home(), Path.home().resolve(), Path(os.path.abspath("."))}
+    for file in files:
+        if file is not None and file.is_absolute():
+            known.update(file.parents)
+    return sorted((str(folder) for folder in known if folder != Path(folder.anchor)), key=len, reverse=True)
