@@ -36,7 +36,7 @@ class Target:
     def open(self, source: str = "", receive: int = 0) -> socket.socket:
         """A connection, from `source` where it is given, with a window of `receive` bytes."""
         made = socket.socket()
-        made.settimeout(2.0)
+        made.settimeout(5.0)
         if receive:
             made.setsockopt(socket.SOL_SOCKET, socket.SO_RCVBUF, receive)
         if source or self.source:

@@ -88,7 +88,7 @@ class Visitor(IOStream):
         self, connection: socket.socket, peer: Peer, ports: tuple[int, int], left: Callable[[Visitor], None]
     ) -> None:
         """ports: the peer's and ours. left: told once it is closed."""
-        super().__init__(connection, read_chunk_size=LARGEST_HEAD)
+        super().__init__(connection, read_chunk_size=LARGEST_HEAD + 1)  # too large a head is seen at once
         self.peer, self.ports = peer, ports
         self.known = self.page = False
         self._left = left
