@@ -42,7 +42,7 @@ class NativeChain:
         tool = last.actInv(self._pin.SE3(home))
         frame = self._pin.Frame("tool", joint, 0, tool, self._pin.FrameType.OP_FRAME)
         self._tool = self.model.addFrame(frame)
-        self._data = self.model.createData()
+        self._data = self._pin.Data(self.model)
 
     def kinematics(self, x: Array) -> tuple[Array, Array, Array]:
         """g_st (..., 4, 4), J^s and J^b (..., 6, m) at the joint values x (..., m)."""

@@ -18,8 +18,8 @@ from .description.findings import refusal
 from .description.tree import Description
 
 MAX_MOVING_JOINTS = 150
-"""Pinocchio's data holds four tensors of nv³ numbers: 0.12 GB here, and the doctor has two. A humanoid with two whole
-hands has some 80."""
+"""Pinocchio's data holds four tensors of nv³ numbers: 0.12 GB here, and the doctor has two. The largest robot
+known, tiago_dual with two hands, has 101."""
 
 _WHEEL = wheels.Wheel(
     "pinocchio",
