@@ -718,7 +718,9 @@ BESIDE = {
     "limits of 3,000 joints in YAML": toml(
         lambda: 'joint_limits = "joint_limits.yaml"\n',
         arm=lambda: links(3_000, lambda i: "tool"),
-        joint_limits_yaml=lambda: "joint_limits:\n" + times(3_000, "  k{0}:\n    max_velocity: 1\n"),
+        joint_limits_yaml=lambda: (
+            "joint_limits:\n  j1:\n    max_velocity: 1\n" + times(3_000, "  k{0}:\n    max_velocity: 1\n")
+        ),
     ),
 }
 
