@@ -17,7 +17,7 @@ REFUSED = {
     "includes_itself.xacro": ("xacro-recursion", "an included file refers to itself without end"),
     "includes_zeros_without_end.xacro": ("file-outside-packages", "/dev/zero lies outside the folders"),
     "loads_zeros_without_end.xacro": ("file-outside-packages", "/dev/zero lies outside the folders"),
-    "names_of_thousands.urdf": ("link-undefined", "names_of_thousands.urdf:14: joint 'jjj"),
+    "names_of_thousands.urdf": ("name-too-long", "names_of_thousands.urdf:14: joint 'jjj"),
     "number_beyond_all_numbers.toml": ("arm-file-unusable", "limits.a.upper must be a number"),
     "number_beyond_all_numbers.yaml": ("limits-unusable", "joint 'a': max_velocity must be a number"),
     "source_of_itself.toml": ("xml-malformed", "is it a URDF or xacro file?"),
