@@ -9,7 +9,7 @@ import pytest
 
 from hostile.doors import LINKS, MANIFEST, Reader, lay, link, reader, swapping, texts
 from hostile.sandbox import TOKEN, XMLNS
-from twistarm import load_arm
+from twistarm import Arm, load_arm
 from twistarm.cli.application import run
 from twistarm.description.beside import files_beside
 from twistarm.description.expansion.confinement import confinement
@@ -18,7 +18,7 @@ from twistarm.description.expansion.work import Refused
 from twistarm.description.packages import package_index
 from twistarm.description.urdf import read_description
 from twistarm.errors import DescriptionError, InputError
-from urdf_text import write
+from urdf_text import joint, write
 from xacro_text import as_xacro
 
 PART = f'<robot {XMLNS}><link name="part"/></robot>'
@@ -48,6 +48,35 @@ def test_no_link_of_an_archive_opens_what_it_points_at(case: str, victim: Reader
         path.write_text(text)
         for package_dirs in ((), (victim.archive,), (victim.archive / "arm", victim.archive)):
             assert TOKEN not in read(path, *package_dirs), reading
+
+
+@pytest.mark.parametrize("named", ["~/ros_ws/src", "../../../ros_ws/src", "@HOME/ros_ws"])
+def test_an_arm_file_opens_no_package_far_from_it_but_its_meshes(named: str, victim: Reader) -> None:
+    """Whoever wrote the archive knows where packages usually stand; a mesh is drawn, and cannot be quoted."""
+    cube = victim.secret / "meshes" / "cube.stl"
+    lay(victim.secret, {"meshes/cube.stl": "solid"})
+    mesh = '<visual><geometry><mesh filename="$(find secret)/meshes/cube.stl"/></geometry></visual>'
+    links = f'<link name="base">{mesh}</link><link name="tip"/>{joint("a", "base", "tip")}'
+    robot = f'<robot name="arm" {XMLNS}>{{}}{links}</robot>'
+    key = '<xacro:include filename="$(find secret)/urdf/key.xacro"/>'
+    folders = f'package_dirs = ["{named.replace("@HOME", str(victim.home))}"]'
+    path = victim.archive / "arm" / "arm.toml"
+
+    def loaded(text: str, **options: object) -> Arm:
+        lay(path.parent, {"arm.toml": f'source = "arm.xacro"\n{folders}', "arm.xacro": text})
+        return load_arm(path, **options)  # type: ignore[arg-type]
+
+    description = loaded(robot.format("")).description
+    assert description is not None
+    assert description.links["base"].visuals[0].mesh == cube
+    for reading, text in texts(victim.secret):
+        with pytest.raises(DescriptionError) as caught:
+            loaded(text)
+        assert TOKEN not in str(caught.value), reading
+    with pytest.raises(DescriptionError, match="which the arm.toml alone names: .* pass package_dirs"):
+        loaded(robot.format(key))
+    with pytest.raises(DescriptionError, match=f"two root links|{TOKEN}"):  # whoever names it himself opens it
+        loaded(robot.format(key), package_dirs=[victim.home / "ros_ws" / "src"])
 
 
 def test_whoever_names_the_workspace_or_has_sourced_it_opens_its_packages(

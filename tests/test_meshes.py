@@ -122,9 +122,10 @@ def test_a_module_beside_the_description_is_never_imported(tmp_path: Path) -> No
     for name in ("numpy", "trimesh", "json", "collada"):
         (tmp_path / f"{name}.py").write_text(f"open({str(tmp_path / 'ran')!r}, 'w')\n")
     program = (
-        "import sys; sys.path[:] = [f for f in sys.path if f]; import twistarm, os; from pathlib import Path;"
+        "import sys; sys.path[:] = [f for f in sys.path if f]; import os; from pathlib import Path;"
+        "from twistarm.meshes.reader import MeshReader;"
         f"os.chdir({str(tmp_path)!r}); sys.path.insert(0, ''); sys.path.insert(0, os.getcwd());"
-        "from twistarm.meshes.reader import MeshReader; print(len(MeshReader().parts(Path('a.stl'))[0].faces))"
+        "print(len(MeshReader().parts(Path('a.stl'))[0].faces))"
     )
     done = subprocess.run(
         [sys.executable, "-I", "-c", program], capture_output=True, text=True, timeout=60, check=False

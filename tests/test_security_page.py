@@ -8,9 +8,11 @@ from pathlib import Path
 import pytest
 
 from twistarm import baking, golden, pinocchio_model
+from twistarm.cli import csv_rows
 from twistarm.description import document, structure, toml_entries
 from twistarm.description.expansion import confinement
 from twistarm.meshes import limits
+from twistarm.stream import recording
 from twistarm.viewer import door, visitor
 
 PAGE = (Path(__file__).parents[1] / "SECURITY.md").read_text("utf-8")
@@ -25,6 +27,8 @@ FIGURES = {
     "memory of the process that reads meshes": ("1,200 MB", limits.MEMORY / 1e6),
     "processor time for the meshes of an arm": ("90 s", limits.ARM_SECONDS_AT_MOST),
     "a golden file, an `arm.json`": ("10 MB", golden.MAX_BYTES / 1e6),
+    "postures and targets in CSV": ("15 MB", csv_rows.BOUNDS.bytes / 1e6),
+    "a recording": ("200 MB", recording.BOUNDS.bytes / 1e6),
     "an `arm.toml`": ("64 kB", toml_entries.MAX_BYTES / 1e3),
 }
 

@@ -177,6 +177,7 @@ def read(specification: ArmSpecification) -> Description:
     return read_description(
         specification.description,
         package_dirs=specification.package_dirs,
+        mesh_dirs=specification.mesh_dirs,
         xacro_args=specification.xacro_args,
         without=specification.without,
         env=specification.env,

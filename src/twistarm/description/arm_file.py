@@ -15,6 +15,7 @@ from ..errors import InputError
 from ..files import as_path, is_file
 from ..limits import FIELDS
 from ..rotations import from_rpy
+from .copies import is_too_wide
 from .findings import Place, refusal
 from .motors import Motor, read_motors
 from .packages import package_names
@@ -34,8 +35,9 @@ class ArmSpecification:
     """What is to be loaded: a description file and what is said about it, SI units and radians.
 
     `source` is what the user named: the description itself, an arm.toml or a name of the catalogue. `other_chain`
-    tells that the caller has asked for another base or tip, so that not all of the rest need fit. `env`, the variables
-    that the description may know, is the caller's alone: an arm.toml may be a stranger's.
+    tells that the caller has asked for another base or tip, so that not all of the rest need fit. An arm.toml may be a
+    stranger's: `env`, the variables that the description may know, is the caller's alone, and `mesh_dirs` are what it
+    names as folders with packages elsewhere in the home folder or the system, from which nothing but meshes is read.
     """
 
     description: Path
@@ -45,6 +47,7 @@ class ArmSpecification:
     tip: str | None = None
     tool: Tool | None = None
     package_dirs: tuple[str | os.PathLike[str], ...] = ()
+    mesh_dirs: tuple[Path, ...] = ()
     xacro_args: Mapping[str, object] = field(default_factory=dict)
     without: tuple[str, ...] = ()
     env: tuple[str, ...] = ()
@@ -70,6 +73,8 @@ def read_arm_file(path: Path) -> ArmSpecification:
             text_of(content[key], key, path)
     if "source" not in content:
         raise unusable(path, 'it names no source: write source = "my_arm.urdf"')
+    folders = _folders(content, path)
+    far = tuple(folder for folder in folders if _is_elsewhere(folder, path))
     return ArmSpecification(
         description=_file(content["source"], "source", path),
         source=str(path),
@@ -78,7 +83,8 @@ def read_arm_file(path: Path) -> ArmSpecification:
         tip=content.get("tip"),
         tool=_tool(content, path),
         xacro_args=table_of(content, "xacro_args", path),
-        package_dirs=_folders(content, path),
+        package_dirs=tuple(folder for folder in folders if folder not in far),
+        mesh_dirs=far,
         without=_without(content, path),
         limits=_limits(content, path),
         locked=_locked(content, path),
@@ -118,6 +124,12 @@ def _folders(content: Mapping[str, Any], path: Path) -> tuple[Path, ...]:
             what = f"package_dirs names {name!r}; there is no such folder beside it"
             raise refusal("file-not-found", Place(str(path)), what, "correct the path")
     return found
+
+
+def _is_elsewhere(folder: Path, path: Path) -> bool:
+    """Whether the way from the arm.toml to `folder` leads through the home folder, or one that holds it."""
+    ends = os.path.realpath(folder), os.path.realpath(path.parent)
+    return is_too_wide(Path(os.path.commonpath(ends)))
 
 
 def _locked(content: Mapping[str, Any], path: Path) -> dict[str, float]:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import functools
 import os
 import re
 from collections.abc import Callable, Iterable, Iterator
@@ -44,11 +45,12 @@ class PackageIndex:
 
     Searched in this order: the folders the user names, each parent of the description with its children and those of
     its `src`, `<prefix>/share/*` of AMENT_PREFIX_PATH, and ROS_PACKAGE_PATH. Where no package.xml has the name, a copy
-    in the first two places may bear it (`find_copy`).
+    in the first two places may bear it (`find_copy`). `mesh_dirs`, last, hold packages for meshes alone.
     """
 
     file: Path
     user_dirs: tuple[Path, ...] = ()
+    mesh_dirs: tuple[Path, ...] = ()
     _copies: dict[tuple[str, bool], Path | None] = field(default_factory=dict, repr=False, compare=False)
     _found: dict[str, Path | None] = field(default_factory=dict, repr=False, compare=False)
     _by_name: dict[str, list[Path]] = field(default_factory=dict, repr=False, compare=False)
@@ -61,7 +63,19 @@ class PackageIndex:
 
     def find_for_mesh(self, package: str) -> Path | None:
         """As `find`, and a folder of that name whatever it holds: a mesh is drawn, it cannot be quoted."""
-        return self.find(package) or self._copy(package, marked=False)
+        return self.find(package) or self._copy(package, marked=False) or self.find_for_mesh_alone(package)
+
+    def find_for_mesh_alone(self, package: str) -> Path | None:
+        """The folder of `package` in `mesh_dirs`, or None: no text there is read."""
+        return self._in_mesh_dirs.get(package)
+
+    @functools.cached_property
+    def _in_mesh_dirs(self) -> dict[str, Path]:
+        """Packages by the name in their package.xml, and folders by their own where no package has it."""
+        walk = self._walk("package_dirs")
+        folders = [folder for top in self.mesh_dirs for folder in walk.through(top, MAX_DEPTH)]
+        named = [(name, folder) for folder in folders if (name := package_name(folder))]
+        return dict(reversed([*named, *((folder.name, folder) for folder in folders)]))
 
     def is_copy(self, folder: Path) -> bool:
         """Whether `find` has answered with that folder, which no package.xml names."""
@@ -89,7 +103,7 @@ class PackageIndex:
 
     def searched(self) -> str:
         """Where a package was looked for, in words."""
-        places = [str(path) for path in self.user_dirs]
+        places = [str(path) for path in (*self.user_dirs, *self.mesh_dirs)]
         places.append(f"the folders above {self.file.name}")
         places += [name for name in ("AMENT_PREFIX_PATH", "ROS_PACKAGE_PATH") if os.environ.get(name)]
         return ", ".join(places) + "".join(self._unseen)
@@ -179,11 +193,16 @@ class Walk:
         return new or not entry.is_symlink()
 
 
-def package_index(file: Path, user_dirs: Iterable[str | os.PathLike[str]] = ()) -> PackageIndex:
+def package_index(
+    file: Path,
+    user_dirs: Iterable[str | os.PathLike[str]] = (),
+    mesh_dirs: Iterable[str | os.PathLike[str]] = (),
+) -> PackageIndex:
     """The index for one description; InputError for a user's folder that does not exist."""
     if isinstance(user_dirs, (str, os.PathLike)):
         user_dirs = [user_dirs]
-    return PackageIndex(file.resolve(), tuple(_users_folder(as_path(folder)) for folder in user_dirs))
+    users, meshes = (tuple(_users_folder(as_path(folder)) for folder in dirs) for dirs in (user_dirs, mesh_dirs))
+    return PackageIndex(file.resolve(), users, meshes)
 
 
 def _users_folder(folder: Path) -> Path:

@@ -44,12 +44,13 @@ def read_description(
     path: str | os.PathLike[str],
     *,
     package_dirs: Iterable[str | os.PathLike[str]] = (),
+    mesh_dirs: Iterable[str | os.PathLike[str]] = (),
     xacro_args: Mapping[str, object] | None = None,
     without: Iterable[str] = (),
     env: Iterable[str] = (),
 ) -> Description:
-    """The description in a URDF or xacro file; `without`: packages whose parts are left out; `env`: the
-    environment variables that it may know (`expand_xacro`).
+    """The description in a URDF or xacro file; `mesh_dirs`: folders with packages of which meshes alone are read;
+    `without`: packages whose parts are left out; `env`: the environment variables that it may know (`expand_xacro`).
 
     Raises DescriptionError (file, element, remedy) for what cannot be a robot: not XML, two roots, a cycle, an
     undefined link, a duplicate name, a zero axis on a moving joint, a number that is none.
@@ -59,7 +60,7 @@ def read_description(
         remedy = "give a URDF or xacro file, an arm.toml or a catalogue name"
         raise refusal("file-not-found", Place(str(file)), why, remedy)
     file = file.resolve()
-    packages = package_index(file, package_dirs)
+    packages = package_index(file, package_dirs, mesh_dirs)
     if is_xacro(file):
         text, noted = expand_xacro(file, packages, xacro_args, without, env)
         reading = Reading(file, packages, show_lines=False)

@@ -56,7 +56,12 @@ def _missing_package(package: str, wanted: Path, expansion: Expansion, place: Pl
         "pass package_dirs=[folder that holds it], or where the arm can do without it (a sensor's, a gripper's, a "
         f"simulator's) without=[{package!r}]"
     )
-    if near := _folder_with(wanted, expansion):
+    if far := expansion.packages.find_for_mesh_alone(package):
+        what = (
+            f"package {package!r} stands in {far}, which the arm.toml alone names: of packages that far from it meshes "
+            "are drawn, and nothing is included"
+        )
+    elif near := _folder_with(wanted, expansion):
         what += f"; the file that is asked for, {wanted}, stands in {near}"
         remedy = f"if that folder is the package, name it {package}; else {remedy}"
     elif (beside := expansion.path.parent / wanted.name).is_file():

@@ -211,7 +211,8 @@ class Expansion:
 
     def find(self, package: str) -> str:
         """What stands for the folder of a package."""
-        if self.packages.find(package) is None and package not in self.left_out.packages:
+        known = self.packages.find(package) or self.packages.find_for_mesh_alone(package)
+        if known is None and package not in self.left_out.packages:
             self.unknown_packages.add(package)
         if not is_package_name(package):
             return MISSING_PACKAGE + package
