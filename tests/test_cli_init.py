@@ -29,6 +29,12 @@ def test_init_writes_an_arm_toml_that_every_command_takes(folder: Path, capsys: 
     assert answer(capsys, "fk", "arm.toml")["position"] == answer(capsys, "fk", "arm.urdf")["position"]
 
 
+def test_a_link_in_a_circle_is_replaced(folder: Path, capsys: Capture) -> None:
+    (folder / "loop.toml").symlink_to("loop.toml")
+    assert run(["init", "arm.urdf", "-o", "loop.toml"]) == 0, capsys.readouterr().err
+    assert (folder / "loop.toml").is_file()
+
+
 def test_init_never_overwrites_unasked(folder: Path, capsys: Capture) -> None:
     write(folder, "mine", "arm.toml")
     assert error_of(capsys, "init", "arm.urdf") == (

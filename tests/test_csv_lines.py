@@ -66,7 +66,11 @@ def test_what_has_no_end_is_left_soon(text: bytes, said: str) -> None:
     assert pipe.given < 1_000_000 + 2 * MAX_LINE
 
 
-def test_a_line_too_long_is_never_cut_into_two(tmp_path: Path) -> None:
-    (tmp_path / "old.csv").write_bytes(b"1,2\r" * MAX_LINE)
+LONG = "é" * (MAX_LINE - 1) + "\n"
+
+
+@pytest.mark.parametrize("text", ["1,2\r" * MAX_LINE, LONG, f"x\n{LONG}"], ids=["old", "first", "second"])
+def test_a_line_too_long_is_never_cut_into_two(text: str, tmp_path: Path) -> None:
+    (tmp_path / "old.csv").write_bytes(text.encode())
     with pytest.raises(InputError, match="more than 100,000 characters"):
         list(csv_lines(tmp_path / "old.csv", Bounds(bytes=10**9, lines=10**9)))

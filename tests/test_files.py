@@ -127,3 +127,11 @@ def test_an_opened_file_lies_where_it_lies_whatever_its_name_means_by_now(tmp_pa
         (tmp_path / "outside" / "a.yaml").unlink()
         with pytest.raises(OSError, match="it was deleted"):
             opened_path(file)
+
+
+def test_what_is_no_regular_file_is_never_read(tmp_path):
+    os.mkfifo(tmp_path / "pipe")
+    (tmp_path / "zero").symlink_to("/dev/zero")
+    for name in ("pipe", "zero", "."):
+        with pytest.raises(OSError, match="it is no regular file"):
+            open_regular(tmp_path / name)

@@ -86,3 +86,13 @@ def test_a_path_is_told_by_its_name(text: str, told: str, monkeypatch: pytest.Mo
     monkeypatch.setenv("HOME", "/no/such home")
     text = text.replace("HOME", "/no/such home").replace("HERE", "/other folder/my arm")
     assert without_places(text, Path("/other folder/my arm/arm.urdf")) == told
+
+
+def test_texts_are_told_where_there_is_no_home_and_no_working_folder(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    (tmp_path / "gone").mkdir()
+    monkeypatch.chdir(tmp_path / "gone")
+    (tmp_path / "gone").rmdir()
+    monkeypatch.setattr("os.path.expanduser", lambda path: path)  # as for a user of no name
+    assert without_places("see /srv/arms/a.urdf") == "see a.urdf"

@@ -223,7 +223,9 @@ def until(holds: object, seconds: float = 30.0) -> None:
 
 def test_nonsense_from_the_process_is_an_answer_that_is_none(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     path = box(tmp_path / "a.stl")
-    for head in (b"[]\n", b"{", b'{"parts": [{"vertices": 3, "faces": 1e9}]}\n', b'{"parts": [{}]}\n'):
+    many = ", ".join(['{"vertices": 2000000, "faces": 1, "colour": null}'] * 2).encode()
+    heads = b"[]\n", b"{", b'{"parts": [{"vertices": 3, "faces": 1e9}]}\n', b'{"parts": [{}]}\n', b"[" * 100_000 + b"\n"
+    for head in (*heads, b'{"seconds": 1%s}\n' % (b"0" * 400), b'{"parts": [%s]}\n' % many):
         asked = MeshReader()
         with asked:
             asked.length(path)
@@ -233,3 +235,12 @@ def test_nonsense_from_the_process_is_an_answer_that_is_none(tmp_path: Path, mon
             with pytest.raises(TwistarmError, match="came to nonsense|takes more than"):
                 asked.parts(path)
         monkeypatch.undo()
+
+
+def test_a_process_that_says_no_more_and_does_not_end_is_ended(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(process, "PROGRAM", "import os, time; os.close(1); time.sleep(60)")
+    mute, began = process.Process(), time.monotonic()
+    with pytest.raises(TwistarmError, match="did not begin: TimeoutError"):
+        mute.ask({}, 1.0)
+    assert time.monotonic() - began < 10.0
+    assert not mute.alive

@@ -15,7 +15,7 @@ from .errors import InputError
 from .files import as_path, open_regular, why_no_file
 
 MAX_LINE = 100_000
-"""Characters of a line: a thousand columns of numbers with all their digits are 20,000."""
+"""Characters of a line, in UTF-8 bytes: a thousand columns of numbers with all their digits are 20,000."""
 
 
 _FORMULA = re.compile(r"'*\s*[=+\-@＝＋－＠]|'*[\t\r\n]")
@@ -80,6 +80,8 @@ _ENDS = re.compile(r"[^\r\n]*(?:\r\n?|\n)|[^\r\n]+")
 
 
 def _decoded(line: bytes) -> str:
+    if len(line) > MAX_LINE:
+        return line.decode("latin-1")  # as many characters as bytes: too long a piece stays too long
     try:
         return line.decode("utf-8")
     except UnicodeDecodeError:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import os
 import re
+from contextlib import suppress
 from pathlib import Path
 
 _ABSOLUTE = re.compile(r"(?<![\w.:/~)}>-])(?:file://(?:localhost)?)?/(?:[^\s/'\"<>|,;()]+/)+([^\s/'\"<>|,;()]*)")
@@ -22,7 +23,10 @@ def without_places(text: str, *files: Path | None) -> str:
 
 def _folders(files: tuple[Path | None, ...]) -> list[str]:
     """The longest first, the root left out."""
-    known = {Path.home(), Path.home().resolve(), Path(os.path.abspath("."))}
+    home = os.path.expanduser("~")  # as it is for a user that has none
+    known = {Path(home), Path(os.path.realpath(home))} if os.path.isabs(home) else set()
+    with suppress(OSError):  # the working folder was deleted
+        known.add(Path.cwd())
     for file in files:
         if file is not None and file.is_absolute():
             known.update(file.parents)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 from pathlib import Path
 from typing import Annotated
 
@@ -36,7 +37,7 @@ def init(
         raise InputError(f"an arm file is named *.toml; got {output}")
     draft = draft_arm_file(
         file,
-        Path(output).resolve().parent,
+        Path(os.path.realpath(output)).parent,
         base=base,
         tip=tip,
         package_dirs=package_dir or (),

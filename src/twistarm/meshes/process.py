@@ -110,7 +110,7 @@ class Process:
         try:
             self._popen.stdin.write(json.dumps(request).encode("ascii") + b"\n")
         except BrokenPipeError:
-            raise EndedError(self._popen.wait()) from None
+            raise self._ended() from None
 
     def _line(self) -> bytes:
         while (end := self._came.find(b"\n", 0, LARGEST_HEAD)) < 0:
@@ -138,8 +138,15 @@ class Process:
             raise TimeoutError
         data = os.read(self._popen.stdout.fileno(), CHUNK)
         if not data:
-            raise EndedError(self._popen.wait())
+            raise self._ended()
         self._came += data
+
+    def _ended(self) -> EndedError | TimeoutError:
+        """Why nothing comes any more: its end, or that it goes on without a word."""
+        try:
+            return EndedError(self._popen.wait(LAST))
+        except subprocess.TimeoutExpired:
+            return TimeoutError()
 
 
 def _module_path() -> list[str]:

@@ -14,6 +14,7 @@ from typing import Any
 import numpy as np
 
 from ..checks import Array
+from ..strict_json import parsed
 from .limits import LONGEST, PARTS, TRIANGLES
 from .part import Part
 
@@ -53,7 +54,7 @@ def answer_of(parts: list[Part]) -> tuple[dict[str, Any], list[Any]]:
 def head_of(line: bytes) -> dict[str, Any]:
     """The head in a line; BrokenAnswerError where it is none."""
     try:
-        head = json.loads(line)
+        head = parsed(line.decode("ascii"))
     except ValueError as error:
         raise BrokenAnswerError from error
     if not isinstance(head, dict):
@@ -66,15 +67,14 @@ def parts_of(head: dict[str, Any], read: Read) -> list[Part]:
     told = head.get("parts")
     if not isinstance(told, list) or not 0 < len(told) <= PARTS or not all(isinstance(one, dict) for one in told):
         raise BrokenAnswerError
-    if sum(_count(one, "faces") for one in told) > TRIANGLES:
-        raise BrokenAnswerError
+    for what, most in (("faces", TRIANGLES), ("vertices", 3 * TRIANGLES)):
+        if sum(_count(one, what) for one in told) > most:
+            raise BrokenAnswerError
     return [_part(one, read) for one in told]
 
 
 def _part(told: dict[str, Any], read: Read) -> Part:
     count, colour = _count(told, "vertices"), told.get("colour")
-    if count > 3 * TRIANGLES:
-        raise BrokenAnswerError
     vertices, normals = (np.frombuffer(read(24 * count), FLOAT).reshape(-1, 3) for _ in range(2))
     faces = np.frombuffer(read(24 * _count(told, "faces")), INTEGER).reshape(-1, 3)
     fitting = _within(vertices, 2 * LONGEST) and _within(normals, 2.0) and faces.min() >= 0 and faces.max() < count

@@ -125,8 +125,10 @@ class _Allowance:
     def __init__(self) -> None:
         self.size = 0
         self._began = time.process_time()
+        self.more(0)  # the last mesh's may be almost over
 
     def more(self, size: int) -> None:
         self.size += size
-        end = int(self._began + seconds_for(self.size)) + 1
-        resource.setrlimit(resource.RLIMIT_CPU, (end, resource.getrlimit(resource.RLIMIT_CPU)[1]))
+        end, most = int(self._began + seconds_for(self.size)) + 1, resource.getrlimit(resource.RLIMIT_CPU)[1]
+        soft = end if most == resource.RLIM_INFINITY else min(end, most)  # a user's own limit stays
+        resource.setrlimit(resource.RLIMIT_CPU, (soft, most))

@@ -206,8 +206,11 @@ class Expansion:
         return self._confinement.read(name)
 
     def _folder(self, package: str) -> str:
-        special = {".": str(self.path.parent), WORKING_FOLDER: os.getcwd()}
-        return special.get(package) or str(self.packages.find(package) or MISSING_PACKAGE + package)
+        if package == ".":
+            return str(self.path.parent)
+        if package == WORKING_FOLDER:
+            return os.getcwd()
+        return str(self.packages.find(package) or MISSING_PACKAGE + package)
 
     def find(self, package: str) -> str:
         """What stands for the folder of a package."""
