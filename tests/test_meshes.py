@@ -110,6 +110,33 @@ def test_processor_time_and_memory_are_limited_by_the_system(tmp_path: Path) -> 
         assert time.monotonic() - began < limits.PATIENCE * 3.0
 
 
+CONFINED = """
+import os, resource, socket, subprocess
+from twistarm.meshes import limits, worker
+assert worker._prepare() == ""
+worker._Allowance()
+assert resource.getrlimit(resource.RLIMIT_CPU)[0] <= limits.SECONDS + 10.0
+assert resource.getrlimit(resource.RLIMIT_FSIZE) == resource.getrlimit(resource.RLIMIT_CORE) == (0, 0)
+print(resource.getrlimit(resource.RLIMIT_AS)[1])
+connection = socket.socket()
+for act in (lambda: subprocess.run(["true"]), os.fork, lambda: os.system("true"), lambda: os.remove("a"),
+            lambda: connection.connect(("127.0.0.1", 9))):
+    try:
+        act()
+    except PermissionError:
+        continue
+    os._exit(1)
+"""
+
+
+def test_the_process_has_its_limits_and_starts_connects_and_removes_nothing(tmp_path: Path) -> None:
+    done = subprocess.run(
+        [sys.executable, "-c", CONFINED], capture_output=True, text=True, timeout=60, check=False, cwd=tmp_path
+    )
+    assert done.returncode == 0, done.stderr
+    assert sys.platform == "darwin" or int(done.stdout) == limits.MEMORY
+
+
 def test_what_was_read_is_not_read_again_for_its_length(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     with MeshReader() as meshes:
         meshes.parts(box(tmp_path / "a.stl"))
