@@ -15,7 +15,8 @@ import trimesh
 from hostile.meshes import CASES, fan, instances, lay
 from twistarm import diagnose, load_arm
 from twistarm.errors import InputError, TwistarmError
-from twistarm.meshes import MeshReader, UnreadableMeshError, limits, process, reader
+from twistarm.meshes import MeshReader, UnreadableMeshError, limits, loading, process, reader
+from twistarm.meshes.mesh_file import RefusedError
 from twistarm.viewer import Viewer
 from twistarm.viewer.scene import Scene
 
@@ -135,6 +136,12 @@ def test_the_process_has_its_limits_and_starts_connects_and_removes_nothing(tmp_
     )
     assert done.returncode == 0, done.stderr
     assert sys.platform == "darwin" or int(done.stdout) == limits.MEMORY
+
+
+@pytest.mark.parametrize(("triangles", "parts"), [(0, 0), (limits.TRIANGLES + 1, 1), (6000, limits.PARTS + 1)])
+def test_no_file_has_nothing_or_more_than_can_be_drawn(triangles: int, parts: int) -> None:
+    with pytest.raises(RefusedError, match=r"it holds (no triangles|1,000,001 triangles|5,001 parts)"):
+        loading._require_few(triangles, parts)
 
 
 def test_what_was_read_is_not_read_again_for_its_length(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:

@@ -107,6 +107,17 @@ def test_a_computer_with_every_page_gives_one_up_for_another_s(viewer: Viewer) -
         page.close()
 
 
+def test_who_knows_the_token_has_places_too_and_no_more(viewer: Viewer) -> None:
+    here, most = target(viewer), viewer._server.door._places
+    with ExitStack() as stack:
+        first = stack.enter_context(here.open())
+        for each in (first, *(stack.enter_context(here.open()) for _ in range(most))):
+            each.sendall(here.head("nothing.js"))
+            each.recv(1)
+        assert is_closed(first)
+        assert len(known(viewer)) == most
+
+
 @two_computers
 def test_strangers_of_one_computer_do_not_crowd_out_those_of_another(viewer: Viewer) -> None:
     with target(viewer).open() as honest, ExitStack() as stack:

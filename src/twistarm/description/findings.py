@@ -217,13 +217,6 @@ class Findings:
         return (*self.kept, *rest)
 
 
-def at_most(findings: Iterable[Finding], place: Place) -> tuple[Finding, ...]:
-    """`findings`, no more of one code than anybody reads."""
-    noted = Findings()
-    noted.take(findings)
-    return noted.told(place)
-
-
 def finding(code: str, place: Place, what: str, remedy: str, *, repaired: bool = False) -> Finding:
     """A finding with the severity that belongs to its code."""
     return Finding(code, CODES[code].severity, place, one_line(what, LONGEST_WHAT), remedy, repaired)
