@@ -202,6 +202,18 @@ def test_a_reader_that_is_closed_gives_up_what_it_reads(tmp_path: Path) -> None:
         viewer._server.scene.reader.parts(box(tmp_path / "a.stl"))
 
 
+def test_all_triangles_can_be_asked_for_while_a_mesh_is_read_for_long(tmp_path: Path) -> None:
+    (tmp_path / "meshes").mkdir()
+    with Viewer(load_arm(lay(CASES["dae: instances nested 4^14"], tmp_path / "meshes")), open_browser=False) as viewer:
+        server = viewer._server
+        until(lambda: server.scene.reader._asking)
+        first, began = server.scene.reader, time.monotonic()
+        server.ask(lambda stage: server._draw_exactly(True))
+        assert server.scene.reader is not first
+        viewer.close()
+        assert time.monotonic() - began < 1.0
+
+
 @pytest.mark.skipif(not Path("/proc/self/environ").exists(), reason="processes are looked for in /proc")
 @pytest.mark.parametrize(
     ("command", "how"),

@@ -35,8 +35,8 @@ class Scene:
         self._pieces: dict[str, Drawn] = {}  # by node
         self._places: dict[str, range] = {}  # in `objects`, of each mesh drawn
         self._meshes: Iterator[Drawn]
-        self.reader = MeshReader()
-        self._lock = threading.Lock()
+        self.reader = self._reading = MeshReader()
+        self._turn, self._lock = threading.Lock(), threading.Lock()
         if arm.description is None:
             self.objects += draw_rods(arm)
         else:
@@ -60,28 +60,41 @@ class Scene:
         return Scene(arm, self.exact, {piece.source: piece for piece in self._pieces.values() if piece.drawn})
 
     def draw_again(self, exact: bool) -> None:
-        """Begin anew with the meshes, in the place of those drawn, with all their triangles or simplified."""
+        """Begin anew with the meshes, in the place of those drawn, with all their triangles or simplified.
+
+        Returns at once, whatever is being read: what comes of that is dropped.
+        """
         with self._lock:
             self.exact = exact
             self._begin()
 
     def draw(self) -> bool:
         """Draw the next mesh; False where none is left."""
-        with self._lock:
-            piece = next(self._meshes, None)
-            if piece is None:
-                self.reader.rest()
-                return False
-            self._replace(piece)
-            self.simplified = self.simplified or not piece.exact
-            if piece.note and piece.note not in self.notes:
-                self.notes += (piece.note,)
-            self.left -= 1
-            return True
+        with self._turn:  # one reads at a time
+            with self._lock:
+                meshes, self._reading = self._meshes, self.reader
+            piece = next(meshes, None)
+            with self._lock:
+                anew = meshes is not self._meshes
+                if anew or piece is None:
+                    self._reading.rest()
+                else:
+                    self._add(piece)
+                return anew or piece is not None
+
+    def _add(self, piece: Drawn) -> None:
+        self._replace(piece)
+        self.simplified = self.simplified or not piece.exact
+        if piece.note and piece.note not in self.notes:
+            self.notes += (piece.note,)
+        self.left -= 1
 
     def close(self) -> None:
         """Draw no more mesh; the one that is being read is given up. From any thread."""
-        self.reader.close()
+        with self._lock:
+            readers = {self.reader, self._reading}
+        for each in readers:
+            each.close()
 
     def _replace(self, piece: Drawn) -> None:
         if piece.node in self._places and not piece.drawn:
