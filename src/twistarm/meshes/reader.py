@@ -115,13 +115,13 @@ class MeshReader(Closing):
             self._asking = False
 
     def _require_process(self) -> None:
-        if self._unavailable is not None:
-            raise self._unavailable
-        if find_spec("trimesh") is None:
-            raise missing_extra("drawing a mesh", "trimesh", "view")
         with self._lock:
             if self._closed:
                 raise InputError("the reader of meshes was closed")
+            if self._unavailable is not None:
+                raise self._unavailable
+            if find_spec("trimesh") is None:
+                raise missing_extra("drawing a mesh", "trimesh", "view")
             self._have_process()
             self._asking = True
 
