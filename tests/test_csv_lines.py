@@ -74,3 +74,8 @@ def test_a_line_too_long_is_never_cut_into_two(text: str, tmp_path: Path) -> Non
     (tmp_path / "old.csv").write_bytes(text.encode())
     with pytest.raises(InputError, match="more than 100,000 characters"):
         list(csv_lines(tmp_path / "old.csv", Bounds(bytes=10**9, lines=10**9)))
+
+
+def test_lines_are_counted_however_short() -> None:
+    with pytest.raises(InputError, match="at most 1 MB and 1,000 lines"):
+        list(lines_in(io.BytesIO(b"1\n" * 1001), "a pipe", Bounds(bytes=1_000_000, lines=1000)))

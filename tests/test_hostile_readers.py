@@ -12,6 +12,8 @@ import pytest
 from hostile.attempt import Figures, Outcome
 from hostile.readers import READERS, Case, cases
 from twistarm.cli.application import run
+from twistarm.doctor.folder import descriptions_in
+from twistarm.errors import InputError
 
 SAMPLED = (
     *(f"{reader}: {what}" for reader in READERS for what in ("a FIFO", "a link to itself")),
@@ -70,3 +72,11 @@ def test_everything_is_told_in_one_line_within_the_bounds(tmp_path_factory: pyte
             path.unlink() if not path.is_dir() else path.rmdir()
     print(figures)
     assert figures.faults == []
+
+
+def test_a_folder_of_very_many_entries_is_not_walked_through(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("twistarm.doctor.folder.MOST_ENTRIES", 3)
+    for name in "abcd":
+        (tmp_path / name).touch()
+    with pytest.raises(InputError, match="more than 3 files and folders below; name a smaller folder"):
+        descriptions_in(tmp_path)

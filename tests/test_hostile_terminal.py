@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+import json
 from pathlib import Path
 
 import pytest
 
 from hostile.terminal import CARRIERS, NAMES, Case, cases, fault
 from twistarm.cli.application import run
+from twistarm.cli.output import print_json
 from twistarm.errors import printable
 
 SEEN = ("markup", "a link", "markup that ends nothing", "a backslash", "an emoji", "a colour by C1")
@@ -52,3 +54,11 @@ def test_every_name_is_shown(
     with capsys.disabled():
         print(f"names on a terminal: {len(every)} cases, {len(faults)} faults", *faults, sep="\n  ")
     assert not faults
+
+
+def test_json_shows_what_a_terminal_would_obey_as_json_escapes_it(capsys: pytest.CaptureFixture[str]) -> None:
+    name = "a\x1b[31m\x9b31m\u202e\ud800ξ"
+    print_json({"name": name})
+    shown = capsys.readouterr().out
+    assert shown == '{\n  "name": "a\\u001b[31m\\u009b31m\\u202e\\ud800ξ"\n}\n'
+    assert json.loads(shown) == {"name": name}
