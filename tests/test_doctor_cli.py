@@ -47,6 +47,13 @@ def test_the_page_of_the_rover_arm(capsys: Capture) -> None:
         assert part in shown
 
 
+def test_lines_of_an_arm_file_are_shown_as_lines(capsys: Capture) -> None:
+    run(["doctor", "ur5"])
+    lines = [line.strip("│ ") for line in capsys.readouterr().out.splitlines()]
+    entries = lines[lines.index("[poses.ready]") + 1 :][:6]
+    assert [entry.partition(" = ")[0] for entry in entries] == list(load_arm("ur5").joint_names)
+
+
 def test_exit_codes_by_severity(capsys: Capture, tmp_path: Path) -> None:
     warned = str(lay(CASES["limits-look-like-degrees"], tmp_path))
     assert '→ write lower="-2.96706" upper="2.96706"' in page(capsys, warned)

@@ -110,11 +110,12 @@ def test_a_computer_with_every_page_gives_one_up_for_another_s(viewer: Viewer) -
 def test_who_knows_the_token_has_places_too_and_no_more(viewer: Viewer) -> None:
     here, most = target(viewer), viewer._server.door._places
     with ExitStack() as stack:
-        first = stack.enter_context(here.open())
-        for each in (first, *(stack.enter_context(here.open()) for _ in range(most))):
-            each.sendall(here.head("nothing.js"))
-            each.recv(1)
-        assert is_closed(first)
+        known_ones = []
+        for _ in range(most + 1):  # one after the other: all at once would be too many strangers
+            known_ones.append(stack.enter_context(here.open()))
+            known_ones[-1].sendall(here.head("nothing.js"))
+            known_ones[-1].recv(1)
+        assert is_closed(known_ones[0])
         assert len(known(viewer)) == most
 
 

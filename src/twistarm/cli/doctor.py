@@ -112,7 +112,9 @@ def _page(diagnosis: Diagnosis) -> Table:
     page.add_column(overflow="fold")
     for one in diagnosis.findings:
         colour = COLOURS[one.severity]
-        place, what, remedy = (literal(as_typed(text)) for text in (str(one.place), one.what, one.remedy))
+        place, what = (literal(as_typed(text)) for text in (str(one.place), one.what))
+        # A remedy may be lines of an arm.toml, in which names stand as TOML quotes them.
+        remedy = "\n".join(literal(line) for line in as_typed(one.remedy).split("\n"))
         said = [f"[dim]{place}[/dim]", what, f"→ {remedy}" if remedy else ""]
         page.add_row(f"[{colour}]{one.severity}[/{colour}]\n{one.code}", "\n".join(part for part in said if part))
     return page
