@@ -13,7 +13,8 @@ from pathlib import Path
 import pytest
 
 from hostile.attempt import MEGABYTES, SECONDS, Figures, Outcome, attempt
-from hostile.descriptions import CASES, Case
+from hostile.descriptions import CASES
+from hostile.texts import Case
 from twistarm import load_arm
 from twistarm.errors import DescriptionError
 

@@ -10,7 +10,8 @@ from pathlib import Path
 import pytest
 
 from hostile.attempt import Figures, Outcome, attempt
-from hostile.meshes import CANARY, CASES, NO_FILES, Case, lay
+from hostile.mesh_case import CANARY, Case, lay
+from hostile.meshes import CASES, NO_FILES
 from twistarm import load_arm
 from twistarm.meshes import MeshReader, UnreadableMeshError
 

@@ -12,8 +12,10 @@ from contextlib import ExitStack, contextmanager, suppress
 
 import pytest
 
-from hostile.network import MEMBERS, SILENT, STRANGERS
+from hostile.members import MEMBERS
+from hostile.network import SILENT
 from hostile.served import Result, Trouble, quiet, served
+from hostile.strangers import STRANGERS
 from twistarm import Arm
 from twistarm.stream import UdpSource
 

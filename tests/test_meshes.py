@@ -12,7 +12,8 @@ from pathlib import Path
 import pytest
 import trimesh
 
-from hostile.meshes import CASES, fan, instances, lay
+from hostile.mesh_case import lay
+from hostile.meshes import CASES, fan, instances
 from twistarm import diagnose, load_arm
 from twistarm.errors import InputError, TwistarmError
 from twistarm.meshes import MeshReader, UnreadableMeshError, limits, loading, process, reader

@@ -17,7 +17,7 @@ from typing import Any
 
 import pytest
 
-from hostile.network import HANDSHAKE, OTHER, Target
+from hostile.target import HANDSHAKE, OTHER, Target
 from twistarm.viewer import Viewer, door, visitor
 from twistarm.viewer.complaints import Complaints
 from twistarm.viewer.door import places

@@ -17,7 +17,8 @@ from contextlib import contextmanager, suppress
 from dataclasses import dataclass, field
 from pathlib import Path
 
-from .network import MEMBERS, POSE, TEXT, Target, frame
+from .members import MEMBERS
+from .target import POSE, TEXT, Target, frame
 
 TICK = os.sysconf("SC_CLK_TCK")
 PAGE = os.sysconf("SC_PAGE_SIZE")

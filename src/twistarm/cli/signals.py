@@ -24,7 +24,8 @@ def ended_like_ctrl_c() -> Iterator[list[int]]:
         sent.append(number)
         raise KeyboardInterrupt
 
-    heeded = [number for number in SIGNALS if signal.getsignal(number) != signal.SIG_IGN]
+    left_alone = (signal.SIG_IGN, None)  # None: a handler that was set outside Python, and could not be put back
+    heeded = [number for number in SIGNALS if signal.getsignal(number) not in left_alone]
     before = {number: signal.signal(number, end) for number in heeded}
     try:
         yield sent

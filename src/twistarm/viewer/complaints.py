@@ -16,8 +16,11 @@ LOGGERS = ("tornado.access", "tornado.application", "tornado.general", "asyncio"
 """By which what serves would speak for itself, with a traceback each time."""
 
 MOST_KINDS = 20
+AT_ONCE = 512
+"""Bytes that a pipe takes at once, by POSIX, if it takes anything."""
+
 LONGEST = 400
-"""Characters of a line: POSIX lets a pipe that takes anything take 512 bytes at once."""
+"""Characters of a line: most lines are as many bytes."""
 
 
 class Complaints(logging.Filter):
@@ -73,4 +76,4 @@ def write_at_once(line: str) -> None:
             sys.stderr.write(line + "\n")
             return
         if select.select([], [number], [], 0)[1]:
-            os.write(number, (line + "\n").encode("utf-8", "replace")[:512])
+            os.write(number, line.encode("utf-8", "replace")[: AT_ONCE - 1] + b"\n")

@@ -1,0 +1,127 @@
+"""The view's server as an attack sees it: connections, requests and frames."""
+
+from __future__ import annotations
+
+import socket
+import struct
+import time
+from collections.abc import Callable
+from contextlib import suppress
+from itertools import count
+
+OTHER = "127.0.0.2"
+"""Another computer, as far as the server can see."""
+
+
+class Target:
+    """Where the attack goes, from which address, and until when."""
+
+    def __init__(self, host: str, port: int, token: str, seconds: float, source: str = "") -> None:
+        self.host, self.port, self.token, self.source = host, port, token, source
+        self.end = time.monotonic() + seconds
+        self.held: list[socket.socket] = []
+
+    def on(self) -> bool:
+        return time.monotonic() < self.end
+
+    def open(self, source: str = "", receive: int = 0) -> socket.socket:
+        """A connection, from `source` where it is given, with a window of `receive` bytes."""
+        made = socket.socket()
+        made.settimeout(5.0)
+        if receive:
+            made.setsockopt(socket.SOL_SOCKET, socket.SO_RCVBUF, receive)
+        if source or self.source:
+            made.bind((source or self.source, 0))
+        made.connect((self.host, self.port))
+        return made
+
+    def head(self, path: str = "", method: str = "GET", host: str = "127.0.0.1", **headers: str) -> bytes:
+        """The head of a request, for a path below the token where it does not begin with a slash."""
+        full = path if path.startswith("/") else f"/{self.token}/{path}"
+        given = [f"{name.replace('_', '-')}: {each}" for name, each in headers.items()]
+        return "\r\n".join([f"{method} {full} HTTP/1.1", f"Host: {host}", *given, "", ""]).encode()
+
+    def upgrade(self, receive: int = 0, **headers: str) -> socket.socket:
+        """A page's socket, its handshake done."""
+        made = self.open(receive=receive)
+        made.sendall(self.head("socket", **HANDSHAKE, **headers))
+        made.recv(1)
+        return made
+
+    def crowd(self, number: int, begin: Callable[[], socket.socket]) -> list[socket.socket]:
+        """As many as can be had."""
+        for _ in range(number):
+            with suppress(OSError):
+                self.held.append(begin())
+            if not self.on():
+                break
+        return self.held
+
+    def each(self, number: int, begin: Callable[[], socket.socket], data: Callable[[int], bytes], pause: float) -> None:
+        """Send every one of a crowd a piece again and again; what was closed is opened anew."""
+        self.crowd(number, begin)
+        for k in count():
+            for j, one in enumerate(self.held):
+                try:
+                    one.send(data(k), socket.MSG_DONTWAIT)
+                except BlockingIOError:
+                    continue
+                except OSError:
+                    with suppress(OSError):
+                        one.close()
+                        self.held[j] = begin()
+                if not self.on():
+                    return
+            time.sleep(pause)
+
+    def again(self, once: Callable[[], object]) -> None:
+        """The same over and over, as fast as it goes."""
+        while self.on():
+            with suppress(OSError):
+                once()
+
+    def rest(self) -> None:
+        """Hold what is open, and say nothing."""
+        time.sleep(max(0.0, self.end - time.monotonic()))
+
+
+def frame(opcode: int, data: bytes, *, final: bool = True, length: int | None = None, reserved: int = 0) -> bytes:
+    """A masked WebSocket frame, which may lie about its length. A mask of zeros changes nothing."""
+    said = len(data) if length is None else length
+    if said < 126:
+        size = bytes([0x80 | said])
+    elif said < 65536:
+        size = struct.pack("!BH", 0x80 | 126, said)
+    else:
+        size = struct.pack("!BQ", 0x80 | 127, said)
+    return bytes([(0x80 if final else 0) | reserved | opcode]) + size + bytes(4) + data
+
+
+HANDSHAKE = {
+    "Upgrade": "websocket",
+    "Connection": "Upgrade",
+    "Sec_WebSocket_Key": "dGhlIHNhbXBsZSBub25jZQ==",
+    "Sec_WebSocket_Version": "13",
+}
+
+POSE = b'{"type":"pose","name":"zero","ease":false,"number":7}'
+
+TEXT, BINARY, CLOSE, PING, PONG = 1, 2, 8, 9, 10
+
+
+def asked(target: Target, data: bytes) -> None:
+    with target.open() as one:
+        one.sendall(data)
+        one.recv(4096)
+
+
+def flooded(one: socket.socket, data: bytes, target: Target) -> None:
+    """Sent as far as the other side takes it, its answers read and thrown away."""
+    view, one_end = memoryview(data), time.monotonic() + 1.0
+    while view and target.on() and time.monotonic() < one_end:
+        try:
+            view = view[one.send(view[:65536], socket.MSG_DONTWAIT) :]
+        except BlockingIOError:
+            time.sleep(0.001)
+        with suppress(BlockingIOError):
+            one.recv(65536, socket.MSG_DONTWAIT)
