@@ -12,6 +12,7 @@ from rich.table import Table
 from ..arm import Arm
 from ..description.findings import Finding
 from ..doctor.folder import descriptions_in
+from ..places import without_places
 from .output import console, literal, print_json, progress_bar, say
 from .wording import as_typed, told
 
@@ -61,7 +62,7 @@ def _looked(path: Path, look: Callable[[Path], Line]) -> Line:
     try:
         return look(path)
     except Exception as error:
-        return Line("refused", False, detail=told(error), more={"error": told(error)})
+        return Line("refused", False, detail=told(error), more={"error": without_places(told(error), path)})
 
 
 def _print(folder: Path, title: str, lines: Mapping[Path, Line]) -> None:
