@@ -29,6 +29,11 @@ def report_table(arm: Arm, report: StreamReport) -> Grid:
         ["begun late by", f"{late[0]} (median), {late[1]} (99 %), {late[2]} (most)"],
         ["status", statuses or f"never moved: {report.blind_reason}"],
         ["no command", f"{report.uncommanded:.1f} s{because(report.uncommanded, report.uncommanded_reason)}"],
+        *(
+            [["held back", f"{report.barred:.1f} s{because(report.barred, report.barred_reason)}"]]
+            if report.barred
+            else []
+        ),
         ["no joint state", f"{report.waited:.1f} s at the start, {blind}"],
         ["at the end", report.at_the_end],
         *(["trouble", trouble] for trouble in (*report.undelivered, *report.failures)),

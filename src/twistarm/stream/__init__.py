@@ -1,6 +1,7 @@
 """The loop around the servo: commands in, setpoints out, the joints watched; sources, sinks and simulated joints."""
 
 from .inbox import Inbox, StateInbox
+from .interlock import Interlock
 from .loop import come_to_rest, run
 from .messages import command_of, parse_command, parse_state, setpoint_message
 from .metronome import Metronome, MonotonicClock
@@ -19,6 +20,7 @@ __all__ = [
     "Ending",
     "Feedback",
     "Inbox",
+    "Interlock",
     "Measured",
     "Metronome",
     "MonotonicClock",

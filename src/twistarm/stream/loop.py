@@ -12,6 +12,7 @@ from ..arm import Arm
 from ..checks import as_positive
 from ..servo import ServoSettings
 from .inbox import COMMAND_TIMEOUT, FEEDBACK_TIMEOUT
+from .interlock import Interlock
 from .metronome import Metronome, MonotonicClock
 from .protocols import Clock, Feedback, Sink, Source
 from .report import Ending, StreamReport
@@ -30,6 +31,7 @@ def run(
     tolerance: ArrayLike = TOLERANCE,
     settings: ServoSettings | None = None,
     velocity_mode: bool = False,
+    interlock: Interlock | None = None,
     duration: float | None = None,
     until: Callable[[], bool] | None = None,
     on_cycle: Callable[[Cycle], object] | None = None,
@@ -42,7 +44,8 @@ def run(
     than the servo's longest step: the arm comes to rest along its acceleration limits and goes on once all is well,
     from where it is measured if it had come to rest while the joint state was missing.
     A joint farther than `tolerance` (one number or (n,)) [rad, m] from all that was commanded within the last
-    `feedback_timeout` ends the stream.
+    `feedback_timeout` ends the stream. While `interlock` does not allow motion, the arm comes to rest in the same way
+    and stands; what it says is in every cycle, every setpoint and the report.
 
     velocity_mode: for robots that take rates alone, whose small errors add up. While nobody commands and the arm
     stands, the servo starts anew where it is measured. duration [s] and `until()` end the stream; `on_cycle(cycle)`
@@ -59,7 +62,7 @@ def run(
     longest = inf if duration is None else as_positive(duration, "duration")
     streaming = Streaming(
         arm, source, sink, feedback, rate=rate, command_timeout=command_timeout, feedback_timeout=feedback_timeout,
-        tolerance=tolerance, settings=settings, velocity_mode=velocity_mode,
+        tolerance=tolerance, settings=settings, velocity_mode=velocity_mode, interlock=interlock,
     )  # fmt: skip
     time = clock or MonotonicClock()
     metronome = Metronome(streaming.period)

@@ -13,6 +13,7 @@ from ..brief import Brief
 from ..checks import Array
 from ..errors import TwistarmError
 from ..servo import AnyCommand, ServoOutput, ServoState
+from .interlock import ENABLED
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -41,7 +42,7 @@ class Measured(Brief):
 class Setpoint(Brief):
     """What the joints are told: rates theta_dot (n,) until the next one, and theta (n,) where they are by then.
 
-    `time` [s] is the clock's when it was computed, `number` counts from 0.
+    `time` [s] is the clock's when it was computed, `number` counts from 0, `interlock` is the `Interlock`'s word.
     """
 
     number: int
@@ -49,6 +50,7 @@ class Setpoint(Brief):
     theta: Array
     theta_dot: Array
     output: ServoOutput
+    interlock: str = ENABLED
 
 
 class UndeliveredError(TwistarmError):

@@ -36,7 +36,8 @@ class StreamReport:
     cycles that were begun and `missed` ones of the grid, at `rate` [Hz] over `duration` [s]. late_p50, late_p99,
     late_max [s]: how long after their time cycles began, the jitter. statuses: cycles of each status of the servo.
     waited, blind, uncommanded [s]: before the first joint state, with a stale joint state after it, and without a
-    command, with the last reason of each. ending and reason: why it ended. at_rest: whether the commanded arm stood
+    command, with the last reason of each; barred [s]: while the interlock did not allow motion, and why at last;
+    interlock: its word at the end. ending and reason: why it ended. at_rest: whether the commanded arm stood
     still at the end. undelivered: why setpoints did not get through. delivered: whether the last one did, as far as is
     known. failures: what went wrong while it came to rest.
     """
@@ -54,6 +55,9 @@ class StreamReport:
     uncommanded: float
     blind_reason: str
     uncommanded_reason: str
+    barred: float
+    barred_reason: str
+    interlock: str
     ending: Ending
     reason: str
     at_rest: bool
@@ -106,6 +110,7 @@ class StreamReport:
             (self.waited, "waited for the first joint state", self.blind_reason if not self.started else ""),
             (self.blind, "had no fresh joint state", self.blind_reason),
             (self.uncommanded, "had no command", self.uncommanded_reason),
+            (self.barred, "was not allowed to move", self.barred_reason),
         )
         return [
             f"{what} for {seconds:.3f} s{', at last because: ' if why else ''}{why}"
@@ -120,15 +125,15 @@ class Tally:
     def __init__(self, rate: float) -> None:
         self.rate = rate
         self.cycles = self.missed = 0
-        self.waited = self.blind = self.uncommanded = 0
+        self.waited = self.blind = self.uncommanded = self.barred = 0
         self.statuses: Counter[ServoStatus] = Counter()
         self.lateness = Lateness()
-        self.blind_reason = self.uncommanded_reason = ""
+        self.blind_reason = self.uncommanded_reason = self.barred_reason = ""
         self.undelivered: Counter[str] = Counter()
         self.delivered = True
         self.failures: Counter[str] = Counter()
 
-    def report(self, ending: Ending, reason: str, duration: float, at_rest: bool) -> StreamReport:
+    def report(self, ending: Ending, reason: str, duration: float, at_rest: bool, interlock: str) -> StreamReport:
         """The report of a stream that ended after `duration` [s]."""
         return StreamReport(
             self.cycles,
@@ -144,6 +149,9 @@ class Tally:
             self.uncommanded / self.rate,
             self.blind_reason,
             self.uncommanded_reason,
+            self.barred / self.rate,
+            self.barred_reason,
+            interlock,
             ending,
             reason,
             at_rest,

@@ -15,6 +15,7 @@ from ..errors import InputError
 from ..servo import AnyCommand, ServoOutput, ServoSettings, ServoState, servo_step
 from .failures import StreamError, asked, worded
 from .inbox import COMMAND_TIMEOUT, FEEDBACK_TIMEOUT
+from .interlock import ENABLED, Interlock
 from .protocols import Feedback, Reading, Setpoint, Sink, Source, UndeliveredError
 from .report import Ending, StreamReport, Tally
 from .watch import FeedbackWatch
@@ -32,7 +33,7 @@ class Cycle(Brief):
 
     theta (n,): the joint state where it can be used. setpoint: what was computed, None before the first joint state.
     reason: why there was no command, or the setpoint did not get through, which `delivered` says. ending: why the
-    stream cannot go on, None where it can.
+    stream cannot go on, None where it can. interlock: the `Interlock`'s word, by which the arm may move or not.
     """
 
     time: float
@@ -42,6 +43,7 @@ class Cycle(Brief):
     reason: str = ""
     ending: Ending | None = None
     delivered: bool = True
+    interlock: str = ENABLED
 
 
 class Streaming:
@@ -64,6 +66,7 @@ class Streaming:
         tolerance: ArrayLike = TOLERANCE,
         settings: ServoSettings | None = None,
         velocity_mode: bool = False,
+        interlock: Interlock | None = None,
     ) -> None:
         self.arm = require_arm(arm)
         self.source = require_method(source, "source", "read")
@@ -76,6 +79,9 @@ class Streaming:
         self.command_timeout = as_positive(command_timeout, "command_timeout")
         self.feedback_timeout = as_positive(feedback_timeout, "feedback_timeout")
         self.velocity_mode = velocity_mode
+        self.interlock = require(
+            Interlock() if interlock is None else interlock, Interlock, "interlock", "as Interlock() is"
+        )
         self.state: ServoState | None = None
         self.tally = Tally(self.rate)
         self._watch = FeedbackWatch(arm, self.feedback_timeout, tolerance)
@@ -93,7 +99,7 @@ class Streaming:
         try:
             return self._cycle(now, periods)
         except StreamError as failed:
-            return Cycle(now, None, None, None, str(failed), failed.ending)
+            return Cycle(now, None, None, None, str(failed), failed.ending, interlock=self.interlock.word)
 
     def brake(self, now: float, periods: int = 1) -> bool:
         """One step toward rest, without asking anybody; True where the arm stands. A sink's failure is noted.
@@ -118,7 +124,7 @@ class Streaming:
 
     def report(self, ending: Ending, reason: str, duration: float, at_rest: bool) -> StreamReport:
         """What was done until now."""
-        return self.tally.report(ending, reason, duration, at_rest)
+        return self.tally.report(ending, reason, duration, at_rest, self.interlock.word)
 
     @property
     def at_rest(self) -> bool:
@@ -139,19 +145,23 @@ class Streaming:
         self.tally.blind_reason = blind or self.tally.blind_reason
         if self.state is None:
             self.tally.waited += 1
-            return Cycle(now, reading, None, None, blind)
+            return Cycle(now, reading, None, None, blind, interlock=self.interlock.word)
         strayed = "" if theta is None else self._watch.deviation(theta)
-        command, uncommanded = self._command(reading)
+        barred = self.interlock.look().barrier
+        command, uncommanded = (None, "") if barred else self._command(reading)
         self.tally.blind += bool(blind)
         self.tally.uncommanded += bool(uncommanded)
         self.tally.uncommanded_reason = uncommanded or self.tally.uncommanded_reason
-        reason = strayed or blind or self._untimely(periods) or uncommanded
+        self.tally.barred += bool(barred)
+        self.tally.barred_reason = barred or self.tally.barred_reason
+        reason = strayed or barred or blind or self._untimely(periods) or uncommanded
         setpoint = self._step(None if reason else command, now, periods, reason)
         self.tally.statuses[setpoint.output.status] += 1
         undelivered = asked(Ending.SINK_FAILED, self._write, setpoint)
         self._restart_at_rest(theta, now, released=command is None)
         why = "; ".join(filter(None, (reason, undelivered)))
-        return Cycle(now, reading, theta, setpoint, why, Ending.STRAYED if strayed else None, not undelivered)
+        ending = Ending.STRAYED if strayed else None
+        return Cycle(now, reading, theta, setpoint, why, ending, not undelivered, setpoint.interlock)
 
     def _start(self, theta: Array | None) -> None:
         """From the measured theta: the first one, and one that comes back while the commanded arm stands.
@@ -191,7 +201,7 @@ class Streaming:
         return self._setpoint(now, self.state.theta, output)
 
     def _setpoint(self, now: float, theta: Array, output: ServoOutput) -> Setpoint:
-        setpoint = Setpoint(self._number, now, theta, output.theta_dot, output)
+        setpoint = Setpoint(self._number, now, theta, output.theta_dot, output, self.interlock.word)
         self._number += 1
         return setpoint
 

@@ -1,0 +1,83 @@
+"""Enable, stop and emergency stop: whether a stream may move its arm, whoever says so."""
+
+from __future__ import annotations
+
+import threading
+from typing import NamedTuple
+
+from ..errors import one_line
+
+ENABLED, STOPPED, EMERGENCY_STOP = "enabled", "stopped", "emergency stop"
+
+LONGEST_REASON = 200
+"""Characters of a reason that is kept: it may come from outside, and stands in every message."""
+
+
+class Permission(NamedTuple):
+    """Whether the arm may move: `word` is "enabled", "stopped" or "emergency stop", `reason` why it is no other."""
+
+    word: str
+    reason: str
+
+    @property
+    def barrier(self) -> str:
+        """Why the arm may not move, "" where it may."""
+        return "" if self.word == ENABLED else ": ".join(filter(None, self))
+
+
+class Interlock:
+    """Whether an arm may move, as operators, messages and programs have last said. Thread-safe.
+
+    Enabled at the start unless `enabled` is False. Where it does not allow motion, `run` brings the arm to rest as fast
+    as its acceleration limits allow, and holds it there whatever is commanded; the stream goes on. An emergency stop
+    is latched: `enable` does nothing until `clear` was said, which moves nothing by itself (ISO 13850, 4.1.4). This is
+    a mechanism of software, and takes no hardware's place.
+    """
+
+    def __init__(self, *, enabled: bool = True) -> None:
+        self._lock = threading.Lock()
+        self._now = Permission(ENABLED, "") if enabled else Permission(STOPPED, "it waits to be enabled")
+
+    def enable(self) -> bool:
+        """Let the arm move. Whether it may now: not after an emergency stop that nobody has cleared."""
+        with self._lock:
+            if self._now.word == STOPPED:
+                self._now = Permission(ENABLED, "")
+            return self._now.word == ENABLED
+
+    def stop(self, reason: str = "") -> None:
+        """Bring the arm to rest until `enable`; an emergency stop stays one."""
+        with self._lock:
+            if self._now.word != EMERGENCY_STOP:
+                self._now = Permission(STOPPED, one_line(reason, LONGEST_REASON))
+
+    def emergency_stop(self, reason: str = "") -> None:
+        """Bring the arm to rest until `clear` and then `enable`; the first reason stands until then."""
+        with self._lock:
+            if self._now.word != EMERGENCY_STOP:
+                self._now = Permission(EMERGENCY_STOP, one_line(reason, LONGEST_REASON))
+
+    def clear(self) -> None:
+        """End an emergency stop: the arm is stopped, and waits for `enable`. Nothing where there is none."""
+        with self._lock:
+            if self._now.word == EMERGENCY_STOP:
+                self._now = Permission(STOPPED, "the emergency stop was cleared; it waits to be enabled")
+
+    def look(self) -> Permission:
+        """The word and its reason, of one moment."""
+        return self._now
+
+    @property
+    def allows_motion(self) -> bool:
+        """Whether the arm may move."""
+        return self._now.word == ENABLED
+
+    @property
+    def word(self) -> str:
+        """One of "enabled", "stopped" and "emergency stop"."""
+        return self._now.word
+
+    @property
+    def reason(self) -> str:
+        """Why it is stopped, "" where nobody said and where it is enabled."""
+        return self._now.reason
