@@ -39,7 +39,7 @@ LAYERS = (
     ("rotations", "csv_lines"),
     ("files", "wheels"),
     ("brief", "places", "vector_words"),
-    ("checks", "closing", "shared_libraries", "strict_json", "temporaries"),
+    ("checks", "closing", "shared_libraries", "signals", "strict_json", "temporaries"),
     ("errors",),
 )
 """Top to bottom: a module may import what stands further down, and its own package."""

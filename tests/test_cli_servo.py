@@ -19,7 +19,7 @@ import pytest
 
 from test_cli import error_of
 from twistarm.cli.application import run
-from twistarm.cli.signals import ended_like_ctrl_c
+from twistarm.signals import ended_like_ctrl_c
 from twistarm.stream import Cycle
 from twistarm.stream import run as stream
 from twistarm.viewer import Viewer

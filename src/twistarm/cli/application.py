@@ -12,6 +12,7 @@ from typing import Annotated
 import typer
 
 from ..errors import TwistarmError
+from ..signals import end_by, ended_like_ctrl_c
 from . import (
     baking,
     checking,
@@ -27,7 +28,6 @@ from . import (
     wiring,
 )
 from .output import say
-from .signals import end_by, ended_like_ctrl_c
 from .typed import Command
 from .versions import version
 from .wording import told

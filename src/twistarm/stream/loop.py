@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import signal
 import sys
 from collections.abc import Callable
+from contextlib import AbstractContextManager, nullcontext
 from math import inf
 
 from numpy.typing import ArrayLike
@@ -11,6 +13,7 @@ from numpy.typing import ArrayLike
 from ..arm import Arm
 from ..checks import as_positive
 from ..servo import ServoSettings
+from ..signals import ended_like_ctrl_c
 from .inbox import COMMAND_TIMEOUT, FEEDBACK_TIMEOUT
 from .interlock import Interlock
 from .metronome import Metronome, MonotonicClock
@@ -32,6 +35,7 @@ def run(
     settings: ServoSettings | None = None,
     velocity_mode: bool = False,
     interlock: Interlock | None = None,
+    handle_signals: bool = True,
     duration: float | None = None,
     until: Callable[[], bool] | None = None,
     on_cycle: Callable[[Cycle], object] | None = None,
@@ -51,6 +55,10 @@ def run(
     stands, the servo starts anew where it is measured. duration [s] and `until()` end the stream; `on_cycle(cycle)`
     is called after each, between the setpoint and the next one, and must be quick.
 
+    handle_signals: SIGTERM (`kill`, a service that is ended) and SIGHUP (a closed terminal) end it as Ctrl-C does, with
+    the signal's name as the reason, and have their usual effect again once it has returned. That is for the main thread
+    and for signals that nobody else handles; a handler of the program's own stays, and may end the stream by `until`.
+
     However it ends (time, Ctrl-C, a device that fails, an exception of `on_cycle`), the arm comes to rest along its
     limits and the last setpoint has rates of 0; Ctrl-C once more stops it at once. What devices cannot do (OSError,
     TwistarmError) stands in the report; other exceptions are raised after that. A setpoint that did not get through
@@ -67,17 +75,19 @@ def run(
     time = clock or MonotonicClock()
     metronome = Metronome(streaming.period)
     began = time.now()
-    ending, reason, at_rest = Ending.INTERRUPTED, "", False
-    try:
-        ending, reason = _drive(streaming, metronome, time, began + longest, until, on_cycle)
-    except KeyboardInterrupt:
-        pass
-    except BaseException as error:
+    handled: AbstractContextManager[list[int]] = ended_like_ctrl_c() if handle_signals else nullcontext([])
+    with handled as sent:
+        ending, reason = Ending.INTERRUPTED, ""
+        try:
+            ending, reason = _drive(streaming, metronome, time, began + longest, until, on_cycle)
+        except KeyboardInterrupt:
+            reason = signal.Signals(sent[0]).name if sent else ""
+        except BaseException as error:
+            come_to_rest(streaming, metronome, time)
+            _note(error, tuple(streaming.tally.failures))
+            raise
         at_rest = come_to_rest(streaming, metronome, time)
-        _note(error, tuple(streaming.tally.failures))
-        raise
-    at_rest = come_to_rest(streaming, metronome, time)
-    return streaming.report(ending, reason, time.now() - began, at_rest)
+        return streaming.report(ending, reason, time.now() - began, at_rest)
 
 
 def come_to_rest(streaming: Streaming, metronome: Metronome, clock: Clock) -> bool:

@@ -3,11 +3,14 @@
 from __future__ import annotations
 
 import signal
+import threading
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from types import FrameType
 
 SIGNALS = (signal.SIGINT, signal.SIGTERM, signal.SIGHUP)
+
+USUAL = (signal.SIG_DFL, signal.default_int_handler)
 
 
 @contextmanager
@@ -16,7 +19,9 @@ def ended_like_ctrl_c() -> Iterator[list[int]]:
     is brought to rest, the poses are kept, no part of a file is left.
 
     The context gives the list of the signals that were sent: who handles the interruption then ends by `end_by`, as
-    whoever sent it expects. A signal that is ignored, as a closed terminal is under `nohup`, stays so.
+    whoever sent it expects. Only signals whose usual effect stands are taken, and given it back behind the context: one
+    that is ignored, as a closed terminal is under `nohup`, stays so, and a handler of somebody's own (a program's, an
+    outer context's) is left alone. Outside the main thread, where Python sets no handlers, nothing is taken.
     """
     sent: list[int] = []
 
@@ -24,8 +29,8 @@ def ended_like_ctrl_c() -> Iterator[list[int]]:
         sent.append(number)
         raise KeyboardInterrupt
 
-    left_alone = (signal.SIG_IGN, None)  # None: a handler that was set outside Python, and could not be put back
-    heeded = [number for number in SIGNALS if signal.getsignal(number) not in left_alone]
+    here = threading.current_thread() is threading.main_thread()
+    heeded = [number for number in SIGNALS if here and signal.getsignal(number) in USUAL]
     before = {number: signal.signal(number, end) for number in heeded}
     try:
         yield sent

@@ -15,7 +15,7 @@ pytestmark = pytest.mark.skipif(sys.platform == "win32", reason="Windows has no 
 
 PROGRAM = """
 import signal, sys
-from twistarm.cli.signals import end_by, ended_like_ctrl_c
+from twistarm.signals import end_by, ended_like_ctrl_c
 signal.signal(signal.SIGHUP, {hangup})
 with ended_like_ctrl_c() as sent:
     try:
@@ -96,3 +96,53 @@ def test_the_cursor_comes_back_whatever_ends_it(sent: str, tmp_path: Path) -> No
     assert b"\x1b[?25l" in drawn, "it was hidden"
     assert drawn.rpartition(b"\x1b[?25l")[2].count(b"\x1b[?25h") == 1
     assert b"Traceback" not in drawn
+
+
+STREAM = """
+import os, signal
+from twistarm import load_arm
+from twistarm.servo import JogCommand
+from twistarm.stream import Inbox, SimulatedJoints, run
+
+arm = load_arm("rr_planar")
+joints, inbox, rates = SimulatedJoints(arm, arm.ready), Inbox(), []
+class Sink:
+    def write(self, setpoint):
+        rates.append(setpoint.theta_dot.copy())
+        joints.write(setpoint)
+
+def on_cycle(cycle):
+    inbox.put("me", JogCommand([0.3, 0.0]), cycle.time)
+    if len(rates) == 30:
+        os.kill(os.getpid(), signal.{sent})
+
+before = signal.getsignal(signal.{sent})
+{prepare}
+report = run(arm, inbox, Sink(), joints, duration=5.0, on_cycle=on_cycle, {options})
+print(report.ending.name, report.reason, report.at_rest, abs(rates[29][0]) > 0.1, rates[-1].tolist())
+print(signal.getsignal(signal.{sent}) is before, flush=True)
+signal.raise_signal(signal.{sent})
+"""
+
+
+@pytest.mark.parametrize("sent", ["SIGTERM", "SIGHUP"])
+def test_a_stream_ends_at_rest_by_a_signal_which_then_has_its_usual_effect(sent: str) -> None:
+    done = streamed(STREAM.format(sent=sent, prepare="", options=""))
+    assert (done.stdout, done.stderr) == (f"INTERRUPTED {sent} True True [0.0, 0.0]\nTrue\n", "")
+    assert done.returncode == -getattr(signal, sent)
+
+
+def test_a_stream_leaves_signals_to_who_asks_for_it() -> None:
+    done = streamed(STREAM.format(sent="SIGTERM", prepare="", options="handle_signals=False"))
+    assert (done.stdout, done.returncode) == ("", -signal.SIGTERM)
+
+
+def test_a_programs_own_handler_is_left_alone() -> None:
+    prepare = "over = []; signal.signal(signal.SIGTERM, lambda *_: over.append(1))"
+    done = streamed(STREAM.format(sent="SIGTERM", prepare=prepare, options="until=lambda: bool(over)"))
+    assert done.stdout.startswith("DONE  True True [0.0, 0.0]\nFalse\n")
+    assert done.returncode == 0
+
+
+def streamed(program: str) -> subprocess.CompletedProcess[str]:
+    return subprocess.run([sys.executable, "-c", program], capture_output=True, text=True, timeout=60, check=False)
