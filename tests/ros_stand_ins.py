@@ -1,159 +1,354 @@
-"""Stand-ins for the ROS 2 modules that the example node imports: enough of each to be constructed, fed and read."""
+"""Stand-ins for the ROS 2 modules that the package twistarm_servo imports, as strict as the real ones.
+
+Messages take keyword arguments alone, know their fields alone, and refuse values of another type, as the classes do
+that rosidl generates: a float is no int, a byte is `bytes` of length 1, a list of floats holds floats. The fields are
+those of the published .msg and .srv files (control_msgs, diagnostic_msgs, geometry_msgs, rcl_interfaces, sensor_msgs,
+std_msgs, std_srvs, trajectory_msgs; Humble to Kilted). The signatures are those of rclpy's API documentation and its
+type hints (rclpy.node.Node, rclpy.qos, rclpy.init, spin_once, shutdown): names, order and which are keyword-only. What
+Node has of its own (`services`, `publishers`, …) cannot be assigned, as there. A parameter keeps the type of its
+default, and a read-only one its value.
+"""
 
 from __future__ import annotations
 
+import inspect
 import sys
 import types
-from dataclasses import dataclass, field
-from typing import Any
+from collections.abc import Callable, Sequence
+from enum import IntEnum
+from typing import Any, ClassVar
 
-Stamp = lambda sec=0, nanosec=0: types.SimpleNamespace(sec=sec, nanosec=nanosec)  # noqa: E731
-Vector = lambda x=0.0, y=0.0, z=0.0: types.SimpleNamespace(x=x, y=y, z=z)  # noqa: E731
+# -- messages ------------------------------------------------------------------------------------------------------
 
+FLOAT, BOOL, STRING, BYTE = "float64", "bool", "string", "byte"
+INT, UINT = "int32", "uint32"
 
-def header():
-    return types.SimpleNamespace(frame_id="", stamp=Stamp())
-
-
-@dataclass
-class Twist:
-    linear: Any = field(default_factory=Vector)
-    angular: Any = field(default_factory=Vector)
-
-
-@dataclass
-class TwistStamped:
-    header: Any = field(default_factory=header)
-    twist: Twist = field(default_factory=Twist)
+SCALARS: dict[str, tuple[Callable[[], Any], Callable[[Any], bool]]] = {
+    FLOAT: (float, lambda value: isinstance(value, float)),
+    BOOL: (bool, lambda value: isinstance(value, bool)),
+    STRING: (str, lambda value: isinstance(value, str)),
+    BYTE: (lambda: b"\0", lambda value: isinstance(value, bytes) and len(value) == 1),
+    INT: (int, lambda value: isinstance(value, int) and -(2**31) <= value < 2**31),
+    UINT: (int, lambda value: isinstance(value, int) and 0 <= value < 2**32),
+}
 
 
-@dataclass
-class JointState:
-    header: Any = field(default_factory=header)
-    name: list = field(default_factory=list)
-    position: list = field(default_factory=list)
+class Message:
+    """What rosidl makes of a .msg file: `FIELDS` by name, each a scalar, a message's class, or a list of one."""
+
+    FIELDS: ClassVar[dict[str, Any]] = {}
+
+    def __init__(self, **given: Any) -> None:
+        unknown = set(given) - set(self.FIELDS)
+        assert not unknown, f"Invalid arguments passed to constructor: {sorted(unknown)}"
+        for name, kind in self.FIELDS.items():
+            setattr(self, name, given[name] if name in given else _default(kind))
+
+    def __setattr__(self, name: str, value: Any) -> None:
+        if name not in self.FIELDS:
+            raise AttributeError(f"{type(self).__name__!r} object has no attribute {name!r}")
+        kind = self.FIELDS[name]
+        assert _takes(kind, value), f"The {name!r} field must be of type {kind!r}; got {value!r}"
+        object.__setattr__(self, name, value)
 
 
-@dataclass
-class Joy:
-    axes: list = field(default_factory=list)
-    buttons: list = field(default_factory=list)
+def _default(kind: Any) -> Any:
+    if isinstance(kind, list):
+        return []
+    return SCALARS[kind][0]() if isinstance(kind, str) else kind()
 
 
-@dataclass
-class Float64MultiArray:
-    data: list
+def _takes(kind: Any, value: Any) -> bool:
+    if isinstance(kind, list):
+        several = isinstance(value, Sequence) and not isinstance(value, (str, bytes))
+        return several and all(_takes(kind[0], each) for each in value)
+    return SCALARS[kind][1](value) if isinstance(kind, str) else isinstance(value, kind)
 
 
-@dataclass
-class JointTrajectoryPoint:
-    positions: list = field(default_factory=list)
-    velocities: list = field(default_factory=list)
-    time_from_start: Any = field(default_factory=Stamp)
+def _message(name: str, /, **fields: Any) -> Any:
+    return type(name, (Message,), {"FIELDS": fields})
 
 
-@dataclass
-class JointTrajectory:
-    header: Any = field(default_factory=header)
-    joint_names: list = field(default_factory=list)
-    points: list = field(default_factory=list)
+Time = _message("Time", sec=INT, nanosec=UINT)
+Duration = _message("Duration", sec=INT, nanosec=UINT)
+Header = _message("Header", stamp=Time, frame_id=STRING)
+String = _message("String", data=STRING)
+MultiArrayDimension = _message("MultiArrayDimension", label=STRING, size=UINT, stride=UINT)
+MultiArrayLayout = _message("MultiArrayLayout", dim=[MultiArrayDimension], data_offset=UINT)
+Float64MultiArray = _message("Float64MultiArray", layout=MultiArrayLayout, data=[FLOAT])
+Vector3 = _message("Vector3", x=FLOAT, y=FLOAT, z=FLOAT)
+Point = _message("Point", x=FLOAT, y=FLOAT, z=FLOAT)
+Quaternion = _message("Quaternion", x=FLOAT, y=FLOAT, z=FLOAT, w=FLOAT)
+Twist = _message("Twist", linear=Vector3, angular=Vector3)
+TwistStamped = _message("TwistStamped", header=Header, twist=Twist)
+Pose = _message("Pose", position=Point, orientation=Quaternion)
+PoseStamped = _message("PoseStamped", header=Header, pose=Pose)
+JointJog = _message(
+    "JointJog", header=Header, joint_names=[STRING], displacements=[FLOAT], velocities=[FLOAT], duration=FLOAT
+)
+JointState = _message("JointState", header=Header, name=[STRING], position=[FLOAT], velocity=[FLOAT], effort=[FLOAT])
+Joy = _message("Joy", header=Header, axes=[FLOAT], buttons=[INT])
+JointTrajectoryPoint = _message(
+    "JointTrajectoryPoint",
+    positions=[FLOAT], velocities=[FLOAT], accelerations=[FLOAT], effort=[FLOAT], time_from_start=Duration,
+)  # fmt: skip
+JointTrajectory = _message("JointTrajectory", header=Header, joint_names=[STRING], points=[JointTrajectoryPoint])
+KeyValue = _message("KeyValue", key=STRING, value=STRING)
+DiagnosticStatus = _message(
+    "DiagnosticStatus", level=BYTE, name=STRING, message=STRING, hardware_id=STRING, values=[KeyValue]
+)
+DiagnosticArray = _message("DiagnosticArray", header=Header, status=[DiagnosticStatus])
+ParameterDescriptor = _message("ParameterDescriptor", name=STRING, description=STRING, read_only=BOOL)
+SetParametersResult = _message("SetParametersResult", successful=BOOL, reason=STRING)
 
 
-@dataclass
-class KeyValue:
-    key: str
-    value: str
+class Trigger:
+    """std_srvs/srv/Trigger."""
+
+    Request = _message("Trigger_Request")
+    Response = _message("Trigger_Response", success=BOOL, message=STRING)
 
 
-@dataclass
-class DiagnosticStatus:
-    level: bytes
-    name: str
-    message: str
-    hardware_id: str
-    values: list = field(default_factory=list)
+class SetBool:
+    """std_srvs/srv/SetBool."""
+
+    Request = _message("SetBool_Request", data=BOOL)
+    Response = _message("SetBool_Response", success=BOOL, message=STRING)
 
 
-@dataclass
-class DiagnosticArray:
-    status: list
-    header: Any = field(default_factory=header)
+# -- rclpy ---------------------------------------------------------------------------------------------------------
+
+
+class ReliabilityPolicy(IntEnum):
+    SYSTEM_DEFAULT = 0
+    RELIABLE = 1
+    BEST_EFFORT = 2
+
+
+class DurabilityPolicy(IntEnum):
+    SYSTEM_DEFAULT = 0
+    TRANSIENT_LOCAL = 1
+    VOLATILE = 2
+
+
+class QoSProfile:
+    """Keyword arguments alone; a depth, or a history."""
+
+    def __init__(self, *, depth: int, reliability: Any = None, durability: Any = None) -> None:
+        assert isinstance(depth, int)
+        assert isinstance(reliability, ReliabilityPolicy | None)
+        assert isinstance(durability, DurabilityPolicy | None)
+        self.depth, self.reliability, self.durability = depth, reliability, durability
+
+
+class ParameterException(Exception):  # noqa: N818  (rclpy's name)
+    """The base of rclpy's errors about parameters."""
+
+
+class Parameter:
+    def __init__(self, name: str, type_: Any = None, value: Any = None) -> None:
+        self.name, self.value = name, value
+
+
+class RosTime:
+    def __init__(self, nanoseconds: int) -> None:
+        self.nanoseconds = nanoseconds
+
+    def to_msg(self) -> Any:
+        return Time(sec=self.nanoseconds // 10**9, nanosec=self.nanoseconds % 10**9)
+
+
+class Clock:
+    """The simulated time of a test [s]."""
+
+    def __init__(self) -> None:
+        self.seconds = 1000.0
+
+    def now(self) -> RosTime:
+        return RosTime(round(self.seconds * 1e9))
+
+
+class Logger:
+    """Remembers (severity, text)."""
+
+    def __init__(self) -> None:
+        self.said: list[tuple[str, str]] = []
+
+    def __getattr__(self, severity: str) -> Callable[..., bool]:
+        if severity not in ("debug", "info", "warning", "error", "fatal"):
+            raise AttributeError(severity)
+
+        def log(message: str, *, throttle_duration_sec: float | None = None, once: bool = False) -> bool:
+            assert isinstance(message, str)
+            self.said.append((severity, message))
+            return True
+
+        return log
 
 
 class Node:
-    """Remembers what was subscribed, published and said; `parameters` are what the command line would give."""
+    """Remembers what was subscribed, published and said; `overrides` are what the command line would give."""
 
-    parameters: dict = {}  # noqa: RUF012
-    publishers_of: dict = {}  # noqa: RUF012
+    overrides: ClassVar[dict[str, Any]] = {}
+    publishers_of: ClassVar[dict[str, int]] = {}
 
-    def __init__(self, name):
-        self.name = name
-        self.subscribed, self.published, self.timers_, self.said = {}, {}, [], []
+    def __init__(self, node_name: str) -> None:
+        self._name, self._logger, self._clock = node_name, Logger(), Clock()
+        self._parameters: dict[str, tuple[Any, Any]] = {}
+        self._callbacks: list[Callable[[list[Parameter]], Any]] = []
+        self.subscribed: dict[str, tuple[Any, Any, Any]] = {}
+        self.published: dict[str, list[Any]] = {}
+        self.quality: dict[str, Any] = {}
+        self.served: dict[str, tuple[Any, Any]] = {}
+        self.ticks: list[tuple[float, Callable[[], None]]] = []
         self.destroyed = False
 
-    def declare_parameter(self, name, default):
-        return types.SimpleNamespace(value=self.parameters.get(name, default))
+    publishers = services = subscriptions = timers = clients = property(lambda self: iter(()))
+    executor = context = handle = guards = waitables = default_callback_group = property(lambda self: None)
 
-    def create_subscription(self, kind, topic, callback, depth):
-        self.subscribed[topic] = (kind, callback)
+    def get_name(self) -> str:
+        return self._name
 
-    def create_publisher(self, kind, topic, depth):
+    def get_logger(self) -> Logger:
+        return self._logger
+
+    def get_clock(self) -> Clock:
+        return self._clock
+
+    def declare_parameter(
+        self, name: str, value: Any = None, descriptor: Any = None, ignore_override: bool = False
+    ) -> Parameter:
+        assert name not in self._parameters
+        assert value != [], "an empty list is declared as bytes"
+        assert descriptor is None or isinstance(descriptor, ParameterDescriptor)
+        given = self.overrides.get(name, value)
+        if _kind(given) != _kind(value):
+            raise ParameterException(f"Trying to set parameter '{name}' to '{given}', expecting type '{_kind(value)}'")
+        self._parameters[name] = (given, descriptor)
+        return Parameter(name, value=given)
+
+    def add_on_set_parameters_callback(self, callback: Callable[[list[Parameter]], Any]) -> None:
+        _takes_arguments(callback, 1)
+        self._callbacks.append(callback)
+
+    def set_parameter(self, name: str, value: Any) -> Any:
+        """What `ros2 param set` does."""
+        old, descriptor = self._parameters[name]
+        if descriptor.read_only:
+            return SetParametersResult(successful=False, reason="read-only")
+        if _kind(old) != _kind(value):
+            return SetParametersResult(successful=False, reason="wrong type")
+        for callback in self._callbacks:
+            result = callback([Parameter(name, value=value)])
+            assert isinstance(result, SetParametersResult)
+            if not result.successful:
+                return result
+        self._parameters[name] = (value, descriptor)
+        return SetParametersResult(successful=True)
+
+    def create_subscription(
+        self, msg_type: Any, topic: str, callback: Callable[[Any], None], qos_profile: Any, *,
+        callback_group: Any = None, event_callbacks: Any = None, qos_overriding_options: Any = None, raw: bool = False,
+    ) -> None:  # fmt: skip
+        assert issubclass(msg_type, Message)
+        assert isinstance(qos_profile, QoSProfile | int)
+        _takes_arguments(callback, 1)
+        assert topic not in self.subscribed
+        self.subscribed[topic] = (msg_type, callback, qos_profile)
+
+    def create_publisher(
+        self, msg_type: Any, topic: str, qos_profile: Any, *, callback_group: Any = None, event_callbacks: Any = None,
+        qos_overriding_options: Any = None,
+    ) -> Any:  # fmt: skip
+        assert issubclass(msg_type, Message)
+        assert isinstance(qos_profile, QoSProfile | int)
         messages = self.published.setdefault(topic, [])
+        self.quality[topic] = qos_profile
 
-        def publish(message):
-            assert type(message) is kind
+        def publish(msg: Any) -> None:
+            assert type(msg) is msg_type
             assert not self.destroyed
-            messages.append(message)
+            messages.append(msg)
 
         return types.SimpleNamespace(publish=publish)
 
-    def create_timer(self, period, callback):
-        self.timers_.append((period, callback))
+    def create_service(
+        self, srv_type: Any, srv_name: str, callback: Callable[[Any, Any], Any], *, qos_profile: Any = None,
+        callback_group: Any = None,
+    ) -> None:  # fmt: skip
+        _takes_arguments(callback, 2)
+        self.served[srv_name] = (srv_type, callback)
 
-    def resolve_topic_name(self, topic):
-        return topic
+    def call(self, srv_name: str, **request: Any) -> tuple[bool, str]:
+        """What `ros2 service call` does: success and message."""
+        kind, callback = self.served[srv_name]
+        response = callback(kind.Request(**request), kind.Response())
+        assert isinstance(response, kind.Response)
+        return response.success, response.message
 
-    def count_publishers(self, topic):
-        return self.publishers_of.get(topic, 1)
+    def create_timer(
+        self, timer_period_sec: float, callback: Callable[[], None], callback_group: Any = None, clock: Any = None
+    ) -> None:
+        _takes_arguments(callback, 0)
+        self.ticks.append((float(timer_period_sec), callback))
 
-    def get_logger(self):
-        return types.SimpleNamespace(fatal=self.said.append)
+    def resolve_topic_name(self, topic: str, *, only_expand: bool = False) -> str:
+        return topic.replace("~", f"/{self._name}")
 
-    def get_clock(self):
-        now = types.SimpleNamespace(to_msg=lambda: Stamp(1, 2))
-        return types.SimpleNamespace(now=lambda: now)
+    def count_publishers(self, topic_name: str) -> int:
+        assert topic_name.startswith("/") or "~" not in topic_name
+        return self.publishers_of.get(topic_name, 1)
 
-    def destroy_node(self):
+    def destroy_node(self) -> None:
         self.destroyed = True
 
 
-def install(monkeypatch, spin_once):
-    """Put the modules where `import` finds them; `spin_once(node)` is called as rclpy's."""
-    said = []
-    modules = {
-        "rclpy": {
-            "init": lambda **options: said.append("init"),
-            "ok": lambda: True,
-            "spin_once": lambda node, timeout_sec: spin_once(node),
-            "shutdown": lambda: said.append("shutdown"),
-        },
-        "rclpy.node": {"Node": Node},
-        "rclpy.signals": {"SignalHandlerOptions": types.SimpleNamespace(NO=0)},
-        "geometry_msgs.msg": {"Twist": Twist, "TwistStamped": TwistStamped},
-        "sensor_msgs.msg": {"JointState": JointState, "Joy": Joy},
-        "std_msgs.msg": {"Float64MultiArray": Float64MultiArray},
-        "trajectory_msgs.msg": {"JointTrajectory": JointTrajectory, "JointTrajectoryPoint": JointTrajectoryPoint},
-        "diagnostic_msgs.msg": {
-            "DiagnosticArray": DiagnosticArray, "DiagnosticStatus": DiagnosticStatus, "KeyValue": KeyValue,
-        },
-    }  # fmt: skip
-    for name, content in modules.items():
-        parent = name.split(".")[0]
-        if parent not in modules:
-            monkeypatch.setitem(sys.modules, parent, types.ModuleType(parent))
+def _kind(value: Any) -> str:
+    if isinstance(value, (list, tuple)):
+        return f"{_kind(value[0])} array" if value else "byte array"
+    return type(value).__name__
+
+
+def _takes_arguments(callback: Callable[..., Any], count: int) -> None:
+    inspect.signature(callback).bind(*range(count))
+
+
+def install(monkeypatch: Any, spin_once: Callable[[Any], None]) -> list[str]:
+    """Put the modules where `import` finds them; `spin_once(node)` is called as rclpy's. What was called is listed."""
+    said: list[str] = []
+
+    def init(
+        *, args: Any = None, context: Any = None, domain_id: Any = None, signal_handler_options: Any = None
+    ) -> None:
+        said.append("init")
+
+    def spin(node: Any, *, executor: Any = None, timeout_sec: float | None = None) -> None:
+        spin_once(node)
+
+    def shutdown(*, context: Any = None, uninstall_handlers: Any = None) -> None:
+        said.append("shutdown")
+
+    contents: dict[str, Sequence[Any]] = {
+        "rclpy.node": (Node,),
+        "rclpy.parameter": (Parameter,),
+        "rclpy.qos": (QoSProfile, ReliabilityPolicy, DurabilityPolicy),
+        "rclpy.exceptions": (ParameterException,),
+        "rcl_interfaces.msg": (ParameterDescriptor, SetParametersResult),
+        "control_msgs.msg": (JointJog,),
+        "diagnostic_msgs.msg": (DiagnosticArray, DiagnosticStatus, KeyValue),
+        "geometry_msgs.msg": (PoseStamped, Twist, TwistStamped),
+        "sensor_msgs.msg": (JointState, Joy),
+        "std_msgs.msg": (Float64MultiArray, String),
+        "std_srvs.srv": (SetBool, Trigger),
+        "trajectory_msgs.msg": (JointTrajectory, JointTrajectoryPoint),
+    }
+    modules = {name: {each.__name__: each for each in content} for name, content in contents.items()}
+    modules["rclpy"] = {"init": init, "ok": lambda *, context=None: True, "spin_once": spin, "shutdown": shutdown}
+    modules["rclpy.signals"] = {"SignalHandlerOptions": types.SimpleNamespace(NO=0)}
+    for name in {name.split(".")[0] for name in modules} | set(modules):
         module = types.ModuleType(name)
-        vars(module).update(content)
+        vars(module).update(modules.get(name, {}))
         monkeypatch.setitem(sys.modules, name, module)
-    monkeypatch.setattr(Node, "parameters", {})
+    monkeypatch.setattr(Node, "overrides", {})
     monkeypatch.setattr(Node, "publishers_of", {})
     return said

@@ -1,19 +1,17 @@
-"""ROS 2's messages as plain data, without ROS: whatever has their fields serves; see examples/ros2/servo_node.py."""
+"""ROS 2's messages as plain data, without ROS: whatever has their fields serves; see examples/ros2/twistarm_servo."""
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from dataclasses import dataclass
 from typing import Any, NamedTuple
 
 import numpy as np
 
 from ..arm import Arm
-from ..checks import Array, as_vector
-from ..errors import InputError
-from ..servo import ServoStatus, TwistCommand
-from ..servo.command import FRAMES
+from ..checks import Array
+from ..errors import InputError, listed
+from ..servo import AnyCommand, ServoStatus
 from .joint_order import theta_by_name
+from .messages import command_of
 from .protocols import Setpoint
 from .report import Ending, Tally
 from .streaming import Cycle
@@ -26,19 +24,16 @@ OK, WARN, ERROR = b"\x00", b"\x01", b"\x02"
 WAITING = "WAITING"
 """The status before the first joint state, and after a device has failed."""
 
-UNUSED = -1
-"""An axis or button that the joystick has not got."""
-
 
 def theta_of(arm: Arm, message: Any) -> Array:
     """theta (n,) of a sensor_msgs/JointState, whose joints come in any order and with others among them."""
     return theta_by_name(arm, list(message.name), list(message.position))
 
 
-def twist_of(arm: Arm, message: Any, frame: str) -> TwistCommand:
-    """The command of a geometry_msgs/Twist in `frame`, "tool" or "base" [m/s, rad/s]."""
+def twist_of(message: Any) -> list[float]:
+    """The six numbers of a geometry_msgs/Twist, linear part first."""
     v, w = message.linear, message.angular
-    return TwistCommand(np.array([v.x, v.y, v.z, w.x, w.y, w.z]), frame)
+    return [v.x, v.y, v.z, w.x, w.y, w.z]
 
 
 def frame_of(arm: Arm, frame_id: str, unsaid: str) -> str:
@@ -59,77 +54,66 @@ def number_of(stamp: Any) -> int | None:
     return number if number > 0 else None
 
 
-@dataclass(frozen=True, eq=False)
-class JoyMapping:
-    """How a sensor_msgs/Joy becomes a twist.
-
-    axes: six indices, for (vx, vy, vz, wx, wy, wz), −1 for none. scale (6,) [m/s, rad/s]: the twist at full deflection,
-    signs included. deadband: deflections below are none; beyond, they begin at 0. dead_man: the button that must be
-    held. Raises InputError for anything else.
+def jog_of(arm: Arm, message: Any, scale: float = 1.0) -> AnyCommand:
+    """The command of a control_msgs/JointJog, whose velocities times `scale` are rates [rad/s, m/s] by name; the other
+    joints at rest.
     """
+    names, rates = list(message.joint_names), [scale * rate for rate in message.velocities]
+    if len(message.displacements):
+        raise InputError("a jog is driven by velocities; got displacements, which a pose or a trajectory is for")
+    if len(names) != len(rates):
+        raise InputError(f"a jog has a velocity for each joint; got {len(names)} names, {len(rates)} velocities")
+    if len(set(names)) != len(names):
+        raise InputError(f"a jog names each joint once; got {listed(names)}")
+    return command_of(arm, {"jog": dict(zip(names, rates, strict=True))})
 
-    axes: Sequence[int]
-    scale: Sequence[float]
-    dead_man: int
-    frame: str = "tool"
-    deadband: float = 0.1
 
-    def __post_init__(self) -> None:
-        whole = all(isinstance(k, int) and not isinstance(k, bool) and k >= UNUSED for k in (*self.axes, self.dead_man))
-        if len(self.axes) != 6 or not whole or self.dead_man < 0:
-            raise InputError(
-                f"a joystick needs six axes, counted from 0, {UNUSED} for none, and a dead man's button; got "
-                f"{list(self.axes)} and {self.dead_man!r}"
-            )
-        if not 0.0 <= self.deadband < 1.0:
-            raise InputError(f"deadband must be from 0 to below 1; got {self.deadband!r}")
-        if self.frame not in FRAMES:
-            raise InputError(f"frame must be 'tool' or 'base'; got {self.frame!r}")
-        as_vector(self.scale, "scale", 6)
-
-    def command(self, message: Any) -> TwistCommand | None:
-        """The twist of a joystick; None while the dead man's button is not held. InputError where it lacks an axis."""
-        axes, buttons = list(message.axes), list(message.buttons)
-        if max(self.axes) >= len(axes) or self.dead_man >= len(buttons):
-            raise InputError(
-                f"the joystick has {len(axes)} axes and {len(buttons)} buttons; the mapping asks for axis "
-                f"{max(self.axes)} and button {self.dead_man}, counted from 0"
-            )
-        if not buttons[self.dead_man]:
-            return None
-        deflections = np.array([0.0 if k == UNUSED else axes[k] for k in self.axes])
-        return TwistCommand(self._beyond_deadband(deflections) * np.asarray(self.scale), self.frame)
-
-    def _beyond_deadband(self, deflections: Array) -> Array:
-        size = np.clip((np.abs(deflections) - self.deadband) / (1.0 - self.deadband), 0.0, 1.0)
-        beyond: Array = np.sign(deflections) * size
-        return beyond
+def pose_of(arm: Arm, message: Any) -> AnyCommand:
+    """The command of a geometry_msgs/PoseStamped, which is given in the base."""
+    if message.header.frame_id != arm.base:
+        raise InputError(f"a pose of {arm.name} is given in {arm.base!r} (base); got {message.header.frame_id!r}")
+    p, q = message.pose.position, message.pose.orientation
+    return command_of(arm, {"pose": {"position": [p.x, p.y, p.z], "quaternion_wxyz": [q.w, q.x, q.y, q.z]}})
 
 
 class TrajectoryPoint(NamedTuple):
-    """A point of a trajectory_msgs/JointTrajectory: positions, and time_from_start as sec and nanosec, more than 0.
-
-    Positions alone: controllers refuse a trajectory that ends with a velocity, and every setpoint is an end.
-    """
+    """A point of a trajectory_msgs/JointTrajectory: positions, velocities, and time_from_start as sec and nanosec."""
 
     positions: list[float]
+    velocities: list[float]
     sec: int
     nanosec: int
 
 
-def trajectory_point(setpoint: Setpoint, ahead: float) -> TrajectoryPoint:
-    """The setpoint as a point `ahead` [s] from now."""
-    nanoseconds = round(ahead * NANOSECONDS)
-    if nanoseconds < 1:
+def trajectory_points(arm: Arm, setpoint: Setpoint, ahead: float) -> list[TrajectoryPoint]:
+    """The setpoint as a point `ahead` [s] from now, and where it moves then, one at which the arm has come to rest.
+
+    All joints brake evenly over the time T that the slowest of them needs, Δθ = θ̇ T / 2, which is the stop that the
+    servo's rates leave room for. Controllers refuse a trajectory that ends with a velocity, and every setpoint is an
+    end; and where no other trajectory follows, the arm comes to rest along its limits by itself.
+    """
+    if not ahead * NANOSECONDS >= 1.0:
         raise InputError(f"a trajectory's point lies ahead in time; got {ahead!r} s")
-    return TrajectoryPoint(setpoint.theta.tolist(), *divmod(nanoseconds, NANOSECONDS))
+    limits, theta, rates = arm.limits, setpoint.theta, setpoint.theta_dot
+    braking = float((np.abs(rates) / limits.acceleration).max())
+    points = [_point(theta, rates, ahead)]
+    if braking > 0.0:
+        rest = np.clip(theta + rates * braking / 2.0, np.minimum(limits.lower, theta), np.maximum(limits.upper, theta))
+        points.append(_point(rest, np.zeros(arm.n), ahead + braking))
+    elif rates.any():
+        raise InputError(f"{arm.name} has no acceleration limits, without which no trajectory comes to rest")
+    return points
 
 
-def status_of(cycle: Cycle) -> tuple[str, str | None, Ending | None]:
-    """What is worth a diagnosis at once where it changes: the status, the joint concerned, the ending."""
+def _point(theta: Array, rates: Array, time: float) -> TrajectoryPoint:
+    return TrajectoryPoint(theta.tolist(), rates.tolist(), *divmod(round(time * NANOSECONDS), NANOSECONDS))
+
+
+def status_of(cycle: Cycle) -> tuple[str, str | None, Ending | None, str]:
+    """What is worth a diagnosis at once where it changes: status, joint concerned, ending, the interlock's word."""
     if cycle.setpoint is None:
-        return WAITING, None, cycle.ending
-    return cycle.setpoint.output.status.name, cycle.setpoint.output.joint, cycle.ending
+        return WAITING, None, cycle.ending, cycle.interlock
+    return cycle.setpoint.output.status.name, cycle.setpoint.output.joint, cycle.ending, cycle.interlock
 
 
 class Diagnosis(NamedTuple):
@@ -144,11 +128,12 @@ def diagnosis_of(cycle: Cycle, tally: Tally) -> Diagnosis:
     """How the stream is at this cycle: an error where the joint state is missing or it has ended."""
     output = cycle.setpoint.output if cycle.setpoint is not None else None
     late = tally.lateness
-    status, joint, _ = status_of(cycle)
+    status, joint, *_ = status_of(cycle)
     values = {
         "status": status,
         "joint": joint or "",
         "scale": f"{output.scale:.3f}" if output is not None else "",
+        "interlock": cycle.interlock,
         "cycles": str(tally.cycles),
         "missed cycles": str(tally.missed),
         "late, 99 % [ms]": f"{late.percentile(99.0) * 1e3:.3f}",

@@ -1,0 +1,1 @@
+"""A ROS 2 node around twistarm's servo; see README.md of the package."""

@@ -1,0 +1,113 @@
+"""The ROS 2 node: it connects topics and services to twistarm's stream, which computes; see README.md."""
+
+from __future__ import annotations
+
+import sys
+from dataclasses import replace
+
+import rclpy
+from rclpy.exceptions import ParameterException
+from rclpy.node import Node
+from rclpy.signals import SignalHandlerOptions
+
+from twistarm import Arm, TwistarmError
+from twistarm.servo import ServoSettings
+from twistarm.signals import ended_like_ctrl_c
+from twistarm.stream import Interlock, Metronome, MonotonicClock, Streaming, come_to_rest
+from twistarm.usual_limits import defaults_line, with_defaults
+
+from .description import find_arm
+from .diagnostics import Diagnostics
+from .inputs import Inputs
+from .outputs import Outputs
+from .parameters import declared
+from .ros_time import now_of
+from .services import Services
+from .switches import Switches
+
+NAME = "servo_node"
+"""As MoveIt Servo's, so that the same topics are the same."""
+
+EARLY = 0.25  # of a period: how much a timer may lead its grid
+
+
+class ServoNode(Node):
+    """Commands and joint states come in by callbacks, a timer steps the servo, setpoints go out."""
+
+    def __init__(self) -> None:
+        super().__init__(NAME)
+        self.p = declared(self)
+        self.failed = ""
+        self.streaming: Streaming | None = None
+        self.interlock = Interlock(enabled=self.p.enabled_at_start)
+        Services(self, self.interlock)
+        self.switches = Switches(self, self.p.frame, self.p.hold)
+        find_arm(self, self.p, self.begin)
+
+    def begin(self, arm: Arm) -> None:
+        """Connect everything: the arm is known. Limits that it lacks are the usual ones, and are told."""
+        if line := defaults_line(arm):
+            self.get_logger().warning(line)
+        arm = replace(arm, limits=with_defaults(arm))
+        self.inputs = Inputs(self, arm, self.p, self.switches)
+        self.streaming = Streaming(
+            arm, self.inputs.commands, Outputs(self, arm, self.p), self.inputs.states, rate=self.p.rate,
+            command_timeout=self.p.incoming_command_timeout, feedback_timeout=self.p.feedback_timeout,
+            tolerance=self.p.tolerance, velocity_mode=self.p.velocity_mode,
+            settings=ServoSettings(position_margin=self.p.joint_limit_margin), interlock=self.interlock,
+        )  # fmt: skip
+        self.diagnostics = Diagnostics(self, arm, self.p, self.streaming, self.switches)
+        self.metronome = Metronome(self.streaming.period, EARLY)
+        self.create_timer(self.streaming.period, self.on_timer)
+        self.get_logger().info(f"driving {arm.name}: {', '.join(arm.joint_names)}, {arm.base} to {arm.tip}")
+
+    def on_timer(self) -> None:
+        """One cycle, where one is due."""
+        now, due = now_of(self), self.metronome.next
+        periods = self.metronome.tick(now)
+        if self.streaming is None or self.failed or periods == 0:
+            return
+        if due > 0.0:
+            self.streaming.tally.lateness.add(now - due)
+        cycle = self.streaming.cycle(now, periods)
+        self.diagnostics.follow(cycle)
+        if cycle.ending is not None:
+            self.failed = f"{cycle.ending.value}: {cycle.reason}"
+
+    def stop(self) -> None:
+        """Bring the arm to rest, then rates of 0; on the system's clock, for a simulation's may stand still."""
+        if self.streaming is not None:
+            come_to_rest(self.streaming, Metronome(self.streaming.period), MonotonicClock())
+
+
+def drive() -> int:
+    """Run a node until Ctrl-C or until its stream fails, which is 1; the arm is at rest behind it."""
+    node: ServoNode | None = None
+    try:
+        node = ServoNode()
+        while rclpy.ok() and not node.failed:
+            rclpy.spin_once(node, timeout_sec=0.1)
+    except KeyboardInterrupt:
+        pass
+    finally:
+        if node is not None:
+            node.stop()
+            node.destroy_node()
+    return 1 if node is not None and node.failed else 0
+
+
+def main() -> int:
+    """The program: SIGTERM and SIGHUP end it as Ctrl-C does."""
+    # Without ROS's own handlers the publishers live until the arm is at rest.
+    rclpy.init(args=sys.argv, signal_handler_options=SignalHandlerOptions.NO)
+    try:
+        with ended_like_ctrl_c():
+            return drive()
+    except (TwistarmError, ParameterException) as error:
+        sys.exit(str(error))
+    finally:
+        rclpy.shutdown()
+
+
+if __name__ == "__main__":
+    sys.exit(main())

@@ -1,0 +1,20 @@
+"""Quality of service by name."""
+
+from __future__ import annotations
+
+from rclpy.qos import QoSProfile, ReliabilityPolicy
+
+from twistarm import InputError
+
+RELIABILITY = {
+    "best_effort": ReliabilityPolicy.BEST_EFFORT,
+    "reliable": ReliabilityPolicy.RELIABLE,
+    "system_default": ReliabilityPolicy.SYSTEM_DEFAULT,
+}
+
+
+def latest_only(name: str) -> QoSProfile:
+    """The profile in which the last message alone counts; InputError for a name that is none."""
+    if name not in RELIABILITY:
+        raise InputError(f"qos_in and qos_out must be one of {', '.join(RELIABILITY)}; got {name!r}")
+    return QoSProfile(depth=1, reliability=RELIABILITY[name])
