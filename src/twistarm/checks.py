@@ -90,6 +90,14 @@ def as_positive(value: ArrayLike, name: str) -> float:
     return number
 
 
+def as_not_negative(value: ArrayLike, name: str) -> float:
+    """`value` as one finite number, 0 or more."""
+    number = as_number(value, name)
+    if number < 0.0:
+        raise InputError(f"{name} must be 0 or more; got {shown(value)}")
+    return number
+
+
 def as_whole(value: Any, name: str, least: int, most: int) -> int:
     """`value` as a whole number in [least, most]."""
     if not isinstance(value, (int, np.integer)) or isinstance(value, bool) or not least <= value <= most:

@@ -19,6 +19,12 @@ Log = Annotated[
 ]
 PositionNoise = Annotated[float, typer.Option(help="Standard deviation of the measured positions, in metres.")]
 OrientationNoise = Annotated[float, typer.Option(help="Standard deviation of the measured orientations, in degrees.")]
+BasePositionNoise = Annotated[
+    float | None, typer.Option(help="Standard deviation of the base's own position, in metres; 0 if exactly known.")
+]
+BaseOrientationNoise = Annotated[
+    float | None, typer.Option(help="Standard deviation of the base's own orientation, in degrees; 0 if exactly known.")
+]
 
 
 @takes_arm
@@ -27,6 +33,8 @@ def wiring(
     log: Log,
     position_noise: PositionNoise = 0.002,
     orientation_noise: OrientationNoise = 1.0,
+    base_position_noise: BasePositionNoise = None,
+    base_orientation_noise: BaseOrientationNoise = None,
     json: Json = False,
 ) -> int:
     """Check signs, ratios and zeros of the motors against logged counts and measured positions of the tool."""
@@ -36,6 +44,10 @@ def wiring(
             log,
             position_noise=position_noise,
             orientation_noise=float(np.radians(orientation_noise)),
+            base_position_noise=base_position_noise,
+            base_orientation_noise=None
+            if base_orientation_noise is None
+            else float(np.radians(base_orientation_noise)),
             progress=progress,
         )
     if json:

@@ -3,29 +3,30 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Callable
 from dataclasses import replace
 
 import numpy as np
 
 from ..actuators import Actuators
 from ..arm import Arm, require_arm
-from ..checks import Array, as_positive, require_callback
+from ..checks import Array, as_not_negative, as_positive, require_callback
 from ..errors import InputError
 from .advice import moved
+from .base import USUAL
 from .fit import best_fit
-from .hypotheses import fewest_faults
+from .hypotheses import fewest_faults, freedom
 from .judgement import judged, unjudged, unmoved
 from .lengths import UNITS, plausible_units
 from .log import WiringLog, read_log
 from .model import Wiring
 from .report import Residual, WiringReport
-from .search import Found, as_sound, readings, search, swapped
+from .search import Found, Progress, as_sound, readings, search, swapped
 
 MOST_ROWS = 200
 """Moments that are fitted, evenly out of the log: a camera's neighbouring ones err alike and add nothing."""
 
-Progress = Callable[[float], object]
+LOUDEST = 0.02
+"""Positions that are measured worse than this [m] are not measured."""
 
 
 def check_wiring(
@@ -34,17 +35,22 @@ def check_wiring(
     *,
     position_noise: float = 0.002,
     orientation_noise: float = float(np.radians(1.0)),
+    base_position_noise: float | None = None,
+    base_orientation_noise: float | None = None,
     progress: Progress | None = None,
 ) -> WiringReport:
     """Whether the signs, ratios and zeros of the arm's motors fit a log of their counts and of measured tool poses.
 
     `log`: a WiringLog, or the path of a CSV (`read_log`). `position_noise` [m] and `orientation_noise` [rad] are one
-    standard deviation of the measuring. theta = G⁻¹ (s y + e) is fitted to the poses, y being what the motors read
+    standard deviation of the measuring, `base_position_noise` [m] and `base_orientation_noise` [rad] of the base's own
+    pose: None where it is not said, which is as measured, or where a log is not sound so, as a tape measures it
+    (`base.USUAL`). theta = G⁻¹ (s y + e) is fitted to the poses, y being what the motors read
     from their configured zeros; faults are the fewest deviations from s = 1, e = 0 that explain the log, of those
     that are clear from the noise and more than 1°, 5 mm or 2 %. Where others explain it as well, all are named and
     none is corrected. Where the log cannot show a motor's sign, scale or offset, or whether two are swapped, the
-    verdict is "cannot tell", and what to move or measure. A log that nothing explains takes seconds:
-    `progress(fraction)` is called along the way.
+    verdict is "cannot tell", and what to move or measure. A fault that the base's pose explains as well, as an offset
+    of the first joint is, is "possible" beside it (`base.BaseError` gives the law). A log that nothing explains takes
+    seconds: `progress(fraction)` is called along the way.
 
     Raises InputError for an arm without actuators, joints that they do not determine, and an unusable log.
     """
@@ -52,6 +58,8 @@ def check_wiring(
     require_callback(progress, "progress", "(fraction)")
     if motors is None:
         raise InputError(f"{arm.name} has no actuators: describe its motors as [actuators.NAME] in its arm.toml")
+    said = {"base_position_noise": base_position_noise, "base_orientation_noise": base_orientation_noise}
+    base = [None if value is None else as_not_negative(value, name) for name, value in said.items()]
     noise = as_positive(position_noise, "position_noise"), as_positive(orientation_noise, "orientation_noise")
     logged = log if isinstance(log, WiringLog) else read_log(log, motors)
     counts = logged.of(motors)
@@ -59,19 +67,25 @@ def check_wiring(
         raise InputError("the log holds no moment: give a row of counts and the tool's position for each")
     told = progress or (lambda _: None)
     as_said = _wiring(arm, motors, counts, logged.measured, noise)
-    unit, as_said, found = _explained(as_said, motors, _part(told, 0, 2))
+    as_said = replace(as_said, base=(base[0] or 0.0, base[1] or 0.0))
+    doubted = USUAL[0] if base[0] is None else base[0], USUAL[1] if base[1] is None else base[1]
+    unit, as_said, found = _explained(as_said, motors, doubted, _part(told, 0, 2))
+    as_said = replace(as_said, base=found.wiring.base)
     wiring, p = swapped(as_said, motors, found.swapped), found.explanation.p
     if _still(wiring):
         verdict, what, each = unmoved(found, motors)
     elif found.fits:
         verdict, what, each = judged(found, motors)
     else:
-        why_not = _why_not(wiring, p, _part(told, 1, 2))
+        why_not = _why_not(found, motors, doubted, _part(told, 1, 2))
         verdict, what, each = "unexplained", why_not, unjudged(motors)
     if unit:
         verdict, what = "unexplained", f"the positions look like {unit}: log x, y, z in metres; read so, {what}"
+    base_offset, wiring = wiring.base_offset(p), wiring.with_base_moved(p)
     before, after = _residual(as_said, as_said.sound), _residual(wiring, p)
-    return WiringReport(arm.name, verdict, what, each, len(counts), before, after, _worst_row(wiring, p) + 1)
+    return WiringReport(
+        arm.name, verdict, what, each, len(counts), before, after, _worst_row(wiring, p) + 1, base_offset
+    )
 
 
 def _wiring(arm: Arm, motors: Actuators, counts: Array, measured: Array, noise: tuple[float, float]) -> Wiring:
@@ -90,17 +104,19 @@ def _wiring(arm: Arm, motors: Actuators, counts: Array, measured: Array, noise: 
     )
 
 
-def _explained(wiring: Wiring, motors: Actuators, progress: Progress) -> tuple[str, Wiring, Found]:
+def _explained(
+    wiring: Wiring, motors: Actuators, doubted: tuple[float, float], progress: Progress
+) -> tuple[str, Wiring, Found]:
     """What was found, in which unit the positions were logged if not in metres, and the wiring with them in metres."""
     if _still(wiring):
         return "", wiring, as_sound(_thinned(wiring))
     units = plausible_units(wiring)
     for done, unit in enumerate(units):
         metres = replace(wiring, position=UNITS[unit] * wiring.position)
-        found = search(_thinned(metres), motors, _part(progress, done, len(units) + 1))
+        found = search(_thinned(metres), motors, doubted, _part(progress, done, len(units) + 1))
         if found.fits:
             return unit, metres, found
-    return "", wiring, search(_thinned(wiring), motors, _part(progress, len(units), len(units) + 1))
+    return "", wiring, search(_thinned(wiring), motors, doubted, _part(progress, len(units), len(units) + 1))
 
 
 def _part(progress: Progress, done: int, parts: int) -> Progress:
@@ -117,17 +133,39 @@ def _thinned(wiring: Wiring) -> Wiring:
     return wiring if K <= MOST_ROWS else wiring.of_rows(np.linspace(0, K - 1, MOST_ROWS).astype(int))
 
 
-def _why_not(wiring: Wiring, p: Array, progress: Progress) -> str:
-    """The row without which the log can be explained, if there is one."""
-    K, odd = len(wiring.y), _worst_row(wiring, p)
+def _why_not(found: Found, motors: Actuators, base: tuple[float, float], progress: Progress) -> str:
+    """The row without which the log can be explained, if there is one, or the noise with which it can."""
+    wiring = found.wiring
+    K, odd = len(wiring.y), _worst_row(wiring, found.explanation.p)
     if 3 < K <= MOST_ROWS:
         rest = wiring.of_rows(np.delete(np.arange(K), odd))
-        if fewest_faults(rest, *best_fit(rest, progress)).fits(rest):
+        if fewest_faults(rest, *best_fit(rest, _part(progress, 0, 2))).fits(rest):
             return f"row {odd + 1} of the log does not fit the others: measure it again, or leave it out"
+    louder = replace(swapped(wiring, motors, found.swapped), noise=_noise_seen(found), base=base)
+    if louder.noise[0] <= LOUDEST:
+        heard = search(louder, motors, base, _part(progress, 1, 2))
+        if heard.fits:
+            return (
+                "measured less well than was said, or something else is wrong; with "
+                f"{_noise_option(louder)} it is said that {judged(heard, motors)[1]}"
+            )
     return (
         "no sign, ratio or zero of single motors explains the log: check that the tool was measured in the axes of "
         f"{wiring.arm.base} and at {wiring.arm.tip}, in metres, while the arm stood still, and the lengths of the arm"
     )
+
+
+def _noise_seen(found: Found) -> tuple[float, float]:
+    """The noise with which what is left has the size that noise has."""
+    wiring = found.wiring
+    louder = float(np.sqrt(found.explanation.total / freedom(wiring, 2 * wiring.k)))
+    return louder * wiring.noise[0], louder * wiring.noise[1]
+
+
+def _noise_option(wiring: Wiring) -> str:
+    position, orientation = wiring.noise
+    turned = "" if wiring.rotation is None else f" --orientation-noise {np.degrees(orientation):.2g}"
+    return f"--position-noise {position:.2g}{turned}"
 
 
 def _residual(wiring: Wiring, p: Array) -> Residual:

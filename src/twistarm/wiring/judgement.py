@@ -7,7 +7,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from ..actuators import Actuators
-from .advice import ALL, advice, enumerated, not_shown, not_shown_of_all
+from .advice import ALL, BASE_KNOWN, advice, enumerated, not_shown, not_shown_of_all
 from .faults import named_faults
 from .report import MotorVerdict
 from .search import Found
@@ -18,13 +18,19 @@ Judgement = tuple[str, str, tuple[MotorVerdict, ...]]
 
 
 def judged(found: Found, motors: Actuators) -> Judgement:
-    """Of an explanation that fits the log."""
+    """Of an explanation that fits the log, and of the base that it takes for that."""
+    verdict, what, each = _of_motors(found, motors)
+    offset = found.wiring.base_offset(found.explanation.p)
+    return verdict, what if offset is None else f"with the base {offset}, {what}", each
+
+
+def _of_motors(found: Found, motors: Actuators) -> Judgement:
     evidence = Evidence(found, motors)
     each = tuple(evidence.verdict(i) for i in range(evidence.k))
     certain = [motor.name for motor in each if motor.verdict == "fault"]
     if certain or evidence.open_faults:
         parts = [f"the log shows what is wrong with {enumerated([*map(repr, certain)])}"] if certain else []
-        parts += dict.fromkeys(_one_of(group, motors) for group in evidence.open_faults)
+        parts += dict.fromkeys(_one_of(group, evidence) for group in evidence.open_faults)
         return "fault", "; ".join(parts), each
     hidden, shows = not_shown_of_all(motors.names, evidence.unseen, evidence.unseen_swaps)
     if hidden:
@@ -64,10 +70,13 @@ def unjudged(motors: Actuators, what: str = "", remedies: Sequence[str] = ()) ->
     )
 
 
-def _one_of(group: list[Suspect], motors: Actuators) -> str:
+def _one_of(group: list[Suspect], evidence: Evidence) -> str:
+    motors = evidence.motors
     suspects = dict.fromkeys(f"{motors.names[j]!r} ({', '.join(named_faults(found, j))})" for j, found in group)
+    base = next((words for j, _ in group if (words := evidence.or_base(j))), "")
+    suspects |= dict.fromkeys(filter(None, [base]))
     (first, found), *_ = group
     return (
         f"one thing is wrong and the log does not tell which: {' or '.join(suspects)}; "
-        f"{advice(found.wiring, motors, first)}"
+        f"{BASE_KNOWN if base else advice(found.wiring, motors, first)}"
     )

@@ -8,6 +8,7 @@ from typing import NamedTuple
 
 from ..brief import told
 from ..errors import ComparisonError
+from .base import BaseOffset
 
 
 class Residual(NamedTuple):
@@ -51,7 +52,8 @@ class WiringReport:
 
     `before` is the residual of the arm as its arm.toml says, `after` that with the scales and offsets found. `rows`
     moments were logged; `worst_row`, counted from 1, fits least. A log in another unit than metres is "unexplained";
-    where `what` names the unit, all else is said of the positions in metres.
+    where `what` names the unit, all else is said of the positions in metres. `base` is where the base seems to stand
+    where the log is not explained without that; None where it is taken to be as measured.
     """
 
     arm: str
@@ -62,6 +64,7 @@ class WiringReport:
     before: Residual
     after: Residual
     worst_row: int
+    base: BaseOffset | None = None
 
     def __repr__(self) -> str:
         return told("WiringReport", {"arm": self.arm, "verdict": self.verdict, "what": self.what})

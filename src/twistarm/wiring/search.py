@@ -10,22 +10,26 @@ import numpy as np
 
 from ..actuators import Actuators
 from ..checks import Array
-from .fit import best_fit, from_sound
+from .fit import best_fit, from_sound, refine
 from .hypotheses import AS_GOOD, CLEAR, UNEXPLAINED, Explanation, explained_by, fewest_faults
 from .model import Wiring
+
+Progress = Callable[[float], object]
 
 
 @dataclass(frozen=True, eq=False)
 class Found:
     """An explanation of a log, and the two motors (or none) that have to be swapped for it.
 
-    `wiring` has them swapped already. `as_good` are others, which claim as many faults and fit as well.
+    `wiring` has them swapped already. `as_good` are others, which claim as many faults and fit as well; `or_base` is
+    what is left to claim if the base may stand beside where it was measured.
     """
 
     wiring: Wiring
     explanation: Explanation
     swapped: tuple[int, ...] = ()
     as_good: tuple[Found, ...] = ()
+    or_base: Found | None = None
 
     @property
     def fits(self) -> bool:
@@ -67,22 +71,77 @@ def as_sound(wiring: Wiring) -> Found:
     return Found(wiring, explained_by(wiring, wiring.sound, ("sound",) * wiring.k, 1.0))
 
 
-def search(wiring: Wiring, motors: Actuators, progress: Callable[[float], object]) -> Found:
-    """What explains the log, or comes nearest to it; `progress(fraction)` is called where that takes long."""
+def search(wiring: Wiring, motors: Actuators, doubted: tuple[float, float], progress: Progress) -> Found:
+    """What explains the log, or comes nearest to it; `progress(fraction)` is called where that takes long.
+
+    Unless the log is sound as it stands, it is looked at again with a base that is known as well as `doubted` only,
+    [m, rad]. Near the sound arm first, with either base; far from it where neither explains the log.
+    """
+    exact = _nearest(wiring, motors)
+    if exact.fits and exact.explanation.sound and not exact.swapped:
+        return exact
+    loose = replace(wiring, base=doubted)
+    if doubted == wiring.base:
+        return exact if exact.fits else _far(wiring, motors, progress)
+    if exact.fits:
+        return likelier(exact, _beside(exact, loose, motors))
+    other = _nearest(loose, motors)
+    if other.fits:
+        return other
+    exact = _far(wiring, motors, lambda fraction: progress(fraction / 2))
+    if exact.fits:
+        return likelier(exact, _beside(exact, loose, motors))
+    other = _far(loose, motors, lambda fraction: progress((1 + fraction) / 2))
+    return other if other.fits else exact
+
+
+def _nearest(wiring: Wiring, motors: Actuators) -> Found:
+    """The fewest faults near the sound arm, perhaps with two motors swapped; `fits` says whether they explain it."""
     plain = _near(wiring, ())
-    if plain.explanation.sound:
+    if plain.fits and plain.explanation.sound:
         return plain
     swaps = [(swapped(wiring, motors, pair), pair) for pair in combinations(range(wiring.k), 2)]
     close = [_near(other, pair) for other, pair in swaps if may_fit(other, other.sound)]
-    near = [*([plain] if plain.fits else []), *(found for found in close if found.explanation.sound)]
-    if near:
-        best = min(near, key=lambda found: found.cost)
-        as_good = [one for one in near if one.claims == best.claims and best.as_well(one.explanation.total)]
-        return replace(best, as_good=tuple(one for one in as_good if one is not best))
+    near = [*([plain] if plain.fits else []), *(one for one in close if one.fits and one.explanation.sound)]
+    if not near:
+        return plain
+    best = min(near, key=lambda found: found.cost)
+    as_good = [one for one in near if one.claims == best.claims and best.as_well(one.explanation.total)]
+    return replace(best, as_good=tuple(one for one in as_good if one is not best))
+
+
+def _far(wiring: Wiring, motors: Actuators, progress: Progress) -> Found:
+    """What fits best of all that is tried; any two motors may be swapped where nothing else explains the log."""
     far = Found(wiring, fewest_faults(wiring, *best_fit(wiring, progress)))
     if far.fits:
         return far
-    return min([far, *(_near(other, pair) for other, pair in swaps)], key=lambda found: found.explanation.total)
+    pairs = combinations(range(wiring.k), 2)
+    swaps = [_near(swapped(wiring, motors, pair), pair) for pair in pairs]
+    return min([far, *swaps], key=lambda found: found.explanation.total)
+
+
+def _beside(exact: Found, loose: Wiring, motors: Actuators) -> Found:
+    """What is claimed if the base may stand elsewhere: near the sound arm, or near what was found for the exact one."""
+    other, every = swapped(loose, motors, exact.swapped), np.ones(2 * loose.k, dtype=bool)
+    start = Found(other, fewest_faults(other, *refine(other, exact.explanation.p, every)), exact.swapped)
+    return min([start, _nearest(loose, motors)], key=lambda found: (not found.fits, found.cost))
+
+
+def likelier(exact: Found, doubted: Found) -> Found:
+    """Of what is found with the base as said, and with one that may stand elsewhere: the one that explains more.
+
+    The costs are −2 ln of the marginal likelihood, ln det C of the base's random effect included, beside `CLEAR` for
+    what is claimed of the motors, and of the base. Where both explain the log, what the base may be to blame for
+    instead stays open.
+    """
+    if not doubted.fits or doubted.wiring.base_error is None:
+        return exact
+    scale = doubted.explanation.scale
+    of_base = doubted.wiring.base_error.complexity + CLEAR
+    as_said = replace(exact, explanation=replace(exact.explanation, scale=scale))
+    if not exact.fits or doubted.cost + of_base < as_said.cost:
+        return doubted
+    return replace(exact, or_base=doubted)
 
 
 def _near(wiring: Wiring, pair: tuple[int, ...]) -> Found:

@@ -9,7 +9,7 @@ import numpy as np
 
 from ..actuators import Actuators
 from ..checks import Array
-from .advice import advice, moved, not_shown
+from .advice import BASE_KNOWN, advice, moved, not_shown
 from .faults import correction, entries, in_words, joint_offset, named_faults, offset_of, slides
 from .report import MotorVerdict
 from .rivals import rivals, unseen_signs, unseen_swaps
@@ -63,9 +63,26 @@ class Evidence:
         for i in range(self.k):
             others = rivals(self.found, i) if named_faults(self.found, i) else []
             others += [(j, one) for one in self.found.as_good for j in range(self.k) if named_faults(one, j)]
-            if named_faults(self.found, i) and others:
+            others += self._with_base(i) if named_faults(self.found, i) else []
+            if named_faults(self.found, i) and (others or self.or_base(i)):
                 groups.append(sorted([(i, self.found), *others], key=lambda suspect: suspect[0]))
         return groups
+
+    def or_base(self, i: int) -> str:
+        """Where the base stands if it is to blame for what looks like a fault of motor i; nothing if it is not."""
+        other = self.found.or_base
+        if other is None or named_faults(other, i) == named_faults(self.found, i):
+            return ""
+        return f"the base is {other.wiring.base_offset(other.explanation.p)}"
+
+    def _with_base(self, i: int) -> list[Suspect]:
+        """Who else may be to blame for the fault of motor i, if the base may stand elsewhere."""
+        other = self.found.or_base
+        if other is None:
+            return []
+        if not self.or_base(i):
+            return rivals(other, i)
+        return [(j, other) for j in range(self.k) if set(named_faults(other, j)) - set(named_faults(self.found, j))]
 
     @cached_property
     def unseen(self) -> list[list[str]]:
@@ -112,8 +129,10 @@ class Evidence:
         if suspects:
             own = [in_words(one, self.motors, j) for j, one in suspects if j == i]
             others = {self.motors.names[j]: None for j, _ in suspects if j != i}
-            either = ", or ".join([*dict.fromkeys(own), *(f"a fault of {name!r}" for name in others)])
-            return "possible fault", f"{either}: the log does not tell which", advice(self.found.wiring, self.motors, i)
+            base = next((words for j, _ in suspects if (words := self.or_base(j))), "")
+            told = [*dict.fromkeys(own), *(f"a fault of {name!r}" for name in others), *filter(None, [base])]
+            what = f"{', or '.join(told)}: the log does not tell which"
+            return "possible fault", what, BASE_KNOWN if base else advice(self.found.wiring, self.motors, i)
         if named_faults(self.found, i):
             what = in_words(self.found, self.motors, i)
             return "fault", f"{what}; {hidden}" if hidden else what, correction(self.found, self.motors, i)

@@ -1,0 +1,116 @@
+"""Logs for the wiring check as strangers write them: their arms, faults, noise, and a base that is not where they say.
+
+What is planted is known, so a report is judged without the check's own mathematics: poses come from Pinocchio.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from catalogue import load
+from twistarm import Actuators, Arm
+from twistarm.checks import Array
+from twistarm.rotations import exp
+from twistarm.wiring import WiringLog, WiringReport
+
+FAULTS = ("none", "flipped sign", "zero offset", "wrong ratio", "swapped")
+
+
+@dataclass(frozen=True)
+class Planted:
+    """A log, the motors (none of a sound arm) and the fault that it holds, and how far the tool seems off by it."""
+
+    arm: Arm
+    log: WiringLog
+    fault: str
+    motors: tuple[str, ...]
+    miss: float
+    words: str
+
+
+def planted(names: Sequence[str], seed: int, *, fault: str, poses: bool, base: tuple[float, float]) -> Planted:
+    """One log; `base` is how far [m, rad], in a random direction, the base was from where it was measured to be."""
+    rng = np.random.default_rng(seed)
+    arm = geared(load(str(rng.choice(list(names)))), rng)
+    motors = arm.actuators
+    assert motors is not None
+    theta = _postures(arm, rng)
+    G, offset, order = motors.G.copy(), motors.offset.copy(), np.arange(len(motors.names))
+    i, j = (int(motor) for motor in rng.permutation(len(order))[:2])
+    turn = 1.0 / np.abs(np.linalg.inv(G)[:, i]).max()
+    if fault == "flipped sign":
+        G[i] *= -1.0
+    elif fault == "zero offset":
+        slides = arm.units[int(np.abs(np.linalg.inv(G)[:, i]).argmax())] == "m"
+        added = rng.uniform(0.03, 0.2) if slides else np.radians(rng.uniform(4.0, 90.0))
+        offset[i] += rng.choice([-1.0, 1.0]) * added * turn
+    elif fault == "wrong ratio":
+        G[i] *= rng.choice([0.25, 0.5, 0.8, 1.25, 2.0, 4.0])
+    elif fault == "swapped":
+        order[[i, j]] = j, i
+    true = replace(motors, G=G, offset=offset)
+    counts = true.to_counts(true.to_motor(theta))[:, order]
+    if rng.random() < 0.5:
+        counts = np.round(counts, 3)
+    g = arm.by_pinocchio(theta)[0].copy()
+    position, angle = rng.uniform(0.001, 0.005), np.radians(rng.uniform(0.3, 1.5))
+    seen = _base(rng, base) @ g
+    seen[:, :3, 3] += rng.normal(scale=position, size=(len(theta), 3))
+    seen[:, :3, :3] = seen[:, :3, :3] @ exp(rng.normal(scale=angle, size=(len(theta), 3)))
+    computed = arm.fk(motors.to_theta(motors.from_counts(counts)))
+    miss = float(np.sqrt(((computed - g)[:, :3, 3] ** 2).sum(axis=-1).mean())) / 0.002
+    if poses:
+        turned = ((computed - g)[:, :3, :3] ** 2).sum(axis=(1, 2)).mean()
+        miss += float(np.sqrt(turned / 2)) / np.radians(1.0)
+    blamed = {"none": (), "swapped": (motors.names[i], motors.names[j])}.get(fault, (motors.names[i],))
+    words = f"{arm.name} {fault} {blamed} rows {len(theta)} noise {1000 * position:.1f} mm"
+    return Planted(arm, WiringLog(motors.names, counts, seen if poses else seen[:, :3, 3]), fault, blamed, miss, words)
+
+
+def geared(arm: Arm, rng: np.random.Generator) -> Arm:
+    """A gear of its own on each joint, in one of two arms a differential at the wrist, counting in all units."""
+    n = arm.n
+    G = np.diag(rng.choice([-1.0, 1.0], n) * rng.choice([30.0, 50.0, 80.0, 100.0, 160.0], n))
+    turning = all(unit == "rad" for unit in arm.units[-2:])
+    if n > 3 and turning and rng.random() < 0.5:
+        G[n - 2 :, n - 2 :] = [[60.0, 60.0], [60.0, -60.0]]
+    names = tuple(f"m{i}" for i in range(n))
+    units = tuple(rng.choice(["rad", "tick", "deg", "turn"], n).tolist())
+    motors = Actuators(names, arm.joint_names, G, rng.uniform(-3.0, 3.0, n), units, np.full(n, 4096.0))
+    return replace(arm, actuators=motors)
+
+
+def _postures(arm: Arm, rng: np.random.Generator) -> Array:
+    """All over the joints' ranges, or near a posture: each joint some tens of degrees."""
+    rows = int(rng.integers(8, 41))
+    theta: Array = arm.random_theta(rng, rows)
+    if rng.random() < 0.5:
+        theta = theta[0] + rng.uniform(0.15, 0.4) * (theta - theta[0])
+    return theta
+
+
+def _base(rng: np.random.Generator, off: tuple[float, float]) -> Array:
+    way, axis = (v / np.linalg.norm(v) for v in rng.normal(size=(2, 3)))
+    g = np.eye(4)
+    g[:3, :3], g[:3, 3] = exp(off[1] * axis), off[0] * way
+    return g
+
+
+def outcome(case: Planted, report: WiringReport) -> str:
+    """What the report is: "named", "possible", "left open", "missed", "unexplained" or, of a sound motor, "accused"."""
+    certain = {motor.name for motor in report.motors if motor.verdict == "fault"}
+    suspects = {motor.name for motor in report.motors if case.fault in motor.faults}
+    if certain - set(case.motors):
+        return "accused"
+    if report.verdict == "unexplained":
+        return "unexplained"
+    if case.fault == "none":
+        return "named" if report.verdict != "fault" else "possible"
+    if set(case.motors) <= certain & suspects:
+        return "named"
+    if set(case.motors) <= suspects:
+        return "possible"
+    return "left open" if report.verdict != "sound" else "missed"
