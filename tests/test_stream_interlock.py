@@ -2,15 +2,18 @@
 
 from __future__ import annotations
 
+import json
+import socket
+
 import numpy as np
 import pytest
 
-from stream_stand_ins import PERIOD
+from stream_stand_ins import PERIOD, Says, jog
 from stream_stand_ins import clock as clock
 from stream_stand_ins import robot as robot
 from stream_stand_ins import stream as stream
 from twistarm.errors import InputError
-from twistarm.stream import Interlock
+from twistarm.stream import Interlock, UdpFeedback, UdpSource
 
 
 def test_an_emergency_stop_is_latched_until_cleared_and_enabled():
@@ -66,3 +69,65 @@ def test_an_arm_that_is_not_enabled_never_moves(robot, stream):
 def test_what_is_no_interlock_is_refused(stream):
     with pytest.raises(InputError, match="interlock must be"):
         stream(interlock=True)
+
+
+@pytest.fixture
+def send():
+    with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as out:
+        yield lambda device, message: out.sendto(json.dumps(message).encode(), device.address)
+
+
+def test_an_emergency_stop_counts_whatever_came_with_it(rover, robot, stream, send):
+    """In one cycle: the word, then the stick's next command, which is newer. Then enable alone, which is not enough."""
+    jogged = {"jog": {"elbow": -0.4}}
+    with UdpSource(rover) as source:
+        says = {
+            30: [{"interlock": "emergency stop", "reason": "marshal", "number": 0}, jogged | {"number": 9}],
+            60: [{"interlock": "enable"}],
+            90: [{"interlock": "clear"}, {"interlock": "enable"}],
+        }
+        count = iter(range(10_000))
+
+        def on_cycle(cycle):
+            for message in says.get(next(count), [jogged]):
+                send(source, message)
+
+        interlock = Interlock()
+        report = stream(source, on_cycle=on_cycle, interlock=interlock, duration=1.5)
+    assert robot.rates[29].any()
+    assert not robot.rates[55:90].any()
+    assert robot.rates[120:140].any()
+    assert report.barred_reason == "emergency stop: marshal"
+    assert source.interlock is interlock
+
+
+def test_a_word_that_waited_too_long_stops_and_does_not_enable(rover, send):
+    with UdpSource(rover) as source:
+        source.interlock.stop()
+        source.read(0.0)
+        send(source, {"interlock": "enable"})
+        source.read(10.0)
+        assert source.interlock.word == "stopped"
+        send(source, {"interlock": "emergency stop"})
+        source.read(20.0)
+        assert source.interlock.word == "emergency stop"
+
+
+def test_a_robot_in_emergency_stop_stops_the_stream_for_good(rover, robot, stream, send):
+    with UdpFeedback(rover) as feedback:
+
+        class Told:
+            interlock = Interlock()
+
+            def read(self, now):
+                word = "emergency stop" if 100.5 <= now < 100.6 else "enabled"
+                state = {"joint_names": list(rover.joint_names), "theta": robot.theta.tolist(), "interlock": word}
+                feedback.interlock = self.interlock
+                send(feedback, state)
+                return feedback.read(now)
+
+        report = stream(Says(jog(rover, elbow=-0.4)), feedback=Told(), duration=1.5)
+    assert robot.rates[40].any()
+    assert not robot.rates[-50:].any()
+    assert report.interlock == "emergency stop"
+    assert report.barred_reason == "emergency stop: the robot is in emergency stop"

@@ -107,6 +107,9 @@ BAD = {
     '{"pose": {"position": [0,0,0], "quaternion_wxyz": [0,0,0,0]}}': "must have length 1; got 0",
     '{"pose": {"position": [0,0,0], "quaternion_wxyz": [1,0,0,0]}, "linear_speed": 0}': "linear_speed must be",
     '{"pose": 3}': "four rows",
+    '{"interlock": "go"}': "a word to the interlock is one of 'enable', 'stop', 'emergency stop', 'clear'",
+    '{"interlock": "enable", "stop": true}': "stop needs stop and may have number",
+    '{"interlock": ["enable"]}': "a word to the interlock is one of",
     '{"stop": false}': "stop must be true",
     '{"stop": 1}': "stop must be true",
     '{"stop": true, "number": -1}': "number must be a whole number",
@@ -145,7 +148,7 @@ def test_every_beginning_of_a_message_is_refused_but_the_whole(rover):
 
 def test_a_joint_state_by_name_in_any_order(rover):
     names = ["gripper", *reversed(rover.joint_names)]
-    theta, number = parse_state(rover, json.dumps({"joint_names": names, "theta": [9, 5, 4, 3, 2, 1], "number": 3}))
+    theta, number, _ = parse_state(rover, json.dumps({"joint_names": names, "theta": [9, 5, 4, 3, 2, 1], "number": 3}))
     assert theta.tolist() == [1.0, 2.0, 3.0, 4.0, 5.0]
     assert number == 3
 
@@ -160,6 +163,7 @@ BAD_STATES = [
     ({"joint_names": [1, 2, 3, 4, 5], "theta": [1, 2, 3, 4, 5]}, "list of names"),
     ({"joint_names": NAMES, "theta": [1, 2, None, 4, 5]}, r"theta\[2\] must be a number"),
     ({"joint_names": NAMES, "theta": [1, 2, 3, 4, 5], "velocity": []}, "may have number"),
+    ({"joint_names": NAMES, "theta": [1, 2, 3, 4, 5], "interlock": "off"}, "one of 'enabled'"),
 ]
 
 
@@ -182,4 +186,5 @@ def test_a_setpoint_goes_out_as_documented(rover):
         "joint": "elbow",
         "scale": 0.5,
         "reason": "slowed by a limit",
+        "interlock": "enabled",
     }

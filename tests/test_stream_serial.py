@@ -42,7 +42,7 @@ def test_the_checksum_is_nmeas():
 def test_a_setpoint_as_a_line():
     rates = np.array([0.5, -0.25])
     line = setpoint_line(Setpoint(7, 1.0, np.array([1.0, -2.0000004]), rates, answer(rates)))
-    body = b"7,1.000000,-2.000000,0.500000,-0.250000"
+    body = b"7,1.000000,-2.000000,0.500000,-0.250000,E0"
     assert line == body + b"*%02X\n" % checksum(body)
 
 
@@ -52,7 +52,9 @@ def state_line(rover, number=3, values=(1, 2, 3, 4, 5)):
 
 
 def test_a_joint_state_as_a_line(rover):
-    theta, number = parse_state_line(rover, state_line(rover))
+    theta, number, interlock = parse_state_line(rover, state_line(rover))
+    assert interlock is None
+    assert parse_state_line(rover, state_line(rover, values=(1, 2, 3, 4, 5, "X"))).interlock == "emergency stop"
     assert theta.tolist() == [1.0, 2.0, 3.0, 4.0, 5.0]
     assert number == 3
 
@@ -124,8 +126,8 @@ def test_a_robot_on_a_wire(rover, wire):
     assert report.ok
     number, *values = lines[-1].rpartition(b"*")[0].split(b",")
     assert int(number) == len(lines) - 1
-    assert len(values) == 10
-    assert [float(value) for value in values[5:]] == [0.0] * 5
+    assert values[10:] == [b"E5"]
+    assert [float(value) for value in values[5:10]] == [0.0] * 5
     assert report.waited == pytest.approx(0.01)
 
 

@@ -1,7 +1,9 @@
 """Setpoints and joint states as short lines with a checksum, for microcontrollers; see docs/streaming.md.
 
-setpoint: `number,theta_1,…,theta_n,rate_1,…,rate_n*hh`; joint state: `number,theta_1,…,theta_n*hh`. Base to tip, rad,
-m, rad/s, m/s with six decimals; hh is the exclusive or of all bytes before the `*`, two hexadecimal digits (NMEA 0183).
+setpoint: `number,theta_1,…,theta_n,rate_1,…,rate_n,ES*hh`; joint state: `number,theta_1,…,theta_n*hh`, or with `,E`
+behind theta_n. Base to tip, rad, m, rad/s, m/s with six decimals. E is what the interlock is, or the robot of itself:
+E enabled, S stopped, X in emergency stop. S is the servo's status, a digit from 0 on in the order of `ServoStatus`.
+hh is the exclusive or of all bytes before the `*`, two hexadecimal digits (NMEA 0183).
 """
 
 from __future__ import annotations
@@ -14,9 +16,17 @@ import numpy as np
 from ..arm import Arm
 from ..checks import as_theta
 from ..errors import InputError
+from ..servo import ServoStatus
 from ..strict_json import counter, short
+from .interlock import EMERGENCY_STOP, ENABLED, STOPPED
 from .messages import StateMessage
 from .protocols import Setpoint
+
+LETTERS = {ENABLED: "E", STOPPED: "S", EMERGENCY_STOP: "X"}
+
+STATE_OF = {letter: word for word, letter in LETTERS.items()}
+
+STATUSES = tuple(ServoStatus)
 
 LONGEST_LINE = 4096
 """Bytes: a joint state of 250 joints is half of it."""
@@ -25,7 +35,7 @@ LONGEST_LINE = 4096
 def setpoint_line(setpoint: Setpoint) -> bytes:
     """The setpoint as a line, its end included."""
     values = np.concatenate([setpoint.theta, setpoint.theta_dot]).tolist()
-    body = ",".join([str(setpoint.number), *(f"{value:.6f}" for value in values)]).encode()
+    body = ",".join([str(setpoint.number), *(f"{value:.6f}" for value in values), _state(setpoint)]).encode()
     return body + b"*%02X\n" % checksum(body)
 
 
@@ -38,10 +48,16 @@ def parse_state_line(arm: Arm, line: bytes) -> StateMessage:
         raise InputError(f"the checksum of a joint state line is {checksum(body):02X}; got {short(given)}")
     try:
         number, *values = body.decode("ascii").split(",")
+        interlock = STATE_OF.get(values[-1]) if values else None
+        values = values[:-1] if interlock else values
         theta = as_theta([float(value) for value in values], arm.n, "the joint state line", arm.joint_names)
-        return StateMessage(theta, counter(int(number), "number"))
+        return StateMessage(theta, counter(int(number), "number"), interlock)
     except ValueError as error:  # InputError is one
-        raise InputError(f"a joint state line is number,theta_1,…,theta_{arm.n}*hh: {error}") from error
+        raise InputError(f"a joint state line is number,theta_1,…,theta_{arm.n}[,E|S|X]*hh: {error}") from error
+
+
+def _state(setpoint: Setpoint) -> str:
+    return f"{LETTERS[setpoint.interlock]}{STATUSES.index(setpoint.output.status)}"
 
 
 def checksum(body: bytes) -> int:

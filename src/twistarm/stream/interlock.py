@@ -3,11 +3,17 @@
 from __future__ import annotations
 
 import threading
-from typing import NamedTuple
+from typing import NamedTuple, Protocol, runtime_checkable
 
 from ..errors import one_line
 
 ENABLED, STOPPED, EMERGENCY_STOP = "enabled", "stopped", "emergency stop"
+
+WORDS = ("enable", "stop", "emergency stop", "clear")
+"""What messages may say to an interlock."""
+
+STATES = (ENABLED, STOPPED, EMERGENCY_STOP)
+"""What an interlock, or a robot of itself, may be."""
 
 LONGEST_REASON = 200
 """Characters of a reason that is kept: it may come from outside, and stands in every message."""
@@ -63,6 +69,22 @@ class Interlock:
             if self._now.word == EMERGENCY_STOP:
                 self._now = Permission(STOPPED, "the emergency stop was cleared; it waits to be enabled")
 
+    def hear(self, word: str, reason: str, fresh: bool = True) -> None:
+        """Do what a message says, one of `WORDS`. What is not `fresh` may stop the arm and not let it move again."""
+        if word == "emergency stop":
+            self.emergency_stop(reason)
+        elif word == "stop":
+            self.stop(reason)
+        elif fresh:
+            self.clear() if word == "clear" else self.enable()
+
+    def follow(self, word: str | None, who: str) -> None:
+        """Stop as `who`, a robot, says of itself that it is; where it says that it is enabled, nothing."""
+        if word == EMERGENCY_STOP:
+            self.emergency_stop(f"{who} is in emergency stop")
+        elif word == STOPPED:
+            self.stop(f"{who} is stopped")
+
     def look(self) -> Permission:
         """The word and its reason, of one moment."""
         return self._now
@@ -81,3 +103,10 @@ class Interlock:
     def reason(self) -> str:
         """Why it is stopped, "" where nobody said and where it is enabled."""
         return self._now.reason
+
+
+@runtime_checkable
+class Interlocked(Protocol):
+    """A source or feedback whose messages say words to an interlock: the stream's, which is put here when it begins."""
+
+    interlock: Interlock

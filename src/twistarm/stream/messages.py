@@ -13,11 +13,16 @@ from ..errors import InputError, TwistarmError, listed
 from ..rotations import from_quaternion_wxyz
 from ..servo import AnyCommand, JogCommand, PoseCommand, TwistCommand
 from ..strict_json import counter, decoded, number, numbers, short
+from .interlock import STATES, WORDS, Interlocked
 from .joint_order import theta_by_name
 from .protocols import Setpoint
 
 QUATERNION_TOL = 1e-3
 """How far a quaternion's length may be from 1: beyond four printed decimals it is something else."""
+
+
+INTERLOCK = b'"interlock"'
+"""What a word to the interlock holds: a look that costs nothing, for every message of a flood."""
 
 
 class CommandMessage(NamedTuple):
@@ -28,10 +33,13 @@ class CommandMessage(NamedTuple):
 
 
 class StateMessage(NamedTuple):
-    """Measured theta (n,) [rad, m], base to tip, and its number in the sender's own count."""
+    """Measured theta (n,) [rad, m], base to tip, its number in the sender's own count, and whether the robot may move:
+    "enabled", "stopped", "emergency stop", None where it does not say.
+    """
 
     theta: Array
     number: int | None
+    interlock: str | None = None
 
 
 def parse_command(arm: Arm, text: str | bytes) -> CommandMessage:
@@ -51,6 +59,9 @@ def command_of(arm: Arm, message: Mapping[str, Any]) -> AnyCommand:
     """
     kind = next((kind for kind in _COMMANDS if kind in message), None)
     if kind is None:
+        if "interlock" in message:
+            also = "and may have reason and number"
+            raise InputError(f"a word to the interlock is one of {listed(WORDS)}, {also}; got {short(message)}")
         raise InputError(f"a command has one of {listed(_COMMANDS)}; got {short(sorted(message))}")
     needed, optional, build = _COMMANDS[kind]
     names = set(message) - {"number"}
@@ -66,19 +77,39 @@ def command_of(arm: Arm, message: Mapping[str, Any]) -> AnyCommand:
         raise InputError(str(error)) from error
 
 
+def heard_word(device: Interlocked, text: bytes, fresh: bool) -> bool:
+    """Whether the text is a word to the device's interlock, {"interlock": one of `WORDS`}, with "reason" if there is
+    one. It is done; one that is not fresh may stop the arm, and not let it move again.
+    """
+    if INTERLOCK not in text:
+        return False
+    try:
+        message = decoded(text)
+    except InputError:
+        return False
+    word, reason = message.get("interlock"), message.get("reason", "")
+    if set(message) - {"reason", "number"} != {"interlock"} or word not in WORDS or not isinstance(reason, str):
+        return False
+    device.interlock.hear(word, reason, fresh)
+    return True
+
+
 def parse_state(arm: Arm, text: str | bytes) -> StateMessage:
     """The joint state in {"joint_names": [...], "theta": [...]}, [rad, m], in any order, with "number" if it counts.
 
-    Joints that are not the arm's are passed over. Raises InputError for anything else.
+    Joints that are not the arm's are passed over. With "interlock", the robot says whether it may move. Raises
+    InputError for anything else.
     """
     message = decoded(text)
-    if set(message) - {"number"} != {"joint_names", "theta"}:
-        raise InputError(f"a joint state has joint_names and theta, and may have number; got {short(sorted(message))}")
+    if set(message) - {"number", "interlock"} != {"joint_names", "theta"}:
+        raise InputError(
+            f"a joint state has joint_names and theta, and may have number and interlock; got {short(sorted(message))}"
+        )
     names = message["joint_names"]
     if not isinstance(names, list) or not all(isinstance(name, str) for name in names):
         raise InputError(f"joint_names must be a list of names; got {short(names)}")
     theta = theta_by_name(arm, names, numbers(message["theta"], "theta"))
-    return StateMessage(theta, _number_of(message))
+    return StateMessage(theta, _number_of(message), _state_of(message))
 
 
 def setpoint_message(arm: Arm, setpoint: Setpoint) -> dict[str, Any]:
@@ -93,11 +124,26 @@ def setpoint_message(arm: Arm, setpoint: Setpoint) -> dict[str, Any]:
         "joint": setpoint.output.joint,
         "scale": float(setpoint.output.scale),
         "reason": setpoint.output.reason,
+        "interlock": setpoint.interlock,
     }
 
 
 def _number_of(message: Mapping[str, Any]) -> int | None:
     return counter(message["number"], "number") if "number" in message else None
+
+
+def followed(device: Interlocked, parse: Callable[[bytes], StateMessage], text: bytes) -> tuple[Array, int | None]:
+    """theta and number of a robot's joint state; where the robot says that it may not move, nor may the stream."""
+    state = parse(text)
+    device.interlock.follow(state.interlock, "the robot")
+    return state.theta, state.number
+
+
+def _state_of(message: Mapping[str, Any]) -> str | None:
+    word = message.get("interlock")
+    if "interlock" in message and word not in STATES:
+        raise InputError(f"a robot's interlock is one of {listed(STATES)}; got {short(word)}")
+    return word
 
 
 def _twist(arm: Arm, message: Mapping[str, Any]) -> AnyCommand:

@@ -12,7 +12,8 @@ from ..servo import ServoState
 from .compact_line import LONGEST_LINE, parse_state_line, setpoint_line
 from .inbox import COMMAND_TIMEOUT, FEEDBACK_TIMEOUT, Inbox, StateInbox
 from .intake import Intake
-from .messages import parse_command
+from .interlock import Interlock
+from .messages import followed, heard_word, parse_command
 from .protocols import Measured, Reading, Setpoint
 
 BAUDRATE = 115_200
@@ -58,8 +59,9 @@ class SerialSource(SerialLines):
     """Commands as lines of JSON, as in datagrams (`command_of`), from a box of controls at a serial port."""
 
     def __init__(self, arm: Arm, port: str, baudrate: int = BAUDRATE, *, timeout: float = COMMAND_TIMEOUT) -> None:
+        self.interlock = Interlock()
         self._inbox = Inbox(timeout)
-        self._intake = Intake(self._inbox, partial(parse_command, arm))
+        self._intake = Intake(self._inbox, partial(parse_command, arm), partial(heard_word, self))
         super().__init__(port, baudrate)
 
     def read(self, now: float, state: ServoState | None = None) -> Reading:
@@ -72,8 +74,9 @@ class SerialRobot(SerialLines):
     """A robot at a serial port: a sink of setpoint lines and a feedback of joint state lines (`compact_line`)."""
 
     def __init__(self, arm: Arm, port: str, baudrate: int = BAUDRATE, *, timeout: float = FEEDBACK_TIMEOUT) -> None:
+        self.interlock = Interlock()
         self._states = StateInbox(timeout)
-        self._intake = Intake(self._states, partial(parse_state_line, arm))
+        self._intake = Intake(self._states, partial(followed, self, partial(parse_state_line, arm)))
         super().__init__(port, baudrate)
 
     def write(self, setpoint: Setpoint) -> None:

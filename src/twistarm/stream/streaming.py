@@ -15,7 +15,7 @@ from ..errors import InputError
 from ..servo import AnyCommand, ServoOutput, ServoSettings, ServoState, servo_step
 from .failures import StreamError, asked, worded
 from .inbox import COMMAND_TIMEOUT, FEEDBACK_TIMEOUT
-from .interlock import ENABLED, Interlock
+from .interlock import ENABLED, Interlock, Interlocked
 from .protocols import Feedback, Reading, Setpoint, Sink, Source, UndeliveredError
 from .report import Ending, StreamReport, Tally
 from .watch import FeedbackWatch
@@ -82,6 +82,9 @@ class Streaming:
         self.interlock = require(
             Interlock() if interlock is None else interlock, Interlock, "interlock", "as Interlock() is"
         )
+        for device in (self.source, self.feedback):
+            if isinstance(device, Interlocked):
+                device.interlock = self.interlock
         self.state: ServoState | None = None
         self.tally = Tally(self.rate)
         self._watch = FeedbackWatch(arm, self.feedback_timeout, tolerance)

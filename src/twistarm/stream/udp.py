@@ -9,7 +9,8 @@ from ..servo import ServoState
 from ..strict_json import encode
 from .inbox import COMMAND_TIMEOUT, FEEDBACK_TIMEOUT, Inbox, StateInbox
 from .intake import Intake
-from .messages import parse_command, parse_state, setpoint_message
+from .interlock import Interlock
+from .messages import followed, heard_word, parse_command, parse_state, setpoint_message
 from .protocols import Measured, Reading, Setpoint, UndeliveredError
 from .sockets import Receiver, Sender, named
 
@@ -24,8 +25,9 @@ class UdpSource(Receiver):
     """
 
     def __init__(self, arm: Arm, host: str = LOOPBACK, port: int = 0, *, timeout: float = COMMAND_TIMEOUT) -> None:
+        self.interlock = Interlock()
         self._inbox = Inbox(timeout)
-        self._intake = Intake(self._inbox, partial(parse_command, arm))
+        self._intake = Intake(self._inbox, partial(parse_command, arm), partial(heard_word, self))
         super().__init__(host, port)
 
     def read(self, now: float, state: ServoState | None = None) -> Reading:
@@ -41,8 +43,9 @@ class UdpFeedback(Receiver):
     """
 
     def __init__(self, arm: Arm, host: str = LOOPBACK, port: int = 0, *, timeout: float = FEEDBACK_TIMEOUT) -> None:
+        self.interlock = Interlock()
         self._states = StateInbox(timeout)
-        self._intake = Intake(self._states, partial(parse_state, arm))
+        self._intake = Intake(self._states, partial(followed, self, partial(parse_state, arm)))
         super().__init__(host, port)
 
     def read(self, now: float) -> Measured:
