@@ -1,12 +1,12 @@
 """Stand-ins for the ROS 2 modules that the package twistarm_servo imports, as strict as the real ones.
 
 Messages take keyword arguments alone, know their fields alone, and refuse values of another type, as the classes do
-that rosidl generates: a float is no int, a byte is `bytes` of length 1, a list of floats holds floats. The fields are
-those of the published .msg and .srv files (control_msgs, diagnostic_msgs, geometry_msgs, rcl_interfaces, sensor_msgs,
-std_msgs, std_srvs, trajectory_msgs; Humble to Kilted). The signatures are those of rclpy's API documentation and its
-type hints (rclpy.node.Node, rclpy.qos, rclpy.init, spin_once, shutdown): names, order and which are keyword-only. What
-Node has of its own (`services`, `publishers`, …) cannot be assigned, as there. A parameter keeps the type of its
-default, and a read-only one its value.
+that rosidl generates: a float is no int, a byte is `bytes` of length 1, a list of floats holds floats and is kept as an
+array. The fields are those of the published .msg and .srv files (control_msgs, diagnostic_msgs, geometry_msgs,
+rcl_interfaces, sensor_msgs, std_msgs, std_srvs, trajectory_msgs; Humble to Kilted). The signatures are those of rclpy's
+API documentation and its type hints (rclpy.node.Node, rclpy.qos, rclpy.init, spin_once, shutdown): names, order and
+which are keyword-only. What Node has of its own (`services`, `publishers`, …) cannot be assigned, as there. A parameter
+keeps the type of its default, and a read-only one its value.
 """
 
 from __future__ import annotations
@@ -14,23 +14,28 @@ from __future__ import annotations
 import inspect
 import sys
 import types
+from array import array
 from collections.abc import Callable, Sequence
 from enum import IntEnum
 from typing import Any, ClassVar
 
 # -- messages ------------------------------------------------------------------------------------------------------
 
-FLOAT, BOOL, STRING, BYTE = "float64", "bool", "string", "byte"
+FLOAT, SHORT_FLOAT, BOOL, STRING, BYTE = "float64", "float32", "bool", "string", "byte"
 INT, UINT = "int32", "uint32"
 
 SCALARS: dict[str, tuple[Callable[[], Any], Callable[[Any], bool]]] = {
     FLOAT: (float, lambda value: isinstance(value, float)),
+    SHORT_FLOAT: (float, lambda value: isinstance(value, float)),
     BOOL: (bool, lambda value: isinstance(value, bool)),
     STRING: (str, lambda value: isinstance(value, str)),
     BYTE: (lambda: b"\0", lambda value: isinstance(value, bytes) and len(value) == 1),
     INT: (int, lambda value: isinstance(value, int) and -(2**31) <= value < 2**31),
     UINT: (int, lambda value: isinstance(value, int) and 0 <= value < 2**32),
 }
+
+
+ARRAYS = {FLOAT: "d", SHORT_FLOAT: "f", INT: "i", UINT: "I"}
 
 
 class Message:
@@ -49,7 +54,13 @@ class Message:
             raise AttributeError(f"{type(self).__name__!r} object has no attribute {name!r}")
         kind = self.FIELDS[name]
         assert _takes(kind, value), f"The {name!r} field must be of type {kind!r}; got {value!r}"
-        object.__setattr__(self, name, value)
+        object.__setattr__(self, name, _kept(kind, value))
+
+
+def _kept(kind: Any, value: Any) -> Any:
+    """Lists of numbers are kept as arrays of the type, in which a float32 is rounded."""
+    code = ARRAYS.get(kind[0]) if isinstance(kind, list) and isinstance(kind[0], str) else None
+    return value if code is None else array(code, value)
 
 
 def _default(kind: Any) -> Any:
@@ -60,7 +71,7 @@ def _default(kind: Any) -> Any:
 
 def _takes(kind: Any, value: Any) -> bool:
     if isinstance(kind, list):
-        several = isinstance(value, Sequence) and not isinstance(value, (str, bytes))
+        several = isinstance(value, Sequence | array) and not isinstance(value, (str, bytes))
         return several and all(_takes(kind[0], each) for each in value)
     return SCALARS[kind][1](value) if isinstance(kind, str) else isinstance(value, kind)
 
@@ -87,7 +98,7 @@ JointJog = _message(
     "JointJog", header=Header, joint_names=[STRING], displacements=[FLOAT], velocities=[FLOAT], duration=FLOAT
 )
 JointState = _message("JointState", header=Header, name=[STRING], position=[FLOAT], velocity=[FLOAT], effort=[FLOAT])
-Joy = _message("Joy", header=Header, axes=[FLOAT], buttons=[INT])
+Joy = _message("Joy", header=Header, axes=[SHORT_FLOAT], buttons=[INT])
 JointTrajectoryPoint = _message(
     "JointTrajectoryPoint",
     positions=[FLOAT], velocities=[FLOAT], accelerations=[FLOAT], effort=[FLOAT], time_from_start=Duration,

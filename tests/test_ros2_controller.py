@@ -143,6 +143,16 @@ def test_a_robot_that_was_off_is_not_told_to_jump_back(controller: Path) -> None
     assert run.reasons[-1] == ""
 
 
+def test_the_class_around_it_fits_what_ros2_control_declares(compiler: str, tmp_path: Path) -> None:  # noqa: F811
+    """On stand-ins of the headers: names, signatures and const are checked, nothing is run."""
+    write_cpp_header(load("rover_arm"), tmp_path / "arm.hpp")
+    stand_ins = Path(__file__).parent / "data" / "ros2_control"
+    include = [f"-I{folder}" for folder in (tmp_path, stand_ins, core_headers(), PACKAGE / "include")]
+    warnings = [flag for flag in STRICT if flag not in ("-fno-exceptions", "-fno-rtti")]
+    source = str(PACKAGE / "src" / "servo_controller.cpp")
+    compile_one([compiler, *warnings, "-fsyntax-only", "-DTWISTARM_ARM=rover_arm", *include, source])
+
+
 def test_the_plugin_is_the_class_and_the_dependencies_are_those_of_the_build() -> None:
     (plugin,) = ElementTree.parse(PACKAGE / "twistarm_controller.xml").getroot()
     source = (PACKAGE / "src" / "servo_controller.cpp").read_text("utf-8")

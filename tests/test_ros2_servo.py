@@ -247,6 +247,18 @@ def test_a_joint_state_that_is_none_stops_a_moving_arm(drive, bad):
     assert not it.rates[75].any()
 
 
+def test_joint_states_of_others_are_passed_over(drive):
+    it = drive()
+
+    def each(it):
+        it.twist()
+        it.hear("/joint_states", msg.JointState(name=["wheel"], position=[1.0]))
+
+    it.each = each
+    it.run(30)
+    assert np.abs(it.rates[28]).max() > 0.01
+
+
 def test_nothing_is_sent_without_joint_states(drive):
     it = drive()
     it.joints, it.each = lambda it: None, lambda it: it.twist()

@@ -16,9 +16,12 @@ from twistarm.stream import Inbox, StateInbox, ros
 
 from .joystick import JoyMapping, Joystick
 from .parameters import Parameters
-from .quality import latest_only
+from .quality import quality
 from .ros_time import now_of, said_at
 from .switches import Switches
+
+SEVERAL = 10
+"""Joint states that wait at most: of commands the last one counts, of these everybody's."""
 
 TELL_EVERY = 2.0
 """Seconds between two lines of the log about what was refused."""
@@ -48,7 +51,8 @@ class Inputs:
         if mapping.used:
             heard.append((Joy, p.joy_topic, self._on_joy))
         for kind, topic, callback in heard:
-            node.create_subscription(kind, topic, callback, latest_only(p.qos_in))
+            depth = SEVERAL if kind is JointState else 1
+            node.create_subscription(kind, topic, callback, quality(p.qos_in, depth))
 
     def _on_twist(self, message: Any) -> None:
         self._take(self._p.cartesian_command_in_topic, message, lambda: self._twist(message))
@@ -63,10 +67,11 @@ class Inputs:
         """Nobody holds the button: not a word to the inbox, but the first time, which stops the arm."""
         now, topic = now_of(self._node), self._p.joy_topic
         try:
+            time = said_at(message.header.stamp, now, self._p.incoming_command_timeout)
             twist = self._joystick.twist(message, now)
             if twist is not None:
                 self._require_one_publisher(topic)
-                self.commands.put(topic, self._switches.twist(twist, self._switches.frame, released=True), now)
+                self.commands.put(topic, self._switches.twist(twist, self._switches.frame, released=True), time)
             elif self._driving:
                 self.commands.put(topic, JogCommand([0.0] * self._arm.n), now)
             self._driving = twist is not None
@@ -76,6 +81,8 @@ class Inputs:
 
     def _on_state(self, message: Any) -> None:
         now, topic = now_of(self._node), self._p.joint_topic
+        if not set(message.name) & set(self._arm.joint_names):
+            return  # of a gripper or of wheels, which others publish
         try:
             time = said_at(message.header.stamp, now, self._p.feedback_timeout)
             self.states.put(topic, ros.theta_of(self._arm, message), time, ros.number_of(message.header.stamp))

@@ -10,7 +10,7 @@ from twistarm import Arm
 from twistarm.stream import Setpoint, ros
 
 from .parameters import Parameters
-from .quality import latest_only
+from .quality import quality
 
 PERIODS_AHEAD = 2
 """How far ahead of its setpoint a trajectory begins: it must not be late where a message is."""
@@ -22,8 +22,7 @@ class Outputs:
     def __init__(self, node: Node, arm: Arm, parameters: Parameters) -> None:
         self._arm, self._p = arm, parameters
         kind = JointTrajectory if parameters.trajectory else Float64MultiArray
-        topic, quality = parameters.command_out_topic, latest_only(parameters.qos_out)
-        self._publisher = node.create_publisher(kind, topic, quality)
+        self._publisher = node.create_publisher(kind, parameters.command_out_topic, quality(parameters.qos_out))
 
     def write(self, setpoint: Setpoint) -> None:
         """Publish the setpoint."""

@@ -13,8 +13,8 @@ RELIABILITY = {
 }
 
 
-def latest_only(name: str) -> QoSProfile:
-    """The profile in which the last message alone counts; InputError for a name that is none."""
+def quality(name: str, depth: int = 1) -> QoSProfile:
+    """The profile of a reliability, which keeps `depth` messages; InputError for a name that is none."""
     if name not in RELIABILITY:
         raise InputError(f"qos_in and qos_out must be one of {', '.join(RELIABILITY)}; got {name!r}")
-    return QoSProfile(depth=1, reliability=RELIABILITY[name])
+    return QoSProfile(depth=depth, reliability=RELIABILITY[name])

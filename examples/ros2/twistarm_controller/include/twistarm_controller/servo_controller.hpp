@@ -10,7 +10,11 @@
 #include <controller_interface/controller_interface.hpp>
 #include <geometry_msgs/msg/twist_stamped.hpp>
 #include <rclcpp/rclcpp.hpp>
+#if __has_include(<realtime_tools/realtime_buffer.hpp>)
 #include <realtime_tools/realtime_buffer.hpp>
+#else
+#include <realtime_tools/realtime_buffer.h>  // Humble
+#endif
 #include <std_srvs/srv/trigger.hpp>
 
 #include "arm.hpp"  // of `twistarm bake`
