@@ -73,6 +73,13 @@ def test_a_zero_of_the_first_joint_is_not_told_from_the_base_until_that_is_known
     assert (known.motors[0].verdict, known.motors[0].faults, known.base) == ("fault", ("zero offset",), None)
 
 
+def test_a_zero_that_only_the_base_hides_has_the_base_measured() -> None:
+    case = planted(["rover_arm"], 4, fault="flipped sign", poses=False, base=(0.01, 0.0))
+    rail = check_wiring(case.arm, case.log).motors[0]
+    assert (rail.verdict, rail.unseen) == ("cannot tell", ("zero",))
+    assert rail.remedy.startswith("measure the base anew")
+
+
 def test_a_noise_that_is_larger_than_was_said_is_tried_and_named() -> None:
     case = planted(["rover_arm"], 1, fault="none", poses=False, base=(0.0, 0.0))
     report = check_wiring(case.arm, case.log, position_noise=0.0002)

@@ -147,7 +147,7 @@ def _why_not(found: Found, motors: Actuators, base: tuple[float, float], progres
         if heard.fits:
             return (
                 "measured less well than was said, or something else is wrong; with "
-                f"{_noise_option(louder)} it is said that {judged(heard, motors)[1]}"
+                f"{_noise_option(louder)} the log reads: {judged(heard, motors)[1]}"
             )
     return (
         "no sign, ratio or zero of single motors explains the log: check that the tool was measured in the axes of "

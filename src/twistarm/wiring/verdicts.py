@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
@@ -11,6 +11,7 @@ from ..actuators import Actuators
 from ..checks import Array
 from .advice import BASE_KNOWN, advice, moved, not_shown
 from .faults import correction, entries, in_words, joint_offset, named_faults, offset_of, slides
+from .model import Wiring
 from .report import MotorVerdict
 from .rivals import rivals, unseen_signs, unseen_swaps
 from .search import Found
@@ -37,6 +38,10 @@ def standard_deviations(found: Found) -> Array:
     with np.errstate(divide="ignore", invalid="ignore"):
         variance = np.where(np.abs(Vt) > UNSEEN, (Vt / values[:, None]) ** 2, 0.0).sum(axis=0)
     return np.sqrt(np.where(missing > UNSEEN, np.inf, variance))
+
+
+def _seen_offset(wiring: Wiring, i: int) -> float:
+    return SEEN_LENGTH if slides(wiring, i) else SEEN_ANGLE
 
 
 @dataclass(frozen=True, eq=False)
@@ -88,7 +93,7 @@ class Evidence:
     def unseen(self) -> list[list[str]]:
         """For each motor what the log does not show: sign, ratio, zero."""
         signs = unseen_signs(self.found)
-        offset = [SEEN_LENGTH if slides(self.found.wiring, i) else SEEN_ANGLE for i in range(self.k)]
+        offset = [_seen_offset(self.found.wiring, i) for i in range(self.k)]
         rows = [
             {"sign": i in signs, "ratio": self.std[i] > SEEN_SCALE, "zero": self.std[self.k + i] > offset[i]}
             for i in range(self.k)
@@ -137,8 +142,16 @@ class Evidence:
             what = in_words(self.found, self.motors, i)
             return "fault", f"{what}; {hidden}" if hidden else what, correction(self.found, self.motors, i)
         if hidden:
-            return "cannot tell", hidden, advice(self.found.wiring, self.motors, i)
+            remedy = BASE_KNOWN if self._hidden_by_base(i) else advice(self.found.wiring, self.motors, i)
+            return "cannot tell", hidden, remedy
         return "sound", "sign, ratio and zero fit the log", ""
+
+    def _hidden_by_base(self, i: int) -> bool:
+        """Whether all that the log does not show of motor i is its zero, and it would were the base exactly known."""
+        if self.unseen[i] != ["zero"] or self._swapped_with(i) or self.found.wiring.base_error is None:
+            return False
+        exact = replace(self.found, wiring=replace(self.found.wiring, base=(0.0, 0.0)))
+        return bool(standard_deviations(exact)[self.k + i] <= _seen_offset(self.found.wiring, i))
 
     def _swapped_with(self, i: int) -> list[str]:
         return [self.motors.names[j] for pair in self.unseen_swaps if i in pair for j in pair if j != i]
