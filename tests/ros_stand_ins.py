@@ -12,6 +12,7 @@ keeps the type of its default, and a read-only one its value.
 from __future__ import annotations
 
 import inspect
+import re
 import sys
 import types
 from array import array
@@ -156,6 +157,15 @@ class ParameterException(Exception):  # noqa: N818  (rclpy's name)
     """The base of rclpy's errors about parameters."""
 
 
+class NameValidationException(Exception):  # noqa: N818
+    """The base of rclpy's errors about the names of topics, services and nodes."""
+
+
+def _checked_name(name: str) -> None:
+    if not re.fullmatch(r"(~/|/)?[A-Za-z_]\w*(/[A-Za-z_]\w*)*", name):
+        raise NameValidationException(f"Invalid topic name: topic name is invalid:\n  '{name}'\n   ^")
+
+
 class Parameter:
     def __init__(self, name: str, type_: Any = None, value: Any = None) -> None:
         self.name, self.value = name, value
@@ -264,6 +274,7 @@ class Node:
         assert issubclass(msg_type, Message)
         assert isinstance(qos_profile, QoSProfile | int)
         _takes_arguments(callback, 1)
+        _checked_name(topic)
         assert topic not in self.subscribed
         self.subscribed[topic] = (msg_type, callback, qos_profile)
 
@@ -273,6 +284,7 @@ class Node:
     ) -> Any:  # fmt: skip
         assert issubclass(msg_type, Message)
         assert isinstance(qos_profile, QoSProfile | int)
+        _checked_name(topic)
         messages = self.published.setdefault(topic, [])
         self.quality[topic] = qos_profile
 
@@ -288,6 +300,7 @@ class Node:
         callback_group: Any = None,
     ) -> None:  # fmt: skip
         _takes_arguments(callback, 2)
+        _checked_name(srv_name)
         self.served[srv_name] = (srv_type, callback)
 
     def call(self, srv_name: str, **request: Any) -> tuple[bool, str]:
@@ -343,7 +356,7 @@ def install(monkeypatch: Any, spin_once: Callable[[Any], None]) -> list[str]:
         "rclpy.node": (Node,),
         "rclpy.parameter": (Parameter,),
         "rclpy.qos": (QoSProfile, ReliabilityPolicy, DurabilityPolicy),
-        "rclpy.exceptions": (ParameterException,),
+        "rclpy.exceptions": (NameValidationException, ParameterException),
         "rcl_interfaces.msg": (ParameterDescriptor, SetParametersResult),
         "control_msgs.msg": (JointJog,),
         "diagnostic_msgs.msg": (DiagnosticArray, DiagnosticStatus, KeyValue),

@@ -14,7 +14,6 @@ import pytest
 import yaml
 
 import ros_stand_ins as msg
-from twistarm import load_arm
 
 PACKAGE = Path(__file__).parents[1] / "examples" / "ros2" / "twistarm_servo"
 
@@ -39,14 +38,14 @@ def package(monkeypatch):
 class Drive:
     """Spins the node for some cycles of simulated time, with joint states of an arm that follows; then Ctrl-C."""
 
-    def __init__(self, monkeypatch, package, **parameters):
+    def __init__(self, monkeypatch, package, theta, **parameters):
         self.said = msg.install(monkeypatch, self.spin_once)
-        overrides = {"description": "rover_arm", **VELOCITIES, **parameters}
+        overrides = {**VELOCITIES, **parameters}
         monkeypatch.setattr(msg.Node, "overrides", overrides)
         self.main = package("node").main
         self.node, self.cycle, self.each = None, 0, lambda drive: None
         self.joints, self.ends = lambda drive: drive.follow(), KeyboardInterrupt
-        self.theta = load_arm("rover_arm").ready.copy()
+        self.theta = theta.copy()
 
     def run(self, cycles):
         self.cycles = cycles
@@ -107,17 +106,22 @@ class Drive:
         self.hear(TWIST, msg.TwistStamped(header=msg.Header(frame_id=frame_id), twist=msg.Twist(**fields)))
 
 
+@pytest.fixture(scope="module")
+def baked(rover, tmp_path_factory):
+    """The rover arm in a file that is read in no time."""
+    return str(rover.bake(tmp_path_factory.mktemp("baked") / "arm.json"))
+
+
 @pytest.fixture
-def drive(monkeypatch, package):
-    return lambda **parameters: Drive(monkeypatch, package, **parameters)
+def drive(monkeypatch, package, rover, baked):
+    return lambda **parameters: Drive(monkeypatch, package, rover.ready, **{"description": baked, **parameters})
 
 
-def test_twists_become_rates_and_the_arm_is_left_at_rest(drive):
-    it = drive()
+def test_twists_become_rates_and_the_arm_is_left_at_rest(drive, rover):
+    it = drive(description="rover_arm")
     it.each = lambda it: it.twist()
     assert it.run(30) == 0
-    before = load_arm("rover_arm").fk("ready")[:3, 3]
-    assert it.arm.fk(it.theta)[2, 3] > before[2] + 0.005
+    assert it.arm.fk(it.theta)[2, 3] > rover.fk("ready")[2, 3] + 0.005
     assert not it.rates[-1].any()
     assert it.node.destroyed
     assert it.said == ["init", "shutdown"]
@@ -167,7 +171,7 @@ def test_arrays_hold_positions_where_the_controller_takes_them(drive):
     np.testing.assert_allclose(it.commands[-1].data, it.theta)
 
 
-def test_jogs_poses_and_unitless_twists_move_the_arm(drive):
+def test_jogs_poses_and_unitless_twists_move_the_arm(drive, rover):
     it = drive()
     it.each = lambda it: it.hear(JOG, msg.JointJog(joint_names=["elbow"], velocities=[0.2]))
     it.run(30)
@@ -178,7 +182,7 @@ def test_jogs_poses_and_unitless_twists_move_the_arm(drive):
     it.run(30)
     assert it.rates[28] == pytest.approx([0.0, 0.0, 0.2, 0.0, 0.0])
 
-    it, goal = drive(), load_arm("rover_arm").fk("ready")[:3, 3] + [0.0, 0.0, 0.02]
+    it, goal = drive(), rover.fk("ready")[:3, 3] + [0.0, 0.0, 0.02]
     x, y, z = goal.tolist()
     at = msg.Pose(position=msg.Point(x=x, y=y, z=z), orientation=msg.Quaternion(w=1.0))
     it.each = lambda it: it.hear(POSE, msg.PoseStamped(header=msg.Header(frame_id="base_link"), pose=at))
@@ -375,9 +379,11 @@ def test_a_description_comes_by_its_topic_or_as_text(drive):
         ({"qos_in": "fast"}, "best_effort, reliable, system_default"),
         ({"rate": 5.0}, "rate must be at least 10 Hz"),
         ({"rate": 100}, "expecting type 'float'"),
-        ({"tip": "no_link"}, "no_link"),
+        ({"description": "rover_arm", "tip": "no_link"}, "no_link"),
         ({"joy_axes": [0, -1, -1, -1, -1, -1]}, "joy_rest must say"),
         ({"joy_dead_man": -1}, "dead man"),
+        ({"command_out_topic": "arm commands"}, "Invalid topic name"),
+        ({"incoming_command_timeout": 0.0}, "timeout of a command must be"),
     ],
 )
 def test_parameters_that_cannot_be_end_it_in_one_line(drive, parameters, why):

@@ -6,11 +6,12 @@ import sys
 from dataclasses import replace
 
 import rclpy
-from rclpy.exceptions import ParameterException
+from rclpy.exceptions import NameValidationException, ParameterException
 from rclpy.node import Node
 from rclpy.signals import SignalHandlerOptions
 
 from twistarm import Arm, TwistarmError
+from twistarm.errors import one_line
 from twistarm.servo import ServoSettings
 from twistarm.signals import ended_like_ctrl_c
 from twistarm.stream import Interlock, Metronome, MonotonicClock, Streaming, come_to_rest
@@ -103,8 +104,8 @@ def main() -> int:
     try:
         with ended_like_ctrl_c():
             return drive()
-    except (TwistarmError, ParameterException) as error:
-        sys.exit(str(error))
+    except (TwistarmError, ParameterException, NameValidationException) as error:
+        sys.exit(one_line(str(error)))
     finally:
         rclpy.shutdown()
 
