@@ -4,8 +4,10 @@ from __future__ import annotations
 
 import importlib
 import re
+import runpy
 import signal
 import sys
+import types
 from pathlib import Path
 from xml.etree import ElementTree
 
@@ -498,3 +500,37 @@ def test_what_is_imported_is_declared():
     assert imported - python - {"numpy", "setuptools", "twistarm"} <= declared
     assert (PACKAGE / "resource" / "twistarm_servo").exists()
     assert "servo_node = " in (PACKAGE / "setup.py").read_text("utf-8")
+
+
+def test_the_launch_file_starts_what_setup_installs(monkeypatch):
+    made = []
+
+    class Action:
+        def __init__(self, *args, **named):
+            self.args, self.named = args, named
+            made.append(self)
+
+    for name, classes in {
+        "launch": ("LaunchDescription",),
+        "launch.actions": ("DeclareLaunchArgument",),
+        "launch.conditions": ("IfCondition",),
+        "launch.substitutions": ("LaunchConfiguration", "PathJoinSubstitution"),
+        "launch_ros": (),
+        "launch_ros.actions": ("Node",),
+        "launch_ros.substitutions": ("FindPackageShare",),
+    }.items():
+        module = types.ModuleType(name)
+        vars(module).update({each: type(each, (Action,), {}) for each in classes})
+        monkeypatch.setitem(sys.modules, name, module)
+    runpy.run_path(str(PACKAGE / "launch" / "servo.launch.py"))["generate_launch_description"]()
+    kinds = {kind: [each for each in made if type(each).__name__ == kind] for kind in {type(e).__name__ for e in made}}
+    declared = {each.args[0] for each in kinds["DeclareLaunchArgument"]}
+    assert {each.args[0] for each in kinds["LaunchConfiguration"]} <= declared
+    servo, joy = (each.named for each in kinds["Node"])
+    assert f"{servo['executable']} = {servo['package']}.node:main" in (
+        (PACKAGE / "setup.py").read_text("utf-8").replace("{NAME}", "twistarm_servo")
+    )
+    assert servo["name"] == "servo_node"
+    assert joy["executable"] == "joy_node"
+    (path,) = kinds["PathJoinSubstitution"]
+    assert PACKAGE.joinpath(*path.args[0][1:]).exists()
