@@ -9,7 +9,7 @@ from pathlib import Path
 import pytest
 
 EXAMPLES = Path(__file__).parents[1] / "examples"
-PROGRAMS = sorted(file for file in EXAMPLES.rglob("*.py") if "ros2" not in file.parts)
+PROGRAMS = sorted(file for file in EXAMPLES.rglob("*.py") if "ros2" not in file.relative_to(EXAMPLES).parts)
 
 
 @pytest.mark.parametrize("program", PROGRAMS, ids=lambda path: str(path.relative_to(EXAMPLES)))

@@ -10,7 +10,7 @@ from pathlib import Path
 import pytest
 
 ROOT = Path(__file__).parents[1]
-EXAMPLES = sorted(file for file in (ROOT / "examples").rglob("*.py") if "ros2" not in file.parts)
+EXAMPLES = sorted(file for file in (ROOT / "examples").rglob("*.py") if "ros2" not in file.relative_to(ROOT).parts)
 
 ACCEPTED = """
 import numpy as np
