@@ -22,6 +22,7 @@ from twistarm.cli.application import run
 from twistarm.signals import ended_like_ctrl_c
 from twistarm.stream import Cycle
 from twistarm.stream import run as stream
+from twistarm.stream.compact_line import checksum
 from twistarm.viewer import Viewer
 
 Capture = pytest.CaptureFixture[str]
@@ -165,6 +166,35 @@ def test_a_robot_by_udp_starts_where_it_is_and_ends_at_rest(capsys: Capture) -> 
     assert robot.heard[-1]["theta_dot"] == [0.0, 0.0]
 
 
+def test_a_port_beyond_this_machine_is_warned_of(capsys: Capture) -> None:
+    arguments = ["servo", "scara", "--duration", "0.1", "--no-browser", "--commands", "0.0.0.0:0"]
+    assert run(arguments) == 0
+    assert capsys.readouterr().err.startswith("warning: whoever reaches 0.0.0.0:")
+    assert run([*arguments, "--from", "192.0.2.7"]) == 0
+    assert capsys.readouterr().err == ""
+
+
+def test_a_robot_on_a_serial_port(capsys: Capture) -> None:
+    ours, theirs = os.openpty()
+    robot = threading.Thread(target=tell_for_a_second, args=(ours,))
+    robot.start()
+    code = run(["servo", "rr_planar", "--serial", f"{os.ttyname(theirs)}:115200", "--duration", "0.6", "--no-browser"])
+    robot.join()
+    lines = os.read(ours, 65536).splitlines()
+    for end in (ours, theirs):
+        os.close(end)
+    assert (code, capsys.readouterr().err) == (0, "")
+    assert lines[-1].split(b"*")[0].endswith(b",0.000000,0.000000,E5")
+
+
+def tell_for_a_second(end: int) -> None:
+    """A robot that stands at (0.3, 0.8), said at 100 Hz."""
+    for number in range(100):
+        body = b"%d,0.3,0.8" % number
+        os.write(end, body + b"*%02X\n" % checksum(body))
+        time.sleep(0.01)
+
+
 def jog_for_a_second(robot: Robot, port: int) -> None:
     """A stick on UDP that turns joint_2 by 0.4 rad/s, from the robot's first setpoint on."""
     end = time.monotonic() + 20
@@ -216,6 +246,14 @@ BAD_INPUT: dict[str, tuple[list[str], str]] = {
     "a pose of nobody": (["scara", "--theta", "nowhere"], "'nowhere' is neither joint values"),
     "half of UDP": (["scara", "--udp", "127.0.0.1:5005"], "--udp HOST:PORT and --listen HOST:PORT go together"),
     "the other half": (["scara", "--listen", "127.0.0.1:5005"], "--udp HOST:PORT and --listen HOST:PORT go together"),
+    "two robots": (
+        ["scara", "--serial", "/dev/ttyX", "--udp", "127.0.0.1:5005", "--listen", "127.0.0.1:0"],
+        "a robot is on --udp or on --serial, not on both",
+    ),
+    "no serial port": (["scara", "--serial", "/dev/no_such_port"], "cannot open serial port '/dev/no_such_port'"),
+    "no baud rate": (["scara", "--serial", "/dev/ttyX:fast"], "--serial takes PORT or PORT:BAUD"),
+    "senders of nothing": (["scara", "--from", "127.0.0.1"], "--from and --key are for datagrams"),
+    "no key": (["scara", "--commands", "127.0.0.1:0", "--key", "/no/key"], "cannot read the key '/no/key'"),
     "no port": (["scara", "--udp", "robot", "--listen", "127.0.0.1:0"], "--udp takes HOST:PORT, as in"),
     "a port too high": (["scara", "--commands", "127.0.0.1:70000"], "--commands takes HOST:PORT, as in"),
     "no such host": (["scara", "--commands", "no.such.host.invalid:5005"], "no host 'no.such.host.invalid'"),

@@ -12,7 +12,7 @@ from twistarm.cli import csv_rows
 from twistarm.description import document, structure, toml_entries
 from twistarm.description.expansion import confinement
 from twistarm.meshes import limits
-from twistarm.stream import recording
+from twistarm.stream import gate, recording
 from twistarm.viewer import door, visitor
 
 PAGE = (Path(__file__).parents[1] / "SECURITY.md").read_text("utf-8")
@@ -42,6 +42,10 @@ def test_limits_told(what: str) -> None:
 
 def test_all_of_the_table_is_held_to_the_code() -> None:
     assert set(re.findall(r"^\| ([^|]+) \| [0-9]", PAGE, re.MULTILINE)) == set(FIGURES)
+
+
+def test_seconds_of_a_signature() -> None:
+    assert f"within {gate.WINDOW:g} s of this computer's clock" in PAGE
 
 
 def test_places_and_seconds_of_strangers() -> None:

@@ -9,13 +9,13 @@ from types import SimpleNamespace
 
 import pytest
 
-from twistarm.stream import Interlock, SimulatedJoints, UdpSource, parse_command, run, simulation, streaming
+from twistarm.stream import Interlock, SimulatedJoints, UdpSource, Verifier, parse_command, run, simulation, streaming
 from twistarm.stream.inbox import COMMAND_TIMEOUT, FEEDBACK_TIMEOUT
 from twistarm.stream.messages import heard_word
 from twistarm.stream.replay import AT_START, BEHIND
 
 PAGE = (Path(__file__).parents[1] / "docs" / "streaming.md").read_text("utf-8")
-FIRST, CLIENT = re.findall(r"```python\n(.*?)```", PAGE, flags=re.S)
+FIRST, CLIENT, SIGNED = re.findall(r"```python\n(.*?)```", PAGE, flags=re.S)
 
 GAPS = {
     "[vx, vy, vz, wx, wy, wz]": "[0, 0, 0, 0, 0, 0]",
@@ -41,6 +41,14 @@ def test_the_client_moves_the_arm(rover):
         run(rover, source, joints, joints, duration=0.6)
         client.join()
     assert rover.fk(joints.theta)[2, 3] > rover.fk(rover.ready)[2, 3] + 0.005
+
+
+def test_what_another_program_signs_is_taken():
+    names = {}
+    exec(compile(SIGNED, "docs/streaming.md", "exec"), names)
+    key = names["key"]
+    verifier = Verifier(key)
+    assert verifier.verified(names["signed"](b"{}")) == b"{}"
 
 
 def test_every_command_of_the_table_is_one(rover):

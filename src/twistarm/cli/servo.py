@@ -3,10 +3,12 @@
 from __future__ import annotations
 
 import sys
-from contextlib import ExitStack
+import warnings
+from collections.abc import Iterator
+from contextlib import ExitStack, contextmanager
 from dataclasses import replace
 from math import inf
-from typing import Annotated, TextIO
+from typing import Annotated, NamedTuple, TextIO
 
 import numpy as np
 import typer
@@ -15,8 +17,20 @@ from ..arm import Arm
 from ..checks import Array, as_positive
 from ..errors import InputError, LimitError
 from ..servo import ServoSettings
-from ..stream import Feedback, SimulatedJoints, Sink, Source, UdpFeedback, UdpSink, UdpSource, run
+from ..stream import (
+    Feedback,
+    SerialRobot,
+    SimulatedJoints,
+    Sink,
+    Source,
+    UdpFeedback,
+    UdpSink,
+    UdpSource,
+    read_key,
+    run,
+)
 from ..stream.inbox import COMMAND_TIMEOUT, FEEDBACK_TIMEOUT
+from ..stream.serial_link import BAUDRATE
 from ..stream.streaming import TOLERANCE, checked_rate
 from ..usual_limits import defaults_line, with_defaults
 from ..viewer import Viewer
@@ -33,6 +47,16 @@ Listen = Annotated[
 ]
 Commands = Annotated[
     str | None, typer.Option(metavar="HOST:PORT", help="Take commands as datagrams to there, not from the page.")
+]
+Serial = Annotated[
+    str | None, typer.Option(metavar="PORT[:BAUD]", help="Drive a robot on a serial port by compact lines, both ways.")
+]
+From = Annotated[
+    list[str] | None, typer.Option("--from", metavar="HOST", help="Take datagrams from this host alone; repeatable.")
+]
+Key = Annotated[
+    str | None,
+    typer.Option(metavar="FILE", help="Sign datagrams, and take signed ones alone, by the key in this file."),
 ]
 Hertz = Annotated[float, typer.Option(help="Cycles per second.")]
 VelocityMode = Annotated[
@@ -55,6 +79,9 @@ def servo(
     udp: Udp = None,
     listen: Listen = None,
     commands: Commands = None,
+    serial: Serial = None,
+    senders: From = None,
+    key: Key = None,
     velocity_mode: VelocityMode = False,
     command_timeout: CommandTimeout = COMMAND_TIMEOUT,
     feedback_timeout: FeedbackTimeout = FEEDBACK_TIMEOUT,
@@ -67,11 +94,15 @@ def servo(
     rad: Radians = False,
     json: Json = False,
 ) -> int:
-    """Drive the arm by keyboard or gamepad in the browser: on simulated joints, or on a robot by --udp."""
+    """Drive the arm by keyboard or gamepad in the browser: on simulated joints, or on a robot by --udp or --serial."""
     if (udp is None) != (listen is None):
         raise InputError("--udp HOST:PORT and --listen HOST:PORT go together: setpoints out, joint states in")
-    if velocity_mode and udp is None:
-        raise InputError("--velocity-mode is for a robot that takes rates alone: it needs --udp")
+    if serial is not None and udp is not None:
+        raise InputError("a robot is on --udp or on --serial, not on both")
+    if (senders or key is not None) and udp is None and commands is None:
+        raise InputError("--from and --key are for datagrams: they need --commands or --udp")
+    if velocity_mode and udp is None and serial is None:
+        raise InputError("--velocity-mode is for a robot that takes rates alone: it needs --udp or --serial")
     settings = ServoSettings(position_margin=not_negative(margin, "--margin"))
     checked_rate(rate, settings)
     require_positive(duration=duration, tolerance=tolerance)
@@ -81,10 +112,13 @@ def servo(
     limits = capped(arm, {"velocity": velocity, "acceleration": acceleration})
     driven = replace(arm, limits=with_defaults(arm, limits))
 
+    keyed = None if key is None else read_key(key)
+    admitted = Admitted(tuple(senders or ()), keyed)
+
     with ExitStack() as stack:
-        sink, feedback = joints_of(driven, x, udp, listen, feedback_timeout, stack)
+        sink, feedback = joints_of(driven, x, udp, listen, serial, feedback_timeout, admitted, stack)
         viewer = stack.enter_context(Viewer(driven, x, host=host, port=port, open_browser=False, keep=port != 0))
-        source = source_of(driven, viewer, commands, command_timeout, stack)
+        source = source_of(driven, viewer, commands, command_timeout, admitted, stack)
         announce(viewer, defaults_line(arm, limits), browser, sys.stderr if json else sys.stdout)
         report = run(
             driven, source, sink, feedback, rate=rate, command_timeout=command_timeout,
@@ -122,24 +156,69 @@ def require_inside(arm: Arm, theta: Array, radians: bool) -> None:
         raise LimitError(f"--theta: {name} = {value} {unit} lies outside its limits {lower} … {upper} {unit}")
 
 
+class Admitted(NamedTuple):
+    """Whose datagrams count: the hosts and the key that were typed."""
+
+    senders: tuple[str, ...]
+    key: bytes | None
+
+
 def joints_of(
-    arm: Arm, theta: Array, udp: str | None, listen: str | None, timeout: float, stack: ExitStack
+    arm: Arm,
+    theta: Array,
+    udp: str | None,
+    listen: str | None,
+    serial: str | None,
+    timeout: float,
+    admitted: Admitted,
+    stack: ExitStack,
 ) -> tuple[Sink, Feedback]:
     """Where setpoints go and joint states come from: a robot, or simulated joints at theta (n,)."""
+    if serial is not None:
+        robot = stack.enter_context(SerialRobot(arm, *port_of(serial), timeout=timeout))
+        return robot, robot
     if udp is None or listen is None:
         joints = SimulatedJoints(arm, theta)
         return joints, joints
-    feedback = stack.enter_context(UdpFeedback(arm, *address(listen, "--listen"), timeout=timeout))
-    return stack.enter_context(UdpSink(arm, *address(udp, "--udp"))), feedback
+    with warned():
+        feedback = stack.enter_context(
+            UdpFeedback(arm, *address(listen, "--listen"), timeout=timeout, **admitted._asdict())
+        )
+    return stack.enter_context(UdpSink(arm, *address(udp, "--udp"), key=admitted.key)), feedback
 
 
-def source_of(arm: Arm, viewer: Viewer, commands: str | None, timeout: float, stack: ExitStack) -> Source:
+def source_of(
+    arm: Arm, viewer: Viewer, commands: str | None, timeout: float, admitted: Admitted, stack: ExitStack
+) -> Source:
     """Where commands come from: the pages, or datagrams."""
     if commands is None:
         pages = viewer.commands
         pages.timeout = timeout
         return pages
-    return stack.enter_context(UdpSource(arm, *address(commands, "--commands"), timeout=timeout))
+    with warned():
+        return stack.enter_context(
+            UdpSource(arm, *address(commands, "--commands"), timeout=timeout, **admitted._asdict())
+        )
+
+
+@contextmanager
+def warned() -> Iterator[None]:
+    """What is warned of inside is said on stderr, a line each."""
+    with warnings.catch_warnings(record=True) as said:
+        warnings.simplefilter("always")
+        yield
+    for each in said:
+        warn(str(each.message))
+
+
+def port_of(text: str) -> tuple[str, int]:
+    """Serial port and baud rate of a typed PORT[:BAUD]."""
+    port, colon, baud = text.rpartition(":")
+    if not colon:
+        return text, BAUDRATE
+    if not port or not baud.isdecimal() or not 0 < int(baud) < 10**8:
+        raise InputError(f"--serial takes PORT or PORT:BAUD, as in --serial /dev/ttyUSB0:115200; got {text!r}")
+    return port, int(baud)
 
 
 def announce(viewer: Viewer, line: str, browser: bool, out: TextIO) -> None:

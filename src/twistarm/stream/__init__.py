@@ -1,5 +1,6 @@
 """The loop around the servo: commands in, setpoints out, the joints watched; sources, sinks and simulated joints."""
 
+from .gate import ExposedPortWarning, Signer, Verifier, read_key
 from .inbox import Inbox, StateInbox
 from .interlock import Interlock
 from .loop import come_to_rest, run
@@ -18,6 +19,7 @@ __all__ = [
     "Clock",
     "Cycle",
     "Ending",
+    "ExposedPortWarning",
     "Feedback",
     "Inbox",
     "Interlock",
@@ -30,6 +32,7 @@ __all__ = [
     "SerialRobot",
     "SerialSource",
     "Setpoint",
+    "Signer",
     "SimulatedJoints",
     "Sink",
     "Source",
@@ -40,10 +43,12 @@ __all__ = [
     "UdpSink",
     "UdpSource",
     "UndeliveredError",
+    "Verifier",
     "come_to_rest",
     "command_of",
     "parse_command",
     "parse_state",
+    "read_key",
     "read_recording",
     "run",
     "setpoint_message",

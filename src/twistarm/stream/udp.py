@@ -2,11 +2,14 @@
 
 from __future__ import annotations
 
+from collections.abc import Collection
+from dataclasses import replace
 from functools import partial
 
 from ..arm import Arm
 from ..servo import ServoState
 from ..strict_json import encode
+from .gate import Gate, Signer
 from .inbox import COMMAND_TIMEOUT, FEEDBACK_TIMEOUT, Inbox, StateInbox
 from .intake import Intake
 from .interlock import Interlock
@@ -21,47 +24,78 @@ LOOPBACK = "127.0.0.1"
 class UdpSource(Receiver):
     """Commands from datagrams to host and port (0: a free one, see `address`). A sender is an address with its port.
 
-    Raises InputError for a host or port that cannot be had.
+    senders: hosts that may send, none: all. key: what must sign the datagrams (see `Signer`, `read_key`). Warns by
+    `ExposedPortWarning` where the port is open beyond this machine with neither. Raises InputError for a host or port
+    that cannot be had, and for a key that is none.
     """
 
-    def __init__(self, arm: Arm, host: str = LOOPBACK, port: int = 0, *, timeout: float = COMMAND_TIMEOUT) -> None:
+    def __init__(
+        self,
+        arm: Arm,
+        host: str = LOOPBACK,
+        port: int = 0,
+        *,
+        timeout: float = COMMAND_TIMEOUT,
+        senders: Collection[str] = (),
+        key: bytes | None = None,
+    ) -> None:
+        self._gate = Gate(senders, key)
         self.interlock = Interlock()
         self._inbox = Inbox(timeout)
         self._intake = Intake(self._inbox, partial(parse_command, arm), partial(heard_word, self))
         super().__init__(host, port)
+        self._gate.warn_if_open(self.address)
 
     def read(self, now: float, state: ServoState | None = None) -> Reading:
         """The command at `now` [s] of all datagrams that have arrived."""
-        self._intake.take(self.waiting(), now, named)
-        return self._inbox.read(now)
+        self._intake.take(self._gate.admitted(self.waiting()), now, named)
+        reading = self._inbox.read(now)
+        return reading if reading.command is not None else replace(reading, reason=reading.reason + self._gate.note)
 
 
 class UdpFeedback(Receiver):
-    """Joint states from datagrams to host and port (0: a free one, see `address`).
+    """Joint states from datagrams to host and port (0: a free one, see `address`); senders and key as in `UdpSource`.
 
-    Raises InputError for a host or port that cannot be had.
+    Raises InputError for a host or port that cannot be had, and for a key that is none.
     """
 
-    def __init__(self, arm: Arm, host: str = LOOPBACK, port: int = 0, *, timeout: float = FEEDBACK_TIMEOUT) -> None:
+    def __init__(
+        self,
+        arm: Arm,
+        host: str = LOOPBACK,
+        port: int = 0,
+        *,
+        timeout: float = FEEDBACK_TIMEOUT,
+        senders: Collection[str] = (),
+        key: bytes | None = None,
+    ) -> None:
+        self._gate = Gate(senders, key)
         self.interlock = Interlock()
         self._states = StateInbox(timeout)
         self._intake = Intake(self._states, partial(followed, self, partial(parse_state, arm)))
         super().__init__(host, port)
+        self._gate.warn_if_open(self.address)
 
     def read(self, now: float) -> Measured:
         """The joint state at `now` [s] of all datagrams that have arrived."""
-        self._intake.take(self.waiting(), now, named)
-        return self._states.read(now)
+        self._intake.take(self._gate.admitted(self.waiting()), now, named)
+        measured = self._states.read(now)
+        return measured if measured.theta is not None else replace(measured, reason=measured.reason + self._gate.note)
 
 
 class UdpSink(Sender):
-    """Setpoints as datagrams to host and port. Raises InputError for a host or port that cannot be."""
+    """Setpoints as datagrams to host and port, signed where there is a key (see `Signer`).
 
-    def __init__(self, arm: Arm, host: str, port: int) -> None:
+    Raises InputError for a host or port that cannot be, and for a key that is none.
+    """
+
+    def __init__(self, arm: Arm, host: str, port: int, *, key: bytes | None = None) -> None:
         self._arm = arm
+        self._signer = None if key is None else Signer(key)
         super().__init__(host, port)
 
     def write(self, setpoint: Setpoint) -> None:
         """Send the setpoint. Raises `UndeliveredError` where nobody seems to listen, OSError where it cannot."""
-        if not self.send(encode(setpoint_message(self._arm, setpoint)).encode()):
+        text = encode(setpoint_message(self._arm, setpoint)).encode()
+        if not self.send(text if self._signer is None else self._signer.sign(text)):
             raise UndeliveredError(f"nobody listens at {self.receiver}")
