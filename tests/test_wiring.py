@@ -261,7 +261,7 @@ def test_the_page_about_motors(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) 
     monkeypatch.chdir(tmp_path)
     page = (Path(__file__).parents[1] / "docs" / "motors.md").read_text("utf-8")
     programs = re.findall(r"```python\n(.*?)```", page, re.S)
-    assert len(programs) == 4
+    assert len(programs) == 5
     names: dict[str, object] = {}
     for program in programs:
         exec(compile(program, "docs/motors.md", "exec"), names)

@@ -20,6 +20,7 @@ from ..servo import ServoStatus
 from ..strict_json import counter, short
 from .interlock import EMERGENCY_STOP, ENABLED, STOPPED
 from .messages import StateMessage
+from .motors import MotorSide
 from .protocols import Setpoint
 
 LETTERS = {ENABLED: "E", STOPPED: "S", EMERGENCY_STOP: "X"}
@@ -32,14 +33,14 @@ LONGEST_LINE = 4096
 """Bytes: a joint state of 250 joints is half of it."""
 
 
-def setpoint_line(setpoint: Setpoint) -> bytes:
-    """The setpoint as a line, its end included."""
-    values = np.concatenate([setpoint.theta, setpoint.theta_dot]).tolist()
+def setpoint_line(setpoint: Setpoint, motors: MotorSide | None = None) -> bytes:
+    """The setpoint as a line, its end included; of `motors` in place of joints where they are given."""
+    values = np.concatenate(motors.of(setpoint) if motors else (setpoint.theta, setpoint.theta_dot)).tolist()
     body = ",".join([str(setpoint.number), *(f"{value:.6f}" for value in values), _state(setpoint)]).encode()
     return body + b"*%02X\n" % checksum(body)
 
 
-def parse_state_line(arm: Arm, line: bytes) -> StateMessage:
+def parse_state_line(arm: Arm, line: bytes, motors: MotorSide | None = None) -> StateMessage:
     """The joint state in a line; InputError for anything but a number and n finite values with their checksum."""
     body, star, given = line.strip().rpartition(b"*")
     if len(line) > LONGEST_LINE or not star:
@@ -50,7 +51,8 @@ def parse_state_line(arm: Arm, line: bytes) -> StateMessage:
         number, *values = body.decode("ascii").split(",")
         interlock = STATE_OF.get(values[-1]) if values else None
         values = values[:-1] if interlock else values
-        theta = as_theta([float(value) for value in values], arm.n, "the joint state line", arm.joint_names)
+        said = [float(value) for value in values]
+        theta = motors.theta(said) if motors else as_theta(said, arm.n, "the joint state line", arm.joint_names)
         return StateMessage(theta, counter(int(number), "number"), interlock)
     except ValueError as error:  # InputError is one
         raise InputError(f"a joint state line is number,theta_1,…,theta_{arm.n}[,E|S|X]*hh: {error}") from error

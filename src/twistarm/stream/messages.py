@@ -15,6 +15,7 @@ from ..servo import AnyCommand, JogCommand, PoseCommand, TwistCommand
 from ..strict_json import counter, decoded, number, numbers, short
 from .interlock import STATES, WORDS, Interlocked
 from .joint_order import theta_by_name
+from .motors import MotorSide
 from .protocols import Setpoint
 
 QUATERNION_TOL = 1e-3
@@ -94,27 +95,30 @@ def heard_word(device: Interlocked, text: bytes, fresh: bool) -> bool:
     return True
 
 
-def parse_state(arm: Arm, text: str | bytes) -> StateMessage:
+def parse_state(arm: Arm, text: str | bytes, motors: MotorSide | None = None) -> StateMessage:
     """The joint state in {"joint_names": [...], "theta": [...]}, [rad, m], in any order, with "number" if it counts.
 
-    Joints that are not the arm's are passed over. With "interlock", the robot says whether it may move. Raises
-    InputError for anything else.
+    Joints that are not the arm's are passed over. With "interlock", the robot says whether it may move. Where
+    `motors` are given, it is {"motor_names": [...], "motor": [...]} in their units. Raises InputError for
+    anything else.
     """
     message = decoded(text)
-    if set(message) - {"number", "interlock"} != {"joint_names", "theta"}:
+    named, value = ("joint_names", "theta") if motors is None else ("motor_names", "motor")
+    if set(message) - {"number", "interlock"} != {named, value}:
         raise InputError(
-            f"a joint state has joint_names and theta, and may have number and interlock; got {short(sorted(message))}"
+            f"a joint state has {named} and {value}, and may have number and interlock; got {short(sorted(message))}"
         )
-    names = message["joint_names"]
+    names = message[named]
     if not isinstance(names, list) or not all(isinstance(name, str) for name in names):
-        raise InputError(f"joint_names must be a list of names; got {short(names)}")
-    theta = theta_by_name(arm, names, numbers(message["theta"], "theta"))
+        raise InputError(f"{named} must be a list of names; got {short(names)}")
+    values = numbers(message[value], value)
+    theta = theta_by_name(arm, names, values) if motors is None else motors.theta_by_name(names, values)
     return StateMessage(theta, _number_of(message), _state_of(message))
 
 
-def setpoint_message(arm: Arm, setpoint: Setpoint) -> dict[str, Any]:
-    """The setpoint as it goes out: where to be, how to move, and how the step went."""
-    return {
+def setpoint_message(arm: Arm, setpoint: Setpoint, motors: MotorSide | None = None) -> dict[str, Any]:
+    """The setpoint as it goes out: where to be, how to move, and how the step went; on the motors' side too."""
+    message: dict[str, Any] = {
         "number": setpoint.number,
         "time": setpoint.time,
         "joint_names": list(arm.joint_names),
@@ -126,6 +130,10 @@ def setpoint_message(arm: Arm, setpoint: Setpoint) -> dict[str, Any]:
         "reason": setpoint.output.reason,
         "interlock": setpoint.interlock,
     }
+    if motors is not None:
+        motor, motor_dot = (values.tolist() for values in motors.of(setpoint))
+        message |= {"motor_names": list(motors.names), "motor": motor, "motor_dot": motor_dot, "units": motors.units}
+    return message
 
 
 def _number_of(message: Mapping[str, Any]) -> int | None:

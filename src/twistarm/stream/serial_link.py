@@ -14,6 +14,7 @@ from .inbox import COMMAND_TIMEOUT, FEEDBACK_TIMEOUT, Inbox, StateInbox
 from .intake import Intake
 from .interlock import Interlock
 from .messages import followed, heard_word, parse_command
+from .motors import motor_side
 from .protocols import Measured, Reading, Setpoint
 
 BAUDRATE = 115_200
@@ -71,17 +72,31 @@ class SerialSource(SerialLines):
 
 
 class SerialRobot(SerialLines):
-    """A robot at a serial port: a sink of setpoint lines and a feedback of joint state lines (`compact_line`)."""
+    """A robot at a serial port: a sink of setpoint lines and a feedback of joint state lines (`compact_line`).
 
-    def __init__(self, arm: Arm, port: str, baudrate: int = BAUDRATE, *, timeout: float = FEEDBACK_TIMEOUT) -> None:
+    units: "joint", or "motor" or "counts" for a robot that knows its motors alone (see `MotorSide`).
+    """
+
+    def __init__(
+        self,
+        arm: Arm,
+        port: str,
+        baudrate: int = BAUDRATE,
+        *,
+        timeout: float = FEEDBACK_TIMEOUT,
+        units: str = "joint",
+    ) -> None:
+        self._motors = motor_side(arm, units)
         self.interlock = Interlock()
         self._states = StateInbox(timeout)
-        self._intake = Intake(self._states, partial(followed, self, partial(parse_state_line, arm)))
+        self._intake = Intake(
+            self._states, partial(followed, self, partial(parse_state_line, arm, motors=self._motors))
+        )
         super().__init__(port, baudrate)
 
     def write(self, setpoint: Setpoint) -> None:
         """Send the setpoint. Raises OSError where the port is gone or too slow."""
-        self.send(setpoint_line(setpoint))
+        self.send(setpoint_line(setpoint, self._motors))
 
     def read(self, now: float) -> Measured:
         """The joint state at `now` [s] of all lines that have arrived."""

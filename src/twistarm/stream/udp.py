@@ -14,6 +14,7 @@ from .inbox import COMMAND_TIMEOUT, FEEDBACK_TIMEOUT, Inbox, StateInbox
 from .intake import Intake
 from .interlock import Interlock
 from .messages import followed, heard_word, parse_command, parse_state, setpoint_message
+from .motors import motor_side
 from .protocols import Measured, Reading, Setpoint, UndeliveredError
 from .sockets import Receiver, Sender, named
 
@@ -56,6 +57,8 @@ class UdpSource(Receiver):
 class UdpFeedback(Receiver):
     """Joint states from datagrams to host and port (0: a free one, see `address`); senders and key as in `UdpSource`.
 
+    units: "joint", or "motor" or "counts" where the robot tells of its motors (see `MotorSide`).
+
     Raises InputError for a host or port that cannot be had, and for a key that is none.
     """
 
@@ -68,11 +71,14 @@ class UdpFeedback(Receiver):
         timeout: float = FEEDBACK_TIMEOUT,
         senders: Collection[str] = (),
         key: bytes | None = None,
+        units: str = "joint",
     ) -> None:
         self._gate = Gate(senders, key)
         self.interlock = Interlock()
         self._states = StateInbox(timeout)
-        self._intake = Intake(self._states, partial(followed, self, partial(parse_state, arm)))
+        self._intake = Intake(
+            self._states, partial(followed, self, partial(parse_state, arm, motors=motor_side(arm, units)))
+        )
         super().__init__(host, port)
         self._gate.warn_if_open(self.address)
 
@@ -86,16 +92,19 @@ class UdpFeedback(Receiver):
 class UdpSink(Sender):
     """Setpoints as datagrams to host and port, signed where there is a key (see `Signer`).
 
+    units: "joint", or "motor" or "counts" for the motors too (see `MotorSide`).
+
     Raises InputError for a host or port that cannot be, and for a key that is none.
     """
 
-    def __init__(self, arm: Arm, host: str, port: int, *, key: bytes | None = None) -> None:
+    def __init__(self, arm: Arm, host: str, port: int, *, key: bytes | None = None, units: str = "joint") -> None:
         self._arm = arm
+        self._motors = motor_side(arm, units)
         self._signer = None if key is None else Signer(key)
         super().__init__(host, port)
 
     def write(self, setpoint: Setpoint) -> None:
         """Send the setpoint. Raises `UndeliveredError` where nobody seems to listen, OSError where it cannot."""
-        text = encode(setpoint_message(self._arm, setpoint)).encode()
+        text = encode(setpoint_message(self._arm, setpoint, self._motors)).encode()
         if not self.send(text if self._signer is None else self._signer.sign(text)):
             raise UndeliveredError(f"nobody listens at {self.receiver}")
