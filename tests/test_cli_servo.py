@@ -253,6 +253,8 @@ BAD_INPUT: dict[str, tuple[list[str], str]] = {
     "no serial port": (["scara", "--serial", "/dev/no_such_port"], "cannot open serial port '/dev/no_such_port'"),
     "no baud rate": (["scara", "--serial", "/dev/ttyX:fast"], "--serial takes PORT or PORT:BAUD"),
     "senders of nothing": (["scara", "--from", "127.0.0.1"], "--from and --key are for datagrams"),
+    "units of nobody": (["scara", "--units", "counts"], "--units is for a robot: it needs --udp or --serial"),
+    "no motors": (["scara", "--serial", "/dev/ttyX", "--units", "counts"], "need actuators for each joint of scara"),
     "no key": (["scara", "--commands", "127.0.0.1:0", "--key", "/no/key"], "cannot read the key '/no/key'"),
     "no port": (["scara", "--udp", "robot", "--listen", "127.0.0.1:0"], "--udp takes HOST:PORT, as in"),
     "a port too high": (["scara", "--commands", "127.0.0.1:70000"], "--commands takes HOST:PORT, as in"),

@@ -51,6 +51,10 @@ Commands = Annotated[
 Serial = Annotated[
     str | None, typer.Option(metavar="PORT[:BAUD]", help="Drive a robot on a serial port by compact lines, both ways.")
 ]
+Units = Annotated[
+    str,
+    typer.Option(metavar="joint|motor|counts", help="What the robot speaks; motors by [actuators] of the arm.toml."),
+]
 From = Annotated[
     list[str] | None, typer.Option("--from", metavar="HOST", help="Take datagrams from this host alone; repeatable.")
 ]
@@ -80,6 +84,7 @@ def servo(
     listen: Listen = None,
     commands: Commands = None,
     serial: Serial = None,
+    units: Units = "joint",
     senders: From = None,
     key: Key = None,
     velocity_mode: VelocityMode = False,
@@ -101,6 +106,8 @@ def servo(
         raise InputError("a robot is on --udp or on --serial, not on both")
     if (senders or key is not None) and udp is None and commands is None:
         raise InputError("--from and --key are for datagrams: they need --commands or --udp")
+    if units != "joint" and udp is None and serial is None:
+        raise InputError("--units is for a robot: it needs --udp or --serial")
     if velocity_mode and udp is None and serial is None:
         raise InputError("--velocity-mode is for a robot that takes rates alone: it needs --udp or --serial")
     settings = ServoSettings(position_margin=not_negative(margin, "--margin"))
@@ -116,7 +123,7 @@ def servo(
     admitted = Admitted(tuple(senders or ()), keyed)
 
     with ExitStack() as stack:
-        sink, feedback = joints_of(driven, x, udp, listen, serial, feedback_timeout, admitted, stack)
+        sink, feedback = joints_of(driven, x, udp, listen, serial, units, feedback_timeout, admitted, stack)
         viewer = stack.enter_context(Viewer(driven, x, host=host, port=port, open_browser=False, keep=port != 0))
         source = source_of(driven, viewer, commands, command_timeout, admitted, stack)
         announce(viewer, defaults_line(arm, limits), browser, sys.stderr if json else sys.stdout)
@@ -169,22 +176,23 @@ def joints_of(
     udp: str | None,
     listen: str | None,
     serial: str | None,
+    units: str,
     timeout: float,
     admitted: Admitted,
     stack: ExitStack,
 ) -> tuple[Sink, Feedback]:
     """Where setpoints go and joint states come from: a robot, or simulated joints at theta (n,)."""
     if serial is not None:
-        robot = stack.enter_context(SerialRobot(arm, *port_of(serial), timeout=timeout))
+        robot = stack.enter_context(SerialRobot(arm, *port_of(serial), timeout=timeout, units=units))
         return robot, robot
     if udp is None or listen is None:
         joints = SimulatedJoints(arm, theta)
         return joints, joints
     with warned():
         feedback = stack.enter_context(
-            UdpFeedback(arm, *address(listen, "--listen"), timeout=timeout, **admitted._asdict())
+            UdpFeedback(arm, *address(listen, "--listen"), timeout=timeout, units=units, **admitted._asdict())
         )
-    return stack.enter_context(UdpSink(arm, *address(udp, "--udp"), key=admitted.key)), feedback
+    return stack.enter_context(UdpSink(arm, *address(udp, "--udp"), key=admitted.key, units=units)), feedback
 
 
 def source_of(
