@@ -73,7 +73,7 @@ NB_MODULE(_core, module) {
              nb::arg(), nb::arg(), nb::arg(), nb::arg().none(), nb::arg(), nb::arg().none());
     nb::class_<bindings::Servo>(module, "Servo")
         .def(nb::init<nb::handle, nb::handle, nb::handle, nb::handle, nb::handle, nb::handle, nb::handle, nb::handle,
-                      nb::handle, nb::handle, nb::handle, double, double>())
+                      nb::handle, nb::handle, nb::handle, double, double, double, bool>())
         .def("step", &bindings::Servo::step, nb::arg().none(), nb::arg().none(), nb::arg().none(), nb::arg(), nb::arg(),
              nb::arg().none(), nb::arg());
 }

@@ -30,7 +30,7 @@ void copy(const Numbers& from, double* to) {
 
 Servo::Servo(nb::handle screws, nb::handle home, nb::handle coupling, nb::handle C, nb::handle c, nb::handle lower,
              nb::handle upper, nb::handle velocity, nb::handle acceleration, nb::handle unit, nb::handle ready,
-             double length, double below)
+             double length, double below, double damping, bool stops)
     : chain_{}, bounds_{} {
     const Numbers S(screws), g(home), A(coupling), motors(C), offset(c), scale(unit), posture(ready);
     require(S.plain() && S.dimensions() == 2 && S.shape(0) == 6, "screws must be float64 (6, m)");
@@ -60,6 +60,8 @@ Servo::Servo(nb::handle screws, nb::handle home, nb::handle coupling, nb::handle
     copy(posture, bounds_.ready);
     bounds_.length = length;
     bounds_.below = below;
+    bounds_.damping = damping;
+    bounds_.stops = stops;
     theta_shape_ = nb::int_(n_);
     six_ = nb::int_(6);
     pose_ = nb::make_tuple(4, 4);

@@ -14,7 +14,7 @@ public:
     // and of all rows (k + n,); unit and ready (n,).
     Servo(nb::handle screws, nb::handle home, nb::handle coupling, nb::handle C, nb::handle c, nb::handle lower,
           nb::handle upper, nb::handle velocity, nb::handle acceleration, nb::handle unit, nb::handle ready,
-          double length, double below);
+          double length, double below, double damping, bool stops);
 
     // None, or (theta, theta_dot, held or None, cause, row, scale, lost, halted, position and angle that remain).
     nb::object step(nb::handle theta, nb::handle theta_dot, nb::handle held, int kind, unsigned flags,

@@ -132,6 +132,7 @@ def _servo(arm: Arm) -> Mapping[str, str | int]:
         "ready": _numbers(bounds.ready),
         "length": _number(bounds.length),
         "below": _number(bounds.singular_below),
+        "damping": _number(bounds.damping),
     }
 
 
@@ -300,8 +301,8 @@ template <class T> inline constexpr twistarm::chain<T, n, m> chain = {{
 /// Whose limit `servo_output::row` is, motors first; where the cause is a singularity, row counts `joint_names`.
 inline constexpr const char* row_names[{rows}] = {{{row_names}}};
 
-/// What `servo_step` needs beside the chain: the limits of those rows, unit, ready, length (the reach [m]) and below;
-/// the members are explained in twistarm/motion_limits.hpp and twistarm/resolved_rates.hpp.
+/// What `servo_step` needs beside the chain: the limits of those rows, unit, ready, length (the reach [m]), below,
+/// damping and stops, which may be true in a copy; explained in twistarm/motion_limits.hpp and resolved_rates.hpp.
 template <class T> inline constexpr twistarm::servo_bounds<T, n> servo_bounds = {{
     {{
         {motors}, n,
@@ -314,7 +315,7 @@ template <class T> inline constexpr twistarm::servo_bounds<T, n> servo_bounds = 
     }},
     {unit},
     {ready},
-    {length}, {below},
+    {length}, {below}, {damping}, false,
 }};
 
 {motors_section}

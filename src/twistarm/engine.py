@@ -14,7 +14,7 @@ if TYPE_CHECKING:
     from ._core import Chain as Chain
     from ._core import Servo as Servo
 
-INTERFACE = 3
+INTERFACE = 4
 """Of the compiled core that this Python speaks to; one more whenever the meaning of a call changes."""
 
 MOST_JOINTS = 32
@@ -60,12 +60,12 @@ def chain_of(
     return chain
 
 
-def servo_of(arrays: tuple[Array, ...], length: float, below: float) -> Servo | None:
+def servo_of(arrays: tuple[Array, ...], length: float, below: float, damping: float, stops: bool) -> Servo | None:
     """The servo of an arm in the core, from what `_core.Servo` takes; None as for `chain_of`."""
     module = core()
     if module is None or max(max(array.shape) for array in arrays[2:5]) > MOST_JOINTS:
         return None
-    servo: Servo = module.Servo(*arrays, length, below)
+    servo: Servo = module.Servo(*arrays, length, below, damping, stops)
     return servo
 
 

@@ -20,7 +20,8 @@ TWISTARM_BEGIN
 enum class servo_kind { none = 0, jog = 1, twist = 2, pose = 3 };
 
 /// What holds the arm back most.
-enum class servo_cause { none = 0, singularity = 1, velocity = 2, lower = 3, upper = 4 };
+/// unusable: the command, dt or the state is not finite, or dt not positive; the arm comes to rest, with a bad dt or state at once.
+enum class servo_cause { none = 0, singularity = 1, velocity = 2, lower = 3, upper = 4, unusable = 5 };
 
 /// What to do: joint rates; a twist (v, w) in tool axes or (dp/dt, ω) in base axes, some components held; or a pose.
 ///
@@ -53,6 +54,7 @@ namespace servo_detail {
 constexpr double halted_below = 1e-4;  // rates below this share of the command's are a standstill
 template <class T> constexpr T rounding = T(sizeof(T) == 8 ? 1e-12 : 1e-6);  // an error of a pose below this is none
 constexpr double noticed = 0.01;       // a slow-down by a smaller share is not worth a word
+constexpr int slowings = 4;            // how often it is looked whether joints that take over for others are too fast
 
 inline bool is_position(servo_cause cause) { return cause == servo_cause::lower || cause == servo_cause::upper; }
 
@@ -113,12 +115,13 @@ inline servo_levels levels_of(const bool* held) {
     return levels;
 }
 
-/// The least and largest rates at which a stop that takes as long as one from `rates` ends inside the limits.
+/// The rates between which a stop that takes twice as long as one from `rates` ends inside the limits: to keep to a bound
+/// that falls with the distance takes half of the acceleration.
 template <class T, int N> struct position_bounds {
     T least[capacity(N)], most[capacity(N)];
 
     position_bounds(const motion_limits<T, N>& motion, const T* theta, const T* rates, T dt) {
-        const T time = dt + T(0.5) * stopping_time(motion, rates);
+        const T time = steps_damped<T> * dt + stopping_time(motion, rates);
         for (int k = 0; k < motion.coordinates; ++k) {
             most[k] = greatest(motion.upper[motion.motors + k] - theta[k], T(0)) / time;
             least[k] = -greatest(theta[k] - motion.lower[motion.motors + k], T(0)) / time;
@@ -140,6 +143,33 @@ template <class T, int N> struct position_bounds {
 
 template <class T, int N> void let_go(servo_state<T, N>& state) {
     for (bool& component : state.holding) component = false;
+}
+
+template <class T> bool usable(T value) { return absolute(value) <= T(1e6); }
+template <class T> bool usable(const T* values, int count) {
+    for (int k = 0; k < count; ++k)
+        if (!usable(values[k])) return false;
+    return true;
+}
+template <class T> bool usable(const frame<T>& g) {
+    return usable(g.x, 3) && usable(g.y, 3) && usable(g.z, 3) && usable(g.p, 3);
+}
+/// Whether what the command's kind reads is finite and moderate, so that no square overflows.
+template <class T, int N> bool usable(const servo_command<T, N>& command, int n) {
+    switch (command.kind) {
+        case servo_kind::none: return true;
+        case servo_kind::jog: return usable(command.rates, n);
+        case servo_kind::twist: return usable(command.twist, 6);
+        case servo_kind::pose:
+            return usable(command.twist, 6) && usable(command.goal) && command.linear_speed > T(0) &&
+                   command.angular_speed > T(0) && usable(command.linear_speed) && usable(command.angular_speed);
+    }
+    return false;
+}
+template <class T, int N> bool usable_hold(const servo_state<T, N>& state, const servo_command<T, N>& command) {
+    bool any = false;
+    for (int k = 0; k < 6; ++k) any = any || (command.kind == servo_kind::twist && command.held[k] && state.holding[k]);
+    return !any || usable(state.held);
 }
 
 template <class T, int N, int M> struct servo {
@@ -239,12 +269,9 @@ template <class T, int N, int M> struct servo {
         if (!(largest > rounding<T>)) return;
         T wanted[6], rates[capacity(N)];
         scale_twist(bounds, error, wanted);
+        free_rates(solver, wanted, rates);
         for (int k = 0; k < 6; ++k) wanted[k] = wanted[k] / dt;
-        bool free[capacity(N)];
-        for (int k = 0; k < n(); ++k) free[k] = true;
-        resolved<T, N> found;
-        solver(wanted, free, nullptr, found);
-        for (int k = 0; k < n(); ++k) rates[k] = found.rates[k] * bounds.unit[k];
+        for (int k = 0; k < n(); ++k) rates[k] = rates[k] * bounds.unit[k] / dt;
         const T stop = stopping_time(bounds.motion, rates);
         T share = T(2) * dt / (dt + sqrt(dt * dt + T(2) * stop * dt));
         if (goal) {
@@ -254,39 +281,84 @@ template <class T, int N, int M> struct servo {
         for (int k = 0; k < 6; ++k) asked[k] += share * wanted[k];
     }
 
-    /// The rates for what is asked, the share that they are for; joints at their limits fixed, the others solved again.
-    ///
-    /// After F. Flacco, A. De Luca & O. Khatib, Control of redundant robots under hard joint constraints, IEEE T-RO
-    /// 31(3), 2015, §III.
+    /// The scaled rates for what is asked where joints have no limits.
+    void free_rates(const rate_solver<T, N, M>& solver, const T* asked, T* x) {
+        T lower[capacity(N)], upper[capacity(N)];
+        sides<capacity(N)> at;
+        for (int k = 0; k < n(); ++k) {
+            upper[k] = detail::infinite<T>;
+            lower[k] = -upper[k];
+        }
+        solver(asked, lower, upper, at, x);
+    }
+
+    /// The rates for what is asked, and the share that they are for.
     T resolve(rate_solver<T, N, M>& solver, const T* asked, T* rates) {
-        bool free[capacity(N)];
-        T fixed[capacity(N)], scaled[6];
-        for (int k = 0; k < n(); ++k) free[k] = true;
-        resolved<T, N> found;
-        solver(asked, free, nullptr, found);
-        T share = T(1) / (T(1) + found.bent);
-        if (found.taken > T(noticed)) blame(servo_cause::singularity, found.joint);
-        for (int k = 0; k < n(); ++k) rates[k] = share * found.rates[k] * bounds.unit[k];
-        for (int round = 0; round < 2 * n(); ++round) {
-            int row, worst = 0;
+        T x[capacity(N)], left[6];
+        int row = 0, worst = 0;
+        free_rates(solver, asked, x);
+        solver.rest(solver.J, asked, x, left);
+        const T size = greatest(norm(asked, 6), nothing<T>), lost = norm(left, 6) / size;
+        if (lost > missed<T> && solver.look_beside(asked, left, lost)) {
+            int joint = -1;
+            if (solver.singular_part(left, joint) > T(noticed) * size * size) blame(servo_cause::singularity, joint);
+            free_rates(solver, asked, x);
+        }
+        for (int k = 0; k < n(); ++k) rates[k] = x[k] * bounds.unit[k];
+        T share = velocity_share(bounds.motion, rates, row);
+        for (int k = 0; k < n(); ++k) rates[k] *= share;
+        const position_bounds<T, N> room(bounds.motion, state.theta, rates, dt);
+        if (share < T(1)) blame(servo_cause::velocity, row);
+        else if (!bounds.stops && !(room.over(rates, n(), worst) > nothing<T>)) return share;
+        for (int round = 1; round <= slowings; ++round) {
+            within(solver, asked, share, room, round == slowings, rates);
             const T slower = velocity_share(bounds.motion, rates, row);
-            if (slower < T(1)) {
-                share *= slower;
-                for (int k = 0; k < n(); ++k) rates[k] *= slower;
-                if (!is_position(out.cause) && out.cause != servo_cause::velocity) blame(servo_cause::velocity, row);
-            }
-            const position_bounds<T, N> room(bounds.motion, state.theta, rates, dt);
-            if (!(room.over(rates, n(), worst) > nothing<T>)) break;
-            if (!is_position(out.cause))
-                blame(rates[worst] > T(0) ? servo_cause::upper : servo_cause::lower, bounds.motion.motors + worst);
-            free[worst] = false;
-            rates[worst] = clamped(rates[worst], room.least[worst], room.most[worst]);
-            for (int k = 0; k < n(); ++k) fixed[k] = rates[k] / bounds.unit[k];
-            for (int k = 0; k < 6; ++k) scaled[k] = share * asked[k];
-            solver(scaled, free, fixed, found);
-            for (int k = 0; k < n(); ++k) rates[k] = found.rates[k] * bounds.unit[k];
+            if (!(slower < T(1)) || round == slowings) break;
+            // Others have taken over for the joints at their limits.
+            if (!is_position(out.cause)) blame(servo_cause::velocity, row);
+            share *= slower;
         }
         return share;
+    }
+
+    /// The rates for a share of what is asked within the bounds of position of each joint, and of velocity too.
+    void within(const rate_solver<T, N, M>& solver, const T* asked, T share, const position_bounds<T, N>& room,
+                bool velocities, T* rates) {
+        const T* const fastest = bounds.motion.velocity + bounds.motion.motors;
+        T lower[capacity(N)], upper[capacity(N)], scaled[6], x[capacity(N)], end[capacity(N)], worst = T(-1);
+        sides<capacity(N)> at;
+        for (int i = 0; i < 6; ++i) scaled[i] = share * asked[i];
+        for (int k = 0; k < n(); ++k) {
+            lower[k] = (velocities ? greatest(room.least[k], -fastest[k]) : room.least[k]) / bounds.unit[k];
+            upper[k] = (velocities ? least(room.most[k], fastest[k]) : room.most[k]) / bounds.unit[k];
+        }
+        solver(scaled, lower, upper, at, x);
+        for (int k = 0; k < n(); ++k) {
+            end[k] = at[k] < 0 ? room.least[k] : room.most[k];
+            const T beyond = absolute(rates[k] - end[k]) / bounds.unit[k];
+            if (at[k] == 0 || absolute(end[k]) >= fastest[k] || !(beyond > worst)) continue;
+            worst = beyond;
+            blame(at[k] > 0 ? servo_cause::upper : servo_cause::lower, bounds.motion.motors + k);
+        }
+        if (bounds.stops) hold_course(solver, scaled, lower, upper, at, x);
+        for (int k = 0; k < n(); ++k) {
+            end[k] = at[k] < 0 ? room.least[k] : room.most[k];
+            rates[k] = at[k] == 0 || absolute(end[k]) >= fastest[k] ? x[k] * bounds.unit[k] : end[k];
+        }
+    }
+
+    /// Slows what is asked until the rates x do it without leaving its course: by halves, the largest share that does.
+    void hold_course(const rate_solver<T, N, M>& solver, const T* asked, const T* lower, const T* upper,
+                     sides<capacity(N)>& at, T* x) {
+        if (solver.keeps_course(asked, x)) return;
+        T kept = T(0), slower[6];
+        for (T step = T(0.5); step > T(1e-6); step = T(0.5) * step) {
+            for (int i = 0; i < 6; ++i) slower[i] = (kept + step) * asked[i];
+            solver(slower, lower, upper, at, x);
+            if (solver.keeps_course(slower, x)) kept += step;
+        }
+        for (int i = 0; i < 6; ++i) slower[i] = kept * asked[i];
+        solver(slower, lower, upper, at, x);
     }
 
     void reach(rate_solver<T, N, M>& solver, const T* asked) {
@@ -317,20 +389,35 @@ template <class T, int N, int M> struct servo {
 
 /// One step: the state after dt [s] under the command, and what became of the command.
 ///
-/// The state's theta_dot are the rates for the coming dt. Without a command (servo_kind::none) the arm comes to rest.
-/// Nothing is checked: dt must be more than 0, every number finite, a command's below 1e6, so that no square overflows.
+/// The state's theta_dot are the rates for the coming dt. Without a command (servo_kind::none) the arm comes to rest; with
+/// one that is not finite or beyond 1e6 too, and with a dt that is not positive or a state that is neither it stands at
+/// once where it is: servo_cause::unusable.
 template <class T, int N, int M>
 void servo_step(const chain<T, N, M>& arm, const servo_bounds<T, N>& bounds, const servo_command<T, N>& command, T dt,
                 servo_state<T, N>& state, servo_output<T>& out) {
+    const int n = arm.coordinates();
     out = servo_output<T>{};
     out.row = -1;
     out.scale = T(1);
+    if (!(dt > T(0)) || !servo_detail::usable(dt) || !servo_detail::usable(state.theta, n) ||
+        !servo_detail::usable(state.theta_dot, n) || !servo_detail::usable_hold(state, command)) {
+        out.cause = servo_cause::unusable;
+        out.scale = T(0);
+        for (int k = 0; k < n; ++k) state.theta_dot[k] = T(0);
+        servo_detail::let_go(state);
+        return;
+    }
     servo_detail::servo<T, N, M> step{arm, bounds, state, command, out, dt};
-    if (command.kind == servo_kind::none) {
+    const bool follows = servo_detail::usable(command, n);
+    if (command.kind == servo_kind::none || !follows) {
         T rest[capacity(N)];
-        for (int k = 0; k < arm.coordinates(); ++k) rest[k] = T(0);
+        for (int k = 0; k < n; ++k) rest[k] = T(0);
         servo_detail::let_go(state);
         step.move(rest);
+        if (follows) return;
+        out.cause = servo_cause::unusable;
+        out.row = -1;
+        out.scale = T(0);
     } else if (command.kind == servo_kind::jog) {
         servo_detail::let_go(state);
         step.jog();

@@ -8,6 +8,32 @@ TWISTARM_BEGIN
 /// Up to six rows of n numbers.
 template <class T, int N> using six_rows = T[6][capacity(N)];
 
+/// At most the smallest of the k = min(count, n) singular values of `count` rows A of n numbers, and at least 1/√k of it:
+/// 1/√tr((A Aᵀ)⁻¹) or 1/√tr((Aᵀ A)⁻¹), by way of L D Lᵀ.
+template <class T, int N> T smallest_about(const six_rows<T, N>& rows, int count, int n) {
+    const bool wide = count <= n;
+    const int k = wide ? count : n, length = wide ? n : count;
+    T L[6][6], D[6], trace = T(0);
+    for (int i = 0; i < k; ++i)
+        for (int j = 0; j <= i; ++j) {
+            L[i][j] = T(0);
+            for (int m = 0; m < length; ++m) L[i][j] += wide ? rows[i][m] * rows[j][m] : rows[m][i] * rows[m][j];
+            for (int m = 0; m < j; ++m) L[i][j] -= L[i][m] * L[j][m] * D[m];
+            if (i == j) D[i] = L[i][i];
+            else L[i][j] = L[i][j] / D[j];
+        }
+    for (int j = 0; j < k; ++j) {
+        if (!(D[j] > T(0))) return T(0);
+        T y[6];
+        for (int i = j; i < k; ++i) {
+            y[i] = T(i == j ? 1 : 0);
+            for (int m = j; m < i; ++m) y[i] -= L[i][m] * y[m];
+            trace += y[i] * y[i] / D[i];
+        }
+    }
+    return T(1) / sqrt(trace);
+}
+
 /// One-sided Jacobi rotations: rows ← Xᵀ rows until they are orthogonal; row i is then σ_i v_i and u_i is X's column i.
 ///
 /// Accurate to rounding for small singular values too: M. R. Hestenes, Inversion of matrices by biorthogonalization and

@@ -18,6 +18,7 @@ class Cause(IntEnum):
     VELOCITY = 2
     LOWER = 3
     UPPER = 4
+    UNUSABLE = 5
 
 
 @dataclass(eq=False)

@@ -11,7 +11,7 @@ from .. import engine
 from ..arm import Arm
 from ..checks import Array, frozen
 from ..motion_limits import MotionLimits
-from .settings import ServoSettings
+from .settings import STOP, ServoSettings
 
 
 @dataclass(frozen=True, eq=False)
@@ -20,7 +20,7 @@ class Bounds:
 
     motion: the limits of motors, if the arm has any with limits, and of joints, the position margin taken off; the
     joints are its last n rows. unit (n,): what a coordinate's scaled number, in rad, is multiplied by: 1, or `length`
-    for a slide. ready (n,): where an exactly singular arm looks for the way out.
+    for a slide. ready (n,): where an exactly singular arm looks for the way out. The rest as in `ServoSettings`.
     """
 
     motion: MotionLimits
@@ -28,6 +28,8 @@ class Bounds:
     ready: Array
     length: float
     singular_below: float
+    damping: float
+    stops: bool
     compiled: engine.Servo | None
 
     @property
@@ -62,9 +64,10 @@ def bounds_of(arm: Arm, settings: ServoSettings) -> Bounds:
 def _made(arm: Arm, settings: ServoSettings) -> Bounds:
     length = arm.reach if settings.length is None else settings.length
     unit = frozen(np.where(np.array(arm.units) == "m", length, 1.0))
-    motion, below = _motion(arm, settings.position_margin), settings.singular_below
-    compiled = engine.servo_of(_plain(arm, motion, unit), length, below)
-    return Bounds(motion, unit, arm.ready, length, below, compiled)
+    motion, stops = _motion(arm, settings.position_margin), settings.beyond == STOP
+    numbers = length, settings.singular_below, settings.damping
+    compiled = engine.servo_of(_plain(arm, motion, unit), *numbers, stops)
+    return Bounds(motion, unit, arm.ready, *numbers, stops, compiled)
 
 
 def _plain(arm: Arm, motion: MotionLimits, unit: Array) -> tuple[Array, ...]:

@@ -34,6 +34,7 @@ _STATUS = {
     Cause.VELOCITY: ServoStatus.SLOWED_LIMIT,
     Cause.LOWER: ServoStatus.SLOWED_LIMIT,
     Cause.UPPER: ServoStatus.SLOWED_LIMIT,
+    Cause.UNUSABLE: ServoStatus.STALE,
 }
 
 _SIDES = {Cause.LOWER: "lower", Cause.UPPER: "upper"}

@@ -15,6 +15,7 @@ from .answer import Answer, Cause
 from .bounds import Bounds
 from .command import BASE, AnyCommand, JogCommand, PoseCommand, TwistCommand
 from .resolved_rates import Task, resolved_rates
+from .singular import singular
 from .state import ServoState
 
 NOTHING = 1e-12
@@ -26,6 +27,15 @@ HALTED = 1e-4
 TILT = 0.1
 """[scaled rad]"""
 
+STEPS = 3.0
+"""τ is at least so many steps, and a joint comes to its limit in no fewer."""
+
+SLOWINGS = 4
+"""How often it is looked whether joints that take over for others at their limits are too fast."""
+
+OFF_COURSE, FINEST = 1e-3, 1e-6
+"""Of the twist: less beside its course is none; and how finely the share is looked for that keeps it."""
+
 NOTICED = 0.01
 """A slow-down by a smaller share than this is not worth a word."""
 
@@ -35,10 +45,9 @@ def step(arm: Arm, bounds: Bounds, state: ServoState, command: AnyCommand | None
 
     1. The command becomes a task: levels of tool rates in the command's frame, the held ones first, then linear, then
        angular ones, at the posture half a step ahead (midpoint rule).
-    2. `resolved_rates` gives the joint rates; all of them are scaled for singularities and velocity limits.
-    3. A joint that would pass the rate from which it can still stop at its position limit is fixed at that rate, and
-       the others are solved again: the motion along the limit is kept. After F. Flacco, A. De Luca & O. Khatib, Control
-       of redundant robots under hard joint constraints: saturation in the null space, IEEE T-RO 31(3), 2015, §III.
+    2. `resolved_rates` gives the joint rates; all of them are slowed to what the velocity limits allow.
+    3. Where a joint would pass the rate from which it can still stop at its position limit, they are solved again with
+       that rate as a bound, which falls to 0 with the distance: the motion along the limit is kept.
     4. The rates go from the old ones toward these as far as the acceleration limits let all of them together.
     """
     if command is None:
@@ -46,7 +55,8 @@ def step(arm: Arm, bounds: Bounds, state: ServoState, command: AnyCommand | None
     if isinstance(command, JogCommand):
         return _jogged(bounds, state, command, dt)
     goal = _goal(arm, bounds, state, command, dt)
-    return _reached(bounds, state, goal, _rates(bounds, state, goal.task, dt), dt)
+    frame = BASE if isinstance(command, PoseCommand) else command.frame
+    return _reached(bounds, state, goal, _rates(arm, bounds, state, goal.task, frame, dt), dt)
 
 
 # -- the task ----------------------------------------------------------------------------------------------------------
@@ -66,7 +76,7 @@ def _goal(arm: Arm, bounds: Bounds, state: ServoState, command: TwistCommand | P
     if isinstance(command, PoseCommand):
         error = _error(g, command.g, BASE)
         task = _task(arm, bounds, state, BASE, (), dt)
-        asked = _scaled(bounds, command.velocity) + _approach(bounds, task, error, command)
+        asked = _scaled(bounds, command.velocity) + _approach(bounds, task, error, command, dt)
         remaining = float(np.linalg.norm(error[:3])), float(np.linalg.norm(error[3:]))
         return Goal(replace(task, asked=asked), None, remaining)
     held = [k for k in range(6) if command.held[k]]
@@ -75,25 +85,24 @@ def _goal(arm: Arm, bounds: Bounds, state: ServoState, command: TwistCommand | P
         return Goal(replace(task, asked=_scaled(bounds, command.twist)), None, (0.0, 0.0))
     kept = state.held if state.held is not None and state.holding == command.flags else g
     error = np.where(command.held, _error(g, kept, command.frame), 0.0)
-    asked = _scaled(bounds, command.twist) + _approach(bounds, task, error, None)
+    asked = _scaled(bounds, command.twist) + _approach(bounds, task, error, None, dt)
     return Goal(replace(task, asked=asked), kept, (0.0, 0.0))
 
 
 def _task(arm: Arm, bounds: Bounds, state: ServoState, frame: str, held: Sequence[int], dt: float) -> Task:
     """Held components first, then linear, then angular ones, at the posture half a step ahead; nothing asked yet."""
-    ahead = state.theta + 0.5 * dt * state.theta_dot
-
-    def jacobian(displacement: Array) -> Array:
-        g, J = arm.fk_and_body_jacobian(ahead + bounds.unit * displacement)
-        turned = _in_axes(g[:3, :3], J) if frame == BASE else J
-        return _scaled(bounds, turned.T).T * bounds.unit
-
     others = (tuple(k for k in half if k not in held) for half in (range(3), range(3, 6)))
     levels = tuple(level for level in (tuple(held), *others) if level)
-    toward, below = _toward(bounds, ahead), bounds.singular_below
-    return Task(
-        np.zeros(6), levels, jacobian, toward, below, dt, lambda rates: bounds.stopping_time(rates * bounds.unit)
-    )
+    J = _jacobian(arm, bounds, state.theta + 0.5 * dt * state.theta_dot, frame)
+    return Task(np.zeros(6), levels, J, max(bounds.damping, STEPS * dt))
+
+
+def _jacobian(arm: Arm, bounds: Bounds, theta: Array, frame: str) -> Array:
+    """The scaled rows (6, n) for scaled rates, in axes of the frame."""
+    g, J = arm.fk_and_body_jacobian(theta)
+    turned = _in_axes(g[:3, :3], J) if frame == BASE else J
+    rows: Array = _scaled(bounds, turned.T).T * bounds.unit
+    return rows
 
 
 def _scaled(bounds: Bounds, twists: ArrayLike) -> Array:
@@ -103,7 +112,7 @@ def _scaled(bounds: Bounds, twists: ArrayLike) -> Array:
 
 
 def _toward(bounds: Bounds, theta: Array) -> Array:
-    """The unit scaled way to the ready pose, tilted a little so that it leads off any singularity."""
+    """The unit scaled way (n,) to the ready pose, tilted a little so that it leads off any singularity."""
     way = (bounds.ready - theta) / bounds.unit + TILT * (-1.0) ** np.arange(bounds.n)
     unit: Array = way / max(float(np.linalg.norm(way)), NOTHING)
     return unit
@@ -121,21 +130,21 @@ def _in_axes(R: Array, columns: Array) -> Array:
     return turned
 
 
-def _approach(bounds: Bounds, task: Task, error: Array, command: PoseCommand | None) -> Array:
+def _approach(bounds: Bounds, task: Task, error: Array, command: PoseCommand | None, dt: float) -> Array:
     """What to ask for an error (6,): as much of error / dt as lets the arm stop at the goal, straight on.
 
     At a share s: s dt + s² T/2 ≤ dt, T the time that a stop from the full rates takes. A command's speeds are kept.
     """
-    asked = _scaled(bounds, error) / task.dt
     if np.abs(error).max() <= NOTHING:
         return np.zeros(6)
-    found = resolved_rates(task, asked, np.ones(bounds.n, bool), np.zeros(bounds.n))
-    stop = bounds.stopping_time(found.rates * bounds.unit)
-    share = 2.0 * task.dt / (task.dt + np.sqrt(task.dt * task.dt + 2.0 * stop * task.dt))
+    asked = _scaled(bounds, error)
+    rates = resolved_rates(replace(task, asked=asked))[0] * bounds.unit
+    stop = bounds.stopping_time(rates / dt)
+    share = 2.0 * dt / (dt + np.sqrt(dt * dt + 2.0 * stop * dt))
     if command is not None:
         for part, speed in ((error[:3], command.linear_speed), (error[3:], command.angular_speed)):
-            share = min(share, speed * task.dt / max(float(np.linalg.norm(part)), NOTHING))
-    approach: Array = share * asked
+            share = min(share, speed * dt / max(float(np.linalg.norm(part)), NOTHING))
+    approach: Array = share * asked / dt
     return approach
 
 
@@ -155,41 +164,95 @@ class Wanted:
     row: int
 
 
-def _rates(bounds: Bounds, state: ServoState, task: Task, dt: float) -> Wanted:
-    free, fixed = np.ones(bounds.n, bool), np.zeros(bounds.n)
-    found = resolved_rates(task, task.asked, free, fixed)
-    share, cause, row = 1.0 / (1.0 + found.bent), Cause.NONE, -1
-    if found.taken > NOTICED:
-        cause, row = Cause.SINGULARITY, found.joint
-    rates = share * found.rates * bounds.unit
-    first = len(bounds.motion.names) - bounds.n
-    for _ in range(2 * bounds.n):
-        slower, fastest = bounds.velocity_share(rates)
-        if slower < 1.0:
-            rates, share = slower * rates, slower * share
-            if cause in (Cause.NONE, Cause.SINGULARITY):
-                cause, row = Cause.VELOCITY, fastest
-        least, most = _position_bounds(bounds, state.theta, rates, dt)
-        over = np.maximum(rates - most, least - rates)
-        worst = int(np.argmax(over))
-        if over[worst] <= NOTHING:
+def _rates(arm: Arm, bounds: Bounds, state: ServoState, task: Task, frame: str, dt: float) -> Wanted:
+    cause, row = Cause.NONE, -1
+    x = resolved_rates(task)[0]
+    size = max(float(np.linalg.norm(task.asked)), NOTHING)
+    lost = task.asked - task.J @ x
+    ahead = state.theta + 0.5 * dt * state.theta_dot
+    beside = singular(
+        lambda displacement: _jacobian(arm, bounds, ahead + bounds.unit * displacement, frame),
+        _toward(bounds, ahead),
+        task.asked,
+        lost,
+        bounds.singular_below,
+    )
+    if beside is not None:
+        part, joint = beside.part(lost, bounds.singular_below)
+        if part > NOTICED * size * size:
+            cause, row = Cause.SINGULARITY, joint
+        task = replace(task, J=beside.led)
+        x = resolved_rates(task)[0]
+    share, fastest = bounds.velocity_share(x * bounds.unit)
+    if share < 1.0:
+        cause, row = Cause.VELOCITY, fastest
+    wanted = Wanted(share * x * bounds.unit, share, cause, row)
+    room = _position_bounds(bounds, state.theta, wanted.rates, dt)
+    inside = (wanted.rates <= room[1] + NOTHING).all() and (wanted.rates >= room[0] - NOTHING).all()
+    if share == 1.0 and not bounds.stops and inside:
+        return wanted
+    velocity = bounds.motion.limits.velocity[-bounds.n :]
+    for last in (False,) * (SLOWINGS - 1) + (True,):
+        wanted = _within(bounds, task, wanted, room, velocity if last else np.full(bounds.n, np.inf))
+        slower, fastest = bounds.velocity_share(wanted.rates)
+        if slower == 1.0 or last:
             break
-        if cause not in (Cause.LOWER, Cause.UPPER):
-            cause, row = (Cause.UPPER if rates[worst] > 0 else Cause.LOWER), first + worst
-        free[worst] = False
-        rates[worst] = min(max(rates[worst], least[worst]), most[worst])
-        found = resolved_rates(task, share * task.asked, free, np.where(free, 0.0, rates / bounds.unit))
-        rates = found.rates * bounds.unit
-    return Wanted(rates, share, cause, row)
+        # Others have taken over for the joints at their limits.
+        if wanted.cause not in (Cause.LOWER, Cause.UPPER):
+            wanted = replace(wanted, cause=Cause.VELOCITY, row=fastest)
+        wanted = replace(wanted, share=slower * wanted.share)
+    return wanted
+
+
+def _within(bounds: Bounds, task: Task, wanted: Wanted, room: tuple[Array, Array], velocity: Array) -> Wanted:
+    """The rates for the share of a task within the bounds of each joint, of position (`room`) and of velocity."""
+    fastest = bounds.motion.limits.velocity[-bounds.n :]
+    task = replace(task, asked=wanted.share * task.asked)
+    lower, upper = np.maximum(room[0], -velocity) / bounds.unit, np.minimum(room[1], velocity) / bounds.unit
+    x, at = resolved_rates(task, lower, upper)
+    end = np.where(at < 0, room[0], room[1])
+    beyond = np.where((at != 0) & (np.abs(end) < fastest), np.abs(wanted.rates - end) / bounds.unit, -1.0)
+    worst = int(np.argmax(beyond))
+    if beyond[worst] >= 0.0:
+        first = len(bounds.motion.names) - bounds.n
+        wanted = replace(wanted, cause=Cause.UPPER if at[worst] > 0 else Cause.LOWER, row=first + worst)
+    if bounds.stops:
+        x, at = _on_course(task, lower, upper, x, at)
+        end = np.where(at < 0, room[0], room[1])
+    return replace(wanted, rates=np.where((at != 0) & (np.abs(end) < fastest), end, x * bounds.unit))
+
+
+def _on_course(task: Task, lower: Array, upper: Array, x: Array, at: Array) -> tuple[Array, Array]:
+    """The rates for the largest share of a task that is done without leaving its course; found by halves."""
+    if _keeps_course(task, x):
+        return x, at
+    kept, step = 0.0, 0.5
+    while step > FINEST:
+        slower = replace(task, asked=(kept + step) * task.asked)
+        if _keeps_course(slower, resolved_rates(slower, lower, upper)[0]):
+            kept += step
+        step /= 2.0
+    return resolved_rates(replace(task, asked=kept * task.asked), lower, upper)
+
+
+def _keeps_course(task: Task, x: Array) -> bool:
+    """Whether the rates x do what is asked but for a thousandth of it.
+
+    An arm of fewer than six joints may turn its tool on the way, unless turning is all that is asked.
+    """
+    left = task.asked - task.J @ x
+    turns = len(x) >= len(left) or not task.asked[:3].any()
+    return bool(np.linalg.norm(left if turns else left[:3]) <= OFF_COURSE * np.linalg.norm(task.asked))
 
 
 def _position_bounds(bounds: Bounds, theta: Array, rates: Array, dt: float) -> tuple[Array, Array]:
-    """The least and largest rates (n,) at which a stop that takes as long as one from `rates` ends inside the limits.
+    """The rates (n,) between which a stop that takes twice as long as one from `rates` ends inside the limits.
 
-    A joint that is outside may stand still or come back.
+    To keep to a bound that falls so with the distance takes half of the acceleration, and it falls to 0 in no fewer
+    than some steps. A joint that is outside may stand still or come back.
     """
     limits, n = bounds.motion.limits, bounds.n
-    time = dt + 0.5 * bounds.stopping_time(rates)
+    time = STEPS * dt + bounds.stopping_time(rates)
     most: Array = np.maximum(limits.upper[-n:] - theta, 0.0) / time
     least: Array = -np.maximum(theta - limits.lower[-n:], 0.0) / time
     return least, most
@@ -199,7 +262,7 @@ def _position_bounds(bounds: Bounds, theta: Array, rates: Array, dt: float) -> t
 
 
 def _reached(bounds: Bounds, state: ServoState, goal: Goal, wanted: Wanted, dt: float) -> Answer:
-    J, asked = goal.task.jacobian(np.zeros(bounds.n)), goal.task.asked
+    J, asked = goal.task.J, goal.task.asked
     reachable = J @ (wanted.rates / bounds.unit) / wanted.share
     answer = _moved(bounds, state, wanted.rates, dt, wanted.cause, wanted.row)
     done = J @ (answer.theta_dot / bounds.unit)

@@ -31,11 +31,13 @@ def servo_step(
     rest along its acceleration limits, and the status is STALE with the reason. A dt outside (0, settings.longest_dt],
     or a state that is not finite, is refused the same way, with rates of 0 at once.
 
-    An arm with six directions follows the twist as it is. Where there are fewer (below six joints, at a limit), what
+    The rates are the least of one strictly convex function (`resolved_rates`), continuous in posture and command.
+    Away from singularities a twist is done exactly. Where the arm lacks directions (below six joints, at a limit), what
     matters more comes first: held components, then the linear part, then the angular part; what the arm cannot do is
-    lost and reported. Near a singularity the direction that is about to be lost is damped where the motion approaches
+    lost and reported. Near a singularity a direction that would take fast joints is damped where the motion approaches
     it, not where it leaves it. Velocity and acceleration limits, those of the motors of an arm.toml too, slow the
-    motion as a whole; a joint at its position limit stops, and the others keep what is left of the motion.
+    motion as a whole; a joint comes to its position limit ever slower, and the others keep what is left of the motion,
+    or all of them stop on the way there (settings.beyond).
 
     Raises InputError for an arm, a state or settings that are none: `ServoState.at(arm, theta)` makes a state.
     """

@@ -14,7 +14,7 @@ from ..inability import NO_MOTION
 from ..manipulability import scaled_jacobian
 from ..servo import ServoSettings
 from ..servo.bounds import bounds_of
-from ..servo.resolved_rates import FIVE
+from ..servo.singular import FIVE
 from ..usual_limits import with_defaults
 from .board import Message
 from .part import Part
@@ -59,7 +59,7 @@ class Gauge(Part):
         self._words = SILENT
 
     def messages(self, stage: Stage) -> Iterator[Message]:
-        """sigma: smallest singular value [rad per rad], damped `below` that; lacks: its direction in base axes.
+        """sigma: smallest singular value [rad per rad], singular `below` that; lacks: its direction in base axes.
 
         joint: the one, or the motor, nearest to a position limit: `room` [unit] to its lower or upper `end`, `near`
         from which on that is little. All null where no servo drives, or where there is no limit.

@@ -16,7 +16,7 @@ from .ellipsoids import ellipsoids
 from .standing import standing
 
 BELOW = ServoSettings().singular_below
-"""Singular values less than this are damped by a servo of ordinary settings."""
+"""Singular values less than this are said to be singular by a servo of ordinary settings."""
 
 
 def numbers(arm: Arm, theta: Array, rates: Array | None = None) -> dict[str, Any]:
