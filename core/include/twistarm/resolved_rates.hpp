@@ -245,13 +245,19 @@ template <class T, int N, int M> struct rate_solver {
         for (int i = 0; i < 6; ++i) left[i] = asked[i] - times(rows, i, x);
     }
 
-    /// Whether the rates x do what is asked but for a thousandth of it. An arm of fewer than six joints may turn its tool
-    /// on the way, unless turning is all that is asked.
+    /// Whether the tool moves along what is asked at the rates x, if slower, but for a thousandth beside it. An arm of
+    /// fewer than six joints may turn its tool on the way, unless turning is all that is asked.
     bool keeps_course(const T* asked, const T* x) const {
-        T left[6];
-        rest(led, asked, x, left);
-        const bool turns = n() >= 6 || !(norm(asked, 3) > T(0));
-        return norm(left, turns ? 6 : 3) <= off_course<T> * norm(asked, 6);
+        const int count = n() >= 6 || !(norm(asked, 3) > T(0)) ? 6 : 3;
+        T done[6], along = T(0);
+        const T size = norm(asked, count);
+        for (int i = 0; i < count; ++i) {
+            done[i] = times(J, i, x);
+            along += done[i] * asked[i];
+        }
+        along = clamped(along / greatest(size * size, nothing<T> * nothing<T>), T(0), T(1));
+        for (int i = 0; i < count; ++i) done[i] -= along * asked[i];
+        return norm(done, count) <= off_course<T> * size;
     }
 
     /// The rates x within the bounds for what is asked, and where they stand. Sums of squares, each level weighed by its

@@ -168,7 +168,7 @@ def _rates(arm: Arm, bounds: Bounds, state: ServoState, task: Task, frame: str, 
     cause, row = Cause.NONE, -1
     x = resolved_rates(task)[0]
     size = max(float(np.linalg.norm(task.asked)), NOTHING)
-    lost = task.asked - task.J @ x
+    J, lost = task.J, task.asked - task.J @ x
     ahead = state.theta + 0.5 * dt * state.theta_dot
     beside = singular(
         lambda displacement: _jacobian(arm, bounds, ahead + bounds.unit * displacement, frame),
@@ -193,7 +193,7 @@ def _rates(arm: Arm, bounds: Bounds, state: ServoState, task: Task, frame: str, 
         return wanted
     velocity = bounds.motion.limits.velocity[-bounds.n :]
     for last in (False,) * (SLOWINGS - 1) + (True,):
-        wanted = _within(bounds, task, wanted, room, velocity if last else np.full(bounds.n, np.inf))
+        wanted = _within(bounds, task, J, wanted, room, velocity if last else np.full(bounds.n, np.inf))
         slower, fastest = bounds.velocity_share(wanted.rates)
         if slower == 1.0 or last:
             break
@@ -204,7 +204,7 @@ def _rates(arm: Arm, bounds: Bounds, state: ServoState, task: Task, frame: str, 
     return wanted
 
 
-def _within(bounds: Bounds, task: Task, wanted: Wanted, room: tuple[Array, Array], velocity: Array) -> Wanted:
+def _within(bounds: Bounds, task: Task, J: Array, wanted: Wanted, room: tuple[Array, Array], velocity: Array) -> Wanted:
     """The rates for the share of a task within the bounds of each joint, of position (`room`) and of velocity."""
     fastest = bounds.motion.limits.velocity[-bounds.n :]
     task = replace(task, asked=wanted.share * task.asked)
@@ -217,32 +217,33 @@ def _within(bounds: Bounds, task: Task, wanted: Wanted, room: tuple[Array, Array
         first = len(bounds.motion.names) - bounds.n
         wanted = replace(wanted, cause=Cause.UPPER if at[worst] > 0 else Cause.LOWER, row=first + worst)
     if bounds.stops:
-        x, at = _on_course(task, lower, upper, x, at)
+        x, at = _on_course(task, J, lower, upper, x, at)
         end = np.where(at < 0, room[0], room[1])
     return replace(wanted, rates=np.where((at != 0) & (np.abs(end) < fastest), end, x * bounds.unit))
 
 
-def _on_course(task: Task, lower: Array, upper: Array, x: Array, at: Array) -> tuple[Array, Array]:
+def _on_course(task: Task, J: Array, lower: Array, upper: Array, x: Array, at: Array) -> tuple[Array, Array]:
     """The rates for the largest share of a task that is done without leaving its course; found by halves."""
-    if _keeps_course(task, x):
+    if _keeps_course(task, J, x):
         return x, at
     kept, step = 0.0, 0.5
     while step > FINEST:
         slower = replace(task, asked=(kept + step) * task.asked)
-        if _keeps_course(slower, resolved_rates(slower, lower, upper)[0]):
+        if _keeps_course(slower, J, resolved_rates(slower, lower, upper)[0]):
             kept += step
         step /= 2.0
     return resolved_rates(replace(task, asked=kept * task.asked), lower, upper)
 
 
-def _keeps_course(task: Task, x: Array) -> bool:
-    """Whether the rates x do what is asked but for a thousandth of it.
+def _keeps_course(task: Task, J: Array, x: Array) -> bool:
+    """Whether the tool, J (6, n), moves along what is asked at the rates x, if slower, but for a thousandth beside it.
 
     An arm of fewer than six joints may turn its tool on the way, unless turning is all that is asked.
     """
-    left = task.asked - task.J @ x
-    turns = len(x) >= len(left) or not task.asked[:3].any()
-    return bool(np.linalg.norm(left if turns else left[:3]) <= OFF_COURSE * np.linalg.norm(task.asked))
+    count = 6 if len(x) >= 6 or not task.asked[:3].any() else 3
+    asked, done = task.asked[:count], (J @ x)[:count]
+    along = float(np.clip(done @ asked / max(float(asked @ asked), NOTHING * NOTHING), 0.0, 1.0))
+    return bool(np.linalg.norm(done - along * asked) <= OFF_COURSE * np.linalg.norm(asked))
 
 
 def _position_bounds(bounds: Bounds, theta: Array, rates: Array, dt: float) -> tuple[Array, Array]:
