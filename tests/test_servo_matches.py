@@ -14,6 +14,8 @@ from twistarm.servo.step import _answer
 SAME = 1e-6
 """[rad/s, rad, …] What the last of some rounds may still change."""
 
+SLIDES = ServoSettings()
+
 SAME_WHERE_SINGULAR = 0.03
 """Where two directions are missing at once, any two in their plane are."""
 
@@ -41,9 +43,9 @@ def same(arm, bounds, state, command, close=SAME):
     return ours
 
 
-def walk(arm, rng, steps):
+def walk(arm, rng, steps, settings=SLIDES):
     """Both steps at every state of one drive, at rest and in motion; the drive goes on from the compiled one's."""
-    bounds, command = bounds_of(arm, ServoSettings()), None
+    bounds, command = bounds_of(arm, settings), None
     state = ServoState.at(arm, arm.random_theta(rng))
     for k in range(steps):
         if k % 10 == 0:
@@ -51,6 +53,11 @@ def walk(arm, rng, steps):
         ours = same(arm, bounds, state, command)
         holding = command.flags if command.flags > 1 else None
         state = ServoState(ours.theta, ours.theta_dot, ours.held, holding)
+
+
+@pytest.mark.parametrize("name", ["rover_arm", "ur5"])
+def test_the_same_where_it_stops_on_its_course(name):
+    walk(load(name), np.random.default_rng(8), 60, ServoSettings(beyond="stop"))
 
 
 @pytest.mark.parametrize("name", ARMS)

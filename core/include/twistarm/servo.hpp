@@ -54,6 +54,7 @@ namespace servo_detail {
 constexpr double halted_below = 1e-4;  // rates below this share of the command's are a standstill
 template <class T> constexpr T rounding = T(sizeof(T) == 8 ? 1e-12 : 1e-6);  // an error of a pose below this is none
 constexpr double noticed = 0.01;       // a slow-down by a smaller share is not worth a word
+template <class T> constexpr T look_ahead = T(0.01);   // how far ahead a course is looked at [scaled rad]
 constexpr int slowings = 4;            // how often it is looked whether joints that take over for others are too fast
 
 inline bool is_position(servo_cause cause) { return cause == servo_cause::lower || cause == servo_cause::upper; }
@@ -347,15 +348,32 @@ template <class T, int N, int M> struct servo {
         }
     }
 
+    /// The share of what is asked at which the joints can keep to its course: with x the rates for all of it and x' how
+    /// they change on the way, s² x' takes at most a quarter of the accelerations.
+    T followed(const rate_solver<T, N, M>& solver, const T* asked, const T* lower, const T* upper, const T* x) {
+        const T size = norm(x, n());
+        if (!(size > nothing<T>)) return T(1);
+        T farther[capacity(N)], then[capacity(N)];
+        sides<capacity(N)> at;
+        for (int k = 0; k < n(); ++k) farther[k] = solver.posture[k] + look_ahead<T> / size * x[k] * bounds.unit[k];
+        const rate_solver<T, N, M> ahead(arm, bounds, solver.levels, solver.base_axes, farther, dt);
+        ahead(asked, lower, upper, at, then);
+        for (int k = 0; k < n(); ++k) then[k] = (then[k] - x[k]) * bounds.unit[k] * size / look_ahead<T>;
+        return T(1) / sqrt(greatest(T(4) * stopping_time(bounds.motion, then), T(1)));
+    }
+
     /// Slows what is asked until the rates x do it without leaving its course: by halves, the largest share that does.
     void hold_course(const rate_solver<T, N, M>& solver, const T* asked, const T* lower, const T* upper,
                      sides<capacity(N)>& at, T* x) {
-        if (solver.keeps_course(asked, x)) return;
-        T kept = T(0), slower[6];
-        for (T step = T(0.5); step > T(1e-6); step = T(0.5) * step) {
+        T kept = T(0), slower[6], step = followed(solver, asked, lower, upper, x);
+        for (bool first = true; step > T(1e-6); first = false) {
             for (int i = 0; i < 6; ++i) slower[i] = (kept + step) * asked[i];
             solver(slower, lower, upper, at, x);
-            if (solver.keeps_course(slower, x)) kept += step;
+            if (solver.keeps_course(slower, x)) {
+                if (first) return;
+                kept += step;
+            }
+            step = T(0.5) * step;
         }
         for (int i = 0; i < 6; ++i) slower[i] = kept * asked[i];
         solver(slower, lower, upper, at, x);

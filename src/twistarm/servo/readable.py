@@ -15,7 +15,7 @@ from .answer import Answer, Cause
 from .bounds import Bounds
 from .command import BASE, AnyCommand, JogCommand, PoseCommand, TwistCommand
 from .resolved_rates import Task, resolved_rates
-from .singular import singular
+from .singular import Displaced, singular
 from .state import ServoState
 
 NOTHING = 1e-12
@@ -29,6 +29,9 @@ TILT = 0.1
 
 STEPS = 3.0
 """τ is at least so many steps, and a joint comes to its limit in no fewer."""
+
+LOOK_AHEAD = 0.01
+"""How far ahead a course is looked at [scaled rad]."""
 
 SLOWINGS = 4
 """How often it is looked whether joints that take over for others at their limits are too fast."""
@@ -168,15 +171,13 @@ def _rates(arm: Arm, bounds: Bounds, state: ServoState, task: Task, frame: str, 
     cause, row = Cause.NONE, -1
     x = resolved_rates(task)[0]
     size = max(float(np.linalg.norm(task.asked)), NOTHING)
-    J, lost = task.J, task.asked - task.J @ x
+    lost = task.asked - task.J @ x
     ahead = state.theta + 0.5 * dt * state.theta_dot
-    beside = singular(
-        lambda displacement: _jacobian(arm, bounds, ahead + bounds.unit * displacement, frame),
-        _toward(bounds, ahead),
-        task.asked,
-        lost,
-        bounds.singular_below,
-    )
+
+    def jacobian(displacement: Array) -> Array:
+        return _jacobian(arm, bounds, ahead + bounds.unit * displacement, frame)
+
+    beside = singular(jacobian, _toward(bounds, ahead), task.asked, lost, bounds.singular_below)
     if beside is not None:
         part, joint = beside.part(lost, bounds.singular_below)
         if part > NOTICED * size * size:
@@ -193,7 +194,7 @@ def _rates(arm: Arm, bounds: Bounds, state: ServoState, task: Task, frame: str, 
         return wanted
     velocity = bounds.motion.limits.velocity[-bounds.n :]
     for last in (False,) * (SLOWINGS - 1) + (True,):
-        wanted = _within(bounds, task, J, wanted, room, velocity if last else np.full(bounds.n, np.inf))
+        wanted = _within(bounds, task, jacobian, wanted, room, velocity if last else np.full(bounds.n, np.inf))
         slower, fastest = bounds.velocity_share(wanted.rates)
         if slower == 1.0 or last:
             break
@@ -204,7 +205,9 @@ def _rates(arm: Arm, bounds: Bounds, state: ServoState, task: Task, frame: str, 
     return wanted
 
 
-def _within(bounds: Bounds, task: Task, J: Array, wanted: Wanted, room: tuple[Array, Array], velocity: Array) -> Wanted:
+def _within(
+    bounds: Bounds, task: Task, jacobian: Displaced, wanted: Wanted, room: tuple[Array, Array], velocity: Array
+) -> Wanted:
     """The rates for the share of a task within the bounds of each joint, of position (`room`) and of velocity."""
     fastest = bounds.motion.limits.velocity[-bounds.n :]
     task = replace(task, asked=wanted.share * task.asked)
@@ -217,22 +220,39 @@ def _within(bounds: Bounds, task: Task, J: Array, wanted: Wanted, room: tuple[Ar
         first = len(bounds.motion.names) - bounds.n
         wanted = replace(wanted, cause=Cause.UPPER if at[worst] > 0 else Cause.LOWER, row=first + worst)
     if bounds.stops:
-        x, at = _on_course(task, J, lower, upper, x, at)
+        x, at = _on_course(bounds, task, jacobian, (lower, upper), x, at)
         end = np.where(at < 0, room[0], room[1])
     return replace(wanted, rates=np.where((at != 0) & (np.abs(end) < fastest), end, x * bounds.unit))
 
 
-def _on_course(task: Task, J: Array, lower: Array, upper: Array, x: Array, at: Array) -> tuple[Array, Array]:
+def _on_course(
+    bounds: Bounds, task: Task, jacobian: Displaced, room: tuple[Array, Array], x: Array, at: Array
+) -> tuple[Array, Array]:
     """The rates for the largest share of a task that is done without leaving its course; found by halves."""
-    if _keeps_course(task, J, x):
-        return x, at
-    kept, step = 0.0, 0.5
+    J, kept, first = jacobian(np.zeros(bounds.n)), 0.0, True
+    step = _followed(bounds, task, jacobian, room, x)
     while step > FINEST:
         slower = replace(task, asked=(kept + step) * task.asked)
-        if _keeps_course(slower, J, resolved_rates(slower, lower, upper)[0]):
+        x, at = resolved_rates(slower, *room)
+        if _keeps_course(slower, J, x):
+            if first:
+                return x, at
             kept += step
-        step /= 2.0
-    return resolved_rates(replace(task, asked=kept * task.asked), lower, upper)
+        step, first = step / 2.0, False
+    return resolved_rates(replace(task, asked=kept * task.asked), *room)
+
+
+def _followed(bounds: Bounds, task: Task, jacobian: Displaced, room: tuple[Array, Array], x: Array) -> float:
+    """The share of a task at which the joints can keep to its course.
+
+    With x the rates for all of it and x' how they change on the way, s² x' takes at most a quarter of what accelerates.
+    """
+    size = float(np.linalg.norm(x))
+    if size <= NOTHING:
+        return 1.0
+    then = resolved_rates(replace(task, J=jacobian(LOOK_AHEAD / size * x)), *room)[0]
+    stop = bounds.stopping_time((then - x) * bounds.unit * size / LOOK_AHEAD)
+    return float(1.0 / np.sqrt(max(4.0 * stop, 1.0)))
 
 
 def _keeps_course(task: Task, J: Array, x: Array) -> bool:
