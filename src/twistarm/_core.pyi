@@ -96,7 +96,8 @@ class Servo:
     """One arm's servo (core/include/twistarm/servo.hpp).
 
     Limits are those of the motors' rows x = C theta + c, k of them, and then of each coordinate; unit is 1, or for a
-    slide the length [m] that compares metres with radians; singular values less than `below` are damped.
+    slide the length [m] that compares metres with radians; singular values less than `below` are said to be
+    singular. damping [s] is that of the resolved rates; stops: on the commanded course, where the arm cannot follow.
     """
 
     def __init__(
@@ -114,6 +115,8 @@ class Servo:
         ready: Array,
         length: float,
         below: float,
+        damping: float,
+        stops: bool,
         /,
     ) -> None: ...
     def step(
