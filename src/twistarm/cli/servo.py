@@ -32,7 +32,7 @@ from ..stream import (
 from ..stream.inbox import COMMAND_TIMEOUT, FEEDBACK_TIMEOUT
 from ..stream.serial_link import BAUDRATE
 from ..stream.streaming import TOLERANCE, checked_rate
-from ..usual_limits import defaults_line, with_defaults
+from ..usual_limits import defaults_line
 from ..viewer import Viewer
 from .motion import Rate, capped
 from .options import Json, Radians, Theta, takes_arm
@@ -116,8 +116,7 @@ def servo(
     require_positive(command_timeout=command_timeout, feedback_timeout=feedback_timeout)
     x = parse_theta(arm, theta, rad)
     require_inside(arm, x, rad)
-    limits = capped(arm, {"velocity": velocity, "acceleration": acceleration})
-    driven = replace(arm, limits=with_defaults(arm, limits))
+    driven = replace(arm, limits=capped(arm, {"velocity": velocity, "acceleration": acceleration}))
 
     keyed = None if key is None else read_key(key)
     admitted = Admitted(tuple(senders or ()), keyed)
@@ -126,7 +125,7 @@ def servo(
         sink, feedback = joints_of(driven, x, udp, listen, serial, units, feedback_timeout, admitted, stack)
         viewer = stack.enter_context(Viewer(driven, x, host=host, port=port, open_browser=False, keep=port != 0))
         source = source_of(driven, viewer, commands, command_timeout, admitted, stack)
-        announce(viewer, defaults_line(arm, limits), browser, sys.stderr if json else sys.stdout)
+        announce(viewer, defaults_line(driven), browser, sys.stderr if json else sys.stdout)
         report = run(
             driven, source, sink, feedback, rate=rate, command_timeout=command_timeout,
             feedback_timeout=feedback_timeout, tolerance=tolerance, settings=settings, velocity_mode=velocity_mode,

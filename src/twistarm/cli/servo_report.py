@@ -27,6 +27,7 @@ def report_table(arm: Arm, report: StreamReport) -> Grid:
         ["ended", ": ".join(filter(None, (report.ending.value, report.reason)))],
         ["cycles", f"{report.cycles} at {report.rate:g} Hz in {report.duration:.1f} s, {report.missed} missed"],
         ["begun late by", f"{late[0]} (median), {late[1]} (99 %), {late[2]} (most)"],
+        *([["limits", report.assumed]] if report.assumed else []),
         ["status", statuses or f"never moved: {report.blind_reason}"],
         ["no command", f"{report.uncommanded:.1f} s{because(report.uncommanded, report.uncommanded_reason)}"],
         *(

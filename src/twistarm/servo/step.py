@@ -39,6 +39,9 @@ def servo_step(
     motion as a whole; a joint comes to its position limit ever slower, and the others keep what is left of the motion,
     or all of them stop on the way there (settings.beyond).
 
+    A limit that the arm does not give is none: without acceleration limits rates jump, without velocity limits they are
+    whatever the command asks for. `stream.run` takes the usual ones there.
+
     Raises InputError for an arm, a state or settings that are none: `ServoState.at(arm, theta)` makes a state.
     """
     require(state, ServoState, "state", "as ServoState.at(arm, theta) makes it")

@@ -43,6 +43,9 @@ def run(
 ) -> StreamReport:
     """Stream `source`'s commands through the servo to `sink` at `rate` [Hz] until something ends it.
 
+    Velocity and acceleration limits that the arm does not give are the usual ones (1 rad/s, 3 rad/s²; 0.25 m/s,
+    1 m/s²), and the report says so.
+
     The servo starts where `feedback` says that the arm is, and waits for that. A command older than `command_timeout`
     [s] does not count, nor does any while the joint state is older than `feedback_timeout` [s] or a cycle came later
     than the servo's longest step: the arm comes to rest along its acceleration limits and goes on once all is well,

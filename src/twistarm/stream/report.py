@@ -39,7 +39,8 @@ class StreamReport:
     command, with the last reason of each; barred [s]: while the interlock did not allow motion, and why at last;
     interlock: its word at the end. ending and reason: why it ended. at_rest: whether the commanded arm stood
     still at the end. undelivered: why setpoints did not get through. delivered: whether the last one did, as far as is
-    known. failures: what went wrong while it came to rest.
+    known. failures: what went wrong while it came to rest. assumed: which limits the arm did not give and what stood
+    in for them, "" where it gave all.
     """
 
     cycles: int
@@ -64,6 +65,7 @@ class StreamReport:
     undelivered: tuple[str, ...]
     delivered: bool
     failures: tuple[str, ...]
+    assumed: str
 
     def __repr__(self) -> str:
         named = {name: getattr(self, name) for name in ("cycles", "missed", "duration", "ending", "reason")}
@@ -98,6 +100,7 @@ class StreamReport:
             f"cycles began late by {self.late_p50 * 1e3:.3f} ms (median), {self.late_p99 * 1e3:.3f} ms (99 %), "
             f"{self.late_max * 1e3:.3f} ms (most)",
             f"status: {counts}" if counts else "the arm was never moved: no joint state arrived",
+            *filter(None, [self.assumed]),
             *self._stale(),
             *(f"setpoints did not get through: {text}" for text in self.undelivered),
             *(f"while it came to rest: {failure}" for failure in self.failures),
@@ -122,8 +125,8 @@ class StreamReport:
 class Tally:
     """The counts of a stream that runs, from which its report is made; they do not grow."""
 
-    def __init__(self, rate: float) -> None:
-        self.rate = rate
+    def __init__(self, rate: float, assumed: str = "") -> None:
+        self.rate, self.assumed = rate, assumed
         self.cycles = self.missed = 0
         self.waited = self.blind = self.uncommanded = self.barred = 0
         self.statuses: Counter[ServoStatus] = Counter()
@@ -158,6 +161,7 @@ class Tally:
             counted(self.undelivered),
             self.delivered,
             counted(self.failures),
+            self.assumed,
         )
 
 

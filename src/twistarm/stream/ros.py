@@ -10,6 +10,7 @@ from ..arm import Arm
 from ..checks import Array
 from ..errors import InputError, listed
 from ..servo import AnyCommand, ServoStatus
+from ..usual_limits import usually_limited
 from .joint_order import theta_by_name
 from .messages import command_of
 from .protocols import Setpoint
@@ -90,18 +91,17 @@ def trajectory_points(arm: Arm, setpoint: Setpoint, ahead: float) -> list[Trajec
 
     All joints brake evenly over the time T that the slowest of them needs, Δθ = θ̇ T / 2, which is the stop that the
     servo's rates leave room for. Controllers refuse a trajectory that ends with a velocity, and every setpoint is an
-    end; and where no other trajectory follows, the arm comes to rest along its limits by itself.
+    end; and where no other trajectory follows, the arm comes to rest along its limits by itself, the usual ones where
+    it has none.
     """
     if not ahead * NANOSECONDS >= 1.0:
         raise InputError(f"a trajectory's point lies ahead in time; got {ahead!r} s")
-    limits, theta, rates = arm.limits, setpoint.theta, setpoint.theta_dot
+    limits, theta, rates = usually_limited(arm).limits, setpoint.theta, setpoint.theta_dot
     braking = float((np.abs(rates) / limits.acceleration).max())
     points = [_point(theta, rates, ahead)]
     if braking > 0.0:
         rest = np.clip(theta + rates * braking / 2.0, np.minimum(limits.lower, theta), np.maximum(limits.upper, theta))
         points.append(_point(rest, np.zeros(arm.n), ahead + braking))
-    elif rates.any():
-        raise InputError(f"{arm.name} has no acceleration limits, without which no trajectory comes to rest")
     return points
 
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 import time
 from collections import deque
 from collections.abc import Callable
+from dataclasses import replace
 from math import inf
 
 import numpy as np
@@ -13,6 +14,7 @@ from numpy.typing import ArrayLike
 from ..arm import Arm, require_arm
 from ..checks import Array, as_floats, as_number, frozen
 from ..errors import InputError, shown
+from ..usual_limits import defaults_line, with_defaults
 from .protocols import Measured, Setpoint
 
 SUBSTEP = 0.002
@@ -40,8 +42,9 @@ class SimulatedJoints:
 
     What is written takes effect `latency` [s] later. Each joint then moves with the setpoint's rate and 40 1/s times
     its position error, within `velocity` and `acceleration` (n,) [rad/s, m/s, and per s²]; where these are not given,
-    within the arm's limits and the reserve that drives have. At a position limit it stops dead. `step` advances time by
-    hand; `write` and `read` first advance it to now.
+    within the arm's limits, the usual ones where it has none, and the reserve that drives have. `assumed` says which
+    limits were neither given nor the arm's. At a position limit it stops dead. `step` advances time by hand; `write`
+    and `read` first advance it to now.
     With a clock of your own, the same calls give the same motion.
 
     Raises InputError for a latency that is negative, limits that are not positive, a theta of another shape.
@@ -64,8 +67,12 @@ class SimulatedJoints:
             raise InputError(f"theta must be one configuration ({arm.n},); got {self._theta.shape}")
         self._theta_dot = np.zeros(arm.n)
         self._latency = latency
-        self._velocity = _limit(velocity, VELOCITY_RESERVE * arm.limits.velocity, "velocity")
-        self._acceleration = _limit(acceleration, ACCELERATION_RESERVE * arm.limits.acceleration, "acceleration")
+        usual = with_defaults(arm)
+        self._velocity = _limit(velocity, VELOCITY_RESERVE * usual.velocity, "velocity")
+        self._acceleration = _limit(acceleration, ACCELERATION_RESERVE * usual.acceleration, "acceleration")
+        given = {"velocity": velocity, "acceleration": acceleration}
+        known = {name: getattr(usual, name) for name, values in given.items() if values is not None}
+        self.assumed = defaults_line(arm, replace(arm.limits, **known))
         self._lower, self._upper = arm.limits.lower, arm.limits.upper
         self._clock = clock
         self._now = clock()

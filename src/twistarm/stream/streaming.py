@@ -13,6 +13,7 @@ from ..brief import Brief
 from ..checks import Array, as_positive, frozen, require, require_method
 from ..errors import InputError
 from ..servo import AnyCommand, ServoOutput, ServoSettings, ServoState, servo_step
+from ..usual_limits import defaults_line, usually_limited
 from .failures import StreamError, asked, worded
 from .inbox import COMMAND_TIMEOUT, FEEDBACK_TIMEOUT
 from .interlock import ENABLED, Interlock, Interlocked
@@ -50,7 +51,8 @@ class Streaming:
     """A stream, cycle by cycle, for loops that have a timer of their own; `run` is the loop with ours.
 
     Call `cycle` at `rate` [Hz] until it says an ending, then `brake` at the same rate until it answers True, then
-    `halt`, whatever went wrong before. The arguments are those of `run`.
+    `halt`, whatever went wrong before. The arguments are those of `run`; `arm` has the usual limits where the one given
+    has none, and `assumed` says which.
     """
 
     def __init__(
@@ -68,7 +70,8 @@ class Streaming:
         velocity_mode: bool = False,
         interlock: Interlock | None = None,
     ) -> None:
-        self.arm = require_arm(arm)
+        self.assumed = defaults_line(require_arm(arm))
+        self.arm = usually_limited(arm)
         self.source = require_method(source, "source", "read")
         self.sink = require_method(sink, "sink", "write")
         self.feedback = require_method(feedback, "feedback", "read")
@@ -86,7 +89,7 @@ class Streaming:
             if isinstance(device, Interlocked):
                 device.interlock = self.interlock
         self.state: ServoState | None = None
-        self.tally = Tally(self.rate)
+        self.tally = Tally(self.rate, self.assumed)
         self._watch = FeedbackWatch(arm, self.feedback_timeout, tolerance)
         self._number = 0
         self._released = inf

@@ -5,7 +5,6 @@ from __future__ import annotations
 import threading
 import time
 from collections.abc import Callable
-from dataclasses import replace
 from math import inf
 from typing import TYPE_CHECKING
 
@@ -14,7 +13,7 @@ import numpy as np
 from ..errors import InputError
 from ..servo import ServoState
 from ..stream import Cycle, Ending, Inbox, Reading, SimulatedJoints, run
-from ..usual_limits import defaults_line, with_defaults
+from ..usual_limits import defaults_line
 from .admission import require_all_inside
 from .commands import PageCommands
 from .servo_words import servo_words
@@ -115,7 +114,7 @@ class Drive:
     """One drive from its beginning to its end, which `ended(drive)` is told in the loop."""
 
     def __init__(self, stage: Stage, inbox: Inbox, post: Post, ended: Callable[[Drive], None]) -> None:
-        self.arm = replace(stage.arm, limits=with_defaults(stage.arm))
+        self.arm = stage.arm
         self.asked_at = inf
         self.dropped = self.taken_over = False
         self.problem = ""

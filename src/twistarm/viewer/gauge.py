@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import replace
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
@@ -15,7 +14,7 @@ from ..manipulability import scaled_jacobian
 from ..servo import ServoSettings
 from ..servo.bounds import bounds_of
 from ..servo.singular import FIVE
-from ..usual_limits import with_defaults
+from ..usual_limits import usually_limited
 from .board import Message
 from .part import Part
 
@@ -77,7 +76,7 @@ class Measure:
 
     def __init__(self, arm: Arm) -> None:
         self.arm, settings = arm, ServoSettings()
-        self.bounds = bounds_of(replace(arm, limits=with_defaults(arm)), settings)
+        self.bounds = bounds_of(usually_limited(arm), settings)
         motors = arm.actuators.motor_units[: len(self.bounds.motion.names) - arm.n] if arm.actuators else ()
         self.units = (*motors, *arm.units)
         self._slides = np.array(arm.units) == "m"

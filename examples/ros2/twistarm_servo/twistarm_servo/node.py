@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import sys
-from dataclasses import replace
 
 import rclpy
 from rclpy.exceptions import NameValidationException, ParameterException
@@ -15,7 +14,6 @@ from twistarm.errors import one_line
 from twistarm.servo import ServoSettings
 from twistarm.signals import ended_like_ctrl_c
 from twistarm.stream import Interlock, Metronome, MonotonicClock, Streaming, come_to_rest
-from twistarm.usual_limits import defaults_line, with_defaults
 
 from .description import find_arm
 from .diagnostics import Diagnostics
@@ -46,10 +44,7 @@ class ServoNode(Node):
         find_arm(self, self.p, self.begin)
 
     def begin(self, arm: Arm) -> None:
-        """Connect everything: the arm is known. Limits that it lacks are the usual ones, and are told."""
-        if line := defaults_line(arm):
-            self.get_logger().warning(line)
-        arm = replace(arm, limits=with_defaults(arm))
+        """Connect everything: the arm is known. Limits that it lacks are the stream's usual ones, and are told."""
         self.inputs = Inputs(self, arm, self.p, self.switches)
         self.streaming = Streaming(
             arm, self.inputs.commands, Outputs(self, arm, self.p), self.inputs.states, rate=self.p.rate,
@@ -57,6 +52,8 @@ class ServoNode(Node):
             tolerance=self.p.tolerance, velocity_mode=self.p.velocity_mode,
             settings=ServoSettings(position_margin=self.p.joint_limit_margin), interlock=self.interlock,
         )  # fmt: skip
+        if self.streaming.assumed:
+            self.get_logger().warning(self.streaming.assumed)
         self.diagnostics = Diagnostics(self, arm, self.p, self.streaming, self.switches)
         self.metronome = Metronome(self.streaming.period, EARLY)
         self.create_timer(self.streaming.period, self.on_timer)
