@@ -1,170 +1,72 @@
-"""One step of the servo from Python, beside forward kinematics of the same arm, and what a million steps leave behind.
-
-Each arm swings about its ready pose under each kind of command. In every round each of them is stepped as often as
-`arm.fk` is called, one after the other, so that the noise of the machine hits all alike. Allowed: 10 µs median.
+"""The servo on many arms: what shakes under held twists, limits broken by a joystick, paths, ways out of singularities
+and off limits, and what a step costs beside forward kinematics.
 """
 
 from __future__ import annotations
 
 import argparse
-import gc
 import json
-import resource
 import sys
 import time
-import tracemalloc
-from collections.abc import Callable
 from pathlib import Path
 
-import numpy as np
+from rich.console import Console
 
-from twistarm import Arm, load_arm
-from twistarm.errors import TwistarmError
-from twistarm.servo import AnyCommand, JogCommand, PoseCommand, ServoState, TwistCommand, servo_step
-
+from . import servo_held, servo_joystick, servo_leaving, servo_path
 from .machine import machine
+from .servo_arms import names
+from .servo_named import plot
+from .servo_report import report
+from .servo_time import CALLS, measured
 
-ARMS = ("rover_arm", "rover_arm_6dof", "ur5", "panda", "so101")
-DT, SWING, CALLS = 0.01, 50, 200
-"""Seconds of a step, steps before a swing turns back, calls of one arm and command in a round."""
+PARTS = {"held": servo_held, "joystick": servo_joystick, "path": servo_path, "leaving": servo_leaving}
 
-ALLOWED = 10.0
-"""µs of a step, the median."""
+SHARES = {"held": 1.0, "joystick": 5.0, "path": 0.2, "leaving": 0.2}
+"""Of --count, how often each is tried on an arm."""
 
-
-def commands(arm: Arm) -> dict[str, tuple[AnyCommand, AnyCommand]]:
-    """There and back, of every kind."""
-    straight, both = np.array([0.1, 0, 0, 0, 0, 0]), np.array([0.1, 0, 0, 0, 0.2, 0])  # m/s, rad/s
-    rates = np.full(arm.n, 0.1)
-    return {
-        "twist": (TwistCommand(both), TwistCommand(-both)),
-        "twist, held": (TwistCommand(straight, hold="orientation"), TwistCommand(-straight, hold="orientation")),
-        "pose": (PoseCommand(arm.fk(arm.ready + 0.05)), PoseCommand(arm.fk(arm.ready))),
-        "jog": (JogCommand(rates), JogCommand(-rates)),
-    }
-
-
-class Swing:
-    """An arm under one kind of command, and the ns of its calls."""
-
-    def __init__(self, arm: Arm, kind: str) -> None:
-        self.arm, self.kind, self.there_and_back = arm, kind, commands(arm)[kind]
-        self.state, self.steps = ServoState.at(arm, arm.ready), 0
-        self.servo: list[int] = []
-        self.fk: list[int] = []
-
-    def step(self) -> None:
-        command = self.there_and_back[self.steps // SWING % 2]
-        self.state, _ = servo_step(self.arm, self.state, command, DT)
-        self.steps += 1
-
-    def round(self) -> None:
-        self.fk += timed(lambda: self.arm.fk(self.state.theta))
-        self.servo += timed(self.step)
-
-    def figures(self) -> dict[str, str | float]:
-        """Times in µs. first: the first call of each round, when the caches hold the work of others."""
-        median, p99 = np.percentile(self.servo, [50, 99]) / 1e3
-        first, fk = np.median(self.servo[::CALLS]) / 1e3, np.median(self.fk) / 1e3
-        times = {"median": median, "p99": p99, "first": first, "fk": fk, "ratio": median / fk}
-        about: dict[str, str | float] = {"arm": self.arm.name, "joints": self.arm.n, "command": self.kind}
-        return about | {name: float(value) for name, value in times.items()}
-
-
-def timed(call: Callable[[], object]) -> list[int]:
-    ns = []
-    for _ in range(CALLS):
-        begin = time.perf_counter_ns()
-        call()
-        ns.append(time.perf_counter_ns() - begin)
-    return ns
-
-
-def loaded() -> tuple[list[Arm], dict[str, str]]:
-    """The arms that can be loaded here, and why the others cannot."""
-    arms, absent = [], {}
-    for name in ARMS:
-        try:
-            arms.append(load_arm(name))
-        except TwistarmError as error:  # noqa: PERF203
-            absent[name] = str(error)
-    return arms, absent
-
-
-def growth(swings: list[Swing], steps: int) -> dict[str, int]:
-    """Bytes that so many steps, shared among the swings, leave: of Python's allocator, and of the process at its most.
-
-    The second one also sees what the core would allocate.
-    """
-    tracemalloc.start()
-    run(swings, steps // 10)
-    before, most = traced(), most_bytes()
-    run(swings, steps)
-    result = {"steps": steps, "python": traced() - before, "process": most_bytes() - most}
-    tracemalloc.stop()
-    return result
-
-
-def run(swings: list[Swing], steps: int) -> None:
-    for swing in swings:
-        for _ in range(steps // len(swings)):
-            swing.step()
-
-
-def traced() -> int:
-    gc.collect()
-    return tracemalloc.get_traced_memory()[0]
-
-
-def most_bytes() -> int:
-    kilo = 1 if sys.platform == "darwin" else 1024  # what ru_maxrss counts in
-    return resource.getrusage(resource.RUSAGE_SELF).ru_maxrss * kilo
+PIPED_WIDTH = 120
+"""Columns of the tables where no terminal says how wide it is."""
 
 
 def main(arguments: list[str] | None = None) -> None:
-    parser = argparse.ArgumentParser(prog="python -m benchmarks.servo", description=__doc__)
-    parser.add_argument("--rounds", type=int, default=50, help=f"of {CALLS} steps for each arm and command; 50")
-    parser.add_argument("--steps", type=int, default=1_000_000, help="after which memory is looked at; 1,000,000")
-    parser.add_argument("--json", type=Path, metavar="FILE", help="write all figures")
+    parser = _parser()
     asked = parser.parse_args(arguments)
-    if min(asked.rounds, asked.steps) < 1:
-        parser.error("--rounds and --steps must be at least 1")
-    arms, absent = loaded()
-    swings = [Swing(arm, kind) for arm in arms for kind in commands(arm)]
-    for number in range(asked.rounds + 1):
-        for swing in swings:
-            if number == 1:  # the first round warmed up
-                swing.servo.clear()
-                swing.fk.clear()
-            swing.round()
-    figures = [swing.figures() for swing in swings]
-    left = growth(swings, asked.steps)
-    report(figures, absent, left, asked.rounds)
+    if min(asked.count, asked.rounds, asked.steps) < 1:
+        parser.error("--count, --rounds and --steps must be at least 1")
+    console = Console() if sys.stdout.isatty() else Console(width=PIPED_WIDTH)
+    begin = time.perf_counter()
+
+    def say(text: str) -> None:
+        console.print(f"[{time.perf_counter() - begin:6.1f} s] {text}", highlight=False, markup=False)
+
+    everything: dict[str, object] = {"machine": machine(), "count": asked.count, "seed": asked.seed}
+    found: dict[str, list[dict[str, object]]] = {part: [] for part in PARTS}
+    for number, name in enumerate(asked.arms, 1):
+        for part, module in PARTS.items():
+            found[part].append(module.figures(name, max(1, round(SHARES[part] * asked.count)), asked.seed))
+        say(f"{name}: {number} of {len(asked.arms)} arms")
+    everything |= {**found, **measured(asked.rounds, asked.steps)}
+    report(console, everything)
     if asked.json:
-        everything = {"machine": machine(), "rounds": asked.rounds, "growth": left, "absent": absent, "steps": figures}
-        asked.json.write_text(json.dumps(everything, indent=1) + "\n")
+        asked.json.write_text(json.dumps(everything, indent=1, allow_nan=False) + "\n")
+        say(f"{asked.json} written")
+    if asked.plot:
+        plot(asked.plot)
+        say(f"{asked.plot} written")
 
 
-def report(figures: list[dict[str, str | float]], absent: dict[str, str], left: dict[str, int], rounds: int) -> None:
-    print(f"servo_step, µs of one call: {rounds} interleaved rounds of {CALLS} steps each, after one to warm up")
-    for name, value in machine().items():
-        print(f"  {name}: {value}")
-    row = "  {arm:15s} {joints:6}  {command:12s} {median:>8} {p99:>8} {first:>8} {fk:>8} {ratio:>7}"
-    names = {"p99": "99 %", "first": "first", "fk": "arm.fk", "ratio": "× fk"}
-    print(row.format(arm="arm", joints="joints", command="command", median="median", **names))
-    for each in figures:
-        print(
-            row.format(**{name: f"{value:.2f}" if isinstance(value, float) else value for name, value in each.items()})
-        )
-    print("  first: the first call of a round, when the caches hold the work of others")
-    for name, why in absent.items():
-        print(f"  {name}: {why}")
-    slowest = max(figures, key=lambda each: each["median"])
-    print("  slowest median: {median:.2f} µs ({arm}, {command}; allowed {0:g} µs)".format(ALLOWED, **slowest))
-    print(
-        f"after {left['steps']:,} steps, shared among all of them, beyond what a tenth as many left: "
-        f"{left['python']:+,} bytes in Python (tracemalloc), {left['process']:+,} bytes of the process"
-    )
+def _parser() -> argparse.ArgumentParser:
+    parser = argparse.ArgumentParser(prog="python -m benchmarks.servo", description=__doc__)
+    parser.add_argument("--arms", nargs="+", choices=names(), default=names(), metavar="ARM", help=", ".join(names()))
+    parser.add_argument("--count", type=int, default=200, metavar="N",
+                        help="held twists of an arm, with limits of acceleration and without; drives by joystick are "
+                        "five times as many, lines and ways out a fifth; 200")  # fmt: skip
+    parser.add_argument("--seed", type=int, default=1, help="of the cases; 1")
+    parser.add_argument("--rounds", type=int, default=50, help=f"of {CALLS} steps that are timed; 50")
+    parser.add_argument("--steps", type=int, default=1_000_000, help="after which memory is looked at; 1,000,000")
+    parser.add_argument("--json", type=Path, metavar="FILE", help="write all figures, and the cases that shake")
+    parser.add_argument("--plot", type=Path, metavar="FILE", help="draw the joints' rates of two examples")
+    return parser
 
 
 if __name__ == "__main__":

@@ -22,8 +22,8 @@ from benchmarks.environments import NotInstalled, python_of  # noqa: E402
 from benchmarks.figures import single_calls  # noqa: E402
 from benchmarks.judge import Judge  # noqa: E402
 from benchmarks.robots import ARMS, make_robot  # noqa: E402
-from benchmarks.servo import Swing, growth  # noqa: E402
 from benchmarks.servo import main as servo_main  # noqa: E402
+from benchmarks.servo_time import Swing, growth  # noqa: E402
 
 
 @pytest.fixture(scope="module", params=ARMS)
@@ -267,7 +267,10 @@ def test_a_quick_run(tmp_path, capsys):
 
 def test_a_quick_run_of_the_servo(tmp_path, capsys):
     file = tmp_path / "figures.json"
-    servo_main(["--rounds", "1", "--steps", "200", "--json", str(file)])
+    servo_main(
+        ["--arms", "rover_arm", "four_joints", "--count", "4", "--rounds", "1", "--steps", "200", "--json"]
+        + [str(file)]
+    )
     printed, found = capsys.readouterr().out, json.loads(file.read_text())
     assert {row["arm"] for row in found["steps"]} | set(found["absent"]) == {
         "rover_arm", "rover_arm_6dof", "ur5", "panda", "so101"
@@ -277,6 +280,10 @@ def test_a_quick_run_of_the_servo(tmp_path, capsys):
         assert row["ratio"] == pytest.approx(row["median"] / row["fk"])
         assert f"{row['median']:.2f}" in printed
     assert found["growth"]["steps"] == 200
+    for part in ("held", "joystick", "path", "leaving"):
+        assert [row["arm"] for row in found[part]] == ["rover_arm", "four_joints"]
+    assert [(row["shaking"], row["unlimited"], row["unsteady"]) for row in found["held"]] == 2 * [(0, 0, 0)]
+    assert [row["acceleration"] for row in found["joystick"]] == [0, 0]
 
 
 def test_memory_that_is_kept_is_seen():
