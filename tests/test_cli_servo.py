@@ -238,6 +238,7 @@ BAD_INPUT: dict[str, tuple[list[str], str]] = {
     ),
     "a margin below 0": (["scara", "--margin", "-0.1"], "--margin must be a number from 0 on; got -0.1"),
     "a margin that is none": (["scara", "--margin", "nan"], "--margin must be a number from 0 on; got nan"),
+    "no such way on": (["scara", "--beyond", "jump"], "--beyond must be 'slide' or 'stop'; got 'jump'"),
     "no tolerance": (["scara", "--tolerance", "0"], "--tolerance must be a positive number; got 0"),
     "no command holds": (["scara", "--command-timeout", "-1"], "--command-timeout must be a positive number; got -1"),
     "no joint state holds": (["scara", "--feedback-timeout", "0"], "--feedback-timeout must be a positive number"),
@@ -291,12 +292,12 @@ def test_options_reach_the_loop(monkeypatch: pytest.MonkeyPatch) -> None:
         return stream(arm, source, sink, feedback, **{**options, "duration": 0.05})
 
     monkeypatch.setattr("twistarm.cli.servo.run", noted)
-    options = "--velocity-mode --command-timeout 0.5 --feedback-timeout 0.3 --tolerance 0.1 --margin 0.02"
+    options = "--velocity-mode --command-timeout 0.5 --feedback-timeout 0.3 --tolerance 0.1 --margin 0.02 --beyond stop"
     udp = ("--udp", "127.0.0.1:9", "--listen", "127.0.0.1:0")
     assert run(["servo", "rr_planar", *options.split(), *udp, "--no-browser"]) == 1  # no robot is there
     assert (given["command_timeout"], given["feedback_timeout"], given["tolerance"]) == (0.5, 0.3, 0.1)
     assert given["velocity_mode"]
-    assert given["settings"].position_margin == 0.02
+    assert (given["settings"]().position_margin, given["settings"]().beyond) == (0.02, "stop")
     assert given["source"].timeout == 0.5  # the page's commands hold as long
 
 

@@ -10,7 +10,7 @@ from stream_stand_ins import clock as clock
 from stream_stand_ins import robot as robot
 from stream_stand_ins import stream as stream
 from twistarm.errors import InputError
-from twistarm.servo import ServoStatus, TwistCommand
+from twistarm.servo import ServoSettings, ServoStatus, TwistCommand
 from twistarm.stream import Cycle, Ending, Inbox, Measured, Reading
 
 
@@ -258,3 +258,18 @@ def test_a_rate_that_cannot_be(stream, rate):
 def test_seconds_and_tolerances_are_positive(stream, name):
     with pytest.raises(InputError, match=f"{name} must be"):
         stream(**{name: 0.0})
+
+
+def test_settings_may_change_while_it_runs(rover, clock, robot, stream):
+    free, narrow = ServoSettings(), ServoSettings(position_margin=10.0)  # leaves the middle of each joint's range
+    elbow, change = rover.joint_names.index("elbow"), clock.now() + 1.0
+    stream(Says(jog(rover, elbow=0.4)), settings=lambda: free if clock.now() < change else narrow)
+    rates = robot.rates[:, elbow]
+    assert rates[robot.times < change].max() == pytest.approx(0.4)
+    assert not rates[robot.times > change + 0.5].any()  # it brakes at 2.5 rad/s²
+
+
+def test_settings_that_are_none(stream):
+    for settings in ("stop", lambda: "stop"):
+        with pytest.raises(InputError, match="settings must be a ServoSettings"):
+            stream(settings=settings)

@@ -16,10 +16,12 @@ from numpy.testing import assert_allclose
 
 from test_viewer_jog import ask, eventually, other
 from twistarm import Arm, load_arm, plan_joint
-from twistarm.servo import ServoOutput
+from twistarm.errors import InputError
+from twistarm.servo import ServoOutput, ServoSettings
 from twistarm.stream import Cycle
 from twistarm.usual_limits import DEFAULTS
 from twistarm.viewer import Viewer
+from twistarm.viewer.stage import NO_DRIVE
 from viewer_page import WAIT, Page, nothing, visit
 
 SPEED = 0.05
@@ -170,6 +172,51 @@ def test_a_limit_of_the_arm_itself_holds(arm: Arm) -> None:
 
     with Viewer(slow, open_browser=False) as viewer:
         drive(viewer, jog)
+
+
+def test_what_happens_where_the_arm_cannot_follow_is_chosen_while_it_drives(viewer: Viewer, arm: Arm) -> None:
+    out = {"type": "jog", "twist": [0.0, 0.3, 0.5, 0, 0, 0], "frame": "base"}  # up and aside, out of reach in the end
+
+    def side_at_rest() -> float:
+        return float(arm.poses(viewer.theta)[arm.tip][1, 3])
+
+    async def reach(page: Page) -> float:
+        looks: list[float] = []
+        while len(looks) < 10 or np.ptp(looks[-10:]) > 1e-4:
+            for _ in range(3):
+                await ask(page, **out)
+                await asyncio.sleep(0.03)
+            looks.append(side_at_rest())
+        return looks[-1]
+
+    async def jog(page: Page) -> None:
+        assert page.latest["drive"]["beyond"] == "slide"
+        await ask(page, type="beyond", what="stop")
+        await page.until(lambda: page.latest["drive"]["beyond"] == "stop")
+        assert page.latest["drive"]["on"]
+        stopped = await reach(page)
+        second = await other(page)
+        await second.until(lambda: second.latest["drive"]["beyond"] == "stop")
+        await ask(page, type="beyond", what="slide")
+        assert await reach(page) > stopped + 0.01
+
+    drive(viewer, jog)
+
+
+def test_a_servo_of_the_program_heeds_the_choice_if_it_says_so(viewer: Viewer) -> None:
+    settings = viewer.servo_settings(ServoSettings(damping=0.1, beyond="stop"))
+
+    async def choose(page: Page) -> None:
+        await page.until(lambda: page.latest["drive"] == NO_DRIVE | {"beyond": "stop", "free": True})
+        await ask(page, type="beyond", what="slide")
+        assert settings() == ServoSettings(damping=0.1)
+        viewer.show_servo(None)
+        await page.until(lambda: page.latest["drive"] == NO_DRIVE)
+
+    assert settings() == ServoSettings(damping=0.1, beyond="stop")
+    visit(viewer, choose)
+    with pytest.raises(InputError, match="settings must be a ServoSettings"):
+        viewer.servo_settings("stop")  # type: ignore[arg-type]
 
 
 # its ends ----------------------------------------------------------------------------------------------
@@ -342,6 +389,7 @@ def test_outside_the_limits_it_does_not_begin(arm: Arm) -> None:
     [
         ({"type": "servo"}, "servo needs on; got []"),
         ({"type": "servo", "on": 1}, "on must be true or false"),
+        ({"type": "beyond", "what": "jump"}, "what must be one of slide, stop; got "),
         ({"type": "jog_joints", "rates": [0.1]}, "rates must be 6 numbers, base to tip: "),
         ({"type": "jog_joints", "rates": "fast"}, "rates must be a list of numbers"),
         ({"type": "jog_joints", "rates": [1e5, 0, 0, 0, 0, 0]}, "theta_dot must be at most 10000"),
@@ -372,5 +420,5 @@ def test_an_arm_that_stands_tells_the_pages_nothing(viewer: Viewer) -> None:
 
 
 def test_nothing_runs_before_it_is_asked_for(viewer: Viewer) -> None:
-    assert visit(viewer, nothing).latest["drive"] == {"type": "drive", "on": False, "note": ""}
+    assert visit(viewer, nothing).latest["drive"] == NO_DRIVE
     assert driving() == []

@@ -251,7 +251,9 @@ _TEMPLATE = """\
 //     command.kind = twistarm::servo_kind::twist;
 //     command.twist[0] = 0.05;  // m/s along the tool's x; more in twistarm/servo.hpp
 //     twistarm::servo_output<double> out;
-//     twistarm::servo_step({namespace}::chain<double>, {namespace}::servo_bounds<double>, command, 0.01, state, out);
+//     auto bounds = {namespace}::servo_bounds<double>;
+//     bounds.stops = true;  // where the arm cannot follow it stops on its course; false: it slides along
+//     twistarm::servo_step({namespace}::chain<double>, bounds, command, 0.01, state, out);
 #pragma once
 
 #include <cstdint>
@@ -302,7 +304,8 @@ template <class T> inline constexpr twistarm::chain<T, n, m> chain = {{
 inline constexpr const char* row_names[{rows}] = {{{row_names}}};
 
 /// What `servo_step` needs beside the chain: the limits of those rows, unit, ready, length (the reach [m]), below,
-/// damping and stops, which may be true in a copy; explained in twistarm/motion_limits.hpp and resolved_rates.hpp.
+/// damping and stops, which may be true in a copy (Python's `ServoSettings(beyond="stop")`); explained in
+/// twistarm/motion_limits.hpp and resolved_rates.hpp.
 template <class T> inline constexpr twistarm::servo_bounds<T, n> servo_bounds = {{
     {{
         {motors}, n,

@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 from waiting import settled, until
 
 from twistarm import Arm, load_arm
-from twistarm.servo import ServoSettings
+from twistarm.servo import ServoOutput, ServoSettings
 from twistarm.viewer import Viewer
 
 pytestmark = pytest.mark.browser
@@ -210,6 +210,24 @@ def test_buttons_by_keyboard_and_whatever_ends_a_press(benches: Benches) -> None
         time.sleep(0.1)
         assert page.evaluate("twistarm.jog.timer") is None  # still pressed, and to be pressed anew
         page.mouse.up()
+
+
+def test_what_happens_where_the_arm_cannot_follow_is_chosen_there(benches: Benches) -> None:
+    bench = benches["rover_arm"]
+    page = bench.drive(bench.arm.ready)
+    slide, stop = (page.get_by_role("radio", name=name, exact=True) for name in ("slide along", "stop"))
+    assert slide.is_checked()
+    stop.click()
+    until(page, "document.querySelector('#jog-beyond [value=stop]').checked")
+    assert bench.viewer._server.commands.beyond == "stop"
+    page.get_by_role("switch", name="Drive").click()
+    until(page, "!twistarm.jog.taken && !document.getElementById('drive').checked")
+    bench.viewer.show_servo(ServoOutput.stale(np.zeros(bench.arm.n), "by hand"))  # a servo with a will of its own
+    until(page, "document.querySelector('#jog-beyond [value=stop]').disabled")
+    bench.viewer.servo_settings()
+    until(page, "document.querySelector('#jog-beyond [value=slide]:enabled')?.checked")
+    bench.viewer.show_servo(None)
+    until(page, "!document.getElementById('drive').disabled")
 
 
 def test_switched_off_the_sliders_are_free_where_the_arm_was_left(benches: Benches) -> None:

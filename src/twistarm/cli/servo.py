@@ -14,9 +14,10 @@ import numpy as np
 import typer
 
 from ..arm import Arm
-from ..checks import Array, as_positive
+from ..checks import Array, as_positive, require_choice
 from ..errors import InputError, LimitError
 from ..servo import ServoSettings
+from ..servo.settings import BEYOND, SLIDE
 from ..stream import (
     Feedback,
     SerialRobot,
@@ -70,6 +71,10 @@ CommandTimeout = Annotated[float, typer.Option(metavar="SECONDS", help="How long
 FeedbackTimeout = Annotated[float, typer.Option(metavar="SECONDS", help="How long a joint state holds.")]
 Tolerance = Annotated[float, typer.Option(help="How far a joint may be from where it is commanded to be (rad, m).")]
 Margin = Annotated[float, typer.Option(help="Distance kept from position limits (rad, m).")]
+Beyond = Annotated[
+    str,
+    typer.Option(metavar="slide|stop", help="Where the arm cannot follow: slide along, or stop on the course."),
+]
 Duration = Annotated[float | None, typer.Option(help="End after so many seconds; else Ctrl-C ends it.")]
 
 
@@ -92,6 +97,7 @@ def servo(
     feedback_timeout: FeedbackTimeout = FEEDBACK_TIMEOUT,
     tolerance: Tolerance = TOLERANCE,
     margin: Margin = 0.0,
+    beyond: Beyond = SLIDE,
     duration: Duration = None,
     port: Port = 0,
     host: Host = "127.0.0.1",
@@ -110,7 +116,8 @@ def servo(
         raise InputError("--units is for a robot: it needs --udp or --serial")
     if velocity_mode and udp is None and serial is None:
         raise InputError("--velocity-mode is for a robot that takes rates alone: it needs --udp or --serial")
-    settings = ServoSettings(position_margin=not_negative(margin, "--margin"))
+    require_choice(beyond, BEYOND, "--beyond")
+    settings = ServoSettings(position_margin=not_negative(margin, "--margin"), beyond=beyond)
     checked_rate(rate, settings)
     require_positive(duration=duration, tolerance=tolerance)
     require_positive(command_timeout=command_timeout, feedback_timeout=feedback_timeout)
@@ -128,8 +135,8 @@ def servo(
         announce(viewer, defaults_line(driven), browser, sys.stderr if json else sys.stdout)
         report = run(
             driven, source, sink, feedback, rate=rate, command_timeout=command_timeout,
-            feedback_timeout=feedback_timeout, tolerance=tolerance, settings=settings, velocity_mode=velocity_mode,
-            duration=duration, on_cycle=viewer.show_servo,
+            feedback_timeout=feedback_timeout, tolerance=tolerance, settings=viewer.servo_settings(settings),
+            velocity_mode=velocity_mode, duration=duration, on_cycle=viewer.show_servo,
         )  # fmt: skip
     if json:
         print_json(report_json(arm, report))

@@ -32,7 +32,7 @@ def run(
     command_timeout: float = COMMAND_TIMEOUT,
     feedback_timeout: float = FEEDBACK_TIMEOUT,
     tolerance: ArrayLike = TOLERANCE,
-    settings: ServoSettings | None = None,
+    settings: ServoSettings | Callable[[], ServoSettings] | None = None,
     velocity_mode: bool = False,
     interlock: Interlock | None = None,
     handle_signals: bool = True,
@@ -58,6 +58,8 @@ def run(
     stands, the servo starts anew where it is measured. duration [s] and `until()` end the stream; `on_cycle(cycle)`
     is called after each, between the setpoint and the next one, and must be quick.
 
+    settings: of the servo, or a function that is asked for them before every cycle, so that they may change.
+
     handle_signals: SIGTERM (`kill`, a service that is ended) and SIGHUP (a closed terminal) end it as Ctrl-C does, with
     the signal's name as the reason, and have their usual effect again once it has returned. That is for the main thread
     and for signals that nobody else handles; a handler of the program's own stays, and may end the stream by `until`.
@@ -71,9 +73,10 @@ def run(
     servo's longest step is shorter than a period.
     """
     longest = inf if duration is None else as_positive(duration, "duration")
+    asked = _asked(settings)
     streaming = Streaming(
         arm, source, sink, feedback, rate=rate, command_timeout=command_timeout, feedback_timeout=feedback_timeout,
-        tolerance=tolerance, settings=settings, velocity_mode=velocity_mode, interlock=interlock,
+        tolerance=tolerance, settings=asked(), velocity_mode=velocity_mode, interlock=interlock,
     )  # fmt: skip
     time = clock or MonotonicClock()
     metronome = Metronome(streaming.period)
@@ -82,7 +85,7 @@ def run(
     with handled as sent:
         ending, reason = Ending.INTERRUPTED, ""
         try:
-            ending, reason = _drive(streaming, metronome, time, began + longest, until, on_cycle)
+            ending, reason = _drive(streaming, asked, metronome, time, began + longest, until, on_cycle)
         except KeyboardInterrupt:
             reason = signal.Signals(sent[0]).name if sent else ""
         except BaseException as error:
@@ -109,8 +112,17 @@ def come_to_rest(streaming: Streaming, metronome: Metronome, clock: Clock) -> bo
     return at_rest
 
 
+def _asked(settings: ServoSettings | Callable[[], ServoSettings] | None) -> Callable[[], ServoSettings]:
+    """What gives them at any time."""
+    if callable(settings):
+        return settings
+    given = ServoSettings() if settings is None else settings
+    return lambda: given
+
+
 def _drive(
     streaming: Streaming,
+    settings: Callable[[], ServoSettings],
     metronome: Metronome,
     clock: Clock,
     end: float,
@@ -128,6 +140,7 @@ def _drive(
         if periods != 0:  # else the clock woke us a little early
             if due > -inf:
                 streaming.tally.lateness.add(now - due)
+            streaming.settings = settings()
             cycle = streaming.cycle(now, periods)
             if on_cycle is not None:
                 on_cycle(cycle)

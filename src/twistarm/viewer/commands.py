@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
+from dataclasses import replace
 from typing import Any
 
 from ..arm import Arm
 from ..errors import InputError
+from ..servo.settings import BEYOND, SLIDE, ServoSettings
 from ..stream import Inbox, command_of
 from .messages import Request
 
@@ -18,6 +20,7 @@ class PageCommands:
     """What the pages command, in an inbox that a servo reads; nothing is taken before somebody asks for that inbox.
 
     open: a servo of the program reads it. drive: the pages' own does.
+    beyond: what the pages choose that a servo does where the arm cannot follow. free: a servo of the program heeds it.
 
     A page that jogs must go on saying so. It stops the arm by `stop`, by going, and by anything that makes no sense.
     """
@@ -25,8 +28,14 @@ class PageCommands:
     def __init__(self, arm: Arm) -> None:
         self.arm = arm
         self.inbox = Inbox()
-        self.open = self.drive = False
+        self.open = self.drive = self.free = False
+        self.beyond = SLIDE
         self._jogging: set[str] = set()
+
+    def servo_settings(self, settings: ServoSettings) -> Callable[[], ServoSettings]:
+        """What gives `settings` at any time with `beyond` as the pages choose it by then."""
+        chosen = {beyond: replace(settings, beyond=beyond) for beyond in BEYOND}
+        return lambda: chosen[self.beyond]
 
     def take(self, request: Request, sender: str) -> None:
         """Put a command of the page `sender` into the inbox. Raises InputError for what is none."""

@@ -11,8 +11,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from ..errors import InputError
-from ..servo import ServoState
-from ..stream import Cycle, Ending, Inbox, Reading, SimulatedJoints, run
+from ..servo import ServoSettings, ServoState
+from ..stream import Cycle, Ending, Reading, SimulatedJoints, run
 from ..usual_limits import defaults_line
 from .admission import require_all_inside
 from .commands import PageCommands
@@ -97,7 +97,7 @@ class Driver:
                 return
             stage.begin_drive(defaults_line(stage.arm))
             self._commands.drive = True
-            self._drive = Drive(stage, self._commands.inbox, self._post, self._end)
+            self._drive = Drive(stage, self._commands, self._post, self._end)
             self._thread = threading.Thread(target=self._drive.run, name="twistarm drive", daemon=True)
             self._thread.start()
 
@@ -113,13 +113,13 @@ class Driver:
 class Drive:
     """One drive from its beginning to its end, which `ended(drive)` is told in the loop."""
 
-    def __init__(self, stage: Stage, inbox: Inbox, post: Post, ended: Callable[[Drive], None]) -> None:
+    def __init__(self, stage: Stage, commands: PageCommands, post: Post, ended: Callable[[Drive], None]) -> None:
         self.arm = stage.arm
         self.asked_at = inf
         self.dropped = self.taken_over = False
         self.problem = ""
         self._joints = SimulatedJoints(self.arm, np.clip(stage.theta, self.arm.limits.lower, self.arm.limits.upper))
-        self._inbox, self._post, self._ended = inbox, post, ended
+        self._commands, self._post, self._ended = commands, post, ended
         self._showing = threading.Lock()
         self._shown: tuple[bytes, object] = (b"", None)
 
@@ -138,12 +138,15 @@ class Drive:
         """The pages' command; none once the end was asked for."""
         if self.asked_at <= now:
             return Reading(None, inf, "Drive was switched off", idle=True)
-        return self._inbox.read(now, state)
+        return self._commands.inbox.read(now, state)
 
     def run(self) -> None:
         """The thread."""
         try:
-            report = run(self.arm, self, self._joints, self._joints, until=self._done, on_cycle=self._show)
+            settings = self._commands.servo_settings(ServoSettings())
+            report = run(
+                self.arm, self, self._joints, self._joints, settings=settings, until=self._done, on_cycle=self._show
+            )
             if report.ending is not Ending.DONE:
                 self.problem = f"the drive has ended: {report.reason}"
         except Exception as error:

@@ -77,6 +77,7 @@ class Server:
         """Make this the arm on show: whatever is made for one arm is made here."""
         self.stage, self.scene = stage, scene
         self.commands.arm = stage.arm
+        self.show_choice()
         self.driver = Driver(stage, self.commands, self.post)
         self.doctor = Examination(stage.arm, scene.reader, lambda message: self._show_findings(stage, message))
         self._news = News()
@@ -250,11 +251,18 @@ class Server:
         self._apply()
         if request.kind == "servo":
             self.driver.switch(request.fields["on"])
+        elif request.kind == "beyond":
+            self.commands.beyond = request.fields["what"]
+            self.show_choice()
         elif request.kind == "exact":
             self._draw_exactly(request.fields["on"])
         elif (job := self.stage.handle(request, time.monotonic())) is not None:
             self._workers.submit(job)
         self.publish()
+
+    def show_choice(self) -> None:
+        """Show what a servo does where the arm cannot follow, and whether pages may choose it."""
+        self.stage.show_choice(self.commands.beyond, self.commands.free)
 
     def _draw_exactly(self, exact: bool) -> None:
         if exact != self.scene.exact:

@@ -16,6 +16,7 @@ from ..checks import Array
 from ..errors import InputError, unknown_name
 from ..limits import JointLimits
 from ..planning.trajectory import Trajectory
+from ..servo.settings import SLIDE
 from .admission import checked_theta, require_all_inside, require_inside
 from .board import Message
 from .carrying import Left
@@ -42,7 +43,8 @@ from .workspace import Workspace
 DRIVING = ("theta", "joint", "pose", "random", "play", "seek", "target", "go", "plan")
 """Requests that move the arm: not under a servo's hands."""
 
-NO_DRIVE: Message = {"type": "drive", "on": False, "note": ""}
+NO_DRIVE: Message = {"type": "drive", "on": False, "note": "", "beyond": SLIDE, "free": False}
+"""beyond: what a servo does where the arm cannot follow; free: pages may choose it for a servo of the program."""
 
 LAYERS = {"screws": True, "frames": True, "path": True, **dict.fromkeys((*SHOWN, "labels", "workspace"), False)}
 """What can be switched on and off, and how it begins."""
@@ -189,16 +191,20 @@ class Stage:
         """A servo drives the arm, and takes commands of the pages."""
         self.driven = self.jogging = True
 
+    def show_choice(self, beyond: str, free: bool) -> None:
+        """What a servo does where the arm cannot follow; `free`: one of the program heeds what pages choose."""
+        self.drive = {**self.drive, "beyond": beyond, "free": free}
+
     def begin_drive(self, note: str) -> None:
         """A servo of the pages' own drives the arm; `note`: the limits that it had to choose."""
         self._stop()
         self._before_drive = self.theta
         self.take_commands()
-        self.drive = {"type": "drive", "on": True, "note": note}
+        self.drive = {**self.drive, "on": True, "note": note}
 
     def end_drive(self, taken_over: bool) -> None:
         """It has ended; `taken_over`: another servo drives by now."""
-        self.drive = NO_DRIVE
+        self.drive = {**self.drive, "on": False, "note": ""}
         after = self.seen()  # the list and the joints beside the arm were free, and have steps of their own
         self.history.note("jog", "", after._replace(theta=self._before_drive), after)
         if not taken_over:

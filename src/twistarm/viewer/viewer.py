@@ -14,12 +14,12 @@ from pathlib import Path
 from numpy.typing import ArrayLike
 
 from ..arm import Arm, require_arm
-from ..checks import Array, as_flag, as_positive
+from ..checks import Array, as_flag, as_positive, require
 from ..closing import Closing
 from ..errors import InputError, shown
 from ..files import writable, write_whole
 from ..planning.trajectory import Trajectory
-from ..servo import ServoOutput
+from ..servo import ServoOutput, ServoSettings
 from ..stream import Cycle, Inbox
 from .admission import check_trajectory, checked_theta
 from .drawing import require_meshcat
@@ -176,6 +176,18 @@ class Viewer(Closing):
         self._server.post("jogging", lambda stage: stage.take_commands())
         return self._server.commands.inbox
 
+    def servo_settings(self, settings: ServoSettings | None = None) -> Callable[[], ServoSettings]:
+        """`settings` with `beyond` as the pages choose it, for `run(…, settings=view.servo_settings())`.
+
+        Pages may choose it from now on, beginning with that of `settings`, until `show_servo(None)`.
+        """
+        given = ServoSettings() if settings is None else settings
+        require(given, ServoSettings, "settings", "as ServoSettings() is")
+        commands = self._server.commands
+        commands.beyond, commands.free = given.beyond, True
+        self._server.post("beyond", lambda stage: self._server.show_choice())
+        return commands.servo_settings(given)
+
     def show_servo(self, answer: Cycle | ServoOutput | None) -> None:
         """Show what a cycle of `twistarm.stream.run` came to: where the joints are, and the servo's status and reason.
 
@@ -188,7 +200,9 @@ class Viewer(Closing):
         self._server.driver.drop()
         if isinstance(answer, Cycle) and answer.theta is not None:
             self._stand(answer.theta)
-        self._server.commands.open = self._server.commands.open and answer is not None
+        if answer is None:
+            self._server.commands.open = self._server.commands.free = False
+            self._server.post("beyond", lambda stage: self._server.show_choice())
         report = None if answer is None else servo_words(answer)
         self._server.post("servo", lambda stage: stage.hear(report))
 

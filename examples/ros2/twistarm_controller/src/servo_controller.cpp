@@ -13,6 +13,7 @@ ServoController::Return ServoController::on_init() {
     auto_declare<std::string>("base_frame", "base_link");
     auto_declare<std::string>("tip_frame", "tool0");
     auto_declare<bool>("enabled_at_start", true);
+    auto_declare<std::string>("beyond", "slide");
     auto_declare<double>("command_timeout", 0.2);
     auto_declare<double>("tolerance", 0.2);
     return Return::SUCCESS;
@@ -39,6 +40,12 @@ ServoController::Return ServoController::on_configure(const State&) {
         RCLCPP_ERROR(node->get_logger(), "interface must be position or velocity; got %s", interface_.c_str());
         return Return::ERROR;
     }
+    const std::string beyond = node->get_parameter("beyond").as_string();
+    if (beyond != "slide" && beyond != "stop") {
+        RCLCPP_ERROR(node->get_logger(), "beyond must be slide or stop; got %s", beyond.c_str());
+        return Return::ERROR;
+    }
+    bounds_.stops = beyond == "stop";
     if (!(settings_.command_timeout > 0.0) || !(settings_.tolerance > 0.0)) {
         RCLCPP_ERROR(node->get_logger(), "command_timeout and tolerance must be positive");
         return Return::ERROR;
@@ -106,7 +113,7 @@ return_type ServoController::update(const rclcpp::Time& time, const rclcpp::Dura
     in.command = given.command;
     in.enabled = enabled_;
     update_output<double> out{};
-    twistarm_controller::update(robot::chain<double>, robot::servo_bounds<double>, settings_, in, memory_, out);
+    twistarm_controller::update(robot::chain<double>, bounds_, settings_, in, memory_, out);
     if (out.reason != told_ && out.reason != stopped_by::nothing)
         RCLCPP_WARN(get_node()->get_logger(), "%s", text(out.reason));
     told_ = out.reason;

@@ -11,10 +11,11 @@ const OTHERS = "A servo of the program drives the arm.";
 export class JogPanel {
   // `page` holds jog and ask(request).
   constructor({ jog, ask }) {
-    Object.assign(this, { jog, on: false, driven: false, note: "" });
+    Object.assign(this, { jog, on: false, driven: false, note: "", beyond: "slide", free: false });
     this.pad = new JogPad(jog, $("jog-pad"), $("jog-joints"));
     this.gauge = new Gauge($("gauges"));
     this.axes = [...document.querySelectorAll('#jog-axes input[type="radio"]')];
+    this.choices = [...document.querySelectorAll('#jog-beyond input[type="radio"]')];
     this.messages = {
       drive: (message) => this.showDrive(message),
       servo: ({ driven }) => this.showDrive({ driven }),
@@ -27,6 +28,13 @@ export class JogPanel {
     for (const radio of this.axes) {
       radio.addEventListener("change", () => jog.take(radio.value));
       radio.addEventListener("click", (event) => event.detail && radio.blur()); // a mouse's: the keys jog on
+    }
+    for (const radio of this.choices) {
+      radio.addEventListener("change", () => {
+        ask({ type: "beyond", what: radio.value });
+        this.showDrive({}); // it is as the process says
+      });
+      radio.addEventListener("click", (event) => event.detail && radio.blur());
     }
     $("slower").addEventListener("click", () => jog.pace(-1));
     $("faster").addEventListener("click", () => jog.pace(1));
@@ -45,12 +53,16 @@ export class JogPanel {
     this.show();
   }
 
-  // What is new of `on`, `note` and `driven`.
+  // What is new of `on`, `note`, `driven`, and of `beyond`, which pages may choose where no other servo drives or it is `free`.
   showDrive(news) {
     Object.assign(this, news);
     const others = this.driven && !this.on;
     $("drive").checked = this.on;
     $("drive").disabled = others;
+    for (const radio of this.choices) {
+      radio.checked = radio.value === this.beyond;
+      radio.disabled = others && !this.free;
+    }
     $("drive-note").textContent = others ? OTHERS : this.on ? this.note : HINT;
     $("drive-note").title = this.on ? this.note : "";
     $("drive-note").classList.toggle("limits", this.on);

@@ -57,6 +57,7 @@ class ServoController : public controller_interface::ControllerInterface {
 
     std::string interface_, base_, tip_;
     update_settings<double> settings_{};
+    twistarm::servo_bounds<double, robot::n> bounds_ = robot::servo_bounds<double>;
     update_memory<double, robot::n> memory_{};
     double seen_ = never, heard_ = never;  // when every joint said a number, and when a command came
     std::uint64_t number_ = 0, given_ = 0;  // of the command heard last by update, and given last by a callback
