@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import Any
 
 from rich.console import Console
+from rich.markup import escape
 from rich.table import Table
 
 Rows = list[dict[str, Any]]
@@ -58,7 +59,7 @@ def report(console: Console, found: dict[str, Any]) -> None:
 
 
 def _table(title: str, rows: Rows, columns: tuple[str, ...]) -> Table:
-    table = Table(title=title, title_justify="left", title_style="bold")
+    table = Table(title=escape(title), title_justify="left", title_style="bold")
     table.add_column("arm", no_wrap=True)
     for column in columns:
         table.add_column(column, justify="left" if column == "command" else "right")
