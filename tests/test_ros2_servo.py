@@ -265,6 +265,25 @@ def test_joint_states_of_others_are_passed_over(drive):
     assert np.abs(it.rates[28]).max() > 0.01
 
 
+def test_joint_states_in_parts_are_merged(drive):
+    """A message for each joint, and wheels that have another clock, fail, and tell of themselves twice."""
+    it = drive()
+
+    def joints(it):
+        other_clock = msg.Header(stamp=msg.Time(sec=90_000))
+        wheels = msg.JointState(header=other_clock, name=["wheel", "wheel"], position=[np.nan])
+        it.hear("/joint_states", wheels, stamped=False)
+        if len(it.commands):
+            it.theta = it.theta + PERIOD * it.rates[-1]
+        for name, value in zip(it.arm.joint_names, it.theta.tolist(), strict=True):
+            it.hear("/joint_states", msg.JointState(name=[name, "fan"], position=[value, 1.0]))
+        it.hear("/joint_states", msg.JointState(name=list(it.arm.joint_names), velocity=[0.0] * it.arm.n))
+
+    it.joints, it.each = joints, lambda it: it.twist()
+    it.run(30)
+    assert np.abs(it.rates[28]).max() > 0.01
+
+
 def test_nothing_is_sent_without_joint_states(drive):
     it = drive()
     it.joints, it.each = lambda it: None, lambda it: it.twist()

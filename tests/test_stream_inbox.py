@@ -10,7 +10,7 @@ import pytest
 
 from twistarm.errors import InputError
 from twistarm.servo import JogCommand
-from twistarm.stream import Inbox, StateInbox
+from twistarm.stream import Inbox
 
 A, B = JogCommand(np.array([0.1])), JogCommand(np.array([0.2]))
 
@@ -176,16 +176,6 @@ def test_long_names_stay_readable():
     inbox.refuse("x\n" * 5000, "why", 1.0)
     assert len(inbox.read(1.0).reason) < 200
     assert "\n" not in inbox.read(1.0).reason
-
-
-def test_a_joint_state_is_as_old_as_its_arrival():
-    states = StateInbox(0.2)
-    assert states.read(1.0).theta is None
-    states.put("robot", np.array([0.5]), 1.0)
-    measured = states.read(1.1)
-    assert measured.theta.tolist() == [0.5]
-    assert measured.time == pytest.approx(1.0)
-    assert states.read(1.5).reason == "the last joint state is 0.5 s old (timeout 0.2 s)"
 
 
 @pytest.mark.parametrize("timeout", [0.0, -1.0, float("nan"), float("inf")])

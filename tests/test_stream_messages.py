@@ -148,8 +148,8 @@ def test_every_beginning_of_a_message_is_refused_but_the_whole(rover):
 
 def test_a_joint_state_by_name_in_any_order(rover):
     names = ["gripper", *reversed(rover.joint_names)]
-    theta, number, _ = parse_state(rover, json.dumps({"joint_names": names, "theta": [9, 5, 4, 3, 2, 1], "number": 3}))
-    assert theta.tolist() == [1.0, 2.0, 3.0, 4.0, 5.0]
+    values, number, _ = parse_state(rover, json.dumps({"joint_names": names, "theta": [9, 5, 4, 3, 2, 1], "number": 3}))
+    assert [values[name] for name in rover.joint_names] == [1.0, 2.0, 3.0, 4.0, 5.0]
     assert number == 3
 
 
@@ -157,8 +157,6 @@ NAMES = ["slide", "shoulder", "elbow", "wrist_pitch", "wrist_roll"]
 BAD_STATES = [
     ({"theta": [1, 2, 3, 4, 5]}, "joint_names and theta"),
     ({"joint_names": NAMES, "theta": [1, 2, 3, 4]}, "5 names, 4 values"),
-    ({"joint_names": NAMES[:4], "theta": [1, 2, 3, 4]}, "lacks 'wrist_roll' of rover_arm"),
-    ({"joint_names": [*NAMES[:4], "wristroll"], "theta": [1, 2, 3, 4, 5]}, "closest: 'wristroll'"),
     ({"joint_names": [*NAMES, "elbow"], "theta": [1, 2, 3, 4, 5, 6]}, "twice: 'elbow'"),
     ({"joint_names": [1, 2, 3, 4, 5], "theta": [1, 2, 3, 4, 5]}, "list of names"),
     ({"joint_names": NAMES, "theta": [1, 2, None, 4, 5]}, r"theta\[2\] must be a number"),

@@ -11,7 +11,7 @@ import pytest
 from stream_stand_ins import answer
 from twistarm import Actuators
 from twistarm.errors import InputError
-from twistarm.stream import Setpoint, UdpFeedback, parse_state, setpoint_message
+from twistarm.stream import Setpoint, StateInbox, UdpFeedback, parse_state, setpoint_message
 from twistarm.stream.compact_line import checksum, parse_state_line, setpoint_line
 from twistarm.stream.motors import motor_side
 
@@ -54,10 +54,18 @@ def test_setpoints_in_motor_units_and_in_counts(driven, setpoint):
 def test_joint_states_from_motors_in_any_order(driven, setpoint):
     side = motor_side(driven, "motor")
     said = {"motor_names": NAMES[::-1], "motor": MOTOR[::-1], "number": 3}
-    assert parse_state(driven, json.dumps(said), side).theta == pytest.approx(setpoint.theta)
+    values, number, _ = parse_state(driven, json.dumps(said), side)
+    states = StateInbox(driven, units="motor")
+    states.put("drives", values, 1.0, number)
+    assert states.read(1.0).theta == pytest.approx(setpoint.theta)
+    for k, name in enumerate(NAMES):  # a drive each, those of the differential too, and a wheel's
+        states.put(name, {name: MOTOR[k], "wheel": 1.0}, 2.0 + 0.01 * k)
+    measured = states.read(2.1)
+    assert measured.theta == pytest.approx(setpoint.theta)
+    assert measured.time == pytest.approx(2.0)
     body = ",".join(map(str, (3, *MOTOR, "S"))).encode()
     state = parse_state_line(driven, body + b"*%02X" % checksum(body), side)
-    assert state.theta == pytest.approx(setpoint.theta)
+    assert list(state.values.values()) == pytest.approx(MOTOR)
     assert state.interlock == "stopped"
 
 
@@ -65,9 +73,8 @@ def test_joint_states_from_motors_in_any_order(driven, setpoint):
     ("message", "why"),
     [
         ({"joint_names": ["slide"], "theta": [0.0]}, "has motor_names and motor"),
-        ({"motor_names": NAMES[:4], "motor": MOTOR[:4]}, "a value for each of 'rail'"),
-        ({"motor_names": [*NAMES, "left"], "motor": [*MOTOR, 0.0]}, "a value for each of 'rail'"),
-        ({"motor_names": NAMES, "motor": MOTOR[:4]}, "a value for each of 'rail'"),
+        ({"motor_names": [*NAMES, "left"], "motor": [*MOTOR, 0.0]}, "twice: 'left'"),
+        ({"motor_names": NAMES, "motor": MOTOR[:4]}, "5 names, 4 values"),
         ({"motor_names": NAMES, "motor": [*MOTOR[:4], None]}, "must be a number"),
     ],
 )

@@ -17,21 +17,23 @@ from twistarm.stream.report import Tally
 
 def test_a_joint_state_by_name(rover):
     names = ["gripper", *reversed(rover.joint_names), "wheel"]
-    theta = ros.theta_of(rover, msg.JointState(name=names, position=[9.0, 5.0, 4.0, 3.0, 2.0, 1.0, 9.0]))
-    assert theta.tolist() == [1.0, 2.0, 3.0, 4.0, 5.0]
+    said = ros.positions_of(rover, msg.JointState(name=names, position=[9.0, 5.0, 4.0, 3.0, 2.0, 1.0, 9.0]))
+    assert [said[name] for name in rover.joint_names] == [1.0, 2.0, 3.0, 4.0, 5.0]
+    assert ros.positions_of(rover, msg.JointState(name=["slide"], position=[0.5])) == {"slide": 0.5}
+    ros.positions_of(rover, msg.JointState(name=["wheel", "wheel", "fan"], position=[np.nan]))  # no affair of ours
 
 
 @pytest.mark.parametrize(
     ("names", "position", "why"),
     [
-        (["slide"], [0.0], "lacks 'shoulder'"),
+        (["slide", "slide"], [0.0, 0.0], "twice: 'slide'"),
         (["slide", "shoulder"], [0.0], "2 names, 1 values"),
         (["slide", "shoulder", "elbow", "wrist_pitch", "wrist_roll"], [0.0, np.nan, 0.0, 0.0, 0.0], "finite"),
     ],
 )
 def test_a_joint_state_that_is_none(rover, names, position, why):
     with pytest.raises(InputError, match=why):
-        ros.theta_of(rover, msg.JointState(name=names, position=position))
+        ros.positions_of(rover, msg.JointState(name=names, position=position))
 
 
 def test_a_frame_is_the_base_s_the_tool_s_or_unsaid(rover):

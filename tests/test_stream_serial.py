@@ -52,10 +52,10 @@ def state_line(rover, number=3, values=(1, 2, 3, 4, 5)):
 
 
 def test_a_joint_state_as_a_line(rover):
-    theta, number, interlock = parse_state_line(rover, state_line(rover))
+    values, number, interlock = parse_state_line(rover, state_line(rover))
     assert interlock is None
     assert parse_state_line(rover, state_line(rover, values=(1, 2, 3, 4, 5, "X"))).interlock == "emergency stop"
-    assert theta.tolist() == [1.0, 2.0, 3.0, 4.0, 5.0]
+    assert list(values.items()) == list(zip(rover.joint_names, [1.0, 2.0, 3.0, 4.0, 5.0], strict=True))
     assert number == 3
 
 

@@ -1,7 +1,7 @@
 """The loop around the servo: commands in, setpoints out, the joints watched; sources, sinks and simulated joints."""
 
 from .gate import ExposedPortWarning, Signer, Verifier, read_key
-from .inbox import Inbox, StateInbox
+from .inbox import Inbox
 from .interlock import Interlock
 from .loop import come_to_rest, run
 from .messages import command_of, parse_command, parse_state, setpoint_message
@@ -12,6 +12,7 @@ from .replay import Replay
 from .report import Ending, StreamReport
 from .serial_link import SerialRobot, SerialSource
 from .simulation import SimulatedJoints
+from .state_inbox import StateInbox
 from .streaming import Cycle, Streaming
 from .udp import UdpFeedback, UdpSink, UdpSource
 

@@ -52,8 +52,9 @@ def parse_state_line(arm: Arm, line: bytes, motors: MotorSide | None = None) -> 
         interlock = STATE_OF.get(values[-1]) if values else None
         values = values[:-1] if interlock else values
         said = [float(value) for value in values]
-        theta = motors.theta(said) if motors else as_theta(said, arm.n, "the joint state line", arm.joint_names)
-        return StateMessage(theta, counter(int(number), "number"), interlock)
+        names = motors.names if motors else arm.joint_names
+        as_theta(said, len(names), "the joint state line", names)
+        return StateMessage(dict(zip(names, said, strict=True)), counter(int(number), "number"), interlock)
     except ValueError as error:  # InputError is one
         raise InputError(f"a joint state line is number,theta_1,…,theta_{arm.n}[,E|S|X]*hh: {error}") from error
 

@@ -70,23 +70,28 @@ class Latest(Generic[T]):
         """Something from `sender` that cannot be used arrived at `now` [s]."""
         self._arrive(_Arrival(one_line(sender, LONGEST_SENDER), now, None, None, reason))
 
-    def look(self, now: float) -> Look[T]:
-        """What counts at `now` [s]."""
+    def heard(self, sender: str) -> bool:
+        """Whether the last one who said anything, or the one before, is `sender`."""
+        with self._lock:
+            return self._last_of(one_line(sender, LONGEST_SENDER)) is not None
+
+    def look(self, now: float, of: str = "") -> Look[T]:
+        """What counts at `now` [s]. of: what the reason adds to the words for what is held here."""
         with self._lock:
             self._follow(now)
             if self._latest is None:
-                return Look(None, inf, self._ignored or f"no {self._what} has arrived", quiet=not self._ignored)
+                return Look(None, inf, self._ignored or f"no {self._what}{of} has arrived", quiet=not self._ignored)
             age = now - self._latest.time
-            reason = self._why_not(self._latest, age, now)
+            reason = self._why_not(self._latest, age, now, self._what + of)
             last = None if self._ignored else self._latest.value
             return Look(None if reason else self._latest.value, age, reason, last)
 
-    def _why_not(self, latest: _Arrival[T], age: float, now: float) -> str:
+    def _why_not(self, latest: _Arrival[T], age: float, now: float, what: str) -> str:
         if not age <= self.timeout:
-            return f"the last {self._what} is {age:.3g} s old (timeout {self.timeout:g} s){self._ignored}"
+            return f"the last {what} is {age:.3g} s old (timeout {self.timeout:g} s){self._ignored}"
         if self._rival is not None and now - self._rival.time <= self.timeout:
-            return f"two senders of a {self._what}, {self._rival.sender} and {latest.sender}: stop one of them"
-        return f"{self._what} from {latest.sender} refused: {latest.reason}" if latest.value is None else ""
+            return f"two senders of a {what}, {self._rival.sender} and {latest.sender}: stop one of them"
+        return f"{what} from {latest.sender} refused: {latest.reason}" if latest.value is None else ""
 
     def _arrive(self, new: _Arrival[T]) -> None:
         with self._lock:

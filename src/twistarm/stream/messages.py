@@ -13,8 +13,8 @@ from ..errors import InputError, TwistarmError, listed
 from ..rotations import from_quaternion_wxyz
 from ..servo import AnyCommand, JogCommand, PoseCommand, TwistCommand
 from ..strict_json import counter, decoded, number, numbers, short
+from .by_name import values_by_name
 from .interlock import STATES, WORDS, Interlocked
-from .joint_order import theta_by_name
 from .motors import MotorSide
 from .protocols import Setpoint
 
@@ -34,11 +34,11 @@ class CommandMessage(NamedTuple):
 
 
 class StateMessage(NamedTuple):
-    """Measured theta (n,) [rad, m], base to tip, its number in the sender's own count, and whether the robot may move:
-    "enabled", "stopped", "emergency stop", None where it does not say.
+    """Measured values by name, of joints [rad, m] or motors, its number in the sender's own count, and whether the
+    robot may move: "enabled", "stopped", "emergency stop", None where it does not say.
     """
 
-    theta: Array
+    values: dict[str, float]
     number: int | None
     interlock: str | None = None
 
@@ -98,9 +98,9 @@ def heard_word(device: Interlocked, text: bytes, fresh: bool) -> bool:
 def parse_state(arm: Arm, text: str | bytes, motors: MotorSide | None = None) -> StateMessage:
     """The joint state in {"joint_names": [...], "theta": [...]}, [rad, m], in any order, with "number" if it counts.
 
-    Joints that are not the arm's are passed over. With "interlock", the robot says whether it may move. Where
-    `motors` are given, it is {"motor_names": [...], "motor": [...]} in their units. Raises InputError for
-    anything else.
+    It may tell of some joints alone, and of others that are not the arm's. With "interlock", the robot says whether it
+    may move. Where `motors` are given, it is {"motor_names": [...], "motor": [...]} in their units. Raises InputError
+    for anything else.
     """
     message = decoded(text)
     named, value = ("joint_names", "theta") if motors is None else ("motor_names", "motor")
@@ -112,8 +112,8 @@ def parse_state(arm: Arm, text: str | bytes, motors: MotorSide | None = None) ->
     if not isinstance(names, list) or not all(isinstance(name, str) for name in names):
         raise InputError(f"{named} must be a list of names; got {short(names)}")
     values = numbers(message[value], value)
-    theta = theta_by_name(arm, names, values) if motors is None else motors.theta_by_name(names, values)
-    return StateMessage(theta, _number_of(message), _state_of(message))
+    known = arm.joint_names if motors is None else motors.names
+    return StateMessage(values_by_name(known, names, values), _number_of(message), _state_of(message))
 
 
 def setpoint_message(arm: Arm, setpoint: Setpoint, motors: MotorSide | None = None) -> dict[str, Any]:
@@ -140,11 +140,13 @@ def _number_of(message: Mapping[str, Any]) -> int | None:
     return counter(message["number"], "number") if "number" in message else None
 
 
-def followed(device: Interlocked, parse: Callable[[bytes], StateMessage], text: bytes) -> tuple[Array, int | None]:
-    """theta and number of a robot's joint state; where the robot says that it may not move, nor may the stream."""
+def followed(
+    device: Interlocked, parse: Callable[[bytes], StateMessage], text: bytes
+) -> tuple[dict[str, float], int | None]:
+    """Values and number of a robot's joint state; where the robot says that it may not move, nor may the stream."""
     state = parse(text)
     device.interlock.follow(state.interlock, "the robot")
-    return state.theta, state.number
+    return state.values, state.number
 
 
 def _state_of(message: Mapping[str, Any]) -> str | None:

@@ -46,13 +46,6 @@ class MotorSide:
             as_theta(values, len(self.names), "the motors' state", self.names) / self._scale
         )
 
-    def theta_by_name(self, names: Sequence[str], values: Sequence[float]) -> Array:
-        """The same by name, in any order. InputError where a motor is missing, unknown or named twice."""
-        if len(names) != len(values) or sorted(names) != sorted(self.names):
-            raise InputError(f"a motors' state has a value for each of {listed(self.names)}, once; got {listed(names)}")
-        given = dict(zip(names, values, strict=True))
-        return self.theta([given[name] for name in self.names])
-
 
 def motor_side(arm: Arm, units: str) -> MotorSide | None:
     """The motors' side in these `UNITS`, None for "joint". InputError for other units, and as `MotorSide`."""

@@ -11,7 +11,7 @@ from ..checks import Array
 from ..errors import InputError, listed
 from ..servo import AnyCommand, ServoStatus
 from ..usual_limits import usually_limited
-from .joint_order import theta_by_name
+from .by_name import values_by_name
 from .messages import command_of
 from .protocols import Setpoint
 from .report import Ending, Tally
@@ -26,9 +26,14 @@ WAITING = "WAITING"
 """The status before the first joint state, and after a device has failed."""
 
 
-def theta_of(arm: Arm, message: Any) -> Array:
-    """theta (n,) of a sensor_msgs/JointState, whose joints come in any order and with others among them."""
-    return theta_by_name(arm, list(message.name), list(message.position))
+def positions_of(arm: Arm, message: Any) -> dict[str, float]:
+    """Positions by name of a sensor_msgs/JointState, in any order, of some joints or of others too.
+
+    A message without positions, which may tell of velocities or efforts, tells of none.
+    """
+    if not len(message.position):
+        return {}
+    return values_by_name(arm.joint_names, list(message.name), list(message.position))
 
 
 def twist_of(message: Any) -> list[float]:

@@ -10,12 +10,13 @@ from ..closing import Closing
 from ..errors import InputError, missing_extra
 from ..servo import ServoState
 from .compact_line import LONGEST_LINE, parse_state_line, setpoint_line
-from .inbox import COMMAND_TIMEOUT, FEEDBACK_TIMEOUT, Inbox, StateInbox
+from .inbox import COMMAND_TIMEOUT, FEEDBACK_TIMEOUT, Inbox
 from .intake import Intake
 from .interlock import Interlock
 from .messages import followed, heard_word, parse_command
 from .motors import motor_side
 from .protocols import Measured, Reading, Setpoint
+from .state_inbox import StateInbox
 
 BAUDRATE = 115_200
 """The default; 11.5 kB/s: setpoints of six joints at 100 Hz."""
@@ -88,7 +89,7 @@ class SerialRobot(SerialLines):
     ) -> None:
         self._motors = motor_side(arm, units)
         self.interlock = Interlock()
-        self._states = StateInbox(timeout)
+        self._states = StateInbox(arm, timeout, units=units)
         self._intake = Intake(
             self._states, partial(followed, self, partial(parse_state_line, arm, motors=self._motors))
         )

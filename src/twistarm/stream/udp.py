@@ -10,13 +10,14 @@ from ..arm import Arm
 from ..servo import ServoState
 from ..strict_json import encode
 from .gate import Gate, Signer
-from .inbox import COMMAND_TIMEOUT, FEEDBACK_TIMEOUT, Inbox, StateInbox
-from .intake import Intake
+from .inbox import COMMAND_TIMEOUT, FEEDBACK_TIMEOUT, Inbox
+from .intake import STATE_SENDERS, STATES_EACH, Intake
 from .interlock import Interlock
 from .messages import followed, heard_word, parse_command, parse_state, setpoint_message
 from .motors import motor_side
 from .protocols import Measured, Reading, Setpoint, UndeliveredError
 from .sockets import Receiver, Sender, named
+from .state_inbox import StateInbox
 
 LOOPBACK = "127.0.0.1"
 """The default host: nobody but programs on this machine may move the arm."""
@@ -75,10 +76,11 @@ class UdpFeedback(Receiver):
     ) -> None:
         self._gate = Gate(senders, key)
         self.interlock = Interlock()
-        self._states = StateInbox(timeout)
+        self._states = StateInbox(arm, timeout, units=units)
         self._intake = Intake(
-            self._states, partial(followed, self, partial(parse_state, arm, motors=motor_side(arm, units)))
-        )
+            self._states, partial(followed, self, partial(parse_state, arm, motors=motor_side(arm, units))),
+            senders=STATE_SENDERS, each=STATES_EACH,
+        )  # fmt: skip
         super().__init__(host, port)
         self._gate.warn_if_open(self.address)
 

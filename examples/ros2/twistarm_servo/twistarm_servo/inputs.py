@@ -20,7 +20,7 @@ from .quality import quality
 from .ros_time import now_of, said_at
 from .switches import Switches
 
-SEVERAL = 10
+SEVERAL = 100
 """Joint states that wait at most: of commands the last one counts, of these everybody's."""
 
 TELL_EVERY = 2.0
@@ -37,7 +37,7 @@ class Inputs:
     def __init__(self, node: Node, arm: Arm, parameters: Parameters, switches: Switches) -> None:
         self._node, self._arm, self._p, self._switches = node, arm, parameters, switches
         self.commands = Inbox(parameters.incoming_command_timeout)
-        self.states = StateInbox(parameters.feedback_timeout)
+        self.states = StateInbox(arm, parameters.feedback_timeout)
         p = parameters
         mapping = JoyMapping(p.joy_axes, p.joy_rest, p.joy_scale, p.joy_deadband, p.joy_dead_man)
         self._joystick = Joystick(mapping, p.incoming_command_timeout)
@@ -81,11 +81,12 @@ class Inputs:
 
     def _on_state(self, message: Any) -> None:
         now, topic = now_of(self._node), self._p.joint_topic
-        if not set(message.name) & set(self._arm.joint_names):
-            return  # of a gripper or of wheels, which others publish
         try:
-            time = said_at(message.header.stamp, now, self._p.feedback_timeout)
-            self.states.put(topic, ros.theta_of(self._arm, message), time, ros.number_of(message.header.stamp))
+            positions = ros.positions_of(self._arm, message)
+            # The clock of wheels or of a gripper, which others publish, is their affair.
+            ours = not positions.keys().isdisjoint(self._arm.joint_names)
+            time = said_at(message.header.stamp, now, self._p.feedback_timeout) if ours else now
+            self.states.put(topic, positions, time, ros.number_of(message.header.stamp))
         except InputError as error:
             self._refuse(self.states, topic, error, now)
 
