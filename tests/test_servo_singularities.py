@@ -63,10 +63,13 @@ def test_the_third_turn_of_five_joints_is_missing_whatever_is_done_beside_it(nam
 
 def test_a_motion_that_the_arm_has_elsewhere_is_a_singularity():
     """Stretched, ur5 has no motion about base x, and rr_planar none along itself: bent they have."""
-    for name, twist, way in (("ur5", [0, 0, 0, 0.3, 0, 0], "turn"), ("rr_planar", [0.1, 0, 0, 0, 0, 0], "move")):
+    for name, twist, way in (
+        ("ur5", [0, 0, 0, 0.3, 0, 0], "turn about"),
+        ("rr_planar", [0.1, 0, 0, 0, 0, 0], "move along"),
+    ):
         output = pushed(name, np.zeros(len(BENT[name])), twist)
         assert output.status is ServoStatus.SLOWED_SINGULARITY
-        assert f"this arm can hardly {way} that way from here" in output.reason
+        assert f"this arm can hardly {way} the base's x axis from here" in output.reason
     assert pushed("ur5", BENT["ur5"], [0, 0, 0, 0.1, 0, 0]).reason == "moving as commanded"
 
 

@@ -78,15 +78,16 @@ def must_turn(axis: Array, frame: str) -> str:
     return f"{CANNOT_MOVE} without turning its tool about {axis_in_words(axis, frame)}"
 
 
-def singular(what: str, share: float, joint: str | None) -> str:
+def singular(what: str, share: float, joint: str | None, axis: str = "") -> str:
     """For a posture near a singularity: `what` is "move" or "turn", of which a share is done.
 
-    joint: the one that would have to move most for it, if that is known.
+    joint: the one that would have to move most for it, if that is known; axis: along or about which it is lost.
     """
     if share >= 0.5:
         return f"near a singularity: this arm does not {what} quite that way from here"
     most = f"; {joint} would have to move most for it" if joint else ""
-    return f"near a singularity: this arm can hardly {what} that way from here{most}"
+    way = f"{'about' if what == 'turn' else 'along'} {axis}" if axis else "that way"
+    return f"near a singularity: this arm can hardly {what} {way} from here{most}"
 
 
 def position_limit(side: str, joint: str) -> str:

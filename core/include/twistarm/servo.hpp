@@ -54,6 +54,7 @@ namespace servo_detail {
 constexpr double halted_below = 1e-4;  // rates below this share of the command's are a standstill
 template <class T> constexpr T rounding = T(sizeof(T) == 8 ? 1e-12 : 1e-6);  // an error of a pose below this is none
 constexpr double noticed = 0.01;       // a slow-down by a smaller share is not worth a word
+constexpr double no_room = 0.01;       // a joint at its limit may move on at a smaller share of the scaled twist
 template <class T> constexpr T look_ahead = T(0.01);   // how far ahead a course is looked at [scaled rad]
 constexpr int slowings = 4;            // how often it is looked whether joints that take over for others are too fast
 
@@ -327,6 +328,7 @@ template <class T, int N, int M> struct servo {
                 bool velocities, T* rates) {
         const T* const fastest = bounds.motion.velocity + bounds.motion.motors;
         T lower[capacity(N)], upper[capacity(N)], scaled[6], x[capacity(N)], end[capacity(N)], worst = T(-1);
+        int joint = -1;
         sides<capacity(N)> at;
         for (int i = 0; i < 6; ++i) scaled[i] = share * asked[i];
         for (int k = 0; k < n(); ++k) {
@@ -334,14 +336,25 @@ template <class T, int N, int M> struct servo {
             upper[k] = (velocities ? least(room.most[k], fastest[k]) : room.most[k]) / bounds.unit[k];
         }
         solver(scaled, lower, upper, at, x);
+        const T size = norm(scaled, 6);
         for (int k = 0; k < n(); ++k) {
             end[k] = at[k] < 0 ? room.least[k] : room.most[k];
             const T beyond = absolute(rates[k] - end[k]) / bounds.unit[k];
-            if (at[k] == 0 || absolute(end[k]) >= fastest[k] || !(beyond > worst)) continue;
-            worst = beyond;
+            if (at[k] == 0 || absolute(end[k]) >= fastest[k] || !(beyond > T(halted_below) * size)) continue;
+            // Where all stop, it is for the one that has the least way left.
+            const T weight = bounds.stops ? beyond / (absolute(end[k]) / bounds.unit[k] + T(no_room) * size) : beyond;
+            if (!(weight > worst)) continue;
+            worst = weight;
+            joint = k;
             blame(at[k] > 0 ? servo_cause::upper : servo_cause::lower, bounds.motion.motors + k);
         }
-        if (bounds.stops) hold_course(solver, scaled, lower, upper, at, x);
+        if (bounds.stops) {
+            hold_course(solver, scaled, lower, upper, at, x);
+            // Nobody is at a limit: one would have to be too fast for the course.
+            if (joint >= 0 && absolute(end[joint]) / bounds.unit[joint] > T(no_room) * size &&
+                norm(x, n()) <= T(halted_below) * size)
+                blame(servo_cause::singularity, joint);
+        }
         for (int k = 0; k < n(); ++k) {
             end[k] = at[k] < 0 ? room.least[k] : room.most[k];
             rates[k] = at[k] == 0 || absolute(end[k]) >= fastest[k] ? x[k] * bounds.unit[k] : end[k];

@@ -12,6 +12,7 @@ from ..arm import Arm
 from ..brief import Brief
 from ..checks import Array, frozen
 from ..inability import ANGULAR, LINEAR, Lack, cannot_move, cannot_turn, lack, must_turn, position_limit, singular
+from ..vector_words import ALONG_AXIS, direction_in_words
 from .answer import Answer, Cause
 from .bounds import Bounds
 from .command import BASE, AnyCommand, TwistCommand
@@ -45,16 +46,20 @@ WORTH_SAYING = 0.02
 ALL = 0.95
 """A larger share is all of it."""
 
+STANDING = 1e-3
+"""Of the command: an arm that does less of it stands."""
+
 _NOTHING_LOST = frozen(np.zeros(6))
 
 
 @dataclass(frozen=True, eq=False)
 class Asked:
-    """What a step was asked for: a command, of an arm at theta (n,)."""
+    """What a step was asked for: a command, of an arm at theta (n,); whether it stops where it cannot follow."""
 
     arm: Arm
     theta: Array
     command: AnyCommand | None
+    stops: bool = False
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -85,12 +90,25 @@ class ServoOutput(Brief):
 
     @cached_property
     def reason(self) -> str:
-        """The status in words: which joint, which limit, what the arm cannot do, what was wrong with the command."""
+        """Why the arm stands, or does less than commanded, in a sentence that stays while it stands.
+
+        It names the joint or motor that binds, and its limit; or the motion that the arm lacks at this posture, or at
+        any; or what was wrong with the command. "stopped on its course" stands before it where settings.beyond did it.
+        """
+        on_course = self._asked is not None and self._asked.stops and self.scale * (1.0 - self.lost_share) < STANDING
+        if on_course and self._words != self.status.value and self.status is not ServoStatus.IMPOSSIBLE_DIRECTION:
+            return f"stopped on its course: {self._words}"
+        return self._words
+
+    @cached_property
+    def _words(self) -> str:
         if isinstance(self._why, str):
             return self._why
-        verb = "halted" if self.status is ServoStatus.HALTED_LIMIT else "slowed"
         if self._why in _SIDES:
-            return f"{verb} by {position_limit(_SIDES[self._why], str(self.joint))}"
+            end = f"{_SIDES[self._why]} position limit"
+            if self.status is ServoStatus.HALTED_LIMIT:
+                return f"{self.joint} is at its {end}"
+            return f"slowed by {position_limit(_SIDES[self._why], str(self.joint))}"
         if self._why is Cause.VELOCITY:
             return f"slowed by the velocity limit of {self.joint}"
         complete = self._why is Cause.NONE and self._missing_share < WORTH_SAYING
@@ -151,7 +169,9 @@ def _missing(asked: Asked, lost: Array, joint: str | None, share: float) -> tupl
     found = lack(asked.arm, asked.theta, half, unit, frame, before)
     on_the_way = turned and twist is not None and not twist.twist[3:].any()
     if found is not Lack.EVERYWHERE:
-        return found, singular("move" if on_the_way else way, share, joint)
+        # An axis that the lost direction has for good: numbers would change from step to step.
+        axis = direction_in_words(np.abs(unit), frame) if np.abs(unit).max() >= ALONG_AXIS and not on_the_way else ""
+        return found, singular("move" if on_the_way else way, share, joint, axis)
     if on_the_way:
         return found, must_turn(unit, frame)
     return found, (cannot_turn if turned else cannot_move)(unit, frame, held)

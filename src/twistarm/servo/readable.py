@@ -24,6 +24,9 @@ NOTHING = 1e-12
 HALTED = 1e-4
 """Rates below this share of the command's are a standstill."""
 
+NO_ROOM = 0.01
+"""A joint at its limit may move on at a smaller share of the scaled twist."""
+
 TILT = 0.1
 """[scaled rad]"""
 
@@ -214,13 +217,21 @@ def _within(
     lower, upper = np.maximum(room[0], -velocity) / bounds.unit, np.minimum(room[1], velocity) / bounds.unit
     x, at = resolved_rates(task, lower, upper)
     end = np.where(at < 0, room[0], room[1])
-    beyond = np.where((at != 0) & (np.abs(end) < fastest), np.abs(wanted.rates - end) / bounds.unit, -1.0)
-    worst = int(np.argmax(beyond))
-    if beyond[worst] >= 0.0:
+    size, bounded = float(np.linalg.norm(task.asked)), (at != 0) & (np.abs(end) < fastest)
+    left = np.where(bounded, np.abs(end) / bounds.unit, 0.0)
+    beyond = np.where(bounded, np.abs(wanted.rates - end) / bounds.unit, 0.0)
+    counts = beyond > HALTED * size
+    # Where all stop, it is for the one that has the least way left.
+    weight = np.where(counts, beyond / (left + NO_ROOM * size) if bounds.stops else beyond, -1.0)
+    worst = int(np.argmax(weight))
+    if counts[worst]:
         first = len(bounds.motion.names) - bounds.n
         wanted = replace(wanted, cause=Cause.UPPER if at[worst] > 0 else Cause.LOWER, row=first + worst)
     if bounds.stops:
         x, at = _on_course(bounds, task, jacobian, (lower, upper), x, at)
+        # Nobody is at a limit: one would have to be too fast for the course.
+        if counts[worst] and left[worst] > NO_ROOM * size and np.linalg.norm(x) <= HALTED * size:
+            wanted = replace(wanted, cause=Cause.SINGULARITY, row=worst)
         end = np.where(at < 0, room[0], room[1])
     return replace(wanted, rates=np.where((at != 0) & (np.abs(end) < fastest), end, x * bounds.unit))
 

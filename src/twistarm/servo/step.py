@@ -57,7 +57,7 @@ def servo_step(
     after = ServoState(answer.theta, answer.theta_dot, answer.held, _holding(checked))
     if checked is None:
         return after, ServoOutput.stale(after.theta_dot, reason)
-    return after, ServoOutput.of(answer, bounds, Asked(arm, state.theta, checked))
+    return after, ServoOutput.of(answer, bounds, Asked(arm, state.theta, checked, bounds.stops))
 
 
 def _seconds(dt: Any) -> float:
