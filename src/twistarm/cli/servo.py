@@ -65,7 +65,7 @@ Key = Annotated[
 ]
 Hertz = Annotated[float, typer.Option(help="Cycles per second.")]
 VelocityMode = Annotated[
-    bool, typer.Option("--velocity-mode", help="The robot takes rates alone: begin anew where it is at every rest.")
+    bool, typer.Option("--velocity-mode", help="The robot takes rates alone: correct them by what is measured.")
 ]
 CommandTimeout = Annotated[float, typer.Option(metavar="SECONDS", help="How long a command holds.")]
 FeedbackTimeout = Annotated[float, typer.Option(metavar="SECONDS", help="How long a joint state holds.")]

@@ -54,9 +54,12 @@ def run(
     `feedback_timeout` ends the stream. While `interlock` does not allow motion, the arm comes to rest in the same way
     and stands; what it says is in every cycle, every setpoint and the report.
 
-    velocity_mode: for robots that take rates alone, whose small errors add up. While nobody commands and the arm
-    stands, the servo starts anew where it is measured. duration [s] and `until()` end the stream; `on_cycle(cycle)`
-    is called after each, between the setpoint and the next one, and must be quick.
+    velocity_mode: for robots that take rates alone. What they are told is the servo's rates and a correction toward
+    where the servo is, by a filter that learns each drive's gain and delay from the measured state (`RateObserver`);
+    the servo leaves 15 % of the velocity limits and 10 % of the acceleration limits to it. While nobody commands
+    nothing is corrected, and once the arm stands the servo starts anew where it is measured.
+    duration [s] and `until()` end the stream; `on_cycle(cycle)` is called after each, between the setpoint and the next
+    one, and must be quick.
 
     settings: of the servo, or a function that is asked for them before every cycle, so that they may change.
 

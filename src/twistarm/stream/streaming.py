@@ -17,6 +17,7 @@ from ..usual_limits import defaults_line, usually_limited
 from .failures import StreamError, asked, worded
 from .inbox import COMMAND_TIMEOUT, FEEDBACK_TIMEOUT
 from .interlock import ENABLED, Interlock, Interlocked
+from .observer import RateObserver, with_reserve
 from .protocols import Feedback, Reading, Setpoint, Sink, Source, UndeliveredError
 from .report import Ending, StreamReport, Tally
 from .watch import FeedbackWatch
@@ -91,6 +92,8 @@ class Streaming:
         self.state: ServoState | None = None
         self.tally = Tally(self.rate, self.assumed)
         self._watch = FeedbackWatch(arm, self.feedback_timeout, tolerance)
+        self._commanded_arm = with_reserve(self.arm) if velocity_mode else self.arm
+        self._observer = RateObserver(self.arm, self.period) if velocity_mode else None
         self._number = 0
         self._released = inf
 
@@ -118,7 +121,7 @@ class Streaming:
             except Exception as error:  # whatever it is, the arm must not go on moving
                 self.tally.failures[f"the servo failed, and the arm was stopped at once: {worded(error)}"] += 1
                 assert self.state is not None
-                self.state = ServoState.at(self.arm, self.state.theta)
+                self._start_at(self.state.theta, now)
         return self.at_rest
 
     def halt(self, now: float) -> None:
@@ -126,7 +129,9 @@ class Streaming:
         if self.state is None:
             return
         still = frozen(np.zeros(self.arm.n))
-        self._write_anyway(self._setpoint(now, self.state.theta, ServoOutput.stale(still, "the stream has ended")))
+        self._write_anyway(
+            self._setpoint(now, self.state.theta, still, ServoOutput.stale(still, "the stream has ended"))
+        )
 
     def report(self, ending: Ending, reason: str, duration: float, at_rest: bool) -> StreamReport:
         """What was done until now."""
@@ -135,7 +140,8 @@ class Streaming:
     @property
     def at_rest(self) -> bool:
         """Whether the commanded arm stands."""
-        return self.state is None or not self.state.theta_dot.any()
+        told = self._observer is None or self._observer.at_rest
+        return self.state is None or (told and not self.state.theta_dot.any())
 
     @property
     def longest_braking(self) -> float:
@@ -145,8 +151,11 @@ class Streaming:
         return 2.0 * float((np.abs(self.state.theta_dot) / self.arm.limits.acceleration).max()) + BRAKING_SPARE
 
     def _cycle(self, now: float, periods: int) -> Cycle:
-        theta, blind = self._watch.look(asked(Ending.FEEDBACK_FAILED, self.feedback.read, now), now)
-        self._start(theta)
+        measured = asked(Ending.FEEDBACK_FAILED, self.feedback.read, now)
+        theta, blind = self._watch.look(measured, now)
+        self._start(theta, now)
+        if self._observer is not None and self.state is not None:
+            self._observer.hear(None if blind else measured, now)
         reading = asked(Ending.SOURCE_FAILED, self.source.read, now, self.state)
         self.tally.blind_reason = blind or self.tally.blind_reason
         if self.state is None:
@@ -169,14 +178,19 @@ class Streaming:
         ending = Ending.STRAYED if strayed else None
         return Cycle(now, reading, theta, setpoint, why, ending, not undelivered, setpoint.interlock)
 
-    def _start(self, theta: Array | None) -> None:
+    def _start(self, theta: Array | None, now: float) -> None:
         """From the measured theta: the first one, and one that comes back while the commanded arm stands.
 
         Nobody knows where the arm went meanwhile: it is not held to where it was, nor told to jump back there.
         """
         if theta is not None and (self.state is None or (self._watch.returned and self.at_rest)):
-            self.state = ServoState.at(self.arm, theta)
+            self._start_at(theta, now)
             self._watch.forget()
+
+    def _start_at(self, theta: Array, now: float) -> None:
+        self.state = ServoState.at(self.arm, theta)
+        if self._observer is not None:
+            self._observer.start(self.state.theta, now)
 
     def _command(self, reading: Reading) -> tuple[AnyCommand | None, str]:
         if reading.command is None:
@@ -196,18 +210,23 @@ class Streaming:
     def _step(self, command: AnyCommand | None, now: float, periods: int, reason: str) -> Setpoint:
         """A step over the time since the last one, over one period where that cannot be."""
         assert self.state is not None  # whoever steps has asked
+        before = self.state.theta
         dt = self.period if self._untimely(periods) else periods * self.period
-        state, output = servo_step(self.arm, self.state, command, dt, settings=self.settings)
+        arm = self.arm if command is None else self._commanded_arm
+        state, output = servo_step(arm, self.state, command, dt, settings=self.settings)
         if not np.isfinite([state.theta, state.theta_dot, output.theta_dot]).all():
             raise StreamError(Ending.SERVO_FAILED, f"its setpoint is not finite: rates {output.theta_dot.tolist()}")
         self.state = state
         if reason:
             output = ServoOutput.stale(output.theta_dot, reason)
         self._watch.follow(self.state.theta, now)
-        return self._setpoint(now, self.state.theta, output)
+        rates = output.theta_dot
+        if self._observer is not None:
+            rates = self._observer.rates(before, rates, follow=command is not None)
+        return self._setpoint(now, self.state.theta, rates, output)
 
-    def _setpoint(self, now: float, theta: Array, output: ServoOutput) -> Setpoint:
-        setpoint = Setpoint(self._number, now, theta, output.theta_dot, output, self.interlock.word)
+    def _setpoint(self, now: float, theta: Array, rates: Array, output: ServoOutput) -> Setpoint:
+        setpoint = Setpoint(self._number, now, theta, rates, output, self.interlock.word)
         self._number += 1
         return setpoint
 
@@ -218,8 +237,8 @@ class Streaming:
             return
         self._released = min(self._released, now)
         if now - self._released >= self.feedback_timeout:
-            self.state = ServoState.at(self.arm, theta)
-            self._watch.follow(self.state.theta, now)
+            self._start_at(theta, now)
+            self._watch.follow(theta, now)
 
     def _write(self, setpoint: Setpoint) -> str:
         """Hand the setpoint on; why nobody took it, "" where somebody did as far as is known."""
