@@ -60,7 +60,7 @@ def test_joints_that_are_held_into_their_limits_stop_there(name):
 
 def test_drives_that_do_as_they_are_told_go_straight():
     drive = driven(load("ur5"), load("ur5").ready, along(LEFT), WAY, **EXACT)
-    assert_straight("ur5", drive, 2.5e-3)
+    assert_straight("ur5", drive, 1e-3)
 
 
 def test_a_release_is_no_slower_than_without_corrections(rover):

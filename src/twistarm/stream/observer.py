@@ -25,7 +25,7 @@ CORRECTION = 0.15
 """The fastest correction, as a share of a joint's velocity limit."""
 
 STILL = 1e-3
-"""A joint that should stand and would be told less than this [rad/s, m/s] is told to stand."""
+"""A joint that is slower than this [rad/s, m/s] should stand, and a correction slower than this is none to it."""
 
 NEAR_AT_REST = 2e-3
 """A joint that should stand is led to within this of where it should [rad, m], and stands until it is off by twice."""
@@ -33,10 +33,13 @@ NEAR_AT_REST = 2e-3
 DELAY, LONGEST_DELAY = 0.07, 0.3
 """From a setpoint to the joint state that shows its effect [s]: what is thought at first, and at most."""
 
-HALF_STEP = 0.8e-3
-"""Half a step of an encoder with 12 bits [rad]: what is nearer than that is not told apart from what is expected."""
+SPACING = 0.004
+"""Least time between what is remembered of the rates sent [s]."""
 
-FIRST_DEVIATION = np.array([5e-4, 0.15, 0.03])
+HALF_STEP = 0.8e-3
+"""Half a step of an encoder with 12 bits [rad]: a moving joint that is as near to where it should is not corrected."""
+
+FIRST_DEVIATION = np.array([5e-4, 0.15, 0.05])
 """Standard deviations at first: of a position [rad, m], a gain, a delay [s]."""
 
 WALK = np.array([1.5e-3, 5e-3, 5e-3])
@@ -55,7 +58,7 @@ def with_reserve(arm: Arm) -> Arm:
 
 
 class RateObserver:
-    """A Kalman filter for each joint, of three unknowns: its position θ, its drive's gain g and the loop's delay D.
+    """A Kalman filter for each joint of its position θ, its drive's gain g and the loop's delay D, one for all joints.
 
     Rates u were sent, h(t) is their integral. θ is where all of them lead, θ' = g u, and what is heard at t shows
     the joint as θ − g (h(now) − h(t − D)): the delay is in the prediction (a Smith predictor) and not in the loop.
@@ -103,11 +106,12 @@ class RateObserver:
         Where they should not `follow`, theta does not matter: they come to rest as the servo does.
         """
         error = theta - self._x[:, 0] if follow else np.zeros_like(theta)
-        resting = theta_dot == 0.0
-        near = np.where(resting, np.where(self._u == 0.0, 2.0 * NEAR_AT_REST, NEAR_AT_REST), HALF_STEP)
+        resting = np.abs(theta_dot) < STILL
+        standing = resting & (np.abs(self._u) < STILL)
+        near = np.where(standing, 2.0 * NEAR_AT_REST, np.where(resting, NEAR_AT_REST, HALF_STEP))
         correction = STIFFNESS * (error - np.clip(error, -near, near))
+        correction[resting & (np.abs(correction) < STILL)] = 0.0
         wanted = theta_dot + np.clip(correction, -CORRECTION * self._velocity, CORRECTION * self._velocity)
-        wanted[resting & (np.abs(wanted) < STILL)] = 0.0
         wanted = np.clip(wanted / self._x[:, 1], -self._velocity, self._velocity)
         self._u = frozen(np.clip(wanted, self._u - self._most, self._u + self._most))
         return self._u
@@ -119,6 +123,8 @@ class RateObserver:
             elapsed, self._heard = 0.0, -np.inf
         step = self._u * elapsed
         self._travel = self._travel + step
+        if len(self._history) > 1 and now - self._history[-2][0] < SPACING:
+            self._history.pop()
         self._history.append((now, self._travel))
         while len(self._history) > 2 and self._history[1][0] < now - 2.0 * LONGEST_DELAY:
             self._history.popleft()
@@ -131,9 +137,11 @@ class RateObserver:
 
     def _update(self, theta: Array, heard: float) -> None:
         position, gain, delay = self._x.T
-        left, rate = self._left(heard - delay)
+        unsure = np.sqrt(self._covariance[:, 2, 2]) + JITTER
+        left = self._travel - self._travelled(heard - delay)
+        # The mean rate over what the delay may be: at a start, the rate at one moment would say nothing of the delay.
+        rate = (self._travelled(heard - delay + unsure) - self._travelled(heard - delay - unsure)) / (2.0 * unsure)
         error = theta - (position - gain * left)
-        error -= np.clip(error, -HALF_STEP, HALF_STEP)
         row = np.column_stack([np.ones_like(left), -left, -gain * rate])
         spread = np.einsum("nij,nj->ni", self._covariance, row)
         noise = NOISE**2 + (JITTER * rate) ** 2
@@ -142,17 +150,19 @@ class RateObserver:
         self._x[:, 1] = np.clip(self._x[:, 1], 1.0 - GAIN_ERROR, 1.0 + GAIN_ERROR)
         self._x[:, 2] = np.clip(self._x[:, 2], 0.0, LONGEST_DELAY)
         self._covariance -= weight[:, :, None] * spread[:, None, :]
+        self._share_delay()
 
-    def _left(self, moments: Array) -> tuple[Array, Array]:
-        """h(now) − h(moment) and the rate sent at that moment, for each joint a moment of its own."""
-        times = np.array([time for time, _ in self._history])
-        travels = np.array([travel for _, travel in self._history])
-        if len(times) < 2:
-            return np.zeros_like(self._u), np.zeros_like(self._u)
-        after = np.clip(np.searchsorted(times, moments, side="right"), 1, len(times) - 1)
-        j = np.arange(moments.size)
-        span = np.maximum(times[after] - times[after - 1], 1e-9)
-        rate = (travels[after, j] - travels[after - 1, j]) / span
-        inside = moments > times[0]
-        at = travels[after, j] - rate * (times[after] - np.clip(moments, times[0], times[-1]))
-        return self._travel - at, np.where(inside, rate, 0.0)
+    def _share_delay(self) -> None:
+        """One delay for all joints, their mean weighted by what each knows of it, and what follows from it for θ and g.
+
+        Joints that are thought to be late by different times would leave the path; a common error only shifts time.
+        """
+        variance = self._covariance[:, 2, 2]
+        common = (self._x[:, 2] / variance).sum() / (1.0 / variance).sum()
+        self._x += self._covariance[:, :, 2] / variance[:, None] * (common - self._x[:, 2:])
+
+    def _travelled(self, moments: Array) -> Array:
+        """h at a moment for each joint (n,)."""
+        times = [time for time, _ in self._history]
+        travels = np.array([travel for _, travel in self._history]).T
+        return np.array([np.interp(t, times, h) for t, h in zip(moments, travels, strict=True)])
