@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 from enum import Enum
 from functools import cached_property
+from typing import NamedTuple
 
 import numpy as np
 
@@ -52,8 +53,7 @@ STANDING = 1e-3
 _NOTHING_LOST = frozen(np.zeros(6))
 
 
-@dataclass(frozen=True, eq=False)
-class Asked:
+class Asked(NamedTuple):
     """What a step was asked for: a command, of an arm at theta (n,); whether it stops where it cannot follow."""
 
     arm: Arm

@@ -19,6 +19,7 @@ from .state import ServoState
 
 COMMANDS = (TwistCommand, JogCommand, PoseCommand)
 _DEFAULT = ServoSettings()
+_CAUSES = tuple(Cause)
 
 
 def servo_step(
@@ -93,7 +94,7 @@ def _answer(arm: Arm, bounds: Bounds, state: ServoState, command: AnyCommand | N
         found = bounds.compiled.step(clean.theta, clean.theta_dot, held, kind, flags, numbers, dt)
         assert found is not None, "what was refused has been cleaned"
     theta, theta_dot, kept, cause, row, scale, lost, lost_share, halted, position, angle = found
-    return Answer(theta, theta_dot, Cause(cause), row, scale, lost, lost_share, kept, halted, (position, angle))
+    return Answer(theta, theta_dot, _CAUSES[cause], row, scale, lost, lost_share, kept, halted, (position, angle))
 
 
 def _clean(arm: Arm, state: ServoState) -> ServoState:
