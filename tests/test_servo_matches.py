@@ -11,7 +11,7 @@ from twistarm.servo import ServoSettings, ServoState, readable
 from twistarm.servo.bounds import bounds_of
 from twistarm.servo.step import _answer
 
-SAME = 1e-6
+SAME = 1e-4
 """[rad/s, rad, …] What the last of some rounds may still change."""
 
 SLIDES = ServoSettings()

@@ -54,6 +54,8 @@ template <class T> constexpr T tilt = T(0.1);                  // leads toward t
 template <class T> constexpr T nothing = T(sizeof(T) == 8 ? 1e-12 : 1e-6);   // slower scaled rates are rounding
 template <class T> constexpr T rounded_off = T(sizeof(T) == 8 ? 1e-4 : 1e-3);   // of the twist: a norm's tip
 template <class T> constexpr T settled = T(sizeof(T) == 8 ? 1e-6 : 1e-4);    // of the rates: a smaller change is none
+template <class T> constexpr T widest = T(0.3);                // singular values above it count as themselves, below six joints
+template <class T> constexpr T widest_of_six = T(0.06);        // … and from six on
 constexpr int most_rounds = 50;
 constexpr int five = 5;  // joints from which on singularities are the whole twist's
 
@@ -191,12 +193,13 @@ template <class T, int N, int M> struct rate_solver {
 
     /// Where the arm is singular and a share `lost` of what is asked, looks which motions leave the singularity.
     ///
-    /// An arm must be able to move away: a singular value on its way up counts as `below`. (An arm that is exactly
-    /// stretched has no rates at all that pull its tool back to first order.) Answers whether the arm is singular. The
-    /// position alone is looked at first in an arm of fewer than five joints.
+    /// An arm must be able to move away: a singular value on its way up counts as more. (An arm that is exactly stretched
+    /// has no rates at all that pull its tool back to first order.) Answers whether the arm is singular. The position
+    /// alone is looked at first in an arm of fewer than five joints.
     bool look_beside(const T* asked, const T* left, T lost) {
         const bool position = n() < five && smallest_about<T, N>(J, 3, n()) < greatest(bounds.below, T(2) / precedence<T>);
-        if (!position && !(smallest_about<T, N>(J, 6, n()) < bounds.below)) return false;
+        const T farthest = n() < 6 ? widest<T> : widest_of_six<T>, size = norm(asked, 6);
+        if (!position && !(smallest_about<T, N>(J, 6, n()) < greatest(bounds.below, farthest))) return false;
         decompose(position ? 3 : 6);
         const T much = clamped(lost / missed<T> - T(1), T(0), T(1));
         for (int d = 0; d < rank; ++d) {
@@ -205,10 +208,12 @@ template <class T, int N, int M> struct rate_solver {
             // The way out of a position may turn the tool, which a lower level resists.
             T turned[3], share = T(0);
             for (int i = 0; i < 3; ++i) turned[i] = times(J, i + 3, along.v);
-            const T edge = position ? greatest(bounds.below, T(2) * norm(turned, 3) / precedence<T>) : bounds.below;
+            // Rates V/σ are worth what they bring from σ = √(τ V / w) on.
+            const T worth = least(sqrt(damping * size / weight_along(along.u)), farthest);
+            const T edge = greatest(bounds.below, position ? T(2) * norm(turned, 3) / precedence<T> : worth);
             if (!(along.sigma < edge)) continue;
             for (int i = 0; i < 6; ++i) share += along.u[i] * left[i];
-            const T rises = rise(along) * share / norm(asked, 6);
+            const T rises = rise(along) * share / size;
             along.leaving = much * clamped(rises / rise_whole<T>, T(0), T(1));
             const T more = along.leaving * (edge - along.sigma);
             for (int i = 0; i < 6; ++i)
@@ -232,6 +237,24 @@ template <class T, int N, int M> struct rate_solver {
                 if (absolute(found[d].v[k]) > absolute(found[d].v[joint])) joint = k;
         }
         return sum;
+    }
+
+    /// How much lower a level counts than the first.
+    T weight_of(int level) const {
+        T weight = T(1);
+        for (int l = 0; l < level; ++l) weight = weight / (n() < 6 ? precedence<T> : precedence_of_six<T>);
+        return weight;
+    }
+
+    /// What the levels let a twist along u weigh: the least of w / |u|, level by level.
+    T weight_along(const T* u) const {
+        T found = T(1) / nothing<T>;
+        for (int level = 0; level < levels.count; ++level) {
+            T part[6] = {};
+            for (int i = 0; i < levels.size[level]; ++i) part[i] = u[levels.component[level][i]];
+            found = least(found, weight_of(level) / greatest(norm(part, 6), nothing<T>));
+        }
+        return found;
     }
 
     T times(const six_rows<T, N>& rows, int row, const T* rates) const {
@@ -261,7 +284,8 @@ template <class T, int N, int M> struct rate_solver {
     }
 
     /// The rates x within the bounds for what is asked, and where they stand. Sums of squares, each level weighed by its
-    /// last norm until that stands: E. Weiszfeld, Tôhoku Math. J. 43, 1937.
+    /// last norm until that stands: E. Weiszfeld, Tôhoku Math. J. 43, 1937. (Rounds that go on as the last two went take
+    /// half as many, but where they end jumps from step to step, and the arm shook.)
     void operator()(const T* asked, const T* lower, const T* upper, sides<most>& at, T* x) const {
         const T tip = rounded_off<T> * norm(asked, 6);
         for (int k = 0; k < n(); ++k) {
@@ -289,15 +313,15 @@ template <class T, int N, int M> struct rate_solver {
             r[a] = T(0);
             for (int b = 0; b <= a; ++b) H[a][b] = a == b ? damping : T(0);
         }
-        T weight = T(1), left[6];
+        T left[6];
         rest(led, asked, x, left);
-        for (int level = 0; level < levels.count; ++level, weight = weight / (n() < 6 ? precedence<T> : precedence_of_six<T>)) {
+        for (int level = 0; level < levels.count; ++level) {
             T square = tip * tip;
             for (int i = 0; i < levels.size[level]; ++i) {
                 const T part = left[levels.component[level][i]];
                 square += part * part;
             }
-            const T counts = weight / sqrt(square);
+            const T counts = weight_of(level) / sqrt(square);
             for (int i = 0; i < levels.size[level]; ++i) {
                 const int c = levels.component[level][i];
                 for (int a = 0; a < n(); ++a) {

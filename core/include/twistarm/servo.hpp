@@ -51,7 +51,7 @@ template <class T> struct servo_output {
 };
 
 namespace servo_detail {
-constexpr double halted_below = 1e-4;  // rates below this share of the command's are a standstill
+constexpr double halted_below = 1e-2;  // rates below this share of the command's are a standstill
 template <class T> constexpr T rounding = T(sizeof(T) == 8 ? 1e-12 : 1e-6);  // an error of a pose below this is none
 constexpr double noticed = 0.01;       // a slow-down by a smaller share is not worth a word
 constexpr double no_room = 0.01;       // a joint at its limit may move on at a smaller share of the scaled twist

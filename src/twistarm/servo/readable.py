@@ -21,7 +21,7 @@ from .state import ServoState
 NOTHING = 1e-12
 """Rates and errors below this are rounding."""
 
-HALTED = 1e-4
+HALTED = 1e-2
 """Rates below this share of the command's are a standstill."""
 
 NO_ROOM = 0.01
@@ -180,7 +180,7 @@ def _rates(arm: Arm, bounds: Bounds, state: ServoState, task: Task, frame: str, 
     def jacobian(displacement: Array) -> Array:
         return _jacobian(arm, bounds, ahead + bounds.unit * displacement, frame)
 
-    beside = singular(jacobian, _toward(bounds, ahead), task.asked, lost, bounds.singular_below)
+    beside = singular(jacobian, _toward(bounds, ahead), task, lost, bounds.singular_below)
     if beside is not None:
         part, joint = beside.part(lost, bounds.singular_below)
         if part > NOTICED * size * size:

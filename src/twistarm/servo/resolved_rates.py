@@ -70,13 +70,17 @@ def resolved_rates(task: Task, lower: Array | None = None, upper: Array | None =
     return x, at
 
 
+def weights(task: Task) -> list[tuple[tuple[int, ...], float]]:
+    """The levels and their weights w_l."""
+    precedence = PRECEDENCE if task.J.shape[1] < len(task.asked) else PRECEDENCE_OF_SIX
+    return [(level, precedence**-k) for k, level in enumerate(task.levels)]
+
+
 def _weighed(task: Task, x: Array, tip: float) -> tuple[Array, Array]:
     """Jᵀ Ω J + τ and Jᵀ Ω V, Ω = w / |V − J x| level by level."""
-    weights, left, weight = np.zeros(6), task.asked - task.J @ x, 1.0
-    precedence = PRECEDENCE if len(x) < len(left) else PRECEDENCE_OF_SIX
-    for level in task.levels:
+    each, left = np.zeros(6), task.asked - task.J @ x
+    for level, weight in weights(task):
         rows: Sequence[int] = list(level)
-        weights[rows] = weight / np.sqrt(tip * tip + left[rows] @ left[rows])
-        weight /= precedence
-    weighed = task.J.T * weights
+        each[rows] = weight / np.sqrt(tip * tip + left[rows] @ left[rows])
+    weighed = task.J.T * each
     return weighed @ task.J + task.damping * np.eye(len(x)), weighed @ task.asked

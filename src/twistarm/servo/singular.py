@@ -8,7 +8,7 @@ from typing import NamedTuple
 import numpy as np
 
 from ..checks import Array
-from .resolved_rates import PRECEDENCE
+from .resolved_rates import PRECEDENCE, Task, weights
 
 BESIDE = 0.02
 """How far beside a posture one looks for directions that it lacks [scaled rad]."""
@@ -24,6 +24,9 @@ DIFFERENCE = 1e-4
 
 MISSED = 0.1
 """Of the twist: where a smaller part is lost, nothing is looked at."""
+
+WIDEST, WIDEST_OF_SIX = 0.3, 0.06
+"""Singular values above these count as themselves, in arms of fewer than six joints and of more."""
 
 FIVE = 5
 """Joints below which the position alone can be singular, and is looked at first."""
@@ -57,22 +60,22 @@ Displaced = Callable[[Array], Array]
 """The rows (6, n) at a posture that is a scaled joint displacement (n,) away."""
 
 
-def singular(jacobian: Displaced, toward: Array, asked: Array, lost: Array, below: float) -> Singular | None:
-    """Where the arm is singular and of what is asked (6,) so much is lost (6,); None where it is not, or too little is.
+def singular(jacobian: Displaced, toward: Array, task: Task, lost: Array, below: float) -> Singular | None:
+    """Where the arm is singular and of a task so much is lost (6,); None where it is not, or too little is.
 
-    An arm must be able to move away: a singular value that rises as the arm moves counts as `below`. (An arm that is
-    exactly stretched has no rates at all that pull its tool back to first order.) dσ per scaled radian along v is
-    uᵀ (∂J/∂v) v. A direction that this very posture lacks is read off one a little beside, on the way `toward` (n,) a
-    good one.
+    An arm must be able to move away: a singular value that rises as the arm moves counts as more, see `_edge`. (An arm
+    that is exactly stretched has no rates at all that pull its tool back to first order.) dσ per scaled radian along v
+    is uᵀ (∂J/∂v) v. A direction that this very posture lacks is read off one a little beside, on the way `toward` (n,)
+    a good one.
     """
-    size = float(np.linalg.norm(asked))
+    size = float(np.linalg.norm(task.asked))
     much = float(np.linalg.norm(lost)) / max(size, np.finfo(float).tiny) / MISSED - 1.0
     if much <= 0.0:
         return None
-    J = jacobian(np.zeros(len(toward)))
+    J, widest = jacobian(np.zeros(len(toward))), max(below, _widest(len(toward)))
     if len(toward) < FIVE and smallest_about(J[:3]) < max(below, 2.0 / PRECEDENCE):
         count = 3
-    elif smallest_about(J) < below:
+    elif smallest_about(J) < widest:
         count = 6
     else:
         return None
@@ -81,12 +84,23 @@ def singular(jacobian: Displaced, toward: Array, asked: Array, lost: Array, belo
     for d in range(len(sigma)):
         u, v = U[:, d], V[:, d]
         # The way out of a position may turn the tool, which a lower level resists.
-        edge = max(below, 2.0 * float(np.linalg.norm(J[3:] @ v)) / PRECEDENCE) if count == 3 else below
+        turned = float(np.linalg.norm(J[3:] @ v))
+        edge = max(below, 2.0 * turned / PRECEDENCE if count == 3 else _edge(task, u))
         if sigma[d] < edge:
             rise = float(u @ (jacobian(DIFFERENCE * v) - J) @ v) / DIFFERENCE
             leaving[d] = min(much, 1.0) * min(max(rise * float(u @ lost) / size / RISE, 0.0), 1.0)
             led += leaving[d] * (edge - sigma[d]) * np.outer(u, v)
     return Singular(sigma, U, V, leaving, led)
+
+
+def _edge(task: Task, u: Array) -> float:
+    """The least σ at which rates V/σ are worth what they bring for V along u (6,): √(τ V / w), w what V weighs."""
+    weight = min(weight / max(float(np.linalg.norm(u[list(level)])), NO_MOTION) for level, weight in weights(task))
+    return min(float(np.sqrt(task.damping * np.linalg.norm(task.asked) / weight)), _widest(task.J.shape[1]))
+
+
+def _widest(n: int) -> float:
+    return WIDEST if n < 6 else WIDEST_OF_SIX
 
 
 def _decomposed(J: Array, count: int, beside: Callable[[], Array]) -> tuple[Array, Array, Array]:
