@@ -46,6 +46,8 @@ template <class T> constexpr T precedence_of_six = T(3);       // … and from s
 template <class T> constexpr T steps_damped = T(3);            // τ is at least so many steps, and a joint comes to its limit in no fewer
 template <class T> constexpr T no_motion = T(sizeof(T) == 8 ? 1e-9 : 1e-5);   // singular values below this count as none
 template <class T> constexpr T rise_whole = T(0.05);           // dσ per scaled rad: from here on a motion leaves a singularity entirely
+template <class T> constexpr T rise_taken = T(0.01);           // … and by the motion that the arm makes then
+template <class T> constexpr T on_course = T(2e-3);            // what singular values count as at least, where the arm keeps to its course
 template <class T> constexpr T difference = T(sizeof(T) == 8 ? 1e-4 : 4e-3);
 template <class T> constexpr T beside = T(0.02);               // how far beside a posture one looks for lacking directions
 template <class T> constexpr T off_course = T(1e-3);           // of the twist: less beside its course is none
@@ -54,8 +56,7 @@ template <class T> constexpr T tilt = T(0.1);                  // leads toward t
 template <class T> constexpr T nothing = T(sizeof(T) == 8 ? 1e-12 : 1e-6);   // slower scaled rates are rounding
 template <class T> constexpr T rounded_off = T(sizeof(T) == 8 ? 1e-4 : 1e-3);   // of the twist: a norm's tip
 template <class T> constexpr T settled = T(sizeof(T) == 8 ? 1e-6 : 1e-4);    // of the rates: a smaller change is none
-template <class T> constexpr T widest = T(0.3);                // singular values above it count as themselves, below six joints
-template <class T> constexpr T widest_of_six = T(0.06);        // … and from six on
+template <class T> constexpr T left_behind = T(0.055);        // what a singular value on its way up counts as: √(τ V) for V = 0.1
 constexpr int most_rounds = 50;
 constexpr int five = 5;  // joints from which on singularities are the whole twist's
 
@@ -65,9 +66,10 @@ template <class T> T norm(const T* values, int count) {
     return sqrt(sum);
 }
 
-/// A direction: joints v move the tool by σ u. leaving, 0 … 1: how far the motion that is asked for leaves a singularity.
+/// A direction: joints v move the tool by σ u. leaving, 0 … 1: how far the motion that is asked for leaves a singularity;
+/// edge: what σ counts as then.
 template <class T, int N> struct direction {
-    T u[6], v[capacity(N)], sigma, leaving;
+    T u[6], v[capacity(N)], sigma, edge, leaving;
 };
 
 template <class T, int N, int M> struct rate_solver {
@@ -79,13 +81,15 @@ template <class T, int N, int M> struct rate_solver {
     T damping, posture[most];
     six_rows<T, N> J, led;  // led: J, as it will be where the motion leaves a singularity
     direction<T, N> found[6];
-    int rank;  // how many of them
+    int rank;     // how many of them
+    T turning;    // 0 … 1: how far the tool may turn as it will, on its course out of a singular position
+    bool placed;  // whether they are those of the position
 
     int n() const { return arm.coordinates(); }
 
     rate_solver(const chain<T, N, M>& arm_, const servo_bounds<T, N>& bounds_, const servo_levels& levels_, bool base,
                 const T* theta, T dt)
-        : arm(arm_), bounds(bounds_), levels(levels_), base_axes(base), damping(greatest(bounds_.damping, steps_damped<T> * dt)), rank(0) {
+        : arm(arm_), bounds(bounds_), levels(levels_), base_axes(base), damping(greatest(bounds_.damping, steps_damped<T> * dt)), rank(0), turning(T(0)), placed(false) {
         for (int k = 0; k < n(); ++k) posture[k] = theta[k];
         jacobian(posture, J);
         copy(J, led);
@@ -180,46 +184,78 @@ template <class T, int N, int M> struct rate_solver {
         }
     }
 
-    /// dσ per scaled radian along v: uᵀ (∂J/∂v) v.
-    T rise(const direction<T, N>& along) const {
+    /// dσ per scaled radian along a unit motion: uᵀ (∂J/∂motion) v.
+    T rise(const direction<T, N>& of, const T* motion) const {
         six_rows<T, N> there;
         T theta[most], risen = T(0);
-        for (int k = 0; k < n(); ++k) theta[k] = posture[k] + bounds.unit[k] * difference<T> * along.v[k];
+        for (int k = 0; k < n(); ++k) theta[k] = posture[k] + bounds.unit[k] * difference<T> * motion[k];
         jacobian(theta, there);
-        for (int i = 0; i < 6; ++i)
-            risen += along.u[i] * (times(there, i, along.v) - times(J, i, along.v)) / difference<T>;
+        for (int i = 0; i < 6; ++i) risen += of.u[i] * (times(there, i, of.v) - times(J, i, of.v)) / difference<T>;
         return risen;
     }
 
     /// Where the arm is singular and a share `lost` of what is asked, looks which motions leave the singularity.
     ///
     /// An arm must be able to move away: a singular value on its way up counts as more. (An arm that is exactly stretched
-    /// has no rates at all that pull its tool back to first order.) Answers whether the arm is singular. The position
-    /// alone is looked at first in an arm of fewer than five joints.
+    /// has no rates at all that pull its tool back to first order.) Where the arm keeps to its course it counts as itself,
+    /// and is not damped. Answers whether the arm is singular. The position alone is looked at first in an arm of fewer
+    /// than five joints.
     bool look_beside(const T* asked, const T* left, T lost) {
         const bool position = n() < five && smallest_about<T, N>(J, 3, n()) < greatest(bounds.below, T(2) / precedence<T>);
-        const T farthest = n() < 6 ? widest<T> : widest_of_six<T>, size = norm(asked, 6);
-        if (!position && !(smallest_about<T, N>(J, 6, n()) < greatest(bounds.below, farthest))) return false;
+        const T enough = greatest(bounds.below, left_behind<T>), size = norm(asked, 6);
+        if (!position && !(smallest_about<T, N>(J, 6, n()) < enough)) return false;
         decompose(position ? 3 : 6);
+        placed = position;
         const T much = clamped(lost / missed<T> - T(1), T(0), T(1));
         for (int d = 0; d < rank; ++d) {
             direction<T, N>& along = found[d];
-            along.leaving = T(0);
+            along.leaving = along.edge = T(0);
             // The way out of a position may turn the tool, which a lower level resists.
             T turned[3], share = T(0);
             for (int i = 0; i < 3; ++i) turned[i] = times(J, i + 3, along.v);
-            // Rates V/σ are worth what they bring from σ = √(τ V / w) on.
-            const T worth = least(sqrt(damping * size / weight_along(along.u)), farthest);
-            const T edge = greatest(bounds.below, position ? T(2) * norm(turned, 3) / precedence<T> : worth);
-            if (!(along.sigma < edge)) continue;
+            along.edge = position ? greatest(bounds.below, T(2) * norm(turned, 3) / precedence<T>) : enough;
+            if (!(along.sigma < along.edge)) continue;
+            if (bounds.stops) along.edge = greatest(on_course<T>, along.sigma);
             for (int i = 0; i < 6; ++i) share += along.u[i] * left[i];
-            const T rises = rise(along) * share / size;
-            along.leaving = much * clamped(rises / rise_whole<T>, T(0), T(1));
-            const T more = along.leaving * (edge - along.sigma);
-            for (int i = 0; i < 6; ++i)
-                for (int k = 0; k < n(); ++k) led[i][k] += more * along.u[i] * along.v[k];
+            along.leaving = much * clamped(rise(along, along.v) * share / size / rise_whole<T>, T(0), T(1));
         }
+        lead();
         return true;
+    }
+
+    /// Leaves of the ways out what the arm really takes at the rates x, which the other levels bend. Answers whether less.
+    bool take_back(const T* x) {
+        const T size = norm(x, n());
+        if (!(size > nothing<T>)) return false;
+        T motion[most];
+        for (int k = 0; k < n(); ++k) motion[k] = x[k] / size;
+        bool less = false;
+        for (int d = 0; d < rank; ++d) {
+            if (!(found[d].leaving > T(0))) continue;
+            const T taken = clamped(rise(found[d], motion) / rise_taken<T>, T(0), T(1));
+            less = less || taken < T(1);
+            found[d].leaving *= taken;
+        }
+        if (less) lead();
+        return less;
+    }
+
+    /// What leaves a singularity a little farther on.
+    void leave_as(const rate_solver& other) {
+        rank = other.rank;
+        turning = other.turning;
+        for (int d = 0; d < rank; ++d) found[d] = other.found[d];
+    }
+
+    /// The rows as they will be.
+    void lead() {
+        copy(J, led);
+        turning = T(0);
+        for (int d = 0; bounds.stops && placed && d < rank; ++d) turning = greatest(turning, found[d].leaving);
+        for (int d = 0; d < rank; ++d)
+            for (int i = 0; i < 6; ++i)
+                for (int k = 0; k < n(); ++k)
+                    led[i][k] += found[d].leaving * (found[d].edge - found[d].sigma) * found[d].u[i] * found[d].v[k];
     }
 
     /// Of what is lost (6,) the square of the part along singular directions, and the joint that moves most along them.
@@ -246,17 +282,6 @@ template <class T, int N, int M> struct rate_solver {
         return weight;
     }
 
-    /// What the levels let a twist along u weigh: the least of w / |u|, level by level.
-    T weight_along(const T* u) const {
-        T found = T(1) / nothing<T>;
-        for (int level = 0; level < levels.count; ++level) {
-            T part[6] = {};
-            for (int i = 0; i < levels.size[level]; ++i) part[i] = u[levels.component[level][i]];
-            found = least(found, weight_of(level) / greatest(norm(part, 6), nothing<T>));
-        }
-        return found;
-    }
-
     T times(const six_rows<T, N>& rows, int row, const T* rates) const {
         T sum = T(0);
         for (int k = 0; k < n(); ++k) sum += rows[row][k] * rates[k];
@@ -275,7 +300,7 @@ template <class T, int N, int M> struct rate_solver {
         T done[6], along = T(0);
         const T size = norm(asked, count);
         for (int i = 0; i < count; ++i) {
-            done[i] = times(J, i, x);
+            done[i] = times(led, i, x);
             along += done[i] * asked[i];
         }
         along = clamped(along / greatest(size * size, nothing<T> * nothing<T>), T(0), T(1));
@@ -307,12 +332,20 @@ template <class T, int N, int M> struct rate_solver {
     }
 
   private:
+    /// Where the arm keeps to its course it leaves a singularity at what rates that takes.
+    void undamp(T (&H)[most][most]) const {
+        for (int d = 0; d < rank; ++d)
+            for (int a = 0; a < n(); ++a)
+                for (int b = 0; b <= a; ++b) H[a][b] -= damping * found[d].leaving * found[d].v[a] * found[d].v[b];
+    }
+
     /// H = Jᵀ Ω J + τ and r = Jᵀ Ω V with Ω = w / |V − J x|, level by level.
     void weigh(const T* asked, const T* x, T tip, T (&H)[most][most], T* r) const {
         for (int a = 0; a < n(); ++a) {
             r[a] = T(0);
             for (int b = 0; b <= a; ++b) H[a][b] = a == b ? damping : T(0);
         }
+        if (bounds.stops) undamp(H);
         T left[6];
         rest(led, asked, x, left);
         for (int level = 0; level < levels.count; ++level) {
@@ -321,7 +354,8 @@ template <class T, int N, int M> struct rate_solver {
                 const T part = left[levels.component[level][i]];
                 square += part * part;
             }
-            const T counts = weight_of(level) / sqrt(square);
+            T counts = weight_of(level) / sqrt(square);
+            if (level > 0 && levels.component[level][0] >= 3) counts *= T(1) - turning;
             for (int i = 0; i < levels.size[level]; ++i) {
                 const int c = levels.component[level][i];
                 for (int a = 0; a < n(); ++a) {

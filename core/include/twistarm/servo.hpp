@@ -51,7 +51,7 @@ template <class T> struct servo_output {
 };
 
 namespace servo_detail {
-constexpr double halted_below = 1e-2;  // rates below this share of the command's are a standstill
+constexpr double halted_below = 3e-2;  // rates below this share of the command's are a standstill
 template <class T> constexpr T rounding = T(sizeof(T) == 8 ? 1e-12 : 1e-6);  // an error of a pose below this is none
 constexpr double noticed = 0.01;       // a slow-down by a smaller share is not worth a word
 constexpr double no_room = 0.01;       // a joint at its limit may move on at a smaller share of the scaled twist
@@ -305,6 +305,7 @@ template <class T, int N, int M> struct servo {
             int joint = -1;
             if (solver.singular_part(left, joint) > T(noticed) * size * size) blame(servo_cause::singularity, joint);
             free_rates(solver, asked, x);
+            if (solver.take_back(x)) free_rates(solver, asked, x);
         }
         for (int k = 0; k < n(); ++k) rates[k] = x[k] * bounds.unit[k];
         T share = velocity_share(bounds.motion, rates, row);
@@ -369,9 +370,14 @@ template <class T, int N, int M> struct servo {
         T farther[capacity(N)], then[capacity(N)];
         sides<capacity(N)> at;
         for (int k = 0; k < n(); ++k) farther[k] = solver.posture[k] + look_ahead<T> / size * x[k] * bounds.unit[k];
-        const rate_solver<T, N, M> ahead(arm, bounds, solver.levels, solver.base_axes, farther, dt);
+        rate_solver<T, N, M> ahead(arm, bounds, solver.levels, solver.base_axes, farther, dt);
+        ahead.leave_as(solver);
         ahead(asked, lower, upper, at, then);
-        for (int k = 0; k < n(); ++k) then[k] = (then[k] - x[k]) * bounds.unit[k] * size / look_ahead<T>;
+        T along = T(0);
+        for (int k = 0; k < n(); ++k) along += (then[k] - x[k]) * x[k] / (size * size);
+        // Rates that shrink on the way may stay as they are: the tool speeds up then.
+        for (int k = 0; k < n(); ++k)
+            then[k] = (then[k] - x[k] - least(along, T(0)) * x[k]) * bounds.unit[k] * size / look_ahead<T>;
         return T(1) / sqrt(greatest(T(4) * stopping_time(bounds.motion, then), T(1)));
     }
 

@@ -21,7 +21,7 @@ from .state import ServoState
 NOTHING = 1e-12
 """Rates and errors below this are rounding."""
 
-HALTED = 1e-2
+HALTED = 3e-2
 """Rates below this share of the command's are a standstill."""
 
 NO_ROOM = 0.01
@@ -180,12 +180,13 @@ def _rates(arm: Arm, bounds: Bounds, state: ServoState, task: Task, frame: str, 
     def jacobian(displacement: Array) -> Array:
         return _jacobian(arm, bounds, ahead + bounds.unit * displacement, frame)
 
-    beside = singular(jacobian, _toward(bounds, ahead), task, lost, bounds.singular_below)
+    beside = singular(jacobian, _toward(bounds, ahead), task, lost, bounds.singular_below, bounds.stops)
     if beside is not None:
         part, joint = beside.part(lost, bounds.singular_below)
         if part > NOTICED * size * size:
             cause, row = Cause.SINGULARITY, joint
-        task = replace(task, J=beside.led)
+        led = beside.lead(task, bounds.stops)
+        task = beside.taken(jacobian, resolved_rates(led)[0]).lead(task, bounds.stops)
         x = resolved_rates(task)[0]
     share, fastest = bounds.velocity_share(x * bounds.unit)
     if share < 1.0:
@@ -240,12 +241,12 @@ def _on_course(
     bounds: Bounds, task: Task, jacobian: Displaced, room: tuple[Array, Array], x: Array, at: Array
 ) -> tuple[Array, Array]:
     """The rates for the largest share of a task that is done without leaving its course; found by halves."""
-    J, kept, first = jacobian(np.zeros(bounds.n)), 0.0, True
+    kept, first = 0.0, True
     step = _followed(bounds, task, jacobian, room, x)
     while step > FINEST:
         slower = replace(task, asked=(kept + step) * task.asked)
         x, at = resolved_rates(slower, *room)
-        if _keeps_course(slower, J, x):
+        if _keeps_course(slower, x):
             if first:
                 return x, at
             kept += step
@@ -262,17 +263,19 @@ def _followed(bounds: Bounds, task: Task, jacobian: Displaced, room: tuple[Array
     if size <= NOTHING:
         return 1.0
     then = resolved_rates(replace(task, J=jacobian(LOOK_AHEAD / size * x)), *room)[0]
-    stop = bounds.stopping_time((then - x) * bounds.unit * size / LOOK_AHEAD)
+    # Rates that shrink on the way may stay as they are: the tool speeds up then.
+    change = then - x - min(float((then - x) @ x) / size**2, 0.0) * x
+    stop = bounds.stopping_time(change * bounds.unit * size / LOOK_AHEAD)
     return float(1.0 / np.sqrt(max(4.0 * stop, 1.0)))
 
 
-def _keeps_course(task: Task, J: Array, x: Array) -> bool:
-    """Whether the tool, J (6, n), moves along what is asked at the rates x, if slower, but for a thousandth beside it.
+def _keeps_course(task: Task, x: Array) -> bool:
+    """Whether the tool moves along what is asked at the rates x, if slower, but for a thousandth beside it.
 
     An arm of fewer than six joints may turn its tool on the way, unless turning is all that is asked.
     """
     count = 6 if len(x) >= 6 or not task.asked[:3].any() else 3
-    asked, done = task.asked[:count], (J @ x)[:count]
+    asked, done = task.asked[:count], (task.J @ x)[:count]
     along = float(np.clip(done @ asked / max(float(asked @ asked), NOTHING * NOTHING), 0.0, 1.0))
     return bool(np.linalg.norm(done - along * asked) <= OFF_COURSE * np.linalg.norm(asked))
 

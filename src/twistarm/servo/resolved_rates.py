@@ -25,12 +25,17 @@ SETTLED, ROUNDS = 1e-6, 50
 class Task:
     """Tool rates `asked` (6,), scaled to rad/s, which components of them go before which others, and the Jacobian's
     rows J (6, n) for scaled rates. damping: τ [s].
+
+    undamped (n, n): V L Vᵀ of joint motions V that are damped by 1 − L only. turning: how far rotations that are not
+    held are left out, 0 … 1.
     """
 
     asked: Array
     levels: tuple[tuple[int, ...], ...]
     J: Array
     damping: float
+    undamped: Array | None = None
+    turning: float = 0.0
 
 
 def resolved_rates(task: Task, lower: Array | None = None, upper: Array | None = None) -> tuple[Array, Array]:
@@ -70,17 +75,16 @@ def resolved_rates(task: Task, lower: Array | None = None, upper: Array | None =
     return x, at
 
 
-def weights(task: Task) -> list[tuple[tuple[int, ...], float]]:
-    """The levels and their weights w_l."""
-    precedence = PRECEDENCE if task.J.shape[1] < len(task.asked) else PRECEDENCE_OF_SIX
-    return [(level, precedence**-k) for k, level in enumerate(task.levels)]
-
-
 def _weighed(task: Task, x: Array, tip: float) -> tuple[Array, Array]:
     """Jᵀ Ω J + τ and Jᵀ Ω V, Ω = w / |V − J x| level by level."""
-    each, left = np.zeros(6), task.asked - task.J @ x
-    for level, weight in weights(task):
+    weights, left = np.zeros(6), task.asked - task.J @ x
+    precedence = PRECEDENCE if len(x) < len(left) else PRECEDENCE_OF_SIX
+    for number, level in enumerate(task.levels):
         rows: Sequence[int] = list(level)
-        each[rows] = weight / np.sqrt(tip * tip + left[rows] @ left[rows])
-    weighed = task.J.T * each
-    return weighed @ task.J + task.damping * np.eye(len(x)), weighed @ task.asked
+        weights[rows] = precedence**-number / np.sqrt(tip * tip + left[rows] @ left[rows])
+        if number > 0 and level[0] >= 3:
+            weights[rows] *= 1.0 - task.turning
+    weighed, damped = task.J.T * weights, np.eye(len(x))
+    if task.undamped is not None:
+        damped = damped - task.undamped
+    return weighed @ task.J + task.damping * damped, weighed @ task.asked

@@ -3,15 +3,19 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from dataclasses import replace
 from typing import NamedTuple
 
 import numpy as np
 
 from ..checks import Array
-from .resolved_rates import PRECEDENCE, Task, weights
+from .resolved_rates import PRECEDENCE, Task
 
 BESIDE = 0.02
 """How far beside a posture one looks for directions that it lacks [scaled rad]."""
+
+NOTHING = 1e-12
+"""Slower scaled rates are rounding."""
 
 NO_MOTION = 1e-9
 """Singular values below this are none at all."""
@@ -25,25 +29,55 @@ DIFFERENCE = 1e-4
 MISSED = 0.1
 """Of the twist: where a smaller part is lost, nothing is looked at."""
 
-WIDEST, WIDEST_OF_SIX = 0.3, 0.06
-"""Singular values above these count as themselves, in arms of fewer than six joints and of more."""
+LEFT_BEHIND = 0.055
+"""What a singular value on its way up counts as: √(τ V) for a twist of V = 0.1 rad/s, from where on V/σ is worth it."""
+
+TAKEN = 0.01
+"""dσ per scaled radian of the whole motion, which the levels bend: less takes back what was seen of the way out."""
+
+ON_COURSE = 2e-3
+"""What singular values count as at least, where the arm keeps to its course."""
 
 FIVE = 5
 """Joints below which the position alone can be singular, and is looked at first."""
 
 
+Displaced = Callable[[Array], Array]
+"""The rows (6, n) at a posture that is a scaled joint displacement (n,) away."""
+
+
 class Singular(NamedTuple):
-    """The motions of a tool at a posture that is singular.
+    """The motions of a tool at a posture that is singular, J (6, n) the rows there.
 
     sigma (k,): singular values, descending; U (6, k), V (n, k): what the tool and the joints do along each; leaving
-    (k,), 0 … 1: how far what is asked for leaves the singularity. led (6, n): the Jacobian's rows as they will be then.
+    (k,), 0 … 1: how far what is asked for leaves the singularity, and edge (k,): what σ counts as then. of_position:
+    whether they are those of the position alone.
     """
 
+    J: Array
     sigma: Array
     U: Array
     V: Array
     leaving: Array
-    led: Array
+    edge: Array
+    of_position: bool
+
+    def lead(self, task: Task, stops: bool) -> Task:
+        """The task as it will be where the motion leaves the singularity; on its course at any rates."""
+        led = self.J + (self.U * (self.leaving * (self.edge - self.sigma))) @ self.V.T
+        if not stops:
+            return replace(task, J=led)
+        turning = float(self.leaving.max()) if self.of_position else 0.0
+        return replace(task, J=led, undamped=(self.V * self.leaving) @ self.V.T, turning=turning)
+
+    def taken(self, jacobian: Displaced, x: Array) -> Singular:
+        """Of the ways out what the arm really takes at the scaled rates x (n,), which the other levels bend."""
+        size = float(np.linalg.norm(x))
+        if size <= NOTHING:
+            return self
+        along = (jacobian(DIFFERENCE / size * x) - self.J) / DIFFERENCE
+        rises = np.einsum("id,ij,jd->d", self.U, along, self.V)
+        return self._replace(leaving=self.leaving * np.clip(rises / TAKEN, 0.0, 1.0))
 
     def part(self, lost: Array, below: float) -> tuple[float, int]:
         """Of what is lost (6,) the square of the part along singular directions, and the joint that moves most there.
@@ -56,51 +90,33 @@ class Singular(NamedTuple):
         return float(parts.sum()), joint
 
 
-Displaced = Callable[[Array], Array]
-"""The rows (6, n) at a posture that is a scaled joint displacement (n,) away."""
-
-
-def singular(jacobian: Displaced, toward: Array, task: Task, lost: Array, below: float) -> Singular | None:
+def singular(jacobian: Displaced, toward: Array, task: Task, lost: Array, below: float, stops: bool) -> Singular | None:
     """Where the arm is singular and of a task so much is lost (6,); None where it is not, or too little is.
 
-    An arm must be able to move away: a singular value that rises as the arm moves counts as more, see `_edge`. (An arm
-    that is exactly stretched has no rates at all that pull its tool back to first order.) dσ per scaled radian along v
-    is uᵀ (∂J/∂v) v. A direction that this very posture lacks is read off one a little beside, on the way `toward` (n,)
-    a good one.
+    An arm must be able to move away: a singular value that rises as the arm moves counts as LEFT_BEHIND. (An arm that
+    is exactly stretched has no rates at all that pull its tool back to first order.) Where the arm keeps to its course,
+    it counts as itself and is not damped. dσ per scaled radian along v is uᵀ (∂J/∂v) v. A direction that this very
+    posture lacks is read off one a little beside, on the way `toward` (n,) a good one.
     """
     size = float(np.linalg.norm(task.asked))
     much = float(np.linalg.norm(lost)) / max(size, np.finfo(float).tiny) / MISSED - 1.0
     if much <= 0.0:
         return None
-    J, widest = jacobian(np.zeros(len(toward))), max(below, _widest(len(toward)))
-    if len(toward) < FIVE and smallest_about(J[:3]) < max(below, 2.0 / PRECEDENCE):
-        count = 3
-    elif smallest_about(J) < widest:
-        count = 6
-    else:
+    J, enough = jacobian(np.zeros(len(toward))), max(below, LEFT_BEHIND)
+    of_position = len(toward) < FIVE and smallest_about(J[:3]) < max(below, 2.0 / PRECEDENCE)
+    if not of_position and smallest_about(J) >= enough:
         return None
-    sigma, U, V = _decomposed(J, count, lambda: jacobian(BESIDE * toward))
-    led, leaving = J.copy(), np.zeros(len(sigma))
+    sigma, U, V = _decomposed(J, 3 if of_position else 6, lambda: jacobian(BESIDE * toward))
+    leaving, edges = np.zeros(len(sigma)), np.zeros(len(sigma))
     for d in range(len(sigma)):
         u, v = U[:, d], V[:, d]
         # The way out of a position may turn the tool, which a lower level resists.
-        turned = float(np.linalg.norm(J[3:] @ v))
-        edge = max(below, 2.0 * turned / PRECEDENCE if count == 3 else _edge(task, u))
+        edge = max(below, 2.0 * float(np.linalg.norm(J[3:] @ v)) / PRECEDENCE) if of_position else enough
+        edges[d] = max(ON_COURSE, sigma[d]) if stops else edge
         if sigma[d] < edge:
             rise = float(u @ (jacobian(DIFFERENCE * v) - J) @ v) / DIFFERENCE
             leaving[d] = min(much, 1.0) * min(max(rise * float(u @ lost) / size / RISE, 0.0), 1.0)
-            led += leaving[d] * (edge - sigma[d]) * np.outer(u, v)
-    return Singular(sigma, U, V, leaving, led)
-
-
-def _edge(task: Task, u: Array) -> float:
-    """The least σ at which rates V/σ are worth what they bring for V along u (6,): √(τ V / w), w what V weighs."""
-    weight = min(weight / max(float(np.linalg.norm(u[list(level)])), NO_MOTION) for level, weight in weights(task))
-    return min(float(np.sqrt(task.damping * np.linalg.norm(task.asked) / weight)), _widest(task.J.shape[1]))
-
-
-def _widest(n: int) -> float:
-    return WIDEST if n < 6 else WIDEST_OF_SIX
+    return Singular(J, sigma, U, V, leaving, edges, of_position)
 
 
 def _decomposed(J: Array, count: int, beside: Callable[[], Array]) -> tuple[Array, Array, Array]:
