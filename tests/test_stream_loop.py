@@ -270,6 +270,15 @@ def test_settings_may_change_while_it_runs(rover, clock, robot, stream):
 
 
 def test_settings_that_are_none(stream):
-    for settings in ("stop", lambda: "stop"):
+    for settings in ("stop", lambda: "stop", lambda now: ServoSettings(), Says):
         with pytest.raises(InputError, match="settings must be a ServoSettings"):
             stream(settings=settings)
+
+
+def test_settings_that_are_none_any_more_end_the_stream_with_the_arm_at_rest(clock, robot, stream):
+    change = clock.now() + 1.0
+    report = stream(settings=lambda: ServoSettings() if clock.now() < change else None)
+    assert robot.rates.any()
+    assert (report.ending, report.at_rest) == (Ending.SERVO_FAILED, True)
+    assert "settings must be a ServoSettings" in report.reason
+    assert not robot.rates[-1].any()

@@ -6,14 +6,17 @@ import signal
 import sys
 from collections.abc import Callable
 from contextlib import AbstractContextManager, nullcontext
+from inspect import signature
 from math import inf
 
 from numpy.typing import ArrayLike
 
 from ..arm import Arm
-from ..checks import as_positive
+from ..checks import as_positive, require
+from ..errors import InputError, shown
 from ..servo import ServoSettings
 from ..signals import ended_like_ctrl_c
+from .failures import StreamError, asked
 from .inbox import COMMAND_TIMEOUT, FEEDBACK_TIMEOUT
 from .interlock import Interlock
 from .metronome import Metronome, MonotonicClock
@@ -61,7 +64,8 @@ def run(
     duration [s] and `until()` end the stream; `on_cycle(cycle)` is called after each, between the setpoint and the next
     one, and must be quick.
 
-    settings: of the servo, or a function that is asked for them before every cycle, so that they may change.
+    settings: of the servo, or a function of nothing that is asked for them before every cycle, so that they may change;
+    where it answers anything else the stream ends.
 
     handle_signals: SIGTERM (`kill`, a service that is ended) and SIGHUP (a closed terminal) end it as Ctrl-C does, with
     the signal's name as the reason, and have their usual effect again once it has returned. That is for the main thread
@@ -72,14 +76,14 @@ def run(
     TwistarmError) stands in the report; other exceptions are raised after that. A setpoint that did not get through
     (`UndeliveredError`) is counted, and ends nothing.
 
-    Raises InputError for a rate, timeout, tolerance or duration that is not positive, and for a rate so low that the
-    servo's longest step is shorter than a period.
+    Raises InputError for a rate, timeout, tolerance or duration that is not positive, for settings that are none, and
+    for a rate so low that the servo's longest step is shorter than a period.
     """
     longest = inf if duration is None else as_positive(duration, "duration")
-    asked = _asked(settings)
+    current = _current(settings)
     streaming = Streaming(
         arm, source, sink, feedback, rate=rate, command_timeout=command_timeout, feedback_timeout=feedback_timeout,
-        tolerance=tolerance, settings=asked(), velocity_mode=velocity_mode, interlock=interlock,
+        tolerance=tolerance, settings=current(), velocity_mode=velocity_mode, interlock=interlock,
     )  # fmt: skip
     time = clock or MonotonicClock()
     metronome = Metronome(streaming.period)
@@ -88,9 +92,11 @@ def run(
     with handled as sent:
         ending, reason = Ending.INTERRUPTED, ""
         try:
-            ending, reason = _drive(streaming, asked, metronome, time, began + longest, until, on_cycle)
+            ending, reason = _drive(streaming, current, metronome, time, began + longest, until, on_cycle)
         except KeyboardInterrupt:
             reason = signal.Signals(sent[0]).name if sent else ""
+        except StreamError as failed:
+            ending, reason = failed.ending, str(failed)
         except BaseException as error:
             come_to_rest(streaming, metronome, time)
             _note(error, tuple(streaming.tally.failures))
@@ -115,12 +121,17 @@ def come_to_rest(streaming: Streaming, metronome: Metronome, clock: Clock) -> bo
     return at_rest
 
 
-def _asked(settings: ServoSettings | Callable[[], ServoSettings] | None) -> Callable[[], ServoSettings]:
-    """What gives them at any time."""
+def _current(settings: ServoSettings | Callable[[], ServoSettings] | None) -> Callable[[], ServoSettings]:
+    """What gives them at any time, and raises InputError where they are none."""
+    how = "as ServoSettings() is, or a function of nothing that returns one"
     if callable(settings):
-        return settings
+        try:
+            signature(settings).bind()
+        except (TypeError, ValueError):  # it takes arguments, or nobody can tell
+            raise InputError(f"settings must be a ServoSettings, {how}; got {shown(settings)}") from None
+        return lambda: require(settings(), ServoSettings, "settings", how)
     given = ServoSettings() if settings is None else settings
-    return lambda: given
+    return lambda: require(given, ServoSettings, "settings", how)
 
 
 def _drive(
@@ -143,7 +154,7 @@ def _drive(
         if periods != 0:  # else the clock woke us a little early
             if due > -inf:
                 streaming.tally.lateness.add(now - due)
-            streaming.settings = settings()
+            streaming.settings = asked(Ending.SERVO_FAILED, settings)
             cycle = streaming.cycle(now, periods)
             if on_cycle is not None:
                 on_cycle(cycle)
