@@ -97,3 +97,14 @@ def check(name, accelerating):
 @pytest.mark.parametrize("name", ARMS)
 def test_it_stands_on_its_course_and_says_why(name, accelerating):
     check(name, accelerating)
+
+
+@pytest.mark.parametrize("name", ["four_joints", "rover_arm", "ur5", "panda"])
+def test_an_arm_that_stopped_stretched_comes_back_on_its_course(name):
+    arm, up = servo_arm(name), np.array([0.0, 0.0, 0.1, 0.0, 0.0, 0.0])
+    stretched = walk(arm, arm.ready, up, 15.0)[0][-1].theta
+    assert np.linalg.svd(scaled_jacobian(arm, stretched), compute_uv=False)[min(arm.n, 6) - 1] < 1e-3
+    start = pose(arm, stretched)
+    back = [pose(arm, state.theta) for state in walk(arm, stretched, -up, 1.0)[0]]
+    assert max(beside(arm, start, g, -up)[0] for g in back[::10]) <= OFF
+    assert start[2, 3] - back[-1][2, 3] > 0.05
