@@ -13,6 +13,7 @@ from stream_stand_ins import clock as clock
 from stream_stand_ins import robot as robot
 from stream_stand_ins import stream as stream
 from twistarm.errors import InputError
+from twistarm.servo import JogCommand, PoseCommand, TwistCommand
 from twistarm.stream import Interlock, UdpFeedback, UdpSource
 
 
@@ -44,7 +45,8 @@ def test_what_is_stopped_brakes_along_the_limits_and_stands_until_enabled(rover,
         seen.append(cycle)
         at.get(len(seen), lambda: None)()
 
-    report = stream(on_cycle=on_cycle, interlock=interlock, duration=1.5)
+    source = Says(lambda now: jog(rover, elbow=-0.4) if len(seen) < 50 or len(seen) > 110 else None)
+    report = stream(source, on_cycle=on_cycle, interlock=interlock, duration=1.5)
     elbow = robot.rates[:, rover.joint_names.index("elbow")]
     assert elbow[45:50] == pytest.approx(-0.4)
     assert abs(np.diff(elbow)).max() <= 2.5 * PERIOD * (1 + 1e-9)
@@ -66,6 +68,45 @@ def test_an_arm_that_is_not_enabled_never_moves(robot, stream):
     assert report.barred_reason == "stopped: it waits to be enabled"
 
 
+@pytest.mark.parametrize("release", [None, JogCommand(np.zeros(5)), TwistCommand(np.zeros(6))])
+@pytest.mark.parametrize("began", ["stopped", "enabled"])
+@pytest.mark.parametrize("held", ["jog", "pose"])
+def test_a_held_control_moves_nothing_until_it_is_released(rover, robot, stream, began, release, held):
+    """Stopped in an emergency, cleared and enabled under a constant command, which then pauses for one cycle."""
+    interlock, count = Interlock(enabled=began == "enabled"), 0
+    g = rover.fk(rover.ready) + np.outer([0, 0, 0.05, 0], [0, 0, 0, 1])
+    command = {"jog": jog(rover, elbow=-0.4), "pose": PoseCommand(g)}[held]
+    at = {20: interlock.emergency_stop, 70: interlock.clear, 71: interlock.enable}
+    reasons = []
+
+    def on_cycle(cycle):
+        nonlocal count
+        count += 1
+        reasons.append(cycle.reason)
+        at.get(count, lambda: None)()
+
+    stream(Says(lambda now: release if count == 120 else command), interlock=interlock, on_cycle=on_cycle)
+    assert robot.rates[:20].any() == (began == "enabled")
+    assert not robot.rates[65:121].any()
+    assert all("release the controls first" in reason for reason in reasons[71:120])
+    assert robot.rates[122:140].any()
+
+
+def test_controls_released_while_stopped_count_at_once(rover, robot, stream):
+    interlock, seen = Interlock(enabled=False), []
+
+    def on_cycle(cycle):
+        seen.append(cycle)
+        if len(seen) == 50:
+            interlock.enable()
+
+    stream(
+        Says(lambda now: jog(rover, elbow=-0.4) if len(seen) >= 50 else None), interlock=interlock, on_cycle=on_cycle
+    )
+    assert not robot.rates[:50].any()
+    assert robot.rates[50].any()
+
+
 def test_what_is_no_interlock_is_refused(stream):
     with pytest.raises(InputError, match="interlock must be"):
         stream(interlock=True)
@@ -78,13 +119,17 @@ def send():
 
 
 def test_an_emergency_stop_counts_whatever_came_with_it(rover, robot, stream, send):
-    """In one cycle: the word, then the stick's next command, which is newer. Then enable alone, which is not enough."""
+    """In one cycle: the word, then the stick's next command, which is newer. Then enable alone, which is not enough.
+
+    The stick is released for a cycle once it is enabled, and not before.
+    """
     jogged = {"jog": {"elbow": -0.4}}
     with UdpSource(rover) as source:
         says = {
             30: [{"interlock": "emergency stop", "reason": "marshal", "number": 0}, jogged | {"number": 9}],
             60: [{"interlock": "enable"}],
             90: [{"interlock": "clear"}, {"interlock": "enable"}],
+            110: [{"jog": {"elbow": 0.0}}],
         }
         count = iter(range(10_000))
 
@@ -95,7 +140,7 @@ def test_an_emergency_stop_counts_whatever_came_with_it(rover, robot, stream, se
         interlock = Interlock()
         report = stream(source, on_cycle=on_cycle, interlock=interlock, duration=1.5)
     assert robot.rates[29].any()
-    assert not robot.rates[55:90].any()
+    assert not robot.rates[55:110].any()
     assert robot.rates[120:140].any()
     assert report.barred_reason == "emergency stop: marshal"
     assert source.interlock is interlock

@@ -55,7 +55,8 @@ def run(
     from where it is measured if it had come to rest while the joint state was missing.
     A joint farther than `tolerance` (one number or (n,)) [rad, m] from all that was commanded within the last
     `feedback_timeout` ends the stream. While `interlock` does not allow motion, the arm comes to rest in the same way
-    and stands; what it says is in every cycle, every setpoint and the report.
+    and stands; what it says is in every cycle, every setpoint and the report. Once it is enabled, a command that goes
+    on from before counts as none until the controls were released: a cycle had no command, or a twist or jog of zeros.
 
     velocity_mode: for robots that take rates alone. What they are told is the servo's rates and a correction toward
     where the servo is, by a filter that learns each drive's gain and delay from the measured state (`RateObserver`);

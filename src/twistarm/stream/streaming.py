@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from math import inf
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -24,6 +25,8 @@ from .watch import FeedbackWatch
 
 TOLERANCE = 0.2
 """How far a joint may be from where it was commanded to be [rad, m]."""
+
+RELEASE_FIRST = "release the controls first: they were held when the arm was enabled"
 
 BRAKING_SPARE = 0.5
 """Seconds that coming to rest may take beyond twice what velocity over acceleration says."""
@@ -96,6 +99,7 @@ class Streaming:
         self._observer = RateObserver(self.arm, self.period) if velocity_mode else None
         self._number = 0
         self._released = inf
+        self._held = not self.interlock.allows_motion  # a command since before the arm was enabled, which moves nothing
 
     def cycle(self, now: float, periods: int = 1) -> Cycle:
         """The cycle at `now` [s], that many periods after the last one; 0 or less where time went back.
@@ -157,13 +161,18 @@ class Streaming:
         if self._observer is not None and self.state is not None:
             self._observer.hear(None if blind else measured, now)
         reading = asked(Ending.SOURCE_FAILED, self.source.read, now, self.state)
+        command, uncommanded = self._command(reading)
+        barred = self.interlock.look().barrier
+        self._held = (self._held or bool(barred)) and _asks_for_motion(command)
+        if self._held:
+            command, uncommanded = None, RELEASE_FIRST
         self.tally.blind_reason = blind or self.tally.blind_reason
         if self.state is None:
             self.tally.waited += 1
             return Cycle(now, reading, None, None, blind, interlock=self.interlock.word)
         strayed = "" if theta is None else self._watch.deviation(theta)
-        barred = self.interlock.look().barrier
-        command, uncommanded = (None, "") if barred else self._command(reading)
+        if barred:
+            command, uncommanded = None, ""
         self.tally.blind += bool(blind)
         self.tally.uncommanded += bool(uncommanded)
         self.tally.uncommanded_reason = uncommanded or self.tally.uncommanded_reason
@@ -256,6 +265,11 @@ class Streaming:
             self._write(setpoint)
         except Exception as error:  # whatever it is, the arm must still be brought to rest
             self.tally.failures[f"the sink failed: {worded(error)}"] += 1
+
+
+def _asks_for_motion(command: Any) -> bool:
+    """Whether the controls are held: any command but a twist or a jog of zeros."""
+    return command is not None and not np.array_equiv(getattr(command, "numbers", command), 0.0)
 
 
 def checked_rate(rate: float, settings: ServoSettings) -> float:
