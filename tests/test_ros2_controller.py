@@ -74,7 +74,11 @@ class Run:
         rows = []
         for given in cycles:
             cycle = {**FRESH, **given}
-            numbers = [*np.asarray(cycle.pop("theta", ready)), *(cycle[name] for name in FRESH), *RATES]
+            numbers = [
+                *np.asarray(cycle.pop("theta", ready)),
+                *(cycle[name] for name in FRESH),
+                *cycle.get("rates", RATES),
+            ]
             rows.append(" ".join(map(repr, map(float, numbers))))
         said = subprocess.run([program], input="\n".join(rows), capture_output=True, text=True, check=True, timeout=60)
         lines = [line.split("|") for line in said.stdout.splitlines()]
@@ -129,11 +133,20 @@ def test_nothing_is_said_before_the_joints_say_numbers(controller: Path) -> None
 
 def test_an_arm_that_strayed_waits_until_it_is_enabled_anew(controller: Path) -> None:
     away = {"theta": load("rover_arm").ready + [0.0, 0.3, 0.0, 0.0, 0.0]}
-    run = Run(controller, [{}] * 5 + [away] * 30 + [{**away, "enabled": 0.0}] * 2 + [away] * 2)
+    released = {**away, "enabled": 0.0, "rates": [0.0] * 5}
+    run = Run(controller, [{}] * 5 + [away] * 30 + [released] * 2 + [away] * 2)
     assert "not where it was commanded" in run.reasons[34]
     assert not run.rates[34].any()
     assert run.reasons[-1] == ""
     np.testing.assert_allclose(run.theta[-1], away["theta"], atol=0.01)
+
+
+@pytest.mark.parametrize("release", [{"rates": [0.0] * 5}, {"command_age": 0.3}])
+def test_a_stick_held_while_it_is_enabled_moves_nothing(controller: Path, release: dict[str, object]) -> None:
+    run = Run(controller, [{"enabled": 0.0}] * 3 + [{}] * 5 + [release] + [{}] * 5)
+    assert set(run.reasons[3:8]) == {"release the controls first: they were held when the arm was enabled"}
+    assert not run.rates[:9].any()
+    assert run.rates[-1].any()
 
 
 def test_a_robot_that_was_off_is_not_told_to_jump_back(controller: Path) -> None:

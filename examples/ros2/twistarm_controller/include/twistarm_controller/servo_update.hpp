@@ -10,14 +10,15 @@
 namespace twistarm_controller {
 
 /// Why the arm was not told to do what is commanded; the first that holds.
-enum class stopped_by { nothing, no_state, stale_state, strayed, interlock, late_cycle, stale_command };
+enum class stopped_by { nothing, no_state, stale_state, strayed, interlock, late_cycle, stale_command, held };
 
 /// What each of them means, for logs.
 inline const char* text(stopped_by reason) {
     constexpr const char* texts[] = {
         "", "no joint state has arrived", "the joint state is too old",
         "the arm is not where it was commanded to be: stop, see why, and enable again", "motion is not enabled",
-        "the cycle came too late", "the command is too old"};
+        "the cycle came too late", "the command is too old",
+        "release the controls first: they were held when the arm was enabled"};
     return texts[static_cast<int>(reason)];
 }
 
@@ -34,9 +35,10 @@ template <class T, int N> struct update_input {
 };
 
 /// What is kept from cycle to cycle. Begin with update_memory<T, N>{}: that starts where the arm is measured.
+/// held: a command goes on from while motion was not enabled.
 template <class T, int N> struct update_memory {
     twistarm::servo_state<T, N> state;
-    bool started, blind, strayed;
+    bool started, blind, strayed, held;
 };
 
 /// What a cycle ends with. The setpoint is memory.state: theta where to be, theta_dot until then.
@@ -63,6 +65,15 @@ template <class T, int N> bool at_rest(const twistarm::servo_state<T, N>& state,
     return true;
 }
 
+/// Whether a command asks for no motion; a pose always asks for it.
+template <class T, int N> bool released(const twistarm::servo_command<T, N>& command, int n) {
+    const bool jogs = command.kind == twistarm::servo_kind::jog;
+    const T* const rates = jogs ? command.rates : command.twist;
+    for (int k = 0; k < (jogs ? n : 6); ++k)
+        if (rates[k] != T(0)) return command.kind == twistarm::servo_kind::none;
+    return command.kind != twistarm::servo_kind::pose;
+}
+
 template <class T, int N>
 bool away(const twistarm::servo_state<T, N>& state, const T* theta, T tolerance, int n) {
     for (int k = 0; k < n; ++k) {
@@ -80,13 +91,15 @@ stopped_by why_not(const update_settings<T>& settings, const update_input<T, N>&
     if (!in.enabled) return stopped_by::interlock;
     if (in.dt > settings.longest_dt) return stopped_by::late_cycle;
     if (!fresh(in.command_age, settings.command_timeout)) return stopped_by::stale_command;
+    if (memory.held) return stopped_by::held;
     return stopped_by::nothing;
 }
 }  // namespace detail
 
 /// One cycle. The servo starts where the arm is measured, and anew where the joint state comes back to an arm at rest;
 /// between these it integrates what it commands. Whatever stops it brings it to rest along its limits; an arm that
-/// strayed stays stopped until `enabled` was false.
+/// strayed stays stopped until `enabled` was false. A command that goes on from while it was false counts as none until
+/// the controls are released.
 template <class T, int N, int M>
 void update(const twistarm::chain<T, N, M>& arm, const twistarm::servo_bounds<T, N>& bounds,
             const update_settings<T>& settings, const update_input<T, N>& in, update_memory<T, N>& memory,
@@ -95,12 +108,16 @@ void update(const twistarm::chain<T, N, M>& arm, const twistarm::servo_bounds<T,
     const bool seen = detail::fresh(in.state_age, settings.state_timeout) && detail::usable<T, N>(in.theta, n);
     const bool anew = !memory.started || memory.blind || (memory.strayed && !in.enabled);
     if (seen && anew && detail::at_rest(memory.state, n)) {
+        const bool held = memory.held;
         memory = update_memory<T, N>{};
+        memory.held = held;
         for (int k = 0; k < n; ++k) memory.state.theta[k] = in.theta[k];
         memory.started = true;
     }
     memory.blind = memory.started && !seen;
     memory.strayed = memory.strayed || (memory.started && seen && detail::away(memory.state, in.theta, settings.tolerance, n));
+    const bool commanded = detail::fresh(in.command_age, settings.command_timeout) && !detail::released(in.command, n);
+    memory.held = commanded && (memory.held || !in.enabled);
     out.reason = detail::why_not(settings, in, memory);
     out.valid = memory.started;
     if (!out.valid) return;
