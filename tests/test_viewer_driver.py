@@ -137,7 +137,7 @@ def test_it_stops_at_a_limit_and_says_which(arm: Arm) -> None:
         assert page.latest["servo"]["joint"] == arm.joint_names[joint]
         gauge = page.latest["gauge"]
         assert (gauge["joint"], gauge["end"]) == (arm.joint_names[joint], "upper")
-        assert gauge["room"] < 1e-3
+        assert gauge["room"] < 1e-2  # halted: below 3 % of what is commanded, on the way to the limit
 
     with Viewer(arm, near, open_browser=False) as viewer:
         drive(viewer, jog)

@@ -46,7 +46,7 @@ template <class T> constexpr T precedence_of_six = T(3);       // … and from s
 template <class T> constexpr T steps_damped = T(3);            // τ is at least so many steps, and a joint comes to its limit in no fewer
 template <class T> constexpr T no_motion = T(sizeof(T) == 8 ? 1e-9 : 1e-5);   // singular values below this count as none
 template <class T> constexpr T rise_whole = T(0.05);           // dσ per scaled rad: from here on a motion leaves a singularity entirely
-template <class T> constexpr T rise_taken = T(0.05);           // … and by the motion that the arm makes then
+template <class T> constexpr T rise_taken = T(0.02);           // … and by the motion that the arm makes then
 template <class T> constexpr T on_course = T(2e-3);            // what singular values count as at least, where the arm keeps to its course
 template <class T> constexpr T difference = T(sizeof(T) == 8 ? 1e-4 : 4e-3);
 template <class T> constexpr T beside = T(0.02);               // how far beside a posture one looks for lacking directions

@@ -32,7 +32,7 @@ MISSED = 0.1
 LEFT_BEHIND = 0.055
 """What a singular value on its way up counts as: √(τ V) for a twist of V = 0.1 rad/s, from where on V/σ is worth it."""
 
-TAKEN = 0.05
+TAKEN = 0.02
 """dσ per scaled radian of the whole motion, which the levels bend: less takes back what was seen of the way out."""
 
 ON_COURSE = 2e-3
