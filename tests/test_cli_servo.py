@@ -140,7 +140,7 @@ def test_kill_and_a_closed_terminal_end_it_as_ctrl_c_does(
         assert run(["servo", "scara", "--no-browser", "--duration", "30"], sent) == 0
     out, err = capsys.readouterr()
     assert (err, sent) == ("", [number])
-    assert "it was interrupted" in out
+    assert f"it was interrupted: {number.name}" in " ".join(out.split())
     assert "at rest" in out
     assert signal.getsignal(number) is usual
 

@@ -15,8 +15,8 @@ USUAL = (signal.SIG_DFL, signal.default_int_handler)
 
 @contextmanager
 def ended_like_ctrl_c() -> Iterator[list[int]]:
-    """A closed terminal and `kill` end what runs as Ctrl-C does, by KeyboardInterrupt: the cursor comes back, the arm
-    is brought to rest, the poses are kept, no part of a file is left.
+    """A closed terminal and `kill` end what runs as Ctrl-C does, by KeyboardInterrupt with the signal's name: the
+    cursor comes back, the arm is brought to rest, the poses are kept, no part of a file is left.
 
     The context gives the list of the signals that were sent: who handles the interruption then ends by `end_by`, as
     whoever sent it expects. Only signals whose usual effect stands are taken, and given it back behind the context: one
@@ -27,7 +27,7 @@ def ended_like_ctrl_c() -> Iterator[list[int]]:
 
     def end(number: int, frame: FrameType | None) -> None:
         sent.append(number)
-        raise KeyboardInterrupt
+        raise KeyboardInterrupt(signal.Signals(number).name)
 
     here = threading.current_thread() is threading.main_thread()
     heeded = [number for number in SIGNALS if here and signal.getsignal(number) in USUAL]

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import signal
 import sys
 from collections.abc import Callable
 from contextlib import AbstractContextManager, nullcontext
@@ -90,12 +89,12 @@ def run(
     metronome = Metronome(streaming.period)
     began = time.now()
     handled: AbstractContextManager[list[int]] = ended_like_ctrl_c() if handle_signals else nullcontext([])
-    with handled as sent:
+    with handled:
         ending, reason = Ending.INTERRUPTED, ""
         try:
             ending, reason = _drive(streaming, current, metronome, time, began + longest, until, on_cycle)
-        except KeyboardInterrupt:
-            reason = signal.Signals(sent[0]).name if sent else ""
+        except KeyboardInterrupt as interrupted:
+            reason = str(interrupted)
         except StreamError as failed:
             ending, reason = failed.ending, str(failed)
         except BaseException as error:
