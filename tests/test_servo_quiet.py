@@ -16,7 +16,7 @@ from benchmarks.servo_named import EXAMPLES, driven
 
 from twistarm.servo import TwistCommand
 
-QUICK, WHOLE = 16, 160
+QUICK, WHOLE = 8, 160
 """Twists of an arm: of every kind, from random starts, at limits, at stretched and at singular postures."""
 
 ARMS = ("four_joints", "scara", "rover_arm", "so101", "ur5", "panda")

@@ -28,7 +28,14 @@ def counted(seeds: range, poses: bool, base: tuple[float, float]) -> Counter[str
 
 
 @pytest.mark.parametrize("poses", [False, True], ids=["positions", "poses"])
-@pytest.mark.parametrize("base", [(0.0, 0.0), (0.01, 0.0), (0.01, np.radians(2.0))], ids=["exact", "1cm", "1cm2deg"])
+@pytest.mark.parametrize(
+    "base",
+    [
+        pytest.param((0.0, 0.0), id="exact", marks=pytest.mark.slow),
+        pytest.param((0.01, 0.0), id="1cm"),
+        pytest.param((0.01, np.radians(2.0)), id="1cm2deg", marks=pytest.mark.slow),
+    ],
+)
 def test_faults_are_named_and_no_sound_motor_is_accused(poses: bool, base: tuple[float, float]) -> None:
     outcomes = counted(range(500, 510), poses, base)
     assert outcomes["unexplained"] + outcomes["missed"] + outcomes["left open"] <= 1
