@@ -182,7 +182,7 @@ def test_what_happens_where_the_arm_cannot_follow_is_chosen_while_it_drives(view
 
     async def reach(page: Page) -> float:
         looks: list[float] = []
-        while len(looks) < 10 or np.ptp(looks[-10:]) > 1e-3:
+        while len(looks) < 10 or np.ptp(looks[-10:]) > 1e-4:
             for _ in range(3):
                 await ask(page, **out)
                 await asyncio.sleep(0.03)
