@@ -177,11 +177,11 @@ bool is_rigid(const double* g) {
 }  // namespace
 
 bool is_target(int kind, const double* numbers) {
-    double distance = 0.0;
     const bool has_pose = kind == 0 || kind == 3;
     if (has_pose && !is_rigid(numbers)) return false;
-    for (int k = 0; k < 3; ++k) distance = std::fmax(distance, std::fabs(has_pose ? numbers[4 * k + 3] : numbers[k]));
-    return distance <= farthest;
+    for (int k = 0; k < 3; ++k)
+        if (!(std::fabs(has_pose ? numbers[4 * k + 3] : numbers[k]) <= farthest)) return false;
+    return true;
 }
 
 namespace {

@@ -16,7 +16,7 @@ template <class T, int N> struct answer {
     bool nearest;                 ///< `found` comes from the search for the nearest, not from a search for an answer
     bool has_unlimited;
     T unlimited[capacity(N)];     ///< meets the target, outside the limits; where the reason is blocked_by_limits
-    bool other_branch;            ///< the target is near the tool at θ₀, but `found` is not near θ₀
+    bool other_branch;            ///< `found` is not near θ₀, though the target is near the tool there, or is not met
 };
 
 namespace detail {

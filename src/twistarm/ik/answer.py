@@ -63,7 +63,7 @@ class Answer(Protocol):
 
     @property
     def other_branch(self) -> bool:
-        """Whether the target is near theta0's pose, and theta is not near theta0."""
+        """Whether theta is not near theta0, though the target is near theta0's pose, or cannot be met."""
 
     @property
     def start_moved(self) -> bool:

@@ -20,6 +20,9 @@ from .targets import AnyTarget, target_of
 
 DAMPED, NEAREST = "damped least squares", "nearest configuration"
 
+ANOTHER_BRANCH = "the target is near the pose of theta0, but the answer is not near theta0"
+NEAREST_ELSEWHERE = "the nearest configuration is not near theta0, where the arm stays farther from the target"
+
 
 class StopReason(Enum):
     """Why a solver stopped."""
@@ -154,10 +157,9 @@ class IKSolution:
         start = joint_ranges(self._arm).inside(np.frombuffer(self._answer.theta0))
         moved = np.abs(self.theta - start)
         i = int(np.argmax(moved))
-        return (
-            "another branch: the target is near the pose of theta0, but the answer is not near theta0; "
-            f"{self._arm.joint_names[i]} moves by {value_in_words(moved[i], self._arm.units[i])}"
-        )
+        why = ANOTHER_BRANCH if self.converged else NEAREST_ELSEWHERE
+        moves = f"{self._arm.joint_names[i]} moves by {value_in_words(moved[i], self._arm.units[i])}"
+        return f"another branch: {why}; {moves}"
 
     def __reduce__(self) -> tuple[Any, ...]:
         return IKSolution, (self._arm, plain(self._answer), self._target)
