@@ -1,15 +1,15 @@
-"""Both solvers by one signature: the compiled core behind `solve_ik`, and the readable one that specifies it."""
+"""Both solvers by one signature: the compiled core behind `solve_ik`, and the textbook's."""
 
 from __future__ import annotations
 
 import pytest
 
-from twistarm.ik import IKSolution, readable, solve_ik
+from twistarm.ik import IKSolution, solve_ik, textbook
 from twistarm.ik.request import checked
 from twistarm.ik.targets import target_for
 
 
-def readable_ik(
+def textbook_ik(
     arm,
     target,
     theta0=None,
@@ -21,11 +21,11 @@ def readable_ik(
     rng=0,
     posture=None,
 ):
-    """`solve_ik` by the readable solver, whatever engine the arm has."""
+    """`solve_ik` as it answers without a core."""
     asked = target_for(arm, target)
     request = checked(arm, theta0, posture, (position_tol, orientation_tol), restarts, max_time, rng)
-    return IKSolution(arm, readable.solve(arm, asked, request), asked)
+    return IKSolution(arm, textbook.solve(arm, asked, request), asked)
 
 
-SOLVERS = [pytest.param(solve_ik, id="core"), pytest.param(readable_ik, id="readable")]
+SOLVERS = [pytest.param(solve_ik, id="core"), pytest.param(textbook_ik, id="textbook")]
 """Where there is no core the first is the second; tests/test_engine.py says whether there is one."""

@@ -10,6 +10,7 @@ import pytest
 
 from catalogue import load
 from ik_targets import STRICT, errors, judged, moved, pinocchio_fk
+from solvers import SOLVERS
 from twistarm.errors import InputError, NotConvergedError
 from twistarm.ik import Approach, Pose, Position, StopReason, Task, solve_ik
 from twistarm.ik.ranges import joint_ranges
@@ -86,11 +87,12 @@ HARD = (
 )
 
 
+@pytest.mark.parametrize("solve", SOLVERS)
 @pytest.mark.parametrize(("name", "theta", "theta0"), HARD)
-def test_hard_poses_are_met(name, theta, theta0):
+def test_hard_poses_are_met(solve, name, theta, theta0):
     arm = load(name)
     g = arm.fk(joint_ranges(arm).inside(np.array(theta, dtype=float)))
-    solution = solve_ik(arm, g, theta0)
+    solution = solve(arm, g, theta0)
     assert judged(arm, Pose(g), solution), solution.explain()
 
 

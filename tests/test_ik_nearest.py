@@ -7,112 +7,29 @@ import itertools
 import numpy as np
 import pinocchio as pin
 import pytest
-from hypothesis import given
-from scipy.optimize import lsq_linear, minimize
 from scipy.spatial.transform import Rotation
 
 import urdf_text
 from catalogue import load
-from ik_targets import errors, moved, pinocchio_fk, target_from, turned
-from solvers import readable_ik
-from strategies import generators
+from ik_targets import errors, moved, pinocchio_fk, require_core, target_from, turned
+from reference.nearest import ANGLE_TOL, POSITION_TOL, by_slsqp
+from reference.optimality import residual
 from twistarm import load_arm
-from twistarm.ik import Approach, Pose, Position, StopReason, Task, newton, solve_ik
-from twistarm.ik.quadratic import least_quadratic
-
-PEER_POSITION, PEER_ANGLE = 1e-6, 1e-5
-"""How exactly SLSQP finds a minimum [m, rad]: it stops on the value, which is flat there."""
+from twistarm.ik import Approach, Pose, Position, StopReason, Task, solve_ik
 
 STATIONARY = 1e-7
 """Residual of the optimality conditions, per rad or m; the solver stops at 1e-8 and stands 1e-11 m off its position."""
-
-QUADRATIC_TOL = 1e-9
-"""Two exact methods on problems of condition 1e3."""
 
 STRETCH = ((0.9, 1.0), (0.5, 1.0), (1.0, 2.0))
 """Factors (x and y, z) by which positions of random configurations are moved: some in reach, some out of it."""
 
 
-# the quadratic programme ------------------------------------------------------------------------------------
-
-
-def face_by_face(H, gradient, C, lower, upper):
-    """The minimiser over a box and a subspace, by solving on every face of the box."""
-    best, value = None, np.inf
-    for sides in itertools.product((-1, 0, 1), repeat=len(gradient)):
-        free = np.array(sides) == 0
-        d = np.where(np.array(sides) < 0, lower, upper)
-        k, r = free.sum(), len(C)
-        K = np.block([[H[np.ix_(free, free)], C[:, free].T], [C[:, free], np.zeros((r, r))]])
-        right = np.concatenate([-(gradient + H[:, ~free] @ d[~free])[free], -C[:, ~free] @ d[~free]])
-        d[free] = np.linalg.lstsq(K, right, rcond=None)[0][:k]
-        inside = (d >= lower - 1e-12).all() and (d <= upper + 1e-12).all() and np.allclose(C @ d, 0, atol=1e-10)
-        if inside and (current := 0.5 * d @ H @ d + gradient @ d) < value:
-            best, value = d, current
-    return best
-
-
-@given(generators)
-def test_the_quadratic_programme_is_solved_on_the_right_face(rng):
-    n, r = 4, int(rng.integers(3))
-    J = rng.normal(size=(n, n))
-    H, gradient, C = J.T @ J + 0.1 * np.eye(n), 3 * rng.normal(size=n), rng.normal(size=(r, n))
-    lower, upper = -rng.uniform(0.1, 1, n), rng.uniform(0.1, 1, n)
-    lower[rng.random(n) < 0.3], upper[rng.random(n) < 0.3] = 0.0, 0.0
-    d = least_quadratic(H, gradient, C, lower, upper).d
-    np.testing.assert_allclose(d, face_by_face(H, gradient, C, lower, upper), atol=QUADRATIC_TOL)
+@pytest.fixture(autouse=True)
+def _core():
+    require_core(load("rover_arm"))
 
 
 # the nearest, against SciPy -----------------------------------------------------------------------------------
-
-
-def components(target, g):
-    """Errors of position and rotation, component by component, as the definitions have them."""
-    R_g, p_g = (target.g[:3, :3], target.g[:3, 3]) if hasattr(target, "g") else (np.eye(3), target.p)
-    p, w = g[:3, 3] - p_g, pin.log3(g[:3, :3] @ R_g.T)
-    return (R_g.T @ p, R_g.T @ w) if isinstance(target, Task) and target.frame == "tool" else (p, w)
-
-
-def by_slsqp(arm, target, rng, starts):
-    """Least position error, and least rotation error with it held, from many starts of SciPy's SLSQP."""
-    bounds = [
-        tuple(b if np.isfinite(b) else None for b in pair)
-        for pair in zip(arm.limits.lower, arm.limits.upper, strict=True)
-    ]
-    tolerance = target.tolerance[:3] if isinstance(target, Task) else np.zeros(3)
-
-    def off(theta):
-        return errors(target, arm.fk(theta))
-
-    def first(theta):
-        return minimize(lambda x: off(x)[0] ** 2, theta, method="SLSQP", bounds=bounds, options={"ftol": 1e-16}).x
-
-    ends = [first(theta) for theta in arm.random_theta(rng, starts)]
-    least = min(off(theta)[0] for theta in ends)
-
-    def inside_tolerance(theta):
-        p = components(target, arm.fk(theta))[0]
-        return np.concatenate([tolerance - p, tolerance + p])
-
-    held = {"type": "ineq", "fun": lambda x: (least + 1e-13) ** 2 - off(x)[0] ** 2}
-    if least < PEER_POSITION:
-        exact = not tolerance.any()
-        held = (
-            {"type": "eq", "fun": lambda x: components(target, arm.fk(x))[0]}
-            if exact
-            else {"type": "ineq", "fun": inside_tolerance}
-        )
-    best = np.inf
-    for theta in ends:
-        if off(theta)[0] > least + 1e-4:
-            continue
-        end = minimize(
-            lambda x: 1 - np.cos(off(x)[1]), theta, method="SLSQP", bounds=bounds, constraints=held,
-            options={"ftol": 1e-15, "maxiter": 300},
-        ).x  # fmt: skip
-        if off(end)[0] <= least + PEER_POSITION and arm.limits.contains(end, 1e-9):
-            best = min(best, off(end)[1])
-    return least, best
 
 
 def hard_target(arm, kind, rng, k):
@@ -138,20 +55,10 @@ def test_no_optimiser_comes_nearer(name, kind, k):
     least, turn = by_slsqp(arm, target, rng, 8)
     position, rotation = errors(target, pinocchio_fk(arm, solution.theta))
     assert solution.within_limits
-    assert position <= least + PEER_POSITION
-    if least < position + PEER_POSITION:
-        assert rotation <= turn + PEER_ANGLE
+    assert position <= least + POSITION_TOL
+    if least < position + POSITION_TOL:
+        assert rotation <= turn + ANGLE_TOL
     assert solution.stop not in (StopReason.EXHAUSTED, StopReason.TIMED_OUT)
-
-
-def residual(slope, rows, theta, limits):
-    """‖slope + rowsᵀ y + μ‖ at best, y free, μ pointing outward at the bounds theta stands at: 0 if optimal."""
-    at_lower, at_upper = theta <= limits.lower + 1e-9, theta >= limits.upper - 1e-9
-    n = len(theta)
-    A = np.hstack([rows.T, np.eye(n)])
-    low = np.concatenate([np.full(len(rows), -np.inf), np.where(at_lower, -np.inf, -1e-300)])
-    high = np.concatenate([np.full(len(rows), np.inf), np.where(at_upper, np.inf, 1e-300)])
-    return np.linalg.norm(lsq_linear(A, -slope, bounds=(low, high), tol=1e-15).fun)
 
 
 @pytest.mark.parametrize("name", ["rover_arm", "so101"])
@@ -274,33 +181,22 @@ def test_a_wrong_orientation_at_the_edge_of_reach_is_no_matter_of_joints():
     assert solution.stop in (StopReason.OUT_OF_REACH, StopReason.CONVERGED)
 
 
-@pytest.mark.parametrize(("solve", "late"), [(solve_ik, (1e-9, 2e-5)), (readable_ik, (1e-9, 0.03, 0.1))])
-def test_the_time_is_up(solve, late):
+def test_the_time_is_up():
     arm = load("so101")
-    if solve is solve_ik and arm.compiled is None:
-        pytest.skip("no compiled core; tests/test_engine.py says whether there should be one")
     g = turned(arm.fk(arm.ready), [1, 0, 0], 0.4)
-    for seconds in late:
-        solution = solve(arm, g, max_time=seconds)
+    for seconds in (1e-9, 2e-5):
+        solution = solve_ik(arm, g, max_time=seconds)
         assert solution.stop is StopReason.TIMED_OUT
         assert solution.within_limits
         assert np.isfinite(solution.theta).all()
         assert "reason: the time was up" in solution.explain()
         assert "give a longer max_time" in solution.explain()
-    assert solve(arm, g, max_time=60.0).stop is StopReason.IMPOSSIBLE_DIRECTION
+    assert solve_ik(arm, g, max_time=60.0).stop is StopReason.IMPOSSIBLE_DIRECTION
 
 
 def test_an_answer_found_first_does_not_count_as_late():
     arm = load("ur5")
     assert solve_ik(arm, arm.fk(arm.ready), max_time=1e-9).converged
-
-
-def test_a_search_that_does_not_settle_excludes_nothing(monkeypatch):
-    monkeypatch.setattr(newton, "STEPS", 1)
-    arm = load("so101")
-    solution = readable_ik(arm, turned(arm.fk(arm.ready), [1, 0, 0], 0.4))
-    assert solution.stop is StopReason.EXHAUSTED
-    assert "reason: no answer found, and none excluded" in solution.explain()
 
 
 # words --------------------------------------------------------------------------------------------------------

@@ -10,7 +10,7 @@ import pytest
 
 import reason_targets
 from catalogue import load
-from ik_targets import judged, judged_batch
+from ik_targets import judged, judged_batch, require_core
 from reason_targets import CASES, arms_of, draw
 from twistarm.ik import Approach, Pose, Position, StopReason, Task, solve_ik, solve_ik_batch
 
@@ -18,12 +18,6 @@ WRONG = 0.01
 """The share of targets of a case and an arm that may be given another reason."""
 
 FEW, BOXES = 3, 5
-
-READABLE_COUNT = 5
-"""In place of a thousand where the readable solver answers, which takes seconds to give a reason."""
-
-QUICK = ("rr_planar", "scara", "rover_arm", "panda", "stanford")
-"""The arms of `make test` there, with one target each."""
 
 PAIRS = [(case, name) for case in CASES for name in case.arms]
 IDS = [f"{case.name}-{name}" for case, name in PAIRS]
@@ -35,6 +29,11 @@ LATE = 0.05
 
 UNENDING = 10**6
 """More searches than any deadline here leaves time for."""
+
+
+@pytest.fixture(autouse=True)
+def _core():
+    require_core(load("rover_arm"))
 
 
 def check_one(arm, g, solution):
@@ -52,9 +51,7 @@ def check_one(arm, g, solution):
 @pytest.mark.parametrize(("case", "name"), PAIRS, ids=IDS)
 def test_the_reason_is_the_true_one(case, name):
     arm = arms_of(case, name, 1)[0]
-    if arm.compiled is None and name not in QUICK:
-        pytest.skip("without the compiled core only by `make test-all`")
-    for g in draw(case.builder, arm, np.random.default_rng(1), FEW if arm.compiled else 1):
+    for g in draw(case.builder, arm, np.random.default_rng(1), FEW):
         solution = solve_ik(arm, g)
         check_one(arm, g, solution)
         assert solution.stop is case.stop, solution
@@ -63,7 +60,7 @@ def test_the_reason_is_the_true_one(case, name):
 @pytest.mark.parametrize("name", ["rover_arm", "panda", "scara"])
 def test_out_of_reach_is_said_of_every_kind_of_target(name):
     arm, rng = load(name), np.random.default_rng(6)
-    for g in draw(reason_targets.out_of_reach, arm, rng, FEW if arm.compiled else 1):
+    for g in draw(reason_targets.out_of_reach, arm, rng, FEW):
         for target in (Position(g[:3, 3]), Approach(g[:3, 3], g[:3, 2]), Task(g, TIGHT)):
             assert solve_ik(arm, target).stop is StopReason.OUT_OF_REACH
 
@@ -76,7 +73,7 @@ def test_an_approach_no_joint_turns(name):
     """
     arm, rng = load(name), np.random.default_rng(7)
     axis = reason_targets.tool_roll_axis(arm) if name != "scara" else np.array([0.0, 0.0, 1.0])
-    for g in draw(reason_targets.impossible_direction, arm, rng, FEW if arm.compiled else 1):
+    for g in draw(reason_targets.impossible_direction, arm, rng, FEW):
         solution = solve_ik(arm, Approach(g[:3, 3], g[:3, :3] @ axis, axis))
         assert solution.stop is StopReason.IMPOSSIBLE_DIRECTION, solution
 
@@ -89,7 +86,7 @@ def test_a_thousand_reasons(case, name):
     arms = arms_of(case, name, BOXES)
     begun = time.perf_counter()
     for arm in arms:
-        count = (1000 if arm.compiled else READABLE_COUNT) // len(arms)
+        count = 1000 // len(arms)
         poses = draw(case.builder, arm, rng, count)
         batch = solve_ik_batch(arm, poses, arm.random_theta(rng, count))
         said.update(batch.stop)
@@ -119,7 +116,7 @@ def test_few_searches_exclude_nothing(name, searches):
     """A target that can be met is never called out of reach, blocked or impossible, however short the search."""
     arm, rng = load(name), np.random.default_rng(3)
     for builder in (reason_targets.inside, reason_targets.at_limits):
-        for g in draw(builder, arm, rng, 100 if arm.compiled else 3):
+        for g in draw(builder, arm, rng, 100):
             solution = solve_ik(arm, g, arm.random_theta(rng), restarts=searches)
             assert solution.stop in (StopReason.CONVERGED, StopReason.EXHAUSTED), solution
             check_one(arm, g, solution)

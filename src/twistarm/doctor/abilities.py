@@ -13,8 +13,6 @@ import numpy as np
 
 from ..arm import Arm
 from ..checks import Array
-from ..ik.ranges import joint_ranges
-from ..ik.starts import random_start
 from ..manipulability import scaled_jacobian
 
 SAMPLES = 32
@@ -65,9 +63,8 @@ class Abilities:
 
 def sample_motions(arm: Arm) -> Motions:
     """The arm's motions at seeded random postures inside its limits."""
-    ranges = joint_ranges(arm)
     prismatic = np.array(arm.joint_types) == "prismatic"
-    pairs = [arm.fk_and_body_jacobian(random_start(ranges, 0, k)) for k in range(SAMPLES)]
+    pairs = [arm.fk_and_body_jacobian(theta) for theta in arm.random_theta(0, SAMPLES)]
     R = np.stack([g[:3, :3] for g, _ in pairs])
     return Motions(R, np.stack([scaled_jacobian(J, prismatic, arm.reach) for _, J in pairs]))
 

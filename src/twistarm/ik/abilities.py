@@ -3,27 +3,32 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import NamedTuple
 
 import numpy as np
 
 from ..arm import Arm
 from ..checks import Array
-from .deadline import Deadline
-from .nearest import least_position
-from .problem import problem_of
-from .ranges import joint_ranges
-from .reasons import RANK_SAMPLES, RANK_TOL, task_rank
-from .starts import random_start
+from ..limits import JointLimits
+from .solve import solve_ik
 from .targets import Approach, Pose, Position
 from .task_space import Target, constrained
+
+RANK_SAMPLES = 16
+"""Random configurations among which a rank is the largest; almost every one has it."""
+
+RANK_TOL = 1e-6
+"""Singular values below this, relative to the largest, are directions the arm cannot move in."""
 
 SIDESTEP = 0.2
 """How far [rad, m] along the arm's freedom a plane is looked at again, to see whether it is one."""
 
 MISSED = 1e-9
 """A position error [m] above this is more than rounding."""
+
+HELD = 1e-10
+"""How exactly [m] the position is held on the way there."""
 
 SAME_PLANE = 1e-6
 """How far two unit normals of one plane may differ."""
@@ -78,12 +83,26 @@ def out_of_surface(arm: Arm, target: Target, theta: Array) -> Array:
 
 def _immovable_directions(arm: Arm) -> Array:
     """Directions (k, 3) in base axes along which the tool's origin never moves."""
-    ranges = joint_ranges(arm)
     motions = []
-    for k in range(RANK_SAMPLES):
-        g, J_b = arm.fk_and_body_jacobian(random_start(ranges, 0, k))
+    for theta in arm.random_theta(0, RANK_SAMPLES):
+        g, J_b = arm.fk_and_body_jacobian(theta)
         motions.append(g[:3, :3] @ J_b[:3] / arm.reach)
     return _across(np.hstack(motions))
+
+
+def task_rank(arm: Arm, target: Target) -> int:
+    """In how many of the target's components the arm can move its tool, in almost every configuration that meets it.
+
+    The largest rank, over random configurations, of the rows of a target of the same kind that is met there.
+    """
+    ranks = []
+    for theta in arm.random_theta(0, RANK_SAMPLES):
+        g, J_b = arm.fk_and_body_jacobian(theta)
+        met = target.at(g)
+        rows = np.concatenate([met.position_rows(g, J_b)[1] / arm.reach, met.rotation_rows(g, J_b)[1]])
+        singular_values = np.linalg.svd(rows, compute_uv=False)
+        ranks.append(int((singular_values > RANK_TOL * singular_values[0]).sum()))
+    return max(ranks)
 
 
 def approach_plane(arm: Arm, target: Target, theta: Array) -> ApproachPlane | None:
@@ -100,9 +119,9 @@ def approach_plane(arm: Arm, target: Target, theta: Array) -> ApproachPlane | No
     if normal is None:
         return None
     g, J_b = arm.fk_and_body_jacobian(theta)
-    free = problem_of(arm, Position(g[:3, 3]), np.full(arm.n, -np.inf), np.full(arm.n, np.inf))
+    free, here = replace(arm, limits=JointLimits.unbounded(arm.n)), Position(g[:3, 3])
     for motion in _holding_position(target, g, J_b).T:
-        moved, _ = least_position(free, theta + SIDESTEP * motion, Deadline())
+        moved = solve_ik(free, here, theta + SIDESTEP * motion, position_tol=HELD, restarts=1).theta
         there = _approach_normal(arm, target, moved, tool_axis)
         if there is None or np.linalg.norm(np.cross(there, normal)) > SAME_PLANE:
             return None

@@ -72,7 +72,7 @@ class Answer(Protocol):
 
 @dataclass(frozen=True)
 class PlainAnswer:
-    """An answer in Python: the readable solver's, one of a batch, or a pickled one."""
+    """An answer in Python: the textbook's, one of a batch, or a pickled one."""
 
     kind: int
     numbers: bytes

@@ -15,7 +15,7 @@ from .. import engine
 from ..arm import Arm, require_arm
 from ..checks import Array, RealArray, as_pose, as_whole, frozen, require_callback
 from ..errors import InputError, shown
-from . import readable
+from . import textbook
 from .answer import PlainAnswer
 from .deadline import Deadline
 from .ranges import joint_ranges
@@ -146,7 +146,7 @@ def solve_ik_batch(
     workers = as_whole(threads, "threads", 1, MAX_THREADS)
     require_callback(progress, "progress", "(done, count)")
     if arm.compiled is None:
-        rows = _readably(arm, asked, request, progress)
+        rows = _one_by_one(arm, asked, request, progress)
     else:
         rows = _by_core(arm.compiled, asked, request, Errand(workers, progress))
     return IKBatch(arm, asked, request, _begun(arm, request, rows))
@@ -240,7 +240,7 @@ def _begun(arm: Arm, request: Request, rows: Array) -> Array:
     return rows
 
 
-def _readably(arm: Arm, targets: Array | tuple[AnyTarget, ...], request: Request, progress: Progress | None) -> Array:
+def _one_by_one(arm: Arm, targets: Array | tuple[AnyTarget, ...], request: Request, progress: Progress | None) -> Array:
     """Without the core: one after the other, in one thread."""
     deadline = Deadline.after(request.max_time)
     rows = np.full((len(targets), 2 * arm.n + 6), float(NOT_FINISHED))
@@ -248,7 +248,7 @@ def _readably(arm: Arm, targets: Array | tuple[AnyTarget, ...], request: Request
         if deadline.passed:
             break
         one = _part(request, np.array(i))
-        answer = readable.solve(arm, target_for(arm, target), replace(one, max_time=deadline.left))
+        answer = textbook.solve(arm, target_for(arm, target), replace(one, max_time=deadline.left))
         rows[i] = _row(arm, answer)
         if progress is not None:
             progress(i + 1, len(targets))

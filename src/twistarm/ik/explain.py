@@ -11,7 +11,7 @@ from ..inability import cannot_move, cannot_turn, position_limit
 from ..vector_words import axis_in_words, value_in_words
 from .abilities import Split, approach_plane, out_of_surface, split_rotation
 from .ranges import joint_ranges
-from .solution import IKSolution, StopReason
+from .solution import NEAREST, IKSolution, StopReason
 from .targets import Approach, Pose, Task
 
 OFF_BY = {
@@ -64,7 +64,8 @@ def _why(solution: IKSolution) -> list[str]:
     if solution.stop is StopReason.TIMED_OUT:
         return ["this is the best so far; give a longer max_time, or a theta0 nearer to the answer"]
     if solution.stop is StopReason.EXHAUSTED:
-        return ["the search for the nearest did not settle; try more restarts, another rng or another theta0"]
+        what = "the search for the nearest did not settle" if solution.method == NEAREST else "no search met the target"
+        return [f"{what}; try more restarts, another rng or another theta0"]
     lines = _blocked(solution) if solution.stop is StopReason.BLOCKED_BY_LIMITS else _missing(solution)
     bounds = at_bounds(solution)
     return [*lines, f"at {', '.join(bounds)}"] if bounds else lines

@@ -1,4 +1,4 @@
-"""Where each joint may be during a search: bounds, joints that may turn for ever, and the ranges of random starts."""
+"""Where each joint may be during a search: bounds, and joints that may turn for ever."""
 
 from __future__ import annotations
 
@@ -9,8 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..arm import Arm
-from ..checks import Array, frozen
-from ..limits import JointLimits
+from ..checks import Array
 
 TURN = 2.0 * math.pi
 
@@ -23,7 +22,7 @@ Mask = NDArray[np.bool_]
 
 @dataclass(frozen=True, eq=False)
 class JointRanges:
-    """Limits `lower`, `upper` (n,), which joints are `periodic`, and the range of random starts, all finite.
+    """Limits `lower`, `upper` (n,), and which joints are `periodic`.
 
     A periodic joint whose range holds a whole turn `turns` freely during a search: every angle then has a
     representative inside the limits, so the search need not know them (`search_lower`, `search_upper` are ∓inf).
@@ -32,8 +31,6 @@ class JointRanges:
     lower: Array
     upper: Array
     periodic: Mask
-    start_lower: Array
-    start_upper: Array
 
     @property
     def turns(self) -> Mask:
@@ -61,17 +58,6 @@ class JointRanges:
         kept = self.periodic & (turned >= self.lower) & (turned <= self.upper)
         return np.clip(np.where(kept, turned, theta), self.lower, self.upper)
 
-    def toward(self, theta: Array) -> Array:
-        """theta with every periodic joint at its representative nearest to the middle of its limits, in them or not."""
-        bounded = self.periodic & np.isfinite(self.upper - self.lower)
-        middle = 0.5 * (np.where(bounded, self.lower, theta) + np.where(bounded, self.upper, theta))
-        nearest: Array = theta + TURN * np.round((middle - theta) / TURN)
-        return nearest
-
-    def random(self, uniform: Array) -> Array:
-        """The start at `uniform` (n,) in [0, 1) of the ranges."""
-        return self.start_lower + uniform * (self.start_upper - self.start_lower)
-
     def _turned_back(self, theta: Array) -> Array:
         """theta less the whole turns by which it lies outside; a hair outside, by rounding, is left."""
         below = np.ceil(np.maximum(self.lower - theta, 0.0) / TURN - WHOLE_TURN_TOL)
@@ -80,12 +66,9 @@ class JointRanges:
         return turned
 
 
-def joint_ranges(arm: Arm, *, limited: bool = True) -> JointRanges:
-    """The ranges of an arm's joints, or those it would have without position limits."""
-    limits = arm.limits if limited else JointLimits.unbounded(arm.n)
-    start_lower, start_upper = limits.sampling_bounds(arm.usual_half)
-    turning = periodic(arm.screws, arm.coupling.A)
-    return JointRanges(limits.lower, limits.upper, turning, frozen(start_lower), frozen(start_upper))
+def joint_ranges(arm: Arm) -> JointRanges:
+    """The ranges of an arm's joints."""
+    return JointRanges(arm.limits.lower, arm.limits.upper, periodic(arm.screws, arm.coupling.A))
 
 
 def periodic(screws: Array, A: Array) -> Mask:

@@ -11,7 +11,7 @@ from numpy.typing import ArrayLike
 from ..arm import Arm
 from ..checks import Array, as_floats, as_seed, as_whole, frozen
 from ..errors import InputError, listed, shown
-from .damped import Tolerances
+from .task_space import Tolerances
 
 LEAST_TOLERANCE = 1e-12
 """Below this a tolerance asks for more digits than forward kinematics has."""

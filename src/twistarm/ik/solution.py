@@ -14,14 +14,19 @@ from ..errors import NotConvergedError
 from ..inability import CANNOT_TURN
 from ..vector_words import value_in_words
 from .answer import Answer, plain
-from .damped import Tolerances
 from .ranges import joint_ranges
 from .targets import AnyTarget, target_of
+from .task_space import Tolerances
 
 DAMPED, NEAREST = "damped least squares", "nearest configuration"
 
 ANOTHER_BRANCH = "the target is near the pose of theta0, but the answer is not near theta0"
 NEAREST_ELSEWHERE = "the nearest configuration is not near theta0, where the arm stays farther from the target"
+
+WITHOUT_CORE = (
+    "this is the best configuration found: the nearest one, and the reason, need the compiled core, "
+    "and `twistarm info` says why there is none"
+)
 
 
 class StopReason(Enum):
@@ -125,9 +130,10 @@ class IKSolution:
 
     @property
     def notes(self) -> tuple[str, ...]:
-        """What the caller should know: joints of theta0 brought inside the limits, another branch taken."""
+        """What the caller should know: joints of theta0 brought inside, another branch taken, no core to go on."""
         notes = self._moved_starts() if self._answer.start_moved else []
-        return tuple(notes + [self._other_branch()] if self._answer.other_branch else notes)
+        notes += [self._other_branch()] if self._answer.other_branch else []
+        return tuple(notes if self.converged or self._arm.compiled is not None else [*notes, WITHOUT_CORE])
 
     def explain(self) -> str:
         """What was asked, what was reached, why not more, in plain words, line by line. Computed when called."""

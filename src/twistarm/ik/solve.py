@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from ..arm import Arm, require_arm
-from . import readable
+from . import textbook
 from .answer import Answer
 from .request import Request, checked
 from .solution import IKSolution
@@ -60,9 +60,9 @@ def solve_ik(
 
 
 def solved(arm: Arm, target: AnyTarget, request: Request) -> Answer:
-    """The answer to one target, by the compiled core or, without it, by the readable solver."""
+    """The answer to one target, by the compiled core or, without it, by the textbook solver."""
     if arm.compiled is None:
-        return readable.solve(arm, target, request)
+        return textbook.solve(arm, target, request)
     tolerances, max_time = request.tolerances, None if math.isinf(request.max_time) else request.max_time
     answer = arm.compiled.solve(
         target.kind,

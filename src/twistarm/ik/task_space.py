@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from typing import Protocol
 
 import numpy as np
@@ -10,6 +11,18 @@ from ..checks import Array
 
 Rows = tuple[Array, Array]
 """(error (k,), rows (k, n))."""
+
+
+@dataclass(frozen=True)
+class Tolerances:
+    """What counts as met: position [m] and orientation [rad]."""
+
+    position: float
+    orientation: float
+
+    def met(self, position_error: float, orientation_error: float) -> bool:
+        """Whether both errors are within the tolerances."""
+        return position_error <= self.position and orientation_error <= self.orientation
 
 
 class Target(Protocol):

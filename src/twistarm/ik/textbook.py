@@ -1,0 +1,187 @@
+"""Inverse kinematics as a textbook has it: damped least squares inside the limits, from one start after the other.
+
+It answers where there is no compiled core, with a configuration that meets the target or with the best that it found.
+The nearest configuration and the reason are the core's alone, and so is its speed: docs/inverse_kinematics.md.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import NamedTuple
+
+import numpy as np
+
+from ..arm import Arm
+from ..checks import Array
+from .answer import PlainAnswer
+from .deadline import Deadline
+from .ranges import JointRanges, joint_ranges
+from .request import Request
+from .solution import STOPS, StopReason
+from .targets import AnyTarget
+from .task_space import Tolerances, excess_rows
+
+ROTATION_WEIGHT = 0.2
+"""What a squared radian counts beside a squared metre in the error E, which vanishes at an answer."""
+
+DAMPING, LEAST_DAMPING = 0.03, 1e-9
+"""λ = DAMPING · E + LEAST_DAMPING: strong far from the target, vanishing with the error (Chan & Lawrence)."""
+
+ITERATIONS = 30
+PROGRESS, STALLS = 0.8, 4
+"""An iteration that leaves E above PROGRESS times the best so far is a stall; so many of them end a search."""
+
+NEAR_POSITION, NEAR_ORIENTATION = 0.01, math.radians(1.0)
+"""Up to here [m, rad] a target is near the pose of theta0, ..."""
+
+OTHER_BRANCH = 0.2
+"""... and an answer that moves a coordinate by more than this [rad, m] for it stands on another branch."""
+
+POSTURE_STEPS, SHARES, SETTLED = 100, 0.5 ** np.arange(10), 1e-7
+"""Steps toward a posture, how much of each is tried in turn, and which [rad, m] is too short to be taken."""
+
+RANK_TOL = 1e-6
+"""Singular values of J below this, relative to the largest, are directions in which nothing moves."""
+
+
+class Search(NamedTuple):
+    """Where a search ended (n,), what it is off there [m, rad], the steps it took, and whether that is an answer."""
+
+    theta: Array
+    errors: tuple[float, float]
+    iterations: int
+    converged: bool
+
+
+class Problem(NamedTuple):
+    """An arm, where its joints may be, a target, and what counts as met."""
+
+    arm: Arm
+    ranges: JointRanges
+    target: AnyTarget
+    tolerances: Tolerances
+
+
+def solve(arm: Arm, target: AnyTarget, request: Request) -> PlainAnswer:
+    """At most `request.restarts` searches, the first from theta0, the others from random configurations.
+
+    The first that converges answers; where none does, the best of them: the position counts first, then the rotation.
+    """
+    problem = Problem(arm, joint_ranges(arm), target, request.tolerances)
+    deadline, rng = Deadline.after(request.max_time), np.random.default_rng(request.seed)
+    start = problem.ranges.inside(request.theta0)
+    found = best = search(problem, start, start)
+    searches, steps = 1, found.iterations
+    while not found.converged and searches < request.restarts and not deadline.passed:
+        found = search(problem, arm.random_theta(rng), start)
+        best = min(best, found, key=lambda end: _missed(problem, end))
+        searches, steps = searches + 1, steps + found.iterations
+    if found.converged:
+        best, steps = found, found.iterations
+        if request.posture is not None:
+            best = toward_posture(problem, best, request.posture, deadline)
+    timed_out = deadline.passed and searches < request.restarts
+    stop = StopReason.CONVERGED if best.converged else StopReason.TIMED_OUT if timed_out else StopReason.EXHAUSTED
+    return PlainAnswer(
+        kind=target.kind,
+        numbers=target.numbers.tobytes(),
+        theta0=request.theta0.tobytes(),
+        position_tol=request.tolerances.position,
+        orientation_tol=request.tolerances.orientation,
+        theta=best.theta.tobytes(),
+        unlimited=None,
+        position_error=best.errors[0],
+        orientation_error=best.errors[1],
+        iterations=steps,
+        restarts=searches,
+        stop=STOPS.index(stop),
+        nearest=False,
+        other_branch=best.converged and request.posture is None and _leaves_branch(problem, start, best.theta),
+        start_moved=bool((request.theta0 != start).any()),
+    )
+
+
+def search(problem: Problem, theta: Array, near: Array) -> Search:
+    """Damped least squares from theta (n,) on; whole turns of the end are taken back to be near `near` (n,).
+
+    Each step d minimises ‖J d + e‖² + λ ‖d‖², so (JᵀJ + λ I) d = −Jᵀe, on the joints that do not stand at a bound and
+    are pulled outward; theta + d is clipped to the bounds. In e and J rotations are weighed by √ROTATION_WEIGHT.
+    Source: S. K. Chan & P. D. Lawrence, General inverse kinematics with the error damped pseudoinverse, ICRA 1988.
+    """
+    lower, upper = problem.ranges.search_lower, problem.ranges.search_upper
+    theta, best, stalls, iterations = np.clip(theta, lower, upper), math.inf, 0, 0
+    while True:
+        g, J_b = problem.arm.fk_and_body_jacobian(theta)
+        errors = problem.target.position_error(g), problem.target.orientation_error(g)
+        error, J = _error_and_rows(problem.target, g, J_b)
+        E = float(error @ error)
+        stalls += PROGRESS * best < E
+        best = min(best, E)
+        if problem.tolerances.met(*errors) or stalls == STALLS or iterations == ITERATIONS:
+            break
+        slope = J.T @ error
+        free = ~((theta <= lower) & (slope > 0) | (theta >= upper) & (slope < 0))
+        d = np.zeros_like(theta)
+        damping = (DAMPING * E + LEAST_DAMPING) * np.eye(int(free.sum()))
+        d[free] = np.linalg.solve(J[:, free].T @ J[:, free] + damping, -slope[free])
+        theta = np.clip(theta + d, lower, upper)
+        iterations += 1
+    theta = problem.ranges.wrapped(theta, near)
+    g = problem.arm.fk(theta)
+    errors = problem.target.position_error(g), problem.target.orientation_error(g)
+    return Search(theta, errors, iterations, problem.tolerances.met(*errors))
+
+
+def toward_posture(problem: Problem, found: Search, posture: Array, deadline: Deadline) -> Search:
+    """The answer moved downhill in ‖θ − posture‖² in the null space of the target's rows, inside the limits.
+
+    Each step is (I − J⁺J)(posture − θ), brought back onto the target by a search; half of it is tried where that leads
+    no nearer. Source: B. Siciliano et al., Robotics: Modelling, Planning and Control, 2009, §3.5.1.
+    """
+    found = search(problem, found.theta, posture)
+    for _ in range(POSTURE_STEPS):
+        step, away = _null_space_step(problem, found.theta, posture), np.linalg.norm(found.theta - posture)
+        if np.abs(step).max() <= SETTLED or deadline.passed:
+            break
+        trials = (search(problem, found.theta + share * step, posture) for share in SHARES)
+        nearer = next((end for end in trials if end.converged and np.linalg.norm(end.theta - posture) < away), None)
+        if nearer is None:
+            break
+        found = nearer
+    return found
+
+
+def _null_space_step(problem: Problem, theta: Array, posture: Array) -> Array:
+    """(I − J⁺J)(posture − θ) on the joints that it does not lead out of their bounds, as far as the first of those."""
+    J = _error_and_rows(problem.target, *problem.arm.fk_and_body_jacobian(theta))[1]
+    free = np.ones(len(theta), dtype=np.bool_)
+    while True:
+        step = np.where(free, posture - theta, 0.0)
+        step[free] -= np.linalg.pinv(J[:, free], rcond=RANK_TOL) @ (J @ step)
+        room = np.where(step > 0, problem.ranges.upper - theta, theta - problem.ranges.lower)
+        outward = (room <= SETTLED) & (step != 0)
+        if not outward.any():
+            return step * min(1.0, float((room / np.maximum(np.abs(step), SETTLED)).min()))
+        free &= ~outward
+
+
+def _error_and_rows(target: AnyTarget, g: Array, J_b: Array) -> tuple[Array, Array]:
+    """e (k,) and J (k, n) of what the target constrains, rotations weighed."""
+    e_p, J_p = excess_rows(target.position_rows(g, J_b), target.position_tolerance)
+    e_r, J_r = excess_rows(target.rotation_rows(g, J_b), target.rotation_tolerance)
+    scale = math.sqrt(ROTATION_WEIGHT)
+    return np.concatenate([e_p, scale * e_r]), np.concatenate([J_p, scale * J_r])
+
+
+def _missed(problem: Problem, end: Search) -> tuple[float, float]:
+    """How far an end is from the target: the position where it is not met, then the rotation."""
+    position, orientation = end.errors
+    return (0.0 if position <= problem.tolerances.position else position), orientation
+
+
+def _leaves_branch(problem: Problem, start: Array, theta: Array) -> bool:
+    """Whether the target is near the pose of `start` (n,), and theta is not near `start`."""
+    g = problem.arm.fk(start)
+    near = Tolerances(NEAR_POSITION, NEAR_ORIENTATION)
+    met = near.met(problem.target.position_error(g), problem.target.orientation_error(g))
+    return met and bool(np.abs(theta - start).max() > OTHER_BRANCH)

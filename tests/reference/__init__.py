@@ -1,0 +1,1 @@
+"""What judges inverse kinematics from outside: SciPy's optimisers and the conditions of optimality."""

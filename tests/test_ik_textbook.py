@@ -1,0 +1,126 @@
+"""The textbook's inverse kinematics, which answers without a core: met or the best found, and what needs the core."""
+
+from __future__ import annotations
+
+import time
+
+import numpy as np
+import pytest
+
+from catalogue import load
+from ik_targets import KINDS, errors, judged, moved, pinocchio_fk, target_from
+from solvers import textbook_ik
+from twistarm import load_arm
+from twistarm.cli.application import run
+from twistarm.ik import Position, StopReason, solve_ik, solve_ik_batch
+from twistarm.ik.ranges import joint_ranges
+
+
+@pytest.fixture
+def bare(monkeypatch):
+    """The rover arm where nothing was compiled."""
+    monkeypatch.setattr("twistarm.engine.core", lambda: None)
+    arm = load_arm("rover_arm")
+    assert arm.compiled is None
+    return arm
+
+
+@pytest.mark.parametrize("kind", KINDS)
+@pytest.mark.parametrize("name", ["rover_arm", "so101", "scara", "ur5", "panda"])
+def test_what_can_be_met_is_met(name, kind):
+    arm, rng = load(name), np.random.default_rng([1, KINDS.index(kind)])
+    for theta, theta0 in zip(arm.random_theta(rng, 10), arm.random_theta(rng, 10), strict=True):
+        target = target_from(kind, arm.fk(theta), rng)
+        solution = textbook_ik(arm, target, theta0)
+        assert solution.converged
+        assert judged(arm, target, solution)
+
+
+@pytest.mark.parametrize("name", ["rover_arm", "ur5", "panda"])
+def test_out_of_reach_the_best_found_is_told_as_it_is(name):
+    arm = load(name)
+    target = Position([3.0 * arm.reach, 0.5, 0.4])
+    best = textbook_ik(arm, target)
+    assert best.stop is StopReason.EXHAUSTED
+    assert best.within_limits
+    assert best.position_error == pytest.approx(errors(target, pinocchio_fk(arm, best.theta))[0], abs=1e-12)
+    assert (
+        solve_ik(arm, target).position_error - 1e-9 <= best.position_error <= target.position_error(arm.fk(arm.ready))
+    )
+
+
+def test_a_near_start_stays_near_and_another_branch_is_told():
+    arm, rng = load("ur5"), np.random.default_rng(3)
+    for theta in arm.random_theta(rng, 20):
+        theta0 = joint_ranges(arm).inside(theta + rng.uniform(-0.01, 0.01, arm.n))
+        solution = textbook_ik(arm, arm.fk(theta), theta0)
+        far = np.abs(solution.theta - theta0).max() > 0.2
+        assert any("another branch" in note for note in solution.notes) == far
+        assert far == (solution.restarts > 1)
+
+
+def test_the_same_call_gives_the_same_bits():
+    arm = load("so101")
+    g = arm.fk(arm.random_theta(np.random.default_rng(2)))
+    first, again = (textbook_ik(arm, g, rng=np.random.default_rng(5)).theta for _ in range(2))
+    np.testing.assert_array_equal(first, again)
+
+
+@pytest.mark.alone
+def test_no_search_begins_when_the_time_is_up():
+    arm, target = load("panda"), Position([3.0, 0.0, 0.0])
+    begun = time.perf_counter()
+    solution = textbook_ik(arm, target, max_time=0.05, restarts=10**6)
+    assert time.perf_counter() - begun < 0.1
+    assert solution.stop is StopReason.TIMED_OUT
+    assert solution.within_limits
+    assert "give a longer max_time" in solution.explain()
+    assert textbook_ik(arm, target, max_time=1e-9).restarts == 1
+    assert textbook_ik(arm, arm.fk(arm.ready), max_time=1e-9).converged
+
+
+def test_what_needs_the_core_is_told(bare):
+    solution = solve_ik(bare, Position([3.0, 0.0, 0.5]))
+    assert solution.stop is StopReason.EXHAUSTED
+    assert solution.method == "damped least squares"
+    assert solution.explain().splitlines()[2:] == [
+        "reason: no answer found, and none excluded",
+        "  no search met the target; try more restarts, another rng or another theta0",
+        f"found by damped least squares: {solution.iterations} iterations, 100 searches",
+        "note: this is the best configuration found: the nearest one, and the reason, need the compiled core, "
+        "and `twistarm info` says why there is none",
+    ]
+    assert solve_ik(bare, bare.fk(bare.ready)).notes == ()
+
+
+def test_a_batch_without_a_core_is_solved_one_by_one(bare):
+    rng, told = np.random.default_rng(1), []
+    poses = bare.fk(bare.random_theta(rng, 6))
+    targets = [target_from(KINDS[i % 4], g, rng) for i, g in enumerate(poses)]
+    targets.append(Position([9.0, 0.0, 0.0]))
+    batch = solve_ik_batch(bare, targets, progress=lambda done, count: told.append((done, count)))
+    alone = [solve_ik(bare, target) for target in targets]
+    np.testing.assert_array_equal(batch.theta, [solution.theta for solution in alone])
+    assert [*batch.stop] == [StopReason.CONVERGED] * 6 + [StopReason.EXHAUSTED]
+    assert told == [(i + 1, 7) for i in range(7)]
+    assert "need the compiled core" in batch[6].explain()
+    late = solve_ik_batch(bare, targets, max_time=1e-9)
+    assert StopReason.TIMED_OUT in late.stop
+    assert bare.limits.contains(late.theta).all()
+
+
+@pytest.mark.usefixtures("bare")
+def test_the_command_line_without_a_core(capsys):
+    assert run(["ik", "rover_arm", "--xyz", "0.8", "0.1", "0.7", "--direction", "1", "0", "0"]) == 0
+    assert run(["ik", "rover_arm", "--xyz", "3", "0", "0.5"]) == 1
+    assert "need the compiled core" in " ".join(capsys.readouterr().out.split())
+
+
+def test_more_joints_than_the_core_holds_are_solved_too():
+    from twistarm import arm_from_screws, joints
+
+    links = [joints.revolute([0, 0, 1] if i % 2 else [0, 1, 0], [0.05 * i, 0, 0]) for i in range(33)]
+    arm = arm_from_screws(np.hstack(links), moved(np.eye(4), [1.7, 0, 0]))
+    assert arm.compiled is None
+    target = Position([0.9, 0.3, 0.4])
+    assert errors(target, arm.fk(solve_ik(arm, target).require()))[0] <= 1e-6
