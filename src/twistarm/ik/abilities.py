@@ -13,7 +13,7 @@ from ..checks import Array
 from ..limits import JointLimits
 from .solve import solve_ik
 from .targets import Approach, Pose, Position
-from .task_space import Target, constrained
+from .task_space import Target
 
 RANK_SAMPLES = 16
 """Random configurations among which a rank is the largest; almost every one has it."""
@@ -56,13 +56,10 @@ class ApproachPlane:
 def split_rotation(arm: Arm, target: Target, theta: Array) -> Split:
     """The rotation error at theta (n,) in two: what no joint can undo with the position held, and what could be undone.
 
-    Rotation rows times the null space of the position rows span what can be undone; across it lies what cannot. An arm
-    that can move in every component of the target almost everywhere lacks no direction, whatever one posture lacks.
+    Rotation rows times the null space of the position rows span what can be undone; across it lies what cannot.
     """
     g, J_b = arm.fk_and_body_jacobian(theta)
     error, rows = target.rotation_rows(g, J_b)
-    if task_rank(arm, target) == constrained(target):
-        return Split(0.0, np.zeros(3), target.orientation_error(g))
     impossible = _across(rows @ _holding_position(target, g, J_b))
     part = impossible.T @ (impossible @ error)
     # The rows for the body's angular velocity itself turn a component of the error into an axis of the tool.
@@ -88,21 +85,6 @@ def _immovable_directions(arm: Arm) -> Array:
         g, J_b = arm.fk_and_body_jacobian(theta)
         motions.append(g[:3, :3] @ J_b[:3] / arm.reach)
     return _across(np.hstack(motions))
-
-
-def task_rank(arm: Arm, target: Target) -> int:
-    """In how many of the target's components the arm can move its tool, in almost every configuration that meets it.
-
-    The largest rank, over random configurations, of the rows of a target of the same kind that is met there.
-    """
-    ranks = []
-    for theta in arm.random_theta(0, RANK_SAMPLES):
-        g, J_b = arm.fk_and_body_jacobian(theta)
-        met = target.at(g)
-        rows = np.concatenate([met.position_rows(g, J_b)[1] / arm.reach, met.rotation_rows(g, J_b)[1]])
-        singular_values = np.linalg.svd(rows, compute_uv=False)
-        ranks.append(int((singular_values > RANK_TOL * singular_values[0]).sum()))
-    return max(ranks)
 
 
 def approach_plane(arm: Arm, target: Target, theta: Array) -> ApproachPlane | None:

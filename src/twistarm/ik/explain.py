@@ -105,6 +105,9 @@ def _missing(solution: IKSolution) -> list[str]:
         lines = [f"the nearest position the arm reaches inside its limits is {_length(solution.position_error)} away"]
         missed = out_of_surface(solution.arm, solution.target, solution.theta)
         return lines + [cannot_move(axis, "base") for axis in missed]
+    # Where the arm has every direction almost everywhere, as the core has found, none is impossible at one posture.
+    if solution.stop is not StopReason.IMPOSSIBLE_DIRECTION:
+        return _missing_rotation(solution, Split(0.0, np.zeros(3), solution.orientation_error))
     return _missing_rotation(solution, split_rotation(solution.arm, solution.target, solution.theta))
 
 

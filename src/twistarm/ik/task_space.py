@@ -60,11 +60,6 @@ class Target(Protocol):
         """The target in words."""
 
 
-def constrained(target: Target) -> int:
-    """How many components the target constrains."""
-    return len(target.position_tolerance) + len(target.rotation_tolerance)
-
-
 def excess(error: Array, tolerance: Array) -> Array:
     """What of each component lies beyond its tolerance, with its sign."""
     beyond: Array = error - np.clip(error, -tolerance, tolerance)
