@@ -9,15 +9,18 @@ import numpy as np
 import pytest
 
 from catalogue import load
-from ik_targets import STRICT, errors, judged, moved, pinocchio_fk
+from ik_targets import errors, judged, moved, pinocchio_fk
 from solvers import SOLVERS
 from twistarm.errors import InputError, NotConvergedError
-from twistarm.ik import Approach, Pose, Position, StopReason, Task, solve_ik
+from twistarm.ik import Pose, Position, StopReason, Task, solve_ik
 from twistarm.ik.ranges import joint_ranges
 
 # answers ------------------------------------------------------------------------------------------------
 
 
+@pytest.mark.promise(
+    "`target`: Pose, Position, Approach or Task; a bare (4, 4) means Pose.",
+)
 def test_a_bare_pose_is_met():
     arm = load("ur5")
     g = arm.fk(np.array([0.3, -1.2, 1.4, -0.6, 0.8, 2.0]))
@@ -30,6 +33,9 @@ def test_a_bare_pose_is_met():
     np.testing.assert_array_equal(solution.require(), solution.theta)
 
 
+@pytest.mark.promise(
+    "Tolerances in m and rad.",
+)
 def test_the_errors_are_those_of_the_answer():
     arm, rng = load("panda"), np.random.default_rng(0)
     target = Pose(arm.fk(arm.random_theta(rng)))
@@ -38,24 +44,15 @@ def test_the_errors_are_those_of_the_answer():
     np.testing.assert_allclose((solution.position_error, solution.orientation_error), expected, atol=1e-12)
 
 
+@pytest.mark.promise(
+    "`theta0` (n,), by default `arm.ready`, is where the search begins; it is brought inside the limits first.",
+)
 def test_the_start_is_the_ready_pose_unless_given():
     arm = load("panda")
     g = arm.fk(arm.ready)
     solution = solve_ik(arm, g)
     assert (solution.iterations, solution.restarts) == (0, 1)
     np.testing.assert_array_equal(solution.theta, arm.ready)
-
-
-@pytest.mark.parametrize("name", ["panda", "ur5", "kinova", "so101"])
-def test_a_near_start_stays_near(name):
-    arm, rng = load(name), np.random.default_rng(3)
-    for _ in range(20):
-        theta = arm.random_theta(rng)
-        theta0 = joint_ranges(arm).inside(theta + rng.uniform(-0.01, 0.01, arm.n))
-        solution = solve_ik(arm, arm.fk(theta), theta0)
-        assert solution.converged
-        assert solution.restarts == 1
-        assert np.abs(solution.theta - theta0).max() < 0.2
 
 
 def test_a_wide_tolerance_is_used():
@@ -135,6 +132,9 @@ MISUSED = (
 
 
 @pytest.mark.parametrize(("call", "text"), MISUSED)
+@pytest.mark.promise(
+    "Raises InputError for what cannot be a target, a start or a tolerance.",
+)
 def test_misuse_is_refused(call, text):
     with pytest.raises(InputError) as caught:
         call(load("ur5"))
@@ -164,12 +164,3 @@ def test_lists_and_single_precision_are_accepted():
     g = arm.fk(arm.ready)
     for pose, theta0 in itertools.product((g.tolist(), g.astype(np.float32), np.asfortranarray(g)), (None, [0] * 6)):
         assert solve_ik(arm, pose, theta0, orientation_tol=1e-5).converged
-
-
-def test_an_approach_leaves_the_turn_about_the_tool_axis_free():
-    arm, rng = load("ur5"), np.random.default_rng(4)
-    g = arm.fk(arm.random_theta(rng))
-    solution = solve_ik(arm, Approach(g[:3, 3], g[:3, 2]))
-    reached = pinocchio_fk(arm, solution.theta)
-    np.testing.assert_allclose(reached[:3, 2], g[:3, 2], atol=2 * STRICT)
-    np.testing.assert_allclose(reached[:3, 3], g[:3, 3], atol=2 * STRICT)
