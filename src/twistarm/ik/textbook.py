@@ -37,7 +37,7 @@ NEAR_POSITION, NEAR_ORIENTATION = 0.01, math.radians(1.0)
 OTHER_BRANCH = 0.2
 """... and an answer that moves a coordinate by more than this [rad, m] for it stands on another branch."""
 
-POSTURE_STEPS, SHARES, SETTLED = 100, 0.5 ** np.arange(10), 1e-7
+MOST_POSTURE_STEPS, SHARES, SETTLED_STEP = 100, 0.5 ** np.arange(10), 1e-7
 """Steps toward a posture, how much of each is tried in turn, and which [rad, m] is too short to be taken."""
 
 RANK_TOL = 1e-6
@@ -139,9 +139,9 @@ def toward_posture(problem: Problem, found: Search, posture: Array, deadline: De
     no nearer. Source: B. Siciliano et al., Robotics: Modelling, Planning and Control, 2009, §3.5.1.
     """
     found = search(problem, found.theta, posture)
-    for _ in range(POSTURE_STEPS):
+    for _ in range(MOST_POSTURE_STEPS):
         step, away = _null_space_step(problem, found.theta, posture), np.linalg.norm(found.theta - posture)
-        if np.abs(step).max() <= SETTLED or deadline.passed:
+        if np.abs(step).max() <= SETTLED_STEP or deadline.passed:
             break
         trials = (search(problem, found.theta + share * step, posture) for share in SHARES)
         nearer = next((end for end in trials if end.converged and np.linalg.norm(end.theta - posture) < away), None)
@@ -159,9 +159,9 @@ def _null_space_step(problem: Problem, theta: Array, posture: Array) -> Array:
         step = np.where(free, posture - theta, 0.0)
         step[free] -= np.linalg.pinv(J[:, free], rcond=RANK_TOL) @ (J @ step)
         room = np.where(step > 0, problem.ranges.upper - theta, theta - problem.ranges.lower)
-        outward = (room <= SETTLED) & (step != 0)
+        outward = (room <= SETTLED_STEP) & (step != 0)
         if not outward.any():
-            return step * min(1.0, float((room / np.maximum(np.abs(step), SETTLED)).min()))
+            return step * min(1.0, float((room / np.maximum(np.abs(step), SETTLED_STEP)).min()))
         free &= ~outward
 
 
