@@ -15,6 +15,8 @@ import pytest
 import typer
 
 import twistarm
+from catalogue import load
+from ik_targets import require_core
 from test_urdf import REFUSED
 from twistarm.cli import application
 from twistarm.cli.application import run
@@ -192,6 +194,7 @@ def test_ik_of_every_kind(capsys: Capture, rover: twistarm.Arm) -> None:
 
 
 def test_ik_out_of_reach_is_an_answer_with_exit_code_1(capsys: Capture) -> None:
+    require_core(load("rover_arm"))
     assert run(["ik", "rover_arm", "--xyz", "5 0 0"]) == 1
     shown = capsys.readouterr()
     assert "OUT_OF_REACH" in shown.out

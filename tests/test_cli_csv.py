@@ -13,7 +13,7 @@ import pytest
 from scipy.spatial.transform import Rotation
 
 from catalogue import load
-from ik_targets import pinocchio_fk
+from ik_targets import pinocchio_fk, require_core
 from twistarm import load_arm, plan_joint
 from twistarm.cli.application import run
 from twistarm.csv_lines import csv_text, name_in
@@ -64,6 +64,7 @@ def test_standard_input_is_read_as_a_file_is(encoding: str, capsys: Capture, mon
 
 def test_positions_without_a_header_take_the_orientation_that_is_typed(tmp_path: Path, capsys: Capture) -> None:
     arm, file, out = load("ur5"), tmp_path / "targets.csv", tmp_path / "answers.csv"
+    require_core(arm)
     file.write_text("# picks\n0.4,0.1,0.3\n\n9,9,9\n0.4,-0.1,0.3\n", "utf-8")
     typed = ["--targets", str(file), "--direction", "0", "0", "-1", "--axis", "-x", "-o", str(out)]
     assert run(["ik", "ur5", *typed]) == 1

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from catalogue import load
-from ik_targets import errors, judged, moved, pinocchio_fk
+from ik_targets import errors, judged, moved, pinocchio_fk, require_core
 from solvers import SOLVERS
 from twistarm.errors import InputError, NotConvergedError
 from twistarm.ik import Pose, Position, StopReason, Task, solve_ik
@@ -143,6 +143,7 @@ def test_misuse_is_refused(call, text):
 
 def test_require_carries_the_solution():
     arm = load("ur5")
+    require_core(arm)
     solution = solve_ik(arm, Position([5.0, 0, 0]), restarts=2)
     with pytest.raises(NotConvergedError) as caught:
         solution.require()
