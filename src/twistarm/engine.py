@@ -72,7 +72,8 @@ def servo_of(arrays: tuple[Array, ...], length: float, below: float, damping: fl
 @cache
 def _say_once() -> None:
     """That everything is slower than it could be, on the log, whose default is a line on stderr."""
-    _LOG.warning("no compiled core, so inverse kinematics takes milliseconds instead of microseconds: %s", why_not())
+    lost = "takes milliseconds instead of microseconds and gives neither the nearest configuration nor the reason"
+    _LOG.warning("no compiled core, so inverse kinematics %s: %s", lost, why_not())
 
 
 @cache
