@@ -23,7 +23,7 @@ def textbook_ik(
 ):
     """`solve_ik` as it answers without a core."""
     asked = target_for(arm, target)
-    request = checked(arm, theta0, posture, (position_tol, orientation_tol), restarts, max_time, rng)
+    request = checked(arm, theta0, posture, position_tol, orientation_tol, restarts, rng, max_time)
     return IKSolution(arm, textbook.solve(arm, asked, request), asked)
 
 

@@ -2,6 +2,11 @@
 
 from __future__ import annotations
 
+import signal
+import subprocess
+import sys
+import threading
+import time
 from collections.abc import Callable
 from typing import Any
 
@@ -10,6 +15,8 @@ import pytest
 
 from catalogue import load
 from twistarm import Approach, Arm, InputError, Pose, Position, Task, solve_ik, solve_ik_batch
+from twistarm.checks import as_pose
+from twistarm.errors import RoundedPoseWarning
 
 ARM = load("panda")
 G = ARM.fk(ARM.ready)
@@ -51,3 +58,165 @@ DOORS: dict[str, Callable[[Arm, float], Any]] = {
 def test_what_is_not_finite_is_refused_at_every_door(door: str, value: float) -> None:
     with pytest.raises(InputError):
         DOORS[door](ARM, value)
+
+
+TARGETS: dict[str, Callable[[], Any]] = {
+    "a pose": lambda: Pose(G),
+    "a position": lambda: Position(G[:3, 3]),
+    "an approach": lambda: Approach(G[:3, 3], G[:3, 2], AXIS),
+    "a task": lambda: Task(G, np.zeros(6)),
+}
+
+
+@pytest.mark.parametrize("kind", TARGETS)
+def test_what_somebody_wrote_into_a_target_is_refused_too(kind: str) -> None:
+    target = TARGETS[kind]()
+    numbers = target.numbers
+    numbers.flags.writeable = True
+    numbers.flat[3 if numbers.ndim == 2 else 2] = np.nan
+    for call in (lambda: solve_ik(ARM, target), lambda: solve_ik_batch(ARM, [G, target])):
+        with pytest.raises(InputError, match="finite"):
+            call()
+
+
+TILTED = G.copy()
+TILTED[:3, 0] *= 1 + 8e-12
+
+WRITTEN: dict[str, dict[str, Any]] = {
+    "lists": {"target": G.tolist(), "theta0": ARM.ready.tolist()},
+    "rows in a tuple": {"target": tuple(G), "theta0": tuple(ARM.ready)},
+    "column by column": {"target": np.asfortranarray(G), "theta0": np.array([ARM.ready, ARM.ready]).T[:, 1]},
+    "merely almost a rotation": {"target": TILTED},
+    "numbers of NumPy's": {"position_tol": np.float64(1e-6), "orientation_tol": np.float32(1e-6), "rng": np.int64(0),
+                           "restarts": np.int32(100), "max_time": np.int64(10)},
+    "the ready pose by its name": {"theta0": "ready"},
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("how", WRITTEN)
+def test_however_numbers_are_written_the_answer_is_the_same(how: str) -> None:
+    given = {"target": G, "theta0": ARM.ready} | WRITTEN[how]
+    solution = solve_ik(ARM, **given)
+    assert solution.converged
+    np.testing.assert_allclose(solution.theta, solve_ik(ARM, G, ARM.ready).theta, atol=1e-6)
+    batch = solve_ik_batch(ARM, [given.pop("target")], **given)
+    np.testing.assert_allclose(batch.theta[0], solution.theta, atol=1e-6)
+
+
+@pytest.mark.parametrize("kind", [np.float32, np.float16, np.int64, np.uint8, np.bool_, ">f8"])
+def test_every_type_of_array_is_read(kind: Any) -> None:
+    whole = np.eye(4)
+    whole[0, 3] = 1.0
+    given = np.repeat(whole.astype(kind), 2, axis=1)[:, ::2]
+    np.testing.assert_array_equal(Pose(given).g, whole)
+    np.testing.assert_array_equal(solve_ik(ARM, given, restarts=1).target.g, whole)
+    np.testing.assert_array_equal(solve_ik_batch(ARM, given[None], restarts=1)[0].target.g, whole)
+
+
+def test_a_rotation_is_rounded_by_the_core_as_in_python() -> None:
+    rng = np.random.default_rng(3)
+    for size in (1e-15, 1e-13, 1e-9, 4e-7):
+        g = ARM.fk(ARM.random_theta(rng))
+        g[:3, :3] += rng.uniform(-size, size, (3, 3))
+        np.testing.assert_allclose(Pose(g).g, as_pose(g), atol=1e-14, rtol=0)
+    g[0, 0] += 1e-4
+    with pytest.warns(RoundedPoseWarning):
+        Pose(g)
+
+
+@pytest.mark.parametrize("given", [
+    {"kind": 4}, {"kind": -1}, {"kind": 2**70}, {"kind": "pose"}, {"numbers": np.zeros((2, 3))}, {"numbers": None},
+    {"numbers": np.zeros((1, 4, 4))}, {"numbers": np.broadcast_to(0.0, (2**40, 4, 4))}, {"numbers": np.float64(1)},
+    {"theta0": np.zeros((3, 7))}, {"restarts": 0}, {"restarts": -5}, {"restarts": 2**31}, {"seed": -1},
+    {"max_time": -1.0}, {"threads": 0},
+    {"threads": -1}, {"threads": 2**40}, {"threads": 1.5},
+    {"progress": 3}, {"posture": np.zeros(6)},
+])  # fmt: skip
+def test_the_core_leaves_to_python_whatever_is_out_of_range(given: dict[str, Any]) -> None:
+    chain = ARM.compiled
+    assert chain is not None
+    right = {"kind": 0, "numbers": G[None], "theta0": ARM.ready, "position_tol": 1e-6, "orientation_tol": 1e-6,
+             "restarts": 3, "seed": 0, "max_time": None, "posture": None, "threads": 1, "progress": None}  # fmt: skip
+    assert chain.solve_batch(*right.values()) is not None
+    assert chain.solve_batch(*(right | given).values()) is None
+    single = {name: value for name, value in (right | {"numbers": G}).items() if name not in ("threads", "progress")}
+    assert chain.solve(*single.values()) is not None
+    if not given.keys() & {"threads", "progress"}:
+        assert chain.solve(*(single | given).values()) is None
+
+
+def test_an_array_that_shrinks_while_it_is_worked_on() -> None:
+    thetas = np.tile(ARM.ready, (20_000, 1))
+    expected = ARM.fk(thetas)
+    shrinking = thetas.copy()
+    thread = threading.Thread(target=lambda: shrinking.resize((1, ARM.n), refcheck=False))
+    interval = sys.getswitchinterval()
+    sys.setswitchinterval(1e-6)
+    try:
+        thread.start()
+        poses = ARM.fk(shrinking)
+        thread.join()
+    finally:
+        sys.setswitchinterval(interval)
+    np.testing.assert_array_equal(poses, expected[: len(poses)])
+
+
+ENDLESS = """
+import sys, numpy as np, twistarm
+arm = twistarm.load_arm("panda")
+far = arm.fk(arm.ready) + np.diag([0.0, 0.0, 5.0], 1)
+print("begun", flush=True)
+try:
+    if sys.argv[1] == "one":
+        twistarm.solve_ik(arm, far, restarts=10**6)
+    twistarm.solve_ik_batch(arm, [far] * 9, restarts=10**6, threads=int(sys.argv[1]))
+except KeyboardInterrupt:
+    print("interrupted", flush=True)
+"""
+
+
+def seconds_until_interrupted(what: str) -> float:
+    command = [sys.executable, "-c", ENDLESS, what]
+    with subprocess.Popen(command, stdout=subprocess.PIPE, text=True) as running:
+        assert running.stdout is not None
+        assert running.stdout.readline() == "begun\n"
+        time.sleep(0.3)
+        running.send_signal(signal.SIGINT)
+        begun = time.perf_counter()
+        assert running.stdout.readline() == "interrupted\n"
+        return time.perf_counter() - begun
+
+
+@pytest.mark.alone
+@pytest.mark.parametrize("what", ["one", "1", "2"])
+def test_ctrl_c_ends_a_million_searches(what: str) -> None:
+    assert any(seconds_until_interrupted(what) < 0.2 for _ in range(3))
+
+
+DAEMON = """
+import sys, threading, time, numpy as np, twistarm
+arm = twistarm.load_arm("panda")
+far = arm.fk(arm.ready) + np.diag([0.0, 0.0, 5.0], 1)
+many, thetas = np.tile(far, (2000, 1, 1)), np.tile(arm.ready, (100_000, 1))
+state = twistarm.ServoState.at(arm, arm.ready)
+calls = {
+    "one": lambda: twistarm.solve_ik(arm, far),
+    "batch": lambda: twistarm.solve_ik_batch(arm, many),
+    "threads": lambda: twistarm.solve_ik_batch(arm, many, threads=2, progress=lambda *_: time.sleep(0.001)),
+    "fk": lambda: arm.fk(thetas),
+    "servo": lambda: twistarm.servo_step(arm, state, np.full(6, 0.01), 0.01),
+}
+def work(call):
+    while True:
+        call()
+for name in sys.argv[1:]:
+    threading.Thread(target=work, args=(calls[name],), daemon=True).start()
+time.sleep(0.1)
+"""
+
+
+@pytest.mark.parametrize("calls", [["one"], ["batch"], ["threads"], ["fk"], ["servo"], ["one", "batch", "fk", "servo"]])
+def test_a_program_may_end_while_daemon_threads_work(calls: list[str]) -> None:
+    for _ in range(2):
+        done = subprocess.run([sys.executable, "-c", DAEMON, *calls], capture_output=True, text=True, timeout=60)
+        assert (done.returncode, done.stderr) == (0, "")

@@ -98,7 +98,7 @@ def test_a_thousand_reasons(case, name):
         assert arm.limits.contains(batch.theta).all()
         assert (judged_batch(arm, poses, batch) == batch.converged).all()
         for i in range(0, count, 10):
-            solution = solve_ik(arm, poses[i], batch.request.theta0[i])
+            solution = solve_ik(arm, poses[i], batch.theta0[i])
             check_one(arm, poses[i], solution)
             alone[solution.stop] += 1
             differing += solution.stop is not batch.stop[i]

@@ -1,26 +1,51 @@
-// twistarm._core.Answer: what one solve found, read attribute by attribute when somebody asks.
+// One answer as a row of numbers, as src/twistarm/ik/answer.py reads it.
 #pragma once
 
-#include "arrays.hpp"
+#include <cstddef>
+
 #include "kernels.hpp"
 
 namespace bindings {
 
-// The question is kept with the answer: an array that the caller has changed since must not change what was asked.
-struct OneAnswer {
-    int kind, n;
-    double numbers[most_numbers], theta0[most_joints];
-    double position_tolerance, orientation_tolerance;
-    Answer answer;
+// position error, orientation error, iterations, restarts, stop, flags, kind, position and orientation tolerance,
+// theta (n), unlimited (n), theta0 (n), the target's numbers. What was asked stands beside the answer: an array that the
+// caller has changed since must not change it.
+class Row {
+public:
+    static constexpr std::size_t first = 9;
+    static constexpr double not_finished = -1.0;  // in place of a stop, where the time was up before
 
-    // float64 in a row: a NumPy array would cost more than a tenth of the solve, asked for or not.
-    static nb::bytes row(const double* values, std::size_t size) {
-        return nb::bytes(reinterpret_cast<const char*>(values), size * sizeof(double));
+    static constexpr std::size_t length(int kind, std::size_t n) { return first + 3 * n + numbers_of_kind[kind]; }
+
+    Row(double* row, std::size_t n) : row_(row), n_(n) {}
+
+    void ask(const Query& query, const Question& question) const {
+        row_[4] = not_finished;
+        row_[6] = query.kind;
+        row_[7] = query.position_tolerance;
+        row_[8] = query.orientation_tolerance;
+        double* const theta0 = row_ + first + 2 * n_;
+        for (std::size_t k = 0; k < n_; ++k) theta0[k] = question.theta0[k];
+        for (std::size_t k = 0; k < numbers_of_kind[query.kind]; ++k) theta0[n_ + k] = question.numbers[k];
     }
-    nb::bytes theta_row(const double* values) const { return row(values, static_cast<std::size_t>(n)); }
-};
 
-// The numbers of a target of a kind as they must be: rigid motions, within reach of double precision.
-bool is_target(int kind, const double* numbers);
+    void answer(const Answer& found) const {
+        row_[0] = found.position_error;
+        row_[1] = found.orientation_error;
+        row_[2] = found.iterations;
+        row_[3] = found.restarts;
+        row_[4] = found.stop;
+        row_[5] = found.nearest + 2 * found.has_unlimited + 4 * found.other_branch + 8 * found.start_moved;
+        double *const theta = row_ + first, *const unlimited = theta + n_;
+        for (std::size_t k = 0; k < n_; ++k) {
+            theta[k] = found.theta[k];
+            unlimited[k] = found.has_unlimited ? found.unlimited[k] : 0.0;
+        }
+    }
+
+private:
+    double* row_;
+    std::size_t n_;
+};
 
 }  // namespace bindings

@@ -1,9 +1,11 @@
-// NumPy's arrays through Python's buffers: nothing here depends on which NumPy there is.
+// NumPy's arrays, as they lie in memory: nothing here depends on which NumPy there is.
 #pragma once
 
 #include <nanobind/nanobind.h>
 
 #include <cstddef>
+
+#include "lock.hpp"
 
 namespace bindings {
 
@@ -33,7 +35,7 @@ inline void make_read_only(nb::handle array) {
     reinterpret_cast<ArrayHead*>(array.ptr())->flags &= ~ArrayHead::writeable;
 }
 
-// numpy.ndarray and numpy.empty, looked up once.
+// What is asked of numpy, looked up once.
 class NumPy {
 public:
     static const NumPy& get() {
@@ -41,7 +43,13 @@ public:
         return numpy;
     }
     bool is_array(nb::handle object) const { return reinterpret_cast<PyObject*>(Py_TYPE(object.ptr())) == array_.ptr(); }
-    nb::object empty(nb::handle shape) const { return empty_(shape); }
+    // A scalar of NumPy's own that is a real number, or a whole one.
+    bool is_number(nb::handle object) const { return is_integer(object) || is_a(object, floating_); }
+    bool is_integer(nb::handle object) const { return is_a(object, integer_); }
+    // A new array; making one may end this thread, as any call of Python may.
+    nb::object empty(nb::handle shape) const {
+        return called([&] { return nb::object(empty_(shape)); });
+    }
 
 private:
     // Never given back: Python is gone before what is static here is.
@@ -49,22 +57,30 @@ private:
         const nb::module_ numpy = nb::module_::import_("numpy");
         array_ = numpy.attr("ndarray").inc_ref();
         empty_ = numpy.attr("empty").inc_ref();
+        floating_ = numpy.attr("floating").inc_ref();
+        integer_ = numpy.attr("integer").inc_ref();
     }
-    nb::handle array_, empty_;
+    static bool is_a(nb::handle object, nb::handle type) {
+        return PyObject_TypeCheck(object.ptr(), reinterpret_cast<PyTypeObject*>(type.ptr()));
+    }
+    nb::handle array_, empty_, floating_, integer_;
 };
 
-// An array's numbers; `plain` if they are float64 in a row, in this machine's byte order. Anything else is Python's to
-// convert or to refuse. Its owner must hold the array.
-class Numbers {
+// One array's numbers where they lie; its owner must hold it, and the interpreter lock as long as others could resize it.
+class Array {
 public:
-    explicit Numbers(nb::handle object) : head_(reinterpret_cast<const ArrayHead*>(object.ptr())) {
-        constexpr int usable = ArrayHead::row_by_row | ArrayHead::aligned;
-        plain_ = NumPy::get().is_array(object) && head_->type->number == ArrayHead::float64 &&
-                 head_->type->byte_order != foreign && (head_->flags & usable) == usable;
-    }
+    explicit Array(nb::handle array) : head_(reinterpret_cast<const ArrayHead*>(array.ptr())) {}
 
-    bool plain() const { return plain_; }
+    // Whether it is float64 in a row, in this machine's byte order.
+    bool plain() const {
+        constexpr int usable = ArrayHead::row_by_row | ArrayHead::aligned;
+        return type() == ArrayHead::float64 && native() && (head_->flags & usable) == usable;
+    }
+    bool native() const { return head_->type->byte_order != foreign; }
+    int type() const { return head_->type->number; }
+    const char* bytes() const { return head_->data; }
     double* data() const { return reinterpret_cast<double*>(head_->data); }
+    const Py_ssize_t* strides() const { return head_->strides; }
     std::size_t dimensions() const { return static_cast<std::size_t>(head_->dimensions); }
     std::size_t shape(std::size_t axis) const { return static_cast<std::size_t>(head_->shape[axis]); }
     std::size_t size() const {
@@ -72,6 +88,31 @@ public:
         for (std::size_t axis = 0; axis < dimensions(); ++axis) count *= shape(axis);
         return count;
     }
+    bool is(const std::size_t* shape_wanted, std::size_t axes) const {
+        bool same = dimensions() == axes;
+        for (std::size_t axis = 0; same && axis < axes; ++axis) same = shape(axis) == shape_wanted[axis];
+        return same;
+    }
+
+private:
+#if __BYTE_ORDER__ == __ORDER_LITTLE_ENDIAN__
+    static constexpr char foreign = '>';
+#else
+    static constexpr char foreign = '<';
+#endif
+    const ArrayHead* head_;
+};
+
+// Any object's numbers, if it is an array of plain ones. Anything else is Python's to convert or to refuse.
+class Numbers {
+public:
+    explicit Numbers(nb::handle object) : array_(object), plain_(NumPy::get().is_array(object) && array_.plain()) {}
+
+    bool plain() const { return plain_; }
+    double* data() const { return array_.data(); }
+    std::size_t dimensions() const { return array_.dimensions(); }
+    std::size_t shape(std::size_t axis) const { return array_.shape(axis); }
+    std::size_t size() const { return array_.size(); }
     bool is(std::size_t rows) const { return plain_ && dimensions() == 1 && shape(0) == rows; }
     bool is(std::size_t rows, std::size_t columns) const {
         return plain_ && dimensions() == 2 && shape(0) == rows && shape(1) == columns;
@@ -84,12 +125,7 @@ public:
     }
 
 private:
-#if __BYTE_ORDER__ == __ORDER_LITTLE_ENDIAN__
-    static constexpr char foreign = '>';
-#else
-    static constexpr char foreign = '<';
-#endif
-    const ArrayHead* head_;
+    Array array_;
     bool plain_;
 };
 

@@ -1,8 +1,8 @@
 // Chain.solve_batch: blocks of targets, taken by as many threads as are asked for.
-#include <nanobind/stl/string.h>
-
+#include <algorithm>
 #include <atomic>
 #include <condition_variable>
+#include <memory>
 #include <mutex>
 #include <new>
 #include <thread>
@@ -11,30 +11,48 @@
 #include "answer.hpp"
 #include "chain.hpp"
 #include "clock.hpp"
+#include "targets.hpp"
 
 namespace bindings {
 
 namespace {
 
 constexpr std::size_t block = 256;  // enough that lanes left idle at its end do not count
-constexpr std::size_t few = 64;     // not worth a thread, if each takes
-constexpr int few_searches = 1000;  // no more than these
-constexpr auto patience = std::chrono::milliseconds(50);  // between two looks at Ctrl-C
+constexpr std::uint64_t most_threads = 256;      // as in ik/batch.py
+constexpr std::size_t most_targets = 1000000000;  // more is a mistake
 
-// A row for each target: theta (n), unlimited (n), position error, orientation error, iterations, restarts, stop, flags.
-constexpr std::size_t row_length(std::size_t n) { return 2 * n + 6; }
-constexpr double not_finished = -1.0;  // in place of a stop, where the time was up before
+// Numbers for each target, `step` apart, or the same for all; a copy of the caller's.
+struct Each {
+    std::unique_ptr<double[]> values;
+    std::size_t count = 0, step = 0;
 
+    double* make(std::size_t size) {
+        values.reset(new double[size]);  // not set to 0 first: a million poses are 128 MB
+        count = size;
+        return values.get();
+    }
+    const double* at(std::size_t t) const { return values.get() + t * step; }
+};
+
+struct Questions {
+    std::size_t count = 0;
+    Each numbers, theta0, posture;
+
+    Question at(std::size_t t) const {
+        return {numbers.at(t), theta0.at(t), posture.count == 0 ? nullptr : posture.at(t)};
+    }
+};
+
+// `over` of the query is asked in whichever thread works.
 class Work {
 public:
-    Work(const Engine& engine, const Query& query, const Batch& targets, std::size_t count, std::size_t n, double* rows)
-        : engine_(engine), query_(query), targets_(targets), count_(count), n_(n), rows_(rows), written_(count) {
-        targets_.store = [](void* self, std::size_t t, const Answer& answer) {
-            static_cast<Work*>(self)->write(t, answer);
-        };
-        targets_.goes_on = [](void* self) { return !static_cast<Work*>(self)->stopped(); };
-        targets_.owner = this;
+    Work(const Engine& engine, const Query& query, const Questions& asked, std::size_t n, double* rows)
+        : engine_(engine), query_(query), over_(query.stopped), clock_(query.clock), asked_(asked), n_(n), rows_(rows) {
+        query_.stopped = [](const void* self) { return static_cast<const Work*>(self)->stopped(); };
+        query_.clock = this;
     }
+    Work(const Work&) = delete;
+    Work& operator=(const Work&) = delete;
 
     // Blocks until there are none; one thread's share.
     void run() {
@@ -55,51 +73,49 @@ public:
         return ended_.wait_for(guard, patience, [&] { return finished_ == threads; });
     }
 
+    // What was asked in blocks that nobody has begun.
+    void ask_the_rest() { ask(std::min(next_.load(), asked_.count), asked_.count); }
+
     bool out_of_memory() const { return out_of_memory_.load(); }
-    // Marks the rows that nobody has written.
-    void mark_unfinished() {
-        for (std::size_t t = 0; t < count_; ++t)
-            if (!written_[t]) rows_[t * row_length(n_) + 2 * n_ + 4] = not_finished;
-    }
     void stop() { stop_.store(true, std::memory_order_relaxed); }
     std::size_t done() const { return done_.load(std::memory_order_relaxed); }
 
 private:
     void solve_blocks() {
+        Batch targets{asked_.at(0), asked_.theta0.step, asked_.posture.step, nullptr, nullptr, this};
+        targets.store = [](void* self, std::size_t t, const Answer& answer) {
+            static_cast<Work*>(self)->store(t, answer);
+        };
+        targets.goes_on = [](void* self) { return !static_cast<Work*>(self)->stopped(); };
         for (;;) {
-            const std::size_t begin = next_.fetch_add(block);
-            if (begin >= count_ || stopped()) return;
-            engine_.solve(query_, targets_, begin, begin + block < count_ ? begin + block : count_);
+            const std::size_t begin = next_.fetch_add(block), end = std::min(begin + block, asked_.count);
+            if (begin >= asked_.count) return;
+            ask(begin, end);
+            if (stopped()) return;
+            engine_.solve(query_, targets, begin, end);
         }
     }
 
-    bool stopped() const {
-        return stop_.load(std::memory_order_relaxed) || query_.stopped(query_.clock);
+    void ask(std::size_t begin, std::size_t end) const {
+        for (std::size_t t = begin; t < end; ++t) row(t).ask(query_, asked_.at(t));
     }
 
-    void write(std::size_t t, const Answer& answer) {
-        double* row = rows_ + t * row_length(n_);
-        for (std::size_t k = 0; k < n_; ++k) {
-            row[k] = answer.theta[k];
-            row[n_ + k] = answer.has_unlimited ? answer.unlimited[k] : 0.0;
-        }
-        row += 2 * n_;
-        row[0] = answer.position_error;
-        row[1] = answer.orientation_error;
-        row[2] = answer.iterations;
-        row[3] = answer.restarts;
-        row[4] = answer.stop;
-        row[5] = answer.nearest + 2 * answer.has_unlimited + 4 * answer.other_branch + 8 * answer.start_moved;
-        written_[t] = 1;
+    bool stopped() const { return stop_.load(std::memory_order_relaxed) || over_(clock_); }
+
+    Row row(std::size_t t) const { return {rows_ + t * Row::length(query_.kind, n_), n_}; }
+
+    void store(std::size_t t, const Answer& answer) {
+        row(t).answer(answer);
         done_.fetch_add(1, std::memory_order_relaxed);
     }
 
     const Engine& engine_;
-    const Query& query_;
-    Batch targets_;
-    std::size_t count_, n_;
+    Query query_;
+    bool (*over_)(const void* clock);
+    const void* clock_;
+    const Questions& asked_;
+    std::size_t n_;
     double* rows_;
-    std::vector<unsigned char> written_;
     std::atomic<std::size_t> next_{0}, done_{0};
     std::atomic<bool> stop_{false}, out_of_memory_{false};
     std::mutex mutex_;
@@ -107,82 +123,84 @@ private:
     int finished_ = 0;
 };
 
-// Threads that are joined whatever happens.
-class Threads {
-public:
-    Threads(Work& work, int count) : work_(work) {
-        try {
-            for (int i = 0; i < count; ++i) threads_.emplace_back([&work] { work.run(); });
-        } catch (...) {  // no thread to be had: those that run are joined before this is told
-            join();
-            throw;
+// Threads that share the work, while the calling one hears Ctrl-C and reports progress. They are joined, whatever
+// happens, before this returns; the last hand on the lock is that of the caller.
+void share(Work& work, int threads, std::size_t count, nb::handle progress) {
+    std::vector<std::thread> running;
+    const auto join = [&] {
+        work.stop();
+        without_lock([&] {
+            for (std::thread& thread : running) thread.join();
+        });
+    };
+    try {
+        for (int i = 0; i < threads; ++i) running.emplace_back([&work] { work.run(); });
+        for (bool ended = false; !ended;) {
+            without_lock([&] { ended = work.ended(threads); });
+            if (called([] { return PyErr_CheckSignals() != 0; })) throw nb::python_error();
+            if (!progress.is_none()) called([&] { progress(work.done(), count); });
         }
+    } catch (...) {
+        join();
+        throw;
     }
-    ~Threads() { join(); }
-    Threads(const Threads&) = delete;
-    Threads& operator=(const Threads&) = delete;
-
-private:
-    void join() {
-        work_.stop();
-        const nb::gil_scoped_release released;
-        for (std::thread& thread : threads_) thread.join();
-    }
-
-    Work& work_;
-    std::vector<std::thread> threads_;
-};
-
-// The calling thread hears Ctrl-C and reports progress while the others work.
-void oversee(Work& work, int threads, std::size_t count, nb::handle progress) {
-    const Threads running(work, threads);
-    for (bool ended = false; !ended;) {
-        {
-            const nb::gil_scoped_release released;
-            ended = work.ended(threads);
-        }
-        if (PyErr_CheckSignals() != 0) throw nb::python_error();
-        if (!progress.is_none()) progress(work.done(), count);
-    }
+    join();
 }
 
-bool is_one_or_each(const Numbers& thetas, std::size_t count, std::size_t n) {
-    return (thetas.is(n) || thetas.is(count, n)) && thetas.finite();
+// One configuration for all, or one for each.
+bool read_thetas(nb::handle given, std::size_t count, std::size_t n, Each& thetas) {
+    const std::size_t each[] = {count, n};
+    if (row(given, n, thetas.make(n))) return true;
+    thetas.step = n;
+    return has_axes(given, 2) && numbers(given, each, 2, thetas.make(count * n));
+}
+
+bool read_targets(nb::handle given, int kind, Questions& asked) {
+    const std::size_t width = numbers_of_kind[kind];
+    // Before memory is asked for: whether it is so many of anything at all.
+    if (!length(given, asked.count) || asked.count > most_targets || !has_axes(given, kind == 0 ? 3 : 2)) return false;
+    const std::size_t poses[] = {asked.count, 4, 4}, others[] = {asked.count, width};
+    double* const values = asked.numbers.make(asked.count * width);
+    asked.numbers.step = width;
+    if (!(kind == 0 ? numbers(given, poses, 3, values) : numbers(given, others, 2, values))) return false;
+    for (std::size_t t = 0; t < asked.count; ++t)
+        if (!is_target(kind, values + t * width)) return false;
+    return true;
 }
 
 }  // namespace
 
-bool Chain::are_targets(int kind, nb::handle numbers) const {
-    const Numbers targets(numbers);
-    if (!targets.plain()) return false;
-    for (std::size_t at = 0; at < targets.size(); at += numbers_of_kind[kind])
-        if (!is_target(kind, targets.data() + at)) return false;
-    return true;
-}
-
-nb::object Chain::solve_batch(int kind, nb::handle numbers, nb::handle theta0, double position_tolerance,
-                              double orientation_tolerance, int restarts, std::uint64_t seed, double max_time,
-                              nb::handle posture, int threads, nb::handle progress) const {
-    const Numbers targets(numbers), start(theta0), preferred(posture.is_none() ? theta0 : posture);
-    const std::size_t count = targets.plain() ? targets.size() / numbers_of_kind[kind] : 0;
-    if (!targets.plain() || !is_one_or_each(start, count, n_) || !is_one_or_each(preferred, count, n_))
+nb::object Chain::solve_batch(nb::handle kind, nb::handle numbers, nb::handle theta0, nb::handle position_tolerance,
+                              nb::handle orientation_tolerance, nb::handle restarts, nb::handle seed,
+                              nb::handle max_time, nb::handle posture, nb::handle threads, nb::handle progress) const {
+    Settings settings;
+    Questions asked;
+    std::uint64_t workers;
+    if (!settings.read(kind, position_tolerance, orientation_tolerance, restarts, seed, max_time) ||
+        !whole(threads, workers) || workers < 1 || workers > most_threads ||
+        !(progress.is_none() || PyCallable_Check(progress.ptr())) || !read_targets(numbers, settings.query.kind, asked) ||
+        !read_thetas(theta0, asked.count, n_, asked.theta0) || !is_start(asked.theta0.at(0), asked.theta0.count) ||
+        (!posture.is_none() && (!read_thetas(posture, asked.count, n_, asked.posture) ||
+                                !is_finite(asked.posture.at(0), asked.posture.count))))
         return not_plain();
-    nb::object rows = NumPy::get().empty(nb::make_tuple(count, row_length(n_)));
-    if (count == 0) return rows;
-    const Deadline deadline(max_time);
-    const Query query{kind, position_tolerance, orientation_tolerance, restarts, seed, &Deadline::passed, &deadline};
-    const Question first{targets.data(), start.data(), posture.is_none() ? nullptr : preferred.data()};
-    const Batch batch{first, start.is(n_) ? 0 : n_, preferred.is(n_) ? 0 : n_, nullptr, nullptr, nullptr};
-    Work work(*engine_, query, batch, count, n_, Numbers(rows).data());
-    if (count <= few && restarts <= few_searches && progress.is_none()) {
-        const nb::gil_scoped_release released;
+    Query& query = settings.query;
+    nb::object rows = NumPy::get().empty(nb::make_tuple(asked.count, Row::length(query.kind, n_)));
+    if (asked.count == 0) return rows;
+    const int busy = static_cast<int>(std::min<std::size_t>(workers, (asked.count + block - 1) / block));
+    const bool alone = busy == 1 && progress.is_none();
+    Watch watch(settings.seconds);
+    const Deadline deadline(settings.seconds);
+    query.stopped = alone ? &Watch::passed : static_cast<bool (*)(const void*)>(&Deadline::passed);
+    query.clock = alone ? static_cast<const void*>(&watch) : &deadline;
+    Work work(*engine_, query, asked, n_, Array(rows).data());
+    if (alone) {
         work.run();
+        watch.end();
     } else {
-        const std::size_t blocks = (count + block - 1) / block;
-        oversee(work, static_cast<std::size_t>(threads) < blocks ? threads : static_cast<int>(blocks), count, progress);
+        share(work, busy, asked.count, progress);
     }
     if (work.out_of_memory()) throw std::bad_alloc();
-    work.mark_unfinished();
+    work.ask_the_rest();
     return rows;
 }
 

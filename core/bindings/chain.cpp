@@ -1,10 +1,10 @@
 #include "chain.hpp"
 
 #include <cmath>
-#include <cstring>
-
+#include <vector>
 #include "answer.hpp"
 #include "clock.hpp"
+#include "targets.hpp"
 
 namespace bindings {
 
@@ -51,6 +51,7 @@ Chain::Chain(nb::handle screws, nb::handle home, nb::handle coupling, nb::handle
     require(engine_ != nullptr, "a chain has 1 to 32 coordinates and moving joints");
     pose_ = nb::make_tuple(4, 4);
     jacobian_ = nb::make_tuple(6, n_);
+    for (int kind = 0; kind < kinds; ++kind) row_lengths_[kind] = nb::int_(Row::length(kind, n_));
 }
 
 nb::dict Chain::constants() const {
@@ -99,8 +100,10 @@ public:
         const Written g(poses), J_s(spatial), J_b(body);
         if (theta_.dimensions() == 1)
             return chain_.engine_->kinematics(theta_.data(), 1, g.data, J_s.data, J_b.data);
-        const nb::gil_scoped_release released;
-        chain_.engine_->kinematics(theta_.data(), theta_.shape(0), g.data, J_s.data, J_b.data);
+        // A copy: without the lock another thread may resize the caller's array.
+        const std::vector<double> theta(theta_.data(), theta_.data() + theta_.size());
+        const std::size_t count = theta_.shape(0);
+        without_lock([&] { chain_.engine_->kinematics(theta.data(), count, g.data, J_s.data, J_b.data); });
     }
 
 private:
@@ -151,100 +154,66 @@ nb::object Chain::fk_and_body_jacobian(nb::handle theta) const {
 
 namespace {
 
-constexpr double orthonormal = 1e-12;      // RᵀR − I beyond this is Python's to clean or to refuse
-constexpr double least_tolerance = 1e-12;  // as in ik/solve.py
-constexpr double farthest = 1e6;           // [m], as in ik/targets.py
+constexpr double least_tolerance = 1e-12;  // as in ik/request.py
 constexpr double farthest_start = 1e6;     // [rad, m], as in ik/request.py
 constexpr std::uint64_t most_searches = 1000000;  // as in ik/request.py
 
-bool is_start(const Numbers& theta) {
-    for (std::size_t k = 0; k < theta.size(); ++k)
-        if (!(std::fabs(theta.data()[k]) <= farthest_start)) return false;
-    return true;
-}
-
-bool is_rigid(const double* g) {
-    for (int i = 0; i < 3; ++i)
-        for (int j = 0; j <= i; ++j) {
-            const double dot = g[i] * g[j] + g[4 + i] * g[4 + j] + g[8 + i] * g[8 + j];
-            if (!(std::fabs(dot - (i == j ? 1.0 : 0.0)) <= orthonormal)) return false;
-        }
-    const double determinant = g[0] * (g[5] * g[10] - g[6] * g[9]) - g[1] * (g[4] * g[10] - g[6] * g[8]) +
-                               g[2] * (g[4] * g[9] - g[5] * g[8]);
-    return determinant > 0.0 && g[12] == 0.0 && g[13] == 0.0 && g[14] == 0.0 && g[15] == 1.0;
+bool tolerance(nb::handle value, double& number) {
+    return real(value, number) && number >= least_tolerance && std::isfinite(number);
 }
 
 }  // namespace
 
-bool is_target(int kind, const double* numbers) {
-    const bool has_pose = kind == 0 || kind == 3;
-    if (has_pose && !is_rigid(numbers)) return false;
-    for (int k = 0; k < 3; ++k)
-        if (!(std::fabs(has_pose ? numbers[4 * k + 3] : numbers[k]) <= farthest)) return false;
+bool Settings::read(nb::handle kind, nb::handle position_tolerance, nb::handle orientation_tolerance,
+                    nb::handle restarts, nb::handle seed, nb::handle max_time) {
+    std::uint64_t which, searches;
+    if (!whole(kind, which) || which >= kinds || !tolerance(position_tolerance, query.position_tolerance) ||
+        !tolerance(orientation_tolerance, query.orientation_tolerance) || !whole(restarts, searches) || searches < 1 ||
+        searches > most_searches || !whole(seed, query.seed))
+        return false;
+    query.kind = static_cast<int>(which);
+    query.searches = static_cast<int>(searches);
+    return max_time.is_none() || (real(max_time, seconds) && seconds > 0.0 && std::isfinite(seconds));
+}
+
+bool is_start(const double* theta, std::size_t count) {
+    for (std::size_t k = 0; k < count; ++k)
+        if (!(std::fabs(theta[k]) <= farthest_start)) return false;
     return true;
 }
 
-namespace {
-
-// The numbers a call was given, or that they are not plain.
-struct Scalar {
-    explicit Scalar(nb::handle value) : given(PyFloat_CheckExact(value.ptr())), number(0.0) {
-        if (given) number = PyFloat_AS_DOUBLE(value.ptr());
-    }
-    bool given;
-    double number;
-};
-
-bool whole(nb::handle value, std::uint64_t& number) {
-    if (!PyLong_CheckExact(value.ptr())) return false;
-    number = PyLong_AsUnsignedLongLong(value.ptr());
-    if (PyErr_Occurred() == nullptr) return true;
-    PyErr_Clear();
-    return false;
+bool is_finite(const double* theta, std::size_t count) {
+    for (std::size_t k = 0; k < count; ++k)
+        if (!std::isfinite(theta[k])) return false;
+    return true;
 }
-
-}  // namespace
 
 nb::object Chain::solve(nb::handle kind, nb::handle numbers, nb::handle theta0, nb::handle position_tolerance,
                         nb::handle orientation_tolerance, nb::handle restarts, nb::handle seed, nb::handle max_time,
                         nb::handle posture) const {
-    std::uint64_t which, searches, from;
-    const Scalar position(position_tolerance), orientation(orientation_tolerance);
-    if (!whole(kind, which) || which >= kinds || !whole(restarts, searches) || searches < 1 || searches > most_searches ||
-        !whole(seed, from) || !(position.number >= least_tolerance) || !(orientation.number >= least_tolerance) ||
-        !std::isfinite(position.number) || !std::isfinite(orientation.number))
-        return not_plain();
-    const Numbers target(numbers), start(theta0);
-    if (!(which == 0 ? target.is(4, 4) : target.plain() && target.size() == numbers_of_kind[which]) || !start.is(n_) || !is_start(start) ||
-        !is_target(static_cast<int>(which), target.data()))
-        return not_plain();
-    double seconds = Deadline::none;
-    if (!max_time.is_none()) {
-        const Scalar limit(max_time);
-        if (!limit.given || !(limit.number > 0.0) || !std::isfinite(limit.number)) return not_plain();
-        seconds = limit.number;
-    }
+    Settings settings;
+    double asked[most_numbers], start[most_joints], preferred[most_joints];
+    if (!settings.read(kind, position_tolerance, orientation_tolerance, restarts, seed, max_time)) return not_plain();
+    Query& query = settings.query;
+    const bool is_read = query.kind == 0 ? bindings::numbers(numbers, four_by_four, 2, asked)
+                                         : row(numbers, numbers_of_kind[query.kind], asked);
     const bool has_posture = !posture.is_none();
-    const Numbers preferred(has_posture ? posture : theta0);
-    if (has_posture && (!preferred.is(n_) || !preferred.finite())) return not_plain();
-    const Deadline deadline(seconds);
-    nb::object object = nb::inst_alloc(nb::type<OneAnswer>());
-    OneAnswer& found = *nb::inst_ptr<OneAnswer>(object);
-    found.kind = static_cast<int>(which);
-    found.n = static_cast<int>(n_);
-    found.position_tolerance = position.number;
-    found.orientation_tolerance = orientation.number;
-    std::memcpy(found.numbers, target.data(), target.size() * sizeof(double));
-    std::memcpy(found.theta0, start.data(), n_ * sizeof(double));
-    const Query query{found.kind, position.number, orientation.number, static_cast<int>(searches), from,
-                      &Deadline::passed, &deadline};
-    const Question question{found.numbers, found.theta0, has_posture ? preferred.data() : nullptr};
-    {
-        const nb::gil_scoped_release released;
-        engine_->solve(query, question, found.answer);
-    }
-    nb::inst_mark_ready(object);
-    return object;
+    if (!is_read || !is_target(query.kind, asked) || !row(theta0, n_, start) || !is_start(start, n_) ||
+        (has_posture && (!row(posture, n_, preferred) || !is_finite(preferred, n_))))
+        return not_plain();
+    nb::object array = NumPy::get().empty(row_lengths_[query.kind]);
+    const Row result(Array(array).data(), n_);
+    Watch watch(settings.seconds);
+    query.stopped = &Watch::passed;
+    query.clock = &watch;
+    const Question question{asked, start, has_posture ? preferred : nullptr};
+    result.ask(query, question);
+    Answer found;
+    engine_->solve(query, question, found);
+    watch.end();
+    result.answer(found);
+    make_read_only(array);
+    return array;
 }
 
 }  // namespace bindings

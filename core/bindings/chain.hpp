@@ -5,6 +5,7 @@
 #include <string>
 
 #include "arrays.hpp"
+#include "clock.hpp"
 #include "kernels.hpp"
 
 namespace bindings {
@@ -12,6 +13,19 @@ namespace bindings {
 // What a call hands back in place of an answer where an argument is not plainly what the core takes: None. Python then
 // converts it, or says what is wrong with it, and calls again.
 inline nb::object not_plain() { return nb::none(); }
+
+// How one target or many are to be solved.
+struct Settings {
+    Query query{};
+    double seconds = Deadline::none;
+
+    // False where one of them is not plainly right.
+    bool read(nb::handle kind, nb::handle position_tolerance, nb::handle orientation_tolerance, nb::handle restarts,
+              nb::handle seed, nb::handle max_time);
+};
+
+bool is_start(const double* theta, std::size_t count);
+bool is_finite(const double* theta, std::size_t count);
 
 class Chain {
 public:
@@ -29,16 +43,14 @@ public:
     nb::object body_jacobian(nb::handle theta) const;
     nb::object fk_and_body_jacobian(nb::handle theta) const;
 
-    // None, or an Answer.
+    // None, or an answer's row (answer.hpp).
     nb::object solve(nb::handle kind, nb::handle numbers, nb::handle theta0, nb::handle position_tolerance,
                      nb::handle orientation_tolerance, nb::handle restarts, nb::handle seed, nb::handle max_time,
                      nb::handle posture) const;
-    // Whether every row is a target of the kind.
-    bool are_targets(int kind, nb::handle numbers) const;
     // None, or a row for each target; `progress` None or called with (done, count).
-    nb::object solve_batch(int kind, nb::handle numbers, nb::handle theta0, double position_tolerance,
-                           double orientation_tolerance, int restarts, std::uint64_t seed, double max_time,
-                           nb::handle posture, int threads, nb::handle progress) const;
+    nb::object solve_batch(nb::handle kind, nb::handle numbers, nb::handle theta0, nb::handle position_tolerance,
+                           nb::handle orientation_tolerance, nb::handle restarts, nb::handle seed, nb::handle max_time,
+                           nb::handle posture, nb::handle threads, nb::handle progress) const;
 
 private:
     class Call;
@@ -46,7 +58,7 @@ private:
     const Kernels* kernels_;
     std::unique_ptr<Engine> engine_;
     std::size_t n_;
-    nb::object pose_, jacobian_;
+    nb::object pose_, jacobian_, row_lengths_[kinds];
 };
 
 }  // namespace bindings

@@ -1,19 +1,30 @@
 """The compiled kernels; `twistarm.engine.core()` is the door to them.
 
-Arrays are taken as they are, float64 and contiguous. A call with anything else, or with numbers that are not finite,
-answers None: Python then converts it, or says what is wrong, and calls again.
+A call answers None where an argument is not plainly right: Python then converts it, or says what is wrong, and calls
+again. Inverse kinematics takes numbers as arrays of any real type and order, lists, tuples and NumPy's own; kinematics
+takes arrays as they are, float64 and contiguous.
 """
 
-from collections.abc import Callable
 from typing import Any
 
 from .checks import Array
-from .ik.answer import Answer
 
 INTERFACE: int
 
 def instruction_sets() -> list[str]:
     """What this processor runs, best first: avx512, avx2, baseline."""
+
+def pose(g: object, /) -> Array | None:
+    """The numbers of a `Pose`, (4, 4), read-only; like those that follow, None where Python has to look."""
+
+def position(p: object, /) -> Array | None:
+    """The numbers of a `Position`, (3,)."""
+
+def approach(p: object, direction: object, tool_axis: object, /) -> Array | None:
+    """The numbers of an `Approach`: (9,), or (6,) where the tool axis is None."""
+
+def task(g: object, tolerance: object, base_axes: bool, /) -> Array | None:
+    """The numbers of a `Task`, (23,)."""
 
 class Chain:
     """g_st(theta) = Π exp(ξ_i (Aθ)_i) · home, its Jacobians and its inverse, from screws (6, m), home (4, 4), A (m, n).
@@ -54,8 +65,6 @@ class Chain:
         """J^b, (6, n) or (N, 6, n), linear part first. MLS §3.4.1."""
     def fk_and_body_jacobian(self, theta: object, /) -> tuple[Array, Array] | None:
         """g_st and J^b in one pass."""
-    def are_targets(self, kind: int, numbers: object, /) -> bool:
-        """Whether these are the numbers of targets of a kind: rigid motions to 1e-12, within 1e6 m."""
     def solve(
         self,
         kind: object,
@@ -68,28 +77,27 @@ class Chain:
         max_time: object,
         posture: object,
         /,
-    ) -> Answer | None:
-        """Inverse kinematics of one target, given as its kind and its numbers (ik/targets.py)."""
+    ) -> Array | None:
+        """Inverse kinematics of one target, given as its kind and its numbers (ik/targets.py): a row (ik/answer.py)."""
     def solve_batch(
         self,
-        kind: int,
-        numbers: Array,
-        theta0: Array,
-        position_tol: float,
-        orientation_tol: float,
-        restarts: int,
-        seed: int,
-        max_time: float,
-        posture: Array | None,
-        threads: int,
-        progress: Callable[[int, int], object] | None,
+        kind: object,
+        numbers: object,
+        theta0: object,
+        position_tol: object,
+        orientation_tol: object,
+        restarts: object,
+        seed: object,
+        max_time: object,
+        posture: object,
+        threads: object,
+        progress: object,
         /,
     ) -> Array | None:
-        """Inverse kinematics of N targets of one kind; theta0 and posture are one for all (n,) or one for each (N, n).
+        """The same of N targets of one kind, a row for each; theta0 and posture for all (n,) or for each (N, n).
 
-        A row for each: theta (n), unlimited (n), position and orientation error, iterations, restarts, stop, flags
-        (1 nearest, 2 has unlimited, 4 other branch, 8 start moved). Where the time was up before a target was
-        finished, the row's stop is −1.
+        `threads` share the work; `progress(done, count)` or None. Where the time was up before a target was finished,
+        the row's stop is −1, and nothing but what was asked is written.
         """
 
 class Servo:

@@ -1,96 +1,71 @@
-"""What a solver hands back before anybody looks at it: numbers alone, whichever solver it was."""
+"""One answer as a row of numbers, whoever found it: `IKSolution` reads one, `IKBatch` has one for each target.
+
+What was found comes first, then what was asked: an array that the caller has changed since changes nothing.
+"""
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-from typing import Protocol
+import numpy as np
+
+from ..checks import Array
+from .request import Request
+from .targets import AnyTarget
+
+POSITION_ERROR, ORIENTATION_ERROR, ITERATIONS, RESTARTS, STOP, FLAGS, KIND, POSITION_TOL, ORIENTATION_TOL = range(9)
+"""Where each single number stands in a row; core/bindings/answer.hpp writes the same."""
+
+FIRST = 9
+"""Behind them stand theta (n), `unlimited` (n), theta0 (n) and the target's numbers."""
+
+NEAREST, HAS_UNLIMITED, OTHER_BRANCH, START_MOVED = 1, 2, 4, 8
+"""Flags: theta is the nearest configuration, looked for because no search met the target; `unlimited` is there; theta
+is not near theta0, though the target is near theta0's pose, or cannot be met; theta0 lay outside the limits."""
+
+NOT_FINISHED = -1
+"""In place of a reason: the time was up before the target was finished."""
 
 
-class Answer(Protocol):
-    """One answer as numbers; the compiled core's `Answer` has the same attributes. Arrays are float64 as bytes."""
-
-    @property
-    def kind(self) -> int:
-        """The target's kind, by its place in `targets.KINDS`."""
-
-    @property
-    def numbers(self) -> bytes:
-        """The target's numbers."""
-
-    @property
-    def theta0(self) -> bytes:
-        """(n,): where the search was to begin."""
-
-    @property
-    def position_tol(self) -> float:
-        """What counts as met [m]."""
-
-    @property
-    def orientation_tol(self) -> float:
-        """What counts as met [rad]."""
-
-    @property
-    def theta(self) -> bytes:
-        """(n,)."""
-
-    @property
-    def unlimited(self) -> bytes | None:
-        """Where limits block: an answer without them, (n,)."""
-
-    @property
-    def position_error(self) -> float:
-        """[m], of what the target constrains."""
-
-    @property
-    def orientation_error(self) -> float:
-        """[rad], of what the target constrains."""
-
-    @property
-    def iterations(self) -> int:
-        """Steps of the search that found theta; of all of them where none did."""
-
-    @property
-    def restarts(self) -> int:
-        """Searches that were run."""
-
-    @property
-    def stop(self) -> int:
-        """The reason, by its place in `StopReason`."""
-
-    @property
-    def nearest(self) -> bool:
-        """Whether theta is the nearest configuration, looked for because no search met the target."""
-
-    @property
-    def other_branch(self) -> bool:
-        """Whether theta is not near theta0, though the target is near theta0's pose, or cannot be met."""
-
-    @property
-    def start_moved(self) -> bool:
-        """Whether theta0 lay outside the limits."""
+def width(n: int, count: int) -> int:
+    """Of a row of n coordinates and a target of `count` numbers."""
+    return FIRST + 3 * n + count
 
 
-@dataclass(frozen=True)
-class PlainAnswer:
-    """An answer in Python: the textbook's, one of a batch, or a pickled one."""
-
-    kind: int
-    numbers: bytes
-    theta0: bytes
-    position_tol: float
-    orientation_tol: float
-    theta: bytes
-    unlimited: bytes | None
-    position_error: float
-    orientation_error: float
-    iterations: int
-    restarts: int
-    stop: int
-    nearest: bool
-    other_branch: bool
-    start_moved: bool
+def theta_in(rows: Array, n: int) -> Array:
+    """(..., n) of rows (..., width)."""
+    return rows[..., FIRST : FIRST + n]
 
 
-def plain(answer: Answer) -> PlainAnswer:
-    """The same answer without the core."""
-    return PlainAnswer(**{name: getattr(answer, name) for name in PlainAnswer.__dataclass_fields__})
+def unlimited_in(rows: Array, n: int) -> Array:
+    """(..., n): where limits block, an answer without them."""
+    return rows[..., FIRST + n : FIRST + 2 * n]
+
+
+def theta0_in(rows: Array, n: int) -> Array:
+    """(..., n): where the search was to begin."""
+    return rows[..., FIRST + 2 * n : FIRST + 3 * n]
+
+
+def numbers_in(rows: Array, n: int, count: int) -> Array:
+    """(..., count): the target's numbers."""
+    return rows[..., FIRST + 3 * n : FIRST + 3 * n + count]
+
+
+def row_of(
+    target: AnyTarget,
+    request: Request,
+    theta: Array,
+    *,
+    stop: int,
+    errors: tuple[float, float] = (np.inf, np.inf),
+    iterations: int = 0,
+    restarts: int = 0,
+    flags: int = 0,
+    unlimited: Array | None = None,
+) -> Array:
+    """A row, read-only, from what a solver in Python found; HAS_UNLIMITED follows from `unlimited`."""
+    theta0, met = request.theta0, request.tolerances
+    flags, beyond = (flags, np.zeros(len(theta))) if unlimited is None else (flags | HAS_UNLIMITED, unlimited)
+    single = [*errors, iterations, restarts, stop, flags, target.kind, met.position, met.orientation]
+    row = np.concatenate([single, theta, beyond, theta0, target.numbers.ravel()])
+    row.flags.writeable = False
+    return row

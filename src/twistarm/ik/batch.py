@@ -13,26 +13,19 @@ from numpy.typing import ArrayLike, NDArray
 
 from .. import engine
 from ..arm import Arm, require_arm
-from ..checks import Array, RealArray, as_pose, as_whole, frozen, require_callback
+from ..checks import Array, RealArray, as_whole, frozen, require_callback
 from ..errors import InputError, shown
-from . import textbook
-from .answer import PlainAnswer
+from . import answer, textbook
 from .deadline import Deadline
 from .ranges import joint_ranges
-from .request import Request, checked
+from .request import Request, checked, named
 from .solution import STOPS, IKSolution, StopReason
-from .targets import FARTHEST, KINDS, AnyTarget, Pose, TargetLike, target_for
+from .targets import KINDS, AnyTarget, Pose, TargetLike, checked_target, numbers_of_kind, target_for
 
 Progress = Callable[[int, int], object]
 """Called with how many targets are done, and how many there are."""
 
 MAX_THREADS = 256
-
-NEAREST, HAS_UNLIMITED, OTHER_BRANCH, START_MOVED = 1, 2, 4, 8
-"""Flags of a row."""
-
-NOT_FINISHED = -1
-"""In place of a reason: the time was up before the target was finished."""
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -43,45 +36,63 @@ class IKBatch:
     """
 
     arm: Arm
-    targets: Array | Sequence[AnyTarget] = field(repr=False)
-    request: Request = field(repr=False)
     rows: Array = field(repr=False)
+    given: tuple[AnyTarget, ...] | None = field(default=None, repr=False)
+
+    def __post_init__(self) -> None:
+        self.rows.flags.writeable = False
+
+    def __setstate__(self, state: dict[str, Any]) -> None:
+        self.__dict__.update(state)
+        self.__post_init__()  # an array is writeable again when it comes out of a pickle
+
+    @property
+    def targets(self) -> Array | tuple[AnyTarget, ...]:
+        """What was asked: poses (N, 4, 4), or targets of any kinds."""
+        if self.given is not None:
+            return self.given
+        return answer.numbers_in(self.rows, self.arm.n, 16).reshape(-1, 4, 4)
 
     @property
     def theta(self) -> Array:
         """(N, n) [rad, m]."""
-        return self.rows[:, : self.arm.n]
+        return answer.theta_in(self.rows, self.arm.n)
+
+    @property
+    def theta0(self) -> Array:
+        """(N, n) [rad, m]: where each search was to begin."""
+        return answer.theta0_in(self.rows, self.arm.n)
 
     @property
     def position_error(self) -> Array:
         """(N,) [m], of what each target constrains."""
-        return self.rows[:, -6]
+        return self.rows[:, answer.POSITION_ERROR]
 
     @property
     def orientation_error(self) -> Array:
         """(N,) [rad], of what each target constrains."""
-        return self.rows[:, -5]
+        return self.rows[:, answer.ORIENTATION_ERROR]
 
     @property
     def iterations(self) -> NDArray[np.int64]:
         """(N,): steps of the search that found theta; of all of them where none did."""
-        return self.rows[:, -4].astype(np.int64)
+        return self.rows[:, answer.ITERATIONS].astype(np.int64)
 
     @property
     def restarts(self) -> NDArray[np.int64]:
         """(N,): searches that were run."""
-        return self.rows[:, -3].astype(np.int64)
+        return self.rows[:, answer.RESTARTS].astype(np.int64)
 
     @cached_property
     def stop(self) -> NDArray[np.object_]:
         """(N,) of `StopReason`."""
-        reasons: NDArray[np.object_] = np.array(STOPS, dtype=object)[self.rows[:, -2].astype(np.int64)]
+        reasons: NDArray[np.object_] = np.array(STOPS, dtype=object)[self.rows[:, answer.STOP].astype(np.int64)]
         return reasons
 
     @property
     def converged(self) -> NDArray[np.bool_]:
         """(N,): which targets are met to the tolerances."""
-        met: NDArray[np.bool_] = self.rows[:, -2] == STOPS.index(StopReason.CONVERGED)
+        met: NDArray[np.bool_] = self.rows[:, answer.STOP] == STOPS.index(StopReason.CONVERGED)
         return met
 
     def __repr__(self) -> str:
@@ -95,26 +106,7 @@ class IKBatch:
 
     def __getitem__(self, index: int) -> IKSolution:
         i = operator.index(index)
-        n, row, target = self.arm.n, self.rows[i], target_for(self.arm, self.targets[i])
-        flags, start = int(row[-1]), self.request.theta0
-        answer = PlainAnswer(
-            kind=target.kind,
-            numbers=target.numbers.tobytes(),
-            theta0=(start if start.ndim == 1 else start[i]).tobytes(),
-            position_tol=self.request.tolerances.position,
-            orientation_tol=self.request.tolerances.orientation,
-            theta=row[:n].tobytes(),
-            unlimited=row[n : 2 * n].tobytes() if flags & HAS_UNLIMITED else None,
-            position_error=float(row[-6]),
-            orientation_error=float(row[-5]),
-            iterations=int(row[-4]),
-            restarts=int(row[-3]),
-            stop=int(row[-2]),
-            nearest=bool(flags & NEAREST),
-            other_branch=bool(flags & OTHER_BRANCH),
-            start_moved=bool(flags & START_MOVED),
-        )
-        return IKSolution(self.arm, answer, target)
+        return IKSolution(self.arm, self.rows[i], None if self.given is None else self.given[i])
 
 
 def solve_ik_batch(
@@ -141,46 +133,37 @@ def solve_ik_batch(
 
     Raises InputError for what cannot be a target (which one), a start, a tolerance or a number of threads.
     """
-    asked = _targets(targets, require_arm(arm))
-    request = checked(arm, theta0, posture, (position_tol, orientation_tol), restarts, max_time, rng, count=len(asked))
+    chain = require_arm(arm).compiled
+    how = position_tol, orientation_tol, restarts, rng, max_time
+    if chain is not None:
+        start = arm.ready if theta0 is None else named(arm, theta0)
+        rather = None if posture is None else named(arm, posture, start)
+        # Poses that are plainly right go straight to the core, which looks at each of them much faster.
+        rows = chain.solve_batch(Pose.kind, targets, start, *how, rather, threads, progress)
+        if rows is not None:
+            return IKBatch(arm, _begun(arm, rows))
+    asked = _targets(targets, arm)
+    request = checked(arm, theta0, posture, *how, count=len(asked))
     workers = as_whole(threads, "threads", 1, MAX_THREADS)
     require_callback(progress, "progress", "(done, count)")
-    if arm.compiled is None:
+    if chain is None:
         rows = _one_by_one(arm, asked, request, progress)
     else:
-        rows = _by_core(arm.compiled, asked, request, Errand(workers, progress))
-    return IKBatch(arm, asked, request, _begun(arm, request, rows))
+        rows = _by_core(arm, chain, asked, request, Errand(workers, progress))
+    return IKBatch(arm, _begun(arm, rows), asked)
 
 
-def _targets(targets: Any, arm: Arm) -> Array | tuple[AnyTarget, ...]:
-    """Poses as one array (N, 4, 4), anything else as targets."""
-    if isinstance(targets, np.ndarray):
-        return _poses(targets, arm)
-    if isinstance(targets, str) or not isinstance(targets, Sequence):
-        raise InputError(f"targets must be poses (N, 4, 4) or a sequence of targets; got {shown(targets)}")
-    return tuple(_one(i, target, arm) for i, target in enumerate(targets))
-
-
-def _poses(targets: NDArray[Any], arm: Arm) -> Array:
-    if targets.ndim != 3 or targets.shape[1:] != (4, 4):
+def _targets(targets: Any, arm: Arm) -> tuple[AnyTarget, ...]:
+    if isinstance(targets, np.ndarray) and (targets.ndim != 3 or targets.shape[1:] != (4, 4)):
         raise InputError(f"targets must be poses of shape (N, 4, 4); got {targets.shape}")
-    if targets.dtype == np.float64 and arm.compiled is not None:
-        poses = frozen(np.ascontiguousarray(targets))
-        # The core looks at every pose anyway, and much faster.
-        if arm.compiled.are_targets(Pose.kind, poses):
-            return poses
-    try:
-        poses = frozen(as_pose(targets, "targets"))
-    except InputError:
-        poses = frozen([_one(i, g, arm).numbers for i, g in enumerate(targets)])
-    if np.abs(poses[:, :3, 3]).max(initial=0.0) > FARTHEST:
-        poses = frozen([_one(i, g, arm).numbers for i, g in enumerate(targets)])
-    return poses
+    if isinstance(targets, str) or not isinstance(targets, (np.ndarray, Sequence)):
+        raise InputError(f"targets must be poses (N, 4, 4) or a sequence of targets; got {shown(targets)}")
+    return tuple(_one(i, target, arm, target_for) for i, target in enumerate(targets))
 
 
-def _one(i: int, target: Any, arm: Arm) -> AnyTarget:
+def _one(i: int, target: Any, arm: Arm, taken: Callable[[Arm, Any], AnyTarget] = checked_target) -> AnyTarget:
     try:
-        return target_for(arm, target)
+        return taken(arm, target)
     except InputError as error:
         raise InputError(f"targets[{i}]: {error}") from error
 
@@ -197,72 +180,58 @@ class Errand(NamedTuple):
         return self if progress is None else Errand(self.threads, lambda done, _: progress(before + done, count))
 
 
-def _by_core(chain: engine.Chain, targets: Array | tuple[AnyTarget, ...], request: Request, errand: Errand) -> Array:
+def _by_core(arm: Arm, chain: engine.Chain, targets: tuple[AnyTarget, ...], request: Request, errand: Errand) -> Array:
     """The rows of every target: those of a kind together."""
-    if isinstance(targets, np.ndarray):
-        return _of_one_kind(chain, Pose.kind, targets, request, errand)
-    rows = np.empty((len(targets), 2 * chain.n + 6))
+    rows = _no_rows(chain.n, len(targets))
     kinds = np.array([target.kind for target in targets], dtype=np.int64)
     for kind in range(len(KINDS)):
         of_kind = np.flatnonzero(kinds == kind)
         if len(of_kind):
-            numbers = np.ascontiguousarray([targets[i].numbers for i in of_kind])
-            errand_of_kind = errand.after(int((kinds < kind).sum()), len(targets))
-            rows[of_kind] = _of_one_kind(chain, kind, numbers, _part(request, of_kind), errand_of_kind)
+            how = *_part(request, of_kind).for_core, *errand.after(int((kinds < kind).sum()), len(targets))
+            found = chain.solve_batch(kind, np.array([targets[i].numbers for i in of_kind]), *how)
+            if found is None:  # somebody has written into the arrays of a target
+                found = chain.solve_batch(
+                    kind, np.array([_one(int(i), targets[i], arm).numbers for i in of_kind]), *how
+                )
+            assert found is not None, "what was refused is plain now"
+            rows[of_kind, : found.shape[1]] = found
     return rows
 
 
-def _of_one_kind(chain: engine.Chain, kind: int, numbers: Array, request: Request, errand: Errand) -> Array:
-    rows = chain.solve_batch(
-        kind,
-        numbers,
-        request.theta0,
-        request.tolerances.position,
-        request.tolerances.orientation,
-        request.restarts,
-        request.seed,
-        request.max_time,
-        request.posture,
-        *errand,
-    )
-    assert rows is not None
+def _no_rows(n: int, count: int) -> Array:
+    """Rows for targets of any kinds, as wide as the widest."""
+    rows = np.zeros((count, answer.width(n, max(map(numbers_of_kind, range(len(KINDS)))))))
+    rows[:, answer.STOP] = answer.NOT_FINISHED
     return rows
 
 
-def _begun(arm: Arm, request: Request, rows: Array) -> Array:
-    """The rows, read-only; those that were not finished have their start, and no error is known."""
-    late = rows[:, -2] == NOT_FINISHED
+def _begun(arm: Arm, rows: Array) -> Array:
+    """The rows; those that were not finished have their start, and no error is known."""
+    late = rows[:, answer.STOP] == answer.NOT_FINISHED
     if late.any():
-        start = joint_ranges(arm).inside(request.theta0)
-        rows[late, : arm.n] = start if start.ndim == 1 else start[late]
-        rows[late, arm.n :] = [*np.zeros(arm.n), np.inf, np.inf, 0.0, 0.0, STOPS.index(StopReason.TIMED_OUT), 0.0]
-    rows.flags.writeable = False
+        start = joint_ranges(arm).inside(answer.theta0_in(rows[late], arm.n))
+        unknown = [np.inf, np.inf, 0.0, 0.0, STOPS.index(StopReason.TIMED_OUT), 0.0]
+        rows[late, : len(unknown)] = unknown
+        rows[late, answer.FIRST : answer.FIRST + 2 * arm.n] = np.hstack([start, np.zeros_like(start)])
     return rows
 
 
-def _one_by_one(arm: Arm, targets: Array | tuple[AnyTarget, ...], request: Request, progress: Progress | None) -> Array:
+def _one_by_one(arm: Arm, targets: tuple[AnyTarget, ...], request: Request, progress: Progress | None) -> Array:
     """Without the core: one after the other, in one thread."""
     deadline = Deadline.after(request.max_time)
-    rows = np.full((len(targets), 2 * arm.n + 6), float(NOT_FINISHED))
+    rows = _no_rows(arm.n, len(targets))
     for i, target in enumerate(targets):
+        one = replace(_part(request, np.array(i)), max_time=deadline.left)
         if deadline.passed:
-            break
-        one = _part(request, np.array(i))
-        answer = textbook.solve(arm, target_for(arm, target), replace(one, max_time=deadline.left))
-        rows[i] = _row(arm, answer)
+            row = answer.row_of(
+                target, one, one.theta0, errors=(np.inf, np.inf), stop=answer.NOT_FINISHED, iterations=0, restarts=0
+            )
+        else:
+            row = textbook.solve(arm, target, one)
+        rows[i, : len(row)] = row
         if progress is not None:
             progress(i + 1, len(targets))
     return rows
-
-
-def _row(arm: Arm, answer: PlainAnswer) -> Array:
-    flags = NEAREST * answer.nearest + OTHER_BRANCH * answer.other_branch + START_MOVED * answer.start_moved
-    unlimited = np.zeros(arm.n)
-    if answer.unlimited is not None:
-        unlimited, flags = np.frombuffer(answer.unlimited), flags + HAS_UNLIMITED
-    errors = [answer.position_error, answer.orientation_error]
-    counts = [answer.iterations, answer.restarts, answer.stop, flags]
-    return np.concatenate([np.frombuffer(answer.theta), unlimited, errors, counts])
 
 
 def _part(request: Request, indices: NDArray[np.int64]) -> Request:

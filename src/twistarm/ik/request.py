@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -35,15 +36,36 @@ class Request:
     seed: int
     max_time: float
 
+    @property
+    def for_core(self) -> tuple[Array, float, float, int, int, float | None, Array | None]:
+        """The same in the order in which the compiled core takes it, after the target's kind and numbers."""
+        seconds = None if math.isinf(self.max_time) else self.max_time
+        met = self.tolerances
+        return self.theta0, met.position, met.orientation, self.restarts, self.seed, seconds, self.posture
+
+
+def named(arm: Arm, given: Any, start: Any = None) -> Any:
+    """The configuration that a name stands for: one of the arm's poses, or one of POSTURES, given the start.
+
+    Anything else, names that are none too, comes back as it is.
+    """
+    if isinstance(given, str):
+        if start is not None and given in POSTURES:
+            return start if given == "theta0" else arm.limits.middle()
+        if given in arm.pose_names:
+            return arm.theta_from(given)
+    return given
+
 
 def checked(
     arm: Arm,
     theta0: ArrayLike | None,
     posture: ArrayLike | str | None,
-    tolerances: tuple[float, float],
+    position_tol: float,
+    orientation_tol: float,
     restarts: int,
-    max_time: float | None,
     rng: int | np.random.Generator,
+    max_time: float | None,
     count: int | None = None,
 ) -> Request:
     """The arguments of a call as a `Request`; InputError for what cannot be a start, a tolerance, a number of searches.
@@ -56,7 +78,7 @@ def checked(
         theta0=start,
         posture=_posture(arm, posture, start, count),
         tolerances=Tolerances(
-            _tolerance(tolerances[0], "position_tol [m]"), _tolerance(tolerances[1], "orientation_tol [rad]")
+            _tolerance(position_tol, "position_tol [m]"), _tolerance(orientation_tol, "orientation_tol [rad]")
         ),
         restarts=searches,
         seed=as_seed(rng),
@@ -87,12 +109,11 @@ def _posture(arm: Arm, posture: ArrayLike | str | None, start: Array, count: int
     """Where a redundant arm would rather be."""
     if posture is None:
         return None
-    if isinstance(posture, str) and posture in POSTURES:
-        return start if posture == "theta0" else arm.limits.middle()
-    if isinstance(posture, str) and posture not in arm.pose_names:
+    known = named(arm, posture, start)
+    if isinstance(known, str):
         names = listed((*POSTURES, *arm.pose_names))
         raise InputError(f"posture must be one of {names} or a configuration ({arm.n},); got {shown(posture)}")
-    given = arm.theta_from(posture, name="posture")
+    given = start if known is start else arm.theta_from(known, name="posture")
     if given.ndim == 1 or (count is not None and given.shape == (count, arm.n)):
         return frozen(given)
     raise InputError(

@@ -9,13 +9,13 @@ import numpy as np
 
 from ..arm import Arm
 from ..brief import told
-from ..checks import Array
+from ..checks import Array, frozen
 from ..errors import NotConvergedError
 from ..inability import CANNOT_TURN
 from ..vector_words import value_in_words
-from .answer import Answer, plain
+from . import answer
 from .ranges import joint_ranges
-from .targets import AnyTarget, target_of
+from .targets import AnyTarget, numbers_of_kind, target_of
 from .task_space import Tolerances
 
 DAMPED, NEAREST = "damped least squares", "nearest configuration"
@@ -41,7 +41,7 @@ class StopReason(Enum):
 
 
 STOPS = tuple(StopReason)
-"""The reasons by their numbers in an `Answer`."""
+"""The reasons by their numbers in an answer's row."""
 
 
 class IKSolution:
@@ -54,11 +54,11 @@ class IKSolution:
     unlimited (n,): where limits block, an answer without them.
     """
 
-    __slots__ = ("_answer", "_arm", "_target")
+    __slots__ = ("_arm", "_row", "_target")
 
-    def __init__(self, arm: Arm, answer: Answer, target: AnyTarget | None = None) -> None:
+    def __init__(self, arm: Arm, row: Array, target: AnyTarget | None = None) -> None:
         self._arm = arm
-        self._answer = answer
+        self._row = row
         self._target = target
 
     @property
@@ -70,33 +70,34 @@ class IKSolution:
     def target(self) -> AnyTarget:
         """What was asked."""
         if self._target is None:
-            self._target = target_of(self._answer.kind, np.frombuffer(self._answer.numbers))
+            kind = int(self._row[answer.KIND])
+            self._target = target_of(kind, answer.numbers_in(self._row, self._arm.n, numbers_of_kind(kind)))
         return self._target
 
     @property
     def tolerances(self) -> Tolerances:
         """What counted as met."""
-        return Tolerances(self._answer.position_tol, self._answer.orientation_tol)
+        return Tolerances(float(self._row[answer.POSITION_TOL]), float(self._row[answer.ORIENTATION_TOL]))
 
     @property
     def theta(self) -> Array:
         """(n,) [rad, m], read-only."""
-        return np.frombuffer(self._answer.theta)
+        return answer.theta_in(self._row, self._arm.n)
 
     @property
     def unlimited(self) -> Array | None:
         """Where limits block: an answer without them, (n,)."""
-        return None if self._answer.unlimited is None else np.frombuffer(self._answer.unlimited)
+        return answer.unlimited_in(self._row, self._arm.n) if self._says(answer.HAS_UNLIMITED) else None
 
     @property
     def position_error(self) -> float:
         """[m], of what the target constrains."""
-        return self._answer.position_error
+        return float(self._row[answer.POSITION_ERROR])
 
     @property
     def orientation_error(self) -> float:
         """[rad], of what the target constrains."""
-        return self._answer.orientation_error
+        return float(self._row[answer.ORIENTATION_ERROR])
 
     @property
     def within_limits(self) -> bool:
@@ -106,33 +107,33 @@ class IKSolution:
     @property
     def iterations(self) -> int:
         """Steps of the search that found theta; of all of them where none did."""
-        return self._answer.iterations
+        return int(self._row[answer.ITERATIONS])
 
     @property
     def restarts(self) -> int:
         """Searches that were run, the one from theta0 included."""
-        return self._answer.restarts
+        return int(self._row[answer.RESTARTS])
 
     @property
     def method(self) -> str:
         """What found theta: a damped search, or the search for the nearest configuration."""
-        return NEAREST if self._answer.nearest else DAMPED
+        return NEAREST if self._says(answer.NEAREST) else DAMPED
 
     @property
     def stop(self) -> StopReason:
         """Why the solver stopped."""
-        return STOPS[self._answer.stop]
+        return STOPS[int(self._row[answer.STOP])]
 
     @property
     def converged(self) -> bool:
         """Whether the target is met to the tolerances."""
-        return self._answer.stop == 0
+        return bool(self._row[answer.STOP] == 0)
 
     @property
     def notes(self) -> tuple[str, ...]:
         """What the caller should know: joints of theta0 brought inside, another branch taken, no core to go on."""
-        notes = self._moved_starts() if self._answer.start_moved else []
-        notes += [self._other_branch()] if self._answer.other_branch else []
+        notes = self._moved_starts() if self._says(answer.START_MOVED) else []
+        notes += [self._other_branch()] if self._says(answer.OTHER_BRANCH) else []
         return tuple(notes if self.converged or self._arm.compiled is not None else [*notes, WITHOUT_CORE])
 
     def explain(self) -> str:
@@ -149,9 +150,16 @@ class IKSolution:
 
         raise NotConvergedError(f"{summary(self)}; solution.explain() says more", self)
 
+    def _says(self, flag: int) -> bool:
+        return bool(int(self._row[answer.FLAGS]) & flag)
+
+    @property
+    def _start(self) -> Array:
+        """theta0 inside the limits, where the search began."""
+        return joint_ranges(self._arm).inside(answer.theta0_in(self._row, self._arm.n))
+
     def _moved_starts(self) -> list[str]:
-        given = np.frombuffer(self._answer.theta0)
-        inside = joint_ranges(self._arm).inside(given)
+        given, inside = answer.theta0_in(self._row, self._arm.n), self._start
         return [
             f"theta0 lay outside the limits: {name} {value_in_words(was, unit)} was brought inside, to "
             f"{value_in_words(now, unit)}"
@@ -160,16 +168,20 @@ class IKSolution:
         ]
 
     def _other_branch(self) -> str:
-        start = joint_ranges(self._arm).inside(np.frombuffer(self._answer.theta0))
-        moved = np.abs(self.theta - start)
+        moved = np.abs(self.theta - self._start)
         i = int(np.argmax(moved))
         why = ANOTHER_BRANCH if self.converged else NEAREST_ELSEWHERE
         moves = f"{self._arm.joint_names[i]} moves by {value_in_words(moved[i], self._arm.units[i])}"
         return f"another branch: {why}; {moves}"
 
     def __reduce__(self) -> tuple[Any, ...]:
-        return IKSolution, (self._arm, plain(self._answer), self._target)
+        return _restored, (self._arm, np.array(self._row), self._target)
 
     def __repr__(self) -> str:
         off = {"position_error": self.position_error, "orientation_error": self.orientation_error}
         return told("IKSolution", {"stop": self.stop, "theta": self.theta, **off, "method": self.method})
+
+
+def _restored(arm: Arm, row: Array, target: AnyTarget | None) -> IKSolution:
+    # An array is writeable again when it comes out of a pickle.
+    return IKSolution(arm, frozen(row), target)

@@ -2,17 +2,16 @@
 
 from __future__ import annotations
 
-import math
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from ..arm import Arm, require_arm
 from . import textbook
-from .answer import Answer
-from .request import Request, checked
+from .request import checked, named
 from .solution import IKSolution
-from .targets import KINDS, AnyTarget, Approach, Pose, TargetLike, target_for
+from .targets import KINDS, AnyTarget, Approach, Pose, TargetLike, checked_target
 
 
 def solve_ik(
@@ -43,37 +42,27 @@ def solve_ik(
     inside the limits, then the least rotation error with the position held), `stop` says why, `explain()` says it
     in words. Raises InputError for what cannot be a target, a start or a tolerance.
     """
-    chain = require_arm(arm).compiled
+    chain = (arm if type(arm) is Arm else require_arm(arm)).compiled
+    # What is plainly right goes straight to the core; checking it here would cost more than solving it.
     if chain is not None:
-        # What is plainly right goes straight to the core; checking it here would cost more than solving it.
-        given = target if isinstance(target, KINDS) else None
-        if isinstance(given, Approach):
-            given = given.of(arm)
+        given = None if type(target) is np.ndarray else _as_given(arm, target)
         kind, numbers = (Pose.kind, target) if given is None else (given.kind, given.numbers)
-        start = arm.ready if theta0 is None else theta0
-        answer = chain.solve(kind, numbers, start, position_tol, orientation_tol, restarts, rng, max_time, posture)
-        if answer is not None:
-            return IKSolution(arm, answer, given)
-    asked = target_for(arm, target)
-    request = checked(arm, theta0, posture, (position_tol, orientation_tol), restarts, max_time, rng)
-    return IKSolution(arm, solved(arm, asked, request), asked)
+        start = arm.ready if theta0 is None else theta0 if type(theta0) is np.ndarray else named(arm, theta0)
+        rather = None if posture is None else named(arm, posture, start)
+        row = chain.solve(kind, numbers, start, position_tol, orientation_tol, restarts, rng, max_time, rather)
+        if row is not None:
+            return IKSolution(arm, row, given)
+    asked = checked_target(arm, target)
+    request = checked(arm, theta0, posture, position_tol, orientation_tol, restarts, rng, max_time)
+    if chain is None:
+        return IKSolution(arm, textbook.solve(arm, asked, request), asked)
+    row = chain.solve(asked.kind, asked.numbers, *request.for_core)
+    assert row is not None, "what was refused is plain now"
+    return IKSolution(arm, row, asked)
 
 
-def solved(arm: Arm, target: AnyTarget, request: Request) -> Answer:
-    """The answer to one target, by the compiled core or, without it, by the textbook solver."""
-    if arm.compiled is None:
-        return textbook.solve(arm, target, request)
-    tolerances, max_time = request.tolerances, None if math.isinf(request.max_time) else request.max_time
-    answer = arm.compiled.solve(
-        target.kind,
-        target.numbers,
-        request.theta0,
-        tolerances.position,
-        tolerances.orientation,
-        request.restarts,
-        request.seed,
-        max_time,
-        request.posture,
-    )
-    assert answer is not None
-    return answer
+def _as_given(arm: Arm, target: Any) -> AnyTarget | None:
+    """A target with its tool axis; None for what is no target yet."""
+    if not isinstance(target, KINDS):
+        return None
+    return target.of(arm) if isinstance(target, Approach) else target

@@ -10,6 +10,7 @@ from typing import Any, ClassVar
 import numpy as np
 from numpy.typing import ArrayLike
 
+from .. import engine
 from ..arm import Arm, require_arm
 from ..brief import Brief
 from ..checks import Array, Matrix, Row, as_direction, as_pose, as_reals, as_vector, frozen, require_choice
@@ -41,7 +42,8 @@ class Pose(Brief):
     rotation_tolerance: ClassVar[Array] = THREE
 
     def __init__(self, g: Matrix) -> None:
-        object.__setattr__(self, "g", _one_pose(g, "pose g"))
+        numbers = _checked("pose", g)
+        object.__setattr__(self, "g", _one_pose(g, "pose g") if numbers is None else numbers)
 
     @property
     def numbers(self) -> Array:
@@ -85,7 +87,8 @@ class Position(Brief):
     rotation_tolerance: ClassVar[Array] = NONE
 
     def __init__(self, p: Row) -> None:
-        object.__setattr__(self, "p", _one_vector(p, "p"))
+        numbers = _checked("position", p)
+        object.__setattr__(self, "p", _one_vector(p, "p") if numbers is None else numbers)
 
     @property
     def numbers(self) -> Array:
@@ -131,16 +134,21 @@ class Approach(Brief):
     p: Array
     direction: Array
     tool_axis: Array | None
+    _numbers: Array = field(init=False, repr=False)
 
     kind: ClassVar[int] = 2
     position_tolerance: ClassVar[Array] = THREE
     rotation_tolerance: ClassVar[Array] = TWO
 
     def __init__(self, p: Row, direction: Row, tool_axis: Row | None = None) -> None:
-        object.__setattr__(self, "p", _one_vector(p, "p"))
-        object.__setattr__(self, "direction", _one_direction(direction, "direction"))
-        axis = None if tool_axis is None else _one_direction(tool_axis, "tool_axis")
-        object.__setattr__(self, "tool_axis", axis)
+        numbers = _checked("approach", p, direction, tool_axis)
+        if numbers is None:
+            axis = () if tool_axis is None else _one_direction(tool_axis, "tool_axis")
+            numbers = frozen([*_one_vector(p, "p"), *_one_direction(direction, "direction"), *axis])
+        object.__setattr__(self, "p", numbers[:3])
+        object.__setattr__(self, "direction", numbers[3:6])
+        object.__setattr__(self, "tool_axis", None if tool_axis is None else numbers[6:])
+        object.__setattr__(self, "_numbers", numbers)
 
     def of(self, arm: Arm) -> Approach:
         """The same with a tool axis: its own, or that of the arm."""
@@ -160,10 +168,10 @@ class Approach(Brief):
         # The rows of Vᵀ beyond the first span it.
         return frozen(np.linalg.svd(self.axis[None, :])[2][1:])
 
-    @cached_property
+    @property
     def numbers(self) -> Array:
-        """p, direction, tool axis."""
-        return frozen([*self.p, *self.direction, *self.axis])
+        """p, direction, tool axis; without the last where it was left to the arm."""
+        return self._numbers
 
     def position_rows(self, g: Array, J_b: Array) -> Rows:
         """The offset from p, in tool axes."""
@@ -211,26 +219,34 @@ class Task(Brief):
     g: Array
     tolerance: Array
     frame: str
-    held: tuple[list[int], list[int]] = field(init=False, repr=False)
-    position_tolerance: Array = field(init=False, repr=False)
-    rotation_tolerance: Array = field(init=False, repr=False)
     numbers: Array = field(init=False, repr=False)
 
     kind: ClassVar[int] = 3
 
     def __init__(self, g: Matrix, tolerance: Row, frame: str = "tool") -> None:
-        object.__setattr__(self, "g", _one_pose(g, "pose g"))
-        object.__setattr__(self, "frame", require_choice(frame, ("tool", "base"), "frame"))
-        tolerance = _as_tolerance(tolerance)
-        position, rotation = tolerance[:3], tolerance[3:]
-        held = [i for i in range(3) if position[i] < math.inf], [i for i in range(3) if rotation[i] < math.pi]
-        if not held[0] and not held[1]:
-            raise InputError("tolerance leaves all six components free: there is nothing to solve for")
-        object.__setattr__(self, "tolerance", frozen(tolerance))
-        object.__setattr__(self, "held", held)
-        object.__setattr__(self, "position_tolerance", frozen(position[held[0]]))
-        object.__setattr__(self, "rotation_tolerance", frozen(rotation[held[1]]))
-        object.__setattr__(self, "numbers", frozen([*self.g.flat, *tolerance, self.frame == "base"]))
+        base_axes = require_choice(frame, ("tool", "base"), "frame") == "base"
+        numbers = _checked("task", g, tolerance, base_axes)
+        if numbers is None:
+            numbers = frozen([*_one_pose(g, "pose g").flat, *_as_tolerance(tolerance), base_axes])
+        object.__setattr__(self, "g", numbers[:16].reshape(4, 4))
+        object.__setattr__(self, "tolerance", numbers[16:22])
+        object.__setattr__(self, "frame", frame)
+        object.__setattr__(self, "numbers", numbers)
+
+    @cached_property
+    def held(self) -> tuple[list[int], list[int]]:
+        """Which components of position and of rotation are not left free."""
+        return _held(self.tolerance)
+
+    @cached_property
+    def position_tolerance(self) -> Array:
+        """[m], of the held components."""
+        return frozen(self.tolerance[:3][self.held[0]])
+
+    @cached_property
+    def rotation_tolerance(self) -> Array:
+        """[rad], of the held components."""
+        return frozen(self.tolerance[3:][self.held[1]])
 
     def position_rows(self, g: Array, J_b: Array) -> Rows:
         """The held components of p − p_g, along the axes of the frame."""
@@ -293,6 +309,12 @@ def target_for(arm: Arm, value: Any) -> AnyTarget:
     return target.of(arm) if isinstance(target, Approach) else target
 
 
+def checked_target(arm: Arm, value: Any) -> AnyTarget:
+    """The same, whose numbers are looked at once more: somebody may have written into the arrays of a target."""
+    target = target_for(arm, value)
+    return target_of(target.kind, target.numbers)
+
+
 def as_target(value: Any) -> AnyTarget:
     """`value` as a target; a bare (4, 4) means `Pose`."""
     if isinstance(value, KINDS):
@@ -303,6 +325,11 @@ def as_target(value: Any) -> AnyTarget:
         raise InputError(
             f"target must be a Pose, Position, Approach or Task, or a pose (4, 4) in SE(3): {error}"
         ) from error
+
+
+def numbers_of_kind(kind: int) -> int:
+    """How many `numbers` a target of a kind has."""
+    return (16, 3, 9, 23)[kind]
 
 
 def target_of(kind: int, numbers: Array) -> AnyTarget:
@@ -319,6 +346,16 @@ def _cross(a: Array, b: Array) -> Array:
     # np.cross takes some thirty times as long for one pair of vectors.
     (a1, a2, a3), (b1, b2, b3) = a.tolist(), b.tolist()
     return np.array([a2 * b3 - a3 * b2, a3 * b1 - a1 * b3, a1 * b2 - a2 * b1])
+
+
+def _checked(make: str, *given: Any) -> Array | None:
+    """A target's numbers, read-only, where the compiled core finds what was given plainly right.
+
+    None leaves it to Python, which converts it or says what is wrong.
+    """
+    core = engine.core()
+    numbers: Array | None = None if core is None else getattr(core, make)(*given)
+    return numbers
 
 
 def _one_pose(value: Matrix, name: str) -> Array:
@@ -355,4 +392,11 @@ def _as_tolerance(value: ArrayLike) -> Array:
         raise InputError(f"tolerance must be six numbers (x, y, z [m], rx, ry, rz [rad]); got shape {tolerance.shape}")
     if not (tolerance >= 0).all():
         raise InputError(f"tolerance must not be negative or NaN (0: exact, inf: free); got {tolerance.tolist()}")
+    if not any(_held(tolerance)):
+        raise InputError("tolerance leaves all six components free: there is nothing to solve for")
     return tolerance
+
+
+def _held(tolerance: Array) -> tuple[list[int], list[int]]:
+    position, rotation = tolerance[:3], tolerance[3:]
+    return [i for i in range(3) if position[i] < math.inf], [i for i in range(3) if rotation[i] < math.pi]

@@ -13,7 +13,7 @@ import numpy as np
 
 from ..arm import Arm
 from ..checks import Array
-from .answer import PlainAnswer
+from . import answer
 from .deadline import Deadline
 from .ranges import JointRanges, joint_ranges
 from .request import Request
@@ -62,7 +62,7 @@ class Problem(NamedTuple):
     tolerances: Tolerances
 
 
-def solve(arm: Arm, target: AnyTarget, request: Request) -> PlainAnswer:
+def solve(arm: Arm, target: AnyTarget, request: Request) -> Array:
     """At most `request.restarts` searches, the first from theta0, the others from random configurations.
 
     The first that converges answers; where none does, the best of them: the position counts first, then the rotation.
@@ -82,22 +82,17 @@ def solve(arm: Arm, target: AnyTarget, request: Request) -> PlainAnswer:
             best = toward_posture(problem, best, request.posture, deadline)
     timed_out = deadline.passed and searches < request.restarts
     stop = StopReason.CONVERGED if best.converged else StopReason.TIMED_OUT if timed_out else StopReason.EXHAUSTED
-    return PlainAnswer(
-        kind=target.kind,
-        numbers=target.numbers.tobytes(),
-        theta0=request.theta0.tobytes(),
-        position_tol=request.tolerances.position,
-        orientation_tol=request.tolerances.orientation,
-        theta=best.theta.tobytes(),
-        unlimited=None,
-        position_error=best.errors[0],
-        orientation_error=best.errors[1],
+    leaves = best.converged and request.posture is None and _leaves_branch(problem, start, best.theta)
+    moved = bool((request.theta0 != start).any())
+    return answer.row_of(
+        target,
+        request,
+        best.theta,
+        errors=best.errors,
+        stop=STOPS.index(stop),
         iterations=steps,
         restarts=searches,
-        stop=STOPS.index(stop),
-        nearest=False,
-        other_branch=best.converged and request.posture is None and _leaves_branch(problem, start, best.theta),
-        start_moved=bool((request.theta0 != start).any()),
+        flags=answer.OTHER_BRANCH * leaves + answer.START_MOVED * moved,
     )
 
 
