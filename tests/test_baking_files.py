@@ -30,7 +30,7 @@ def changed(path: Path, key: str, value: Any) -> str:
     inside = content
     for parent in parents:
         inside = inside[int(parent)] if isinstance(inside, list) else inside[parent]
-    inside[last] = value
+    inside[int(last) if isinstance(inside, list) else last] = value
     return sealed(content)
 
 
@@ -76,6 +76,17 @@ REFUSED: dict[str, tuple[str, Any, str]] = {
     "a coupling of another size": ("coupling.A", [[1.0]], "A must have shape (5, 5); got (1, 1)"),
     "no offsets": ("coupling", {"A": np.eye(5).tolist()}, "'b' is missing"),
     "no reach": ("reach", 0.0, "reach must be a positive number; got 0"),
+    "hardly any reach": ("reach", 5e-324, "reach must be from 1e-09 to 1e+12 m; got 4.94066e-324"),
+    "a reach beyond the sun": ("reach", 1e300, "reach must be from 1e-09 to 1e+12 m; got 1e+300"),
+    "screws that overflow": ("screws", [[1e308] * 5] * 6, "screws holds 1e+308, beyond 1e+12"),
+    "a screw of next to nothing": ("screws", [[5e-324] * 5] * 6, "a joint whose screw is zero"),
+    "a ratio that overflows": ("coupling.A", (1e200 * np.eye(5)).tolist(), "A holds 1e+200, beyond 1e+12"),
+    "a joint far from anything": (
+        "joints.0",
+        {"name": "slide", "type": "prismatic", "unit": "m", **dict.fromkeys(FIELDS), "lower": 1e9, "upper": 1e9 + 1},
+        "slide would be confined to 1e+09 to 1e+09, beyond 1e+06 rad or m",
+    ),
+    "a pose far from anything": ("named_states", {"up": [0.0, 1e9, 0.0, 0.0, 0.0]}, "pose up holds 1e+09, beyond"),
     "ready of another size": ("ready", [0.0], "ready must have shape (5,); got (1,)"),
     "ready beyond the limits": ("ready", [9.0, 0.0, 0.0, 0.0, 0.0], "ready lies outside the limits"),
     "a pose of another size": ("named_states", {"up": [1.0]}, "pose up must have shape (5,); got (1,)"),

@@ -44,7 +44,9 @@ from .ready_pose import Bodies, Mechanism, Overlapping, computed_ready, named_re
 from .roll_axis import roll_axis
 from .screws import adjoint, inverse
 
-_MADE_WHEN_ASKED = ("compiled", "pinocchio", "ready", "computed_ready", "tool_axis", "usual_half", "_tool_action")
+_MADE_WHEN_ASKED = (
+    "compiled", "pinocchio", "ready", "computed_ready", "middle", "tool_axis", "usual_half", "_tool_action",
+)  # fmt: skip
 
 
 class Coupling(NamedTuple):
@@ -194,6 +196,11 @@ class Arm:
         numbers = self.screws, self.home, self.coupling.A, self.reach
         mechanism = Mechanism(*numbers, self.limits, self.sampling_bounds, self.units)
         return frozen(computed_ready(mechanism, self._overlapping()))
+
+    @cached_property
+    def middle(self) -> Array:
+        """The middle of the limits, (n,); as near to 0 as allowed for a joint that has not two."""
+        return frozen(self.limits.middle())
 
     @cached_property
     def pinocchio(self) -> PinocchioModel:
@@ -468,11 +475,11 @@ class Arm:
         return self.theta_from(theta)
 
     def _named(self, pose: str) -> Array:
-        if pose not in self.pose_names:
-            listing = f"poses: {listed(self.pose_names)}"
-            raise unknown_name("pose", pose, self.pose_names, within=self.name, listing=listing)
         if pose in self.named_states:
             return self.named_states[pose]
+        if pose not in ("ready", "zero"):
+            listing = f"poses: {listed(self.pose_names)}"
+            raise unknown_name("pose", pose, self.pose_names, within=self.name, listing=listing)
         return self.ready if pose == "ready" else np.zeros(self.n)
 
     def _identity(self, theta: ArrayLike) -> Array:

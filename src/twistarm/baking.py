@@ -26,6 +26,12 @@ FORMAT, VERSION = "twistarm arm", 1
 MAX_BYTES = 10_000_000
 """Six joints have some 5 kB; 250 joints and a coupling between all of them 2 MB."""
 
+LARGEST, LEAST = 1e12, 1e-9
+"""What the numbers of no chain exceed, and what no reach [m] and no screw falls short of: beyond, products overflow."""
+
+FARTHEST = 1e6
+"""How far [rad, m] a joint may be from 0: farther out an angle has lost the digits of an answer."""
+
 JOINT_TYPES = ("revolute", "continuous", "prismatic", "helical")
 
 _BAKE = "twistarm bake ARM -o FILE writes one"
@@ -197,10 +203,13 @@ def _checked(content: dict[str, Any]) -> Baked:
     moving = _names(content["moving"], "moving")
     n, m = len(names), len(moving)
     screws = _array(content["screws"], "screws", (6, m))
-    if not (np.abs(screws).max(axis=0) > 0).all():
+    if not (np.abs(screws).max(axis=0) >= LEAST).all():
         raise ValueError("a joint whose screw is zero")
     limits = read_limits({field: [joint[field] for joint in joints] for field in FIELDS})
-    ready = _array(content["ready"], "ready", (n,))
+    for name, lower, upper in zip(names, limits.lower, limits.upper, strict=True):
+        if lower > FARTHEST or upper < -FARTHEST:
+            raise ValueError(f"{name} would be confined to {lower:g} to {upper:g}, beyond {FARTHEST:g} rad or m")
+    ready = _array(content["ready"], "ready", (n,), FARTHEST)
     if not limits.contains(ready):
         raise ValueError("ready lies outside the limits")
     coupling = content["coupling"]
@@ -214,9 +223,9 @@ def _checked(content: dict[str, Any]) -> Baked:
         tool=_pose(content["tool"], "tool"),
         coupling=(_array(coupling["A"], "A", (m, n)), _array(coupling["b"], "b", (m,))),
         limits=limits,
-        reach=as_positive(content["reach"], "reach"),
+        reach=_reach(content["reach"]),
         ready=ready,
-        named_states={name: _array(x, f"pose {name}", (n,)) for name, x in content["named_states"].items()},
+        named_states={name: _array(x, f"pose {name}", (n,), FARTHEST) for name, x in content["named_states"].items()},
         actuators=read_actuators(content["actuators"], names),
         disabled_pairs=frozenset(_pair(pair) for pair in content["disabled_pairs"]),
         proof=_read_proof(content["proof"]),
@@ -237,11 +246,20 @@ def _type(joint: Mapping[str, Any]) -> str:
     return str(kind)
 
 
-def _array(value: ArrayLike, name: str, shape: tuple[int, ...]) -> Array:
+def _array(value: ArrayLike, name: str, shape: tuple[int, ...], most: float = LARGEST) -> Array:
     array = as_floats(value, name)
     if array.shape != shape:
         raise ValueError(f"{name} must have shape {shape}; got {array.shape}")
+    if np.abs(array).max(initial=0.0) > most:
+        raise ValueError(f"{name} holds {np.abs(array).max():g}, beyond {most:g}")
     return array
+
+
+def _reach(value: ArrayLike) -> float:
+    reach = as_positive(value, "reach")
+    if not LEAST <= reach <= LARGEST:
+        raise ValueError(f"reach must be from {LEAST:g} to {LARGEST:g} m; got {reach:g}")
+    return reach
 
 
 def _pose(value: ArrayLike, name: str) -> Array:

@@ -51,8 +51,8 @@ def named(arm: Arm, given: Any, start: Any = None) -> Any:
     """
     if isinstance(given, str):
         if start is not None and given in POSTURES:
-            return start if given == "theta0" else arm.limits.middle()
-        if given in arm.pose_names:
+            return start if given == "theta0" else arm.middle
+        if given in arm.named_states or given in ("ready", "zero"):
             return arm.theta_from(given)
     return given
 
