@@ -28,7 +28,7 @@ def _core():
 def sentences(text):
     """The sentences of some prose, each on one line, without the programs between them."""
     paragraphs = re.split(r"\n\s*\n", re.sub(r"```.*?```", "", text, flags=re.S))
-    return [s for p in paragraphs for s in re.split(r"(?<=\.)\s+(?=[A-Z`])", " ".join(p.split())) if s]
+    return [s for p in paragraphs for s in re.split(r"(?<=\.)\s+(?=[A-Z`[])", " ".join(p.split())) if s]
 
 
 def test_each_sentence_is_held_by_a_test_and_no_test_holds_another():
