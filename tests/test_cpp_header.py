@@ -298,9 +298,19 @@ OF_EVERY_SIZE = [
 """Four to seven coordinates."""
 
 
-def drawn_targets(arm: Arm, count: int) -> list[Pose | Position | Approach | Task]:
-    """Targets of every kind at Pinocchio's poses of configurations inside the limits."""
-    goals, _, _ = reference(arm, arm.random_theta(np.random.default_rng(6), count))
+STRETCHED = {
+    "panda": [
+        [-2.78690522729, 1.15885264968, -2.02123460303, -0.47342057783, 0.03908364219, 2.55645033903, 1.9681294942],
+        [0.14150639035, -0.0452240064, -0.29367788761, -0.46621990665, 0.00408060877, 2.60578371352, -1.64327847722],
+    ]
+}
+"""Where every search from the first pose fails, and the best of their ends have to go on."""
+
+
+def drawn_targets(arm: Arm, hard: list[list[float]], count: int) -> list[Pose | Position | Approach | Task]:
+    """Targets of every kind at Pinocchio's poses of configurations inside the limits, `hard` ones among them."""
+    drawn = arm.random_theta(np.random.default_rng(6), count)
+    goals, _, _ = reference(arm, np.concatenate([drawn, np.reshape(hard, (-1, arm.n))]))
     along, about = (0.01, 0.02, 0.0, 0.2, 0.0, np.inf), (0.0, np.inf, 0.0, 4.0, 0.1, 0.1)
     kinds = (
         Pose,
@@ -321,7 +331,7 @@ def test_every_kind_of_target(name: str, compiler: str, tmp_path: Path) -> None:
     # Eight solvers in one file: unoptimised they compile in a third of the time.
     command = [compiler, *STRICT, f"-DARM={namespace_of(arm.name)}", f"-I{tmp_path}", f"-I{core_headers()}"]
     compile_one([*command, str(tmp_path / "kinds.cpp"), "-o", str(tmp_path / "kinds")])
-    targets = drawn_targets(arm, 30)
+    targets = drawn_targets(arm, STRETCHED.get(name, []), 30)
     rows = [[*target.numbers.flat, *np.zeros(23 - target.numbers.size)] for target in targets]
     text = "\n".join(
         f"{target.kind} {i // 5 % 2} {' '.join(map(repr, map(float, row)))}"

@@ -35,7 +35,8 @@ solution<double, N> by_the_rule(const chain<double, N, M>& arm, const ranges<dou
         solve(arm, range, once, asked, start, seed, alone);
         const bool better = alone.converged && (!winner.converged || alone.iterations < winner.iterations);
         if (better) winner = alone;
-        if (winner.converged && (k == 0 || k % lanes_in_round == lanes_in_round - 1)) break;
+        if (k == 0 && alone.converged && alone.iterations <= settings.head_start) break;
+        if (winner.converged && k % searches_in_round == searches_in_round - 1) break;
     }
     return winner;
 }

@@ -30,7 +30,7 @@ class Chain:
     """g_st(theta) = Π exp(ξ_i (Aθ)_i) · home, its Jacobians and its inverse, from screws (6, m), home (4, 4), A (m, n).
 
     Bounds are (n,), infinite where there are none but for random starts. `theta` is one configuration (n,) or a batch
-    (N, n), which runs eight at a time; everything runs without the interpreter lock.
+    (N, n), which runs several at a time; everything runs without the interpreter lock.
     """
 
     def __init__(

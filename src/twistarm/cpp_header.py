@@ -340,19 +340,19 @@ template <class T> inline constexpr T tool_axis[3] = {tool_axis};
 /// does, the end of the one that came nearest, not converged. twistarm::answer_to (twistarm/answer.hpp) goes on to the
 /// nearest configuration and the reason, and keeps to the branch of theta0, as Python does, for twenty times the code.
 ///
-/// `Lanes` searches (2, 4 or 8) run side by side; their number changes speed, code and stack, not the answer.
+/// `Lanes` searches (2, 4 or 8) run side by side; their number changes speed, code and stack, not the answer. The stack
+/// holds the ends of 96 searches beside them, 96 n numbers.
 template <int Lanes = 0, class T, class Target>
 twistarm::solution<T, n> solve_ik(const twistarm::ranges<T, n>& limits, const Target& asked, const T* theta0,
                                   const twistarm::search_settings<T>& settings = {{}}, std::uint64_t seed = 0) {{
-    constexpr int in_register = TWISTARM_REGISTER_BYTES / static_cast<int>(sizeof(T));
-    constexpr int lanes = Lanes != 0 ? Lanes : in_register < 8 ? in_register : 8;
     constexpr bool is_target = std::is_base_of_v<twistarm::target<T>, Target>;
-    constexpr bool fits = lanes == 2 || lanes == 4 || lanes == 8;
+    constexpr bool fits = Lanes == 0 || Lanes == 2 || Lanes == 4 || Lanes == 8;
     static_assert(is_target, "solve_ik takes what twistarm::pose_target, position_target, approach_target or "
                              "task_target makes of numbers of the type that the ranges have");
     static_assert(fits, "solve_ik<Lanes>: 2, 4 or 8 searches run side by side; without <Lanes> as many as suit");
     twistarm::solution<T, n> found{{}};
-    if constexpr (is_target && fits) twistarm::solve<lanes>(chain<T>, limits, settings, asked, theta0, seed, found);
+    if constexpr (is_target && fits)
+        twistarm::search_all<Lanes>(chain<T>, limits, settings, asked, theta0, seed, found);
     return found;
 }}
 

@@ -116,12 +116,13 @@ template <class V, class T, int N, int M, class Job> struct batch_of_targets fin
 /// is stored as the end with the least error; `conclude` finds the nearest configuration and the reason from there.
 template <target_kind Kind, class T, int N, int M, class Job>
 void solve_batch(const chain<T, N, M>& arm, const ranges<T, N>& range, const search_settings<T>& settings, Job& job) {
-    using V = pack<T, lanes_in_round>;
+    constexpr int at_once = lanes_at_once<T>;
+    using V = pack<T, at_once>;
     if (job.count() == 0) return;
     detail::batch_of_targets<V, T, N, M, Job> batch(arm, range, settings, job);
     lane_searches<V, N> lanes = searches_at_rest<V, N>();
-    lane_starts<T, N, lanes_in_round> starts;
-    for (int i = 0; i < lanes_in_round; ++i) batch.take_next(starts, i);
+    lane_starts<T, N, at_once> starts;
+    for (int i = 0; i < at_once; ++i) batch.take_next(starts, i);
     run_searches<V, Kind, T, N, M>(arm, range, settings, lanes, starts, batch);
 }
 

@@ -17,6 +17,7 @@ template <class T> struct search_settings {
     T progress = T(0.8);            ///< an iteration that leaves E above this times the best so far is a stall
     int stalls = 4;                 ///< so many of them end a search
     int iterations = 30;            ///< as do so many iterations
+    int head_start = 5;             ///< the search from theta0 wins in so many, whatever the others do
 };
 
 namespace detail {

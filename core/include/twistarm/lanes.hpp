@@ -1,8 +1,7 @@
 // Packs of L numbers that are computed side by side: one search or one target per lane.
 //
-// A kernel is a template on its number type V: a scalar (float, double) or pack<T, L>. L does not depend on the
-// instruction set; a pack is as many registers as L numbers need. Lanes never mix, so what a lane computes does not
-// depend on its neighbours.
+// A kernel is a template on its number type V: a scalar (float, double) or pack<T, L>, which is as many registers as L
+// numbers need. Lanes never mix, so what a lane computes does not depend on its neighbours, nor on how many they are.
 #pragma once
 
 #include <cstdint>
@@ -16,8 +15,14 @@
 
 TWISTARM_BEGIN
 
-/// Searches in a round of a race, and targets side by side in a batch, on every instruction set.
+/// Numbers side by side where a rule counts on them, on every instruction set.
 constexpr int lanes_in_round = 8;
+
+/// Numbers side by side where no answer depends on it: one register's, at most `Most`, a power of two.
+template <class T, int Most = 8>
+constexpr int lanes_at_once = TWISTARM_REGISTER_BYTES < Most * static_cast<int>(sizeof(T))
+                                  ? TWISTARM_REGISTER_BYTES / static_cast<int>(sizeof(T))
+                                  : Most;
 
 namespace detail {
 template <class T> struct integer_as_wide;

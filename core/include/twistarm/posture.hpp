@@ -149,15 +149,9 @@ void approach_posture(const chain<T, N, M>& arm, const ranges<T, N>& range, cons
                       const target<T>& asked, const T* posture, Stopped& stopped, solution<T, N>& found) {
     solution<T, N> moved = found;
     wrap_near(range, arm.coordinates(), posture, moved.theta);
-    const auto walk = [&](auto kind) {
+    with_kind(asked.kind, [&](auto kind) {
         detail::walk_to_posture<kind()>(arm, range, settings, asked, posture, stopped, moved.theta);
-    };
-    switch (asked.kind) {
-        case target_kind::pose: walk(std::integral_constant<target_kind, target_kind::pose>{}); break;
-        case target_kind::position: walk(std::integral_constant<target_kind, target_kind::position>{}); break;
-        case target_kind::approach: walk(std::integral_constant<target_kind, target_kind::approach>{}); break;
-        case target_kind::task: walk(std::integral_constant<target_kind, target_kind::task>{}); break;
-    }
+    });
     if (judge(arm, range, settings, asked, posture, moved)) found = moved;
 }
 

@@ -5,14 +5,17 @@
 
 TWISTARM_BEGIN
 
+/// Searches in a round of a race, on every instruction set.
+constexpr int searches_in_round = 4;
+
 namespace detail {
-/// The searches of one target. Search 0 begins at θ₀, search k at random start k; round r holds the searches 8 r to
-/// 8 r + 7.
+/// The searches of one target. Search 0 begins at θ₀, or where it is resumed, search k where `Starts` says; round r holds
+/// the searches 4 r to 4 r + 3.
 ///
-/// The winner: search 0 if it converges; else, in the first round in which any converges, the one with the fewest
-/// iterations, then the lowest number. A lane that has ended takes the next search at once, of whatever round: what a
-/// search does depends on its start alone, so the rule gives the same winner in whatever order they run.
-template <class V, class T, int N, int M, class Stopped> struct race_of_one final : search_owner<V, T, N> {
+/// The winner: search 0 if it converges in its head start; else, in the first round in which any converges, the one with
+/// the fewest iterations, then the lowest number. A lane that has ended takes the next search at once, of whatever round:
+/// what a search does depends on its start alone, so the rule gives the same winner in whatever order they run.
+template <class V, class T, int N, int M, class Starts, class Stopped> struct race_of_one final : search_owner<V, T, N> {
     static constexpr int lane_count = number<V>::lanes;
     static constexpr int none = -1;
     static constexpr int looks_for_a_clock = 8;  ///< a clock costs a tenth of an iteration
@@ -21,7 +24,7 @@ template <class V, class T, int N, int M, class Stopped> struct race_of_one fina
     const ranges<T, N>& range;
     const search_settings<T>& settings;
     const target<T>& asked;
-    const start_sequence<N> sequence;
+    const Starts& begins;  ///< begins(k, theta, stride) writes the start of search k
     const T* theta0;
     solution<T, N>& found;
     T* ends;   ///< (room, n): where those that failed ended; nullptr if nobody asks
@@ -35,18 +38,20 @@ template <class V, class T, int N, int M, class Stopped> struct race_of_one fina
     bool over = false;
 
     race_of_one(const chain<T, N, M>& chain, const ranges<T, N>& within, const search_settings<T>& how,
-                const target<T>& what, std::uint64_t seed, const T* start, solution<T, N>& into, T* failed_ends,
+                const target<T>& what, const Starts& from, const T* start, solution<T, N>& into, T* failed_ends,
                 int failed_room, Stopped& time_is_up)
         : search_owner<V, T, N>(aim_in_every_lane<V>(aim_at(chain, what))), arm(chain), range(within), settings(how),
-          asked(what), sequence(sequence_of<N>(seed, chain.coordinates())), theta0(start), found(into),
-          ends(failed_ends), room(failed_room), stopped(time_is_up) {}
+          asked(what), begins(from), theta0(start), found(into), ends(failed_ends), room(failed_room),
+          stopped(time_is_up) {}
 
-    static constexpr int round_of(int k) { return k / lanes_in_round; }
+    static constexpr int round_of(int k) { return k / searches_in_round; }
+    bool in_head_start(int k, int steps) const { return k == 0 && steps <= settings.head_start; }
 
     /// Whether search k would win with `steps` iterations.
     bool beats(int k, int steps) const {
-        if (winner == none || k == 0) return true;
-        if (winner == 0 || round_of(k) != round_of(winner)) return winner != 0 && round_of(k) < round_of(winner);
+        if (winner == none || in_head_start(k, steps)) return true;
+        if (in_head_start(winner, found.iterations)) return false;
+        if (round_of(k) != round_of(winner)) return round_of(k) < round_of(winner);
         return steps < found.iterations || (steps == found.iterations && k < winner);
     }
 
@@ -54,9 +59,7 @@ template <class V, class T, int N, int M, class Stopped> struct race_of_one fina
         search[i] = none;
         if (begun >= settings.searches || !beats(begun, 0)) return;
         search[i] = begun++;
-        if (search[i] == 0)
-            for (int k = 0; k < arm.coordinates(); ++k) starts.theta[k][i] = theta0[k];
-        else start_at(range, arm.coordinates(), sequence, search[i], &starts.theta[0][i], lane_count);
+        begins(search[i], &starts.theta[0][i], lane_count);
         starts.waiting |= 1U << i;
         fresh |= 1U << i;
     }
@@ -119,68 +122,63 @@ template <class V, class T, int N, int M, class Stopped> struct race_of_one fina
     }
 };
 
-template <class V, target_kind Kind, class T, int N, int M, class Stopped>
-void race_to(const chain<T, N, M>& arm, const ranges<T, N>& range, const search_settings<T>& settings,
-             const target<T>& asked, const T* theta0, std::uint64_t seed, T* ends, int room, Stopped& stopped,
+/// Runs the race; `found` is the winner, or if there is none, whatever `failed` has left in it. Whether there is one.
+template <class V, target_kind Kind, class T, int N, int M, class Starts, class Stopped>
+bool race_to(const chain<T, N, M>& arm, const ranges<T, N>& range, const search_settings<T>& settings,
+             const target<T>& asked, const Starts& begins, const T* theta0, T* ends, int room, Stopped& stopped,
              solution<T, N>& found) {
-    race_of_one<V, T, N, M, Stopped> race(arm, range, settings, asked, seed, theta0, found, ends, room, stopped);
+    race_of_one<V, T, N, M, Starts, Stopped> race(arm, range, settings, asked, begins, theta0, found, ends, room,
+                                                  stopped);
     lane_searches<V, N> lanes = searches_at_rest<V, N>();
     lane_starts<T, N, number<V>::lanes> starts;
-    for (int k = 0; k < arm.coordinates(); ++k) found.theta[k] = theta0[k];
     for (int i = 0; i < number<V>::lanes; ++i) race.begin(starts, i);
     run_searches<V, Kind, T, N, M>(arm, range, settings, lanes, starts, race);
     found.restarts = race.winner == 0 ? 1 : race.begun;
     found.start_error = race.start_error;
-    if (race.winner != race.none) return;
-    judge(arm, range, settings, asked, theta0, found);
-    found.converged = false;
-    found.iterations = race.iterations;
+    if (race.winner == race.none) found.iterations = race.iterations;
+    return race.winner != race.none;
 }
 }  // namespace detail
 
 /// Inverse kinematics of one target of this kind: at most settings.searches searches, the first from `theta0` (n,)
 /// brought inside the limits, the others from random starts of `seed`; settings.searches ≥ 1. The same call gives the
-/// same bits. `Lanes` searches run side by side, which changes no answer.
+/// same bits. `Lanes` searches run side by side, which changes no answer; by default as many as a register holds.
 ///
 /// The errors are those of forward kinematics at the answer. Where there is none, `found` is the end with the
 /// least error, not converged. `ends` (room, n), if not null, takes the ends of the first searches that failed; all of
 /// them without a winner. stopped() is asked now and then, and true ends the searches where they are.
-template <target_kind Kind, int Lanes = lanes_in_round, class T, int N, int M, class Stopped>
+template <target_kind Kind, int Lanes = 0, class T, int N, int M, class Stopped>
 void solve_kind(const chain<T, N, M>& arm, const ranges<T, N>& range, const search_settings<T>& settings,
                 const target<T>& asked, const T* theta0, std::uint64_t seed, solution<T, N>& found, T* ends, int room,
                 Stopped& stopped) {
+    constexpr int lanes = Lanes != 0 ? Lanes : lanes_at_once<T, searches_in_round>;
+    const int n = arm.coordinates();
     T start[capacity(N)];
-    for (int k = 0; k < arm.coordinates(); ++k) start[k] = theta0[k];
-    bring_inside(range, arm.coordinates(), start);
-    detail::race_to<pack<T, Lanes>, Kind>(arm, range, settings, asked, start, seed, ends, room, stopped, found);
-}
-
-/// The same, of the kind that the target's type says.
-template <int Lanes = lanes_in_round, class T, target_kind Kind, int N, int M, class Stopped>
-void solve(const chain<T, N, M>& arm, const ranges<T, N>& range, const search_settings<T>& settings,
-           const target_of<T, Kind>& asked, const T* theta0, std::uint64_t seed, solution<T, N>& found, T* ends,
-           int room, Stopped& stopped) {
-    solve_kind<Kind, Lanes>(arm, range, settings, asked, theta0, seed, found, ends, room, stopped);
-}
-
-/// The same for a target of any kind: the solvers of all four are compiled.
-template <int Lanes = lanes_in_round, class T, int N, int M, class Stopped>
-void solve(const chain<T, N, M>& arm, const ranges<T, N>& range, const search_settings<T>& settings,
-           const target<T>& asked, const T* theta0, std::uint64_t seed, solution<T, N>& found, T* ends, int room,
-           Stopped& stopped) {
-    const auto solve_as = [&](auto kind) {
-        solve_kind<kind(), Lanes>(arm, range, settings, asked, theta0, seed, found, ends, room, stopped);
+    for (int k = 0; k < n; ++k) start[k] = found.theta[k] = theta0[k];
+    bring_inside(range, n, start);
+    const start_sequence<N> sequence = sequence_of<N>(seed, n);
+    const auto begins = [&](int search, T* theta, int stride) {
+        if (search > 0) return start_at(range, n, sequence, search, theta, stride);
+        for (int k = 0; k < n; ++k) theta[k * stride] = start[k];
     };
-    switch (asked.kind) {
-        case target_kind::pose: return solve_as(std::integral_constant<target_kind, target_kind::pose>{});
-        case target_kind::position: return solve_as(std::integral_constant<target_kind, target_kind::position>{});
-        case target_kind::approach: return solve_as(std::integral_constant<target_kind, target_kind::approach>{});
-        case target_kind::task: return solve_as(std::integral_constant<target_kind, target_kind::task>{});
-    }
+    if (detail::race_to<pack<T, lanes>, Kind>(arm, range, settings, asked, begins, start, ends, room, stopped, found))
+        return;
+    judge(arm, range, settings, asked, start, found);
+    found.converged = false;
+}
+
+/// The same, of the kind that the target's type says; for a plain target<T>, of any, the solvers of all four are compiled.
+template <int Lanes = 0, class T, int N, int M, class Target, class Stopped>
+void solve(const chain<T, N, M>& arm, const ranges<T, N>& range, const search_settings<T>& settings,
+           const Target& asked, const T* theta0, std::uint64_t seed, solution<T, N>& found, T* ends, int room,
+           Stopped& stopped) {
+    with_kind(asked, [&](auto kind) {
+        solve_kind<kind(), Lanes>(arm, range, settings, asked, theta0, seed, found, ends, room, stopped);
+    });
 }
 
 /// The same without a clock; `ends` (settings.searches, n) or null.
-template <int Lanes = lanes_in_round, class T, int N, int M, class Target>
+template <int Lanes = 0, class T, int N, int M, class Target>
 void solve(const chain<T, N, M>& arm, const ranges<T, N>& range, const search_settings<T>& settings,
            const Target& asked, const T* theta0, std::uint64_t seed, solution<T, N>& found, T* ends = nullptr) {
     never stopped;

@@ -15,6 +15,18 @@ constexpr int rows_of(target_kind kind) {
     return kind == target_kind::position ? 3 : (kind == target_kind::approach ? 5 : 6);
 }
 
+template <target_kind Kind> using constant_kind = std::integral_constant<target_kind, Kind>;
+
+/// f of the kind as a constant: the one place where what is known when the program runs chooses what was compiled.
+template <class F> TWISTARM_INLINE void with_kind(target_kind kind, const F& f) {
+    switch (kind) {
+        case target_kind::pose: return f(constant_kind<target_kind::pose>{});
+        case target_kind::position: return f(constant_kind<target_kind::position>{});
+        case target_kind::approach: return f(constant_kind<target_kind::approach>{});
+        case target_kind::task: return f(constant_kind<target_kind::task>{});
+    }
+}
+
 /// A target of whatever kind, in the base frame; lengths in m, angles in rad.
 template <class T> struct target {
     target_kind kind;
@@ -32,6 +44,12 @@ template <class T, target_kind Kind> struct target_of : target<T> {
 /// Whether what is asked for by a Target can be of this kind; a plain `target` can be of any.
 template <target_kind Kind, class Target> constexpr bool may_be = true;
 template <target_kind Kind, class T, target_kind Other> constexpr bool may_be<Kind, target_of<T, Other>> = Kind == Other;
+
+/// f of a target's kind: the one that its type says, or whichever it has when the program runs.
+template <class T, class F> TWISTARM_INLINE void with_kind(const target<T>& asked, const F& f) { with_kind(asked.kind, f); }
+template <class T, target_kind Kind, class F> TWISTARM_INLINE void with_kind(const target_of<T, Kind>&, const F& f) {
+    f(constant_kind<Kind>{});
+}
 
 /// The whole pose g.
 template <class T> target_of<T, target_kind::pose> pose_target(const frame<T>& g) {

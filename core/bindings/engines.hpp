@@ -1,0 +1,259 @@
+// The engines of one instruction set: any arm, and arms of a number of joints that code of their own is made for.
+//
+// Compiled several times, each with its own flags and the name TWISTARM_KERNELS. Nothing of the standard library's
+// templates may be used here: their code would carry this file's instructions under a name that the rest of the program
+// shares.
+#pragma once
+
+#include "kernels.hpp"
+
+#include "twistarm/answer.hpp"
+#include "twistarm/batch.hpp"
+#include "twistarm/conversion.hpp"
+
+namespace twistarm {
+inline namespace TWISTARM_INSTRUCTION_SET {
+namespace engines {
+
+using bindings::Answer;
+using bindings::ArmNumbers;
+using bindings::Batch;
+using bindings::Constants;
+using bindings::Engine;
+using bindings::numbers_of_kind;
+using bindings::Query;
+using bindings::Question;
+
+using general_chain = chain<double, dynamic, dynamic>;
+
+// -- forward kinematics ----------------------------------------------------------------------------------------------
+
+template <class V> void write_pose(const frame<V>& g, int count, double* poses) {
+    for (int l = 0; l < count; ++l, poses += 16) {
+        for (int k = 0; k < 3; ++k) {
+            poses[4 * k] = lane(g.x[k], l);
+            poses[4 * k + 1] = lane(g.y[k], l);
+            poses[4 * k + 2] = lane(g.z[k], l);
+            poses[4 * k + 3] = lane(g.p[k], l);
+            poses[12 + k] = 0.0;
+        }
+        poses[15] = 1.0;
+    }
+}
+
+template <class V> void write_jacobian(const column<V>* columns, int n, int count, double* J) {
+    for (int l = 0; l < count; ++l, J += 6 * n)
+        for (int i = 0; i < n; ++i)
+            for (int k = 0; k < 3; ++k) {
+                J[k * n + i] = lane(columns[i].v[k], l);
+                J[(k + 3) * n + i] = lane(columns[i].w[k], l);
+            }
+}
+
+using some = pack<double, lanes_at_once<double>>;
+
+// A register of configurations side by side, of which `count` are there. One alone goes the same way, so that it gets the bits
+// that it would have got among others.
+template <int N>
+void several(const chain<double, N, N>& arm, const double* theta, int count, double* poses, double* spatial,
+             double* body) {
+    const int n = arm.coordinates();
+    some x[capacity(N)];
+    for (int i = 0; i < n; ++i) {
+        x[i] = some(theta[i]);
+        for (int l = 1; l < count; ++l) set_lane(x[i], l, theta[l * n + i]);
+    }
+    column<some> columns[capacity(N)];
+    frame<some> g;
+    if (body != nullptr) {
+        g = forward_with_body_jacobian(arm, x, columns);
+        write_jacobian(columns, n, count, body);
+    } else if (spatial == nullptr) {
+        g = forward(arm, x);
+    }
+    if (spatial != nullptr) {
+        g = forward_with_spatial_jacobian(arm, x, columns);
+        write_jacobian(columns, n, count, spatial);
+    }
+    if (poses != nullptr) write_pose(g, count, poses);
+}
+
+template <int N>
+void all(const chain<double, N, N>& arm, const double* theta, std::size_t count, double* poses, double* spatial,
+         double* body) {
+    constexpr std::size_t width = lanes_at_once<double>;
+    const std::size_t n = static_cast<std::size_t>(arm.coordinates());
+    for (std::size_t first = 0; first < count; first += width) {
+        const int there = static_cast<int>(count - first < width ? count - first : width);
+        several(arm, theta + first * n, there, poses != nullptr ? poses + first * 16 : nullptr,
+                spatial != nullptr ? spatial + first * 6 * n : nullptr, body != nullptr ? body + first * 6 * n : nullptr);
+    }
+}
+
+// -- inverse kinematics ----------------------------------------------------------------------------------------------
+
+inline target<double> target_from(int kind, const double* numbers) {
+    switch (static_cast<target_kind>(kind)) {
+        case target_kind::position: return position_target(numbers);
+        case target_kind::approach: return approach_target(numbers, numbers + 3, numbers + 6);
+        case target_kind::task:
+            return task_target(frame_from_rows<double>(numbers), numbers + 16, numbers[22] != 0.0);
+        case target_kind::pose: break;
+    }
+    return pose_target(frame_from_rows<double>(numbers));
+}
+
+inline search_settings<double> settings_of(const Query& query) {
+    search_settings<double> settings;
+    settings.position_tolerance = query.position_tolerance;
+    settings.orientation_tolerance = query.orientation_tolerance;
+    settings.searches = query.searches;
+    return settings;
+}
+
+// When the time is up, for good.
+struct Clock {
+    const Query& query;
+    bool up = false;
+    bool operator()() { return up = up || query.stopped(query.clock); }
+};
+
+template <int N, int K> solution<double, K> resized(const solution<double, N>& found, int n) {
+    solution<double, K> same;
+    for (int k = 0; k < n; ++k) same.theta[k] = found.theta[k];
+    same.position_error = found.position_error;
+    same.orientation_error = found.orientation_error;
+    same.iterations = found.iterations;
+    same.restarts = found.restarts;
+    same.converged = found.converged;
+    same.start_error = found.start_error;
+    return same;
+}
+
+template <int N> void copy(const solution<double, N>& found, int n, Answer& answer) {
+    for (int k = 0; k < n; ++k) answer.theta[k] = found.theta[k];
+    answer.position_error = found.position_error;
+    answer.orientation_error = found.orientation_error;
+    answer.iterations = found.iterations;
+    answer.restarts = found.restarts;
+    answer.stop = 0;
+    answer.nearest = answer.has_unlimited = answer.other_branch = false;
+}
+
+// What comes after the searches. It is rare, so that one copy for chains of any size does for all.
+class Conclusion {
+public:
+    Conclusion(const general_chain& arm, const ranges<double, dynamic>& range, double reach)
+        : arm_(arm), range_(range), reach_(reach) {}
+
+    // The answer where `found` is all of it; else what it takes to make it so. `ends` as in `conclude`.
+    template <int N>
+    void operator()(const Query& query, const Question& question, const solution<double, N>& found, const double* ends,
+                    Clock& stopped, Answer& answer) const {
+        const int n = arm_.coordinates();
+        double start[most_joints];
+        for (int k = 0; k < n; ++k) start[k] = question.theta0[k];
+        bring_inside(range_, n, start);
+        answer.start_moved = false;
+        for (int k = 0; k < n; ++k) answer.start_moved = answer.start_moved || start[k] != question.theta0[k];
+        if (question.posture == nullptr && !is_open(found, settings_of(query), start, n)) return copy(found, n, answer);
+        make(query, question, resized<N, dynamic>(found, n), ends, stopped, answer);
+    }
+
+private:
+    void make(const Query& query, const Question& question, const solution<double, dynamic>& found, const double* ends,
+              Clock& stopped, Answer& answer) const;
+
+    const general_chain& arm_;
+    const ranges<double, dynamic>& range_;
+    double reach_;
+};
+
+// Memory for a while.
+struct Room {
+    explicit Room(std::size_t size) : first(new double[size]) {}
+    ~Room() { delete[] first; }
+    Room(const Room&) = delete;
+    Room& operator=(const Room&) = delete;
+    double* first;
+};
+
+// What `solve_batch` asks for and gives back.
+template <int N> struct Job {
+    const Query& query;
+    const Batch& batch;
+    const Conclusion& conclusion;
+    std::size_t begin, end;
+    int n;
+    Clock clock;
+    Room room;
+
+    std::int64_t count() const { return static_cast<std::int64_t>(end - begin); }
+    target<double> asked(std::int64_t t) const {
+        return target_from(query.kind, question(t).numbers);
+    }
+    void start(std::int64_t t, double* theta) const {
+        for (int k = 0; k < n; ++k) theta[k] = question(t).theta0[k];
+    }
+    std::uint64_t seed(std::int64_t) const { return query.seed; }
+    double* ends(int lane) { return room.first + static_cast<std::size_t>(lane * n) * most_ends; }
+    void store(std::int64_t t, const solution<double, N>& found, const double* ends) {
+        Answer answer;
+        conclusion(query, question(t), found, ends, clock, answer);
+        batch.store(batch.owner, at(t), answer);
+    }
+    bool goes_on(std::int64_t) const { return batch.goes_on(batch.owner); }
+
+private:
+    std::size_t at(std::int64_t t) const { return begin + static_cast<std::size_t>(t); }
+    Question question(std::int64_t t) const {
+        const Question& first = batch.first;
+        return {first.numbers + at(t) * numbers_of_kind[query.kind],
+                first.theta0 + at(t) * batch.start_step,
+                first.posture != nullptr ? first.posture + at(t) * batch.posture_step : nullptr};
+    }
+};
+
+template <target_kind Kind, int N>
+void solve_targets(const chain<double, N, N>& arm, const ranges<double, N>& range, const Conclusion& conclusion,
+                   const Query& query, const Batch& batch, std::size_t begin, std::size_t end) {
+    Job<N> job{query, batch, conclusion, begin, end, arm.coordinates(), {query},
+               Room(static_cast<std::size_t>(lanes_at_once<double> * arm.coordinates()) * most_ends)};
+    solve_batch<Kind>(arm, range, settings_of(query), job);
+}
+
+template <target_kind Kind, int N>
+void solve_target(const chain<double, N, N>& arm, const ranges<double, N>& range, const Conclusion& conclusion,
+                  const Query& query, const Question& question, Answer& answer) {
+    solution<double, N> found{};
+    double ends[most_ends * capacity(N)];
+    Clock clock{query};
+    solve_kind<Kind>(arm, range, settings_of(query), target_from(query.kind, question.numbers), question.theta0,
+                     query.seed, found, ends, most_ends, clock);
+    conclusion(query, question, found, ends, clock, answer);
+}
+
+// -- one arm ---------------------------------------------------------------------------------------------------------
+
+// Any arm.
+class GeneralEngine : public Engine {
+public:
+    GeneralEngine(const general_chain& arm, const ArmNumbers& numbers);
+    void constants(Constants& out) const override;
+    void kinematics(const double* theta, std::size_t count, double* poses, double* spatial,
+                    double* body) const override;
+    void solve(const Query& query, const Question& question, Answer& answer) const override;
+    void solve(const Query& query, const Batch& batch, std::size_t begin, std::size_t end) const override;
+
+protected:
+    const general_chain arm_;
+    const ranges<double, dynamic> range_;
+    const Conclusion conclusion_;
+};
+
+// An arm whose number of joints has code of its own, each joint its own coordinate; null: there is none for it.
+Engine* fixed_engine(const general_chain& arm, const ArmNumbers& numbers);
+
+}  // namespace engines
+}  // namespace TWISTARM_INSTRUCTION_SET
+}  // namespace twistarm
