@@ -257,6 +257,14 @@ def test_a_target_out_of_reach_is_not_converged(built: Built) -> None:
     assert built.arm.limits.contains(answers, {"double": 0.0, "float": 1e-6}[built.real]).all()
 
 
+def test_a_target_that_is_not_finite_is_not_searched_for(built: Built) -> None:
+    broken = np.eye(4)
+    broken[0, 3] = np.nan
+    *_, answers, met = built(built.arm.ready[None], broken[None])
+    assert not met.any()
+    np.testing.assert_allclose(answers, built.arm.ready[None], atol=1e-6)
+
+
 KINDS = """
 // Reads a target as its kind and 23 numbers (g or p and two axes, tolerances, whether along the base's axes) and how
 // the program knows the kind; writes the answer and whether it converged; again.

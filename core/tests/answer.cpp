@@ -149,6 +149,25 @@ void test_a_direction_no_joint_turns(generator& random) {
     }
 }
 
+/// What is not finite is answered at once, wherever it stands, and never by a number that looks like an answer.
+void test_what_is_not_finite(generator& random, target_kind kind) {
+    const drawn_arm source(random, 5, wiring::plain);
+    for (const double bad : {std::nan(""), HUGE_VAL, -HUGE_VAL})
+        for (int at = 0; at < 4; ++at) {
+            setting with(random, source, kind);
+            target<double>& asked = with.given.asked[0];
+            if (at == 0) asked.goal.p[0] = bad;
+            if (at == 1) asked.goal.z[2] = bad;
+            if (at == 2) asked.direction[1] = asked.tolerance[0] = -std::fabs(bad);
+            if (at == 3) with.given.theta0[0] = bad;
+            if (at == 2 && kind != target_kind::approach && kind != target_kind::task) continue;
+            const whole out = with.answered(0, 97);
+            CHECK(out.stop == stop_reason::unusable && !out.found.converged && out.found.restarts == 0,
+                  "kind %d, %g at %d: %d", static_cast<int>(kind), bad, at, static_cast<int>(out.stop));
+            CHECK(std::isinf(out.found.position_error), "%g m", out.found.position_error);
+        }
+}
+
 bool only_turns(const double xi[6]) {
     return xi[3] * xi[3] + xi[4] * xi[4] + xi[5] * xi[5] > 0.5 &&
            std::fabs(xi[0] * xi[3] + xi[1] * xi[4] + xi[2] * xi[5]) < 1e-6;
@@ -185,6 +204,7 @@ int main() {
         }
     }
     generator random;
+    for (const target_kind kind : kinds) test_what_is_not_finite(random, kind);
     test_a_direction_no_joint_turns(random);
     test_turning_joints_out_of_reach(random);
     return verdict("answer");

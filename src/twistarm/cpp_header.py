@@ -340,6 +340,9 @@ template <class T> inline constexpr T tool_axis[3] = {tool_axis};
 /// does, the end of the one that came nearest, not converged. twistarm::answer_to (twistarm/answer.hpp) goes on to the
 /// nearest configuration and the reason, and keeps to the branch of theta0, as Python does, for twenty times the code.
 ///
+/// A target or a theta0 that is not finite is not searched for: the answer is theta0, not converged, its errors
+/// infinite, its restarts 0.
+///
 /// `Lanes` searches (2, 4 or 8) run side by side; their number changes speed, code and stack, not the answer. The stack
 /// holds the ends of 96 searches beside them, 96 n numbers.
 template <int Lanes = 0, class T, class Target>
@@ -351,8 +354,12 @@ twistarm::solution<T, n> solve_ik(const twistarm::ranges<T, n>& limits, const Ta
                              "task_target makes of numbers of the type that the ranges have");
     static_assert(fits, "solve_ik<Lanes>: 2, 4 or 8 searches run side by side; without <Lanes> as many as suit");
     twistarm::solution<T, n> found{{}};
-    if constexpr (is_target && fits)
-        twistarm::search_all<Lanes>(chain<T>, limits, settings, asked, theta0, seed, found);
+    if constexpr (is_target && fits) {{
+        if (twistarm::is_usable<T>(asked, theta0, n))
+            twistarm::search_all<Lanes>(chain<T>, limits, settings, asked, theta0, seed, found);
+        else
+            twistarm::find_nothing(theta0, n, found);
+    }}
     return found;
 }}
 

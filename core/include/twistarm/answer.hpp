@@ -113,11 +113,18 @@ void conclude(const chain<T, N, M>& arm, const ranges<T, N>& range, const search
 /// As `solve`: settings.searches searches from `theta0` (n,) and random starts of `seed`; the same call gives the same
 /// bits unless stopped() ends it: asked now and then, true means that the time is up. `reach` [m] brings metres and
 /// radians together where the rank of a task is asked. `posture` (n,) is what a redundant arm should be near while it
-/// meets the target, or null; without one an answer stays on the branch of θ₀ where it can.
+/// meets the target, or null; without one an answer stays on the branch of θ₀ where it can. What is not finite is
+/// answered at once: unusable.
 template <class T, int N, int M, class Stopped>
 void answer_to(const chain<T, N, M>& arm, const ranges<T, N>& range, const search_settings<T>& settings,
                const target<T>& asked, const T* theta0, std::uint64_t seed, T reach, const T* posture, Stopped& stopped,
                answer<T, N>& out) {
+    if (!is_usable(asked, theta0, arm.coordinates())) {
+        detail::begin(out);
+        find_nothing(theta0, arm.coordinates(), out.found);
+        out.stop = stop_reason::unusable;
+        return;
+    }
     T ends[most_ends * capacity(N)];
     solution<T, N> found{};
     solve(arm, range, settings, asked, theta0, seed, found, ends, most_ends, stopped);

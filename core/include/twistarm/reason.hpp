@@ -5,7 +5,10 @@
 
 TWISTARM_BEGIN
 
-enum class stop_reason { converged, out_of_reach, impossible_direction, blocked_by_limits, exhausted, timed_out };
+/// unusable: the target or θ₀ is not finite (`is_usable`), and nothing was searched. Python refuses it before.
+enum class stop_reason {
+    converged, out_of_reach, impossible_direction, blocked_by_limits, exhausted, timed_out, unusable
+};
 
 namespace detail {
 /// Searches without limits before the limits are found not to be the reason.

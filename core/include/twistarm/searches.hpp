@@ -20,6 +20,13 @@ template <class T, int N> struct solution {
     T start_error;  ///< E (`run_searches`) at θ₀, inside the limits
 };
 
+/// What is found of a target that cannot be used (`is_usable`): θ₀ as it is, infinitely far, no search begun.
+template <class T, int N> void find_nothing(const T* theta0, int n, solution<T, N>& found) {
+    found = {};
+    for (int k = 0; k < n; ++k) found.theta[k] = theta0[k];
+    found.position_error = found.orientation_error = found.start_error = static_cast<T>(__builtin_inf());
+}
+
 /// How many ends of failed searches are kept, at most, for what comes after them.
 constexpr int most_ends = 96;
 

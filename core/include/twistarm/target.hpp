@@ -152,4 +152,18 @@ template <class T> target_errors<T> errors_at(const target<T>& asked, const fram
     return {distance, sqrt(dot(phi, phi))};
 }
 
+/// Whether a solver can begin: the numbers of the target and of θ₀ (n,) are finite, tolerances 0 or more, which may be
+/// infinite, and an approach's directions had a length.
+template <class T> bool is_usable(const target<T>& asked, const T* theta0, int n) {
+    T sum = T(0);  // 0 x is NaN for what is not finite, and so is every sum that it enters
+    for (int k = 0; k < n; ++k) sum += T(0) * theta0[k];
+    for (int k = 0; k < 3; ++k) {
+        sum += T(0) * (asked.goal.x[k] + asked.goal.y[k] + asked.goal.z[k] + asked.goal.p[k]);
+        if (asked.kind == target_kind::approach) sum += T(0) * (asked.direction[k] + asked.tool_axis[k]);
+    }
+    bool usable = sum == T(0);
+    for (int k = 0; k < 6 && asked.kind == target_kind::task; ++k) usable = usable && asked.tolerance[k] >= T(0);
+    return usable;
+}
+
 TWISTARM_END
