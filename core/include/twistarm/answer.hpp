@@ -5,7 +5,6 @@
 #include "nearest.hpp"
 #include "posture.hpp"
 #include "reason.hpp"
-#include "resume.hpp"
 
 TWISTARM_BEGIN
 
@@ -34,6 +33,29 @@ void take_nearest_start(const chain<T, N, M>& arm, const ranges<T, N>& range, co
     }
 }
 
+/// Whether limits are the reason: what would meet the target without them, or where its position is missed and nothing
+/// meets all of it, its position alone. What the limits leave of that is the answer after all.
+template <class T, int N, int M, class Stopped>
+void find_unlimited(const chain<T, N, M>& arm, const ranges<T, N>& range, const search_settings<T>& settings,
+                    const target<T>& asked, const T* theta0, std::uint64_t seed, Stopped& stopped, answer<T, N>& out) {
+    solution<T, N>& found = out.found;
+    searched<T, N> roots;
+    const auto search = [&](const target<T>& wanted, int enough) {
+        meet_without_limits(arm, range, settings, wanted, found.theta, seed, enough, stopped, roots);
+        if (roots.count == 0) return false;
+        out.has_unlimited = true;
+        out.stop = stop_reason::blocked_by_limits;
+        for (int k = 0; k < arm.coordinates(); ++k) out.unlimited[k] = roots.theta[k];
+        return true;
+    };
+    const bool position_first = found.position_error > settings.position_tolerance && has_rotation(asked);
+    if (position_first && !search(position_of(asked), 1)) return;
+    if (search(asked, enough_roots)) meet_inside(arm, range, settings, asked, theta0, roots, stopped, found);
+    if (!found.converged) return;
+    out.stop = stop_reason::converged;
+    out.has_unlimited = false;
+}
+
 /// The nearest configuration and the reason, from a field of starts, which is used up.
 template <class T, int N, int M, class Stopped>
 void explain(const chain<T, N, M>& arm, const ranges<T, N>& range, const search_settings<T>& settings,
@@ -55,10 +77,8 @@ void explain(const chain<T, N, M>& arm, const ranges<T, N>& range, const search_
         out.stop = stop_reason::converged;
         return;
     }
-    out.has_unlimited =
-        meets_without_limits(arm, range, settings, asked, found.theta, seed, stopped, out.unlimited);
-    if (out.has_unlimited) out.stop = stop_reason::blocked_by_limits;
-    if (out.has_unlimited || stopped()) return;
+    find_unlimited(arm, range, settings, asked, theta0, seed, stopped, out);
+    if (found.converged || out.has_unlimited || stopped()) return;
     // How far a position is out of reach does not hang on the rotation there.
     const bool decided = nearest.rotation_stationary || found.position_error > settings.position_tolerance;
     out.stop = nearest.position_stationary && decided ? reason_for(arm, range, settings, asked, reach, found)
@@ -102,7 +122,8 @@ void conclude(const chain<T, N, M>& arm, const ranges<T, N>& range, const search
         for (int k = 0; k < begun * n; ++k) field.theta[k] = from[k];
         // The best end may be that of a search too late to be kept.
         for (int k = 0; k < n && found.restarts > most_ends; ++k) field.theta[k] = found.theta[k];
-        return detail::explain(arm, range, settings, asked, start, seed, reach, stopped, field, out);
+        detail::explain(arm, range, settings, asked, start, seed, reach, stopped, field, out);
+        if (!out.found.converged) return;
     }
     out.other_branch = keep_branch(arm, range, settings, asked, start, stopped, out.found);
     if (posture != nullptr) approach_posture(arm, range, settings, asked, posture, stopped, out.found);

@@ -1,7 +1,7 @@
 // Why a target cannot be met: the limits, a direction the arm has no joint for, or its reach.
 #pragma once
 
-#include "race.hpp"
+#include "unlimited.hpp"
 
 TWISTARM_BEGIN
 
@@ -11,52 +11,11 @@ enum class stop_reason {
 };
 
 namespace detail {
-/// Searches without limits before the limits are found not to be the reason.
-constexpr int searches_without_limits = 48;
-/// They are given more patience: a helical joint takes many turns to where it is wanted.
-constexpr int iterations_without_limits = 60;
-template <class T> constexpr T progress_without_limits = T(0.95);
 /// Random configurations among which the rank of a task is the largest; almost every one has it.
 constexpr int rank_samples = 16;
 /// Squared lengths below this, relative to the largest, are directions the arm cannot move in: 1e-6 of a length.
 template <class T> constexpr T rank_tolerance = T(sizeof(T) == 8 ? 1e-12 : 1e-6);
 }  // namespace detail
-
-namespace detail {
-/// Half the range of random starts of a coordinate without limits: 1 m where it slides anything, else π.
-template <class T, int N, int M> T usual_half(const chain<T, N, M>& arm, int k) {
-    T slide = T(0);
-    for (int i = 0; i < arm.joints(); ++i)
-        slide = greatest(slide, absolute(arm.coupling[i][k] * arm.links[i].slide));
-    return slide > static_cast<T>(whole_turn_tolerance) ? T(1) / slide : static_cast<T>(0.5 * whole_turn);
-}
-}  // namespace detail
-
-/// The ranges of the same chain without limits.
-template <class T, int N, int M> ranges<T, N> without_limits(const chain<T, N, M>& arm, const ranges<T, N>& range) {
-    ranges<T, N> free = range;
-    free.all_turn = true;
-    for (int k = 0; k < arm.coordinates(); ++k) {
-        free.upper[k] = static_cast<T>(__builtin_inf());
-        free.lower[k] = -free.upper[k];
-        free.start_upper[k] = detail::usual_half(arm, k);
-        free.start_lower[k] = -free.start_upper[k];
-        free.turns[k] = range.periodic[k];
-        free.all_turn = free.all_turn && free.turns[k];
-    }
-    return free;
-}
-
-/// θ with every periodic coordinate at its representative nearest to the middle of its limits, in them or not.
-template <class T, int N> void bring_toward(const ranges<T, N>& range, int coordinates, T* theta) {
-    for (int k = 0; k < coordinates; ++k) {
-        if (!range.periodic[k]) continue;
-        const double width = static_cast<double>(range.upper[k]) - static_cast<double>(range.lower[k]);
-        const double here = static_cast<double>(theta[k]);
-        const double middle = width < __builtin_inf() ? static_cast<double>(range.lower[k]) + 0.5 * width : here;
-        theta[k] = static_cast<T>(here + whole_turn * __builtin_round((middle - here) / whole_turn));
-    }
-}
 
 /// How many components a target constrains.
 template <class T> int constrained(const target<T>& asked) {
@@ -66,13 +25,23 @@ template <class T> int constrained(const target<T>& asked) {
     return count;
 }
 
-namespace detail {
-template <class T> void exchange(T& a, T& b) {
-    const T kept = a;
-    a = b;
-    b = kept;
+/// Whether a target constrains more than the tool's position.
+template <class T> bool has_rotation(const target<T>& asked) {
+    if (asked.kind != target_kind::task) return asked.kind != target_kind::position;
+    for (int k = 3; k < 6; ++k)
+        if (asked.tolerance[k] < static_cast<T>(__builtin_inf())) return true;
+    return false;
 }
 
+/// What a target asks of the tool's position alone.
+template <class T> target<T> position_of(const target<T>& asked) {
+    if (asked.kind != target_kind::task) return position_target(asked.goal.p);
+    target<T> part = asked;
+    for (int k = 3; k < 6; ++k) part.tolerance[k] = static_cast<T>(__builtin_inf());
+    return part;
+}
+
+namespace detail {
 /// Columns (n,) of the Jacobian along the axes in which a target that is met at θ constrains its components: the
 /// tool's, for an approach with z along its axis, or the base's.
 template <class T, int N, int M>
@@ -140,21 +109,6 @@ int task_rank(const chain<T, N, M>& arm, const ranges<T, N>& range, const target
         if (largest == constrained(asked)) break;
     }
     return largest;
-}
-
-/// A configuration that meets the target if the arm had no limits, searched from `theta` on; false if none was found.
-template <class T, int N, int M, class Stopped>
-bool meets_without_limits(const chain<T, N, M>& arm, const ranges<T, N>& range, search_settings<T> settings,
-                          const target<T>& asked, const T* theta, std::uint64_t seed, Stopped& stopped, T* unlimited) {
-    solution<T, N> found;
-    settings.searches = detail::searches_without_limits;
-    settings.iterations = detail::iterations_without_limits;
-    settings.progress = detail::progress_without_limits<T>;
-    solve(arm, without_limits(arm, range), settings, asked, theta, seed, found, static_cast<T*>(nullptr), 0, stopped);
-    if (!found.converged) return false;
-    for (int k = 0; k < arm.coordinates(); ++k) unlimited[k] = found.theta[k];
-    bring_toward(range, arm.coordinates(), unlimited);
-    return true;
 }
 
 /// Why the nearest configuration, with these errors, is no answer, though the limits are not to blame.
