@@ -30,7 +30,13 @@ WITHOUT_CORE = (
 
 
 class StopReason(Enum):
-    """Why a solver stopped."""
+    """Why a solver stopped.
+
+    Where the position is missed, the position alone decides, so that the reason does not hang on the kind of target:
+    BLOCKED_BY_LIMITS if the arm reaches it without its position limits, else OUT_OF_REACH. Where the position is met
+    and the rotation is missed: BLOCKED_BY_LIMITS if the whole target is met without limits; else IMPOSSIBLE_DIRECTION
+    if the arm lacks a motion that almost every such target needs; else OUT_OF_REACH.
+    """
 
     CONVERGED = "the target is met"
     OUT_OF_REACH = "out of reach"
@@ -51,7 +57,7 @@ class IKSolution:
     limits, then, with the position held, the least rotation error (for TIMED_OUT and EXHAUSTED: the best so far).
     position_error [m], orientation_error [rad]: from forward kinematics at theta, of what the target constrains.
     iterations, restarts: steps of the search that found theta (of all of them where none did); searches that were run.
-    unlimited (n,): where limits block, an answer without them.
+    unlimited (n,): where limits block, an answer without them, or where there is none, what meets the position alone.
     """
 
     __slots__ = ("_arm", "_row", "_target")
@@ -86,7 +92,7 @@ class IKSolution:
 
     @property
     def unlimited(self) -> Array | None:
-        """Where limits block: an answer without them, (n,)."""
+"""Where limits block: an answer without them, or else what meets the position alone, (n,)."""
         return answer.unlimited_in(self._row, self._arm.n) if self._says(answer.HAS_UNLIMITED) else None
 
     @property
