@@ -88,7 +88,7 @@ def test_the_reason_does_not_hang_on_the_kind_of_target():
     axis = reason_targets.placements(arm)[0][:2, 3]
     for k in range(200):
         reached = k % 2 == 0
-        r = rng.uniform(a - b + 1e-4, a + b - 1e-4) if reached else rng.choice([a - b - 1e-4, a + b + 1e-4])
+        r = rng.uniform(a - b + 1e-4, a + b - 1e-4) if reached else rng.choice([a - b - 1e-3, a + b + 1e-3])
         angle, z = (
             rng.uniform(-np.pi, np.pi),
             rng.choice([heights[0] - rng.exponential(), heights[1] + rng.exponential()]),

@@ -78,6 +78,7 @@ template <target_kind Kind, class T, int N, int M> struct posture_walk {
                     again = true;
                 }
         }
+        project(nothing, d);  // again: near a singularity `singular_shift` leaves something of what J d resists
         T longest = T(0);
         for (int i = 0; i < size(); ++i) longest = greatest(longest, absolute(d[i]));
         return longest;
@@ -113,17 +114,20 @@ template <target_kind Kind, class T, int N, int M> struct posture_walk {
         return known ? moved / bent : T(1);
     }
 
-    /// One step, as much of it as leads nearer; false where none does.
+    /// One step, as much of it as leads nearer and is brought back by no more than it was long: what is brought back
+    /// farther has left its branch. False where none does.
     bool step(T* theta) {
-        T d[capacity(N)], trial[capacity(N)];
+        T d[capacity(N)], ahead[capacity(N)], trial[capacity(N)];
         look(theta);
         const T longest = downhill(theta, d), before = squared_distance(theta, posture, size());
         if (longest <= settled_step<T>) return false;
         const T shortest = least_share<T> * settled_step<T>;
         for (T share = least(share_of(theta, d), T(0.5) / longest); share * longest > shortest; share *= T(0.5)) {
-            for (int i = 0; i < size(); ++i) trial[i] = theta[i] + share * d[i];
+            for (int i = 0; i < size(); ++i) ahead[i] = trial[i] = theta[i] + share * d[i];
             if (!correct(trial) || squared_distance(trial, posture, size()) >= before) continue;
+            if (squared_distance(trial, ahead, size()) > squared_distance(ahead, theta, size())) continue;
             for (int i = 0; i < size(); ++i) theta[i] = trial[i];
+            wrap_near(range, size(), posture, theta);
             return true;
         }
         return false;
