@@ -7,10 +7,10 @@ import pytest
 from scipy.optimize import minimize
 
 from catalogue import load
-from ik_targets import errors, judged, pinocchio_fk
+from ik_targets import errors, judged, pinocchio_fk, target_from
 from solvers import SOLVERS
 from twistarm import InputError, arm_from_screws
-from twistarm.ik import Approach, Position
+from twistarm.ik import Approach, Position, solve_ik
 
 pytestmark = pytest.mark.parametrize("solve", SOLVERS)
 
@@ -49,6 +49,21 @@ def test_the_answer_is_a_minimum_of_the_distance_to_the_posture(solve, name, pos
         assert np.linalg.norm(near.theta - preferred) <= np.linalg.norm(plain.theta - preferred) + 1e-9
         gradient = null_gradient(arm, near.theta, preferred, arm.by_pinocchio(near.theta)[2])
         assert np.linalg.norm(gradient) < 1e-3
+
+
+@pytest.mark.parametrize("kind", ["Position", "Approach", "Pose"])
+@pytest.mark.parametrize("name", ["ur5", "so101"])
+def test_a_second_call_from_the_answer_moves_nothing(solve, name, kind):
+    arm, rng = load(name), np.random.default_rng(11)
+    if solve is not solve_ik or arm.compiled is None:
+        pytest.skip("the textbook's walk is shorter")
+    for _ in range(100):
+        target = target_from(kind, arm.fk(arm.random_theta(rng)), rng)
+        posture = arm.random_theta(rng)
+        once = solve(arm, target, arm.random_theta(rng), posture=posture)
+        if once.converged:
+            again = solve(arm, target, once.theta, posture=posture)
+            np.testing.assert_allclose(again.theta, once.theta, rtol=0, atol=1e-6)
 
 
 def test_three_joints_in_a_plane_against_an_optimiser(solve):

@@ -92,7 +92,7 @@ class IKSolution:
 
     @property
     def unlimited(self) -> Array | None:
-"""Where limits block: an answer without them, or else what meets the position alone, (n,)."""
+        """Where limits block: an answer without them, or else what meets the position alone, (n,)."""
         return answer.unlimited_in(self._row, self._arm.n) if self._says(answer.HAS_UNLIMITED) else None
 
     @property
