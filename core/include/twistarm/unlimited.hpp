@@ -121,7 +121,8 @@ int search_from_each_as(const chain<T, N, M>& arm, const ranges<T, N>& range, co
     run_searches<V, Kind, T, N, M>(arm, range, settings, lanes, starts, owner);
     if (owner.met == 0 && owner.least_error < on_its_way<T> && !stopped()) {
         solution<T, N> end{};
-        resume_as<Kind>(arm, range, settings, asked, set.theta + owner.nearest * n, set.theta, owner.begun, stopped, end);
+        resume_as<Kind, lanes_in_round>(arm, range, settings, asked, set.theta + owner.nearest * n, set.theta,
+                                        owner.begun, stopped, end);
         for (int k = 0; k < n && end.converged; ++k) set.theta[k] = end.theta[k];
         return end.converged ? 1 : 0;
     }
@@ -137,16 +138,11 @@ int search_from_each_as(const chain<T, N, M>& arm, const ranges<T, N>& range, co
 template <class T, int N, int M, class Stopped>
 int search_from_each(const chain<T, N, M>& arm, const ranges<T, N>& range, const search_settings<T>& settings,
                      const target<T>& asked, int enough, Stopped& stopped, searched<T, N>& set) {
-    const auto as = [&](auto kind) {
-        return search_from_each_as<kind()>(arm, range, settings, asked, enough, stopped, set);
-    };
-    switch (asked.kind) {
-        case target_kind::position: return as(std::integral_constant<target_kind, target_kind::position>{});
-        case target_kind::approach: return as(std::integral_constant<target_kind, target_kind::approach>{});
-        case target_kind::task: return as(std::integral_constant<target_kind, target_kind::task>{});
-        case target_kind::pose: break;
-    }
-    return as(std::integral_constant<target_kind, target_kind::pose>{});
+    int met = 0;
+    with_kind(asked, [&](auto kind) {
+        met = search_from_each_as<kind()>(arm, range, settings, asked, enough, stopped, set);
+    });
+    return met;
 }
 
 /// ‖θ − clamped θ‖².
