@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 import time
 from collections import Counter
 
@@ -102,6 +103,27 @@ def test_the_reason_does_not_hang_on_the_kind_of_target():
             assert solution.stop is stop, (r, z, target)
             if reached:
                 assert np.abs(pinocchio_fk(arm, solution.unlimited)[:3, 3] - g[:3, 3]).max() < 2e-4
+
+
+@pytest.mark.parametrize("name", ["scara", "rover_arm", "so101", "ur5", "panda"])
+def test_every_line_of_an_explanation_is_whole(name):
+    arm, rng, said = load(name), np.random.default_rng(12), set()
+    for shut in (arm, reason_targets.shut_in(name, 0)):
+        for g in load(name).fk(load(name).random_theta(rng, 6)):
+            for scale, turn in ((1.0, 0), (1.0, 1), (3.0, 1)):
+                pose = g.copy()
+                pose[:3, 3] *= scale
+                if turn:
+                    pose[:3, :3] = Rotation.random(random_state=1).as_matrix()
+                for target in of_every_kind(pose):
+                    solution = solve_ik(shut, target)
+                    said.add(solution.stop)
+                    lines = solution.explain().split("\n")
+                    for line in lines:
+                        assert re.search(r"[\w°)\]]$", line), line
+                        assert not re.search(r"\b(with|about|along|at|of|by)$|, *,|\S  |nan", line), line
+                    assert solution.converged or len(lines) >= 4, lines
+    assert {StopReason.CONVERGED, StopReason.BLOCKED_BY_LIMITS} <= said
 
 
 @pytest.mark.parametrize("name", ["so101", "stanford", "panda"])

@@ -96,7 +96,10 @@ def _blocked(solution: IKSolution) -> list[str]:
             side = "lower" if theta[i] < inside else "upper"
             value, bound = (value_in_words(x, arm.units[i]) for x in (theta[i], inside))
             needs.append(f"{name} {value} ({side} bound {bound})")
-    return [f"without limits it could be met, for one with {', '.join(needs)}"]
+    turned = solution.target.orientation_error(arm.fk(theta)) > solution.tolerances.orientation
+    what = "its position" if turned else "it"
+    where = f"for one with {', '.join(needs)}" if needs else "a hair beyond them"
+    return [f"without limits {what} could be met, {where}"]
 
 
 def _missing(solution: IKSolution) -> list[str]:
@@ -126,7 +129,7 @@ def _missing_rotation(solution: IKSolution, split: Split) -> list[str]:
         )
     if split.prevented > NEGLIGIBLE:
         lines.append(f"{_degrees(split.prevented)} of the rotation are prevented by limits or reach")
-    return lines
+    return lines or [f"{_degrees(solution.orientation_error)} of the rotation are missing"]
 
 
 def _length(metres: float) -> str:
