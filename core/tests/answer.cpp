@@ -85,6 +85,12 @@ void test_out_of_reach(generator& random, const drawn_arm& source, target_kind k
     setting with(random, source, kind);
     for (double& p : with.given.asked[0].goal.p) p = 400;
     for (double& each : with.given.asked[0].tolerance) each = std::isfinite(each) ? each : 0;
+    // A slide without limits would go there.
+    for (int k = 0; k < with.given.n; ++k) {
+        with.given.lower[k] = std::fmax(with.given.lower[k], -10);
+        with.given.upper[k] = std::fmin(with.given.upper[k], 10);
+    }
+    with.range = with.given.ranges(with.arm);
     for (const int searches : {1, 5, 130}) {
         const whole out = with.answered(0, searches);
         judge(with, 0, out, 1e-9);

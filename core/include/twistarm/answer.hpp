@@ -2,6 +2,7 @@
 #pragma once
 
 #include "branch.hpp"
+#include "far_slides.hpp"
 #include "nearest.hpp"
 #include "posture.hpp"
 #include "reason.hpp"
@@ -67,7 +68,7 @@ void explain(const chain<T, N, M>& arm, const ranges<T, N>& range, const search_
     if (stopped()) return take_nearest_start(arm, range, settings, asked, theta0, field.theta, begun, found);
     const solution<T, N> before = found;
     nearest_configuration<T, N> nearest;
-    nearest_from<pack<T, lanes_in_round>>(arm, range, asked, field, stopped, nearest);
+    nearest_from<pack<T, lanes_in_round>>(arm, range, settings, asked, theta0, field, stopped, nearest);
     for (int k = 0; k < arm.coordinates(); ++k) found.theta[k] = nearest.theta[k];
     out.nearest = true;
     judge(arm, range, settings, asked, theta0, found);
@@ -101,6 +102,11 @@ bool is_open(const solution<T, N>& found, const search_settings<T>& settings, co
                                                                  detail::other_branch<T>);
 }
 
+template <class T, int N, int M, class Stopped>
+void answer_to(const chain<T, N, M>& arm, const ranges<T, N>& range, const search_settings<T>& settings,
+               const target<T>& asked, const T* theta0, std::uint64_t seed, T reach, const T* posture, Stopped& stopped,
+               answer<T, N>& out);
+
 /// From where the searches have ended to the whole answer. `found` is what `solve` or `solve_batch` have left, `ends`
 /// (count, n) where their searches failed, or null. The other arguments are those of `answer_to`.
 template <class T, int N, int M, class Stopped>
@@ -113,6 +119,9 @@ void conclude(const chain<T, N, M>& arm, const ranges<T, N>& range, const search
     bring_inside(range, n, start);
     detail::begin(out);
     out.found = found;
+    ranges<T, N> there = range;
+    if (!found.converged && bring_slides_near(arm, asked, there, start))
+        return answer_to(arm, there, settings, asked, start, seed, reach, posture, stopped, out);
     const T* from = known > 0 ? ends : found.theta;
     const int begun = known > 0 ? known : 1;
     if (!found.converged) resume(arm, range, settings, asked, start, from, begun, stopped, out.found);
@@ -123,7 +132,10 @@ void conclude(const chain<T, N, M>& arm, const ranges<T, N>& range, const search
         // The best end may be that of a search too late to be kept.
         for (int k = 0; k < n && found.restarts > most_ends; ++k) field.theta[k] = found.theta[k];
         detail::explain(arm, range, settings, asked, start, seed, reach, stopped, field, out);
-        if (!out.found.converged) return;
+        if (!out.found.converged) {
+            out.other_branch = lies_elsewhere(arm, settings, asked, start, out.found);
+            return;
+        }
     }
     out.other_branch = keep_branch(arm, range, settings, asked, start, stopped, out.found);
     if (posture != nullptr) approach_posture(arm, range, settings, asked, posture, stopped, out.found);

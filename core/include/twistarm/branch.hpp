@@ -30,6 +30,18 @@ template <class T> T largest_difference(const T* a, const T* b, int n) {
 }
 }  // namespace detail
 
+/// Whether the nearest configuration to a target lies elsewhere than θ₀ (n,), though the tool is hardly farther from the
+/// target at θ₀: within 1 cm of the position, and where the position is met within 1° of the rotation.
+template <class T, int N, int M>
+bool lies_elsewhere(const chain<T, N, M>& arm, const search_settings<T>& settings, const target<T>& asked,
+                    const T* theta0, const solution<T, N>& nearest) {
+    if (detail::largest_difference(nearest.theta, theta0, arm.coordinates()) <= detail::other_branch<T>) return false;
+    const target_errors<T> errors = errors_at(asked, forward(arm, theta0));
+    if (errors.position > nearest.position_error + detail::near_position<T>) return false;
+    return nearest.position_error > settings.position_tolerance ||
+           errors.orientation <= nearest.orientation_error + detail::near_orientation<T>;
+}
+
 /// Brings an answer back to the branch of θ₀ (n,), inside the limits, if the target is near there and the answer is
 /// not. Returns whether the answer still stands on another.
 template <class T, int N, int M, class Stopped>

@@ -1,4 +1,4 @@
-// Two things to be least, the second only as far as the first allows: F = f₁ + ε f₂ with gradient and whole Hessian.
+// Things to be least, each only as far as the one before allows: F = f₁ + ε (f₂ + ν f₃) with gradient and whole Hessian.
 #pragma once
 
 #include "definite.hpp"
@@ -20,14 +20,18 @@ template <class V, int M> struct local_errors {
     V away[3], held[3];  ///< p beyond its tolerance [m], and 1 for components that are held
     V position;          ///< ½ ‖away‖²
     turning<V> turned;
+    V off[capacity(M)];  ///< θ − θ_near, where that counts
+    V departure;         ///< f₃ = ½ ‖θ − θ_near‖²
 };
 
-/// F = f₁ + ε f₂ in two levels, for one target.
+/// F = f₁ + ε (f₂ + ν f₃) for one target; f₃ = ½ ‖θ − θ_near‖² counts where θ_near (n,) is given.
 template <class V, class T, int N, int M> struct two_levels {
     const chain<T, N, M>& arm;
     target_kind kind;
     aim<V> aims;
     levels order;
+    const T* near = nullptr;  ///< θ_near
+    T nu = T(0);
 
     TWISTARM_INLINE V rotation_weight(const V& epsilon) const {
         return order == levels::nearest ? epsilon : V(rotation_beside_position<T>);
@@ -46,6 +50,12 @@ template <class V, class T, int N, int M> struct two_levels {
         }
         at.position = T(0.5) * dot(at.away, at.away);
         turning_at(kind, g, aims, at.turned);
+        at.departure = V(T(0));
+        if (near == nullptr) return;
+        for (int i = 0; i < arm.coordinates(); ++i) {
+            at.off[i] = theta[i] - near[i];
+            at.departure = at.departure + T(0.5) * at.off[i] * at.off[i];
+        }
     }
 
     /// What of the position p (3,) is beyond its tolerance.
@@ -69,7 +79,7 @@ template <class V, class T, int N, int M> struct two_levels {
 
     /// F at θ.
     TWISTARM_INLINE V value(const local_errors<V, M>& at, const V& epsilon) const {
-        return at.position + rotation_weight(epsilon) * at.turned.value;
+        return at.position + rotation_weight(epsilon) * at.turned.value + epsilon * nu * at.departure;
     }
 
     /// ∇F (n,) and the lower triangle of F's Hessian at θ, by joints: with vⱼ and wⱼ what joint j does to the tool,
@@ -78,6 +88,11 @@ template <class V, class T, int N, int M> struct two_levels {
     TWISTARM_INLINE void slopes(const local_errors<V, M>& at, const V& epsilon, const V* pull, V* g, V* H) const {
         if (N == M && arm.identity) by_joints(at, epsilon, pull, g, H);
         else by_coordinates(at, epsilon, pull, g, H);
+        if (near == nullptr) return;
+        for (int i = 0; i < arm.coordinates(); ++i) {
+            g[i] = g[i] + epsilon * nu * at.off[i];
+            H[in_triangle(i, i)] = H[in_triangle(i, i)] + epsilon * nu;
+        }
     }
 
     /// How the tool's origin is moved (3,) by a step d (n,), to first order.

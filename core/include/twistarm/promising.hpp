@@ -7,11 +7,10 @@
 TWISTARM_BEGIN
 
 namespace detail {
-/// Room for the ends of all searches; from so many of them, or random configurations, the nearest is looked for. So
-/// many of the most promising are followed, and so many, side by side, to the end: local minima are many where a
-/// position leaves several joints free.
-constexpr int most_starts = most_ends, begun_starts = most_starts;
-constexpr int most_followed = 16, most_finalists = 8;
+/// The nearest is looked for from so many starts: the ends of searches, and random configurations. So many of the most
+/// promising are followed, and so many, side by side, to the end: local minima are many where a position leaves several
+/// joints free.
+constexpr int most_starts = 112, most_followed = 32, most_finalists = 8;
 
 /// Of the random starts among them.
 constexpr std::uint64_t random_starts_seed = 1;
@@ -30,14 +29,14 @@ template <class T, int N> struct field_of_starts {
     int count;
 };
 
-/// Fills the field up with random starts, or leaves the last out, and gives each its first weight. Every fourth, with
+/// Fills the field up with random starts and gives each its first weight. Every fourth, with
 /// which the position is looked for almost alone, is random too: searches for a whole pose mostly end elsewhere.
 template <class T, int N> void spread_out(const ranges<T, N>& range, int n, field_of_starts<T, N>& field) {
-    for (int i = 0; i < begun_starts; ++i) {
+    for (int i = 0; i < most_starts; ++i) {
         if (i >= field.count || i % 4 == 3) random_start(range, n, random_starts_seed, i, field.theta + i * n);
         field.epsilon[i] = first_epsilons<T>[i % 4];
     }
-    field.count = begun_starts;
+    field.count = most_starts;
 }
 
 /// As many of the starts `which` as there are lanes; where fewer are `left`, the first of them again.

@@ -133,22 +133,7 @@ def _solved(
     others: Mapping[str, float],
 ) -> Answer:
     solution = solve_ik(arm, target, start, posture="theta0", max_time=MAX_TIME)
-    return nearer(solution, start), {**_told(given, solution), "ghost": ghost(solution, others)}
-
-
-def nearer(solution: IKSolution, start: Array) -> Array:
-    """The configuration (n,) that is as good as the solution's and nearer to `start`, else the solution's.
-
-    Out of reach, many configurations are often equally near to the target, and each search ends at another one: an arm
-    dragged beyond its reach would jump from frame to frame. Where its tool ended is within reach, and a solution for
-    that begins at `start`.
-    """
-    if solution.converged:
-        return solution.theta
-    reached = solution.target.at(solution.arm.fk(solution.theta))
-    again = solve_ik(solution.arm, reached, start, restarts=1, posture="theta0", max_time=MAX_TIME)
-    candidates = [solution.theta, again.theta] if again.converged else [solution.theta]
-    return min(candidates, key=lambda theta: float(np.abs(theta - start).max()))
+    return solution.theta, {**_told(given, solution), "ghost": ghost(solution, others)}
 
 
 def _told(given: dict[str, Any], solution: IKSolution) -> Message:
