@@ -9,6 +9,9 @@ TWISTARM_BEGIN
 template <int Capacity> using sides = int[Capacity];
 
 namespace detail {
+/// What is added to H's diagonal, of its largest element: so much rounding can take of a pivot.
+template <class T> constexpr T pivot_rounding = T(sizeof(T) == 8 ? 1e-15 : 5e-7);
+
 /// Solves H y = r for the unknowns at no bound, the others as they are in x; the others' y is x.
 template <int Capacity, class T>
 void solve_between(const T (&H)[Capacity][Capacity], const T* r, int n, const sides<Capacity>& at, const T* x, T* y) {
@@ -17,12 +20,14 @@ void solve_between(const T (&H)[Capacity][Capacity], const T* r, int n, const si
         y[a] = x[a];
         if (at[a] == 0) open[count++] = a;
     }
-    T A[Capacity][Capacity], rest[Capacity];
+    T A[Capacity][Capacity], rest[Capacity], largest = T(0);
+    for (int i = 0; i < count; ++i) largest = greatest(largest, H[open[i]][open[i]]);
     for (int i = 0; i < count; ++i) {
         rest[i] = r[open[i]];
         for (int b = 0; b < n; ++b)
             if (at[b] != 0) rest[i] -= H[open[i]][b] * x[b];
         for (int j = 0; j <= i; ++j) A[i][j] = H[open[i]][open[j]];
+        A[i][i] += pivot_rounding<T> * largest;
     }
     solve_ldl(A, rest, count);
     for (int i = 0; i < count; ++i) y[open[i]] = rest[i];

@@ -317,7 +317,7 @@ template <class T, int N, int M> struct rate_solver {
             x[k] = clamped(T(0), lower[k], upper[k]);
             at[k] = 0;
         }
-        if (!(tip > T(0))) return;
+        if (!(tip * tip > T(0))) return;  // nothing, or so little that its square is
         for (int round = 0; round < most_rounds; ++round) {
             T H[most][most], r[most], before[most], change = T(0), size = T(0);
             weigh(asked, x, tip, H, r);

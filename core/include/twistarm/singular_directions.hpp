@@ -19,11 +19,14 @@ template <class T, int N> T smallest_about(const six_rows<T, N>& rows, int count
             L[i][j] = T(0);
             for (int m = 0; m < length; ++m) L[i][j] += wide ? rows[i][m] * rows[j][m] : rows[m][i] * rows[m][j];
             for (int m = 0; m < j; ++m) L[i][j] -= L[i][m] * L[j][m] * D[m];
-            if (i == j) D[i] = L[i][i];
-            else L[i][j] = L[i][j] / D[j];
+            if (j < i) {
+                L[i][j] = L[i][j] / D[j];
+                continue;
+            }
+            D[i] = L[i][i];
+            if (!(D[i] > T(0))) return T(0);
         }
     for (int j = 0; j < k; ++j) {
-        if (!(D[j] > T(0))) return T(0);
         T y[6];
         for (int i = j; i < k; ++i) {
             y[i] = T(i == j ? 1 : 0);

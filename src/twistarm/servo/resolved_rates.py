@@ -64,7 +64,7 @@ def resolved_rates(task: Task, lower: Array | None = None, upper: Array | None =
     upper = np.full(n, np.inf) if upper is None else upper
     x, at = np.clip(np.zeros(n), lower, upper), np.zeros(n, int)
     tip = TIP * float(np.linalg.norm(task.asked))
-    if tip == 0.0:
+    if tip * tip == 0.0:
         return x, at
     for _ in range(ROUNDS):
         H, r = _weighed(task, x, tip)
