@@ -10,6 +10,7 @@ import pinocchio
 import pytest
 from numpy.testing import assert_allclose, assert_array_equal
 
+from ik_targets import require_core
 from twistarm import Arm, InputError, arm_from_screws, joints, load_arm, solve_ik
 from twistarm.engine import MOST_JOINTS
 from twistarm.ik import Pose, Position
@@ -90,6 +91,7 @@ def test_a_target_in_reach_is_met(kind: str) -> None:
 
 
 def test_out_of_reach_the_nearest_is_shown_and_the_reason_told() -> None:
+    require_core(ROVER)
     stage = Stage(ROVER)
     position, quaternion = near(ROVER, (3.0, 0.0, 0.0))
     message = ask(stage, "position", position, quaternion)
@@ -163,6 +165,7 @@ def test_of_a_drag_each_answer_is_shown() -> None:
 
 @pytest.mark.parametrize("kind", ["pose", "position", "approach"])
 def test_what_a_short_search_meets_is_answered_at_once_and_as_by_one_with_all_its_time(kind: str) -> None:
+    require_core(ROVER)
     stage, patient = Stage(SIX), Stage(SIX)
     position, quaternion = near(SIX)
     with pytest.MonkeyPatch.context() as patched:
