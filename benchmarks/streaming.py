@@ -19,16 +19,7 @@ import numpy as np
 
 from twistarm import load_arm
 from twistarm.servo import ServoOutput
-from twistarm.stream import (
-    Metronome,
-    MonotonicClock,
-    Setpoint,
-    SimulatedJoints,
-    UdpFeedback,
-    UdpSink,
-    UdpSource,
-    run,
-)
+from twistarm.stream import Metronome, MonotonicClock, Setpoint, SimulatedJoints, UdpFeedback, UdpSink, UdpSource, run
 from twistarm.stream.metronome import Lateness
 
 from .machine import machine

@@ -29,10 +29,10 @@ from typing import Any
 import numpy as np
 
 from twistarm import Arm, load_arm
-from twistarm.errors import TwistarmError
-from twistarm.strict_json import encode
+from twistarm.support.errors import TwistarmError
+from twistarm.support.strict_json import encode
 from twistarm.viewer import Viewer
-from twistarm.viewer.board import Board
+from twistarm.viewer.protocol.message_cache import Board
 from twistarm.viewer.stage import Stage
 
 from .machine import machine

@@ -9,8 +9,8 @@ from typing import Any
 
 from tornado.websocket import websocket_connect
 
-from twistarm.errors import TwistarmError
-from twistarm.viewer.browsers import find_browser
+from twistarm.support.errors import TwistarmError
+from twistarm.viewer.files.browsers import find_browser
 
 FLAGS = ("--headless", "--no-sandbox", "--disable-gpu", "--use-angle=swiftshader", "--enable-unsafe-swiftshader")
 

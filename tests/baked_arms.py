@@ -12,7 +12,7 @@ import numpy as np
 import pytest
 
 from twistarm import Arm, load_arm
-from twistarm.limits import FIELDS
+from twistarm.limits.joint_limits import FIELDS
 from urdf_text import joint, robot, write
 
 TOL = 1e-12

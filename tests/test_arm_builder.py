@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 from twistarm import Arm, ArmBuilder, JointLimits, crosscheck, joints, load_arm, poe, save_html
-from twistarm.errors import InputError, UnknownNameError
+from twistarm.support.errors import InputError, UnknownNameError
 
 Z, O = [0, 0, 1], [0, 0, 0]  # noqa: E741
 HOME = np.array([[1, 0, 0, 0.6], [0, 1, 0, 0], [0, 0, 1, 0.3], [0, 0, 0, 1.0]])

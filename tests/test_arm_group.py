@@ -7,8 +7,8 @@ from pathlib import Path
 import pytest
 
 from twistarm import DescriptionError, load_arm
-from twistarm.description.arm_group import arm_groups
-from twistarm.description.srdf import read_srdf
+from twistarm.description.companions.arm_group import arm_groups
+from twistarm.description.companions.srdf import read_srdf
 from twistarm.description.urdf import read_description
 from urdf_text import joint, robot, write
 

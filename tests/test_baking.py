@@ -13,7 +13,7 @@ import pytest
 from baked_arms import TOL, assert_same, bake, sealed
 from baked_arms import everything as everything
 from twistarm import Arm, ArmBuilder, JointLimits, arm_from_screws, diagnose, load_arm
-from twistarm.errors import InputError, TwistarmError, UnknownNameError
+from twistarm.support.errors import InputError, TwistarmError, UnknownNameError
 from urdf_text import write
 
 # -- the same arm ------------------------------------------------------------------------------------------------

@@ -14,7 +14,7 @@ import pytest
 from baked_arms import TOL, bake
 from catalogue import load
 from twistarm import Arm, load_arm, plan_joint, solve_ik
-from twistarm.errors import TwistarmError
+from twistarm.support.errors import TwistarmError
 
 ALONE = """
 import sys
@@ -46,7 +46,9 @@ print(json.dumps({
     "answers": [solution.theta.tolist() for solution in found],
     "converged": [solution.converged for solution in found],
     "lack": lack,
-    "needless": sorted({"twistarm.doctor", "twistarm.golden", "twistarm.viewer", "urllib.request"} & set(sys.modules)),
+    "needless": sorted(
+        {"twistarm.doctor", "twistarm.proof.golden_file", "twistarm.viewer", "urllib.request"} & set(sys.modules)
+    ),
 }))
 """
 

@@ -14,10 +14,10 @@ from baked_arms import TOL, assert_same, bake, sealed
 from baked_arms import everything as everything
 from catalogue import load
 from twistarm import Arm, load_arm
-from twistarm.baking import MAX_BYTES
 from twistarm.cli.application import run
-from twistarm.errors import DescriptionError, InputError
-from twistarm.limits import FIELDS
+from twistarm.limits.joint_limits import FIELDS
+from twistarm.model.baking import MAX_BYTES
+from twistarm.support.errors import DescriptionError, InputError
 from urdf_text import write
 
 # -- files -------------------------------------------------------------------------------------------------------

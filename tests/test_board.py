@@ -7,8 +7,8 @@ from typing import Any
 
 import pytest
 
-from twistarm.viewer import board as board_module
-from twistarm.viewer.board import Board
+from twistarm.viewer.protocol import message_cache as board_module
+from twistarm.viewer.protocol.message_cache import Board
 
 
 @pytest.fixture

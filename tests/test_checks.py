@@ -11,8 +11,8 @@ from hypothesis import strategies as st
 from scipy.spatial.transform import Rotation
 
 from strategies import BATCHES, EPS, batches, poses, rotations
-from twistarm import checks
-from twistarm.errors import InputError, RoundedPoseWarning, TwistarmError
+from twistarm.support import checks
+from twistarm.support.errors import InputError, RoundedPoseWarning, TwistarmError
 
 CLEAN = 8 * EPS
 """A cleaned rotation is orthonormal to a few roundings."""

@@ -21,7 +21,7 @@ from test_urdf import REFUSED
 from twistarm.cli import application
 from twistarm.cli.application import run
 from twistarm.cli.typed import NUMBERS as NUMBERS_OF_HELP
-from twistarm.rotations import from_rpy
+from twistarm.theory.rotations import from_rpy
 from urdf_text import joint, robot, two_joints, write
 
 Capture = pytest.CaptureFixture[str]
@@ -421,7 +421,7 @@ def test_without_a_stdout_or_with_one_that_is_full(tmp_path: Path) -> None:
 
 
 def test_debug_shows_the_traceback() -> None:
-    with pytest.raises(twistarm.errors.UnknownNameError):
+    with pytest.raises(twistarm.support.errors.UnknownNameError):
         run(["info", "rover_amr", "--debug"])
 
 

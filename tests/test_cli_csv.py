@@ -16,8 +16,8 @@ from catalogue import load
 from ik_targets import pinocchio_fk, require_core
 from twistarm import load_arm, plan_joint
 from twistarm.cli.application import run
-from twistarm.csv_lines import csv_text, name_in
 from twistarm.stream.recording import read_recording
+from twistarm.support.csv_lines import csv_text, name_in
 from urdf_text import two_joints
 
 Capture = pytest.CaptureFixture[str]

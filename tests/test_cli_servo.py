@@ -19,10 +19,10 @@ import pytest
 
 from test_cli import error_of
 from twistarm.cli.application import run
-from twistarm.signals import ended_like_ctrl_c
 from twistarm.stream import Cycle
 from twistarm.stream import run as stream
-from twistarm.stream.compact_line import checksum
+from twistarm.stream.links.compact_line import checksum
+from twistarm.support.interrupts import ended_like_ctrl_c
 from twistarm.viewer import Viewer
 
 Capture = pytest.CaptureFixture[str]
@@ -280,7 +280,7 @@ def test_what_cannot_be_is_refused_before_anything_is_opened(typed: list[str], m
         raise AssertionError("opened")
 
     for name in ("Viewer", "UdpSink", "UdpFeedback", "SimulatedJoints"):
-        monkeypatch.setattr(f"twistarm.cli.servo.{name}", opened)
+        monkeypatch.setattr(f"twistarm.cli.commands.servo.{name}", opened)
     assert run(["servo", "scara", "--no-browser", *typed]) == 2
 
 
@@ -291,7 +291,7 @@ def test_options_reach_the_loop(monkeypatch: pytest.MonkeyPatch) -> None:
         given.update(options, source=source)
         return stream(arm, source, sink, feedback, **{**options, "duration": 0.05})
 
-    monkeypatch.setattr("twistarm.cli.servo.run", noted)
+    monkeypatch.setattr("twistarm.cli.commands.servo.run", noted)
     options = "--velocity-mode --command-timeout 0.5 --feedback-timeout 0.3 --tolerance 0.1 --margin 0.02 --beyond stop"
     udp = ("--udp", "127.0.0.1:9", "--listen", "127.0.0.1:0")
     assert run(["servo", "rr_planar", *options.split(), *udp, "--no-browser"]) == 1  # no robot is there

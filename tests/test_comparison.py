@@ -14,7 +14,7 @@ import twistarm
 from hostile.descriptions import CASES
 from test_loading import REAL
 from twistarm import arm_from_screws, crosscheck, load_arm
-from twistarm.errors import ComparisonError, InputError, MissingExtraError
+from twistarm.support.errors import ComparisonError, InputError, MissingExtraError
 from twistarm.testing import assert_arm
 from urdf_text import joint, robot, two_joints, write
 

@@ -13,7 +13,7 @@ from twistarm.description.expansion.confinement import MAX_BYTES, confinement
 from twistarm.description.expansion.expand import expand_xacro
 from twistarm.description.expansion.work import Refused
 from twistarm.description.packages import package_index, package_name
-from twistarm.errors import DescriptionError
+from twistarm.support.errors import DescriptionError
 
 PART = f'<robot {XMLNS}><link name="part"/></robot>'
 OUTSIDE = "lies outside the folders that may be read"

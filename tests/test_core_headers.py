@@ -9,7 +9,7 @@ from pathlib import Path
 
 import pytest
 
-from twistarm import engine
+from twistarm.model import engine
 
 TESTS = Path(__file__).parents[1] / "core" / "tests"
 

@@ -24,14 +24,14 @@ from twistarm import (
     Task,
     TwistarmError,
     arm_from_screws,
-    cpp_header,
-    engine,
     load_arm,
     solve_ik,
 )
-from twistarm.baking import digest_of
 from twistarm.cli.application import run
-from twistarm.cpp_header import core_headers, namespace_of, write_cpp_header
+from twistarm.export import cpp_header
+from twistarm.export.cpp_header import core_headers, namespace_of, write_cpp_header
+from twistarm.model import engine
+from twistarm.model.baking import digest_of
 from urdf_text import joint, robot, write
 
 STRICT = ["-std=c++17", "-fno-exceptions", "-fno-rtti", "-Wall", "-Wextra", "-Wpedantic", "-Werror"]

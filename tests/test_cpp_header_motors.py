@@ -12,7 +12,7 @@ import pytest
 from catalogue import load
 from test_cpp_header import STRICT, compile_one, compiler  # noqa: F401  (a fixture)
 from twistarm import Actuators, Arm
-from twistarm.cpp_header import core_headers, write_cpp_header
+from twistarm.export.cpp_header import core_headers, write_cpp_header
 
 PROGRAM = """
 // Reads theta and as many counts as there are motors; writes everything between them, of each arm.

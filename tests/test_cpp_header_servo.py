@@ -12,7 +12,7 @@ import pytest
 from catalogue import load
 from test_cpp_header import HEAP, STRICT, compile_one, compiler  # noqa: F401  (a fixture)
 from twistarm import Actuators, Arm, JointLimits, TwistarmError
-from twistarm.cpp_header import core_headers, cpp_header, write_cpp_header
+from twistarm.export.cpp_header import core_headers, cpp_header, write_cpp_header
 from twistarm.servo import AnyCommand, JogCommand, PoseCommand, ServoState, ServoStatus, TwistCommand, servo_step
 
 PROGRAM = """

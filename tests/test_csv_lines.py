@@ -7,8 +7,8 @@ from pathlib import Path
 
 import pytest
 
-from twistarm.csv_lines import MAX_LINE, Bounds, csv_lines, lines_in
-from twistarm.errors import InputError
+from twistarm.support.csv_lines import MAX_LINE, Bounds, csv_lines, lines_in
+from twistarm.support.errors import InputError
 
 FEW = Bounds(bytes=100, lines=10)
 

@@ -18,8 +18,9 @@ import numpy as np
 import pytest
 
 import twistarm
-from twistarm import engine, poe
+from twistarm import poe
 from twistarm.cli.application import run
+from twistarm.model import engine
 
 ROOT = Path(__file__).parents[1]
 TOL = 1e-13

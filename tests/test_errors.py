@@ -6,7 +6,15 @@ import pickle
 
 import pytest
 
-from twistarm.errors import LONGEST, DescriptionError, InputError, MissingExtraError, TwistarmError, listed, one_line
+from twistarm.support.errors import (
+    LONGEST,
+    DescriptionError,
+    InputError,
+    MissingExtraError,
+    TwistarmError,
+    listed,
+    one_line,
+)
 
 CLASSES = [TwistarmError, InputError, DescriptionError, MissingExtraError]
 

@@ -9,9 +9,9 @@ import pytest
 from catalogue import load
 from test_trajectory import motion, standstill
 from twistarm import Actuators, plan_joint
-from twistarm.errors import InputError
 from twistarm.planning import Trajectory
 from twistarm.stream import read_recording
+from twistarm.support.errors import InputError
 
 
 def named(trajectory, names, units):

@@ -4,8 +4,8 @@ from pathlib import Path
 
 import pytest
 
-from twistarm.errors import InputError
-from twistarm.files import open_regular, opened_path, write_whole
+from twistarm.support.errors import InputError
+from twistarm.support.files import open_regular, opened_path, write_whole
 
 DESCRIPTION = "<?xml version='1.0'?>\n<!-- of > <ours> -->\n\t<robot name='ours'/>"
 NAMES = ["arm.urdf", "ARM.URDF", "arm.urdf.xacro", "arm.srdf", "arm.xml", "arm.toml", "arm.toml", "joint_limits.yaml"]

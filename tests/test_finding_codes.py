@@ -14,7 +14,7 @@ from finding_cases import CASES, FAULTS, Case
 from twistarm import diagnose, load_arm
 from twistarm.description.findings import CODES, MOST_OF_A_KIND, Finding, Findings, Place, finding
 from twistarm.doctor.codes import codes_page
-from twistarm.errors import ComparisonError, DescriptionError
+from twistarm.support.errors import ComparisonError, DescriptionError
 from urdf_text import two_joints, write
 
 DOCS = Path(__file__).parents[1] / "docs" / "findings.md"

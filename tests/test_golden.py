@@ -10,8 +10,8 @@ import pytest
 
 from twistarm import Arm, compare, freeze, load_arm
 from twistarm.cli.application import run
-from twistarm.errors import ComparisonError, DescriptionError, InputError
-from twistarm.limits import FIELDS
+from twistarm.limits.joint_limits import FIELDS
+from twistarm.support.errors import ComparisonError, DescriptionError, InputError
 from twistarm.testing import assert_arm
 from urdf_text import joint, robot, write
 

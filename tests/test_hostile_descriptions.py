@@ -16,7 +16,7 @@ from hostile.attempt import MEGABYTES, SECONDS, Figures, Outcome, attempt
 from hostile.descriptions import CASES
 from hostile.texts import Case
 from twistarm import load_arm
-from twistarm.errors import DescriptionError
+from twistarm.support.errors import DescriptionError
 
 SAMPLE = (
     *("100,000 comments before a property", "a comment of 9 MB included 200 times"),

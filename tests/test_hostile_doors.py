@@ -11,13 +11,13 @@ from hostile.doors import LINKS, MANIFEST, Reader, lay, link, reader, swapping, 
 from hostile.sandbox import TOKEN, XMLNS
 from twistarm import Arm, load_arm
 from twistarm.cli.application import run
-from twistarm.description.beside import files_beside
+from twistarm.description.companions.companion_files import files_beside
 from twistarm.description.expansion.confinement import confinement
 from twistarm.description.expansion.expand import expand_xacro
 from twistarm.description.expansion.work import Refused
 from twistarm.description.packages import package_index
 from twistarm.description.urdf import read_description
-from twistarm.errors import DescriptionError, InputError
+from twistarm.support.errors import DescriptionError, InputError
 from urdf_text import joint, write
 from xacro_text import as_xacro
 

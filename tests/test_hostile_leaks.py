@@ -10,7 +10,7 @@ import pytest
 from hostile.leaks import CANARY, inside, lay_arm
 from twistarm import InputError, load_arm
 from twistarm.cli.application import run
-from twistarm.places import without_places
+from twistarm.support.path_redaction import without_places
 
 COMMANDS = {
     "page": "view ARM -o OUT/page.html",
@@ -74,8 +74,8 @@ def test_what_is_told_of_a_folder_s_files_tells_no_place(
 
 def test_the_page_that_is_served_tells_no_place(arm: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     pytest.importorskip("meshcat")
-    from twistarm.viewer.findings import examined
-    from twistarm.viewer.messages import failure
+    from twistarm.viewer.parts.findings import examined
+    from twistarm.viewer.protocol.messages import failure
 
     loaded = load_arm(arm)
     assert any(CANARY in one.what for one in loaded.findings), "on the terminal a whole path helps"

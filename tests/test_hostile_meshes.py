@@ -13,7 +13,7 @@ from hostile.attempt import Figures, Outcome, attempt
 from hostile.mesh_case import CANARY, Case, lay
 from hostile.meshes import CASES, NO_FILES
 from twistarm import load_arm
-from twistarm.meshes import MeshReader, UnreadableMeshError
+from twistarm.description.meshes import MeshReader, UnreadableMeshError
 
 SECONDS, MEGABYTES = 25.0, 1_300.0
 """A mesh has 3 s and more of a processor, four times that on the clock, and the memory of the process that reads it."""

@@ -13,7 +13,7 @@ from hostile.attempt import Figures, Outcome
 from hostile.readers import READERS, Case, cases
 from twistarm.cli.application import run
 from twistarm.doctor.folder import descriptions_in
-from twistarm.errors import InputError
+from twistarm.support.errors import InputError
 
 SAMPLED = (
     *(f"{reader}: {what}" for reader in READERS for what in ("a FIFO", "a link to itself")),

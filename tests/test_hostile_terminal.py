@@ -10,7 +10,7 @@ import pytest
 from hostile.terminal import CARRIERS, NAMES, Case, cases, fault
 from twistarm.cli.application import run
 from twistarm.cli.output import print_json
-from twistarm.errors import printable
+from twistarm.support.errors import printable
 
 SEEN = ("markup", "a link", "markup that ends nothing", "a backslash", "an emoji", "a colour by C1")
 """Of which `info` must show every character, those that are no orders as they are."""

@@ -11,9 +11,9 @@ import pytest
 from catalogue import load
 from ik_targets import errors, judged, moved, pinocchio_fk, require_core
 from solvers import SOLVERS
-from twistarm.errors import InputError, NotConvergedError
 from twistarm.ik import Pose, Position, StopReason, Task, solve_ik
 from twistarm.ik.ranges import joint_ranges
+from twistarm.support.errors import InputError, NotConvergedError
 
 # answers ------------------------------------------------------------------------------------------------
 

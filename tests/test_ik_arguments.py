@@ -16,8 +16,8 @@ import pytest
 from catalogue import load
 from ik_targets import require_core
 from twistarm import Approach, Arm, InputError, Pose, Position, Task, solve_ik, solve_ik_batch
-from twistarm.checks import as_pose
-from twistarm.errors import RoundedPoseWarning
+from twistarm.support.checks import as_pose
+from twistarm.support.errors import RoundedPoseWarning
 
 ARM = load("panda")
 G = ARM.fk(ARM.ready)

@@ -7,8 +7,8 @@ import pytest
 
 from catalogue import load
 from ik_targets import moved, turned
-from twistarm.checks import as_seed
 from twistarm.ik import solve_ik
+from twistarm.support.checks import as_seed
 
 # repeatability -------------------------------------------------------------------------------------------
 

@@ -19,7 +19,7 @@ from twistarm.ik.ranges import joint_ranges
 @pytest.fixture
 def bare(monkeypatch):
     """The rover arm where nothing was compiled."""
-    monkeypatch.setattr("twistarm.engine.core", lambda: None)
+    monkeypatch.setattr("twistarm.model.engine.core", lambda: None)
     arm = load_arm("rover_arm")
     assert arm.compiled is None
     return arm

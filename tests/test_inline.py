@@ -11,7 +11,7 @@ import pytest
 
 from test_viewer_share import stored
 from twistarm import Arm, Viewer, arm_from_screws, joints
-from twistarm.errors import InputError
+from twistarm.support.errors import InputError
 from twistarm.viewer import Inline, page_html
 from viewer_page import THETA, get, swing
 from viewer_page import arm as arm

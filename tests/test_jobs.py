@@ -10,9 +10,9 @@ from typing import Any
 import pytest
 
 from twistarm import Arm
-from twistarm.errors import InputError
+from twistarm.support.errors import InputError
 from twistarm.viewer import Viewer
-from twistarm.viewer.jobs import Job, Progress, ReplacedError, Workers
+from twistarm.viewer.protocol.jobs import Job, Progress, ReplacedError, Workers
 from viewer_page import WAIT, Page, visit
 from viewer_page import arm as arm
 from viewer_page import viewer as viewer

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from twistarm import Arm, DescriptionError, load_arm
-from twistarm.description.joint_limits import read_joint_limits
+from twistarm.description.companions.joint_limits import read_joint_limits
 from urdf_text import two_joints, write
 
 MOVEIT = """

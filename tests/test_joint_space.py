@@ -11,9 +11,9 @@ from hypothesis import strategies as st
 from joint_space_cases import ARM, KINDS, MET, PASSES, PATH, RATE, RATES, STRAIGHT, WAYS, use
 from strategies import generators
 from twistarm import load_arm
-from twistarm.errors import InputError
 from twistarm.planning import plan_joint
 from twistarm.planning.joint_space import MERGE_TOL
+from twistarm.support.errors import InputError
 
 few = settings(max_examples=15)
 

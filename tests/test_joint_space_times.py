@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 
 from joint_space_cases import ARM, KINDS, MET, PASSES, PATH, RATE, RATES, STRAIGHT, WAYS, use, with_rates
-from twistarm.errors import InputError, LimitError
 from twistarm.planning import plan_joint
+from twistarm.support.errors import InputError, LimitError
 
 # -- durations ----------------------------------------------------------------------------------------------------
 

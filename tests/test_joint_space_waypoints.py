@@ -5,9 +5,9 @@ import pytest
 
 from joint_space_cases import ARM, KINDS, PASSES, PATH, RATES, WAYS, make_arm, with_rates
 from twistarm import JointLimits, arm_from_screws
-from twistarm.errors import InputError, LimitError, UnknownNameError
 from twistarm.planning import plan_joint, timing
 from twistarm.planning.joint_space import FITS, MERGE_TOL
+from twistarm.support.errors import InputError, LimitError, UnknownNameError
 
 # -- waypoints ----------------------------------------------------------------------------------------------------
 

@@ -11,7 +11,7 @@ import pytest
 from joint_arms import DEGREES, KINDS, SOURCES, Reference, by_builder, by_hand, random_chain
 from strategies import derivative
 from twistarm import Arm, ArmBuilder, Pose, arm_from_screws, crosscheck, joints, load_arm, plan_joint, solve_ik
-from twistarm.lower_pairs import lower_pairs
+from twistarm.theory.lower_pairs import lower_pairs
 from urdf_text import joint, robot, write
 
 TOL = 1e-12

@@ -11,7 +11,7 @@ from scipy.spatial.transform import Rotation
 
 from strategies import EPS, directions, rotations, vectors
 from twistarm import joints, poe
-from twistarm.errors import InputError
+from twistarm.support.errors import InputError
 
 ROUNDING = 64 * EPS
 """Products of three exponentials about axes a few metres away."""

@@ -9,8 +9,8 @@ import numpy as np
 import pytest
 
 from twistarm import JointLimits, available_arms, load_arm
-from twistarm.errors import ComparisonError, DescriptionError, InputError, UnknownNameError
-from twistarm.loading import prove
+from twistarm.loading.load import prove
+from twistarm.support.errors import ComparisonError, DescriptionError, InputError, UnknownNameError
 from urdf_text import joint, robot, two_joints, write
 
 TOML = """

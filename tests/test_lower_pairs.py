@@ -7,7 +7,7 @@ import pytest
 
 from joint_arms import KINDS, by_hand, random_chain
 from twistarm import joints, load_arm
-from twistarm.lower_pairs import lower_pairs
+from twistarm.theory.lower_pairs import lower_pairs
 
 X, Y, Z, O = [1, 0, 0], [0, 1, 0], [0, 0, 1], [0, 0, 0]  # noqa: E741
 

@@ -15,11 +15,11 @@ import trimesh
 from hostile.mesh_case import lay
 from hostile.meshes import CASES, fan, instances
 from twistarm import diagnose, load_arm
-from twistarm.errors import InputError, TwistarmError
-from twistarm.meshes import MeshReader, UnreadableMeshError, limits, loading, process, reader
-from twistarm.meshes.mesh_file import RefusedError
+from twistarm.description.meshes import MeshReader, UnreadableMeshError, limits, loading, process, reader
+from twistarm.description.meshes.mesh_file import RefusedError
+from twistarm.support.errors import InputError, TwistarmError
 from twistarm.viewer import Viewer
-from twistarm.viewer.scene import Scene
+from twistarm.viewer.scene.arm_scene import Scene
 
 SLOW = instances(4, 14)
 """A COLLADA file that no time is enough for."""
@@ -39,7 +39,7 @@ def running(mark: Path) -> list[int]:
 def _reads(number: int, mark: Path) -> bool:
     try:
         marked = str(mark).encode() in Path(f"/proc/{number}/environ").read_bytes()
-        return marked and b"twistarm.meshes.worker" in Path(f"/proc/{number}/cmdline").read_bytes()
+        return marked and b"twistarm.description.meshes.worker" in Path(f"/proc/{number}/cmdline").read_bytes()
     except OSError:
         return False
 
@@ -158,7 +158,7 @@ def test_a_module_beside_the_description_is_never_imported(tmp_path: Path) -> No
         (tmp_path / f"{name}.py").write_text(f"open({str(tmp_path / 'ran')!r}, 'w')\n")
     program = (
         "import sys; sys.path[:] = [f for f in sys.path if f]; import os; from pathlib import Path;"
-        "from twistarm.meshes.reader import MeshReader;"
+        "from twistarm.description.meshes.reader import MeshReader;"
         f"os.chdir({str(tmp_path)!r}); sys.path.insert(0, ''); sys.path.insert(0, os.getcwd());"
         "print(len(MeshReader().parts(Path('a.stl'))[0].faces))"
     )

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from twistarm import Actuators, InputError, JointLimits
-from twistarm.motion_limits import MotionLimits
+from twistarm.limits.motion_limits import MotionLimits
 
 DRIVES, STEPS = 12, 300
 

@@ -14,7 +14,7 @@ import pytest
 
 from fuzz import reader
 from twistarm import Arm, crosscheck, load_arm
-from twistarm.errors import DescriptionError
+from twistarm.support.errors import DescriptionError
 from urdf_text import joint, robot, two_joints, write
 
 GENERIC = "The XML stream does not contain a valid URDF model."

@@ -10,7 +10,7 @@ import pytest
 
 from twistarm import Arm, crosscheck, load_arm, plan_joint
 from twistarm.description.urdf import read_description
-from twistarm.errors import DescriptionError, InputError, LimitError, UnknownNameError
+from twistarm.support.errors import DescriptionError, InputError, LimitError, UnknownNameError
 from urdf_text import joint, robot, write
 
 LINKS = ("base_link", "upper", "tool0")

@@ -10,7 +10,7 @@ from scipy.spatial.transform import Rotation
 
 from strategies import BATCHES, EPS, derivative
 from twistarm import poe, screws
-from twistarm.errors import InputError
+from twistarm.support.errors import InputError
 
 PINOCCHIO = 1e-13
 """Two accounts of a chain of up to nine joints, each some 1 m long: rounding of nine products."""

@@ -11,7 +11,7 @@ import pytest
 
 from catalogue import load
 from test_cpp_header import HEAP, STRICT, compile_one, compiler  # noqa: F401  (a fixture)
-from twistarm.cpp_header import core_headers, write_cpp_header
+from twistarm.export.cpp_header import core_headers, write_cpp_header
 from twistarm.servo import JogCommand, ServoState, servo_step
 
 PACKAGE = Path(__file__).parents[1] / "examples" / "ros2" / "twistarm_controller"

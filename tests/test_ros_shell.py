@@ -14,8 +14,9 @@ from pathlib import Path
 import pytest
 
 from stub_packages import metadata, package
-from twistarm import pinocchio_model, shared_libraries
 from twistarm.description.expansion import module as xacro_module
+from twistarm.model import pinocchio_model
+from twistarm.support import shared_libraries
 
 PROJECT = Path(__file__).parents[1]
 COMMAND = "import sys; sys.argv[0] = 'twistarm'; from twistarm.cli import main; main()"

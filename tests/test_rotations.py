@@ -24,7 +24,7 @@ from strategies import (
 )
 from strategies import rotations as any_rotation
 from twistarm import rotations
-from twistarm.errors import InputError
+from twistarm.support.errors import InputError
 
 ROUNDING = 4 * EPS
 """A matrix entry or an angle after a handful of operations on numbers of order 1."""

@@ -19,7 +19,7 @@ from PIL import Image
 from catalogue import load
 from twistarm import InputError, TwistarmError, Viewer, plan_joint, save_png
 from twistarm.cli.application import run
-from twistarm.viewer import browsers, headless
+from twistarm.viewer.files import browsers, headless
 
 ARM = load("rr_planar")
 SIZE = (320, 240)

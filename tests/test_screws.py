@@ -26,7 +26,7 @@ from strategies import (
     vectors,
 )
 from twistarm import screws
-from twistarm.errors import InputError
+from twistarm.support.errors import InputError
 
 ROUNDING = 8 * EPS
 """A pose after a handful of operations, relative to its translation (1 for its rotation)."""

@@ -7,13 +7,16 @@ from pathlib import Path
 
 import pytest
 
-from twistarm import baking, golden, pinocchio_model
 from twistarm.cli import csv_rows
-from twistarm.description import document, structure, toml_entries
+from twistarm.description import document, structure
+from twistarm.description.companions import toml_entries
 from twistarm.description.expansion import confinement
-from twistarm.meshes import limits
-from twistarm.stream import gate, recording
-from twistarm.viewer import door, visitor
+from twistarm.description.meshes import limits
+from twistarm.model import baking, pinocchio_model
+from twistarm.proof import golden_file as golden
+from twistarm.stream import recording
+from twistarm.stream.links import gate
+from twistarm.viewer.server import door, visitor
 
 PAGE = (Path(__file__).parents[1] / "SECURITY.md").read_text("utf-8")
 

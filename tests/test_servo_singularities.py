@@ -7,8 +7,8 @@ import pytest
 
 from catalogue import load
 from servo_drives import DT, driven, pose
-from twistarm import manipulability
 from twistarm.servo import ServoSettings, ServoState, ServoStatus, TwistCommand, servo_step
+from twistarm.theory import manipulability
 
 BENT = {
     "rr_planar": [0.3, 0.9],

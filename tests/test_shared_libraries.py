@@ -6,7 +6,7 @@ from pathlib import Path
 
 import pytest
 
-from twistarm import shared_libraries
+from twistarm.support import shared_libraries
 
 
 @pytest.fixture(autouse=True)

@@ -8,9 +8,9 @@ from hypothesis import strategies as st
 from scipy.interpolate import CubicSpline, PPoly
 
 from strategies import generators
-from twistarm.errors import MissingExtraError
 from twistarm.planning import spline
 from twistarm.planning.piecewise import derivative, evaluate
+from twistarm.support.errors import MissingExtraError
 
 SMOOTH = 1e-8
 """Relative to distance over the shortest time to that power: the spline is solved for, and that loses digits."""

@@ -10,7 +10,7 @@ import pytest
 
 from catalogue import load
 from twistarm import DescriptionError
-from twistarm.description.srdf import read_srdf
+from twistarm.description.companions.srdf import read_srdf
 from urdf_text import write
 
 SRDF = """<?xml version="1.0"?>

@@ -10,8 +10,8 @@ from types import SimpleNamespace
 import pytest
 
 from twistarm.stream import Interlock, SimulatedJoints, UdpSource, Verifier, parse_command, run, simulation, streaming
-from twistarm.stream.inbox import COMMAND_TIMEOUT, FEEDBACK_TIMEOUT
-from twistarm.stream.messages import heard_word
+from twistarm.stream.links.inbox import COMMAND_TIMEOUT, FEEDBACK_TIMEOUT
+from twistarm.stream.links.messages import heard_word
 from twistarm.stream.replay import AT_START, BEHIND
 
 PAGE = (Path(__file__).parents[1] / "docs" / "streaming.md").read_text("utf-8")

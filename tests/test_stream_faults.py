@@ -12,11 +12,11 @@ from stream_stand_ins import clock as clock
 from stream_stand_ins import robot as robot
 from stream_stand_ins import stream as stream
 from twistarm import plan_joint
-from twistarm.errors import InputError
 from twistarm.servo import servo_step
 from twistarm.stream import Ending, Inbox, Measured, Metronome, Reading, Replay, read_recording
 from twistarm.stream.replay import AT_START
 from twistarm.stream.watch import FeedbackWatch
+from twistarm.support.errors import InputError
 
 LONGEST_DT = 0.1
 """Seconds of the servo's longest step where nothing else is set."""

@@ -11,8 +11,8 @@ import warnings
 
 import pytest
 
-from twistarm.errors import InputError
 from twistarm.stream import ExposedPortWarning, Signer, UdpFeedback, UdpSink, UdpSource, Verifier, read_key
+from twistarm.support.errors import InputError
 
 KEY = b"0123456789abcdef"
 JOG = {"jog": {"elbow": -0.3}}

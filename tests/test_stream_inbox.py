@@ -8,9 +8,9 @@ import tracemalloc
 import numpy as np
 import pytest
 
-from twistarm.errors import InputError
 from twistarm.servo import JogCommand
 from twistarm.stream import Inbox
+from twistarm.support.errors import InputError
 
 A, B = JogCommand(np.array([0.1])), JogCommand(np.array([0.2]))
 

@@ -12,9 +12,9 @@ from stream_stand_ins import PERIOD, Says, jog
 from stream_stand_ins import clock as clock
 from stream_stand_ins import robot as robot
 from stream_stand_ins import stream as stream
-from twistarm.errors import InputError
 from twistarm.servo import JogCommand, PoseCommand, TwistCommand
 from twistarm.stream import Interlock, UdpFeedback, UdpSource
+from twistarm.support.errors import InputError
 
 
 def test_an_emergency_stop_is_latched_until_cleared_and_enabled():

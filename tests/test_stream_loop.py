@@ -9,9 +9,9 @@ from stream_stand_ins import PERIOD, Robot, Says, jog
 from stream_stand_ins import clock as clock
 from stream_stand_ins import robot as robot
 from stream_stand_ins import stream as stream
-from twistarm.errors import InputError
 from twistarm.servo import ServoSettings, ServoStatus, TwistCommand
 from twistarm.stream import Cycle, Ending, Inbox, Measured, Reading
+from twistarm.support.errors import InputError
 
 
 def within_limits(rover, robot):

@@ -9,10 +9,10 @@ import pytest
 from scipy.spatial.transform import Rotation
 
 from stream_stand_ins import answer
-from twistarm.errors import InputError
 from twistarm.servo import JogCommand, PoseCommand, ServoStatus, TwistCommand
 from twistarm.stream import Setpoint, command_of, parse_command, parse_state, setpoint_message
-from twistarm.strict_json import LARGEST_MESSAGE, decoded, encode
+from twistarm.support.errors import InputError
+from twistarm.support.strict_json import LARGEST_MESSAGE, decoded, encode
 
 TWIST = [0.1, 0.0, -0.05, 0.0, 0.2, 0.0]
 

@@ -10,10 +10,10 @@ import pytest
 
 from stream_stand_ins import answer
 from twistarm import Actuators
-from twistarm.errors import InputError
 from twistarm.stream import Setpoint, StateInbox, UdpFeedback, parse_state, setpoint_message
-from twistarm.stream.compact_line import checksum, parse_state_line, setpoint_line
+from twistarm.stream.links.compact_line import checksum, parse_state_line, setpoint_line
 from twistarm.stream.motors import motor_side
+from twistarm.support.errors import InputError
 
 NAMES = ("rail", "shoulder", "elbow", "left", "right")
 

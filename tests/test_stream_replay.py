@@ -7,8 +7,8 @@ import pytest
 
 from stream_stand_ins import FakeClock, Robot
 from twistarm import plan_joint
-from twistarm.errors import InputError, LimitError, TwistarmError
 from twistarm.stream import Ending, Replay, SimulatedJoints, read_recording, run
+from twistarm.support.errors import InputError, LimitError, TwistarmError
 
 RATE = 100.0
 LONG = 20.0

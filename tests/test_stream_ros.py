@@ -9,10 +9,10 @@ import pytest
 
 import ros_stand_ins as msg
 from stream_stand_ins import answer
-from twistarm.errors import InputError
 from twistarm.servo import ServoStatus
 from twistarm.stream import Cycle, Ending, Setpoint, ros
 from twistarm.stream.report import Tally
+from twistarm.support.errors import InputError
 
 
 def test_a_joint_state_by_name(rover):

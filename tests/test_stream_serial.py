@@ -11,9 +11,9 @@ import numpy as np
 import pytest
 
 from stream_stand_ins import FakeClock, Robot, Says, answer, jog
-from twistarm.errors import InputError, MissingExtraError
 from twistarm.stream import Ending, SerialRobot, SerialSource, Setpoint, run
-from twistarm.stream.compact_line import LONGEST_LINE, checksum, parse_state_line, setpoint_line
+from twistarm.stream.links.compact_line import LONGEST_LINE, checksum, parse_state_line, setpoint_line
+from twistarm.support.errors import InputError, MissingExtraError
 
 
 @pytest.fixture

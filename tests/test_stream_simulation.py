@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 
 from stream_stand_ins import FakeClock, Says, answer, jog
-from twistarm.errors import InputError
 from twistarm.stream import Ending, Setpoint, SimulatedJoints, run
+from twistarm.support.errors import InputError
 
 
 @pytest.fixture

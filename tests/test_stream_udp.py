@@ -12,10 +12,10 @@ import numpy as np
 import pytest
 
 from stream_stand_ins import FakeClock, Robot, Says, jog
-from twistarm.errors import InputError
 from twistarm.servo import ServoStatus
 from twistarm.stream import Ending, SimulatedJoints, UdpFeedback, UdpSink, UdpSource, run
-from twistarm.stream.sockets import MOST_PER_CYCLE
+from twistarm.stream.links.sockets import MOST_PER_CYCLE
+from twistarm.support.errors import InputError
 
 JOG = {"jog": {"elbow": -0.3}}
 

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import pytest
 
-from twistarm.errors import InputError
-from twistarm.strict_json import LARGEST_MESSAGE, counter, decoded, encode, flag, number, numbers, short, text
+from twistarm.support.errors import InputError
+from twistarm.support.strict_json import LARGEST_MESSAGE, counter, decoded, encode, flag, number, numbers, short, text
 
 
 def test_what_is_encoded_is_decoded():

@@ -13,10 +13,10 @@ from scipy.spatial.transform import Rotation
 
 from ik_targets import KINDS, errors, target_from
 from strategies import HARD_ANGLES, derivative, generators
-from twistarm.errors import InputError
 from twistarm.ik import Approach, Pose, Position, Task, rotation_errors
 from twistarm.ik.targets import as_target
 from twistarm.ik.task_space import excess_rows
+from twistarm.support.errors import InputError
 
 ERROR_TOL = 1e-9
 """SciPy's logarithm and arcsin near 0 and π lose half the digits of an angle in the worst of these cases."""

@@ -13,8 +13,8 @@ from pathlib import Path
 
 import pytest
 
-from twistarm.files import write_whole
-from twistarm.temporaries import LEFT_AFTER, TEMPORARY
+from twistarm.support.files import write_whole
+from twistarm.support.temporaries import LEFT_AFTER, TEMPORARY
 
 KILLED = """
 import os, signal, sys

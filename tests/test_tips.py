@@ -8,8 +8,8 @@ import pytest
 
 from skeletons import skeleton
 from twistarm import DescriptionError, load_arm
-from twistarm.description.link_names import plain
-from twistarm.description.tips import SHOWN, candidates, choose_ends, note_choice
+from twistarm.description.tips.choice import SHOWN, candidates, choose_ends, note_choice
+from twistarm.description.tips.link_names import plain
 from twistarm.description.tree import Description
 from twistarm.description.urdf import read_description
 from urdf_text import write

@@ -6,8 +6,8 @@ import pytest
 from scipy.interpolate import PPoly
 
 from strategies import derivative
-from twistarm.errors import InputError
 from twistarm.planning import Samples, Trajectory
+from twistarm.support.errors import InputError
 
 ROUNDING = 1e-13
 """Values of order 1 after a handful of operations."""

@@ -9,7 +9,7 @@ import pinocchio
 import pytest
 
 from twistarm import Arm, load_arm
-from twistarm.errors import DescriptionError
+from twistarm.support.errors import DescriptionError
 from urdf_text import joint, robot, two_joints, write
 
 

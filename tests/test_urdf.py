@@ -11,7 +11,7 @@ import pytest
 from twistarm import diagnose, load_arm
 from twistarm.description.coupling import resolve_couplings
 from twistarm.description.urdf import read_description
-from twistarm.errors import DescriptionError
+from twistarm.support.errors import DescriptionError
 from urdf_text import joint, robot, two_joints, write
 
 REFUSED = {

@@ -10,9 +10,9 @@ from numpy.testing import assert_array_equal
 
 from stream_stand_ins import FakeClock, Says
 from twistarm import Arm, ArmBuilder, load_arm
+from twistarm.model.usual_limits import DEFAULTS, defaults_line, usually_limited, with_defaults
 from twistarm.servo import JogCommand
 from twistarm.stream import Setpoint, SimulatedJoints, run
-from twistarm.usual_limits import DEFAULTS, defaults_line, usually_limited, with_defaults
 
 
 @pytest.fixture(scope="module")

@@ -15,10 +15,10 @@ import pytest
 from numpy.testing import assert_allclose, assert_array_equal
 
 from twistarm import Arm, arm_from_screws, joints
-from twistarm.errors import InputError, LimitError, UnknownNameError
 from twistarm.planning.joint_space import plan_joint
+from twistarm.support.errors import InputError, LimitError, UnknownNameError
 from twistarm.viewer import Viewer, save_html
-from twistarm.viewer.messages import parse
+from twistarm.viewer.protocol.messages import parse
 from twistarm.viewer.stage import Stage
 from viewer_page import ROUNDING, THETA, WAIT, Page, nothing, swing, visit
 from viewer_page import arm as arm

@@ -8,7 +8,7 @@ from numpy.testing import assert_array_equal
 
 from recorded_poses import ask
 from twistarm import ArmBuilder
-from twistarm.errors import LimitError
+from twistarm.support.errors import LimitError
 from twistarm.viewer.stage import Stage
 
 ARM = (

@@ -12,10 +12,12 @@ import pytest
 from numpy.testing import assert_array_equal
 
 from twistarm import Arm
-from twistarm.errors import InputError, TwistarmError
-from twistarm.viewer import Viewer, driver, server
-from twistarm.viewer.commands import PageCommands
-from twistarm.viewer.downloads import DOWNLOADS
+from twistarm.support.errors import InputError, TwistarmError
+from twistarm.viewer import Viewer
+from twistarm.viewer.parts import driver
+from twistarm.viewer.parts.commands import PageCommands
+from twistarm.viewer.server import server
+from twistarm.viewer.server.downloads import DOWNLOADS
 from twistarm.viewer.stage import Stage
 from viewer_page import THETA, WAIT, get, swing
 from viewer_page import arm as arm

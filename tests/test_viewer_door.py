@@ -18,11 +18,12 @@ from typing import Any
 import pytest
 
 from hostile.target import HANDSHAKE, OTHER, Target
-from twistarm.viewer import Viewer, door, visitor
-from twistarm.viewer.complaints import Complaints
-from twistarm.viewer.door import places
-from twistarm.viewer.handlers import MOST_FILES, MOST_PAGES
-from twistarm.viewer.visitor import first_to_leave, name_of
+from twistarm.viewer import Viewer
+from twistarm.viewer.server import door, visitor
+from twistarm.viewer.server.complaints import Complaints
+from twistarm.viewer.server.door import places
+from twistarm.viewer.server.handlers import MOST_FILES, MOST_PAGES
+from twistarm.viewer.server.visitor import first_to_leave, name_of
 from viewer_page import WAIT, get, nothing, visit
 from viewer_page import arm as arm
 from viewer_page import viewer as viewer

@@ -16,10 +16,10 @@ from numpy.testing import assert_allclose
 
 from test_viewer_jog import ask, eventually, other
 from twistarm import Arm, load_arm, plan_joint
-from twistarm.errors import InputError
+from twistarm.model.usual_limits import DEFAULTS
 from twistarm.servo import ServoOutput, ServoSettings
 from twistarm.stream import Cycle
-from twistarm.usual_limits import DEFAULTS
+from twistarm.support.errors import InputError
 from twistarm.viewer import Viewer
 from twistarm.viewer.stage import NO_DRIVE
 from viewer_page import WAIT, Page, nothing, visit

@@ -10,13 +10,13 @@ import numpy as np
 import pytest
 
 from twistarm import Arm, ArmBuilder
-from twistarm.errors import InputError
 from twistarm.servo import ServoOutput
 from twistarm.stream import Inbox
+from twistarm.support.errors import InputError
 from twistarm.viewer import Viewer
-from twistarm.viewer.commands import PageCommands
-from twistarm.viewer.driver import Drive, Driver
-from twistarm.viewer.messages import Request
+from twistarm.viewer.parts.commands import PageCommands
+from twistarm.viewer.parts.driver import Drive, Driver
+from twistarm.viewer.protocol.messages import Request
 from twistarm.viewer.stage import Stage
 from viewer_page import Page, visit
 

@@ -18,12 +18,12 @@ import pytest
 
 from twistarm import Arm, arm_from_screws, diagnose, joints, load_arm
 from twistarm.description.findings import CODES, Finding, Place, finding
+from twistarm.description.meshes import MeshReader
 from twistarm.doctor import Diagnosis
-from twistarm.meshes import MeshReader
 from twistarm.viewer import Viewer, save_html
-from twistarm.viewer import findings as module
-from twistarm.viewer import server as server_module
-from twistarm.viewer.findings import MOST, PENDING, Examination, examined, loaded, node_of
+from twistarm.viewer.parts import findings as module
+from twistarm.viewer.parts.findings import MOST, PENDING, Examination, examined, loaded, node_of
+from twistarm.viewer.server import server as server_module
 from viewer_page import Page, nothing, visit
 
 SCRIPT = "</script><script>hacked = 1</script>"

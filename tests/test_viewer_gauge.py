@@ -9,13 +9,13 @@ import numpy as np
 import pytest
 
 from twistarm import Arm, ArmBuilder, load_arm
-from twistarm.actuators import Actuators
-from twistarm.checks import Array
-from twistarm.limits import JointLimits
+from twistarm.limits.actuators import Actuators
+from twistarm.limits.joint_limits import JointLimits
+from twistarm.model.usual_limits import with_defaults
 from twistarm.servo import ServoSettings, ServoState, ServoStatus, TwistCommand, servo_step
-from twistarm.usual_limits import with_defaults
-from twistarm.viewer.gauge import SILENT, Gauge
-from twistarm.viewer.servo_words import SILENT as WORDLESS
+from twistarm.support.checks import Array
+from twistarm.viewer.parts.gauge import SILENT, Gauge
+from twistarm.viewer.parts.servo_words import SILENT as WORDLESS
 from twistarm.viewer.stage import Stage
 
 BELOW = ServoSettings().singular_below

@@ -6,7 +6,7 @@ import pytest
 
 from twistarm import Arm
 from twistarm.viewer import Viewer
-from twistarm.viewer.guard import Guard
+from twistarm.viewer.server.guard import Guard
 from viewer_page import arm as arm
 from viewer_page import get, swing
 from viewer_page import viewer as viewer

@@ -9,8 +9,9 @@ from numpy.testing import assert_allclose, assert_array_equal
 from recorded_poses import HOME, REACH, ask, done, names, said
 from recorded_poses import stage as stage
 from twistarm import load_arm
-from twistarm.errors import InputError, LimitError
-from twistarm.viewer import Viewer, history
+from twistarm.support.errors import InputError, LimitError
+from twistarm.viewer import Viewer
+from twistarm.viewer.parts import history
 from twistarm.viewer.stage import Stage
 from viewer_page import Page, visit
 from viewer_page import arm as arm

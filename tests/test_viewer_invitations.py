@@ -13,7 +13,8 @@ from urllib.parse import urlsplit
 import pytest
 
 from twistarm import Arm
-from twistarm.viewer import Viewer, invitations
+from twistarm.viewer import Viewer
+from twistarm.viewer.server import invitations
 from viewer_page import WAIT, get
 from viewer_page import arm as arm
 from viewer_page import viewer as viewer

@@ -15,11 +15,11 @@ from numpy.testing import assert_array_equal
 
 from test_viewer_messages import BAD_MESSAGES
 from twistarm import ArmBuilder, plan_joint
-from twistarm.errors import InputError
 from twistarm.servo import JogCommand, TwistCommand
+from twistarm.support.errors import InputError
 from twistarm.viewer import Viewer
-from twistarm.viewer.messages import parse
-from twistarm.viewer.servo_words import SILENT
+from twistarm.viewer.parts.servo_words import SILENT
+from twistarm.viewer.protocol.messages import parse
 from viewer_page import WAIT, Page, visit
 
 ARM = (

@@ -10,10 +10,10 @@ import pytest
 from numpy.testing import assert_array_equal
 
 from twistarm import ArmBuilder, load_arm
-from twistarm.errors import InputError, LimitError
-from twistarm.viewer.export import modules
-from twistarm.viewer.messages import parse
+from twistarm.support.errors import InputError, LimitError
+from twistarm.viewer.files.page_export import modules
 from twistarm.viewer.page_files import page_files
+from twistarm.viewer.protocol.messages import parse
 from twistarm.viewer.stage import Stage
 
 LOWER, UPPER = (-0.5, 0.25, 0.0), (0.1, 0.3, 0.2)

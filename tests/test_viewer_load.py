@@ -25,10 +25,10 @@ from tornado.httpclient import HTTPClientError
 from tornado.websocket import websocket_connect
 
 import schema_samples as samples
-from twistarm.strict_json import LARGEST_MESSAGE
+from twistarm.support.strict_json import LARGEST_MESSAGE
 from twistarm.viewer import Viewer
-from twistarm.viewer.handlers import MOST_PAGES
-from twistarm.viewer.messages import SCHEMA
+from twistarm.viewer.protocol.messages import SCHEMA
+from twistarm.viewer.server.handlers import MOST_PAGES
 from viewer_page import THETA, WAIT, Page, nothing, visit
 from viewer_page import arm as arm
 from viewer_page import viewer as viewer

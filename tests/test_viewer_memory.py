@@ -18,10 +18,10 @@ from numpy.testing import assert_allclose
 
 from twistarm import Arm, load_arm
 from twistarm.cli.application import run
-from twistarm.errors import InputError
+from twistarm.support.errors import InputError
 from twistarm.viewer import Viewer
-from twistarm.viewer.memory import Memory
-from twistarm.viewer.private import PrivateFolder, state_folder
+from twistarm.viewer.server.memory import Memory
+from twistarm.viewer.server.private_files import PrivateFolder, state_folder
 from viewer_page import ARM, THETA, WAIT, Page, nothing, visit
 from viewer_page import arm as arm
 

@@ -12,10 +12,10 @@ from numpy.testing import assert_allclose
 
 from test_viewer_scene import drawn_by
 from twistarm import load_arm
-from twistarm.meshes.shading import shaded
-from twistarm.meshes.simplifying import simplified
-from twistarm.viewer import links
-from twistarm.viewer.scene import Scene
+from twistarm.description.meshes.shading import shaded
+from twistarm.description.meshes.simplifying import simplified
+from twistarm.viewer.scene import links
+from twistarm.viewer.scene.arm_scene import Scene
 
 STEP = 3e-3
 """Normals that differ by less are drawn as one."""

@@ -12,14 +12,14 @@ from numpy.testing import assert_array_equal
 
 import schema_samples as samples
 from twistarm import Arm
-from twistarm.errors import InputError
 from twistarm.servo import ServoOutput
-from twistarm.strict_json import encode
+from twistarm.support.errors import InputError
+from twistarm.support.strict_json import encode
 from twistarm.viewer import Viewer
-from twistarm.viewer.messages import SCHEMA, failure, number_of, parse
-from twistarm.viewer.path import tool_path
-from twistarm.viewer.scene import Scene
-from twistarm.viewer.servo_words import servo_words
+from twistarm.viewer.parts.servo_words import servo_words
+from twistarm.viewer.parts.tool_path import tool_path
+from twistarm.viewer.protocol.messages import SCHEMA, failure, number_of, parse
+from twistarm.viewer.scene.arm_scene import Scene
 from twistarm.viewer.stage import LAYERS, Stage
 from viewer_page import THETA, Page, matrix, nothing, visit
 from viewer_page import arm as arm

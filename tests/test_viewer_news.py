@@ -9,12 +9,12 @@ from typing import Any
 import pytest
 
 from twistarm import Arm
-from twistarm.errors import InputError
+from twistarm.support.errors import InputError
 from twistarm.viewer import Viewer
-from twistarm.viewer.messages import Request
-from twistarm.viewer.news import News
+from twistarm.viewer.parts.theory import SHOWN
+from twistarm.viewer.protocol.change_publisher import News
+from twistarm.viewer.protocol.messages import Request
 from twistarm.viewer.stage import Stage
-from twistarm.viewer.theory import SHOWN
 from viewer_page import Page, nothing, swing, visit
 from viewer_page import arm as arm
 from viewer_page import viewer as viewer

@@ -10,8 +10,8 @@ import numpy as np
 import pytest
 
 from twistarm import ArmBuilder, Viewer, load_arm, plan_joint, save_html
-from twistarm.errors import InputError
-from twistarm.viewer.path import MOST_POINTS, tool_path
+from twistarm.support.errors import InputError
+from twistarm.viewer.parts.tool_path import MOST_POINTS, tool_path
 
 HOME = np.array([[1, 0, 0, 0.3], [0, 1, 0, 0], [0, 0, 1, 0.4], [0, 0, 0, 1.0]])
 ARM = ArmBuilder("turner").revolute("a", [0, 0, 1], [0, 0, 0.1]).tool(HOME).build()

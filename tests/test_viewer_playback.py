@@ -10,10 +10,10 @@ from numpy.testing import assert_array_equal
 
 from recorded_poses import ask, said
 from twistarm import ArmBuilder
-from twistarm.errors import InputError
-from twistarm.limits import JointLimits
+from twistarm.limits.joint_limits import JointLimits
 from twistarm.planning.trajectory import Trajectory
-from twistarm.viewer.playback import Playback
+from twistarm.support.errors import InputError
+from twistarm.viewer.parts.playback import Playback
 from twistarm.viewer.stage import Stage
 
 ARM = ArmBuilder("one").revolute("a", [0, 0, 1], [0, 0, 0], lower=-3, upper=3).tool(np.eye(4)).build()

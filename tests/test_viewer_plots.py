@@ -13,11 +13,11 @@ from numpy.typing import ArrayLike, NDArray
 from recorded_poses import HOME, LEFT, REACH, ask, done, said
 from recorded_poses import stage as stage
 from twistarm import Arm
+from twistarm.model.usual_limits import with_defaults
 from twistarm.planning.joint_space import plan_joint
 from twistarm.planning.trajectory import Trajectory
-from twistarm.usual_limits import with_defaults
-from twistarm.viewer.playback import Playback
-from twistarm.viewer.plots import MOST_POINTS, plots
+from twistarm.viewer.parts.playback import Playback
+from twistarm.viewer.parts.plots import MOST_POINTS, plots
 from twistarm.viewer.stage import Stage
 from viewer_page import arm as arm
 from viewer_page import swing

@@ -12,12 +12,12 @@ from numpy.testing import assert_array_equal
 from recorded_poses import HOME, LEFT, REACH, ask, done, names, said
 from recorded_poses import stage as stage
 from twistarm import Arm
-from twistarm.errors import InputError, LimitError, TwistarmError
 from twistarm.planning.joint_space import plan_joint
-from twistarm.strict_json import LARGEST_MESSAGE, encode
+from twistarm.support.errors import InputError, LimitError, TwistarmError
+from twistarm.support.strict_json import LARGEST_MESSAGE, encode
 from twistarm.viewer import Viewer
-from twistarm.viewer.messages import parse
-from twistarm.viewer.pose_list import LARGEST_LIST
+from twistarm.viewer.parts.pose_list import LARGEST_LIST
+from twistarm.viewer.protocol.messages import parse
 from twistarm.viewer.stage import Stage
 from viewer_page import Page, swing, visit
 from viewer_page import arm as arm

@@ -12,8 +12,8 @@ from numpy.testing import assert_allclose
 
 from twistarm import load_arm, plan_joint
 from twistarm.cli.application import run
-from twistarm.errors import InputError
-from twistarm.viewer.recorded import recorded_motion
+from twistarm.support.errors import InputError
+from twistarm.viewer.files.csv_trajectory import recorded_motion
 
 ARM = load_arm("scara")
 MOTION = plan_joint(ARM, [0.2 * ARM.ready, ARM.ready], limits={"velocity": 1.0, "acceleration": 2.0}, kind="quintic")

@@ -13,19 +13,20 @@ from numpy.testing import assert_allclose, assert_array_equal
 from scipy.spatial.transform import Rotation
 
 from twistarm import Arm, arm_from_screws, available_arms, joints, load_arm, poe, rotations
-from twistarm.errors import DescriptionError
-from twistarm.limits import usual_half
-from twistarm.meshes import MeshReader, Part
-from twistarm.meshes.loading import pieces_of
-from twistarm.meshes.mesh_file import mesh_file
-from twistarm.meshes.shading import shaded
-from twistarm.viewer import Viewer, links
-from twistarm.viewer.axes import anchors
-from twistarm.viewer.placement import Placement, rpy
-from twistarm.viewer.scene import Scene, build_scene
+from twistarm.description.meshes import MeshReader, Part
+from twistarm.description.meshes.loading import pieces_of
+from twistarm.description.meshes.mesh_file import mesh_file
+from twistarm.description.meshes.shading import shaded
+from twistarm.limits.joint_limits import usual_half
+from twistarm.support.errors import DescriptionError
+from twistarm.viewer import Viewer
+from twistarm.viewer.parts.summary import _describe
+from twistarm.viewer.parts.theory import axes
+from twistarm.viewer.scene import links
+from twistarm.viewer.scene.arm_scene import Scene, build_scene
+from twistarm.viewer.scene.axes import anchors
+from twistarm.viewer.scene.placement import Placement, rpy
 from twistarm.viewer.stage import Stage
-from twistarm.viewer.summary import _describe
-from twistarm.viewer.theory import axes
 from viewer_page import ARM, ROUNDING, THETA, matrix, nothing, visit
 from viewer_page import arm as arm
 from viewer_page import viewer as viewer

@@ -18,10 +18,10 @@ from numpy.testing import assert_array_equal
 from tornado.httpclient import HTTPClientError
 
 from twistarm import Arm
-from twistarm.errors import InputError, MissingExtraError
-from twistarm.meshes import MeshReader
+from twistarm.description.meshes import MeshReader
+from twistarm.support.errors import InputError, MissingExtraError
 from twistarm.viewer import Viewer, save_html
-from twistarm.viewer.guard import Guard
+from twistarm.viewer.server.guard import Guard
 from viewer_page import WAIT, Page, get, nothing, visit
 from viewer_page import arm as arm
 from viewer_page import viewer as viewer

@@ -15,7 +15,7 @@ from test_viewer_jog import ARM, TWIST, ask, jog
 from twistarm.servo import AnyCommand, JogCommand, ServoOutput, ServoStatus, TwistCommand
 from twistarm.stream import Cycle, Inbox, Reading, Setpoint, SimulatedJoints, StreamReport, run
 from twistarm.viewer import Viewer
-from twistarm.viewer.servo_words import SILENT, servo_words
+from twistarm.viewer.parts.servo_words import SILENT, servo_words
 from viewer_page import Page, nothing, visit
 
 

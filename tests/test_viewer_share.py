@@ -13,9 +13,9 @@ from numpy.testing import assert_allclose
 
 from test_viewer_kinematics import placed
 from twistarm import Arm, Trajectory, Viewer
-from twistarm.errors import InputError
-from twistarm.viewer import exhibit
-from twistarm.viewer.findings import examined, loaded
+from twistarm.support.errors import InputError
+from twistarm.viewer.files import scene_snapshot as exhibit
+from twistarm.viewer.parts.findings import examined, loaded
 from viewer_page import THETA, get, swing, visit
 from viewer_page import arm as arm
 from viewer_page import viewer as viewer

@@ -12,14 +12,14 @@ from numpy.testing import assert_allclose, assert_array_equal
 
 from ik_targets import require_core
 from twistarm import Arm, InputError, arm_from_screws, joints, load_arm, solve_ik
-from twistarm.engine import MOST_JOINTS
 from twistarm.ik import Pose, Position
+from twistarm.model.engine import MOST_JOINTS
 from twistarm.planning.joint_space import plan_joint
-from twistarm.strict_json import encode
+from twistarm.support.strict_json import encode
 from twistarm.viewer import Viewer
-from twistarm.viewer.messages import SCHEMA, parse
+from twistarm.viewer.parts.target import AT_ONCE, MAX_TIME
+from twistarm.viewer.protocol.messages import SCHEMA, parse
 from twistarm.viewer.stage import Stage
-from twistarm.viewer.target import AT_ONCE, MAX_TIME
 from viewer_page import Page, visit
 
 ROVER = load_arm("rover_arm")
@@ -55,7 +55,7 @@ def finish(job: Any) -> None:
 @pytest.fixture
 def in_the_thread(monkeypatch: pytest.MonkeyPatch) -> None:
     """Every target is a job, as on an arm that the core cannot hold."""
-    monkeypatch.setattr("twistarm.viewer.target.solved_at_once", lambda *asked: None)
+    monkeypatch.setattr("twistarm.viewer.parts.target.solved_at_once", lambda *asked: None)
 
 
 def text(type: str, **fields: Any) -> str:
@@ -169,7 +169,7 @@ def test_what_a_short_search_meets_is_answered_at_once_and_as_by_one_with_all_it
     stage, patient = Stage(SIX), Stage(SIX)
     position, quaternion = near(SIX)
     with pytest.MonkeyPatch.context() as patched:
-        patched.setattr("twistarm.viewer.target.solved_at_once", lambda *asked: None)
+        patched.setattr("twistarm.viewer.parts.target.solved_at_once", lambda *asked: None)
         slow = ask(patient, kind, position, quaternion)
     for _ in range(20):  # on a machine that others use too, a search may be interrupted
         stage.show(SIX.ready)
@@ -202,7 +202,7 @@ def test_no_search_holds_up_the_loop(arm: Arm, kind: str) -> None:
 
 def test_an_arm_that_the_core_cannot_hold_is_left_to_the_thread(monkeypatch: pytest.MonkeyPatch) -> None:
     arm = chain(MOST_JOINTS + 1)
-    monkeypatch.setattr("twistarm.viewer.target.solve_ik", None)
+    monkeypatch.setattr("twistarm.viewer.parts.target.solve_ik", None)
     p = arm.fk(arm.ready)[:3, 3].tolist()
     assert start(Stage(arm), kind="position", position=p, xyzw=[0, 0, 0, 1]) is not None
 
@@ -261,7 +261,7 @@ def test_while_a_servo_drives_there_is_no_target() -> None:
 
 
 def test_without_the_compiled_core(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("twistarm.engine.core", lambda: None)
+    monkeypatch.setattr("twistarm.model.engine.core", lambda: None)
     arm = load_arm("rover_arm")
     assert arm.compiled is None
     stage = Stage(arm)

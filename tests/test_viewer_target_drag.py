@@ -8,7 +8,7 @@ from numpy.testing import assert_array_equal
 
 from test_viewer_target import MOTION, ROVER, finish, near, start, text, told
 from test_viewer_target import in_the_thread as in_the_thread
-from twistarm.viewer.messages import parse
+from twistarm.viewer.protocol.messages import parse
 from twistarm.viewer.stage import Stage
 
 

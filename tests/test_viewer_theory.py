@@ -15,13 +15,13 @@ from numpy.typing import NDArray
 from joint_arms import Joint, by_hand, from_urdf, random_chain
 from twistarm import Arm, ArmBuilder, load_arm, plan_joint
 from twistarm.planning.trajectory import Trajectory
-from twistarm.strict_json import encode
-from twistarm.viewer.messages import SCHEMA, parse
-from twistarm.viewer.placement import Placement
-from twistarm.viewer.posture import numbers
+from twistarm.support.strict_json import encode
+from twistarm.viewer.files.sampled_theory import recorded
+from twistarm.viewer.parts.theory import axes
+from twistarm.viewer.parts.theory_numbers import numbers
+from twistarm.viewer.protocol.messages import SCHEMA, parse
+from twistarm.viewer.scene.placement import Placement
 from twistarm.viewer.stage import Stage
-from twistarm.viewer.theory import axes
-from twistarm.viewer.theory_record import recorded
 
 Matrix = NDArray[np.float64]
 

@@ -16,11 +16,11 @@ import pytest
 from numpy.testing import assert_allclose
 
 from twistarm import Arm, load_arm, plan_joint
-from twistarm.errors import DescriptionError, InputError
-from twistarm.meshes import MeshReader
+from twistarm.description.meshes import MeshReader
+from twistarm.support.errors import DescriptionError, InputError
 from twistarm.viewer import Viewer
-from twistarm.viewer.scene import Scene
-from twistarm.viewer.watching import loaded
+from twistarm.viewer.scene.arm_scene import Scene
+from twistarm.viewer.server.watching import loaded
 from viewer_page import ARM, THETA, WAIT, Page, matrix, nothing, visit
 from viewer_page import arm as arm
 from viewer_page import viewer as viewer

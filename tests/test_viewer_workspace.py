@@ -11,10 +11,10 @@ from numpy.testing import assert_allclose
 from numpy.typing import NDArray
 
 from twistarm import Arm, ArmBuilder, Viewer, load_arm
-from twistarm.viewer.jobs import Job, ReplacedError
-from twistarm.viewer.messages import parse
+from twistarm.viewer.parts.workspace import POINTS, SEED, dexterity_of, directions_of, sampled_workspace
+from twistarm.viewer.protocol.jobs import Job, ReplacedError
+from twistarm.viewer.protocol.messages import parse
 from twistarm.viewer.stage import Stage
-from twistarm.viewer.workspace import POINTS, SEED, dexterity_of, directions_of, sampled_workspace
 from viewer_page import Page, visit
 
 ARM = load_arm("rover_arm")

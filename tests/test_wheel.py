@@ -14,7 +14,7 @@ from pathlib import Path
 
 import pytest
 
-from twistarm import engine
+from twistarm.model import engine
 
 ROOT = Path(__file__).parents[1]
 

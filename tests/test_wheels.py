@@ -12,9 +12,9 @@ from pathlib import Path
 import pytest
 
 from stub_packages import metadata, package
-from twistarm import shared_libraries, wheels
-from twistarm.errors import TwistarmError
-from twistarm.wheels import Wheel
+from twistarm.support import shared_libraries, wheels
+from twistarm.support.errors import TwistarmError
+from twistarm.support.wheels import Wheel
 
 ENGINE = Wheel("shadow_engine", "shadow-engine-wheel", needs=("solve", "parts.bolt"), oldest="2.0")
 GOOD = "def solve(): return 42\n"

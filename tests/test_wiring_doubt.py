@@ -9,7 +9,7 @@ import pytest
 
 from catalogue import load
 from twistarm import Actuators, Arm, check_wiring
-from twistarm.checks import Array
+from twistarm.support.checks import Array
 from twistarm.wiring import WiringLog, WiringReport
 
 ROWS, POSITION_NOISE = 15, 0.001

@@ -10,9 +10,9 @@ import numpy as np
 import pytest
 
 from twistarm import Arm, InputError, load_arm
-from twistarm.checks import Array
 from twistarm.cli.application import run
-from twistarm.rotations import to_xyzw
+from twistarm.support.checks import Array
+from twistarm.theory.rotations import to_xyzw
 from twistarm.wiring import read_log
 
 Capture = pytest.CaptureFixture[str]

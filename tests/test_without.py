@@ -12,9 +12,9 @@ import numpy as np
 import pytest
 
 from twistarm import diagnose, load_arm
-from twistarm.arm import Arm
 from twistarm.cli.application import run
-from twistarm.errors import DescriptionError, InputError
+from twistarm.model.arm import Arm
+from twistarm.support.errors import DescriptionError, InputError
 from twistarm.testing import assert_arm
 from urdf_text import joint, write
 from xacro_text import ARM, as_xacro

@@ -13,7 +13,7 @@ from hostile.sandbox import place as place
 from twistarm import load_arm
 from twistarm.description.expansion.expand import expand_xacro, is_xacro
 from twistarm.description.packages import package_index
-from twistarm.errors import DescriptionError, InputError
+from twistarm.support.errors import DescriptionError, InputError
 from urdf_text import joint, write
 from xacro_text import ARM, as_xacro
 

@@ -17,7 +17,7 @@ from twistarm.description.expansion import confinement
 from twistarm.description.expansion.expand import expand_xacro
 from twistarm.description.expansion.module import own_xacro
 from twistarm.description.packages import package_index
-from twistarm.errors import DescriptionError, TwistarmError
+from twistarm.support.errors import DescriptionError, TwistarmError
 from urdf_text import write
 from xacro_text import as_xacro
 

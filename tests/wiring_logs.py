@@ -12,8 +12,8 @@ import numpy as np
 
 from catalogue import load
 from twistarm import Actuators, Arm
-from twistarm.checks import Array
-from twistarm.rotations import exp
+from twistarm.support.checks import Array
+from twistarm.theory.rotations import exp
 from twistarm.wiring import WiringLog, WiringReport
 
 FAULTS = ("none", "flipped sign", "zero offset", "wrong ratio", "swapped")

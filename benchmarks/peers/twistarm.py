@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 import twistarm
-from twistarm import engine
+from twistarm.model import engine
 
 
 class Solver:

@@ -11,30 +11,18 @@ TYPE_CHECKING = False
 if TYPE_CHECKING:
     from typing import Any
 
-    from . import joints, poe, rotations, screws
-    from .actuators import Actuators
-    from .arm import Arm, Coupling, Proof
-    from .arm_builder import ArmBuilder
-    from .building import arm_from_screws
-    from .comparison import Comparison, CrossCheck, crosscheck
     from .description.findings import Finding
     from .doctor import diagnose
-    from .errors import (
-        ComparisonError,
-        DescriptionError,
-        InputError,
-        LimitError,
-        MissingExtraError,
-        NotConvergedError,
-        TwistarmError,
-        UnknownNameError,
-    )
-    from .golden import Difference, compare, freeze
     from .ik import Approach, IKBatch, IKSolution, Pose, Position, StopReason, Task, solve_ik, solve_ik_batch
-    from .limits import JointLimits
-    from .loading import available_arms, load_arm
-    from .manipulability import Manipulability
+    from .limits.actuators import Actuators
+    from .limits.joint_limits import JointLimits
+    from .loading.arm_builder import ArmBuilder
+    from .loading.load import available_arms, load_arm
+    from .model.arm import Arm, Coupling, Proof
+    from .model.from_screws import arm_from_screws
     from .planning import Trajectory, plan_joint
+    from .proof.crosscheck import Comparison, CrossCheck, crosscheck
+    from .proof.golden_file import Difference, compare, freeze
     from .servo import (
         JogCommand,
         PoseCommand,
@@ -45,6 +33,18 @@ if TYPE_CHECKING:
         TwistCommand,
         servo_step,
     )
+    from .support.errors import (
+        ComparisonError,
+        DescriptionError,
+        InputError,
+        LimitError,
+        MissingExtraError,
+        NotConvergedError,
+        TwistarmError,
+        UnknownNameError,
+    )
+    from .theory import joints, poe, rotations, screws
+    from .theory.manipulability import Manipulability
     from .viewer import Viewer, save_html, save_png
     from .wiring import check_wiring
 
@@ -107,14 +107,15 @@ __all__ = [
 ]
 
 _NAMES = {
-    "actuators": ("Actuators",),
-    "arm": ("Arm", "Coupling", "Proof"),
-    "arm_builder": ("ArmBuilder",),
-    "building": ("arm_from_screws",),
-    "comparison": ("Comparison", "CrossCheck", "crosscheck"),
+    "theory": ("joints", "poe", "rotations", "screws"),
+    "limits.actuators": ("Actuators",),
+    "model.arm": ("Arm", "Coupling", "Proof"),
+    "loading.arm_builder": ("ArmBuilder",),
+    "model.from_screws": ("arm_from_screws",),
+    "proof.crosscheck": ("Comparison", "CrossCheck", "crosscheck"),
     "description.findings": ("Finding",),
     "doctor": ("diagnose",),
-    "errors": (
+    "support.errors": (
         "ComparisonError",
         "DescriptionError",
         "InputError",
@@ -124,16 +125,12 @@ _NAMES = {
         "TwistarmError",
         "UnknownNameError",
     ),
-    "golden": ("Difference", "compare", "freeze"),
+    "proof.golden_file": ("Difference", "compare", "freeze"),
     "ik": ("Approach", "IKBatch", "IKSolution", "Pose", "Position", "StopReason", "Task", "solve_ik", "solve_ik_batch"),
-    "joints": (),
-    "limits": ("JointLimits",),
-    "loading": ("available_arms", "load_arm"),
-    "manipulability": ("Manipulability",),
+    "limits.joint_limits": ("JointLimits",),
+    "loading.load": ("available_arms", "load_arm"),
+    "theory.manipulability": ("Manipulability",),
     "planning": ("Trajectory", "plan_joint"),
-    "poe": (),
-    "rotations": (),
-    "screws": (),
     "servo": (
         "JogCommand",
         "PoseCommand",

@@ -1,4 +1,4 @@
-"""The compiled kernels; `twistarm.engine.core()` is the door to them.
+"""The compiled kernels; `twistarm.model.engine.core()` is the door to them.
 
 A call answers None where an argument is not plainly right: Python then converts it, or says what is wrong, and calls
 again. Inverse kinematics takes numbers as arrays of any real type and order, lists, tuples and NumPy's own; kinematics
@@ -7,7 +7,7 @@ takes arrays as they are, float64 and contiguous.
 
 from typing import Any
 
-from .checks import Array
+from .support.checks import Array
 
 INTERFACE: int
 

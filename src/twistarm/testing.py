@@ -5,10 +5,10 @@ from __future__ import annotations
 import os
 from typing import Any
 
-from .arm import Arm
-from .comparison import crosscheck, require_yourdfpy
-from .golden import compare
-from .loading import load_arm
+from .loading.load import load_arm
+from .model.arm import Arm
+from .proof.crosscheck import crosscheck, require_yourdfpy
+from .proof.golden_file import compare
 
 _SAMPLES = 200
 

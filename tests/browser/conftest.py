@@ -10,8 +10,8 @@ from typing import Any, NoReturn
 
 import pytest
 
-from twistarm.errors import TwistarmError
-from twistarm.viewer.browsers import find_browser
+from twistarm.support.errors import TwistarmError
+from twistarm.viewer.files.browsers import find_browser
 
 FLAGS = (
     "--headless",

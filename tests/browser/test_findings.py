@@ -16,7 +16,7 @@ from waiting import draw, settled, until
 
 from twistarm import Arm, diagnose, load_arm
 from twistarm.viewer import Viewer, save_html
-from twistarm.viewer.findings import examined
+from twistarm.viewer.parts.findings import examined
 
 pytestmark = pytest.mark.browser
 

@@ -15,9 +15,9 @@ from waiting import WAIT, settled, until
 
 import schema_samples as samples
 from twistarm import load_arm
-from twistarm.meshes import MeshReader
+from twistarm.description.meshes import MeshReader
 from twistarm.viewer import Viewer
-from twistarm.viewer.messages import LARGEST_VALUE, SCHEMA
+from twistarm.viewer.protocol.messages import LARGEST_VALUE, SCHEMA
 
 pytestmark = pytest.mark.browser
 

@@ -21,7 +21,7 @@ from waiting import draw, settled, until
 
 from test_viewer_kinematics import BRANCHED
 from twistarm import Arm, Trajectory, available_arms, load_arm, plan_joint
-from twistarm.rotations import to_rpy
+from twistarm.theory.rotations import to_rpy
 from twistarm.viewer import Viewer
 from viewer_page import matrix
 

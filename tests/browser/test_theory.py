@@ -17,8 +17,8 @@ from waiting import after_frames, settled, until
 from twistarm import Arm, load_arm, plan_joint
 from twistarm.planning.trajectory import Trajectory
 from twistarm.viewer import Viewer, save_html
-from twistarm.viewer.axes import arm_size
-from twistarm.viewer.workspace import POINTS, SEED
+from twistarm.viewer.parts.workspace import POINTS, SEED
+from twistarm.viewer.scene.axes import arm_size
 
 pytestmark = pytest.mark.browser
 

@@ -18,8 +18,8 @@ from twistarm import Arm, ArmBuilder, load_arm
 from twistarm.planning.joint_space import plan_joint
 from twistarm.viewer import Viewer
 from twistarm.viewer.page_files import page_text
-from twistarm.viewer.pose_list import LARGEST_LIST
-from twistarm.viewer.watching import loaded
+from twistarm.viewer.parts.pose_list import LARGEST_LIST
+from twistarm.viewer.server.watching import loaded
 
 pytestmark = pytest.mark.browser
 

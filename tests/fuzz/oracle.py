@@ -16,7 +16,7 @@ from typing import Any
 import numpy as np
 
 from twistarm import Arm, crosscheck, load_arm
-from twistarm.errors import ComparisonError, TwistarmError
+from twistarm.support.errors import ComparisonError, TwistarmError
 
 from . import reader
 

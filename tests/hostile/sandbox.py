@@ -18,7 +18,7 @@ from twistarm.description.expansion import hooks
 from twistarm.description.expansion.expand import expand_xacro
 from twistarm.description.expansion.work import MAX_WORK, Work
 from twistarm.description.packages import package_index
-from twistarm.errors import DescriptionError
+from twistarm.support.errors import DescriptionError
 
 XMLNS = 'xmlns:xacro="http://www.ros.org/wiki/xacro"'
 CPU_LIMIT = 5.0

@@ -9,9 +9,9 @@ from dataclasses import dataclass, replace
 from html import escape
 from pathlib import Path
 
-from twistarm.baking import text_of
-from twistarm.golden import golden_text
-from twistarm.loading import load_arm
+from twistarm.loading.load import load_arm
+from twistarm.model.baking import text_of
+from twistarm.proof.golden_file import golden_text
 from urdf_text import joint, robot
 
 FAKE = "FAKE"

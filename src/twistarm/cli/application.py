@@ -11,9 +11,9 @@ from typing import Annotated
 
 import typer
 
-from ..errors import TwistarmError
-from ..signals import end_by, ended_like_ctrl_c
-from . import (
+from ..support.errors import TwistarmError
+from ..support.interrupts import end_by, ended_like_ctrl_c
+from .commands import (
     baking,
     checking,
     demonstration,

@@ -12,10 +12,10 @@ from typing import Annotated, TypeVar
 import numpy as np
 import typer
 
-from ..checks import Array
-from ..csv_lines import Bounds, csv_lines, lines_in, name_in
 from ..description.geometry import number
-from ..errors import InputError, listed, shown
+from ..support.checks import Array
+from ..support.csv_lines import Bounds, csv_lines, lines_in, name_in
+from ..support.errors import InputError, listed, shown
 from .output import note
 
 Columns = Annotated[

@@ -9,10 +9,10 @@ from typing import Any
 
 from rich.table import Table
 
-from ..arm import Arm
 from ..description.findings import Finding
 from ..doctor.folder import descriptions_in
-from ..places import without_places
+from ..model.arm import Arm
+from ..support.path_redaction import without_places
 from .output import console, literal, print_json, progress_bar, say
 from .wording import as_typed, told
 

@@ -12,10 +12,10 @@ from typing import Annotated, Any
 import numpy as np
 import typer
 
-from ..arm import Arm
 from ..description.catalog import model_arms, own_arms
-from ..errors import InputError
-from ..loading import load_arm
+from ..loading.load import load_arm
+from ..model.arm import Arm
+from ..support.errors import InputError
 from .typed import VALUES
 
 ENDINGS = (".urdf", ".xacro", ".toml", ".json")

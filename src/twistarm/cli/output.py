@@ -16,12 +16,12 @@ from rich.console import Console
 from rich.markup import escape
 from rich.progress import Progress
 
-from ..arm import Arm
-from ..checks import Array
 from ..description.findings import Finding
-from ..errors import printable
-from ..places import without_places
-from ..rotations import to_quaternion_wxyz, to_rpy
+from ..model.arm import Arm
+from ..support.checks import Array
+from ..support.errors import printable
+from ..support.path_redaction import without_places
+from ..theory.rotations import to_quaternion_wxyz, to_rpy
 from .grid import Column, Grid
 
 PIPED_WIDTH = 160

@@ -9,8 +9,8 @@ from typing import Annotated, TextIO
 
 import typer
 
-from ..errors import InputError
-from ..files import writable, write_whole
+from ..support.errors import InputError
+from ..support.files import writable, write_whole
 from .output import say
 
 STDOUT = "-"

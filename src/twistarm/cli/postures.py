@@ -7,11 +7,11 @@ from typing import Any
 
 import numpy as np
 
-from ..arm import Arm
-from ..checks import Array
-from ..csv_lines import csv_text
-from ..errors import InputError, listed
-from ..rotations import to_xyzw
+from ..model.arm import Arm
+from ..support.checks import Array
+from ..support.csv_lines import csv_text
+from ..support.errors import InputError, listed
+from ..theory.rotations import to_xyzw
 from .csv_rows import ROWS_SHOWN, Sheet, few, no_column
 from .output import console, note, number, pose_json, print_json, say, table, warn
 from .outputs import Outputs

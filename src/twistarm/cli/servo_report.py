@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import fields
 from typing import Any
 
-from ..arm import Arm
+from ..model.arm import Arm
 from ..stream import StreamReport
 from .grid import Grid
 from .output import table

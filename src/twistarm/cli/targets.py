@@ -8,10 +8,10 @@ from typing import Annotated
 import numpy as np
 import typer
 
-from ..checks import Array
-from ..errors import InputError
 from ..ik import Approach, Pose, Position
-from ..rotations import from_rpy, from_xyzw
+from ..support.checks import Array
+from ..support.errors import InputError
+from ..theory.rotations import from_rpy, from_xyzw
 from .csv_rows import Sheet, no_column
 from .typed import AXIS, RPY, WXYZ, XYZ, XYZW, parse_numbers
 

@@ -9,9 +9,9 @@ from typing import Any
 import numpy as np
 from typer.core import TyperCommand
 
-from ..arm import Arm
-from ..checks import Array
-from ..errors import InputError, UnknownNameError, listed
+from ..model.arm import Arm
+from ..support.checks import Array
+from ..support.errors import InputError, UnknownNameError, listed
 from .output import note
 
 VALUES = "VALUES"

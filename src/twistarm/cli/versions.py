@@ -7,7 +7,7 @@ import re
 from importlib import metadata
 from typing import Any
 
-from .. import engine
+from ..model import engine
 
 
 def version() -> str:

@@ -9,7 +9,7 @@ from ast import literal_eval
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 
-from ..errors import LimitError, TwistarmError
+from ..support.errors import LimitError, TwistarmError
 
 _AS_TYPED: tuple[tuple[str, str | Callable[[re.Match[str]], str]], ...] = (
     (r"""pass tip=('[^']*'|"[^"]*")""", lambda found: f"pass --tip {shlex.quote(literal_eval(found[1]))}"),

@@ -6,7 +6,7 @@ import xml.etree.ElementTree as ET
 
 import numpy as np
 
-from ..checks import Array
+from ..support.checks import Array
 from .document import Reading
 from .geometry import floats
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 from typing import NamedTuple
 
-from ..errors import missing_extra
+from ..support.errors import missing_extra
 
 
 class ModelsEntry(NamedTuple):

@@ -9,10 +9,10 @@ from typing import Literal
 
 import numpy as np
 
-from ..checks import Array
-from ..limits import JointLimits
-from ..lower_pairs import lower_pairs
-from ..screws import adjoint, exp
+from ..limits.joint_limits import JointLimits
+from ..support.checks import Array
+from ..theory.lower_pairs import lower_pairs
+from ..theory.screws import adjoint, exp
 from .coupling import Affine, coupling_matrix, resolve_couplings
 from .findings import Finding, finding, refusal
 from .tree import Description, Joint

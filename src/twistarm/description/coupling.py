@@ -7,8 +7,8 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ..checks import Array, as_number
-from ..errors import UnknownNameError, closest, listed, unknown_name
+from ..support.checks import Array, as_number
+from ..support.errors import UnknownNameError, closest, listed, unknown_name
 from .findings import refusal
 from .tree import Description, Joint
 

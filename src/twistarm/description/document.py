@@ -12,8 +12,8 @@ from dataclasses import dataclass, field, replace
 from pathlib import Path
 from xml.parsers import expat
 
-from ..errors import DescriptionError
-from ..files import read_bounded
+from ..support.errors import DescriptionError
+from ..support.files import read_bounded
 from .findings import Findings, Place, finding, refusal, refused
 from .packages import PackageIndex
 

@@ -7,7 +7,7 @@ from collections.abc import Iterable
 from dataclasses import dataclass, field
 from typing import Literal, NamedTuple
 
-from ..errors import DescriptionError, one_line
+from ..support.errors import DescriptionError, one_line
 
 Severity = Literal["info", "warning", "error"]
 

@@ -11,11 +11,11 @@ from urllib.parse import unquote
 
 import numpy as np
 
-from ..checks import Array
-from ..errors import listed
-from ..files import is_file
-from ..places import without_places
-from ..rotations import from_rpy
+from ..support.checks import Array
+from ..support.errors import listed
+from ..support.files import is_file
+from ..support.path_redaction import without_places
+from ..theory.rotations import from_rpy
 from .document import Reading
 from .packages import PackageIndex
 from .tree import Geometry

@@ -11,9 +11,9 @@ from pathlib import Path
 from typing import BinaryIO
 from xml.parsers import expat
 
-from ..checks import require_names
-from ..errors import InputError, shown
-from ..files import as_path, is_file, open_regular
+from ..support.checks import require_names
+from ..support.errors import InputError, shown
+from ..support.files import as_path, is_file, open_regular
 from .copies import find_copy
 
 MAX_DEPTH = 4

@@ -10,9 +10,9 @@ import copy
 import xml.etree.ElementTree as ET
 from collections.abc import Iterable
 
-from ..checks import Array
-from ..errors import DescriptionError
-from ..joints import plane_axes
+from ..support.checks import Array
+from ..support.errors import DescriptionError
+from ..theory.joints import plane_axes
 from .axis import read_axis
 from .document import Reading
 

@@ -6,7 +6,7 @@ import xml.etree.ElementTree as ET
 from collections import Counter
 from difflib import get_close_matches
 
-from ..errors import closest, listed
+from ..support.errors import closest, listed
 from .document import Reading
 
 ATTRIBUTES = {

@@ -5,7 +5,7 @@ from __future__ import annotations
 import xml.etree.ElementTree as ET
 from collections import Counter
 
-from ..errors import closest, listed
+from ..support.errors import closest, listed
 from .document import Reading
 from .findings import refusal
 

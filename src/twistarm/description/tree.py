@@ -9,9 +9,9 @@ from typing import Literal
 
 import numpy as np
 
-from ..checks import Array
-from ..errors import listed, unknown_name
-from ..screws import exp
+from ..support.checks import Array
+from ..support.errors import listed, unknown_name
+from ..theory.screws import exp
 from .findings import Finding, Place, refusal
 
 JointType = Literal["revolute", "continuous", "prismatic", "fixed", "planar", "floating"]

@@ -9,9 +9,9 @@ from dataclasses import replace
 
 import numpy as np
 
-from ..checks import Array, frozen
-from ..errors import DescriptionError, closest
-from ..files import as_path, why_no_file
+from ..support.checks import Array, frozen
+from ..support.errors import DescriptionError, closest
+from ..support.files import as_path, why_no_file
 from .axis import read_axis
 from .catalog import models_share
 from .document import Reading, parse_xml, read_text

@@ -11,9 +11,9 @@ from functools import cached_property
 
 import numpy as np
 
-from ..arm import Arm
-from ..checks import Array
-from ..manipulability import scaled_jacobian
+from ..model.arm import Arm
+from ..support.checks import Array
+from ..theory.manipulability import scaled_jacobian
 
 SAMPLES = 32
 """Random postures; the largest rank among them is the arm's."""

@@ -13,9 +13,9 @@ from itertools import pairwise
 
 import numpy as np
 
-from ..arm import Arm
-from ..checks import Array
 from ..description.findings import Finding, finding
+from ..model.arm import Arm
+from ..support.checks import Array
 from .source_text import SourceText
 from .wording import place_of
 

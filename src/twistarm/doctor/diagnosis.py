@@ -7,13 +7,13 @@ from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass, replace
 from typing import Any
 
-from ..arm import Arm
 from ..description.coupling import resolve_couplings
 from ..description.findings import Finding, Place, finding
+from ..description.meshes import MeshReader
 from ..description.tree import Description
-from ..errors import ComparisonError, DescriptionError, InputError, UnknownNameError
-from ..loading import assemble, prove, read, specify
-from ..meshes import MeshReader
+from ..loading.load import assemble, prove, read, specify
+from ..model.arm import Arm
+from ..support.errors import ComparisonError, DescriptionError, InputError, UnknownNameError
 from .abilities import Abilities, abilities_of, sample_motions
 from .axes import check_axes
 from .idle import check_off_the_chain, check_without_effect

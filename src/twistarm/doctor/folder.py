@@ -6,9 +6,9 @@ import os
 from collections.abc import Iterable, Iterator
 from pathlib import Path
 
-from ..description.arm_file import read_arm_file
+from ..description.companions.arm_file import read_arm_file
 from ..description.findings import Finding
-from ..errors import InputError, TwistarmError
+from ..support.errors import InputError, TwistarmError
 
 DEEPEST, MOST = 12, 2000
 """Folders below the given one, and files in all, that are looked at."""

@@ -6,9 +6,9 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from ..arm import Arm
 from ..description.findings import Finding, finding
 from ..description.tree import Description
+from ..model.arm import Arm
 from .abilities import Motions
 from .wording import grouped, place_of
 

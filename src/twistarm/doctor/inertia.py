@@ -8,9 +8,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ..checks import Array
 from ..description.findings import Finding
 from ..description.tree import Description, Link
+from ..support.checks import Array
 from .wording import grouped
 
 TINY_MASS = 1e-6

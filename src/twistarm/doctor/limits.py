@@ -9,11 +9,11 @@ from pathlib import Path
 
 import numpy as np
 
-from ..arm import Arm
+from ..description.companions.toml_text import toml_key
 from ..description.findings import Finding, Place, finding
-from ..description.toml_text import toml_key
 from ..description.tree import Description, Joint
-from ..limits import AS_GOOD_AS_UNBOUNDED
+from ..limits.joint_limits import AS_GOOD_AS_UNBOUNDED
+from ..model.arm import Arm
 from .wording import SHOWN, grouped, place_of
 
 TOO_WIDE = 13.0

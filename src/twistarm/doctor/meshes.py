@@ -8,12 +8,12 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ..checks import Array
 from ..description.findings import Finding, finding
+from ..description.meshes import MeshReader, UnreadableMeshError
 from ..description.tree import Description
-from ..errors import MissingExtraError, TwistarmError, listed
-from ..files import is_file, open_regular
-from ..meshes import MeshReader, UnreadableMeshError
+from ..support.checks import Array
+from ..support.errors import MissingExtraError, TwistarmError, listed
+from ..support.files import is_file, open_regular
 
 TOO_LARGE = 20.0
 """Times the arm's own size: no link is as long."""

@@ -6,10 +6,10 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from ..arm import Arm
-from ..checks import Array
 from ..description.findings import Finding, finding
-from ..ready_pose import named_ready
+from ..model.arm import Arm
+from ..model.ready_pose import named_ready
+from ..support.checks import Array
 from .wording import place_of, toml_table
 
 SINGULAR = 1e3

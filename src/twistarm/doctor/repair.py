@@ -22,9 +22,9 @@ from ..description.inertial import inertial_problem
 from ..description.packages import package_index, package_name
 from ..description.tree import Description, Joint
 from ..description.urdf import build_description
-from ..errors import InputError
-from ..files import is_file, writable
-from ..pinocchio_model import complaint_about
+from ..model.pinocchio_model import complaint_about
+from ..support.errors import InputError
+from ..support.files import is_file, writable
 from .equality import difference
 from .source_text import SourceText
 

@@ -6,10 +6,10 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from ..arm import Arm
-from ..checks import Array
 from ..description.findings import Finding, finding
-from ..vector_words import axis_in_words, direction_in_words
+from ..model.arm import Arm
+from ..support.checks import Array
+from ..support.vector_words import axis_in_words, direction_in_words
 from .abilities import TOL, Abilities
 from .wording import place_of
 

@@ -6,11 +6,11 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from ..arm import Arm
 from ..description.findings import Finding, finding
-from ..description.link_names import tool_rank
+from ..description.tips.link_names import tool_rank
 from ..description.tree import Description
-from ..vector_words import direction_in_words
+from ..model.arm import Arm
+from ..support.vector_words import direction_in_words
 
 OUT = 0.1
 """How far out [m] the tool of the snippet is."""

@@ -4,10 +4,10 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 
+from ..description.companions.toml_text import toml_key
 from ..description.findings import Finding, Place, finding
-from ..description.toml_text import toml_key
 from ..description.tree import Description, Joint, Link
-from ..errors import listed
+from ..support.errors import listed
 
 SHOWN = 6
 """Names in one finding before the rest is counted."""

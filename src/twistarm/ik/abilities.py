@@ -8,9 +8,9 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ..arm import Arm
-from ..checks import Array
-from ..limits import JointLimits
+from ..limits.joint_limits import JointLimits
+from ..model.arm import Arm
+from ..support.checks import Array
 from .solve import solve_ik
 from .targets import Approach, Pose, Position
 from .task_space import Target

@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from ..checks import Array
+from ..support.checks import Array
 from .request import Request
 from .targets import AnyTarget
 

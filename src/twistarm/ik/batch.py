@@ -11,10 +11,10 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from .. import engine
-from ..arm import Arm, require_arm
-from ..checks import Array, RealArray, as_whole, frozen, require_callback
-from ..errors import InputError, shown
+from ..model import engine
+from ..model.arm import Arm, require_arm
+from ..support.checks import Array, RealArray, as_whole, frozen, require_callback
+from ..support.errors import InputError, shown
 from . import answer, textbook
 from .deadline import Deadline
 from .ranges import joint_ranges

@@ -6,9 +6,9 @@ import math
 
 import numpy as np
 
-from ..errors import printable
-from ..inability import cannot_move, cannot_turn, position_limit
-from ..vector_words import axis_in_words, value_in_words
+from ..model.inability import cannot_move, cannot_turn, position_limit
+from ..support.errors import printable
+from ..support.vector_words import axis_in_words, value_in_words
 from .abilities import Split, approach_plane, out_of_surface, split_rotation
 from .ranges import joint_ranges
 from .solution import NEAREST, IKSolution, StopReason

@@ -8,8 +8,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from ..arm import Arm
-from ..checks import Array
+from ..model.arm import Arm
+from ..support.checks import Array
 
 TURN = 2.0 * math.pi
 

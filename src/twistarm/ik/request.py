@@ -9,9 +9,9 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
-from ..arm import Arm
-from ..checks import Array, as_floats, as_seed, as_whole, frozen
-from ..errors import InputError, listed, shown
+from ..model.arm import Arm
+from ..support.checks import Array, as_floats, as_seed, as_whole, frozen
+from ..support.errors import InputError, listed, shown
 from .task_space import Tolerances
 
 LEAST_TOLERANCE = 1e-12

@@ -10,7 +10,7 @@ import math
 
 import numpy as np
 
-from ..checks import Array
+from ..support.checks import Array
 
 NEAR_HALF_TURN = -0.5
 """Trace below which (beyond 139°) the axis is read from R + Rᵀ, because R − Rᵀ fades towards a half turn."""

@@ -7,12 +7,12 @@ from typing import Any
 
 import numpy as np
 
-from ..arm import Arm
-from ..brief import told
-from ..checks import Array, frozen
-from ..errors import NotConvergedError
-from ..inability import CANNOT_TURN
-from ..vector_words import value_in_words
+from ..model.arm import Arm
+from ..model.inability import CANNOT_TURN
+from ..support.checks import Array, frozen
+from ..support.display import told
+from ..support.errors import NotConvergedError
+from ..support.vector_words import value_in_words
 from . import answer
 from .ranges import joint_ranges
 from .targets import AnyTarget, numbers_of_kind, target_of

@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
-from ..arm import Arm, require_arm
+from ..model.arm import Arm, require_arm
 from . import textbook
 from .request import checked, named
 from .solution import IKSolution

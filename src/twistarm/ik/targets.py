@@ -10,12 +10,12 @@ from typing import Any, ClassVar
 import numpy as np
 from numpy.typing import ArrayLike
 
-from .. import engine
-from ..arm import Arm, require_arm
-from ..brief import Brief
-from ..checks import Array, Matrix, Row, as_direction, as_pose, as_reals, as_vector, frozen, require_choice
-from ..errors import InputError
-from ..vector_words import direction_in_words, metres, numbers
+from ..model import engine
+from ..model.arm import Arm, require_arm
+from ..support.checks import Array, Matrix, Row, as_direction, as_pose, as_reals, as_vector, frozen, require_choice
+from ..support.display import Brief
+from ..support.errors import InputError
+from ..support.vector_words import direction_in_words, metres, numbers
 from . import rotation_errors
 from .task_space import Rows, excess, offset_rows
 

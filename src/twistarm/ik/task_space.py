@@ -7,7 +7,7 @@ from typing import Protocol
 
 import numpy as np
 
-from ..checks import Array
+from ..support.checks import Array
 
 Rows = tuple[Array, Array]
 """(error (k,), rows (k, n))."""

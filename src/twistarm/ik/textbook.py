@@ -11,8 +11,8 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ..arm import Arm
-from ..checks import Array
+from ..model.arm import Arm
+from ..support.checks import Array
 from . import answer
 from .deadline import Deadline
 from .ranges import JointRanges, joint_ranges

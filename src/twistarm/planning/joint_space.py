@@ -8,10 +8,10 @@ from typing import Any, Literal
 import numpy as np
 from numpy.typing import ArrayLike
 
-from ..arm import Arm, require_arm
-from ..checks import Array, RealArray, Row, as_flag, as_floats, require_callback, require_choice
-from ..errors import InputError, shown
-from ..limits import JointLimits
+from ..limits.joint_limits import JointLimits
+from ..model.arm import Arm, require_arm
+from ..support.checks import Array, RealArray, Row, as_flag, as_floats, require_callback, require_choice
+from ..support.errors import InputError, shown
 from . import spline, timing
 from .timing import Progress
 from .trajectory import Trajectory

@@ -9,7 +9,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from ..checks import Array
+from ..support.checks import Array
 
 BISECTIONS = 30
 """An extreme located to 2⁻³⁰ of its segment has its value to 2⁻⁶⁰: the slope there is zero."""

@@ -10,8 +10,8 @@ from typing import Any
 
 import numpy as np
 
-from ..checks import Array
-from ..errors import missing_extra
+from ..support.checks import Array
+from ..support.errors import missing_extra
 
 
 def cubic(waypoints: Array, times: Array) -> Array:

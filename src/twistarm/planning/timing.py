@@ -6,9 +6,9 @@ from collections.abc import Callable, Iterator
 
 import numpy as np
 
-from ..checks import Array
-from ..errors import InputError
-from ..limits import JointLimits
+from ..limits.joint_limits import JointLimits
+from ..support.checks import Array
+from ..support.errors import InputError
 from .piecewise import stretched
 from .within import POSITION_TOL, RATE_TOL, overshoot, stretch_needed
 

@@ -11,11 +11,11 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike
 
-from ..actuators import Actuators
-from ..brief import in_brief, told
-from ..checks import Array, as_floats, frozen
-from ..errors import InputError, listed, shown
-from ..files import write_whole
+from ..limits.actuators import Actuators
+from ..support.checks import Array, as_floats, frozen
+from ..support.display import in_brief, told
+from ..support.errors import InputError, listed, shown
+from ..support.files import write_whole
 from .piecewise import derivative, evaluate, extremes
 
 RATE_UNITS = ("", "/s", "/s²", "/s³")
@@ -150,7 +150,7 @@ class Trajectory:
         that reading gives the same floats. The file is written whole or not at all; raises InputError where it cannot
         be, for a bad `dt`, and for actuators of other joints. Returns the path written.
         """
-        from .export import csv_text
+        from .trajectory_files import csv_text
 
         return write_whole(path, csv_text(self, dt, actuators))
 
@@ -162,7 +162,7 @@ class Trajectory:
         `motors` stands beside: names, units, count_units, and as many points of positions, velocities, counts and
         counts_rates. The file is written whole or not at all; raises InputError as `to_csv`. Returns the path written.
         """
-        from .export import json_text
+        from .trajectory_files import json_text
 
         return write_whole(path, json_text(self, dt, actuators))
 

@@ -6,9 +6,9 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from ..checks import Array
-from ..errors import LimitError
-from ..limits import JointLimits
+from ..limits.joint_limits import JointLimits
+from ..support.checks import Array
+from ..support.errors import LimitError
 from .piecewise import derivative, extremes
 from .trajectory import RATE_UNITS, Trajectory
 

@@ -7,7 +7,7 @@ from enum import IntEnum
 
 import numpy as np
 
-from ..checks import Array
+from ..support.checks import Array
 
 
 class Cause(IntEnum):

@@ -7,10 +7,10 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from .. import engine
-from ..arm import Arm
-from ..checks import Array, frozen
-from ..motion_limits import MotionLimits
+from ..limits.motion_limits import MotionLimits
+from ..model import engine
+from ..model.arm import Arm
+from ..support.checks import Array, frozen
 from .settings import STOP, ServoSettings
 
 

@@ -10,9 +10,8 @@ from typing import Any, ClassVar
 import numpy as np
 from numpy.typing import ArrayLike
 
-from ..arm import Arm, require_arm
-from ..brief import Brief
-from ..checks import (
+from ..model.arm import Arm, require_arm
+from ..support.checks import (
     Array,
     Matrix,
     Row,
@@ -24,7 +23,8 @@ from ..checks import (
     require_choice,
     require_mapping,
 )
-from ..errors import InputError, listed, shown
+from ..support.display import Brief
+from ..support.errors import InputError, listed, shown
 
 TOOL, BASE = "tool", "base"
 FRAMES = (TOOL, BASE)

@@ -9,11 +9,11 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ..arm import Arm
-from ..brief import Brief
-from ..checks import Array, frozen
-from ..inability import ANGULAR, LINEAR, Lack, cannot_move, cannot_turn, lack, must_turn, position_limit, singular
-from ..vector_words import ALONG_AXIS, direction_in_words
+from ..model.arm import Arm
+from ..model.inability import ANGULAR, LINEAR, Lack, cannot_move, cannot_turn, lack, must_turn, position_limit, singular
+from ..support.checks import Array, frozen
+from ..support.display import Brief
+from ..support.vector_words import ALONG_AXIS, direction_in_words
 from .answer import Answer, Cause
 from .bounds import Bounds
 from .command import BASE, AnyCommand, TwistCommand

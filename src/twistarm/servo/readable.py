@@ -8,9 +8,9 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import ArrayLike
 
-from .. import rotations
-from ..arm import Arm
-from ..checks import Array, frozen
+from ..model.arm import Arm
+from ..support.checks import Array, frozen
+from ..theory import rotations
 from .answer import Answer, Cause
 from .bounds import Bounds
 from .command import BASE, AnyCommand, JogCommand, PoseCommand, TwistCommand

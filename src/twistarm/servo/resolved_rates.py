@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ..checks import Array
+from ..support.checks import Array
 from .box import least_in_box
 
 PRECEDENCE, PRECEDENCE_OF_SIX = 10.0, 3.0

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from ..checks import as_number, as_positive, require_choice
-from ..errors import InputError
-from ..inability import NO_MOTION
+from ..model.inability import NO_MOTION
+from ..support.checks import as_number, as_positive, require_choice
+from ..support.errors import InputError
 
 SLIDE, STOP = "slide", "stop"
 BEYOND = (SLIDE, STOP)

@@ -8,7 +8,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ..checks import Array
+from ..support.checks import Array
 from .resolved_rates import PRECEDENCE, Task
 
 BESIDE = 0.02

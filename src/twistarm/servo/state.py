@@ -7,10 +7,10 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike
 
-from ..arm import Arm, require_arm
-from ..brief import Brief
-from ..checks import Array, as_theta, frozen
-from ..errors import InputError
+from ..model.arm import Arm, require_arm
+from ..support.checks import Array, as_theta, frozen
+from ..support.display import Brief
+from ..support.errors import InputError
 
 MOST = 1e6
 """No joint is beyond it, nor as fast [rad, m, per s]."""

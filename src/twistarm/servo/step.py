@@ -6,9 +6,9 @@ from typing import Any
 
 import numpy as np
 
-from ..arm import Arm, require_arm
-from ..checks import as_pose, frozen, require
-from ..errors import InputError, shown
+from ..model.arm import Arm, require_arm
+from ..support.checks import as_pose, frozen, require
+from ..support.errors import InputError, shown
 from . import readable
 from .answer import Answer, Cause
 from .bounds import Bounds, bounds_of

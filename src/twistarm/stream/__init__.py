@@ -1,20 +1,20 @@
 """The loop around the servo: commands in, setpoints out, the joints watched; sources, sinks and simulated joints."""
 
-from .gate import ExposedPortWarning, Signer, Verifier, read_key
-from .inbox import Inbox
 from .interlock import Interlock
+from .links.gate import ExposedPortWarning, Signer, Verifier, read_key
+from .links.inbox import Inbox
+from .links.messages import command_of, parse_command, parse_state, setpoint_message
+from .links.serial_link import SerialRobot, SerialSource
+from .links.state_inbox import StateInbox
+from .links.udp import UdpFeedback, UdpSink, UdpSource
 from .loop import come_to_rest, run
-from .messages import command_of, parse_command, parse_state, setpoint_message
 from .metronome import Metronome, MonotonicClock
 from .protocols import Clock, Feedback, Measured, Reading, Setpoint, Sink, Source, UndeliveredError
 from .recording import Recording, read_recording
 from .replay import Replay
 from .report import Ending, StreamReport
-from .serial_link import SerialRobot, SerialSource
 from .simulation import SimulatedJoints
-from .state_inbox import StateInbox
 from .streaming import Cycle, Streaming
-from .udp import UdpFeedback, UdpSink, UdpSource
 
 __all__ = [
     "Clock",

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from typing import ParamSpec, TypeVar
 
-from ..errors import TwistarmError
+from ..support.errors import TwistarmError
 from .report import Ending
 
 P = ParamSpec("P")

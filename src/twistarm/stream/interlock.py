@@ -5,7 +5,7 @@ from __future__ import annotations
 import threading
 from typing import NamedTuple, Protocol, runtime_checkable
 
-from ..errors import one_line
+from ..support.errors import one_line
 
 ENABLED, STOPPED, EMERGENCY_STOP = "enabled", "stopped", "emergency stop"
 

@@ -10,14 +10,14 @@ from math import inf
 
 from numpy.typing import ArrayLike
 
-from ..arm import Arm
-from ..checks import as_positive, require
-from ..errors import InputError, shown
+from ..model.arm import Arm
 from ..servo import ServoSettings
-from ..signals import ended_like_ctrl_c
+from ..support.checks import as_positive, require
+from ..support.errors import InputError, shown
+from ..support.interrupts import ended_like_ctrl_c
 from .failures import StreamError, asked
-from .inbox import COMMAND_TIMEOUT, FEEDBACK_TIMEOUT
 from .interlock import Interlock
+from .links.inbox import COMMAND_TIMEOUT, FEEDBACK_TIMEOUT
 from .metronome import Metronome, MonotonicClock
 from .protocols import Clock, Feedback, Sink, Source
 from .report import Ending, StreamReport

@@ -5,7 +5,7 @@ from __future__ import annotations
 import time
 from math import ceil, exp, floor, inf, log
 
-from ..errors import InputError
+from ..support.errors import InputError
 
 ROUNDING = 1e-6
 """Part of a period that is none."""

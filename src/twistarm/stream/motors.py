@@ -6,9 +6,9 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from ..arm import Arm
-from ..checks import Array, as_theta
-from ..errors import InputError, listed, shown
+from ..model.arm import Arm
+from ..support.checks import Array, as_theta
+from ..support.errors import InputError, listed, shown
 from .protocols import Setpoint
 
 UNITS = ("joint", "motor", "counts")

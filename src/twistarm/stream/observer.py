@@ -7,9 +7,9 @@ from dataclasses import replace
 
 import numpy as np
 
-from ..arm import Arm
-from ..checks import Array, frozen
-from ..limits import JointLimits
+from ..limits.joint_limits import JointLimits
+from ..model.arm import Arm
+from ..support.checks import Array, frozen
 from .protocols import Measured
 
 GAIN_ERROR = 0.13

@@ -11,12 +11,12 @@ from math import isfinite
 
 import numpy as np
 
-from ..arm import Arm
-from ..brief import Brief
-from ..checks import Array, as_floats, frozen
-from ..csv_lines import Bounds, csv_lines, name_in
-from ..errors import InputError, LimitError, closest, listed
-from ..files import as_path
+from ..model.arm import Arm
+from ..support.checks import Array, as_floats, frozen
+from ..support.csv_lines import Bounds, csv_lines, name_in
+from ..support.display import Brief
+from ..support.errors import InputError, LimitError, closest, listed
+from ..support.files import as_path
 
 TIME = "time [s]"
 

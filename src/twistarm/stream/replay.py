@@ -7,10 +7,10 @@ from typing import NoReturn
 
 import numpy as np
 
-from ..arm import Arm
-from ..checks import Array
-from ..errors import InputError, TwistarmError
+from ..model.arm import Arm
 from ..servo import JogCommand, ServoState
+from ..support.checks import Array
+from ..support.errors import InputError, TwistarmError
 from .protocols import Reading
 from .recording import Recording
 

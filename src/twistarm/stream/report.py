@@ -8,8 +8,8 @@ from dataclasses import dataclass
 from enum import Enum
 from types import MappingProxyType
 
-from ..brief import told
 from ..servo import ServoStatus
+from ..support.display import told
 from .metronome import Lateness
 
 

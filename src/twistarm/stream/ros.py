@@ -6,13 +6,13 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from ..arm import Arm
-from ..checks import Array
-from ..errors import InputError, listed
+from ..model.arm import Arm
+from ..model.usual_limits import usually_limited
 from ..servo import AnyCommand, ServoStatus
-from ..usual_limits import usually_limited
-from .by_name import values_by_name
-from .messages import command_of
+from ..support.checks import Array
+from ..support.errors import InputError, listed
+from .links.by_name import values_by_name
+from .links.messages import command_of
 from .protocols import Setpoint
 from .report import Ending, Tally
 from .streaming import Cycle

@@ -11,10 +11,10 @@ from math import inf
 import numpy as np
 from numpy.typing import ArrayLike
 
-from ..arm import Arm, require_arm
-from ..checks import Array, as_floats, as_number, frozen
-from ..errors import InputError, shown
-from ..usual_limits import defaults_line, with_defaults
+from ..model.arm import Arm, require_arm
+from ..model.usual_limits import defaults_line, with_defaults
+from ..support.checks import Array, as_floats, as_number, frozen
+from ..support.errors import InputError, shown
 from .protocols import Measured, Setpoint
 
 SUBSTEP = 0.002

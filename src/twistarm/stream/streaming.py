@@ -9,15 +9,15 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
-from ..arm import Arm, require_arm
-from ..brief import Brief
-from ..checks import Array, as_positive, frozen, require, require_method
-from ..errors import InputError
+from ..model.arm import Arm, require_arm
+from ..model.usual_limits import defaults_line, usually_limited
 from ..servo import AnyCommand, ServoOutput, ServoSettings, ServoState, servo_step
-from ..usual_limits import defaults_line, usually_limited
+from ..support.checks import Array, as_positive, frozen, require, require_method
+from ..support.display import Brief
+from ..support.errors import InputError
 from .failures import StreamError, asked, worded
-from .inbox import COMMAND_TIMEOUT, FEEDBACK_TIMEOUT
 from .interlock import ENABLED, Interlock, Interlocked
+from .links.inbox import COMMAND_TIMEOUT, FEEDBACK_TIMEOUT
 from .observer import RateObserver, with_reserve
 from .protocols import Feedback, Reading, Setpoint, Sink, Source, UndeliveredError
 from .report import Ending, StreamReport, Tally

@@ -7,10 +7,10 @@ from math import inf
 import numpy as np
 from numpy.typing import ArrayLike
 
-from ..arm import Arm
-from ..checks import Array, as_floats, as_theta
-from ..errors import InputError, shown
-from ..limits import AS_GOOD_AS_UNBOUNDED
+from ..limits.joint_limits import AS_GOOD_AS_UNBOUNDED
+from ..model.arm import Arm
+from ..support.checks import Array, as_floats, as_theta
+from ..support.errors import InputError, shown
 from .protocols import Measured
 
 

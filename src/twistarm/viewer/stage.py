@@ -11,34 +11,34 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
-from ..arm import Arm, require_arm
-from ..checks import Array
-from ..errors import InputError, unknown_name
-from ..limits import JointLimits
+from ..limits.joint_limits import JointLimits
+from ..model.arm import Arm, require_arm
 from ..planning.trajectory import Trajectory
 from ..servo.settings import SLIDE
-from .admission import checked_theta, require_all_inside, require_inside
-from .board import Message
-from .carrying import Left
-from .findings import loaded
-from .gauge import Gauge
-from .glide import Glide
-from .history import History, Seen
-from .jobs import Job
-from .messages import Request
-from .news import Source
+from ..support.checks import Array
+from ..support.errors import InputError, unknown_name
 from .page_files import page_digest
-from .part import Part
-from .path import NO_PATH
-from .placement import Placement
-from .player import Player
-from .plots import Plots
-from .program import Program
-from .servo_words import SILENT
-from .summary import describe_arm, extra_joints, joint_unit, named_poses, rest
-from .target import TargetPart
-from .theory import SHOWN, Theory
-from .workspace import Workspace
+from .parts.admission import checked_theta, require_all_inside, require_inside
+from .parts.carrying import Left
+from .parts.findings import loaded
+from .parts.gauge import Gauge
+from .parts.glide import Glide
+from .parts.history import History, Seen
+from .parts.part import Part
+from .parts.player import Player
+from .parts.plots import Plots
+from .parts.program import Program
+from .parts.servo_words import SILENT
+from .parts.summary import describe_arm, extra_joints, joint_unit, named_poses, rest
+from .parts.target import TargetPart
+from .parts.theory import SHOWN, Theory
+from .parts.tool_path import NO_PATH
+from .parts.workspace import Workspace
+from .protocol.change_publisher import Source
+from .protocol.jobs import Job
+from .protocol.message_cache import Message
+from .protocol.messages import Request
+from .scene.placement import Placement
 
 DRIVING = ("theta", "joint", "pose", "random", "play", "seek", "target", "go", "plan")
 """Requests that move the arm: not under a servo's hands."""

@@ -13,26 +13,26 @@ from pathlib import Path
 
 from numpy.typing import ArrayLike
 
-from ..arm import Arm, require_arm
-from ..checks import Array, as_flag, as_positive, require
-from ..closing import Closing
-from ..errors import InputError, shown
-from ..files import writable, write_whole
+from ..model.arm import Arm, require_arm
 from ..planning.trajectory import Trajectory
 from ..servo import ServoOutput, ServoSettings
 from ..stream import Cycle, Inbox
-from .admission import check_trajectory, checked_theta
-from .drawing import require_meshcat
-from .exhibit import Exhibit, on_show
-from .export import stand_alone
-from .inline import HEIGHT, Inline
-from .memory import Memory
-from .path import NO_PATH, tool_path
-from .scene import Scene
-from .screenshot import write_picture
-from .servo_words import servo_words
+from ..support.checks import Array, as_flag, as_positive, require
+from ..support.closeable import Closing
+from ..support.errors import InputError, shown
+from ..support.files import writable, write_whole
+from .files.inline import HEIGHT, Inline
+from .files.page_export import stand_alone
+from .files.scene_snapshot import Exhibit, on_show
+from .files.screenshot import write_picture
+from .parts.admission import check_trajectory, checked_theta
+from .parts.servo_words import servo_words
+from .parts.tool_path import NO_PATH, tool_path
+from .scene.arm_scene import Scene
+from .scene.drawing import require_meshcat
+from .server.memory import Memory
+from .server.watching import Watch
 from .stage import Stage
-from .watching import Watch
 
 MOVED = "the program moves the arm: Drive was switched off"
 
@@ -65,7 +65,7 @@ class Viewer(Closing):
         fresh: bool = False,
     ) -> None:
         require_meshcat()
-        from .server import Server
+        from .server.server import Server
 
         require_arm(arm)
         if not isinstance(host, str):
@@ -154,8 +154,9 @@ class Viewer(Closing):
     ) -> None:
         """Show what `load` returns whenever one of `files`, or of those that it read the last time, has changed.
 
-        `twistarm.viewer.watching.loaded` finds the files of an arm. The pages say when it was loaded again, and why not
-        where it cannot be: the last one that could stays on show. `say` is told the same, from another thread.
+        `twistarm.viewer.server.watching.loaded` finds the files of an arm. The pages say when it was loaded again,
+        and why not where it cannot be: the last one that could stays on show. `say` is told the same, from another
+        thread.
         """
         self._watches.append(Watch(self._server, load, files, say))
 

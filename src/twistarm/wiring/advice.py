@@ -6,7 +6,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from ..actuators import Actuators
+from ..limits.actuators import Actuators
 from .faults import joints_of, slides
 from .model import Wiring
 

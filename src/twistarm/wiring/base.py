@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ..checks import Array
+from ..support.checks import Array
 
 USUAL = (0.01, float(np.radians(2.0)))
 """One standard deviation [m, rad] of a base measured with a tape: where nothing is said, and it does not fit."""

@@ -7,10 +7,10 @@ from dataclasses import replace
 
 import numpy as np
 
-from ..actuators import Actuators
-from ..arm import Arm, require_arm
-from ..checks import Array, as_not_negative, as_positive, require_callback
-from ..errors import InputError
+from ..limits.actuators import Actuators
+from ..model.arm import Arm, require_arm
+from ..support.checks import Array, as_not_negative, as_positive, require_callback
+from ..support.errors import InputError
 from .advice import moved
 from .base import USUAL
 from .fit import best_fit

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from ..actuators import Actuators
-from ..errors import listed
+from ..limits.actuators import Actuators
+from ..support.errors import listed
 from .model import Wiring
 from .search import Found
 

@@ -7,7 +7,7 @@ from itertools import combinations
 
 import numpy as np
 
-from ..checks import Array
+from ..support.checks import Array
 from .model import Wiring
 
 STEPS = 60

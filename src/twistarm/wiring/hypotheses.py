@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ..checks import Array
+from ..support.checks import Array
 from .fit import refine
 from .model import Wiring
 

@@ -6,7 +6,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from ..actuators import Actuators
+from ..limits.actuators import Actuators
 from .advice import ALL, BASE_KNOWN, advice, enumerated, not_shown, not_shown_of_all
 from .faults import named_faults
 from .report import MotorVerdict

@@ -11,14 +11,14 @@ from typing import Any
 
 import numpy as np
 
-from ..actuators import Actuators
-from ..brief import Brief
-from ..checks import Array, as_floats, as_pose, frozen, require
-from ..csv_lines import Bounds, csv_lines, name_in
 from ..description.geometry import number
-from ..errors import InputError, closest, listed
-from ..files import as_path
-from ..rotations import from_xyzw
+from ..limits.actuators import Actuators
+from ..support.checks import Array, as_floats, as_pose, frozen, require
+from ..support.csv_lines import Bounds, csv_lines, name_in
+from ..support.display import Brief
+from ..support.errors import InputError, closest, listed
+from ..support.files import as_path
+from ..theory.rotations import from_xyzw
 
 BOUNDS = Bounds(bytes=10_000_000, lines=100_000)
 """A row has some 150 bytes; a camera's half hour at 30 Hz is 8 MB."""

@@ -7,9 +7,9 @@ from functools import cached_property
 
 import numpy as np
 
-from ..arm import Arm
-from ..checks import Array
-from ..rotations import exp, log_of
+from ..model.arm import Arm
+from ..support.checks import Array
+from ..theory.rotations import exp, log_of
 from .base import BaseError, BaseOffset, moved_by_base
 
 SLACK = np.radians(1.0)

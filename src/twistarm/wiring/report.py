@@ -6,8 +6,8 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import NamedTuple
 
-from ..brief import told
-from ..errors import ComparisonError
+from ..support.display import told
+from ..support.errors import ComparisonError
 from .base import BaseOffset
 
 

@@ -7,8 +7,8 @@ from itertools import combinations
 
 import numpy as np
 
-from ..actuators import Actuators
-from ..checks import Array
+from ..limits.actuators import Actuators
+from ..support.checks import Array
 from .faults import named_faults
 from .fit import refine, sign_patterns
 from .hypotheses import ACCOUNTS, AS_GOOD, CLEAR, Explanation, alternatives, claims, explained_by, with_account

@@ -8,8 +8,8 @@ from itertools import combinations
 
 import numpy as np
 
-from ..actuators import Actuators
-from ..checks import Array
+from ..limits.actuators import Actuators
+from ..support.checks import Array
 from .fit import best_fit, from_sound, refine
 from .hypotheses import AS_GOOD, CLEAR, UNEXPLAINED, Explanation, explained_by, fewest_faults
 from .model import Wiring

@@ -7,8 +7,8 @@ from functools import cached_property
 
 import numpy as np
 
-from ..actuators import Actuators
-from ..checks import Array
+from ..limits.actuators import Actuators
+from ..support.checks import Array
 from .advice import BASE_KNOWN, advice, moved, not_shown
 from .faults import correction, entries, in_words, joint_offset, named_faults, offset_of, slides
 from .model import Wiring

@@ -10,10 +10,10 @@ from rclpy.node import Node
 from rclpy.signals import SignalHandlerOptions
 
 from twistarm import Arm, TwistarmError
-from twistarm.errors import one_line
 from twistarm.servo import ServoSettings
-from twistarm.signals import ended_like_ctrl_c
 from twistarm.stream import Interlock, Metronome, MonotonicClock, Streaming, come_to_rest
+from twistarm.support.errors import one_line
+from twistarm.support.interrupts import ended_like_ctrl_c
 
 from .description import find_arm
 from .diagnostics import Diagnostics

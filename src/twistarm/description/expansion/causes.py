@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 from typing import Any
 
-from ...errors import DescriptionError
+from ...support.errors import DescriptionError
 from .work import Refused
 
 

@@ -8,7 +8,7 @@ from collections.abc import Iterator
 from dataclasses import dataclass, field
 from pathlib import Path
 
-from ...files import open_regular, opened_path
+from ...support.files import open_regular, opened_path
 from ..copies import is_too_wide
 from ..document import decoded
 from ..packages import SOURCES, PackageIndex, package_name

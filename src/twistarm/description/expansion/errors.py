@@ -6,7 +6,7 @@ import re
 from collections.abc import Mapping
 from pathlib import Path
 
-from ...errors import DescriptionError, InputError, closest, listed
+from ...support.errors import DescriptionError, InputError, closest, listed
 from ..findings import Finding, Place, finding, refusal
 from .causes import causes
 from .environment import NotSetError

@@ -11,7 +11,7 @@ from collections.abc import Callable, Iterable, Iterator, Mapping
 from pathlib import Path
 from typing import Any
 
-from ...errors import one_line
+from ...support.errors import one_line
 from ..document import Reading, note_file, parse_xml
 from ..findings import Place
 from ..packages import PackageIndex, is_package_name

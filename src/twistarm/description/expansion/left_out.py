@@ -8,7 +8,7 @@ from contextlib import contextmanager
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 
-from ...errors import DescriptionError, closest, listed
+from ...support.errors import DescriptionError, closest, listed
 from ..findings import Finding, Place, finding
 
 LEFT_OUT = "package-left-out"

@@ -14,8 +14,8 @@ from importlib.util import module_from_spec, spec_from_file_location
 from pathlib import Path
 from typing import Any
 
-from ...errors import TwistarmError
-from ...wheels import Wheel, load
+from ...support.errors import TwistarmError
+from ...support.wheels import Wheel, load
 
 _WHEEL = Wheel(
     "xacro",

@@ -1,0 +1,122 @@
+"""`check` and `freeze`: the regression for a team's own arm."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Annotated, Any
+
+import typer
+
+from ...doctor.folder import is_part
+from ...loading.load import load_arm
+from ...model.arm import Arm
+from ...proof.crosscheck import CrossCheck, crosscheck
+from ...proof.golden_file import Difference, compare, golden_text
+from ...support.errors import DescriptionError, InputError
+from ...support.path_redaction import without_places
+from ..folders import PART, Line, refused, walk
+from ..options import Json, takes_arm, takes_source
+from ..output import console, note, print_json, progress_bar, say, table
+from ..outputs import STDOUT, Force, Output, outputs_of
+
+Against = Annotated[Path | None, typer.Option(metavar="FILE", help="A golden file: say what has changed since.")]
+Samples = Annotated[int, typer.Option(min=1, max=1_000_000, help="Random configurations to compare at.")]
+
+
+@takes_source
+def check(
+    source: str, load: dict[str, Any], samples: Samples = 1000, against: Against = None, json: Json = False
+) -> int:
+    """Prove product of exponentials = Pinocchio = yourdfpy, for an arm or a folder; --against says what has changed."""
+    if Path(source).is_dir():
+        if against is not None:
+            raise InputError("--against compares one arm with its golden file; name that arm instead of a folder")
+        return walk(Path(source), "check", lambda path: _line(path, load, samples), json=json)
+    arm = load_arm(source, **load)
+    difference = None if against is None else compare(arm, against)
+    with progress_bar("cross-check") as progress:
+        result = crosscheck(arm, samples, progress=progress)
+    if json:
+        print_json(_as_json(result, difference))
+    else:
+        _print(result, difference, against)
+    for words in difference.notes if difference else ():
+        note(words)
+    return 0 if _good(result, difference) else 1
+
+
+def _good(result: CrossCheck, difference: Difference | None) -> bool:
+    return result.ok and (difference is None or difference.same)
+
+
+def verdict(result: CrossCheck) -> str:
+    """What the rows come to, in one line."""
+    silent = [engine for engine in result.left_out if engine in ("pinocchio", "yourdfpy")]
+    agree = f"the engines agree, but {' and '.join(silent)} compared nothing" if silent else "all engines agree"
+    return f"{result.arm}: {agree if result.ok else 'THE ENGINES DISAGREE'}"
+
+
+def _print(result: CrossCheck, difference: Difference | None, against: Path | None) -> None:
+    """The verdict first, then what has changed, then the rows."""
+    since = "" if difference is None else f"; {'unchanged' if difference.same else 'CHANGED'} since {against}"
+    say(verdict(result) + since)
+    for change in difference.changes if difference else ():
+        say(f"changed: {change}")
+    console().print(check_table(result))
+
+
+def _line(path: Path, load: dict[str, Any], samples: int) -> Line:
+    """The cross-check of one file of a folder."""
+    try:
+        arm = load_arm(path, **load)
+    except DescriptionError as error:
+        if is_part(path, error.findings):
+            return Line(PART, None)
+        return refused(str(error), error.findings, error=without_places(str(error), path))
+    result = crosscheck(arm, samples)
+    worst = max((row.worst for row in result.comparisons if not row.not_compared), default=0.0)
+    return Line("ok" if result.ok else "WRONG", result.ok, arm, f"worst difference {worst:.1e}", {"worst": worst})
+
+
+@takes_arm
+def freeze(arm: Arm, output: Output = None, force: Force = False) -> None:
+    """Write a golden file: names, screws, home, limits, motors, FK and Jacobians at 100 seeded configurations."""
+    outputs = outputs_of(output or f"{Path(arm.name).name}.golden.json", {"json": (".json",)}, force=force)
+    for name in outputs.write({"json": lambda: golden_text(arm)}):
+        if name != STDOUT:
+            later = f"later, with the same ARM and options: twistarm check … --against {name}"
+            say(f"{name}: {arm.name} frozen; {later}", file=outputs.words)
+
+
+def check_table(result: CrossCheck) -> Any:
+    """The comparisons as a table."""
+    rows = [
+        [
+            row.quantity,
+            " / ".join(row.engines),
+            f"not compared: {row.not_compared}" if row.not_compared else f"{row.worst:.1e}",
+            "" if row.not_compared else f"{row.tolerance:.0e}",
+            "" if row.not_compared else str(row.samples),
+            "" if row.not_compared else "ok" if row.ok else "WRONG",
+        ]
+        for row in result.comparisons
+    ]
+    columns = ["quantity", "engines", "worst difference", "allowed", "postures", ""]
+    return table("", columns, rows, text=columns)
+
+
+def _as_json(result: CrossCheck, difference: Difference | None) -> dict[str, Any]:
+    content: dict[str, Any] = {
+        "arm": result.arm,
+        "ok": _good(result, difference),
+        "comparisons": [vars(row) | {"ok": row.ok} for row in result.comparisons],
+    }
+    if difference is not None:
+        content |= {
+            "unchanged": difference.same,
+            "changes": difference.changes,
+            "notes": difference.notes,
+            "pose_error": difference.pose_error,
+            "jacobian_error": difference.jacobian_error,
+        }
+    return content

@@ -1,0 +1,165 @@
+"""`arms` and `info`: what there is, and what was loaded."""
+
+from __future__ import annotations
+
+from dataclasses import fields
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from rich.console import Group
+
+from ...description import catalog
+from ...description.companions.motors import MOTOR_LIMITS
+from ...limits.actuators import Actuators
+from ...limits.joint_limits import FIELDS
+from ...model import engine
+from ...model.arm import Arm
+from ...support.path_redaction import without_places
+from ..options import Json, Radians, takes_arm_or_none
+from ..output import console, finding_json, literal, number, print_json, say, shown, table, units
+from ..versions import versions_json, versions_text
+from ..wording import as_typed, in_degrees
+
+
+def arms(json: Json = False) -> None:
+    """List the arms that can be loaded by name."""
+    own, models = catalog.own_arms(), catalog.model_arms()
+    installed = catalog.models_share() is not None
+    if json:
+        print_json({"own": own, "models": models, "models_installed": installed})
+        return
+    say("twistarm's own:      " + ", ".join(own))
+    note = "" if installed else "   (not installed: pip install 'twistarm[models]')"
+    say("example-robot-data:  " + ", ".join(models) + note)
+
+
+@takes_arm_or_none
+def info(arm: Arm | None, rad: Radians = False, json: Json = False) -> None:
+    """Show what was loaded: joints, limits, base, tip, named poses, findings, proof; without ARM what is installed."""
+    if json:
+        print_json(versions_json() if arm is None else info_json(arm))
+    elif arm is None:
+        say(*versions_text().splitlines())
+    else:
+        console().print(info_view(arm, rad))
+
+
+def info_json(arm: Arm) -> dict[str, Any]:
+    """Everything `info` shows, for programs."""
+    return {
+        "name": arm.name,
+        "source": without_places(arm.source, Path(arm.source)),
+        "base": arm.base,
+        "tip": arm.tip,
+        "n": arm.n,
+        "joint_names": arm.joint_names,
+        "joints": [
+            {"name": name, "type": kind, "unit": unit} | {field: getattr(arm.limits, field)[i] for field in FIELDS}
+            for i, (name, kind, unit) in enumerate(zip(arm.joint_names, arm.joint_types, arm.units, strict=True))
+        ],
+        "reach": arm.reach,
+        "screws": arm.screws,
+        "home": arm.home,
+        "ready": arm.ready,
+        "named_states": dict(arm.named_states),
+        "actuators": None if arm.actuators is None else actuators_json(arm.actuators),
+        "disabled_pairs": sorted(arm.disabled_pairs),
+        "frames": arm.frame_names,
+        "proof": arm.proof._asdict() if arm.proof else None,
+        "engine": engine_of(arm),
+        "core": engine.instruction_set() or None,
+        "findings": [finding_json(finding) for finding in arm.findings],
+    }
+
+
+def actuators_json(motors: Actuators) -> dict[str, Any]:
+    """The motors for programs: SI on either side of the gears, null for a limit that was not given."""
+    return {field.name: getattr(motors, field.name) for field in fields(motors)} | {
+        "limits": vars(motors.limits),
+        "joint_limits": vars(motors.joint_limits),
+        "undriven": motors.undriven,
+    }
+
+
+def info_view(arm: Arm, radians: bool) -> Group:
+    """The tables of `info`."""
+    head = (
+        f"[bold]{literal(arm.name)}[/bold]: {arm.n} degrees of freedom from {literal(arm.base)} to {literal(arm.tip)}, "
+        f"reach {arm.reach:.3f} m ({literal(arm.source)})"
+    )
+    parts: list[Any] = [head, "", _joints(arm, radians), "", _poses(arm, radians), ""]
+    if arm.proof is not None:
+        parts.append(
+            f"proof at load: screws and Pinocchio agree within {arm.proof.pose_error:.1e} (pose) and "
+            f"{arm.proof.jacobian_error:.1e} (Jacobian) at {arm.proof.samples} random postures"
+        )
+    parts.append(literal(engine_view(arm)))
+    if arm.actuators is not None:
+        for motors in (_actuators(arm.actuators), *_motor_limits(arm, arm.actuators, radians)):
+            parts += ["", motors]
+        parts.append("")
+    told = [as_typed(str(finding)) for finding in arm.findings]
+    parts += [literal(text if radians else in_degrees(text)) for text in told]
+    return Group(*parts)
+
+
+def engine_of(arm: Arm) -> str:
+    """Who answers forward kinematics, Jacobians and inverse kinematics of this arm."""
+    if arm.compiled is not None:
+        return f"compiled core ({arm.compiled.instruction_set})"
+    return "product of exponentials" if arm.description is None else "Pinocchio"
+
+
+def engine_view(arm: Arm) -> str:
+    """The engine, and why it is not the compiled core."""
+    why_not = "" if arm.compiled is not None else engine.why_not() or "the arm has more than 32 joints"
+    return f"engine: {engine_of(arm)}" + (f"; no compiled core: {why_not}" if why_not else "")
+
+
+def _joints(arm: Arm, radians: bool) -> Any:
+    limits = arm.limits
+    columns = ["joint", "type", "unit", "lower", "upper", "velocity /s", "acceleration /s²", "effort"]
+    values = [shown(arm, v, radians) for v in (limits.lower, limits.upper, limits.velocity, limits.acceleration)]
+    rows = [
+        [name, kind, unit, *(column[i] for column in values), number(limits.effort[i])]
+        for i, (name, kind, unit) in enumerate(zip(arm.joint_names, arm.joint_types, units(arm, radians), strict=True))
+    ]
+    return table("joints, base to tip (− = not given)", columns, rows, text=["type"])
+
+
+def _actuators(motors: Actuators) -> Any:
+    rows = [
+        [name, *(f"{ratio:g}" for ratio in row), f"{offset:g}", unit, "−" if np.isnan(ticks) else f"{ticks:g}"]
+        for name, row, offset, unit, ticks in zip(
+            motors.names, motors.G, motors.offset, motors.units, motors.ticks_per_turn, strict=True
+        )
+    ]
+    columns = ["motor", *motors.joint_names, "offset", "counts in", "ticks per turn"]
+    return table("motors = G theta + o (SI; rows of G)", columns, rows, text=["counts in"])
+
+
+def _motor_limits(arm: Arm, motors: Actuators, radians: bool) -> list[Any]:
+    """The motors' limits, and what they leave each joint; nothing where none were given."""
+    given = [name for name in MOTOR_LIMITS if np.isfinite(getattr(motors.limits, name)).any()]
+    if not given:
+        return []
+    rows = [
+        [name, *(number(getattr(motors.limits, limit)[i]) for limit in given)] for i, name in enumerate(motors.names)
+    ]
+    own = table("limits of the motors, on their side (SI)", ["motor", *given], rows)
+    alone = motors.joint_limits
+    columns = [shown(arm, getattr(alone, name), radians) for name in given if name != "effort"]
+    columns += [[number(effort) for effort in alone.effort]] if "effort" in given else []
+    rows = [list(row) for row in zip(motors.joint_names, units(arm, radians), *columns, strict=True)]
+    return [own, table("what they allow each joint, moving alone", ["joint", "unit", *given], rows, text=["unit"])]
+
+
+def _poses(arm: Arm, radians: bool) -> Any:
+    """A column for each pose, its name as it can be typed."""
+    poses = {"ready": arm.ready, **arm.named_states}
+    conditions = [float(arm.manipulability(theta).condition) for theta in poses.values()]
+    values = [shown(arm, theta, radians) for theta in poses.values()]
+    rows = [list(row) for row in zip(arm.joint_names, units(arm, radians), *values, strict=True)]
+    rows.append(["condition", "", *("singular" if np.isinf(x) else number(x, 1) for x in conditions)])
+    return table("poses (typed by name: --theta ready)", ["joint", "unit", *poses], rows, text=["unit"])

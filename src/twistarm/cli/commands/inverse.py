@@ -1,0 +1,117 @@
+"""`ik`: joint values for a target, or for each target of a CSV file."""
+
+from __future__ import annotations
+
+import os
+from typing import Annotated, Any
+
+import numpy as np
+import typer
+
+from ...ik import POSTURES, IKSolution, solve_ik, solve_ik_batch
+from ...model.arm import Arm
+from ...support.checks import as_positive
+from ...support.errors import InputError
+from ..answers import answers_csv, tell_answers
+from ..csv_rows import Columns, read_sheet
+from ..options import Json, Radians, Theta, takes_arm
+from ..output import console, pose_json, print_json, progress_bar, say, shown, table, theta_typed, units
+from ..outputs import Force, Output, outputs_of
+from ..targets import COLUMNS, Axis, Direction, Quaternion, QuaternionXyzw, Rpy, targets_in, typed_orientation
+from ..typed import VALUES, XYZ, parse_numbers, parse_theta
+
+Xyz = Annotated[str | None, typer.Option(metavar=XYZ, help="Position of the tool in the base frame, in metres.")]
+Targets = Annotated[
+    str | None, typer.Option(metavar="CSV", help=f"A target in each row: {COLUMNS}; - is standard input.")
+]
+Posture = Annotated[
+    str | None,
+    typer.Option(
+        metavar=VALUES,
+        help="What a redundant arm stays near while it meets the target: theta0 (the start), centre, a pose or values.",
+    ),
+]
+PositionTolerance = Annotated[float, typer.Option(metavar="M", help="How far off a position is still met, in metres.")]
+OrientationTolerance = Annotated[
+    float | None,
+    typer.Option(metavar="ANGLE", help="How far the tool may be turned off [°, or rad with --rad]; 1e-6 rad."),
+]
+MaxTime = Annotated[float | None, typer.Option("--max-time", metavar="S", help="Give up after so many seconds.")]
+
+
+@takes_arm
+def ik(
+    arm: Arm,
+    xyz: Xyz = None,
+    rpy: Rpy = None,
+    quaternion: Quaternion = None,
+    quaternion_xyzw: QuaternionXyzw = None,
+    direction: Direction = None,
+    axis: Axis = None,
+    targets: Targets = None,
+    columns: Columns = None,
+    start: Theta = "ready",
+    posture: Posture = None,
+    position_tolerance: PositionTolerance = 1e-6,
+    orientation_tolerance: OrientationTolerance = None,
+    max_time: MaxTime = None,
+    output: Output = None,
+    force: Force = False,
+    rad: Radians = False,
+    json: Json = False,
+) -> int:
+    """Inverse kinematics: a position (--xyz), and how the tool is turned; or every row of a CSV file (--targets)."""
+    if (xyz is None) == (targets is None):
+        raise InputError("give one position by --xyz, or a file of targets by --targets")
+    if columns is not None and targets is None:
+        raise InputError("--columns names the columns of a file: it goes with --targets")
+    outputs = outputs_of(output, {"csv": (".csv",)}, force=force, json=json)
+    orientation = typed_orientation(rpy, quaternion, quaternion_xyzw, direction, axis, rad)
+    as_positive(position_tolerance, "--position-tolerance")
+    angle = None if orientation_tolerance is None else as_positive(orientation_tolerance, "--orientation-tolerance")
+    how: dict[str, Any] = {
+        "theta0": parse_theta(arm, start, rad),
+        "posture": posture if posture in (None, *POSTURES) else parse_theta(arm, str(posture), rad),
+        "position_tol": position_tolerance,
+        "orientation_tol": 1e-6 if angle is None else angle if rad else float(np.radians(angle)),
+        "max_time": max_time,
+    }
+    if targets is not None:
+        sheet = read_sheet(targets, columns)
+        asked = targets_in(sheet, orientation)
+        with progress_bar("ik") as progress:
+            batch = solve_ik_batch(
+                arm, asked, **how, threads=os.cpu_count() or 1, progress=lambda done, count: progress(done / count)
+            )
+        return tell_answers(sheet, batch, outputs, radians=rad, json=json)
+    solution = solve_ik(arm, orientation.at(parse_numbers(str(xyz), 3, "--xyz")), **how)
+    written = outputs.write({"csv": lambda: answers_csv(arm, [1], [solution])})
+    if json:
+        print_json(_as_json(arm, solution) | {"written": written})
+    else:
+        console(outputs.words).print(solution_table(arm, solution, rad))
+        say(theta_typed(arm, solution.theta, rad), *solution.explain().splitlines(), file=outputs.words)
+        outputs.say(written)
+    return 0 if solution.converged else 1
+
+
+def solution_table(arm: Arm, solution: IKSolution, radians: bool) -> Any:
+    """The solution's joint values with their limits."""
+    lower, upper = (shown(arm, bound, radians) for bound in (arm.limits.lower, arm.limits.upper))
+    values = shown(arm, solution.theta, radians)
+    rows = list(zip(arm.joint_names, values, units(arm, radians), lower, upper, strict=True))
+    return table(f"{arm.name}: {solution.stop.name}", ["joint", "value", "unit", "lower", "upper"], rows)
+
+
+def _as_json(arm: Arm, solution: IKSolution) -> dict[str, Any]:
+    fields = ("position_error", "orientation_error", "within_limits", "iterations", "restarts", "method", "notes")
+    return {
+        "arm": arm.name,
+        "converged": solution.converged,
+        "stop": solution.stop.name,
+        "joint_names": arm.joint_names,
+        "theta": solution.theta,
+        **{field: getattr(solution, field) for field in fields},
+        "explanation": solution.explain(),
+        "reached": pose_json(arm.fk(solution.theta)),
+    }

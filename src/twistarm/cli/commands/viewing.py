@@ -1,0 +1,119 @@
+"""`view`: the arm in the browser, as a stand-alone page or as a picture."""
+
+from __future__ import annotations
+
+import re
+import sys
+from collections.abc import Callable
+from contextlib import ExitStack
+from functools import partial
+from pathlib import Path
+from typing import Annotated, Any
+
+import typer
+
+from ...loading.load import load_arm
+from ...support.errors import InputError
+from ...viewer import Viewer, page_html
+from ...viewer.files.csv_trajectory import recorded_motion
+from ...viewer.files.scene_snapshot import of_arm
+from ...viewer.files.screenshot import png_of
+from ...viewer.server.watching import loaded
+from ..options import POSTURE, Radians, takes_source
+from ..output import say, warn
+from ..outputs import Force, Format, outputs_of
+from ..typed import parse_theta
+from .kinematics import warn_outside
+
+Port = Annotated[
+    int,
+    typer.Option(
+        min=0,
+        max=65535,
+        help="Port to serve on; 0 takes a free one. Any other keeps its address and the recorded poses for next time.",
+    ),
+]
+Host = Annotated[str, typer.Option(help="Interface to serve on; anything else opens the view to that network.")]
+Output = Annotated[
+    list[str] | None,
+    typer.Option(
+        "--output",
+        "-o",
+        metavar="FILE",
+        help="Write a stand-alone page (*.html) or a picture (*.png) instead; - is standard output; repeat it.",
+    ),
+]
+Fresh = Annotated[
+    bool, typer.Option("--fresh", help="With --port: begin with a new address, and without the poses kept for it.")
+]
+Watch = Annotated[bool, typer.Option("--watch", help="Load the arm again whenever one of its files changes.")]
+Browser = Annotated[bool, typer.Option("--browser/--no-browser", help="Open the page in a browser.")]
+
+
+@takes_source
+def view(
+    source: str,
+    load: dict[str, Any],
+    theta: Annotated[str | None, POSTURE] = None,
+    port: Port = 0,
+    host: Host = "127.0.0.1",
+    browser: Browser = True,
+    fresh: Fresh = False,
+    watch: Watch = False,
+    play: Annotated[Path | None, typer.Option(metavar="CSV", help="Play a motion that `twistarm plan` wrote.")] = None,
+    output: Output = None,
+    form: Format = None,
+    force: Force = False,
+    size: Annotated[str | None, typer.Option(metavar="WxH", help="Pixels of the picture; 1280x720.")] = None,
+    rad: Radians = False,
+) -> None:
+    """Show the arm in the browser: move, drag, jog, record poses, see its screws; serves until Ctrl-C."""
+    outputs = outputs_of(output, {"html": (".html", ".htm"), "png": (".png",)}, form, force=force)
+    if size is not None and all(kind != "png" for kind, _ in outputs.files):
+        raise InputError("--size is that of the picture: it goes with -o FILE.png")
+    pixels = _pixels(size or "1280x720")
+    load_again = partial(load_arm, source, **load)
+    arm, files = loaded(load_again)
+    if fresh and port == 0:
+        raise InputError("--fresh goes with --port PORT: without it nothing is kept")
+    x = None if theta is None else parse_theta(arm, theta, rad)
+    if x is not None:
+        warn_outside(arm, x, rad)
+    motion = None if play is None else recorded_motion(arm, play)
+    if outputs.files and (watch or fresh):
+        raise InputError("--watch and --fresh are for a page that is served: they do not go with -o FILE")
+    if outputs.files:
+        start = x if motion is None else motion(0.0)
+        contents: dict[str, Callable[[], str | bytes]] = {
+            "html": lambda: page_html(arm, motion, x),
+            "png": lambda: png_of(pixels, lambda: of_arm(arm, motion, start)),
+        }
+        outputs.say(outputs.write(contents))
+        return
+    with ExitStack() as stack:
+        kept = {"keep": port != 0, "fresh": fresh}
+        viewer = stack.enter_context(Viewer(arm, x, host=host, port=port, open_browser=False, **kept))
+        if motion is not None:
+            viewer.show_path(motion)
+            viewer.play(motion)
+        if watch:
+            viewer.watch(load_again, files, lambda words: say(words, file=sys.stderr))
+        serve(viewer, f"{arm.name} at", browser)
+
+
+def _pixels(text: str) -> tuple[int, int]:
+    """Width and height typed as 1280x720."""
+    sides = re.fullmatch(r"\s*(\d{1,6})\s*[xX×]\s*(\d{1,6})\s*", text)
+    if sides is None:
+        raise InputError(f"--size takes width and height in pixels, as in --size 1280x720; got {text!r}")
+    return int(sides[1]), int(sides[2])
+
+
+def serve(viewer: Viewer, what: str, browser: bool) -> None:
+    """Print the page's address, open it in a browser if wanted and there is one, and serve until Ctrl-C."""
+    for note in viewer.notes:
+        warn(note)
+    say(f"{what} {viewer.url}  (Ctrl-C ends it)")
+    if browser and not viewer.open_page():
+        warn("no browser found here; open the address yourself, or use -o FILE.html for a page that needs no server")
+    viewer.wait()

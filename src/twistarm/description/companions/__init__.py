@@ -1,0 +1,1 @@
+"""Companion files of a description: arm.toml, SRDF, joint_limits.yaml."""

@@ -1,0 +1,166 @@
+"""arm.toml: what a team says about its own arm beside the description (base, tip, tool, limits, poses, actuators)."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from ...limits.joint_limits import FIELDS
+from ...support.checks import Array, as_vector, frozen
+from ...support.errors import InputError
+from ...support.files import as_path, is_file
+from ...theory.rotations import from_rpy
+from ..copies import is_too_wide
+from ..findings import Place, refusal
+from ..packages import package_names
+from .motors import Motor, read_motors
+from .toml_entries import bounded, numbers_of, only, parse_toml, table_of, text_of, unusable
+
+
+@dataclass(frozen=True)
+class Tool:
+    """A tool frame beyond the tip: its name and its pose (4, 4) seen from the tip link."""
+
+    name: str
+    g_tip_tool: Array
+
+
+@dataclass(frozen=True)
+class ArmSpecification:
+    """What is to be loaded: a description file and what is said about it, SI units and radians.
+
+    `source` is what the user named: the description itself, an arm.toml or a name of the catalogue. `other_chain`
+    tells that the caller has asked for another base or tip, so that not all of the rest need fit. An arm.toml may be a
+    stranger's: `env`, the variables that the description may know, is the caller's alone, and `mesh_dirs` are what it
+    names as folders with packages elsewhere in the home folder or the system, from which nothing but meshes is read.
+    """
+
+    description: Path
+    source: str
+    name: str | None = None
+    base: str | None = None
+    tip: str | None = None
+    tool: Tool | None = None
+    package_dirs: tuple[str | os.PathLike[str], ...] = ()
+    mesh_dirs: tuple[Path, ...] = ()
+    xacro_args: Mapping[str, object] = field(default_factory=dict)
+    without: tuple[str, ...] = ()
+    env: tuple[str, ...] = ()
+    limits: Mapping[str, Mapping[str, float]] = field(default_factory=dict)
+    locked: Mapping[str, float] = field(default_factory=dict)
+    poses: Mapping[str, Mapping[str, float]] = field(default_factory=dict)
+    srdf: str | os.PathLike[str] | None = None
+    joint_limits: str | os.PathLike[str] | None = None
+    motors: tuple[Motor, ...] = ()
+    other_chain: bool = False
+
+
+_TEXTS = ("name", "source", "base", "tip", "srdf", "joint_limits")
+_KEYS = (*_TEXTS, "tool", "xacro_args", "package_dirs", "without", "limits", "locked", "poses", "actuators")
+
+
+def read_arm_file(path: Path) -> ArmSpecification:
+    """Read an arm.toml. Raises DescriptionError that names the file, the entry and what is allowed there."""
+    content = parse_toml(path)
+    only(content, _KEYS, path, "at the top level")
+    for key in _TEXTS:
+        if key in content:
+            text_of(content[key], key, path)
+    if "source" not in content:
+        raise unusable(path, 'it names no source: write source = "my_arm.urdf"')
+    folders = _folders(content, path)
+    far = tuple(folder for folder in folders if _is_elsewhere(folder, path))
+    return ArmSpecification(
+        description=_file(content["source"], "source", path),
+        source=str(path),
+        name=content.get("name"),
+        base=content.get("base"),
+        tip=content.get("tip"),
+        tool=_tool(content, path),
+        xacro_args=table_of(content, "xacro_args", path),
+        package_dirs=tuple(folder for folder in folders if folder not in far),
+        mesh_dirs=far,
+        without=_without(content, path),
+        limits=_limits(content, path),
+        locked=_locked(content, path),
+        poses={
+            name: numbers_of(table_of(table_of(content, "poses", path), name, path), path, f"poses.{name}")
+            for name in table_of(content, "poses", path)
+        },
+        srdf=_file(content["srdf"], "srdf", path) if "srdf" in content else None,
+        joint_limits=_file(content["joint_limits"], "joint_limits", path) if "joint_limits" in content else None,
+        motors=read_motors(content, path),
+    )
+
+
+def _file(name: str, key: str, path: Path) -> Path:
+    """A file that the arm.toml names, beside it."""
+    file = path.parent / name
+    if not is_file(file):
+        what = f"{key} {name!r} does not exist beside it"
+        raise refusal("file-not-found", Place(str(path)), what, "correct the path")
+    return file
+
+
+def _without(content: Mapping[str, Any], path: Path) -> tuple[str, ...]:
+    try:
+        return package_names(content.get("without", []))
+    except InputError as error:
+        raise unusable(path, str(error)) from error
+
+
+def _folders(content: Mapping[str, Any], path: Path) -> tuple[Path, ...]:
+    folders = content.get("package_dirs", [])
+    if not isinstance(folders, list) or not all(isinstance(folder, str) for folder in folders):
+        raise unusable(path, f"package_dirs must be a list of texts; got {folders!r}")
+    found = tuple(path.parent / as_path(folder) for folder in folders)
+    for name, folder in zip(folders, found, strict=True):
+        if not os.path.isdir(folder):
+            what = f"package_dirs names {name!r}; there is no such folder beside it"
+            raise refusal("file-not-found", Place(str(path)), what, "correct the path")
+    return found
+
+
+def _is_elsewhere(folder: Path, path: Path) -> bool:
+    """Whether the way from the arm.toml to `folder` leads through the home folder, or one that holds it."""
+    ends = os.path.realpath(folder), os.path.realpath(path.parent)
+    return is_too_wide(Path(os.path.commonpath(ends)))
+
+
+def _locked(content: Mapping[str, Any], path: Path) -> dict[str, float]:
+    locked = table_of(content, "locked", path)
+    return {joint: bounded(value, path, f"locked.{joint}") for joint, value in locked.items()}
+
+
+def _limits(content: Mapping[str, Any], path: Path) -> dict[str, dict[str, float]]:
+    limits = table_of(content, "limits", path)
+    for joint in limits:
+        only(table_of(limits, joint, path), FIELDS, path, f"in limits.{joint}")
+    return {joint: numbers_of(limits[joint], path, f"limits.{joint}") for joint in limits}
+
+
+def _tool(content: Mapping[str, Any], path: Path) -> Tool | None:
+    if "tool" not in content:
+        return None
+    table = table_of(content, "tool", path)
+    only(table, ("name", "xyz", "rpy"), path, "in tool")
+    name = text_of(table.get("name"), "tool.name", path)
+    g = np.eye(4)
+    g[:3, 3] = _three(table, "xyz", path)
+    g[:3, :3] = from_rpy(_three(table, "rpy", path))
+    return Tool(name, frozen(g))
+
+
+def _three(table: Mapping[str, Any], key: str, path: Path) -> Array:
+    try:
+        numbers = as_vector(table.get(key, (0.0, 0.0, 0.0)), f"tool.{key}")
+    except InputError as error:
+        raise unusable(path, str(error)) from error
+    if numbers.ndim != 1:
+        raise unusable(path, f"tool.{key} must have shape (3,); got {numbers.shape}")
+    return np.array([bounded(number, path, f"tool.{key}") for number in numbers])

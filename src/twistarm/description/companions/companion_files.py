@@ -1,0 +1,85 @@
+"""Files that stand where MoveIt and ROS packages put them beside a description."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Iterator
+from pathlib import Path
+
+from ...support.errors import DescriptionError, listed
+from ...support.files import is_file
+from ..findings import Finding, Place, finding
+from ..tree import Description
+from .srdf import Semantics, read_srdf
+
+FOLDERS = ("config", "srdf")
+"""Where packages keep them: in the description's folder, or one above."""
+
+MOVEIT = "*_moveit_config"
+"""The MoveIt package of the same workspace: one or two folders above the description's."""
+
+
+MOST_BYTES, FILE_BYTES = 3_000_000, 10_000
+"""SRDFs that nobody named are read up to so much in all; each counts for no less than the second."""
+
+
+def files_beside(file: Path, pattern: str) -> tuple[Path, ...]:
+    """Files named like `pattern` (`*.srdf`) in the description's folder and where packages keep them beside it.
+
+    What is there through a link lies elsewhere, and nobody has asked for it.
+    """
+    found = (path for folder in _folders(file) for path in _glob(folder, pattern))
+    return tuple(path for path in dict.fromkeys(found) if is_file(path) and path.resolve() == path)
+
+
+def srdf_beside(description: Description) -> tuple[Semantics | None, tuple[Finding, ...]]:
+    """The one SRDF beside the description that is for a robot of its name, and what was noticed.
+
+    Where several are, none is used. A xacro'd SRDF is a program that nobody named, and is not looked for.
+    """
+    if description.path is None:
+        return None, ()
+    matching: list[Semantics] = []
+    noted: list[Finding] = []
+    left = MOST_BYTES
+    every = files_beside(description.path, "*.srdf")
+    for i, path in enumerate(every):
+        left -= max(FILE_BYTES, path.stat().st_size)
+        if left < 0:
+            what = f"{len(every)} SRDFs are beside the description; {len(every) - i} of them are not looked at"
+            noted.append(finding("srdf-ignored", Place(path.name), what, "name the right one as srdf="))
+            break
+        try:
+            semantics = read_srdf(path)
+        except DescriptionError as error:
+            noted.append(finding("srdf-ignored", Place(path.name), str(error), "correct it, or name another as srdf="))
+            continue
+        if semantics.name == description.name:
+            matching.append(semantics)
+    if len(matching) <= 1:
+        return next(iter(matching), None), tuple(noted)
+    files = listed(path_from(description, semantics.path) for semantics in matching)
+    what = f"several SRDFs are for a robot {description.name!r}: {files}; none is used"
+    return None, (*noted, finding("srdf-ambiguous", description.place(), what, "name one as srdf="))
+
+
+def path_from(description: Description, file: Path) -> str:
+    """The way from the description's folder to a file: `../config/arm.srdf`."""
+    return os.path.relpath(file.resolve(), description.path.parent) if description.path else str(file)
+
+
+def _folders(file: Path) -> Iterator[Path]:
+    here = file.resolve().parent
+    yield here
+    for parent in (here, here.parent):
+        yield from (parent / name for name in FOLDERS)
+    for workspace in (here.parent, here.parent.parent):
+        for package in _glob(workspace, MOVEIT):
+            yield from (package / name for name in FOLDERS)
+
+
+def _glob(folder: Path, pattern: str) -> list[Path]:
+    try:
+        return sorted(folder.glob(pattern))
+    except OSError:
+        return []

@@ -1,0 +1,194 @@
+"""SRDF: what a robot's parts mean. Groups, end effectors, named states, pairs of links that need no collision check."""
+
+from __future__ import annotations
+
+import os
+import xml.etree.ElementTree as ET
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass, field
+from pathlib import Path
+from types import MappingProxyType
+
+import numpy as np
+
+from ...support.files import as_path, why_no_file
+from ..document import Reading, parse_xml, read_text
+from ..expansion.arguments import declared_arguments
+from ..expansion.expand import expand_xacro, is_xacro
+from ..findings import Place, refusal
+from ..packages import package_index
+
+MAX_BYTES = 1_000_000
+"""A whole humanoid's SRDF has some 200 kB."""
+
+MAX_GROUPS = 200
+"""And some 30 groups; each is held against all others, and each silent link against all links. States are shown."""
+
+Pair = tuple[str, str]
+
+
+@dataclass(frozen=True)
+class Group:
+    """A named set of joints: chains as (base_link, tip_link), joints, links (each with its parent joint), groups."""
+
+    name: str
+    chains: tuple[Pair, ...] = ()
+    joints: tuple[str, ...] = ()
+    links: tuple[str, ...] = ()
+    subgroups: tuple[str, ...] = ()
+
+
+@dataclass(frozen=True)
+class EndEffector:
+    """What hangs on `parent_link`: the joints of `group`; `parent_group` is the arm's group, where that is said."""
+
+    name: str
+    parent_link: str
+    group: str
+    parent_group: str = ""
+
+
+@dataclass(frozen=True)
+class GroupState:
+    """A named posture: {joint: value [rad or m]}, joints with several numbers left out."""
+
+    name: str
+    group: str
+    values: Mapping[str, float]
+
+
+@dataclass(frozen=True)
+class Semantics:
+    """An SRDF as read. Pairs of links are sorted; virtual joints are not kept, only their names.
+
+    `silent_links` are those that by default collide with nothing, but for the `checked_pairs`.
+    """
+
+    path: Path
+    name: str
+    groups: Mapping[str, Group] = field(default_factory=dict)
+    end_effectors: tuple[EndEffector, ...] = ()
+    states: tuple[GroupState, ...] = ()
+    disabled: frozenset[Pair] = frozenset()
+    silent_links: tuple[str, ...] = ()
+    checked_pairs: frozenset[Pair] = frozenset()
+    passive_joints: tuple[str, ...] = ()
+    virtual_joints: tuple[str, ...] = ()
+
+    def disabled_pairs(self, links: Iterable[str]) -> frozenset[Pair]:
+        """The pairs of `links`, each sorted, that are not to be checked for collisions."""
+        known = set(links)
+        default = {_pair(a, b) for a in self.silent_links for b in known if a in known and a != b}
+        named = (default - self.checked_pairs) | self.disabled
+        return frozenset(pair for pair in named if known.issuperset(pair))
+
+
+def read_srdf(
+    path: str | os.PathLike[str],
+    package_dirs: Iterable[str | os.PathLike[str]] = (),
+    xacro_args: Mapping[str, object] = MappingProxyType({}),
+    without: Iterable[str] = (),
+    env: Iterable[str] = (),
+) -> Semantics:
+    """Read an SRDF, plain or xacro; of `xacro_args` those are passed on that the file declares, `without` and `env` as
+    in `read_description`.
+
+    Raises DescriptionError (file, line, element, remedy) for what is no SRDF.
+    """
+    file = as_path(path)
+    if why := why_no_file(file):
+        raise refusal("file-not-found", Place(str(file)), why, "give the path of an SRDF")
+    if file.stat().st_size > MAX_BYTES:
+        what = f"it has {file.stat().st_size} bytes; an SRDF has at most {MAX_BYTES}"
+        raise refusal("srdf-unusable", Place(str(file)), what, "is it an SRDF file?")
+    index = package_index(file, package_dirs)
+    if not is_xacro(file):
+        return _semantics(read_text(file), Reading(file, index))
+    known = declared_arguments([file])
+    given = {name: value for name, value in xacro_args.items() if name in known}
+    text, _ = expand_xacro(file, index, given, without, env)
+    return _semantics(text, Reading(file, index, show_lines=False))
+
+
+def _semantics(text: str, reading: Reading) -> Semantics:
+    robot = parse_xml(text, reading)
+    if robot.tag != "robot" or robot.find("link") is not None:
+        what = "it holds links, as a URDF does" if robot.tag == "robot" else f"its root element is <{robot.tag}>"
+        raise refusal("srdf-unusable", reading.whole, what, "is it an SRDF file?")
+    for tag in ("group", "group_state", "end_effector", "disable_default_collisions"):
+        if len(robot.findall(tag)) > MAX_GROUPS:
+            what = f"it has {len(robot.findall(tag))} elements <{tag}>; allowed are {MAX_GROUPS}"
+            raise refusal("srdf-unusable", reading.whole, what, "is it an SRDF file?")
+    ends = ("link1", "link2")
+    return Semantics(
+        path=reading.path,
+        name=_named(robot, "name", reading),
+        groups=_groups(robot, reading),
+        end_effectors=tuple(
+            EndEffector(
+                name=_named(element, "name", reading),
+                parent_link=_named(element, "parent_link", reading),
+                group=_named(element, "group", reading),
+                parent_group=element.get("parent_group", ""),
+            )
+            for element in robot.findall("end_effector")
+        ),
+        states=tuple(_state(state, reading) for state in robot.findall("group_state")),
+        disabled=frozenset(_pair(*_names(e, ends, reading)) for e in robot.findall("disable_collisions")),
+        silent_links=tuple(_named(e, "link", reading) for e in robot.findall("disable_default_collisions")),
+        checked_pairs=frozenset(_pair(*_names(e, ends, reading)) for e in robot.findall("enable_collisions")),
+        passive_joints=_names_of(robot, "passive_joint", reading),
+        virtual_joints=_names_of(robot, "virtual_joint", reading),
+    )
+
+
+def _groups(robot: ET.Element, reading: Reading) -> dict[str, Group]:
+    groups: dict[str, Group] = {}
+    for element in robot.findall("group"):
+        name = _named(element, "name", reading)
+        if name in groups:
+            raise reading.error(element, "srdf-unusable", "a group of this name stands above", "rename one of them")
+        chains = [_names(chain, ("base_link", "tip_link"), reading) for chain in element.findall("chain")]
+        groups[name] = Group(
+            name=name,
+            chains=tuple((base, tip) for base, tip in chains),
+            joints=_names_of(element, "joint", reading),
+            links=_names_of(element, "link", reading),
+            subgroups=_names_of(element, "group", reading),
+        )
+    return groups
+
+
+def _state(element: ET.Element, reading: Reading) -> GroupState:
+    values: dict[str, float] = {}
+    for joint in element.findall("joint"):
+        name, text = _names(joint, ("name", "value"), reading)
+        try:
+            numbers = np.array([float(word) for word in text.split()])
+        except ValueError:
+            numbers = np.array([np.nan])
+        if not np.isfinite(numbers).all() or not numbers.size:
+            what = f"in group_state {element.get('name')!r} its value is {text[:60]!r}"
+            raise reading.error(joint, "srdf-unusable", what, "give a number [rad or m]")
+        if numbers.size == 1:
+            values[name] = float(numbers[0])
+    return GroupState(_named(element, "name", reading), element.get("group", ""), values)
+
+
+def _names_of(parent: ET.Element, tag: str, reading: Reading) -> tuple[str, ...]:
+    return tuple(_named(element, "name", reading) for element in parent.findall(tag))
+
+
+def _names(element: ET.Element, attributes: Iterable[str], reading: Reading) -> tuple[str, ...]:
+    return tuple(_named(element, attribute, reading) for attribute in attributes)
+
+
+def _named(element: ET.Element, attribute: str, reading: Reading) -> str:
+    value = element.get(attribute, "").strip()
+    if not value:
+        raise reading.error(element, "srdf-unusable", f"it has no {attribute}=", f"add {attribute}=")
+    return value
+
+
+def _pair(a: str, b: str) -> Pair:
+    return (a, b) if a <= b else (b, a)

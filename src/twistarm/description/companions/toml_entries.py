@@ -1,0 +1,92 @@
+"""Entries of an arm.toml, each checked; what cannot be used is refused with its file, its place and what is allowed."""
+
+from __future__ import annotations
+
+import sys
+from collections.abc import Iterable, Mapping
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from ...support.errors import DescriptionError, closest, listed
+from ..document import read_text
+from ..findings import Place, refusal
+from ..geometry import LARGEST
+
+MAX_BYTES, MAX_LINE = 64_000, 2_000
+"""An arm.toml has some 5 kB; TOML's reader takes seconds for a dotted key that fills a longer line."""
+
+
+def unusable(path: Path, what: str, remedy: str = "correct it there") -> DescriptionError:
+    """The error for what cannot be used."""
+    return refusal("arm-file-unusable", Place(str(path)), what, remedy)
+
+
+def parse_toml(path: Path) -> dict[str, Any]:
+    """The content of the file; DescriptionError where it is no TOML, or too much of it."""
+    if sys.version_info >= (3, 11):
+        import tomllib
+    else:
+        import tomli as tomllib
+
+    text = read_text(path, MAX_BYTES)
+    if max(map(len, text.splitlines()), default=0) > MAX_LINE:
+        raise unusable(path, f"a line of more than {MAX_LINE:,} characters", "break it; is it an arm.toml?")
+    try:
+        content: dict[str, Any] = tomllib.loads(text)
+        return content
+    except RecursionError as error:
+        raise unusable(path, "not valid TOML: it nests too deep", "is it an arm.toml?") from error
+    except ValueError as error:  # TOMLDecodeError is one; so is Python's for an integer of too many digits
+        raise unusable(path, f"not valid TOML: {error}") from error
+
+
+def only(table: Mapping[str, Any], allowed: Iterable[str], path: Path, place: str) -> None:
+    """Refuse entries of other names."""
+    for key in table:
+        if key not in allowed:
+            what = f"unknown entry {key!r} {place}{closest(key, allowed)}"
+            raise unusable(path, what, f"allowed: {listed(allowed, 20)}")
+
+
+def text_of(value: Any, place: str, path: Path) -> str:
+    """A text that is not empty."""
+    if not isinstance(value, str):
+        raise unusable(path, f"{place} must be a text; got {value!r}")
+    if not value.strip():
+        raise unusable(path, f"{place} must not be empty; got {value!r}")
+    return value
+
+
+def table_of(content: Mapping[str, Any], key: str, path: Path) -> Mapping[str, Any]:
+    """The table `key`, empty where there is none."""
+    table = content.get(key, {})
+    if not isinstance(table, dict):
+        raise unusable(path, f"{key} must be a table of name = value; got {table!r}")
+    return table
+
+
+def numbers_of(table: Mapping[str, Any], path: Path, place: str) -> dict[str, float]:
+    """Numbers by name."""
+    return {name: number_of(value, path, f"{place}.{name}") for name, value in table.items()}
+
+
+def number_of(value: Any, path: Path, place: str, unit: str = "rad or m") -> float:
+    """A number, infinity too."""
+    try:
+        number = np.nan if isinstance(value, (bool, str)) else float(value)
+    except (TypeError, ValueError, OverflowError):
+        number = np.nan
+    if np.isnan(number):
+        raise unusable(path, f"{place} must be a number ({unit}); got {str(value)[:60]!r}")
+    return number
+
+
+def bounded(value: Any, path: Path, place: str, wanted: str = "finite") -> float:
+    """A number of a size that robots have."""
+    number = number_of(value, path, place)
+    if not abs(number) <= LARGEST:
+        allowed = f"at most {LARGEST:g} in size" if np.isfinite(number) else wanted
+        raise unusable(path, f"{place} must be {allowed}; got {number:g}")
+    return number

@@ -1,0 +1,161 @@
+"""`MeshReader`: the meshes of one arm, read one after the other in another process, which can be lost."""
+
+from __future__ import annotations
+
+import os
+import signal
+import threading
+from contextlib import suppress
+from importlib.util import find_spec
+from math import inf, isfinite
+from pathlib import Path
+from typing import Any
+
+from ...support.closeable import Closing
+from ...support.errors import InputError, TwistarmError, missing_extra, one_line
+from .formats import LIGHTER, UnreadableMeshError, format_of
+from .limits import ARM_SECONDS, ARM_SECONDS_AT_MOST, LONGEST, MEMORY, PATIENCE, SECONDS_PER_MEGABYTE, seconds_for
+from .part import Part
+from .process import EndedError, Process, given_back, taken
+from .protocol import BrokenAnswerError
+
+NONSENSE = "its reader came to nonsense"
+
+LONGEST_REASON = 300
+"""Characters."""
+
+
+class MeshReader(Closing):
+    """Reads the meshes of one arm within limits of memory and time, for each and for all, until `close`.
+
+    A context manager. From any thread; one reads at a time, and `close` ends what is being read.
+    Both readings raise UnreadableMeshError, worded for a stranger, for a file that is no mesh or breaks a limit,
+    MissingExtraError without trimesh, and TwistarmError where no process can be started.
+    """
+
+    def __init__(self) -> None:
+        self._spent, self._allowed = 0.0, ARM_SECONDS
+        self._process: Process | None = None
+        self._unavailable: TwistarmError | None = None
+        self._turn, self._lock = threading.Lock(), threading.Lock()
+        self._asking = self._closed = False
+        self._lengths: dict[Path, float | TwistarmError] = {}
+
+    def begin(self) -> None:
+        """Have the process start, if it can: what it imports takes some tenths of a second. Returns at once."""
+        if find_spec("trimesh") is not None:
+            with self._lock, suppress(TwistarmError):
+                self._have_process()
+
+    def parts(self, path: Path, most: float = inf) -> list[Part]:
+        """The parts of the mesh file at `path`, in its own frame and in metres if it names its unit, simplified to
+        about `most` triangles.
+        """
+        with self._turn:
+            parts = self._read(path, {"parts": True, "most": most if isfinite(most) else None})
+        if not parts:
+            raise UnreadableMeshError(path, NONSENSE)
+        return parts
+
+    def length(self, path: Path) -> float:
+        """The longest side of the box around it, in metres if the file names its unit; known where it was read."""
+        with self._turn:
+            if path not in self._lengths:
+                self._read(path, {"parts": False})
+        length = self._lengths[path]
+        if isinstance(length, TwistarmError):
+            raise length
+        return length
+
+    def rest(self) -> None:
+        """Let others have the process while there is nothing to read."""
+        with self._lock:
+            if self._process is not None and not self._asking:
+                given_back(self._process)
+                self._process = None
+
+    def close(self) -> None:
+        """Read no more; what is being read is given up."""
+        with self._lock:
+            self._closed = True
+            if self._process is not None and self._asking:
+                self._process.kill()
+        self.rest()
+
+    def _read(self, path: Path, request: dict[str, Any]) -> list[Part]:
+        try:
+            format_of(path)
+            head, parts = self._ask(path, request | {"path": os.path.abspath(path)})
+            self._charge(_number(head, "seconds"), _number(head, "bytes"))
+            if "reason" in head:
+                raise UnreadableMeshError(path, one_line(str(head["reason"]), LONGEST_REASON))
+        except TwistarmError as error:
+            self._lengths[path] = error
+            raise
+        self._lengths[path] = min(_number(head, "length"), 4 * LONGEST)
+        return parts
+
+    def _charge(self, seconds: float, size: float) -> None:
+        self._spent += seconds
+        self._allowed = min(self._allowed + SECONDS_PER_MEGABYTE * size / 1e6, ARM_SECONDS_AT_MOST)
+
+    def _ask(self, path: Path, request: dict[str, Any]) -> tuple[dict[str, Any], list[Part]]:
+        self._require_process()
+        try:
+            return self._answer(path, request, seconds_for(_size(path)))
+        finally:
+            self._asking = False
+
+    def _require_process(self) -> None:
+        with self._lock:
+            if self._closed:
+                raise InputError("the reader of meshes was closed")
+            if self._unavailable is not None:
+                raise self._unavailable
+            if find_spec("trimesh") is None:
+                raise missing_extra("drawing a mesh", "trimesh", "view")
+            self._have_process()
+            self._asking = True
+
+    def _have_process(self) -> None:
+        try:
+            self._process = self._process if self._process and self._process.alive else taken()
+        except TwistarmError as error:
+            self._unavailable = error
+            raise
+
+    def _answer(self, path: Path, request: dict[str, Any], seconds: float) -> tuple[dict[str, Any], list[Part]]:
+        if self._spent >= self._allowed:
+            spent = f"the meshes before it took all of the {self._allowed:.0f} s that an arm has"
+            raise UnreadableMeshError(path, spent, LIGHTER)
+        process = self._process
+        assert process is not None
+        try:
+            head, parts = process.ask(request, PATIENCE * seconds)
+        except (EndedError, TimeoutError) as error:
+            self._spent += seconds
+            if isinstance(error, EndedError) and error.signal != signal.SIGXCPU:
+                raise UnreadableMeshError(path, "its reader broke down on it") from error
+            raise UnreadableMeshError(path, f"reading it takes more than {seconds:.0f} s", LIGHTER) from error
+        except BrokenAnswerError as error:
+            raise UnreadableMeshError(path, NONSENSE) from error
+        except TwistarmError as error:
+            self._unavailable = error
+            raise
+        if head.get("memory") is True:
+            process.kill()
+            raise UnreadableMeshError(path, f"reading it takes more than {MEMORY / 1e6:.0f} MB of memory", LIGHTER)
+        return head, parts
+
+
+def _number(head: dict[str, Any], name: str) -> float:
+    """0 where it is none that is finite and positive."""
+    value: Any = head.get(name)
+    return float(value) if type(value) in (int, float) and 0.0 < value < inf else 0.0
+
+
+def _size(path: Path) -> int:
+    try:
+        return path.stat().st_size
+    except OSError:  # which reading it will tell
+        return 0

@@ -1,0 +1,81 @@
+"""What a mesh file refers to: materials and buffers in files beside it, opened only inside its own package."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any, BinaryIO
+from urllib.parse import unquote
+
+from ...support.errors import one_line
+from ...support.files import open_regular, opened_path
+from ..copies import is_too_wide
+from ..packages import package_name
+from .limits import LARGEST_FILE
+from .mesh_file import MeshFile, RefusedError
+
+ENDINGS = {"obj": ".mtl", "gltf": ".bin", "glb": ".bin"}
+"""Of materials and of buffers, by the format that refers to them. Images are not drawn, and so not opened."""
+
+ITSELF = "model.gltf"
+"""What trimesh looks for where a glTF is no JSON."""
+
+
+class References:
+    """A resolver for trimesh that reads what lies in the package of the mesh, or without one in its folder tree.
+
+    `refused`: why the first file that was not for it to read was not read, for readers that go on without.
+    """
+
+    file_name = "mesh"
+
+    def __init__(self, mesh: MeshFile) -> None:
+        self._mesh, self._left = mesh, LARGEST_FILE
+        parents = mesh.place.parents
+        self._root = next((f for f in parents if not is_too_wide(f) and package_name(f)), mesh.place.parent)
+        self.refused: RefusedError | None = None
+
+    def get(self, name: str) -> bytes:
+        """The bytes of a file; FileNotFoundError where there is none, RefusedError for one that is not to be read."""
+        try:
+            return self._read(name)
+        except RefusedError as error:
+            self.refused = self.refused or error
+            raise
+
+    __getitem__ = get
+
+    def keys(self) -> list[str]:
+        """None: nothing is looked for."""
+        return []
+
+    def namespaced(self, name: str) -> References:
+        """The same: a name never leads to another folder than this."""
+        return self
+
+    def _read(self, name: Any) -> bytes:
+        shown = f"it refers to {one_line(str(name), 80)!r}"
+        if name == ITSELF:
+            raise RefusedError("it is no JSON")
+        if not isinstance(name, str) or Path(name).suffix.lower() != ENDINGS.get(self._mesh.kind):
+            raise FileNotFoundError(f"{shown}, which is not opened")
+        try:
+            file = self._open(name.strip().replace("\\", "/"))
+        except FileNotFoundError:
+            raise FileNotFoundError(f"{shown}, which is not there") from None
+        except (OSError, ValueError) as error:
+            raise RefusedError(f"{shown}, which cannot be read: {getattr(error, 'strerror', error)}") from None
+        with file:
+            if is_too_wide(self._root) or not opened_path(file).is_relative_to(self._root):
+                raise RefusedError(f"{shown}, a file outside its package")
+            data = file.read(self._left + 1)
+        self._left -= len(data)
+        if self._left < 0:
+            raise RefusedError(f"what it refers to has more than {LARGEST_FILE / 1e6:.0f} MB")
+        self._mesh.read(len(data))
+        return data
+
+    def _open(self, name: str) -> BinaryIO:
+        try:
+            return open_regular(self._mesh.place.parent / name)
+        except FileNotFoundError:
+            return open_regular(self._mesh.place.parent / unquote(name))  # a URI of glTF

@@ -1,0 +1,251 @@
+"""A description as rigid bodies joined by moving joints, and what of them is no arm: wheels, fingers, heads, rods."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, field
+from typing import Literal
+
+import numpy as np
+
+from ..tree import Description, Joint
+from .link_names import (
+    camera_named,
+    finger_named,
+    hand_named,
+    is_jaw,
+    is_tool,
+    linkage_named,
+    locomotion_named,
+    sensor_named,
+    wrist_named,
+)
+
+Part = Literal["limb", "locomotion", "finger", "head", "rod"]
+"""What a body is for: `limb` where nothing speaks against an arm."""
+
+LONGEST_FINGER = 2
+"""Joints of a finger, at most, where no name says that it is one."""
+
+CARRIED = 3
+"""Joints that carry a hand, at least, where no name says that it is one."""
+
+EQUAL = 0.05
+"""Relative difference of the distances at which two opposed fingers sit on their palm."""
+
+
+@dataclass(eq=False)
+class Body:
+    """Links that fixed joints join, behind the moving `joint` (None for the first body).
+
+    `links` gives for each, the outer ones last, the link it is fixed on ("" for the first). `depth` counts the joints
+    from the first body, a planar one once, `height` those beyond this one; `virtual`: on the way there are only joints
+    that stand for a base that moves freely. `holds_tool`: a link of it or beyond is named as the tool; `follows`: its
+    joint and all beyond are mimics.
+    """
+
+    joint: Joint | None
+    links: dict[str, str]
+    parent: Body | None
+    depth: int = 0
+    virtual: bool = True
+    children: list[Body] = field(default_factory=list)
+    height: int = 0
+    holds_tool: bool = False
+    follows: bool = False
+    part: Part = "limb"
+
+    @property
+    def first(self) -> str:
+        """The link that the moving joint carries."""
+        return next(iter(self.links))
+
+    @property
+    def names(self) -> tuple[str, ...]:
+        """The names that say what the body is for: the moving joint's, and that of the link it carries."""
+        return (self.first,) if self.joint is None else (self.joint.name, self.first)
+
+    def on(self, part: Part) -> list[Body]:
+        """The bodies on it that are this."""
+        return [child for child in self.children if child.part == part]
+
+    def inward(self, link: str) -> list[str]:
+        """`link` and those it is fixed on, in to the first of the body."""
+        path = [link]
+        while on := self.links[path[-1]]:
+            path.append(on)
+        return path
+
+    def fork(self, links: Iterable[str]) -> str:
+        """The outermost link of the body that is, or carries, each of these."""
+        paths = [self.inward(link) for link in links]
+        shared = set(paths[0]).intersection(*paths[1:])
+        return next(link for link in paths[0] if link in shared)
+
+    def path(self) -> list[Body]:
+        """From the first body to this one."""
+        path = [self]
+        while path[-1].parent is not None:
+            path.append(path[-1].parent)
+        return path[::-1]
+
+    def beyond(self) -> list[Body]:
+        """The body and all that hang on it."""
+        found = [self]
+        for body in found:
+            found += body.children
+        return found
+
+
+def bodies(description: Description, base: str) -> list[Body]:
+    """The rigid bodies from the link `base` outward, parents first, each told for what it is."""
+    outward: dict[str, list[Joint]] = {}
+    for joint in description.joints.values():
+        outward.setdefault(joint.parent, []).append(joint)
+    found = [Body(None, {base: ""}, None)]
+    for body in found:
+        for joint in _leaving(body, outward):
+            virtual = body.virtual and _is_virtual(description, joint)
+            depth = body.depth + (not joint.part_of or body.joint is None or body.joint.part_of != joint.part_of)
+            body.children.append(Body(joint, {joint.child: ""}, body, depth, virtual))
+        found += body.children
+    for body in reversed(found):
+        _measure(body)
+        for tell in (_tell_wheels, _tell_fingers, _tell_rods, _tell_heads):
+            tell(body)
+    return found
+
+
+def _leaving(body: Body, outward: Mapping[str, Sequence[Joint]]) -> Iterator[Joint]:
+    """The moving joints on the body, which grows by the links that fixed joints add to it."""
+    links = list(body.links)
+    for link in links:
+        for joint in outward.get(link, ()):
+            if joint.moving:
+                yield joint
+            else:
+                body.links[joint.child] = link
+                links.append(joint.child)
+
+
+def _is_virtual(description: Description, joint: Joint) -> bool:
+    """Whether it stands for a free base: it moves a point that has no shape, or the whole robot from where it is."""
+    link = description.links[joint.child]
+    return joint.type in ("planar", "floating") or not (joint.origin[:3, 3].any() or link.visuals or link.collisions)
+
+
+def _measure(body: Body) -> None:
+    body.height = max((child.height + 1 for child in body.children), default=0)
+    body.holds_tool = any(is_tool(link) for link in body.links) or any(child.holds_tool for child in body.children)
+    mimic = body.joint is not None and body.joint.mimic is not None
+    body.follows = mimic and all(child.follows for child in body.children)
+
+
+def _label(found: Iterable[Body], part: Part) -> None:
+    for body in found:
+        body.part = part
+
+
+# -- wheels and legs ---------------------------------------------------------------------------------------------------
+
+
+def _tell_wheels(body: Body) -> None:
+    """What rolls or walks: ends named so, several that spin side by side, and what carries nothing else."""
+    for child in body.children:
+        only = bool(child.children) and len(child.on("locomotion")) == len(child.children)
+        if only or (not child.children and locomotion_named((*child.names, *child.links))):
+            child.part = "locomotion"
+    rolling = body.on("locomotion")
+    spinning = [child for child in body.on("limb") if _spins(child)]
+    several = len(spinning) > 1 and (body.depth < CARRIED or body.virtual or bool(rolling))
+    if several or (rolling and len(spinning) + len(rolling) == len(body.children)):
+        _label(spinning, "locomotion")
+
+
+def _spins(body: Body) -> bool:
+    """Whether it is an end that turns without limits, and nothing says that it is more than a wheel."""
+    endless = body.joint is not None and body.joint.type == "continuous" and not body.children
+    return endless and not body.holds_tool and not finger_named(body.names)
+
+
+# -- fingers -----------------------------------------------------------------------------------------------------------
+
+
+def _tell_fingers(body: Body) -> None:
+    """What closes on this body: branches named so, short ones that oppose each other, or a jaw against a fixed one."""
+    reach = max(LONGEST_FINGER, body.depth)
+    short = [child for child in body.on("limb") if child.height < reach and not child.holds_tool]
+    named = [child for child in short if finger_named(child.names)]
+    hand: Sequence[Body] = ()
+    if len(named) > 1 and body.depth:
+        hand = named
+    elif _may_be_palm(body) and (alike := _alike(short)):
+        hand = short if len(alike) > LONGEST_FINGER else alike  # a thumb is longer, or shorter
+    elif len(named) == 1 and body.depth and _closes(named[0], body):
+        hand = named
+    longest = max((child.height for child in hand), default=-1)
+    _label((child for child in short if child.height <= longest), "finger")
+
+
+def _may_be_palm(body: Body) -> bool:
+    """Whether enough joints carry it, or a tool frame sits on it."""
+    carried = body.depth >= CARRIED and not body.virtual
+    return carried or (body.depth > 0 and any(is_tool(link) for link in body.links))
+
+
+def _alike(short: Sequence[Body]) -> Sequence[Body]:
+    """The longest branches of one length and one type of joint that oppose each other, or are more than two.
+
+    Only branches of which one follows another are a pair of fingers of more than two joints.
+    """
+    for height in sorted({child.height for child in short}, reverse=True):
+        for kind in ("prismatic", "revolute", "continuous"):
+            alike = [child for child in short if child.height == height and child.joint and child.joint.type == kind]
+            coupled = any(child.joint and child.joint.mimic for child in alike)
+            pair = len(alike) > 1 and (height < LONGEST_FINGER or coupled) and _opposed(alike)
+            if pair or len(alike) > LONGEST_FINGER:
+                return alike
+    return ()
+
+
+def _opposed(fingers: Sequence[Body]) -> bool:
+    """Whether one follows another, or they move along or about parallel axes at one distance from their palm."""
+    joints = [finger.joint for finger in fingers if finger.joint is not None]
+    masters = {joint.mimic.joint for joint in joints if joint.mimic is not None}
+    if masters:
+        return any(body.joint is not None and body.joint.name in masters for one in fingers for body in one.beyond())
+    axes = np.stack([joint.origin[:3, :3] @ joint.axis for joint in joints])
+    away = np.array([np.linalg.norm(joint.origin[:3, 3]) for joint in joints])
+    parallel = bool((np.abs(axes @ axes[0]) > 1 - EQUAL).all()) and len({joint.parent for joint in joints}) == 1
+    return parallel and (joints[0].type == "prismatic" or bool(np.ptp(away) <= EQUAL * away.max()))
+
+
+def _closes(finger: Body, body: Body) -> bool:
+    """Whether a single finger moves against this body: it bears a tool frame or a fixed finger, or is a jaw's hand."""
+    fixed = body.holds_tool or any(is_jaw(link) for link in list(body.links)[1:])
+    jaw = is_jaw(finger.first) and hand_named(body.links)
+    return not finger.children and not wrist_named(finger.names) and (fixed or jaw)
+
+
+# -- rods and heads ----------------------------------------------------------------------------------------------------
+
+
+def _tell_rods(body: Body) -> None:
+    """Rods and cylinders beside a limb: named so, or shorter and without a joint that moves by itself."""
+    named = [child for child in body.on("limb") if linkage_named(child.names) and not child.holds_tool]
+    limbs = [child for child in body.on("limb") if child not in named]
+    if limbs:
+        longest = max(child.height for child in limbs)
+        idle = [child for child in limbs if child.follows and child.height < longest and not child.holds_tool]
+        _label([*idle, *named], "rod")
+
+
+def _tell_heads(body: Body) -> None:
+    """Heads, masts and cameras that turn: branches named so throughout, beside limbs or wheels or at a camera."""
+    limbs = body.on("limb")
+    named = [child for child in limbs if all(sensor_named(one.names) for one in child.beyond())]
+    heads = [child for child in named if not child.holds_tool]
+    beside = len(heads) < len(limbs) or bool(body.on("locomotion"))
+    for child in heads:
+        if beside or any(camera_named(one.names) for one in child.beyond()):
+            _label(child.beyond(), "head")

@@ -1,0 +1,1 @@
+"""Export: an arm as a C++ header."""

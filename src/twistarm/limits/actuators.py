@@ -1,0 +1,253 @@
+"""Joint coordinates to motors and back, motor = G theta + o: geared, belted and differential joints."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from ..support.checks import Array, as_floats, as_reals, as_theta, frozen, require, require_names
+from ..support.display import told
+from ..support.errors import InputError, listed
+from .joint_limits import JointLimits
+from .motion_limits import MotionLimits
+
+UNITS = {"rad": 1.0, "deg": 180.0 / np.pi, "turn": 0.5 / np.pi, "tick": np.nan, "m": 1.0, "mm": 1000.0}
+"""What a motor's drive may count in, and how many of them are one rad (or one m); for ticks see `ticks_per_turn`."""
+
+LINEAR_UNITS = ("m", "mm")
+"""Units of a drive that pushes instead of turning."""
+
+RANK_TOL = 1e-9
+"""Relative to the equilibrated G: gear ratios are typed to a few digits, their differences are not smaller."""
+
+NOT_GIVEN = JointLimits.unbounded(0)
+"""Limits of no motor, which stand for unbounded ones of as many as there are."""
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class Actuators:
+    """k motors that drive n joint coordinates: motor = G theta + o, both sides in rad, or m where they slide.
+
+    `G` (k, n) holds motor rad per joint rad (rad per m for a slide), `offset` (k,) the motors at theta = 0. A motor on
+    one joint has one entry in its row; the two motors of a differential wrist have two each. `units` says what each
+    drive counts in (`UNITS`) and `ticks_per_turn` (k,) how fine, NaN where that was not given: see `to_counts`.
+    `limits` are those of the k motors, on the motors' side of the gears.
+
+    | quantity | joints to motors | motors to joints |
+    |---|---|---|
+    | position [rad, m] | `to_motor`: G theta + o | `to_theta`: P (motor − o) |
+    | velocity, acceleration [per s, s²] | `velocity_to_motor`: G theta_dot | `velocity_to_theta`: P motor_dot |
+    | torque [N m, N] | `torque_to_motor`: Pᵀ tau | `torque_to_theta`: Gᵀ tau_motor |
+
+    Torques follow from the power, tau_motor · motor_dot = tau · theta_dot, in gears without friction. P = G⁻¹ where
+    there are as many motors as joints. With more motors P is the pseudo-inverse: positions and velocities are the
+    least squares of all motors' [rad, m], and torques the least |tau_motor| that give the joints theirs. Where
+    the motors leave a joint `undriven`, what needs P is refused. All take leading axes: (..., n), (..., k).
+
+    Raises InputError for shapes that do not fit, numbers that are not finite, an unknown unit, ticks that are not
+    positive, a unit of ticks without them, or position limits that leave a joint no place.
+    """
+
+    names: tuple[str, ...]
+    joint_names: tuple[str, ...]
+    G: Array
+    offset: Array
+    units: tuple[str, ...]
+    ticks_per_turn: Array
+    limits: JointLimits = NOT_GIVEN
+
+    def __post_init__(self) -> None:
+        for name in ("names", "joint_names", "units"):
+            object.__setattr__(self, name, require_names(getattr(self, name), name))
+        require(self.limits, JointLimits, "limits", "of the motors")
+        k, n = len(self.names), len(self.joint_names)
+        for name, shape in {"G": (k, n), "offset": (k,)}.items():
+            values = as_floats(getattr(self, name), name)
+            if values.shape != shape:
+                raise InputError(f"{name} of {k} actuators and {n} joints must have shape {shape}; got {values.shape}")
+            object.__setattr__(self, name, frozen(values))
+        ticks = frozen(as_reals(self.ticks_per_turn, "ticks_per_turn"))
+        if ticks.shape != (k,) or len(self.units) != k:
+            raise InputError(f"{k} actuators need {k} units and ticks_per_turn; got {len(self.units)}, {ticks.shape}")
+        object.__setattr__(self, "ticks_per_turn", ticks)
+        for name, unit, count in zip(self.names, self.units, ticks, strict=True):
+            _require_countable(name, unit, count)
+        if self.limits.lower.size not in (0, k):
+            raise InputError(f"limits of {k} actuators must be those of {k} motors; got {self.limits.lower.size}")
+        if self.limits.lower.size != k:
+            object.__setattr__(self, "limits", JointLimits.unbounded(k))
+        _ = self.joint_limits
+
+    def __repr__(self) -> str:
+        return told("Actuators", {"names": self.names, "joint_names": self.joint_names})
+
+    def __getstate__(self) -> dict[str, Any]:
+        return {name: value for name, value in self.__dict__.items() if name not in _MADE_WHEN_ASKED}
+
+    def __setstate__(self, state: dict[str, Any]) -> None:
+        self.__dict__.update(state)
+        self.__post_init__()
+
+    @cached_property
+    def undriven(self) -> tuple[str, ...]:
+        """Joints that the motors do not determine: those with a share in the null space of G."""
+        scaled = self.G * _factors(self.G, axis=1)
+        scaled = scaled * _factors(scaled, axis=0)
+        _, values, Vt = np.linalg.svd(scaled)
+        null = Vt[int((values > RANK_TOL * max(values.max(initial=0.0), 1.0)).sum()) :]
+        free = np.abs(null).max(axis=0, initial=0.0) > RANK_TOL
+        return tuple(name for name, loose in zip(self.joint_names, free, strict=True) if loose)
+
+    @property
+    def motor_units(self) -> tuple[str, ...]:
+        """What each motor's position is in: rad, or m where its drive pushes."""
+        return tuple("m" if unit in LINEAR_UNITS else "rad" for unit in self.units)
+
+    # -- positions, velocities, torques ------------------------------------------------------------------------------
+
+    def to_motor(self, theta: ArrayLike) -> Array:
+        """motor = G theta + o: theta (..., n) to motors (..., k) [rad or m]."""
+        motor: Array = self._joints(theta, "theta") @ self.G.T + self.offset
+        return motor
+
+    def to_theta(self, motor: ArrayLike) -> Array:
+        """theta (..., n) with G theta + o = motor, from motors (..., k) [rad or m].
+
+        With more motors than joints the least squares: the theta that least |G theta + o − motor| [rad, m] leaves.
+        Raises InputError naming the joints that the motors do not determine (G has not full column rank).
+        """
+        theta: Array = (self._motors(motor, "motor") - self.offset) @ self.P.T
+        return theta
+
+    def velocity_to_motor(self, theta_dot: ArrayLike) -> Array:
+        """motor_dot = G theta_dot: (..., n) to (..., k) [rad/s or m/s]; accelerations alike."""
+        motor_dot: Array = self._joints(theta_dot, "theta_dot") @ self.G.T
+        return motor_dot
+
+    def velocity_to_theta(self, motor_dot: ArrayLike) -> Array:
+        """theta_dot (..., n) with G theta_dot = motor_dot (..., k) [rad/s or m/s]; refused and solved as `to_theta`."""
+        theta_dot: Array = self._motors(motor_dot, "motor_dot") @ self.P.T
+        return theta_dot
+
+    def torque_to_motor(self, tau: ArrayLike) -> Array:
+        """tau_motor (..., k) with Gᵀ tau_motor = tau (..., n) [N m or N]; of several the one of least |tau_motor|.
+
+        Raises InputError naming the joints that the motors do not determine.
+        """
+        tau_motor: Array = self._joints(tau, "tau") @ self.P
+        return tau_motor
+
+    def torque_to_theta(self, tau_motor: ArrayLike) -> Array:
+        """tau = Gᵀ tau_motor: what the motors' torques (..., k) do at the joints, (..., n) [N m or N]."""
+        tau: Array = self._motors(tau_motor, "tau_motor") @ self.G
+        return tau
+
+    def to_counts(self, motor: ArrayLike) -> Array:
+        """Motors (..., k) [rad or m] in what each drive counts, `units`; ticks are not rounded. Rates alike."""
+        counts: Array = self._motors(motor, "motor") * self.counts_per_unit
+        return counts
+
+    def from_counts(self, counts: ArrayLike) -> Array:
+        """Motors (..., k) [rad or m] from what the drives count: the inverse of `to_counts`."""
+        motor: Array = self._motors(counts, "counts") / self.counts_per_unit
+        return motor
+
+    # -- limits ------------------------------------------------------------------------------------------------------
+
+    def motion_limits(self, joints: JointLimits | None = None) -> MotionLimits:
+        """The motors' limits for whoever commands velocities, with those of the n joints beside them where given.
+
+        Made once; its `velocity_scale` and `within` are asked in every cycle.
+        """
+        if joints is None:
+            return MotionLimits(self.names, self.G, self.offset, self.limits)
+        n = len(self.joint_names)
+        if require(joints, JointLimits, "joints", "as an arm's limits are").lower.size != n:
+            raise InputError(f"joints must be the limits of {n} joints ({listed(self.joint_names)})")
+        both = {field: np.concatenate([getattr(self.limits, field), getattr(joints, field)]) for field in vars(joints)}
+        C, c = np.vstack([self.G, np.eye(n)]), np.concatenate([self.offset, np.zeros(n)])
+        return MotionLimits(self.names + self.joint_names, C, c, JointLimits(**both))
+
+    @cached_property
+    def joint_limits(self) -> JointLimits:
+        """What the motors allow each joint alone, the others standing still: limits of n joints, ∓inf where nothing.
+
+        velocity_j = min_i velocity_i / |G_ij|, acceleration alike; effort_j = min_i effort_i / |P_ij| holds a torque
+        at joint j and none elsewhere. Positions come from motors that drive joint j and no other: where a motor
+        drives several, a bound for one would hang on the rest.
+        """
+        n = len(self.joint_names)
+        alone = np.where((self.G != 0).sum(axis=1, keepdims=True) == 1, self.G, 0.0)
+        ends = (np.stack([self.limits.lower, self.limits.upper]) - self.offset)[..., None] / _divisor(alone)
+        lower = np.where(alone, ends.min(axis=0), -np.inf).max(axis=0, initial=-np.inf)
+        upper = np.where(alone, ends.max(axis=0), np.inf).min(axis=0, initial=np.inf)
+        if (lower > upper).any():
+            j = int(np.argmax(lower > upper))
+            raise InputError(f"the motors' position limits leave joint {self.joint_names[j]!r} no place")
+        effort = np.full(n, np.inf) if self.undriven else _least(self.limits.effort, self.P.T)
+        velocity, acceleration = _least(self.limits.velocity, self.G), _least(self.limits.acceleration, self.G)
+        return JointLimits(lower, upper, velocity, acceleration, np.full(n, np.inf), effort)
+
+    # -- inside ------------------------------------------------------------------------------------------------------
+
+    @cached_property
+    def P(self) -> Array:
+        """P (n, k), with P G = I. Raises InputError naming the joints that the motors do not determine."""
+        if self.undriven:
+            raise InputError(
+                f"the motors {listed(self.names)} do not determine joint {listed(self.undriven)}: "
+                "G must have full column rank; describe the motors that drive them"
+            )
+        # A square G has one solution, however its rows are scaled; least squares would be weighed by that.
+        rows = _factors(self.G, axis=1) if len(self.names) == len(self.joint_names) else np.ones((len(self.names), 1))
+        columns = _factors(self.G * rows, axis=0)
+        return frozen(columns.T * np.linalg.pinv(self.G * rows * columns) * rows.T)
+
+    @cached_property
+    def counts_per_unit(self) -> Array:
+        """How many of its `units` a drive counts for one rad (or one m) of its motor, (k,)."""
+        ticks = self.ticks_per_turn / (2 * np.pi)
+        return frozen([t if unit == "tick" else UNITS[unit] for unit, t in zip(self.units, ticks, strict=True)])
+
+    def _joints(self, values: ArrayLike, name: str) -> Array:
+        return as_theta(values, len(self.joint_names), name, self.joint_names)
+
+    def _motors(self, values: ArrayLike, name: str) -> Array:
+        return as_theta(values, len(self.names), name, self.names)
+
+
+_MADE_WHEN_ASKED = ("undriven", "joint_limits", "P", "counts_per_unit")
+
+
+def _require_countable(name: str, unit: str, ticks: float) -> None:
+    if unit not in UNITS:
+        raise InputError(f"actuator {name!r} counts in {unit!r}; allowed: {', '.join(UNITS)}")
+    if not (np.isnan(ticks) or 0 < ticks < np.inf):
+        raise InputError(f"actuator {name!r}: ticks_per_turn must be positive; got {ticks:g}")
+    if unit == "tick" and np.isnan(ticks):
+        raise InputError(f"actuator {name!r} counts in ticks: give its ticks_per_turn")
+    if unit in LINEAR_UNITS and not np.isnan(ticks):
+        raise InputError(f"actuator {name!r} counts in {unit} and makes no turns: leave out its ticks_per_turn")
+
+
+def _factors(G: Array, axis: int) -> Array:
+    """What makes rows (axis 1) or columns (axis 0) of G unit vectors: rad and m stand side by side in it."""
+    size = np.linalg.norm(G, axis=axis, keepdims=True)
+    factors: Array = 1.0 / np.where(size == 0, 1.0, size)
+    return factors
+
+
+def _least(limit: Array, ratio: Array) -> Array:
+    """min_i limit_i / |ratio_ij|, (n,): what motors (k,) allow joints by ratios (k, n); inf where there is none."""
+    each = np.where(ratio, limit[:, None] / _divisor(np.abs(ratio)), np.inf)
+    least: Array = each.min(axis=0, initial=np.inf)
+    return least
+
+
+def _divisor(ratio: Array) -> Array:
+    """The ratios, 1 where there is none."""
+    return np.where(ratio, ratio, 1.0)

@@ -1,0 +1,154 @@
+"""Joint limits: what each degree of freedom may do, with infinity for whatever was not given."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from ..support.checks import Array, as_reals, as_theta, frozen, require_names
+from ..support.display import told
+from ..support.errors import InputError, LimitError, shown, unknown_name
+
+FIELDS = ("lower", "upper", "velocity", "acceleration", "jerk", "effort")
+RATES = FIELDS[2:]
+
+AS_GOOD_AS_UNBOUNDED = 1e4
+"""No joint turns or slides that far [rad, m]; files write such numbers where they mean no limit."""
+
+
+@dataclass(frozen=True, repr=False)
+class JointLimits:
+    """Limits of n degrees of freedom, each an (n,) array: rad or m, and their rates; N m or N for effort.
+
+    `lower`, `upper` are ∓inf where not given; `velocity`, `acceleration`, `jerk`, `effort` are inf where not given
+    and never 0: descriptions write a zero where they mean "not given", and so it is read.
+
+    Raises InputError for unequal lengths, NaN, a negative rate or `lower > upper`.
+    """
+
+    lower: Array
+    upper: Array
+    velocity: Array
+    acceleration: Array
+    jerk: Array
+    effort: Array
+
+    def __post_init__(self) -> None:
+        n = as_reals(self.lower, "limits.lower").size
+        for name in FIELDS:
+            values = frozen(as_reals(getattr(self, name), f"limits.{name}"))
+            if values.shape != (n,) or np.isnan(values).any():
+                raise InputError(f"limits.{name} must be {n} numbers without NaN; got {values.tolist()}")
+            if name in RATES and (values < 0).any():
+                raise InputError(f"limits.{name} must not be negative; got {values.tolist()}")
+            if name in RATES:
+                values = frozen(np.where(values == 0, np.inf, values))
+            object.__setattr__(self, name, values)
+        if (self.lower > self.upper).any():
+            i = int(np.argmax(self.lower > self.upper))
+            raise InputError(f"limits of joint {i} are swapped: lower {self.lower[i]:g} > upper {self.upper[i]:g}")
+
+    def __setstate__(self, state: dict[str, Any]) -> None:
+        self.__dict__.update(state)
+        self.__post_init__()
+
+    def __repr__(self) -> str:
+        given = {name: getattr(self, name) for name in FIELDS if not np.isinf(getattr(self, name)).all()}
+        return told("JointLimits", given or {"unbounded": self.lower.size})
+
+    @classmethod
+    def unbounded(cls, n: int) -> JointLimits:
+        """Limits that limit nothing."""
+        inf = np.full(n, np.inf)
+        return cls(-inf, inf, inf, inf, inf, inf)
+
+    def contains(self, theta: ArrayLike, tol: float = 0.0) -> np.ndarray[Any, np.dtype[np.bool_]]:
+        """Whether theta (..., n) lies inside the position limits, `tol` [rad, m] beyond them allowed."""
+        x = as_theta(theta, self.lower.size)
+        return np.asarray(((x >= self.lower - tol) & (x <= self.upper + tol)).all(-1))
+
+    def sampling_bounds(self, half: Array) -> tuple[Array, Array]:
+        """Lower and upper (n,) to draw configurations from, ±`half` (n,) where unbounded. See `usual_range`."""
+        return usual_range(self.lower, self.upper, half)
+
+    def middle(self) -> Array:
+        """Midway between the bounds (n,); as near to 0 as allowed where there are not two."""
+        bounded = (self.lower > -AS_GOOD_AS_UNBOUNDED) & (self.upper < AS_GOOD_AS_UNBOUNDED)
+        lower, upper = np.where(bounded, self.lower, 0.0), np.where(bounded, self.upper, 0.0)
+        middle: Array = np.clip((lower + upper) / 2, self.lower, self.upper)
+        return middle
+
+    def with_(self, changes: Mapping[str, Any], names: Sequence[str]) -> JointLimits:
+        """A copy with `changes`: {"velocity": 1.0} for every joint, or {"velocity": {"elbow": 1.0}} by name."""
+        if not isinstance(changes, Mapping):
+            wanted = "a JointLimits or a mapping such as {'velocity': 1.0}"
+            raise InputError(f"limits must be {wanted}; got {shown(changes)}")
+        names = require_names(names, "names")
+        if len(names) != self.lower.size:
+            raise InputError(f"names must be those of {self.lower.size} joints; got {len(names)}")
+        updated = {field: getattr(self, field).copy() for field in FIELDS}
+        for field, value in changes.items():
+            if field not in FIELDS:
+                raise unknown_name("limit", field, FIELDS, within="JointLimits", listing=", ".join(FIELDS))
+            updated[field] = _merged(updated[field], value, field, names)
+        for name, lower, upper in zip(names, updated["lower"], updated["upper"], strict=True):
+            if lower > upper:
+                raise InputError(f"limits of {name} are swapped or disjoint: lower {lower:g} > upper {upper:g}")
+        return replace(self, **updated)
+
+    def require(self, fields: Sequence[str], names: Sequence[str]) -> None:
+        """Raise LimitError naming the joints and the argument where a needed limit was not given."""
+        for field in fields:
+            missing = [name for name, value in zip(names, getattr(self, field), strict=True) if np.isinf(value)]
+            if missing:
+                raise LimitError(
+                    f"no {field} limit for {', '.join(missing)}: give it as "
+                    f"limits={{'{field}': {{'{missing[0]}': …}}}}, one number for every joint as "
+                    f"limits={{'{field}': …}}, or in the arm's arm.toml"
+                )
+
+
+def usual_half(kind: str) -> float:
+    """Half the range of an unbounded joint: π rad, or 1 m for a slide."""
+    return 1.0 if kind == "prismatic" else float(np.pi)
+
+
+def usual_range(lower: ArrayLike, upper: ArrayLike, half: ArrayLike) -> tuple[Array, Array]:
+    """The bounds where they are given, and where not ±`half` about zero, or that far from the other bound.
+
+    A bound beyond `AS_GOOD_AS_UNBOUNDED` counts as not given, but is kept.
+    """
+    least, most, span = (np.asarray(values, dtype=np.float64) for values in (lower, upper, half))
+    low = np.where(least > -AS_GOOD_AS_UNBOUNDED, least, np.minimum(-span, most - span))
+    high = np.where(most < AS_GOOD_AS_UNBOUNDED, most, np.maximum(span, low + span))
+    return np.maximum(low, least), np.minimum(high, most)
+
+
+def _merged(values: Array, change: Any, field: str, names: Sequence[str]) -> Array:
+    if isinstance(change, Mapping):
+        for name, value in change.items():
+            if name not in names:
+                raise unknown_name("joint", str(name), names, within=f"limits['{field}']", listing="base to tip")
+            values[list(names).index(name)] = _number(value, field)
+        return values
+    stacked = isinstance(change, np.ndarray) and change.ndim > 0
+    if not stacked and (isinstance(change, str) or not isinstance(change, Sequence)):
+        return np.full(len(names), _number(change, field))
+    listed = np.array([_number(value, field) for value in change])
+    if listed.shape != (len(names),):
+        raise InputError(f"limits['{field}'] must be one number, {len(names)} numbers or a mapping by joint name")
+    return listed
+
+
+def _number(value: Any, field: str) -> float:
+    try:
+        number = float(value)
+    except (TypeError, ValueError):
+        number = float("nan")
+    if np.isnan(number):
+        raise InputError(f"limits['{field}'] must be numbers; got {value!r}")
+    return number

@@ -1,0 +1,153 @@
+"""Velocities from which everything that moves with the joints, motors too, can still be stopped inside its limits."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from math import sqrt
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from ..support.checks import Array, frozen
+from ..support.display import Brief
+from ..support.errors import InputError
+from .joint_limits import JointLimits
+
+STILL = 1e-12
+"""A slower row [rad/s, m/s] stands still and meets no limit: where others keep it at rest, rounding is no motion."""
+
+ROUNDED = 1.0 + 1e-9
+"""What a product of two roundings may be beyond its bound."""
+
+
+class Allowed(NamedTuple):
+    """`theta_dot` (n,) that may be commanded, and what holds it back: the row named `by`, at its `limit`.
+
+    `limit` is "position", "velocity" or "acceleration"; both are None where all that was asked for is allowed.
+    """
+
+    theta_dot: Array
+    by: str | None = None
+    limit: str | None = None
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class MotionLimits(Brief):
+    """Limits of x = C theta + c, one row for each motor or joint: C (r, n), c (r,), `limits` of r rows [rad or m].
+
+    A motion is safe while the arm could stop straight on, all joints slowing in proportion. That takes the time
+    T = max |ẋ| / acceleration; no row may meet its position limit, at its present speed, within dt + T/2. Slowing by
+    dt/T in the next step keeps this true, whatever its dt, and every row below its acceleration: there is always a
+    way out. (Braking each row by itself would be shorter, but is no motion of the arm where rows are coupled.)
+
+    For inner loops: nothing is checked but at construction.
+    """
+
+    names: tuple[str, ...]
+    C: Array
+    c: Array
+    limits: JointLimits
+    _per_limit: Array = field(init=False, repr=False)
+
+    def __post_init__(self) -> None:
+        for name in ("C", "c"):
+            object.__setattr__(self, name, frozen(getattr(self, name)))
+        r = len(self.names)
+        if not r or self.C.ndim != 2 or {len(self.C), self.c.size, self.limits.lower.size} != {r}:
+            raise InputError(f"{r} names, C {self.C.shape}, c {self.c.shape} and limits must have the same rows, not 0")
+        per_limit = frozen(1.0 / np.stack([self.limits.velocity, self.limits.acceleration]))
+        object.__setattr__(self, "_per_limit", per_limit)
+
+    def __setstate__(self, state: dict[str, Any]) -> None:
+        self.__dict__.update(state)
+        self.__post_init__()
+
+    def velocity_scale(self, theta_dot: Array) -> float:
+        """The largest s in (0, 1] with |C (s theta_dot)| ≤ the velocity limits; theta_dot (n,) [rad/s or m/s]."""
+        return 1.0 / max(1.0, float((np.abs(self.C @ theta_dot) * self._per_limit[0]).max()))
+
+    def within(self, theta: Array, theta_dot: Array, previous_theta_dot: Array, dt: float) -> Allowed:
+        """What may be commanded for the next dt [s] instead of theta_dot (n,), after previous_theta_dot (n,).
+
+        theta_dot is slowed as a whole to what velocities and positions allow. Where the accelerations allow less, it is
+        that motion at another speed, if there is one in reach; else as much of the change from previous_theta_dot as
+        there can be. Where the arm would then not be safe, as much of the straight stop is mixed in as it takes.
+        """
+        x = self.C @ theta + self.c
+        scale, by, limit = self._slowed(x, self.C @ theta_dot, dt)
+        target = scale * theta_dot
+        hurry = np.abs(self.C @ (target - previous_theta_dot)) * self._per_limit[1]
+        most = float(hurry.max()) / dt
+        if most > 1.0:
+            speed = self._speed_in_reach(self.C @ target, self.C @ previous_theta_dot, dt)
+            turned = previous_theta_dot + (target - previous_theta_dot) / most
+            target = turned if speed is None else speed * target
+            by, limit = (by, limit) if limit else (int(hurry.argmax()), "acceleration")
+            ahead = self.C @ target
+            if not self._safe(x, ahead, dt, self._stopping_time(ahead)):
+                target, by, limit = self._partly_stopped(x, previous_theta_dot, target, dt)
+        return Allowed(target, self.names[by], limit) if limit else Allowed(target)
+
+    def _slowed(self, x: Array, ahead: Array, dt: float) -> tuple[float, int, str | None]:
+        """The scale s of the velocities `ahead` (r,) that velocities and positions allow, and the row that asks for it.
+
+        By position: s dt + s² T/2 ≤ t, the time after which the first limit would be met at full speed.
+        """
+        used = np.abs(ahead) * self._per_limit
+        most, stopping = used.max(axis=1).tolist()
+        scale, row, limit = (1.0 / most, int(used[0].argmax()), "velocity") if most > 1.0 else (1.0, -1, None)
+        if not self._safe(x, scale * ahead, dt, scale * stopping):
+            time, met = self._until_met(x, ahead)
+            if scale * (dt + 0.5 * scale * stopping) > time:
+                return 2.0 * time / (dt + sqrt(dt * dt + 2.0 * stopping * time)), met, "position"
+        return scale, row, limit
+
+    def _speed_in_reach(self, ahead: Array, now: Array, dt: float) -> float | None:
+        """The s nearest to 1 at which the accelerations allow s · ahead (r,) after `now` (r,); None where none does."""
+        room = self.limits.acceleration * dt
+        moving = np.abs(ahead) > STILL
+        if (np.abs(now) > room)[~moving].any():
+            return None
+        middle, half = now[moving] / ahead[moving], room[moving] / np.abs(ahead[moving])
+        fastest = 1.0 / max(float((np.abs(ahead) * self._per_limit[0]).max()), STILL)
+        least = float((middle - half).max(initial=0.0))
+        most = float((middle + half).min(initial=fastest))
+        if least > most:
+            return None
+        speed = min(max(1.0, least), most)
+        # Rows that stand still beside the others may not be carried beyond their accelerations by a large speed.
+        return speed if (np.abs(speed * ahead - now) <= room * ROUNDED).all() else None
+
+    def _partly_stopped(self, x: Array, previous: Array, target: Array, dt: float) -> tuple[Array, int, str]:
+        """As much of `target` (n,) as is safe, the rest the straight stop from `previous`, which is; and for which row.
+
+        Between two courses no stop takes longer than the longer of theirs. Where the straight stop would not be safe
+        were it to take as long, nothing is mixed in.
+        """
+        stopping = self._stopping_time(self.C @ previous)
+        stop = previous * (1.0 - min(1.0, dt / stopping)) if stopping > 0.0 else np.zeros_like(previous)
+        slow, ahead = self.C @ stop, self.C @ target
+        longer = max(self._stopping_time(slow), self._stopping_time(ahead))
+        if not self._safe(x, slow, dt, longer):
+            return stop, self._until_met(x, slow)[1], "position"
+        time = dt + 0.5 * longer
+        share, row = self._until_met(x + time * slow, time * (ahead - slow))
+        return stop + min(1.0, share) * (target - stop), row, "position"
+
+    def _safe(self, x: Array, x_dot: Array, dt: float, stopping: float) -> bool:
+        """Whether after dt + T/2 at x_dot no row is beyond a position limit, or farther than it is already."""
+        then = x + (dt + 0.5 * stopping) * np.where(np.abs(x_dot) > STILL, x_dot, 0.0)
+        upper, lower = np.maximum(self.limits.upper, x), np.minimum(self.limits.lower, x)
+        return bool((then <= upper).all() and (then >= lower).all())
+
+    def _until_met(self, x: Array, x_dot: Array) -> tuple[float, int]:
+        """The time [s] after which, at x_dot, the first row meets a position limit (inf for none), and that row."""
+        room = np.maximum(np.where(x_dot > 0.0, self.limits.upper - x, x - self.limits.lower), 0.0)
+        speed = np.abs(x_dot)
+        time = np.where(speed > STILL, room / np.maximum(speed, STILL), np.inf)
+        row = int(time.argmin())
+        return float(time[row]), row
+
+    def _stopping_time(self, x_dot: Array) -> float:
+        """The time [s] that a straight stop from x_dot takes."""
+        return float((np.abs(x_dot) * self._per_limit[1]).max())

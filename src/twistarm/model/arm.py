@@ -1,0 +1,548 @@
+"""The arm: a chain of joints from base to tip, as plain data, with its kinematics."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, field, replace
+from functools import cached_property
+from pathlib import Path
+from types import MappingProxyType
+from typing import Any, NamedTuple
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from ..description.coupling import Affine
+from ..description.findings import Finding
+from ..description.tree import Description
+from ..limits.actuators import Actuators
+from ..limits.joint_limits import AS_GOOD_AS_UNBOUNDED, JointLimits, usual_half
+from ..support.checks import (
+    Array,
+    as_floats,
+    as_generator,
+    as_number,
+    as_pose,
+    as_shape,
+    as_theta,
+    as_twist,
+    as_vector,
+    frozen,
+    require,
+    require_mapping,
+    require_names,
+)
+from ..support.display import html_table, in_brief, told
+from ..support.errors import InputError, TwistarmError, listed, shown, unknown_name
+from ..theory import poe
+from ..theory.lower_pairs import lower_pairs
+from ..theory.manipulability import Manipulability, manipulability_of
+from ..theory.screws import adjoint, inverse
+from . import engine
+from .baking import Baked, write_baked
+from .pinocchio_model import PinocchioModel
+from .ready_pose import Bodies, Mechanism, Overlapping, computed_ready, named_ready
+from .roll_axis import roll_axis
+
+_MADE_WHEN_ASKED = (
+    "compiled", "pinocchio", "ready", "computed_ready", "middle", "tool_axis", "usual_half", "_tool_action",
+)  # fmt: skip
+
+
+class Coupling(NamedTuple):
+    """Joint values = A @ theta + b: A (m, n) and b (m,), one row per moving joint of the chain."""
+
+    A: Array
+    b: Array
+
+    def __repr__(self) -> str:
+        return told("Coupling", self._asdict())
+
+
+class Proof(NamedTuple):
+    """The check at load: worst differences between product of exponentials and Pinocchio, over `samples` postures."""
+
+    pose_error: float
+    jacobian_error: float
+    samples: int
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class Arm:
+    """A robot arm with n independent joint coordinates `theta` (..., n) [rad or m], ordered base to tip.
+
+    g_st(theta) = Π exp(ξ_i (A θ)_i) · home (MLS §3.2.2, the product of exponentials), with the columns ξ_i of
+    `screws` (6, m) and `home` (4, 4) at theta = 0, and the mimic coupling (A, b) in `coupling`. Poses are seen from
+    the base link. Every method accepts any finite theta, inside the limits or not, and any leading axes.
+
+    `actuators` are the motors that an arm.toml describes; `disabled_pairs` the pairs of links, each sorted, that an
+    SRDF exempts from collision checks. `moving_names` are the moving joints of the chain, base to tip: one per column
+    of `screws`, followers included.
+
+    Plain data, picklable, usable without Pinocchio. `fk` and the Jacobians are answered by the compiled core
+    (`compiled`); where there is none by Pinocchio (`pinocchio`), and by `poe` for an arm that has no description.
+    """
+
+    name: str
+    source: str
+    base: str
+    tip: str
+    joint_names: tuple[str, ...]
+    joint_types: tuple[str, ...]
+    screws: Array
+    home: Array
+    coupling: Coupling
+    limits: JointLimits
+    reach: float
+    named_states: Mapping[str, Array] = field(default_factory=dict)
+    findings: tuple[Finding, ...] = ()
+    proof: Proof | None = None
+    description: Description | None = field(default=None, repr=False)
+    couplings: Mapping[str, Affine] = field(default_factory=dict, repr=False)
+    tool: Array = field(default_factory=lambda: np.eye(4), repr=False)
+    tip_link: str = ""
+    actuators: Actuators | None = field(default=None, repr=False)
+    disabled_pairs: frozenset[tuple[str, str]] = field(default=frozenset(), repr=False)
+    moving_names: tuple[str, ...] = field(default=(), repr=False)
+
+    def __post_init__(self) -> None:
+        for name in ("screws", "home", "tool"):
+            object.__setattr__(self, name, frozen(getattr(self, name)))
+        object.__setattr__(self, "coupling", Coupling(frozen(self.coupling[0]), frozen(self.coupling[1])))
+        object.__setattr__(self, "tip_link", self.tip_link or self.tip)
+        object.__setattr__(self, "moving_names", self.moving_names or self._moving_joints())
+        states = {name: frozen(theta) for name, theta in self.named_states.items()}
+        object.__setattr__(self, "named_states", MappingProxyType(states))
+        object.__setattr__(self, "couplings", MappingProxyType(dict(self.couplings)))
+
+    def __setstate__(self, state: dict[str, Any]) -> None:
+        self.__dict__.update(state)
+        self.__post_init__()
+
+    def __getstate__(self) -> dict[str, Any]:
+        kept = {name: value for name, value in self.__dict__.items() if name not in _MADE_WHEN_ASKED}
+        # What keeps a mapping from being changed cannot be pickled.
+        return kept | {name: dict(kept[name]) for name in ("named_states", "couplings")}
+
+    def __repr__(self) -> str:
+        return f"Arm({self.name}: {self._summary}; joints {in_brief(self.joint_names)})"
+
+    def _repr_html_(self) -> str:
+        """A table of the joints, for a notebook."""
+        limits = zip(self.limits.lower, self.limits.upper, self.limits.velocity, self.ready, strict=True)
+        rows = (
+            [name, kind, unit, *(_or_none(value) for value in numbers)]
+            for name, kind, unit, numbers in zip(self.joint_names, self.joint_types, self.units, limits, strict=True)
+        )
+        head = ["joint", "type", "unit", "lower", "upper", "velocity (per s)", "ready"]
+        return html_table(f"{self.name}: {self._summary}", head, rows)
+
+    @property
+    def _summary(self) -> str:
+        return f"{self.n} joint{'s' * (self.n != 1)} from {self.base} to {self.tip}, reach {self.reach:.3g} m"
+
+    # -- what it is ----------------------------------------------------------------------------------------------
+
+    @property
+    def n(self) -> int:
+        """Degrees of freedom: length of theta."""
+        return len(self.joint_names)
+
+    @property
+    def units(self) -> tuple[str, ...]:
+        """`rad` or `m` for each coordinate."""
+        return tuple("m" if kind == "prismatic" else "rad" for kind in self.joint_types)
+
+    @property
+    def body_screws(self) -> Array:
+        """ξ_i seen from the tool at theta = 0: Ad(home⁻¹) screws, (6, m). MLS §3.2.2."""
+        body: Array = adjoint(inverse(self.home)) @ self.screws
+        return body
+
+    @cached_property
+    def tool_axis(self) -> Array:
+        """The unit vector (3,), in tool axes, about which the last joint rolls the tool, outward; z where none does.
+
+        What an `Approach` points where it is not told otherwise; see `twistarm.model.roll_axis` for the exact rule.
+        """
+        return roll_axis(self.body_screws, self.coupling.A, self.reach)
+
+    @property
+    def frame_names(self) -> tuple[str, ...]:
+        """Every link of the description, and the tool; base and tool alone where there is no description."""
+        links = tuple(self.description.links) if self.description else (self.base,)
+        return links if self.tip in links else (*links, self.tip)
+
+    @property
+    def pose_names(self) -> tuple[str, ...]:
+        """Names that stand for a theta wherever one is taken: `ready`, `zero` and those of `named_states`."""
+        return tuple(dict.fromkeys(("ready", "zero", *self.named_states)))
+
+    @cached_property
+    def ready(self) -> Array:
+        """The posture to start from, inside the limits, (n,): a named one, else `computed_ready`.
+
+        Of the usual names (`ready`, `home`, `default`, `rest`, `stowed`) the first that there is, in any capitals.
+        """
+        name = named_ready(self.named_states)
+        return self.computed_ready if name is None else self.named_states[name]
+
+    @cached_property
+    def computed_ready(self) -> Array:
+        """A tidy posture, (n,): round numbers off the limits, well conditioned, the tool in front and above the base.
+
+        No two links overlap in it, as far as the description has shapes.
+        """
+        numbers = self.screws, self.home, self.coupling.A, self.reach
+        mechanism = Mechanism(*numbers, self.limits, self.sampling_bounds, self.units)
+        return frozen(computed_ready(mechanism, self._overlapping()))
+
+    @cached_property
+    def middle(self) -> Array:
+        """The middle of the limits, (n,); as near to 0 as allowed for a joint that has not two."""
+        return frozen(self.limits.middle())
+
+    @cached_property
+    def pinocchio(self) -> PinocchioModel:
+        """Pinocchio's model and data (per thread) of the whole description; TwistarmError for an arm without one."""
+        if self.description is None:
+            raise TwistarmError(f"{self.name} was {self._whence}: it has no Pinocchio model")
+        return PinocchioModel(self.description, self.couplings, self.joint_names, self.moving_names)
+
+    @cached_property
+    def compiled(self) -> engine.Chain | None:
+        """The arm in the compiled core; None where there is none (`engine.why_not()`), or for more than 32 joints."""
+        bounds = self.limits.lower, self.limits.upper
+        return engine.chain_of(self.screws, self.home, self.coupling.A, bounds, self.sampling_bounds, self.reach)
+
+    def by_pinocchio(self, theta: ArrayLike) -> tuple[Array, Array, Array]:
+        """g_st (..., 4, 4), J^s and J^b (..., 6, n) by Pinocchio, whatever engine answers `fk`: what proofs compare."""
+        x = self._theta(theta)
+        model, g_J = self.pinocchio, self._from_pinocchio
+        return (
+            self._each(x, lambda row: g_J(row)[0], (4, 4)),
+            self._each(x, lambda row: model.spatial_jacobian(row, self.base, self.tip_link), (6, self.n)),
+            self._each(x, lambda row: g_J(row)[1], (6, self.n)),
+        )
+
+    # -- forward kinematics --------------------------------------------------------------------------------------
+
+    def fk(self, theta: ArrayLike) -> Array:
+        """Forward kinematics g_st(theta), (..., 4, 4): the tool seen from the base."""
+        if self.compiled is not None:
+            return self._by_core(self.compiled.fk, theta, (4, 4))
+        x = self._theta(theta)
+        if self.description is None:
+            return poe.fk(self.screws, self.home, x @ self.coupling.A.T)
+        return self._each(x, lambda row: self._from_pinocchio(row)[0], (4, 4))
+
+    def pose(self, theta: ArrayLike, frame: str) -> Array:
+        """Pose (..., 4, 4) of a frame of `frame_names` seen from the base."""
+        if not isinstance(frame, str) or frame not in self.frame_names:
+            listing = f"{len(self.frame_names)} frames: arm.frame_names"
+            within = self.name if self.description is not None else f"{self.name}, {self._whence}"
+            raise unknown_name("frame", frame, self.frame_names, within=within, listing=listing)
+        if frame == self.tip:
+            return self.fk(theta)
+        if self.description is None:
+            return self._identity(theta)
+        model = self.pinocchio
+        return self._each(self._theta(theta), lambda row: model.link_pose(model.q(row), self.base, frame), (4, 4))
+
+    def poses(self, theta: ArrayLike, others: Mapping[str, float] | None = None) -> dict[str, Array]:
+        """Pose (..., 4, 4) of every frame seen from the base, {frame: g}.
+
+        `others`: values of joints outside the chain by name (fingers, a second arm); 0 where not given.
+        """
+        x = self._theta(theta)
+        self._check_others({} if others is None else require_mapping(others, "others", "{'finger_joint': 0.02}"))
+        if self.description is None:
+            return {self.base: self._identity(x), self.tip: self.fk(x)}
+        model = self.pinocchio
+        each = [model.link_poses(model.q(row, others), self.base) for row in x.reshape(-1, self.n)]
+        if x.ndim == 1:  # called for every frame of a view
+            poses = {link: each[0][link] for link in self.description.links}
+        else:
+            poses = {
+                link: np.array([poses[link] for poses in each]).reshape(*x.shape[:-1], 4, 4)
+                for link in self.description.links
+            }
+        if self.tip not in poses:
+            poses[self.tip] = poses[self.tip_link] @ self.tool
+        return poses
+
+    # -- differential kinematics ---------------------------------------------------------------------------------
+
+    def spatial_jacobian(self, theta: ArrayLike) -> Array:
+        """Spatial Jacobian J^s (..., 6, n): V^s = J^s θ̇ with V^s = (ġ g⁻¹)^∨, linear part first. MLS §3.4.1."""
+        if self.compiled is not None:
+            return self._by_core(self.compiled.spatial_jacobian, theta, (6, self.n))
+        x = self._theta(theta)
+        if self.description is None:
+            return poe.spatial_jacobian(self.screws, x @ self.coupling.A.T) @ self.coupling.A
+        model = self.pinocchio
+        return self._each(x, lambda row: model.spatial_jacobian(row, self.base, self.tip_link), (6, self.n))
+
+    def body_jacobian(self, theta: ArrayLike) -> Array:
+        """Body Jacobian J^b (..., 6, n): V^b = J^b θ̇ with V^b = (g⁻¹ ġ)^∨, linear part first. MLS §3.4.1."""
+        if self.compiled is not None:
+            return self._by_core(self.compiled.body_jacobian, theta, (6, self.n))
+        x = self._theta(theta)
+        if self.description is None:
+            return poe.body_jacobian(self.screws, self.home, x @ self.coupling.A.T) @ self.coupling.A
+        return self._each(x, lambda row: self._from_pinocchio(row)[1], (6, self.n))
+
+    def hybrid_jacobian(self, theta: ArrayLike) -> Array:
+        """(..., 6, n): velocity of the tool's origin and its angular velocity, both in base axes.
+
+        Neither spatial nor body: diag(R, R) J^b; Pinocchio calls it LOCAL_WORLD_ALIGNED.
+        """
+        R = self.fk(theta)[..., :3, :3]
+        J = self.body_jacobian(theta)
+        return np.concatenate([R @ J[..., :3, :], R @ J[..., 3:, :]], axis=-2)
+
+    def manipulability(self, theta: ArrayLike, length: float | None = None) -> Manipulability:
+        """Singular values of the body Jacobian; metres are measured in `length` [m], by default `reach`."""
+        scale = self.reach if length is None else as_number(length, "length")
+        if not scale > 0:
+            raise InputError(f"length must be positive, in metres; got {scale:g}")
+        return manipulability_of(self.body_jacobian(theta), self._prismatic, scale)
+
+    def fk_and_body_jacobian(self, theta: Array) -> tuple[Array, Array]:
+        """g_st (4, 4) and J^b (6, n) of one configuration in one pass, unchecked: for solvers' inner loops."""
+        if self.compiled is not None:
+            both = self.compiled.fk_and_body_jacobian(theta)
+            if both is not None:
+                return both
+        if self.description is not None:
+            return self._from_pinocchio(theta)
+        x = self.coupling.A @ theta
+        return (
+            poe.fk(self.screws, self.home, x),
+            poe.body_jacobian(self.screws, self.home, x) @ self.coupling.A,
+        )
+
+    # -- statics -------------------------------------------------------------------------------------------------
+
+    def joint_torques(self, theta: ArrayLike, wrench_body: ArrayLike) -> Array:
+        """τ = J_bᵀ F (..., n) [N m or N]: what the joints supply when the tool exerts F = (f, τ) on the world.
+
+        F (..., 6) in tool axes at the tool's origin. MLS §3.4.2.
+        """
+        F = as_twist(wrench_body, "wrench_body")
+        torques: Array = np.einsum("...in,...i->...n", self.body_jacobian(theta), F)
+        return torques
+
+    def gravity_torques(
+        self,
+        theta: ArrayLike,
+        *,
+        gravity: ArrayLike = (0.0, 0.0, -9.81),
+        payload: float = 0.0,
+        payload_com: ArrayLike = (0.0, 0.0, 0.0),
+    ) -> Array:
+        """What the joints supply to hold still, (..., n) [N m or N], mimic followers included.
+
+        `gravity` (3,) [m/s²] in base axes; `payload` [kg] with its centre at `payload_com` (3,) [m] in tool axes.
+        """
+        x = self._theta(theta)
+        g, com = _one_vector(gravity, "gravity"), _one_vector(payload_com, "payload_com")
+        held = self._each(x, lambda row: self.pinocchio.gravity_torques(row, self.base, g), (self.n,))
+        mass = as_number(payload, "payload")
+        if mass < 0:
+            raise InputError(f"payload must not be negative, in kg; got {mass:g}")
+        if mass == 0:
+            return held
+        R = self.fk(x)[..., :3, :3]
+        support = -mass * np.einsum("...ji,j->...i", R, g)
+        moment = np.cross(com, support)
+        return held - self.joint_torques(x, -np.concatenate([support, moment], axis=-1))
+
+    # -- configurations ------------------------------------------------------------------------------------------
+
+    def random_theta(self, rng: int | np.random.Generator, size: int | tuple[int, ...] | None = None) -> Array:
+        """Uniform in the limits, (n,) or (*size, n); where unbounded, in ± `usual_half`: π rad, 1 m.
+
+        `rng` is a seed, which gives the same each time, or a NumPy Generator, which goes on.
+        """
+        lower, upper = self.sampling_bounds
+        return as_generator(rng).uniform(lower, upper, (*as_shape(size, "size"), self.n))
+
+    @property
+    def sampling_bounds(self) -> tuple[Array, Array]:
+        """Lower and upper (n,) that random configurations are drawn from: the limits, made finite."""
+        return self.limits.sampling_bounds(self.usual_half)
+
+    @cached_property
+    def usual_half(self) -> Array:
+        """Half the range (n,) that an unbounded coordinate is taken to have: π rad, 1 m.
+
+        A thread is given the turn that advances it 1 m, if that is more: otherwise it would hardly move.
+        """
+        half = np.array([usual_half(kind) for kind in self.joint_types])
+        for pair in lower_pairs(self.screws, self.coupling.A):
+            if pair.kind == "helical":
+                turning = self.coupling.A[pair.rows[0]] != 0.0
+                half[turning] = np.clip(1.0 / abs(pair.pitch), half[turning], AS_GOOD_AS_UNBOUNDED)
+        return frozen(half)
+
+    def theta_from(
+        self,
+        values: ArrayLike | Mapping[str, float] | Sequence[str],
+        numbers: ArrayLike | None = None,
+        *,
+        name: str = "theta",
+    ) -> Array:
+        """theta (..., n) from numbers, (n,) from one of `pose_names`, {joint: value}, or joints' names and values.
+
+        By joint every one must be given, in any order. `name` is what an error calls the argument.
+        """
+        if isinstance(values, str):
+            return self._named(values)
+        if numbers is None and not isinstance(values, Mapping):
+            return as_theta(values, self.n, name, self.joint_names)
+        given = dict(values) if isinstance(values, Mapping) else self._paired(values, numbers)
+        for name in given:
+            if name not in self.joint_names:
+                listing = f"base to tip: {listed(self.joint_names)}"
+                raise unknown_name("joint", name, self.joint_names, within=self.name, listing=listing)
+        missing = [name for name in self.joint_names if name not in given]
+        if missing:
+            raise InputError(f"no value for joint {listed(missing)} of {self.name}; give every joint")
+        return as_theta([given[name] for name in self.joint_names], self.n)
+
+    def theta_to_dict(self, theta: ArrayLike) -> dict[str, float]:
+        """{joint: value}, base to tip."""
+        x = self._theta(theta)
+        if x.ndim != 1:
+            raise InputError(f"theta_to_dict takes one configuration ({self.n},); got {x.shape}")
+        return {name: float(value) for name, value in zip(self.joint_names, x, strict=True)}
+
+    def with_tool(self, g_tip_tool: ArrayLike, name: str) -> Arm:
+        """The same arm with a tool frame `name` at g_tip_tool (4, 4), seen from the present tip."""
+        g = as_pose(g_tip_tool, "g_tip_tool")
+        if g.ndim != 2:
+            raise InputError(f"g_tip_tool must be one pose (4, 4); got {g.shape}")
+        if not isinstance(name, str) or not name.strip():
+            raise InputError(f"the tool's name must be a text, and not an empty one; got {shown(name)}")
+        if name in self.frame_names:
+            raise InputError(f"{self.name} has a frame {name!r} already; give the tool another name")
+        end = self.home[:3, 3]
+        home = self.home @ g
+        reach = self.reach + float(np.linalg.norm(home[:3, 3] - end))
+        return replace(self, tip=name, tip_link=self.tip_link, tool=self.tool @ g, home=home, reach=reach)
+
+    def bake(self, path: str | os.PathLike[str]) -> Path:
+        """Write the arm as numbers to an arm.json, which `load_arm` reads without Pinocchio and the description.
+
+        Kept is all that an arm is but its `description` and `findings`, so that everything about the chain is
+        answered as before. The same arm gives the same bytes; written whole or not at all. Returns the path written.
+        """
+        return write_baked(self.kept, path)
+
+    @property
+    def kept(self) -> Baked:
+        """What `bake` keeps of the arm."""
+        return Baked(**{name: getattr(self, name) for name in Baked._fields})
+
+    # -- inside --------------------------------------------------------------------------------------------------
+
+    def _moving_joints(self) -> tuple[str, ...]:
+        if self.description is None:
+            return self.joint_names
+        return tuple(joint.name for joint in self.description.chain(self.base, self.tip_link) if joint.moving)
+
+    def _overlapping(self) -> Overlapping | None:
+        """Tells which links run into each other; None without a description, or where it has no shapes."""
+        if self.description is None or not self.description.has_shapes:
+            return None
+        return Bodies(
+            self.pinocchio, self.description, self.base, self.moving_names[0], self.disabled_pairs
+        ).overlapping
+
+    @property
+    def _whence(self) -> str:
+        """Where an arm without a description comes from."""
+        if self.source == "screws":
+            return "made from screws, not from a description"
+        return f"baked without its description (load {self.source!r} for that)"
+
+    @property
+    def _prismatic(self) -> Array:
+        return np.array([kind == "prismatic" for kind in self.joint_types])
+
+    def _theta(self, theta: ArrayLike) -> Array:
+        return self.theta_from(theta)
+
+    def _named(self, pose: str) -> Array:
+        if pose in self.named_states:
+            return self.named_states[pose]
+        if pose not in ("ready", "zero"):
+            listing = f"poses: {listed(self.pose_names)}"
+            raise unknown_name("pose", pose, self.pose_names, within=self.name, listing=listing)
+        return self.ready if pose == "ready" else np.zeros(self.n)
+
+    def _identity(self, theta: ArrayLike) -> Array:
+        """The base seen from itself, one for each configuration."""
+        return np.tile(np.eye(4), (*self._theta(theta).shape[:-1], 1, 1))
+
+    def _by_core(self, kernel: Callable[[object], Array | None], theta: ArrayLike, shape: tuple[int, ...]) -> Array:
+        """`kernel` of theta as it is, or made float64 (N, n) where it is not."""
+        answer = kernel(theta)
+        if answer is not None:
+            return answer
+        x = self._theta(theta)
+        answers = kernel(np.require(x.reshape(-1, self.n), np.float64, ["C", "A"]))
+        assert answers is not None
+        return answers.reshape(*x.shape[:-1], *shape)
+
+    def _each(self, x: Array, function: Any, shape: tuple[int, ...]) -> Array:
+        """`function` of each configuration of a batch: Pinocchio takes one at a time."""
+        if x.ndim == 1:
+            return np.asarray(function(x))
+        rows = [function(row) for row in x.reshape(-1, self.n)]
+        return np.array(rows).reshape(*x.shape[:-1], *shape)
+
+    def _from_pinocchio(self, theta: Array) -> tuple[Array, Array]:
+        g, J = self.pinocchio.pose_and_body_jacobian(theta, self.base, self.tip_link)
+        if self.tip == self.tip_link:
+            return g, J
+        return g @ self.tool, self._tool_action @ J
+
+    @cached_property
+    def _tool_action(self) -> Array:
+        return adjoint(inverse(self.tool))
+
+    def _check_others(self, others: Mapping[str, float]) -> None:
+        masters = {affine.master for affine in self.couplings.values() if affine.master is not None}
+        outside = sorted(masters - set(self.joint_names))
+        for name in others:
+            if name not in outside:
+                listing = f"independent joints outside the chain: {listed(outside) or 'none'}"
+                raise unknown_name("joint outside the chain", name, outside, within=self.name, listing=listing)
+
+    def _paired(self, names: object, numbers: ArrayLike | None) -> dict[str, float]:
+        given, values = require_names(names, "names"), as_floats([] if numbers is None else numbers, "numbers").ravel()
+        if len(given) != values.size:
+            raise InputError(f"{len(given)} names but {values.size} numbers; give one number per name")
+        if len(set(given)) != len(given):
+            raise InputError(f"a joint is named twice in {listed(given)}")
+        return dict(zip(given, values.tolist(), strict=True))
+
+
+def require_arm(arm: Any) -> Arm:
+    """`arm`, or InputError."""
+    return require(arm, Arm, "arm", "as load_arm returns it")
+
+
+def _or_none(value: float) -> str:
+    """A limit in a table; nothing where it was not given."""
+    return f"{value:.4g}" if np.isfinite(value) else "–"
+
+
+def _one_vector(value: ArrayLike, name: str) -> Array:
+    vector = as_vector(value, name)
+    if vector.ndim != 1:
+        raise InputError(f"{name} must be one vector (3,); got {vector.shape}")
+    return vector

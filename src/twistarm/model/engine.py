@@ -1,0 +1,97 @@
+"""The compiled core: `twistarm._core` where it was built, and the reason where it was not."""
+
+from __future__ import annotations
+
+import importlib
+import logging
+from functools import cache
+from types import ModuleType
+from typing import TYPE_CHECKING
+
+from ..support.checks import Array
+
+if TYPE_CHECKING:
+    from .._core import Chain as Chain
+    from .._core import Servo as Servo
+
+INTERFACE = 5
+"""Of the compiled core that this Python speaks to; one more whenever the meaning of a call changes."""
+
+MOST_JOINTS = 32
+"""Moving joints, or coordinates, that a chain of the core holds."""
+
+_PACKAGE = __package__.partition(".")[0]
+_LOG = logging.getLogger(_PACKAGE)
+
+_AGAIN = "pip install --force-reinstall --no-deps --no-cache-dir twistarm (or . in a checkout)"
+
+
+def core() -> ModuleType | None:
+    """The compiled core (its names are in _core.pyi), or None; `why_not` then says why."""
+    return _found()[0]
+
+
+def why_not() -> str:
+    """Why there is no compiled core and what to do, in one line; empty where there is one."""
+    return _found()[1]
+
+
+def instruction_set() -> str:
+    """What the core's kernels run on here (avx512, avx2, baseline); empty where there is no core."""
+    module = core()
+    return "" if module is None else str(module.instruction_sets()[0])
+
+
+def chain_of(
+    screws: Array, home: Array, A: Array, limits: tuple[Array, Array], starts: tuple[Array, Array], reach: float
+) -> Chain | None:
+    """The chain of screws (6, m), home and A (m, n) in the core; None where there is no core, or more than it holds.
+
+    `limits` are the lower and upper bounds (n,), `starts` those of random starts, finite; `reach` [m] compares metres
+    with radians where a rank is asked for.
+    """
+    module = core()
+    if module is None:
+        _say_once()
+        return None
+    if max(A.shape) > MOST_JOINTS:
+        _LOG.warning("%d joints are more than the compiled core holds (%d)", max(A.shape), MOST_JOINTS)
+        return None
+    chain: Chain = module.Chain(screws, home, A, *limits, *starts, reach)
+    return chain
+
+
+def servo_of(arrays: tuple[Array, ...], length: float, below: float, damping: float, stops: bool) -> Servo | None:
+    """The servo of an arm in the core, from what `_core.Servo` takes; None as for `chain_of`."""
+    module = core()
+    if module is None or max(max(array.shape) for array in arrays[2:5]) > MOST_JOINTS:
+        return None
+    servo: Servo = module.Servo(*arrays, length, below, damping, stops)
+    return servo
+
+
+@cache
+def _say_once() -> None:
+    """That everything is slower than it could be, on the log, whose default is a line on stderr."""
+    lost = "takes milliseconds instead of microseconds and gives neither the nearest configuration nor the reason"
+    _LOG.warning("no compiled core, so inverse kinematics %s: %s", lost, why_not())
+
+
+@cache
+def _found() -> tuple[ModuleType | None, str]:
+    name = f"{_PACKAGE}._core"
+    try:
+        module = importlib.import_module(name)
+    except ModuleNotFoundError as error:
+        if error.name != name:
+            return None, f"{name} cannot be imported ({error}); {_AGAIN}"
+        return None, (
+            "twistarm was installed where it could not be compiled; get a C++17 compiler "
+            f"(apt install g++, xcode-select --install), then {_AGAIN}"
+        )
+    except ImportError as error:
+        return None, f"{name} cannot be loaded ({error}); {_AGAIN}"
+    found = getattr(module, "INTERFACE", None)
+    if found != INTERFACE:
+        return None, f"{name} was built from other sources (interface {found}, needed {INTERFACE}); {_AGAIN}"
+    return module, ""

@@ -1,0 +1,135 @@
+"""What an arm cannot do with its tool, in words: the same from the servo, from inverse kinematics and on the page."""
+
+from __future__ import annotations
+
+import weakref
+from collections.abc import Sequence
+from enum import Enum
+
+import numpy as np
+
+from ..support.checks import Array
+from ..support.vector_words import axis_in_words
+from ..theory.manipulability import scaled_jacobian
+from .arm import Arm
+
+CANNOT_MOVE = "this arm cannot move that way"
+CANNOT_TURN = "this arm cannot turn that way"
+
+NO_MOTION = 1e-3
+"""A singular value [rad per rad] below this counts as none: descriptions write 1.57 for a right angle, and mean it."""
+
+SAMPLES = 16
+"""Random postures; almost every one has the largest rank, so the largest among them is the arm's."""
+
+BESIDE = 0.05
+"""How far beside a singular posture one looks for the directions that it lacks [scaled rad]."""
+
+MOSTLY = 0.5
+"""The share of a direction that an arm has if it has that direction."""
+
+Half = tuple[int, int, int]
+
+LINEAR: Half = (0, 1, 2)
+ANGULAR: Half = (3, 4, 5)
+"""Components of a twist (v, w)."""
+
+
+class Lack(Enum):
+    """Whether an arm has a motion of its tool."""
+
+    NONE = "it has it here"
+    HERE = "it has it elsewhere: this posture is singular"
+    EVERYWHERE = "it has it at no posture"
+
+
+def lack(arm: Arm, theta: Array, half: Half, direction: Array, frame: str, before: Sequence[int] = ()) -> Lack:
+    """Whether the tool moves along, or turns about, the unit vector (3,) at theta (n,), or at any posture.
+
+    The motions counted are those that leave the components `before` as they are: J_half N, N the null space of
+    J_before, metres measured in the reach, in axes of `frame`. Where their rank is less than at random postures (an
+    analytic Jacobian has its largest rank almost everywhere), this posture lacks some that those beside it have.
+    """
+    span = _span(arm, theta, half, before, frame)[0]
+    if _holds(span, direction):
+        return Lack.NONE
+    less = _rank(arm, half, before, frame) - span.shape[1]
+    if less > 0:
+        U, size = _span(arm, theta + _aside(arm, theta), half, before, frame)
+        beside = U * size
+        rest = np.linalg.svd(beside - span @ (span.T @ beside))[0]
+        if _holds(rest[:, :less], direction):
+            return Lack.HERE
+    return Lack.EVERYWHERE
+
+
+def cannot_move(axis: Array, frame: str, held: str = "") -> str:
+    """For a unit vector (3,) along which no joint moves the tool while what is `held` stays."""
+    return f"{CANNOT_MOVE}: {_while(held)}no joint moves its tool along {axis_in_words(axis, frame)}"
+
+
+def cannot_turn(axis: Array, frame: str, held: str = "") -> str:
+    """For a unit vector (3,) about which no joint turns the tool while what is `held` stays."""
+    return f"{CANNOT_TURN}: {_while(held)}no joint turns its tool about {axis_in_words(axis, frame)}"
+
+
+def must_turn(axis: Array, frame: str) -> str:
+    """For a motion that turns the tool about the unit vector (3,) on its way."""
+    return f"{CANNOT_MOVE} without turning its tool about {axis_in_words(axis, frame)}"
+
+
+def singular(what: str, share: float, joint: str | None, axis: str = "") -> str:
+    """For a posture near a singularity: `what` is "move" or "turn", of which a share is done.
+
+    joint: the one that would have to move most for it, if that is known; axis: along or about which it is lost.
+    """
+    if share >= 0.5:
+        return f"near a singularity: this arm does not {what} quite that way from here"
+    most = f"; {joint} would have to move most for it" if joint else ""
+    way = f"{'about' if what == 'turn' else 'along'} {axis}" if axis else "that way"
+    return f"near a singularity: this arm can hardly {what} {way} from here{most}"
+
+
+def position_limit(side: str, joint: str) -> str:
+    """The "lower" or the "upper" end of a joint, or of a motor."""
+    return f"the {side} position limit of {joint}"
+
+
+def _while(held: str) -> str:
+    return f"with {held} held, " if held else ""
+
+
+_RANKS: weakref.WeakKeyDictionary[Arm, dict[tuple[object, ...], int]] = weakref.WeakKeyDictionary()
+
+
+def _rank(arm: Arm, half: Half, before: Sequence[int], frame: str) -> int:
+    """The largest rank of `_span` among random postures, kept for as long as the arm lives."""
+    kept = _RANKS.setdefault(arm, {})
+    key = (half, tuple(before), frame)
+    if key not in kept:
+        kept[key] = max(_span(arm, theta, half, before, frame)[0].shape[1] for theta in arm.random_theta(0, SAMPLES))
+    return kept[key]
+
+
+def _span(arm: Arm, theta: Array, half: Half, before: Sequence[int], frame: str) -> tuple[Array, Array]:
+    """Orthonormal U (3, k) and σ (k,): in which directions of one half the tool moves with `before` at rest."""
+    g, J = arm.fk_and_body_jacobian(theta)
+    turned = J if frame == "tool" else np.kron(np.eye(2), g[:3, :3]) @ J
+    rows = scaled_jacobian(turned, np.array(arm.units) == "m", arm.reach)
+    _, size, Vt = np.linalg.svd(rows[list(before)])
+    free = Vt[int((size > NO_MOTION).sum()) :].T
+    U, size, _ = np.linalg.svd(rows[list(half)] @ free)
+    rank = int((size > NO_MOTION).sum())
+    return U[:, :rank], size[:rank]
+
+
+def _holds(span: Array, direction: Array) -> bool:
+    return bool(np.linalg.norm(span.T @ direction) > MOSTLY)
+
+
+def _aside(arm: Arm, theta: Array) -> Array:
+    """A short way (n,) [rad, m] in no particular direction."""
+    unit = np.where(np.array(arm.units) == "m", arm.reach, 1.0)
+    way = (arm.random_theta(0) - theta) / unit
+    step: Array = BESIDE * unit * way / np.linalg.norm(way)
+    return step

@@ -1,0 +1,210 @@
+"""The one door to Pinocchio: the model from a description, reference kinematics, gravity torques."""
+
+from __future__ import annotations
+
+import os
+import tempfile
+import threading
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from contextlib import contextmanager
+from typing import Any
+
+import numpy as np
+
+from ..description.coupling import Affine
+from ..description.findings import refusal
+from ..description.tree import Description
+from ..support import wheels
+from ..support.checks import Array
+
+MAX_MOVING_JOINTS = 150
+"""Pinocchio's data holds four tensors of nv³ numbers: 0.12 GB here, and the doctor has two. The largest robot
+known, tiago_dual with two hands, has 101."""
+
+_WHEEL = wheels.Wheel(
+    "pinocchio",
+    "pin",  # `pinocchio` on the registry is another project
+    needs=(
+        "buildModelFromXML",
+        "Data",
+        "FrameType",
+        "ReferenceFrame",
+        "forwardKinematics",
+        "framesForwardKinematics",
+        "computeJointJacobians",
+        "getFrameJacobian",
+        "updateFramePlacement",
+        "computeGeneralizedGravity",
+    ),
+    oldest="3.4",
+)
+
+_STDERR = threading.Lock()
+"""File descriptor 2 belongs to the whole process: one redirection at a time."""
+
+
+class PinocchioModel:
+    """Pinocchio's model of a whole description, with data for each thread.
+
+    `coordinates` are theta's joints, `chain` the moving joints from base to tip. `q(theta)` gives the value of every
+    joint of the tree: the chain's from theta, mimic followers by their coupling, the others from `others` or 0.
+    Continuous joints are revolute here, so q is one number per joint.
+    """
+
+    def __init__(
+        self,
+        description: Description,
+        couplings: Mapping[str, Affine],
+        coordinates: Sequence[str],
+        chain: Sequence[str],
+    ) -> None:
+        self._pin = import_pinocchio()
+        self.model = _build(self._pin, description)
+        self._local = threading.local()
+        self._couplings = couplings
+        self._coordinates = tuple(coordinates)
+        self._index = {str(name): int(self.model.idx_qs[j]) for j, name in enumerate(self.model.names) if j > 0}
+        self._A, self._b = self._affine()
+        # What moves above the base carries base and tip alike: only the chain's joints move one against the other.
+        self._A_chain = self._A * np.isin(np.arange(self.model.nq), [self._index[name] for name in chain])[:, None]
+        body = self._pin.FrameType.BODY
+        self._frames = {str(frame.name): i for i, frame in enumerate(self.model.frames) if frame.type == body}
+
+    @property
+    def data(self) -> Any:
+        """Pinocchio's data, one for each thread."""
+        if not hasattr(self._local, "data"):
+            self._local.data = self._pin.Data(self.model)  # createData() would make it twice
+        return self._local.data
+
+    def frame_id(self, link: str) -> int:
+        """Index of a link's frame: Pinocchio's own look-up answers unknown names without an error."""
+        return self._frames[link]
+
+    def q(self, theta: Array, others: Mapping[str, float] | None = None) -> Array:
+        """Pinocchio's configuration (nq,) for theta (n,) and joints outside the chain."""
+        q: Array = self._A @ theta + self._b
+        for name, value in (others or {}).items():
+            for joint, affine in self._couplings.items():
+                if affine.master == name:
+                    q[self._index[joint]] = affine.multiplier * value + affine.offset
+        return q
+
+    def link_pose(self, q: Array, base: str, link: str) -> Array:
+        """Pose (4, 4) of `link` in the frame of `base`."""
+        data = self.data
+        self._pin.forwardKinematics(self.model, data, q)
+        return self._relative(data, base, link)
+
+    def link_poses(self, q: Array, base: str) -> dict[str, Array]:
+        """Pose (4, 4) of every link in the frame of `base`."""
+        data = self.data
+        self._pin.framesForwardKinematics(self.model, data, q)
+        world_base = data.oMf[self._frames[base]].inverse()
+        return {link: (world_base * data.oMf[frame]).homogeneous for link, frame in self._frames.items()}
+
+    def pose_and_body_jacobian(self, theta: Array, base: str, tip: str) -> tuple[Array, Array]:
+        """Pose (4, 4) of `tip` in `base` and its body Jacobian (6, n) for the independent coordinates."""
+        data = self.data
+        # computeJointJacobians runs the forward kinematics that the frame's pose is read from.
+        self._pin.computeJointJacobians(self.model, data, self._A @ theta + self._b)
+        J = self._pin.getFrameJacobian(self.model, data, self._frames[tip], self._pin.ReferenceFrame.LOCAL)
+        return self._relative(data, base, tip), J.reshape(6, -1) @ self._A_chain
+
+    def spatial_jacobian(self, theta: Array, base: str, tip: str) -> Array:
+        """Spatial Jacobian (6, n) in the frame of `base`, from the WORLD Jacobian: Ad(g_root,base⁻¹) J_WORLD."""
+        data = self.data
+        self._pin.computeJointJacobians(self.model, data, self._A @ theta + self._b)
+        J = self._pin.getFrameJacobian(self.model, data, self._frames[tip], self._pin.ReferenceFrame.WORLD)
+        world_base = self._pin.updateFramePlacement(self.model, data, self._frames[base])
+        spatial: Array = world_base.toActionMatrixInverse() @ J.reshape(6, -1) @ self._A_chain
+        return spatial
+
+    def gravity_torques(self, theta: Array, base: str, gravity: Array) -> Array:
+        """Joint efforts (n,) that hold every body of the description still; `gravity` (3,) in axes of `base`."""
+        q = self._A @ theta + self._b
+        model, data = self._own_model(), self.data
+        self._pin.forwardKinematics(self.model, data, q)
+        world_base = self._pin.updateFramePlacement(self.model, data, self._frames[base])
+        model.gravity.linear = world_base.rotation @ gravity
+        torques: Array = self._A.T @ self._pin.computeGeneralizedGravity(model, data, q)
+        return torques
+
+    def _own_model(self) -> Any:
+        """A model for this thread alone: Pinocchio keeps gravity in the model."""
+        if not hasattr(self._local, "model"):
+            self._local.model = self.model.copy()
+        return self._local.model
+
+    def _relative(self, data: Any, base: str, link: str) -> Array:
+        world_link = self._pin.updateFramePlacement(self.model, data, self._frames[link])
+        frame = self.model.frames[self._frames[base]]
+        if frame.parentJoint == 0:
+            pose: Array = frame.placement.actInv(world_link).homogeneous
+            return pose
+        world_base = self._pin.updateFramePlacement(self.model, data, self._frames[base])
+        moving: Array = world_base.actInv(world_link).homogeneous
+        return moving
+
+    def _affine(self) -> tuple[Array, Array]:
+        A, b = np.zeros((self.model.nq, len(self._coordinates))), np.zeros(self.model.nq)
+        for name, row in self._index.items():
+            affine = self._couplings[name]
+            b[row] = affine.offset
+            if affine.master in self._coordinates:
+                A[row, self._coordinates.index(affine.master)] = affine.multiplier
+        return A, b
+
+
+def import_pinocchio() -> Any:
+    """The module of the `pin` wheel, or a TwistarmError that says what stands before it and how to start."""
+    return wheels.load(_WHEEL)
+
+
+def complaint_about(text: str) -> str:
+    """What Pinocchio's own parser says to a URDF text as it is; empty if it reads it."""
+    return _parsed(import_pinocchio(), text)[1]
+
+
+def _parsed(pin: Any, text: str) -> tuple[Any, str]:
+    """The model in a URDF text and nothing, or None and the parser's complaint."""
+    with _captured_stderr() as complaint:
+        try:
+            return pin.buildModelFromXML(text), ""
+        except (ValueError, RuntimeError) as error:
+            return None, " ".join(complaint().split()) or str(error)
+
+
+def _build(pin: Any, description: Description) -> Any:
+    count = sum(joint.moving for joint in description.joints.values())
+    if count > MAX_MOVING_JOINTS:
+        what = f"{count} moving joints; at most {MAX_MOVING_JOINTS}"
+        raise refusal("too-many-joints", description.place(), what, "is it a whole scene?")
+    model, complaint = _parsed(pin, description.repaired)
+    if complaint:
+        raise refusal(
+            "engine-refuses", description.place(), f"Pinocchio refuses it: {complaint}", "correct what it names"
+        )
+    return model
+
+
+@contextmanager
+def _captured_stderr() -> Iterator[Callable[[], str]]:
+    """Pinocchio's parser tells the cause only on the C++ stderr: keep it, as a text, while the context lasts."""
+    with _STDERR, tempfile.TemporaryFile() as file:
+        try:
+            saved = os.dup(2)
+        except OSError:  # a process without a stderr has nothing to capture
+            yield str
+            return
+        os.dup2(file.fileno(), 2)
+
+        def text() -> str:
+            file.seek(0)
+            return file.read().decode("utf-8", "replace")
+
+        try:
+            yield text
+        finally:
+            os.dup2(saved, 2)
+            os.close(saved)

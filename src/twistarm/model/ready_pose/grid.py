@@ -1,0 +1,96 @@
+"""The tidy values that each coordinate of a computed posture may take, and what each costs."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from ...limits.joint_limits import AS_GOOD_AS_UNBOUNDED, JointLimits
+from ...support.checks import Array
+
+Rows = np.ndarray[tuple[int, ...], np.dtype[np.intp]]
+
+STEPS = {"rad": (15.0, 5.0, 1.0, 0.5, 0.1), "m": (0.05, 0.01, 0.005, 0.001)}
+"""Between values [°, m], coarse first: a coordinate takes the first that leaves it `FEW` values."""
+
+FEW = 5
+
+ROUND = {"rad": (90.0, 45.0, 30.0, 15.0, 5.0), "m": (0.5, 0.1, 0.05, 0.01)}
+"""A multiple of the first is the tidiest number [°, m], one of none of them the least tidy."""
+
+WINDOW = {"rad": np.pi, "m": 1.0}
+"""Values are taken so near to the middle of the range, or to 0: no needless turns."""
+
+MARGIN, COMFORT = 0.1, 0.25
+"""Shares of its range that a coordinate stays away from each bound, and below which nearness costs something."""
+
+BENT, LESS_ROUND, NEAR = 0.25, 0.05, 1.0
+"""The cost of a coordinate that is not at rest, of each step of roundness lost, and of standing at `MARGIN`."""
+
+
+@dataclass(frozen=True)
+class Grid:
+    """For n coordinates up to k values: `values` and `cost` (n, k), how many there are (n,), and which is rest (n,).
+
+    A posture is a row of n indices. At rest a coordinate is 0 where that keeps off its bounds, else a round number
+    near the middle of its range.
+    """
+
+    values: Array
+    cost: Array
+    count: Rows
+    rest: Rows
+
+    def theta(self, rows: Rows) -> Array:
+        """Postures (..., n) of rows of indices (..., n)."""
+        return self.values[np.arange(len(self.count)), rows]
+
+    def costs(self, rows: Rows) -> Array:
+        """What the coordinates of each row cost together, (...)."""
+        costs: Array = self.cost[np.arange(len(self.count)), rows].sum(-1)
+        return costs
+
+
+def grid_of(limits: JointLimits, bounds: tuple[Array, Array], units: tuple[str, ...]) -> Grid:
+    """The tidy values inside `limits`, of which `bounds` (n,) are the lower and upper made finite."""
+    span = bounds[1] - bounds[0]
+    lower = np.where((limits.lower > -AS_GOOD_AS_UNBOUNDED) | (span == 0.0), bounds[0], -np.inf)
+    upper = np.where((limits.upper < AS_GOOD_AS_UNBOUNDED) | (span == 0.0), bounds[1], np.inf)
+    columns = [_column(*each) for each in zip(lower, upper, span, units, strict=True)]
+    count = np.array([len(values) for values, _, _ in columns])
+    values, cost = np.zeros((2, len(columns), count.max()))
+    for i, (its_values, its_cost, _) in enumerate(columns):
+        values[i, : count[i]] = np.clip(its_values, limits.lower[i], limits.upper[i])
+        cost[i, : count[i]] = its_cost
+    return Grid(values, cost, count, np.array([rest for _, _, rest in columns]))
+
+
+def _column(lower: float, upper: float, span: float, unit: str) -> tuple[Array, Array, int]:
+    """Values and costs of one coordinate, and which of them is rest; `lower` and `upper` are ∓inf without a bound."""
+    low, high = lower + MARGIN * span, upper - MARGIN * span
+    middle = (
+        0.0 if low <= 0.0 <= high else float(np.clip(0.5 * (low + high) if high - low < np.inf else 0.0, low, high))
+    )
+    values, less_round = _multiples(max(low, middle - WINDOW[unit]), min(high, middle + WINDOW[unit]), unit)
+    if not len(values):
+        return np.array([middle]), np.zeros(1), 0
+    cost = BENT + LESS_ROUND * less_round
+    rest = int(np.argmin(np.round(cost + np.abs(values - middle) / WINDOW[unit], 9) * (values != 0.0)))
+    cost[rest] = 0.0
+    near = np.minimum(values - lower, upper - values) / span
+    return values, cost + NEAR * np.maximum(0.0, COMFORT - near) / (COMFORT - MARGIN), rest
+
+
+def _multiples(low: float, high: float, unit: str) -> tuple[Array, Array]:
+    """Multiples of the coarsest step that leaves enough of them, and their roundness lost; none in a tiny range."""
+    degrees = unit == "rad"
+    if degrees:
+        low, high = np.degrees(low), np.degrees(high)
+    for step in STEPS[unit]:
+        numbers = np.round(np.arange(np.ceil(low / step - 1e-9), np.floor(high / step + 1e-9) + 1) * step, 6)
+        if len(numbers) >= FEW:
+            whole = numbers[:, None] / np.array(ROUND[unit])
+            lost = np.cumprod(np.abs(whole - np.round(whole)) > 1e-6, axis=1).sum(1)
+            return np.radians(numbers) if degrees else numbers, lost.astype(float)
+    return np.empty(0), np.empty(0)

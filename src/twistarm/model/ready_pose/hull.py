@@ -1,0 +1,51 @@
+"""A mesh as few points: those of a binary STL that lie farthest out, one for each of fixed directions."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+
+from ...support.checks import Array
+from ...support.files import read_bounded
+
+LARGEST, HEAD, TRIANGLE = 10_000_000, 84, 50
+"""Bytes: a file that is read at most, an STL's head, and each of its triangles."""
+
+VERTICES = 3_000
+"""At most so many vertices, evenly spread over the file, are looked at."""
+
+THINNEST = 0.01
+"""A hull that is flatter than this share of its length is none: convex hulls of plates are left alone."""
+
+DIRECTIONS = np.array([d for d in np.ndindex(5, 5, 5) if 0 < np.abs(np.subtract(d, 2)).sum() <= 3]) - 2.0
+"""Along the axes, between two or three of them, and between those."""
+
+
+def outer_points(path: Path, scale: tuple[float, ...]) -> Array | None:
+    """The outermost points (k, 3), of a mesh scaled by `scale` (3,); None for what is not read.
+
+    Other formats than binary STL, which is a plain array of triangles, are left alone, and so is what has no volume.
+    """
+    vertices = _vertices(path)
+    if vertices is None or not np.isfinite(vertices).all():
+        return None
+    points = vertices * scale
+    points = points[np.unique((DIRECTIONS @ points.T).argmax(axis=1))]
+    spread = np.linalg.svd(points - points.mean(axis=0), compute_uv=False)
+    return points if len(points) > 3 and spread[2] > THINNEST * spread[0] else None
+
+
+def _vertices(path: Path) -> Array | None:
+    """Vertices (N, 3) of a binary STL; None for any other file."""
+    if path.suffix.lower() != ".stl":
+        return None
+    try:
+        data = read_bounded(path, LARGEST)
+    except OSError:
+        return None
+    count = int.from_bytes(data[80:HEAD], "little")
+    if count == 0 or len(data) != HEAD + TRIANGLE * count:
+        return None
+    every = np.ndarray((count, 3, 3), "<f4", data, HEAD + 12, (TRIANGLE, 12, 4))
+    return every[:: 1 + 3 * count // VERTICES].reshape(-1, 3).astype(np.float64)

@@ -1,0 +1,110 @@
+"""What speaks against a posture: a number, 0 for nothing, whose terms never help each other."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import NamedTuple
+
+import numpy as np
+
+from ...limits.joint_limits import JointLimits
+from ...support.checks import Array
+from ...theory import poe
+from ...theory.manipulability import scaled_jacobian
+from ...theory.rotations import cross
+from .grid import Grid, Rows
+from .sketch import Sketch, sketched
+from .stance import Stance
+
+DECIMALS = 6
+"""Costs are compared when rounded so: the last bits of a sine must not choose between equal postures."""
+
+CROWDED, SLOWED = 4.0, 1.5
+"""What strokes cost that touch, and each doubling of the condition number."""
+
+MOST = 64
+"""Of the postures that are compared at a time so many, the best by all else, are judged by their conditioning too."""
+
+LOST = 1e-3
+"""A singular value below this share of the largest is none: exports round their axes."""
+
+HOPELESS = 1e-6
+"""The least that σ_k/σ_1 counts as, so that all singular postures are equally bad and what else they are counts."""
+
+
+class Mechanism(NamedTuple):
+    """A chain as numbers: screws (6, m), home (4, 4), A (m, n), reach [m]; of its coordinates limits, bounds, units."""
+
+    screws: Array
+    home: Array
+    A: Array
+    reach: float
+    limits: JointLimits
+    bounds: tuple[Array, Array]
+    units: tuple[str, ...]
+
+    def motions(self, theta: Array) -> Array:
+        """What base and moving joints have undergone at theta (N, n), (N, m + 1, 4, 4)."""
+        still = np.broadcast_to(np.eye(4), (len(theta), 1, 4, 4))
+        return np.concatenate([still, poe.motions(self.screws, theta @ self.A.T)], axis=1)
+
+    def conditioning(self, motions: Array, tool: Array) -> tuple[Array, ...]:
+        """σ_k/σ_1 (N, k), descending, of the Jacobian of a tool at (N, 3), scaled by the reach.
+
+        With fewer than six joints also of its linear half: an arm of three, stretched, still turns in three ways.
+        """
+        J = poe.columns(motions[:, 1:], self.screws) @ self.A
+        J[:, :3] += np.swapaxes(cross(np.swapaxes(J[:, 3:], 1, 2), tool[:, None]), 1, 2)
+        J = scaled_jacobian(J, np.array(self.units) == "m", self.reach)
+        return (_ratios(J),) if J.shape[2] >= 6 else (_ratios(J), _ratios(J[:, :3]))
+
+
+def _ratios(J: Array) -> Array:
+    """σ_k/σ_1 of matrices (N, r, n), (N, min(r, n)), none below `HOPELESS`."""
+    transposed = np.swapaxes(J, 1, 2)
+    squares = np.linalg.eigvalsh(J @ transposed if J.shape[2] >= J.shape[1] else transposed @ J)[:, ::-1]
+    ratios: Array = np.sqrt(np.maximum(squares / np.maximum(squares[:, :1], 1e-300), HOPELESS**2))
+    return ratios
+
+
+@dataclass(frozen=True)
+class Merit:
+    """The costs of a mechanism's postures on a grid. `ranks`: in how many directions its tool moves at all."""
+
+    mechanism: Mechanism
+    grid: Grid
+    sketch: Sketch
+    stance: Stance
+    ranks: tuple[int, ...]
+
+    def costs(self, rows: Rows, beaten: Array) -> Array:
+        """Costs (N,) of rows (N, n); inf where they reach `beaten` (N,), or for others than the `MOST` best so far.
+
+        The terms are added up from the cheap to the dear, and those of a row that is out already are spared.
+        """
+        answer = np.full(len(rows), np.inf)
+        costs = self.grid.costs(rows)
+        left = np.flatnonzero(costs < beaten)
+        motions = self.mechanism.motions(self.grid.theta(rows[left]))
+        placed = self.sketch.at(motions)
+        costs = np.round(costs[left] + self.stance.cost(placed), DECIMALS)
+        best = np.argsort(costs, kind="stable")[:MOST]
+        best = best[costs[best] < beaten[left[best]]]
+        left, motions, placed = left[best], motions[best], placed[best]
+        costs = costs[best] + CROWDED * self.sketch.crowding(placed)
+        ratios = self.mechanism.conditioning(motions, placed[:, -1])
+        costs -= SLOWED * np.log2(
+            np.min([each[:, rank - 1] for each, rank in zip(ratios, self.ranks, strict=True)], axis=0)
+        )
+        answer[left] = np.round(costs, DECIMALS)
+        return np.where(answer < beaten, answer, np.inf)
+
+
+def merit_of(mechanism: Mechanism, grid: Grid, rows: Rows) -> Merit:
+    """The merit; what the arm can do at all is seen from the postures of some rows (N, n)."""
+    sketch = sketched(mechanism.screws, mechanism.home[:3, 3])
+    motions = mechanism.motions(grid.theta(rows))
+    placed = sketch.at(motions)
+    rising = np.ptp(placed[..., 2], axis=0) > 1e-3 * sketch.size
+    ranks = (int((each > LOST).sum(1).max()) for each in mechanism.conditioning(motions, placed[:, -1]))
+    return Merit(mechanism, grid, sketch, Stance(sketch, rising), tuple(ranks))

@@ -1,0 +1,150 @@
+"""The tidy posture of least cost: seeded postures of which many coordinates rest, the best improved step by step."""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Callable
+from dataclasses import dataclass
+from itertools import islice
+
+import numpy as np
+
+from ...support.checks import Array
+from .grid import Grid, Rows, grid_of
+from .merit import Mechanism, Merit, merit_of
+
+SAMPLES, KNOWING = 192, 24
+"""Postures that are looked at first, and how many of them show what the arm can do at all."""
+
+BEST, ROUNDS, BLOCK = 3, 10, 8
+"""So many of them are improved, in so many rounds, each with so many neighbouring coordinates at a time."""
+
+MOST_STEPS = 1280
+"""Steps, each for every moving joint: chains of more than 32 get fewer of them."""
+
+TRIES = 8
+"""At most so many neighbours, the best first, are looked at for one whose links keep apart."""
+
+RESTING = 0.45
+"""The share of coordinates that rest in the first postures."""
+
+STRIDES = (-1, 1, -3, 3, -6, 6)
+"""Steps of a coordinate alone; two near each other take single steps together."""
+
+NEAR_EACH_OTHER = 3
+
+VERTICAL = 0.999
+"""The least |z| of the axis of a base turn, a unit vector."""
+
+USUALLY = 0.9
+"""What overlaps in this share of postures does so by its drawing, whatever the posture."""
+
+Overlapping = Callable[[Array], frozenset[tuple[str, str]]]
+
+_Found = dict[bytes, tuple[Rows, float]]
+"""Rows (n,) and their costs, no row twice."""
+
+
+def computed_ready(mechanism: Mechanism, overlapping: Overlapping | None = None) -> Array:
+    """A tidy posture (n,) off the bounds, well conditioned, above the base plane with the tool in front.
+
+    `overlapping` tells which pairs of links run into each other at a posture: none should, but for those that nearly
+    always do. The same numbers and shapes give the same posture, whatever engine the arm has: it is found by products
+    of exponentials in NumPy.
+    """
+    grid = grid_of(mechanism.limits, mechanism.bounds, mechanism.units)
+    moving = np.flatnonzero((grid.count > 1) & ~_base_turn(mechanism, grid))
+    rows = _first(grid, moving)
+    search = _Search(merit_of(mechanism, grid, rows[:KNOWING]), moving, _free(grid, rows[:KNOWING], overlapping))
+    return grid.theta(search.best(rows))
+
+
+def _free(grid: Grid, rows: Rows, overlapping: Overlapping | None) -> Callable[[Rows], bool]:
+    """Whether a row (n,) is without overlaps but those that most of `rows` have."""
+    if overlapping is None:
+        return lambda row: True
+    every = [overlapping(grid.theta(row)) for row in rows]
+    counts = Counter(pair for pairs in every for pair in pairs)
+    usual = {pair for pair, count in counts.items() if count >= USUALLY * len(rows)}
+    return lambda row: overlapping(grid.theta(row)) <= usual
+
+
+def _base_turn(mechanism: Mechanism, grid: Grid) -> np.ndarray[tuple[int, ...], np.dtype[np.bool_]]:
+    """Marks (n,) the coordinate that turns the arm as a whole about a vertical axis: 0 says where its front is."""
+    marks = np.zeros(len(grid.count), dtype=bool)
+    first = next((i for i, unit in enumerate(mechanism.units) if unit == "rad"), None)
+    if first is not None and grid.theta(grid.rest)[first] == 0.0:
+        axis = mechanism.screws[3:] @ mechanism.A[:, first]
+        marks[first] = abs(axis[2]) > VERTICAL * float(np.linalg.norm(axis))
+    return marks
+
+
+def _first(grid: Grid, moving: Rows) -> Rows:
+    """Rest, and seeded rows (N, n) around it."""
+    numbers = np.random.default_rng(0).random((2, SAMPLES, len(grid.count)))
+    rows = np.where(numbers[0] < RESTING, grid.rest, (numbers[1] * grid.count).astype(np.intp))
+    fixed = np.setdiff1d(np.arange(len(grid.count)), moving)
+    rows[:, fixed] = grid.rest[fixed]
+    rows[0] = grid.rest
+    return rows
+
+
+@dataclass(frozen=True)
+class _Search:
+    """Downhill over the coordinates `moving`, from free rows to free rows."""
+
+    merit: Merit
+    moving: Rows
+    free: Callable[[Rows], bool]
+
+    def best(self, rows: Rows) -> Rows:
+        """The cheapest row that is found from the best of `rows`."""
+        costs = self.merit.costs(rows, np.full(len(rows), np.inf))
+        order = [k for k in np.argsort(costs, kind="stable") if costs[k] < np.inf]
+        kept = list(islice((k for k in order if self.free(rows[k])), BEST)) or order[:1]
+        found: _Found = {rows[k].tobytes(): (rows[k], costs[k]) for k in kept}
+        blocks = [self.moving[k : k + BLOCK] for k in range(0, len(self.moving), BLOCK)]
+        idle = 0
+        steps = min(ROUNDS * len(blocks), MOST_STEPS // self.merit.mechanism.screws.shape[1])
+        for turn in range(steps):
+            better = self._step(blocks[turn % len(blocks)], *map(np.array, zip(*found.values(), strict=True)))
+            idle = idle + 1 if better.keys() == found.keys() else 0
+            found = better
+            if idle == len(blocks):
+                break
+        row, _ = min(found.values(), key=lambda pair: pair[1])
+        return row
+
+    def _step(self, block: Rows, rows: Rows, costs: Array) -> _Found:
+        """Each row, or the best of its free neighbours where that is better."""
+        moved, mine = _neighbours(self.merit.grid, block, rows)
+        found = self.merit.costs(moved, costs[mine])
+        better: _Found = {}
+        for k in range(len(rows)):
+            own = np.flatnonzero((mine == k) & (found < np.inf))
+            order = own[np.argsort(found[own], kind="stable")][:TRIES]
+            best = next(((moved[j], found[j]) for j in order if self.free(moved[j])), (rows[k], costs[k]))
+            better.setdefault(best[0].tobytes(), best)
+        return better
+
+
+def _neighbours(grid: Grid, block: Rows, rows: Rows) -> tuple[Rows, Rows]:
+    """Rows beside `rows`, and which of them each belongs to."""
+    n = len(grid.count)
+    one = np.eye(n, dtype=np.intp)
+    steps = [stride * one[i] for i in block for stride in STRIDES]
+    steps += [
+        a * one[i] + b * one[j]
+        for k, i in enumerate(block)
+        for j in block[k + 1 : k + 1 + NEAR_EACH_OTHER]
+        for a in (1, -1)
+        for b in (1, -1)
+    ]
+    resting = np.repeat(rows[:, None], len(block), axis=1)
+    for k, i in enumerate(block):
+        resting[:, k, i] = grid.rest[i]
+    moved = np.concatenate([rows[:, None] + np.array(steps), resting], axis=1)
+    mine = np.repeat(np.arange(len(rows)), moved.shape[1])
+    moved = moved.reshape(-1, n)
+    inside = ((moved >= 0) & (moved < grid.count)).all(-1) & (moved != rows[mine]).any(-1)
+    return moved[inside], mine[inside]

@@ -1,0 +1,85 @@
+"""How an arm stands, seen from the side: above its base plane, the tool in front, the elbow up."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+
+from ...support.checks import Array
+from .sketch import Sketch
+
+CLEAR, LIFTED, HANGING, AHEAD, ARCHED = 0.05, 0.15, 0.2, 0.3, 0.1
+"""Shares of the arm's size: corners above the base plane, the tool above it and at most so far below the shoulder,
+the tool before the first axis, the elbow above the straight line from shoulder to tool. Less costs something."""
+
+SINKING, DROOPING, CLOSE, TURNED, SIDEWAYS, SAGGING = 8.0, 6.0, 5.0, 0.5, 2.0, 6.0
+"""Costs of each arm's size that is lacking in these, and of facing away from x."""
+
+TOOL_UP, TOOL_BACK, TOOL_ASKEW = 1.0, 1.5, 0.6
+"""Costs of a hand that points straight up, straight back, and neither level nor straight down."""
+
+
+@dataclass(frozen=True)
+class Stance:
+    """What speaks against the places of a sketch's corners; `rising` (k,) marks those whose height the arm changes."""
+
+    sketch: Sketch
+    rising: np.ndarray[tuple[int, ...], np.dtype[np.bool_]]
+
+    def cost(self, placed: Array) -> Array:
+        """0 for nothing, (N,), for corners (N, k, 3) in base axes, of which z counts as up."""
+        out = (placed - placed[:, self.sketch.first, None])[..., :2]
+        distance = np.linalg.norm(out[:, -1], axis=-1)
+        nowhere = distance < CLEAR * self.sketch.size
+        ahead = np.where(nowhere[:, None], [1.0, 0.0], out[:, -1] / np.maximum(distance, 1e-12)[:, None])
+        out = out[:, self.sketch.first :]
+        aside = np.abs(out[..., 1] * ahead[:, None, 0] - out[..., 0] * ahead[:, None, 1]).max(-1)
+        cost: Array = CLOSE * np.maximum(0.0, AHEAD - distance / self.sketch.size) + TURNED * (1.0 - ahead[:, 0])
+        cost += SIDEWAYS * aside / self.sketch.size + self._hand(placed, ahead)
+        if self.rising.any():
+            cost += self._heights(placed)
+        return cost
+
+    def _heights(self, placed: Array) -> Array:
+        """Of corners and tool above the base plane, and of the elbow above the line from shoulder to tool."""
+        z = placed[..., 2] / self.sketch.size
+        cost: Array = SINKING * np.maximum(0.0, CLEAR - z[:, self.rising].min(-1))
+        if self.rising[-1]:
+            floor = np.maximum(LIFTED, z[:, self._shoulder] - HANGING)
+            cost += DROOPING * np.maximum(0.0, floor - z[:, -1])
+        between = slice(self._shoulder + 1, -1)
+        if placed.shape[1] > self._shoulder + 2:
+            arch = self._arch(placed, between) / self.sketch.size
+            cost += SAGGING * (np.maximum(0.0, ARCHED - arch.max(-1)) + np.maximum(0.0, -arch.min(-1)))
+        return cost
+
+    def _arch(self, placed: Array, between: slice) -> Array:
+        """Heights (N, j) of corners above the straight line from shoulder to tool."""
+        start, way = placed[:, self._shoulder], placed[:, -1] - placed[:, self._shoulder]
+        square = np.maximum(np.sum(way * way, axis=-1), 1e-12)
+        corners = placed[:, between] - start[:, None]
+        share = np.clip(np.sum(corners * way[:, None], axis=-1) / square[:, None], 0.0, 1.0)
+        heights: Array = corners[..., 2] - share * way[:, None, 2]
+        return heights
+
+    def _hand(self, placed: Array, ahead: Array) -> Array:
+        """Of the last stroke, which should point forward, down, or between the two."""
+        hand = placed[:, -1] - placed[:, self._wrist]
+        hand = hand / np.maximum(np.linalg.norm(hand, axis=-1, keepdims=True), 1e-12)
+        up, forward = hand[:, 2], np.sum(hand[:, :2] * ahead, axis=-1)
+        askew = np.minimum(np.abs(up), np.linalg.norm(hand[:, :2], axis=-1))
+        cost: Array = TOOL_UP * np.maximum(0.0, up) + TOOL_BACK * np.maximum(0.0, -forward) + TOOL_ASKEW * askew
+        return cost
+
+    @cached_property
+    def _shoulder(self) -> int:
+        """The corner before the first that rises."""
+        return max(0, int(np.argmax(self.rising)) - 1)
+
+    @cached_property
+    def _wrist(self) -> int:
+        """The last corner that is not at the tool."""
+        far = np.linalg.norm(self.sketch.corners - self.sketch.corners[-1], axis=-1) > 0.03 * self.sketch.size
+        return int(np.flatnonzero(far)[-1]) if far.any() else 0

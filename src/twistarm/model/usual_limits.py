@@ -1,0 +1,60 @@
+"""Velocity and acceleration limits for arms that give none: what a stream or a plan on the page takes instead."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+
+from ..limits.joint_limits import AS_GOOD_AS_UNBOUNDED, JointLimits
+from ..support.checks import Array
+from .arm import Arm
+
+DEFAULTS = {"velocity": {"rad": 1.0, "m": 0.25}, "acceleration": {"rad": 3.0, "m": 1.0}}
+"""Limits where an arm gives none, per s and s²: brisk for a small arm, and slow enough to let go of a key."""
+
+POWERS = {"velocity": "s", "acceleration": "s²"}
+
+
+def with_defaults(arm: Arm, limits: JointLimits | None = None) -> JointLimits:
+    """`limits`, the arm's own where not given, and `DEFAULTS` where they have no velocity or acceleration.
+
+    A number from `AS_GOOD_AS_UNBOUNDED` on is none: files write it where they mean no limit.
+    """
+    given = arm.limits if limits is None else limits
+    changes = {}
+    for name, by_unit in DEFAULTS.items():
+        values, usual = getattr(given, name), np.array([by_unit[unit] for unit in arm.units])
+        changes[name] = np.where(_lacking(values), usual, values)
+    return given.with_(changes, arm.joint_names)
+
+
+def usually_limited(arm: Arm) -> Arm:
+    """The arm with `with_defaults` as its limits; itself where it gives them all."""
+    lacks = any(_lacking(getattr(arm.limits, name)).any() for name in DEFAULTS)
+    return replace(arm, limits=with_defaults(arm)) if lacks else arm
+
+
+def defaults_line(arm: Arm, limits: JointLimits | None = None) -> str:
+    """Which of the limits were not given and what stands in for them, "" where all were."""
+    parts = [
+        f"{name} {DEFAULTS[name][unit]:g} {unit}/{POWERS[name]} for {', '.join(joints)}"
+        for name, unit, joints in _missing(arm, arm.limits if limits is None else limits)
+    ]
+    return f"no limits given, used instead: {'; '.join(parts)}" if parts else ""
+
+
+def _missing(arm: Arm, limits: JointLimits) -> Iterator[tuple[str, str, list[str]]]:
+    """(limit, unit, the joints of that unit without it), where there are such joints."""
+    for name in DEFAULTS:
+        for unit in ("rad", "m"):
+            rows = zip(arm.joint_names, arm.units, _lacking(getattr(limits, name)), strict=True)
+            joints = [joint for joint, its_unit, unlimited in rows if unlimited and its_unit == unit]
+            if joints:
+                yield name, unit, joints
+
+
+def _lacking(values: Array) -> Any:
+    return values >= AS_GOOD_AS_UNBOUNDED

@@ -1,0 +1,95 @@
+"""What has changed of limits and of motors, in words, one sentence each."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+
+import numpy as np
+
+from ..limits.actuators import Actuators
+from ..limits.joint_limits import RATES, JointLimits
+
+SAME_TOL = 1e-6
+"""Smaller differences, below 1 µm and 1e-6 rad, come from rounding in an export, not from a changed description."""
+
+SAME_RATIO_TOL = 1e-9
+"""Relative: ratios and ticks are written by hand, and a ratio of 1e-4 m per rad is a usual one."""
+
+
+def name_changes(kind: str, before: Sequence[str], now: Sequence[str]) -> list[str]:
+    """Which joints, or motors, are gone or new; else whether their order is another."""
+    changes = [f"{kind} {name} is gone" for name in before if name not in now]
+    changes += [f"{kind} {name} is new" for name in now if name not in before]
+    if not changes and list(before) != list(now):
+        changes.append(f"the {kind}s' order was {', '.join(before)}, is {', '.join(now)}")
+    return changes
+
+
+def limit_changes(name: str, unit: str, then: JointLimits, i: int, now: JointLimits, j: int) -> Iterator[str]:
+    """How the limits of one joint or motor have changed, number `i` of those then and `j` of those now."""
+    before, after = ((float(one.lower[k]), float(one.upper[k])) for one, k in ((then, i), (now, j)))
+    if not all(map(_same, before, after)):
+        lower, upper = map(_pair, before, after)
+        spans = (f"[{low}, {high}]" for low, high in zip(lower, upper, strict=True))
+        yield f"limits of {name} {_word(*before, *after)}: {' to '.join(spans)} {unit}"
+    for rate in RATES:
+        old, new = float(getattr(then, rate)[i]), float(getattr(now, rate)[j])
+        if not _same(old, new):
+            yield f"{rate} limit of {name} {'lowered' if new < old else 'raised'}: {' to '.join(_pair(old, new))}"
+
+
+def motor_changes(then: Actuators | None, now: Actuators | None) -> list[str]:
+    """How the motors of an arm have changed: their names, what their drives count, ratios, offsets and limits."""
+    before, after = (() if motors is None else motors.names for motors in (then, now))
+    changes = name_changes("motor", before, after)
+    if then is not None and now is not None:
+        for i, name in enumerate(before):
+            if name in after:
+                changes += _one_motor(then, i, now, after.index(name))
+    return changes
+
+
+def _one_motor(then: Actuators, i: int, now: Actuators, j: int) -> Iterator[str]:
+    name, unit = now.names[j], now.motor_units[j]
+    if then.units[i] != now.units[j]:
+        yield f"motor {name} counted in {then.units[i]}, counts in {now.units[j]}"
+    ticks = float(then.ticks_per_turn[i]), float(now.ticks_per_turn[j])
+    if not _same_ratio(*ticks):
+        yield f"ticks per turn of motor {name}: {' to '.join(_pair(*ticks))}"
+    before = dict(zip(then.joint_names, map(float, then.G[i]), strict=True))
+    after = dict(zip(now.joint_names, map(float, now.G[j]), strict=True))
+    for joint in {**before, **after}:
+        ratios = before.get(joint, 0.0), after.get(joint, 0.0)
+        if not _same_ratio(*ratios):
+            reversed_motor = ratios[0] == -ratios[1]
+            yield (
+                f"ratio of motor {name} to joint {joint}{' reversed' * reversed_motor}: {' to '.join(_pair(*ratios))}"
+            )
+    offsets = float(then.offset[i]), float(now.offset[j])
+    if not _same(*offsets):
+        yield f"offset of motor {name}: {' to '.join(_pair(*offsets))} {unit}"
+    yield from limit_changes(f"motor {name}", unit, then.limits, i, now.limits, j)
+
+
+def _same(a: float, b: float) -> bool:
+    return a == b or abs(a - b) <= SAME_TOL
+
+
+def _same_ratio(a: float, b: float) -> bool:
+    return bool(np.isclose(a, b, rtol=SAME_RATIO_TOL, atol=0.0, equal_nan=True))
+
+
+def _word(lower: float, upper: float, new_lower: float, new_upper: float) -> str:
+    if new_lower >= lower and new_upper <= upper:
+        return "narrowed"
+    return "widened" if new_lower <= lower and new_upper >= upper else "shifted"
+
+
+def _pair(before: float, after: float) -> tuple[str, str]:
+    """Two numbers in as few digits, six at least, as tell them apart."""
+    pairs = ((_number(before, digits), _number(after, digits)) for digits in (6, 9, 12, 17))
+    return next(((a, b) for a, b in pairs if a != b or before == after), ("", ""))
+
+
+def _number(value: float, digits: int) -> str:
+    return f"{value:.{digits}g}" if np.isfinite(value) else "not given"

@@ -1,0 +1,30 @@
+"""Commands from threads, sockets and pages: the latest counts, for a short while, of one sender."""
+
+from __future__ import annotations
+
+from ...servo import AnyCommand, JogCommand, ServoState
+from ..protocols import Reading
+from .latest import Latest
+
+COMMAND_TIMEOUT = 0.2
+"""Seconds that a command holds: five messages at 25 Hz, which pages and game pads manage."""
+
+FEEDBACK_TIMEOUT = 0.2
+"""Seconds that a joint state holds: most drives report at 50 Hz or faster."""
+
+
+class Inbox(Latest[AnyCommand]):
+    """A source that holds one command, put there by `put(sender, command, now)` from any thread. See `Latest`."""
+
+    def __init__(self, timeout: float = COMMAND_TIMEOUT) -> None:
+        super().__init__(timeout, "command")
+
+    def read(self, now: float, state: ServoState | None = None) -> Reading:
+        """The command of the one commander at `now` [s], or None and the reason."""
+        look = self.look(now)
+        silent = look.value is None and look.age > self.timeout
+        return Reading(look.value, look.age, look.reason, silent and (look.quiet or _is_stop(look.last)))
+
+
+def _is_stop(command: AnyCommand | None) -> bool:
+    return isinstance(command, JogCommand) and not command.theta_dot.any()

@@ -1,0 +1,112 @@
+"""UDP sockets that never wait: open, drain, close."""
+
+from __future__ import annotations
+
+import errno
+import os
+import socket
+from collections.abc import Hashable, Iterator
+from typing import Any
+
+from ...support.closeable import Closing
+from ...support.errors import InputError
+from ...support.strict_json import LARGEST_MESSAGE
+
+BUFFER = 128 * 1024
+"""Bytes that the system keeps for us, twice that by its own count: one message of the largest size, or some 350 small
+ones. A larger buffer would only hand out older messages in a flood."""
+
+MOST_PER_CYCLE = 512
+"""Datagrams read in one cycle, about a millisecond's work: more than the buffer holds."""
+
+
+class Socket(Closing):
+    """A UDP socket that does not wait, a context manager."""
+
+    def __init__(self, family: socket.AddressFamily) -> None:
+        self.socket = socket.socket(family, socket.SOCK_DGRAM)
+        self.socket.setblocking(False)
+
+    @property
+    def address(self) -> tuple[str, int]:
+        """Its own host and port."""
+        host, port = self.socket.getsockname()[:2]
+        return str(host), int(port)
+
+    def close(self) -> None:
+        """Give the port back. Harmless when repeated."""
+        self.socket.close()
+
+
+class Receiver(Socket):
+    """A socket bound to host and port (0: a free one). Raises InputError where that cannot be."""
+
+    def __init__(self, host: str, port: int) -> None:
+        family, address = _resolved(host, port, smallest=0)
+        super().__init__(family)
+        try:
+            self.socket.setsockopt(socket.SOL_SOCKET, socket.SO_RCVBUF, BUFFER)
+            self.socket.bind(address)
+        except OSError as error:
+            self.close()
+            raise InputError(f"cannot listen on {host}:{port}: {error.strerror or error}") from error
+
+    def waiting(self) -> Iterator[tuple[Hashable, bytes]]:
+        """What has arrived, as (sender's address, datagram), at most `MOST_PER_CYCLE` of them."""
+        for _ in range(MOST_PER_CYCLE):
+            try:
+                # One byte more than a message may have, so that what is too long is seen to be.
+                datagram, sender = self.socket.recvfrom(LARGEST_MESSAGE + 1)
+            except BlockingIOError:
+                return
+            yield sender, datagram
+
+
+class Sender(Socket):
+    """A socket that sends to host and port. Raises InputError where there is no way to it."""
+
+    def __init__(self, host: str, port: int) -> None:
+        family, address = _resolved(host, port, smallest=1)
+        super().__init__(family)
+        self.receiver = named((host, port))
+        try:
+            # Connected, so that the system says when nobody listens there.
+            self.socket.connect(address)
+        except OSError as error:
+            self.close()
+            raise InputError(f"cannot send to {host}:{port}: {error.strerror or error}") from error
+
+    def send(self, datagram: bytes) -> bool:
+        """Send one datagram. Whether somebody listens, as far as the system knows; OSError where it cannot send.
+
+        The system tells of a refusal at the next call, in whose place it stands: it is taken off before, so that
+        whoever listens again hears this datagram, and after, where the answer comes at once.
+        """
+        refused = self._refused()
+        try:
+            self.socket.send(datagram)
+        except ConnectionRefusedError:  # an answer that came just now
+            return False
+        return not (self._refused() or refused)
+
+    def _refused(self) -> bool:
+        error = self.socket.getsockopt(socket.SOL_SOCKET, socket.SO_ERROR)
+        if error not in (0, errno.ECONNREFUSED):
+            raise OSError(error, os.strerror(error))
+        return error != 0
+
+
+def named(address: Any) -> str:
+    """`127.0.0.1:5005`, `[::1]:5005`."""
+    host, port = address[:2]
+    return f"[{host}]:{port}" if ":" in str(host) else f"{host}:{port}"
+
+
+def _resolved(host: str, port: int, smallest: int) -> tuple[socket.AddressFamily, tuple[str, int]]:
+    if not isinstance(port, int) or isinstance(port, bool) or not smallest <= port <= 65535:
+        raise InputError(f"a port is a whole number from {smallest} to 65535; got {port!r}")
+    try:
+        family, _, _, _, address = socket.getaddrinfo(host, port, type=socket.SOCK_DGRAM)[0]
+    except (OSError, UnicodeError, TypeError) as error:
+        raise InputError(f"no host {host!r}: {error}") from error
+    return family, (str(address[0]), int(address[1]))

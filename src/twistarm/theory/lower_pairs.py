@@ -1,0 +1,141 @@
+"""The lower pairs in a chain: which of its one-degree-of-freedom joints make up a joint of MLS's six types.
+
+The inverse of `joints`: from twists back to revolute, prismatic, helical, cylindrical, spherical and planar joints.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Literal
+
+import numpy as np
+
+from ..support.checks import Array, frozen
+from .joints import plane_axes
+from .screws import Screw, to_screw
+
+Kind = Literal["revolute", "prismatic", "helical", "cylindrical", "spherical", "planar"]
+
+SAME_TOL = 1e-13
+"""Axes and points this close, relative to 1 m, are the same but for rounding; angles typed to seven digits are not."""
+
+
+@dataclass(frozen=True, eq=False)
+class LowerPair:
+    """One lower pair of a chain, made of `span` consecutive moving joints.
+
+    `frame` (4, 4) is its frame in the base frame at rest: z along the axis or normal, the origin on the line, at the
+    centre of a ball or where a planar joint turns. Its coordinates are `rates` (k,) times the values of the moving
+    joints `rows`, in the order of `joints`: rz, z (cylindrical); rz, ry, rx (spherical); x, y, rz (planar). A helical
+    pair has one, the turn [rad], and the `pitch` [m/rad].
+    """
+
+    kind: Kind
+    rows: tuple[int, ...]
+    span: int
+    rates: Array
+    frame: Array
+    pitch: float = 0.0
+
+    def __post_init__(self) -> None:
+        for name in ("rates", "frame"):
+            object.__setattr__(self, name, frozen(getattr(self, name)))
+
+
+def lower_pairs(screws: Array, A: Array) -> tuple[LowerPair, ...]:
+    """The lower pairs of the chain with space twists `screws` (6, m) at rest and coupling A (m, n), base to tip.
+
+    Grouped are consecutive joints: two slides at right angles and a turn about their right-handed normal (planar);
+    three turns about the z, y and x of a right-handed frame at rest, through one point (spherical); a turn and a
+    slide along one line, either first, that move by themselves (cylindrical) or in a fixed ratio (helical). Whatever
+    is left is a pair by itself. Joints of a group move independently: a locked or following one is no part of it.
+    """
+    screw = to_screw(screws.T)
+    pairs: list[LowerPair] = []
+    i = 0
+    while i < screws.shape[1]:
+        pairs.append(_planar(screw, A, i) or _spherical(screw, A, i) or _on_one_line(screw, A, i) or _alone(screw, i))
+        i += pairs[-1].span
+    return tuple(pairs)
+
+
+def _planar(screw: Screw, A: Array, i: int) -> LowerPair | None:
+    rows = (i, i + 1, i + 2)
+    if not (_independent(A, rows) and _slides(screw, i) and _slides(screw, i + 1) and _turns(screw, i + 2)):
+        return None
+    R = screw.axis[list(rows)].T
+    return LowerPair("planar", rows, 3, screw.magnitude[list(rows)], _pose(R, screw.point[i + 2])) if _so3(R) else None
+
+
+def _spherical(screw: Screw, A: Array, i: int) -> LowerPair | None:
+    rows = (i, i + 1, i + 2)
+    if not (_independent(A, rows) and all(_turns(screw, row) for row in rows)):
+        return None
+    R = screw.axis[list(reversed(rows))].T
+    lines = screw.point[list(rows)]
+    # The lines' points nearest to the origin are q − w wᵀq, and three orthonormal w make Σ w wᵀ = I.
+    centre = lines.sum(axis=0) / 2
+    off = np.cross(screw.axis[list(rows)], centre - lines)
+    meet = np.abs(off).max() <= SAME_TOL * (1 + np.abs(centre).max())
+    return LowerPair("spherical", rows, 3, screw.magnitude[list(rows)], _pose(R, centre)) if _so3(R) and meet else None
+
+
+def _on_one_line(screw: Screw, A: Array, i: int) -> LowerPair | None:
+    """A slide has no line of its own: parallel to the turn's axis, it lies on it."""
+    if i + 1 >= len(A):
+        return None
+    turn, slide = (i, i + 1) if _turns(screw, i) else (i + 1, i)
+    along = float(screw.axis[turn] @ screw.axis[slide])
+    if not (_turns(screw, turn) and _slides(screw, slide)) or not abs(_gap(screw, turn, slide)) <= SAME_TOL:
+        return None
+    frame = _pose(plane_axes(screw.axis[turn]), screw.point[turn])
+    rates = np.array([screw.magnitude[turn], np.sign(along) * screw.magnitude[slide]])
+    if _independent(A, (turn, slide)):
+        return LowerPair("cylindrical", (turn, slide), 2, rates, frame)
+    ratio = _ratio(A[slide], A[turn])
+    return None if ratio == 0 else LowerPair("helical", (turn,), 2, rates[:1], frame, ratio * rates[1] / rates[0])
+
+
+def _alone(screw: Screw, i: int) -> LowerPair:
+    kind: Kind = "prismatic" if _slides(screw, i) else "revolute" if _turns(screw, i) else "helical"
+    frame = _pose(plane_axes(screw.axis[i]), screw.point[i])
+    return LowerPair(
+        kind, (i,), 1, screw.magnitude[i : i + 1], frame, float(screw.pitch[i]) if kind == "helical" else 0
+    )
+
+
+def _turns(screw: Screw, i: int) -> bool:
+    """A pure turn: its pitch is the rounding of 0."""
+    return bool(abs(screw.pitch[i]) <= SAME_TOL * (1 + np.abs(screw.point[i]).max()))
+
+
+def _slides(screw: Screw, i: int) -> bool:
+    return bool(np.isinf(screw.pitch[i]))
+
+
+def _gap(screw: Screw, i: int, j: int) -> float:
+    """The sine of the angle between two axes."""
+    return float(np.linalg.norm(np.cross(screw.axis[i], screw.axis[j])))
+
+
+def _independent(A: Array, rows: tuple[int, ...]) -> bool:
+    """Every one of those joints is there and moves without the others."""
+    return max(rows) < len(A) and int(np.linalg.matrix_rank(A[list(rows)])) == len(rows)
+
+
+def _ratio(follower: Array, leader: Array) -> float:
+    """follower / leader where one row is a multiple of the other, else 0."""
+    if not leader.any():
+        return 0.0
+    ratio = float(follower @ leader / (leader @ leader))
+    return ratio if np.abs(follower - ratio * leader).max() <= SAME_TOL * abs(ratio) else 0.0
+
+
+def _so3(R: Array) -> bool:
+    return bool(np.abs(R.T @ R - np.eye(3)).max() <= SAME_TOL and np.linalg.det(R) > 0)
+
+
+def _pose(R: Array, point: Array) -> Array:
+    g = np.eye(4)
+    g[:3, :3], g[:3, 3] = R, point
+    return g

@@ -1,0 +1,86 @@
+"""The product of exponentials: forward kinematics and Jacobians of a serial chain from (screws, home).
+
+`screws` (6, m): the space twists of the m moving joints, base to tip; `home` = g_st; both at theta = 0.
+`x` (..., m): the joint values [rad or m], `A @ theta` for a chain with mimic joints, else theta itself.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from ..support.checks import Array, as_floats, as_pose, as_theta
+from ..support.errors import InputError
+from .rotations import cross
+from .screws import adjoint_of, exp, inverse_of
+
+
+def fk(screws: ArrayLike, home: ArrayLike, x: ArrayLike) -> Array:
+    """g_st(x) = e^{ξ̂₁x₁} ⋯ e^{ξ̂ₘxₘ} g_st(0), (..., 4, 4). MLS §3.2.2, eq. 3.3."""
+    S, home = _as_screws(screws), _as_home(home)
+    return _motion(motions(S, x)) @ home
+
+
+def fk_body(body_screws: ArrayLike, home: ArrayLike, x: ArrayLike) -> Array:
+    """g_st(x) = g_st(0) e^{B̂₁x₁} ⋯ e^{B̂ₘxₘ}, (..., 4, 4), from `body_screws`. Lynch & Park §4.1.3."""
+    B, home = _as_screws(body_screws, "body_screws"), _as_home(home)
+    return home @ _motion(motions(B, x))
+
+
+def body_screws(screws: ArrayLike, home: ArrayLike) -> Array:
+    """The joint twists in the tool frame, at theta = 0: B_i = Ad(g_st(0)⁻¹) ξ_i, (6, m)."""
+    return adjoint_of(inverse_of(_as_home(home))) @ _as_screws(screws)
+
+
+def spatial_jacobian(screws: ArrayLike, x: ArrayLike) -> Array:
+    """J^s (..., 6, m) with V^s = J^s dx/dt: column i is Ad(e^{ξ̂₁x₁} ⋯ e^{ξ̂ᵢ₋₁xᵢ₋₁}) ξ_i. MLS §3.4.1.
+
+    Column i is the twist of joint i where it now stands. With mimic joints, V^s = J^s A dtheta/dt.
+    """
+    S = _as_screws(screws)
+    return columns(motions(S, x), S)
+
+
+def body_jacobian(screws: ArrayLike, home: ArrayLike, x: ArrayLike) -> Array:
+    """J^b (..., 6, m) with V^b = J^b dx/dt: J^b = Ad(g_st(x)⁻¹) J^s. MLS §3.4.1."""
+    S, home = _as_screws(screws), _as_home(home)
+    products = motions(S, x)
+    return adjoint_of(inverse_of(_motion(products) @ home)) @ columns(products, S)
+
+
+def motions(S: Array, x: ArrayLike) -> Array:
+    """The motion that each joint has undergone, (..., m, 4, 4): e^{ξ̂₁x₁}, e^{ξ̂₁x₁} e^{ξ̂₂x₂}, …"""
+    products = exp(S.T, as_theta(x, S.shape[1], "x"))
+    for i in range(1, S.shape[1]):
+        products[..., i, :, :] = products[..., i - 1, :, :] @ products[..., i, :, :]
+    return products
+
+
+def _motion(products: Array) -> Array:
+    """The last of the products (..., 4, 4); the identity for a chain without joints."""
+    if products.shape[-3] == 0:
+        return np.broadcast_to(np.eye(4), (*products.shape[:-3], 4, 4))
+    return products[..., -1, :, :]
+
+
+def columns(products: Array, S: Array) -> Array:
+    """J^s: each twist of S carried along. A joint's own motion leaves its twist where it is, so it may be included."""
+    J = np.empty((*products.shape[:-3], *S.shape))
+    v, w = np.moveaxis(products[..., :3, :3] @ S.T.reshape(-1, 2, 3).swapaxes(1, 2), -1, 0)
+    J[..., :3, :] = np.swapaxes(v + cross(products[..., :3, 3], w), -1, -2)
+    J[..., 3:, :] = np.swapaxes(w, -1, -2)
+    return J
+
+
+def _as_screws(value: ArrayLike, name: str = "screws") -> Array:
+    S = as_floats(value, name)
+    if S.ndim != 2 or S.shape[0] != 6:
+        raise InputError(f"{name} must have shape (6, m), one column per moving joint; got {S.shape}")
+    return S
+
+
+def _as_home(value: ArrayLike) -> Array:
+    home = as_pose(value, "home pose")
+    if home.ndim != 2:
+        raise InputError(f"home pose must have shape (4, 4); got {home.shape}")
+    return home

@@ -1,0 +1,82 @@
+"""A browser that draws a page into a file, without a display and for a limited time."""
+
+from __future__ import annotations
+
+import os
+import signal
+import subprocess
+from contextlib import suppress
+from pathlib import Path
+
+from ...support.errors import TwistarmError, one_line
+from .png import fault
+
+FLAGS = (
+    "--headless",
+    # The page is ours, holds numbers and escaped names, and may load nothing; containers and root have no sandbox.
+    "--no-sandbox",
+    "--disable-gpu",
+    "--use-angle=swiftshader",
+    "--enable-unsafe-swiftshader",
+    "--no-first-run",
+    "--disable-breakpad",
+    "--disable-quic",
+    "--disable-background-networking",
+    "--disable-component-update",
+    "--disable-sync",
+    "--password-store=basic",
+    "--use-mock-keychain",
+    "--hide-scrollbars",
+    "--force-device-scale-factor=1",
+    # [ms] of the page's own time, which stands still while its scripts work: the camera and the floor come in frames.
+    "--virtual-time-budget=2000",
+)
+
+TIMEOUT = 60.0
+"""How long a browser may take [s]; software rendering of 4096 x 4096 pixels takes some 12 s."""
+
+
+def draw(browser: str, page: Path, size: tuple[int, int]) -> bytes:
+    """The PNG that `browser` makes of `page`. The file counts, not how the browser ends: some linger after writing."""
+    picture = page.with_name("arm.png")
+    command = (
+        browser,
+        *FLAGS,
+        f"--user-data-dir={page.with_name('profile')}",
+        "--window-size={},{}".format(*size),
+        f"--screenshot={picture}",
+        f"{page.as_uri()}#pane",
+    )
+    end = _run(command, page.parent)
+    data = picture.read_bytes() if picture.is_file() else b""
+    wrong = fault(data, size) if data else f"{end} and wrote no picture"
+    if wrong:
+        raise TwistarmError(f"{browser} {wrong}")
+    return data
+
+
+def _run(command: tuple[str, ...], folder: Path) -> str:
+    """Run `command` for at most `TIMEOUT`, and say how it ended; none of its processes outlives this call."""
+    # Debian's launcher makes a folder in the configuration, whatever profile it is given.
+    own = {"XDG_CONFIG_HOME": str(folder), "XDG_CACHE_HOME": str(folder)}
+    log = folder / "log"
+    with log.open("wb") as output:
+        process = subprocess.Popen(
+            command,
+            stdin=subprocess.DEVNULL,
+            stdout=output,
+            stderr=output,
+            env={**os.environ, **own},
+            start_new_session=True,
+        )
+    try:
+        code = process.wait(TIMEOUT)
+    except subprocess.TimeoutExpired:
+        return f"was ended after {TIMEOUT:g} s"
+    finally:
+        # macOS refuses a group whose processes are all dead.
+        with suppress(ProcessLookupError, PermissionError):
+            os.killpg(process.pid, signal.SIGKILL)
+        process.wait()
+    said = log.read_text("utf-8", errors="replace").strip().rpartition("\n")[2]
+    return f"ended with code {code}" + (f" ({one_line(said, 200)})" if said else "")

@@ -1,0 +1,106 @@
+"""The stand-alone page: one HTML file with everything in it, which opens offline and plays a trajectory."""
+
+from __future__ import annotations
+
+import os
+import re
+from html import escape
+from pathlib import Path
+
+from numpy.typing import ArrayLike
+
+from ...model.arm import Arm
+from ...planning.trajectory import Trajectory
+from ...support.errors import InputError
+from ...support.files import writable, write_whole
+from ...support.strict_json import encode
+from ..page_files import meshcat_bundle, page_text
+from ..scene.drawing import require_meshcat
+from .scene_snapshot import Exhibit, of_arm
+
+EXPORT = r"^export ((?:async )?function|class|const) ([\w$]+)"
+"""How the page's modules export: a definition at the start of a line."""
+
+STATE = '<script type="application/json" id="state">{}</script>'
+"""How the page that saved it stood, its camera and what was chosen: share.js writes it in place of the braces."""
+
+POLICY = "default-src 'none'; script-src 'unsafe-inline'; style-src 'unsafe-inline'; img-src data: blob:"
+
+
+def save_html(
+    arm: Arm,
+    path: str | os.PathLike[str],
+    trajectory: Trajectory | None = None,
+    theta: ArrayLike | None = None,
+) -> Path:
+    """Write one HTML file that shows `arm`, and plays `trajectory` if one is given; without, it stands at theta (n,).
+
+    The way that the trajectory takes the tool is drawn. The file needs no server and no browser to write, and no
+    network to open: Meshcat's code and the meshes are inside, and the page's policy lets it load nothing. `theta`
+    defaults to the ready pose. Written whole or not at all.
+
+    Raises InputError for a trajectory of another arm or a path that cannot be written, MissingExtraError without
+    Meshcat.
+    """
+    target = writable(path)
+    return write_whole(target, page_html(arm, trajectory, theta))
+
+
+def page_html(arm: Arm, trajectory: Trajectory | None = None, theta: ArrayLike | None = None) -> str:
+    """The page of `save_html` as text: for a notebook (`twistarm.viewer.Inline.page`) or a web server."""
+    require_meshcat()
+    return stand_alone(of_arm(arm, trajectory, theta))
+
+
+def stand_alone(shown: Exhibit) -> str:
+    """index.html with its style, its scripts and what is shown inlined."""
+    page = re.sub(r'<link rel="stylesheet" href="(.*)">', _style, page_text("index.html"))
+    # A "<" in JSON can only stand in a string; escaped, no name can close the script.
+    literal = encode(shown.data()).replace("<", "\\u003c")
+    policy = f'<meta http-equiv="Content-Security-Policy" content="{POLICY}">'
+    scripts = (
+        f'<script type="application/json" id="data">{literal}</script>\n{STATE}\n'
+        f'<script type="module">\n{_program()}</script>'
+    )
+    for old, new in (
+        ("<title>twistarm</title>", f"<title>{escape(shown.arm.name)} · twistarm</title>"),
+        ('<meta charset="utf-8">', f'<meta charset="utf-8">\n{policy}'),
+        ('<script src="meshcat.js"></script>', f"<script>{_inline(meshcat_bundle())}</script>"),
+        ('<script type="module" src="main.js"></script>', scripts),
+    ):
+        head, found, tail = page.partition(old)
+        if not found:
+            raise InputError(f"the page's index.html lacks {old!r}; reinstall twistarm")
+        page = head + new + tail
+    return page
+
+
+def _style(link: re.Match[str]) -> str:
+    return f"<style>\n{page_text(link[1])}</style>"
+
+
+def _program() -> str:
+    """The modules in one script, since a file opened from disk may import none; each keeps its names to itself."""
+    return _inline("\n".join(_scoped(name) for name in modules("standalone.js")))
+
+
+def _scoped(name: str) -> str:
+    """A module as a constant that holds what it exports."""
+    text = page_text(name)
+    text = re.sub(r'^import (.*) from "\./(.*)\.js";$', r"const \1 = of_\2;", text, flags=re.MULTILINE)
+    text = re.sub(EXPORT, r"\1 \2", text, flags=re.MULTILINE)
+    exported = ", ".join(found[1] for found in re.findall(EXPORT, page_text(name), flags=re.MULTILINE))
+    return f"const of_{name.removesuffix('.js')} = (() => {{\n{text}\nreturn {{ {exported} }};\n}})();"
+
+
+def modules(name: str) -> list[str]:
+    """What the module `name` of the page runs, each module after those it imports, itself the last."""
+    ordered: list[str] = []
+    for imported in re.findall(r'^import .* from "\./(.*)";$', page_text(name), flags=re.MULTILINE):
+        ordered += modules(imported)
+    return list(dict.fromkeys([*ordered, name]))
+
+
+def _inline(script: str) -> str:
+    """JavaScript that may stand inside a script element: `</script` and `<!--` occur in its strings only."""
+    return re.sub(r"</(script)", r"<\\/\1", script, flags=re.IGNORECASE).replace("<!--", "<\\!--")

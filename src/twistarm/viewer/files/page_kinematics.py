@@ -1,0 +1,93 @@
+"""An arm's kinematics as the stand-alone page computes it: what hangs on which joints, as products of exponentials."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from typing import Any
+
+import numpy as np
+
+from ...description.tree import Description
+from ...model.arm import Arm
+from ...support.checks import Array
+from ...theory.screws import transform_twist
+from ..scene.nodes import link_path, rod_path, screw_path
+
+TOOL = "/frames/tool"
+
+
+def kinematics(arm: Arm, others: Sequence[str]) -> dict[str, Any]:
+    """Joints and nodes, seen from the base when every coordinate is 0: what kinematics.js makes poses of.
+
+    Coordinates x are theta and then the joints beside the chain named `others`. Joint j, with the joint `parent` next
+    to it on the way to the root (null: none), does to space E_j = E_parent · exp(ξ_j c·x), where `terms` [i, c_i] hold
+    the c that are not 0, and the space twist `screw` is ξ_j (MLS §3.2). Node k stands at E_base⁻¹ · E_j · `rest`, given
+    by columns, where j is its `joint` and E_base, of the joint `base`, is 1 unless the base is carried by a joint.
+    """
+    if arm.description is None:
+        return _chain(arm)
+    return _Tree(arm, arm.description, (*arm.joint_names, *others)).described()
+
+
+def _chain(arm: Arm) -> dict[str, Any]:
+    """Of an arm without links: the moving joints one after the other."""
+    A = arm.coupling.A
+    joints = [
+        {"parent": i - 1 if i else None, "screw": screw.tolist(), "terms": _terms(row)}
+        for i, (screw, row) in enumerate(zip(arm.screws.T, A, strict=True))
+    ]
+    m = len(joints)
+    nodes = {path(i): _node(i, np.eye(4)) for i in range(m) for path in (screw_path, rod_path)}
+    return {"base": None, "joints": joints, "nodes": nodes | {TOOL: _node(m - 1 if m else None, arm.home)}}
+
+
+class _Tree:
+    def __init__(self, arm: Arm, description: Description, coordinates: Sequence[str]) -> None:
+        self._arm, self._description = arm, description
+        self._rest = arm.poses(np.zeros(arm.n))
+        self._column = {name: i for i, name in enumerate(coordinates)}
+        self._carrier = {joint.child: joint for joint in description.joints.values()}
+        scalar = [joint for joint in description.joints.values() if joint.scalar]
+        self._order = {joint.name: i for i, joint in enumerate(sorted(scalar, key=lambda it: self._depth(it.child)))}
+
+    def described(self) -> dict[str, Any]:
+        arm = self._arm
+        chain = self._description.chain(arm.base, arm.tip_link)
+        screws = [_node(self._order[joint.name], np.eye(4)) for joint in chain if joint.moving]
+        return {
+            "base": self._above(arm.base),
+            "joints": [self._joint(name) for name in self._order],
+            "nodes": {
+                **{link_path(name): _node(self._above(name), self._rest[name]) for name in self._description.links},
+                **{screw_path(i): node for i, node in enumerate(screws)},
+                TOOL: _node(self._above(arm.tip_link), self._rest[arm.tip]),
+            },
+        }
+
+    def _joint(self, name: str) -> dict[str, Any]:
+        joint = self._description.joints[name]
+        affine, row = self._arm.couplings[name], np.zeros(len(self._column))
+        if affine.master in self._column:
+            row[self._column[affine.master]] = affine.multiplier
+        screw = transform_twist(self._rest[joint.child], joint.twist)
+        return {"parent": self._above(joint.parent), "screw": screw.tolist(), "terms": _terms(row)}
+
+    def _above(self, link: str) -> int | None:
+        """The joint that moves `link`: the nearest on the way to the root."""
+        return next((self._order[joint] for joint in self._way(link) if joint in self._order), None)
+
+    def _depth(self, link: str) -> int:
+        return sum(1 for _ in self._way(link))
+
+    def _way(self, link: str) -> Iterator[str]:
+        while (joint := self._carrier.get(link)) is not None:
+            yield joint.name
+            link = joint.parent
+
+
+def _terms(row: Array) -> list[list[float]]:
+    return [[int(i), float(row[i])] for i in np.flatnonzero(row)]
+
+
+def _node(joint: int | None, rest: Array) -> dict[str, Any]:
+    return {"joint": joint, "rest": rest.T.ravel().tolist()}

@@ -1,0 +1,90 @@
+"""A picture of the arm without a display: an installed browser draws the stand-alone page, headless."""
+
+from __future__ import annotations
+
+import operator
+import os
+import tempfile
+from collections.abc import Callable
+from dataclasses import replace
+from pathlib import Path
+
+from numpy.typing import ArrayLike
+
+from ...model.arm import Arm
+from ...planning.trajectory import Trajectory
+from ...support.errors import InputError, TwistarmError, shown
+from ...support.files import writable, write_whole
+from ..parts.findings import loaded
+from .browsers import find_browser, is_snap
+from .headless import draw
+from .page_export import stand_alone
+from .scene_snapshot import Exhibit, of_arm
+
+SMALLEST, LARGEST = 200, 4096
+"""Sides of a picture [pixels]: below, the legend hides the arm; above, a canvas may be scaled down without a word."""
+
+
+def save_png(
+    arm: Arm,
+    path: str | os.PathLike[str],
+    theta: ArrayLike | None = None,
+    *,
+    size: tuple[int, int] = (1280, 720),
+    trajectory: Trajectory | None = None,
+) -> Path:
+    """Write a picture of `arm` at theta (n,) [rad, m] as PNG, `size` (width, height) in pixels; no display is needed.
+
+    `theta` defaults to the ready pose, with a `trajectory`, whose way is drawn, to its start. Chromium, Chrome or Edge
+    must be installed; it draws the page of `save_html`, the 3D view alone, without a GPU and with a profile that is
+    thrown away. Written whole or not at all.
+
+    Raises InputError for a bad size, theta or path, MissingExtraError without Meshcat, TwistarmError where there is no
+    browser or it does not draw.
+    """
+    start = trajectory(0.0) if trajectory is not None and theta is None else theta
+    return write_picture(path, size, lambda: of_arm(arm, trajectory, start))
+
+
+def write_picture(path: str | os.PathLike[str], size: tuple[int, int], show: Callable[[], Exhibit]) -> Path:
+    """`save_png` of what `show` returns, which is asked once everything else is in order."""
+    _checked_size(size)
+    target = writable(path)
+    if target.suffix.lower() != ".png":
+        raise InputError(f"cannot write {target}: a screenshot is a PNG; give a name that ends in .png")
+    return write_whole(target, png_of(size, show))
+
+
+def png_of(size: tuple[int, int], show: Callable[[], Exhibit]) -> bytes:
+    """The picture that `write_picture` writes."""
+    wanted = _checked_size(size)
+    browser = find_browser()
+    # A snap sees neither /tmp nor hidden folders, but what is below the home folder.
+    home = Path.home() if is_snap(browser) else None
+    try:
+        with tempfile.TemporaryDirectory(prefix="twistarm-", dir=home, ignore_cleanup_errors=True) as folder:
+            page = write_whole(Path(folder, "arm.html"), _page(show(), wanted))
+            return draw(browser, page, wanted)
+    except OSError as error:
+        raise TwistarmError(f"cannot draw with {browser}: {error}") from error
+
+
+def _checked_size(size: tuple[int, int]) -> tuple[int, int]:
+    try:
+        width, height = map(operator.index, size)
+    except (TypeError, ValueError):
+        width = height = 0
+    if not (SMALLEST <= width <= LARGEST and SMALLEST <= height <= LARGEST):
+        wanted = f"width and height in whole pixels, {SMALLEST} to {LARGEST} each, as (1280, 720)"
+        raise InputError(f"size must be {wanted}; got {shown(size)}")
+    return width, height
+
+
+def _page(shown: Exhibit, size: tuple[int, int]) -> str:
+    """The stand-alone page, of this very size: a window has a least width, and in some browsers a frame.
+
+    The arm stands, and nobody will read the findings: the doctor need not look.
+    """
+    page = stand_alone(replace(shown, playback=None, findings=loaded(shown.arm)))
+    style = "<style>body {{ width: {}px; height: {}px; }}</style>\n</head>".format(*size)
+    return page.replace("</head>", style, 1)

@@ -1,0 +1,95 @@
+"""What stays on show when another arm takes the place of one: by the names of its joints, as far as it fits."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from ...limits.joint_limits import JointLimits
+from ...planning.trajectory import Trajectory
+from ...planning.within import require_within
+from ...support.checks import Array
+from ...support.errors import LimitError, listed
+from .admission import LIMIT_TOL
+from .pose_list import told
+from .summary import extra_joints
+from .tool_path import tool_path
+
+if TYPE_CHECKING:
+    from ..stage import Stage
+
+Left = tuple[tuple[str, ...], Mapping[str, Any]]
+"""A pose that does not fit: the joints that it moves, and its name and theta."""
+
+
+def carry(old: Stage, new: Stage) -> list[str]:
+    """Give `new` what `old` shows; what was changed or left out, in words.
+
+    Each joint that both have stands where it stood, or at its limit; one that is new stands as in the ready pose.
+    Layers stay. A pose, or the motion that is loaded, is left out where the arm's joints or limits do not allow it any
+    more; poses come back with an arm that does.
+    """
+    new.run, new.visible = old.run, old.visible
+    return [*_posture(old, new), *_poses(old, new), *_motion(old, new)]
+
+
+def _posture(old: Stage, new: Stage) -> Iterator[str]:
+    values = dict(zip(old.arm.joint_names, old.theta.tolist(), strict=True)) | dict(old.others)
+    names, limits = new.arm.joint_names, new.arm.limits
+    stood: Array = np.array([values.get(name, start) for name, start in zip(names, new.theta, strict=True)])
+    new.theta = np.clip(stood, limits.lower, limits.upper)
+    rest = {name: values.get(name, start) for name, start in new.others.items()}
+    new.others = {
+        name: float(np.clip(rest[name], joint.lower, joint.upper)) for name, joint in extra_joints(new.arm).items()
+    }
+    moved = [name for name, a, b in zip(names, stood, new.theta, strict=True) if abs(a - b) > LIMIT_TOL]
+    moved += [name for name, value in rest.items() if abs(value - new.others[name]) > LIMIT_TOL]
+    if moved:
+        yield f"moved to the nearer limit: {listed(moved, 6)}"
+
+
+def _poses(old: Stage, new: Stage) -> Iterator[str]:
+    joints = old.arm.joint_names
+    here = [(joints, {"name": pose.name, "theta": pose.theta.tolist()}) for pose in old.program.list.poses]
+    left: list[Left] = []
+    reasons: list[str] = []
+    for moved, pose in [*here, *old.left]:
+        before = len(reasons)
+        with told(reasons):
+            reasons += new.program.list.take(moved, [pose])
+        if len(reasons) > before:
+            left.append((moved, pose))
+    new.left = tuple(left)
+    if left:
+        which = f"{len(left)} poses are left out until they fit, the first" if len(left) > 1 else "a pose is left out"
+        yield f"{which}: {reasons[0]}"
+
+
+def _motion(old: Stage, new: Stage) -> Iterator[str]:
+    playback = old.player.playback
+    if playback is None:
+        return
+    if not _fits(playback.trajectory, old, new):
+        yield "the motion does not fit the arm any more and is gone"
+        return
+    new.player.playback = playback
+    new.program.follow(old.program)
+    if old.path["points"]:
+        new.draw_path(tool_path(new.arm, playback.trajectory))
+
+
+def _fits(motion: Trajectory, old: Stage, new: Stage) -> bool:
+    """Whether it moves the joints of the new arm, inside the limits unless it left those of the old one too."""
+    if tuple(motion.joint_names) != tuple(new.arm.joint_names):
+        return False
+    return _within(motion, new.arm.limits) or not _within(motion, old.arm.limits)
+
+
+def _within(motion: Trajectory, limits: JointLimits) -> bool:
+    try:
+        require_within(motion, limits, "")
+    except LimitError:
+        return False
+    return True

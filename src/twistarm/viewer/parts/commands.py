@@ -1,0 +1,71 @@
+"""Commands of the pages for a servo: what buttons, keys and gamepad mean; each page is a commander of its own."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable, Mapping
+from dataclasses import replace
+from typing import Any
+
+from ...model.arm import Arm
+from ...servo.settings import BEYOND, SLIDE, ServoSettings
+from ...stream import Inbox, command_of
+from ...support.errors import InputError
+from ..protocol.messages import Request
+
+COMMANDS = ("jog", "jog_joints", "stop")
+
+
+class PageCommands:
+    """What the pages command, in an inbox that a servo reads; nothing is taken before somebody asks for that inbox.
+
+    open: a servo of the program reads it. drive: the pages' own does.
+    beyond: what the pages choose that a servo does where the arm cannot follow. free: a servo of the program heeds it.
+
+    A page that jogs must go on saying so. It stops the arm by `stop`, by going, and by anything that makes no sense.
+    """
+
+    def __init__(self, arm: Arm) -> None:
+        self.arm = arm
+        self.inbox = Inbox()
+        self.open = self.drive = self.free = False
+        self.beyond = SLIDE
+        self._jogging: set[str] = set()
+
+    def servo_settings(self, settings: ServoSettings) -> Callable[[], ServoSettings]:
+        """What gives `settings` at any time with `beyond` as the pages choose it by then."""
+        chosen = {beyond: replace(settings, beyond=beyond) for beyond in BEYOND}
+        return lambda: chosen[self.beyond]
+
+    def take(self, request: Request, sender: str) -> None:
+        """Put a command of the page `sender` into the inbox. Raises InputError for what is none."""
+        if not (self.open or self.drive):
+            raise InputError(
+                "no servo takes commands here: start one by `twistarm servo ARM`, by Viewer.commands, "
+                "or by the switch Drive in the Jog panel"
+            )
+        stops = request.kind == "stop"
+        try:
+            command = command_of(self.arm, self._message(request))
+        except InputError as error:
+            self.refuse(sender, str(error))
+            raise
+        self.inbox.put(sender, command, time.monotonic())
+        (self._jogging.discard if stops else self._jogging.add)(sender)
+
+    def _message(self, request: Request) -> Mapping[str, Any]:
+        """The command as `command_of` takes it."""
+        if request.kind == "stop":
+            return {"stop": True}
+        if request.kind == "jog":
+            return request.fields
+        rates, names = request.fields["rates"], self.arm.joint_names
+        if len(rates) != len(names):
+            raise InputError(f"rates must be {len(names)} numbers, base to tip: {', '.join(names)}; got {len(rates)}")
+        return {"jog": dict(zip(names, rates, strict=True))}
+
+    def refuse(self, sender: str, reason: str) -> None:
+        """Something of the page that cannot be used, or its end: where it jogs, the arm comes to rest."""
+        if sender in self._jogging:
+            self._jogging.discard(sender)
+            self.inbox.refuse(sender, reason, time.monotonic())

@@ -1,0 +1,145 @@
+"""How near a driven arm is to a singularity and to a position limit, measured as the servo measures it."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from typing import TYPE_CHECKING, Any, NamedTuple
+
+import numpy as np
+
+from ...model.arm import Arm
+from ...model.inability import NO_MOTION
+from ...model.usual_limits import usually_limited
+from ...servo import ServoSettings
+from ...servo.bounds import bounds_of
+from ...servo.singular import FIVE
+from ...support.checks import Array
+from ...theory.manipulability import scaled_jacobian
+from ..protocol.message_cache import Message
+from .part import Part
+
+if TYPE_CHECKING:
+    from ..stage import Stage
+
+NEAR = 0.1
+"""Of the range between two limits: nearer than this is near, as in the rows of the joints."""
+
+LEAST = {"rad": np.pi / 36, "m": 0.01}
+"""Near in any case [rad, m]: 5°, 1 cm."""
+
+SAMPLES = 16
+"""Random postures among which one moves the tool in every direction that the arm has."""
+
+DIRECTIONS = ("along x", "along y", "along z", "about x", "about y", "about z")
+
+LEVELS = ((0, 1, 2), (3, 4, 5))
+
+SILENT: dict[str, Any] = {
+    "sigma": None, "below": ServoSettings().singular_below, "lacks": None,
+    "joint": None, "unit": None, "room": None, "near": None, "end": None,
+}  # fmt: skip
+"""Where no servo drives."""
+
+
+class Least(NamedTuple):
+    """The smallest singular value, and the direction u (6,) in base axes that it belongs to, metres in `length`."""
+
+    sigma: float
+    u: Array
+
+
+class Gauge(Part):
+    """The part that says how near the arm is to what slows a servo; silent where none drives."""
+
+    def __init__(self, arm: Arm) -> None:
+        self._arm = arm
+        self._measure: Measure | None = None
+        self._at: Array | None = None
+        self._words = SILENT
+
+    def messages(self, stage: Stage) -> Iterator[Message]:
+        """sigma: smallest singular value [rad per rad], singular `below` that; lacks: its direction in base axes.
+
+        joint: the one, or the motor, nearest to a position limit: `room` [unit] to its lower or upper `end`, `near`
+        from which on that is little. All null where no servo drives, or where there is no limit.
+        """
+        if not stage.driven:
+            self._at, self._words = None, SILENT
+        elif stage.theta is not self._at:
+            self._measure = self._measure or Measure(self._arm)
+            self._at, self._words = stage.theta, self._measure.words(stage.theta)
+        yield {"type": "gauge", **self._words}
+
+
+class Measure:
+    """The servo's own measures of an arm at its standard settings."""
+
+    def __init__(self, arm: Arm) -> None:
+        self.arm, settings = arm, ServoSettings()
+        self.bounds = bounds_of(usually_limited(arm), settings)
+        motors = arm.actuators.motor_units[: len(self.bounds.motion.names) - arm.n] if arm.actuators else ()
+        self.units = (*motors, *arm.units)
+        self._slides = np.array(arm.units) == "m"
+        postures = [arm.ready, *arm.random_theta(0, SAMPLES)]
+        ranks = [[len(sigma) for sigma, _ in self._levels(theta)] for theta in postures]
+        self._ranks = np.max(ranks, axis=0)
+
+    def words(self, theta: Array) -> dict[str, Any]:
+        """The fields of the message at theta (n,)."""
+        sigma, u = self.least(theta)
+        lacks = DIRECTIONS[int(np.argmax(np.abs(u)))] if u.any() else None
+        return {"sigma": round(sigma, 5), "below": self.bounds.singular_below, "lacks": lacks, **self.room(theta)}
+
+    def least(self, theta: Array) -> Least:
+        """The smallest singular value of the directions that the arm has elsewhere; 0 where it lacks one here.
+
+        Those of the scaled Jacobian, as `resolved_rates` damps them: of the whole twist from five joints on, else of
+        the position and then of the rotation that leaves it alone.
+        """
+        found = Least(np.inf, np.zeros(6))
+        for (sigma, U), rank in zip(self._levels(theta), self._ranks, strict=True):
+            if len(sigma) < rank:
+                return Least(0.0, np.zeros(6))
+            if rank and sigma[-1] < found.sigma:
+                found = Least(float(sigma[-1]), U[:, -1])
+        return found
+
+    def room(self, theta: Array) -> dict[str, Any]:
+        """Of the joint, or the motor, that is nearest to a limit beside what is near for it."""
+        motion = self.bounds.motion
+        x, lower, upper = motion.C @ theta + motion.c, motion.limits.lower, motion.limits.upper
+        room = np.minimum(x - lower, upper - x)
+        near = np.array([LEAST[unit] for unit in self.units])
+        near = np.where(np.isfinite(upper - lower), np.maximum(NEAR * (upper - lower), near), near)
+        row = int(np.argmin(room / near))
+        if not np.isfinite(room[row]):
+            return dict.fromkeys(("joint", "unit", "room", "near", "end"))
+        return {
+            "joint": motion.names[row],
+            "unit": self.units[row],
+            "room": round(float(room[row]), 6),
+            "near": float(near[row]),
+            "end": "lower" if x[row] - lower[row] < upper[row] - x[row] else "upper",
+        }
+
+    def _levels(self, theta: Array) -> list[tuple[Array, Array]]:
+        """(σ descending, U (6, k) in base axes) of each level; what is no motion is left out."""
+        g, J = self.arm.fk_and_body_jacobian(theta)
+        R = np.kron(np.eye(2), g[:3, :3])
+        rows = scaled_jacobian(R @ J, self._slides, self.bounds.length)
+        if self.arm.n >= FIVE:
+            return [_decomposed(rows, tuple(range(6)))[:2]]
+        found: list[tuple[Array, Array]] = []
+        for level in LEVELS:
+            sigma, U, Vt = _decomposed(rows, level)
+            rows = rows - rows @ Vt.T @ Vt
+            found.append((sigma, U))
+        return found
+
+
+def _decomposed(rows: Array, level: tuple[int, ...]) -> tuple[Array, Array, Array]:
+    U, sigma, Vt = np.linalg.svd(rows[list(level)], full_matrices=False)
+    kept = sigma > NO_MOTION
+    whole = np.zeros((6, int(kept.sum())))
+    whole[list(level)] = U[:, kept]
+    return sigma[kept], whole, Vt[kept]

@@ -1,0 +1,122 @@
+"""What was done on the pages, to be undone and done again: changes of the list of poses, and moves of the arm."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
+from time import monotonic
+from typing import TYPE_CHECKING, NamedTuple
+
+import numpy as np
+
+from ...support.checks import Array
+from ...support.errors import InputError
+from ..protocol.jobs import Job
+from ..protocol.message_cache import Message
+from ..protocol.messages import Request
+from .pose_list import RecordedPose
+
+if TYPE_CHECKING:
+    from ..stage import Stage
+
+MOST = 100
+"""Steps that are kept."""
+
+PAUSE = 1.0
+"""Seconds between two moves of the same kind from which on they are two: a drag is one."""
+
+WORDS = {
+    "record": "record a pose",
+    "rename": "rename a pose",
+    "reorder": "reorder the poses",
+    "delete": "delete a pose",
+    "poses": "load a list",
+    "theta": "move the arm",
+    "joint": "move {name}",
+    "pose": "go to {name}",
+    "random": "go to a random configuration",
+    "target": "move the tool",
+    "go": "go to a pose",
+    "jog": "jog",
+}
+"""What is kept of what the pages ask for, as it is called. Playing a motion is none: it can be sought back."""
+
+
+class Seen(NamedTuple):
+    """What a step may change."""
+
+    poses: tuple[RecordedPose, ...]
+    theta: Array
+    others: Mapping[str, float]
+
+
+@dataclass(frozen=True, eq=False)
+class Step:
+    """What was changed, as it was before: the list, theta, or the joints beside the arm; `words` say by what."""
+
+    words: str
+    poses: tuple[RecordedPose, ...] | None = None
+    theta: Array | None = None
+    others: Mapping[str, float] | None = None
+
+
+class History:
+    """Two stacks of steps. Undoing one puts back what it changed and nothing else."""
+
+    requests = frozenset({"undo", "redo"})
+
+    def __init__(self) -> None:
+        self._past: list[Step] = []
+        self._future: list[Step] = []
+        self._last: tuple[str, float] = ("", -np.inf)
+
+    def handle(self, request: Request, stage: Stage, now: float) -> Job | None:
+        """Undo the last step, or do the last one undone again; InputError where there is none."""
+        source, sink = (self._past, self._future) if request.kind == "undo" else (self._future, self._past)
+        if not source:
+            raise InputError(f"nothing to {request.kind}")
+        step = source[-1]
+        if step.theta is not None:
+            stage.require_free()
+        source.pop()
+        sink.append(self._taken_back(step, stage, request.fields["ease"], now))
+        self._last = ("", -np.inf)
+        return None
+
+    def messages(self, stage: Stage) -> Iterator[Message]:
+        """What would be undone and done again, in words; null for nothing."""
+        past, future = (steps[-1].words if steps else None for steps in (self._past, self._future))
+        yield {"type": "history", "undo": past, "redo": future}
+
+    def note(self, kind: str, name: str, before: Seen, after: Seen) -> None:
+        """Keep what a request has changed, if it has; `name` is of what it is about."""
+        if kind not in WORDS:
+            return
+        words = WORDS[kind].format(name=name)
+        if after.poses is not before.poses:
+            self._keep(Step(words, poses=before.poses))
+            return
+        theta = None if np.array_equal(after.theta, before.theta) else before.theta
+        others = None if after.others == before.others else before.others
+        if theta is not None or others is not None:
+            (last, at), now = self._last, monotonic()
+            if last != words or now - at > PAUSE:
+                self._keep(Step(words, theta=theta, others=others))
+            self._last = (words, now)
+
+    def _keep(self, step: Step) -> None:
+        self._past = [*self._past[1 - MOST :], step]
+        self._future = []
+        self._last = ("", -np.inf)
+
+    def _taken_back(self, step: Step, stage: Stage, ease: bool, now: float) -> Step:
+        """Put back what the step has kept; the step that undoes this again."""
+        there = stage.seen()
+        if step.poses is not None:
+            stage.program.list.restore(step.poses)
+        if step.others is not None:
+            stage.others = dict(step.others)
+        if step.theta is not None:
+            stage.go(step.theta, ease, now)
+        changed = {name: value for name, value in there._asdict().items() if getattr(step, name) is not None}
+        return Step(step.words, **changed)

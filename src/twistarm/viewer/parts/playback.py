@@ -1,0 +1,56 @@
+"""A trajectory on show: which moment of it, at what speed, and whether it runs."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from ...limits.joint_limits import JointLimits
+from ...planning.trajectory import Trajectory
+from ...support.checks import Array, as_theta
+
+
+@dataclass
+class Playback:
+    """The clock of one trajectory. `now` is the caller's monotonic clock [s], `time` the moment shown [s].
+
+    `limits` are what the trajectory was planned by, None where only whoever planned it knows.
+    """
+
+    trajectory: Trajectory
+    speed: float = 1.0
+    loop: bool = False
+    time: float = 0.0
+    running: bool = False
+    limits: JointLimits | None = None
+    _last: float = 0.0
+
+    @property
+    def duration(self) -> float:
+        """[s]"""
+        return float(self.trajectory.duration)
+
+    def play(self, now: float) -> None:
+        """Run from the moment shown, or from the start if that is the end."""
+        if self.time >= self.duration:
+            self.time = 0.0
+        self.running, self._last = True, now
+
+    def seek(self, time: float) -> None:
+        """Stop at `time`, or at the nearer end."""
+        self.running = False
+        self.time = min(max(time, 0.0), self.duration)
+
+    def advance(self, now: float) -> None:
+        """Let the clock run up to `now`; at the end start again with `loop`, else stop there."""
+        if not self.running:
+            return
+        self.time += self.speed * (now - self._last)
+        self._last = now
+        if self.time >= self.duration:
+            again = self.loop and self.duration > 0.0
+            self.time = self.time % self.duration if again else self.duration
+            self.running = again
+
+    def theta(self) -> Array:
+        """The configuration (n,) at the moment shown."""
+        return as_theta(self.trajectory(self.time), len(self.trajectory.joint_names), "the trajectory's theta")

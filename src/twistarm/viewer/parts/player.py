@@ -1,0 +1,97 @@
+"""The trajectory on show as the pages drive it: play, pause, seek, how fast, again and again."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from typing import TYPE_CHECKING
+
+from ...limits.joint_limits import JointLimits
+from ...planning.trajectory import Trajectory
+from ...support.checks import Array
+from ...support.errors import InputError
+from ..protocol.jobs import Job
+from ..protocol.message_cache import Message
+from ..protocol.messages import Request
+from .admission import checked_theta
+from .playback import Playback
+
+if TYPE_CHECKING:
+    from ..stage import Stage
+
+SPEEDS = (0.05, 20.0)
+"""Slowest and fastest that a page may play; whoever calls from Python may go beyond, and that speed is kept."""
+
+
+class Player:
+    """Holds the playback of at most one trajectory."""
+
+    requests = frozenset({"play", "pause", "seek", "pace"})
+
+    def __init__(self) -> None:
+        self.playback: Playback | None = None
+
+    def handle(self, request: Request, stage: Stage, now: float) -> Job | None:
+        """Do what a page asks for; InputError where no trajectory is loaded."""
+        if self.playback is None:
+            raise InputError(f"nothing to {request.kind}: no trajectory is loaded")
+        if request.kind == "play":
+            self.playback.play(now)
+        elif request.kind == "pause":
+            self.playback.running = False
+        elif request.kind == "pace":
+            self._pace(self.playback, request.fields["speed"], request.fields["loop"])
+        else:
+            self.playback.seek(request.fields["time"])
+            stage.theta = checked_theta(stage.arm, self.playback.theta())
+        return None
+
+    def _pace(self, playback: Playback, speed: float, loop: bool) -> None:
+        slowest, fastest = SPEEDS
+        if speed != playback.speed and not slowest <= speed <= fastest:
+            raise InputError(f"speed must be {slowest:g} … {fastest:g} times the trajectory's own; got {speed:g}")
+        playback.speed, playback.loop = speed, loop
+
+    def messages(self, stage: Stage) -> Iterator[Message]:
+        """The trajectory that is loaded; duration null where none is."""
+        at = self.playback
+        yield {
+            "type": "player",
+            "duration": None if at is None else at.duration,
+            "speed": 1.0 if at is None else at.speed,
+            "loop": at is not None and at.loop,
+        }
+
+    def load(self, trajectory: Trajectory, speed: float, loop: bool, now: float) -> Array:
+        """Play `trajectory` from its start, which is returned."""
+        self.playback = Playback(trajectory, speed, loop)
+        self.playback.play(now)
+        return self.playback.theta()
+
+    def stand_by(self, trajectory: Trajectory, limits: JointLimits) -> Array:
+        """Stop at the start of `trajectory`, which is returned; speed and loop stay. It was planned by `limits`."""
+        at = self.playback
+        speed, loop = (1.0, False) if at is None else (at.speed, at.loop)
+        self.playback = Playback(trajectory, speed, loop, limits=limits)
+        return self.playback.theta()
+
+    def halt(self) -> None:
+        """Stop where it is."""
+        if self.playback is not None:
+            self.playback.running = False
+
+    def advance(self, now: float) -> Array | None:
+        """The configuration at `now` [s] of what runs, None where nothing does."""
+        if self.playback is None or not self.playback.running:
+            return None
+        self.playback.advance(now)
+        return self.playback.theta()
+
+    @property
+    def running(self) -> bool:
+        """Whether a trajectory runs."""
+        return self.playback is not None and self.playback.running
+
+    @property
+    def time(self) -> float:
+        """The moment on show [s]."""
+        return 0.0 if self.playback is None else self.playback.time

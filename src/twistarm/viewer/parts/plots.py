@@ -1,0 +1,103 @@
+"""What is plotted of a trajectory: position, velocity and acceleration of every joint, and what limits them."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from ...limits.joint_limits import JointLimits, usual_range
+from ...model.arm import Arm
+from ...planning.trajectory import Trajectory
+from ...support.checks import Array
+from ..protocol.message_cache import Message
+from .part import Part
+from .playback import Playback
+
+if TYPE_CHECKING:
+    from ..stage import Stage
+
+RATES = ("position", "velocity", "acceleration")
+"""By the order of the derivative."""
+
+MOST_POINTS = 300
+"""Of each line: a plot is about as many pixels wide."""
+
+BEFORE = 1e-9
+"""Of the duration, before a breakpoint: a jump there is drawn as one."""
+
+DECIMALS = 6
+"""Finer than any plot [rad, m, and per s and s²]."""
+
+NO_PLOTS: Message = {"type": "plots", "times": [], "joints": [], **{rate: [] for rate in RATES}}
+
+
+class Plots(Part):
+    """Tells the pages of the trajectory that is loaded."""
+
+    def __init__(self) -> None:
+        self._shown: Trajectory | None = None
+        self._message = NO_PLOTS
+
+    def messages(self, stage: Stage) -> Iterator[Message]:
+        """The same object as long as the trajectory is the same."""
+        at = stage.player.playback
+        loaded = None if at is None else at.trajectory
+        if loaded is not self._shown:
+            self._shown, self._message = loaded, plots(stage.arm, at)
+        yield self._message
+
+
+def plots(arm: Arm, playback: Playback | None) -> Message:
+    """Times [s], for each rate a row of values for each joint [rad, m, per s, s²], and the joints as plotted.
+
+    The limits are those that the trajectory was planned by, the arm's where these are not known. Where it has values
+    that are no numbers there is nothing to plot.
+    """
+    if playback is None:
+        return NO_PLOTS
+    trajectory, limits = playback.trajectory, playback.limits or arm.limits
+    times = _times(trajectory)
+    values = [np.round(trajectory(times, order), DECIMALS).T for order in range(len(RATES))]
+    peaks = [trajectory.peak(order) for order in range(len(RATES))]
+    if not np.isfinite([*values]).all() or not np.isfinite(peaks).all():
+        return NO_PLOTS
+    return {
+        "type": "plots",
+        "times": times.tolist(),
+        "joints": _joints(arm, limits, peaks),
+        **{rate: rows.tolist() for rate, rows in zip(RATES, values, strict=True)},
+    }
+
+
+def _times(trajectory: Trajectory) -> Array:
+    """Evenly from start to end, and both sides of every breakpoint where these are few."""
+    inner = trajectory.breakpoints[1:-1]
+    jumps = inner if 4 * len(inner) <= MOST_POINTS else inner[:0]
+    even = np.linspace(0.0, trajectory.duration, MOST_POINTS - 2 * len(jumps) if trajectory.duration > 0 else 1)
+    times: Array = np.unique(np.concatenate([even, jumps - BEFORE * trajectory.duration, jumps]))
+    return times
+
+
+def _joints(arm: Arm, limits: JointLimits, peaks: list[Array]) -> list[dict[str, Any]]:
+    """Name and unit; `range`: what a position is a share of; `usual`: limits that the arm did not give; `peak`."""
+    lower, upper = usual_range(limits.lower, limits.upper, arm.usual_half)
+    return [
+        {
+            "name": name,
+            "unit": unit,
+            "range": [float(lower[i]), float(upper[i])],
+            "limits": {
+                "position": [_or_null(limits.lower[i]), _or_null(limits.upper[i])],
+                **{rate: _or_null(getattr(limits, rate)[i]) for rate in RATES[1:]},
+            },
+            "usual": [rate for rate in RATES[1:] if getattr(limits, rate)[i] < np.inf == getattr(arm.limits, rate)[i]],
+            "peak": {rate: float(peak[i]) for rate, peak in zip(RATES, peaks, strict=True)},
+        }
+        for i, (name, unit) in enumerate(zip(arm.joint_names, arm.units, strict=True))
+    ]
+
+
+def _or_null(limit: float) -> float | None:
+    return float(limit) if np.isfinite(limit) else None

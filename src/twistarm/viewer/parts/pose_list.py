@@ -1,0 +1,155 @@
+"""The list of recorded poses: each with a number that never comes again, a name of its own, and theta."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from contextlib import contextmanager
+from dataclasses import dataclass, replace
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from ...model.arm import Arm
+from ...support.checks import Array, frozen
+from ...support.errors import InputError, LimitError, one_line
+from ...support.strict_json import LARGEST_MESSAGE, encode
+from .admission import checked_theta, require_all_inside
+
+LONGEST_NAME = 60
+"""Characters of a pose's name: a row of the page shows half of it."""
+
+LARGEST_LIST = LARGEST_MESSAGE * 7 // 8
+"""Bytes of a whole list as a message, some 300 poses of seven joints: what was saved can be loaded in one."""
+
+
+@dataclass(frozen=True, eq=False)
+class RecordedPose:
+    """A pose of the list; theta (n,) [rad, m] lies inside the limits."""
+
+    id: int
+    name: str
+    theta: Array
+
+
+class PoseList:
+    """Poses of one arm in their order. Whatever is refused leaves the list as it was."""
+
+    def __init__(self, arm: Arm) -> None:
+        self._arm = arm
+        self._made = 0
+        self.poses: tuple[RecordedPose, ...] = ()
+
+    def record(self, name: str, theta: Array) -> None:
+        """Add theta (n,) at the end. An empty name is made up, and one that is taken gets a number."""
+        self._keep([*self.poses, self._new(name, theta, self.poses)])
+
+    def rename(self, number: int, name: str) -> None:
+        """Give another name, by the same rules."""
+        at = self._place(number)
+        others = [*self.poses[:at], *self.poses[at + 1 :]]
+        self._keep([*self.poses[:at], replace(self.poses[at], name=_free(name, others)), *self.poses[at + 1 :]])
+
+    def reorder(self, number: int, place: int) -> None:
+        """Move to `place`, 0 the first; beyond the end means the last."""
+        at = self._place(number)
+        others = [*self.poses[:at], *self.poses[at + 1 :]]
+        self._keep([*others[:place], self.poses[at], *others[place:]])
+
+    def delete(self, number: int) -> None:
+        """Take a pose off the list."""
+        at = self._place(number)
+        self._keep([*self.poses[:at], *self.poses[at + 1 :]])
+
+    def replace(self, joints: Sequence[str], poses: Iterable[Mapping[str, Any]]) -> None:
+        """Take the list given, poses of name and theta in the order of `joints`, in place of what is here."""
+        order = self._order(joints)
+        taken: list[RecordedPose] = []
+        for pose in poses:
+            taken.append(self._read(pose, order, taken))
+        self._keep(taken)
+
+    def take(self, joints: Sequence[str], poses: Iterable[Mapping[str, Any]]) -> list[str]:
+        """Add those of the list given that the arm can take; the reason for each that is left out."""
+        order = self._order(joints)
+        reasons: list[str] = []
+        for pose in poses:
+            with told(reasons):
+                self._keep([*self.poses, self._read(pose, order, self.poses)])
+        return reasons
+
+    def restore(self, poses: tuple[RecordedPose, ...]) -> None:
+        """Take the list back as it was, numbers and all."""
+        self.poses = poses
+
+    def theta(self, number: int) -> Array:
+        """The configuration (n,) of a pose."""
+        return self.poses[self._place(number)].theta
+
+    def named(self) -> dict[str, Array]:
+        """Theta (n,) by name, in order; the arrays are the caller's."""
+        return {pose.name: pose.theta.copy() for pose in self.poses}
+
+    def _place(self, number: int) -> int:
+        for place, pose in enumerate(self.poses):
+            if pose.id == number:
+                return place
+        raise InputError(f"no pose number {number} in the list: it was deleted, or another list was loaded")
+
+    def _new(self, name: str, theta: ArrayLike, others: Sequence[RecordedPose]) -> RecordedPose:
+        free = _free(name, others)
+        checked = checked_theta(self._arm, theta)
+        try:
+            require_all_inside(self._arm, checked)
+        except LimitError as error:
+            raise LimitError(f"the pose '{free}': {error}") from error
+        self._made += 1
+        # A slider's end may lie beyond its limit by the rounding of decimal text, which a planner does not take.
+        limits = self._arm.limits
+        return RecordedPose(self._made, free, frozen(np.clip(checked, limits.lower, limits.upper)))
+
+    def _read(self, pose: Mapping[str, Any], order: Sequence[int], others: Sequence[RecordedPose]) -> RecordedPose:
+        """A pose of a list whose joints stand in another order."""
+        values = np.array(pose["theta"], dtype=np.float64)
+        if values.shape != (len(order),):
+            name = one_line(pose["name"], LONGEST_NAME)
+            raise InputError(f"the pose '{name}' has {len(values)} values, and the list moves {len(order)} joints")
+        return self._new(pose["name"], values[order], others)
+
+    def _order(self, joints: Sequence[str]) -> list[int]:
+        """Where the arm's joints stand among `joints`."""
+        names = self._arm.joint_names
+        if sorted(joints) != sorted(names):
+            moved = one_line(", ".join(joints), 200)
+            raise InputError(f"the list moves {moved}; {self._arm.name} has {', '.join(names)}")
+        return [list(joints).index(name) for name in names]
+
+    def _keep(self, poses: Sequence[RecordedPose]) -> None:
+        given = [{"name": pose.name, "theta": pose.theta.tolist()} for pose in poses]
+        size = len(encode({"joints": self._arm.joint_names, "poses": given}))
+        if size > LARGEST_LIST and len(poses) >= len(self.poses):
+            raise InputError(f"a list has at most {LARGEST_LIST} bytes; {len(poses)} poses would have {size}")
+        self.poses = tuple(poses)
+
+
+@contextmanager
+def told(reasons: list[str]) -> Iterator[None]:
+    """What is refused inside goes to the reasons, and the rest goes on."""
+    try:
+        yield
+    except (InputError, LimitError) as error:
+        reasons.append(str(error))
+
+
+def _free(name: str, others: Sequence[RecordedPose]) -> str:
+    """The name, made up where it is empty, with a number behind it where another pose has it."""
+    taken = {pose.name for pose in others}
+    bare = " ".join(name.split())
+    if len(bare) > LONGEST_NAME:
+        raise InputError(f"a pose's name has at most {LONGEST_NAME} characters; got {len(bare)}")
+    if bare and bare not in taken:
+        return bare
+    number = 2 if bare else len(others) + 1
+    while f"{bare or 'pose'} {number}" in taken:
+        number += 1
+    return f"{bare or 'pose'} {number}"

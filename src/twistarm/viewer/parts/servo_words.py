@@ -1,0 +1,42 @@
+"""What the pages show of a servo: its status, the joint concerned, the reason; nothing while it idles."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from ...servo import AnyCommand, PoseCommand, ServoOutput, ServoStatus
+from ...stream import Cycle
+from ...support.checks import require
+
+SILENT: dict[str, Any] = {"status": None, "joint": None, "reason": "", "share": None}
+
+
+def servo_words(answer: Cycle | ServoOutput) -> dict[str, Any]:
+    """What a servo or the loop around it answers, in words.
+
+    {"status": a ServoStatus's name or null, "joint": name or null, "reason": text, "share": of what is commanded, how
+    much is done, 0 … 1, null where nothing is}.
+    """
+    if isinstance(answer, ServoOutput):
+        return _words(answer, True)
+    require(answer, Cycle, "answer", "as stream.run hands to on_cycle, or a ServoOutput, or None")
+    if answer.setpoint is None or not answer.delivered:
+        return {**SILENT, "reason": answer.reason}
+    reading = answer.reading
+    idle = reading is not None and reading.idle and reading.reason == answer.reason
+    return SILENT if idle else _words(answer.setpoint.output, reading is not None and _moves(reading.command))
+
+
+def _words(output: ServoOutput, asked: bool) -> dict[str, Any]:
+    told = asked and output.status is not ServoStatus.STALE
+    return {
+        "status": output.status.name,
+        "joint": output.joint,
+        "reason": output.reason,
+        "share": round(output.share, 2) if told else None,  # whole percents: pages are told only of what changes
+    }
+
+
+def _moves(command: AnyCommand | None) -> bool:
+    """Whether a command asks for a motion: a stop is no share of anything."""
+    return command is not None and (isinstance(command, PoseCommand) or bool(command.numbers.any()))

@@ -1,0 +1,146 @@
+"""Where the tool is to be: a target that a page drags or types, and the configuration that meets it best."""
+
+from __future__ import annotations
+
+import math
+import time
+from collections.abc import Iterator, Mapping
+from functools import partial
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from ...ik import Approach, IKSolution, Pose, Position, solve_ik
+from ...model.arm import Arm
+from ...support.checks import Array
+from ...support.errors import InputError
+from ...theory import rotations
+from ..protocol.jobs import Job
+from ..protocol.message_cache import Message
+from ..protocol.messages import Request
+from ..scene.ghost import ghost
+
+if TYPE_CHECKING:
+    from ..stage import Stage
+
+MAX_TIME = 0.5
+"""Of a search [s]. The compiled core needs 3 ms at most; without it, a target out of reach takes some 0.4 s."""
+
+AT_ONCE = 0.2e-3
+"""Of a search in the loop [s], which the compiled core alone keeps: a dragged target takes it a tenth of this."""
+
+LENGTH_TOL = 1e-3
+"""How far from 1 the length of a quaternion may be: decimal text, not another quantity."""
+
+NOTHING: Message = {
+    "type": "target",
+    "given": None,
+    "met": None,
+    "words": "",
+    "ghost": None,
+}
+"""What is told while no target is given."""
+
+Answer = tuple[Array, Message]
+"""The configuration to show (n,), and what is told of it."""
+
+
+class TargetPart:
+    """Holds at most one target. It is let go once the arm is moved by anything else."""
+
+    requests = frozenset({"target", "release"})
+
+    def __init__(self) -> None:
+        self._told = NOTHING
+        self._shown: Array | None = None  # the configuration on show, where it is the target's answer
+        self._wanted = False  # whether an answer may still come
+        self._number = self._answered = 0  # of the latest target asked for, and of the one whose answer is on show
+
+    def handle(self, request: Request, stage: Stage, now: float) -> Job | None:
+        """Solve for a target, from the configuration on show, or let it go. InputError for what can be no target.
+
+        What one short search meets is answered at once; only what it does not meet is a job.
+        """
+        if request.kind == "release":
+            self._release()
+            return None
+        target, given = _target(stage.arm, request.fields), dict(request.fields)
+        stage.show(stage.theta)  # a running trajectory stops
+        self._number += 1
+        self._wanted = True
+        finish = partial(self._finish, stage, stage.theta, self._number)
+        solution = solved_at_once(stage.arm, target, stage.theta)
+        if solution is not None:
+            finish((solution.theta, _told(given, solution)))
+            return None
+        solve = partial(_solved, stage.arm, target, given, stage.theta, stage.others)
+        return Job("target", "solving for the target", lambda _: solve(), finish)
+
+    def messages(self, stage: Stage) -> Iterator[Message]:
+        """The target given, whether it is met, and the words of its solution."""
+        if self._shown is not None and stage.theta is not self._shown:
+            self._release()
+        yield self._told
+
+    def _finish(self, stage: Stage, start: Array, number: int, answer: Answer) -> None:
+        """Show the answer, unless a later target has its answer, the target was let go, or something moved the arm."""
+        moved = stage.theta is not start and stage.theta is not self._shown
+        if number < self._answered or not self._wanted or moved or stage.driven or stage.moving:
+            return
+        self._answered = number
+        self._shown, self._told = answer
+        stage.show(self._shown)
+
+    def _release(self) -> None:
+        self._told, self._shown, self._wanted = NOTHING, None, False
+
+
+def _target(arm: Arm, fields: Mapping[str, Any]) -> Pose | Position | Approach:
+    """The target that a page asked for: {kind, position [m], xyzw}, of which a position needs no direction."""
+    p, xyzw = np.array(fields["position"]), fields["xyzw"]
+    length = math.hypot(*xyzw)
+    if abs(length - 1.0) > LENGTH_TOL:
+        raise InputError(f"xyzw must be a quaternion of length 1, as 0, 0, 0, 1 is; got one of length {length:g}")
+    if fields["kind"] == "position":
+        return Position(p)
+    R = rotations.from_xyzw(xyzw)
+    if fields["kind"] == "approach":
+        return Approach(p, R @ arm.tool_axis, arm.tool_axis)
+    g = np.eye(4)
+    g[:3, :3], g[:3, 3] = R, p
+    return Pose(g)
+
+
+def solved_at_once(arm: Arm, target: Pose | Position | Approach, start: Array) -> IKSolution | None:
+    """The solution of the first search from `start`, where it meets the target within AT_ONCE; else None.
+
+    It is what a search with all its time would answer, bit by bit: the first search that converges wins, and none of
+    it was cut short.
+    """
+    if arm.compiled is None:
+        return None
+    begin = time.perf_counter()
+    solution = solve_ik(arm, target, start, restarts=1, posture="theta0", max_time=AT_ONCE)
+    in_time = time.perf_counter() - begin < AT_ONCE
+    return solution if solution.converged and in_time else None
+
+
+def _solved(
+    arm: Arm,
+    target: Pose | Position | Approach,
+    given: dict[str, Any],
+    start: Array,
+    others: Mapping[str, float],
+) -> Answer:
+    solution = solve_ik(arm, target, start, posture="theta0", max_time=MAX_TIME)
+    return solution.theta, {**_told(given, solution), "ghost": ghost(solution, others)}
+
+
+def _told(given: dict[str, Any], solution: IKSolution) -> Message:
+    return {
+        "type": "target",
+        "given": given,
+        "met": solution.converged,
+        "words": solution.explain(),
+        "ghost": None,
+    }

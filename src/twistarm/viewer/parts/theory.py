@@ -1,0 +1,93 @@
+"""The numbers behind the posture on show: Jacobians, screws, singular values and ellipsoids, while someone looks."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from ...model.arm import Arm
+from ...support.checks import Array
+from ...theory.screws import to_screw
+from ..protocol.message_cache import Message
+from ..scene.axes import AXIS_HALF, PITCHLESS, anchors, arm_size
+from ..scene.nodes import screw_path
+from .part import Part
+from .theory_numbers import numbers
+
+if TYPE_CHECKING:
+    from ..stage import Stage
+
+SHOWN = ("numbers", "screw", "spatial_columns", "body_columns", "linear_ellipsoid", "angular_ellipsoid")
+"""The layers that need these numbers."""
+
+LINEAR = 0.25
+"""Drawn length [m] of 1 m/s; a screw's v and the axes of the linear ellipsoid are drawn to it."""
+
+ANGULAR = 0.13
+"""Drawn length of 1 rad/s, in sizes of the arm."""
+
+
+class Theory(Part):
+    """What the posture comes to, computed only while some page shows something of it."""
+
+    def __init__(self, arm: Arm) -> None:
+        self._axes: Message = {"type": "axes", **axes(arm)}
+        self._theta: Array | None = None
+        self._moved = 0
+        self._numbers: Message = {}
+
+    def messages(self, stage: Stage) -> Iterator[Message]:
+        """The joints' axes; and the numbers, where they are looked at."""
+        yield self._axes
+        if any(stage.visible[layer] for layer in SHOWN):
+            if stage.theta is not self._theta:
+                self._moved = self._which_moved(stage)
+                self._theta = stage.theta
+                self._numbers = {"type": "theory", "moved": self._moved, **numbers(stage.arm, *_motion(stage))}
+            yield self._numbers
+
+    def _which_moved(self, stage: Stage) -> int:
+        """The coordinate that changed most since the last time, metres measured in the arm's reach."""
+        if self._theta is None or np.array_equal(stage.theta, self._theta):
+            return self._moved
+        length = np.where(np.array(stage.arm.units) == "m", stage.arm.reach, 1.0)
+        return int(np.argmax(np.abs(stage.theta - self._theta) / length))
+
+
+def axes(arm: Arm) -> dict[str, Any]:
+    """Every moving joint's axis as it is drawn: its node, the arrow's tip in it [m], its pitch [m/rad], null for inf.
+
+    A joint carries its screw along, so neither changes with the posture: Ad_g keeps the pitch (MLS §2.4.2). With them
+    the scales of drawing: `linear` [m] for 1 m/s, `angular` [m] for 1 rad/s; a slide's rate counts per `length` [m].
+    """
+    size = arm_size(arm)
+    screws = [to_screw(xi) for xi in arm.screws.T]
+    tips = [anchor + AXIS_HALF * size * screw.axis for anchor, screw in zip(anchors(arm), screws, strict=True)]
+    pitches = [_plain_pitch(float(screw.pitch), size) for screw in screws]
+    joints = zip(arm.moving_names, tips, pitches, strict=True)
+    return {
+        "joints": [
+            {"name": name, "node": screw_path(i), "tip": tip.tolist(), "pitch": pitch}
+            for i, (name, tip, pitch) in enumerate(joints)
+        ],
+        "linear": LINEAR,
+        "angular": ANGULAR * size,
+        "length": arm.reach,
+        "size": size,
+    }
+
+
+def _motion(stage: Stage) -> tuple[Array, Array | None]:
+    """The configuration on show, and the rates (n,) with which the trajectory on show passes it, if it does."""
+    playback = stage.player.playback
+    if playback is None or not (playback.running or np.array_equal(playback.theta(), stage.theta)):
+        return stage.theta, None
+    return stage.theta, playback.trajectory(playback.time, 1)
+
+
+def _plain_pitch(pitch: float, size: float) -> float | None:
+    if np.isinf(pitch):
+        return None
+    return 0.0 if abs(pitch) < PITCHLESS * size else pitch

@@ -1,0 +1,50 @@
+"""The way the tool takes, as the page draws it: a line through points in the base frame."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from ...model.arm import Arm
+from ...planning.trajectory import Trajectory
+from ...support.checks import Array, as_theta
+from ...support.errors import InputError
+from ..scene.axes import arm_size
+from .admission import check_trajectory, checked_theta
+
+MOST_POINTS = 400
+"""Enough for any curve on a screen, and small enough to send."""
+
+STILL = 1e-4
+"""A step shorter than this share of the arm's size is not seen."""
+
+NO_PATH: dict[str, Any] = {"points": [], "radius": 0.0}
+
+
+def tool_path(arm: Arm, motion: Trajectory | ArrayLike) -> dict[str, Any]:
+    """Points [[x, y, z], …] [m] of the tool's origin and the line's radius [m]; no points if it stays where it is.
+
+    `motion` is a trajectory of this arm, or configurations (k, n) in the order they are passed.
+    """
+    points = arm.fk(_configurations(arm, motion))[:, :3, 3]
+    kept = [points[0]]
+    for point in points[1:]:
+        if np.linalg.norm(point - kept[-1]) > STILL * arm_size(arm):
+            kept.append(point)
+    drawn = np.round(kept, 6).tolist() if len(kept) > 1 else []
+    return {"points": drawn, "radius": 0.004 * arm_size(arm)}
+
+
+def _configurations(arm: Arm, motion: Trajectory | ArrayLike) -> Array:
+    if isinstance(motion, Trajectory):
+        check_trajectory(arm, motion)
+        return motion(np.linspace(0.0, float(motion.duration), MOST_POINTS))
+    theta = as_theta(motion, arm.n, "motion", names=arm.joint_names)
+    if theta.ndim != 2 or len(theta) == 0:
+        raise InputError(f"motion must be a Trajectory or configurations (k, {arm.n}); got shape {theta.shape}")
+    for row in theta:
+        checked_theta(arm, row)
+    chosen: Array = theta[np.unique(np.linspace(0, len(theta) - 1, MOST_POINTS).round().astype(int))]
+    return chosen

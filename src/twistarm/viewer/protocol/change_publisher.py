@@ -1,0 +1,44 @@
+"""What is new on show, asked of each source by itself: one that fails leaves the others alone."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Sequence
+
+from ...support.strict_json import encode
+from .message_cache import Board, Message
+from .messages import failure
+
+Source = Callable[[], Iterable[Message]]
+"""Says what a part of the view shows now."""
+
+
+class News:
+    """What the pages know and what they do not. A source that fails keeps what it last said, and is told of once."""
+
+    def __init__(self) -> None:
+        self._board = Board()
+        self._failing: dict[int, str] = {}
+
+    def gather(self, sources: Sequence[Source]) -> dict[str, str]:
+        """The texts of what has changed since the last time, by type; an error among them where a source fails now."""
+        changed: dict[str, str] = {}
+        for place, source in enumerate(sources):
+            self._ask(place, source, changed)
+        return changed
+
+    def everything(self) -> dict[str, str]:
+        """What a new page is told, by type."""
+        texts = self._board.texts()
+        for error in self._failing.values():
+            texts["error"] = error
+        return texts
+
+    def _ask(self, place: int, source: Source, changed: dict[str, str]) -> None:
+        try:
+            for message in source():
+                changed.update(self._board.refresh([message]))
+        except Exception as error:
+            if place not in self._failing:
+                self._failing[place] = changed["error"] = encode(failure(error))
+        else:
+            self._failing.pop(place, None)

@@ -1,0 +1,116 @@
+"""Work that would hold up the pages, done in threads: one per kind of work, where the latest job wins."""
+
+from __future__ import annotations
+
+import threading
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Any
+
+from ...support.errors import TwistarmError
+
+Progress = Callable[[float], None]
+
+Deliver = Callable[[Callable[[], None]], None]
+"""Has an action done in the loop."""
+
+Tell = Callable[[str, float | None], None]
+"""Says how far the job of a key is, 0 … 1; None: one that said so has ended."""
+
+
+@dataclass(frozen=True)
+class Job:
+    """`work(progress)` runs in the thread of its `key`; `finish(result)` in the loop, where the stage may be changed.
+
+    `progress` takes the fraction done; it raises ReplacedError once a later job of the same key waits. What `work`
+    raises is told to the pages, after `doing`: the kind of work in words, such as `planning the motion`.
+    """
+
+    key: str
+    doing: str
+    work: Callable[[Progress], Any]
+    finish: Callable[[Any], None]
+
+
+class ReplacedError(Exception):
+    """A later job waits, or the viewer closes: nobody wants this one's result."""
+
+
+class Workers:
+    """A thread for each key, begun with its first job. `deliver` and `tell` are called from those threads."""
+
+    def __init__(self, deliver: Deliver, tell: Tell) -> None:
+        self._deliver, self._tell = deliver, tell
+        self._workers: dict[str, _Worker] = {}
+
+    def submit(self, job: Job) -> None:
+        """Do `job` as soon as what its thread is at lets it; one that waits there is dropped. Returns at once."""
+        if job.key not in self._workers:
+            self._workers[job.key] = _Worker(job.key, self._deliver, self._tell)
+        self._workers[job.key].submit(job)
+
+    def stop(self, timeout: float) -> None:
+        """Let every thread end, at its next word of progress or with its job; `timeout` [s] is waited for each."""
+        workers = list(self._workers.values())
+        for worker in workers:
+            worker.stop()
+        for worker in workers:
+            worker.thread.join(timeout)
+
+
+class _Worker:
+    def __init__(self, key: str, deliver: Deliver, tell: Tell) -> None:
+        self._key, self._deliver, self._tell = key, deliver, tell
+        self._changed = threading.Condition()
+        self._waiting: Job | None = None
+        self._stopped = False
+        self._told = False
+        self.thread = threading.Thread(target=self._run, name=f"twistarm {key}", daemon=True)
+        self.thread.start()
+
+    def submit(self, job: Job) -> None:
+        with self._changed:
+            self._waiting = job
+            self._changed.notify()
+
+    def stop(self) -> None:
+        with self._changed:
+            self._stopped = True
+            self._changed.notify()
+
+    def _run(self) -> None:
+        while (job := self._next()) is not None:
+            self._do(job)
+
+    def _next(self) -> Job | None:
+        with self._changed:
+            self._changed.wait_for(lambda: self._stopped or self._waiting is not None)
+            job, self._waiting = self._waiting, None
+            return None if self._stopped else job
+
+    def _do(self, job: Job) -> None:
+        try:
+            result = job.work(self._progress)
+        except ReplacedError:
+            return
+        except Exception as error:
+            self._deliver(_raising(job, error))
+        else:
+            self._deliver(lambda: job.finish(result))
+        finally:
+            if self._told:
+                self._tell(self._key, None)
+            self._told = False
+
+    def _progress(self, share: float) -> None:
+        if self._stopped or self._waiting is not None:
+            raise ReplacedError
+        self._told = True
+        self._tell(self._key, share)
+
+
+def _raising(job: Job, error: Exception) -> Callable[[], None]:
+    def fail() -> None:
+        raise TwistarmError(f"{job.doing}: {str(error) or type(error).__name__}") from error
+
+    return fail

@@ -1,0 +1,114 @@
+"""The messages between page and process: one schema, page/schema.json, that both sides check on arrival."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from functools import partial
+from typing import Any
+
+from ...support.errors import InputError
+from ...support.path_redaction import without_places
+from ...support.strict_json import counter, decoded, flag, number, numbers, short, text
+from ..page_files import page_text
+
+LARGEST_VALUE = 1e6
+"""Joint values beyond this [rad, m] come from no page and no arm, and would overflow the drawing."""
+
+LONGEST_NAME = 1000
+"""Characters; a description may hold stranger names, but an error must stay readable."""
+
+Check = Callable[[Any, str], Any]
+
+
+@dataclass(frozen=True)
+class Request:
+    """What a page asks for: its kind, the fields of that kind, and the number that its `done` carries back."""
+
+    kind: str
+    fields: Mapping[str, Any]
+    number: int
+
+
+def parse(message: str | bytes) -> Request:
+    """The request in a message of the page: {"type": kind, the fields of that kind in REQUESTS, "number": a counter}.
+
+    Values in rad, m and s. Raises InputError for anything else.
+    """
+    if isinstance(message, bytes):
+        raise InputError("a message is JSON text; got bytes")
+    fields = decoded(message)
+    kind = fields.pop("type", None)
+    if not isinstance(kind, str) or kind not in REQUESTS:
+        raise InputError(f"unknown message type {short(kind)}; one of {', '.join(REQUESTS)}")
+    count = counter(fields.pop("number", 0), "number")
+    expected = REQUESTS[kind]
+    if set(fields) != set(expected):
+        raise InputError(f"{kind} needs {', '.join(expected) or 'no fields'}; got {short(sorted(fields))}")
+    return Request(kind, {name: check(fields[name], name) for name, check in expected.items()}, count)
+
+
+def number_of(message: str | bytes) -> int | None:
+    """The number of a message that `parse` refuses, for its `done`: None where it carries none, or cannot be read."""
+    try:
+        fields = json.loads(message)
+        return counter(fields["number"], "number") if isinstance(fields, dict) else None
+    except (ValueError, KeyError, RecursionError):
+        return None
+
+
+def failure(error: Exception) -> dict[str, Any]:
+    """The message that tells of an error."""
+    return {"type": "error", "message": without_places(str(error)) or type(error).__name__}
+
+
+def _name(value: Any, name: str) -> str:
+    given = text(value, name)
+    if len(given) > LONGEST_NAME:
+        raise InputError(f"{name} must have at most {LONGEST_NAME} characters; got {len(given)}")
+    return given
+
+
+def _one_of(words: tuple[str, ...], value: Any, name: str) -> str:
+    if value not in words:
+        raise InputError(f"{name} must be one of {', '.join(words)}; got {short(value)}")
+    return str(value)
+
+
+def _list_of(check: Check, value: Any, name: str) -> list[Any]:
+    if not isinstance(value, list):
+        raise InputError(f"{name} must be a list; got {short(value)}")
+    return [check(each, f"{name}[{k}]") for k, each in enumerate(value)]
+
+
+def _pose(value: Any, name: str) -> dict[str, Any]:
+    if not isinstance(value, dict) or set(value) != {"name", "theta"}:
+        raise InputError(f"{name} must have name and theta; got {short(value)}")
+    return {"name": _name(value["name"], f"{name}.name"), "theta": _numbers(value["theta"], f"{name}.theta")}
+
+
+_number = partial(number, largest=LARGEST_VALUE)
+_numbers = partial(numbers, largest=LARGEST_VALUE)
+
+CHECKS: Mapping[str, Check] = {
+    "number": _number,
+    "numbers": _numbers,
+    "point": partial(_numbers, size=3),
+    "quaternion": partial(_numbers, size=4),
+    "count": counter,
+    "flag": flag,
+    "name": _name,
+    "names": partial(_list_of, _name),
+    "poses": partial(_list_of, _pose),
+}
+"""What the words of the schema mean for a request; words with a | between them are a choice."""
+
+
+def _check(word: str) -> Check:
+    return partial(_one_of, tuple(word.split("|"))) if "|" in word else CHECKS[word]
+
+
+SCHEMA: Mapping[str, Mapping[str, Mapping[str, str]]] = json.loads(page_text("schema.json"))
+
+REQUESTS = {kind: {name: _check(word) for name, word in fields.items()} for kind, fields in SCHEMA["requests"].items()}

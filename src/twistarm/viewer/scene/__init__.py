@@ -1,0 +1,1 @@
+"""The scene: what is drawn of an arm, as Meshcat draws it."""

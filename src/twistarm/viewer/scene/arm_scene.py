@@ -1,0 +1,138 @@
+"""What is drawn of an arm: at once what needs no file, then its meshes one after the other."""
+
+from __future__ import annotations
+
+import threading
+from collections.abc import Iterator, Mapping
+from typing import Any
+
+from ...description.meshes import MeshReader
+from ...model.arm import Arm
+from . import drawing
+from .axes import arm_size, draw_rods, draw_screws
+from .links import Drawn, Source, count_meshes, draw_meshes, draw_plain, lost_meshes
+from .nodes import link_path
+
+
+class Scene:
+    """Messages that draw the arm once, in order; the node of each link; what could not be drawn, in words.
+
+    Whatever moves has a node of its own: a configuration is then one matrix per node, {path: (4, 4) by columns}.
+    `objects` only ever grows, by `draw`, whichever thread calls it; the first `plain` of them are no meshes, and one
+    that a later one has replaced is empty. Meshes of more triangles than a screen shows are simplified unless `exact`;
+    `simplified`: whether any was; `reader`: who has read them, and knows their lengths.
+    """
+
+    def __init__(self, arm: Arm, exact: bool = False, known: Mapping[Source, Drawn] | None = None) -> None:
+        """known: meshes that were drawn before, which are not read again."""
+        drawing.require_meshcat()
+        self._known = dict(known or {})
+        self.exact, self.simplified = exact, False
+        self._description, self._size = arm.description, arm_size(arm)
+        self.objects = [*draw_screws(arm), *_frames(self._size)]
+        self.links: dict[str, str] = {}
+        self.notes: tuple[str, ...] = ()
+        self._pieces: dict[str, Drawn] = {}  # by node
+        self._places: dict[str, range] = {}  # in `objects`, of each mesh drawn
+        self._meshes: Iterator[Drawn]
+        self.reader = self._reading = MeshReader()
+        self._turn, self._lock = threading.Lock(), threading.Lock()
+        if arm.description is None:
+            self.objects += draw_rods(arm)
+        else:
+            self.objects += draw_plain(arm.description, self._size)
+            self.links = {name: link_path(name) for name in arm.description.links}
+            self.notes = lost_meshes(arm.description)
+        self.plain = len(self.objects)
+        self._begin()
+
+    def _begin(self) -> None:
+        self.reader.rest()
+        self.left, self._meshes, self.reader = 0, iter(()), MeshReader()
+        if self._description is not None:
+            self.left = count_meshes(self._description)
+            if self.left:
+                self.reader.begin()
+            self._meshes = draw_meshes(self._description, self._size, self.exact, self._known, self.reader)
+
+    def successor(self, arm: Arm) -> Scene:
+        """The scene of another arm, for which no file is read that was drawn here and has not changed since."""
+        return Scene(arm, self.exact, {piece.source: piece for piece in self._pieces.values() if piece.drawn})
+
+    def draw_again(self, exact: bool) -> None:
+        """Begin anew with the meshes, in the place of those drawn, with all their triangles or simplified.
+
+        Returns at once, whatever is being read: what comes of that is dropped.
+        """
+        with self._lock:
+            self.exact = exact
+            self._begin()
+
+    def draw(self) -> bool:
+        """Draw the next mesh; False where none is left."""
+        with self._turn:  # one reads at a time
+            with self._lock:
+                meshes, self._reading = self._meshes, self.reader
+            piece = next(meshes, None)
+            with self._lock:
+                anew = meshes is not self._meshes
+                if anew or piece is None:
+                    self._reading.rest()
+                else:
+                    self._add(piece)
+                return anew or piece is not None
+
+    def _add(self, piece: Drawn) -> None:
+        self._replace(piece)
+        self.simplified = self.simplified or not piece.exact
+        if piece.note and piece.note not in self.notes:
+            self.notes += (piece.note,)
+        self.left -= 1
+
+    def close(self) -> None:
+        """Draw no more mesh; the one that is being read is given up. From any thread."""
+        with self._lock:
+            readers = {self.reader, self._reading}
+        for each in readers:
+            each.close()
+
+    def _replace(self, piece: Drawn) -> None:
+        if piece.node in self._places and not piece.drawn:
+            return  # what was read before is better than nothing
+        for place in self._places.get(piece.node, ()):
+            self.objects[place] = b""
+        self._places[piece.node] = range(len(self.objects), len(self.objects) + len(piece.objects))
+        self._pieces[piece.node] = piece
+        self.objects += piece.objects
+
+    def whole(self) -> Scene:
+        """The same, with every mesh."""
+        more = True
+        while more:
+            more = self.draw()
+        return self
+
+    def message(self) -> dict[str, Any]:
+        """How much there is to draw: objects so far, and meshes that are still to be read; whether all of each."""
+        return {
+            "type": "scene",
+            "objects": sum(map(bool, self.objects)),
+            "left": self.left,
+            "exact": self.exact,
+            "simplified": self.simplified,
+            "notes": list(self.notes),
+        }
+
+
+def build_scene(arm: Arm, exact: bool = False) -> Scene:
+    """Draw `arm`, meshes included: a node per link, a node per screw, and the space and tool frames.
+
+    A mesh that was not found or cannot be read is noted, and a frame and simple shapes stand in for it: those that the
+    link collides with, else a capsule from its origin to each joint that it carries; so in a link with nothing to draw.
+    An arm without a description is drawn as rods between the points of its axes.
+    """
+    return Scene(arm, exact).whole()
+
+
+def _frames(size: float) -> list[bytes]:
+    return [*drawing.triad("/frames/space", 0.16 * size), *drawing.axes("/frames/tool", 0.11 * size)]

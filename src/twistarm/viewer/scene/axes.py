@@ -1,0 +1,83 @@
+"""The joints' screws, drawn as arrows along their axes; and the arm itself as rods from axis to axis."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from ...model.arm import Arm
+from ...support.checks import Array
+from ...theory.screws import to_screw
+from . import drawing
+from .drawing import STICK, Colour
+from .nodes import rod_path, screw_path
+
+KIND_COLOURS: dict[str, Colour] = {
+    "revolute": (0.85, 0.15, 0.58, 1.0),
+    "prismatic": (0.05, 0.60, 0.65, 1.0),
+    "helical": (0.78, 0.57, 0.06, 1.0),
+}
+"""Of a screw without pitch, of infinite pitch (a slide), and of any other; the page's legend repeats them."""
+
+AXIS_HALF = 0.18
+"""Half the arrow along an axis, in sizes of the arm."""
+
+PITCHLESS = 1e-9
+"""A pitch below this share of the arm's size is rounding."""
+
+
+def arm_size(arm: Arm) -> float:
+    """A length [m] to which axes and frames are drawn: the reach, or the tool's distance where nothing turns."""
+    far = max(arm.reach, float(np.linalg.norm(arm.home[:3, 3])))
+    return far if far > 1e-6 else 1.0
+
+
+def anchors(arm: Arm) -> Array:
+    """A point (m, 3) on each moving joint's axis at theta = 0: its joint's origin, or that nearest to the last."""
+    if arm.description is not None:
+        poses = arm.poses(np.zeros(arm.n))
+        moving = (joint for joint in arm.description.chain(arm.base, arm.tip_link) if joint.moving)
+        return np.array([poses[joint.child][:3, 3] for joint in moving])
+    points: list[Array] = []
+    last: Array = np.zeros(3)
+    for xi in arm.screws.T:
+        screw = to_screw(xi)
+        if np.isfinite(screw.pitch):
+            last = screw.point + screw.axis * (screw.axis @ (last - screw.point))
+        points.append(last)
+    return np.array(points)
+
+
+def screw_kinds(arm: Arm) -> list[str]:
+    """`revolute`, `prismatic` or `helical` for each moving joint, by the pitch of its screw."""
+    size = arm_size(arm)
+    pitches = [float(to_screw(xi).pitch) for xi in arm.screws.T]
+    return ["prismatic" if np.isinf(h) else "revolute" if abs(h) < PITCHLESS * size else "helical" for h in pitches]
+
+
+def draw_screws(arm: Arm) -> list[bytes]:
+    """An arrow along each axis, drawn where it lies at theta = 0 and carried by the joint's partial product."""
+    drawn: list[bytes] = []
+    size = arm_size(arm)
+    for i, (xi, anchor, kind) in enumerate(zip(arm.screws.T, anchors(arm), screw_kinds(arm), strict=True)):
+        half = AXIS_HALF * size * to_screw(xi).axis
+        drawn += drawing.arrow(f"{screw_path(i)}/axis", anchor - half, anchor + half, 0.0055 * size, KIND_COLOURS[kind])
+    return drawn
+
+
+def draw_rods(arm: Arm) -> list[bytes]:
+    """Rods from axis to axis at theta = 0, each in the node of the joint that carries it; a rail under each slide."""
+    size = arm_size(arm)
+    points = [np.zeros(3), *anchors(arm), arm.home[:3, 3]]
+    paths = ["/arm/rod:base", *(rod_path(i) for i in range(arm.screws.shape[1]))]
+    drawn: list[bytes] = []
+    for path, start, end in zip(paths, points[:-1], points[1:], strict=True):
+        drawn.append(drawing.sphere(f"{path}/origin", 0.02 * size, STICK, drawing.at(start)))
+        if np.linalg.norm(end - start) > 1e-3 * size:
+            drawn.append(drawing.rod(f"{path}/rod", start, end, 0.012 * size, STICK))
+    lower, upper = (np.clip(arm.coupling.A @ bound, -size, size) for bound in arm.sampling_bounds)
+    for i, kind in enumerate(screw_kinds(arm)):
+        if kind == "prismatic":
+            axis = to_screw(arm.screws[:, i]).axis
+            ends = points[i + 1] + lower[i] * axis, points[i + 1] + upper[i] * axis
+            drawn.append(drawing.rod(f"{paths[i]}/rail", *ends, 0.006 * size, STICK))
+    return drawn

@@ -1,0 +1,176 @@
+"""Objects that Meshcat can draw, as the messages its page understands: primitives, arrows, triads, triangles."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+
+from ...support.checks import Array
+from ...support.errors import missing_extra
+
+Colour = tuple[float, float, float, float]
+
+RED: Colour = (0.86, 0.22, 0.22, 1.0)
+GREEN: Colour = (0.20, 0.65, 0.28, 1.0)
+BLUE: Colour = (0.16, 0.42, 0.90, 1.0)
+STICK: Colour = (0.45, 0.50, 0.58, 1.0)
+
+GHOST = 0.4
+"""Opacity of an arrow where something stands in front of it."""
+
+Y_TO_Z = np.array([[1.0, 0, 0, 0], [0, 0, -1, 0], [0, 1, 0, 0], [0, 0, 0, 1]])
+"""Turns three.js's cylinder, which stands along y, into URDF's, which stands along z."""
+
+
+def require_meshcat() -> None:
+    """Raise the error that names the missing extra where Meshcat is not installed."""
+    try:
+        import meshcat  # noqa: F401
+    except ImportError as error:
+        raise missing_extra("the viewer", "meshcat", "view") from error
+
+
+def set_object(path: str, geometry: Any, colour: Colour, matrix: Array, **material: Any) -> bytes:
+    """The packed message that draws a Meshcat geometry at `path`, posed by `matrix` (4, 4) in its node."""
+    from meshcat.geometry import Mesh, MeshLambertMaterial
+
+    lowered = Mesh(geometry, MeshLambertMaterial(color=_rgb(colour), opacity=colour[3], **material)).lower()
+    return _packed_object(path, lowered, matrix)
+
+
+def nothing(path: str) -> bytes:
+    """The packed message that takes away what is drawn at `path` and below."""
+    return _packed({"type": "delete", "path": path})
+
+
+def at(point: Array) -> Array:
+    """The pose (4, 4) at a point (3,), not turned."""
+    g = np.eye(4)
+    g[:3, 3] = point
+    return g
+
+
+def columns(matrix: Array) -> list[float]:
+    """The sixteen numbers of a (4, 4) matrix column by column, as three.js wants them."""
+    numbers: list[float] = matrix.T.ravel().tolist()
+    return numbers
+
+
+def box(path: str, size: Sequence[float], colour: Colour, matrix: Array) -> bytes:
+    """A box (x, y, z) [m] around the origin."""
+    from meshcat.geometry import Box
+
+    return set_object(path, Box([float(edge) for edge in size]), colour, matrix)
+
+
+def sphere(path: str, radius: float, colour: Colour, matrix: Array) -> bytes:
+    """A sphere [m] around the origin."""
+    from meshcat.geometry import Sphere
+
+    return set_object(path, Sphere(float(radius)), colour, matrix)
+
+
+def cylinder(
+    path: str,
+    radius: float,
+    length: float,
+    colour: Colour,
+    matrix: Array,
+    top: float | None = None,
+    **material: Any,
+) -> bytes:
+    """A cylinder [m] along z around the origin; with `top`, a cone whose upper radius that is."""
+    from meshcat.geometry import Cylinder
+
+    upper = radius if top is None else top
+    shape = Cylinder(float(length), radiusTop=float(upper), radiusBottom=float(radius))
+    return set_object(path, shape, colour, matrix @ Y_TO_Z, **material)
+
+
+def triangles(path: str, vertices: Array, normals: Array, faces: Any, colour: Colour, matrix: Array) -> bytes:
+    """Triangles with vertices (N, 3), unit normals (N, 3) and faces (F, 3) of indices."""
+    from meshcat.geometry import Mesh, MeshLambertMaterial, TriangularMeshGeometry, pack_numpy_array
+
+    material = MeshLambertMaterial(color=_rgb(colour), opacity=colour[3])
+    lowered = Mesh(TriangularMeshGeometry(vertices, faces), material).lower()
+    attributes = lowered["geometries"][0]["data"]["attributes"]
+    attributes["normal"] = pack_numpy_array(np.asarray(normals, dtype=np.float32).T)
+    return _packed_object(path, lowered, matrix)
+
+
+def rod(path: str, start: Array, end: Array, radius: float, colour: Colour, **material: Any) -> bytes:
+    """A thin cylinder from `start` (3,) to `end` (3,)."""
+    return cylinder(path, radius, float(np.linalg.norm(end - start)), colour, _along(start, end, 0.5), **material)
+
+
+def arrow(path: str, start: Array, end: Array, radius: float, colour: Colour) -> list[bytes]:
+    """An arrow from `start` to `end` [m]; what lies in front of it lets it shine through."""
+    head = 6.0 * radius
+    neck, tip = _along(start, end, 1.0, -head)[:3, 3], _along(start, end, 1.0, -0.5 * head)
+    drawn: list[bytes] = []
+    for layer, tint, material in _shining(colour):
+        drawn.append(rod(f"{path}/{layer}-shaft", start, neck, radius, tint, **material))
+        drawn.append(cylinder(f"{path}/{layer}-head", 2.6 * radius, head, tint, tip, top=0.0, **material))
+    return drawn
+
+
+def _shining(colour: Colour) -> list[tuple[str, Colour, dict[str, Any]]]:
+    """The two layers of what is seen through all that lies in front of it: name, colour, material."""
+    red, green, blue, _ = colour
+    glow = {"emissive": _rgb((0.25 * red, 0.25 * green, 0.25 * blue, 1.0))}
+    return [
+        ("solid", (red, green, blue, 1.0), glow),
+        ("ghost", (red, green, blue, GHOST), {**glow, "depthTest": False}),
+    ]
+
+
+def triad(path: str, length: float) -> list[bytes]:
+    """A frame: x red, y green, z blue, each an arrow of `length` [m]."""
+    origin, axes = np.zeros(3), length * np.eye(3)
+    named = zip("xyz", axes, (RED, GREEN, BLUE), strict=True)
+    drawn: list[bytes] = []
+    for name, end, colour in named:
+        drawn += arrow(f"{path}/{name}", origin, end, 0.025 * length, colour)
+    return drawn
+
+
+def axes(path: str, length: float) -> list[bytes]:
+    """A frame as three thin rods, without heads: unlike what can be taken hold of, and what lies in front shows it."""
+    named = zip("xyz", length * np.eye(3), (RED, GREEN, BLUE), strict=True)
+    return [
+        rod(f"{path}/{name}/{layer}", np.zeros(3), end, 0.02 * length, tint, **material)
+        for name, end, colour in named
+        for layer, tint, material in _shining(colour)
+    ]
+
+
+def _along(start: Array, end: Array, fraction: float, shift: float = 0.0) -> Array:
+    """The pose at `fraction` of the way, `shift` [m] farther on, whose z points from `start` to `end`."""
+    z = (end - start) / np.linalg.norm(end - start)
+    across = np.eye(3)[int(np.argmin(np.abs(z)))]
+    x = np.cross(across, z)
+    x /= np.linalg.norm(x)
+    g = np.eye(4)
+    g[:3, :3] = np.column_stack([x, np.cross(z, x), z])
+    g[:3, 3] = start + fraction * (end - start) + shift * z
+    return g
+
+
+def _rgb(colour: Colour) -> int:
+    red, green, blue = (min(255, max(0, math.floor(256 * part))) for part in colour[:3])
+    return (red << 16) + (green << 8) + blue
+
+
+def _packed_object(path: str, lowered: dict[str, Any], matrix: Array) -> bytes:
+    lowered["object"]["matrix"] = columns(matrix)
+    return _packed({"type": "set_object", "path": path, "object": lowered})
+
+
+def _packed(message: dict[str, Any]) -> bytes:
+    import umsgpack
+
+    data: bytes = umsgpack.packb(message)
+    return data

@@ -1,0 +1,19 @@
+"""The arm as it would have to stand to meet a target that its limits forbid: drawn faintly beside the nearest one."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+from ...ik import IKSolution
+from .placement import Placement
+
+
+def ghost(solution: IKSolution, others: Mapping[str, float]) -> dict[str, list[float]] | None:
+    """Where each link stands, {node: matrix by columns}, with limits left aside; None where they are not the reason.
+
+    A target that is met needs none, and one out of reach has no configuration to be drawn at, whatever the limits.
+    """
+    if solution.unlimited is None:
+        return None
+    transforms = Placement(solution.arm).at(solution.unlimited, others)["transforms"]
+    return {path: matrix for path, matrix in transforms.items() if path.startswith("/arm/")}

@@ -1,0 +1,196 @@
+"""The links of a description, drawn: primitives at once, then mesh after mesh, with simple shapes until they come."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from math import ceil, inf
+from pathlib import Path
+
+import numpy as np
+
+from ...description.meshes import LIGHTER, REMEDY, MeshReader, Part, UnreadableMeshError
+from ...description.tree import Description, Geometry, Link
+from ...support.errors import TwistarmError, listed, one_line
+from ...support.files import stamp
+from . import drawing
+from .nodes import link_path
+from .shapes import PLAIN, lost_frame, shape, stand_in, stand_in_path
+
+TRIANGLES = 80_000
+"""Of all meshes of an arm together: a screen has some 200,000 pixels for it, and a processor draws these in 0.1 s."""
+
+FEWEST = 500
+"""Of one mesh: so that a bolt beside a heavy base is still a bolt."""
+
+MOST_TRIANGLES, MOST_OBJECTS = 5_000_000, 20_000
+"""Of all that is drawn, with all triangles of the files: a browser's memory has an end."""
+
+
+Source = tuple[object, ...]
+"""What a drawn mesh hangs on: of equal sources, the messages are equal."""
+
+
+@dataclass(frozen=True)
+class Drawn:
+    """What the mesh at `node` came to: messages that draw it or what stands in for it, and why it could not be read.
+
+    `drawn`: it could be read; `exact`: more triangles than these its file does not have; `source`: what it was made of.
+    """
+
+    node: str
+    objects: tuple[bytes, ...]
+    note: str
+    drawn: bool
+    exact: bool
+    source: Source
+
+
+def draw_plain(description: Description, size: float) -> list[bytes]:
+    """Every link in a node of its own, as far as that needs no file, with simple shapes in place of its meshes.
+
+    `size` [m] scales what stands in.
+    """
+    return [part for link in description.links.values() for part in _plain(description, link, size)]
+
+
+def count_meshes(description: Description) -> int:
+    """How many times `draw_meshes` yields."""
+    return sum(len(_found(link)) for link in description.links.values())
+
+
+def lost_meshes(description: Description) -> tuple[str, ...]:
+    """The meshes that were not found, in words."""
+    visuals = [(link.name, visual) for link in description.links.values() for visual in link.visuals]
+    lost = [name for name, visual in visuals if visual.shape == "mesh" and visual.mesh is None]
+    return (f"drawn as simple shapes, the mesh was not found: {listed(dict.fromkeys(lost))}",) if lost else ()
+
+
+def draw_meshes(
+    description: Description, size: float, exact: bool, known: Mapping[Source, Drawn], reader: MeshReader
+) -> Iterator[Drawn]:
+    """Every mesh in its link's node, one after the other; a file is read once, and its fault told once.
+
+    What is `known`, drawn before from the same source, is not read at all.
+
+    Unless `exact`, an arm of more than TRIANGLES is simplified to about so many, each file to its share of the bytes.
+    """
+    most = {} if exact else _shares(description)
+    read: dict[Path, list[Part] | str] = {}
+    told, room = {""}, _Room()
+    for link in description.links.values():
+        undrawn = _stands_in(link)
+        found = _found(link)
+        for k, (node, visual, path) in enumerate(found, 1):
+            source = _source(node, visual, path, most.get(path, inf), k == len(found))
+            if source in known:
+                undrawn = False
+                yield known[source]
+                continue
+            if path not in read:
+                read[path] = _parts_or_reason(reader, path, most.get(path, inf))
+            parts = read[path]
+            objects, note = _mesh_or_reason(node, visual, path, parts, room)
+            drawn = bool(objects)
+            undrawn = undrawn and not drawn
+            if k == len(found) and _stands_in(link):
+                objects += lost_frame(link, size) if undrawn else [drawing.nothing(stand_in_path(link))]
+            yield Drawn(node, tuple(objects), "" if note in told else note, drawn, _all_exact(parts), source)
+            told.add(note)
+
+
+def _source(node: str, visual: Geometry, path: Path, most: float, last: bool) -> Source:
+    return node, path, stamp(path), most, visual.origin.tobytes(), visual.size, visual.colour, last
+
+
+def _found(link: Link) -> list[tuple[str, Geometry, Path]]:
+    """The link's meshes that were found: node, visual, file."""
+    path = link_path(link.name)
+    return [(f"{path}/visual{i}", visual, visual.mesh) for i, visual in enumerate(link.visuals) if visual.mesh]
+
+
+def _stands_in(link: Link) -> bool:
+    """Whether there is nothing to draw of a link but its meshes."""
+    return all(visual.shape == "mesh" for visual in link.visuals)
+
+
+def _shares(description: Description) -> Mapping[Path, int]:
+    """How many triangles each file may have, by its size: every time it is drawn counts."""
+    files = [path for link in description.links.values() for _, _, path in _found(link)]
+    sizes = {path: _bytes(path) for path in files}
+    whole = max(sum(sizes[path] for path in files), 1)
+    return {path: max(ceil(TRIANGLES * size / whole), FEWEST) for path, size in sizes.items()}
+
+
+def _bytes(path: Path) -> int:
+    try:
+        return path.stat().st_size
+    except OSError:  # which reading it will tell
+        return 0
+
+
+def _parts_or_reason(reader: MeshReader, path: Path, most: float) -> list[Part] | str:
+    try:
+        return reader.parts(path, most)
+    except Exception as error:  # whatever ails one mesh, the others are drawn
+        return str(error) if isinstance(error, TwistarmError) else _reason(path, error)
+
+
+def _all_exact(parts: list[Part] | str) -> bool:
+    return isinstance(parts, str) or all(part.exact for part in parts)
+
+
+class _Room:
+    """How much may still be drawn."""
+
+    def __init__(self) -> None:
+        self._triangles, self._objects = MOST_TRIANGLES, MOST_OBJECTS
+
+    def take(self, path: Path, parts: Sequence[Part]) -> None:
+        """UnreadableMeshError where there is no room for `parts`."""
+        triangles, objects = self._triangles - sum(len(part.faces) for part in parts), self._objects - len(parts)
+        if triangles < 0 or objects < 0:
+            most = f"{MOST_TRIANGLES:,} triangles and {MOST_OBJECTS:,} parts"
+            raise UnreadableMeshError(path, f"with it the arm would have more than {most}", LIGHTER)
+        self._triangles, self._objects = triangles, objects
+
+
+def _mesh_or_reason(
+    node: str, visual: Geometry, path: Path, parts: list[Part] | str, room: _Room
+) -> tuple[list[bytes], str]:
+    if isinstance(parts, str):
+        return [], parts
+    try:
+        room.take(path, parts)
+        return _mesh(node, visual, parts), ""
+    except TwistarmError as error:
+        return [], str(error)
+    except Exception as error:
+        return [], _reason(path, error)
+
+
+def _reason(path: Path, error: Exception) -> str:
+    return one_line(f"cannot draw mesh {path.name}: {str(error) or type(error).__name__}; {REMEDY}")
+
+
+def _plain(description: Description, link: Link, size: float) -> list[bytes]:
+    path = link_path(link.name)
+    drawn = [
+        part
+        for i, visual in enumerate(link.visuals)
+        for part in shape(f"{path}/visual{i}", visual, visual.colour or PLAIN)
+    ]
+    if not _stands_in(link):
+        return drawn
+    lost = link.visuals and not _found(link)
+    return [*stand_in(description, link, size), *(lost_frame(link, size) if lost else [])]
+
+
+def _mesh(path: str, visual: Geometry, parts: Sequence[Part]) -> list[bytes]:
+    matrix = visual.origin @ np.diag([*visual.size, 1.0])
+    # A file's own materials come first, as in RViz: descriptions give coloured meshes a placeholder colour.
+    colours = [part.colour or visual.colour or PLAIN for part in parts]
+    return [
+        drawing.triangles(f"{path}/part{i}", part.vertices, part.normals, part.faces, colour, matrix)
+        for i, (part, colour) in enumerate(zip(parts, colours, strict=True))
+    ]

@@ -1,0 +1,83 @@
+"""Where everything that moves stands at a configuration: one matrix per node of the scene."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from itertools import accumulate
+from math import atan2, cos, hypot, sin
+from typing import Any
+
+import numpy as np
+
+from ...model.arm import Arm
+from ...support.checks import Array
+from ...theory.rotations import GIMBAL_LOCK_TOL
+from ...theory.screws import exp, inverse
+from .nodes import link_path, rod_path, screw_path
+
+
+class Placement:
+    """What the frames of one arm have in common, computed once: the names of the nodes, and its links at rest."""
+
+    def __init__(self, arm: Arm) -> None:
+        self.arm = arm
+        self._links = () if arm.description is None else tuple(arm.description.links)
+        m = arm.screws.shape[1]
+        rods = [rod_path(i) for i in range(m)] if arm.description is None else []
+        self._paths = [*map(link_path, self._links), *map(screw_path, range(m)), *rods, "/frames/tool"]
+        self._placed: tuple[Array | None, Mapping[str, float], dict[str, Any]] = (None, {}, {})
+        self._children, self._at_rest = _moving_links(arm)
+
+    def at(self, theta: Array, others: Mapping[str, float]) -> dict[str, Any]:
+        """Joint values [rad, m], the matrix of every moving node by columns, and the tool's position [m] and rpy [rad].
+
+        Links and tool stand where `arm.poses` has them, exactly. The same objects as the last time get the same answer.
+        """
+        last_theta, last_others, placed = self._placed
+        if theta is not last_theta or others is not last_others:
+            placed = self._place(theta, others)
+            self._placed = (theta, others, placed)
+        return placed
+
+    def _place(self, theta: Array, others: Mapping[str, float]) -> dict[str, Any]:
+        poses = self.arm.poses(theta, others)
+        g_st = poses[self.arm.tip]
+        carried = self.carried(theta, poses)
+        rods = carried if self.arm.description is None else carried[:0]
+        stacked = np.array([*(poses[name] for name in self._links), *carried, *rods, g_st])
+        columns = stacked.transpose(0, 2, 1).reshape(-1, 16).tolist()
+        return {
+            "theta": theta.tolist(),
+            "others": dict(others),
+            "transforms": dict(zip(self._paths, columns, strict=True)),
+            "tool": {"position": g_st[:3, 3].tolist(), "rpy": rpy(g_st)},
+        }
+
+    def carried(self, theta: Array, poses: Mapping[str, Array]) -> Array:
+        """What the joints up to i do to space, (m, 4, 4): Π_{j≤i} exp(ξ_j (A θ)_j) for every moving joint i (MLS §3.2).
+
+        A joint's link shows it: its pose g_i is that product times g_i(0). Without links the product is taken itself.
+        """
+        if self._children:
+            moved: Array = np.array([poses[name] for name in self._children]) @ self._at_rest
+            return moved
+        steps = exp(self.arm.screws.T, self.arm.coupling.A @ theta)
+        return np.array(list(accumulate(steps, np.matmul)))
+
+
+def _moving_links(arm: Arm) -> tuple[list[str], Array]:
+    """What link each moving joint of the chain carries, and its g_i(0)⁻¹, (m, 4, 4); none without a description."""
+    if arm.description is None:
+        return [], np.empty((0, 4, 4))
+    children = [joint.child for joint in arm.description.chain(arm.base, arm.tip_link) if joint.moving]
+    rest = arm.poses(np.zeros(arm.n))
+    return children, inverse(np.array([rest[name] for name in children]))
+
+
+def rpy(g: Array) -> list[float]:
+    """`rotations.to_rpy` of one pose (4, 4) without its checks, which would be a tenth of a frame's time."""
+    (r00, r01, r02, _), (r10, r11, r12, _), (r20, _, _, _), _ = g.tolist()
+    radius = hypot(r00, r10)
+    yaw = 0.0 if radius <= GIMBAL_LOCK_TOL else atan2(r10, r00)
+    c, s = cos(yaw), sin(yaw)
+    return [atan2(s * r02 - c * r12, c * r11 - s * r01), atan2(-r20, radius), yaw]

@@ -1,0 +1,1 @@
+"""The web server of the view: sockets, who gets in, routes and downloads."""

@@ -1,0 +1,61 @@
+"""Files that a page can have: made of what is on show when it asks, in a thread."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from functools import partial
+from typing import TYPE_CHECKING
+
+from ...planning.trajectory import Trajectory
+from ...planning.trajectory_files import csv_text, json_text
+from ...support.errors import InputError
+from ..files.page_export import stand_alone
+from ..files.scene_snapshot import on_show
+
+if TYPE_CHECKING:
+    from ..scene.arm_scene import Scene
+    from ..stage import Stage
+
+SAMPLE_TIME = 0.01
+"""Between two rows of an export [s]."""
+
+MOST_SAMPLES = 20_000
+"""A longer motion is exported more coarsely: some megabytes for seven joints."""
+
+
+@dataclass(frozen=True)
+class Download:
+    """A file by its content type and what its name has after the arm's.
+
+    `prepare(stage, scene)` is called in the loop and takes from the stage what is needed; what it returns is called
+    in a thread, gives the text, and must not touch the stage. InputError of either says why there is no such file now.
+    """
+
+    content_type: str
+    ending: str
+    prepare: Callable[[Stage, Scene], Callable[[], str]]
+
+    def file_name(self, arm: str) -> str:
+        """The name to save it by, in letters that every system and header takes."""
+        return re.sub(r"[^A-Za-z0-9._-]", "_", arm)[:100] + self.ending
+
+
+def _motion(write: Callable[[Trajectory, float], str], stage: Stage, scene: Scene) -> Callable[[], str]:
+    at = stage.player.playback
+    if at is None:
+        raise InputError("nothing to export: no trajectory is loaded")
+    return partial(write, at.trajectory, max(SAMPLE_TIME, at.duration / MOST_SAMPLES))
+
+
+def _page(stage: Stage, scene: Scene) -> Callable[[], str]:
+    return partial(stand_alone, on_show(stage, scene))
+
+
+DOWNLOADS: Mapping[str, Download] = {
+    "arm.html": Download("text/html; charset=utf-8", ".html", _page),
+    "motion.csv": Download("text/csv; charset=utf-8", "_motion.csv", partial(_motion, csv_text)),
+    "motion.json": Download("application/json", "_motion.json", partial(_motion, json_text)),
+}
+"""By the name under the token."""

@@ -1,0 +1,352 @@
+"""The viewer's web server: one thread with its own event loop, the page under a secret path, a socket per page."""
+
+from __future__ import annotations
+
+import asyncio
+import threading
+import time
+from collections.abc import Callable
+from concurrent.futures import Future, wait
+from contextlib import suppress
+from functools import partial
+from typing import Any, TypeVar
+
+from ...support.errors import InputError, TwistarmError
+from ...support.strict_json import encode
+from ..parts.carrying import carry
+from ..parts.commands import COMMANDS, PageCommands
+from ..parts.driver import Driver
+from ..parts.findings import Examination
+from ..protocol.change_publisher import News, Source
+from ..protocol.jobs import Job, Progress, Workers
+from ..protocol.message_cache import Message
+from ..protocol.messages import Request, failure, number_of, parse
+from ..scene.arm_scene import Scene
+from ..stage import Stage
+from .complaints import Complaints
+from .door import Door
+from .guard import Guard
+from .handlers import SocketHandler
+from .invitations import Invitations
+from .listening import bind
+from .memory import Memory
+from .routes import application
+
+FRAME_TIME = 1.0 / 60.0
+START_TIME = 10.0
+STOP_TIME = 5.0
+PATIENCE = 0.1
+
+Change = Callable[[Stage], None]
+Answer = TypeVar("Answer")
+
+
+class Server:
+    """Serves a stage to any number of pages; what other threads may call stands first."""
+
+    def __init__(
+        self, stage: Stage, scene: Scene, host: str, port: int, memory: Memory | None = None, stands: bool = False
+    ) -> None:
+        """memory: what is kept at this address, of which theta is not taken where the stage `stands` as it shall."""
+        self.commands = PageCommands(stage.arm)
+        self.clients: dict[SocketHandler, None] = {}
+        self._sockets = bind(host, port)
+        self.port = int(self._sockets[0].getsockname()[1])
+        # Whoever has the port is the only one to use its files.
+        self.guard = Guard(host) if memory is None else Guard(host, memory.token())
+        self.invitations = Invitations()
+        self.complaints = Complaints(f"the view at port {self.port}")
+        self.memory = memory
+        if memory is not None:
+            memory.recall(stage, stands)
+        self._kept = stage.program.list.poses
+        self.notice: Message = {"type": "notice", "words": "; ".join(memory.notes) if memory else "", "wrong": False}
+        self._lock = threading.Lock()
+        self._changes: dict[str, Change] = {}
+        self._applied = 0.0
+        self._pages = 0
+        self._jobs: dict[str, float] = {}
+        self._take(stage, scene)
+        self.writing = asyncio.Lock()
+        self._workers = Workers(self._deliver, self._show_job)
+        self._player: asyncio.Task[None] | None = None
+        self._thread = threading.Thread(target=lambda: asyncio.run(self._main()), name="twistarm viewer", daemon=True)
+        self._started = threading.Event()
+
+    def _take(self, stage: Stage, scene: Scene) -> None:
+        """Make this the arm on show: whatever is made for one arm is made here."""
+        self.stage, self.scene = stage, scene
+        self.commands.arm = stage.arm
+        self.show_choice()
+        self.driver = Driver(stage, self.commands, self.post)
+        self.doctor = Examination(stage.arm, scene.reader, lambda message: self._show_findings(stage, message))
+        self._news = News()
+
+    def start(self) -> None:
+        """Return once pages are served."""
+        self._thread.start()
+        if not self._started.wait(START_TIME):
+            raise InputError(f"the viewer's server did not start within {START_TIME:g} s")
+        self._draw_meshes()
+
+    def stop(self) -> None:
+        """Close every page's socket and the port, and end the thread. Harmless when repeated."""
+        self.driver.close(STOP_TIME)
+        if self._thread.is_alive():
+            with suppress(RuntimeError):  # the loop may have been closed meanwhile, by another thread's stop
+                self._loop.call_soon_threadsafe(self._stop.set)
+            self._thread.join(STOP_TIME)
+        self.scene.close()
+        self._workers.stop(STOP_TIME)
+        self.doctor.join(STOP_TIME)
+        if self.memory is not None:
+            self.memory.keep(self.stage)
+
+    def post(self, key: str, change: Change) -> None:
+        """Let the loop apply `change`, at most once in FRAME_TIME; one that waits under the same key is replaced.
+
+        Whoever posts at any rate pays for a frame 60 times a second, and else for a lock.
+        """
+        with self._lock:
+            first = not self._changes
+            self._changes.pop(key, None)
+            self._changes[key] = change
+        if first and self._thread.is_alive():
+            with suppress(RuntimeError):  # the loop may have been closed meanwhile
+                self._loop.call_soon_threadsafe(self._apply_in_time)
+
+    def exchange(self, stage: Stage, scene: Scene) -> list[str]:
+        """Show another arm; what `carry` says of it. Raises InputError while a servo drives, and once closed."""
+        if not self._thread.is_alive():
+            raise InputError("the viewer was closed: there is nothing to show an arm in")
+        return self.ask(lambda shown: self._exchange(stage, scene))
+
+    def notify(self, words: str, wrong: bool = False) -> None:
+        """Have the pages say this until there is something else to say; `wrong`: it wants mending."""
+        notice = {"type": "notice", "words": words, "wrong": wrong}
+        self.post("notice", lambda stage: setattr(self, "notice", notice))
+
+    def _draw_meshes(self) -> None:
+        """Read them while pages are served already; each word of progress has the pages told of what there is."""
+        scene, count = self.scene, self.scene.left
+
+        def draw(progress: Progress) -> None:
+            while scene.draw():
+                progress(max(0.0, 1.0 - scene.left / count))
+
+        if count:
+            self._workers.submit(Job("scene", "reading the meshes", draw, lambda result: None))
+
+    def _show_findings(self, examined: Stage, message: dict[str, Any]) -> None:
+        self.post("findings", lambda stage: setattr(examined, "findings", message))
+
+    def _deliver(self, action: Callable[[], None]) -> None:
+        """Do `action` in the loop at once, then tell the pages: the end of a job."""
+        with suppress(RuntimeError):  # the loop may have been closed meanwhile
+            self._loop.call_soon_threadsafe(self._finish, action)
+
+    def _show_job(self, key: str, share: float | None) -> None:
+        self.post(f"job {key}", lambda stage: self._note_job(key, share))
+
+    def ask(self, question: Callable[[Stage], Answer]) -> Answer:
+        """What `question` says of the stage once every change posted so far is applied; of a closed view, as it stands.
+
+        Raises TwistarmError where the loop is held up for longer than STOP_TIME.
+        """
+        future: Future[Answer] = Future()
+        with suppress(RuntimeError):  # the loop may have been closed, which is seen below
+            self._loop.call_soon_threadsafe(self._answer, question, future)
+        end = time.monotonic() + STOP_TIME
+        while self._thread.is_alive() and not wait([future], PATIENCE).done:
+            if time.monotonic() > end:
+                raise TwistarmError(f"the viewer did not answer within {STOP_TIME:g} s; it is busy: ask again")
+        return future.result() if future.done() else question(self.stage)
+
+    # everything below runs in the loop ------------------------------------------------------------------
+
+    async def _main(self) -> None:
+        self._loop, self._stop = asyncio.get_running_loop(), asyncio.Event()
+        with self.complaints:
+            self.door = Door(application(self), self.guard, self.invitations, self.complaints)
+            self._consult()
+            self._started.set()
+            await self.door.serve(self._sockets, self._stop)
+            self._consultation.cancel()
+            self._apply()
+            for client in list(self.clients):
+                client.close(1001, "the viewer was closed")
+            await self.door.close()
+
+    def _consult(self) -> None:
+        self._consultation = self._loop.create_task(self.doctor.wait(self._calm))
+
+    def _exchange(self, stage: Stage, scene: Scene) -> list[str]:
+        old = self.stage
+        if old.driven:
+            raise InputError(f"a servo drives {old.arm.name}: another arm is shown once it has ended")
+        words = carry(old, stage)
+        if self.memory is not None and any(pose not in old.left for pose in stage.left):
+            words += self.memory.set_aside(old)
+        self._consultation.cancel()
+        scene.draw_again(self.scene.exact)
+        self._take(stage, scene)
+        self._consult()
+        self._draw_meshes()
+        if (job := stage.workspace.switched("workspace", stage)) is not None:
+            self._workers.submit(job)
+        texts = self.state()
+        for client in self.clients:
+            client.begin(texts)
+        self.publish()
+        return words
+
+    def _calm(self) -> bool:
+        return bool(self.clients) and not self.stage.driven and not self.scene.left
+
+    def name_page(self) -> str:
+        """A name for the next page: each is a commander of its own."""
+        self._pages += 1
+        return f"page {self._pages}"
+
+    def greeting(self) -> str:
+        """What a new page needs before anything else."""
+        return encode(self.stage.hello(self.scene.links))
+
+    def state(self) -> dict[str, str]:
+        """The messages that say what is on show, by type; what changed until now, the other pages are told too."""
+        self._tell_news()
+        return self._news.everything()
+
+    def _tell_news(self) -> None:
+        sources: list[Source] = [self._own_messages, *self.stage.sources()]
+        for kind, text in self._news.gather(sources).items():
+            self._tell(kind, text)
+
+    def _own_messages(self) -> list[Message]:
+        jobs = [{"key": key, "share": share} for key, share in self._jobs.items()]
+        return [{"type": "work", "jobs": jobs}, self.scene.message(), self.notice]
+
+    def receive(self, text: str | bytes, sender: str) -> list[dict[str, Any]]:
+        """Do what the page `sender` asks for, tell every page, and return what only the asking one is told.
+
+        A command to the servo changes nothing on show: what comes of it does.
+        """
+        try:
+            request = parse(text)
+        except Exception as error:
+            self.commands.refuse(sender, str(error))
+            number = number_of(text)
+            return [failure(error), *([] if number is None else [_done(number)])]
+        replies: list[dict[str, Any]] = []
+        try:
+            self._do(request, sender)
+        except Exception as error:
+            replies.append(failure(error))
+        return [*replies, _done(request.number)]
+
+    def _do(self, request: Request, sender: str) -> None:
+        if request.kind in COMMANDS:
+            self.commands.take(request, sender)
+            return
+        self._apply()
+        if request.kind == "servo":
+            self.driver.switch(request.fields["on"])
+        elif request.kind == "beyond":
+            self.commands.beyond = request.fields["what"]
+            self.show_choice()
+        elif request.kind == "exact":
+            self._draw_exactly(request.fields["on"])
+        elif (job := self.stage.handle(request, time.monotonic())) is not None:
+            self._workers.submit(job)
+        self.publish()
+
+    def show_choice(self) -> None:
+        """Show what a servo does where the arm cannot follow, and whether pages may choose it."""
+        self.stage.show_choice(self.commands.beyond, self.commands.free)
+
+    def _draw_exactly(self, exact: bool) -> None:
+        if exact != self.scene.exact:
+            self.scene.draw_again(exact)
+            self._draw_meshes()
+
+    def _finish(self, action: Callable[[], None]) -> None:
+        self._try(action)
+        self._try(self.publish)
+
+    def _note_job(self, key: str, share: float | None) -> None:
+        if share is None:
+            self._jobs.pop(key, None)
+        else:
+            self._jobs[key] = share
+
+    def leave(self, sender: str) -> None:
+        """A page has gone; after the last one nobody is left to switch Drive off, or to read the numbers."""
+        self.commands.refuse(sender, "its page has gone")
+        if not self.clients:
+            self.driver.stop()
+            self.stage.unwatch()
+
+    def publish(self) -> None:
+        """Tell every page what changed since the last time, and keep what moves moving."""
+        if self.clients:
+            self._tell_news()
+        self._keep_poses()
+        if self.stage.moving and (self._player is None or self._player.done()):
+            self._player = self._loop.create_task(self._play())
+
+    def _keep_poses(self) -> None:
+        """Have the list written where it is kept and is another than before."""
+        stage, memory = self.stage, self.memory
+        if memory is not None and stage.program.list.poses is not self._kept:
+            self._kept = stage.program.list.poses
+            work = partial(memory.keep, stage)
+            self._workers.submit(Job("keep", "keeping the poses", lambda progress: work(), lambda result: None))
+
+    def _apply_in_time(self) -> None:
+        wait = self._applied + FRAME_TIME - self._loop.time()
+        if wait > 0:
+            self._loop.call_later(wait, self._apply)
+        else:
+            self._apply()
+
+    def _apply(self) -> None:
+        with self._lock:
+            changes, self._changes = self._changes, {}
+        if not changes:  # a question came before, and had them applied
+            return
+        self._applied = self._loop.time()
+        for change in changes.values():
+            self._try(partial(change, self.stage))
+        self._try(self.publish)
+
+    def current(self) -> Stage:
+        """The stage once every change posted so far is applied."""
+        self._apply()
+        return self.stage
+
+    def _answer(self, question: Callable[[Stage], Answer], future: Future[Answer]) -> None:
+        try:
+            future.set_result(question(self.current()))
+        except Exception as error:
+            future.set_exception(error)
+
+    async def _play(self) -> None:
+        while self.stage.moving:
+            await asyncio.sleep(FRAME_TIME)
+            self._try(lambda: self.stage.advance(time.monotonic()))
+            self._try(self.publish)
+
+    def _try(self, action: Callable[[], None]) -> None:
+        """Whatever goes wrong is shown on the pages, and the server lives on."""
+        try:
+            action()
+        except Exception as error:
+            self._tell("error", encode(failure(error)))
+
+    def _tell(self, kind: str, text: str) -> None:
+        for client in self.clients:
+            client.put(kind, text)
+
+
+def _done(number: int) -> dict[str, Any]:
+    return {"type": "done", "number": number}

@@ -1,0 +1,118 @@
+"""An arm that is loaded again whenever one of its files changes, and shown in place of the one before."""
+
+from __future__ import annotations
+
+import threading
+import time
+from collections.abc import Callable, Iterable
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from ...description.document import noted_files
+from ...model.arm import Arm
+from ...support.closeable import Closing
+from ...support.errors import one_line
+from ...support.files import as_paths, stamp
+from ...support.path_redaction import without_places
+from ..stage import Stage
+
+if TYPE_CHECKING:
+    from .server import Server
+
+PERIOD = 0.25
+"""Between two looks at the files [s]. A look costs a microsecond or two for each file, needs no library, and sees what
+a notification of the system does not: files of network shares, of containers, and those that are not there yet."""
+
+LONGEST_UNREST = 2.0
+"""Seconds after which files that never stop changing are loaded all the same."""
+
+Stamps = dict[Path, tuple[int, ...] | None]
+
+
+def loaded(load: Callable[[], Arm]) -> tuple[Arm, set[Path]]:
+    """What `load` returns, and the files that it read or looked for, meshes included."""
+    with noted_files() as files:
+        arm = load()
+    return arm, files | meshes_of(arm)
+
+
+def meshes_of(arm: Arm) -> set[Path]:
+    """The files of the shapes that are drawn."""
+    links = () if arm.description is None else arm.description.links.values()
+    return {shape.mesh for link in links for shape in link.visuals if shape.mesh is not None}
+
+
+class Watch(Closing):
+    """Has `server` show what `load` returns, again and again as `files` change, until `close`; a context manager.
+
+    The pages are told of each time, and of why the arm cannot be loaded while that is so: the last one that could
+    stays. While a servo drives, nothing is loaded. `say` is told the same words, from another thread.
+    """
+
+    def __init__(
+        self, server: Server, load: Callable[[], Arm], files: Iterable[Path], say: Callable[[str], None]
+    ) -> None:
+        self._server, self._load, self._say = server, load, say
+        self._stamps = stamps(files)
+        self._waiting = False
+        self._closed = threading.Event()
+        self._thread = threading.Thread(target=self._run, name="twistarm watch", daemon=True)
+        self._thread.start()
+
+    def close(self) -> None:
+        """Look no more. What is being loaded is not shown; it is waited for, a second at most."""
+        self._closed.set()
+        self._thread.join(1.0)
+
+    def _run(self) -> None:
+        while not self._closed.wait(PERIOD):
+            if stamps(self._stamps) != self._stamps:
+                self._take(self._settled())
+
+    def _settled(self) -> Stamps:
+        """The files once they stay as they are: an editor may still be writing."""
+        end = time.monotonic() + LONGEST_UNREST
+        before, now = None, stamps(self._stamps)
+        while before != now and time.monotonic() < end and not self._closed.wait(PERIOD):
+            before, now = now, stamps(self._stamps)
+        return now
+
+    def _take(self, now: Stamps) -> None:
+        if self._server.stage.driven:
+            self._wait()
+            return
+        files: set[Path] = set()
+        try:
+            with noted_files() as files:
+                arm = self._load()
+            files |= meshes_of(arm)
+            if not self._closed.is_set():
+                self._tell(
+                    "; ".join(["loaded again", *self._server.exchange(Stage(arm), self._server.scene.successor(arm))]),
+                    wrong=False,
+                )
+        except Exception as error:
+            if self._server.stage.driven:  # since a moment ago
+                self._wait()
+                return
+            self._tell(f"not loaded again: {one_line(str(error) or type(error).__name__)}", wrong=True)
+            files |= set(self._stamps)  # what the arm on show is made of may be what has to be mended
+        self._stamps = {path: now[path] if path in now else stamp(path) for path in files}
+
+    def _wait(self) -> None:
+        """The files are looked at again in a moment."""
+        if not self._waiting:
+            self._tell("the files have changed, and will be loaded once no servo drives", wrong=False)
+            self._waiting = True
+
+    def _tell(self, words: str, wrong: bool) -> None:
+        self._waiting = False
+        if not self._closed.is_set():
+            told = without_places(words, *self._stamps)
+            self._server.notify(f"{time.strftime('%H:%M:%S')} {told}", wrong)
+            self._say(words)
+
+
+def stamps(files: Iterable[Path]) -> Stamps:
+    """The stamp of each file."""
+    return {path: stamp(path) for path in as_paths(files, "files")}
