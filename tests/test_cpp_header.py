@@ -430,7 +430,7 @@ def test_the_folder_of_the_headers() -> None:
 
 
 def test_missing_headers_are_said(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
-    monkeypatch.setattr(cpp_header, "__file__", str(tmp_path / "twistarm" / "cpp_header.py"))
+    monkeypatch.setattr(cpp_header, "__file__", str(tmp_path / "twistarm" / "export" / "cpp_header.py"))
     with pytest.raises(TwistarmError, match="the C\\+\\+ headers are missing in .*include; install twistarm again"):
         core_headers()
 

@@ -114,7 +114,7 @@ def test_processor_time_and_memory_are_limited_by_the_system(tmp_path: Path) -> 
 
 CONFINED = """
 import os, resource, socket, subprocess
-from twistarm.meshes import limits, worker
+from twistarm.description.meshes import limits, worker
 assert worker._prepare() == ""
 worker._Allowance()
 assert resource.getrlimit(resource.RLIMIT_CPU)[0] <= limits.SECONDS + 10.0

@@ -15,7 +15,7 @@ pytestmark = pytest.mark.skipif(sys.platform == "win32", reason="Windows has no 
 
 PROGRAM = """
 import signal, sys
-from twistarm.signals import end_by, ended_like_ctrl_c
+from twistarm.support.interrupts import end_by, ended_like_ctrl_c
 signal.signal(signal.SIGHUP, {hangup})
 with ended_like_ctrl_c() as sent:
     try:

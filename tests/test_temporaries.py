@@ -18,7 +18,7 @@ from twistarm.support.temporaries import LEFT_AFTER, TEMPORARY
 
 KILLED = """
 import os, signal, sys
-from twistarm.files import write_whole
+from twistarm.support.files import write_whole
 os.fsync = lambda descriptor: os.kill(os.getpid(), signal.SIGKILL)
 write_whole(sys.argv[1], "x" * 1000)
 """
