@@ -288,7 +288,7 @@ def test_without_a_compiler_the_installation_is_pure_python(lacking: str, tmp_pa
     # -S: without `site`, because the import hook of an editable installation would answer before any path.
     environment["PYTHONPATH"] = os.pathsep.join([str(target), *filter(None, sys.path)])
     program = (
-        "import twistarm; from twistarm import engine; "
+        "import twistarm; from twistarm.model import engine; "
         "print(twistarm.__file__, engine.core(), twistarm.load_arm('rover_arm').n, engine.why_not())"
     )
     command = [sys.executable, "-S", "-c", program]
