@@ -1,10 +1,10 @@
-# make demo: see it work.  make test: prove it.  Both build .venv first; PYTHON names another interpreter than python3,
-# WORKERS how many processes test at once.
+# make demo: see it work.  make test: prove it.  make docs: the site, in docs/_build.  Each builds .venv first; PYTHON
+# names another interpreter than python3, WORKERS how many processes test at once.
 PYTHON ?= python3
 WORKERS ?= 2
 BIN := .venv/bin
 
-.PHONY: demo test test-all bench lint format clean
+.PHONY: demo test test-all docs bench lint format clean
 
 demo: .venv/base
 	$(BIN)/twistarm demo
@@ -15,6 +15,9 @@ test: .venv/dev
 
 test-all: test
 	$(BIN)/python -m pytest -m slow -s
+
+docs: .venv/dev
+	$(BIN)/python -m sphinx -W --keep-going -q docs docs/_build
 
 bench: .venv/dev
 	$(BIN)/python -m benchmarks $(BENCH)
@@ -33,7 +36,7 @@ format: .venv/dev
 	$(BIN)/ruff format .
 
 clean:
-	rm -rf .venv build dist .pytest_cache .mypy_cache .ruff_cache .hypothesis
+	rm -rf .venv build dist docs/_build .pytest_cache .mypy_cache .ruff_cache .hypothesis
 
 # The stamps say what is installed: the demo needs less than the tests. What is compiled follows its sources.
 CORE := $(shell find core -path core/tests -prune -o -type f -print)

@@ -1,0 +1,76 @@
+"""The site: Sphinx reads the Markdown pages beside this file, the docstrings and the program's own help.
+
+Nothing is fetched, neither while it is built nor by who reads it: equations become MathML, which browsers draw.
+"""
+
+from __future__ import annotations
+
+import os
+import re
+from typing import Any
+
+import typer.main
+from docutils import nodes
+from latex2mathml.converter import convert
+from sphinx.application import Sphinx
+from typer.cli import get_docs_for_click
+
+from twistarm import __version__
+from twistarm.cli.application import app as program
+
+REPOSITORY = "https://github.com/twistarm/twistarm"
+
+project, author, release = "twistarm", "the founders of twistarm", __version__
+copyright = author
+extensions = ["myst_parser", "sphinx.ext.autodoc", "sphinx.ext.napoleon"]
+exclude_patterns = ["_build"]
+html_theme = "furo"
+html_title = "twistarm"
+html_static_path = ["_static"]
+html_css_files = ["site.css"]
+html_math_renderer = "mathml"
+html_theme_options = {"source_repository": REPOSITORY, "source_branch": "main", "source_directory": "docs/"}
+myst_enable_extensions = ["dollarmath", "deflist", "attrs_inline"]
+myst_heading_anchors = 3
+default_role = "code"  # `theta` in a docstring is code, as in Markdown
+autodoc_member_order = "bysource"
+autodoc_typehints = "signature"
+autodoc_preserve_defaults = True
+autodoc_typehints_format = "short"
+python_use_unqualified_type_names = True
+maximum_signature_line_length = 100
+
+
+def visit_math(writer: Any, node: Any) -> None:
+    """An equation within a line, as MathML."""
+    writer.body.append(convert(node.astext()))
+    raise nodes.SkipNode
+
+
+def visit_displayed_math(writer: Any, node: Any) -> None:
+    """An equation on a line of its own, as MathML."""
+    writer.body.append(convert(node.astext(), display="block"))
+    raise nodes.SkipNode
+
+
+def commands() -> str:
+    """Every command of the program with its arguments and options, in Markdown."""
+    command = typer.main.get_command(program)
+    context = command.make_context("twistarm", [], resilient_parsing=True)
+    text = get_docs_for_click(obj=command, ctx=context, name="twistarm")
+    return re.sub(r"\A.*?(?=^## )", "", text, flags=re.S | re.M)
+
+
+def complete(_app: Sphinx, _page: str, source: list[str]) -> None:
+    """A page with the commands in it; what it links to outside of the site lies in the repository."""
+    text = source[0].replace("<!-- commands -->", commands() if "<!-- commands -->" in source[0] else "")
+    source[0] = re.sub(r"\]\((?:\.\./)+([^)#]+)", rf"]({REPOSITORY}/blob/main/\1", text)
+
+
+def setup(app: Sphinx) -> None:
+    """Called by Sphinx."""
+    app.add_html_math_renderer("mathml", (visit_math, None), (visit_displayed_math, None))
+    app.connect("source-read", complete)
+
+
+os.environ["COLUMNS"] = "100"
