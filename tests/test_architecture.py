@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import ast
+import re
 import subprocess
 import sys
 from collections.abc import Iterator
@@ -116,6 +117,22 @@ def test_the_command_line_prints_by_one_door(file: Path) -> None:
         if isinstance(node, ast.Call) and isinstance(node.func, ast.Name):
             assert node.func.id != "print", f"{file.name}:{node.lineno}"
     assert "rich.markup" not in {module for _, module, _ in imports(file)} or file.name == "grid.py"
+
+
+HEADERS = Path(__file__).parents[1] / "core" / "include" / "twistarm"
+
+HEADER_FLOORS = {"numeric": {"numeric"}, "kinematics": {"numeric", "kinematics"}}
+HEADER_FLOORS["ik"] = {*HEADER_FLOORS["kinematics"], "ik"}
+HEADER_FLOORS["servo"] = {*HEADER_FLOORS["kinematics"], "servo"}
+"""The rooms of the C++ core, and those that each of them includes."""
+
+
+@pytest.mark.parametrize("header", sorted(HEADERS.glob("*/*.hpp")), ids=lambda header: header.stem)
+def test_headers_include_one_way(header: Path) -> None:
+    for included in re.findall(r'#include "([^"]+)"', header.read_text("utf-8")):
+        target = (header.parent / included).resolve()
+        assert target.is_file(), included
+        assert target.parent.name in HEADER_FLOORS[header.parent.name], included
 
 
 def test_the_table_names_every_room() -> None:

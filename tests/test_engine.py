@@ -280,7 +280,7 @@ def test_without_a_compiler_the_installation_is_pure_python(lacking: str, tmp_pa
     (wheel,), (source,) = (tmp_path / "dist").glob("*.whl"), (tmp_path / "dist").glob("*.tar.gz")
     with tarfile.open(source) as archive:
         names = {name.partition("/")[2] for name in archive.getnames()}
-    assert {"core/CMakeLists.txt", "core/bindings/module.cpp", "core/include/twistarm/chain.hpp"} <= names
+    assert {"core/CMakeLists.txt", "core/bindings/module.cpp", "core/include/twistarm/kinematics/chain.hpp"} <= names
     assert wheel.name.endswith("-py3-none-any.whl")
     target = tmp_path / "site"
     command = [sys.executable, "-m", "pip", "install", "--quiet", "--no-deps", "--target", str(target), str(wheel)]

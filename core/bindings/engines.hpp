@@ -7,9 +7,9 @@
 
 #include "kernels.hpp"
 
-#include "twistarm/answer.hpp"
-#include "twistarm/batch.hpp"
-#include "twistarm/conversion.hpp"
+#include "twistarm/ik/answer.hpp"
+#include "twistarm/ik/batch.hpp"
+#include "twistarm/kinematics/conversion.hpp"
 
 namespace twistarm {
 inline namespace TWISTARM_INSTRUCTION_SET {

@@ -3,8 +3,8 @@
 
 #include "arrays.hpp"
 
-#include "twistarm/conversion.hpp"
-#include "twistarm/servo.hpp"
+#include "twistarm/kinematics/conversion.hpp"
+#include "twistarm/servo/servo.hpp"
 
 namespace bindings {
 

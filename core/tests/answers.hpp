@@ -2,7 +2,7 @@
 #pragma once
 
 #include "problems.hpp"
-#include "twistarm/answer.hpp"
+#include "twistarm/ik/answer.hpp"
 
 namespace tests {
 using twistarm::answer;

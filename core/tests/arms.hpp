@@ -3,7 +3,7 @@
 
 #include "check.hpp"
 #include "plain.hpp"
-#include "twistarm/conversion.hpp"
+#include "twistarm/kinematics/conversion.hpp"
 
 namespace tests {
 using twistarm::most_joints;

@@ -1,11 +1,11 @@
 // Many targets: judged by plain forward kinematics, independent of each other and of their order, ended when asked to.
-#include "twistarm/batch.hpp"
+#include "twistarm/ik/batch.hpp"
 
 #include <cstring>
 
 #include "problems.hpp"
 #include "sizes.hpp"
-#include "twistarm/race.hpp"
+#include "twistarm/ik/race.hpp"
 
 using namespace twistarm;
 using tests::drawn_arm;

@@ -3,7 +3,7 @@
 
 #include "arms.hpp"
 #include "motions.hpp"
-#include "twistarm/servo.hpp"
+#include "twistarm/servo/servo.hpp"
 
 namespace tests {
 using twistarm::capacity;

@@ -1,5 +1,5 @@
 // Sine, cosine and arc sine against the C library's in long double, in units of the last place.
-#include "twistarm/elementary.hpp"
+#include "twistarm/numeric/elementary.hpp"
 
 #include "check.hpp"
 #include "plain.hpp"

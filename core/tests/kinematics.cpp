@@ -1,5 +1,5 @@
 // Chains of every size: forward kinematics against products of exponentials, Jacobians against finite differences.
-#include "twistarm/kinematics.hpp"
+#include "twistarm/kinematics/kinematics.hpp"
 
 #include "arms.hpp"
 #include "sizes.hpp"

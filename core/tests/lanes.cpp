@@ -1,5 +1,5 @@
 // Packs of numbers: arithmetic, comparisons and bit patterns, lane by lane as one number at a time.
-#include "twistarm/lanes.hpp"
+#include "twistarm/numeric/lanes.hpp"
 
 #include <cmath>
 

@@ -1,5 +1,5 @@
 // Symmetric positive definite systems: what is left when the solution is put back.
-#include "twistarm/ldl.hpp"
+#include "twistarm/numeric/ldl.hpp"
 
 #include "check.hpp"
 #include "plain.hpp"

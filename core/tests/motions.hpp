@@ -3,7 +3,7 @@
 
 #include "check.hpp"
 #include "plain.hpp"
-#include "twistarm/motion_limits.hpp"
+#include "twistarm/kinematics/motion_limits.hpp"
 
 namespace tests {
 constexpr double far = INFINITY;

@@ -6,7 +6,7 @@
 #include <initializer_list>
 #include <limits>
 
-#include "twistarm/target.hpp"
+#include "twistarm/ik/target.hpp"
 
 namespace tests {
 using real = long double;

@@ -2,8 +2,8 @@
 #pragma once
 
 #include "arms.hpp"
-#include "twistarm/ranges.hpp"
-#include "twistarm/searches.hpp"
+#include "twistarm/ik/ranges.hpp"
+#include "twistarm/ik/searches.hpp"
 
 namespace tests {
 using twistarm::capacity;

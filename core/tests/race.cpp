@@ -1,5 +1,5 @@
 // One target: answers judged by plain forward kinematics, who wins a race, calls at the edge of what is allowed.
-#include "twistarm/race.hpp"
+#include "twistarm/ik/race.hpp"
 
 #include <cstring>
 

@@ -1,5 +1,5 @@
 // Ranges: whole turns taken back, bounds, which coordinates are periodic, and the starts spread over them.
-#include "twistarm/ranges.hpp"
+#include "twistarm/ik/ranges.hpp"
 
 #include "arms.hpp"
 

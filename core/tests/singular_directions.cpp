@@ -1,5 +1,5 @@
 // Singular directions: the rows reassembled from them, orthonormal, and the singular values that were put in.
-#include "twistarm/singular_directions.hpp"
+#include "twistarm/kinematics/singular_directions.hpp"
 
 #include "check.hpp"
 #include "plain.hpp"

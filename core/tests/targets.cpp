@@ -1,8 +1,8 @@
 // Targets: how far a pose misses them, and the slope of what a search makes vanish, both by the definitions.
-#include "twistarm/target.hpp"
+#include "twistarm/ik/target.hpp"
 
 #include "arms.hpp"
-#include "twistarm/residual.hpp"
+#include "twistarm/ik/residual.hpp"
 
 using namespace twistarm;
 using tests::drawn_arm;

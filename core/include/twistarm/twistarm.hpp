@@ -1,9 +1,15 @@
-// Kinematics of serial arms: forward kinematics, Jacobians, inverse kinematics, a servo, motors. C++17, no heap, no exceptions.
+// Kinematics of serial arms: forward kinematics, Jacobians, inverse kinematics, a servo, motors. C++17, no heap, no
+// exceptions. A program includes this header alone. Its rooms, each built on those before it:
+//
+//   numeric/      packs of numbers (lanes), elementary functions, small linear systems
+//   kinematics/   chains, frames, forward kinematics and Jacobians, motors, motion limits
+//   ik/           from a target to a configuration, or to the nearest one and the reason
+//   servo/        one step from a command to joint rates
 #pragma once
 
-#include "actuators.hpp"
-#include "answer.hpp"
-#include "batch.hpp"
-#include "conversion.hpp"
-#include "race.hpp"
-#include "servo.hpp"
+#include "ik/answer.hpp"
+#include "ik/batch.hpp"
+#include "ik/race.hpp"
+#include "kinematics/actuators.hpp"
+#include "kinematics/conversion.hpp"
+#include "servo/servo.hpp"

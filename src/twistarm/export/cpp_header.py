@@ -66,8 +66,8 @@ def namespace_of(name: str) -> str:
 def cpp_header(arm: Arm) -> str:
     """The header's text: `chain`, limits, poses, `servo_bounds`, `actuators` of the arm as constants, and `solve_ik`.
 
-    The chain is the compiled core's own: constant transforms between joints that turn about z (core/include/twistarm/
-    chain.hpp), which only the core computes. TwistarmError where there is none.
+    The chain is the compiled core's own: constant transforms between joints that turn about z
+    (core/include/twistarm/kinematics/chain.hpp), which only the core computes. TwistarmError where there is none.
     """
     constants = _constants(arm)
     joints, n = constants["joints"], constants["coordinates"]
@@ -218,7 +218,7 @@ inline constexpr const char* motor_names[motors] = {{{names}}};
 inline constexpr const char* motor_units[motors] = {{{units}}};
 inline constexpr const char* count_units[motors] = {{{counted}}};
 
-/// From joints to motors and to what their drives count, and back (twistarm/actuators.hpp):
+/// From joints to motors and to what their drives count, and back (twistarm/kinematics/actuators.hpp):
 ///
 ///     T motor[motors], counts[motors];
 ///     actuators<T>.to_motor(theta, motor);    // and to_theta; velocity_to_motor, velocity_to_theta
@@ -249,7 +249,7 @@ _TEMPLATE = """\
 //     twistarm::servo_state<double, {namespace}::n> state{{}};  // and state.theta as measured
 //     twistarm::servo_command<double, {namespace}::n> command{{}};
 //     command.kind = twistarm::servo_kind::twist;
-//     command.twist[0] = 0.05;  // m/s along the tool's x; more in twistarm/servo.hpp
+//     command.twist[0] = 0.05;  // m/s along the tool's x; more in twistarm/servo/servo.hpp
 //     twistarm::servo_output<double> out;
 //     auto bounds = {namespace}::servo_bounds<double>;
 //     bounds.stops = true;  // where the arm cannot follow it stops on its course; false: it slides along
@@ -291,7 +291,7 @@ inline constexpr int pose_count = {pose_count};
 inline constexpr const char* pose_names[pose_count] = {{{pose_names}}};
 template <class T> inline constexpr T poses[pose_count][n] = {poses};
 
-/// base · J₁ · L₂ J₂ ⋯ J_m · tip; the members are explained in twistarm/chain.hpp.
+/// base · J₁ · L₂ J₂ ⋯ J_m · tip; the members are explained in twistarm/kinematics/chain.hpp.
 template <class T> inline constexpr twistarm::chain<T, n, m> chain = {{
     n, m, {identity},
     {base_frame},
@@ -305,7 +305,7 @@ inline constexpr const char* row_names[{rows}] = {{{row_names}}};
 
 /// What `servo_step` needs beside the chain: the limits of those rows, unit, ready, length (the reach [m]), below,
 /// damping and stops, which may be true in a copy (Python's `ServoSettings(beyond="stop")`); explained in
-/// twistarm/motion_limits.hpp and resolved_rates.hpp.
+/// twistarm/kinematics/motion_limits.hpp and servo/resolved_rates.hpp.
 template <class T> inline constexpr twistarm::servo_bounds<T, n> servo_bounds = {{
     {{
         {motors}, n,
@@ -333,12 +333,13 @@ template <class T> inline constexpr T tool_axis[3] = {tool_axis};
 /// Inverse kinematics inside the limits: from theta0 (n,), then from random starts of `seed`, settings.searches in all.
 ///
 /// `asked` is what twistarm::pose_target(g), position_target(p), approach_target(p, direction, tool_axis) or
-/// task_target(g, tolerance, base_axes) returns (twistarm/target.hpp). Where its kind is known only when the program
+/// task_target(g, tolerance, base_axes) returns (twistarm/ik/target.hpp). Where its kind is known only when the program
 /// runs, a twistarm::target<T>, the solvers of all four kinds are compiled.
 ///
 /// These are the searches of Python's solve_ik, with the same answer where one of them meets the target; where none
-/// does, the end of the one that came nearest, not converged. twistarm::answer_to (twistarm/answer.hpp) goes on to the
-/// nearest configuration and the reason, and keeps to the branch of theta0, as Python does, for twenty times the code.
+/// does, the end of the one that came nearest, not converged. twistarm::answer_to (twistarm/ik/answer.hpp) goes on to
+/// the nearest configuration and the reason, and keeps to the branch of theta0, as Python does, for twenty times the
+/// code.
 ///
 /// A target or a theta0 that is not finite is not searched for: the answer is theta0, not converged, its errors
 /// infinite, its restarts 0.

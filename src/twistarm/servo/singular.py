@@ -38,8 +38,8 @@ TAKEN = 0.02
 ON_COURSE = 2e-3
 """What singular values count as at least, where the arm keeps to its course."""
 
-FIVE = 5
-"""Joints below which the position alone can be singular, and is looked at first."""
+JOINTS_TO_POINT = 5
+"""Joints that position and point a tool; below, the position alone can be singular, and is looked at first."""
 
 
 Displaced = Callable[[Array], Array]
@@ -103,7 +103,7 @@ def singular(jacobian: Displaced, toward: Array, task: Task, lost: Array, below:
     if much <= 0.0:
         return None
     J, enough = jacobian(np.zeros(len(toward))), max(below, LEFT_BEHIND)
-    of_position = len(toward) < FIVE and smallest_about(J[:3]) < max(below, 2.0 / PRECEDENCE)
+    of_position = len(toward) < JOINTS_TO_POINT and smallest_about(J[:3]) < max(below, 2.0 / PRECEDENCE)
     if not of_position and smallest_about(J) >= enough:
         return None
     sigma, U, V = _decomposed(J, 3 if of_position else 6, lambda: jacobian(BESIDE * toward))

@@ -12,7 +12,7 @@ from ...model.inability import NO_MOTION
 from ...model.usual_limits import usually_limited
 from ...servo import ServoSettings
 from ...servo.bounds import bounds_of
-from ...servo.singular import FIVE
+from ...servo.singular import JOINTS_TO_POINT
 from ...support.checks import Array
 from ...theory.manipulability import scaled_jacobian
 from ..protocol.message_cache import Message
@@ -127,7 +127,7 @@ class Measure:
         g, J = self.arm.fk_and_body_jacobian(theta)
         R = np.kron(np.eye(2), g[:3, :3])
         rows = scaled_jacobian(R @ J, self._slides, self.bounds.length)
-        if self.arm.n >= FIVE:
+        if self.arm.n >= JOINTS_TO_POINT:
             return [_decomposed(rows, tuple(range(6)))[:2]]
         found: list[tuple[Array, Array]] = []
         for level in LEVELS:

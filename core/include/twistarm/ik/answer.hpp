@@ -1,0 +1,167 @@
+// Whole answer to a target: a configuration that meets it, or the nearest one and the reason.
+#pragma once
+
+#include "branch.hpp"
+#include "far_slides.hpp"
+#include "nearest.hpp"
+#include "posture.hpp"
+#include "reason.hpp"
+
+TWISTARM_BEGIN
+
+/// What is known of a target in the end.
+template <class T, int N> struct answer {
+    solution<T, N> found;  ///< it meets the target, or is the nearest to it
+    stop_reason stop;
+    bool nearest;                 ///< `found` comes from the search for the nearest, not from a search for an answer
+    bool has_unlimited;
+    T unlimited[capacity(N)];     ///< meets the target, outside the limits; where the reason is blocked_by_limits
+    bool other_branch;            ///< `found` is not near θ₀, though the target is near the tool there, or is not met
+};
+
+namespace detail {
+/// The nearest of the starts as they are, for a call that is cut short.
+template <class T, int N, int M>
+void take_nearest_start(const chain<T, N, M>& arm, const ranges<T, N>& range, const search_settings<T>& settings,
+                        const target<T>& asked, const T* theta0, const T* starts, int count, solution<T, N>& found) {
+    const auto met = [&](T position) { return position <= settings.position_tolerance ? T(0) : position; };
+    for (int i = 0; i < count; ++i) {
+        solution<T, N> start = found;
+        for (int k = 0; k < arm.coordinates(); ++k) start.theta[k] = starts[i * arm.coordinates() + k];
+        judge(arm, range, settings, asked, theta0, start);
+        const T here = met(start.position_error), best = met(found.position_error);
+        if (here < best || (here == best && start.orientation_error < found.orientation_error)) found = start;
+    }
+}
+
+/// Whether limits are the reason: what would meet the target without them, or where its position is missed and nothing
+/// meets all of it, its position alone. What the limits leave of that is the answer after all.
+template <class T, int N, int M, class Stopped>
+void find_unlimited(const chain<T, N, M>& arm, const ranges<T, N>& range, const search_settings<T>& settings,
+                    const target<T>& asked, const T* theta0, std::uint64_t seed, Stopped& stopped, answer<T, N>& out) {
+    solution<T, N>& found = out.found;
+    searched<T, N> roots;
+    const auto search = [&](const target<T>& wanted, int enough) {
+        meet_without_limits(arm, range, settings, wanted, found.theta, seed, enough, stopped, roots);
+        if (roots.count == 0) return false;
+        out.has_unlimited = true;
+        out.stop = stop_reason::blocked_by_limits;
+        for (int k = 0; k < arm.coordinates(); ++k) out.unlimited[k] = roots.theta[k];
+        return true;
+    };
+    const bool position_first = found.position_error > settings.position_tolerance && has_rotation(asked);
+    if (position_first && !search(position_of(asked), 1)) return;
+    if (search(asked, enough_roots)) meet_inside(arm, range, settings, asked, theta0, roots, stopped, found);
+    if (!found.converged) return;
+    out.stop = stop_reason::converged;
+    out.has_unlimited = false;
+}
+
+/// The nearest configuration and the reason, from a field of starts, which is used up.
+template <class T, int N, int M, class Stopped>
+void explain(const chain<T, N, M>& arm, const ranges<T, N>& range, const search_settings<T>& settings,
+             const target<T>& asked, const T* theta0, std::uint64_t seed, T reach, Stopped& stopped,
+             field_of_starts<T, N>& field, answer<T, N>& out) {
+    solution<T, N>& found = out.found;
+    const int begun = field.count;
+    out.stop = stop_reason::timed_out;
+    if (stopped()) return take_nearest_start(arm, range, settings, asked, theta0, field.theta, begun, found);
+    const solution<T, N> before = found;
+    nearest_configuration<T, N> nearest;
+    nearest_from<pack<T, searches_in_group>>(arm, range, settings, asked, theta0, field, stopped, nearest);
+    for (int k = 0; k < arm.coordinates(); ++k) found.theta[k] = nearest.theta[k];
+    out.nearest = true;
+    judge(arm, range, settings, asked, theta0, found);
+    if (stopped()) take_nearest_start(arm, range, settings, asked, theta0, before.theta, 1, found);
+    if (!found.converged) resume(arm, range, settings, asked, theta0, nearest.theta, 1, stopped, found);
+    if (found.converged) {
+        out.stop = stop_reason::converged;
+        return;
+    }
+    find_unlimited(arm, range, settings, asked, theta0, seed, stopped, out);
+    if (found.converged || out.has_unlimited || stopped()) return;
+    // How far a position is out of reach does not hang on the rotation there.
+    const bool decided = nearest.rotation_stationary || found.position_error > settings.position_tolerance;
+    out.stop = nearest.position_stationary && decided ? reason_for(arm, range, settings, asked, reach, found)
+                                                      : stop_reason::exhausted;
+}
+
+template <class T, int N> void begin(answer<T, N>& out) {
+    out.stop = stop_reason::converged;
+    out.nearest = out.has_unlimited = out.other_branch = false;
+}
+}  // namespace detail
+
+/// Whether an answer may need more than `solve` has done: it is none, or the target is near the tool at θ₀, and the
+/// answer not near θ₀.
+template <class T, int N>
+bool is_open(const solution<T, N>& found, const search_settings<T>& settings, const T* theta0, int n) {
+    const T position = detail::near_position<T>, orientation = detail::near_orientation<T>;
+    const T near = position * position + settings.rotation_weight * orientation * orientation;
+    return !found.converged || (found.start_error <= near && detail::largest_difference(found.theta, theta0, n) >
+                                                                 detail::other_branch<T>);
+}
+
+template <class T, int N, int M, class Stopped>
+void answer_to(const chain<T, N, M>& arm, const ranges<T, N>& range, const search_settings<T>& settings,
+               const target<T>& asked, const T* theta0, std::uint64_t seed, T reach, const T* posture, Stopped& stopped,
+               answer<T, N>& out);
+
+/// From where the searches have ended to the whole answer. `found` is what `solve` or `solve_batch` have left, `ends`
+/// (count, n) where their searches failed, or null. The other arguments are those of `answer_to`.
+template <class T, int N, int M, class Stopped>
+void conclude(const chain<T, N, M>& arm, const ranges<T, N>& range, const search_settings<T>& settings,
+              const target<T>& asked, const T* theta0, std::uint64_t seed, T reach, const T* posture, Stopped& stopped,
+              const solution<T, N>& found, const T* ends, int count, answer<T, N>& out) {
+    const int n = arm.coordinates(), known = ends == nullptr ? 0 : count < most_ends ? count : most_ends;
+    T start[capacity(N)];
+    for (int k = 0; k < n; ++k) start[k] = theta0[k];
+    bring_inside(range, n, start);
+    detail::begin(out);
+    out.found = found;
+    ranges<T, N> there = range;
+    if (!found.converged && bring_slides_near(arm, asked, there, start))
+        return answer_to(arm, there, settings, asked, start, seed, reach, posture, stopped, out);
+    const T* from = known > 0 ? ends : found.theta;
+    const int begun = known > 0 ? known : 1;
+    if (!found.converged) resume(arm, range, settings, asked, start, from, begun, stopped, out.found);
+    if (!out.found.converged) {
+        detail::field_of_starts<T, N> field;
+        field.count = begun;
+        for (int k = 0; k < begun * n; ++k) field.theta[k] = from[k];
+        // The best end may be that of a search too late to be kept.
+        for (int k = 0; k < n && found.restarts > most_ends; ++k) field.theta[k] = found.theta[k];
+        detail::explain(arm, range, settings, asked, start, seed, reach, stopped, field, out);
+        if (!out.found.converged) {
+            out.other_branch = lies_elsewhere(arm, settings, asked, start, out.found);
+            return;
+        }
+    }
+    out.other_branch = keep_branch(arm, range, settings, asked, start, stopped, out.found);
+    if (posture != nullptr) approach_posture(arm, range, settings, asked, posture, stopped, out.found);
+}
+
+/// Inverse kinematics of one target, and where it cannot be met, the nearest configuration and the reason.
+///
+/// As `solve`: settings.searches searches from `theta0` (n,) and random starts of `seed`; the same call gives the same
+/// bits unless stopped() ends it: asked now and then, true means that the time is up. `reach` [m] brings metres and
+/// radians together where the rank of a task is asked. `posture` (n,) is what a redundant arm should be near while it
+/// meets the target, or null; without one an answer stays on the branch of θ₀ where it can. What is not finite is
+/// answered at once: unusable.
+template <class T, int N, int M, class Stopped>
+void answer_to(const chain<T, N, M>& arm, const ranges<T, N>& range, const search_settings<T>& settings,
+               const target<T>& asked, const T* theta0, std::uint64_t seed, T reach, const T* posture, Stopped& stopped,
+               answer<T, N>& out) {
+    if (!is_usable(asked, theta0, arm.coordinates())) {
+        detail::begin(out);
+        find_nothing(theta0, arm.coordinates(), out.found);
+        out.stop = stop_reason::unusable;
+        return;
+    }
+    T ends[most_ends * capacity(N)];
+    solution<T, N> found{};
+    solve(arm, range, settings, asked, theta0, seed, found, ends, most_ends, stopped);
+    conclude(arm, range, settings, asked, theta0, seed, reach, posture, stopped, found, ends, found.restarts, out);
+}
+
+TWISTARM_END

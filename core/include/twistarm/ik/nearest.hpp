@@ -1,0 +1,41 @@
+// Nearest configuration: the least position error, and with the position held, the least rotation error.
+#pragma once
+
+#include "nearest_to_start.hpp"
+
+TWISTARM_BEGIN
+
+/// The best minimum that the starts lead to: the least distance, among equals the least rotation error, and among
+/// equals, within the tolerances, the one nearest to θ₀ (n,), inside the limits.
+///
+/// `field` holds the starts and is used up. The position is held by a weight that grows until `last_epsilon` m² stand
+/// against a radian, and comes to its own least at the end.
+template <class V, class T, int N, int M, class Stopped>
+void nearest_from(const chain<T, N, M>& arm, const ranges<T, N>& range, const search_settings<T>& settings,
+                  const target<T>& asked, const T* theta0, detail::field_of_starts<T, N>& field, Stopped& stopped,
+                  nearest_configuration<T, N>& found) {
+    static_assert(detail::most_finalists == number<V>::lanes, "The finalists go side by side.");
+    const two_levels<V, T, N, M> objective{arm, asked.kind, aim_in_every_lane<V>(aim_at(arm, asked)),
+                                           levels::nearest};
+    const int n = arm.coordinates();
+    int all[detail::most_starts], chosen[detail::most_followed], last[detail::most_finalists];
+    detail::spread_out(range, n, field);
+    for (int i = 0; i < field.count; ++i) all[i] = i;
+    const int begun = detail::follow(objective, range, detail::approaching<T>, all, field.count, field, stopped);
+    const int followed = detail::most_promising(field, all, begun, detail::most_followed, chosen);
+    if (!stopped()) detail::follow(objective, range, detail::following<T>, chosen, followed, field, stopped);
+    int count = detail::most_promising(field, chosen, followed, detail::most_finalists, last);
+    detail::minimum<T, N> minima[3 * detail::most_finalists];
+    detail::finish(objective, range, detail::finishing<T>, last, count, field, stopped, minima);
+    if (const int left = detail::unsettled(minima, count, last); left != 0 && !stopped()) {
+        detail::finish(objective, range, detail::settling<T>, last, left, field, stopped, minima + count);
+        count += left;
+    }
+    const detail::minimum<T, N>& best = detail::nearest_of(minima, count);
+    found = best.at;
+    if (stopped()) return;
+    count += detail::draw_to(objective, range, theta0, best, field, stopped, minima + count);
+    found = detail::nearest_to(arm, range, settings, asked, theta0, minima, count).at;
+}
+
+TWISTARM_END

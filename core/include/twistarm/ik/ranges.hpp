@@ -1,0 +1,122 @@
+// Ranges of the coordinates: limits, coordinates that turn for ever, ranges of random starts.
+#pragma once
+
+#include "../kinematics/chain.hpp"
+#include "random.hpp"
+
+TWISTARM_BEGIN
+
+/// Limits (infinite where there are none), ranges of random starts (finite), and which coordinates are periodic.
+///
+/// A periodic coordinate whose range holds a whole turn `turns` freely during a search and is wrapped at its end.
+template <class T, int N> struct ranges {
+    T lower[capacity(N)], upper[capacity(N)];
+    T start_lower[capacity(N)], start_upper[capacity(N)];
+    std::uint64_t start_stride[capacity(N)];
+    bool periodic[capacity(N)], turns[capacity(N)];
+    bool all_turn;
+};
+
+constexpr double whole_turn = 6.28318530717958647693;
+
+namespace detail {
+/// How far a multiplier may be from a whole number, and a pitch [m/rad] from 0, and still be the rounding of one.
+constexpr double whole_turn_tolerance = 1e-9;
+
+/// Whether a joint that turns `rate` rad and slides `slide` m for each unit of its coordinate is back after 2π of it.
+inline bool returns(double rate, double slide, double multiplier) {
+    const double turns = absolute(rate * multiplier);
+    return rate > 0.0 && absolute(slide) <= whole_turn_tolerance * rate &&
+           absolute(turns - __builtin_round(turns)) <= whole_turn_tolerance;
+}
+
+/// x with the whole turns that lie outside [lower, upper] taken back; a hair outside, by rounding, is left.
+template <class T> inline T turned_back(T x, T lower, T upper) {
+    const double turn = whole_turn, margin = whole_turn_tolerance;
+    const double below = __builtin_ceil(greatest(static_cast<double>(lower - x), 0.0) / turn - margin);
+    const double above = __builtin_ceil(greatest(static_cast<double>(x - upper), 0.0) / turn - margin);
+    return static_cast<T>(static_cast<double>(x) + turn * (below - above));
+}
+}  // namespace detail
+
+/// Which coordinates move nothing in 2π: each of their joints is a pure rotation that makes a whole number of turns.
+template <class T, int N, int M> void find_periodic(const chain<T, N, M>& arm, bool* periodic) {
+    for (int k = 0; k < arm.coordinates(); ++k) {
+        bool moves = false, returns = true;
+        for (int i = 0; i < arm.joints(); ++i) {
+            const double multiplier = static_cast<double>(arm.coupling[i][k]);
+            if (multiplier == 0.0) continue;
+            moves = true;
+            returns = returns && detail::returns(static_cast<double>(arm.links[i].turn),
+                                                 static_cast<double>(arm.links[i].slide), multiplier);
+        }
+        periodic[k] = moves && returns;
+    }
+}
+
+/// The ranges of a chain; each array (N,), random starts in [start_lower, start_upper].
+template <class T, int N, int M>
+ranges<T, N> ranges_of(const chain<T, N, M>& arm, const double* lower, const double* upper, const double* start_lower,
+                       const double* start_upper) {
+    ranges<T, N> found{};
+    find_periodic(arm, found.periodic);
+    found.all_turn = true;
+    for (int k = 0; k < arm.coordinates(); ++k) {
+        found.lower[k] = static_cast<T>(lower[k]);
+        found.upper[k] = static_cast<T>(upper[k]);
+        found.start_lower[k] = static_cast<T>(start_lower[k]);
+        found.start_upper[k] = static_cast<T>(start_upper[k]);
+        found.start_stride[k] = stride_of(arm.coordinates(), k);
+        found.turns[k] = found.periodic[k] && upper[k] - lower[k] >= whole_turn;
+        found.all_turn = found.all_turn && found.turns[k];
+    }
+    return found;
+}
+
+/// A configuration brought into the limits: by whole turns where that moves nothing and suffices, else to the bound.
+template <class T, int N> inline void bring_inside(const ranges<T, N>& range, int coordinates, T* theta) {
+    for (int k = 0; k < coordinates; ++k) {
+        if (range.periodic[k]) {
+            const T turned = detail::turned_back(theta[k], range.lower[k], range.upper[k]);
+            if (turned >= range.lower[k] && turned <= range.upper[k]) theta[k] = turned;
+        }
+        theta[k] = clamped(theta[k], range.lower[k], range.upper[k]);
+    }
+}
+
+/// A configuration with every freely turning coordinate at its representative inside the limits nearest to `near`.
+template <class T, int N> inline void wrap_near(const ranges<T, N>& range, int coordinates, const T* near, T* theta) {
+    for (int k = 0; k < coordinates; ++k) {
+        if (!range.turns[k]) continue;
+        const double turns = __builtin_rint(static_cast<double>(near[k] - theta[k]) / whole_turn);
+        const T nearest = static_cast<T>(static_cast<double>(theta[k]) + whole_turn * turns);
+        const T back = detail::turned_back(nearest, range.lower[k], range.upper[k]);
+        theta[k] = clamped(back, range.lower[k], range.upper[k]);
+    }
+}
+
+/// Start `restart` of a sequence, element k at theta[k · stride]: spread over the ranges of random starts.
+template <class T, int N>
+TWISTARM_INLINE void start_at(const ranges<T, N>& range, int coordinates, const start_sequence<N>& sequence, int restart,
+                              T* theta, int stride = 1) {
+    for (int k = 0; k < coordinates; ++k) {
+        const T part = spread<T>(sequence.shift[k], static_cast<std::uint64_t>(restart), range.start_stride[k]);
+        theta[k * stride] = range.start_lower[k] + part * (range.start_upper[k] - range.start_lower[k]);
+    }
+}
+
+/// Start `restart` of a seed.
+template <class T, int N>
+TWISTARM_INLINE void random_start(const ranges<T, N>& range, int coordinates, std::uint64_t seed, int restart, T* theta,
+                                  int stride = 1) {
+    start_at(range, coordinates, sequence_of<N>(seed, coordinates), restart, theta, stride);
+}
+
+/// Whether every coordinate is finite and within its limits.
+template <class T, int N> inline bool is_inside(const ranges<T, N>& range, int coordinates, const T* theta) {
+    for (int k = 0; k < coordinates; ++k)
+        if (!(theta[k] >= range.lower[k] && theta[k] <= range.upper[k] && theta[k] - theta[k] == T(0))) return false;
+    return true;
+}
+
+TWISTARM_END

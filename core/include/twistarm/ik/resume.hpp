@@ -1,0 +1,108 @@
+// Resumed searches: those that came near their target, continued with more patience than a race has.
+#pragma once
+
+#include "race.hpp"
+
+TWISTARM_BEGIN
+
+namespace detail {
+/// Below this E a search was on its way: where the arm is near a singularity the last steps are many and short.
+template <class T> constexpr T on_its_way = T(1e-3);
+constexpr int patience = 200;  ///< iterations, and as many stalls
+
+constexpr int resumed = 8;       ///< ends that are gone on from
+
+/// The width [rad, m] in which the nearest end is shaken for the lanes that have none of their own.
+template <class T> constexpr T shake = T(0.1);
+
+/// Where searches are resumed, the nearest first.
+template <class T, int N> struct resumed_ends {
+    T theta[resumed][capacity(N)];
+};
+
+template <class T, int N> void shake_into(const ranges<T, N>& range, int n, int i, resumed_ends<T, N>& starts) {
+    const start_sequence<N> sequence = sequence_of<N>(0, n);
+    for (int k = 0; k < n; ++k) {
+        const T part = spread<T>(sequence.shift[k], static_cast<std::uint64_t>(i), range.start_stride[k]);
+        const T shaken = starts.theta[0][k] + shake<T> * (part - T(0.5));
+        starts.theta[i][k] = range.turns[k] ? shaken : clamped(shaken, range.lower[k], range.upper[k]);
+    }
+}
+
+/// The ends with the least E, eight of them, the nearest first; where there are fewer, the nearest is shaken.
+template <class T, int N, int M>
+void take_nearest(const chain<T, N, M>& arm, const ranges<T, N>& range, const target<T>& asked, T weight, const T* ends,
+                  int count, resumed_ends<T, N>& starts) {
+    T least[resumed];
+    int which[resumed];
+    int kept = 0;
+    for (int e = 0; e < count; ++e) {
+        const target_errors<T> errors = errors_at(asked, forward(arm, ends + e * arm.coordinates()));
+        const T error = errors.position * errors.position + weight * errors.orientation * errors.orientation;
+        int at = kept < resumed ? kept++ : resumed;
+        for (; at > 0 && error < least[at - 1]; --at)
+            if (at < resumed) {
+                least[at] = least[at - 1];
+                which[at] = which[at - 1];
+            }
+        if (at == resumed) continue;
+        least[at] = error;
+        which[at] = e;
+    }
+    for (int i = 0; i < kept; ++i)
+        for (int k = 0; k < arm.coordinates(); ++k) starts.theta[i][k] = ends[which[i] * arm.coordinates() + k];
+    for (int i = kept; i < resumed; ++i) shake_into(range, arm.coordinates(), i, starts);
+}
+
+template <target_kind Kind, int Lanes, class T, int N, int M, class Stopped>
+void resume_as(const chain<T, N, M>& arm, const ranges<T, N>& range, const search_settings<T>& settings,
+               const target<T>& asked, const T* theta0, const T* ends, int count, Stopped& stopped,
+               solution<T, N>& found) {
+    search_settings<T> patient = settings;
+    patient.searches = resumed;
+    patient.iterations = patient.stalls = patience;
+    patient.head_start = 0;
+    resumed_ends<T, N> starts;
+    take_nearest(arm, range, asked, settings.rotation_weight, ends, count, starts);
+    const auto begins = [&](int search, T* theta, int stride) {
+        for (int k = 0; k < arm.coordinates(); ++k) theta[k * stride] = starts.theta[search][k];
+    };
+    solution<T, N> met{};
+    T* nowhere = nullptr;
+    using V = pack<T, Lanes != 0 ? Lanes : lanes_at_once<T, searches_in_round>>;
+    if (!race_to<V, Kind>(arm, range, patient, asked, begins, theta0, nowhere, 0, stopped, met)) return;
+    met.restarts = found.restarts;
+    met.start_error = found.start_error;
+    found = met;
+}
+}  // namespace detail
+
+/// Goes on from the ends (count, n) of searches that failed, if `found`, the best of them, was on its way; `found` is
+/// replaced where that meets the target.
+template <int Lanes = 0, class T, int N, int M, class Target, class Stopped>
+void resume(const chain<T, N, M>& arm, const ranges<T, N>& range, const search_settings<T>& settings,
+            const Target& asked, const T* theta0, const T* ends, int count, Stopped& stopped, solution<T, N>& found) {
+    const T error = found.position_error * found.position_error +
+                    settings.rotation_weight * found.orientation_error * found.orientation_error;
+    if (!(error < detail::on_its_way<T>)) return;
+    with_kind(asked, [&](auto kind) {
+        detail::resume_as<kind(), Lanes>(arm, range, settings, asked, theta0, ends, count, stopped, found);
+    });
+}
+
+/// `solve`, and where all of its searches fail, `resume`: every search that there is for a target.
+template <int Lanes = 0, class T, int N, int M, class Target>
+void search_all(const chain<T, N, M>& arm, const ranges<T, N>& range, const search_settings<T>& settings,
+                const Target& asked, const T* theta0, std::uint64_t seed, solution<T, N>& found) {
+    const int n = arm.coordinates();
+    T ends[most_ends * capacity(N)], start[capacity(N)];
+    never stopped;
+    solve<Lanes>(arm, range, settings, asked, theta0, seed, found, ends, most_ends, stopped);
+    if (found.converged) return;
+    for (int k = 0; k < n; ++k) start[k] = theta0[k];
+    bring_inside(range, n, start);
+    const int count = found.restarts < most_ends ? found.restarts : most_ends;
+    resume<Lanes>(arm, range, settings, asked, start, ends, count, stopped, found);
+}
+
+TWISTARM_END

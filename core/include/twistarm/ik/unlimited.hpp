@@ -1,0 +1,206 @@
+// Answer without limits, and the part of it that the limits leave after all.
+#pragma once
+
+#include "race.hpp"
+#include "resume.hpp"
+
+TWISTARM_BEGIN
+
+namespace detail {
+/// Searches without limits before the limits are found not to be the reason, and roots after which no more are begun:
+/// six joints reach a pose in 16 ways at most.
+constexpr int searches_without_limits = 48, enough_roots = 24;
+/// They are given more patience: a helical joint takes many turns to where it is wanted.
+constexpr int iterations_without_limits = 60;
+template <class T> constexpr T progress_without_limits = T(0.95);
+
+template <class T> void exchange(T& a, T& b) {
+    const T kept = a;
+    a = b;
+    b = kept;
+}
+
+/// Half the range of random starts of a coordinate without limits: 1 m where it slides anything, else π.
+template <class T, int N, int M> T usual_half(const chain<T, N, M>& arm, int k) {
+    T slide = T(0);
+    for (int i = 0; i < arm.joints(); ++i)
+        slide = greatest(slide, absolute(arm.coupling[i][k] * arm.links[i].slide));
+    return slide > static_cast<T>(whole_turn_tolerance) ? T(1) / slide : static_cast<T>(0.5 * whole_turn);
+}
+}  // namespace detail
+
+/// The ranges of the same chain without limits.
+template <class T, int N, int M> ranges<T, N> without_limits(const chain<T, N, M>& arm, const ranges<T, N>& range) {
+    ranges<T, N> free = range;
+    free.all_turn = true;
+    for (int k = 0; k < arm.coordinates(); ++k) {
+        free.upper[k] = static_cast<T>(__builtin_inf());
+        free.lower[k] = -free.upper[k];
+        free.start_upper[k] = detail::usual_half(arm, k);
+        free.start_lower[k] = -free.start_upper[k];
+        free.turns[k] = range.periodic[k];
+        free.all_turn = free.all_turn && free.turns[k];
+    }
+    return free;
+}
+
+/// θ with every periodic coordinate at its representative nearest to the middle of its limits, in them or not.
+template <class T, int N> void bring_toward(const ranges<T, N>& range, int coordinates, T* theta) {
+    for (int k = 0; k < coordinates; ++k) {
+        if (!range.periodic[k]) continue;
+        const double width = static_cast<double>(range.upper[k]) - static_cast<double>(range.lower[k]);
+        const double here = static_cast<double>(theta[k]);
+        const double middle = width < __builtin_inf() ? static_cast<double>(range.lower[k]) + 0.5 * width : here;
+        theta[k] = static_cast<T>(here + whole_turn * __builtin_round((middle - here) / whole_turn));
+    }
+}
+
+/// Configurations: where searches begin, then where they have ended.
+template <class T, int N> struct searched {
+    static constexpr int most = detail::searches_without_limits;
+
+    T theta[most * capacity(N)];  ///< (count, n)
+    bool met[most];               ///< whether the search has met its target
+    int count;
+};
+
+namespace detail {
+/// A search from each configuration, which its end replaces, until all have ended or enough of them have met the target.
+template <class V, class T, int N, class Stopped> struct searches_from_each final : search_owner<V, T, N> {
+    static constexpr int lane_count = number<V>::lanes, none = -1;
+
+    searched<T, N>& set;
+    int n, enough;
+    Stopped& stopped;
+    int search[lane_count] = {}, begun = 0, running = 0, met = 0, nearest = 0;
+    T least_error = static_cast<T>(__builtin_inf());
+
+    searches_from_each(const aim<V>& aims, searched<T, N>& from, int size, int wanted, Stopped& time_is_up)
+        : search_owner<V, T, N>(aims), set(from), n(size), enough(wanted), stopped(time_is_up) {
+        for (int k = 0; k < set.count; ++k) set.met[k] = false;
+    }
+
+    void begin(lane_starts<T, N, lane_count>& starts, int i) {
+        search[i] = begun < set.count && met < enough ? begun++ : none;
+        if (search[i] == none) return;
+        ++running;
+        for (int k = 0; k < n; ++k) starts.theta[k][i] = set.theta[search[i] * n + k];
+        starts.waiting |= 1U << i;
+    }
+
+    void settle(const lane_searches<V, N>& lanes, lane_starts<T, N, lane_count>& starts, unsigned ended,
+                unsigned there) override {
+        for (; ended != 0U; ended &= ended - 1U) {
+            const int i = __builtin_ctz(ended), which = search[i];
+            if (which == none) continue;
+            --running;
+            for (int k = 0; k < n; ++k) set.theta[which * n + k] = lane(lanes.theta[k], i);
+            set.met[which] = (there >> i & 1U) != 0U;
+            met += set.met[which] ? 1 : 0;
+            if (lane(lanes.error, i) < least_error) {
+                least_error = lane(lanes.error, i);
+                nearest = which;
+            }
+            begin(starts, i);
+        }
+    }
+    bool finished(const lane_searches<V, N>&) override { return running == 0 || stopped(); }
+};
+
+/// Runs a search from each; where none meets the target, the nearest of them go on with more patience. How many have met
+/// it, which come first.
+template <target_kind Kind, class T, int N, int M, class Stopped>
+int search_from_each_as(const chain<T, N, M>& arm, const ranges<T, N>& range, const search_settings<T>& settings,
+                        const target<T>& asked, int enough, Stopped& stopped, searched<T, N>& set) {
+    using V = pack<T, searches_in_group>;
+    const int n = arm.coordinates();
+    searches_from_each<V, T, N, Stopped> owner(aim_in_every_lane<V>(aim_at(arm, asked)), set, n, enough, stopped);
+    lane_searches<V, N> lanes = searches_at_rest<V, N>();
+    lane_starts<T, N, searches_in_group> starts;
+    for (int i = 0; i < searches_in_group; ++i) owner.begin(starts, i);
+    run_searches<V, Kind, T, N, M>(arm, range, settings, lanes, starts, owner);
+    if (owner.met == 0 && owner.least_error < on_its_way<T> && !stopped()) {
+        solution<T, N> end{};
+        resume_as<Kind, searches_in_group>(arm, range, settings, asked, set.theta + owner.nearest * n, set.theta,
+                                        owner.begun, stopped, end);
+        for (int k = 0; k < n && end.converged; ++k) set.theta[k] = end.theta[k];
+        return end.converged ? 1 : 0;
+    }
+    int kept = 0;
+    for (int r = 0; r < owner.begun; ++r) {
+        if (!set.met[r]) continue;
+        for (int k = 0; k < n; ++k) set.theta[kept * n + k] = set.theta[r * n + k];
+        ++kept;
+    }
+    return kept;
+}
+
+template <class T, int N, int M, class Stopped>
+int search_from_each(const chain<T, N, M>& arm, const ranges<T, N>& range, const search_settings<T>& settings,
+                     const target<T>& asked, int enough, Stopped& stopped, searched<T, N>& set) {
+    int met = 0;
+    with_kind(asked, [&](auto kind) {
+        met = search_from_each_as<kind()>(arm, range, settings, asked, enough, stopped, set);
+    });
+    return met;
+}
+
+/// ‖θ − clamped θ‖².
+template <class T, int N> T squared_outside(const ranges<T, N>& range, int n, const T* theta) {
+    T sum = T(0);
+    for (int k = 0; k < n; ++k) {
+        const T over = theta[k] - clamped(theta[k], range.lower[k], range.upper[k]);
+        sum += over * over;
+    }
+    return sum;
+}
+
+/// The least outside the limits to the front, as many as there are lanes.
+template <class T, int N> void sort_by_distance_outside(const ranges<T, N>& range, int n, searched<T, N>& roots) {
+    for (int first = 0; first < roots.count && first < searches_in_group; ++first)
+        for (int r = first + 1; r < roots.count; ++r) {
+            T *here = roots.theta + first * n, *there = roots.theta + r * n;
+            if (!(squared_outside(range, n, there) < squared_outside(range, n, here))) continue;
+            for (int k = 0; k < n; ++k) exchange(here[k], there[k]);
+        }
+}
+}  // namespace detail
+
+/// What meets the target if the arm had no limits, searched from `theta` (n,) and random starts of `seed`; the first of
+/// the roots is that which is least outside the limits.
+template <class T, int N, int M, class Stopped>
+void meet_without_limits(const chain<T, N, M>& arm, const ranges<T, N>& range, search_settings<T> settings,
+                         const target<T>& asked, const T* theta, std::uint64_t seed, int enough,
+                         Stopped& stopped, searched<T, N>& roots) {
+    const int n = arm.coordinates();
+    settings.iterations = detail::iterations_without_limits;
+    settings.progress = detail::progress_without_limits<T>;
+    const ranges<T, N> free = without_limits(arm, range);
+    roots.count = searched<T, N>::most;
+    for (int k = 0; k < n; ++k) roots.theta[k] = theta[k];
+    for (int r = 1; r < roots.count; ++r) random_start(free, n, seed, r, roots.theta + r * n);
+    roots.count = detail::search_from_each(arm, free, settings, asked, enough, stopped, roots);
+    for (int r = 0; r < roots.count; ++r) bring_toward(range, n, roots.theta + r * n);
+    detail::sort_by_distance_outside(range, n, roots);
+}
+
+/// Tries inside the limits what meets the target without them: the first root as it is, then searches from where the
+/// limits are nearest to each. `found` is replaced by the answer, if there is one.
+template <class T, int N, int M, class Stopped>
+void meet_inside(const chain<T, N, M>& arm, const ranges<T, N>& range, const search_settings<T>& settings,
+                 const target<T>& asked, const T* theta0, searched<T, N> roots, Stopped& stopped,
+                 solution<T, N>& found) {
+    const int n = arm.coordinates();
+    solution<T, N> inside = found;
+    const auto is_answer = [&] {
+        for (int k = 0; k < n; ++k) inside.theta[k] = roots.theta[k];
+        if (judge(arm, range, settings, asked, theta0, inside)) found = inside;
+        return inside.converged;
+    };
+    if (roots.count == 0 || is_answer()) return;
+    roots.count = roots.count < searches_in_group ? roots.count : searches_in_group;
+    for (int r = 0; r < roots.count; ++r) bring_inside(range, n, roots.theta + r * n);
+    if (detail::search_from_each(arm, range, settings, asked, 1, stopped, roots) > 0) is_answer();
+}
+
+TWISTARM_END

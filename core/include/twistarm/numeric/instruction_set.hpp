@@ -1,0 +1,31 @@
+// Instruction set for which this translation unit is compiled: the name of the inline namespace.
+//
+// Kernels are compiled once per instruction set, the same headers in several translation units with different flags.
+// Everything stands in an inline namespace named after the set: the linker would otherwise keep one copy of each
+// inline function for all of them, and a machine without AVX-512 might be handed the wrong one.
+#pragma once
+
+#if defined(__AVX512F__) && defined(__AVX512DQ__)
+#define TWISTARM_INSTRUCTION_SET avx512
+#define TWISTARM_REGISTER_BYTES 64
+#elif defined(__AVX2__) && defined(__FMA__)
+#define TWISTARM_INSTRUCTION_SET avx2
+#define TWISTARM_REGISTER_BYTES 32
+#else
+#define TWISTARM_INSTRUCTION_SET portable
+#define TWISTARM_REGISTER_BYTES 16
+#endif
+
+#define TWISTARM_BEGIN namespace twistarm { inline namespace TWISTARM_INSTRUCTION_SET {
+#define TWISTARM_END } }
+
+// Kernels are small and called from one place each; a call would put every pack in them through memory.
+#define TWISTARM_INLINE inline __attribute__((always_inline))
+
+// Loops over joints and rows are short: unrolled, their arrays become registers. By a count, not "full": Clang warns, in
+// the caller's own file, of each loop that it cannot unroll for good, because its length shows when the program runs.
+#if defined(__clang__)
+#define TWISTARM_UNROLL _Pragma("clang loop unroll_count(8)")
+#else
+#define TWISTARM_UNROLL _Pragma("GCC unroll 8")
+#endif
