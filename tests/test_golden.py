@@ -309,3 +309,29 @@ def test_a_golden_file_from_before_motors_says_that_it_knows_none(
     assert difference.notes == (said,)
     assert capsys.readouterr().err == f"note: {said}\n"
     assert compare(load_arm(tmp_path / "arm.urdf"), path).notes == (), "an arm without motors"
+
+
+def test_two_designs_side_by_side(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    """Another description and another arm are compared as a golden file is: "was" is the other, "is" the arm."""
+    for folder in ("old", "new"):
+        (tmp_path / folder).mkdir()
+    old, new = build(tmp_path / "old"), build(tmp_path / "new", elbow={"xyz": "0.45 0 0"})
+    difference = compare(load_arm(new), old)
+    assert difference.changes == compare(load_arm(new), load_arm(old)).changes
+    assert [change for change in difference.changes if "elbow" in change] == ["joint elbow moved 50 mm along x"]
+    assert compare(load_arm(old), old).same
+    assert run(["check", str(new), "--against", str(old)]) == 1
+    assert "different: joint elbow moved 50 mm along x" in capsys.readouterr().out
+
+
+def test_against_a_baked_arm(tmp_path: Path) -> None:
+    file = build(tmp_path)
+    baked = load_arm(file).bake(tmp_path / "ours.json")
+    assert compare(load_arm(file), baked).same
+    moved = compare(load_arm(build(tmp_path, elbow={"xyz": "0.4 0 0.01"})), baked)
+    assert moved.changes == ("joint elbow moved 10 mm along z",)
+
+
+def test_against_nothing_that_is_an_arm(tmp_path: Path) -> None:
+    with pytest.raises(InputError, match="against must be an Arm, a file or a name that load_arm takes; got int"):
+        compare(load_arm(build(tmp_path)), 3)  # type: ignore[arg-type]

@@ -22,7 +22,8 @@ if TYPE_CHECKING:
     from .model.from_screws import arm_from_screws
     from .planning import Trajectory, plan_joint
     from .proof.crosscheck import Comparison, CrossCheck, crosscheck
-    from .proof.golden_file import Difference, compare, freeze
+    from .proof.difference import Difference, compare
+    from .proof.golden_file import freeze
     from .servo import (
         JogCommand,
         PoseCommand,
@@ -125,7 +126,8 @@ _NAMES = {
         "TwistarmError",
         "UnknownNameError",
     ),
-    "proof.golden_file": ("Difference", "compare", "freeze"),
+    "proof.difference": ("Difference", "compare"),
+    "proof.golden_file": ("freeze",),
     "ik": ("Approach", "IKBatch", "IKSolution", "Pose", "Position", "StopReason", "Task", "solve_ik", "solve_ik_batch"),
     "limits.joint_limits": ("JointLimits",),
     "loading.load": ("available_arms", "load_arm"),

@@ -8,7 +8,7 @@ from typing import Any
 from .loading.load import load_arm
 from .model.arm import Arm
 from .proof.crosscheck import crosscheck, require_yourdfpy
-from .proof.golden_file import compare
+from .proof.difference import compare
 
 _SAMPLES = 200
 
@@ -22,9 +22,9 @@ def assert_arm(
 ) -> Arm:
     """Load an arm, prove product of exponentials = Pinocchio = yourdfpy, and that it is still the one frozen.
 
-    `source` and `load` as in `load_arm`; `against` a golden file written by `twistarm freeze` or `freeze(arm, path)`.
-    Returns the arm. Raises AssertionError with every difference in words, and MissingExtraError without yourdfpy: a
-    proof that leaves an engine out is none.
+    `source` and `load` as in `load_arm`; `against` a golden file written by `twistarm freeze` or `freeze(arm, path)`,
+    or whatever else `compare` takes. Returns the arm. Raises AssertionError with every difference in words, and
+    MissingExtraError without yourdfpy: a proof that leaves an engine out is none.
 
         def test_our_arm():
             assert_arm("arm/rover.urdf.xacro", against="arm/rover.golden.json")

@@ -11,7 +11,8 @@ from ...doctor.folder import is_part
 from ...loading.load import load_arm
 from ...model.arm import Arm
 from ...proof.crosscheck import CrossCheck, crosscheck
-from ...proof.golden_file import Difference, compare, golden_text
+from ...proof.difference import Difference, compare
+from ...proof.golden_file import golden_text
 from ...support.errors import DescriptionError, InputError
 from ...support.path_redaction import without_places
 from ..folders import PART, Line, refused, walk
@@ -19,7 +20,13 @@ from ..options import Json, takes_arm, takes_source
 from ..output import console, note, print_json, progress_bar, say, table
 from ..outputs import STDOUT, Force, Output, outputs_of
 
-Against = Annotated[Path | None, typer.Option(metavar="FILE", help="A golden file: say what has changed since.")]
+Against = Annotated[
+    str | None,
+    typer.Option(metavar="FILE", help="A golden file, a baked arm or another ARM: say what differs from it."),
+]
+WORDS_SINCE = ("unchanged since", "CHANGED since", "changed")
+WORDS_BESIDE = ("the same as", "DIFFERENT from", "different")
+
 Samples = Annotated[int, typer.Option(min=1, max=1_000_000, help="Random configurations to compare at.")]
 
 
@@ -30,7 +37,7 @@ def check(
     """Prove product of exponentials = Pinocchio = yourdfpy, for an arm or a folder; --against says what has changed."""
     if Path(source).is_dir():
         if against is not None:
-            raise InputError("--against compares one arm with its golden file; name that arm instead of a folder")
+            raise InputError("--against compares one arm; name that arm instead of a folder")
         return walk(Path(source), "check", lambda path: _line(path, load, samples), json=json)
     arm = load_arm(source, **load)
     difference = None if against is None else compare(arm, against)
@@ -56,12 +63,16 @@ def verdict(result: CrossCheck) -> str:
     return f"{result.arm}: {agree if result.ok else 'THE ENGINES DISAGREE'}"
 
 
-def _print(result: CrossCheck, difference: Difference | None, against: Path | None) -> None:
+def _print(result: CrossCheck, difference: Difference | None, against: str | None) -> None:
     """The verdict first, then what has changed, then the rows."""
-    since = "" if difference is None else f"; {'unchanged' if difference.same else 'CHANGED'} since {against}"
-    say(verdict(result) + since)
-    for change in difference.changes if difference else ():
-        say(f"changed: {change}")
+    if difference is None:
+        say(verdict(result))
+    else:
+        # A .json is the arm as it was; anything else is another arm.
+        same, other, change = WORDS_SINCE if str(against).endswith(".json") else WORDS_BESIDE
+        say(f"{verdict(result)}; {same if difference.same else other} {against}")
+        for words in difference.changes:
+            say(f"{change}: {words}")
     console().print(check_table(result))
 
 
