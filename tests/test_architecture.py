@@ -7,6 +7,7 @@ import re
 import subprocess
 import sys
 from collections.abc import Iterator
+from graphlib import CycleError, TopologicalSorter
 from pathlib import Path
 
 import pytest
@@ -118,6 +119,52 @@ def test_the_command_line_prints_by_one_door(file: Path) -> None:
         if isinstance(node, ast.Call) and isinstance(node.func, ast.Name):
             assert node.func.id != "print", f"{file.name}:{node.lineno}"
     assert "rich.markup" not in {module for _, module, _ in imports(file)} or file.name == "grid.py"
+
+
+VIEWER_FLOORS = (
+    ("viewer",),
+    ("server",),
+    ("files", "state_transfer"),
+    ("stage",),
+    ("parts",),
+    ("protocol", "scene"),
+    ("page_files",),
+)
+"""The rooms and modules of the view, top to bottom."""
+
+
+def runtime_imports(file: Path) -> set[Path]:
+    """The package's files that a file imports, at whatever place but for the sake of types."""
+    tree = ast.parse(file.read_text("utf-8"))
+    typing = [node for node in tree.body if isinstance(node, ast.If) and "TYPE_CHECKING" in ast.unparse(node.test)]
+    for_types = {line for branch in typing for line in range(branch.lineno, (branch.end_lineno or 0) + 1)}
+    found = set()
+    for node, module, _ in imports(file):
+        if node.lineno in for_types or not module.startswith("twistarm."):
+            continue
+        below = [alias.name for alias in node.names] if isinstance(node, ast.ImportFrom) else []
+        for name in [module, *(f"{module}.{each}" for each in below)]:
+            path = PACKAGE.joinpath(*name.split(".")[1:])
+            found |= {each for each in (path.with_suffix(".py"), path / "__init__.py") if each in FILES}
+    return found - {file}
+
+
+def test_no_modules_import_each_other_in_a_circle() -> None:
+    graph = {file: runtime_imports(file) for file in FILES if file != PACKAGE / "__init__.py"}
+    try:
+        TopologicalSorter(graph).prepare()
+    except CycleError as error:
+        pytest.fail(" -> ".join(str(file.relative_to(PACKAGE)) for file in error.args[1]))
+
+
+def test_the_rooms_of_the_view_import_one_way() -> None:
+    depth = {name: floor for floor, names in enumerate(VIEWER_FLOORS) for name in names}
+    for file in sorted((PACKAGE / "viewer").rglob("*.py")):
+        room = file.relative_to(PACKAGE / "viewer").parts[0].removesuffix(".py")
+        for other in runtime_imports(file):
+            if room != "__init__" and other.is_relative_to(PACKAGE / "viewer"):
+                below = other.relative_to(PACKAGE / "viewer").parts[0].removesuffix(".py")
+                assert below == room or depth[below] > depth[room], f"{file.name} imports {below}"
 
 
 HEADERS = Path(__file__).parents[1] / "core" / "include" / "twistarm"

@@ -129,7 +129,7 @@ DOORS: dict[str, tuple[Callable[..., Any], dict[str, Any]]] = {
     "crosscheck": (partial(twistarm.crosscheck, samples=1), {"arm": ARM}),
     "crosscheck samples": (partial(twistarm.crosscheck, "no arm"), {"samples": 1, "rng": 0}),
     "freeze": (twistarm.freeze, {"arm": ARM, "path": "golden.json"}),
-    "compare": (twistarm.compare, {"arm": ARM, "path": "golden.json"}),
+    "compare": (twistarm.compare, {"arm": ARM, "against": "golden.json"}),
     "solve_ik": (twistarm.solve_ik, {"target": G, **IK}),
     "solve_ik_batch": (twistarm.solve_ik_batch, {"targets": [G], "threads": 1, **IK}),
     "Pose": (twistarm.Pose, {"g": G}),

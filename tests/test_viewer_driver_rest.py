@@ -15,8 +15,8 @@ from twistarm.stream import Inbox
 from twistarm.support.errors import InputError
 from twistarm.viewer import Viewer
 from twistarm.viewer.parts.commands import PageCommands
-from twistarm.viewer.parts.driver import Drive, Driver
 from twistarm.viewer.protocol.messages import Request
+from twistarm.viewer.server.driver import Drive, Driver
 from twistarm.viewer.stage import Stage
 from viewer_page import Page, visit
 

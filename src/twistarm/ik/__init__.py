@@ -2,8 +2,9 @@
 
 from .batch import IKBatch, solve_ik_batch
 from .request import POSTURES
-from .solution import IKSolution, StopReason
+from .solution import IKSolution
 from .solve import solve_ik
+from .stop_reason import StopReason
 from .targets import AnyTarget, Approach, Pose, Position, TargetLike, Task
 from .task_space import Target
 

@@ -3,16 +3,14 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from typing import NamedTuple
 
 import numpy as np
 
-from ..limits.joint_limits import JointLimits
 from ..model.arm import Arm
 from ..support.checks import Array
-from .solve import solve_ik
-from .targets import Approach, Pose, Position
+from .targets import Approach, Pose
 from .task_space import Target
 
 RANK_SAMPLES = 16
@@ -29,6 +27,9 @@ MISSED = 1e-9
 
 HELD = 1e-10
 """How exactly [m] the position is held on the way there."""
+
+STEPS = 20
+"""Newton's steps on that way; four do where nothing is singular."""
 
 SAME_PLANE = 1e-6
 """How far two unit normals of one plane may differ."""
@@ -101,13 +102,23 @@ def approach_plane(arm: Arm, target: Target, theta: Array) -> ApproachPlane | No
     if normal is None:
         return None
     g, J_b = arm.fk_and_body_jacobian(theta)
-    free, here = replace(arm, limits=JointLimits.unbounded(arm.n)), Position(g[:3, 3])
     for motion in _holding_position(target, g, J_b).T:
-        moved = solve_ik(free, here, theta + SIDESTEP * motion, position_tol=HELD, restarts=1).theta
+        moved = _brought_to(arm, g[:3, 3], theta + SIDESTEP * motion)
         there = _approach_normal(arm, target, moved, tool_axis)
         if there is None or np.linalg.norm(np.cross(there, normal)) > SAME_PLANE:
             return None
     return ApproachPlane(normal, math.asin(min(abs(float(normal @ direction)), 1.0)))
+
+
+def _brought_to(arm: Arm, p: Array, theta: Array) -> Array:
+    """The tool's origin brought to p (3,), limits aside, from a theta nearby: Newton's steps of least length."""
+    for _ in range(STEPS):
+        g, J_b = arm.fk_and_body_jacobian(theta)
+        offset = g[:3, :3].T @ (p - g[:3, 3])
+        if _norm(offset) <= HELD:
+            break
+        theta = theta + np.linalg.pinv(J_b[:3], rcond=RANK_TOL) @ offset
+    return theta
 
 
 def _approach_normal(arm: Arm, target: Target, theta: Array, tool_axis: Array) -> Array | None:

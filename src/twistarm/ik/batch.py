@@ -19,7 +19,8 @@ from . import answer, textbook
 from .deadline import Deadline
 from .ranges import joint_ranges
 from .request import Request, checked, named
-from .solution import STOPS, IKSolution, StopReason
+from .solution import IKSolution
+from .stop_reason import STOPS, StopReason
 from .targets import KINDS, AnyTarget, Pose, TargetLike, checked_target, numbers_of_kind, target_for
 
 Progress = Callable[[int, int], object]

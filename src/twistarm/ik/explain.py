@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -11,8 +12,11 @@ from ..support.errors import printable
 from ..support.vector_words import axis_in_words, value_in_words
 from .abilities import Split, approach_plane, out_of_surface, split_rotation
 from .ranges import joint_ranges
-from .solution import NEAREST, IKSolution, StopReason
+from .stop_reason import NEAREST, StopReason
 from .targets import Approach, Pose, Task
+
+if TYPE_CHECKING:
+    from .solution import IKSolution
 
 OFF_BY = {
     Pose: "as one turn about one axis",

@@ -2,23 +2,21 @@
 
 from __future__ import annotations
 
-from enum import Enum
 from typing import Any
 
 import numpy as np
 
 from ..model.arm import Arm
-from ..model.inability import CANNOT_TURN
 from ..support.checks import Array, frozen
 from ..support.display import told
 from ..support.errors import NotConvergedError
 from ..support.vector_words import value_in_words
 from . import answer
+from .explain import explain, summary
 from .ranges import joint_ranges
+from .stop_reason import DAMPED, NEAREST, STOPS, StopReason
 from .targets import AnyTarget, numbers_of_kind, target_of
 from .task_space import Tolerances
-
-DAMPED, NEAREST = "damped least squares", "nearest configuration"
 
 ANOTHER_BRANCH = "the target is near the pose of theta0, but the answer is not near theta0"
 NEAREST_ELSEWHERE = "the nearest configuration is not near theta0, where the arm stays farther from the target"
@@ -27,27 +25,6 @@ WITHOUT_CORE = (
     "this is the best configuration found: the nearest one, and the reason, need the compiled core, "
     "and `twistarm info` says why there is none"
 )
-
-
-class StopReason(Enum):
-    """Why a solver stopped.
-
-    Where the position is missed, the position alone decides, so that the reason does not hang on the kind of target:
-    BLOCKED_BY_LIMITS if the arm reaches it without its position limits, else OUT_OF_REACH. Where the position is met
-    and the rotation is missed: BLOCKED_BY_LIMITS if the whole target is met without limits; else IMPOSSIBLE_DIRECTION
-    if the arm lacks a motion that almost every such target needs; else OUT_OF_REACH.
-    """
-
-    CONVERGED = "the target is met"
-    OUT_OF_REACH = "out of reach"
-    IMPOSSIBLE_DIRECTION = CANNOT_TURN
-    BLOCKED_BY_LIMITS = "blocked by joint limits"
-    EXHAUSTED = "no answer found, and none excluded"
-    TIMED_OUT = "the time was up"
-
-
-STOPS = tuple(StopReason)
-"""The reasons by their numbers in an answer's row."""
 
 
 class IKSolution:
@@ -144,16 +121,12 @@ class IKSolution:
 
     def explain(self) -> str:
         """What was asked, what was reached, why not more, in plain words, line by line. Computed when called."""
-        from .explain import explain
-
         return explain(self)
 
     def require(self) -> Array:
         """theta (n,), or NotConvergedError, which carries this solution, where the target is not met."""
         if self.converged:
             return self.theta
-        from .explain import summary
-
         raise NotConvergedError(f"{summary(self)}; solution.explain() says more", self)
 
     def _says(self, flag: int) -> bool:

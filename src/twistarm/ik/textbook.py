@@ -17,7 +17,7 @@ from . import answer
 from .deadline import Deadline
 from .ranges import JointRanges, joint_ranges
 from .request import Request
-from .solution import STOPS, StopReason
+from .stop_reason import STOPS, StopReason
 from .targets import AnyTarget
 from .task_space import Tolerances, excess_rows
 

@@ -17,6 +17,7 @@ from ..support.display import in_brief, told
 from ..support.errors import InputError, listed, shown
 from ..support.files import write_whole
 from .piecewise import derivative, evaluate, extremes
+from .trajectory_files import csv_text, json_text
 
 RATE_UNITS = ("", "/s", "/s²", "/s³")
 """What follows a joint's unit for the derivative of each order."""
@@ -150,8 +151,6 @@ class Trajectory:
         that reading gives the same floats. The file is written whole or not at all; raises InputError where it cannot
         be, for a bad `dt`, and for actuators of other joints. Returns the path written.
         """
-        from .trajectory_files import csv_text
-
         return write_whole(path, csv_text(self, dt, actuators))
 
     def to_json(self, path: str | os.PathLike[str], dt: float = 0.01, *, actuators: Actuators | None = None) -> Path:
@@ -162,8 +161,6 @@ class Trajectory:
         `motors` stands beside: names, units, count_units, and as many points of positions, velocities, counts and
         counts_rates. The file is written whole or not at all; raises InputError as `to_csv`. Returns the path written.
         """
-        from .trajectory_files import json_text
-
         return write_whole(path, json_text(self, dt, actuators))
 
     def _held(self, values: Array, at: Array, order: int) -> Array:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import json
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -11,7 +11,9 @@ from ..limits.actuators import Actuators
 from ..support.checks import Array
 from ..support.csv_lines import csv_text as lines_of
 from ..support.errors import InputError
-from .trajectory import Trajectory
+
+if TYPE_CHECKING:
+    from .trajectory import Trajectory
 
 RATES = ("position", "velocity", "acceleration")
 CSV_UNITS = ("", "/s", "/s^2")

@@ -19,14 +19,15 @@ from ..support.checks import Array
 from ..support.errors import InputError, unknown_name
 from .page_files import page_digest
 from .parts.admission import checked_theta, require_all_inside, require_inside
-from .parts.carrying import Left
 from .parts.findings import loaded
 from .parts.gauge import Gauge
 from .parts.glide import Glide
-from .parts.history import History, Seen
-from .parts.part import Part
+from .parts.history import History
+from .parts.part import Part, Seen
+from .parts.playback import Playback
 from .parts.player import Player
 from .parts.plots import Plots
+from .parts.pose_list import LeftOut
 from .parts.program import Program
 from .parts.servo_words import SILENT
 from .parts.summary import describe_arm, extra_joints, joint_unit, named_poses, rest
@@ -66,7 +67,7 @@ class Stage:
         self.player = Player()
         self.program = Program(arm)
         self.workspace = Workspace()
-        self.history = History()
+        self.history = History(self.program.list)
         self._glide: Glide | None = None
         self.parts: tuple[Part, ...] = (
             self.player,
@@ -78,7 +79,7 @@ class Stage:
             self.history,
             Plots(),
         )
-        self.left: tuple[Left, ...] = ()
+        self.left: tuple[LeftOut, ...] = ()
         self.driven = self.jogging = False
         self.report: dict[str, Any] = SILENT
         self.drive: Message = NO_DRIVE
@@ -136,6 +137,11 @@ class Stage:
     def running(self) -> bool:
         """Whether a trajectory runs."""
         return self.player.running
+
+    @property
+    def playback(self) -> Playback | None:
+        """The trajectory that is loaded, None where there is none."""
+        return self.player.playback
 
     @property
     def moving(self) -> bool:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -16,10 +16,7 @@ from ...servo.singular import JOINTS_TO_POINT
 from ...support.checks import Array
 from ...theory.manipulability import scaled_jacobian
 from ..protocol.message_cache import Message
-from .part import Part
-
-if TYPE_CHECKING:
-    from ..stage import Stage
+from .part import Part, Show
 
 NEAR = 0.1
 """Of the range between two limits: nearer than this is near, as in the rows of the joints."""
@@ -57,17 +54,17 @@ class Gauge(Part):
         self._at: Array | None = None
         self._words = SILENT
 
-    def messages(self, stage: Stage) -> Iterator[Message]:
+    def messages(self, show: Show) -> Iterator[Message]:
         """sigma: smallest singular value [rad per rad], singular `below` that; lacks: its direction in base axes.
 
         joint: the one, or the motor, nearest to a position limit: `room` [unit] to its lower or upper `end`, `near`
         from which on that is little. All null where no servo drives, or where there is no limit.
         """
-        if not stage.driven:
+        if not show.driven:
             self._at, self._words = None, SILENT
-        elif stage.theta is not self._at:
+        elif show.theta is not self._at:
             self._measure = self._measure or Measure(self._arm)
-            self._at, self._words = stage.theta, self._measure.words(stage.theta)
+            self._at, self._words = show.theta, self._measure.words(show.theta)
         yield {"type": "gauge", **self._words}
 
 

@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from time import monotonic
-from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
@@ -14,10 +13,8 @@ from ...support.errors import InputError
 from ..protocol.jobs import Job
 from ..protocol.message_cache import Message
 from ..protocol.messages import Request
-from .pose_list import RecordedPose
-
-if TYPE_CHECKING:
-    from ..stage import Stage
+from .part import Seen, Show
+from .pose_list import PoseList, RecordedPose
 
 MOST = 100
 """Steps that are kept."""
@@ -42,14 +39,6 @@ WORDS = {
 """What is kept of what the pages ask for, as it is called. Playing a motion is none: it can be sought back."""
 
 
-class Seen(NamedTuple):
-    """What a step may change."""
-
-    poses: tuple[RecordedPose, ...]
-    theta: Array
-    others: Mapping[str, float]
-
-
 @dataclass(frozen=True, eq=False)
 class Step:
     """What was changed, as it was before: the list, theta, or the joints beside the arm; `words` say by what."""
@@ -65,25 +54,26 @@ class History:
 
     requests = frozenset({"undo", "redo"})
 
-    def __init__(self) -> None:
+    def __init__(self, poses: PoseList) -> None:
+        self._poses = poses
         self._past: list[Step] = []
         self._future: list[Step] = []
         self._last: tuple[str, float] = ("", -np.inf)
 
-    def handle(self, request: Request, stage: Stage, now: float) -> Job | None:
+    def handle(self, request: Request, show: Show, now: float) -> Job | None:
         """Undo the last step, or do the last one undone again; InputError where there is none."""
         source, sink = (self._past, self._future) if request.kind == "undo" else (self._future, self._past)
         if not source:
             raise InputError(f"nothing to {request.kind}")
         step = source[-1]
         if step.theta is not None:
-            stage.require_free()
+            show.require_free()
         source.pop()
-        sink.append(self._taken_back(step, stage, request.fields["ease"], now))
+        sink.append(self._taken_back(step, show, request.fields["ease"], now))
         self._last = ("", -np.inf)
         return None
 
-    def messages(self, stage: Stage) -> Iterator[Message]:
+    def messages(self, show: Show) -> Iterator[Message]:
         """What would be undone and done again, in words; null for nothing."""
         past, future = (steps[-1].words if steps else None for steps in (self._past, self._future))
         yield {"type": "history", "undo": past, "redo": future}
@@ -109,14 +99,14 @@ class History:
         self._future = []
         self._last = ("", -np.inf)
 
-    def _taken_back(self, step: Step, stage: Stage, ease: bool, now: float) -> Step:
+    def _taken_back(self, step: Step, show: Show, ease: bool, now: float) -> Step:
         """Put back what the step has kept; the step that undoes this again."""
-        there = stage.seen()
+        there = show.seen()
         if step.poses is not None:
-            stage.program.list.restore(step.poses)
+            self._poses.restore(step.poses)
         if step.others is not None:
-            stage.others = dict(step.others)
+            show.others = dict(step.others)
         if step.theta is not None:
-            stage.go(step.theta, ease, now)
+            show.go(step.theta, ease, now)
         changed = {name: value for name, value in there._asdict().items() if getattr(step, name) is not None}
         return Step(step.words, **changed)

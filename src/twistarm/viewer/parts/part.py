@@ -1,17 +1,64 @@
-"""What a part of the view is: the target, the list of poses, the player … each with its requests and its messages."""
+"""Parts of the view (the target, the list of poses, the player, …), each with its requests and its messages."""
 
 from __future__ import annotations
 
-from collections.abc import Iterable
-from typing import TYPE_CHECKING, Protocol
+from collections.abc import Iterable, Mapping
+from typing import Any, NamedTuple, Protocol
 
+from ...limits.joint_limits import JointLimits
+from ...model.arm import Arm
+from ...planning.trajectory import Trajectory
+from ...support.checks import Array
 from ...support.errors import InputError
 from ..protocol.jobs import Job
 from ..protocol.message_cache import Message
 from ..protocol.messages import Request
+from .playback import Playback
+from .pose_list import RecordedPose
 
-if TYPE_CHECKING:
-    from ..stage import Stage
+
+class Seen(NamedTuple):
+    """The state that a step of undo may change."""
+
+    poses: tuple[RecordedPose, ...]
+    theta: Array
+    others: Mapping[str, float]
+
+
+class Show(Protocol):
+    """The state on show, as a part sees and changes it."""
+
+    arm: Arm
+    theta: Array
+    others: dict[str, float]
+    visible: dict[str, bool]
+    driven: bool
+
+    @property
+    def moving(self) -> bool:
+        """Whether a motion runs."""
+
+    @property
+    def playback(self) -> Playback | None:
+        """The trajectory that is loaded."""
+
+    def show(self, theta: Array) -> None:
+        """Stand at theta (n,); whatever moves the arm stops."""
+
+    def go(self, theta: Array, ease: bool, now: float) -> None:
+        """Stand at theta (n,), with `ease` in half a second."""
+
+    def stand_by(self, trajectory: Trajectory, limits: JointLimits) -> None:
+        """Stand at the start of a trajectory that was planned by `limits`."""
+
+    def draw_path(self, path: Mapping[str, Any]) -> None:
+        """Draw this way of the tool."""
+
+    def require_free(self) -> None:
+        """InputError while a servo drives the arm."""
+
+    def seen(self) -> Seen:
+        """The list of poses, and where the arm stands or is about to."""
 
 
 class Part(Protocol):
@@ -20,9 +67,9 @@ class Part(Protocol):
     requests: frozenset[str] = frozenset()
     """The kinds of request that it answers."""
 
-    def handle(self, request: Request, stage: Stage, now: float) -> Job | None:
+    def handle(self, request: Request, show: Show, now: float) -> Job | None:
         """Do what a page asks for at `now` [s], or return the job that will; TwistarmError where it cannot be done."""
         raise InputError(f"no such request: {request.kind}")
 
-    def messages(self, stage: Stage) -> Iterable[Message]:
+    def messages(self, show: Show) -> Iterable[Message]:
         """What the pages are told of it; the same object while nothing has changed, where it is large."""

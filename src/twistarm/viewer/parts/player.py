@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from typing import TYPE_CHECKING
 
 from ...limits.joint_limits import JointLimits
 from ...planning.trajectory import Trajectory
@@ -13,10 +12,8 @@ from ..protocol.jobs import Job
 from ..protocol.message_cache import Message
 from ..protocol.messages import Request
 from .admission import checked_theta
+from .part import Show
 from .playback import Playback
-
-if TYPE_CHECKING:
-    from ..stage import Stage
 
 SPEEDS = (0.05, 20.0)
 """Slowest and fastest that a page may play; whoever calls from Python may go beyond, and that speed is kept."""
@@ -30,7 +27,7 @@ class Player:
     def __init__(self) -> None:
         self.playback: Playback | None = None
 
-    def handle(self, request: Request, stage: Stage, now: float) -> Job | None:
+    def handle(self, request: Request, show: Show, now: float) -> Job | None:
         """Do what a page asks for; InputError where no trajectory is loaded."""
         if self.playback is None:
             raise InputError(f"nothing to {request.kind}: no trajectory is loaded")
@@ -42,7 +39,7 @@ class Player:
             self._pace(self.playback, request.fields["speed"], request.fields["loop"])
         else:
             self.playback.seek(request.fields["time"])
-            stage.theta = checked_theta(stage.arm, self.playback.theta())
+            show.theta = checked_theta(show.arm, self.playback.theta())
         return None
 
     def _pace(self, playback: Playback, speed: float, loop: bool) -> None:
@@ -51,7 +48,7 @@ class Player:
             raise InputError(f"speed must be {slowest:g} … {fastest:g} times the trajectory's own; got {speed:g}")
         playback.speed, playback.loop = speed, loop
 
-    def messages(self, stage: Stage) -> Iterator[Message]:
+    def messages(self, show: Show) -> Iterator[Message]:
         """The trajectory that is loaded; duration null where none is."""
         at = self.playback
         yield {

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
@@ -12,11 +12,8 @@ from ...model.arm import Arm
 from ...planning.trajectory import Trajectory
 from ...support.checks import Array
 from ..protocol.message_cache import Message
-from .part import Part
+from .part import Part, Show
 from .playback import Playback
-
-if TYPE_CHECKING:
-    from ..stage import Stage
 
 RATES = ("position", "velocity", "acceleration")
 """By the order of the derivative."""
@@ -40,12 +37,12 @@ class Plots(Part):
         self._shown: Trajectory | None = None
         self._message = NO_PLOTS
 
-    def messages(self, stage: Stage) -> Iterator[Message]:
+    def messages(self, show: Show) -> Iterator[Message]:
         """The same object as long as the trajectory is the same."""
-        at = stage.player.playback
+        at = show.playback
         loaded = None if at is None else at.trajectory
         if loaded is not self._shown:
-            self._shown, self._message = loaded, plots(stage.arm, at)
+            self._shown, self._message = loaded, plots(show.arm, at)
         yield self._message
 
 

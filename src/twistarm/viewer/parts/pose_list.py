@@ -32,6 +32,10 @@ class RecordedPose:
     theta: Array
 
 
+LeftOut = tuple[tuple[str, ...], Mapping[str, Any]]
+"""A pose that does not fit the arm on show: the joints that it moves, and its name and theta."""
+
+
 class PoseList:
     """Poses of one arm in their order. Whatever is refused leaves the list as it was."""
 

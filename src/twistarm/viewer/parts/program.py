@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from functools import partial
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
@@ -17,11 +17,9 @@ from ...support.errors import InputError, LimitError
 from ..protocol.jobs import Job, Progress
 from ..protocol.message_cache import Message
 from ..protocol.messages import Request
+from .part import Show
 from .pose_list import PoseList, RecordedPose
 from .tool_path import tool_path
-
-if TYPE_CHECKING:
-    from ..stage import Stage
 
 STALE = "The list has changed since this motion was planned: plan again."
 
@@ -47,13 +45,13 @@ class Program:
         self._shown: tuple[Any, ...] = ()
         self._message: Message = {}
 
-    def handle(self, request: Request, stage: Stage, now: float) -> Job | None:
+    def handle(self, request: Request, show: Show, now: float) -> Job | None:
         """Do what a page asks for; a plan is a job. TwistarmError, and nothing changed, where it cannot."""
         kind, fields = request.kind, request.fields
         if kind == "plan":
-            return self._plan(fields["kind"], fields["stop"], stage)
+            return self._plan(fields["kind"], fields["stop"], show)
         if kind == "record":
-            self.list.record(fields["name"], stage.theta)
+            self.list.record(fields["name"], show.theta)
         elif kind == "rename":
             self.list.rename(fields["id"], fields["name"])
         elif kind == "reorder":
@@ -61,14 +59,14 @@ class Program:
         elif kind == "delete":
             self.list.delete(fields["id"])
         elif kind == "go":
-            stage.go(self.list.theta(fields["id"]), fields["ease"], now)
+            show.go(self.list.theta(fields["id"]), fields["ease"], now)
         else:
             self.list.replace(fields["joints"], fields["poses"])
         return None
 
-    def messages(self, stage: Stage) -> Iterator[Message]:
+    def messages(self, show: Show) -> Iterator[Message]:
         """The list, and whether the trajectory that is loaded is the one through it."""
-        at = stage.player.playback
+        at = show.playback
         loaded = None if at is None else at.trajectory
         shown = (self.list.poses, loaded)
         if len(self._shown) != 2 or any(old is not new for old, new in zip(self._shown, shown, strict=True)):
@@ -90,15 +88,15 @@ class Program:
         note = ("; ".join(filter(None, (straight, self._usual))) if current else STALE) if ours else ""
         return {"type": "program", "poses": poses, "planned": current, "kind": kind, "stop": stop, "note": note}
 
-    def _plan(self, kind: Kind, stop: bool, stage: Stage) -> Job:
+    def _plan(self, kind: Kind, stop: bool, show: Show) -> Job:
         poses = self.list.poses
         if len(poses) < 2:
             raise InputError(f"a motion needs at least two poses; the list has {len(poses)}: record another")
         points = np.array([pose.theta for pose in poses])
         if not np.ptp(points, axis=0).any():
             raise InputError("the poses of the list are all the same: there is no motion between them")
-        work = partial(self._work, stage.arm, points, kind, stop)
-        return Job("plan", "planning the motion", work, partial(self._finish, stage, poses, (kind, stop)))
+        work = partial(self._work, show.arm, points, kind, stop)
+        return Job("plan", "planning the motion", work, partial(self._finish, show, poses, (kind, stop)))
 
     def _work(
         self, arm: Arm, points: Array, kind: Kind, stop: bool, progress: Progress
@@ -112,17 +110,17 @@ class Program:
 
     def _finish(
         self,
-        stage: Stage,
+        show: Show,
         poses: tuple[RecordedPose, ...],
         asked: tuple[Kind, bool],
         result: tuple[Trajectory, dict[str, Any]],
     ) -> None:
-        if stage.driven:
+        if show.driven:
             raise InputError("the motion was planned and not loaded: a servo drives the arm meanwhile")
         self._motion, path = result
         self._through, self._asked = _ids(poses), asked
-        stage.stand_by(self._motion, self.limits)
-        stage.draw_path(path)
+        show.stand_by(self._motion, self.limits)
+        show.draw_path(path)
 
 
 def _ids(poses: tuple[RecordedPose, ...]) -> tuple[int, ...]:

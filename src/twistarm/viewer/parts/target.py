@@ -6,7 +6,7 @@ import math
 import time
 from collections.abc import Iterator, Mapping
 from functools import partial
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
@@ -19,9 +19,7 @@ from ..protocol.jobs import Job
 from ..protocol.message_cache import Message
 from ..protocol.messages import Request
 from ..scene.ghost import ghost
-
-if TYPE_CHECKING:
-    from ..stage import Stage
+from .part import Show
 
 MAX_TIME = 0.5
 """Of a search [s]. The compiled core needs 3 ms at most; without it, a target out of reach takes some 0.4 s."""
@@ -56,7 +54,7 @@ class TargetPart:
         self._wanted = False  # whether an answer may still come
         self._number = self._answered = 0  # of the latest target asked for, and of the one whose answer is on show
 
-    def handle(self, request: Request, stage: Stage, now: float) -> Job | None:
+    def handle(self, request: Request, show: Show, now: float) -> Job | None:
         """Solve for a target, from the configuration on show, or let it go. InputError for what can be no target.
 
         What one short search meets is answered at once; only what it does not meet is a job.
@@ -64,32 +62,32 @@ class TargetPart:
         if request.kind == "release":
             self._release()
             return None
-        target, given = _target(stage.arm, request.fields), dict(request.fields)
-        stage.show(stage.theta)  # a running trajectory stops
+        target, given = _target(show.arm, request.fields), dict(request.fields)
+        show.show(show.theta)  # a running trajectory stops
         self._number += 1
         self._wanted = True
-        finish = partial(self._finish, stage, stage.theta, self._number)
-        solution = solved_at_once(stage.arm, target, stage.theta)
+        finish = partial(self._finish, show, show.theta, self._number)
+        solution = solved_at_once(show.arm, target, show.theta)
         if solution is not None:
             finish((solution.theta, _told(given, solution)))
             return None
-        solve = partial(_solved, stage.arm, target, given, stage.theta, stage.others)
+        solve = partial(_solved, show.arm, target, given, show.theta, show.others)
         return Job("target", "solving for the target", lambda _: solve(), finish)
 
-    def messages(self, stage: Stage) -> Iterator[Message]:
+    def messages(self, show: Show) -> Iterator[Message]:
         """The target given, whether it is met, and the words of its solution."""
-        if self._shown is not None and stage.theta is not self._shown:
+        if self._shown is not None and show.theta is not self._shown:
             self._release()
         yield self._told
 
-    def _finish(self, stage: Stage, start: Array, number: int, answer: Answer) -> None:
+    def _finish(self, show: Show, start: Array, number: int, answer: Answer) -> None:
         """Show the answer, unless a later target has its answer, the target was let go, or something moved the arm."""
-        moved = stage.theta is not start and stage.theta is not self._shown
-        if number < self._answered or not self._wanted or moved or stage.driven or stage.moving:
+        moved = show.theta is not start and show.theta is not self._shown
+        if number < self._answered or not self._wanted or moved or show.driven or show.moving:
             return
         self._answered = number
         self._shown, self._told = answer
-        stage.show(self._shown)
+        show.show(self._shown)
 
     def _release(self) -> None:
         self._told, self._shown, self._wanted = NOTHING, None, False

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
@@ -13,11 +13,8 @@ from ...theory.screws import to_screw
 from ..protocol.message_cache import Message
 from ..scene.axes import AXIS_HALF, PITCHLESS, anchors, arm_size
 from ..scene.nodes import screw_path
-from .part import Part
+from .part import Part, Show
 from .theory_numbers import numbers
-
-if TYPE_CHECKING:
-    from ..stage import Stage
 
 SHOWN = ("numbers", "screw", "spatial_columns", "body_columns", "linear_ellipsoid", "angular_ellipsoid")
 """The layers that need these numbers."""
@@ -38,22 +35,22 @@ class Theory(Part):
         self._moved = 0
         self._numbers: Message = {}
 
-    def messages(self, stage: Stage) -> Iterator[Message]:
+    def messages(self, show: Show) -> Iterator[Message]:
         """The joints' axes; and the numbers, where they are looked at."""
         yield self._axes
-        if any(stage.visible[layer] for layer in SHOWN):
-            if stage.theta is not self._theta:
-                self._moved = self._which_moved(stage)
-                self._theta = stage.theta
-                self._numbers = {"type": "theory", "moved": self._moved, **numbers(stage.arm, *_motion(stage))}
+        if any(show.visible[layer] for layer in SHOWN):
+            if show.theta is not self._theta:
+                self._moved = self._which_moved(show)
+                self._theta = show.theta
+                self._numbers = {"type": "theory", "moved": self._moved, **numbers(show.arm, *_motion(show))}
             yield self._numbers
 
-    def _which_moved(self, stage: Stage) -> int:
+    def _which_moved(self, show: Show) -> int:
         """The coordinate that changed most since the last time, metres measured in the arm's reach."""
-        if self._theta is None or np.array_equal(stage.theta, self._theta):
+        if self._theta is None or np.array_equal(show.theta, self._theta):
             return self._moved
-        length = np.where(np.array(stage.arm.units) == "m", stage.arm.reach, 1.0)
-        return int(np.argmax(np.abs(stage.theta - self._theta) / length))
+        length = np.where(np.array(show.arm.units) == "m", show.arm.reach, 1.0)
+        return int(np.argmax(np.abs(show.theta - self._theta) / length))
 
 
 def axes(arm: Arm) -> dict[str, Any]:
@@ -79,12 +76,12 @@ def axes(arm: Arm) -> dict[str, Any]:
     }
 
 
-def _motion(stage: Stage) -> tuple[Array, Array | None]:
+def _motion(show: Show) -> tuple[Array, Array | None]:
     """The configuration on show, and the rates (n,) with which the trajectory on show passes it, if it does."""
-    playback = stage.player.playback
-    if playback is None or not (playback.running or np.array_equal(playback.theta(), stage.theta)):
-        return stage.theta, None
-    return stage.theta, playback.trajectory(playback.time, 1)
+    playback = show.playback
+    if playback is None or not (playback.running or np.array_equal(playback.theta(), show.theta)):
+        return show.theta, None
+    return show.theta, playback.trajectory(playback.time, 1)
 
 
 def _plain_pitch(pitch: float, size: float) -> float | None:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import base64
 from collections.abc import Iterator
 from functools import partial
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
@@ -14,10 +14,7 @@ from ...model.inability import NO_MOTION
 from ...support.checks import Array
 from ..protocol.jobs import Job, Progress
 from ..protocol.message_cache import Message
-from .part import Part
-
-if TYPE_CHECKING:
-    from ..stage import Stage
+from .part import Part, Show
 
 POINTS = 20_000
 """Dense enough to show the shape of a six-joint arm's reach."""
@@ -34,13 +31,13 @@ class Workspace(Part):
     def __init__(self) -> None:
         self._cloud: Message | None = None
 
-    def switched(self, what: str, stage: Stage) -> Job | None:
+    def switched(self, what: str, show: Show) -> Job | None:
         """The job that samples the cloud, where it has been switched on and is not there."""
-        if what != "workspace" or self._cloud is not None or not stage.visible["workspace"]:
+        if what != "workspace" or self._cloud is not None or not show.visible["workspace"]:
             return None
-        return Job("workspace", "sampling the workspace", partial(sampled_workspace, stage.arm), self._finish)
+        return Job("workspace", "sampling the workspace", partial(sampled_workspace, show.arm), self._finish)
 
-    def messages(self, stage: Stage) -> Iterator[Message]:
+    def messages(self, show: Show) -> Iterator[Message]:
         """The cloud, once it is there."""
         if self._cloud is not None:
             yield self._cloud

@@ -1,4 +1,4 @@
-"""What answers a browser: the page's files, and one socket per page with an outbox that cannot grow."""
+"""Handlers of the web server: the page's files, and one socket per page with an outbox that cannot grow."""
 
 from __future__ import annotations
 
@@ -6,21 +6,21 @@ import asyncio
 import time
 from collections import Counter
 from collections.abc import Awaitable, Mapping
-from typing import TYPE_CHECKING, Any
+from typing import Any, Protocol
 
 import tornado.web
 import tornado.websocket
 
 from ...support.errors import TwistarmError
 from ...support.strict_json import encode
+from ..protocol.message_cache import Message
+from ..scene.arm_scene import Scene
+from ..stage import Stage
 from .daemon_threads import aside
 from .door import ALWAYS
 from .downloads import DOWNLOADS, Download
+from .guard import Guard
 from .visitor import Peer, Visitor, first_to_leave
-
-if TYPE_CHECKING:
-    from ..scene.arm_scene import Scene
-    from .server import Server
 
 POLICY = (
     "default-src 'none'; script-src 'self'; style-src 'self' 'unsafe-inline'; img-src 'self' data: blob:; "
@@ -43,6 +43,34 @@ MOST_PAGES = 64
 
 MOST_FILES = 4
 """Files at a time made for one computer, and on their way to it."""
+
+
+class Service(Protocol):
+    """The view, as a handler needs it."""
+
+    stage: Stage
+    scene: Scene
+    guard: Guard
+    clients: dict[SocketHandler, None]
+    writing: asyncio.Lock
+
+    def current(self) -> Stage:
+        """What is on show now."""
+
+    def name_page(self) -> str:
+        """A name for a page that has just come."""
+
+    def state(self) -> Mapping[str, str]:
+        """Everything that a new page is told, by type."""
+
+    def greeting(self) -> str:
+        """The first message about a scene."""
+
+    def receive(self, text: str | bytes, sender: str) -> list[Message]:
+        """The replies to a message of a page."""
+
+    def leave(self, sender: str) -> None:
+        """A page is gone, and so is what it commanded."""
 
 
 class FileHandler(tornado.web.RequestHandler):
@@ -85,7 +113,7 @@ class PageHandler(FileHandler):
 class DownloadHandler(FileHandler):
     """GET /TOKEN/NAME: a file of DOWNLOADS, made in a thread, one after the other."""
 
-    def initialize(self, server: Server) -> None:
+    def initialize(self, server: Service) -> None:
         """Called by tornado with the arguments of the route."""
         self.server = server
 
@@ -118,7 +146,7 @@ class DownloadHandler(FileHandler):
 class SocketHandler(tornado.websocket.WebSocketHandler):
     """One page. Its outbox holds the latest message of each type, so one that reads slowly or never costs nothing."""
 
-    def initialize(self, server: Server) -> None:
+    def initialize(self, server: Service) -> None:
         """Called by tornado with the arguments of the route."""
         self.server = server
         self._outbox: dict[str, str] = {}

@@ -1,26 +1,22 @@
-"""Which address is answered by what."""
+"""Routes of the web server: addresses and their handlers."""
 
 from __future__ import annotations
 
 import re
-from typing import TYPE_CHECKING
 
 import tornado.web
 
 from ...support.strict_json import LARGEST_MESSAGE
 from ..page_files import page_files
 from .downloads import DOWNLOADS
-from .handlers import DownloadHandler, PageHandler, SocketHandler
+from .handlers import DownloadHandler, PageHandler, Service, SocketHandler
 from .preloading import with_preloads
-
-if TYPE_CHECKING:
-    from .server import Server
 
 PING_TIME = 20
 """Seconds between two signs of life that a page is asked for, and until one that gives none is let go."""
 
 
-def application(server: Server) -> tornado.web.Application:
+def application(server: Service) -> tornado.web.Application:
     """Everything stands under the token, which the door has seen."""
     shared, files = {"server": server}, page_files()
     files[""] = (files[""][0], with_preloads(files[""][1]))

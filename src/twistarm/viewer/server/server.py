@@ -13,9 +13,7 @@ from typing import Any, TypeVar
 
 from ...support.errors import InputError, TwistarmError
 from ...support.strict_json import encode
-from ..parts.carrying import carry
 from ..parts.commands import COMMANDS, PageCommands
-from ..parts.driver import Driver
 from ..parts.findings import Examination
 from ..protocol.change_publisher import News, Source
 from ..protocol.jobs import Job, Progress, Workers
@@ -23,8 +21,10 @@ from ..protocol.message_cache import Message
 from ..protocol.messages import Request, failure, number_of, parse
 from ..scene.arm_scene import Scene
 from ..stage import Stage
+from ..state_transfer import carry
 from .complaints import Complaints
 from .door import Door
+from .driver import Driver
 from .guard import Guard
 from .handlers import SocketHandler
 from .invitations import Invitations

@@ -1,4 +1,4 @@
-"""A servo on simulated joints inside the view: what the switch Drive of a page begins and ends."""
+"""Drive: a servo on simulated joints inside the view, which a page's switch begins and ends."""
 
 from __future__ import annotations
 
@@ -6,7 +6,6 @@ import threading
 import time
 from collections.abc import Callable
 from math import inf
-from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -14,17 +13,15 @@ from ...model.usual_limits import defaults_line
 from ...servo import ServoSettings, ServoState
 from ...stream import Cycle, Ending, Reading, SimulatedJoints, run
 from ...support.errors import InputError
-from .admission import require_all_inside
-from .commands import PageCommands
-from .servo_words import servo_words
-
-if TYPE_CHECKING:
-    from ..stage import Stage
+from ..parts.admission import require_all_inside
+from ..parts.commands import PageCommands
+from ..parts.servo_words import servo_words
+from ..stage import Stage
 
 LONGEST_REST = 3.0
 """Seconds after which the end comes though the simulated joints still move: with very low accelerations."""
 
-Post = Callable[[str, Callable[["Stage"], None]], None]
+Post = Callable[[str, Callable[[Stage], None]], None]
 """Has a change of the stage applied in the loop."""
 
 

@@ -1,27 +1,21 @@
-"""What stays on show when another arm takes the place of one: by the names of its joints, as far as it fits."""
+"""State transfer: what was on show stays when another arm takes the place of one, by the names of its joints."""
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
-from typing import TYPE_CHECKING, Any
+from collections.abc import Iterator
 
 import numpy as np
 
-from ...limits.joint_limits import JointLimits
-from ...planning.trajectory import Trajectory
-from ...planning.within import require_within
-from ...support.checks import Array
-from ...support.errors import LimitError, listed
-from .admission import LIMIT_TOL
-from .pose_list import told
-from .summary import extra_joints
-from .tool_path import tool_path
-
-if TYPE_CHECKING:
-    from ..stage import Stage
-
-Left = tuple[tuple[str, ...], Mapping[str, Any]]
-"""A pose that does not fit: the joints that it moves, and its name and theta."""
+from ..limits.joint_limits import JointLimits
+from ..planning.trajectory import Trajectory
+from ..planning.within import require_within
+from ..support.checks import Array
+from ..support.errors import LimitError, listed
+from .parts.admission import LIMIT_TOL
+from .parts.pose_list import LeftOut, told
+from .parts.summary import extra_joints
+from .parts.tool_path import tool_path
+from .stage import Stage
 
 
 def carry(old: Stage, new: Stage) -> list[str]:
@@ -53,7 +47,7 @@ def _posture(old: Stage, new: Stage) -> Iterator[str]:
 def _poses(old: Stage, new: Stage) -> Iterator[str]:
     joints = old.arm.joint_names
     here = [(joints, {"name": pose.name, "theta": pose.theta.tolist()}) for pose in old.program.list.poses]
-    left: list[Left] = []
+    left: list[LeftOut] = []
     reasons: list[str] = []
     for moved, pose in [*here, *old.left]:
         before = len(reasons)
