@@ -32,7 +32,7 @@ def target_from(kind, g, rng):
     if kind == "Approach":
         axis = rng.normal(size=3)
         return Approach(g[:3, 3], g[:3, :3] @ axis, tool_axis=axis)
-    return Task(g, TASK_TOLERANCE, frame=("tool", "base")[rng.integers(2)])
+    return Task(g, TASK_TOLERANCE, frame=("target", "base")[rng.integers(2)])
 
 
 def pinocchio_fk(arm, theta):
@@ -56,7 +56,7 @@ def errors(target, g):
     p, w = g[:3, 3] - target.g[:3, 3], pin.log3(g[:3, :3] @ R_g.T)
     if isinstance(target, Pose):
         return np.linalg.norm(p), np.linalg.norm(w)
-    if target.frame == "tool":
+    if target.frame == "target":
         p, w = R_g.T @ p, R_g.T @ w
     beyond = np.maximum(np.abs(np.r_[p, w]) - target.tolerance, 0.0)
     beyond[3:][target.tolerance[3:] >= np.pi] = 0.0
@@ -96,7 +96,7 @@ def judged_batch(arm, targets, batch):
 
 def require_core(arm):
     """For sweeps that only the compiled core gets through: skips without it, fails where nothing may be skipped."""
-    if arm.compiled is None:
+    if arm._compiled is None:
         (pytest.fail if os.environ.get("TWISTARM_REQUIRE_ALL") else pytest.skip)("needs the compiled core")
 
 

@@ -356,7 +356,7 @@ def test_an_arm_by_hand_answers_without_a_description() -> None:
     assert np.allclose(by_hand.body_jacobian(theta), scara.body_jacobian(theta), atol=ROUNDING)
     assert np.allclose(by_hand.spatial_jacobian(theta), scara.spatial_jacobian(theta), atol=ROUNDING)
     assert by_hand.joint_types == ("revolute", "revolute", "revolute", "prismatic")
-    g, J = by_hand.fk_and_body_jacobian(theta[0])
+    g, J = by_hand._fk_and_body_jacobian(theta[0])
     assert np.allclose(g, scara.fk(theta[0]), atol=ROUNDING)
     assert np.allclose(J, scara.body_jacobian(theta[0]), atol=ROUNDING)
     with pytest.raises(TwistarmError, match="made from screws, not from a description"):

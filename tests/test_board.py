@@ -8,7 +8,7 @@ from typing import Any
 import pytest
 
 from twistarm.viewer.protocol import message_cache as board_module
-from twistarm.viewer.protocol.message_cache import Board
+from twistarm.viewer.protocol.message_cache import MessageCache
 
 
 @pytest.fixture
@@ -25,7 +25,7 @@ def encoded(monkeypatch: pytest.MonkeyPatch) -> list[str]:
 
 
 def test_what_says_the_same_is_neither_encoded_nor_told_again(encoded: list[str]) -> None:
-    board = Board()
+    board = MessageCache()
     frame, path = {"type": "frame", "theta": [0.0]}, {"type": "path", "points": [1, 2, 3]}
     assert set(board.refresh([frame, path])) == {"frame", "path"}
     assert board.refresh([frame, {**path, "points": [1, 2, 3]}]) == {}
@@ -36,7 +36,7 @@ def test_what_says_the_same_is_neither_encoded_nor_told_again(encoded: list[str]
 
 
 def test_a_late_page_gets_the_latest_of_everything() -> None:
-    board = Board()
+    board = MessageCache()
     for k in range(5):
         board.refresh([{"type": "frame", "time": k}])
         board.refresh([{"type": "work", "jobs": []}])
@@ -47,14 +47,14 @@ def test_a_late_page_gets_the_latest_of_everything() -> None:
 
 
 def test_texts_are_the_caller_s_own() -> None:
-    board = Board()
+    board = MessageCache()
     board.refresh([{"type": "frame"}])
     board.texts().clear()
     assert list(board.texts()) == ["frame"]
 
 
 def test_what_cannot_be_encoded_is_an_error_each_time_and_leaves_what_was_shown() -> None:
-    board = Board()
+    board = MessageCache()
     board.refresh([{"type": "frame", "time": 1.0}])
     broken = {"type": "frame", "time": float("nan")}
     for _ in range(2):

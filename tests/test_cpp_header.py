@@ -324,7 +324,7 @@ def drawn_targets(arm: Arm, hard: list[list[float]], count: int) -> list[Pose | 
         Pose,
         lambda g: Position(g[:3, 3]),
         lambda g: Approach(g[:3, 3], 2 * g[:3, :3] @ arm.tool_axis, arm.tool_axis),
-        lambda g: Task(g, along, "tool"),
+        lambda g: Task(g, along, "target"),
         lambda g: Task(g, about, "base"),
     )
     return [kind(g) for g in goals for kind in kinds]
@@ -400,7 +400,7 @@ def test_names_poses_and_limits(compiler: str, tmp_path: Path) -> None:
     compile_one([*command, str(tmp_path / "names.cpp"), "-o", str(tmp_path / "names")])
     done = subprocess.run([tmp_path / "names"], capture_output=True, check=True, timeout=60)
     digest, *said = done.stdout.decode("utf-8").split("\0")[:-1]
-    assert digest == digest_of(arm.kept)
+    assert digest == digest_of(arm._baked)
     assert tuple(said[:3]) == names
     assert said[3] == "ready"
     assert np.array_equal(np.array(said[4:7], float), arm.ready)

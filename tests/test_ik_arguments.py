@@ -135,7 +135,7 @@ def test_a_rotation_is_rounded_by_the_core_as_in_python() -> None:
 ])  # fmt: skip
 def test_the_core_leaves_to_python_whatever_is_out_of_range(given: dict[str, Any]) -> None:
     require_core(ARM)
-    chain = ARM.compiled
+    chain = ARM._compiled
     assert chain is not None
     right = {"kind": 0, "numbers": G[None], "theta0": ARM.ready, "position_tol": 1e-6, "orientation_tol": 1e-6,
              "restarts": 3, "seed": 0, "max_time": None, "posture": None, "threads": 1, "progress": None}  # fmt: skip

@@ -30,7 +30,7 @@ def problems(arm, count, seed=0):
 @pytest.fixture(scope="module")
 def arm():
     arm = load("rover_arm_6dof")
-    if arm.compiled is None:
+    if arm._compiled is None:
         pytest.skip("no compiled core; tests/test_engine.py says whether there should be one")
     return arm
 
@@ -128,7 +128,7 @@ def test_what_was_asked_is_kept(arm):
 def test_a_posture_holds_for_every_target():
     arm = load("panda")
     g, theta0 = problems(arm, 30)
-    batch = solve_ik_batch(arm, g, theta0, posture="centre")
+    batch = solve_ik_batch(arm, g, theta0, posture="middle")
     plain = solve_ik_batch(arm, g, theta0)
     away = [np.linalg.norm(answer.theta - arm.limits.middle(), axis=1) for answer in (batch, plain)]
     assert batch.converged.all()

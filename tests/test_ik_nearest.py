@@ -39,7 +39,7 @@ def hard_target(arm, kind, rng, k):
     g[2, 3] *= STRETCH[k % 3][1]
     g[:3, :3] = Rotation.random(random_state=int(rng.integers(2**31))).as_matrix()
     if kind == "Task":
-        return Task(g, [0.02, 0.0, 0.01, 0.1, np.inf, 0.0], frame=("tool", "base")[k % 2])
+        return Task(g, [0.02, 0.0, 0.01, 0.1, np.inf, 0.0], frame=("target", "base")[k % 2])
     return target_from(kind, g, rng)
 
 
@@ -228,11 +228,11 @@ def test_the_words_of_a_failure():
 def test_the_words_for_targets():
     g = moved(np.eye(4), [0.1, 0, 0.25])
     task = Task(g, [np.inf, 0, 0, 0, 0, np.inf], frame="base")
-    assert Pose(g).asked() == "the pose at (0.1, 0, 0.25) m, turned 0.0° from the base's axes"
+    assert Pose(g).describe() == "the pose at (0.1, 0, 0.25) m, turned 0.0° from the base's axes"
     approach = "the position (0.1, 0, 0.25) m with the tool pointing {}along (0, 0, -1)"
-    assert Approach(g[:3, 3], [0, 0, -2]).asked() == approach.format("")
-    assert Approach(g[:3, 3], [0, 0, -2], [-1, 0, 0]).asked() == approach.format("its −x axis ")
-    assert task.asked() == (
+    assert Approach(g[:3, 3], [0, 0, -2]).describe() == approach.format("")
+    assert Approach(g[:3, 3], [0, 0, -2], [-1, 0, 0]).describe() == approach.format("its −x axis ")
+    assert task.describe() == (
         "the pose at (0.1, 0, 0.25) m within tolerances along the base's axes (x, turning about z free)"
     )
 

@@ -29,11 +29,11 @@ def null_gradient(arm, theta, posture, J):
 
 
 @pytest.mark.parametrize("name", ["panda", "xarm7"])
-@pytest.mark.parametrize("posture", ["theta0", "centre", "given"])
+@pytest.mark.parametrize("posture", ["theta0", "middle", "given"])
 @pytest.mark.promise(
-    'A redundant arm can be told where it would rather stand: `posture="theta0"`, `"centre"` (of the limits) or '
+    'A redundant arm can be told where it would rather stand: `posture="theta0"`, `"middle"` (of the limits) or '
     "a configuration.",
-    '`posture`: where a redundant arm would rather stand while it meets the target: "theta0", "centre" (the '
+    '`posture`: where a redundant arm would rather stand while it meets the target: "theta0", "middle" (the '
     "middle of the limits) or a configuration (n,).",
     "The answer is then moved in the null space to a minimum of ‖θ − posture‖².",
 )
@@ -41,7 +41,7 @@ def test_the_answer_is_a_minimum_of_the_distance_to_the_posture(solve, name, pos
     arm, rng = load(name), np.random.default_rng(3)
     for _ in range(3):
         g, theta0, given = arm.fk(arm.random_theta(rng)), arm.random_theta(rng), arm.random_theta(rng)
-        preferred = {"theta0": theta0, "centre": arm.limits.middle(), "given": given}[posture]
+        preferred = {"theta0": theta0, "middle": arm.limits.middle(), "given": given}[posture]
         plain = solve(arm, g, theta0)
         near = solve(arm, g, theta0, posture=given if posture == "given" else posture)
         assert near.converged
@@ -55,7 +55,7 @@ def test_the_answer_is_a_minimum_of_the_distance_to_the_posture(solve, name, pos
 @pytest.mark.parametrize("name", ["ur5", "so101"])
 def test_a_second_call_from_the_answer_moves_nothing(solve, name, kind):
     arm, rng = load(name), np.random.default_rng(11)
-    if solve is not solve_ik or arm.compiled is None:
+    if solve is not solve_ik or arm._compiled is None:
         pytest.skip("the textbook's walk is shorter")
     for _ in range(100):
         target = target_from(kind, arm.fk(arm.random_theta(rng)), rng)
@@ -94,7 +94,7 @@ def test_a_position_and_an_approach_leave_freedom_too(solve):
 def test_where_nothing_is_free_only_whole_turns_are_left(solve):
     arm = load("ur5")
     theta = arm.random_theta(np.random.default_rng(5))
-    near = solve(arm, arm.fk(theta), theta + 0.01, posture="centre")
+    near = solve(arm, arm.fk(theta), theta + 0.01, posture="middle")
     turns = (near.theta - theta) / (2 * np.pi)
     np.testing.assert_allclose(turns, np.round(turns), atol=1e-5)
     assert (np.abs(near.theta) <= np.pi + 1e-6).all()
@@ -103,9 +103,9 @@ def test_where_nothing_is_free_only_whole_turns_are_left(solve):
 @pytest.mark.parametrize(
     ("posture", "text"),
     [
-        ("home", "posture must be one of 'theta0', 'centre', 'ready', 'zero' or a configuration (6,); got 'home'"),
+        ("home", "posture must be one of 'theta0', 'middle', 'ready', 'zero' or a configuration (6,); got 'home'"),
         (np.zeros(5), "posture must have shape (..., 6)"),
-        (np.zeros((2, 6)), "posture must be 'theta0', 'centre' or one configuration (6,); got (2, 6)"),
+        (np.zeros((2, 6)), "posture must be 'theta0', 'middle' or one configuration (6,); got (2, 6)"),
         ([np.nan] * 6, "posture must be finite"),
     ],
 )

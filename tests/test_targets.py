@@ -81,9 +81,9 @@ def test_the_frame_of_a_task_turns_its_tolerances():
     beside = np.eye(4)
     beside[:3, :3], beside[0, 3] = g[:3, :3], 0.5
     # The base's x axis is the target's −y axis.
-    assert Task(g, [0, np.inf, 0, 0, 0, 0], frame="tool").position_error(beside) == pytest.approx(0)
+    assert Task(g, [0, np.inf, 0, 0, 0, 0], frame="target").position_error(beside) == pytest.approx(0)
     assert Task(g, [np.inf, 0, 0, 0, 0, 0], frame="base").position_error(beside) == pytest.approx(0)
-    assert Task(g, [np.inf, 0, 0, 0, 0, 0], frame="tool").position_error(beside) == pytest.approx(0.5)
+    assert Task(g, [np.inf, 0, 0, 0, 0, 0], frame="target").position_error(beside) == pytest.approx(0.5)
 
 
 # rows -------------------------------------------------------------------------------------------------
@@ -194,7 +194,7 @@ REFUSED = (
     (lambda: Task(np.eye(4), [0, 0, 0, 0, 0, np.nan]), "must not be negative or NaN"),
     (lambda: Task(np.eye(4), ["a"] * 6), "tolerance must be an array of real numbers"),
     (lambda: Task(np.eye(4), [np.inf] * 3 + [4.0] * 3), "leaves all six components free"),
-    (lambda: Task(np.eye(4), np.zeros(6), frame="world"), "frame must be 'tool' or 'base'"),
+    (lambda: Task(np.eye(4), np.zeros(6), frame="world"), "frame must be 'target' or 'base'"),
     (lambda: as_target("forward"), "target must be a Pose, Position, Approach or Task, or a pose (4, 4) in SE(3)"),
     (lambda: as_target(np.zeros(3)), "target must be a Pose, Position, Approach or Task"),
 )
@@ -220,4 +220,4 @@ def test_targets_are_read_only_and_picklable(kind):
     with pytest.raises(ValueError, match="read-only"):
         (target.p if hasattr(target, "p") else target.g)[0] = 1.0
     assert pickle.loads(pickle.dumps(target)).position_error(g) == target.position_error(g)
-    assert target.asked()
+    assert target.describe()

@@ -32,7 +32,7 @@ def test_between_the_loop_s_end_and_the_thread_s_methods_answer_from_the_stage(a
     viewer.play(swing(arm))
     viewer._server._thread = threading.Thread()
     assert_array_equal(viewer.theta, THETA)
-    assert viewer.poses == {}
+    assert viewer.recorded == {}
 
 
 def test_a_closed_view_shows_nothing_more_and_still_answers(arm: Arm, viewer: Viewer) -> None:

@@ -131,10 +131,10 @@ def test_hosts_ports_and_arms_have_their_own(arm: Arm, home: Path, port: int) ->
     with at(arm, port) as viewer:
         visit(viewer, record("one"))
     with at(load_arm("rr_planar"), port) as viewer:
-        assert viewer.poses == {}
+        assert viewer.recorded == {}
         assert viewer.notes == ()
     with at(arm, port) as viewer:
-        assert list(viewer.poses) == ["one"]
+        assert list(viewer.recorded) == ["one"]
 
 
 def test_a_port_in_use_leaves_what_is_kept_alone(arm: Arm, home: Path, port: int) -> None:
@@ -165,7 +165,7 @@ def test_what_does_not_fit_the_arm_any_more_is_left_out_and_stays_on_the_disk(
         visit(viewer, two_poses)
     path.write_text(ARM.replace('upper="1.5"', 'upper="0.5"'))
     with at(load_arm(path, tip="tool0"), port) as viewer:
-        assert list(viewer.poses) == ["low"]
+        assert list(viewer.recorded) == ["low"]
         (note,) = viewer.notes
         assert re.search(r"one does not fit: the pose 'bent': pitch = 68.7549° is outside", note)
         assert visit(viewer, nothing).latest["notice"] == {"type": "notice", "words": note, "wrong": False}
@@ -173,7 +173,7 @@ def test_what_does_not_fit_the_arm_any_more_is_left_out_and_stays_on_the_disk(
     assert poses_in(old) == ["bent", "low"]
     path.write_text(ARM.replace('name="pitch"', 'name="elbow"'))
     with at(load_arm(path, tip="tool0"), port) as viewer:
-        assert viewer.poses == {}
+        assert viewer.recorded == {}
         assert "the list moves yaw, pitch, slide; small has yaw, elbow, slide" in viewer.notes[0]
     assert poses_in(old) == ["bent", "low"]
     (later,) = home.glob("*.old2.json")
@@ -257,14 +257,14 @@ def test_a_damaged_list_is_told_and_set_aside(arm: Arm, home: Path, port: int, t
     at(arm, port).close()
     kept(home, ".json").write_text(text)
     with at(arm, port) as viewer:
-        assert viewer.poses == {}
+        assert viewer.recorded == {}
         assert "are not taken" in viewer.notes[0]
         assert "\n" not in viewer.notes[0]
         visit(viewer, record("one"))
     (old,) = home.glob("*.old.json")
     assert old.read_text() == text
     with at(arm, port) as viewer:
-        assert list(viewer.poses) == ["one"]
+        assert list(viewer.recorded) == ["one"]
 
 
 def test_a_folder_of_somebody_else_is_not_used(home: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:

@@ -12,7 +12,7 @@ from twistarm import Arm
 from twistarm.support.errors import InputError
 from twistarm.viewer import Viewer
 from twistarm.viewer.parts.theory import SHOWN
-from twistarm.viewer.protocol.change_publisher import News
+from twistarm.viewer.protocol.change_publisher import ChangePublisher
 from twistarm.viewer.protocol.messages import Request
 from twistarm.viewer.stage import Stage
 from viewer_page import Page, nothing, swing, visit
@@ -37,7 +37,7 @@ class Source:
 
 
 def test_a_source_that_fails_keeps_what_it_said_is_told_of_once_and_stops_no_other() -> None:
-    news, bad, good = News(), Source("bad"), Source("good")
+    news, bad, good = ChangePublisher(), Source("bad"), Source("good")
     assert set(news.gather([bad, good])) == {"bad", "good"}
     bad.failure, good.count = "out of numbers", 1
     told = read(news.gather([bad, good]))
@@ -54,7 +54,7 @@ def test_a_source_that_fails_keeps_what_it_said_is_told_of_once_and_stops_no_oth
 
 
 def test_what_is_no_json_is_a_failure_of_its_source() -> None:
-    news, bad = News(), Source("bad")
+    news, bad = ChangePublisher(), Source("bad")
     bad.count = float("nan")  # type: ignore[assignment]
     assert set(news.gather([bad, Source("good")])) == {"error", "good"}
 

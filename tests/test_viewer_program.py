@@ -266,9 +266,9 @@ def test_two_pages_edit_one_list_and_python_reads_it(arm: Arm, viewer: Viewer) -
         assert "no pose number" in other.latest["error"]["message"]
         other.connection.close()
 
-    assert viewer.poses == {}
+    assert viewer.recorded == {}
     visit(viewer, use)
-    assert_poses(viewer.poses, {"pose 2": HOME})
+    assert_poses(viewer.recorded, {"pose 2": HOME})
 
 
 def assert_poses(poses: Mapping[str, Any], expected: Mapping[str, Any]) -> None:

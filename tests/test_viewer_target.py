@@ -263,7 +263,7 @@ def test_while_a_servo_drives_there_is_no_target() -> None:
 def test_without_the_compiled_core(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr("twistarm.model.engine.core", lambda: None)
     arm = load_arm("rover_arm")
-    assert arm.compiled is None
+    assert arm._compiled is None
     stage = Stage(arm)
     assert ask(stage, "approach", *near(arm))["met"]
     message = ask(stage, "position", [9.0, 0.0, 0.0], [0, 0, 0, 1])

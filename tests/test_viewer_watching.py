@@ -87,7 +87,7 @@ def test_theta_poses_layers_and_motion_stay_where_the_arm_allows_them(viewer: Vi
     assert viewer.load(longer) == ()
     assert viewer.arm is longer
     assert_allclose(viewer.theta, THETA)
-    assert list(viewer.poses) == ["one", "two"]
+    assert list(viewer.recorded) == ["one", "two"]
     page = visit(viewer, nothing)
     assert page.latest["frame"]["others"] == {"finger": 0.03}
     assert not page.latest["visible"]["frames"]
@@ -99,9 +99,9 @@ def test_theta_poses_layers_and_motion_stay_where_the_arm_allows_them(viewer: Vi
     assert "2 poses are left out until they fit, the first: the pose 'one': pitch = -40.107° is outside" in left[1]
     assert left[2] == "the motion does not fit the arm any more and is gone"
     assert_allclose(viewer.theta, [THETA[0], -0.5, THETA[2]])
-    assert viewer.poses == {}
+    assert viewer.recorded == {}
     assert viewer.load(longer) == ()
-    assert_allclose(viewer.poses["two"], [THETA[0], 1.2, THETA[2]])
+    assert_allclose(viewer.recorded["two"], [THETA[0], 1.2, THETA[2]])
 
 
 def test_joints_that_come_and_go(viewer: Viewer, path: Path) -> None:
@@ -112,7 +112,7 @@ def test_joints_that_come_and_go(viewer: Viewer, path: Path) -> None:
     assert_allclose(viewer.theta, THETA[:2])
     viewer.load(changed(path))
     assert_allclose(viewer.theta[:2], THETA[:2])
-    assert list(viewer.poses) == ["one", "two"]
+    assert list(viewer.recorded) == ["one", "two"]
 
 
 def test_pages_that_are_open_are_given_the_arm_and_what_they_asked_is_answered(viewer: Viewer, path: Path) -> None:

@@ -113,8 +113,8 @@ def test_poses_are_recorded_gone_to_planned_and_played(page: Any, arm: Arm, view
     assert listed(page) == ["pose 1", "over the box", "pose 3"]
     press_of_the_list(page, "Go to over the box")
     until(page, "document.querySelectorAll('#pose-list li')[1].ariaCurrent === 'true'")
-    assert shown(page)["theta"] == viewer.poses["over the box"].tolist()
-    assert_array_equal(viewer.poses["over the box"], thetas[1])
+    assert shown(page)["theta"] == viewer.recorded["over the box"].tolist()
+    assert_array_equal(viewer.recorded["over the box"], thetas[1])
 
     plan(page, "cubic")
     motion = plan_joint(arm, thetas, limits=with_defaults(arm))
@@ -183,7 +183,7 @@ def test_the_list_is_edited_by_keyboard_and_mouse_and_two_pages_stay_in_step(
     until_listed(other, ["drop", "a", "b", "c"])
     press_of_the_list(other, "Delete b")
     until_listed(page, ["drop", "a", "c"])
-    assert list(viewer.poses) == ["drop", "a", "c"]
+    assert list(viewer.recorded) == ["drop", "a", "c"]
     page.keyboard.press("ControlOrMeta+z")
     until_listed(other, ["drop", "a", "b", "c"])
     other.get_by_role("button", name="Undo").click()
@@ -342,7 +342,7 @@ def test_a_list_is_saved_and_loaded_and_the_motion_exported(
     path.write_text(json.dumps(turned), "utf-8")
     choose(page, path)
     until_listed(page, ["one", "zwei", "三"])
-    assert_array_equal(list(viewer.poses.values()), thetas)
+    assert_array_equal(list(viewer.recorded.values()), thetas)
 
     plan(page, "trapezoid")
     motion = plan_joint(arm, thetas, kind="trapezoid", limits=with_defaults(arm))
@@ -381,7 +381,7 @@ def test_a_file_that_is_no_list_is_told_and_changes_nothing(
     path.write_text(text)
     choose(page, path)
     until(page, f"document.getElementById('error').textContent.includes({json.dumps(reason)})")
-    assert list(viewer.poses) == ["kept"]
+    assert list(viewer.recorded) == ["kept"]
 
 
 @pytest.fixture(scope="module")

@@ -17,7 +17,7 @@ def components(target, g):
     """Errors of position and rotation, component by component, as the definitions have them."""
     R_g, p_g = (target.g[:3, :3], target.g[:3, 3]) if hasattr(target, "g") else (np.eye(3), target.p)
     p, w = g[:3, 3] - p_g, pin.log3(g[:3, :3] @ R_g.T)
-    return (R_g.T @ p, R_g.T @ w) if isinstance(target, Task) and target.frame == "tool" else (p, w)
+    return (R_g.T @ p, R_g.T @ w) if isinstance(target, Task) and target.frame == "target" else (p, w)
 
 
 def by_slsqp(arm, target, rng, starts):

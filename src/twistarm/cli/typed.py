@@ -76,7 +76,7 @@ def parse_theta(arm: Arm, text: str, radians: bool, rest: tuple[str, Array] | No
     Joints that pairs leave out are as in `rest`, a name and its theta, by default the pose ready; a note says so. What
     lies outside a limit by rounding is put onto it.
     """
-    if text.strip() in arm.pose_names:
+    if text.strip() in arm.configurations:
         return arm.theta_from(text.strip())
     theta = _typed(arm, text, radians, rest)
     onto = np.clip(theta, arm.limits.lower, arm.limits.upper)
@@ -93,7 +93,7 @@ def _typed(arm: Arm, text: str, radians: bool, rest: tuple[str, Array] | None) -
     except ValueError as error:
         raise InputError(
             f"{text!r} is neither joint values ({arm.n} numbers, or joint=value …) nor one of the poses "
-            f"{listed(arm.pose_names)}"
+            f"{listed(arm.configurations)}"
         ) from error
     if theta.shape != (arm.n,):
         raise InputError(f"{arm.name} takes {arm.n} values ({', '.join(arm.joint_names)}); got {len(theta)}: {text!r}")

@@ -76,7 +76,7 @@ def cpp_header(arm: Arm) -> str:
     return _TEMPLATE.format(
         arm=_text(arm.name),
         namespace=namespace_of(arm.name),
-        digest=digest_of(arm.kept),
+        digest=digest_of(arm._baked),
         base=_text(arm.base),
         tip=_text(arm.tip),
         order=", ".join(f"{_text(name)} [{unit}]" for name, unit in zip(arm.joint_names, arm.units, strict=True)),
@@ -106,7 +106,7 @@ def cpp_header(arm: Arm) -> str:
 
 def _constants(arm: Arm) -> Mapping[str, Any]:
     """What the core has made of screws and home: its base, links, tip and coupling."""
-    chain: Any = arm.compiled
+    chain: Any = arm._compiled
     if chain is None:
         why = engine.why_not() or f"its chains have at most 32 joints; {arm.name} has {len(arm.moving_names)}"
         raise TwistarmError(f"a C++ header needs the compiled core: {why}")

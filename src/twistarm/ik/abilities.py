@@ -59,7 +59,7 @@ def split_rotation(arm: Arm, target: Target, theta: Array) -> Split:
 
     Rotation rows times the null space of the position rows span what can be undone; across it lies what cannot.
     """
-    g, J_b = arm.fk_and_body_jacobian(theta)
+    g, J_b = arm._fk_and_body_jacobian(theta)
     error, rows = target.rotation_rows(g, J_b)
     impossible = _across(rows @ _holding_position(target, g, J_b))
     part = impossible.T @ (impossible @ error)
@@ -71,7 +71,7 @@ def split_rotation(arm: Arm, target: Target, theta: Array) -> Split:
 
 def out_of_surface(arm: Arm, target: Target, theta: Array) -> Array:
     """Directions (k, 3) in base axes in which the position is missed, and in which the tool's origin never moves."""
-    g = arm.fk_and_body_jacobian(theta)[0]
+    g = arm._fk_and_body_jacobian(theta)[0]
     error, axes = target.position_rows(g, np.vstack([np.eye(3), np.zeros((3, 3))]))
     offset = g[:3, :3] @ axes.T @ error
     immovable = _immovable_directions(arm)
@@ -83,7 +83,7 @@ def _immovable_directions(arm: Arm) -> Array:
     """Directions (k, 3) in base axes along which the tool's origin never moves."""
     motions = []
     for theta in arm.random_theta(0, RANK_SAMPLES):
-        g, J_b = arm.fk_and_body_jacobian(theta)
+        g, J_b = arm._fk_and_body_jacobian(theta)
         motions.append(g[:3, :3] @ J_b[:3] / arm.reach)
     return _across(np.hstack(motions))
 
@@ -101,7 +101,7 @@ def approach_plane(arm: Arm, target: Target, theta: Array) -> ApproachPlane | No
     normal = _approach_normal(arm, target, theta, tool_axis)
     if normal is None:
         return None
-    g, J_b = arm.fk_and_body_jacobian(theta)
+    g, J_b = arm._fk_and_body_jacobian(theta)
     for motion in _holding_position(target, g, J_b).T:
         moved = _brought_to(arm, g[:3, 3], theta + SIDESTEP * motion)
         there = _approach_normal(arm, target, moved, tool_axis)
@@ -113,7 +113,7 @@ def approach_plane(arm: Arm, target: Target, theta: Array) -> ApproachPlane | No
 def _brought_to(arm: Arm, p: Array, theta: Array) -> Array:
     """The tool's origin brought to p (3,), limits aside, from a theta nearby: Newton's steps of least length."""
     for _ in range(STEPS):
-        g, J_b = arm.fk_and_body_jacobian(theta)
+        g, J_b = arm._fk_and_body_jacobian(theta)
         offset = g[:3, :3].T @ (p - g[:3, 3])
         if _norm(offset) <= HELD:
             break
@@ -123,7 +123,7 @@ def _brought_to(arm: Arm, p: Array, theta: Array) -> Array:
 
 def _approach_normal(arm: Arm, target: Target, theta: Array, tool_axis: Array) -> Array | None:
     """The normal, in base axes, of the plane in which the approach axis can turn at theta, or None."""
-    g, J_b = arm.fk_and_body_jacobian(theta)
+    g, J_b = arm._fk_and_body_jacobian(theta)
     turning = np.cross((J_b[3:] @ _holding_position(target, g, J_b)).T, tool_axis)
     _, size, directions = np.linalg.svd(turning)
     if not len(turning) or size[0] <= RANK_TOL or (size[1:] > RANK_TOL * size[0]).any():

@@ -134,7 +134,7 @@ def solve_ik_batch(
 
     Raises InputError for what cannot be a target (which one), a start, a tolerance or a number of threads.
     """
-    chain = require_arm(arm).compiled
+    chain = require_arm(arm)._compiled
     how = position_tol, orientation_tol, restarts, rng, max_time
     if chain is not None:
         start = arm.ready if theta0 is None else named(arm, theta0)
@@ -150,7 +150,7 @@ def solve_ik_batch(
     if chain is None:
         rows = _one_by_one(arm, asked, request, progress)
     else:
-        rows = _by_core(arm, chain, asked, request, Errand(workers, progress))
+        rows = _by_core(arm, chain, asked, request, BatchOptions(workers, progress))
     return IKBatch(arm, _begun(arm, rows), asked)
 
 
@@ -169,26 +169,28 @@ def _one(i: int, target: Any, arm: Arm, taken: Callable[[Arm, Any], AnyTarget] =
         raise InputError(f"targets[{i}]: {error}") from error
 
 
-class Errand(NamedTuple):
+class BatchOptions(NamedTuple):
     """How the core is to go about a batch."""
 
     threads: int
     progress: Progress | None
 
-    def after(self, before: int, count: int) -> Errand:
+    def after(self, before: int, count: int) -> BatchOptions:
         """The same for a part of the batch that follows `before` targets of `count`."""
         progress = self.progress
-        return self if progress is None else Errand(self.threads, lambda done, _: progress(before + done, count))
+        return self if progress is None else BatchOptions(self.threads, lambda done, _: progress(before + done, count))
 
 
-def _by_core(arm: Arm, chain: engine.Chain, targets: tuple[AnyTarget, ...], request: Request, errand: Errand) -> Array:
+def _by_core(
+    arm: Arm, chain: engine.Chain, targets: tuple[AnyTarget, ...], request: Request, options: BatchOptions
+) -> Array:
     """The rows of every target: those of a kind together."""
     rows = _no_rows(chain.n, len(targets))
     kinds = np.array([target.kind for target in targets], dtype=np.int64)
     for kind in range(len(KINDS)):
         of_kind = np.flatnonzero(kinds == kind)
         if len(of_kind):
-            how = *_part(request, of_kind).for_core, *errand.after(int((kinds < kind).sum()), len(targets))
+            how = *_part(request, of_kind).for_core, *options.after(int((kinds < kind).sum()), len(targets))
             found = chain.solve_batch(kind, np.array([targets[i].numbers for i in of_kind]), *how)
             if found is None:  # somebody has written into the arrays of a target
                 found = chain.solve_batch(

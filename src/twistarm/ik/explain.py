@@ -34,7 +34,7 @@ NEGLIGIBLE = math.radians(0.005)
 
 def explain(solution: IKSolution) -> str:
     """The solution in words, line by line."""
-    lines = [f"asked of {solution.arm.name}: {solution.target.asked()}", f"reached: {reached(solution)}"]
+    lines = [f"asked of {solution.arm.name}: {solution.target.describe()}", f"reached: {reached(solution)}"]
     if not solution.converged:
         lines.append(f"reason: {solution.stop.value}")
         lines += [f"  {line}" for line in _why(solution)]
@@ -44,7 +44,7 @@ def explain(solution: IKSolution) -> str:
 
 def summary(solution: IKSolution) -> str:
     """One line: what was asked, how far from it, the reason."""
-    return f"{solution.arm.name} does not meet {solution.target.asked()}: {reached(solution)}; {solution.stop.value}"
+    return f"{solution.arm.name} does not meet {solution.target.describe()}: {reached(solution)}; {solution.stop.value}"
 
 
 def reached(solution: IKSolution) -> str:

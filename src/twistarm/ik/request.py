@@ -22,7 +22,7 @@ MAX_RESTARTS = 1_000_000
 FARTHEST_START = 1e6
 """Beyond this [rad, m] a start is a mistake in the units, and whole turns toward it cost the answer its digits."""
 
-POSTURES = ("theta0", "centre")
+POSTURES = ("theta0", "middle")
 
 
 @dataclass(frozen=True, eq=False)
@@ -52,8 +52,8 @@ def named(arm: Arm, given: Any, start: Any = None) -> Any:
     if isinstance(given, str):
         if start is not None and given in POSTURES:
             return start if given == "theta0" else arm.middle
-        if given in arm.named_states or given in ("ready", "zero"):
-            return arm.theta_from(given)
+        if given in arm.configurations:
+            return arm.configurations[given]
     return given
 
 
@@ -111,13 +111,15 @@ def _posture(arm: Arm, posture: ArrayLike | str | None, start: Array, count: int
         return None
     known = named(arm, posture, start)
     if isinstance(known, str):
-        names = listed((*POSTURES, *arm.pose_names))
+        if known == "centre":
+            raise InputError("posture 'centre' is now 'middle': the middle of the limits")
+        names = listed((*POSTURES, *arm.configurations))
         raise InputError(f"posture must be one of {names} or a configuration ({arm.n},); got {shown(posture)}")
     given = start if known is start else arm.theta_from(known, name="posture")
     if given.ndim == 1 or (count is not None and given.shape == (count, arm.n)):
         return frozen(given)
     raise InputError(
-        f"posture must be 'theta0', 'centre' or one configuration ({arm.n},){_each(arm, count)}; got {given.shape}"
+        f"posture must be 'theta0', 'middle' or one configuration ({arm.n},){_each(arm, count)}; got {given.shape}"
     )
 
 

@@ -117,7 +117,7 @@ class IKSolution:
         """What the caller should know: joints of theta0 brought inside, another branch taken, no core to go on."""
         notes = self._moved_starts() if self._says(answer.START_MOVED) else []
         notes += [self._other_branch()] if self._says(answer.OTHER_BRANCH) else []
-        return tuple(notes if self.converged or self._arm.compiled is not None else [*notes, WITHOUT_CORE])
+        return tuple(notes if self.converged or self._arm._compiled is not None else [*notes, WITHOUT_CORE])
 
     def explain(self) -> str:
         """What was asked, what was reached, why not more, in plain words, line by line. Computed when called."""

@@ -35,14 +35,14 @@ def solve_ik(
     `max_time` [s] cuts it short. For a target within 1 cm and 1° of the pose of theta0 the answer stays within 0.2 rad
     (0.2 m) of theta0 where it can; `notes` says where it does not.
 
-    `posture`: where a redundant arm would rather stand while it meets the target: "theta0", "centre" (the middle of
+    `posture`: where a redundant arm would rather stand while it meets the target: "theta0", "middle" (the middle of
     the limits) or a configuration (n,). The answer is then moved in the null space to a minimum of ‖θ − posture‖².
 
     A target that cannot be met is no error: the solution is then the nearest configuration (the least position error
     inside the limits, then the least rotation error with the position held), `stop` says why, `explain()` says it
     in words. Raises InputError for what cannot be a target, a start or a tolerance.
     """
-    chain = (arm if type(arm) is Arm else require_arm(arm)).compiled
+    chain = (arm if type(arm) is Arm else require_arm(arm))._compiled
     # What is plainly right goes straight to the core; checking it here would cost more than solving it.
     if chain is not None:
         given = None if type(target) is np.ndarray else _as_given(arm, target)

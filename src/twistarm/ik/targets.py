@@ -70,7 +70,7 @@ class Pose(Brief):
         """The same kind of target, met by the pose g."""
         return Pose(g)
 
-    def asked(self) -> str:
+    def describe(self) -> str:
         """The target in words."""
         turned = math.degrees(rotation_errors.angle(self.g[:3, :3]))
         return f"the pose at {metres(self.g[:3, 3])}, turned {turned:.1f}° from the base's axes"
@@ -115,7 +115,7 @@ class Position(Brief):
         """The same kind of target, met by the pose g."""
         return Position(g[:3, 3])
 
-    def asked(self) -> str:
+    def describe(self) -> str:
         """The target in words."""
         return f"the position {metres(self.p)}"
 
@@ -200,7 +200,7 @@ class Approach(Brief):
         """The same kind of target, met by the pose g."""
         return Approach(g[:3, 3], g[:3, :3] @ self.axis, self.axis)
 
-    def asked(self) -> str:
+    def describe(self) -> str:
         """The target in words."""
         axis = "" if self.tool_axis is None else f"{direction_in_words(self.tool_axis, 'tool')} "
         return f"the position {metres(self.p)} with the tool pointing {axis}along {numbers(self.direction)}"
@@ -210,7 +210,7 @@ class Approach(Brief):
 class Task(Brief):
     """The pose g within `tolerance`, six numbers (x, y, z [m], rx, ry, rz [rad]).
 
-    The error is (p − p_g, log(R R_gᵀ)) in base axes, turned into the target's axes for frame="tool". A tolerance of 0
+    The error is (p − p_g, log(R R_gᵀ)) in base axes, turned into the target's axes for frame="target". A tolerance of 0
     is met to the solver's tolerance; inf, or ≥ π for a rotation, leaves the component free. Position and orientation
     error are the norms of the excess over the tolerances. Raises InputError for a negative tolerance, an unknown
     frame, or where nothing is constrained.
@@ -223,8 +223,10 @@ class Task(Brief):
 
     kind: ClassVar[int] = 3
 
-    def __init__(self, g: Matrix, tolerance: Row, frame: str = "tool") -> None:
-        base_axes = require_choice(frame, ("tool", "base"), "frame") == "base"
+    def __init__(self, g: Matrix, tolerance: Row, frame: str = "target") -> None:
+        if isinstance(frame, str) and frame == "tool":
+            raise InputError("frame 'tool' is now 'target': the tolerances lie along the target's axes")
+        base_axes = require_choice(frame, ("target", "base"), "frame") == "base"
         numbers = _checked("task", g, tolerance, base_axes)
         if numbers is None:
             numbers = frozen([*_one_pose(g, "pose g").flat, *_as_tolerance(tolerance), base_axes])
@@ -277,11 +279,11 @@ class Task(Brief):
         """The same kind of target, met by the pose g."""
         return Task(g, self.tolerance, self.frame)
 
-    def asked(self) -> str:
+    def describe(self) -> str:
         """The target in words."""
         free = [name for name, t in zip(("x", "y", "z"), self.tolerance[:3], strict=True) if math.isinf(t)]
         free += [f"turning about {name}" for name, t in zip("xyz", self.tolerance[3:], strict=True) if t >= math.pi]
-        axes = "tool's" if self.frame == "tool" else "base's"
+        axes = f"{self.frame}'s"
         return f"the pose at {metres(self.g[:3, 3])} within tolerances along the {axes} axes" + (
             f" ({', '.join(free)} free)" if free else ""
         )
@@ -339,7 +341,7 @@ def target_of(kind: int, numbers: Array) -> AnyTarget:
     if kind == Approach.kind:
         return Approach(numbers[:3], numbers[3:6], numbers[6:])
     g = numbers[:16].reshape(4, 4)
-    return Pose(g) if kind == Pose.kind else Task(g, numbers[16:22], "base" if numbers[22] else "tool")
+    return Pose(g) if kind == Pose.kind else Task(g, numbers[16:22], "base" if numbers[22] else "target")
 
 
 def _cross(a: Array, b: Array) -> Array:

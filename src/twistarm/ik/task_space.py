@@ -56,7 +56,7 @@ class Target(Protocol):
     def at(self, g: Array) -> Target:
         """The target of the same kind that the pose g meets."""
 
-    def asked(self) -> str:
+    def describe(self) -> str:
         """The target in words."""
 
 

@@ -106,7 +106,7 @@ def search(problem: Problem, theta: Array, near: Array) -> Search:
     lower, upper = problem.ranges.search_lower, problem.ranges.search_upper
     theta, best, stalls, iterations = np.clip(theta, lower, upper), math.inf, 0, 0
     while True:
-        g, J_b = problem.arm.fk_and_body_jacobian(theta)
+        g, J_b = problem.arm._fk_and_body_jacobian(theta)
         errors = problem.target.position_error(g), problem.target.orientation_error(g)
         error, J = _error_and_rows(problem.target, g, J_b)
         E = float(error @ error)
@@ -148,7 +148,7 @@ def toward_posture(problem: Problem, found: Search, posture: Array, deadline: De
 
 def _null_space_step(problem: Problem, theta: Array, posture: Array) -> Array:
     """(I − J⁺J)(posture − θ) on the joints that it does not lead out of their bounds, as far as the first of those."""
-    J = _error_and_rows(problem.target, *problem.arm.fk_and_body_jacobian(theta))[1]
+    J = _error_and_rows(problem.target, *problem.arm._fk_and_body_jacobian(theta))[1]
     free = np.ones(len(theta), dtype=np.bool_)
     while True:
         step = np.where(free, posture - theta, 0.0)

@@ -35,19 +35,29 @@ from ..support.checks import (
 )
 from ..support.display import html_table, in_brief, told
 from ..support.errors import InputError, TwistarmError, listed, shown, unknown_name
+from ..support.renamed import refuse_renamed
 from ..theory import poe
 from ..theory.lower_pairs import lower_pairs
 from ..theory.manipulability import Manipulability, manipulability_of
 from ..theory.screws import adjoint, inverse
 from . import engine
 from .baking import Baked, write_baked
+from .configurations import Configurations
 from .pinocchio_model import PinocchioModel
 from .ready_pose import Bodies, Mechanism, Overlapping, computed_ready, named_ready
 from .roll_axis import roll_axis
 
 _MADE_WHEN_ASKED = (
-    "compiled", "pinocchio", "ready", "computed_ready", "middle", "tool_axis", "usual_half", "_tool_action",
+    "_compiled", "pinocchio", "ready", "computed_ready", "middle", "tool_axis", "usual_half", "_tool_action",
 )  # fmt: skip
+
+
+_RENAMED = {
+    "pose_names": "tuple(arm.configurations)",
+    "compiled": "internal; twistarm.model.engine.core() says whether there is a compiled core",
+    "kept": "internal; Arm.bake writes it",
+    "fk_and_body_jacobian": "internal; call fk and body_jacobian",
+}
 
 
 class Coupling(NamedTuple):
@@ -80,8 +90,8 @@ class Arm:
     SRDF exempts from collision checks. `moving_names` are the moving joints of the chain, base to tip: one per column
     of `screws`, followers included.
 
-    Plain data, picklable, usable without Pinocchio. `fk` and the Jacobians are answered by the compiled core
-    (`compiled`); where there is none by Pinocchio (`pinocchio`), and by `poe` for an arm that has no description.
+    Plain data, picklable, usable without Pinocchio. `fk` and the Jacobians are answered by the compiled core;
+    where there is none by Pinocchio (`pinocchio`), and by `poe` for an arm that has no description.
     """
 
     name: str
@@ -115,6 +125,10 @@ class Arm:
         states = {name: frozen(theta) for name, theta in self.named_states.items()}
         object.__setattr__(self, "named_states", MappingProxyType(states))
         object.__setattr__(self, "couplings", MappingProxyType(dict(self.couplings)))
+
+    def __getattr__(self, name: str) -> Any:
+        # Asked for what is missing alone.
+        raise refuse_renamed("an Arm", name, _RENAMED)
 
     def __setstate__(self, state: dict[str, Any]) -> None:
         self.__dict__.update(state)
@@ -175,9 +189,9 @@ class Arm:
         return links if self.tip in links else (*links, self.tip)
 
     @property
-    def pose_names(self) -> tuple[str, ...]:
-        """Names that stand for a theta wherever one is taken: `ready`, `zero` and those of `named_states`."""
-        return tuple(dict.fromkeys(("ready", "zero", *self.named_states)))
+    def configurations(self) -> Configurations:
+        """Configurations by name: `ready`, `zero`, `named_states`. A name stands for a theta wherever one is taken."""
+        return Configurations(self)
 
     @cached_property
     def ready(self) -> Array:
@@ -211,7 +225,7 @@ class Arm:
         return PinocchioModel(self.description, self.couplings, self.joint_names, self.moving_names)
 
     @cached_property
-    def compiled(self) -> engine.Chain | None:
+    def _compiled(self) -> engine.Chain | None:
         """The arm in the compiled core; None where there is none (`engine.why_not()`), or for more than 32 joints."""
         bounds = self.limits.lower, self.limits.upper
         return engine.chain_of(self.screws, self.home, self.coupling.A, bounds, self.sampling_bounds, self.reach)
@@ -230,8 +244,8 @@ class Arm:
 
     def fk(self, theta: ArrayLike) -> Array:
         """Forward kinematics g_st(theta), (..., 4, 4): the tool seen from the base."""
-        if self.compiled is not None:
-            return self._by_core(self.compiled.fk, theta, (4, 4))
+        if self._compiled is not None:
+            return self._by_core(self._compiled.fk, theta, (4, 4))
         x = self._theta(theta)
         if self.description is None:
             return poe.fk(self.screws, self.home, x @ self.coupling.A.T)
@@ -276,8 +290,8 @@ class Arm:
 
     def spatial_jacobian(self, theta: ArrayLike) -> Array:
         """Spatial Jacobian J^s (..., 6, n): V^s = J^s θ̇ with V^s = (ġ g⁻¹)^∨, linear part first. MLS §3.4.1."""
-        if self.compiled is not None:
-            return self._by_core(self.compiled.spatial_jacobian, theta, (6, self.n))
+        if self._compiled is not None:
+            return self._by_core(self._compiled.spatial_jacobian, theta, (6, self.n))
         x = self._theta(theta)
         if self.description is None:
             return poe.spatial_jacobian(self.screws, x @ self.coupling.A.T) @ self.coupling.A
@@ -286,8 +300,8 @@ class Arm:
 
     def body_jacobian(self, theta: ArrayLike) -> Array:
         """Body Jacobian J^b (..., 6, n): V^b = J^b θ̇ with V^b = (g⁻¹ ġ)^∨, linear part first. MLS §3.4.1."""
-        if self.compiled is not None:
-            return self._by_core(self.compiled.body_jacobian, theta, (6, self.n))
+        if self._compiled is not None:
+            return self._by_core(self._compiled.body_jacobian, theta, (6, self.n))
         x = self._theta(theta)
         if self.description is None:
             return poe.body_jacobian(self.screws, self.home, x @ self.coupling.A.T) @ self.coupling.A
@@ -309,10 +323,10 @@ class Arm:
             raise InputError(f"length must be positive, in metres; got {scale:g}")
         return manipulability_of(self.body_jacobian(theta), self._prismatic, scale)
 
-    def fk_and_body_jacobian(self, theta: Array) -> tuple[Array, Array]:
+    def _fk_and_body_jacobian(self, theta: Array) -> tuple[Array, Array]:
         """g_st (4, 4) and J^b (6, n) of one configuration in one pass, unchecked: for solvers' inner loops."""
-        if self.compiled is not None:
-            both = self.compiled.fk_and_body_jacobian(theta)
+        if self._compiled is not None:
+            both = self._compiled.fk_and_body_jacobian(theta)
             if both is not None:
                 return both
         if self.description is not None:
@@ -394,7 +408,7 @@ class Arm:
         *,
         name: str = "theta",
     ) -> Array:
-        """theta (..., n) from numbers, (n,) from one of `pose_names`, {joint: value}, or joints' names and values.
+        """theta (..., n) from numbers; (n,) from a name in `configurations`, {joint: value}, or joints and values.
 
         By joint every one must be given, in any order. `name` is what an error calls the argument.
         """
@@ -439,10 +453,10 @@ class Arm:
         Kept is all that an arm is but its `description` and `findings`, so that everything about the chain is
         answered as before. The same arm gives the same bytes; written whole or not at all. Returns the path written.
         """
-        return write_baked(self.kept, path)
+        return write_baked(self._baked, path)
 
     @property
-    def kept(self) -> Baked:
+    def _baked(self) -> Baked:
         """What `bake` keeps of the arm."""
         return Baked(**{name: getattr(self, name) for name in Baked._fields})
 
@@ -476,12 +490,7 @@ class Arm:
         return self.theta_from(theta)
 
     def _named(self, pose: str) -> Array:
-        if pose in self.named_states:
-            return self.named_states[pose]
-        if pose not in ("ready", "zero"):
-            listing = f"poses: {listed(self.pose_names)}"
-            raise unknown_name("pose", pose, self.pose_names, within=self.name, listing=listing)
-        return self.ready if pose == "ready" else np.zeros(self.n)
+        return self.configurations[pose]
 
     def _identity(self, theta: ArrayLike) -> Array:
         """The base seen from itself, one for each configuration."""

@@ -113,7 +113,7 @@ def _rank(arm: Arm, half: Half, before: Sequence[int], frame: str) -> int:
 
 def _span(arm: Arm, theta: Array, half: Half, before: Sequence[int], frame: str) -> tuple[Array, Array]:
     """Orthonormal U (3, k) and σ (k,): in which directions of one half the tool moves with `before` at rest."""
-    g, J = arm.fk_and_body_jacobian(theta)
+    g, J = arm._fk_and_body_jacobian(theta)
     turned = J if frame == "tool" else np.kron(np.eye(2), g[:3, :3]) @ J
     rows = scaled_jacobian(turned, np.array(arm.units) == "m", arm.reach)
     _, size, Vt = np.linalg.svd(rows[list(before)])

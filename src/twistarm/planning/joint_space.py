@@ -53,7 +53,7 @@ def plan_joint(
     """A motion through `waypoints`, at rest at the first and the last, that keeps the joint limits everywhere.
 
     Waypoints (k, n), k ≥ 2 [rad, m]: arrays, mappings {joint: value} or names of poses
-    (`arm.pose_names`). A joint goes the way the numbers say: no angle is wrapped, continuous joints included.
+    (`arm.configurations`). A joint goes the way the numbers say: no angle is wrapped, continuous joints included.
 
     - `cubic`: the C² spline; acceleration jumps at the start and the end only.
     - `quintic`: the C⁴ spline, acceleration zero at both ends; smoother, and it swings wider between waypoints.

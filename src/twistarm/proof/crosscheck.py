@@ -56,7 +56,7 @@ Progress = Callable[[float], object]
 
 
 @dataclass(frozen=True, repr=False)
-class Comparison(Brief):
+class EngineComparison(Brief):
     """One quantity in two engines: the worst difference, where it was found, what is allowed; or why not compared."""
 
     quantity: str
@@ -78,7 +78,7 @@ class CrossCheck:
     """Every comparison made of one arm."""
 
     arm: str
-    comparisons: tuple[Comparison, ...]
+    comparisons: tuple[EngineComparison, ...]
 
     def __repr__(self) -> str:
         compared = [row for row in self.comparisons if not row.not_compared]
@@ -130,7 +130,7 @@ def crosscheck(
     """
     theta = require_arm(arm).random_theta(rng, as_whole(samples, "samples", 1, MOST_SAMPLES))
     require_callback(progress, "progress", "(fraction)")
-    parts: list[Callable[[], Iterable[Comparison]]] = [
+    parts: list[Callable[[], Iterable[EngineComparison]]] = [
         lambda: _pinocchio(arm, theta),
         lambda: _core(arm, theta),
         lambda: _native_joints(arm, theta),
@@ -138,7 +138,7 @@ def crosscheck(
         lambda: _links(arm, theta),
         lambda: _yourdfpy(arm, theta),
     ]
-    rows: list[Comparison] = []
+    rows: list[EngineComparison] = []
     for done, part in enumerate(parts, start=1):
         rows += part()
         if progress is not None:
@@ -146,11 +146,13 @@ def crosscheck(
     return CrossCheck(arm.name, tuple(rows))
 
 
-def _compared(quantity: str, engines: tuple[str, str], difference: Array, theta: Array, tolerance: float) -> Comparison:
+def _compared(
+    quantity: str, engines: tuple[str, str], difference: Array, theta: Array, tolerance: float
+) -> EngineComparison:
     """The worst entry of `difference` (samples, …) and the configuration it belongs to; NaN counts as infinite."""
     errors = np.abs(np.nan_to_num(difference, nan=np.inf)).reshape(len(theta), -1).max(axis=1)
     worst = int(errors.argmax())
-    return Comparison(quantity, engines, len(theta), float(errors[worst]), tolerance, frozen(theta[worst]))
+    return EngineComparison(quantity, engines, len(theta), float(errors[worst]), tolerance, frozen(theta[worst]))
 
 
 def _size(arm: Arm) -> float:
@@ -172,7 +174,7 @@ def _fewer(theta: Array, size: int, usual: int) -> Array:
     return theta[: max(1, len(theta) * usual // max(size, usual))]
 
 
-def _pinocchio(arm: Arm, theta: Array) -> list[Comparison]:
+def _pinocchio(arm: Arm, theta: Array) -> list[EngineComparison]:
     g, spatial, body = by_exponentials(arm, theta)
     tolerance = POSE_TOL * _size(arm)
     identity = _compared("J^s = Ad J^b", ("poe", "poe"), spatial - adjoint(g) @ body, theta, tolerance)
@@ -182,9 +184,9 @@ def _pinocchio(arm: Arm, theta: Array) -> list[Comparison]:
     return [*_kinematics(("poe", "pinocchio"), (g, spatial, body), reference, theta, tolerance), identity]
 
 
-def _core(arm: Arm, theta: Array) -> list[Comparison]:
+def _core(arm: Arm, theta: Array) -> list[EngineComparison]:
     """The compiled core, whose answers are the arm's wherever it was built."""
-    if arm.compiled is None:
+    if arm._compiled is None:
         return [_skipped("pose, J^s, J^b", "core", engine.why_not() or "it has more joints than the core holds")]
     answers = arm.fk(theta), arm.spatial_jacobian(theta), arm.body_jacobian(theta)
     return _kinematics(("poe", "core"), by_exponentials(arm, theta), answers, theta, POSE_TOL * _size(arm))
@@ -196,7 +198,7 @@ def _kinematics(
     theirs: tuple[Array, Array, Array],
     theta: Array,
     tolerance: float,
-) -> list[Comparison]:
+) -> list[EngineComparison]:
     return [
         _compared(quantity, engines, one - other, theta, tolerance)
         for quantity, one, other in zip(("pose", "spatial Jacobian", "body Jacobian"), ours, theirs, strict=True)
@@ -210,14 +212,14 @@ def by_exponentials(arm: Arm, theta: Array) -> tuple[Array, Array, Array]:
     return g, spatial, poe.body_jacobian(arm.screws, arm.home, x) @ A
 
 
-def _native_joints(arm: Arm, theta: Array) -> list[Comparison]:
+def _native_joints(arm: Arm, theta: Array) -> list[EngineComparison]:
     """Against Pinocchio's own joint models: revolute, prismatic, helical, cylindrical, spherical, planar."""
     pairs = lower_pairs(arm.screws, arm.coupling.A)
     balls: list[Ball] = ["ZYX", "quaternion"] if any(pair.kind == "spherical" for pair in pairs) else ["ZYX"]
     return [row for ball in balls for row in _native_chain(arm, theta, pairs, ball)]
 
 
-def _native_chain(arm: Arm, theta: Array, pairs: tuple[LowerPair, ...], ball: Ball) -> list[Comparison]:
+def _native_chain(arm: Arm, theta: Array, pairs: tuple[LowerPair, ...], ball: Ball) -> list[EngineComparison]:
     suffix = ", native quaternion" if ball == "quaternion" else ", native joints"
     try:
         chain = NativeChain(pairs, arm.home, ball)
@@ -234,7 +236,7 @@ def _native_chain(arm: Arm, theta: Array, pairs: tuple[LowerPair, ...], ball: Ba
     ]
 
 
-def _differences(arm: Arm, theta: Array) -> list[Comparison]:
+def _differences(arm: Arm, theta: Array) -> list[EngineComparison]:
     """(g⁻¹ ∂g/∂θ_i)^∨ by (8(g₊ − g₋) − (g₊₊ − g₋₋))/12h against the columns of J^b by product of exponentials."""
     theta = _fewer(theta, arm.coupling.A.size, USUAL_PRODUCT)
     body = poe.body_jacobian(arm.screws, arm.home, theta @ arm.coupling.A.T) @ arm.coupling.A
@@ -255,7 +257,7 @@ def _differences(arm: Arm, theta: Array) -> list[Comparison]:
     return [_compared("body Jacobian", ("poe", "differences"), body - numeric, theta, DIFFERENCE_TOL * _size(arm))]
 
 
-def _links(arm: Arm, theta: Array) -> list[Comparison]:
+def _links(arm: Arm, theta: Array) -> list[EngineComparison]:
     if arm.description is None:
         return []
     theta = _fewer(theta, len(arm.description.links), USUAL_LINKS)
@@ -282,7 +284,7 @@ def _joint_values(arm: Arm, theta: Array) -> dict[str, Array]:
     }
 
 
-def _yourdfpy(arm: Arm, theta: Array) -> list[Comparison]:
+def _yourdfpy(arm: Arm, theta: Array) -> list[EngineComparison]:
     if arm.description is None:
         return [_skipped("all links", "yourdfpy", "the arm has no description")]
     reason = _beyond_yourdfpy(arm)
@@ -394,5 +396,5 @@ def _quiet_yourdfpy() -> Iterator[None]:
         logger.setLevel(level)
 
 
-def _skipped(quantity: str, engine: str, reason: str) -> Comparison:
-    return Comparison(quantity, ("poe", engine), not_compared=reason)
+def _skipped(quantity: str, engine: str, reason: str) -> EngineComparison:
+    return EngineComparison(quantity, ("poe", engine), not_compared=reason)

@@ -14,7 +14,7 @@ from ..theory import rotations
 from .answer import Answer, Cause
 from .bounds import Bounds
 from .command import BASE, AnyCommand, JogCommand, PoseCommand, TwistCommand
-from .resolved_rates import Task, resolved_rates
+from .resolved_rates import RateTask, resolved_rates
 from .singular import Displaced, singular
 from .state import ServoState
 
@@ -72,7 +72,7 @@ def step(arm: Arm, bounds: Bounds, state: ServoState, command: AnyCommand | None
 class Goal:
     """The task of a command, the pose that is held after it, and how far a pose to reach is, [m] and [rad]."""
 
-    task: Task
+    task: RateTask
     held: Array | None
     remaining: tuple[float, float]
 
@@ -95,17 +95,17 @@ def _goal(arm: Arm, bounds: Bounds, state: ServoState, command: TwistCommand | P
     return Goal(replace(task, asked=asked), kept, (0.0, 0.0))
 
 
-def _task(arm: Arm, bounds: Bounds, state: ServoState, frame: str, held: Sequence[int], dt: float) -> Task:
+def _task(arm: Arm, bounds: Bounds, state: ServoState, frame: str, held: Sequence[int], dt: float) -> RateTask:
     """Held components first, then linear, then angular ones, at the posture half a step ahead; nothing asked yet."""
     others = (tuple(k for k in half if k not in held) for half in (range(3), range(3, 6)))
     levels = tuple(level for level in (tuple(held), *others) if level)
     J = _jacobian(arm, bounds, state.theta + 0.5 * dt * state.theta_dot, frame)
-    return Task(np.zeros(6), levels, J, max(bounds.damping, STEPS * dt))
+    return RateTask(np.zeros(6), levels, J, max(bounds.damping, STEPS * dt))
 
 
 def _jacobian(arm: Arm, bounds: Bounds, theta: Array, frame: str) -> Array:
     """The scaled rows (6, n) for scaled rates, in axes of the frame."""
-    g, J = arm.fk_and_body_jacobian(theta)
+    g, J = arm._fk_and_body_jacobian(theta)
     turned = _in_axes(g[:3, :3], J) if frame == BASE else J
     rows: Array = _scaled(bounds, turned.T).T * bounds.unit
     return rows
@@ -136,7 +136,7 @@ def _in_axes(R: Array, columns: Array) -> Array:
     return turned
 
 
-def _approach(bounds: Bounds, task: Task, error: Array, command: PoseCommand | None, dt: float) -> Array:
+def _approach(bounds: Bounds, task: RateTask, error: Array, command: PoseCommand | None, dt: float) -> Array:
     """What to ask for an error (6,): as much of error / dt as lets the arm stop at the goal, straight on.
 
     At a share s: s dt + s² T/2 ≤ dt, T the time that a stop from the full rates takes. A command's speeds are kept.
@@ -170,7 +170,7 @@ class Wanted:
     row: int
 
 
-def _rates(arm: Arm, bounds: Bounds, state: ServoState, task: Task, frame: str, dt: float) -> Wanted:
+def _rates(arm: Arm, bounds: Bounds, state: ServoState, task: RateTask, frame: str, dt: float) -> Wanted:
     cause, row = Cause.NONE, -1
     x = resolved_rates(task)[0]
     size = max(float(np.linalg.norm(task.asked)), NOTHING)
@@ -210,7 +210,7 @@ def _rates(arm: Arm, bounds: Bounds, state: ServoState, task: Task, frame: str, 
 
 
 def _within(
-    bounds: Bounds, task: Task, jacobian: Displaced, wanted: Wanted, room: tuple[Array, Array], velocity: Array
+    bounds: Bounds, task: RateTask, jacobian: Displaced, wanted: Wanted, room: tuple[Array, Array], velocity: Array
 ) -> Wanted:
     """The rates for the share of a task within the bounds of each joint, of position (`room`) and of velocity."""
     fastest = bounds.motion.limits.velocity[-bounds.n :]
@@ -238,7 +238,7 @@ def _within(
 
 
 def _on_course(
-    bounds: Bounds, task: Task, jacobian: Displaced, room: tuple[Array, Array], x: Array, at: Array
+    bounds: Bounds, task: RateTask, jacobian: Displaced, room: tuple[Array, Array], x: Array, at: Array
 ) -> tuple[Array, Array]:
     """The rates for the largest share of a task that is done without leaving its course; found by halves."""
     kept, first = 0.0, True
@@ -254,7 +254,7 @@ def _on_course(
     return resolved_rates(replace(task, asked=kept * task.asked), *room)
 
 
-def _followed(bounds: Bounds, task: Task, jacobian: Displaced, room: tuple[Array, Array], x: Array) -> float:
+def _followed(bounds: Bounds, task: RateTask, jacobian: Displaced, room: tuple[Array, Array], x: Array) -> float:
     """The share of a task at which the joints can keep to its course.
 
     With x the rates for all of it and x' how they change on the way, s² x' takes at most a quarter of what accelerates.
@@ -269,7 +269,7 @@ def _followed(bounds: Bounds, task: Task, jacobian: Displaced, room: tuple[Array
     return float(1.0 / np.sqrt(max(4.0 * stop, 1.0)))
 
 
-def _keeps_course(task: Task, x: Array) -> bool:
+def _keeps_course(task: RateTask, x: Array) -> bool:
     """Whether the tool moves along what is asked at the rates x, if slower, but for a thousandth beside it.
 
     An arm of fewer than six joints may turn its tool on the way, unless turning is all that is asked.

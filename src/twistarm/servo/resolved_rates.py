@@ -22,7 +22,7 @@ SETTLED, ROUNDS = 1e-6, 50
 
 
 @dataclass(frozen=True, eq=False)
-class Task:
+class RateTask:
     """Tool rates `asked` (6,), scaled to rad/s, which components of them go before which others, and the Jacobian's
     rows J (6, n) for scaled rates. damping: τ [s].
 
@@ -38,7 +38,7 @@ class Task:
     turning: float = 0.0
 
 
-def resolved_rates(task: Task, lower: Array | None = None, upper: Array | None = None) -> tuple[Array, Array]:
+def resolved_rates(task: RateTask, lower: Array | None = None, upper: Array | None = None) -> tuple[Array, Array]:
     """The scaled rates x (n,) for a task, and the bound that each stands at: −1 the lower, 1 the upper, 0 neither.
 
     With the twist V in levels V_l, the first the most important, and their rows J_l of the Jacobian,
@@ -75,7 +75,7 @@ def resolved_rates(task: Task, lower: Array | None = None, upper: Array | None =
     return x, at
 
 
-def _weighed(task: Task, x: Array, tip: float) -> tuple[Array, Array]:
+def _weighed(task: RateTask, x: Array, tip: float) -> tuple[Array, Array]:
     """Jᵀ Ω J + τ and Jᵀ Ω V, Ω = w / |V − J x| level by level."""
     weights, left = np.zeros(6), task.asked - task.J @ x
     precedence = PRECEDENCE if len(x) < len(left) else PRECEDENCE_OF_SIX

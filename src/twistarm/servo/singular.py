@@ -9,7 +9,7 @@ from typing import NamedTuple
 import numpy as np
 
 from ..support.checks import Array
-from .resolved_rates import PRECEDENCE, Task
+from .resolved_rates import PRECEDENCE, RateTask
 
 BESIDE = 0.02
 """How far beside a posture one looks for directions that it lacks [scaled rad]."""
@@ -62,7 +62,7 @@ class Singular(NamedTuple):
     edge: Array
     of_position: bool
 
-    def lead(self, task: Task, stops: bool) -> Task:
+    def lead(self, task: RateTask, stops: bool) -> RateTask:
         """The task as it will be where the motion leaves the singularity; on its course at any rates."""
         led = self.J + (self.U * (self.leaving * (self.edge - self.sigma))) @ self.V.T
         if not stops:
@@ -90,7 +90,9 @@ class Singular(NamedTuple):
         return float(parts.sum()), joint
 
 
-def singular(jacobian: Displaced, toward: Array, task: Task, lost: Array, below: float, stops: bool) -> Singular | None:
+def singular(
+    jacobian: Displaced, toward: Array, task: RateTask, lost: Array, below: float, stops: bool
+) -> Singular | None:
     """Where the arm is singular and of a task so much is lost (6,); None where it is not, or too little is.
 
     An arm must be able to move away: a singular value that rises as the arm moves counts as LEFT_BEHIND. (An arm that

@@ -20,7 +20,7 @@ class StreamError(Exception):
         self.ending = ending
 
 
-def asked(ending: Ending, call: Callable[P, T], *args: P.args, **kwargs: P.kwargs) -> T:
+def call_device(ending: Ending, call: Callable[P, T], *args: P.args, **kwargs: P.kwargs) -> T:
     """What a device answers; `StreamError` where it says that it cannot."""
     try:
         return call(*args, **kwargs)

@@ -15,7 +15,7 @@ from ..servo import ServoSettings
 from ..support.checks import as_positive, require
 from ..support.errors import InputError, shown
 from ..support.interrupts import ended_like_ctrl_c
-from .failures import StreamError, asked
+from .failures import StreamError, call_device
 from .interlock import Interlock
 from .links.inbox import COMMAND_TIMEOUT, FEEDBACK_TIMEOUT
 from .metronome import Metronome, MonotonicClock
@@ -154,7 +154,7 @@ def _drive(
         if periods != 0:  # else the clock woke us a little early
             if due > -inf:
                 streaming.tally.lateness.add(now - due)
-            streaming.settings = asked(Ending.SERVO_FAILED, settings)
+            streaming.settings = call_device(Ending.SERVO_FAILED, settings)
             cycle = streaming.cycle(now, periods)
             if on_cycle is not None:
                 on_cycle(cycle)

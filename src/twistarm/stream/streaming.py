@@ -15,7 +15,7 @@ from ..servo import AnyCommand, ServoOutput, ServoSettings, ServoState, servo_st
 from ..support.checks import Array, as_positive, frozen, require, require_method
 from ..support.display import Brief
 from ..support.errors import InputError
-from .failures import StreamError, asked, worded
+from .failures import StreamError, call_device, worded
 from .interlock import ENABLED, Interlock, Interlocked
 from .links.inbox import COMMAND_TIMEOUT, FEEDBACK_TIMEOUT
 from .observer import RateObserver, with_reserve
@@ -155,12 +155,12 @@ class Streaming:
         return 2.0 * float((np.abs(self.state.theta_dot) / self.arm.limits.acceleration).max()) + BRAKING_SPARE
 
     def _cycle(self, now: float, periods: int) -> Cycle:
-        measured = asked(Ending.FEEDBACK_FAILED, self.feedback.read, now)
+        measured = call_device(Ending.FEEDBACK_FAILED, self.feedback.read, now)
         theta, blind = self._watch.look(measured, now)
         self._start(theta, now)
         if self._observer is not None and self.state is not None:
             self._observer.hear(None if blind else measured, now)
-        reading = asked(Ending.SOURCE_FAILED, self.source.read, now, self.state)
+        reading = call_device(Ending.SOURCE_FAILED, self.source.read, now, self.state)
         command, uncommanded = self._command(reading)
         barred = self.interlock.look().barrier
         self._held = (self._held or bool(barred)) and _asks_for_motion(command)
@@ -181,7 +181,7 @@ class Streaming:
         reason = strayed or barred or blind or self._untimely(periods) or uncommanded
         setpoint = self._step(None if reason else command, now, periods, reason)
         self.tally.statuses[setpoint.output.status] += 1
-        undelivered = asked(Ending.SINK_FAILED, self._write, setpoint)
+        undelivered = call_device(Ending.SINK_FAILED, self._write, setpoint)
         self._restart_at_rest(theta, now, released=command is None)
         why = "; ".join(filter(None, (reason, undelivered)))
         ending = Ending.STRAYED if strayed else None

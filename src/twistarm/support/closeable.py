@@ -6,10 +6,10 @@ from abc import ABC, abstractmethod
 from types import TracebackType
 from typing import TypeVar
 
-C = TypeVar("C", bound="Closing")
+C = TypeVar("C", bound="Closeable")
 
 
-class Closing(ABC):
+class Closeable(ABC):
     """A context manager that is closed at the end of its block."""
 
     @abstractmethod

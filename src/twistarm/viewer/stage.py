@@ -214,9 +214,9 @@ class Stage:
         after = self.seen()  # the list and the joints beside the arm were free, and have steps of their own
         self.history.note("jog", "", after._replace(theta=self._before_drive), after)
         if not taken_over:
-            self.hear(None)
+            self.set_servo_status(None)
 
-    def hear(self, report: Mapping[str, Any] | None) -> None:
+    def set_servo_status(self, report: Mapping[str, Any] | None) -> None:
         """What the servo says; None: it has ended."""
         self.driven = report is not None
         self.jogging = self.jogging and self.driven

@@ -10,6 +10,7 @@ import webbrowser
 from collections.abc import Callable, Iterable
 from contextlib import suppress
 from pathlib import Path
+from typing import Any
 
 from numpy.typing import ArrayLike
 
@@ -18,12 +19,13 @@ from ..planning.trajectory import Trajectory
 from ..servo import ServoOutput, ServoSettings
 from ..stream import Cycle, Inbox
 from ..support.checks import Array, as_flag, as_positive, require
-from ..support.closeable import Closing
+from ..support.closeable import Closeable
 from ..support.errors import InputError, shown
 from ..support.files import writable, write_whole
+from ..support.renamed import refuse_renamed
 from .files.inline import HEIGHT, Inline
 from .files.page_export import stand_alone
-from .files.scene_snapshot import Exhibit, on_show
+from .files.scene_snapshot import SceneSnapshot, on_show
 from .files.screenshot import write_picture
 from .parts.admission import check_trajectory, checked_theta
 from .parts.servo_words import servo_words
@@ -37,7 +39,7 @@ from .stage import Stage
 MOVED = "the program moves the arm: Drive was switched off"
 
 
-class Viewer(Closing):
+class Viewer(Closeable):
     """A view of `arm` at `theta` (ready where not given), served to the browser until `close`.
 
     host: the interface to listen on; anything but the default opens the view to a network, the token still required.
@@ -46,7 +48,7 @@ class Viewer(Closing):
     program is started anew; it wants a port, without `theta` the arm stands where it stood last, and `notes` says what
     could not be kept or taken. fresh: with another address, and without the poses kept.
     A context manager. Every method may be called from any thread. Those that move or show something return at once;
-    `theta` and `poses` wait for what was shown before, a frame at most; `save_html`, `save_png` and
+    `theta` and `recorded` wait for what was shown before, a frame at most; `save_html`, `save_png` and
     `inline(static=True)` until all is written, every mesh read; `close` until all has ended; `wait` until then.
 
     Raises InputError for a theta of the wrong shape or a port in use, MissingExtraError without Meshcat. What moves or
@@ -81,6 +83,10 @@ class Viewer(Closing):
         self._server.start()
         if open_browser:
             self.open_page()
+
+    def __getattr__(self, name: str) -> Any:
+        # Asked for what is missing alone.
+        raise refuse_renamed("a Viewer", name, {"poses": "recorded: the configurations recorded on the pages"})
 
     @property
     def url(self) -> str:
@@ -161,7 +167,7 @@ class Viewer(Closing):
         self._watches.append(Watch(self._server, load, files, say))
 
     @property
-    def poses(self) -> dict[str, Array]:
+    def recorded(self) -> dict[str, Array]:
         """The poses recorded on the pages: theta (n,) [rad, m] by name, in the order of their list."""
         return self._server.ask(lambda stage: stage.program.list.named())
 
@@ -205,7 +211,7 @@ class Viewer(Closing):
             self._server.commands.open = self._server.commands.free = False
             self._server.post("beyond", lambda stage: self._server.show_choice())
         report = None if answer is None else servo_words(answer)
-        self._server.post("servo", lambda stage: stage.hear(report))
+        self._server.post("servo", lambda stage: stage.set_servo_status(report))
 
     def show_screws(self, visible: bool = True) -> None:
         """Draw each joint's screw axis where it lies at the configuration on show, or draw none."""
@@ -250,7 +256,7 @@ class Viewer(Closing):
     def _repr_html_(self) -> str:
         return self.inline().html
 
-    def _exhibit(self, trajectory: Trajectory | None = None) -> Exhibit:
+    def _exhibit(self, trajectory: Trajectory | None = None) -> SceneSnapshot:
         shown = self._server.ask(lambda stage: on_show(stage, self._server.scene))
         return shown if trajectory is None else shown.playing(trajectory)
 

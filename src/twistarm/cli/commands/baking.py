@@ -26,10 +26,10 @@ def bake(arm: Arm, output: Output = None, form: Format = None, force: Force = Fa
     kinds = {"json": (SUFFIX,), "hpp": SUFFIXES}
     outputs = outputs_of(output or f"{Path(arm.name).name}.{form or 'json'}", kinds, form, force=force, json=json)
     include = core_headers() if any(kind == "hpp" for kind, _ in outputs.files) else None
-    written = outputs.write({"json": lambda: text_of(arm.kept), "hpp": lambda: cpp_header(arm)})
+    written = outputs.write({"json": lambda: text_of(arm._baked), "hpp": lambda: cpp_header(arm)})
     if json:
         print_json(
-            {"arm": arm.name, "digest": digest_of(arm.kept), "written": written, "include": include and str(include)}
+            {"arm": arm.name, "digest": digest_of(arm._baked), "written": written, "include": include and str(include)}
         )
         return
     for kind, name in outputs.files:

@@ -106,14 +106,14 @@ def info_view(arm: Arm, radians: bool) -> Group:
 
 def engine_of(arm: Arm) -> str:
     """Who answers forward kinematics, Jacobians and inverse kinematics of this arm."""
-    if arm.compiled is not None:
-        return f"compiled core ({arm.compiled.instruction_set})"
+    if arm._compiled is not None:
+        return f"compiled core ({arm._compiled.instruction_set})"
     return "product of exponentials" if arm.description is None else "Pinocchio"
 
 
 def engine_view(arm: Arm) -> str:
     """The engine, and why it is not the compiled core."""
-    why_not = "" if arm.compiled is not None else engine.why_not() or "the arm has more than 32 joints"
+    why_not = "" if arm._compiled is not None else engine.why_not() or "the arm has more than 32 joints"
     return f"engine: {engine_of(arm)}" + (f"; no compiled core: {why_not}" if why_not else "")
 
 

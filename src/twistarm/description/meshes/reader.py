@@ -11,7 +11,7 @@ from math import inf, isfinite
 from pathlib import Path
 from typing import Any
 
-from ...support.closeable import Closing
+from ...support.closeable import Closeable
 from ...support.errors import InputError, TwistarmError, missing_extra, one_line
 from .formats import LIGHTER, UnreadableMeshError, format_of
 from .limits import ARM_SECONDS, ARM_SECONDS_AT_MOST, LONGEST, MEMORY, PATIENCE, SECONDS_PER_MEGABYTE, seconds_for
@@ -25,7 +25,7 @@ LONGEST_REASON = 300
 """Characters."""
 
 
-class MeshReader(Closing):
+class MeshReader(Closeable):
     """Reads the meshes of one arm within limits of memory and time, for each and for all, until `close`.
 
     A context manager. From any thread; one reads at a time, and `close` ends what is being read.

@@ -7,7 +7,7 @@ from typing import Any
 
 from ...model.arm import Arm
 from ...servo import ServoState
-from ...support.closeable import Closing
+from ...support.closeable import Closeable
 from ...support.errors import InputError, missing_extra
 from ..interlock import Interlock
 from ..motors import motor_side
@@ -29,7 +29,7 @@ MOST_PER_CYCLE = 16 * 1024
 """Bytes read in one cycle: ten times what 1 Mbaud brings in 10 ms."""
 
 
-class SerialLines(Closing):
+class SerialLines(Closeable):
     """A serial port read and written in lines, a context manager.
 
     Raises InputError for a port that cannot be opened, MissingExtraError without pyserial.

@@ -8,7 +8,7 @@ import socket
 from collections.abc import Hashable, Iterator
 from typing import Any
 
-from ...support.closeable import Closing
+from ...support.closeable import Closeable
 from ...support.errors import InputError
 from ...support.strict_json import LARGEST_MESSAGE
 
@@ -20,7 +20,7 @@ MOST_PER_CYCLE = 512
 """Datagrams read in one cycle, about a millisecond's work: more than the buffer holds."""
 
 
-class Socket(Closing):
+class Socket(Closeable):
     """A UDP socket that does not wait, a context manager."""
 
     def __init__(self, family: socket.AddressFamily) -> None:

@@ -16,7 +16,7 @@ from ...support.files import writable, write_whole
 from ...support.strict_json import encode
 from ..page_files import meshcat_bundle, page_text
 from ..scene.drawing import require_meshcat
-from .scene_snapshot import Exhibit, of_arm
+from .scene_snapshot import SceneSnapshot, of_arm
 
 EXPORT = r"^export ((?:async )?function|class|const) ([\w$]+)"
 """How the page's modules export: a definition at the start of a line."""
@@ -52,7 +52,7 @@ def page_html(arm: Arm, trajectory: Trajectory | None = None, theta: ArrayLike |
     return stand_alone(of_arm(arm, trajectory, theta))
 
 
-def stand_alone(shown: Exhibit) -> str:
+def stand_alone(shown: SceneSnapshot) -> str:
     """index.html with its style, its scripts and what is shown inlined."""
     page = re.sub(r'<link rel="stylesheet" href="(.*)">', _style, page_text("index.html"))
     # A "<" in JSON can only stand in a string; escaped, no name can close the script.

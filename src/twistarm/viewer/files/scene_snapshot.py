@@ -31,7 +31,7 @@ SAME = 1e-9
 
 
 @dataclass(frozen=True)
-class Exhibit:
+class SceneSnapshot:
     """`arm` at theta (n,) [rad, m] with the joints beside it, drawn as `scene`, and the layers that are on.
 
     `playback`: the motion that the page can play and the moment at which it begins, None for an arm that stands.
@@ -48,7 +48,7 @@ class Exhibit:
     findings: Message | None
     recorded: Mapping[str, Array] = field(default_factory=dict)
 
-    def playing(self, trajectory: Trajectory) -> Exhibit:
+    def playing(self, trajectory: Trajectory) -> SceneSnapshot:
         """The same with `trajectory`, which begins at once, and its path; InputError where it is of another arm."""
         check_trajectory(self.arm, trajectory)
         playback = Playback(trajectory, running=True)
@@ -89,24 +89,24 @@ class Exhibit:
         return playback.running or bool(np.abs(playback.theta() - self.theta).max() < SAME)
 
 
-def of_arm(arm: Arm, trajectory: Trajectory | None = None, theta: ArrayLike | None = None) -> Exhibit:
+def of_arm(arm: Arm, trajectory: Trajectory | None = None, theta: ArrayLike | None = None) -> SceneSnapshot:
     """`arm` at theta (n,), ready where not given, with everything on and `trajectory` playing if one is given."""
     start = require_arm(arm).ready if theta is None else checked_theta(arm, theta)
     if trajectory is not None:
         check_trajectory(arm, trajectory)  # before the meshes are read
     others = {name: rest(joint) for name, joint in extra_joints(arm).items()}
-    shown = Exhibit(arm, build_scene(arm), start, others, LAYERS, NO_PATH, None, None)
+    shown = SceneSnapshot(arm, build_scene(arm), start, others, LAYERS, NO_PATH, None, None)
     return shown if trajectory is None else shown.playing(trajectory)
 
 
-def on_show(stage: Stage, scene: Scene) -> Exhibit:
+def on_show(stage: Stage, scene: Scene) -> SceneSnapshot:
     """What the pages of a live view show now, and the motion that is loaded; for the thread that the stage lives in.
 
     The findings are those of the pages, unless the doctor can and has yet to look.
     """
     playback = stage.player.playback
     unexamined = PENDING in stage.findings["note"] and not stage.driven
-    return Exhibit(
+    return SceneSnapshot(
         stage.arm,
         scene,
         stage.theta.copy(),

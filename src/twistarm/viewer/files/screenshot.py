@@ -19,7 +19,7 @@ from ..parts.findings import loaded
 from .browsers import find_browser, is_snap
 from .headless import draw
 from .page_export import stand_alone
-from .scene_snapshot import Exhibit, of_arm
+from .scene_snapshot import SceneSnapshot, of_arm
 
 SMALLEST, LARGEST = 200, 4096
 """Sides of a picture [pixels]: below, the legend hides the arm; above, a canvas may be scaled down without a word."""
@@ -46,7 +46,7 @@ def save_png(
     return write_picture(path, size, lambda: of_arm(arm, trajectory, start))
 
 
-def write_picture(path: str | os.PathLike[str], size: tuple[int, int], show: Callable[[], Exhibit]) -> Path:
+def write_picture(path: str | os.PathLike[str], size: tuple[int, int], show: Callable[[], SceneSnapshot]) -> Path:
     """`save_png` of what `show` returns, which is asked once everything else is in order."""
     _checked_size(size)
     target = writable(path)
@@ -55,7 +55,7 @@ def write_picture(path: str | os.PathLike[str], size: tuple[int, int], show: Cal
     return write_whole(target, png_of(size, show))
 
 
-def png_of(size: tuple[int, int], show: Callable[[], Exhibit]) -> bytes:
+def png_of(size: tuple[int, int], show: Callable[[], SceneSnapshot]) -> bytes:
     """The picture that `write_picture` writes."""
     wanted = _checked_size(size)
     browser = find_browser()
@@ -80,7 +80,7 @@ def _checked_size(size: tuple[int, int]) -> tuple[int, int]:
     return width, height
 
 
-def _page(shown: Exhibit, size: tuple[int, int]) -> str:
+def _page(shown: SceneSnapshot, size: tuple[int, int]) -> str:
     """The stand-alone page, of this very size: a window has a least width, and in some browsers a frame.
 
     The arm stands, and nobody will read the findings: the doctor need not look.

@@ -121,7 +121,7 @@ class Measure:
 
     def _levels(self, theta: Array) -> list[tuple[Array, Array]]:
         """(σ descending, U (6, k) in base axes) of each level; what is no motion is left out."""
-        g, J = self.arm.fk_and_body_jacobian(theta)
+        g, J = self.arm._fk_and_body_jacobian(theta)
         R = np.kron(np.eye(2), g[:3, :3])
         rows = scaled_jacobian(R @ J, self._slides, self.bounds.length)
         if self.arm.n >= JOINTS_TO_POINT:

@@ -115,7 +115,7 @@ def solved_at_once(arm: Arm, target: Pose | Position | Approach, start: Array) -
     It is what a search with all its time would answer, bit by bit: the first search that converges wins, and none of
     it was cut short.
     """
-    if arm.compiled is None:
+    if arm._compiled is None:
         return None
     begin = time.perf_counter()
     solution = solve_ik(arm, target, start, restarts=1, posture="theta0", max_time=AT_ONCE)

@@ -27,7 +27,7 @@ def numbers(arm: Arm, theta: Array, rates: Array | None = None) -> dict[str, Any
     yoshikawa, smallest, below, standing (in words): of the body Jacobian, metres measured in `reach`. linear, angular:
     the ellipsoids. motion: V^s = J^s θ̇ for `rates` (n,), as twist and screw, and the velocity of the tool's origin.
     """
-    g, J_b = arm.fk_and_body_jacobian(theta)
+    g, J_b = arm._fk_and_body_jacobian(theta)
     J_s = arm.spatial_jacobian(theta)
     hybrid = (g[:3, :3] @ J_b.reshape(2, 3, -1)).reshape(6, -1)
     slides = np.array([kind == "prismatic" for kind in arm.joint_types], dtype=bool)

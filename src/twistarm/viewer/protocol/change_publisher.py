@@ -5,18 +5,18 @@ from __future__ import annotations
 from collections.abc import Callable, Iterable, Sequence
 
 from ...support.strict_json import encode
-from .message_cache import Board, Message
+from .message_cache import Message, MessageCache
 from .messages import failure
 
 Source = Callable[[], Iterable[Message]]
 """Says what a part of the view shows now."""
 
 
-class News:
+class ChangePublisher:
     """What the pages know and what they do not. A source that fails keeps what it last said, and is told of once."""
 
     def __init__(self) -> None:
-        self._board = Board()
+        self._board = MessageCache()
         self._failing: dict[int, str] = {}
 
     def gather(self, sources: Sequence[Source]) -> dict[str, str]:

@@ -10,7 +10,7 @@ from ...support.strict_json import encode
 Message = dict[str, Any]
 
 
-class Board:
+class MessageCache:
     """The latest message of each type; one that was shown is never changed, so what equals it is the same text."""
 
     def __init__(self) -> None:

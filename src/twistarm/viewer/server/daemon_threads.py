@@ -11,7 +11,7 @@ from typing import TypeVar
 Result = TypeVar("Result")
 
 
-async def aside(call: Callable[[], Result]) -> Result:
+async def run_in_daemon_thread(call: Callable[[], Result]) -> Result:
     """What `call` returns or raises, in a daemon thread: the threads of a loop's executor would be waited for."""
     loop = asyncio.get_running_loop()
     future: asyncio.Future[Result] = loop.create_future()

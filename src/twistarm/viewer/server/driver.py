@@ -165,4 +165,4 @@ class Drive:
         with self._showing:
             if not self.dropped:
                 self._post("show", lambda stage: stage.show(theta))
-                self._post("servo", lambda stage: stage.hear(words))
+                self._post("servo", lambda stage: stage.set_servo_status(words))

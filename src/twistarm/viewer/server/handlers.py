@@ -16,7 +16,7 @@ from ...support.strict_json import encode
 from ..protocol.message_cache import Message
 from ..scene.arm_scene import Scene
 from ..stage import Stage
-from .daemon_threads import aside
+from .daemon_threads import run_in_daemon_thread
 from .door import ALWAYS
 from .downloads import DOWNLOADS, Download
 from .guard import Guard
@@ -132,7 +132,7 @@ class DownloadHandler(FileHandler):
     async def _send(self, download: Download) -> None:
         try:
             async with self.server.writing:
-                text = await aside(download.prepare(self.server.current(), self.server.scene))
+                text = await run_in_daemon_thread(download.prepare(self.server.current(), self.server.scene))
         except TwistarmError as error:
             self.set_status(404)
             self.set_header("Content-Type", "text/plain; charset=utf-8")

@@ -15,7 +15,7 @@ from ...support.errors import InputError, TwistarmError
 from ...support.strict_json import encode
 from ..parts.commands import COMMANDS, PageCommands
 from ..parts.findings import Examination
-from ..protocol.change_publisher import News, Source
+from ..protocol.change_publisher import ChangePublisher, Source
 from ..protocol.jobs import Job, Progress, Workers
 from ..protocol.message_cache import Message
 from ..protocol.messages import Request, failure, number_of, parse
@@ -80,7 +80,7 @@ class Server:
         self.show_choice()
         self.driver = Driver(stage, self.commands, self.post)
         self.doctor = Examination(stage.arm, scene.reader, lambda message: self._show_findings(stage, message))
-        self._news = News()
+        self._news = ChangePublisher()
 
     def start(self) -> None:
         """Return once pages are served."""

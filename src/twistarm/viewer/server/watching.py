@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 
 from ...description.document import noted_files
 from ...model.arm import Arm
-from ...support.closeable import Closing
+from ...support.closeable import Closeable
 from ...support.errors import one_line
 from ...support.files import as_paths, stamp
 from ...support.path_redaction import without_places
@@ -42,7 +42,7 @@ def meshes_of(arm: Arm) -> set[Path]:
     return {shape.mesh for link in links for shape in link.visuals if shape.mesh is not None}
 
 
-class Watch(Closing):
+class Watch(Closeable):
     """Has `server` show what `load` returns, again and again as `files` change, until `close`; a context manager.
 
     The pages are told of each time, and of why the arm cannot be loaded while that is so: the last one that could

@@ -1,0 +1,48 @@
+"""Configurations by name: `ready`, `zero` and an arm's named states, as one read-only mapping."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from ..support.checks import Array, frozen
+from ..support.errors import listed, unknown_name
+
+if TYPE_CHECKING:
+    from .arm import Arm
+
+READY, ZERO = "ready", "zero"
+
+
+class Configurations(Mapping[str, Array]):
+    """An arm's configurations by name, theta (n,) [rad, m], in this order: ready, zero, the named states.
+
+    A named state that is called `ready` or `zero` takes that name's place. `ready` is computed when it is asked for.
+    A name that is none raises UnknownNameError, a LookupError, which lists the names that are.
+    """
+
+    def __init__(self, arm: Arm) -> None:
+        self._arm = arm
+
+    def __getitem__(self, name: str) -> Array:
+        states = self._arm.named_states
+        if name in states:
+            return states[name]
+        if name not in (READY, ZERO):
+            known = tuple(self)
+            raise unknown_name("pose", name, known, within=self._arm.name, listing=f"poses: {listed(known)}")
+        return self._arm.ready if name == READY else frozen(np.zeros(self._arm.n))
+
+    def __contains__(self, name: object) -> bool:
+        return name in (READY, ZERO) or name in self._arm.named_states
+
+    def __iter__(self) -> Iterator[str]:
+        return iter(dict.fromkeys((READY, ZERO, *self._arm.named_states)))
+
+    def __len__(self) -> int:
+        return len({READY, ZERO, *self._arm.named_states})
+
+    def __repr__(self) -> str:
+        return f"Configurations({listed(tuple(self))})"
