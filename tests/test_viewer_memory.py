@@ -83,8 +83,8 @@ def test_the_address_the_poses_and_theta_are_those_of_the_last_run(arm: Arm, hom
     with at(arm, port) as second:
         assert second.url == address
         assert second.notes == ()
-        assert list(second.poses) == ["one", "two"]
-        assert_allclose(second.poses["two"], THETA)
+        assert list(second.recorded) == ["one", "two"]
+        assert_allclose(second.recorded["two"], THETA)
         assert_allclose(second.theta, THETA)
     with at(arm, port, theta=np.zeros(3)) as third:
         assert_allclose(third.theta, np.zeros(3))
@@ -106,10 +106,10 @@ def test_fresh_has_another_address_and_no_poses(arm: Arm, home: Path, port: int)
     with at(arm, port, fresh=True) as second:
         fresh = second.url
         assert fresh != address
-        assert second.poses == {}
+        assert second.recorded == {}
     with at(arm, port) as third:
         assert third.url == fresh
-        assert third.poses == {}
+        assert third.recorded == {}
 
 
 def test_nothing_is_kept_unless_it_is_asked_for(arm: Arm, home: Path, port: int) -> None:

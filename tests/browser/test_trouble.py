@@ -300,7 +300,7 @@ def test_a_page_lives_on_when_the_view_at_its_address_is_started_anew(browser: A
         assert page.evaluate("same"), "it was not loaded again"
         assert_allclose(page.evaluate(look)[0], seen[0], rtol=1e-12)
         assert page.locator("#error").is_hidden()
-        assert list(second.poses) == ["pose 1"]
+        assert list(second.recorded) == ["pose 1"]
         page.evaluate("twistarm.parts.rejoining.code = 'another version'")
     with ExitStack() as stack:
         with page.expect_event("load"):
