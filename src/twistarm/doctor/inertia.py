@@ -89,7 +89,7 @@ def check_inertias(description: Description) -> Iterator[Finding]:
 
 def _filled(what: str, body: Body) -> str:
     moments = "(" + ", ".join(f"{moment:.3g}" for moment in body.moments) + ")"
-    numbers = {"mass": body.mass, "moments": moments, "middle": body.centre}
+    numbers = {"mass": body.mass, "moments": moments, "centre": body.centre}
     return what.format(**numbers, gyration=body.gyration if body.mass else np.inf)
 
 
