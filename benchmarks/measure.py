@@ -1,4 +1,4 @@
-"""What is measured on one arm: single calls of every kind, batches, forward kinematics and Jacobians."""
+"""The measurements on one arm: single calls of every kind, batches, forward kinematics and Jacobians."""
 
 from __future__ import annotations
 

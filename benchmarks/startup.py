@@ -1,4 +1,4 @@
-"""What starting costs: fresh interpreters in turn, medians, and ratios to importing Pinocchio.
+"""The cost of starting: fresh interpreters in turn, medians, and ratios to importing Pinocchio.
 
 Allowed: `import twistarm` 0.1 s beyond NumPy; with `load_arm("rover_arm")` 1.5 × `import pinocchio` + 0.5 s.
 """

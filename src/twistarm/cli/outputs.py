@@ -1,4 +1,4 @@
-"""Where a command writes: `-o FILE`, of the kind that its ending says; `-` is standard output; nothing is lost."""
+"""Output files of a command: `-o FILE`, its kind by the ending; `-` is standard output; no file is replaced unasked."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What the loop of `twistarm servo` did, for people and for programs."""
+"""The report of `twistarm servo`: the loop's cycles and how it ended, for people and for programs."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What a person types as numbers: configurations, positions, directions."""
+"""Numbers typed on the command line: configurations, positions, directions."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What is installed: versions and the engine."""
+"""Installed versions, and the engine in use."""
 
 from __future__ import annotations
 

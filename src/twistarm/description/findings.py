@@ -1,4 +1,4 @@
-"""What was noticed about a description: a stable code, how grave it is, where, what it means and the remedy."""
+"""Findings about a description: a stable code, a severity, the place, the meaning and the remedy."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Where packages are: the index behind `$(find pkg)` and `package://pkg/…`, without ROS."""
+"""The package index behind `$(find pkg)` and `package://pkg/…`, without ROS."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What an arm can do with its tool at almost every posture, and what at none: ranks and common null spaces.
+"""Motions that an arm's tool has at almost every posture, and those it has at none: ranks and common null spaces.
 
 Statements about "every posture" come from random ones: the ranks of an analytic Jacobian are the largest almost
 everywhere, and a direction that is missing at many random postures is missing at all.

@@ -1,4 +1,4 @@
-"""Whether two descriptions are the same robot to whoever moves it."""
+"""Equality of descriptions: whether two move as the same robot."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What an arm is able to do, and what not, in words. Every sentence is true at almost every posture."""
+"""Statements of an arm's abilities and inabilities in words, each true at almost every posture."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""How the doctor's findings are worded: several parts in one finding, numbers, and an arm.toml's snippets."""
+"""Wording of the doctor's findings: several parts in one finding, numbers, and snippets for an arm.toml."""
 
 from __future__ import annotations
 

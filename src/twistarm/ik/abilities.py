@@ -1,4 +1,4 @@
-"""What an arm can do with its tool around a configuration, told from the null spaces of its Jacobian."""
+"""Motions that an arm's tool has around a configuration, from the null spaces of its Jacobian."""
 
 from __future__ import annotations
 

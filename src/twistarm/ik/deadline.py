@@ -1,4 +1,4 @@
-"""When a solver has to come to an end."""
+"""The deadline of a solver."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Where each joint may be during a search: bounds, and joints that may turn for ever."""
+"""Joint ranges during a search: bounds, and joints that may turn without end."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What is asked of a solver, checked at the door."""
+"""Arguments of a solver besides the target, checked before it begins."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What inverse kinematics answers: a configuration, how far it is from what was asked, and the reason."""
+"""The answer of inverse kinematics: a configuration, its distance from the target, and the reason."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What may be asked of an arm's tool: a pose, a position, a position with an approach axis, a pose with tolerances."""
+"""Targets of inverse kinematics: a pose, a position, a position with an approach axis, a pose with tolerances."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What solvers need of a target: the components it constrains, as errors and their rows, and how far it is missed."""
+"""Task space: the components that a target constrains, as errors and Jacobian rows, and the distance that remains."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What an arm cannot do with its tool, in words: the same from the servo, from inverse kinematics and on the page."""
+"""Motions that an arm cannot make, in words: the same from the servo, from inverse kinematics and on the page."""
 
 from __future__ import annotations
 

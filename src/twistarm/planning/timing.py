@@ -1,4 +1,4 @@
-"""When a motion passes its waypoints: the shortest times found that keep velocity, acceleration and jerk limits."""
+"""Times of waypoints: the shortest found that keep the limits of velocity, acceleration and jerk."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""How far a motion keeps the joint limits, from its exact extremes, and the error that says where it does not."""
+"""Joint limits along a motion, checked at its exact extremes, and the error that says where one is broken."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What has changed of limits and of motors, in words, one sentence each."""
+"""Changes of limits and of motors between two arms, in words, one sentence each."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What one step of the servo comes to, as plain numbers: the same from the compiled and the readable step."""
+"""The answer of one servo step as plain numbers: the same from the compiled and from the readable step."""
 
 from __future__ import annotations
 

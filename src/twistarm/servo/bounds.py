@@ -1,4 +1,4 @@
-"""What a servo may do with an arm: its joints' limits and its motors', made ready once for each arm."""
+"""Bounds of the servo: the limits of an arm's joints and motors, prepared once for each arm."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What a servo is told to do: move the tool by a twist, jog the joints, or bring the tool to a pose and hold it."""
+"""Commands of the servo: a twist of the tool, rates of joints, or a pose to reach and hold."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What one step of a servo answers."""
+"""The output of one servo step: joint rates, a status and its reason, and the part of the command that is lost."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What a servo is told once: margins, thresholds, and the length that compares metres with radians."""
+"""Settings of the servo: margins, thresholds, and the length that compares metres with radians."""
 
 from __future__ import annotations
 

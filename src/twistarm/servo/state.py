@@ -1,4 +1,4 @@
-"""What a servo carries from one step to the next."""
+"""The servo's state, carried from one step to the next."""
 
 from __future__ import annotations
 

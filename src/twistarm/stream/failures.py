@@ -1,4 +1,4 @@
-"""What a stream cannot go on after: a device or the servo failed; and how an error is put into words."""
+"""Failures that end a stream: of a device or of the servo; and their errors in words."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What the loop is connected to: a source of commands, a sink for setpoints, feedback from the joints, a clock.
+"""Interfaces of the loop: a source of commands, a sink for setpoints, feedback from the joints, a clock.
 
 Whatever has these methods serves; what must be closed is a context manager as well, and whoever opened it closes it.
 A device that fails raises OSError or a TwistarmError; a sink that nobody hears for now raises `UndeliveredError`.

@@ -1,4 +1,4 @@
-"""What a stream did: cycles and jitter, what was stale for how long, and why it ended."""
+"""The report of a stream: cycles and jitter, stale inputs and for how long, and why it ended."""
 
 from __future__ import annotations
 

@@ -1,1 +1,1 @@
-"""What every room stands on: errors, checked arguments, files, strict JSON and CSV, interrupts. Knows no robot."""
+"""Foundations of every room: errors, checked arguments, files, strict JSON and CSV, interrupts. Knows no robot."""

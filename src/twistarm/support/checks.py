@@ -1,4 +1,4 @@
-"""What a caller hands in, checked once at the door: shape, finite, orthonormal."""
+"""Checks of a caller's arguments: shape, finite numbers, orthonormal rotations."""
 
 from __future__ import annotations
 

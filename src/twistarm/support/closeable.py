@@ -1,4 +1,4 @@
-"""What must be closed, as a context manager."""
+"""Objects that must be closed, as context managers."""
 
 from __future__ import annotations
 

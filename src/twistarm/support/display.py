@@ -1,4 +1,4 @@
-"""How objects show themselves at a prompt, in a line or three, and in a notebook, as a table."""
+"""Displays of objects: a line or three at a prompt, and a table in a notebook."""
 
 from __future__ import annotations
 

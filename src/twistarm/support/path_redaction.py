@@ -1,4 +1,4 @@
-"""What is said about files without where on this machine they lie, for texts that are passed on."""
+"""Redaction of paths: texts that are passed on do not say where on this machine a file lies."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""How well a posture moves the tool in each direction: the singular values of the scaled body Jacobian."""
+"""Manipulability: how well a posture moves the tool in each direction, by singular values of the body Jacobian."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What an explanation means for a motor: its faults by name and in words, and the entries the arm.toml should have."""
+"""Faults of a motor that an explanation implies: their names, their words, and the corrected entries of an arm.toml."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What was logged: the counts of every drive, and where the tool was measured to be at the same moment."""
+"""The log of a wiring check: the counts of every drive, and the tool's measured place at the same moment."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""How the tool would have moved if each motor's readings had another scale and another zero."""
+"""The tool's predicted motion if each motor's readings had another scale and another zero."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What the wiring check found, motor by motor."""
+"""The report of the wiring check, motor by motor."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What a log leaves open: other faults that explain it as well, and signs and swaps that it does not show."""
+"""Rival explanations that a log leaves open: other faults that explain it as well, signs and swaps it does not show."""
 
 from __future__ import annotations
 

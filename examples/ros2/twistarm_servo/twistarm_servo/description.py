@@ -1,4 +1,4 @@
-"""Where the arm comes from: a file, the parameter robot_description, or the topic of robot_state_publisher."""
+"""The arm's source: a file, the parameter robot_description, or the topic of robot_state_publisher."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What comes in: twists, jogs, poses and a joystick's messages for the inbox, joint states for the servo."""
+"""Subscriptions: twists, jogs, poses and a joystick's messages for the inbox, joint states for the servo."""
 
 from __future__ import annotations
 

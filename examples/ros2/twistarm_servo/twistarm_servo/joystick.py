@@ -1,4 +1,4 @@
-"""How a sensor_msgs/Joy becomes a twist: nothing counts before every axis was seen at rest and the button let go."""
+"""Twists from sensor_msgs/Joy: none before every axis was seen at rest and the button let go."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What goes out: trajectories, or arrays for a forward_command_controller."""
+"""Publishers: trajectories, or arrays for a forward_command_controller."""
 
 from __future__ import annotations
 

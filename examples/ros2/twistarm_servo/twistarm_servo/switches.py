@@ -1,4 +1,4 @@
-"""What may be switched while the node runs: `ros2 param set /servo_node frame base`."""
+"""Parameters that may change while the node runs: `ros2 param set /servo_node frame base`."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Which of an SRDF's groups is the arm, and where it begins and ends."""
+"""The arm's group in an SRDF: the choice among its groups, and the group's base and tip."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What lies behind an error of xacro, which wraps them in one another."""
+"""The root cause of an error of xacro, which wraps its errors in one another."""
 
 from __future__ import annotations
 

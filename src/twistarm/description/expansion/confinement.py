@@ -1,4 +1,4 @@
-"""Which files a xacro description may open: those of its own package and of the packages that the index finds."""
+"""Confinement of files: a xacro description may open those of its own package and of packages in the index."""
 
 from __future__ import annotations
 

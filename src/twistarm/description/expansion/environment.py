@@ -1,4 +1,4 @@
-"""What a description may know of the environment: the variables that its reader names, and no other."""
+"""Environment variables that a description may read: those that the caller names, and no other."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What a checked expression is run with: every operator, attribute, method and call passes here and is counted."""
+"""Guards of checked expressions: every operator, attribute, method and call passes here and is counted."""
 
 from __future__ import annotations
 

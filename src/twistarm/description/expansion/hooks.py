@@ -1,4 +1,4 @@
-"""What stands in the place of xacro's own functions while a file is expanded: files confined, work counted."""
+"""Replacements of xacro's own functions while a file is expanded: files confined, work counted."""
 
 from __future__ import annotations
 

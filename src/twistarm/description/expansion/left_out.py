@@ -1,4 +1,4 @@
-"""What an expansion leaves out with the packages that the caller does without, each part told as a finding."""
+"""Parts that an expansion leaves out with the packages that the caller does without, each reported as a finding."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""How much one expansion may do: work is counted, not timed, so that a file gets the same answer everywhere."""
+"""The work allowed to one expansion: counted, not timed, so that a file gets the same answer everywhere."""
 
 from __future__ import annotations
 

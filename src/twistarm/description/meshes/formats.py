@@ -1,4 +1,4 @@
-"""Which files are meshes: by their ending, as a description names them."""
+"""Mesh formats, by the ending of the file that a description names."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What reading the meshes of an arm may take: far beyond any arm that was ever exported, far below a machine's end."""
+"""Limits of reading meshes: far above any exported arm, far below what a machine can bear."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What a mesh file comes to: one part per material."""
+"""Parts of a mesh file: one for each material."""
 
 from __future__ import annotations
 

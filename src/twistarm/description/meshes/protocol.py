@@ -1,4 +1,4 @@
-"""What the worker and whoever asks it say to each other: a line of JSON, then arrays as they lie in memory.
+"""The protocol between the mesh reader's process and its caller: a line of JSON, then arrays as they lie in memory.
 
 A request is `{"path": …, "parts": true | false, "most": number | null}`. An answer is a head, checked number by number,
 and of parts the vertices, normals and faces of each, one after the other: no code, whatever the worker has become by

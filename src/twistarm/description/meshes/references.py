@@ -1,4 +1,4 @@
-"""What a mesh file refers to: materials and buffers in files beside it, opened only inside its own package."""
+"""Files that a mesh refers to: materials and buffers, opened only inside its own package."""
 
 from __future__ import annotations
 

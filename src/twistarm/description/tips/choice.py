@@ -1,4 +1,4 @@
-"""Which links are the arm's base and tip where nobody has said so: the tree of moving joints first, names second."""
+"""The choice of base and tip where nobody names them: by the tree of moving joints first, by names second."""
 
 from __future__ import annotations
 

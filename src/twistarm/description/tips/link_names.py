@@ -1,4 +1,4 @@
-"""What the names of links and joints tell: tools, fingers, wheels and legs, sensors, and what hangs on for show."""
+"""Meanings of link and joint names: tools, fingers, wheels and legs, sensors, and parts that are only for show."""
 
 from __future__ import annotations
 

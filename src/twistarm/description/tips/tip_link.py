@@ -1,4 +1,4 @@
-"""Which link of the body at a chain's end is the tool: by its name, else its place among fingers and ornaments."""
+"""The tool link of the body at a chain's end: by its name, else by its place among fingers and attachments."""
 
 from __future__ import annotations
 

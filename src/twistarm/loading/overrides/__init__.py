@@ -1,4 +1,4 @@
-"""What is said beside a description made to fit the chain: limits, named poses and states, actuators."""
+"""Overrides of a description, fitted to the chain: limits, named poses and states, actuators."""
 
 from .actuators import fitted_actuators
 from .limits import Changes, fitted_limits

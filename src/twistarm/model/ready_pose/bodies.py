@@ -1,4 +1,4 @@
-"""What an arm's links are made of, to tell which run into each other or through the base plane."""
+"""Bodies of an arm's links, to find those that run into each other or through the base plane."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What speaks against a posture: a number, 0 for nothing, whose terms never help each other."""
+"""The merit of a posture: a sum of penalties, 0 at best, in which no term can make up for another."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Which of the named postures of a description is the one to start from."""
+"""The named posture of a description that is the one to start from."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""How an arm stands, seen from the side: above its base plane, the tool in front, the elbow up."""
+"""The stance of an arm seen from the side: above its base plane, the tool in front, the elbow up."""
 
 from __future__ import annotations
 

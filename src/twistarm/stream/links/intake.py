@@ -1,4 +1,4 @@
-"""What arrives as text from senders, read once a cycle: the last ones of each, nonsense refused in their name."""
+"""The intake of text from senders, read once a cycle: each one's last messages, malformed ones refused by sender."""
 
 from __future__ import annotations
 
