@@ -49,12 +49,21 @@ class Diagnosis:
 def diagnose(source: str | os.PathLike[str] | Arm, **load: Any) -> tuple[Finding, ...]:
     """Everything worth knowing about a description: errors, then warnings, then remarks, each with its remedy.
 
-    `source` and `load` as in `load_arm`, or an `Arm`. Beside what the reading notes: limits that look like degrees,
-    singular postures, impossible inertias, meshes out of scale, a missing tool frame, idle joints, what the arm cannot
-    do with its tool, axes that are almost exact. A description that `load_arm` refuses is an answer here: its errors
-    are findings, and what can be read of it is looked at all the same.
+    In addition to the findings of `load_arm`: limits that look like degrees, singular postures, impossible inertias,
+    meshes out of scale, a missing tool frame, idle joints, what the arm cannot do with its tool, axes that are almost
+    exact. A description that `load_arm` refuses is an answer here: its errors are findings, and what can be read of it
+    is looked at all the same.
 
-    Raises InputError and UnknownNameError only for what the caller typed wrong: an argument, a catalogue name.
+    Args:
+        source: As in `load_arm`, or an `Arm`.
+        **load: The options of `load_arm`.
+
+    Returns:
+        The findings, the gravest first.
+
+    Raises:
+        InputError: An argument cannot be used.
+        UnknownNameError: No arm of that name.
     """
     return examine(source, **load).findings
 

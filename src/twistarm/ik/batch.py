@@ -133,6 +133,25 @@ def solve_ik_batch(
     `progress(done, count)` is called some twenty times a second. Ctrl-C ends it.
 
     Raises InputError for what cannot be a target (which one), a start, a tolerance or a number of threads.
+
+    Args:
+        arm: The arm.
+        targets: Poses (N, 4, 4), or a sequence of `Pose`, `Position`, `Approach`, `Task` and poses (4, 4).
+        theta0: Start (n,) or (N, n) [rad, m], or the name of a pose.
+        position_tol: Greatest position error of an answer [m].
+        orientation_tol: Greatest rotation error of an answer [rad].
+        restarts: Greatest number of searches for each target.
+        max_time: Greatest time of the whole batch [s]; None for no limit.
+        rng: Seed, or a NumPy Generator.
+        posture: Preferred configuration (n,) or (N, n), its name, "theta0", "middle", or None.
+        threads: Number of threads.
+        progress: Called with the number of finished targets and N, or None.
+
+    Returns:
+        The `IKBatch`: theta (N, n), errors (N,) [m, rad], `converged` (N,); batch[i] is an `IKSolution`.
+
+    Raises:
+        InputError: A target (the message says which), a start, a posture or a number cannot be used.
     """
     chain = require_arm(arm)._compiled
     how = position_tol, orientation_tol, restarts, rng, max_time

@@ -41,6 +41,23 @@ def solve_ik(
     A target that cannot be met is no error: the solution is then the nearest configuration (the least position error
     inside the limits, then the least rotation error with the position held), `stop` says why, `explain()` says it
     in words. Raises InputError for what cannot be a target, a start or a tolerance.
+
+    Args:
+        arm: The arm.
+        target: `Pose`, `Position`, `Approach`, `Task`, or a pose (4, 4).
+        theta0: Start (n,) [rad, m], {joint: value} or the name of a pose.
+        position_tol: Greatest position error of an answer [m].
+        orientation_tol: Greatest rotation error of an answer [rad].
+        restarts: Greatest number of searches.
+        max_time: Greatest time [s]; None for no limit.
+        rng: Seed, or a NumPy Generator.
+        posture: Preferred configuration (n,), its name, "theta0", "middle", or None.
+
+    Returns:
+        The `IKSolution`: theta (n,), its errors [m, rad], `converged`, `stop` and `explain()`.
+
+    Raises:
+        InputError: The target, the start, the posture or a number cannot be used.
     """
     chain = (arm if type(arm) is Arm else require_arm(arm))._compiled
     # What is plainly right goes straight to the core; checking it here would cost more than solving it.

@@ -55,23 +55,37 @@ def load_arm(
 ) -> Arm:
     """Load an arm from a URDF or xacro file, an arm.toml, or by its name in the catalogue (`available_arms()`).
 
-    An arm.json that `Arm.bake` wrote is read as it is, without Pinocchio; of the options it takes `limits` alone.
+    An arm.json that `Arm.bake` wrote is read as it is, without Pinocchio; of the options it takes only `limits`.
 
-    `base` is the root link unless given, on a rover the arm's own first link; `tip` is that of the SRDF's one arm
-    group, or the link that a person would name, which a finding tells with the other candidates. `limits`: {"velocity":
-    1.0} for every joint, {"velocity": {"elbow": 1.0}}, or the path of a joint_limits.yaml; `locked`: {joint: value
-    [rad or m]} joints that stand still.
-    `srdf`: a file, else the one of this robot that stands beside the description. `package_dirs`: folders with
-    packages, beside those found around the file. What the caller gives wins over the arm.toml, and that over the SRDF.
-    `without`: packages that a xacro file asks for and that the arm can do without (a sensor's, a simulator's): their
-    includes and the macros that these would have brought are left out, each with a finding. `env`: the environment
-    variables that a xacro file may know; any other counts as not set, and a finding says so.
+    Arguments win over the arm.toml, and the arm.toml over the SRDF.
 
-    Screws and home come from our own walk of the description; Pinocchio's model is built beside it, and both are
-    compared at five random configurations (`arm.proof`).
+    The screws and the home pose come from twistarm's own reading of the description. Pinocchio's model is built
+    independently, and the two are compared at five random configurations (`arm.proof`).
 
-    Raises DescriptionError (file, element, remedy), UnknownNameError with the closest names, ComparisonError if the
-    two accounts disagree.
+    Args:
+        source: A URDF or xacro file, an arm.toml, a baked arm.json, or a name of `available_arms()`.
+        base: The base link. By default the root link, or, on a vehicle, the first link of the arm itself.
+        tip: The tip link. By default the tip of the SRDF's only arm group, or the link that is most likely the tool; a
+            finding names it and the other candidates.
+        package_dirs: Folders with packages, in addition to those found around the file.
+        xacro_args: Values of xacro arguments, {name: value}.
+        limits: Limits that replace those of the description, in SI units: {"velocity": 1.0} for every joint,
+            {"velocity": {"elbow": 1.0}} for one, a `JointLimits`, or the path of a joint_limits.yaml.
+        locked: Joints held at a fixed value, {joint: value} [rad, m]; they have no coordinate in theta.
+        srdf: An SRDF file. By default the one of this robot that is found near the description.
+        without: Packages that a xacro file includes and that the arm does not need (a sensor, a simulator). Their
+            includes, and the macros that these define, are left out, and a finding lists each of them.
+        env: Names of the environment variables that a xacro file may read. Any other counts as unset, and a finding
+            says so.
+
+    Returns:
+        The `Arm`, with what was noticed about the description in `arm.findings`.
+
+    Raises:
+        DescriptionError: The description cannot be used; the message gives file, element and remedy.
+        UnknownNameError: No such arm, link or joint; the message gives the closest names.
+        InputError: An argument cannot be used.
+        ComparisonError: The screws and Pinocchio's model disagree.
     """
     if is_baked(source):
         wishes = {"base": base, "tip": tip, "locked": locked, "srdf": srdf, "xacro_args": xacro_args}

@@ -28,10 +28,19 @@ def arm_from_screws(
     """An arm from its space twists (6, n) and home pose (4, 4), both at theta = 0; MLS §3.2.2.
 
     Columns with w = 0 are prismatic [m], the others turn [rad]: revolute, or helical where the pitch is not 0.
-    `joints` are their names (default joint1 …); `limits` a JointLimits or a mapping as in `load_arm` (default:
-    unbounded).
 
-    Raises InputError for a wrong shape, a zero column, a pose that is not in SE(3), or names that do not fit.
+    Args:
+        screws: Space twists (6, n), (v, w) in each column, linear part first.
+        home: The tool's pose g_st(0) (4, 4), seen from the base.
+        joints: The n joint names; by default joint1, joint2 and so on.
+        limits: A `JointLimits`, or a mapping as in `load_arm`; by default unbounded.
+        name: The arm's name.
+
+    Returns:
+        The `Arm`, without a description and so without a Pinocchio model.
+
+    Raises:
+        InputError: A wrong shape, a zero column, a pose that is not in SE(3), or names that do not fit.
     """
     xi = as_floats(screws, "screws")
     if xi.ndim != 2 or xi.shape[0] != 6 or xi.shape[1] == 0:

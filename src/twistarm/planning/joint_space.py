@@ -52,8 +52,8 @@ def plan_joint(
 ) -> Trajectory:
     """A motion through `waypoints`, at rest at the first and the last, that keeps the joint limits everywhere.
 
-    Waypoints (k, n), k ≥ 2 [rad, m]: arrays, mappings {joint: value} or names of poses
-    (`arm.configurations`). A joint goes the way the numbers say: no angle is wrapped, continuous joints included.
+    Waypoints (k, n), k ≥ 2 [rad, m]: arrays, mappings {joint: value} or names of poses (`arm.configurations`). No angle
+    is wrapped, not even of a continuous joint: from 0 to 2π is a full turn.
 
     - `cubic`: the C² spline; acceleration jumps at the start and the end only.
     - `quintic`: the C⁴ spline, acceleration zero at both ends; smoother, and it swings wider between waypoints.
@@ -71,13 +71,27 @@ def plan_joint(
     remains, the motion has duration 0. With `times` (k,) [s], increasing from 0, the motion passes waypoint i at
     times[i], and limits that are missing are not checked.
 
-    `limits` are the arm's, a JointLimits, or a mapping of changes to the arm's: dict(velocity=1.0,
-    acceleration={"elbow": 2.0}). `progress` is called with the fraction done, in (0, 1].
+    The extremes of the polynomials are checked, not samples (to 1e-9). Source: Lynch & Park, Modern Robotics, §9.2 and
+    §9.3.
 
-    The extremes of the polynomials are checked, not samples (to 1e-9). Raises LimitError naming joint, limit,
-    value and where: for a waypoint outside the position limits, a spline that swings outside them, times that
-    are too short, or a missing limit; InputError or UnknownNameError for arguments that do not fit.
-    Source: Lynch & Park, Modern Robotics, §9.2 and §9.3.
+    Args:
+        arm: The arm.
+        waypoints: Configurations (k, n) [rad, m], k ≥ 2; each an array, a mapping {joint: value} or the name of a pose.
+        kind: "cubic", "quintic" or "trapezoid".
+        limits: By default those of the arm; a `JointLimits`, or changes to the arm's such as
+            {"velocity": 1.0, "acceleration": {"elbow": 2.0}} [rad/s, m/s and so on].
+        times: Times of the waypoints (k,) [s], increasing from 0; None for a motion as short as the limits allow.
+        stop_at_waypoints: Whether the motion rests at every waypoint.
+        progress: Called with the fraction done, in (0, 1], or None.
+
+    Returns:
+        The `Trajectory`, a piecewise polynomial in time.
+
+    Raises:
+        LimitError: A waypoint lies outside the position limits, a spline swings outside them, the times are too short,
+            or a needed limit is missing; the message gives joint, limit, value and place.
+        InputError: An argument does not fit the arm.
+        UnknownNameError: No such pose or joint.
     """
     require_choice(kind, KINDS, "kind")
     as_flag(stop_at_waypoints, "stop_at_waypoints")

@@ -118,7 +118,7 @@ class CrossCheck:
 def crosscheck(
     arm: Arm, samples: int = 1000, rng: int | np.random.Generator = 0, progress: Progress | None = None
 ) -> CrossCheck:
-    """Compare the engines at `samples` random configurations; `progress(fraction)` is called after each part.
+    """Compare the kinematics of independent engines at random configurations inside the limits.
 
     Pose, J^s and J^b of the product of exponentials against Pinocchio's model of the description, against the compiled
     core, whose answers are the arm's, and against a chain
@@ -127,6 +127,18 @@ def crosscheck(
     every link's pose by our walk against Pinocchio, and against yourdfpy, which reads the expanded but unrepaired
     text. What an engine cannot do is "not compared", with the reason. Absolute errors, in metres and radians (entries
     of R); allowed are `POSE_TOL` times the arm's size where that exceeds 1 m.
+
+    Args:
+        arm: The arm.
+        samples: Number of configurations.
+        rng: Seed, or a NumPy Generator.
+        progress: Called with the fraction done, in (0, 1], after each comparison; or None.
+
+    Returns:
+        The `CrossCheck`: a `Comparison` for each quantity and pair of engines, with its worst difference [m, rad].
+
+    Raises:
+        InputError: An argument cannot be used. A difference raises nothing here: see `CrossCheck.require`.
     """
     theta = require_arm(arm).random_theta(rng, as_whole(samples, "samples", 1, MOST_SAMPLES))
     require_callback(progress, "progress", "(fraction)")

@@ -34,7 +34,15 @@ def freeze(arm: Arm, path: str | os.PathLike[str]) -> None:
     """Write the arm as numbers (JSON, SI): names, screws, home, limits, motors, and FK and Jacobians at 100 seeded
     postures.
 
-    All of it from the product of exponentials, so that the file depends on no engine. Written whole or not at all.
+    All of it comes from the product of exponentials, so that the file depends on no engine. The file is written whole
+    or not at all.
+
+    Args:
+        arm: The arm.
+        path: The file to write; an existing golden file is replaced.
+
+    Raises:
+        InputError: The file cannot be written.
     """
     write_whole(path, golden_text(arm))
 

@@ -27,10 +27,9 @@ def servo_step(
 ) -> tuple[ServoState, ServoOutput]:
     """One step of the servo: the state after `dt` [s] under `command`, and the joint rates that lead there.
 
-    command: TwistCommand, JogCommand or PoseCommand; six numbers mean a TwistCommand in tool axes, None that there is
-    no command. What cannot be used is no error here, because a loop that raises lets go of the arm: the arm comes to
-    rest along its acceleration limits, and the status is STALE with the reason. A dt outside (0, settings.longest_dt],
-    or a state that is not finite, is refused the same way, with rates of 0 at once.
+    An unusable command raises no error, because a loop that raises lets go of the arm: the arm comes to rest along its
+    acceleration limits, and the status is STALE with the reason. A dt outside (0, settings.longest_dt], or a state that
+    is not finite, is refused the same way, with rates of 0 at once.
 
     The rates are the least of one strictly convex function (`resolved_rates`), continuous in posture and command.
     Away from singularities a twist is done exactly. Where the arm lacks directions (below six joints, at a limit), what
@@ -43,7 +42,19 @@ def servo_step(
     A limit that the arm does not give is none: without acceleration limits rates jump, without velocity limits they are
     whatever the command asks for. `stream.run` takes the usual ones there.
 
-    Raises InputError for an arm, a state or settings that are none: `ServoState.at(arm, theta)` makes a state.
+    Args:
+        arm: The arm.
+        state: The state before the step; `ServoState.at(arm, theta)` makes the first one.
+        command: A `TwistCommand`, `JogCommand` or `PoseCommand`; six numbers are a twist (v, w) [m/s, rad/s] in tool
+            axes; None is no command.
+        dt: The length of the step [s], in (0, settings.longest_dt].
+        settings: Margins, thresholds and the length that compares metres with radians.
+
+    Returns:
+        The state after the step and the `ServoOutput`: rates (n,) [rad/s, m/s], status, reason, and what was lost.
+
+    Raises:
+        InputError: The arm, the state or the settings are of another type.
     """
     require(state, ServoState, "state", "as ServoState.at(arm, theta) makes it")
     bounds = bounds_of(require_arm(arm), require(settings, ServoSettings, "settings", "as ServoSettings() is"))

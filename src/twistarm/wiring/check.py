@@ -41,18 +41,28 @@ def check_wiring(
 ) -> WiringReport:
     """Whether the signs, ratios and zeros of the arm's motors fit a log of their counts and of measured tool poses.
 
-    `log`: a WiringLog, or the path of a CSV (`read_log`). `position_noise` [m] and `orientation_noise` [rad] are one
-    standard deviation of the measuring, `base_position_noise` [m] and `base_orientation_noise` [rad] of the base's own
-    pose: None where it is not said, which is as measured, or where a log is not sound so, as a tape measures it
-    (`base.USUAL`). theta = G⁻¹ (s y + e) is fitted to the poses, y being what the motors read
-    from their configured zeros; faults are the fewest deviations from s = 1, e = 0 that explain the log, of those
-    that are clear from the noise and more than 1°, 5 mm or 2 %. Where others explain it as well, all are named and
-    none is corrected. Where the log cannot show a motor's sign, scale or offset, or whether two are swapped, the
-    verdict is "cannot tell", and what to move or measure. A fault that the base's pose explains as well, as an offset
-    of the first joint is, is "possible" beside it (`base.BaseError` gives the law). A log that nothing explains takes
-    seconds: `progress(fraction)` is called along the way.
+    theta = G⁻¹ (s y + e) is fitted to the poses, y being what the motors read from their configured zeros; faults are
+    the fewest deviations from s = 1, e = 0 that explain the log, of those that are clear from the noise and more than
+    1°, 5 mm or 2 %. Where others explain it as well, all are named and none is corrected. Where the log cannot show a
+    motor's sign, scale or offset, or whether two are swapped, the verdict is "cannot tell", and what to move or
+    measure. A fault that the base's pose explains as well, as an offset of the first joint is, is "possible" beside it
+    (`base.BaseError` gives the law). A log that nothing explains takes seconds.
 
-    Raises InputError for an arm without actuators, joints that they do not determine, and an unusable log.
+    Args:
+        arm: The arm, with actuators.
+        log: A `WiringLog`, or the path of a CSV file with the motors' counts and measured tool poses.
+        position_noise: Standard deviation of the measured position [m].
+        orientation_noise: Standard deviation of the measured orientation [rad].
+        base_position_noise: Standard deviation of the base's position [m]. By default 0, or, for a log that is not
+            sound with it, that of a tape measure.
+        base_orientation_noise: The same of the base's orientation [rad].
+        progress: Called with the fraction done, or None.
+
+    Returns:
+        The `WiringReport`: a verdict on each motor and one on the whole arm.
+
+    Raises:
+        InputError: The arm has no actuators, they do not determine its joints, or the log cannot be used.
     """
     motors = require_arm(arm).actuators
     require_callback(progress, "progress", "(fraction)")
