@@ -67,7 +67,18 @@ class JointLimits:
         return cls(-inf, inf, inf, inf, inf, inf)
 
     def contains(self, theta: ArrayLike, tol: float = 0.0) -> np.ndarray[Any, np.dtype[np.bool_]]:
-        """Whether theta (..., n) lies inside the position limits, `tol` [rad, m] beyond them allowed."""
+        """Whether theta (..., n) lies inside the position limits, `tol` [rad, m] beyond them allowed.
+
+        Args:
+            theta: Configurations (..., n) [rad, m].
+            tol: Tolerance [rad, m].
+
+        Returns:
+            Booleans (...).
+
+        Raises:
+            InputError: theta has another shape, or is not finite.
+        """
         x = as_theta(theta, self.lower.size)
         return np.asarray(((x >= self.lower - tol) & (x <= self.upper + tol)).all(-1))
 
@@ -83,7 +94,19 @@ class JointLimits:
         return middle
 
     def with_(self, changes: Mapping[str, Any], names: Sequence[str]) -> JointLimits:
-        """A copy with `changes`: {"velocity": 1.0} for every joint, or {"velocity": {"elbow": 1.0}} by name."""
+        """A copy with `changes`: {"velocity": 1.0} for every joint, or {"velocity": {"elbow": 1.0}} by name.
+
+        Args:
+            changes: {field: number}, or {field: {joint: number}}.
+            names: The n joint names, base to tip.
+
+        Returns:
+            A new `JointLimits`; this one does not change.
+
+        Raises:
+            InputError: A value cannot be used, or a lower limit exceeds the upper one.
+            UnknownNameError: No such field or joint.
+        """
         if not isinstance(changes, Mapping):
             wanted = "a JointLimits or a mapping such as {'velocity': 1.0}"
             raise InputError(f"limits must be {wanted}; got {shown(changes)}")
@@ -101,7 +124,15 @@ class JointLimits:
         return replace(self, **updated)
 
     def require(self, fields: Sequence[str], names: Sequence[str]) -> None:
-        """Raise LimitError naming the joints and the argument where a needed limit was not given."""
+        """Raise LimitError naming the joints and the argument where a needed limit was not given.
+
+        Args:
+            fields: Names of the needed limits, such as "velocity".
+            names: The n joint names, base to tip.
+
+        Raises:
+            LimitError: One of them was not given for some joint.
+        """
         for field in fields:
             missing = [name for name, value in zip(names, getattr(self, field), strict=True) if np.isinf(value)]
             if missing:

@@ -252,7 +252,19 @@ class Arm:
         return self._each(x, lambda row: self._from_pinocchio(row)[0], (4, 4))
 
     def pose(self, theta: ArrayLike, frame: str) -> Array:
-        """Pose (..., 4, 4) of a frame of `frame_names` seen from the base."""
+        """Pose (..., 4, 4) of a frame of `frame_names` seen from the base.
+
+        Args:
+            theta: Configurations (..., n) [rad, m].
+            frame: A name of `frame_names`.
+
+        Returns:
+            Poses (..., 4, 4).
+
+        Raises:
+            InputError: theta does not fit the arm.
+            UnknownNameError: The arm has no such frame; the message gives the closest names.
+        """
         if not isinstance(frame, str) or frame not in self.frame_names:
             listing = f"{len(self.frame_names)} frames: arm.frame_names"
             within = self.name if self.description is not None else f"{self.name}, {self._whence}"
@@ -317,7 +329,18 @@ class Arm:
         return np.concatenate([R @ J[..., :3, :], R @ J[..., 3:, :]], axis=-2)
 
     def manipulability(self, theta: ArrayLike, length: float | None = None) -> Manipulability:
-        """Singular values of the body Jacobian; metres are measured in `length` [m], by default `reach`."""
+        """Singular values of the body Jacobian; metres are measured in `length` [m], by default `reach`.
+
+        Args:
+            theta: Configurations (..., n) [rad, m].
+            length: The length [m] that is weighed like 1 rad; by default `reach`.
+
+        Returns:
+            The `Manipulability`: singular values, condition number and ellipsoids.
+
+        Raises:
+            InputError: theta does not fit the arm, or length is not positive.
+        """
         scale = self.reach if length is None else as_number(length, "length")
         if not scale > 0:
             raise InputError(f"length must be positive, in metres; got {scale:g}")
@@ -343,6 +366,16 @@ class Arm:
         """τ = J_bᵀ F (..., n) [N m or N]: what the joints supply when the tool exerts F = (f, τ) on the world.
 
         F (..., 6) in tool axes at the tool's origin. MLS §3.4.2.
+
+        Args:
+            theta: Configurations (..., n) [rad, m].
+            wrench_body: Wrenches F = (f, τ) (..., 6) [N, N m].
+
+        Returns:
+            Torques and forces of the joints (..., n) [N m, N].
+
+        Raises:
+            InputError: theta or the wrench has another shape, or is not finite.
         """
         F = as_twist(wrench_body, "wrench_body")
         torques: Array = np.einsum("...in,...i->...n", self.body_jacobian(theta), F)
@@ -356,9 +389,20 @@ class Arm:
         payload: float = 0.0,
         payload_com: ArrayLike = (0.0, 0.0, 0.0),
     ) -> Array:
-        """What the joints supply to hold still, (..., n) [N m or N], mimic followers included.
+        """The torques that hold the arm still against gravity, (..., n) [N m or N], mimic followers included.
 
-        `gravity` (3,) [m/s²] in base axes; `payload` [kg] with its centre at `payload_com` (3,) [m] in tool axes.
+        Args:
+            theta: Configurations (..., n) [rad, m].
+            gravity: Acceleration of free fall (3,) [m/s²], in base axes.
+            payload: Mass carried by the tool [kg].
+            payload_com: The payload's centre of mass (3,) [m], in tool axes.
+
+        Returns:
+            Torques and forces of the joints (..., n) [N m, N].
+
+        Raises:
+            InputError: An argument has another shape, or the payload is negative.
+            TwistarmError: The arm has no description, and so no masses.
         """
         x = self._theta(theta)
         g, com = _one_vector(gravity, "gravity"), _one_vector(payload_com, "payload_com")
@@ -376,9 +420,17 @@ class Arm:
     # -- configurations ------------------------------------------------------------------------------------------
 
     def random_theta(self, rng: int | np.random.Generator, size: int | tuple[int, ...] | None = None) -> Array:
-        """Uniform in the limits, (n,) or (*size, n); where unbounded, in ± `usual_half`: π rad, 1 m.
+        """Random configurations, uniform within the limits; where a joint has none, within ± `usual_half`: π rad, 1 m.
 
-        `rng` is a seed, which gives the same each time, or a NumPy Generator, which goes on.
+        Args:
+            rng: A seed, which gives the same configurations each time, or a NumPy Generator.
+            size: How many: a number or a shape; None for a single configuration.
+
+        Returns:
+            (n,), or an array of shape `size` followed by n.
+
+        Raises:
+            InputError: The seed or the size cannot be used.
         """
         lower, upper = self.sampling_bounds
         return as_generator(rng).uniform(lower, upper, (*as_shape(size, "size"), self.n))
@@ -434,7 +486,18 @@ class Arm:
         return {name: float(value) for name, value in zip(self.joint_names, x, strict=True)}
 
     def with_tool(self, g_tip_tool: ArrayLike, name: str) -> Arm:
-        """The same arm with a tool frame `name` at g_tip_tool (4, 4), seen from the present tip."""
+        """The same arm with a tool frame `name` at g_tip_tool (4, 4), seen from the present tip.
+
+        Args:
+            g_tip_tool: The tool's pose (4, 4), seen from the present tip.
+            name: The name of the new frame.
+
+        Returns:
+            A new `Arm`; this one does not change.
+
+        Raises:
+            InputError: It is not one pose in SE(3), or the arm has a frame of that name.
+        """
         g = as_pose(g_tip_tool, "g_tip_tool")
         if g.ndim != 2:
             raise InputError(f"g_tip_tool must be one pose (4, 4); got {g.shape}")

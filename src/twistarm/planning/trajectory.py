@@ -148,8 +148,18 @@ class Trajectory:
         The header names column and unit, `slide.position [m]`. Then, where there are motors (`actuators`, else those of
         the arm), of each `left.motor_position [rad]` and `left.motor_velocity [rad/s]`, on its side of the gears, and
         what its drive counts, `left.counts [tick]` and `left.counts_rate [tick/s]`, not rounded. Numbers are written so
-        that reading gives the same floats. The file is written whole or not at all; raises InputError where it cannot
-        be, for a bad `dt`, and for actuators of other joints. Returns the path written.
+        that reading gives the same floats. The file is written whole or not at all.
+
+        Args:
+            path: The file to write.
+            dt: Time between rows [s].
+            actuators: The motors; by default those of the arm.
+
+        Returns:
+            The path written.
+
+        Raises:
+            InputError: The file cannot be written, dt is not positive, or the actuators are of other joints.
         """
         return write_whole(path, csv_text(self, dt, actuators))
 
@@ -159,7 +169,18 @@ class Trajectory:
         Each point has positions, velocities, accelerations (rad or m, and per s, s²) and time_from_start as `sec` and
         `nanosec`, strictly increasing from 0; the last velocity is zero. Where there are motors (as in `to_csv`),
         `motors` stands beside: names, units, count_units, and as many points of positions, velocities, counts and
-        counts_rates. The file is written whole or not at all; raises InputError as `to_csv`. Returns the path written.
+        counts_rates. The file is written whole or not at all.
+
+        Args:
+            path: The file to write.
+            dt: Time between points [s].
+            actuators: The motors; by default those of the arm.
+
+        Returns:
+            The path written.
+
+        Raises:
+            InputError: The file cannot be written, dt is not positive, or the actuators are of other joints.
         """
         return write_whole(path, json_text(self, dt, actuators))
 

@@ -91,7 +91,19 @@ class JogCommand(Brief):
 
     @classmethod
     def of(cls, arm: Arm, rates: Mapping[str, float]) -> JogCommand:
-        """The rates of some joints by name, the others at rest. Raises UnknownNameError for a joint of another arm."""
+        """The rates of some joints by name, the others at rest. Raises UnknownNameError for a joint of another arm.
+
+        Args:
+            arm: The arm.
+            rates: {joint: rate} [rad/s, m/s].
+
+        Returns:
+            The command.
+
+        Raises:
+            InputError: A rate is not a finite number.
+            UnknownNameError: The arm has no such joint.
+        """
         given = require_mapping(rates, "rates", "{'elbow': 0.1}")
         return cls(require_arm(arm).theta_from(dict.fromkeys(arm.joint_names, 0.0) | dict(given)))
 

@@ -32,12 +32,35 @@ class ServoState(Brief):
 
     @classmethod
     def at(cls, arm: Arm, theta: ArrayLike) -> ServoState:
-        """At rest at the measured theta (n,). Raises InputError for anything but n finite numbers."""
+        """At rest at the measured theta (n,). Raises InputError for anything but n finite numbers.
+
+        Args:
+            arm: The arm.
+            theta: The measured configuration (n,) [rad, m].
+
+        Returns:
+            The state.
+
+        Raises:
+            InputError: theta is not one configuration of finite numbers.
+        """
         return cls.moving(arm, require_arm(arm).theta_from(theta), np.zeros(arm.n))
 
     @classmethod
     def moving(cls, arm: Arm, theta: ArrayLike, theta_dot: ArrayLike) -> ServoState:
-        """At the measured theta (n,), moving at theta_dot (n,). Raises InputError for anything but finite numbers."""
+        """At the measured theta (n,), moving at theta_dot (n,). Raises InputError for anything but finite numbers.
+
+        Args:
+            arm: The arm.
+            theta: The measured configuration (n,) [rad, m].
+            theta_dot: The measured rates (n,) [rad/s, m/s].
+
+        Returns:
+            The state.
+
+        Raises:
+            InputError: One of them is not n finite numbers.
+        """
         require_arm(arm)
         values = {"theta": theta, "theta_dot": theta_dot}
         checked = {name: as_theta(value, arm.n, name, arm.joint_names) for name, value in values.items()}

@@ -14,7 +14,18 @@ from ..support.errors import InputError
 
 
 def revolute(axis: ArrayLike, point: ArrayLike) -> Array:
-    """(6, 1): the turn [rad] about the line along `axis` (3,) through `point` (3,) [m]. ξ = (−ω × q, ω)."""
+    """(6, 1): the turn [rad] about the line along `axis` (3,) through `point` (3,) [m]. ξ = (−ω × q, ω).
+
+    Args:
+        axis: Direction (3,), of any length but 0.
+        point: A point of the axis (3,) [m].
+
+    Returns:
+        The twist, a column (6, 1).
+
+    Raises:
+        InputError: The axis is zero, or a vector has another shape.
+    """
     return helical(axis, point, 0.0)
 
 
@@ -27,6 +38,17 @@ def helical(axis: ArrayLike, point: ArrayLike, pitch: float) -> Array:
     """(6, 1): the turn [rad] about a line, `pitch` [m/rad] of slide with it. ξ = (−ω × q + hω, ω). MLS §2.3.3.
 
     A thread that advances l metres per full turn has the pitch l/2π. Pitch 0 is `revolute`.
+
+    Args:
+        axis: Direction (3,), of any length but 0.
+        point: A point of the axis (3,) [m].
+        pitch: Advance h [m/rad].
+
+    Returns:
+        The twist, a column (6, 1).
+
+    Raises:
+        InputError: The axis is zero, or an argument has another shape.
     """
     w, q, h = _unit(axis, "axis"), _vector(point, "point"), as_floats(pitch, "pitch")
     if h.ndim:
@@ -35,7 +57,18 @@ def helical(axis: ArrayLike, point: ArrayLike, pitch: float) -> Array:
 
 
 def cylindrical(axis: ArrayLike, point: ArrayLike) -> Array:
-    """(6, 2): columns rz, z: the turn [rad] about a line and the slide [m] along it, which commute."""
+    """(6, 2): columns rz, z: the turn [rad] about a line and the slide [m] along it, which commute.
+
+    Args:
+        axis: Direction (3,), of any length but 0.
+        point: A point of the axis (3,) [m].
+
+    Returns:
+        Twists (6, 2).
+
+    Raises:
+        InputError: The axis is zero, or a vector has another shape.
+    """
     return np.hstack([revolute(axis, point), prismatic(axis)])
 
 
@@ -44,6 +77,16 @@ def spherical(point: ArrayLike, axes: ArrayLike | None = None) -> Array:
 
     `axes` (3, 3) is the rotation whose columns are the joint's x, y, z at rest; the identity by default.
     A ball joint has no singularity, but these coordinates have: ry = ±π/2.
+
+    Args:
+        point: The ball's centre (3,) [m].
+        axes: A rotation (3, 3), or None for the identity.
+
+    Returns:
+        Twists (6, 3).
+
+    Raises:
+        InputError: The point has another shape, or axes is not one rotation.
     """
     R = np.eye(3) if axes is None else as_rotation(axes, "axes")
     if R.ndim != 2:
@@ -56,6 +99,17 @@ def planar(normal: ArrayLike, point: ArrayLike = (0.0, 0.0, 0.0), x_axis: ArrayL
 
     The line of the turn goes through `point` (3,) [m] at rest and rides on the slides. The axes are those of
     `plane_axes(normal, x_axis)`.
+
+    Args:
+        normal: The plane's normal (3,), of any length but 0.
+        point: A point of the line of the turn (3,) [m].
+        x_axis: Direction of the first slide (3,), or None.
+
+    Returns:
+        Twists (6, 3).
+
+    Raises:
+        InputError: The normal is zero, or `x_axis` lies along it.
     """
     R = plane_axes(normal, x_axis)
     return np.hstack([prismatic(R[:, 0]), prismatic(R[:, 1]), revolute(R[:, 2], point)])
@@ -64,8 +118,18 @@ def planar(normal: ArrayLike, point: ArrayLike = (0.0, 0.0, 0.0), x_axis: ArrayL
 def plane_axes(normal: ArrayLike, x_axis: ArrayLike | None = None) -> Array:
     """The rotation (3, 3) whose columns are x, y = n × x and the unit normal n of a plane.
 
-    x is `x_axis` (3,) projected into the plane; by default (1, 0, 0), or (0, 1, 0) where the normal is within
-    some 26° of ±(1, 0, 0). Raises InputError where `x_axis` lies along the normal.
+    x is `x_axis` (3,) projected into the plane; by default (1, 0, 0), or (0, 1, 0) where the normal is within some 26°
+    of ±(1, 0, 0).
+
+    Args:
+        normal: The plane's normal (3,), of any length but 0.
+        x_axis: A direction (3,), or None.
+
+    Returns:
+        The rotation (3, 3).
+
+    Raises:
+        InputError: The normal is zero, or `x_axis` lies along it.
     """
     n = _unit(normal, "normal")
     if x_axis is None:

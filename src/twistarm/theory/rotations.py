@@ -44,6 +44,16 @@ def exp(w: ArrayLike, theta: ArrayLike = 1.0) -> Array:
     Rodrigues' formula, MLS §2.2.2 (eq. 2.14), which holds for unit vectors, for u = w/‖w‖ and φ = ‖w‖θ:
     R = I + û sin φ + û² (1 − cos φ), and R = I where w = 0. Accurate to rounding for every φ.
     `theta` broadcasts against the leading axes of w.
+
+    Args:
+        w: Rotation vectors (..., 3).
+        theta: Multiples (...).
+
+    Returns:
+        Rotations (..., 3, 3).
+
+    Raises:
+        InputError: The leading axes do not broadcast, or a number is not finite.
     """
     w, theta = as_vector(w, "w"), as_floats(theta, "theta")
     require_broadcast(w=w.shape[:-1], theta=theta.shape)
@@ -89,7 +99,18 @@ def nearest(A: ArrayLike) -> Array:
 
 
 def angle_between(R1: ArrayLike, R2: ArrayLike) -> Array:
-    """The angle (...) in [0, π] [rad] of R1ᵀ R2, which takes R1 to R2; accurate near 0 and near π."""
+    """The angle (...) in [0, π] [rad] of R1ᵀ R2, which takes R1 to R2; accurate near 0 and near π.
+
+    Args:
+        R1: Rotations (..., 3, 3).
+        R2: Rotations (..., 3, 3).
+
+    Returns:
+        Angles (...) [rad].
+
+    Raises:
+        InputError: A matrix is no rotation, or the leading axes do not broadcast.
+    """
     R1, R2 = as_rotation(R1, "R1"), as_rotation(R2, "R2")
     require_broadcast(R1=R1.shape[:-2], R2=R2.shape[:-2])
     return _axis_angle(np.swapaxes(R1, -1, -2) @ R2)[1]
@@ -103,7 +124,15 @@ def split(w: Array) -> tuple[Array, Array]:
 
 
 def cross(a: Array, b: Array) -> Array:
-    """The cross product a × b (..., 3), as `numpy.cross`, at a third of its price for single vectors."""
+    """The cross product a × b (..., 3), as `numpy.cross`, at a third of its price for single vectors.
+
+    Args:
+        a: Vectors (..., 3).
+        b: Vectors (..., 3).
+
+    Returns:
+        Vectors (..., 3). Arguments are not checked.
+    """
     result = np.empty(np.broadcast_shapes(a.shape, b.shape))
     for i, j, k in ((0, 1, 2), (1, 2, 0), (2, 0, 1)):
         result[..., i] = a[..., j] * b[..., k] - a[..., k] * b[..., j]
@@ -127,7 +156,15 @@ def _rodrigues(u: Array, sin_half: Array, cos_half: Array) -> Array:
 def from_axis_angle(axis: ArrayLike, angle: ArrayLike) -> Array:
     """The rotation (..., 3, 3) by `angle` (...) [rad] about `axis` (..., 3), whatever the axis's length.
 
-    Raises InputError for a zero axis.
+    Args:
+        axis: Axes (..., 3), of any length but 0.
+        angle: Angles (...) [rad].
+
+    Returns:
+        Rotations (..., 3, 3).
+
+    Raises:
+        InputError: An axis is zero, or the leading axes do not broadcast.
     """
     axis, angle = as_direction(axis, "axis"), as_floats(angle, "angle")
     require_broadcast(axis=axis.shape[:-1], angle=angle.shape)
@@ -183,7 +220,18 @@ def to_xyzw(R: ArrayLike) -> Array:
 
 
 def quaternion_product_wxyz(P: ArrayLike, Q: ArrayLike) -> Array:
-    """P Q = (p₀q₀ − p·q, p₀q + q₀p + p × q) (..., 4), scalar first: Q turns first, then P. MLS §2.2.3."""
+    """P Q = (p₀q₀ − p·q, p₀q + q₀p + p × q) (..., 4), scalar first: Q turns first, then P. MLS §2.2.3.
+
+    Args:
+        P: Quaternions (..., 4), scalar first.
+        Q: Quaternions (..., 4), scalar first.
+
+    Returns:
+        Quaternions (..., 4), scalar first.
+
+    Raises:
+        InputError: A shape does not fit, or the leading axes do not broadcast.
+    """
     P, Q = as_vector(P, "P", 4), as_vector(Q, "Q", 4)
     require_broadcast(P=P.shape[:-1], Q=Q.shape[:-1])
     p0, p, q0, q = P[..., :1], P[..., 1:], Q[..., :1], Q[..., 1:]
@@ -255,6 +303,16 @@ def from_euler(order: str, angles: ArrayLike) -> Array:
 
     Capitals turn about the moving axes: 'ZYZ' is R_Z(α) R_Y(β) R_Z(γ). Small letters turn about the fixed
     axes: 'xyz' is R_z(γ) R_y(β) R_x(α). `EULER_ORDERS` lists all 24. MLS §2.2.3.
+
+    Args:
+        order: One of `EULER_ORDERS`.
+        angles: Angles (..., 3) [rad].
+
+    Returns:
+        Rotations (..., 3, 3).
+
+    Raises:
+        InputError: There is no such order, or the angles have another shape.
     """
     axes, angles = _left_to_right(order, angles)
     first, second, third = (exp(np.eye(3)[axis], angles[..., n]) for n, axis in enumerate(axes))
@@ -269,6 +327,16 @@ def to_euler(order: str, R: ArrayLike) -> Array:
     outer two is determined: the last of the list is then 0.
     For R = R_i(a) R_j(b) R_k(c), the column R e_k = R_i(a) R_j(b) e_k gives a and b, and the row
     (R_i(a) e_j)ᵀ R = e_jᵀ R_k(c) then gives c, so that R is met even where a is badly determined.
+
+    Args:
+        order: One of `EULER_ORDERS`.
+        R: Rotations (..., 3, 3).
+
+    Returns:
+        Angles (..., 3) [rad].
+
+    Raises:
+        InputError: There is no such order, or a matrix is no rotation.
     """
     (i, j, k), fixed = _euler_axes(order)
     R = as_rotation(R)
@@ -291,8 +359,18 @@ def to_euler(order: str, R: ArrayLike) -> Array:
 def euler_rate_map(order: str, angles: ArrayLike) -> Array:
     """The map B (..., 3, 3) with ω = B(angles) d(angles)/dt, ω the angular velocity in the fixed axes.
 
-    Its columns are the three axes of rotation as they stand. At gimbal lock two of them coincide, det B = 0,
-    and `numpy.linalg.cond(B)` grows without bound.
+    Its columns are the three axes of rotation at these angles. At gimbal lock two of them coincide, det B = 0, and
+    `numpy.linalg.cond(B)` grows without bound.
+
+    Args:
+        order: One of `EULER_ORDERS`.
+        angles: Angles (..., 3) [rad].
+
+    Returns:
+        Matrices (..., 3, 3).
+
+    Raises:
+        InputError: There is no such order, or the angles have another shape.
     """
     (i, j, k), angles = _left_to_right(order, angles)
     first = exp(np.eye(3)[i], angles[..., 0])

@@ -64,6 +64,16 @@ def bracket(a: ArrayLike, b: ArrayLike) -> Array:
     """The Lie bracket [a, b] (..., 6) of two twists: the twist of â b̂ − b̂ â. MLS App. A; Lynch & Park §8.2.
 
     [a, b] = (w_a × v_b − w_b × v_a, w_a × w_b), the derivative of Ad(e^{ât}) b at t = 0.
+
+    Args:
+        a: Twists (..., 6).
+        b: Twists (..., 6).
+
+    Returns:
+        Twists (..., 6).
+
+    Raises:
+        InputError: A shape does not fit, or the leading axes do not broadcast.
     """
     a, b = as_twist(a, "a"), as_twist(b, "b")
     require_broadcast(a=a.shape[:-1], b=b.shape[:-1])
@@ -74,14 +84,32 @@ def bracket(a: ArrayLike, b: ArrayLike) -> Array:
 def from_angular_first(V: ArrayLike, *, twists: Twists | None = None) -> Array:
     """The twist (v, w) of Lynch & Park's (w, v); wrenches too: (f, τ) from (τ, f).
 
-    `twists` says where they stand: "rows", along the last axis, (..., 6); "columns", as in a Jacobian, along the last
-    but one, (..., 6, n). Without it they are rows; an array (..., 6, 6), which could be either, is then refused.
+    Args:
+        V: Twists (w, v) or wrenches (τ, f): rows (..., 6), or columns (..., 6, n) as in a Jacobian.
+        twists: "rows" or "columns". Without it they are rows; (..., 6, 6), which may be either, is refused.
+
+    Returns:
+        An array of the same shape, linear part first.
+
+    Raises:
+        InputError: The shape does not fit, or may be either.
     """
     return _swapped(V, "V", twists)
 
 
 def to_angular_first(xi: ArrayLike, *, twists: Twists | None = None) -> Array:
-    """Lynch & Park's (w, v) of the twist (v, w); wrenches too: (τ, f) from (f, τ). `twists` as above."""
+    """Lynch & Park's (w, v) of the twist (v, w); wrenches too: (τ, f) from (f, τ).
+
+    Args:
+        xi: Twists (v, w) or wrenches (f, τ): rows (..., 6), or columns (..., 6, n) as in a Jacobian.
+        twists: "rows" or "columns". Without it they are rows; (..., 6, 6), which may be either, is refused.
+
+    Returns:
+        An array of the same shape, angular part first.
+
+    Raises:
+        InputError: The shape does not fit, or may be either.
+    """
     return _swapped(xi, "xi", twists)
 
 
@@ -117,6 +145,16 @@ def exp(xi: ArrayLike, theta: ArrayLike = 1.0) -> Array:
     e^{ξ̂θ} = I + A sin φ + A² (1 − cos φ) + C θ;  where w = 0, A = 0 and C = hat(v, 0).
     This is MLS §2.3.2 (eq. 2.32 and 2.36, there for ‖w‖ = 1) put so that nothing cancels: accurate to
     rounding for every ‖w‖. `theta` broadcasts against the leading axes of xi.
+
+    Args:
+        xi: Twists (..., 6), linear part first.
+        theta: Multiples (...).
+
+    Returns:
+        Motions (..., 4, 4).
+
+    Raises:
+        InputError: The leading axes do not broadcast, or a number is not finite.
     """
     xi, theta = as_twist(xi, "xi"), as_floats(theta, "theta")
     require_broadcast(xi=xi.shape[:-1], theta=theta.shape)
@@ -173,7 +211,18 @@ def adjoint(g: ArrayLike) -> Array:
 
 
 def transform_twist(g_ab: ArrayLike, xi_b: ArrayLike) -> Array:
-    """The twist seen from a, ξ_a = Ad_{g_ab} ξ_b (..., 6): (R v + p × R w, R w). MLS §2.4.4."""
+    """The twist seen from a, ξ_a = Ad_{g_ab} ξ_b (..., 6): (R v + p × R w, R w). MLS §2.4.4.
+
+    Args:
+        g_ab: Poses (..., 4, 4) of frame b seen from frame a.
+        xi_b: Twists (v, w) (..., 6) seen from b.
+
+    Returns:
+        Twists (..., 6) seen from a.
+
+    Raises:
+        InputError: A matrix is not in SE(3), or the leading axes do not broadcast.
+    """
     g, xi = as_pose(g_ab, "pose g_ab"), as_twist(xi_b, "xi_b")
     require_broadcast(g_ab=g.shape[:-2], xi_b=xi.shape[:-1])
     v, w = _rotated(g, xi)
@@ -184,6 +233,16 @@ def transform_wrench(g_ab: ArrayLike, F_b: ArrayLike) -> Array:
     """The wrench seen from a, F_a = Ad_{g_ba}ᵀ F_b (..., 6): (R f, R τ + p × R f). MLS §2.5.1.
 
     Power does not depend on the frame: F_a · ξ_a = F_b · ξ_b.
+
+    Args:
+        g_ab: Poses (..., 4, 4) of frame b seen from frame a.
+        F_b: Wrenches (f, τ) (..., 6) seen from b.
+
+    Returns:
+        Wrenches (..., 6) seen from a.
+
+    Raises:
+        InputError: A matrix is not in SE(3), or the leading axes do not broadcast.
     """
     g, F = as_pose(g_ab, "pose g_ab"), as_twist(F_b, "F_b")
     require_broadcast(g_ab=g.shape[:-2], F_b=F.shape[:-1])
