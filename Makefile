@@ -4,7 +4,7 @@ PYTHON ?= python3
 WORKERS ?= 2
 BIN := .venv/bin
 
-.PHONY: demo test test-all docs bench lint format clean
+.PHONY: demo test test-all docs bench lint format coverage dist clean
 
 demo: .venv/base
 	$(BIN)/twistarm demo
@@ -34,6 +34,14 @@ lint: .venv/dev
 format: .venv/dev
 	$(BIN)/ruff check --fix .
 	$(BIN)/ruff format .
+
+coverage: .venv/dev
+	$(BIN)/python -m pytest -m "not slow and not alone" -n $(WORKERS) --dist worksteal --cov --cov-report=term:skip-covered
+
+dist: .venv/dev
+	rm -rf dist
+	$(BIN)/python -m build
+	$(BIN)/twine check --strict dist/*
 
 clean:
 	rm -rf .venv build dist docs/_build .pytest_cache .mypy_cache .ruff_cache .hypothesis

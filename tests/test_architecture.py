@@ -198,3 +198,15 @@ def test_all_names_what_there_is() -> None:
     assert sorted(twistarm.__all__) == list(twistarm.__all__)
     for name in twistarm.__all__:
         assert getattr(twistarm, name).__doc__, f"{name} has no docstring"
+
+
+def test_slides_are_told_by_one_table() -> None:
+    """No code compares a joint's type with "prismatic" where `joint_units` answers: a new sliding type is one entry."""
+    makers = {"description/urdf.py"}  # writes the type into the XML
+    for file in FILES:
+        for node in ast.walk(ast.parse(file.read_text("utf-8"))):
+            if isinstance(node, ast.Compare) and file.relative_to(PACKAGE).as_posix() not in makers:
+                sides = [node.left, *node.comparators]
+                assert not any(isinstance(side, ast.Constant) and side.value == "prismatic" for side in sides), (
+                    f"{file.name}:{node.lineno}"
+                )

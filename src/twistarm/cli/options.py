@@ -13,6 +13,7 @@ import numpy as np
 import typer
 
 from ..description.catalog import model_arms, own_arms
+from ..limits.joint_units import slides
 from ..loading.load import load_arm
 from ..model.arm import Arm
 from ..support.errors import InputError
@@ -161,8 +162,8 @@ def _locked(arm: Arm, pairs: list[str], radians: bool) -> dict[str, float]:
         if not name.strip() or not np.isfinite(value):
             raise InputError(f"--locked takes JOINT=VALUE, in degrees or metres; got {pair!r}")
         joint = joints.get(name.strip())
-        slides = joint is not None and joint.type == "prismatic"
-        locked[name.strip()] = value if radians or slides else float(np.radians(value))
+        length = joint is not None and slides(joint.type)
+        locked[name.strip()] = value if radians or length else float(np.radians(value))
     return locked
 
 

@@ -10,6 +10,7 @@ from typing import Literal
 import numpy as np
 
 from ..limits.joint_limits import JointLimits
+from ..limits.joint_units import slides, unit_of
 from ..support.checks import Array
 from ..theory.lower_pairs import lower_pairs
 from ..theory.screws import adjoint, exp
@@ -91,7 +92,7 @@ def _walk(joints: tuple[Joint, ...], values: Mapping[str, float]) -> tuple[Array
             continue
         twists.append(adjoint(g) @ joint.twist)
         g = g @ exp(joint.twist, values[joint.name])
-        if joint.type != "prismatic":
+        if not slides(joint.type):
             points.append(g[:3, 3])
     return np.stack(twists, axis=1), g, points
 
@@ -101,7 +102,7 @@ def _path_length(points: list[Array]) -> float:
 
 
 def _coordinate_type(joint: Joint) -> CoordinateType:
-    if joint.type == "prismatic":
+    if slides(joint.type):
         return "prismatic"
     return "continuous" if joint.type == "continuous" else "revolute"
 
@@ -155,6 +156,6 @@ def _locked_outside(description: Description, locked: Mapping[str, float]) -> li
         )
         for name, value in locked.items()
         for joint in [description.joints[name]]
-        for unit in ["m" if joint.type == "prismatic" else "rad"]
+        for unit in [unit_of(joint.type)]
         if not joint.lower <= value <= joint.upper
     ]

@@ -9,6 +9,7 @@ from typing import Literal
 
 import numpy as np
 
+from ..limits.joint_units import slides
 from ..support.checks import Array
 from ..support.errors import listed, unknown_name
 from ..theory.screws import exp
@@ -88,7 +89,7 @@ class Joint:
     def twist(self) -> Array:
         """The joint's twist (v, w) (6,) in its own frame: unit axis, through the origin."""
         zero = np.zeros(3)
-        return np.concatenate([self.axis, zero] if self.type == "prismatic" else [zero, self.axis])
+        return np.concatenate([self.axis, zero] if slides(self.type) else [zero, self.axis])
 
 
 @dataclass(frozen=True, repr=False)

@@ -11,6 +11,7 @@ from functools import cached_property
 
 import numpy as np
 
+from ..limits.joint_units import slides
 from ..model.arm import Arm
 from ..support.checks import Array
 from ..theory.manipulability import scaled_jacobian
@@ -63,7 +64,7 @@ class Abilities:
 
 def sample_motions(arm: Arm) -> Motions:
     """The arm's motions at seeded random postures inside its limits."""
-    prismatic = np.array(arm.joint_types) == "prismatic"
+    prismatic = np.array([slides(kind) for kind in arm.joint_types])
     pairs = [arm._fk_and_body_jacobian(theta) for theta in arm.random_theta(0, SAMPLES)]
     R = np.stack([g[:3, :3] for g, _ in pairs])
     return Motions(R, np.stack([scaled_jacobian(J, prismatic, arm.reach) for _, J in pairs]))

@@ -13,6 +13,7 @@ from ..description.companions.toml_text import toml_key
 from ..description.findings import Finding, Place, finding
 from ..description.tree import Description, Joint
 from ..limits.joint_limits import AS_GOOD_AS_UNBOUNDED
+from ..limits.joint_units import unit_of
 from ..model.arm import Arm
 from .wording import SHOWN, grouped, place_of
 
@@ -149,7 +150,7 @@ def _remedy(joint: Joint, given: Place | None, values: Mapping[str, float]) -> s
 
 
 def _unit(joint: Joint) -> str:
-    return "m" if joint.type == "prismatic" else "rad"
+    return unit_of(joint.type)
 
 
 def _velocities(description: Description, joints: list[Joint]) -> Iterator[Finding]:

@@ -9,6 +9,7 @@ import numpy as np
 from ..description.findings import Finding, finding
 from ..description.tips.link_names import tool_rank
 from ..description.tree import Description
+from ..limits.joint_units import slides
 from ..model.arm import Arm
 from ..support.vector_words import direction_in_words
 
@@ -20,7 +21,7 @@ def check_tool(arm: Arm, description: Description) -> Iterator[Finding]:
     """A tip that is the last joint's own link, and is not called a tool: its origin lies on that joint's axis."""
     last = description.chain(arm.base, arm.tip_link)[-1]
     named = tool_rank(arm.tip_link) is not None
-    if last.moving and last.type != "prismatic" and not named and np.array_equal(arm.tool, np.eye(4)):
+    if last.moving and not slides(last.type) and not named and np.array_equal(arm.tool, np.eye(4)):
         yield finding(
             "tool-frame-missing",
             description.place(description.links[arm.tip_link]),

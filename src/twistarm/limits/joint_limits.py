@@ -12,6 +12,7 @@ from numpy.typing import ArrayLike
 from ..support.checks import Array, as_reals, as_theta, frozen, require_names
 from ..support.display import told
 from ..support.errors import InputError, LimitError, shown, unknown_name
+from .joint_units import slides
 
 FIELDS = ("lower", "upper", "velocity", "acceleration", "jerk", "effort")
 RATES = FIELDS[2:]
@@ -145,7 +146,7 @@ class JointLimits:
 
 def usual_half(kind: str) -> float:
     """Half the range of an unbounded joint: π rad, or 1 m for a slide."""
-    return 1.0 if kind == "prismatic" else float(np.pi)
+    return 1.0 if slides(kind) else float(np.pi)
 
 
 def usual_range(lower: ArrayLike, upper: ArrayLike, half: ArrayLike) -> tuple[Array, Array]:

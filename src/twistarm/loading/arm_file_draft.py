@@ -16,6 +16,7 @@ from ..description.packages import package_index, package_names, variable_names
 from ..description.tips.choice import candidates
 from ..description.tree import Description
 from ..description.urdf import read_description
+from ..limits.joint_units import unit_of
 from ..model.arm import Arm
 from ..support.errors import DescriptionError, InputError
 from ..support.files import as_path
@@ -166,10 +167,7 @@ def _rows(description: Description, arm: Arm | None) -> list[tuple[str, str, dic
         columns = zip(arm.joint_names, arm.units, *(getattr(arm.limits, field) for field in fields), strict=True)
         return [(name, unit, dict(zip(fields, values, strict=True))) for name, unit, *values in columns]
     joints = [joint for joint in description.outward_joints() if joint.scalar and joint.mimic is None]
-    return [
-        (joint.name, "m" if joint.type == "prismatic" else "rad", {field: getattr(joint, field) for field in fields})
-        for joint in joints
-    ]
+    return [(joint.name, unit_of(joint.type), {field: getattr(joint, field) for field in fields}) for joint in joints]
 
 
 def _coordinates(description: Description, arm: Arm | None) -> tuple[str, ...]:

@@ -18,6 +18,7 @@ from ..description.findings import Finding
 from ..description.tree import Description
 from ..limits.actuators import Actuators
 from ..limits.joint_limits import AS_GOOD_AS_UNBOUNDED, JointLimits, usual_half
+from ..limits.joint_units import slides, unit_of
 from ..support.checks import (
     Array,
     as_floats,
@@ -166,7 +167,7 @@ class Arm:
     @property
     def units(self) -> tuple[str, ...]:
         """`rad` or `m` for each coordinate."""
-        return tuple("m" if kind == "prismatic" else "rad" for kind in self.joint_types)
+        return tuple(unit_of(kind) for kind in self.joint_types)
 
     @property
     def body_screws(self) -> Array:
@@ -547,7 +548,7 @@ class Arm:
 
     @property
     def _prismatic(self) -> Array:
-        return np.array([kind == "prismatic" for kind in self.joint_types])
+        return np.array([slides(kind) for kind in self.joint_types])
 
     def _theta(self, theta: ArrayLike) -> Array:
         return self.theta_from(theta)

@@ -15,6 +15,7 @@ from numpy.typing import ArrayLike
 from ..description.document import read_text
 from ..limits.actuators import Actuators
 from ..limits.joint_limits import FIELDS, JointLimits
+from ..limits.joint_units import unit_of
 from ..support.checks import Array, as_floats, as_number, as_pose, as_positive
 from ..support.errors import DescriptionError, InputError
 from ..support.files import writable, write_whole
@@ -139,7 +140,7 @@ def actuators_entry(motors: Actuators) -> dict[str, Any]:
 
 
 def _unit(kind: str) -> str:
-    return "m" if kind == "prismatic" else "rad"
+    return unit_of(kind)
 
 
 def _or_null(values: Array) -> list[float | None]:

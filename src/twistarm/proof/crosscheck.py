@@ -12,6 +12,7 @@ from typing import Any
 import numpy as np
 
 from ..description.tree import Description
+from ..limits.joint_units import slides
 from ..model import engine
 from ..model.arm import Arm, require_arm
 from ..support.checks import Array, as_whole, frozen, require_callback
@@ -372,7 +373,7 @@ def _beyond_yourdfpy(arm: Arm) -> str:
             return f"yourdfpy drops the mimic of a mimic {joint.name!r}"
         if joint.mimic is not None and arm.couplings[joint.name].master is None:
             return f"yourdfpy cannot lock the mimic joint {joint.name!r}"
-        if joint.type == "prismatic" and abs(joint.axis_length - 1.0) > POSE_TOL:
+        if slides(joint.type) and abs(joint.axis_length - 1.0) > POSE_TOL:
             return f"yourdfpy does not normalise the axis of the prismatic joint {joint.name!r}"
     return ""
 

@@ -28,7 +28,8 @@ Posture = Annotated[
     str | None,
     typer.Option(
         metavar=VALUES,
-        help="What a redundant arm stays near while it meets the target: theta0 (the start), centre, a pose or values.",
+        help="Where a redundant arm stands while it meets the target: near theta0 (the start), middle (of the limits), "
+        "a pose or values.",
     ),
 ]
 PositionTolerance = Annotated[float, typer.Option(metavar="M", help="How far off a position is still met, in metres.")]

@@ -8,6 +8,7 @@ from typing import Literal
 
 import numpy as np
 
+from ...limits.joint_units import slides
 from ..tree import Description, Joint
 from .link_names import (
     camera_named,
@@ -217,7 +218,7 @@ def _opposed(fingers: Sequence[Body]) -> bool:
     axes = np.stack([joint.origin[:3, :3] @ joint.axis for joint in joints])
     away = np.array([np.linalg.norm(joint.origin[:3, 3]) for joint in joints])
     parallel = bool((np.abs(axes @ axes[0]) > 1 - EQUAL).all()) and len({joint.parent for joint in joints}) == 1
-    return parallel and (joints[0].type == "prismatic" or bool(np.ptp(away) <= EQUAL * away.max()))
+    return parallel and (slides(joints[0].type) or bool(np.ptp(away) <= EQUAL * away.max()))
 
 
 def _closes(finger: Body, body: Body) -> bool:

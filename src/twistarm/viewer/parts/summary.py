@@ -8,6 +8,7 @@ import numpy as np
 
 from ...description.tree import Joint
 from ...limits.joint_limits import usual_half, usual_range
+from ...limits.joint_units import unit_of
 from ...model.arm import Arm
 from ...support.checks import Array
 from ..scene.axes import screw_kinds
@@ -56,7 +57,7 @@ def rest(joint: Joint) -> float:
 
 def joint_unit(kind: str) -> str:
     """The unit of a joint of this type: m, or rad."""
-    return "m" if kind == "prismatic" else "rad"
+    return unit_of(kind)
 
 
 def _describe(name: str, kind: str, lower: float, upper: float, half: float) -> dict[str, Any]:

@@ -6,6 +6,7 @@ from typing import Any
 
 import numpy as np
 
+from ...limits.joint_units import slides
 from ...model.arm import Arm
 from ...servo.settings import ServoSettings
 from ...support.checks import Array
@@ -30,7 +31,7 @@ def numbers(arm: Arm, theta: Array, rates: Array | None = None) -> dict[str, Any
     g, J_b = arm._fk_and_body_jacobian(theta)
     J_s = arm.spatial_jacobian(theta)
     hybrid = (g[:3, :3] @ J_b.reshape(2, 3, -1)).reshape(6, -1)
-    slides = np.array([kind == "prismatic" for kind in arm.joint_types], dtype=bool)
+    slides = np.array([slides(kind) for kind in arm.joint_types], dtype=bool)
     return {
         "g": g.tolist(),
         "spatial": J_s.tolist(),

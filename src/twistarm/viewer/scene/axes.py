@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
+from ...limits.joint_units import slides
 from ...model.arm import Arm
 from ...support.checks import Array
 from ...theory.screws import to_screw
@@ -76,7 +77,7 @@ def draw_rods(arm: Arm) -> list[bytes]:
             drawn.append(drawing.rod(f"{path}/rod", start, end, 0.012 * size, STICK))
     lower, upper = (np.clip(arm.coupling.A @ bound, -size, size) for bound in arm.sampling_bounds)
     for i, kind in enumerate(screw_kinds(arm)):
-        if kind == "prismatic":
+        if slides(kind):
             axis = to_screw(arm.screws[:, i]).axis
             ends = points[i + 1] + lower[i] * axis, points[i + 1] + upper[i] * axis
             drawn.append(drawing.rod(f"{paths[i]}/rail", *ends, 0.006 * size, STICK))

@@ -1,0 +1,16 @@
+"""Unit of a joint's coordinate by the joint's type: metres where it slides, radians where it turns."""
+
+from __future__ import annotations
+
+SLIDING = frozenset({"prismatic"})
+"""Types whose coordinate is a length; every other one is an angle, a helical joint's too."""
+
+
+def slides(kind: str) -> bool:
+    """Whether the coordinate of a joint of this type is a length."""
+    return kind in SLIDING
+
+
+def unit_of(kind: str) -> str:
+    """`m` or `rad`."""
+    return "m" if slides(kind) else "rad"
