@@ -31,7 +31,7 @@ def numbers(arm: Arm, theta: Array, rates: Array | None = None) -> dict[str, Any
     g, J_b = arm._fk_and_body_jacobian(theta)
     J_s = arm.spatial_jacobian(theta)
     hybrid = (g[:3, :3] @ J_b.reshape(2, 3, -1)).reshape(6, -1)
-    slides = np.array([slides(kind) for kind in arm.joint_types], dtype=bool)
+    lengths = np.array([slides(kind) for kind in arm.joint_types], dtype=bool)
     return {
         "g": g.tolist(),
         "spatial": J_s.tolist(),
@@ -39,8 +39,8 @@ def numbers(arm: Arm, theta: Array, rates: Array | None = None) -> dict[str, Any
         "hybrid": hybrid.tolist(),
         "axes": None if _uncoupled(arm) else _screws(poe.spatial_jacobian(arm.screws, arm.coupling.A @ theta)),
         **_columns_and_motion(J_s, hybrid, rates),
-        **_singularity(arm, J_b, slides),
-        **_ellipsoids(arm, hybrid, slides),
+        **_singularity(arm, J_b, lengths),
+        **_ellipsoids(arm, hybrid, lengths),
     }
 
 
@@ -57,8 +57,8 @@ def _columns_and_motion(J_s: Array, hybrid: Array, rates: Array | None) -> dict[
     return {"columns": {name: each[:n] for name, each in screws.items()}, "motion": motion}
 
 
-def _singularity(arm: Arm, J_b: Array, slides: Array) -> dict[str, Any]:
-    found = manipulability_of(J_b, slides, arm.reach)
+def _singularity(arm: Arm, J_b: Array, lengths: Array) -> dict[str, Any]:
+    found = manipulability_of(J_b, lengths, arm.reach)
     values, rank = found.singular_values.tolist(), int(found.rank) if arm.n else 0
     return {
         "singular_values": values,
@@ -71,8 +71,8 @@ def _singularity(arm: Arm, J_b: Array, slides: Array) -> dict[str, Any]:
     }
 
 
-def _ellipsoids(arm: Arm, hybrid: Array, slides: Array) -> dict[str, Any]:
-    pairs = zip(("linear", "angular"), *ellipsoids(hybrid, slides, arm.reach), strict=True)
+def _ellipsoids(arm: Arm, hybrid: Array, lengths: Array) -> dict[str, Any]:
+    pairs = zip(("linear", "angular"), *ellipsoids(hybrid, lengths, arm.reach), strict=True)
     return {name: {"semi_axes": long.tolist(), "directions": along.tolist()} for name, long, along in pairs}
 
 
