@@ -22,12 +22,23 @@ def assert_arm(
 ) -> Arm:
     """Load an arm, prove product of exponentials = Pinocchio = yourdfpy, and that it is still the one frozen.
 
-    `source` and `load` as in `load_arm`; `against` a golden file written by `twistarm freeze` or `freeze(arm, path)`,
-    or whatever else `compare` takes. Returns the arm. Raises AssertionError with every difference in words, and
-    MissingExtraError without yourdfpy: a proof that leaves an engine out is none.
+    In a test::
 
         def test_our_arm():
             assert_arm("arm/rover.urdf.xacro", against="arm/rover.golden.json")
+
+    Args:
+        source: As in `load_arm`.
+        against: A golden file written by `freeze`, or whatever else `compare` takes; None for the cross-check alone.
+        samples: Number of random configurations.
+        **load: The options of `load_arm`.
+
+    Returns:
+        The arm.
+
+    Raises:
+        AssertionError: Something differs; the message gives every difference in words.
+        MissingExtraError: yourdfpy is not installed: a proof that leaves an engine out is none.
     """
     __tracebackhide__ = True
     arm = load_arm(source, **load)

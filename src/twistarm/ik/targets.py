@@ -51,11 +51,27 @@ class Pose(Brief):
         return self.g
 
     def position_rows(self, g: Array, J_b: Array) -> Rows:
-        """The offset from the pose's origin, in tool axes."""
+        """The offset from the pose's origin, in tool axes.
+
+        Args:
+            g: The tool's pose (4, 4), seen from the base.
+            J_b: The body Jacobian (6, n) there.
+
+        Returns:
+            The errors (k,) [m] and their rows (k, n) of the Jacobian, one for each constrained component.
+        """
         return offset_rows(self.g[:3, 3], g, J_b)
 
     def rotation_rows(self, g: Array, J_b: Array) -> Rows:
-        """The chord of R_gᵀ R, in tool axes."""
+        """The chord of R_gᵀ R, in tool axes.
+
+        Args:
+            g: The tool's pose (4, 4), seen from the base.
+            J_b: The body Jacobian (6, n) there.
+
+        Returns:
+            The errors (k,) [rad] and their rows (k, n) of the Jacobian, one for each constrained component.
+        """
         return rotation_errors.chord(self.g[:3, :3].T @ g[:3, :3]), J_b[3:]
 
     def position_error(self, g: Array) -> float:
@@ -96,11 +112,27 @@ class Position(Brief):
         return self.p
 
     def position_rows(self, g: Array, J_b: Array) -> Rows:
-        """The offset from p, in tool axes."""
+        """The offset from p, in tool axes.
+
+        Args:
+            g: The tool's pose (4, 4), seen from the base.
+            J_b: The body Jacobian (6, n) there.
+
+        Returns:
+            The errors (k,) [m] and their rows (k, n) of the Jacobian, one for each constrained component.
+        """
         return offset_rows(self.p, g, J_b)
 
     def rotation_rows(self, g: Array, J_b: Array) -> Rows:
-        """Nothing: the rotation is free."""
+        """Nothing: the rotation is free.
+
+        Args:
+            g: The tool's pose (4, 4), seen from the base.
+            J_b: The body Jacobian (6, n) there.
+
+        Returns:
+            The errors (k,) [rad] and their rows (k, n) of the Jacobian, one for each constrained component.
+        """
         return NONE, J_b[:0]
 
     def position_error(self, g: Array) -> float:
@@ -174,11 +206,27 @@ class Approach(Brief):
         return self._numbers
 
     def position_rows(self, g: Array, J_b: Array) -> Rows:
-        """The offset from p, in tool axes."""
+        """The offset from p, in tool axes.
+
+        Args:
+            g: The tool's pose (4, 4), seen from the base.
+            J_b: The body Jacobian (6, n) there.
+
+        Returns:
+            The errors (k,) [m] and their rows (k, n) of the Jacobian, one for each constrained component.
+        """
         return offset_rows(self.p, g, J_b)
 
     def rotation_rows(self, g: Array, J_b: Array) -> Rows:
-        """2 sin(φ/2) u across the axis, φ the angle and u the axis of the turn from the direction to the tool axis."""
+        """2 sin(φ/2) u across the axis, φ the angle and u the axis of the turn from the direction to the tool axis.
+
+        Args:
+            g: The tool's pose (4, 4), seen from the base.
+            J_b: The body Jacobian (6, n) there.
+
+        Returns:
+            The errors (k,) [rad] and their rows (k, n) of the Jacobian, one for each constrained component.
+        """
         direction = g[:3, :3].T @ self.direction
         turn = _cross(direction, self.axis)
         length = math.sqrt(turn @ turn)
@@ -251,13 +299,29 @@ class Task(Brief):
         return frozen(self.tolerance[3:][self.held[1]])
 
     def position_rows(self, g: Array, J_b: Array) -> Rows:
-        """The held components of p − p_g, along the axes of the frame."""
+        """The held components of p − p_g, along the axes of the frame.
+
+        Args:
+            g: The tool's pose (4, 4), seen from the base.
+            J_b: The body Jacobian (6, n) there.
+
+        Returns:
+            The errors (k,) [m] and their rows (k, n) of the Jacobian, one for each constrained component.
+        """
         held = self.held[0]
         R = g[:3, :3] if self.frame == "base" else self.g[:3, :3].T @ g[:3, :3]
         return self._position_offset(g), R[held] @ J_b[:3]
 
     def rotation_rows(self, g: Array, J_b: Array) -> Rows:
-        """The held components of the logarithm, along the axes of the frame."""
+        """The held components of the logarithm, along the axes of the frame.
+
+        Args:
+            g: The tool's pose (4, 4), seen from the base.
+            J_b: The body Jacobian (6, n) there.
+
+        Returns:
+            The errors (k,) [rad] and their rows (k, n) of the Jacobian, one for each constrained component.
+        """
         phi = rotation_errors.log(self.g[:3, :3].T @ g[:3, :3])
         rate = rotation_errors.log_rate(phi)
         if self.frame == "base":

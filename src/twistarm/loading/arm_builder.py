@@ -76,7 +76,23 @@ class ArmBuilder:
         velocity: float | None = None,
         effort: float | None = None,
     ) -> ArmBuilder:
-        """A turn [rad] about the line along `axis` through `point`; continuous where neither bound is given."""
+        """A turn [rad] about the line along `axis` through `point`; continuous where neither bound is given.
+
+        Args:
+            name: The joint's name.
+            axis: Direction (3,) in the base frame, of any length but 0.
+            point: A point of the axis (3,) [m], in the base frame.
+            lower: Lower position limit [rad], or None.
+            upper: Upper position limit [rad], or None.
+            velocity: Velocity limit [rad/s], or None.
+            effort: Effort limit [N m], or None.
+
+        Returns:
+            A new builder with the joint at the end of the chain; this one does not change.
+
+        Raises:
+            InputError: An argument cannot be used, or the name is taken.
+        """
         with _told_of(name):
             frame, limit = _at(axis, point), _limit(lower, upper, velocity, effort)
             return self._with(name, _turn(name, axis, frame, limit))
@@ -91,7 +107,22 @@ class ArmBuilder:
         velocity: float | None = None,
         effort: float | None = None,
     ) -> ArmBuilder:
-        """A slide [m] along `axis`, drawn at the joint before."""
+        """A slide [m] along `axis`, drawn at the previous joint.
+
+        Args:
+            name: The joint's name.
+            axis: Direction (3,) in the base frame, of any length but 0.
+            lower: Lower position limit [m], or None.
+            upper: Upper position limit [m], or None.
+            velocity: Velocity limit [m/s], or None.
+            effort: Effort limit [N], or None.
+
+        Returns:
+            A new builder with the joint at the end of the chain; this one does not change.
+
+        Raises:
+            InputError: An argument cannot be used, or the name is taken.
+        """
         with _told_of(name):
             point = self._parts[-1].frame[:3, 3] if self._parts else np.zeros(3)
             limit = _limit(lower, upper, velocity, effort)
@@ -111,7 +142,23 @@ class ArmBuilder:
     ) -> ArmBuilder:
         """A turn [rad] about a line with `pitch` [m/rad] of slide along it: a thread of lead l has the pitch l/2π.
 
-        In URDF a turn, and a slide `name_z` that mimics it.
+        URDF has no helical joint: the file gets a turn, and a slide `name_z` that mimics it.
+
+        Args:
+            name: The joint's name.
+            axis: Direction (3,) in the base frame, of any length but 0.
+            point: A point of the axis (3,) [m], in the base frame.
+            pitch: Advance [m/rad].
+            lower: Lower position limit [rad], or None.
+            upper: Upper position limit [rad], or None.
+            velocity: Velocity limit [rad/s], or None.
+            effort: Effort limit [N m], or None.
+
+        Returns:
+            A new builder with the joint at the end of the chain; this one does not change.
+
+        Raises:
+            InputError: An argument cannot be used, or the name is taken.
         """
         with _told_of(name):
             turn = _turn(name, axis, _at(axis, point), _limit(lower, upper, velocity, effort))
@@ -120,7 +167,19 @@ class ArmBuilder:
             return self._with(name, turn, slide)
 
     def cylindrical(self, name: str, axis: ArrayLike, point: ArrayLike) -> ArmBuilder:
-        """A turn `name_rz` [rad] about a line and a slide `name_z` [m] along it."""
+        """A turn `name_rz` [rad] about a line and a slide `name_z` [m] along it.
+
+        Args:
+            name: The joint's name.
+            axis: Direction (3,) in the base frame, of any length but 0.
+            point: A point of the axis (3,) [m], in the base frame.
+
+        Returns:
+            A new builder with the joint at the end of the chain; this one does not change.
+
+        Raises:
+            InputError: An argument cannot be used, or the name is taken.
+        """
         with _told_of(name):
             frame = _at(axis, point)
             return self._with(
@@ -132,6 +191,17 @@ class ArmBuilder:
 
         `axes` (3, 3) is the rotation whose columns are the joint's x, y, z at rest; the identity by default. The ball
         has no singularity, but these coordinates have: name_ry = ±π/2.
+
+        Args:
+            name: The joint's name.
+            point: The ball's centre (3,) [m], in the base frame.
+            axes: A rotation (3, 3), or None for the identity.
+
+        Returns:
+            A new builder with the joint at the end of the chain; this one does not change.
+
+        Raises:
+            InputError: An argument cannot be used, or the name is taken.
         """
         with _told_of(name):
             joints.spherical(point, axes)
@@ -147,6 +217,18 @@ class ArmBuilder:
 
         The slides go along the columns of `joints.plane_axes(normal, x_axis)`. Written with its normal along z, where
         readers that ignore the axis of a planar joint take it to be.
+
+        Args:
+            name: The joint's name.
+            normal: The plane's normal (3,) in the base frame, of any length but 0.
+            point: A point of the line of the turn (3,) [m], in the base frame.
+            x_axis: Direction of the first slide (3,), or None.
+
+        Returns:
+            A new builder with the joint at the end of the chain; this one does not change.
+
+        Raises:
+            InputError: An argument cannot be used, or the name is taken.
         """
         with _told_of(name):
             frame = _at(normal, point)
@@ -154,7 +236,18 @@ class ArmBuilder:
             return self._with(name, _Part(name, "planar", frame, np.array([0.0, 0.0, 1.0])))
 
     def tool(self, home: ArrayLike, name: str = "tool") -> ArmBuilder:
-        """The tool frame `name` at `home` (4, 4) in the base frame, with the arm at rest."""
+        """The tool frame `name` at `home` (4, 4) in the base frame, with the arm at rest.
+
+        Args:
+            home: The tool's pose (4, 4), seen from the base.
+            name: The tool frame's name.
+
+        Returns:
+            A new builder with the tool; this one does not change.
+
+        Raises:
+            InputError: home is not one pose in SE(3), or the tool is given already.
+        """
         _check_name(name, "the tool's name")
         if self._home is not None:
             raise InputError(f"the tool {self._tool!r} is given already; give it once")

@@ -280,7 +280,16 @@ class Arm:
     def poses(self, theta: ArrayLike, others: Mapping[str, float] | None = None) -> dict[str, Array]:
         """Pose (..., 4, 4) of every frame seen from the base, {frame: g}.
 
-        `others`: values of joints outside the chain by name (fingers, a second arm); 0 where not given.
+        Args:
+            theta: Configurations (..., n) [rad, m].
+            others: Values of joints outside the chain by name (fingers, a second arm) [rad, m]; 0 where not given.
+
+        Returns:
+            {frame: poses (..., 4, 4)}.
+
+        Raises:
+            InputError: theta does not fit the arm, or a value is not a finite number.
+            UnknownNameError: There is no such joint outside the chain.
         """
         x = self._theta(theta)
         self._check_others({} if others is None else require_mapping(others, "others", "{'finger_joint': 0.02}"))
@@ -463,7 +472,19 @@ class Arm:
     ) -> Array:
         """theta (..., n) from numbers; (n,) from a name in `configurations`, {joint: value}, or joints and values.
 
-        By joint every one must be given, in any order. `name` is what an error calls the argument.
+        Values by joint must name every joint, in any order.
+
+        Args:
+            values: Numbers (..., n) [rad, m], the name of a configuration, {joint: value}, or joint names.
+            numbers: The values that belong to joint names (n,); None otherwise.
+            name: The argument's name in the text of an error.
+
+        Returns:
+            theta (..., n), checked.
+
+        Raises:
+            InputError: The shape does not fit, a number is not finite, or a joint is missing.
+            UnknownNameError: No such configuration or joint.
         """
         if isinstance(values, str):
             return self._named(values)

@@ -129,12 +129,29 @@ class ServoOutput(Brief):
 
     @classmethod
     def stale(cls, theta_dot: Array, reason: str) -> ServoOutput:
-        """What a step answers without a usable command or state, and why."""
+        """The output of a step that had no usable command or state.
+
+        Args:
+            theta_dot: Rates (n,) [rad/s, m/s].
+            reason: The reason, in words.
+
+        Returns:
+            The output, with status STALE.
+        """
         return cls(theta_dot, ServoStatus.STALE, 0.0, _NOTHING_LOST, 0.0, None, (0.0, 0.0), reason)
 
     @classmethod
     def of(cls, answer: Answer, bounds: Bounds, asked: Asked) -> ServoOutput:
-        """What an answer of the core, or of the readable step, means."""
+        """The output that stands for an answer of the compiled or of the readable step.
+
+        Args:
+            answer: The step's answer as plain numbers.
+            bounds: The arm's bounds.
+            asked: The arm, the configuration and the command of the step.
+
+        Returns:
+            The output, with status, joint and reason.
+        """
         cause, row = answer.cause, answer.row
         status = ServoStatus.HALTED_LIMIT if answer.halted else _STATUS[cause]
         names = asked.arm.joint_names if cause is Cause.SINGULARITY else bounds.motion.names

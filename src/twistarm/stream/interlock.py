@@ -70,7 +70,13 @@ class Interlock:
                 self._now = Permission(STOPPED, "the emergency stop was cleared; it waits to be enabled")
 
     def hear(self, word: str, reason: str, fresh: bool = True) -> None:
-        """Do what a message says, one of `WORDS`. What is not `fresh` may stop the arm and not let it move again."""
+        """Obey a message. One that is not fresh may stop the arm, but not let it move again.
+
+        Args:
+            word: One of `WORDS`.
+            reason: The reason for a stop, in words.
+            fresh: Whether the message is recent.
+        """
         if word == "emergency stop":
             self.emergency_stop(reason)
         elif word == "stop":
@@ -79,7 +85,12 @@ class Interlock:
             self.clear() if word == "clear" else self.enable()
 
     def follow(self, word: str | None, who: str) -> None:
-        """Stop as `who`, a robot, says of itself that it is; where it says that it is enabled, nothing."""
+        """Stop where a robot reports that it is stopped; a robot that reports itself enabled changes nothing.
+
+        Args:
+            word: The robot's own state, or None where it reports none.
+            who: The robot's name, for the reason.
+        """
         if word == EMERGENCY_STOP:
             self.emergency_stop(f"{who} is in emergency stop")
         elif word == STOPPED:

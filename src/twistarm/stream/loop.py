@@ -60,9 +60,8 @@ def run(
     velocity_mode: for robots that take rates alone. What they are told is the servo's rates and a correction toward
     where the servo is, by a filter that learns each drive's gain and delay from the measured state (`RateObserver`);
     the servo leaves 15 % of the velocity limits and 10 % of the acceleration limits to it. While nobody commands
-    nothing is corrected, and once the arm stands the servo starts anew where it is measured.
-    duration [s] and `until()` end the stream; `on_cycle(cycle)` is called after each, between the setpoint and the next
-    one, and must be quick.
+    nothing is corrected, and once the arm stands the servo starts anew where it is measured. `on_cycle` is called
+    between a setpoint and the next cycle, and must be quick.
 
     settings: of the servo, or a function of nothing that is asked for them before every cycle, so that they may change;
     where it answers anything else the stream ends.
@@ -76,8 +75,30 @@ def run(
     TwistarmError) stands in the report; other exceptions are raised after that. A setpoint that did not get through
     (`UndeliveredError`) is counted, and ends nothing.
 
-    Raises InputError for a rate, timeout, tolerance or duration that is not positive, for settings that are none, and
-    for a rate so low that the servo's longest step is shorter than a period.
+    Args:
+        arm: The arm.
+        source: Where commands come from.
+        sink: Where setpoints go.
+        feedback: Where the joint state comes from.
+        rate: Cycles per second [Hz].
+        command_timeout: Greatest age of a command [s].
+        feedback_timeout: Greatest age of the joint state [s].
+        tolerance: Greatest distance of a joint from what was commanded, one number or (n,) [rad, m].
+        settings: Settings of the servo, or a function that returns them before every cycle; None for the usual ones.
+        velocity_mode: Whether the robot takes rates alone.
+        interlock: The switch that allows motion, or None.
+        handle_signals: Whether SIGTERM and SIGHUP end the stream.
+        duration: Greatest duration [s]; None for no limit.
+        until: A function whose true result ends the stream, or None.
+        on_cycle: Called with each `Cycle`, or None.
+        clock: The clock, by default the system's monotonic one.
+
+    Returns:
+        The `StreamReport`: cycles, jitter, stale inputs, failures, and how the stream ended.
+
+    Raises:
+        InputError: A rate, timeout, tolerance or duration is not positive, the settings are of another type, or a
+            period is longer than the servo's longest step.
     """
     longest = inf if duration is None else as_positive(duration, "duration")
     current = _current(settings)
@@ -106,7 +127,16 @@ def run(
 
 
 def come_to_rest(streaming: Streaming, metronome: Metronome, clock: Clock) -> bool:
-    """Brake cycle by cycle, then rates of 0, written even when Ctrl-C cuts the braking short. Whether it stood."""
+    """Brake cycle by cycle, then rates of 0, written even when Ctrl-C cuts the braking short.
+
+    Args:
+        streaming: The stream.
+        metronome: The cycles' times.
+        clock: The clock.
+
+    Returns:
+        Whether the arm is at rest.
+    """
     try:
         latest = clock.now() + streaming.longest_braking
         while not streaming.at_rest and clock.now() < latest:

@@ -61,7 +61,15 @@ class Source(Protocol):
     """Where commands come from."""
 
     def read(self, now: float, state: ServoState | None) -> Reading:
-        """The command at `now` [s], without waiting; `state` is where the commanded arm is, None before it is known."""
+        """The command at `now` [s], without waiting; `state` is where the commanded arm is, None before it is known.
+
+        Args:
+            now: The clock's time [s].
+            state: The commanded arm's state, or None before it is known.
+
+        Returns:
+            The `Reading`: a command, or None and the reason.
+        """
 
 
 class Sink(Protocol):

@@ -63,8 +63,18 @@ def read_recording(arm: Arm, path: str | os.PathLike[str]) -> Recording:
     """The motion of `arm` in a CSV file.
 
     Columns: `time [s]`, and of each joint `<joint>.position [rad]` and `<joint>.velocity [rad/s]` (m, m/s for slides),
-    in any order; others are passed over. Raises InputError with the line for what is not a finite number in its place
-    or a time that does not increase, LimitError for a position outside the arm's limits.
+    in any order; others are passed over.
+
+    Args:
+        arm: The arm.
+        path: The CSV file.
+
+    Returns:
+        The `Recording`.
+
+    Raises:
+        InputError: A value is not a finite number, or a time does not increase; the message gives the line.
+        LimitError: A position lies outside the arm's limits.
     """
     file = as_path(path)
     try:

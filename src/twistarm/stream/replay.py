@@ -60,7 +60,18 @@ class Replay:
         return bool(self._over or self._failed)
 
     def read(self, now: float, state: ServoState | None) -> Reading:
-        """The jog for the time until the next reading. Raises TwistarmError once it has given up."""
+        """The jog for the time until the next reading.
+
+        Args:
+            now: The clock's time [s].
+            state: The commanded arm's state, or None before it is known.
+
+        Returns:
+            The `Reading`: a jog, or None and the reason.
+
+        Raises:
+            TwistarmError: The replay has given up.
+        """
         if self._failed:
             raise TwistarmError(self._failed)
         if self._over or state is None:

@@ -102,10 +102,17 @@ class Streaming:
         self._held = not self.interlock.allows_motion  # a command since before the arm was enabled, which moves nothing
 
     def cycle(self, now: float, periods: int = 1) -> Cycle:
-        """The cycle at `now` [s], that many periods after the last one; 0 or less where time went back.
+        """One cycle: look at the joints, take the command, step the servo, write the setpoint.
 
         A device that fails is an ending, nothing is raised for it, and so is a setpoint that is not finite, which is
         not sent; whatever else is raised is an error in a program.
+
+        Args:
+            now: The clock's time [s].
+            periods: Periods since the last cycle; 0 or less where time went back.
+
+        Returns:
+            The `Cycle`.
         """
         self.tally.cycles += 1
         self.tally.missed += max(0, periods - 1)
@@ -115,9 +122,16 @@ class Streaming:
             return Cycle(now, None, None, None, str(failed), failed.ending, interlock=self.interlock.word)
 
     def brake(self, now: float, periods: int = 1) -> bool:
-        """One step toward rest, without asking anybody; True where the arm stands. A sink's failure is noted.
+        """One step toward rest, which reads neither commands nor joints. A sink's failure is noted.
 
         Where the servo itself fails, the arm stands at once: rates of 0 where it was last.
+
+        Args:
+            now: The clock's time [s].
+            periods: Periods since the last cycle.
+
+        Returns:
+            Whether the arm is at rest.
         """
         if not self.at_rest:
             try:
@@ -138,7 +152,17 @@ class Streaming:
         )
 
     def report(self, ending: Ending, reason: str, duration: float, at_rest: bool) -> StreamReport:
-        """What was done until now."""
+        """The report of all cycles until now.
+
+        Args:
+            ending: The kind of ending.
+            reason: The reason, in words.
+            duration: The time since the start [s].
+            at_rest: Whether the arm is at rest.
+
+        Returns:
+            The `StreamReport`.
+        """
         return self.tally.report(ending, reason, duration, at_rest, self.interlock.word)
 
     @property

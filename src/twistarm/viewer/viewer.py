@@ -132,7 +132,16 @@ class Viewer(Closeable):
             raise InputError("the viewer was closed: there is nothing to show it in; Viewer(arm) opens another")
 
     def play(self, trajectory: Trajectory, speed: float = 1.0, loop: bool = False) -> None:
-        """Play `trajectory` from its start, `speed` times as fast, again and again with `loop`; returns at once."""
+        """Play `trajectory` from its start, `speed` times as fast, again and again with `loop`; returns at once.
+
+        Args:
+            trajectory: A motion of the arm on show.
+            speed: Playback speed, 1 as planned.
+            loop: Whether it plays again and again.
+
+        Raises:
+            InputError: The trajectory is of another arm, or speed is not positive.
+        """
         self._require_open()
         arm = self.arm
         check_trajectory(arm, trajectory)
@@ -160,9 +169,14 @@ class Viewer(Closeable):
     ) -> None:
         """Show what `load` returns whenever one of `files`, or of those that it read the last time, has changed.
 
-        `twistarm.viewer.server.watching.loaded` finds the files of an arm. The pages say when it was loaded again,
-        and why not where it cannot be: the last one that could stays on show. `say` is told the same, from another
+        `twistarm.viewer.server.watching.loaded` finds the files of an arm. The pages say when it was loaded again, and
+        why not where it cannot be: the last one that could stays on show. `say` gets the same text, from another
         thread.
+
+        Args:
+            load: A function that returns the arm.
+            files: The files to watch at first.
+            say: Called with a line of text after each change.
         """
         self._watches.append(Watch(self._server, load, files, say))
 
@@ -235,7 +249,17 @@ class Viewer(Closeable):
     def save_html(self, path: str | os.PathLike[str], trajectory: Trajectory | None = None) -> Path:
         """Write a stand-alone page of what is on show, every joint, layer and finding, and the loaded trajectory.
 
-        With `trajectory` that one is in it, and plays; see `twistarm.viewer.save_html`.
+        See `twistarm.viewer.save_html`.
+
+        Args:
+            path: The file to write.
+            trajectory: A motion that the page plays in place of the loaded one, or None.
+
+        Returns:
+            The path written.
+
+        Raises:
+            InputError: The file cannot be written, or the trajectory is of another arm.
         """
         target = writable(path)
         return write_whole(target, stand_alone(self._exhibit(trajectory)))
@@ -248,6 +272,16 @@ class Viewer(Closeable):
         show now as a stand-alone page, which the notebook keeps: for exported notebooks and nbviewer, for a remote
         JupyterHub, and for VS Code, whose notebooks stand in frames of schemes of its own (`vscode-webview:`, shared by
         all its extensions) that the live page does not admit.
+
+        Args:
+            height: Height of the frame [pixels].
+            static: Whether the frame holds a stand-alone page instead of the live one.
+
+        Returns:
+            An object that a notebook shows.
+
+        Raises:
+            InputError: An argument cannot be used.
         """
         if as_flag(static, "static"):
             return Inline.page(stand_alone(self._exhibit()), self.arm.name, height)
@@ -261,7 +295,19 @@ class Viewer(Closeable):
         return shown if trajectory is None else shown.playing(trajectory)
 
     def save_png(self, path: str | os.PathLike[str], *, size: tuple[int, int] = (1280, 720)) -> Path:
-        """Write a picture of what is on show, width and height in pixels; see `twistarm.viewer.save_png`."""
+        """Write a picture of what is on show; see `twistarm.viewer.save_png`.
+
+        Args:
+            path: The file to write, which ends in .png.
+            size: (width, height) [pixels].
+
+        Returns:
+            The path written.
+
+        Raises:
+            InputError: The size or the path cannot be used.
+            TwistarmError: There is no browser, or it does not draw.
+        """
         return write_picture(path, size, self._exhibit)
 
     def wait(self) -> None:

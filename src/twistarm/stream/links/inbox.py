@@ -20,7 +20,15 @@ class Inbox(Latest[AnyCommand]):
         super().__init__(timeout, "command")
 
     def read(self, now: float, state: ServoState | None = None) -> Reading:
-        """The command of the one commander at `now` [s], or None and the reason."""
+        """The command of the one commander at `now` [s], or None and the reason.
+
+        Args:
+            now: The clock's time [s].
+            state: The commanded arm's state, or None before it is known.
+
+        Returns:
+            The `Reading`: a command, or None and the reason.
+        """
         look = self.look(now)
         silent = look.value is None and look.age > self.timeout
         return Reading(look.value, look.age, look.reason, silent and (look.quiet or _is_stop(look.last)))

@@ -44,7 +44,18 @@ class StateMessage(NamedTuple):
 
 
 def parse_command(arm: Arm, text: str | bytes) -> CommandMessage:
-    """The command in one JSON message; InputError for anything that is not exactly one. See `command_of`."""
+    """The command in one JSON message, as `command_of` describes it.
+
+    Args:
+        arm: The arm.
+        text: The message.
+
+    Returns:
+        The command and the sender's counter.
+
+    Raises:
+        InputError: It is not exactly one command.
+    """
     message = decoded(text)
     return CommandMessage(command_of(arm, message), _number_of(message))
 
@@ -52,11 +63,23 @@ def parse_command(arm: Arm, text: str | bytes) -> CommandMessage:
 def command_of(arm: Arm, message: Mapping[str, Any]) -> AnyCommand:
     """The command that a message says, in m, rad and s.
 
-    {"twist": [vx, vy, vz, wx, wy, wz], "frame": "tool"|"base"}, with "hold": "position", "orientation" or six booleans
-    {"jog": {"joint": rate}}
-    {"pose": 4 × 4 numbers, or {"position": [3], "quaternion_wxyz": [4]}}, with "linear_speed", "angular_speed"
-    {"stop": true}: all joints at rest
-    each with "number", a counter, where the sender counts. Raises InputError for anything else.
+    One of these objects, each with "number", a counter, where the sender counts:
+
+    - {"twist": [vx, vy, vz, wx, wy, wz], "frame": "tool" or "base"}, with "hold": "position", "orientation" or six
+      booleans
+    - {"jog": {"joint": rate}}
+    - {"pose": 4 × 4 numbers, or {"position": [3], "quaternion_wxyz": [4]}}, with "linear_speed", "angular_speed"
+    - {"stop": true}: all joints at rest
+
+    Args:
+        arm: The arm.
+        message: The object.
+
+    Returns:
+        The command.
+
+    Raises:
+        InputError: It is not exactly one command.
     """
     kind = next((kind for kind in _COMMANDS if kind in message), None)
     if kind is None:
@@ -99,8 +122,18 @@ def parse_state(arm: Arm, text: str | bytes, motors: MotorSide | None = None) ->
     """The joint state in {"joint_names": [...], "theta": [...]}, [rad, m], in any order, with "number" if it counts.
 
     It may tell of some joints alone, and of others that are not the arm's. With "interlock", the robot says whether it
-    may move. Where `motors` are given, it is {"motor_names": [...], "motor": [...]} in their units. Raises InputError
-    for anything else.
+    may move. Where `motors` are given, it is {"motor_names": [...], "motor": [...]} in their units.
+
+    Args:
+        arm: The arm.
+        text: The message.
+        motors: The motors, where the message is in their units; None for joints.
+
+    Returns:
+        The values by joint, the sender's counter and the robot's interlock.
+
+    Raises:
+        InputError: It is not exactly one joint state.
     """
     message = decoded(text)
     named, value = ("joint_names", "theta") if motors is None else ("motor_names", "motor")
@@ -117,7 +150,16 @@ def parse_state(arm: Arm, text: str | bytes, motors: MotorSide | None = None) ->
 
 
 def setpoint_message(arm: Arm, setpoint: Setpoint, motors: MotorSide | None = None) -> dict[str, Any]:
-    """The setpoint as it goes out: where to be, how to move, and how the step went; on the motors' side too."""
+    """The setpoint as a message: positions, rates and the servo's status; those of the motors too where they are given.
+
+    Args:
+        arm: The arm.
+        setpoint: The setpoint.
+        motors: The motors, or None.
+
+    Returns:
+        A mapping that JSON can hold.
+    """
     message: dict[str, Any] = {
         "number": setpoint.number,
         "time": setpoint.time,

@@ -67,7 +67,15 @@ class SerialSource(SerialLines):
         super().__init__(port, baudrate)
 
     def read(self, now: float, state: ServoState | None = None) -> Reading:
-        """The command at `now` [s] of all lines that have arrived."""
+        """The command at `now` [s] of all lines that have arrived.
+
+        Args:
+            now: The clock's time [s].
+            state: The commanded arm's state, or None before it is known.
+
+        Returns:
+            The `Reading`: a command, or None and the reason.
+        """
         self._intake.take(self.lines(), now, str)
         return self._inbox.read(now)
 

@@ -46,9 +46,15 @@ class StateInbox:
         self._others: tuple[str, ...] = ()
 
     def put(self, sender: str, state: Mapping[str, float] | ArrayLike, now: float, number: int | None = None) -> None:
-        """`sender` tells at `now` [s] of some joints by name, or of all (n,), base to tip [rad, m]; its own count, too.
+        """Put in a message with the state of some joints or of all.
 
-        What is not finite, or no (n,), is refused.
+        A state that is not finite, or has another shape, is refused.
+
+        Args:
+            sender: The sender's name.
+            state: {joint: value}, or values (n,), base to tip [rad, m].
+            now: The time of arrival [s].
+            number: The sender's own counter, where it counts.
         """
         try:
             part = self._part(state)
@@ -60,7 +66,13 @@ class StateInbox:
                 self._parts[name].put(sender, value, now, number)
 
     def refuse(self, sender: str, reason: str, now: float) -> None:
-        """Something from `sender` that cannot be used arrived at `now` [s]."""
+        """Note that an unusable message has arrived.
+
+        Args:
+            sender: The sender's name.
+            reason: The reason, in words.
+            now: The time of arrival [s].
+        """
         with self._lock:
             told = [part for part in self._parts.values() if part.heard(sender)]
             for part in told or self._parts.values():

@@ -49,7 +49,15 @@ class UdpSource(Receiver):
         self._gate.warn_if_open(self.address)
 
     def read(self, now: float, state: ServoState | None = None) -> Reading:
-        """The command at `now` [s] of all datagrams that have arrived."""
+        """The command at `now` [s] of all datagrams that have arrived.
+
+        Args:
+            now: The clock's time [s].
+            state: The commanded arm's state, or None before it is known.
+
+        Returns:
+            The `Reading`: a command, or None and the reason.
+        """
         self._intake.take(self._gate.admitted(self.waiting()), now, named)
         reading = self._inbox.read(now)
         return reading if reading.command is not None else replace(reading, reason=reading.reason + self._gate.note)

@@ -39,8 +39,18 @@ def save_html(
     network to open: Meshcat's code and the meshes are inside, and the page's policy lets it load nothing. `theta`
     defaults to the ready pose. Written whole or not at all.
 
-    Raises InputError for a trajectory of another arm or a path that cannot be written, MissingExtraError without
-    Meshcat.
+    Args:
+        arm: The arm.
+        path: The file to write.
+        trajectory: A motion that the page plays, or None.
+        theta: The configuration to show (n,) [rad, m]; by default the ready pose.
+
+    Returns:
+        The path written.
+
+    Raises:
+        InputError: The trajectory is of another arm, theta does not fit, or the file cannot be written.
+        MissingExtraError: Meshcat is not installed.
     """
     target = writable(path)
     return write_whole(target, page_html(arm, trajectory, theta))

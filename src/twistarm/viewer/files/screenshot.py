@@ -39,8 +39,20 @@ def save_png(
     must be installed; it draws the page of `save_html`, the 3D view alone, without a GPU and with a profile that is
     thrown away. Written whole or not at all.
 
-    Raises InputError for a bad size, theta or path, MissingExtraError without Meshcat, TwistarmError where there is no
-    browser or it does not draw.
+    Args:
+        arm: The arm.
+        path: The file to write, which ends in .png.
+        theta: The configuration to show (n,) [rad, m]; by default the trajectory's start, else the ready pose.
+        size: (width, height) [pixels].
+        trajectory: A motion whose tool path is drawn, or None.
+
+    Returns:
+        The path written.
+
+    Raises:
+        InputError: The size, theta or the path cannot be used.
+        MissingExtraError: Meshcat is not installed.
+        TwistarmError: There is no browser, or it does not draw.
     """
     start = trajectory(0.0) if trajectory is not None and theta is None else theta
     return write_picture(path, size, lambda: of_arm(arm, trajectory, start))
