@@ -37,15 +37,13 @@ class Actuators:
     drive counts in (`UNITS`) and `ticks_per_turn` (k,) how fine, NaN where that was not given: see `to_counts`.
     `limits` are those of the k motors, on the motors' side of the gears.
 
-    | quantity | joints to motors | motors to joints |
-    |---|---|---|
-    | position [rad, m] | `to_motor`: G theta + o | `to_theta`: P (motor − o) |
-    | velocity, acceleration [per s, s²] | `velocity_to_motor`: G theta_dot | `velocity_to_theta`: P motor_dot |
-    | torque [N m, N] | `torque_to_motor`: Pᵀ tau | `torque_to_theta`: Gᵀ tau_motor |
+    - Positions [rad, m]: `to_motor` is G theta + o, `to_theta` is P (motor − o).
+    - Velocities and accelerations [per s, s²]: `velocity_to_motor` is G theta_dot, `velocity_to_theta` is P motor_dot.
+    - Torques [N m, N]: `torque_to_motor` is Pᵀ tau, `torque_to_theta` is Gᵀ tau_motor.
 
     Torques follow from the power, tau_motor · motor_dot = tau · theta_dot, in gears without friction. P = G⁻¹ where
     there are as many motors as joints. With more motors P is the pseudo-inverse: positions and velocities are the
-    least squares of all motors' [rad, m], and torques the least |tau_motor| that give the joints theirs. Where
+    least squares of all motors' [rad, m], and torques the least ‖tau_motor‖ that give the joints theirs. Where
     the motors leave a joint `undriven`, what needs P is refused. All take leading axes: (..., n), (..., k).
 
     Raises InputError for shapes that do not fit, numbers that are not finite, an unknown unit, ticks that are not
@@ -117,7 +115,7 @@ class Actuators:
     def to_theta(self, motor: ArrayLike) -> Array:
         """theta (..., n) with G theta + o = motor, from motors (..., k) [rad or m].
 
-        With more motors than joints the least squares: the theta that least |G theta + o − motor| [rad, m] leaves.
+        With more motors than joints the least squares: the theta that least ‖G theta + o − motor‖ [rad, m] leaves.
         Raises InputError naming the joints that the motors do not determine (G has not full column rank).
         """
         theta: Array = (self._motors(motor, "motor") - self.offset) @ self.P.T
@@ -134,7 +132,7 @@ class Actuators:
         return theta_dot
 
     def torque_to_motor(self, tau: ArrayLike) -> Array:
-        """tau_motor (..., k) with Gᵀ tau_motor = tau (..., n) [N m or N]; of several the one of least |tau_motor|.
+        """tau_motor (..., k) with Gᵀ tau_motor = tau (..., n) [N m or N]; of several the one of least ‖tau_motor‖.
 
         Raises InputError naming the joints that the motors do not determine.
         """
@@ -176,8 +174,8 @@ class Actuators:
     def joint_limits(self) -> JointLimits:
         """What the motors allow each joint alone, the others standing still: limits of n joints, ∓inf where nothing.
 
-        velocity_j = min_i velocity_i / |G_ij|, acceleration alike; effort_j = min_i effort_i / |P_ij| holds a torque
-        at joint j and none elsewhere. Positions come from motors that drive joint j and no other: where a motor
+        velocity_j = min_i velocity_i / abs(G_ij), acceleration alike; effort_j = min_i effort_i / abs(P_ij) holds a
+        torque at joint j and none elsewhere. Positions come from motors that drive joint j and no other: where a motor
         drives several, a bound for one would hang on the rest.
         """
         n = len(self.joint_names)

@@ -67,13 +67,13 @@ class ServoOutput(Brief):
     """What one step answers.
 
     theta_dot (n,) [rad/s, m/s]: the joint rates for the coming dt.
-    scale: how much of the reachable part of the command is done, 1 − |done − reachable| over the longer of the two, at
+    scale: how much of the reachable part of the command is done, 1 − ‖done − reachable‖ over the longer of the two, at
     least 0: less than 1 while the arm speeds up or still moves otherwise, and where a limit or a singularity slows it.
     lost_twist (6,) [m/s, rad/s]: the part of the command that the arm cannot do here at any speed, because it has no
     motion for it, is near a singularity, or a joint is at its end or brakes toward it, in the axes of the
     command's frame: at an even speed the tool moves by scale · (twist − lost_twist). Where the tool must turn so that
     it can go where it is told, that rotation stands in it too, with the opposite sign.
-    lost_share: |lost_twist| / |twist|, metres measured in the length.
+    lost_share: ‖lost_twist‖ / ‖twist‖, metres measured in the length.
     joint: the one, or the motor, that a limit or a singularity concerns most, if any.
     remaining: how far a `PoseCommand` still is from its pose, [m] and [rad]; zeros for any other command.
     """

@@ -34,7 +34,7 @@ class InputError(TwistarmError, ValueError):
 class DescriptionError(TwistarmError):
     """A robot description cannot be used; the message names the file, the element and the remedy.
 
-    `.findings` tells the same, and whatever else was noticed until then, as `Finding`s.
+    `.findings` holds the same as a `Finding`, with whatever else was noticed before it.
     """
 
     def __init__(self, message: str, findings: tuple[Any, ...] = ()) -> None:
