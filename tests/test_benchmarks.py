@@ -268,7 +268,7 @@ def test_a_quick_run(tmp_path, capsys):
 def test_a_quick_run_of_the_servo(tmp_path, capsys):
     file = tmp_path / "figures.json"
     servo_main(
-        ["--arms", "rover_arm", "four_joints", "--count", "4", "--rounds", "1", "--steps", "200", "--json"]
+        ["--arms", "rover_arm", "four_joints", "--count", "1", "--rounds", "1", "--steps", "200", "--json"]
         + [str(file)]
     )
     printed, found = capsys.readouterr().out, json.loads(file.read_text())

@@ -93,8 +93,15 @@ def check(name, accelerating):
         assert why_is_true(arm, last[-1].theta, answers[-1]), (reasons, told)
 
 
-@pytest.mark.parametrize("accelerating", [True, False])
-@pytest.mark.parametrize("name", ARMS)
+EVERY_OTHER = [
+    pytest.param(name, accelerating, marks=[pytest.mark.slow] if (k + accelerating) % 2 else [])
+    for k, name in enumerate(ARMS)
+    for accelerating in (True, False)
+]
+"""Every arm once among the quick tests, with limits of acceleration or without."""
+
+
+@pytest.mark.parametrize(("name", "accelerating"), EVERY_OTHER)
 def test_it_stands_on_its_course_and_says_why(name, accelerating):
     check(name, accelerating)
 
