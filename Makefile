@@ -3,6 +3,8 @@
 PYTHON ?= python3
 WORKERS ?= 2
 BIN := .venv/bin
+# Tests start hundreds of programs: what Python has compiled once is kept, wherever that is switched off.
+unexport PYTHONDONTWRITEBYTECODE
 
 .PHONY: demo test test-all docs bench lint format coverage dist clean
 
