@@ -30,8 +30,9 @@ html_static_path = ["_static"]
 html_css_files = ["site.css"]
 html_math_renderer = "mathml"
 html_theme_options = {"source_repository": REPOSITORY, "source_branch": "main", "source_directory": "docs/"}
-myst_enable_extensions = ["dollarmath", "deflist", "attrs_inline"]
+myst_enable_extensions = ["dollarmath", "attrs_inline"]
 myst_heading_anchors = 3
+suppress_warnings = ["ref.python"]  # `n` is an attribute of several classes
 default_role = "code"  # `theta` in a docstring is code, as in Markdown
 autodoc_member_order = "bysource"
 autodoc_typehints = "signature"
@@ -67,8 +68,16 @@ def complete(_app: Sphinx, _page: str, source: list[str]) -> None:
     source[0] = re.sub(r"\]\((?:\.\./)+([^)#]+)", rf"]({REPOSITORY}/blob/main/\1", text)
 
 
+def escaped(_app: Sphinx, _what: str, _name: str, _obj: Any, _options: Any, lines: list[str]) -> None:
+    """Bars of a docstring as they stand, |x| no substitution; what is between backticks is left alone."""
+    for i, line in enumerate(lines):
+        parts = line.split("`")
+        lines[i] = "`".join(part.replace("|", "\\|") if k % 2 == 0 else part for k, part in enumerate(parts))
+
+
 def setup(app: Sphinx) -> None:
     """Called by Sphinx."""
+    app.connect("autodoc-process-docstring", escaped)
     app.add_html_math_renderer("mathml", (visit_math, None), (visit_displayed_math, None))
     app.connect("source-read", complete)
 

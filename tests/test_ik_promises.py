@@ -1,4 +1,4 @@
-"""What the README and the docstrings promise of inverse kinematics: each sentence is held by a test that names it."""
+"""What its page and the docstrings promise of inverse kinematics: each sentence is held by a test that names it."""
 
 from __future__ import annotations
 
@@ -32,8 +32,8 @@ def sentences(text):
 
 
 def test_each_sentence_is_held_by_a_test_and_no_test_holds_another():
-    readme = (TESTS.parent / "README.md").read_text("utf-8")
-    (section,) = re.findall(r"^## Where inverse kinematics ends\n(.*?)^## ", readme, flags=re.S | re.M)
+    page = (TESTS.parent / "docs" / "inverse_kinematics.md").read_text("utf-8")
+    (section,) = re.findall(r"^## What is promised\n(.*?)^## ", page, flags=re.S | re.M)
     laws = [call.__doc__.partition("\n    Args:")[0] for call in (solve_ik, solve_ik_batch)]  # then shapes and units
     said = {s for text in (section, *laws) for s in sentences(text)}
     held = set()

@@ -249,9 +249,3 @@ def test_the_documented_urdf_is_that_joint(kind: str, names: str, text: str, tmp
 
 def test_every_type_that_urdf_lacks_is_documented() -> None:
     assert {kind for kind, _, _ in SNIPPETS} == {"planar", "helical", "cylindrical", "spherical"}
-
-
-def test_the_documented_program_runs(capsys: pytest.CaptureFixture[str]) -> None:
-    (program,) = re.findall(r"```python\n(.*?)```", PAGE, flags=re.S)
-    exec(compile(program, "docs/joint_types.md", "exec"), {})
-    assert float(capsys.readouterr().out) <= TOL

@@ -3,10 +3,8 @@
 from __future__ import annotations
 
 import pickle
-import re
 from collections.abc import Callable
 from dataclasses import replace
-from pathlib import Path
 
 import numpy as np
 import pytest
@@ -255,13 +253,3 @@ def test_logs_that_are_none() -> None:
         WiringLog(("a",), np.zeros((1, 1)), np.zeros((1, 4, 4)))
     log = WiringLog(("a",), np.zeros((1, 1)), np.zeros((1, 3)))
     assert not pickle.loads(pickle.dumps(log)).counts.flags.writeable
-
-
-def test_the_page_about_motors(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
-    monkeypatch.chdir(tmp_path)
-    page = (Path(__file__).parents[1] / "docs" / "motors.md").read_text("utf-8")
-    programs = re.findall(r"```python\n(.*?)```", page, re.S)
-    assert len(programs) == 5
-    names: dict[str, object] = {}
-    for program in programs:
-        exec(compile(program, "docs/motors.md", "exec"), names)
