@@ -1,4 +1,4 @@
-"""What is on show: an arm at a configuration, the trajectory it plays, what is switched on. No threads, no sockets."""
+"""State on show: an arm at a configuration, the trajectory that it plays, the layers that are on."""
 
 from __future__ import annotations
 

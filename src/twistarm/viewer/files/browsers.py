@@ -1,4 +1,4 @@
-"""Which installed browser draws for a program: Chromium, Chrome or Edge."""
+"""Installed browsers that can draw for a program: Chromium, Chrome or Edge."""
 
 from __future__ import annotations
 

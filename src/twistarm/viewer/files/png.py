@@ -1,4 +1,4 @@
-"""Whether a browser wrote the picture it was asked for."""
+"""Check of a PNG file: whether a browser wrote the picture that it was asked for."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What a stand-alone page shows: an arm as it stands, what is switched on, and perhaps a motion."""
+"""Scene snapshot: the arm, the layers that are on, and perhaps a motion, for a stand-alone page."""
 
 from __future__ import annotations
 

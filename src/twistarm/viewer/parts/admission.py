@@ -1,4 +1,4 @@
-"""What may be shown: a configuration of the arm, a trajectory of its joints, a joint value inside its limits."""
+"""Checks of what is to be shown: a configuration, a trajectory, a joint value inside its limits."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""How near a driven arm is to a singularity and to a position limit, measured as the servo measures it."""
+"""Gauge of a driven arm: its distance from a singularity and from a position limit, as the servo measures them."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What was done on the pages, to be undone and done again: changes of the list of poses, and moves of the arm."""
+"""Undo and redo of what was done on the pages: changes of the list of poses, and moves of the arm."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What is plotted of a trajectory: position, velocity and acceleration of every joint, and what limits them."""
+"""Plots of a trajectory: position, velocity and acceleration of every joint, with their limits."""
 
 from __future__ import annotations
 

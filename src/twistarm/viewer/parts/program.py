@@ -1,4 +1,4 @@
-"""What a page does with recorded poses: it edits their list, goes to one, plans a motion through all of them."""
+"""Program of recorded poses: the list is edited, one is gone to, a motion is planned through all of them."""
 
 from __future__ import annotations
 

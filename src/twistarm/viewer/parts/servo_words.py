@@ -1,4 +1,4 @@
-"""What the pages show of a servo: its status, the joint concerned, the reason; nothing while it idles."""
+"""Servo status for the pages: its word, the joint concerned, the reason; nothing while it idles."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""How far a posture is from a singularity, in words: which motions of the tool it lacks, or hardly has."""
+"""Distance of a posture from a singularity, in words: the motions of the tool that it lacks, or nearly lacks."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Where the tool is to be: a target that a page drags or types, and the configuration that meets it best."""
+"""Target of the tool, dragged or typed on a page, and the configuration that meets it best."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What is new on show, asked of each source by itself: one that fails leaves the others alone."""
+"""Publisher of changes: each source is asked by itself, and one that fails leaves the others alone."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What the pages were last told, by type: only what has changed is encoded and told again."""
+"""Cache of the last message of each type: only what has changed is encoded and sent again."""
 
 from __future__ import annotations
 

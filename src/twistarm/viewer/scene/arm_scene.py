@@ -1,4 +1,4 @@
-"""What is drawn of an arm: at once what needs no file, then its meshes one after the other."""
+"""Scene of an arm: first what needs no file, then its meshes one after the other."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Where everything that moves stands at a configuration: one matrix per node of the scene."""
+"""Placement of everything that moves at a configuration: one matrix for each node of the scene."""
 
 from __future__ import annotations
 

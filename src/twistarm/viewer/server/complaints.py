@@ -1,4 +1,4 @@
-"""What the server has to say to the terminal: a line of each kind, counted, and nobody waits until it is read."""
+"""Log lines of the server for the terminal: one of each kind, counted; nobody waits until it is read."""
 
 from __future__ import annotations
 

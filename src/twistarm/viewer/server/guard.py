@@ -1,4 +1,4 @@
-"""Who may talk to the viewer: the token, and the Host and Origin a browser sends."""
+"""Authentication of requests: the token, and the Host and Origin that a browser sends."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What a view at a fixed address keeps for its user from one run to the next: token, poses, and where it stood."""
+"""State of a view at a fixed address, kept for its user from one run to the next: token, poses, theta."""
 
 from __future__ import annotations
 

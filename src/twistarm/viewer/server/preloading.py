@@ -1,4 +1,4 @@
-"""What the page is about to need, named in its head: the browser asks for all of it at once."""
+"""Preload links in the page's head: the browser asks for all that the page needs at once."""
 
 from __future__ import annotations
 
