@@ -7,6 +7,7 @@ import re
 import subprocess
 import sys
 from collections.abc import Iterator
+from functools import cache
 from graphlib import CycleError, TopologicalSorter
 from pathlib import Path
 
@@ -58,9 +59,14 @@ def room_of(file: Path) -> str:
     return file.relative_to(PACKAGE).parts[0].removesuffix(".py")
 
 
+@cache
+def syntax(file: Path) -> ast.Module:
+    return ast.parse(file.read_text("utf-8"))
+
+
 def imports(file: Path) -> Iterator[tuple[ast.stmt, str, bool]]:
     """Every import as (node, absolute module name, at the top of the file)."""
-    tree = ast.parse(file.read_text("utf-8"))
+    tree = syntax(file)
     top = set(map(id, tree.body))
     for node in ast.walk(tree):
         if isinstance(node, ast.Import):
@@ -78,47 +84,47 @@ def imports(file: Path) -> Iterator[tuple[ast.stmt, str, bool]]:
                     yield node, f"{home}.{alias.name}", id(node) in top
 
 
-@pytest.mark.parametrize("file", FILES, ids=lambda file: str(file.relative_to(PACKAGE)))
-def test_imports_point_one_way(file: Path) -> None:
-    room = room_of(file)
-    if room in ("__init__", "__main__"):
-        return
-    for _, module, _ in imports(file):
-        if module.startswith("twistarm."):
-            other = module.split(".")[1]
-            assert other == room or DEPTH[other] > DEPTH[room], f"{room} imports {other}"
+def test_imports_point_one_way() -> None:
+    for file in FILES:
+        room = room_of(file)
+        if room in ("__init__", "__main__"):
+            continue
+        for _, module, _ in imports(file):
+            if module.startswith("twistarm."):
+                other = module.split(".")[1]
+                assert other == room or DEPTH[other] > DEPTH[room], f"{file.relative_to(PACKAGE)} imports {other}"
 
 
-@pytest.mark.parametrize("file", FILES, ids=lambda file: str(file.relative_to(PACKAGE)))
-def test_libraries_stay_behind_their_door(file: Path) -> None:
-    for _, module, top in imports(file):
-        library = module.split(".")[0]
-        if library in ALLOWED:
-            place = file.relative_to(PACKAGE).as_posix()
-            assert place.startswith(ALLOWED[library]), f"{library} is not for {place}"
-            assert not top or library in AT_THE_TOP, f"{library} at the top of {file.name}"
+def test_libraries_stay_in_their_rooms() -> None:
+    for file in FILES:
+        place = file.relative_to(PACKAGE).as_posix()
+        for _, module, top in imports(file):
+            library = module.split(".")[0]
+            if library in ALLOWED:
+                assert place.startswith(ALLOWED[library]), f"{library} is not for {place}"
+                assert not top or library in AT_THE_TOP, f"{library} at the top of {place}"
 
 
-@pytest.mark.parametrize("file", FILES, ids=lambda file: str(file.relative_to(PACKAGE)))
-def test_only_the_command_line_prints_or_exits(file: Path) -> None:
-    if room_of(file) == "cli":
-        return
-    for node in ast.walk(ast.parse(file.read_text("utf-8"))):
-        if isinstance(node, ast.Call) and isinstance(node.func, ast.Name):
-            assert node.func.id not in ("print", "exit", "quit"), f"{file.name}:{node.lineno}"
-        if isinstance(node, ast.Attribute) and node.attr == "exit":
-            assert not (isinstance(node.value, ast.Name) and node.value.id == "sys"), f"{file.name}:{node.lineno}"
+def test_only_the_command_line_prints_or_exits() -> None:
+    for file in FILES:
+        if room_of(file) == "cli":
+            continue
+        for node in ast.walk(syntax(file)):
+            if isinstance(node, ast.Call) and isinstance(node.func, ast.Name):
+                assert node.func.id not in ("print", "exit", "quit"), f"{file.name}:{node.lineno}"
+            if isinstance(node, ast.Attribute) and node.attr == "exit":
+                assert not (isinstance(node.value, ast.Name) and node.value.id == "sys"), f"{file.name}:{node.lineno}"
 
 
-@pytest.mark.parametrize("file", sorted((PACKAGE / "cli").rglob("*.py")), ids=lambda file: file.name)
-def test_the_command_line_prints_by_one_door(file: Path) -> None:
+def test_the_command_line_prints_in_one_module() -> None:
     """What is printed may hold names from files: `output` shows them, whatever they are."""
-    if file.name == "output.py":
-        return
-    for node in ast.walk(ast.parse(file.read_text("utf-8"))):
-        if isinstance(node, ast.Call) and isinstance(node.func, ast.Name):
-            assert node.func.id != "print", f"{file.name}:{node.lineno}"
-    assert "rich.markup" not in {module for _, module, _ in imports(file)} or file.name == "grid.py"
+    for file in sorted((PACKAGE / "cli").rglob("*.py")):
+        if file.name == "output.py":
+            continue
+        for node in ast.walk(syntax(file)):
+            if isinstance(node, ast.Call) and isinstance(node.func, ast.Name):
+                assert node.func.id != "print", f"{file.name}:{node.lineno}"
+        assert "rich.markup" not in {module for _, module, _ in imports(file)} or file.name == "grid.py"
 
 
 VIEWER_FLOORS = (
@@ -135,7 +141,7 @@ VIEWER_FLOORS = (
 
 def runtime_imports(file: Path) -> set[Path]:
     """The package's files that a file imports, at whatever place but for the sake of types."""
-    tree = ast.parse(file.read_text("utf-8"))
+    tree = syntax(file)
     typing = [node for node in tree.body if isinstance(node, ast.If) and "TYPE_CHECKING" in ast.unparse(node.test)]
     for_types = {line for branch in typing for line in range(branch.lineno, (branch.end_lineno or 0) + 1)}
     found = set()
@@ -175,12 +181,14 @@ HEADER_FLOORS["servo"] = {*HEADER_FLOORS["kinematics"], "servo"}
 """The rooms of the C++ core, and those that each of them includes."""
 
 
-@pytest.mark.parametrize("header", sorted(HEADERS.glob("*/*.hpp")), ids=lambda header: header.stem)
-def test_headers_include_one_way(header: Path) -> None:
-    for included in re.findall(r'#include "([^"]+)"', header.read_text("utf-8")):
-        target = (header.parent / included).resolve()
-        assert target.is_file(), included
-        assert target.parent.name in HEADER_FLOORS[header.parent.name], included
+def test_headers_include_one_way() -> None:
+    headers = sorted(HEADERS.glob("*/*.hpp"))
+    assert {header.parent.name for header in headers} == set(HEADER_FLOORS)
+    for header in headers:
+        for included in re.findall(r'#include "([^"]+)"', header.read_text("utf-8")):
+            target = (header.parent / included).resolve()
+            assert target.is_file(), f"{header.name} includes {included}"
+            assert target.parent.name in HEADER_FLOORS[header.parent.name], f"{header.name} includes {included}"
 
 
 def test_the_table_names_every_room() -> None:
@@ -204,7 +212,7 @@ def test_slides_are_told_by_one_table() -> None:
     """No code compares a joint's type with "prismatic" where `joint_units` answers: a new sliding type is one entry."""
     makers = {"description/urdf.py"}  # writes the type into the XML
     for file in FILES:
-        for node in ast.walk(ast.parse(file.read_text("utf-8"))):
+        for node in ast.walk(syntax(file)):
             if isinstance(node, ast.Compare) and file.relative_to(PACKAGE).as_posix() not in makers:
                 sides = [node.left, *node.comparators]
                 assert not any(isinstance(side, ast.Constant) and side.value == "prismatic" for side in sides), (
