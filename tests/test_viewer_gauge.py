@@ -23,7 +23,7 @@ BELOW = ServoSettings().singular_below
 
 def gauge(arm: Arm, theta: Any) -> dict[str, Any]:
     stage = Stage(arm, theta)
-    stage.hear(WORDLESS)
+    stage.set_servo_status(WORDLESS)
     (message,) = Gauge(arm).messages(stage)
     return message
 
@@ -166,11 +166,11 @@ def test_silent_while_no_servo_drives_and_measured_once_per_posture() -> None:
     arm = planar(0.3)
     stage, part = Stage(arm, [0.1, 0.2]), Gauge(arm)
     assert list(part.messages(stage)) == [{"type": "gauge", **SILENT}]
-    stage.hear(WORDLESS)
+    stage.set_servo_status(WORDLESS)
     first, again = [next(iter(part.messages(stage))) for _ in range(2)]
     assert first == again
     assert first["sigma"] > 0
     stage.show(np.array([0.1, 0.5]))
     assert next(iter(part.messages(stage)))["sigma"] > first["sigma"]
-    stage.hear(None)
+    stage.set_servo_status(None)
     assert list(part.messages(stage)) == [{"type": "gauge", **SILENT}]

@@ -75,7 +75,7 @@ def test_random_is_refused_while_a_servo_drives() -> None:
     with pytest.raises(InputError, match="a servo drives trio"):
         ask(stage, '{"type": "random", "ease": false}')
     assert_array_equal(stage.theta, [0.0, 0.27, 0.1])
-    stage.hear(None)
+    stage.set_servo_status(None)
     assert not np.array_equal(ask(stage, '{"type": "random", "ease": false}'), [0.0, 0.27, 0.1])
 
 

@@ -80,7 +80,7 @@ def _baked(folder: Path, name: str) -> None:
     changed = replace(
         arm, name=name, base=name, tip=name, tip_link=name, joint_names=("a", name), source=name, named_states=states
     )
-    (folder / "arm.json").write_text(text_of(changed.kept))
+    (folder / "arm.json").write_text(text_of(changed._baked))
 
 
 def _postures(folder: Path, name: str) -> None:
