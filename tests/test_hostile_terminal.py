@@ -29,9 +29,10 @@ def tried(case: Case, capsys: pytest.CaptureFixture[str]) -> str:
 
 
 def sampled() -> list[Case]:
-    """One command for each carrier and each of a few names."""
+    """One command for each carrier and each of a few names; doctor, which says most, for a line in each description."""
     first = {case.name.rpartition(": ")[0]: case for case in reversed(list(cases()))}
-    return [case for name, case in first.items() if name.split(": ")[1] in SAMPLED]
+    few = [case for name, case in first.items() if name.split(": ")[1] in SAMPLED]
+    return few + [case for case in cases() if ": a line: doctor arm.urdf" in case.name and "--json" not in case.command]
 
 
 @pytest.mark.parametrize("case", sampled(), ids=lambda case: case.name)

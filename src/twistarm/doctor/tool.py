@@ -11,6 +11,7 @@ from ..description.tips.link_names import tool_rank
 from ..description.tree import Description
 from ..limits.joint_units import slides
 from ..model.arm import Arm
+from ..support.errors import one_line
 from ..support.vector_words import direction_in_words
 
 OUT = 0.1
@@ -27,7 +28,7 @@ def check_tool(arm: Arm, description: Description) -> Iterator[Finding]:
             description.place(description.links[arm.tip_link]),
             f"the tool is the frame of {last.name} itself: its origin lies on that joint's axis, "
             "and nothing says where the arm grips",
-            f"say in arm.toml where the tool is, seen from {arm.tip_link} [m, rad], "
+            f"say in arm.toml where the tool is, seen from {one_line(arm.tip_link)} [m, rad], "
             f"for one {OUT:g} m along {direction_in_words(arm.tool_axis, 'tool')}:\n{_snippet(arm)}",
         )
 
