@@ -174,7 +174,7 @@ def told(arm: Arm) -> Iterator[dict[str, Any]]:
     stage.draw_path(tool_path(arm, [THETA, (0.0, 0.1, 0.05)]))
     yield from stage.messages()
     stage.take_commands()
-    stage.hear(servo_words(ServoOutput.stale(np.zeros(3), "the link is lost")))
+    stage.set_servo_status(servo_words(ServoOutput.stale(np.zeros(3), "the link is lost")))
     yield from stage.messages()
 
 
