@@ -36,7 +36,7 @@ from ..support.checks import (
 )
 from ..support.display import html_table, in_brief, told
 from ..support.errors import InputError, TwistarmError, listed, shown, unknown_name
-from ..support.renamed import refuse_renamed
+from ..support.renamed import Renamed
 from ..theory import poe
 from ..theory.lower_pairs import lower_pairs
 from ..theory.manipulability import Manipulability, manipulability_of
@@ -51,14 +51,6 @@ from .roll_axis import roll_axis
 _MADE_WHEN_ASKED = (
     "_compiled", "pinocchio", "ready", "computed_ready", "middle", "tool_axis", "usual_half", "_tool_action",
 )  # fmt: skip
-
-
-_RENAMED = {
-    "pose_names": "tuple(arm.configurations)",
-    "compiled": "internal; twistarm.model.engine.core() says whether there is a compiled core",
-    "kept": "internal; Arm.bake writes it",
-    "fk_and_body_jacobian": "internal; call fk and body_jacobian",
-}
 
 
 class Coupling(NamedTuple):
@@ -117,6 +109,11 @@ class Arm:
     disabled_pairs: frozenset[tuple[str, str]] = field(default=frozenset(), repr=False)
     moving_names: tuple[str, ...] = field(default=(), repr=False)
 
+    pose_names = Renamed("tuple(arm.configurations)")
+    compiled = Renamed("internal; twistarm.model.engine.core() says whether there is a compiled core")
+    kept = Renamed("internal; Arm.bake writes it")
+    fk_and_body_jacobian = Renamed("internal; call fk and body_jacobian")
+
     def __post_init__(self) -> None:
         for name in ("screws", "home", "tool"):
             object.__setattr__(self, name, frozen(getattr(self, name)))
@@ -126,10 +123,6 @@ class Arm:
         states = {name: frozen(theta) for name, theta in self.named_states.items()}
         object.__setattr__(self, "named_states", MappingProxyType(states))
         object.__setattr__(self, "couplings", MappingProxyType(dict(self.couplings)))
-
-    def __getattr__(self, name: str) -> Any:
-        # Asked for what is missing alone.
-        raise refuse_renamed("an Arm", name, _RENAMED)
 
     def __setstate__(self, state: dict[str, Any]) -> None:
         self.__dict__.update(state)

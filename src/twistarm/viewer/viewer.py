@@ -10,7 +10,6 @@ import webbrowser
 from collections.abc import Callable, Iterable
 from contextlib import suppress
 from pathlib import Path
-from typing import Any
 
 from numpy.typing import ArrayLike
 
@@ -22,7 +21,7 @@ from ..support.checks import Array, as_flag, as_positive, require
 from ..support.closeable import Closeable
 from ..support.errors import InputError, shown
 from ..support.files import writable, write_whole
-from ..support.renamed import refuse_renamed
+from ..support.renamed import Renamed
 from .files.inline import HEIGHT, Inline
 from .files.page_export import stand_alone
 from .files.scene_snapshot import SceneSnapshot, on_show
@@ -84,9 +83,7 @@ class Viewer(Closeable):
         if open_browser:
             self.open_page()
 
-    def __getattr__(self, name: str) -> Any:
-        # Asked for what is missing alone.
-        raise refuse_renamed("a Viewer", name, {"poses": "recorded: the configurations recorded on the pages"})
+    poses = Renamed("recorded: the configurations recorded on the pages")
 
     @property
     def url(self) -> str:
