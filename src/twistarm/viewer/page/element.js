@@ -1,6 +1,10 @@
 // What the page is made of, and what it makes of itself.
 
+/** The element of that id, of whichever kind its tag is. @type {(id: string) => any} */
 export const $ = (id) => document.getElementById(id);
+
+/** All elements that match. @type {(selector: string) => any[]} */
+export const $$ = (selector) => [...document.querySelectorAll(selector)];
 
 export function element(tag, className, text) {
   const made = document.createElement(tag);

@@ -29,9 +29,10 @@ export class Ellipsoid {
 
   // Semi-axes and their directions, columns in base axes; `scale`: drawn length of 1.
   show({ semi_axes: semiAxes, directions }, scale) {
-    const along = [0, 1, 2].map((k) => new THREE.Vector3(...directions.map((row) => row[k])));
+    const along = [0, 1, 2].map((k) => new THREE.Vector3().fromArray(directions.map((row) => row[k])));
     const long = semiAxes.map((length) => Math.max(scale * length, FLAT * this.size));
-    this.body.matrix.makeBasis(...along.map((axis, k) => axis.clone().multiplyScalar(long[k])));
+    const [x, y, z] = along.map((axis, k) => axis.clone().multiplyScalar(long[k]));
+    this.body.matrix.makeBasis(x, y, z);
     const thin = 0.0022 * this.size;
     this.rods.forEach((each, k) => {
       const scaled = [1, 2, 0].map((step) => along[(k + step) % 3].clone());

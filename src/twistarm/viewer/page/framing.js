@@ -1,6 +1,6 @@
 // Where the camera stands so that all of what is drawn fills what is free of the view.
 
-/* global MeshCat */
+import { $$ } from "./element.js";
 
 const { Box3, Vector3 } = MeshCat.THREE;
 
@@ -26,7 +26,7 @@ function own({ geometry, matrixWorld }) {
 export function covered(pane) {
   const { top, bottom, height } = pane.getBoundingClientRect();
   const shares = { top: 0, bottom: 0 };
-  for (const each of document.querySelectorAll(OVER)) {
+  for (const each of $$(OVER)) {
     const over = each.getBoundingClientRect();
     if (over.height === 0) continue;
     const [side, depth] = over.top + over.bottom < top + bottom ? ["top", over.bottom - top] : ["bottom", bottom - over.top];

@@ -15,7 +15,9 @@ const ABOVE = 10; // drawn after the arm, before the handles
 
 export class Ghost {
   constructor(view) {
-    Object.assign(this, { view, copies: [], late: null });
+    this.view = view;
+    this.copies = [];
+    this.late = null;
     this.frame = new THREE.Group();
     this.arm = new THREE.Group();
     view.viewer.scene.add(this.frame, this.arm);
@@ -52,8 +54,8 @@ export class Ghost {
 
   drawFrame({ kind, position, xyzw }) {
     const length = SIZE * this.view.radius;
-    this.frame.position.set(...position);
-    this.frame.quaternion.set(...xyzw);
+    this.frame.position.fromArray(position);
+    this.frame.quaternion.fromArray(xyzw);
     const axes = NAMED[kind].map((axis) => rod(axis, length));
     const ball = new THREE.Mesh(new THREE.SphereGeometry(2.2 * THIN * length, 20, 12), faint(warning(), FRAME, false));
     for (const part of [...axes, ball]) this.frame.add(Object.assign(part, { renderOrder: ABOVE }));

@@ -7,7 +7,13 @@ import { THREE } from "./view.js";
 export class Gizmo {
   // `act` holds begin(), move(pose), end(), cancel(), and snap() whether to round; a pose is {position, quaternion}.
   constructor(view, act) {
-    Object.assign(this, { view, act, axes: "base", unit: 1, lit: null, motion: null, missed: false });
+    this.view = view;
+    this.act = act;
+    this.axes = "base";
+    this.unit = 1;
+    this.lit = null;
+    this.motion = null;
+    this.missed = false;
     this.pose = { position: new THREE.Vector3(), quaternion: new THREE.Quaternion() };
     this.tool = this.pose;
     this.handles = makeHandles();
@@ -62,7 +68,9 @@ export class Gizmo {
 
   // Stand at `pose` with its handles along base or tool axes; the tool itself may stand elsewhere.
   place(pose, tool, axes) {
-    Object.assign(this, { pose, tool, axes });
+    this.pose = pose;
+    this.tool = tool;
+    this.axes = axes;
     this.group.position.copy(pose.position);
     this.group.quaternion.copy(this.frame());
     this.view.viewer.set_dirty();

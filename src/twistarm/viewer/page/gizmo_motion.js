@@ -11,7 +11,12 @@ export class Motion {
   // `kind` "move" along `axis`, "turn" about it, "free" in the plane of the screen; `frame`: the gizmo's own axes;
   // `pose` {position, quaternion} and `ray` where it begins; `eye` towards the camera; `radius` of the ring.
   constructor({ kind, axis, frame, pose, ray, eye, radius }) {
-    Object.assign(this, { kind, axis, frame, pose, eye, radius });
+    this.kind = kind;
+    this.axis = axis;
+    this.frame = frame;
+    this.pose = pose;
+    this.eye = eye;
+    this.radius = radius;
     this.flat = kind === "turn" && Math.abs(axis.dot(eye)) < EDGE;
     this.plane = new THREE.Plane().setFromNormalAndCoplanarPoint(this.normal(), pose.position);
     this.from = ray.intersectPlane(this.plane, new THREE.Vector3());

@@ -19,7 +19,12 @@ const ON_TOP = 20; // drawn after all else
 // name: "x" … "z" along, "rx" … "rz" about, "free"; axis: 0 … 2 of the gizmo's own axes.
 class Handle {
   constructor(name, kind, axis, color, shapes, grip) {
-    Object.assign(this, { name, kind, axis, color, plain: color, allowed: true });
+    this.name = name;
+    this.kind = kind;
+    this.axis = axis;
+    this.color = color;
+    this.plain = color;
+    this.allowed = true;
     this.material = new THREE.MeshBasicMaterial({ color, transparent: true, opacity: 0.92, depthTest: false, depthWrite: false });
     this.grip = new THREE.Mesh(grip, new THREE.MeshBasicMaterial({ visible: false }));
     this.group = new THREE.Group();

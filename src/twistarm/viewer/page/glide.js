@@ -17,7 +17,9 @@ export class Glide {
   go(start, goal) {
     this.stop();
     if (!eases()) return this.place(goal);
-    Object.assign(this, { start, goal, begun: performance.now() });
+    this.start = start;
+    this.goal = goal;
+    this.begun = performance.now();
     return this.step();
   }
 

@@ -15,7 +15,8 @@ const SHARES = [0.05, 0.1, 0.2, 0.4, 0.7, 1];
 export class Jog {
   // `act` holds jog(twist, frame), joints(rates) and stop(); `view` is what view axes are those of.
   constructor(act, view) {
-    Object.assign(this, { act, view });
+    this.act = act;
+    this.view = view;
     this.keys = new Keys();
     this.gamepad = new Gamepad();
     this.pushes = new Pushes();
@@ -43,9 +44,9 @@ export class Jog {
     addEventListener("pagehide", () => this.release());
     addEventListener("contextmenu", (event) => event.defaultPrevented || this.release());
     document.addEventListener("visibilitychange", () => this.release());
-    document.addEventListener("focusin", ({ target }) => target.dataset?.push !== undefined || this.release());
+    document.addEventListener("focusin", ({ target }) => /** @type {HTMLElement} */ (target).dataset?.push !== undefined || this.release());
     // Whoever turns the view lets go of a slider: the view itself takes no focus.
-    $("pane").addEventListener("pointerdown", () => document.activeElement?.blur());
+    $("pane").addEventListener("pointerdown", () => /** @type {HTMLElement} */ (document.activeElement)?.blur());
   }
 
   // What the process says of its servo: whether it takes commands, status, joint, reason.

@@ -15,7 +15,9 @@ const HOLDING = ["Space", "Enter", "NumpadEnter"];
 export class JogPad {
   // Twelve buttons in `pad`, and those of the joints in `joints`.
   constructor(jog, pad, joints) {
-    Object.assign(this, { jog, joints, buttons: [] });
+    this.jog = jog;
+    this.joints = joints;
+    this.buttons = [];
     this.tool = [0, 1, 2].flatMap((row) => [row, row + 3].flatMap((axis) => this.pair({ axis })));
     pad.append(element("h2", "", "Move"), element("h2", "", "Turn"), ...this.tool);
     this.ofJoints = [];

@@ -1,6 +1,6 @@
 // The panel Jog: the switch that begins and ends a servo, the axes, the speed, the buttons and the gauges.
 
-import { $ } from "./element.js";
+import { $, $$ } from "./element.js";
 import { Gauge } from "./gauge.js";
 import { speedWords } from "./jog_line.js";
 import { JogPad } from "./jog_pad.js";
@@ -11,11 +11,16 @@ const OTHERS = "A servo of the program drives the arm.";
 export class JogPanel {
   // `page` holds jog and ask(request).
   constructor({ jog, ask }) {
-    Object.assign(this, { jog, on: false, driven: false, note: "", beyond: "slide", free: false });
+    this.jog = jog;
+    this.on = false;
+    this.driven = false;
+    this.note = "";
+    this.beyond = "slide";
+    this.free = false;
     this.pad = new JogPad(jog, $("jog-pad"), $("jog-joints"));
     this.gauge = new Gauge($("gauges"));
-    this.axes = [...document.querySelectorAll('#jog-axes input[type="radio"]')];
-    this.choices = [...document.querySelectorAll('#jog-beyond input[type="radio"]')];
+    this.axes = $$('#jog-axes input[type="radio"]');
+    this.choices = $$('#jog-beyond input[type="radio"]');
     this.messages = {
       drive: (message) => this.showDrive(message),
       servo: ({ driven }) => this.showDrive({ driven }),

@@ -12,7 +12,8 @@ const ROUNDING = 1e-6; // rad, m: the process lets a value lie this far beyond
 export class JointRow {
   // `act` holds send(value) in rad or m, and complain(text).
   constructor(joint, act) {
-    Object.assign(this, { joint, number: 0 });
+    this.joint = joint;
+    this.number = 0;
     this.row = element("div", "joint");
     this.row.setAttribute("role", "group");
     this.row.setAttribute("aria-label", joint.name);

@@ -7,7 +7,8 @@ const GIMBAL_LOCK = 1e-9;
 
 export class Kinematics {
   constructor({ base, joints, nodes }) {
-    Object.assign(this, { base, joints });
+    this.base = base;
+    this.joints = joints;
     this.nodes = Object.entries(nodes).map(([path, { joint, rest }]) => [path, joint, new Matrix4().fromArray(rest)]);
   }
 

@@ -1,6 +1,6 @@
 // Text over the view: each joint's name and pitch at the tip of its axis, S and T at the frames.
 
-import { element } from "./element.js";
+import { $, element } from "./element.js";
 import { pitchWords } from "./figures.js";
 import { cut } from "./names.js";
 import { THREE } from "./view.js";
@@ -16,7 +16,7 @@ export class Labels {
     this.layer.id = "labels";
     this.layer.setAttribute("aria-hidden", "true"); // the same stands in the table of axes
     this.layer.hidden = true;
-    document.getElementById("pane").append(this.layer);
+    $("pane").append(this.layer);
     this.labels = [];
     const { scene } = view.viewer;
     const before = scene.onAfterRender;

@@ -7,7 +7,10 @@ const FAINTEST = 0.1;
 
 export class LinkList {
   constructor(view) {
-    Object.assign(this, { view, nodes: {}, hidden: new Set(), opacity: 1 });
+    this.view = view;
+    this.nodes = {};
+    this.hidden = new Set();
+    this.opacity = 1;
     $("opacity").min = FAINTEST;
     $("opacity").addEventListener("input", () => this.fade(Number($("opacity").value)));
     $("all-links").addEventListener("click", () => this.recall({ hidden: [], opacity: 1 }));

@@ -10,7 +10,12 @@ const ASIDE = 14; // px
 
 export class LinkNames {
   constructor(view) {
-    Object.assign(this, { view, links: {}, caster: new THREE.Raycaster(), last: 0, pressed: null, waiting: null });
+    this.view = view;
+    this.links = {};
+    this.caster = new THREE.Raycaster();
+    this.last = 0;
+    this.pressed = null;
+    this.waiting = null;
     this.label = Object.assign(element("div"), { id: "link-name", hidden: true });
     document.querySelector("main").append(this.label);
     const pane = view.viewer.dom_element;

@@ -10,7 +10,10 @@ const ROUNDING = 1e-6; // rad, m: a value may lie this far beyond a limit, as in
 export class LocalArm {
   // `data`: arm, kinematics, others; `act` holds moved() and refuse(words).
   constructor({ arm, kinematics, others, poses }, act) {
-    Object.assign(this, { arm, poses, act, others: { ...others } });
+    this.arm = arm;
+    this.poses = poses;
+    this.act = act;
+    this.others = { ...others };
     this.kinematics = new Kinematics(kinematics);
     this.names = arm.joints.map(({ name }) => name);
     this.theta = arm.joints.map(() => 0);

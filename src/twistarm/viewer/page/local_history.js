@@ -6,15 +6,17 @@ const PAUSE = 1000; // ms between two moves of the same kind from which on they 
 
 export class LocalHistory {
   constructor() {
-    Object.assign(this, { undo: [], redo: [], last: ["", -Infinity] });
+    this.undo = [];
+    this.redo = [];
+    this.last = { words: "", at: -Infinity };
   }
 
   // Before what `words` say is done: what it moves.
   note(words, before) {
-    const [last, at] = this.last;
     const now = performance.now();
-    if (last !== words || now - at > PAUSE) this.undo = [...this.undo.slice(1 - MOST), { words, before }];
-    Object.assign(this, { redo: [], last: [words, now] });
+    if (words !== this.last.words || now - this.last.at > PAUSE) this.undo = [...this.undo.slice(1 - MOST), { words, before }];
+    this.redo = [];
+    this.last = { words, at: now };
   }
 
   // What is put back by "undo" or "redo"; `now`: theta and others as they are.
@@ -22,7 +24,7 @@ export class LocalHistory {
     const { words, before } = this[kind].pop();
     const changed = Object.fromEntries(Object.keys(before).map((part) => [part, now[part]]));
     this[kind === "undo" ? "redo" : "undo"].push({ words, before: changed });
-    this.last = ["", -Infinity];
+    this.last = { words: "", at: -Infinity };
     return before;
   }
 

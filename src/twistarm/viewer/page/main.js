@@ -1,10 +1,12 @@
 // The live page: what the process says is shown, what the person does is asked for.
 //
-// The page is made of parts. Each is given `page` and may have: messages {type: function} that it shows, hello(message)
-// for an arm that is new to the page, placed(frame) after the arm has moved, offline() when the process has gone.
+// The page is made of parts. Each is given `page` and is a Part: it may have messages {type: function} that it shows,
+// hello(message) for an arm that is new to the page, placed(frame) after the arm has moved, offline() when the process
+// has gone.
 
 import { copyTheta } from "./copying.js";
 import { Cube } from "./cube.js";
+import { $ } from "./element.js";
 import { Findings } from "./findings.js";
 import { Ghost } from "./ghost.js";
 import { eases } from "./glide.js";
@@ -38,7 +40,7 @@ const SILENCE = "The process does not answer: nothing was sent.";
 const STRANGER = "The process was started anew: open the address that it printed.";
 
 const schema = await (await fetch("schema.json")).json();
-const view = new View(document.getElementById("pane"));
+const view = new View($("pane"));
 easeSoftware(view);
 const state = { hello: null, frame: null, fitted: false };
 const said = {}; // the last message of each type
@@ -94,6 +96,19 @@ const parts = {
   progress: new Progress((text) => panel.showStatus(text), look),
 };
 
+/**
+ * @typedef {object} Part
+ * @property {Object<string, (message: any) => void>} [messages]
+ * @property {(message: any) => void} [hello]
+ * @property {(frame: any) => void} [placed]
+ * @property {() => void} [offline]
+ */
+
+/** @returns {Part[]} */
+function allParts() {
+  return /** @type {any[]} */ (Object.values(parts));
+}
+
 // Bring the arm into view with the first frame, and again once all of it is drawn, unless somebody has turned it since.
 function look() {
   if (state.fitted || !state.frame) return;
@@ -137,7 +152,7 @@ const receive = {
     panel.showError("");
     panel.release();
     panel.build(message.arm, []);
-    for (const part of Object.values(parts)) part.hello?.(message);
+    for (const part of allParts()) part.hello?.(message);
   },
   frame(message) {
     state.frame = message;
@@ -145,7 +160,7 @@ const receive = {
     highlight.follow();
     panel.show(message);
     look();
-    for (const part of Object.values(parts)) part.placed?.(message);
+    for (const part of allParts()) part.placed?.(message);
   },
   visible(message) {
     for (const layer of ["screws", "frames", "path"]) view.setVisible(layer, message[layer]);
@@ -169,7 +184,7 @@ function show(message) {
   if (wrong) return panel.showError(`this page does not understand the process: ${wrong}; load it again`);
   said[message.type] = message;
   receive[message.type]?.(message);
-  for (const part of Object.values(parts)) part.messages?.[message.type]?.(message);
+  for (const part of allParts()) part.messages?.[message.type]?.(message);
 }
 
 const link = new Link({
@@ -185,7 +200,7 @@ const link = new Link({
       return;
     }
     jog.lose();
-    for (const part of Object.values(parts)) part.offline?.();
+    for (const part of allParts()) part.offline?.();
   },
   idle: putBack,
   refused() {

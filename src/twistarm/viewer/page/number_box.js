@@ -9,7 +9,10 @@ const NAMES = { "°": "degrees", rad: "radians", m: "metres" };
 export class NumberBox {
   // `act` holds send(value) in rad or m, complain(text, box), and settle(box) once there is nothing to complain of.
   constructor(joint, act) {
-    Object.assign(this, { joint, act, number: 0, text: "" });
+    this.joint = joint;
+    this.act = act;
+    this.number = 0;
+    this.text = "";
     this.held = false; // under somebody's hand: not written from outside
     this.edited = false; // and not sent
     this.input = element("input", "number");
@@ -48,7 +51,8 @@ export class NumberBox {
   show(number, words) {
     const text = figure(number, this.joint.unit);
     const moved = text !== this.text;
-    Object.assign(this, { number, text });
+    this.number = number;
+    this.text = text;
     this.input.setAttribute("aria-valuenow", text.replace("−", "-"));
     this.input.setAttribute("aria-valuetext", words);
     // What is no number stays in the box it was left in, until there is something new to show.

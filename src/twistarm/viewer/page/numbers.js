@@ -1,7 +1,7 @@
 // The numbers behind the drawing, as tables, each with a button that copies it with all its digits.
 
 import { copyText } from "./copying.js";
-import { element } from "./element.js";
+import { $, element } from "./element.js";
 import { heads, pitchWords, python, pythonRows, short } from "./figures.js";
 import { writeName } from "./names.js";
 
@@ -11,7 +11,7 @@ const UNITS = "in SI units and radians";
 
 export class Numbers {
   constructor() {
-    this.root = document.getElementById("theory-numbers");
+    this.root = $("theory-numbers");
     this.tables = [];
   }
 
@@ -34,7 +34,7 @@ export class Numbers {
       new Values("instantaneous screw", "Instantaneous screw", "Joint or motion", (all, i) => instant(this.names, all, i),
         (all, i) => one(this.names, all, i)),
     ];
-    this.root.replaceChildren(this.standing, ...this.tables.map(({ section }) => section));
+    this.root.replaceChildren(this.standing, ...this.tables.map((table) => table.section));
   }
 
   // `chosen`: the coordinate whose screw is shown; null: the whole motion.
@@ -80,7 +80,8 @@ class Table {
 // Lines of words and numbers: `write(all, chosen)` gives [term, text, …], `read` what is copied.
 class Values {
   constructor(name, title, meaning, write, read) {
-    Object.assign(this, { write, read });
+    this.write = write;
+    this.read = read;
     this.list = element("dl", "values");
     this.section = section(title, meaning, this.list, () => copyText(python(this.value), name, UNITS));
   }

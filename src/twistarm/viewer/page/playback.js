@@ -2,7 +2,11 @@
 
 export class Playback {
   constructor(duration, { time, running, speed, loop }) {
-    Object.assign(this, { duration, time, speed, loop, running: false });
+    this.duration = duration;
+    this.time = time;
+    this.speed = speed;
+    this.loop = loop;
+    this.running = false;
     if (running) this.play();
   }
 

@@ -63,7 +63,8 @@ export class Player {
   }
 
   placed({ time, running }) {
-    Object.assign(this, { time, running });
+    this.time = time;
+    this.running = running;
     $("play").disabled = this.driven && !running;
     $("play").textContent = running ? "❚❚" : "▶";
     $("play").setAttribute("aria-label", running ? "Pause" : "Play");

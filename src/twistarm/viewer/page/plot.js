@@ -12,7 +12,10 @@ const COLOURS = 8; // --plot-0 …
 export class Plot {
   // `act` holds seek(time) and point(plot, event, time), time null once nothing is pointed at.
   constructor(rate, act) {
-    Object.assign(this, { rate, act, span: 0, time: 0 });
+    this.rate = rate;
+    this.act = act;
+    this.span = 0;
+    this.time = 0;
     this.svg = svg("svg", { class: "plot", role: "img" });
     this.svg.addEventListener("pointerdown", (event) => this.press(event));
     this.svg.addEventListener("pointermove", (event) => this.move(event));
@@ -21,8 +24,11 @@ export class Plot {
 
   // `times` [s] of all values, and what plot_scale.js made of them.
   draw(times, scale) {
-    Object.assign(this, { times, scale, span: times.at(-1) });
-    [this.width, this.height] = [this.svg.clientWidth, this.svg.clientHeight];
+    this.times = times;
+    this.scale = scale;
+    this.span = times.at(-1);
+    this.width = this.svg.clientWidth;
+    this.height = this.svg.clientHeight;
     if (this.width < EDGE.left + EDGE.right + 10 || this.height < EDGE.top + EDGE.bottom + 10) return;
     this.svg.setAttribute("viewBox", `0 0 ${this.width} ${this.height}`);
     this.cursor = this.upright("cursor");

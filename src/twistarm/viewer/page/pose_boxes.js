@@ -1,6 +1,6 @@
 // The tool's pose as six numbers to type, over the read-outs of where it is.
 
-import { element } from "./element.js";
+import { $, element } from "./element.js";
 import { NumberBox } from "./number_box.js";
 import { shown } from "./units.js";
 
@@ -12,7 +12,7 @@ export class PoseBoxes {
     this.act = act;
     this.numbers = [0, 0, 0, 0, 0, 0];
     this.boxes = NAMES.map((name, i) => this.make(name, i));
-    document.getElementById("radians").addEventListener("change", () => this.label());
+    $("radians").addEventListener("change", () => this.label());
   }
 
   make(name, i) {
@@ -24,7 +24,7 @@ export class PoseBoxes {
     });
     const entry = element("dd", "entry");
     entry.append(box.input);
-    document.getElementById(`tool-${name}`).after(entry);
+    $(`tool-${name}`).after(entry);
     return box;
   }
 

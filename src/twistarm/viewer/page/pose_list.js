@@ -9,7 +9,10 @@ const SAME = 1e-9; // rad, m: the arm stands on a pose
 export class PoseList {
   // `act` holds go(id), rename(id, name), reorder(id, place), remove(id).
   constructor(list, act) {
-    Object.assign(this, { list, act, poses: [], driven: false });
+    this.list = list;
+    this.act = act;
+    this.poses = [];
+    this.driven = false;
     this.rows = new Map();
   }
 
@@ -74,7 +77,11 @@ export class PoseList {
 class Row {
   constructor(pose, owner) {
     const { act } = owner;
-    Object.assign(this, { id: pose.id, owner, name: "", moving: false, gone: false });
+    this.id = pose.id;
+    this.owner = owner;
+    this.name = "";
+    this.moving = false;
+    this.gone = false;
     this.item = element("li");
     this.box = this.makeBox();
     this.go = this.button("go", "Go", () => act.go(this.id));

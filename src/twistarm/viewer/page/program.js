@@ -1,6 +1,6 @@
 // Recorded poses: a list to edit, save and load, and the motion planned through it.
 
-import { $ } from "./element.js";
+import { $, $$ } from "./element.js";
 import { eases } from "./glide.js";
 import { PoseList } from "./pose_list.js";
 import { read, written } from "./pose_file.js";
@@ -13,7 +13,10 @@ export class Program {
   constructor(page) {
     this.page = page;
     this.poses = [];
-    Object.assign(this, { planned: false, kind: null, stop: false, note: "" });
+    this.planned = false;
+    this.kind = null;
+    this.stop = false;
+    this.note = "";
     this.duration = null;
     this.trying = this.failed = false; // the motion that was asked for last: it may still come, and it did not
     this.driven = false;
@@ -44,7 +47,13 @@ export class Program {
 
   show({ poses, planned, kind, stop, note }) {
     const another = kind !== null && (kind !== this.kind || stop !== this.stop);
-    Object.assign(this, { poses, planned, kind, stop, note, trying: false, failed: false });
+    this.poses = poses;
+    this.planned = planned;
+    this.kind = kind;
+    this.stop = stop;
+    this.note = note;
+    this.trying = false;
+    this.failed = false;
     if (another) this.follow();
     this.list.show(poses);
     if (this.page.state.frame) this.list.mark(this.page.state.frame.theta);
@@ -77,8 +86,9 @@ export class Program {
   }
 
   load({ duration }) {
-    Object.assign(this, { duration, failed: false });
-    for (const link of document.querySelectorAll("#program a[download]")) {
+    this.duration = duration;
+    this.failed = false;
+    for (const link of $$("#program a[download]")) {
       if (duration === null) link.removeAttribute("href");
       else link.href = link.dataset.file;
     }
@@ -93,7 +103,8 @@ export class Program {
 
   // What stays loaded is not what was asked for.
   fail() {
-    Object.assign(this, { failed: this.failed || this.trying, trying: false });
+    this.failed = this.failed || this.trying;
+    this.trying = false;
     this.tell();
   }
 

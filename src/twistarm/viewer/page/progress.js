@@ -1,22 +1,30 @@
 // How much of the scene is here: a number and a bar in the header, until everything is drawn.
 
-import { element } from "./element.js";
+import { $, element } from "./element.js";
 
 export class Progress {
   // `whole()` is called once everything is drawn, `tell(text)` with what the header says of it.
   constructor(tell, whole) {
-    Object.assign(this, { tell, whole, told: null, drawn: 0, bytes: 0, complete: false });
-    this.bar = document.getElementById("progress");
+    this.tell = tell;
+    this.whole = whole;
+    this.told = null;
+    this.drawn = 0;
+    this.bytes = 0;
+    this.complete = false;
+    this.bar = $("progress");
     this.messages = { scene: (message) => this.learn(message) };
   }
 
   hello() {
-    Object.assign(this, { told: null, drawn: 0, bytes: 0, complete: false });
+    this.told = null;
+    this.drawn = 0;
+    this.bytes = 0;
+    this.complete = false;
   }
 
   learn(message) {
     this.told = message;
-    document.getElementById("notes").replaceChildren(...message.notes.map((note) => element("li", "", note)));
+    $("notes").replaceChildren(...message.notes.map((note) => element("li", "", note)));
     this.show();
   }
 

@@ -3,7 +3,8 @@
 export class Recording {
   // `samples`: times [s] and theta at each.
   constructor({ times, theta }) {
-    Object.assign(this, { times, theta });
+    this.times = times;
+    this.theta = theta;
     this.duration = times.at(-1);
   }
 

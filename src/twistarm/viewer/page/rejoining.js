@@ -11,12 +11,14 @@ export class Rejoining {
   hello({ code, run }) {
     if (this.code !== undefined && code !== this.code) return location.reload();
     this.before = this.run !== undefined && run !== this.run ? this.layers : {};
-    Object.assign(this, { code, run });
+    this.code = code;
+    this.run = run;
   }
 
   show(layers) {
     const before = this.before;
-    Object.assign(this, { layers, before: {} });
+    this.layers = layers;
+    this.before = {};
     for (const [what, visible] of Object.entries(before)) {
       if (what in layers && layers[what] !== visible) this.ask({ type: "visible", what, visible });
     }

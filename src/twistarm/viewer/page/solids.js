@@ -33,14 +33,14 @@ export class Arrow {
     this.group.add(this.shaft, this.head);
   }
 
-  // `vector` as long as it is drawn; one too short to be seen is not drawn.
-  set(origin, vector) {
-    const length = vector.length();
+  // `along` as long as it is drawn; one too short to be seen is not drawn.
+  set(origin, along) {
+    const length = along.length();
     this.group.visible = length > this.radius;
     if (!this.group.visible) return;
     const head = Math.min(6 * this.radius, 0.6 * length);
     this.group.position.copy(origin);
-    this.group.quaternion.setFromUnitVectors(UP, vector.clone().normalize());
+    this.group.quaternion.setFromUnitVectors(UP, along.clone().normalize());
     this.shaft.position.set(0, (length - head) / 2, 0);
     this.shaft.scale.set(this.radius, length - head, this.radius);
     this.head.position.set(0, length - head / 2, 0);

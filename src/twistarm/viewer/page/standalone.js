@@ -2,7 +2,7 @@
 
 import { copyTheta } from "./copying.js";
 import { Cube } from "./cube.js";
-import { $ } from "./element.js";
+import { $, $$ } from "./element.js";
 import { Findings } from "./findings.js";
 import { Highlight } from "./highlight.js";
 import { History } from "./history.js";
@@ -24,10 +24,10 @@ import { View } from "./view.js";
 
 const STANDS = { time: 0, running: false, speed: 1, loop: false };
 
-const data = JSON.parse(document.getElementById("data").textContent);
-for (const part of document.querySelectorAll("[data-live]")) part.remove(); // there is nobody to ask
+const data = JSON.parse($("data").textContent);
+for (const part of $$("[data-live]")) part.remove(); // there is nobody to ask
 const tabs = new Tabs();
-const view = new View(document.getElementById("pane"));
+const view = new View($("pane"));
 const presets = new Presets(view);
 const cube = new Cube(view, (side) => presets.go(side));
 const sight = new Sight((side) => presets.go(side), null);

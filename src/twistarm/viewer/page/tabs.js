@@ -1,21 +1,23 @@
 // The panels beside the view, one at a time: by click, or by arrow keys on the row of tabs.
 
+import { $, $$ } from "./element.js";
+
 const CHOSEN = "twistarm tab"; // in the browser's storage of this window
 
 export class Tabs {
   constructor() {
-    this.tabs = [...document.querySelectorAll('#tabs [role="tab"]')];
+    this.tabs = $$('#tabs [role="tab"]');
     for (const tab of this.tabs) tab.addEventListener("click", () => this.choose(tab));
-    document.getElementById("tabs").addEventListener("keydown", (event) => this.press(event));
+    $("tabs").addEventListener("keydown", (event) => this.press(event));
     this.choose(this.tabs.find(({ id }) => id === kept()) ?? this.tabs[0]);
   }
 
   choose(chosen) {
     for (const tab of this.tabs) {
       const selected = tab === chosen;
-      tab.setAttribute("aria-selected", selected);
+      tab.setAttribute("aria-selected", String(selected));
       tab.tabIndex = selected ? 0 : -1;
-      document.getElementById(tab.getAttribute("aria-controls")).hidden = !selected;
+      $(tab.getAttribute("aria-controls")).hidden = !selected;
     }
     keep(chosen.id);
     dispatchEvent(new CustomEvent("panel", { detail: chosen.getAttribute("aria-controls") }));

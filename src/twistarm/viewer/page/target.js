@@ -20,7 +20,13 @@ const LOST = 2000; // ms after which no answer is expected any more: the arm was
 export class Target {
   // `page` holds view, panel, state and ask(request).
   constructor(page) {
-    Object.assign(this, { page, given: null, tool: null, asked: null, typed: null, start: null, driven: false });
+    this.page = page;
+    this.given = null;
+    this.tool = null;
+    this.asked = null;
+    this.typed = null;
+    this.start = null;
+    this.driven = false;
     this.waiting = null; // the picture before which nothing more is sent
     this.newer = false; // whether what is asked was not sent yet
     this.gizmo = new Gizmo(page.view, {
@@ -70,7 +76,11 @@ export class Target {
   // An arm that is new to the page.
   hello({ arm }) {
     $("target-kind").value = KINDS.find(([least]) => arm.joints.length >= least)[1];
-    Object.assign(this, { given: null, tool: null, asked: null, typed: null, newer: false });
+    this.given = null;
+    this.tool = null;
+    this.asked = null;
+    this.typed = null;
+    this.newer = false;
     this.begun = this.kind;
     this.verdict.show(null);
     this.arrange();
@@ -105,7 +115,8 @@ export class Target {
   // Nothing more comes of what was asked.
   settle() {
     if (this.gizmo.motion) return;
-    Object.assign(this, { asked: null, newer: false });
+    this.asked = null;
+    this.newer = false;
     this.verdict.busy(false);
     this.arrange();
   }

@@ -26,8 +26,8 @@ export function numbersOf({ position, quaternion }) {
 }
 
 export function turned(numbers) {
-  const [x, y, z, ...rpy] = numbers;
-  return { position: new THREE.Vector3(x, y, z), quaternion: new THREE.Quaternion().setFromEuler(new THREE.Euler(...rpy, "ZYX")) };
+  const [x, y, z, roll, pitch, yaw] = numbers;
+  return { position: new THREE.Vector3(x, y, z), quaternion: new THREE.Quaternion().setFromEuler(new THREE.Euler(roll, pitch, yaw, "ZYX")) };
 }
 
 // Whether six numbers say this pose, up to the rounding of a quaternion.

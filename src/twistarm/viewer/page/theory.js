@@ -1,6 +1,7 @@
 // Screw theory drawn, and the numbers behind it. Every number comes from the process.
 
 import { Cloud } from "./cloud.js";
+import { $ } from "./element.js";
 import { Ellipsoid } from "./ellipsoids.js";
 import { Instant } from "./instant.js";
 import { Labels } from "./labels.js";
@@ -13,7 +14,13 @@ import { Twists } from "./twists.js";
 export class Theory {
   // `page` holds view, state.hello and ask(request).
   constructor({ view, state, ask }) {
-    Object.assign(this, { view, state, ask, axes: null, numbers: null, visible: null, looking: false });
+    this.view = view;
+    this.state = state;
+    this.ask = ask;
+    this.axes = null;
+    this.numbers = null;
+    this.visible = null;
+    this.looking = false;
     this.labels = new Labels(view);
     this.instant = new Instant(view);
     this.spatial = new Twists(view);
@@ -74,7 +81,7 @@ export class Theory {
 
   // The numbers are made only while somebody reads them.
   look() {
-    const wanted = !document.getElementById("theory").hidden;
+    const wanted = !$("theory").hidden;
     const left = this.looking && !wanted;
     this.looking = wanted;
     if (this.visible.numbers ? left : wanted) this.ask({ type: "visible", what: "numbers", visible: wanted });

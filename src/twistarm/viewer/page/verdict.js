@@ -1,13 +1,13 @@
 // Whether the target is met, in a word and a colour, and the words of its solution, line by line.
 
-import { element } from "./element.js";
+import { $, element } from "./element.js";
 
 const REASON = "reason: "; // how a line of the words begins
 
 export class Verdict {
   constructor() {
-    this.place = document.getElementById("target-words");
-    this.missed = document.getElementById("missed"); // the same in short, while another panel is in front
+    this.place = $("target-words");
+    this.missed = $("missed"); // the same in short, while another panel is in front
     this.told = "";
   }
 

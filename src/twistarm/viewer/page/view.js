@@ -1,13 +1,13 @@
 // The 3D view: Meshcat's viewer with our own light, floor and camera.
 
-/* global MeshCat */
-
 import { dispose } from "./disposal.js";
+import { $$ } from "./element.js";
 import { corners, covered, framed, OVER } from "./framing.js";
 import { Rim } from "./rim.js";
 
 export const THREE = MeshCat.THREE;
-export const DIRECTION = [0.95, -1.15, 0.62]; // from the arm towards the camera, in the arm's base axes
+/** From the arm towards the camera, in the arm's base axes. @type {[number, number, number]} */
+export const DIRECTION = [0.95, -1.15, 0.62];
 const NOTHING = [new THREE.Vector3(-0.5, 0, -0.5), new THREE.Vector3(0.5, 1, 0.5)]; // where nothing is drawn
 const PATH = 0xe8850c;
 const SOON = 300; // ms until what has come to be drawn is
@@ -36,7 +36,7 @@ export class View {
     this.dark = matchMedia("(prefers-color-scheme: dark)");
     this.dark.addEventListener("change", () => this.furnish());
     const room = new ResizeObserver(() => this.reframe());
-    for (const each of [pane, ...document.querySelectorAll(OVER)]) room.observe(each);
+    for (const each of [pane, ...$$(OVER)]) room.observe(each);
   }
 
   light() {

@@ -1,6 +1,6 @@
 // What the process is busy with: a line and a bar for each job.
 
-import { element } from "./element.js";
+import { $, element } from "./element.js";
 
 const WORDS = { plan: "planning", workspace: "sampling the workspace" };
 
@@ -11,7 +11,7 @@ export class Work {
 
   show({ jobs }) {
     const told = jobs.filter(({ key }) => key !== "scene"); // which has its bar in the header
-    document.getElementById("work").replaceChildren(...told.flatMap(({ key, share }) => {
+    $("work").replaceChildren(...told.flatMap(({ key, share }) => {
       const bar = element("progress");
       Object.assign(bar, { max: 1, value: share });
       bar.setAttribute("aria-label", WORDS[key] ?? key);
