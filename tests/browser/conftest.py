@@ -22,6 +22,7 @@ FLAGS = (
     "--disable-background-networking",
     "--disable-component-update",
     "--disable-sync",
+    "--disable-features=WebUIOmniboxPopup,WebUIOmniboxAimPopup",  # a page of its own in each window, unseen
     "--use-angle=swiftshader",
     "--enable-unsafe-swiftshader",
 )
@@ -44,9 +45,9 @@ def absent(reason: str) -> NoReturn:
     pytest.skip(reason)
 
 
-@pytest.fixture(scope="module")
+@pytest.fixture(scope="package")
 def browser() -> Iterator[Any]:
-    """Closed after each module: while it is open, playwright's event loop runs in this thread, and no other can."""
+    """Closed after this folder: while it is open, playwright's event loop runs in this thread, and no other can."""
     try:
         path = find_browser()
     except TwistarmError as error:
@@ -75,7 +76,7 @@ def watched(browser: Any) -> Iterator[Any]:
     assert errors == []
 
 
-@pytest.fixture(scope="module")
+@pytest.fixture(scope="package")
 def open_page(browser: Any) -> Callable[[], AbstractContextManager[Any]]:
     """Opens pages: `with open_page() as page`."""
     return partial(watched, browser)

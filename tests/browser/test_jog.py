@@ -82,7 +82,7 @@ def heard(page: Any, viewer: Viewer) -> Iterator[Heard]:
     for key in KEYS:
         page.keyboard.up(key)
     page.evaluate(AS_OPENED)
-    until(page, "twistarm.jog.timer === null && twistarm.link.underway === 0")
+    until(page, "twistarm.jog.timer === null && twistarm.link.underway === 0 && !twistarm.jog.gamepad.armed")
     heard.close()
 
 
