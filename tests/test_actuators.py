@@ -94,7 +94,7 @@ def test_torques_by_hand_and_by_their_power() -> None:
     assert np.allclose(motors.torque_to_motor(tau), tau_motor)
 
 
-def test_more_motors_than_joints_share_a_torque_with_the_least_of_their_own() -> None:
+def test_more_motors_than_joints_share_a_torque() -> None:
     motors = Actuators(("a", "b"), ("j",), [[2.0], [1.0]], [0.0, 1.0], ("rad", "rad"), [np.nan, np.nan])  # type: ignore[arg-type]
     # 2 a + b = 10 with the least a² + b²: Lagrange gives a = 2 b, so b = 2.
     assert np.allclose(motors.torque_to_motor([10.0]), [4.0, 2.0])

@@ -10,7 +10,7 @@ from textbook import DERIVATIVE, THETAS, close, pose, rot_x, rot_z, stanford
 from twistarm import joints, poe, rotations, screws
 
 
-def test_guide_the_inverse_of_a_quaternion_divides_by_the_square_of_its_length():
+def test_guide_the_inverse_of_a_quaternion_divides_by_its_square():
     """‖Q‖² = Q·Q*: for Q = (1, 2, 3, 4) it is 30, and dividing by 30² instead leaves Q Q⁻¹ = 1/30."""
     Q = np.array([1.0, 2, 3, 4])
     conjugate = Q * [1, -1, -1, -1]
@@ -55,7 +55,7 @@ def test_guide_a_turning_joint_moves_points_by_w_cross_p_minus_q(pitch):
     close((screws.hat(xi) @ p)[:3], np.cross(w, p[:3] - q) + pitch * w)
 
 
-def test_guide_the_joint_twist_is_spatial_and_e_moves_the_frame_from_the_left():
+def test_guide_the_joint_twist_is_spatial():
     """g(θ) = e^{ξ̂θ} g(0) has ġ g⁻¹ = ξ̂ for every θ, while g⁻¹ ġ is another twist, Ad(g⁻¹) ξ."""
     xi, start = np.array([0.3, -0.2, 0.5, 0.6, 0, 0.8]), pose(rot_x(0.4), [1.0, 2, 3])
     for theta in (0.0, 0.9):

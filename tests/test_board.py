@@ -53,7 +53,7 @@ def test_texts_are_the_caller_s_own() -> None:
     assert list(board.texts()) == ["frame"]
 
 
-def test_what_cannot_be_encoded_is_an_error_each_time_and_leaves_what_was_shown() -> None:
+def test_a_message_that_cannot_be_encoded_leaves_what_was_shown() -> None:
     board = MessageCache()
     board.refresh([{"type": "frame", "time": 1.0}])
     broken = {"type": "frame", "time": float("nan")}

@@ -117,9 +117,7 @@ def test_a_motion_with_motors_is_played(folder: Path) -> None:
     assert run(["view", "arm.toml", "--play", "motion.csv", "-o", "page.html"]) == 0
 
 
-def test_a_motor_that_would_need_more_than_it_may_is_said_with_the_cap_that_keeps_it(
-    folder: Path, capsys: Capture
-) -> None:
+def test_an_overloaded_motor_is_named_with_the_speed_that_spares_it(folder: Path, capsys: Capture) -> None:
     """Two joints at once ask of a motor what neither asks alone."""
     motor = "[actuators.left]\nratio = { a = 50.0, b = -50.0 }\nlimits = { velocity = 30.0 }\n"
     (folder / "arm.toml").write_text(f'source = "arm.urdf"\n{motor}')

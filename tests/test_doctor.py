@@ -64,7 +64,7 @@ def test_an_arm_from_screws_has_no_file_to_look_at() -> None:
     assert {str(one.place) for one in findings} == {"twice"}
 
 
-def test_what_the_caller_typed_wrong_is_raised_and_what_the_arm_toml_says_wrong_is_found(tmp_path: Path) -> None:
+def test_arguments_raise_where_arm_toml_is_diagnosed(tmp_path: Path) -> None:
     with pytest.raises(UnknownNameError, match="no arm 'rover_amr' in the catalogue"):
         diagnose("rover_amr")
     path = write(tmp_path, two_joints())

@@ -161,9 +161,7 @@ def test_a_folder_is_doctored_with_a_line_each(capsys: Capture, tmp_path: Path) 
     assert "2 of 3 good" in page(capsys, str(tmp_path), "--strict", code=1)
 
 
-def test_a_tip_that_nobody_named_is_told_in_the_folder_s_line_and_in_the_arm_file_that_init_writes(
-    capsys: Capture, tmp_path: Path
-) -> None:
+def test_a_chosen_tip_is_told_by_the_folder_and_by_init(capsys: Capture, tmp_path: Path) -> None:
     path = lay(CASES["several-tips"], tmp_path)
     (chosen,) = (one for one in load_arm(path).findings if one.code == "several-tips")
     assert f"{chosen.place.name} (chosen)" in page(capsys, str(tmp_path))

@@ -118,7 +118,7 @@ def by_hand(theta, theta_dot):
     return motor, motor_dot, motor * counts, motor_dot * counts
 
 
-def test_the_motors_columns_follow_the_joints_and_the_file_is_still_a_motion(tmp_path):
+def test_the_motors_columns_follow_the_joints(tmp_path):
     arm, trajectory = with_motors()
     path = trajectory.to_csv(tmp_path / "a.csv", dt=0.1)
     with open(path, newline="", encoding="utf-8") as file:

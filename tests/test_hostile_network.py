@@ -40,7 +40,7 @@ def full_pipe() -> Iterator[int]:
         os.close(begin)
 
 
-def test_idle_strangers_and_a_terminal_that_takes_nothing_do_not_stop_the_page() -> None:
+def test_idle_connections_and_a_stuck_terminal_do_not_stop_the_page() -> None:
     with full_pipe() as errors, served(descriptors=256, errors=errors, warm=False) as view:
         trouble = Trouble(view)
         for name in ("idle", "requests_of_thirty"):

@@ -127,7 +127,7 @@ def test_every_line_of_an_explanation_is_whole(name):
 
 
 @pytest.mark.parametrize("name", ["so101", "stanford", "panda"])
-def test_a_position_that_only_limits_prevent_is_blocked_whatever_the_rotation(name):
+def test_a_position_that_limits_alone_prevent_is_blocked(name):
     """The arm shut in a box, and positions beyond it by `box_bounds`, where the arm is without its limits."""
     arm, rng = reason_targets.shut_in(name, 0), np.random.default_rng(9)
     centre, bound = pinocchio_fk(arm, arm.limits.middle()), reason_targets.box_bounds(arm)[0] + reason_targets.MARGIN

@@ -138,7 +138,7 @@ def test_the_bar_goes_too_when_the_work_fails_or_is_replaced(loop: Loop) -> None
     assert loop.shares == [("plan", 0.5), ("plan", None), ("target", 0.25), ("target", None)]
 
 
-def test_stopping_interrupts_at_the_next_word_of_progress_and_begins_nothing_more(loop: Loop) -> None:
+def test_stopping_interrupts_at_the_next_progress(loop: Loop) -> None:
     working, waiting = Held("working"), Held("waiting")
     loop.submit("plan", working)
     assert working.begun.wait(WAIT)
@@ -153,7 +153,7 @@ def test_stopping_interrupts_at_the_next_word_of_progress_and_begins_nothing_mor
     assert loop.results == loop.errors == []
 
 
-def test_stopping_waits_no_longer_than_it_was_told_for_what_cannot_be_interrupted(loop: Loop) -> None:
+def test_stopping_waits_no_longer_than_it_was_told(loop: Loop) -> None:
     deaf = Held("deaf", steps=0)
     loop.submit("plan", deaf)
     assert deaf.begun.wait(WAIT)

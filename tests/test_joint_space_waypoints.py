@@ -100,7 +100,7 @@ SWINGING = np.array([[0.0, 0.0, 0.0], [0.0, 2.0, 0.0], [0.0, 1.95, 2.4], [0.0, -
 
 
 @pytest.mark.parametrize("kind", ["cubic", "quintic"])
-def test_a_spline_that_swings_beyond_a_limit_is_refused_and_the_advice_helps(kind):
+def test_a_spline_beyond_a_limit_is_refused_and_the_advice_helps(kind):
     text = (
         r"between its waypoints joint 'shoulder' would swing to [23][.\d]* rad at t = [\d.]+ s, [\d.]+ rad beyond its "
         r"upper limit 2 rad: use stop_at_waypoints=True"

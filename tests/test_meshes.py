@@ -61,9 +61,7 @@ def test_every_format_that_is_read_comes_to_the_same_box(tmp_path: Path, ending:
         assert meshes.length(path) == pytest.approx(0.3)
 
 
-def test_one_process_reads_mesh_after_mesh_and_one_that_broke_a_limit_is_replaced(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_one_process_reads_all_meshes_until_it_breaks_a_limit(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(reader, "seconds_for", lambda size: 1.0)
     monkeypatch.setattr(reader, "PATIENCE", 1.0)
     (tmp_path / "slow.dae").write_text(SLOW)
@@ -131,7 +129,7 @@ for act in (lambda: subprocess.run(["true"]), os.fork, lambda: os.system("true")
 """
 
 
-def test_the_process_has_its_limits_and_starts_connects_and_removes_nothing(tmp_path: Path) -> None:
+def test_the_process_is_limited_and_does_nothing_but_read(tmp_path: Path) -> None:
     done = subprocess.run(
         [sys.executable, "-c", CONFINED], capture_output=True, text=True, timeout=60, check=False, cwd=tmp_path
     )

@@ -166,7 +166,7 @@ def test_the_class_around_it_fits_what_ros2_control_declares(compiler: str, tmp_
     compile_one([compiler, *warnings, "-fsyntax-only", "-DTWISTARM_ARM=rover_arm", *include, source])
 
 
-def test_the_plugin_is_the_class_and_the_dependencies_are_those_of_the_build() -> None:
+def test_plugin_and_dependencies_are_those_of_the_build() -> None:
     (plugin,) = ElementTree.parse(PACKAGE / "twistarm_controller.xml").getroot()
     source = (PACKAGE / "src" / "servo_controller.cpp").read_text("utf-8")
     assert f"PLUGINLIB_EXPORT_CLASS({plugin.get('type')}, {plugin.get('base_class_type')})" in source

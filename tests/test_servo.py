@@ -61,7 +61,7 @@ def test_six_numbers_are_a_twist_in_tool_axes():
     assert np.array_equal(bare.theta, meant.theta)
 
 
-def test_five_joints_translate_exactly_and_lose_of_the_rotation_what_they_must():
+def test_five_joints_translate_exactly_and_lose_some_rotation():
     """so101 sideways: it must yaw with the motion, and the speed comes before the rotation that was asked for (0)."""
     arm, twist = load("so101"), np.array([0.0, 0.03, 0.0, 0.0, 0.0, 0.0])
     state = up_to_speed(arm, TwistCommand(twist, "base"), LEVEL)

@@ -47,7 +47,7 @@ def test_what_an_arm_has_at_no_posture_is_impossible_and_no_singularity(name, ha
 
 
 @pytest.mark.parametrize("name", ["rover_arm", "so101"])
-def test_the_third_turn_of_five_joints_is_missing_whatever_is_done_beside_it(name):
+def test_five_joints_lack_the_third_turn_in_whatever_posture(name):
     """By Pinocchio's Jacobian: with the position held, the rotations are a plane, and its normal is what is missing."""
     g, _, J = load(name).by_pinocchio(BENT[name])
     turns = np.linalg.svd(J[3:] @ np.linalg.svd(J[:3])[2][3:].T)[0]

@@ -102,7 +102,7 @@ def test_feedback_that_fails(rover, robot, stream):
     assert at_rest_along_the_limits(rover, robot, 101.0)
 
 
-def test_a_sink_that_fails_for_good_is_tried_until_the_commanded_arm_stands(robot, stream):
+def test_a_failing_sink_is_tried_until_the_arm_stands(robot, stream):
     robot.broken = lambda now: ConnectionRefusedError("nobody listens") if now >= 101.0 else None
     report = stream()
     assert report.ending is Ending.SINK_FAILED

@@ -69,7 +69,7 @@ def test_a_restart_of_the_sender_or_its_clock_does_not_lock_it_out(time):
     assert verifier.verified(Signer(KEY, time).sign(b"4"))
 
 
-def test_nothing_recorded_counts_after_a_restart_or_where_our_clock_goes_back(time):
+def test_replayed_messages_never_count_after_a_restart(time):
     verifier, signer = Verifier(KEY, time), Signer(KEY, time)
     later(time, 1.0)
     recorded = signer.sign(b"{}")

@@ -123,7 +123,7 @@ def test_what_is_put_a_timeout_late_is_too_old():
     assert inbox.read(5.0).reason == "the last command is 0.3 s old (timeout 0.2 s)"
 
 
-def test_a_late_number_is_left_out_and_a_late_stranger_is_a_second_commander():
+def test_late_numbers_are_left_out_and_a_stranger_is_a_second_one():
     inbox = Inbox(0.2)
     inbox.put("page", A, 1.0, number=8)
     inbox.put("page", B, 0.97, number=7)
@@ -133,7 +133,7 @@ def test_a_late_number_is_left_out_and_a_late_stranger_is_a_second_commander():
 
 
 @pytest.mark.parametrize("ahead", [0.001, 0.05, 30.0])
-def test_a_stamp_ahead_of_the_reader_counts_for_a_timeout_from_the_first_look_on(ahead):
+def test_a_stamp_ahead_of_the_reader_ages_from_the_first_look(ahead):
     inbox = Inbox(0.2)
     inbox.put("page", A, 1.0 + ahead)
     reading = inbox.read(1.0)

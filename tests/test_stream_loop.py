@@ -98,7 +98,7 @@ def test_a_source_that_keeps_an_old_command_is_watched_too(rover, clock, robot, 
     assert robot.moving(100.0) <= 0.5 + 0.16 + 2 * PERIOD
 
 
-def test_a_joint_state_that_grows_old_stops_the_arm_and_a_fresh_one_lets_it_go_on(rover, clock, robot, stream):
+def test_an_old_joint_state_stops_the_arm_until_a_fresh_one(rover, clock, robot, stream):
     robot.mute = lambda now: 100.5 < now < 101.2
     seen: list[Cycle] = []
     report = stream(on_cycle=seen.append)
@@ -275,7 +275,7 @@ def test_settings_that_are_none(stream):
             stream(settings=settings)
 
 
-def test_settings_that_are_none_any_more_end_the_stream_with_the_arm_at_rest(clock, robot, stream):
+def test_broken_settings_end_the_stream_with_the_arm_at_rest(clock, robot, stream):
     change = clock.now() + 1.0
     report = stream(settings=lambda: ServoSettings() if clock.now() < change else None)
     assert robot.rates.any()

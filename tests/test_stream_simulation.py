@@ -30,7 +30,7 @@ def history(joints, seconds, dt=0.001):
     return np.array([row[0] for row in rows]), np.array([row[1] for row in rows])
 
 
-def test_a_far_goal_is_reached_about_as_fast_as_the_limits_allow_and_not_overshot(rover, clock):
+def test_a_far_goal_is_reached_fast_and_without_overshoot(rover, clock):
     joints = SimulatedJoints(rover, rover.ready, velocity=1.0, acceleration=4.0, clock=clock)
     goal = rover.ready + [0.0, 0.0, 0.0, 0.0, 1.0]
     joints.write(setpoint(goal))

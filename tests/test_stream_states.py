@@ -74,7 +74,7 @@ def test_numbers_are_counted_by_joint(states):
     assert states.read(1.05).theta.tolist() == [8.0, 2.0, 8.0, 4.0, 5.0]
 
 
-def test_a_stream_moves_on_joints_that_speak_in_turn_and_stops_for_one_that_falls_silent(rover, robot, stream):
+def test_joints_may_speak_in_turn_but_a_silent_one_stops_the_stream(rover, robot, stream):
     states = StateInbox(rover)
 
     class Buses:

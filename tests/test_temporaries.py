@@ -38,9 +38,7 @@ def aged(path: Path) -> Path:
     return path
 
 
-def test_what_a_killed_process_left_goes_with_the_next_write_into_the_folder(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_a_killed_process_s_leftovers_go_with_the_next_write(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     left = left_by_a_kill(tmp_path)
     write_whole(tmp_path / "other.csv", "")
     assert left.exists(), "too young to tell it from one that is just being made"

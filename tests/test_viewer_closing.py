@@ -23,7 +23,7 @@ from viewer_page import arm as arm
 from viewer_page import viewer as viewer
 
 
-def test_between_the_loop_s_end_and_the_thread_s_methods_answer_from_the_stage(arm: Arm, viewer: Viewer) -> None:
+def test_methods_answer_after_the_loop_s_end(arm: Arm, viewer: Viewer) -> None:
     viewer._server.stop()
     viewer._server._thread = threading.current_thread()  # alive, as the server's is for a moment after its loop
     viewer.show([0.0, 0.0, 0.1])
@@ -106,9 +106,7 @@ def fetch(viewer: Viewer, answers: list[Any]) -> threading.Thread:
     return thread
 
 
-def test_a_view_closes_at_once_while_a_file_is_written_and_the_program_may_end(
-    arm: Arm, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_a_view_closes_at_once_while_a_file_is_written(arm: Arm, monkeypatch: pytest.MonkeyPatch) -> None:
     writing, answers = Writing(monkeypatch), list[Any]()
     before = set(threading.enumerate())
     viewer = Viewer(arm, open_browser=False)

@@ -193,7 +193,7 @@ def test_a_flood_is_a_handful_of_lines(capfd: pytest.CaptureFixture[str]) -> Non
     ]
 
 
-def test_what_the_libraries_log_is_counted_for_the_thread_of_the_loop_alone(
+def test_logs_of_libraries_count_for_the_loop_s_thread_alone(
     capfd: pytest.CaptureFixture[str], caplog: pytest.LogCaptureFixture
 ) -> None:
     async def fail() -> None:

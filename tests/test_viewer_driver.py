@@ -174,7 +174,7 @@ def test_a_limit_of_the_arm_itself_holds(arm: Arm) -> None:
         drive(viewer, jog)
 
 
-def test_what_happens_where_the_arm_cannot_follow_is_chosen_while_it_drives(viewer: Viewer, arm: Arm) -> None:
+def test_sliding_or_stopping_is_chosen_while_it_drives(viewer: Viewer, arm: Arm) -> None:
     out = {"type": "jog", "twist": [0.0, 0.3, 0.5, 0, 0, 0], "frame": "base"}  # up and aside, out of reach in the end
 
     def side() -> float:
@@ -222,7 +222,7 @@ def test_a_servo_of_the_program_heeds_the_choice_if_it_says_so(viewer: Viewer) -
 # its ends ----------------------------------------------------------------------------------------------
 
 
-def test_switched_off_it_comes_to_rest_and_sliders_are_free_where_it_was_left(viewer: Viewer, arm: Arm) -> None:
+def test_switched_off_it_comes_to_rest_and_frees_the_sliders(viewer: Viewer, arm: Arm) -> None:
     async def jog(page: Page) -> None:
         turn = {"type": "jog_joints", "rates": [0.5, *[0.0] * (arm.n - 1)]}
         await push(page, away(viewer, 0.05), **turn)

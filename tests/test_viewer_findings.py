@@ -137,7 +137,7 @@ def test_what_the_loading_noted_is_sorted_and_the_doctor_is_announced(arm: Arm) 
     assert message["note"] == PENDING
 
 
-def test_an_arm_without_a_description_has_what_its_loading_noted_and_no_doctor(
+def test_an_arm_without_a_description_has_its_notes_alone(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
     monkeypatch.setattr(module, "examine_arm", lambda arm, reader: pytest.fail("there is nothing to look at"))

@@ -135,7 +135,7 @@ def test_a_slide_in_metres_and_joints_without_limits() -> None:
     assert [message[name] for name in ("joint", "unit", "room", "near", "end")] == [None] * 5
 
 
-def test_near_is_a_tenth_of_the_range_but_never_less_than_five_degrees_or_a_centimetre() -> None:
+def test_near_is_a_tenth_of_the_range_or_five_degrees() -> None:
     """5° are 0.08727 rad: a tenth of the range from ±0.436 rad on."""
     home = np.eye(4)
     home[0, 3] = 0.5

@@ -21,7 +21,7 @@ def undo(stage: Stage, kind: str = "undo") -> None:
     ask(stage, kind, ease=False)
 
 
-def test_every_edit_of_the_list_is_undone_and_done_again_the_arm_left_alone(stage: Stage) -> None:
+def test_every_edit_of_the_list_is_undone_and_redone(stage: Stage) -> None:
     """Back through four edits and forth again the list is what it was, numbers and all."""
     first, second, third = (pose["id"] for pose in said(stage, "program")["poses"])
     ask(stage, "rename", id=first, name="start")
@@ -53,9 +53,7 @@ def test_a_plan_that_an_undone_edit_had_outdated_is_the_list_s_again(stage: Stag
     assert said(stage, "program")["planned"]
 
 
-def test_moves_are_undone_a_drag_as_one_and_what_is_new_ends_what_was_undone(
-    stage: Stage, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_moves_are_undone_a_drag_as_one(stage: Stage, monkeypatch: pytest.MonkeyPatch) -> None:
     clock = [100.0]
     monkeypatch.setattr(history, "monotonic", lambda: clock[0])
     first, second = stage.arm.joint_names[:2]
@@ -79,7 +77,7 @@ def test_moves_are_undone_a_drag_as_one_and_what_is_new_ends_what_was_undone(
     assert said(stage, "history")["redo"] is None
 
 
-def test_a_joint_beside_the_arm_and_a_target_that_takes_its_time_are_undone_too() -> None:
+def test_joints_beside_the_arm_and_slow_targets_are_undone_too() -> None:
     stage = Stage(load_arm("rover_arm"))
     ask(stage, "joint", name="finger_left", value=0.02)
     ready = stage.theta

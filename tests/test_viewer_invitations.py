@@ -43,7 +43,7 @@ def asked(url: str) -> tuple[int, str | None, str]:
     return told
 
 
-def test_the_first_is_led_to_the_page_and_a_second_is_told_and_so_is_the_terminal(
+def test_the_first_is_led_to_the_page_and_a_second_is_announced(
     viewer: Viewer, invitation: str, capfd: pytest.CaptureFixture[str]
 ) -> None:
     token = viewer._server.guard.token

@@ -95,7 +95,7 @@ def test_a_joint_outside_its_limits_is_told_in_the_units_people_type(name: str, 
 MODULES = modules("standalone.js")
 
 
-def test_the_modules_of_the_stand_alone_page_are_served_and_each_comes_after_those_it_imports() -> None:
+def test_the_stand_alone_page_s_modules_follow_their_imports() -> None:
     served = page_files()
     for i, name in enumerate(MODULES):
         text = served[name][1].decode()

@@ -168,9 +168,7 @@ def test_pages_that_never_read_neither_grow_nor_delay_the_others(viewer: Viewer)
         assert all(len(each._outbox) <= kinds for each in mutes)
 
 
-def test_pages_that_vanish_in_the_middle_of_messages_are_forgotten_without_a_word(
-    viewer: Viewer, caplog: pytest.LogCaptureFixture
-) -> None:
+def test_pages_that_vanish_amid_messages_are_forgotten(viewer: Viewer, caplog: pytest.LogCaptureFixture) -> None:
     for k in range(2):
         with mute(viewer) as page:
             until(lambda: len(viewer._server.clients) == 1)
@@ -254,7 +252,7 @@ def test_hostile_messages_leave_the_server_alive_and_its_memory_flat(viewer: Vie
 
 @pytest.mark.skipif(sys.platform == "win32", reason="Windows has no process groups to look into")
 @pytest.mark.parametrize("end", [signal.SIGKILL, signal.SIGTERM, signal.SIGHUP])
-def test_whatever_ends_the_process_leaves_nothing_running_and_the_port_free(end: signal.Signals) -> None:
+def test_an_ended_process_leaves_nothing_running(end: signal.Signals) -> None:
     program = "from twistarm.cli import main; main()"
     command = [sys.executable, "-c", program, "view", "rover_arm", "--no-browser"]
     process = subprocess.Popen(command, stdout=subprocess.PIPE, text=True, start_new_session=True)

@@ -150,9 +150,7 @@ def test_a_port_in_use_leaves_what_is_kept_alone(arm: Arm, home: Path, port: int
 # an arm that has changed ------------------------------------------------------------------------------
 
 
-def test_what_does_not_fit_the_arm_any_more_is_left_out_and_stays_on_the_disk(
-    tmp_path: Path, home: Path, port: int
-) -> None:
+def test_what_no_longer_fits_the_arm_stays_on_the_disk(tmp_path: Path, home: Path, port: int) -> None:
     path = tmp_path / "arm.urdf"
     path.write_text(ARM)
 

@@ -48,9 +48,7 @@ def test_what_is_few_enough_stays_as_it_is(fine: trimesh.Trimesh) -> None:
 
 
 @pytest.mark.parametrize("most", [20_000, 6_000])
-def test_a_simplified_mesh_has_the_area_the_volume_and_the_place_of_the_original(
-    fine: trimesh.Trimesh, most: int
-) -> None:
+def test_a_simplified_mesh_keeps_area_volume_and_place(fine: trimesh.Trimesh, most: int) -> None:
     coarse = mesh_of(simplified(fine.triangles, most))
     assert 0.6 * most < len(coarse.faces) < 1.25 * most
     assert coarse.area == pytest.approx(fine.area, rel=0.02)
@@ -91,7 +89,7 @@ def test_a_plate_far_thinner_than_the_cells_keeps_both_its_sides() -> None:
     assert mesh_of(simplified(plate.triangles, 2_000)).volume == pytest.approx(0.01, rel=0.02)
 
 
-def test_where_planes_are_almost_parallel_nothing_leaves_the_box_around_the_mesh() -> None:
+def test_almost_parallel_planes_keep_within_the_mesh_s_box() -> None:
     """Rough sheet: the planes of a cell meet far away."""
     n = 120
     x, y = np.meshgrid(np.linspace(0, 1, n), np.linspace(0, 1, n))
@@ -107,7 +105,7 @@ def test_where_planes_are_almost_parallel_nothing_leaves_the_box_around_the_mesh
 # normals ----------------------------------------------------------------------------------------------
 
 
-def test_normals_are_those_of_trimesh_where_all_is_smooth_and_the_faces_own_at_creases() -> None:
+def test_normals_are_trimesh_s_where_smooth_and_the_faces_at_creases() -> None:
     ball = trimesh.creation.icosphere(3)
     vertices, normals, _ = shaded(ball.triangles)
     order, own = np.lexsort(vertices.T.round(9)), np.lexsort(ball.vertices.T.round(9))

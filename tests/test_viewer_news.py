@@ -36,7 +36,7 @@ class Source:
         yield {"type": self.kind, "count": self.count}
 
 
-def test_a_source_that_fails_keeps_what_it_said_is_told_of_once_and_stops_no_other() -> None:
+def test_a_source_that_fails_is_reported_once_and_stops_no_other() -> None:
     news, bad, good = ChangePublisher(), Source("bad"), Source("good")
     assert set(news.gather([bad, good])) == {"bad", "good"}
     bad.failure, good.count = "out of numbers", 1

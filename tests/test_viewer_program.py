@@ -66,7 +66,7 @@ def test_a_number_that_is_gone_is_refused_in_words_and_never_comes_again(stage: 
     assert names(stage) == ["home", "reach", "new"]
 
 
-def test_a_pose_outside_the_limits_is_not_recorded_and_a_slider_s_rounding_is_put_on_the_limit(stage: Stage) -> None:
+def test_a_pose_outside_the_limits_is_not_recorded(stage: Stage) -> None:
     stage.show(np.array([0.0, 1.6, 0.0]))
     with pytest.raises(LimitError, match=r"the pose 'far': pitch = 91.6732° is outside its limits"):
         ask(stage, "record", name="far")

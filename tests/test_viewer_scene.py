@@ -113,7 +113,7 @@ def test_arms_without_a_description_are_drawn_from_their_axes() -> None:
     assert {"/arm/rod:0/rod", "/arm/rod:1/rail"} <= {umsgpack.unpackb(part)["path"] for part in scene.objects}
 
 
-def test_axes_off_the_origin_are_drawn_at_their_points_nearest_to_the_axis_before() -> None:
+def test_axes_are_drawn_at_their_points_nearest_to_the_one_before() -> None:
     """By hand: z through (1, 0, 0); x through (0, 2, 3), whose point nearest to (1, 0, 0) is (1, 2, 3); a slide; and
     y through (−4, 9, 5), whose point nearest to the last is (−4, 2, 5)."""
     screws = np.column_stack(
@@ -148,7 +148,7 @@ def test_a_cylinder_stands_along_z(arm: Arm) -> None:
     assert (red["color"], red["opacity"], red["transparent"]) == (0xFF0000, 0.5, True)
 
 
-def test_a_link_whose_mesh_is_missing_is_a_frame_and_a_capsule_to_the_joint_it_carries(arm: Arm) -> None:
+def test_a_link_without_its_mesh_is_a_frame_and_a_capsule(arm: Arm) -> None:
     drawn = drawn_by(build_scene(arm))
     stick = drawn["/arm/link:a%2Fb%20%3Ci%3E/stand-in/stick0"]
     assert_allclose(stick["geometries"][0]["height"], 0.3)
@@ -292,7 +292,7 @@ def test_a_file_s_own_colours_come_before_the_description_s_placeholder(tmp_path
     assert colours == [{0xFF0000, 0x0000FF}, {0x00FF00}, {0x9EA8B8}]  # 158, 168, 184: a light grey
 
 
-def test_a_scene_is_drawn_mesh_by_mesh_and_whoever_needs_it_whole_finishes_it(tmp_path: Path) -> None:
+def test_a_scene_is_drawn_mesh_by_mesh_or_whole_on_demand(tmp_path: Path) -> None:
     import trimesh
 
     trimesh.creation.box((0.1, 0.1, 0.1)).export(tmp_path / "lost.stl")

@@ -164,7 +164,7 @@ def test_of_a_drag_each_answer_is_shown() -> None:
 
 
 @pytest.mark.parametrize("kind", ["pose", "position", "approach"])
-def test_what_a_short_search_meets_is_answered_at_once_and_as_by_one_with_all_its_time(kind: str) -> None:
+def test_a_short_search_answers_as_one_with_all_its_time(kind: str) -> None:
     require_core(ROVER)
     stage, patient = Stage(SIX), Stage(SIX)
     position, quaternion = near(SIX)

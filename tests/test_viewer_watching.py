@@ -115,7 +115,7 @@ def test_joints_that_come_and_go(viewer: Viewer, path: Path) -> None:
     assert list(viewer.recorded) == ["one", "two"]
 
 
-def test_pages_that_are_open_are_given_the_arm_and_what_they_asked_is_answered(viewer: Viewer, path: Path) -> None:
+def test_open_pages_are_given_the_arm_and_their_answers(viewer: Viewer, path: Path) -> None:
     other = load_arm("rr_planar")
 
     async def stay(page: Page) -> None:

@@ -84,7 +84,7 @@ PLANTED: dict[str, tuple[Callable[[Array, Array], None], dict[str, tuple[str, ..
 
 
 @pytest.mark.parametrize("case", PLANTED)
-def test_planted_faults_are_named_and_the_corrected_entries_are_the_true_ones(case: str) -> None:
+def test_planted_faults_are_named_with_the_true_entries(case: str) -> None:
     change, expected = PLANTED[case]
     arm = geared("rover_arm")
     true = wired(arm, change)

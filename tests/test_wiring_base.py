@@ -66,7 +66,7 @@ def test_the_base_is_found_and_told() -> None:
     assert not any(motor.faults for motor in report.motors)
 
 
-def test_a_zero_of_the_first_joint_is_not_told_from_the_base_until_that_is_known() -> None:
+def test_a_zero_of_the_first_joint_looks_like_a_turned_base() -> None:
     case = planted(["ur5"], 3, fault="none", poses=True, base=(0.0, 0.0))
     motors = case.arm.actuators
     assert motors is not None

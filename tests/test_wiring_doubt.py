@@ -138,7 +138,7 @@ def test_positions_in_another_unit(unit: str, metres: float) -> None:
     assert report.after.position < 0.003
 
 
-def test_a_log_that_nothing_explains_says_nothing_of_the_motors_and_how_far_it_is() -> None:
+def test_an_unexplained_log_blames_no_motor() -> None:
     log = logged(rover())
     measured = log.measured + np.random.default_rng(2).normal(scale=0.3, size=log.measured.shape)
     told: list[float] = []

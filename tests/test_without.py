@@ -188,7 +188,7 @@ def test_nothing_is_refused_less_for_being_inside_what_could_be_left_out(tmp_pat
             load_arm(path, without=["realsense2_description"])
 
 
-def test_a_macro_that_is_there_is_called_and_one_before_any_include_is_a_mistake(tmp_path: Path) -> None:
+def test_a_macro_before_any_include_is_a_mistake(tmp_path: Path) -> None:
     mine = '<xacro:macro name="m"><link name="mine"/></xacro:macro><xacro:m/>' + joint(
         "f", "tool0", "mine", kind="fixed"
     )

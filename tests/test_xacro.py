@@ -127,7 +127,7 @@ PATHS = {
 
 
 @pytest.mark.parametrize("case", PATHS)
-def test_a_path_that_ends_nowhere_says_what_is_there_and_which_argument_to_pass(case: str, tmp_path: Path) -> None:
+def test_a_path_that_ends_nowhere_names_the_argument_to_pass(case: str, tmp_path: Path) -> None:
     name, there, argument, wanted = PATHS[case]
     for folder in ("6dof", "7dof"):
         (tmp_path / "arms" / folder).mkdir(parents=True)

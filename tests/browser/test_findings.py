@@ -100,7 +100,7 @@ def points_at_nothing(page: Any) -> bool:
     return bool(page.evaluate(nothing)) and page.locator(".finding[aria-pressed=true]").count() == 0
 
 
-def test_the_list_is_closed_at_first_and_its_summary_counts_what_diagnose_finds(shared: Any, arm: Arm) -> None:
+def test_the_closed_list_s_summary_counts_what_diagnose_finds(shared: Any, arm: Arm) -> None:
     assert shared.locator("#findings").get_attribute("open") is None
     counts = Counter(one.severity for one in diagnose(arm))
     assert counts["warning"] > 1 < counts["info"]

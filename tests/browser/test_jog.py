@@ -191,7 +191,7 @@ def test_whatever_hides_the_key_s_release_stops_and_only_a_new_press_moves(page:
         page.keyboard.up("w")
 
 
-def test_keys_for_a_slider_do_not_jog_and_a_click_into_the_view_gives_them_back(page: Any, heard: Heard) -> None:
+def test_keys_for_a_slider_do_not_jog_until_the_view_is_clicked(page: Any, heard: Heard) -> None:
     page.evaluate(BESIDE)
     page.locator("#beside").focus()
     until(page, "document.getElementById('jog-line').textContent.startsWith('Jog off: click the view')")
@@ -254,7 +254,7 @@ def test_up_is_up(page: Any, heard: Heard) -> None:
         assert 0.15 < -ahead * raised(heard.jog()) < 0.2
 
 
-def test_the_socket_s_loss_is_a_stop_and_a_key_held_across_it_moves_nothing(page: Any, heard: Heard) -> None:
+def test_a_lost_socket_is_a_stop_even_with_a_key_held(page: Any, heard: Heard) -> None:
     page.keyboard.down("w")
     heard.await_kind("jog")
     page.evaluate("twistarm.link.socket.close()")

@@ -181,7 +181,7 @@ def test_what_is_wrong_in_a_box_and_the_words_about_it_go_together(page: Any, vi
     assert box(page, "shoulder").get_attribute("aria-invalid") is None
 
 
-def test_beyond_a_limit_is_refused_with_its_reason_and_the_old_value_comes_back(page: Any, viewer: Viewer) -> None:
+def test_a_value_beyond_a_limit_is_refused_with_its_reason(page: Any, viewer: Viewer) -> None:
     type_into(page, "shoulder", "200")
     page.keyboard.press("Enter")
     until(page, "!document.getElementById('error').hidden")
@@ -274,7 +274,7 @@ ROW = """async ([limits, unit, beside, numbers]) => {
 """How a row of its own calls each of the numbers."""
 
 
-def test_near_is_at_least_five_degrees_and_a_centimetre_and_a_closed_gripper_is_not(page: Any) -> None:
+def test_near_a_limit_is_five_degrees_or_a_centimetre(page: Any) -> None:
     slide = [[0, 0.04], "m", False, [0.0099, 0.0101, 0.0301]]  # 10 % would be 4 mm
     assert page.evaluate(ROW, slide) == ["near", "", "near"]
     assert page.evaluate(ROW, [[-0.1, 0.1], "rad", False, [-0.02, 0.005, 0.02]]) == ["near", "", "near"]
@@ -323,7 +323,7 @@ def test_without_a_clipboard_theta_stands_selected_in_a_field(page: Any, viewer:
     assert field.count() == 0
 
 
-def test_under_a_servo_the_arm_s_boxes_are_shut_and_keys_in_others_do_not_jog(page: Any, viewer: Viewer) -> None:
+def test_under_a_servo_the_arm_s_boxes_are_shut(page: Any, viewer: Viewer) -> None:
     type_into(page, "shoulder", "33")
     inbox = viewer.commands
     until(page, "twistarm.jog.taken && document.querySelector('.joint .number').disabled")

@@ -75,7 +75,7 @@ def viewer(gate: Gate, tmp_path: Path) -> Iterator[Viewer]:
         gate.open(MESHES)
 
 
-def test_a_slow_model_shows_how_far_it_is_answers_meanwhile_and_ends_complete(
+def test_a_slow_model_shows_its_progress_and_ends_complete(
     page: Any, open_page: Any, viewer: Viewer, gate: Gate
 ) -> None:
     page.goto(viewer.url)

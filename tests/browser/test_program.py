@@ -161,9 +161,7 @@ def assert_drawn(page: Any, arm: Arm, motion: Trajectory) -> None:
         assert_allclose(np.array(columns).reshape(4, 4).T, poses[name], atol=DRAWN, err_msg=name)
 
 
-def test_the_list_is_edited_by_keyboard_and_mouse_and_two_pages_stay_in_step(
-    page: Any, other: Any, arm: Arm, viewer: Viewer
-) -> None:
+def test_the_list_is_edited_by_keyboard_and_mouse_on_two_pages(page: Any, other: Any, arm: Arm, viewer: Viewer) -> None:
     open_poses(other, viewer)
     open_poses(page, viewer)
     for theta, name in zip(postures(arm, 4), "abcd", strict=True):
@@ -241,9 +239,7 @@ def assert_one_player(page: Any, other: Any) -> None:
     until(other, "!twistarm.state.frame.running")
 
 
-def test_a_plot_is_clicked_to_seek_hovered_to_read_and_shows_one_joint_in_its_unit(
-    page: Any, arm: Arm, viewer: Viewer
-) -> None:
+def test_a_plot_is_clicked_to_seek_and_hovered_to_read(page: Any, arm: Arm, viewer: Viewer) -> None:
     open_poses(page, viewer)
     thetas = postures(arm, 3)
     for theta in thetas:

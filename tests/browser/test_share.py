@@ -129,7 +129,7 @@ def test_the_stand_alone_page_by_mouse(page: Any, tmp_path: Path) -> None:
         assert_drawn(page, arm, motion(stopped), tol=SAMPLED)
 
 
-def test_the_saved_page_stands_as_the_one_it_was_saved_from_and_its_joints_move(page: Any, tmp_path: Path) -> None:
+def test_the_saved_page_shows_the_same_and_its_joints_move(page: Any, tmp_path: Path) -> None:
     (tmp_path / "branched.urdf").write_text(BRANCHED)
     arm = load_arm(tmp_path / "branched.urdf", base="base_link", tip="tool0")
     look = "(({ position, target, zoom }) => [...position, ...target, zoom])(twistarm.view.remembered())"
@@ -330,7 +330,7 @@ def notebook(cell: str) -> str:
     return f"<!DOCTYPE html><link rel='icon' href='data:,'><title>notebook</title>{cell}"
 
 
-def test_a_notebook_of_this_machine_frames_the_live_page_and_the_static_one(page: Any) -> None:
+def test_a_local_notebook_frames_the_live_page_and_the_static_one(page: Any) -> None:
     arm = load("rover_arm")
     with Viewer(arm, open_browser=False) as viewer:
         both = notebook(viewer._repr_html_() + viewer.inline(300, static=True).html)

@@ -144,7 +144,7 @@ def test_links_are_hidden_and_seen_through_and_another_page_can_be_told(page: An
     assert page.locator("#links label").count() == len(arm.description.links)
 
 
-def test_the_name_of_a_link_stands_beside_the_pointer_and_not_while_a_hand_turns_the_view(page: Any, arm: Arm) -> None:
+def test_the_link_under_the_pointer_is_named_unless_the_view_turns(page: Any, arm: Arm) -> None:
     poses = arm.poses(arm.ready)
     middle = (poses["upper_arm"][:3, 3] + poses["forearm"][:3, 3]) / 2
     x, y, _ = page.evaluate(PROJECT, [middle.tolist()])
@@ -191,9 +191,7 @@ GHOST = """() => {
 }"""
 
 
-def test_a_target_that_is_not_met_is_drawn_where_it_was_asked_and_the_arm_as_it_would_have_to_stand(
-    page: Any, arm: Arm
-) -> None:
+def test_an_unmet_target_is_drawn_with_the_arm_that_would_meet_it(page: Any, arm: Arm) -> None:
     g = forbidden(arm)
     page.get_by_label("What the tool is to meet").select_option("pose")
     page.evaluate(
@@ -252,7 +250,7 @@ def test_a_grab_that_just_misses_a_handle_does_not_turn_the_view(page: Any) -> N
     page.get_by_label("Drag tool").uncheck()
 
 
-def test_the_arm_is_whole_in_a_window_of_any_shape_until_somebody_turns_the_view(page: Any) -> None:
+def test_the_arm_is_whole_in_a_window_of_any_shape(page: Any) -> None:
     assert in_view(page)
     page.set_viewport_size({"width": 390, "height": 844})
     until(page, "document.getElementById('pane').offsetWidth === 390")

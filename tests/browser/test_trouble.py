@@ -164,7 +164,7 @@ def test_a_missed_target_is_told_beside_every_panel(page: Any) -> None:
     until(page, "document.getElementById('missed').textContent === ''")
 
 
-def test_the_six_numbers_of_a_target_stay_as_typed_at_a_pitch_of_90_degrees(page: Any) -> None:
+def test_typed_numbers_stay_as_typed_at_a_pitch_of_90_degrees(page: Any) -> None:
     page.get_by_label("What the tool is to meet").select_option("pose")
     for angle, number in (("pitch", "90"), ("roll", "45"), ("yaw", "10")):
         write(page, f"tool {angle}, degrees", number)
@@ -231,9 +231,7 @@ def test_a_process_that_has_gone_is_told_and_one_started_anew(browser: Any, arm:
     assert errors == []
 
 
-def test_an_arm_whose_file_changes_is_drawn_anew_and_one_that_is_broken_is_told(
-    browser: Any, arm: Arm, tmp_path: Path
-) -> None:
+def test_a_changed_file_is_drawn_anew_and_a_broken_one_reported(browser: Any, arm: Arm, tmp_path: Path) -> None:
     page = browser.new_page()
     errors: list[str] = []
     page.on("pageerror", lambda error: errors.append(str(error)))
