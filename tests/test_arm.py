@@ -15,7 +15,7 @@ import twistarm
 from twistarm import Arm, JointLimits, arm_from_screws, joints, load_arm, screws
 from twistarm.stream import SimulatedJoints
 from twistarm.support.errors import InputError, TwistarmError, UnknownNameError
-from twistarm.viewer.parts.admission import checked_theta
+from twistarm.viewer.parts.limit_checks import checked_theta
 from urdf_text import joint, robot, two_joints, write
 
 ROUNDING = 1e-12

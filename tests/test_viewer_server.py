@@ -21,7 +21,7 @@ from twistarm import Arm
 from twistarm.description.meshes import MeshReader
 from twistarm.support.errors import InputError, MissingExtraError
 from twistarm.viewer import Viewer, save_html
-from twistarm.viewer.server.guard import Guard
+from twistarm.viewer.server.authentication import Authentication
 from viewer_page import WAIT, Page, get, nothing, visit
 from viewer_page import arm as arm
 from viewer_page import viewer as viewer
@@ -82,13 +82,13 @@ def test_a_wrong_token_opens_no_socket(viewer: Viewer) -> None:
 
 
 def test_a_view_on_every_interface_admits_addresses_but_no_foreign_names() -> None:
-    guard = Guard("0.0.0.0")
+    guard = Authentication("0.0.0.0")
     assert guard.admits_host("192.168.1.7:8000")
     assert guard.admits_host(f"{socket.gethostname()}:8000")
     assert not guard.admits_host("evil.example:8000")
-    assert Guard("rover.local").admits_host("rover.local:80")
-    assert not Guard("127.0.0.1").admits_host("192.168.1.7")
-    assert Guard("127.0.0.1").token != Guard("127.0.0.1").token
+    assert Authentication("rover.local").admits_host("rover.local:80")
+    assert not Authentication("127.0.0.1").admits_host("192.168.1.7")
+    assert Authentication("127.0.0.1").token != Authentication("127.0.0.1").token
 
 
 ODD_REQUESTS = [

@@ -18,11 +18,11 @@ from ..servo.settings import SLIDE
 from ..support.checks import Array
 from ..support.errors import InputError, unknown_name
 from .page_files import page_digest
-from .parts.admission import checked_theta, require_all_inside, require_inside
 from .parts.findings import loaded
 from .parts.gauge import Gauge
 from .parts.glide import Glide
 from .parts.history import History
+from .parts.limit_checks import checked_theta, require_all_inside, require_inside
 from .parts.part import Part, Seen
 from .parts.playback import Playback
 from .parts.player import Player

@@ -11,7 +11,7 @@ from ..planning.trajectory import Trajectory
 from ..planning.within import require_within
 from ..support.checks import Array
 from ..support.errors import LimitError, listed
-from .parts.admission import LIMIT_TOL
+from .parts.limit_checks import LIMIT_TOL
 from .parts.pose_list import LeftOut, told
 from .parts.summary import extra_joints
 from .parts.tool_path import tool_path

@@ -26,7 +26,7 @@ from .files.inline import HEIGHT, Inline
 from .files.page_export import stand_alone
 from .files.scene_snapshot import SceneSnapshot, on_show
 from .files.screenshot import write_picture
-from .parts.admission import check_trajectory, checked_theta
+from .parts.limit_checks import check_trajectory, checked_theta
 from .parts.servo_words import servo_words
 from .parts.tool_path import NO_PATH, tool_path
 from .scene.arm_scene import Scene
@@ -88,7 +88,7 @@ class Viewer(Closeable):
     @property
     def url(self) -> str:
         """The page's address, its secret token included: whoever knows it can move the view."""
-        return f"{self._origin}/{self._server.guard.token}/"
+        return f"{self._origin}/{self._server.authentication.token}/"
 
     @property
     def _origin(self) -> str:
@@ -101,7 +101,7 @@ class Viewer(Closeable):
         What it is started with, other users of this computer can read: an address that leads to the page once, within
         two minutes, and on Linux only this user.
         """
-        return _started_browser(f"{self._origin}/{self._server.invitations.write()}")
+        return _started_browser(f"{self._origin}/{self._server.one_time_addresses.write()}")
 
     @property
     def arm(self) -> Arm:

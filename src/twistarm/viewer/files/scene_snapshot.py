@@ -13,8 +13,8 @@ from numpy.typing import ArrayLike
 from ...model.arm import Arm, require_arm
 from ...planning.trajectory import Trajectory
 from ...support.checks import Array
-from ..parts.admission import check_trajectory, checked_theta
 from ..parts.findings import PENDING, examined
+from ..parts.limit_checks import check_trajectory, checked_theta
 from ..parts.playback import Playback
 from ..parts.plots import plots
 from ..parts.summary import describe_arm, extra_joints, named_poses, rest

@@ -9,7 +9,7 @@ import numpy as np
 from ...model.arm import Arm
 from ...planning.trajectory import Trajectory
 from ...support.checks import Array
-from ..parts.admission import checked_theta
+from ..parts.limit_checks import checked_theta
 
 SAMPLE_TIME = 1.0 / 30.0
 """Between samples [s] the page interpolates, so the eye sees no steps."""

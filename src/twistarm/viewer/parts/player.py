@@ -11,7 +11,7 @@ from ...support.errors import InputError
 from ..protocol.jobs import Job
 from ..protocol.message_cache import Message
 from ..protocol.messages import Request
-from .admission import checked_theta
+from .limit_checks import checked_theta
 from .part import Show
 from .playback import Playback
 

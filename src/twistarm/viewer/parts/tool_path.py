@@ -12,7 +12,7 @@ from ...planning.trajectory import Trajectory
 from ...support.checks import Array, as_theta
 from ...support.errors import InputError
 from ..scene.axes import arm_size
-from .admission import check_trajectory, checked_theta
+from .limit_checks import check_trajectory, checked_theta
 
 MOST_POINTS = 400
 """Enough for any curve on a screen, and small enough to send."""

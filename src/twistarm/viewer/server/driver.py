@@ -13,8 +13,8 @@ from ...model.usual_limits import defaults_line
 from ...servo import ServoSettings, ServoState
 from ...stream import Cycle, Ending, Reading, SimulatedJoints, run
 from ...support.errors import InputError
-from ..parts.admission import require_all_inside
 from ..parts.commands import PageCommands
+from ..parts.limit_checks import require_all_inside
 from ..parts.servo_words import servo_words
 from ..stage import Stage
 

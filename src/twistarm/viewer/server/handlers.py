@@ -16,11 +16,11 @@ from ...support.strict_json import encode
 from ..protocol.message_cache import Message
 from ..scene.arm_scene import Scene
 from ..stage import Stage
+from .authentication import Authentication
+from .client_connection import ClientConnection, Peer, first_to_leave
 from .daemon_threads import run_in_daemon_thread
-from .door import ALWAYS
 from .downloads import DOWNLOADS, Download
-from .guard import Guard
-from .visitor import Peer, Visitor, first_to_leave
+from .gateway import ALWAYS
 
 POLICY = (
     "default-src 'none'; script-src 'self'; style-src 'self' 'unsafe-inline'; img-src 'self' data: blob:; "
@@ -50,7 +50,7 @@ class Service(Protocol):
 
     stage: Stage
     scene: Scene
-    guard: Guard
+    authentication: Authentication
     clients: dict[SocketHandler, None]
     writing: asyncio.Lock
 
@@ -155,8 +155,8 @@ class SocketHandler(tornado.websocket.WebSocketHandler):
         self._sender: asyncio.Task[None] | None = None
         self._sent = 0
         self.name = server.name_page()
-        self._visitor: Visitor = self.request.connection.stream  # type: ignore[union-attr]
-        self.peer: Peer = self._visitor.peer
+        self._client: ClientConnection = self.request.connection.stream  # type: ignore[union-attr]
+        self.peer: Peer = self._client.peer
 
     async def get(self, *path: str, **arguments: str) -> None:
         """Refuse whom there is no room for, before the handshake."""
@@ -175,13 +175,13 @@ class SocketHandler(tornado.websocket.WebSocketHandler):
         return True
 
     def check_origin(self, origin: str) -> bool:
-        """Ask the guard, which knows forwarded ports."""
-        return self.server.guard.admits_origin(origin)
+        """Ask `authentication`, which knows forwarded ports."""
+        return self.server.authentication.admits_origin(origin)
 
     def open(self, *path: str, **arguments: str) -> None:
         """Greet the page, then keep it up to date."""
         self.set_nodelay(True)
-        self._visitor.page = True
+        self._client.page = True
         self.begin(self.server.state())
         self.server.clients[self] = None
         self._sender = asyncio.get_running_loop().create_task(self._send())

@@ -16,7 +16,7 @@ from ...support.files import as_path, is_file
 from ...support.strict_json import LARGEST_MESSAGE, decoded, encode, short
 from ..protocol.messages import CHECKS
 from ..stage import Stage
-from .guard import TOKEN, new_token
+from .authentication import TOKEN, new_token
 from .private_files import PrivateFolder, state_folder
 
 ENTRIES = {"joints": "names", "poses": "poses", "theta": "numbers"}

@@ -17,7 +17,7 @@ PING_TIME = 20
 
 
 def application(server: Service) -> tornado.web.Application:
-    """Everything stands under the token, which the door has seen."""
+    """Everything stands under the token, which the gateway has seen."""
     shared, files = {"server": server}, page_files()
     files[""] = (files[""][0], with_preloads(files[""][1]))
     return tornado.web.Application(

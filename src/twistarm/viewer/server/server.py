@@ -22,15 +22,15 @@ from ..protocol.messages import Request, failure, number_of, parse
 from ..scene.arm_scene import Scene
 from ..stage import Stage
 from ..state_transfer import carry
-from .complaints import Complaints
-from .door import Door
+from .authentication import Authentication
 from .driver import Driver
-from .guard import Guard
+from .gateway import Gateway
 from .handlers import SocketHandler
-from .invitations import Invitations
 from .listening import bind
 from .memory import Memory
+from .one_time_addresses import OneTimeAddresses
 from .routes import application
+from .server_log import ServerLog
 
 FRAME_TIME = 1.0 / 60.0
 START_TIME = 10.0
@@ -53,9 +53,9 @@ class Server:
         self._sockets = bind(host, port)
         self.port = int(self._sockets[0].getsockname()[1])
         # Whoever has the port is the only one to use its files.
-        self.guard = Guard(host) if memory is None else Guard(host, memory.token())
-        self.invitations = Invitations()
-        self.complaints = Complaints(f"the view at port {self.port}")
+        self.authentication = Authentication(host) if memory is None else Authentication(host, memory.token())
+        self.one_time_addresses = OneTimeAddresses()
+        self.log = ServerLog(f"the view at port {self.port}")
         self.memory = memory
         if memory is not None:
             memory.recall(stage, stands)
@@ -166,16 +166,16 @@ class Server:
 
     async def _main(self) -> None:
         self._loop, self._stop = asyncio.get_running_loop(), asyncio.Event()
-        with self.complaints:
-            self.door = Door(application(self), self.guard, self.invitations, self.complaints)
+        with self.log:
+            self.gateway = Gateway(application(self), self.authentication, self.one_time_addresses, self.log)
             self._consult()
             self._started.set()
-            await self.door.serve(self._sockets, self._stop)
+            await self.gateway.serve(self._sockets, self._stop)
             self._consultation.cancel()
             self._apply()
             for client in list(self.clients):
                 client.close(1001, "the viewer was closed")
-            await self.door.close()
+            await self.gateway.close()
 
     def _consult(self) -> None:
         self._consultation = self._loop.create_task(self.doctor.wait(self._calm))

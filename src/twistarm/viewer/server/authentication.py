@@ -23,7 +23,7 @@ def new_token() -> str:
 
 
 @dataclass(frozen=True)
-class Guard:
+class Authentication:
     """Admits whoever knows the token and asks for a host that is ours, on any port: ports are forwarded.
 
     A page of another site that makes its own name resolve to this machine (DNS rebinding) still sends that name as

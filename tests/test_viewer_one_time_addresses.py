@@ -14,14 +14,14 @@ import pytest
 
 from twistarm import Arm
 from twistarm.viewer import Viewer
-from twistarm.viewer.server import invitations
+from twistarm.viewer.server import one_time_addresses
 from viewer_page import WAIT, get
 from viewer_page import arm as arm
 from viewer_page import viewer as viewer
 
 
 @pytest.fixture
-def invitation(viewer: Viewer, monkeypatch: pytest.MonkeyPatch) -> str:
+def address(viewer: Viewer, monkeypatch: pytest.MonkeyPatch) -> str:
     """The address with which a browser is started."""
     monkeypatch.setenv("BROWSER", "any")
     opened: list[str] = []
@@ -44,38 +44,38 @@ def asked(url: str) -> tuple[int, str | None, str]:
 
 
 def test_the_first_is_led_to_the_page_and_a_second_is_announced(
-    viewer: Viewer, invitation: str, capfd: pytest.CaptureFixture[str]
+    viewer: Viewer, address: str, capfd: pytest.CaptureFixture[str]
 ) -> None:
-    token = viewer._server.guard.token
-    assert token not in invitation
-    assert asked(invitation)[:2] == (302, f"/{token}/")
+    token = viewer._server.authentication.token
+    assert token not in address
+    assert asked(address)[:2] == (302, f"/{token}/")
     assert get(viewer.url)[0] == 200
     assert capfd.readouterr().err == ""
-    status, location, text = asked(invitation)
+    status, location, text = asked(address)
     assert (status, location) == (403, None)
     assert "good once, and was used" in text
     assert token not in text
     assert "another user of this computer was first" in capfd.readouterr().err
 
 
-def test_it_leads_nowhere_later(viewer: Viewer, invitation: str, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_it_leads_nowhere_later(viewer: Viewer, address: str, monkeypatch: pytest.MonkeyPatch) -> None:
     now = time.monotonic()
-    monkeypatch.setattr(invitations.time, "monotonic", lambda: now + invitations.LIFETIME)
-    assert asked(invitation)[:2] == (403, None)
+    monkeypatch.setattr(one_time_addresses.time, "monotonic", lambda: now + one_time_addresses.LIFETIME)
+    assert asked(address)[:2] == (403, None)
     assert get(viewer.url)[0] == 200
 
 
-def test_whoever_guesses_is_told_what_every_stranger_is_told(viewer: Viewer, invitation: str) -> None:
-    for path in (invitation[:-1], invitation + "/", invitation.replace("/open/", "/"), invitation.replace("open", "x")):
+def test_whoever_guesses_is_told_what_every_stranger_is_told(viewer: Viewer, address: str) -> None:
+    for path in (address[:-1], address + "/", address.replace("/open/", "/"), address.replace("open", "x")):
         assert asked(path)[0] == 403
         assert "wrong token" in asked(path)[2]
-    assert asked(invitation)[0] == 302
+    assert asked(address)[0] == 302
 
 
 @pytest.mark.skipif(not sys.platform.startswith("linux"), reason="other systems do not tell whose a connection is")
-def test_another_user_who_reads_it_gets_nothing_and_does_not_use_it_up(viewer: Viewer, invitation: str) -> None:
+def test_another_user_who_reads_it_gets_nothing_and_does_not_use_it_up(viewer: Viewer, address: str) -> None:
     if os.geteuid() == 0:
-        parts = urlsplit(invitation)
+        parts = urlsplit(address)
         head = f"GET {parts.path} HTTP/1.1\r\nHost: {parts.netloc}\r\n\r\n"
         program = (  # once it is another user, it can import no more
             "import os, socket, sys, encodings.idna; os.setuid(65534)\n"
@@ -87,10 +87,10 @@ def test_another_user_who_reads_it_gets_nothing_and_does_not_use_it_up(viewer: V
         assert answer.startswith("HTTP/1.1 403 this address is another user's")
     else:
         with pytest.MonkeyPatch.context() as patch:  # we are the other user
-            patch.setattr(invitations.os, "geteuid", lambda: 1)
-            patch.setattr(invitations.os, "getuid", lambda: 1)
-            assert asked(invitation)[0] == 403
-    assert asked(invitation)[0] == 302
+            patch.setattr(one_time_addresses.os, "geteuid", lambda: 1)
+            patch.setattr(one_time_addresses.os, "getuid", lambda: 1)
+            assert asked(address)[0] == 403
+    assert asked(address)[0] == 302
 
 
 @pytest.mark.skipif(not Path("/proc/self/cmdline").exists(), reason="no list of command lines to read here")
@@ -108,4 +108,4 @@ def test_no_command_line_of_this_machine_holds_the_token(
             time.sleep(0.02)
         line = seen.read_text()
         assert "/open/" in line
-        assert viewer._server.guard.token not in line
+        assert viewer._server.authentication.token not in line

@@ -9,13 +9,13 @@ from collections.abc import Iterator
 from contextlib import suppress
 from pathlib import Path
 
-from .guard import TOKEN, new_token
+from .authentication import TOKEN, new_token
 
 LIFETIME = 120.0
-"""Seconds that an invitation is good: a browser may take a while to start."""
+"""Seconds that a one-time address is good: a browser may take a while to start."""
 
 MOST = 16
-"""Invitations remembered: a program that opens browsers without end is told of no more."""
+"""One-time addresses remembered: a program that opens browsers without end is told of no more."""
 
 PATH = re.compile(rf"/open/({TOKEN})")
 
@@ -26,7 +26,7 @@ TABLES = ("/proc/net/tcp", "/proc/net/tcp6")
 USED = "this address is good once, and was used: open the one that the program printed"
 
 
-class Invitations:
+class OneTimeAddresses:
     """Paths that stand for the token once; `write` may be called from any thread."""
 
     def __init__(self) -> None:
@@ -43,7 +43,7 @@ class Invitations:
         return f"open/{code}"
 
     def refusal(self, path: str, ports: tuple[int, int]) -> str | None:
-        """Why `path` does not lead in; empty where it does, this once; None: it is no invitation.
+        """Why `path` does not lead in; empty where it does, this once; None: it is no one-time address.
 
         ports: the asking side's and ours, of the connection by which it was asked for.
         """

@@ -6,19 +6,19 @@ import pytest
 
 from twistarm import Arm
 from twistarm.viewer import Viewer
-from twistarm.viewer.server.guard import Guard
+from twistarm.viewer.server.authentication import Authentication
 from viewer_page import arm as arm
 from viewer_page import get, swing
 from viewer_page import viewer as viewer
 
-GUARD = Guard("127.0.0.1")
+GUARD = Authentication("127.0.0.1")
 
 
 @pytest.mark.parametrize("host", ["x@127.0.0.1", "x:y@127.0.0.1", "x@localhost:80", "@127.0.0.1", ":@[::1]:8080"])
 def test_a_host_with_a_user_is_refused(host: str) -> None:
     assert not GUARD.admits_host(host)
     assert not GUARD.admits_origin(f"http://{host}")
-    assert not Guard("0.0.0.0").admits_host(host)
+    assert not Authentication("0.0.0.0").admits_host(host)
 
 
 @pytest.mark.parametrize("host", ["127.0.0.1/x", "127.0.0.1?x", "127.0.0.1#x", "127.0.0.1:99999", ""])

@@ -81,11 +81,11 @@ class HasPeer(Protocol):
 Guest = TypeVar("Guest", bound=HasPeer)
 
 
-class Visitor(IOStream):
+class ClientConnection(IOStream):
     """A connection of `peer`: a stranger until it has shown the token (`known`), then perhaps a `page`'s socket."""
 
     def __init__(
-        self, connection: socket.socket, peer: Peer, ports: tuple[int, int], left: Callable[[Visitor], None]
+        self, connection: socket.socket, peer: Peer, ports: tuple[int, int], left: Callable[[ClientConnection], None]
     ) -> None:
         """ports: the peer's and ours. left: told once it is closed."""
         super().__init__(connection, read_chunk_size=LARGEST_HEAD + 1)  # too large a head is seen at once

@@ -1,4 +1,4 @@
-"""The door of the view: places, times, and what is said of a crowd."""
+"""The gateway of the view: places, times, and what is said of a crowd."""
 
 from __future__ import annotations
 
@@ -19,11 +19,11 @@ import pytest
 
 from hostile.target import HANDSHAKE, OTHER, Target
 from twistarm.viewer import Viewer
-from twistarm.viewer.server import door, visitor
-from twistarm.viewer.server.complaints import Complaints
-from twistarm.viewer.server.door import places
+from twistarm.viewer.server import client_connection, gateway
+from twistarm.viewer.server.client_connection import first_to_leave, name_of
+from twistarm.viewer.server.gateway import places
 from twistarm.viewer.server.handlers import MOST_FILES, MOST_PAGES
-from twistarm.viewer.server.visitor import first_to_leave, name_of
+from twistarm.viewer.server.server_log import ServerLog
 from viewer_page import WAIT, get, nothing, visit
 from viewer_page import arm as arm
 from viewer_page import viewer as viewer
@@ -34,7 +34,7 @@ two_computers = pytest.mark.skipif(
 
 
 def target(viewer: Viewer, source: str = "") -> Target:
-    return Target("127.0.0.1", viewer._server.port, viewer._server.guard.token, WAIT, source)
+    return Target("127.0.0.1", viewer._server.port, viewer._server.authentication.token, WAIT, source)
 
 
 def until(reached: Callable[[], bool]) -> None:
@@ -60,7 +60,11 @@ def is_closed(one: socket.socket) -> bool:
 @pytest.fixture
 def hasty(monkeypatch: pytest.MonkeyPatch) -> None:
     """Nobody is waited for as long as otherwise."""
-    for module, name, seconds in ((door, "LOOK", 0.05), (visitor, "STRANGER_TIME", 0.3), (visitor, "STALL_TIME", 0.3)):
+    for module, name, seconds in (
+        (gateway, "LOOK", 0.05),
+        (client_connection, "STRANGER_TIME", 0.3),
+        (client_connection, "STALL_TIME", 0.3),
+    ):
         monkeypatch.setattr(module, name, seconds)
 
 
@@ -92,7 +96,7 @@ def test_an_answer_that_nobody_takes_is_given_up(hasty: None, viewer: Viewer) ->
 
 def known(viewer: Viewer) -> list[Any]:
     """Who has shown the token and is connected."""
-    return viewer._server.ask(lambda stage: list(viewer._server.door._known))
+    return viewer._server.ask(lambda stage: list(viewer._server.gateway._known))
 
 
 @two_computers
@@ -109,7 +113,7 @@ def test_a_computer_with_every_page_gives_one_up_for_another_s(viewer: Viewer) -
 
 
 def test_who_knows_the_token_has_places_too_and_no_more(viewer: Viewer) -> None:
-    here, most = target(viewer), viewer._server.door._places
+    here, most = target(viewer), viewer._server.gateway._places
     with ExitStack() as stack:
         known_ones = []
         for _ in range(most + 1):  # one after the other: all at once would be too many strangers
@@ -123,7 +127,7 @@ def test_who_knows_the_token_has_places_too_and_no_more(viewer: Viewer) -> None:
 @two_computers
 def test_strangers_of_one_computer_do_not_crowd_out_those_of_another(viewer: Viewer) -> None:
     with target(viewer).open() as honest, ExitStack() as stack:
-        for _ in range(3 * door.MOST):
+        for _ in range(3 * gateway.MOST):
             stack.enter_context(target(viewer, OTHER).open())
         honest.sendall(target(viewer).head("nothing.js"))
         assert honest.recv(12) == b"HTTP/1.1 404"
@@ -183,7 +187,7 @@ def test_a_computer_is_known_by_what_it_cannot_choose(address: str, name: str) -
 
 
 def test_a_flood_is_a_handful_of_lines(capfd: pytest.CaptureFixture[str]) -> None:
-    complaints = Complaints("the view")
+    complaints = ServerLog("the view")
     for k in range(12_345):
         complaints.say("flood", f"{k}\x1b[31m were there")
     lines = capfd.readouterr().err.splitlines()
@@ -201,7 +205,7 @@ def test_logs_of_libraries_count_for_the_loop_s_thread_alone(
         await asyncio.sleep(0.01)
         logging.getLogger("tornado.general").info("nothing of interest")
 
-    with Complaints("the view") as complaints:
+    with ServerLog("the view") as complaints:
         asyncio.run(fail())
         thread = threading.Thread(target=logging.getLogger("tornado.general").warning, args=("another's",))
         thread.start()

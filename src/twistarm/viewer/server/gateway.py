@@ -1,4 +1,4 @@
-"""The door of the view: who gets in, how many at a time and for how long, and that a crowd outside stops nobody."""
+"""The gateway of the view: who gets in, how many at a time and for how long, and that a crowd outside stops nobody."""
 
 from __future__ import annotations
 
@@ -22,10 +22,10 @@ from tornado.httputil import (
 )
 from tornado.iostream import IOStream, StreamClosedError
 
-from .complaints import Complaints
-from .guard import Guard
-from .invitations import USED, Invitations
-from .visitor import LARGEST_HEAD, Peer, Visitor, first_to_leave, name_of
+from .authentication import Authentication
+from .client_connection import LARGEST_HEAD, ClientConnection, Peer, first_to_leave, name_of
+from .one_time_addresses import USED, OneTimeAddresses
+from .server_log import ServerLog
 
 MOST = 64
 """Connections at a time of strangers, and again as many of those who have shown the token and are no page's socket."""
@@ -58,7 +58,7 @@ def places(descriptors: int) -> int:
     return MOST if descriptors == resource.RLIM_INFINITY else max(8, min(MOST, (descriptors - KEPT_FREE) // 2))
 
 
-class Door(HTTPServerConnectionDelegate):
+class Gateway(HTTPServerConnectionDelegate):
     """Accepts connections and looks at the head of each request before `inside` hears of it.
 
     What does not show the token is told so and closed. Where strangers, or others, are more than there are places, the
@@ -66,12 +66,21 @@ class Door(HTTPServerConnectionDelegate):
     """
 
     def __init__(
-        self, inside: HTTPServerConnectionDelegate, guard: Guard, invitations: Invitations, complaints: Complaints
+        self,
+        inside: HTTPServerConnectionDelegate,
+        authentication: Authentication,
+        one_time_addresses: OneTimeAddresses,
+        log: ServerLog,
     ) -> None:
-        self._inside, self._guard, self._invitations, self._complaints = inside, guard, invitations, complaints
+        self._inside, self._authentication, self._one_time_addresses, self._log = (
+            inside,
+            authentication,
+            one_time_addresses,
+            log,
+        )
         self._places = places(resource.getrlimit(resource.RLIMIT_NOFILE)[0])
-        self._strangers: dict[Visitor, None] = {}
-        self._known: dict[Visitor, None] = {}
+        self._strangers: dict[ClientConnection, None] = {}
+        self._known: dict[ClientConnection, None] = {}
         self._peers: WeakValueDictionary[str, Peer] = WeakValueDictionary()
         # Nothing is sent to the view by a body.
         self._http = HTTPServer(
@@ -80,7 +89,7 @@ class Door(HTTPServerConnectionDelegate):
         )  # fmt: skip
 
     async def serve(self, sockets: Sequence[socket.socket], stop: asyncio.Event) -> None:
-        """Let visitors in until `stop` is set, and none after."""
+        """Let clients in until `stop` is set, and none after."""
         for each in sockets:
             self._listen(each)
         looking = asyncio.create_task(self._look())
@@ -110,7 +119,7 @@ class Door(HTTPServerConnectionDelegate):
                 self._pause(listening, error)
                 return
             ports = int(address[1]), int(listening.getsockname()[1])
-            self._let_in(Visitor(connection, self._peer(name_of(address)), ports, self._forget))
+            self._let_in(ClientConnection(connection, self._peer(name_of(address)), ports, self._forget))
 
     def _peer(self, name: str) -> Peer:
         """The one of this name, kept for as long as it is here."""
@@ -118,61 +127,61 @@ class Door(HTTPServerConnectionDelegate):
 
     def _pause(self, listening: socket.socket, error: OSError) -> None:
         """Without descriptors: a stranger gives up one, and the loop does something else."""
-        self._complaints.say("accept", f"a connection could not be accepted: {error.strerror or error}")
+        self._log.say("accept", f"a connection could not be accepted: {error.strerror or error}")
         if self._strangers:
             first_to_leave(self._strangers).close()
         loop = asyncio.get_running_loop()
         loop.remove_reader(listening)
         loop.call_later(PAUSE, self._listen, listening)
 
-    def _let_in(self, visitor: Visitor) -> None:
+    def _let_in(self, client: ClientConnection) -> None:
         if len(self._strangers) >= self._places:
             leaving = first_to_leave(self._strangers)
             leaving.close()
-            self._complaints.say("crowd", CROWD.format(self._places, leaving.peer.name))
-        self._strangers[visitor] = None
-        self._http.handle_stream(visitor, (visitor.peer.name, 0))
+            self._log.say("crowd", CROWD.format(self._places, leaving.peer.name))
+        self._strangers[client] = None
+        self._http.handle_stream(client, (client.peer.name, 0))
 
-    def _forget(self, visitor: Visitor) -> None:
-        self._strangers.pop(visitor, None)
-        self._known.pop(visitor, None)
+    def _forget(self, client: ClientConnection) -> None:
+        self._strangers.pop(client, None)
+        self._known.pop(client, None)
 
-    def welcome(self, visitor: Visitor) -> None:
-        """The visitor has shown the token."""
-        self._forget(visitor)
+    def welcome(self, client: ClientConnection) -> None:
+        """The client has shown the token."""
+        self._forget(client)
         others = [each for each in self._known if not each.page]
         if len(others) >= self._places:
             first_to_leave(others).close()
-        self._known[visitor] = None
-        visitor.welcome()
+        self._known[client] = None
+        client.welcome()
 
     async def _look(self) -> None:
         while True:
             await asyncio.sleep(LOOK)
-            for visitor in [each for each in (*self._strangers, *self._known) if each.is_overdue()]:
-                visitor.close()
+            for client in [each for each in (*self._strangers, *self._known) if each.is_overdue()]:
+                client.close()
 
     def start_request(self, server_conn: object, request_conn: HTTPConnection) -> HTTPMessageDelegate:
         """Called by tornado for each request of a connection."""
         assert isinstance(server_conn, HTTP1ServerConnection)
-        assert isinstance(server_conn.stream, Visitor)
+        assert isinstance(server_conn.stream, ClientConnection)
         return _Head(self, server_conn.stream, request_conn, self._inside.start_request(server_conn, request_conn))
 
-    def answer(self, visitor: Visitor, start: RequestStartLine, headers: HTTPHeaders) -> Answer | None:
-        """What the door itself has to say to a request; None: it may go in."""
-        refusal = self._guard.refusal(start.method, headers)
+    def answer(self, client: ClientConnection, start: RequestStartLine, headers: HTTPHeaders) -> Answer | None:
+        """What the gateway itself has to say to a request; None: it may go in."""
+        refusal = self._authentication.refusal(start.method, headers)
         if refusal is not None:
             return Answer(*refusal)
         path = start.path.partition("?")[0]
-        if self._guard.knows_token(path.split("/")[1] if path.startswith("/") else ""):
-            self.welcome(visitor)
+        if self._authentication.knows_token(path.split("/")[1] if path.startswith("/") else ""):
+            self.welcome(client)
             return None
-        words = self._invitations.refusal(path, visitor.ports)
+        words = self._one_time_addresses.refusal(path, client.ports)
         if words is None:
             return Answer(403, "wrong token: open the address the viewer gave")
         if words == USED:
-            self._complaints.say("invitation", TWICE)
-        return Answer(403, words) if words else Answer(302, "Found", f"/{self._guard.token}/")
+            self._log.say("one-time address", TWICE)
+        return Answer(403, words) if words else Answer(302, "Found", f"/{self._authentication.token}/")
 
 
 TWICE = (
@@ -199,26 +208,28 @@ class Answer(NamedTuple):
 
 
 class _Head(HTTPMessageDelegate):
-    """A request: its head is looked at, and what the door answers itself goes no further, be its body ever so long."""
+    """A request: its head is looked at, and what the gateway answers goes no further, be its body ever so long."""
 
-    def __init__(self, door: Door, visitor: Visitor, connection: HTTPConnection, inside: HTTPMessageDelegate) -> None:
-        self._door, self._visitor, self._connection, self._inside = door, visitor, connection, inside
+    def __init__(
+        self, gateway: Gateway, client: ClientConnection, connection: HTTPConnection, inside: HTTPMessageDelegate
+    ) -> None:
+        self._gateway, self._client, self._connection, self._inside = gateway, client, connection, inside
         self._let_in = False
 
     async def headers_received(self, start_line: RequestStartLine | ResponseStartLine, headers: HTTPHeaders) -> None:
         """Called by tornado; between two requests of one computer the others have their turn."""
         assert isinstance(start_line, RequestStartLine)
         assert isinstance(self._connection, HTTP1Connection)
-        if self._visitor.closed():  # what had come before the end is read all the same
+        if self._client.closed():  # what had come before the end is read all the same
             self._connection.detach()
             return
-        answer = self._door.answer(self._visitor, start_line, headers)
+        answer = self._gateway.answer(self._client, start_line, headers)
         if answer is not None:
             await _send_away(self._connection.detach(), answer)
             return
         self._let_in = True
         self._inside.headers_received(start_line, headers)
-        await self._visitor.peer.rest()
+        await self._client.peer.rest()
 
     def data_received(self, chunk: bytes) -> Awaitable[None] | None:
         """Called by tornado, of what was let in alone."""

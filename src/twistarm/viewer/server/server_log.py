@@ -23,7 +23,7 @@ LONGEST = 400
 """Characters of a line: most lines are as many bytes."""
 
 
-class Complaints(logging.Filter):
+class ServerLog(logging.Filter):
     """Says the first, the tenth, the hundredth … of each kind: a flood makes a handful of lines.
 
     A context manager, within which what the libraries log from this thread is counted as one of them.
@@ -35,7 +35,7 @@ class Complaints(logging.Filter):
         self._who = who
         self._thread = 0
 
-    def __enter__(self) -> Complaints:
+    def __enter__(self) -> ServerLog:
         self._thread = threading.get_ident()
         for name in LOGGERS:
             logging.getLogger(name).addFilter(self)
