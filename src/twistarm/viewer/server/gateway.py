@@ -72,12 +72,8 @@ class Gateway(HTTPServerConnectionDelegate):
         one_time_addresses: OneTimeAddresses,
         log: ServerLog,
     ) -> None:
-        self._inside, self._authentication, self._one_time_addresses, self._log = (
-            inside,
-            authentication,
-            one_time_addresses,
-            log,
-        )
+        self._inside, self._authentication, self._log = inside, authentication, log
+        self._one_time_addresses = one_time_addresses
         self._places = places(resource.getrlimit(resource.RLIMIT_NOFILE)[0])
         self._strangers: dict[ClientConnection, None] = {}
         self._known: dict[ClientConnection, None] = {}
