@@ -131,7 +131,7 @@ def test_it_stops_at_a_limit_and_says_which(arm: Arm) -> None:
 
     async def jog(page: Page) -> None:
         def halted() -> bool:
-            """Below 3 % of what is commanded, on the way to the limit; the gauge, which is measured now and then, too."""
+            """Below 3 % of what is commanded, on the way to the limit; the gauge, measured now and then, too."""
             return bool(page.latest["servo"]["status"] == "HALTED_LIMIT" and page.latest["gauge"]["room"] < 1e-2)
 
         await push(page, halted, type="jog_joints", rates=rates.tolist())
