@@ -134,8 +134,9 @@ void test_held_orientation(tests::generator& random) {
     CHECK(whole >= 8, "%d of 24 pushes to the end", whole);
 }
 
-/// A planar arm that is stretched out: it bends at once when pulled back, and stretches without a jerk.
-template <class T> void test_way_out() {
+/// A planar arm that is stretched out: it bends at once when pulled back, and stretches without a jerk. Where its tool
+/// must not turn on the way, that goes before the way, and bending takes four times as long.
+template <class T> void test_way_out(bool held) {
     tests::generator random;
     driven_arm<T, dynamic, dynamic> driven(random, 3, wiring::plain, 0);
     const double screws[18] = {0, 0, 0, 0, -0.5, -0.9, 0, 0, 0, 0, 0, 0, 0, 0, 0, 1, 1, 1};
@@ -151,20 +152,23 @@ template <class T> void test_way_out() {
     servo_command<T, dynamic> pull{};
     pull.kind = servo_kind::twist;
     pull.base_axes = true;
-    pull.twist[0] = T(-0.1);
-    hold(pull, 3, 6);
-    const auto x = [&] { return static_cast<double>(forward(driven.arm, driven.state.theta).p[0]); };
-    for (int i = 0; i < 100; ++i) driven.step(pull, T(0.01));
-    CHECK(x() < 1.05, "pulled for a second to x = %g", x());
-    pull.twist[0] = T(0.1);
-    for (int i = 0; i < 300; ++i) driven.step(pull, T(0.01));
-    CHECK(x() > 1.09 && driven.speed() < 1e-2, "stretched for 3 s to x = %g, at %g rad/s", x(), driven.speed());
-    pull.twist[0] = T(-0.1);
-    for (int i = 0; i < 100; ++i) driven.step(pull, T(0.01));
-    CHECK(x() < 1.05, "pulled again for a second to x = %g", x());
+    if (held) hold(pull, 3, 6);
+    const auto push = [&](double speed, int steps) {
+        pull.twist[0] = static_cast<T>(speed);
+        for (int i = 0; i < steps; ++i) driven.step(pull, T(0.01));
+        return static_cast<double>(forward(driven.arm, driven.state.theta).p[0]);
+    };
+    const int second = held ? 400 : 100;
+    const double out = push(-0.1, second);
+    CHECK(out < 1.05, "pulled for %d steps to x = %g", second, out);
+    const double stretched = push(0.1, 1000);
+    CHECK(stretched > 1.09 && driven.speed() < 2e-2, "stretched to x = %g, at %g rad/s", stretched, driven.speed());
+    const double again = push(-0.1, second);
+    CHECK(again < 1.05, "pulled again for %d steps to x = %g", second, again);
 }
 
-/// Rounding that seems to push a joint over the limit at which it stands is no reason to stop it, nor to say so.
+/// Rounding that seems to push a joint over the limit at which it stands is no reason to stop it, nor to say so: off
+/// singularities the rates are those asked for, but for the little that the law's damping may take.
 template <class T> void test_beside_a_limit(tests::generator& random) {
     int told = 0;
     for (int i = 0; i < 100; ++i) {
@@ -189,7 +193,7 @@ template <class T> void test_beside_a_limit(tests::generator& random) {
         ++told;
         CHECK(driven.out.cause == servo_cause::none, "arm %d: cause %d", i, static_cast<int>(driven.out.cause));
         for (int k = 0; k < 6; ++k)
-            CHECK(std::fabs(static_cast<double>(driven.state.theta_dot[k] - rates[k])) < 10 * rounding<T>,
+            CHECK(std::fabs(static_cast<double>(driven.state.theta_dot[k] - rates[k])) < 5e-3,
                   "arm %d: joint %d at %g, not %g", i, k, static_cast<double>(driven.state.theta_dot[k]),
                   static_cast<double>(rates[k]));
     }
@@ -237,8 +241,10 @@ int main() {
     CHECK(3 * judged > moved, "the tool was judged in %d of %d steps", judged, moved);
     test_held_orientation(random);
     test_usage(random);
-    test_way_out<double>();
-    test_way_out<float>();
+    for (const bool held : {false, true}) {
+        test_way_out<double>(held);
+        test_way_out<float>(held);
+    }
     test_beside_a_limit<double>(random);
     test_beside_a_limit<float>(random);
     return tests::verdict("servo");
