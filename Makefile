@@ -43,6 +43,8 @@ format: .venv/dev
 
 coverage: .venv/dev
 	$(BIN)/python -m pytest -m "not slow and not alone" -n $(WORKERS) --dist worksteal --cov --cov-report=term:skip-covered
+	$(MAKE) --silent -C core/tests check BUILD=build/coverage EXTRA="-O0 --coverage"
+	$(BIN)/gcovr --root core/include core/tests/build/coverage --exclude-throw-branches --merge-lines --print-summary
 
 dist: .venv/dev
 	rm -rf dist
