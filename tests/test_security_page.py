@@ -16,7 +16,7 @@ from twistarm.model import baking, pinocchio_model
 from twistarm.proof import golden_file as golden
 from twistarm.stream import recording
 from twistarm.stream.links import gate
-from twistarm.viewer.server import door, visitor
+from twistarm.viewer.server import client_connection, gateway
 
 PAGE = (Path(__file__).parents[1] / "SECURITY.md").read_text("utf-8")
 
@@ -52,6 +52,6 @@ def test_seconds_of_a_signature() -> None:
 
 
 def test_places_and_seconds_of_strangers() -> None:
-    assert f"have {door.MOST} places and {visitor.STRANGER_TIME:.0f} s" in PAGE
+    assert f"have {gateway.MOST} places and {client_connection.STRANGER_TIME:.0f} s" in PAGE
     assert baking.MAX_BYTES == golden.MAX_BYTES
     assert structure.MAX_PARTS["joint"] == structure.MAX_PARTS["link"]
