@@ -1,7 +1,7 @@
 # make demo: see it work.  make test: prove it.  make docs: the site, in docs/_build.  Each builds .venv first; PYTHON
 # names another interpreter than python3, WORKERS how many processes test at once.
 PYTHON ?= python3
-WORKERS ?= 2
+WORKERS ?= 3
 BIN := .venv/bin
 # Tests start hundreds of programs: what Python has compiled once is kept, wherever that is switched off.
 unexport PYTHONDONTWRITEBYTECODE
