@@ -502,6 +502,13 @@ def test_what_is_typed_in_degrees_is_answered_in_degrees(
         assert radians in "".join(capsys.readouterr())
 
 
+def test_what_a_program_is_told_is_python_again_after_a_command(capsys: Capture) -> None:
+    assert run(["info", "panda", "--tip", "nope"]) == 2
+    assert "no link for --tip 'nope'" in capsys.readouterr().err
+    with pytest.raises(twistarm.UnknownNameError, match=r"no link for tip= 'nope'"):
+        twistarm.load_arm("panda", tip="nope")
+
+
 def test_remedies_are_those_of_the_command_line(capsys: Capture) -> None:
     """No argument of Python's stands alone in what a person reads."""
     for command in ("info", "doctor"):

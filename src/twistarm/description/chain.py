@@ -11,6 +11,7 @@ import numpy as np
 
 from ..limits.joint_limits import JointLimits
 from ..limits.joint_units import slides, unit_of
+from ..support.caller_words import argument, quantity
 from ..support.checks import Array
 from ..theory.lower_pairs import lower_pairs
 from ..theory.screws import adjoint, exp
@@ -51,13 +52,15 @@ def walk_chain(description: Description, base: str, tip: str, tool: Array, locke
     for joint in joints:
         if joint.type == "floating":
             what = f"between {base!r} and {tip!r} it is floating: its motion is not one number per joint"
-            raise refusal("floating-in-chain", description.place(joint), what, "choose a base= beyond it")
+            raise refusal("floating-in-chain", description.place(joint), what, f"choose a {argument('base')} beyond it")
     couplings = resolve_couplings(description, locked)
     moving = tuple(joint.name for joint in joints if joint.moving)
     coordinates = tuple(dict.fromkeys(m for name in moving if (m := couplings[name].master) is not None))
     if not coordinates:
         what = f"no joint moves between base {base!r} and tip {tip!r}"
-        raise refusal("nothing-moves", description.place(), what, "choose another base= or tip=")
+        raise refusal(
+            "nothing-moves", description.place(), what, f"choose another {argument('base')} or {argument('tip')}"
+        )
     A, b = coupling_matrix(couplings, moving, coordinates)
     screws, home, points = _walk(joints, dict(zip(moving, b, strict=True)))
     masters = [description.joints[name] for name in coordinates]
@@ -151,7 +154,8 @@ def _locked_outside(description: Description, locked: Mapping[str, float]) -> li
         finding(
             "locked-outside-limits",
             description.place(joint),
-            f"it is locked at {value:g} {unit}, outside its limits {joint.lower:g} {unit} … {joint.upper:g} {unit}",
+            f"it is locked at {quantity(value, unit)}, outside its limits "
+            f"{quantity(joint.lower, unit)} … {quantity(joint.upper, unit)}",
             "lock it inside its limits",
         )
         for name, value in locked.items()

@@ -11,6 +11,7 @@ from urllib.parse import unquote
 
 import numpy as np
 
+from ..support.caller_words import package_folder
 from ..support.checks import Array
 from ..support.errors import listed
 from ..support.files import is_file
@@ -56,7 +57,7 @@ class Geometries:
             "mesh-missing",
             None,
             f"{len(names)} mesh file{'s' * (len(names) > 1)} not found: {listed(names, 2)}; the kinematics is whole",
-            "pass package_dirs=[folder that holds the package], or restore the files; simple shapes are drawn instead",
+            f"pass {package_folder('the package')}, or restore the files; simple shapes are drawn instead",
         )
 
     def _read(self, link: ET.Element, element: ET.Element) -> Geometry | None:

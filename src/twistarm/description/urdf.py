@@ -9,6 +9,7 @@ from dataclasses import replace
 
 import numpy as np
 
+from ..support.caller_words import package_folder
 from ..support.checks import Array, frozen
 from ..support.errors import DescriptionError, closest
 from ..support.files import as_path, why_no_file
@@ -114,7 +115,8 @@ def _note_copies(reading: Reading) -> None:
         if folder.parent == models_share():  # the wheel's own, which pip has put there
             continue
         what = f"no package.xml names package {package!r}: it is taken to be the folder {folder}, for its name"
-        remedy = "put a package.xml of that name into it, or pass package_dirs=[folder that holds another]"
+        holder = package_folder("another")
+        remedy = f"put a package.xml of that name into it, or pass {holder}"
         reading.note("package-without-manifest", None, what, remedy)
 
 

@@ -9,6 +9,7 @@ import numpy as np
 from ..description.findings import Finding, finding
 from ..description.tree import Description
 from ..model.arm import Arm
+from ..support.caller_words import argument
 from .abilities import Motions
 from .wording import grouped, place_of
 
@@ -31,7 +32,7 @@ def check_off_the_chain(arm: Arm, description: Description) -> Iterator[Finding]
             idle,
             f"{'they are' if len(idle) > 1 else 'it is'} not between {arm.base} and {arm.tip_link} and "
             f"{'do' if len(idle) > 1 else 'does'} not move the tool",
-            "nothing, if that is meant; else pass tip=",
+            f"nothing, if that is meant; else pass {argument('tip')}",
         )
 
 

@@ -10,6 +10,7 @@ from numpy.typing import ArrayLike
 
 from ..limits.joint_limits import JointLimits
 from ..model.arm import Arm, require_arm
+from ..support.caller_words import argument
 from ..support.checks import Array, RealArray, Row, as_flag, as_floats, require_callback, require_choice
 from ..support.errors import InputError, shown
 from . import spline, timing
@@ -34,7 +35,7 @@ FITS = {
 }
 """The spline of each kind: through the waypoints, or resting at each."""
 
-ADVICE = "use stop_at_waypoints=True, which goes straight from waypoint to waypoint, or add waypoints"
+ADVICE = "use {}, which goes straight from waypoint to waypoint, or add waypoints"
 
 Waypoints = RealArray | Sequence[Row | Mapping[str, float] | str]
 """Configurations as arrays, mappings {joint: value} or names of states."""
@@ -108,7 +109,7 @@ def plan_joint(
         kept_times, breakpoints, coefficients = _fastest(kept, kind, stop_at_waypoints, bounds, progress)
         when = kept_times[owner]
     motion = Trajectory(arm.joint_names, arm.units, points, when, breakpoints, coefficients, arm.actuators)
-    require_within(motion, bounds, ADVICE)
+    require_within(motion, bounds, ADVICE.format(argument("stop_at_waypoints", True)))
     if progress is not None:
         progress(1.0)
     return motion

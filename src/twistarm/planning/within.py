@@ -7,6 +7,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from ..limits.joint_limits import JointLimits
+from ..support.caller_words import argument, quantity
 from ..support.checks import Array
 from ..support.errors import LimitError
 from .piecewise import derivative, extremes
@@ -58,11 +59,11 @@ def require_waypoints(waypoints: Array, limits: JointLimits, names: Sequence[str
     i, j = (int(index) for index in np.unravel_index(np.argmax(beyond), beyond.shape))
     if beyond[i, j] <= POSITION_TOL:
         return
-    side = "lower" if waypoints[i, j] < limits.lower[j] else "upper"
+    side, unit = "lower" if waypoints[i, j] < limits.lower[j] else "upper", units[j]
     raise LimitError(
-        f"waypoint {i} (counted from 0) puts joint {names[j]!r} at {waypoints[i, j]:.6g} {units[j]}, "
-        f"{beyond[i, j]:.6g} {units[j]} beyond its {side} limit {getattr(limits, side)[j]:.6g} {units[j]}: "
-        "move the waypoint, or change the limit by limits="
+        f"waypoint {i} (counted from 0) puts joint {names[j]!r} at {quantity(waypoints[i, j], unit)}, "
+        f"{quantity(beyond[i, j], unit)} beyond its {side} limit {quantity(getattr(limits, side)[j], unit)}: "
+        f"move the waypoint, or change the limit by {argument('limits')}"
     )
 
 
@@ -75,9 +76,9 @@ def _require_positions(trajectory: Trajectory, limits: JointLimits, advice: str)
     side, unit = "lower" if values[c, s, j] < limits.lower[j] else "upper", trajectory.units[j]
     time = trajectory.breakpoints[s] + tau[c, s, j]
     raise LimitError(
-        f"between its waypoints joint {trajectory.joint_names[j]!r} would swing to {values[c, s, j]:.6g} {unit} at "
-        f"t = {time:.4g} s, {beyond[c, s, j]:.6g} {unit} beyond its {side} limit "
-        f"{getattr(limits, side)[j]:.6g} {unit}: {advice}"
+        f"between its waypoints joint {trajectory.joint_names[j]!r} would swing to {quantity(values[c, s, j], unit)} "
+        f"at t = {time:.4g} s, {quantity(beyond[c, s, j], unit)} beyond its {side} limit "
+        f"{quantity(getattr(limits, side)[j], unit)}: {advice}"
     )
 
 
@@ -91,6 +92,7 @@ def _require_rate(trajectory: Trajectory, order: int, rate: str, limit: Array, l
     unit, time = trajectory.units[j] + RATE_UNITS[order], trajectory.breakpoints[s] + tau[c, s, j]
     factor = stretch_needed(trajectory.coefficients, durations, limits).max()
     raise LimitError(
-        f"joint {trajectory.joint_names[j]!r} would need {abs(values[c, s, j]):.6g} {unit} at t = {time:.4g} s; its "
-        f"{rate} limit is {limit[j]:.6g} {unit}: multiply times by {factor * (1 + 5e-4):.4g}, or leave times out"
+        f"joint {trajectory.joint_names[j]!r} would need {quantity(abs(values[c, s, j]), unit)} at t = {time:.4g} s; "
+        f"its {rate} limit is {quantity(limit[j], unit)}: multiply times by {factor * (1 + 5e-4):.4g}, "
+        "or leave times out"
     )

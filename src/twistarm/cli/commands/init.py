@@ -14,7 +14,6 @@ from ...support.errors import InputError
 from ..options import Base, Env, PackageDir, Srdf, Tip, Without, Xacro, xacro_arguments
 from ..output import say
 from ..outputs import NAMED, STDOUT, Force, outputs_of
-from ..wording import as_typed
 
 File = Annotated[str, typer.Argument(metavar="FILE", help="URDF or xacro file.")]
 
@@ -48,7 +47,7 @@ def init(
     )
     outputs.write({"toml": lambda: draft.text})
     if draft.unclear:
-        unclear = f"take the # away from one tip = in it before it loads: {as_typed(draft.unclear)}"
+        unclear = f"take the # away from one tip = in it before it loads: {draft.unclear}"
         say(f"{output}: written, but {unclear}", file=outputs.words)
         return 1
     if output != STDOUT:

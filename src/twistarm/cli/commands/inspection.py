@@ -19,7 +19,6 @@ from ...support.path_redaction import without_places
 from ..options import Json, Radians, takes_arm_or_none
 from ..output import console, finding_json, literal, number, print_json, say, shown, table, units
 from ..versions import versions_json, versions_text
-from ..wording import as_typed, in_degrees
 
 
 def arms(json: Json = False) -> None:
@@ -99,8 +98,7 @@ def info_view(arm: Arm, radians: bool) -> Group:
         for motors in (_actuators(arm.actuators), *_motor_limits(arm, arm.actuators, radians)):
             parts += ["", motors]
         parts.append("")
-    told = [as_typed(str(finding)) for finding in arm.findings]
-    parts += [literal(text if radians else in_degrees(text)) for text in told]
+    parts += [literal(str(finding)) for finding in arm.findings]
     return Group(*parts)
 
 

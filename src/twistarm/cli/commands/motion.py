@@ -21,7 +21,6 @@ from ..options import Json, Radians, takes_arm
 from ..output import console, note, number, print_json, progress_bar, say, shown, table, theta_values, units, warn
 from ..outputs import Force, Format, outputs_of
 from ..typed import POSE, parse_theta
-from ..wording import told_in_degrees
 
 
 class Kind(str, Enum):
@@ -82,7 +81,7 @@ def plan(
     limits = with_defaults(arm, given)
     outputs = outputs_of(output, {"csv": (".csv",), "json": (".json",)}, form, force=force, json=json)
     poses = _typed_poses(arm, (origin, *to), rad)
-    with progress_bar("planning") as progress, told_in_degrees(not rad):
+    with progress_bar("planning") as progress:
         planned = plan_joint(arm, poses, kind=kind.value, limits=limits, stop_at_waypoints=stop, progress=progress)
     if start is None:
         note(_start(arm, rad))

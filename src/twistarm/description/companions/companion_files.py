@@ -6,6 +6,7 @@ import os
 from collections.abc import Iterator
 from pathlib import Path
 
+from ...support.caller_words import argument
 from ...support.errors import DescriptionError, listed
 from ...support.files import is_file
 from ..findings import Finding, Place, finding
@@ -47,12 +48,16 @@ def srdf_beside(description: Description) -> tuple[Semantics | None, tuple[Findi
         left -= max(FILE_BYTES, path.stat().st_size)
         if left < 0:
             what = f"{len(every)} SRDFs are beside the description; {len(every) - i} of them are not looked at"
-            noted.append(finding("srdf-ignored", Place(path.name), what, "name the right one as srdf="))
+            noted.append(finding("srdf-ignored", Place(path.name), what, f"name the right one as {argument('srdf')}"))
             break
         try:
             semantics = read_srdf(path)
         except DescriptionError as error:
-            noted.append(finding("srdf-ignored", Place(path.name), str(error), "correct it, or name another as srdf="))
+            noted.append(
+                finding(
+                    "srdf-ignored", Place(path.name), str(error), f"correct it, or name another as {argument('srdf')}"
+                )
+            )
             continue
         if semantics.name == description.name:
             matching.append(semantics)
@@ -60,7 +65,7 @@ def srdf_beside(description: Description) -> tuple[Semantics | None, tuple[Findi
         return next(iter(matching), None), tuple(noted)
     files = listed(path_from(description, semantics.path) for semantics in matching)
     what = f"several SRDFs are for a robot {description.name!r}: {files}; none is used"
-    return None, (*noted, finding("srdf-ambiguous", description.place(), what, "name one as srdf="))
+    return None, (*noted, finding("srdf-ambiguous", description.place(), what, f"name one as {argument('srdf')}"))
 
 
 def path_from(description: Description, file: Path) -> str:

@@ -8,6 +8,7 @@ from collections.abc import Iterator
 from dataclasses import dataclass, field
 from pathlib import Path
 
+from ...support.caller_words import package_folder
 from ...support.files import open_regular, opened_path
 from ..copies import is_too_wide
 from ..document import decoded
@@ -81,7 +82,7 @@ class Confinement:
         if not inside and not any(map(self._is_known, real.parents)):
             allowed = ", ".join(map(str, self.roots)) or "none"
             what = f"{real} lies outside the folders that may be read ({allowed}, and packages found by their name)"
-            raise Refused(OUTSIDE, what, "pass package_dirs=[folder that holds its package]")
+            raise Refused(OUTSIDE, what, f"pass {package_folder('its package')}")
 
     def _is_known(self, folder: Path) -> bool:
         """Whether it is where the index finds a package, be it there or by the user's own build."""

@@ -7,6 +7,7 @@ from collections.abc import Iterator
 from dataclasses import dataclass, field
 from pathlib import Path
 
+from ...support.caller_words import argument
 from ..findings import Finding, Place, finding
 
 NOT_SET = "environment variable {} is not set for it"
@@ -48,4 +49,6 @@ class Environment:
             what = (
                 f"it asks for the environment variable {name!r}, and was answered as if that were not set: {default!r}"
             )
-            yield finding("environment-kept", Place(self.file.name), what, f"pass env=[{name!r}] if it may know it")
+            yield finding(
+                "environment-kept", Place(self.file.name), what, f"pass {argument('env', [name])} if it may know it"
+            )

@@ -6,6 +6,7 @@ import re
 from collections.abc import Mapping
 from pathlib import Path
 
+from ...support.caller_words import Placeholder, argument, package_folder
 from ...support.errors import DescriptionError, InputError, closest, listed
 from ..findings import Finding, Place, finding, refusal
 from .causes import causes
@@ -19,6 +20,10 @@ MOST_NEIGHBOURS = 8
 
 NEAR = 3
 """So many folders above a description may be the package that it is of."""
+
+
+UNKNOWN = Placeholder("…")
+"""The value of an xacro argument that only the user knows."""
 
 
 def explain(error: Exception, expansion: Expansion, place: Place) -> DescriptionError:
@@ -44,7 +49,7 @@ def explain(error: Exception, expansion: Expansion, place: Place) -> Description
         if isinstance(cause, OSError):
             return refusal("xacro-failed", place, *_missing_file(cause, expansion))
         if isinstance(cause, NotSetError):
-            remedy = "pass env=[NAME] if it may know it, and set it"
+            remedy = f"pass {argument('env', [Placeholder('NAME')])} if it may know it, and set it"
             return refusal("xacro-failed", place, f"xacro cannot expand it: {cause}", remedy)
     return refusal("xacro-failed", place, *_reworded(text, expansion))
 
@@ -53,8 +58,8 @@ def _missing_package(package: str, wanted: Path, expansion: Expansion, place: Pl
     """A package that is nowhere; `wanted`: the file in it that was asked for."""
     what = f"package {package!r} not found; searched {expansion.packages.searched()}"
     remedy = (
-        "pass package_dirs=[folder that holds it], or where the arm can do without it (a sensor's, a gripper's, a "
-        f"simulator's) without=[{package!r}]"
+        f"pass {package_folder('it')}, or where the arm can do without it "
+        f"(a sensor's, a gripper's, a simulator's) {argument('without', [package])}"
     )
     if far := expansion.packages.find_for_mesh_alone(package):
         what = (
@@ -92,7 +97,7 @@ def _missing_file(error: OSError, expansion: Expansion) -> tuple[str, str]:
     if not told:
         return _shortened(what), "correct the path, or put the file there"
     named = ", ".join(f"{name} ({value!r})" for name, value in told.items())
-    return _shortened(f"{what}; it may come from the xacro argument {named}"), _pass(dict.fromkeys(told, "…"))
+    return _shortened(f"{what}; it may come from the xacro argument {named}"), _pass(dict.fromkeys(told, UNKNOWN))
 
 
 def _behind(part: str, expansion: Expansion) -> dict[str, str]:
@@ -107,9 +112,9 @@ def missing_argument(undefined: str, expansion: Expansion) -> DescriptionError:
     """An argument without a value, with all others that have none either; or one whose default comes too late."""
     declared, given = expansion.found.all(), expansion.given
     used_in = expansion.found.used.get(undefined, expansion.path).name
-    absent = {name: "…" for name, default in declared.items() if default is None and name not in given}
+    absent = {name: UNKNOWN for name, default in declared.items() if default is None and name not in given}
     late = declared.get(undefined)
-    missing = {undefined: late if late and "$" not in late else "…"} | absent
+    missing = {undefined: late if late and "$" not in late else UNKNOWN} | absent
     plural = "s" * (len(missing) > 1)
     what = f"missing xacro argument{plural} {', '.join(missing)}: {used_in} uses {undefined}"
     if late is not None:
@@ -124,8 +129,7 @@ def missing_argument(undefined: str, expansion: Expansion) -> DescriptionError:
 
 def _pass(arguments: Mapping[str, str]) -> str:
     """What to give: `pass xacro_args={'dof': '7'}`; where only the user knows the value, an ellipsis."""
-    entries = (f"{name!r}: {value if value == '…' else repr(value)}" for name, value in arguments.items())
-    return f"pass xacro_args={{{', '.join(entries)}}}"
+    return f"pass {argument('xacro_args', arguments)}"
 
 
 def unknown_argument(name: str, path: Path, known: Mapping[str, str | None]) -> InputError:
@@ -140,7 +144,7 @@ def package_finding(path: Path, package: str) -> Finding:
         "package-not-found",
         Place(path.name),
         f"$(find {package}): package not found; nothing the kinematics needs uses it",
-        f"pass package_dirs=[folder that holds {package}] if its files matter",
+        f"pass {package_folder(package)} if its files matter",
     )
 
 

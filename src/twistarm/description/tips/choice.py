@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Sequence
 from typing import NamedTuple
 
+from ...support.caller_words import argument
 from ...support.errors import DescriptionError, listed
 from ..findings import Finding, finding, refusal
 from ..tree import Description
@@ -58,7 +59,7 @@ def note_choice(description: Description, choice: Choice) -> tuple[Finding, ...]
     what += f"; the arm stands on {choice.base!r}" if choice.base != description.root else ""
     what += f"; other candidates: {listed(choice.others, SHOWN)}"
     place = description.place(description.links[choice.tip])
-    return (finding("several-tips", place, what, "pass tip= if another is meant"),)
+    return (finding("several-tips", place, what, f"pass {argument('tip')} if another is meant"),)
 
 
 def candidates(description: Description, base: str | None = None) -> tuple[str, ...]:
@@ -150,7 +151,7 @@ def _unclear(
             "no-tip",
             description.place(),
             what,
-            f"to take one of its chains all the same, pass tip={listed([likeliest])}",
+            f"to take one of its chains all the same, pass {argument('tip', likeliest)}",
         )
     pairs: list[tuple[str, Body]] = []
     for end in ends:
@@ -165,7 +166,7 @@ def _several(description: Description, pairs: Sequence[tuple[str, Body]], groups
     what = f"several links could be the tip: {told}{more}"
     offered = ", ".join(groups)
     what += f"; so could the groups of its SRDF: {offered}" if offered else ""
-    return refusal("no-tip", description.place(), what, f"pass tip={listed([pairs[0][0]])}")
+    return refusal("no-tip", description.place(), what, f"pass {argument('tip', pairs[0][0])}")
 
 
 def _joints(end: Body) -> str:
