@@ -10,13 +10,13 @@ from typing import Any
 
 import numpy as np
 import pytest
-from arms import ARMS
 from numpy.testing import assert_allclose
-from waiting import draw, settled, until
 
+from arms import ARMS
 from twistarm import Arm, diagnose, load_arm
 from twistarm.viewer import Viewer, save_html
 from twistarm.viewer.parts.findings import examined
+from waiting import draw, settled, until
 
 pytestmark = pytest.mark.browser
 

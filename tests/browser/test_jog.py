@@ -10,13 +10,13 @@ from typing import Any
 
 import numpy as np
 import pytest
-from jogging import AS_OPENED, BESIDE, HIDE, PAD, Heard
 from numpy.testing import assert_allclose
-from waiting import settled, until
 
+from jogging import AS_OPENED, BESIDE, HIDE, PAD, Heard
 from twistarm import ArmBuilder, load_arm
 from twistarm.servo import ServoOutput, ServoState, ServoStatus, TwistCommand, servo_step
 from twistarm.viewer import Viewer
+from waiting import settled, until
 
 pytestmark = pytest.mark.browser
 

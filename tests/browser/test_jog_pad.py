@@ -10,15 +10,15 @@ from typing import Any
 
 import numpy as np
 import pytest
-from arms import ARMS
-from jogging import HIDE
 from numpy.testing import assert_allclose
 from numpy.typing import NDArray
-from waiting import settled, until
 
+from arms import ARMS
+from jogging import HIDE
 from twistarm import Arm, load_arm
 from twistarm.servo import ServoOutput, ServoSettings
 from twistarm.viewer import Viewer
+from waiting import settled, until
 
 pytestmark = pytest.mark.browser
 

@@ -11,11 +11,11 @@ from typing import Any
 import numpy as np
 import pytest
 from numpy.testing import assert_allclose
-from test_page import assert_drawn
-from waiting import settled, until
 
+from test_page import assert_drawn
 from twistarm import load_arm
 from twistarm.viewer import Viewer, save_html
+from waiting import settled, until
 
 pytestmark = pytest.mark.browser
 

@@ -11,13 +11,13 @@ from typing import Any
 import pytest
 import trimesh
 from numpy.testing import assert_allclose
-from waiting import WAIT, settled, until
 
 import schema_samples as samples
 from twistarm import load_arm
 from twistarm.description.meshes import MeshReader
 from twistarm.viewer import Viewer
 from twistarm.viewer.protocol.messages import LARGEST_VALUE, SCHEMA
+from waiting import WAIT, settled, until
 
 pytestmark = pytest.mark.browser
 

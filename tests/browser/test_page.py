@@ -12,11 +12,11 @@ import pytest
 from numpy.testing import assert_allclose
 from PIL import Image
 from scipy.spatial import KDTree
-from waiting import after_frames, draw, settled, until
 
 from twistarm import Arm, arm_from_screws, available_arms, joints, load_arm
 from twistarm.planning.joint_space import plan_joint
 from twistarm.viewer import Viewer, save_html
+from waiting import after_frames, draw, settled, until
 
 pytestmark = pytest.mark.browser
 

@@ -11,15 +11,15 @@ from typing import Any
 
 import numpy as np
 import pytest
-from arms import ARMS
 from numpy.testing import assert_allclose, assert_array_equal
-from waiting import settled, until
 
+from arms import ARMS
 from twistarm import Arm, available_arms, load_arm
 from twistarm.model.usual_limits import with_defaults
 from twistarm.planning.joint_space import plan_joint
 from twistarm.planning.trajectory import Trajectory
 from twistarm.viewer import Viewer, save_html
+from waiting import settled, until
 
 pytestmark = pytest.mark.browser
 

@@ -16,14 +16,14 @@ import pytest
 from numpy.testing import assert_allclose
 from numpy.typing import NDArray
 from PIL import Image
-from test_page import assert_drawn
-from waiting import draw, settled, until
 
+from test_page import assert_drawn
 from test_viewer_kinematics import BRANCHED
 from twistarm import Arm, Trajectory, available_arms, load_arm, plan_joint
 from twistarm.theory.rotations import to_rpy
 from twistarm.viewer import Viewer
 from viewer_page import matrix
+from waiting import draw, settled, until
 
 pytestmark = pytest.mark.browser
 

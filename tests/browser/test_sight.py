@@ -10,13 +10,13 @@ import numpy as np
 import pytest
 from numpy.testing import assert_allclose
 from scipy.spatial.transform import Rotation
+
 from test_page import load
 from test_target import PROJECT
-from waiting import after_frames, settled, until
-
 from twistarm import Arm, solve_ik
 from twistarm.ik import Pose
 from twistarm.viewer import Viewer
+from waiting import after_frames, settled, until
 
 pytestmark = pytest.mark.browser
 

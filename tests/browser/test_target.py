@@ -8,15 +8,15 @@ from typing import Any
 
 import numpy as np
 import pytest
-from arms import ARMS
 from numpy.testing import assert_allclose
 from scipy.spatial.transform import Rotation
-from test_page import DRAWN, assert_drawn, load
-from waiting import after_frames, settled, until
 
+from arms import ARMS
+from test_page import DRAWN, assert_drawn, load
 from twistarm import available_arms, solve_ik
 from twistarm.ik import Approach
 from twistarm.viewer import Viewer
+from waiting import after_frames, settled, until
 
 pytestmark = pytest.mark.browser
 

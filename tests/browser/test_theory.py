@@ -12,13 +12,13 @@ import numpy as np
 import pytest
 from numpy.testing import assert_allclose, assert_array_equal
 from numpy.typing import NDArray
-from waiting import after_frames, settled, until
 
 from twistarm import Arm, load_arm, plan_joint
 from twistarm.planning.trajectory import Trajectory
 from twistarm.viewer import Viewer, save_html
 from twistarm.viewer.parts.workspace import POINTS, SEED
 from twistarm.viewer.scene.axes import arm_size
+from waiting import after_frames, settled, until
 
 pytestmark = pytest.mark.browser
 

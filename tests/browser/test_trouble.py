@@ -12,7 +12,6 @@ from typing import Any
 import numpy as np
 import pytest
 from numpy.testing import assert_allclose
-from waiting import settled, until
 
 from twistarm import Arm, ArmBuilder, load_arm
 from twistarm.planning.joint_space import plan_joint
@@ -20,6 +19,7 @@ from twistarm.viewer import Viewer
 from twistarm.viewer.page_files import page_text
 from twistarm.viewer.parts.pose_list import LARGEST_LIST
 from twistarm.viewer.server.watching import loaded
+from waiting import settled, until
 
 pytestmark = pytest.mark.browser
 

@@ -1,0 +1,251 @@
+"""The six joint types from three sources, each against Pinocchio's own model of that joint and against differences."""
+
+from __future__ import annotations
+
+import re
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from joint_arms import DEGREES, KINDS, SOURCES, Reference, by_builder, by_hand, random_chain
+from strategies import derivative
+from twistarm import Arm, ArmBuilder, Pose, arm_from_screws, crosscheck, joints, load_arm, plan_joint, solve_ik
+from twistarm.theory.lower_pairs import lower_pairs
+from urdf_text import joint, robot, write
+
+TOL = 1e-12
+"""Some ten rigid motions within a few metres, in double precision."""
+
+DIFFERENCE_TOL = 1e-8
+"""What a sixth-order quotient with step 1e-3 leaves."""
+
+MIXED = (
+    ("cylindrical", "spherical"),
+    ("planar", "helical", "revolute"),
+    ("spherical", "prismatic", "spherical"),
+    ("helical", "cylindrical", "planar", "spherical", "prismatic", "revolute"),
+)
+CHAINS = (*((kind,) for kind in KINDS), *MIXED)
+
+
+def close(a, b, tol=TOL):
+    np.testing.assert_allclose(a, b, rtol=0, atol=tol)
+
+
+@pytest.mark.parametrize("source", SOURCES)
+@pytest.mark.parametrize("kinds", CHAINS, ids="-".join)
+@pytest.mark.parametrize("seed", [0, 1])
+def test_every_type_from_every_source(kinds: tuple[str, ...], source: str, seed: int, tmp_path: Path) -> None:
+    chain, home = random_chain(kinds, seed)
+    arm = SOURCES[source](chain, home, tmp_path)
+    assert arm.n == sum(DEGREES[kind] for kind in kinds)
+    assert [pair.kind for pair in lower_pairs(arm.screws, arm.coupling.A)] == list(kinds)
+    theta = np.random.default_rng(seed).uniform(-2, 2, (4, arm.n))
+    for ball in (False, True):
+        reference = Reference(chain, home, quaternion=ball)
+        g, spatial, body = (np.array(parts) for parts in zip(*map(reference, theta), strict=True))
+        close(arm.fk(theta), g)
+        close(arm.spatial_jacobian(theta), spatial)
+        close(arm.body_jacobian(theta), body)
+    result = crosscheck(arm, samples=20).require()
+    assert 0 <= result.worst("pinocchio") <= TOL
+
+
+@pytest.mark.parametrize("source", SOURCES)
+@pytest.mark.parametrize("kind", KINDS)
+def test_every_jacobian_against_differences(kind: str, source: str, tmp_path: Path) -> None:
+    arm = SOURCES[source](*random_chain([kind], 5), tmp_path)
+    theta = np.linspace(0.3, 0.9, arm.n)
+    g = arm.fk(theta)
+    for i, step in enumerate(np.eye(arm.n)):
+        rate = derivative(lambda t, step=step: arm.fk(theta + t * step))
+        for J, moved in (
+            (arm.spatial_jacobian(theta), rate @ np.linalg.inv(g)),
+            (arm.body_jacobian(theta), np.linalg.inv(g) @ rate),
+        ):
+            close(J[:, i], [*moved[:3, 3], moved[2, 1], moved[0, 2], moved[1, 0]], DIFFERENCE_TOL)
+
+
+@pytest.mark.parametrize("source", SOURCES)
+@pytest.mark.parametrize("batch", [(), (1,), (2, 3), (0,)])
+def test_batches(batch: tuple[int, ...], source: str, tmp_path: Path) -> None:
+    chain, home = random_chain(["planar", "helical", "spherical"], 3)
+    arm = SOURCES[source](chain, home, tmp_path)
+    theta = np.random.default_rng(1).uniform(-1, 1, (*batch, arm.n))
+    assert arm.fk(theta).shape == (*batch, 4, 4)
+    assert arm.body_jacobian(theta).shape == (*batch, 6, arm.n)
+    reference = Reference(chain, home)
+    for index in np.ndindex(*batch):
+        close(arm.fk(theta)[index], reference(theta[index])[0])
+
+
+def test_names_types_and_units(tmp_path: Path) -> None:
+    chain, home = random_chain(KINDS, 0)
+    names = ("j0", "j1", "j2", "j3_rz", "j3_z", "j4_rz", "j4_ry", "j4_rx", "j5_x", "j5_y", "j5_rz")
+    units = ("rad", "m", "rad", "rad", "m", "rad", "rad", "rad", "m", "m", "rad")
+    for source in ("by builder", "from URDF"):
+        arm = SOURCES[source](chain, home, tmp_path)
+        assert arm.joint_names == names
+        assert arm.units == units
+        assert arm.joint_types[2] == "helical"
+        assert arm.joint_types[1] == arm.joint_types[4] == arm.joint_types[8] == "prismatic"
+    assert by_hand(chain, home).joint_types[2] == "helical"
+
+
+# a thread as a mimic --------------------------------------------------------------------------------------------
+
+LINKS = ("base_link", "upper", "tool0")
+WIDE = '<limit lower="-9" upper="9" velocity="1" effort="1"/>'
+
+
+def mimic(master: str, multiplier: float) -> str:
+    return f'{WIDE}<mimic joint="{master}" multiplier="{multiplier}"/>'
+
+
+def load_two(folder: Path, first: tuple[str, str], second: tuple[str, str], axis: str = "0 0 1") -> Arm:
+    """base_link —a→ upper —b→ tool0, b beside a where the axes are parallel."""
+    second_axis = f'<axis xyz="{axis}"/>'
+    parts = joint("a", "base_link", "upper", *first), joint("b", "upper", "tool0", second[0], second[1] + second_axis)
+    return load_arm(write(folder, robot(*parts, links=LINKS)))
+
+
+def test_the_turn_leads_whichever_comes_first(tmp_path: Path) -> None:
+    for first, second, name in (
+        (("revolute", WIDE), ("prismatic", mimic("a", 0.01)), "a"),
+        (("prismatic", mimic("b", 0.01)), ("revolute", WIDE), "b"),
+    ):
+        arm = load_two(tmp_path, first, second)
+        assert (arm.joint_names, arm.joint_types, arm.units) == ((name,), ("helical",), ("rad",))
+        close(arm.fk([2 * np.pi])[:3, 3] - arm.home[:3, 3], [0, 0, 0.02 * np.pi])
+        (pair,) = lower_pairs(arm.screws, arm.coupling.A)
+        assert (pair.kind, pair.span) == ("helical", 2)
+        assert np.isclose(pair.pitch, 0.01, rtol=1e-12)
+
+
+def test_where_the_slide_leads_the_coordinate_is_metres(tmp_path: Path) -> None:
+    arm = load_two(tmp_path, ("prismatic", WIDE), ("revolute", mimic("a", 50.0)))
+    assert (arm.joint_types, arm.units) == (("prismatic",), ("m",))
+    (pair,) = lower_pairs(arm.screws, arm.coupling.A)
+    assert (pair.kind, pair.pitch) == ("helical", pytest.approx(0.02))
+    crosscheck(arm, 20).require()
+
+
+def test_a_slide_against_the_axis_is_a_left_handed_thread(tmp_path: Path) -> None:
+    arm = load_two(tmp_path, ("revolute", WIDE), ("prismatic", mimic("a", 0.01)), axis="0 0 -1")
+    (pair,) = lower_pairs(arm.screws, arm.coupling.A)
+    assert pair.pitch == pytest.approx(-0.01)
+    crosscheck(arm, 20).require()
+
+
+def test_a_follower_across_the_axis_is_no_thread(tmp_path: Path) -> None:
+    arm = load_two(tmp_path, ("revolute", WIDE), ("prismatic", mimic("a", 0.01)), axis="1 0 0")
+    assert arm.joint_types == ("revolute",)
+    assert [pair.kind for pair in lower_pairs(arm.screws, arm.coupling.A)] == ["revolute", "prismatic"]
+    crosscheck(arm, 20).require()
+
+
+def test_a_locked_half_is_no_pair(tmp_path: Path) -> None:
+    path = write(
+        tmp_path, robot(joint("a", "base_link", "upper"), joint("b", "upper", "tool0", "prismatic"), links=LINKS)
+    )
+    assert [pair.kind for pair in lower_pairs(*_chain(load_arm(path)))] == ["cylindrical"]
+    arm = load_arm(path, locked={"b": 0.3})
+    assert [pair.kind for pair in lower_pairs(*_chain(arm))] == ["revolute", "prismatic"]
+    crosscheck(arm, 20).require()
+
+
+def _chain(arm: Arm):
+    return arm.screws, arm.coupling.A
+
+
+# what is built on an arm ----------------------------------------------------------------------------------------
+
+
+def test_a_helical_joint_is_never_wrapped_in_inverse_kinematics() -> None:
+    builder = ArmBuilder("lift").helical("thread", [0, 0, 1], [0, 0, 0], 0.05 / (2 * np.pi))
+    arm = builder.tool(np.array([[1, 0, 0, 0.2], [0, 1, 0, 0], [0, 0, 1, 0], [0, 0, 0, 1.0]])).build()
+    target = arm.fk([5 * np.pi])
+    solution = solve_ik(arm, Pose(target), [4.5 * np.pi])
+    assert solution.converged
+    close(solution.theta, [5 * np.pi], 1e-4)
+
+
+@pytest.mark.parametrize("goal", [5 * np.pi, 30.3, 150.0])
+def test_a_thread_with_limits_is_searched_over_all_its_turns(goal: float) -> None:
+    builder = ArmBuilder("lift").helical("thread", [0, 0, 1], [0, 0, 0], 0.008, lower=0.0, upper=300.0)
+    arm = builder.tool(np.array([[1, 0, 0, 0.2], [0, 1, 0, 0], [0, 0, 1, 0], [0, 0, 0, 1.0]])).build()
+    solution = solve_ik(arm, Pose(arm.fk([goal])), [0.0])
+    assert solution.converged
+    close(solution.theta, [goal], 1e-4)
+
+
+@pytest.mark.parametrize("kinds", [("cylindrical", "spherical"), ("planar", "spherical"), ("helical", "planar")])
+def test_inverse_kinematics_and_planning(kinds: tuple[str, ...]) -> None:
+    chain, home = random_chain(kinds, 11)
+    arm = by_builder(chain, home)
+    goal = np.random.default_rng(2).uniform(-0.8, 0.8, arm.n)
+    target = Reference(chain, home)(goal)[0]
+    solution = solve_ik(arm, Pose(target), goal + 0.3)
+    assert solution.converged
+    close(Reference(chain, home)(solution.theta)[0], target, 1e-5)
+    motion = plan_joint(arm, [np.zeros(arm.n), solution.theta], limits={"velocity": 1.0, "acceleration": 2.0})
+    close(motion(motion.duration), solution.theta, 1e-9)
+
+
+def test_screws_of_any_magnitude(tmp_path: Path) -> None:
+    """A column scaled by k moves k times as fast: the native joint's value is k theta."""
+    chain, home = random_chain(["cylindrical", "spherical", "planar", "helical"], 4)
+    plain = by_hand(chain, home)
+    k = np.linspace(0.5, 2.0, plain.n)
+    arm = arm_from_screws(plain.screws * k, home)
+    theta = np.linspace(-1, 1, arm.n)
+    close(arm.fk(theta), Reference(chain, home)(k * theta)[0])
+    assert crosscheck(arm, 20).require().worst("pinocchio") <= TOL
+
+
+def test_pinocchio_reads_the_same_arm_from_the_builder_s_urdf() -> None:
+    """Its own reader of URDF, its own planar joint: nothing of ours in between."""
+    import pinocchio as pin
+
+    chain, home = random_chain(["planar", "revolute", "cylindrical", "spherical"], 8)
+    builder = ArmBuilder("built")
+    builder = builder.planar("p", chain[0].axis, chain[0].point, chain[0].R[:, 0])
+    builder = builder.revolute("r", chain[1].axis, chain[1].point)
+    builder = builder.cylindrical("c", chain[2].axis, chain[2].point)
+    builder = builder.spherical("s", chain[3].point, chain[3].R).tool(home)
+    model = pin.buildModelFromXML(builder.urdf())
+    theta = np.linspace(-1.0, 1.2, 9)
+    angle = lambda x: [np.cos(x), np.sin(x)]  # noqa: E731
+    q = [*theta[:2], *angle(theta[2]), *angle(theta[3]), *angle(theta[4]), theta[5]]
+    q += [number for x in theta[6:] for number in angle(x)]
+    data = model.createData()
+    pin.framesForwardKinematics(model, data, np.array(q))
+    close(builder.build().fk(theta), data.oMf[model.getFrameId("tool", pin.FrameType.BODY)].homogeneous)
+
+
+def test_many_joints_by_hand_are_more_than_pinocchio_holds() -> None:
+    arm = arm_from_screws(np.tile(joints.revolute([0, 0, 1], [0, 0, 0]), 260), np.eye(4))
+    rows = [row for row in crosscheck(arm, 2).comparisons if "pinocchio" in row.engines]
+    assert [row.not_compared for row in rows] == ["260 moving joints; Pinocchio's data has room for 150"]
+
+
+# the documented way ---------------------------------------------------------------------------------------------
+
+PAGE = (Path(__file__).parents[2] / "docs" / "joint_types.md").read_text("utf-8")
+SNIPPETS = re.findall(r"<!-- (\w+): ([\w ]+) -->\n```xml\n(.*?)```", PAGE, flags=re.S)
+
+
+@pytest.mark.parametrize(("kind", "names", "text"), SNIPPETS, ids=[kind for kind, _, _ in SNIPPETS])
+def test_the_documented_urdf_is_that_joint(kind: str, names: str, text: str, tmp_path: Path) -> None:
+    arm = load_arm(
+        write(tmp_path, f'<robot name="{kind}">{text}</robot>'), tip=re.findall(r'link name="(\w+)"', text)[-1]
+    )
+    assert arm.joint_names == tuple(names.split())
+    assert [pair.kind for pair in lower_pairs(arm.screws, arm.coupling.A)] == [kind]
+    assert [finding for finding in arm.findings if finding.severity != "info"] == []
+    assert crosscheck(arm, 50).require().worst("pinocchio") <= TOL
+
+
+def test_every_type_that_urdf_lacks_is_documented() -> None:
+    assert {kind for kind, _, _ in SNIPPETS} == {"planar", "helical", "cylindrical", "spherical"}

@@ -1,0 +1,314 @@
+"""`solve_ik_batch`: the verdicts of `solve_ik`, any number of targets of any kinds, progress, and an end when asked."""
+
+from __future__ import annotations
+
+import os
+import pickle
+import signal
+import subprocess
+import sys
+import threading
+import time
+
+import numpy as np
+import pytest
+
+from catalogue import load
+from ik_targets import KINDS, judged, target_from
+from twistarm import InputError
+from twistarm.ik import Pose, Position, StopReason, solve_ik, solve_ik_batch
+
+NAN = float("nan")
+
+
+def problems(arm, count, seed=0):
+    """Poses (count, 4, 4) that the arm meets, and as many starts."""
+    rng = np.random.default_rng(seed)
+    return arm.by_pinocchio(arm.random_theta(rng, count))[0], arm.random_theta(rng, count)
+
+
+@pytest.fixture(scope="module")
+def arm():
+    arm = load("rover_arm_6dof")
+    if arm._compiled is None:
+        pytest.skip("no compiled core; tests/model/test_engine.py says whether there should be one")
+    return arm
+
+
+@pytest.mark.parametrize("count", [0, 1, 7, 8, 9, 300])
+def test_every_answer_is_judged_by_pinocchio(arm, count):
+    g, theta0 = problems(arm, count)
+    batch = solve_ik_batch(arm, g, theta0)
+    assert len(batch) == count
+    assert batch.theta.shape == (count, arm.n)
+    assert batch.converged.all()
+    assert all(judged(arm, Pose(pose), solution) for pose, solution in zip(g, batch, strict=True))
+    assert [*batch.stop] == [StopReason.CONVERGED] * count
+
+
+@pytest.mark.parametrize("kind", KINDS)
+@pytest.mark.promise(
+    "Many targets are solved together, on as many threads as you like, with the verdicts they get one by one:",
+    "`theta0` is one start for all (n,) or one for each (N, n), `posture` likewise; the other arguments are "
+    "those of `solve_ik`, and so is every verdict.",
+)
+def test_the_verdicts_are_those_of_one_by_one(arm, kind):
+    rng = np.random.default_rng(KINDS.index(kind))
+    g, theta0 = problems(arm, 40)
+    g[::4, :3, 3] *= 1.7
+    targets = [target_from(kind, pose, rng) for pose in g]
+    batch = solve_ik_batch(arm, targets, theta0)
+    single = [solve_ik(arm, target, start) for target, start in zip(targets, theta0, strict=True)]
+    assert [*batch.stop] == [solution.stop for solution in single]
+    for ours, alone in zip(batch, single, strict=True):
+        assert ours.position_error <= max(1e-6, alone.position_error + 1e-6)
+        assert ours.target is targets[[*single].index(alone)]
+
+
+@pytest.mark.promise(
+    "Inverse kinematics of N targets: poses (N, 4, 4), or a sequence of targets of any kinds.",
+)
+def test_kinds_may_be_mixed(arm):
+    rng = np.random.default_rng(1)
+    g, theta0 = problems(arm, 12)
+    targets = [target_from(KINDS[i % 4], pose, rng) for i, pose in enumerate(g)]
+    told = []
+    batch = solve_ik_batch(arm, targets, theta0, progress=lambda done, count: told.append((done, count)))
+    assert all(judged(arm, target, answer) for target, answer in zip(targets, batch, strict=True))
+    assert told[-1] == (12, 12)
+    assert told == sorted(told)
+
+
+@pytest.mark.promise(
+    "The answer to a target depends on nothing but that target; it may be another root than that of `solve_ik`, "
+    "which races its searches to be done sooner, where this one takes the first search that converges.",
+    "`threads` share the work, and change no answer; `progress(done, count)` is called some twenty times a second.",
+)
+def test_an_answer_depends_on_its_own_target_alone(arm):
+    g, theta0 = problems(arm, 1500)
+    together = solve_ik_batch(arm, g, theta0).theta
+    np.testing.assert_array_equal(solve_ik_batch(arm, g, theta0, threads=2).theta, together)
+    order = np.random.default_rng(2).permutation(len(g))
+    np.testing.assert_array_equal(solve_ik_batch(arm, g[order], theta0[order]).theta, together[order])
+    np.testing.assert_array_equal(solve_ik_batch(arm, g[700:703], theta0[700:703]).theta, together[700:703])
+
+
+def test_one_start_for_all(arm):
+    g, _ = problems(arm, 20)
+    shared = solve_ik_batch(arm, g, arm.ready).theta
+    np.testing.assert_array_equal(shared, solve_ik_batch(arm, g).theta)
+    np.testing.assert_array_equal(shared, solve_ik_batch(arm, g, np.tile(arm.ready, (20, 1))).theta)
+
+
+def test_arrays_of_other_kinds_and_in_other_orders(arm):
+    g, theta0 = problems(arm, 10)
+    expected = solve_ik_batch(arm, g, theta0).theta
+    strided = np.repeat(g, 2, axis=0)[::2]
+    for same in (strided, np.asfortranarray(g), g.astype(">f8"), list(g), tuple(map(Pose, g))):
+        np.testing.assert_allclose(solve_ik_batch(arm, same, np.asfortranarray(theta0)).theta, expected, atol=1e-9)
+    single = g.astype(np.float32)
+    batch = solve_ik_batch(arm, single, theta0)
+    assert batch.converged.all()
+
+
+def test_what_was_asked_is_kept(arm):
+    g, theta0 = problems(arm, 3)
+    mine = g.copy()
+    batch = solve_ik_batch(arm, mine, theta0)
+    mine[:] = np.eye(4)
+    np.testing.assert_array_equal(batch[1].target.g, g[1])
+    assert not batch.theta.flags.writeable
+    copy = pickle.loads(pickle.dumps(batch))
+    np.testing.assert_array_equal(copy.theta, batch.theta)
+    assert batch[-1].explain() == batch[2].explain()
+    with pytest.raises(IndexError):
+        batch[3]
+
+
+def test_a_posture_holds_for_every_target():
+    arm = load("panda")
+    g, theta0 = problems(arm, 30)
+    batch = solve_ik_batch(arm, g, theta0, posture="middle")
+    plain = solve_ik_batch(arm, g, theta0)
+    away = [np.linalg.norm(answer.theta - arm.limits.middle(), axis=1) for answer in (batch, plain)]
+    assert batch.converged.all()
+    assert (away[0] <= away[1] + 1e-9).all()
+    own = solve_ik_batch(arm, g, theta0, posture="theta0").theta
+    one = [solve_ik_batch(arm, g[i : i + 1], theta0[i], posture=theta0[i]).theta[0] for i in range(3)]
+    np.testing.assert_array_equal(own[:3], one)
+
+
+def test_the_time_is_up_before_all_are_begun(arm):
+    g, theta0 = problems(arm, 20000)
+    batch = solve_ik_batch(arm, g, theta0, max_time=0.002)
+    late = batch.stop == StopReason.TIMED_OUT
+    assert late.any()
+    assert not batch.converged.all()
+    assert arm.limits.contains(batch.theta[late]).all()
+    assert "time was up" in batch[int(np.argmax(late))].explain()
+
+
+@pytest.mark.parametrize(
+    ("call", "text"),
+    [
+        (lambda arm: solve_ik_batch(arm, np.eye(4)), "targets must be poses of shape (N, 4, 4); got (4, 4)"),
+        (lambda arm: solve_ik_batch(arm, Pose(np.eye(4))), "targets must be poses (N, 4, 4) or a sequence of targets"),
+        (lambda arm: solve_ik_batch(arm, "poses"), "targets must be poses (N, 4, 4) or a sequence of targets; got"),
+        (lambda arm: solve_ik_batch(arm, 3.0), "targets must be poses (N, 4, 4) or a sequence of targets; got 3.0"),
+        (lambda arm: solve_ik_batch(arm, [np.eye(4), None]), "targets[1]: target must be a Pose"),
+        (lambda arm: solve_ik_batch(arm, np.full((2, 4, 4), NAN)), "targets[0]: "),
+        (lambda arm: solve_ik_batch(arm, np.stack([np.eye(4), np.ones((4, 4))])), "targets[1]: "),
+        (lambda arm: solve_ik_batch(arm, np.stack([np.eye(4), np.diag([1, 1, -1, 1.0])])), "targets[1]: "),
+        (lambda arm: solve_ik_batch(arm, [Position([0, 0, 1])] * 2, np.zeros((3, 6))), "or one for each target (2, 6)"),
+        (lambda arm: solve_ik_batch(arm, [], threads=0), "threads must be a whole number, at least 1, at most 256"),
+        (lambda arm: solve_ik_batch(arm, [], threads=2.0), "threads must be a whole number"),
+        (lambda arm: solve_ik_batch(arm, [], progress=3), "progress must be a function of (done, count)"),
+        (lambda arm: solve_ik_batch(arm, [], position_tol=-1), "position_tol [m] must be one number, at least 1e-12"),
+        (lambda arm: solve_ik_batch(None, []), "arm must be an Arm"),
+    ],
+)
+@pytest.mark.promise(
+    "Raises InputError for what cannot be a target (which one), a start, a tolerance or a number of threads.",
+)
+def test_misuse_is_refused(arm, call, text):
+    with pytest.raises(InputError) as caught:
+        call(arm)
+    assert text in str(caught.value)
+
+
+def test_an_error_in_progress_ends_the_batch(arm):
+    g, theta0 = problems(arm, 1000)
+
+    def broken(done, count):
+        raise RuntimeError("the bar broke")
+
+    with pytest.raises(RuntimeError, match="the bar broke"):
+        solve_ik_batch(arm, np.tile(g, (100, 1, 1)), np.tile(theta0, (100, 1)), progress=broken)
+
+
+LONG = """
+import sys, time, numpy as np, twistarm
+arm = twistarm.load_arm("panda")
+rng = np.random.default_rng(0)
+g = arm.fk(arm.random_theta(rng, 1000))
+g[:, :3, 3] *= 1.0 if sys.argv[1] == "reachable" else 3.0
+g, start = np.tile(g, (1000, 1, 1)), time.perf_counter()
+print("begun", flush=True)
+try:
+    if sys.argv[1] == "endless":
+        twistarm.solve_ik_batch(arm, g[:8] + np.diag([0, 0, 1.0], 1), restarts=10**6)
+    twistarm.solve_ik_batch(arm, g, threads=2)
+except KeyboardInterrupt:
+    print("interrupted", flush=True)
+"""
+
+
+def seconds_until_interrupted(what):
+    command = [sys.executable, "-c", LONG, what]
+    with subprocess.Popen(command, stdout=subprocess.PIPE, text=True) as running:
+        assert running.stdout is not None
+        assert running.stdout.readline() == "begun\n"
+        time.sleep(1.0)
+        running.send_signal(signal.SIGINT)
+        begun = time.perf_counter()
+        assert running.stdout.readline() == "interrupted\n"
+        return time.perf_counter() - begun
+
+
+@pytest.mark.alone
+@pytest.mark.parametrize("what", ["reachable", "unreachable", "endless"])
+@pytest.mark.promise(
+    "Ctrl-C ends it.",
+)
+def test_ctrl_c_ends_a_million_targets(arm, what):
+    assert any(seconds_until_interrupted(what) < 0.2 for _ in range(3))
+
+
+def test_two_threads_on_one_arm(arm):
+    g, theta0 = problems(arm, 400)
+    expected = solve_ik_batch(arm, g, theta0).theta
+    answers = {}
+
+    def work(k):
+        answers[k] = (
+            solve_ik_batch(arm, g, theta0).theta,
+            [solve_ik(arm, *pair).theta for pair in zip(g, theta0, strict=True)],
+        )
+
+    threads = [threading.Thread(target=work, args=(k,)) for k in range(2)]
+    for thread in threads:
+        thread.start()
+    for thread in threads:
+        thread.join()
+    for batch, _ in answers.values():
+        np.testing.assert_array_equal(batch, expected)
+    np.testing.assert_array_equal(answers[0][1], answers[1][1])
+
+
+def test_after_a_fork(arm):
+    g, theta0 = problems(arm, 400)
+    expected = solve_ik_batch(arm, g, theta0, threads=2).theta
+    child = os.fork()
+    if child == 0:
+        same = False
+        try:
+            same = bool((solve_ik_batch(arm, g, theta0, threads=2).theta == expected).all())
+        finally:
+            os._exit(0 if same else 1)
+    assert os.waitstatus_to_exitcode(os.waitpid(child, 0)[1]) == 0
+
+
+def test_every_field_is_that_of_the_answer_alone(arm):
+    """Blocked targets and reachable ones, of two kinds, starts outside the limits, few searches, another seed."""
+    rng = np.random.default_rng(6)
+    small = load("so101")
+    g, _ = problems(small, 6, seed=7)
+    g[1::2, :3, :3] = g[1::2, :3, :3] @ np.array([[0.0, -1, 0], [1, 0, 0], [0, 0, 1]])
+    targets = [Pose(pose) if i % 3 else Position(pose[:3, 3]) for i, pose in enumerate(g)]
+    starts = small.random_theta(rng, 6) + np.array([4.0, 0, 0, 0, 0])
+    how = {"restarts": 3, "rng": 5, "posture": "theta0"}
+    batch = solve_ik_batch(small, targets, starts, **how)
+    stops = set()
+    for i, (target, start) in enumerate(zip(targets, starts, strict=True)):
+        ours = batch[i]
+        alone = solve_ik_batch(small, [target], start, **how)[0]
+        single = solve_ik(small, target, start, **how)
+        stops.add(ours.stop)
+        assert (ours.stop, ours.notes, ours.method) == (single.stop, single.notes, single.method)
+        assert (ours.iterations, ours.restarts) == (alone.iterations, alone.restarts)
+        assert (ours.position_error, ours.orientation_error) == (alone.position_error, alone.orientation_error)
+        assert ours.position_error == pytest.approx(single.position_error, abs=2e-6)
+        assert ours.orientation_error == pytest.approx(single.orientation_error, abs=2e-5)
+        assert (batch.position_error[i], batch.orientation_error[i]) == (ours.position_error, ours.orientation_error)
+        assert (batch.iterations[i], batch.restarts[i]) == (ours.iterations, ours.restarts)
+        assert ours.restarts <= 3
+        assert ours.notes, "every start lies outside"
+        assert (ours.unlimited is None) == (single.unlimited is None)
+        if ours.unlimited is not None:
+            assert not small.limits.contains(ours.unlimited)
+    assert StopReason.CONVERGED in stops
+    assert len(stops) > 1
+
+
+@pytest.mark.parametrize("far", [1.1e6, 1e17, 1e300])
+def test_a_start_from_which_whole_turns_cost_digits_is_refused(far):
+    arm = load("rover_arm")
+    start = arm.ready.copy()
+    start[-1] = far
+    for call in (lambda: solve_ik(arm, arm.fk(arm.ready), start), lambda: solve_ik_batch(arm, [np.eye(4)], start)):
+        with pytest.raises(InputError, match="theta0 holds .* for wrist_roll, beyond 1e\\+06 rad or m"):
+            call()
+    start[-1] = 9e5
+    solution = solve_ik(arm, arm.fk(arm.ready), start)
+    assert judged(arm, Pose(arm.fk(arm.ready)), solution)
+
+
+def test_numbers_that_are_not_aligned(arm):
+    g, theta0 = problems(arm, 2)
+    buffer = bytearray(1 + theta0.nbytes)
+    odd = np.frombuffer(buffer, np.float64, theta0.size, offset=1).reshape(theta0.shape)
+    odd[:] = theta0
+    np.testing.assert_array_equal(arm.fk(odd), arm.fk(theta0))
+    np.testing.assert_array_equal(solve_ik(arm, g[0], odd[0]).theta, solve_ik(arm, g[0], theta0[0]).theta)
+    np.testing.assert_array_equal(solve_ik_batch(arm, g, odd, posture=odd).theta,
+                                  solve_ik_batch(arm, g, theta0, posture=theta0).theta)  # fmt: skip

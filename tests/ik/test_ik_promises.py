@@ -1,0 +1,137 @@
+"""What its page and the docstrings promise of inverse kinematics: each sentence is held by a test that names it."""
+
+from __future__ import annotations
+
+import ast
+import re
+from pathlib import Path
+
+import numpy as np
+import pytest
+from scipy.spatial.transform import Rotation
+
+from catalogue import load
+from ik_targets import KINDS, STRICT, errors, judged, pinocchio_fk, require_core, target_from, turned
+from twistarm import IKSolution, solve_ik, solve_ik_batch
+from twistarm.ik import Approach, StopReason
+
+TESTS = Path(__file__).parent
+
+ARMS = ("rover_arm", "so101", "scara", "ur5", "panda")
+
+
+@pytest.fixture(autouse=True)
+def _core():
+    require_core(load("rover_arm"))
+
+
+def sentences(text):
+    """The sentences of some prose, each on one line, without the programs between them."""
+    paragraphs = re.split(r"\n\s*\n", re.sub(r"```.*?```", "", text, flags=re.S))
+    return [s for p in paragraphs for s in re.split(r"(?<=\.)\s+(?=[A-Z`[])", " ".join(p.split())) if s]
+
+
+def test_each_sentence_is_held_by_a_test_and_no_test_holds_another():
+    page = (TESTS.parents[1] / "docs" / "inverse_kinematics.md").read_text("utf-8")
+    (section,) = re.findall(r"^## What is promised\n(.*?)^## ", page, flags=re.S | re.M)
+    laws = [call.__doc__.partition("\n    Args:")[0] for call in (solve_ik, solve_ik_batch)]  # then shapes and units
+    said = {s for text in (section, *laws) for s in sentences(text)}
+    held = set()
+    for file in TESTS.glob("test_ik*.py"):
+        for node in ast.walk(ast.parse(file.read_text("utf-8"))):
+            if isinstance(node, ast.Call) and getattr(node.func, "attr", "") == "promise":
+                held |= {" ".join(ast.literal_eval(sentence).split()) for sentence in node.args}
+    assert held == said
+
+
+# whatever is asked ------------------------------------------------------------------------------------------------
+
+
+def asked_of(arm, kind, rng):
+    """Targets of a kind: met, turned at random, far out, at the base's origin, half a hair beside, absurdly far."""
+    g = arm.fk(arm.random_theta(rng))
+    there = [g, g.copy(), g.copy(), np.eye(4), turned(g, [1, 0, 0], 1e-4), g.copy()]
+    there[1][:3, :3] = Rotation.random(random_state=int(rng.integers(2**31))).as_matrix()
+    there[2][:3, 3] *= 3.0
+    there[5][:3, 3] = [9e5, -9e5, 9e5]
+    return [target_from(kind, pose, rng) for pose in there]
+
+
+@pytest.mark.promise(
+    "`solve_ik` never returns None and never raises for a target it cannot meet: it returns the nearest configuration "
+    "inside the limits (position first, then rotation), with the reason."
+)
+@pytest.mark.parametrize("name", ARMS)
+@pytest.mark.parametrize("kind", KINDS)
+def test_whatever_is_asked_is_answered_inside_the_limits_with_a_reason(name, kind):
+    arm, rng = load(name), np.random.default_rng([31, KINDS.index(kind)])
+    for target in asked_of(arm, kind, rng):
+        solution = solve_ik(arm, target, arm.random_theta(rng))
+        assert isinstance(solution, IKSolution)
+        assert arm.limits.contains(solution.theta)
+        told = solution.position_error, solution.orientation_error
+        np.testing.assert_allclose(told, errors(target, pinocchio_fk(arm, solution.theta)), rtol=1e-9, atol=2e-8)
+        assert judged(arm, target, solution) == solution.converged == (solution.stop is StopReason.CONVERGED)
+        assert ("reason: " in solution.explain()) != solution.converged
+
+
+@pytest.mark.promise(
+    "`Pose`, `Position`, `Approach` (position and where the tool points: the axis about which the last joint rolls it, "
+    "or the `tool_axis` you name) and `Task` (six tolerances) say what you want; on a five-joint arm ask for an "
+    "`Approach`."
+)
+@pytest.mark.parametrize("name", ["rover_arm", "so101", "so100"])
+def test_on_a_five_joint_arm_an_approach_is_met_however_the_pose_is_rolled(name):
+    """Rolled about the axis that it points, a tool still points, by the arm's own axis as by one that is named."""
+    arm, rng = load(name), np.random.default_rng(32)
+    axis = arm.tool_axis
+    for theta in arm.random_theta(rng, 10):
+        g = pinocchio_fk(arm, theta)
+        direction = turned(g, axis, rng.uniform(-2, 2))[:3, :3] @ axis
+        for approach in (Approach(g[:3, 3], direction), Approach(g[:3, 3], direction, axis)):
+            reached = pinocchio_fk(arm, solve_ik(arm, approach).require())
+            assert np.linalg.norm(reached[:3, 3] - g[:3, 3]) <= 1.01 * STRICT
+            assert np.linalg.norm(reached[:3, :3] @ axis - g[:3, :3] @ axis) <= 1.01 * STRICT
+
+
+# near the start ---------------------------------------------------------------------------------------------------
+
+
+@pytest.mark.promise(
+    "A target close to where the arm stands is answered close to it; where that cannot be, `solution.notes` says so.",
+    "For a target within 1 cm and 1° of the pose of theta0 the answer stays within 0.2 rad (0.2 m) of theta0 where it "
+    "can; `notes` says where it does not.",
+)
+@pytest.mark.parametrize("kind", KINDS)
+@pytest.mark.parametrize("name", ["panda", "ur5", "kinova", "so101", "rover_arm_6dof"])
+def test_a_target_close_to_where_the_arm_stands_is_answered_close_to_it(name, kind):
+    """Targets that a configuration within 0.01 of theta0 meets: it is near, so where theta is not, that is noted."""
+    arm, rng = load(name), np.random.default_rng([33, KINDS.index(kind)])
+    left = 0
+    for theta in arm.random_theta(rng, 50):
+        theta0 = np.clip(theta + rng.uniform(-0.01, 0.01, arm.n), arm.limits.lower, arm.limits.upper)
+        target = target_from(kind, pinocchio_fk(arm, theta), rng)
+        position, orientation = errors(target, pinocchio_fk(arm, theta0))
+        solution = solve_ik(arm, target, theta0)
+        assert judged(arm, target, solution)
+        far = np.abs(solution.theta - theta0).max() > 0.2
+        near = position <= 0.01 and orientation <= np.radians(1.0)
+        assert any("another branch" in note for note in solution.notes) == (far and near)
+        left += far and near
+    assert left == 0
+
+
+@pytest.mark.promise("Joints that may turn for ever come back as near to it as the limits allow.")
+@pytest.mark.parametrize("name", ["ur5", "kinova", "panda"])
+def test_no_whole_turn_would_bring_a_joint_nearer_to_its_start(name):
+    """Of every joint all whole turns are tried: those that lie inside the limits and move nothing, by Pinocchio."""
+    arm, rng = load(name), np.random.default_rng(34)
+    for theta in arm.random_theta(rng, 20):
+        theta0 = arm.random_theta(rng)
+        answer = solve_ik(arm, arm.fk(theta), theta0).require()
+        for joint in range(arm.n):
+            for turns in (-2, -1, 1, 2):
+                other = answer.copy()
+                other[joint] += 2 * np.pi * turns
+                if arm.limits.contains(other) and np.allclose(pinocchio_fk(arm, other), pinocchio_fk(arm, answer)):
+                    assert abs(other[joint] - theta0[joint]) >= abs(answer[joint] - theta0[joint]) - 1e-9

@@ -1,0 +1,299 @@
+"""The benchmarks' own honesty: the judge, the problems, workers that fail, and a quick run of the whole."""
+
+from __future__ import annotations
+
+import json
+import re
+import sys
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from twistarm import load_arm, poe
+
+ROOT = Path(__file__).resolve().parents[2]
+sys.path.append(str(ROOT))
+
+from benchmarks import problems  # noqa: E402
+from benchmarks.__main__ import main  # noqa: E402
+from benchmarks.conductor import Worker, WorkerError, interleave  # noqa: E402
+from benchmarks.environments import NotInstalled, python_of  # noqa: E402
+from benchmarks.figures import single_calls  # noqa: E402
+from benchmarks.judge import Judge  # noqa: E402
+from benchmarks.robots import ARMS, make_robot  # noqa: E402
+from benchmarks.servo import main as servo_main  # noqa: E402
+from benchmarks.servo_time import Swing, growth  # noqa: E402
+
+
+@pytest.fixture(scope="module", params=ARMS)
+def robot(request, tmp_path_factory):
+    return make_robot(request.param, tmp_path_factory.mktemp("arm"))
+
+
+@pytest.fixture(scope="module")
+def ur5(tmp_path_factory):
+    return make_robot("ur5", tmp_path_factory.mktemp("arm"))
+
+
+def poses(robot, theta):
+    """By the product of exponentials of the whole description: neither Pinocchio nor the cut."""
+    arm = load_arm(robot.whole_urdf, base=robot.base, tip=robot.tip)
+    return poe.fk(arm.screws, arm.home, np.asarray(theta))
+
+
+# -- arms and problems ---------------------------------------------------------------------------------------------
+
+
+def test_the_cut_chain_is_the_arm(robot):
+    theta = problems.configurations(robot, 1, 20)[:, 0]
+    np.testing.assert_allclose(Judge(robot).fk(theta), poses(robot, theta), atol=1e-12)
+    arm = load_arm(robot.whole_urdf, base=robot.base, tip=robot.tip)
+    for name, lower, upper, k in zip(robot.joints, robot.lower, robot.upper, range(arm.n), strict=True):
+        assert name == arm.joint_names[k]
+        given = arm.limits.lower[k], arm.limits.upper[k]
+        assert (lower, upper) == pytest.approx(given if np.isfinite(given).all() else (-2 * np.pi, 2 * np.pi))
+
+
+def test_axis_frames_turn_about_their_z(robot):
+    frames = np.array(robot.axis_frames)
+    screws = load_arm(robot.whole_urdf, base=robot.base, tip=robot.tip).screws.T
+    for frame, screw in zip(frames, screws, strict=False):
+        z, p = frame[:3, 2], frame[:3, 3]
+        np.testing.assert_allclose(screw, np.r_[np.cross(p, z), z], atol=1e-12)
+    np.testing.assert_allclose(frames[-1], poses(robot, np.zeros(len(robot.joints))), atol=1e-12)
+
+
+FIRST = {
+    "panda": (
+        [-0.729124, 1.613704, 0.870325, -2.72617, 0.100657, 0.042184, 1.774935],
+        [-2.877927, 0.917058, 0.784291, -0.673438, 1.330684, 3.465717, 2.472918],
+    ),
+    "so101": (
+        [0.162717, 0.824586, 1.498301, -1.016151, -0.935164],
+        [0.728321, -1.417188, -0.844768, -0.551923, 0.066943],
+    ),
+}
+"""Goal and start of the first problem of seed 20260701, drawn once with NumPy and written down."""
+
+
+@pytest.mark.parametrize("name", FIRST)
+def test_the_common_problems_stay_the_same(name, tmp_path):
+    robot = make_robot(name, tmp_path)
+    goal, start = problems.configurations(robot, problems.SEED, 1)[0, :2]
+    np.testing.assert_allclose(goal, FIRST[name][0], atol=5e-7)
+    np.testing.assert_allclose(start, FIRST[name][1], atol=5e-7)
+    cold = problems.cold(robot, Judge(robot), 1)
+    np.testing.assert_allclose(cold.targets[0], poses(robot, goal), atol=1e-12)
+    np.testing.assert_array_equal(cold.starts[0], start)
+
+
+def test_the_first_problems_do_not_hang_on_their_number(robot):
+    few, many = (problems.configurations(robot, 5, count) for count in (3, 30))
+    np.testing.assert_array_equal(few, many[:3])
+    assert not np.array_equal(few, problems.configurations(robot, 6, 3))
+
+
+def test_problems_lie_in_the_limits_and_warm_ones_near(robot):
+    goal, start, _ = problems.configurations(robot, 7, 200).swapaxes(0, 1)
+    for theta in (goal, start):
+        assert ((theta >= robot.lower) & (theta <= robot.upper)).all()
+    warm = problems.warm(robot, Judge(robot), 200)
+    moved = np.linalg.norm(warm.targets[:, :3, 3] - poses(robot, warm.starts)[:, :3, 3], axis=1)
+    assert moved.max() <= 0.01 * robot.reach * np.sqrt(len(robot.joints))
+    assert moved.min() > 0
+
+
+def test_unreachable_targets_are_out_of_reach(robot):
+    centre = np.array(robot.axis_frames)[0, :3, 3]
+    reached = poses(robot, problems.configurations(robot, 8, 2000)[:, 0])[:, :3, 3]
+    asked = problems.unreachable(robot, Judge(robot), 50).targets[:, :3, 3]
+    farthest = np.linalg.norm(reached - centre, axis=1).max()
+    assert farthest <= robot.reach
+    assert np.linalg.norm(asked - centre, axis=1).min() >= 1.04999 * robot.reach
+
+
+# -- the judge -----------------------------------------------------------------------------------------------------
+
+
+def test_the_judge_accepts_only_what_is_right(ur5):
+    judge = Judge(ur5)
+    theta = np.array([0.3, -1.1, 1.2, -0.4, 0.9, 0.2])
+    goal = poses(ur5, theta)
+    turn = np.deg2rad(360) * np.eye(6)[5]
+
+    def verdict(answer, target=goal):
+        return bool(judge.errors(np.array([answer]), np.array([target])).strict[0])
+
+    assert verdict(theta)
+    assert verdict(theta - turn)
+    assert not verdict(theta + turn), "the same pose, but 0.2 + 2π lies outside the limits"
+    assert not verdict(theta + 1e-4)
+    assert not verdict(np.full(6, np.nan))
+    shifted, within = goal.copy(), goal.copy()
+    shifted[0, 3] += 1.1e-6
+    within[0, 3] += 0.9e-6
+    assert verdict(theta, within)
+    assert not verdict(theta, shifted)
+    for angle, right in ((0.9e-6, True), (1.1e-6, False)):
+        c, s = np.cos(angle), np.sin(angle)
+        turned = goal.copy()
+        turned[:3, :3] = goal[:3, :3] @ np.array([[c, -s, 0], [s, c, 0], [0, 0, 1]])
+        assert verdict(theta, turned) is right
+
+
+def test_the_judge_holds_the_limits_to_their_slack(ur5):
+    judge = Judge(ur5)
+    for beyond, right in ((0.9e-7, True), (1.1e-7, False)):
+        theta = np.array([*ur5.upper[:1], -1.1, 1.2, -0.4, 0.9, 0.2]) + beyond * np.eye(6)[0]
+        assert bool(judge.errors(theta[None], poses(ur5, theta)[None]).strict[0]) is right
+
+
+def test_the_judge_refuses_answers_of_another_shape(ur5):
+    with pytest.raises(ValueError, match="answers must have the shape"):
+        Judge(ur5).errors(np.zeros((1, 5)), np.eye(4)[None])
+
+
+# -- workers -------------------------------------------------------------------------------------------------------
+
+WORKER = """
+import json, os, sys, time
+for number, line in enumerate(sys.stdin):
+    message = json.loads(line)
+    {trouble}
+    k = len(message["targets"])
+    answer = {{"theta": message["starts"], "converged": k * [True], "reasons": k * [""], "ns": k * [1000]}}
+    print(json.dumps(answer), flush=True)
+"""
+
+
+def worker(tmp_path, name, trouble="pass"):
+    return Worker([sys.executable, "-c", WORKER.format(trouble=trouble)], tmp_path / f"{name}.log", seconds=60.0)
+
+
+TROUBLES = {
+    "dies": ("if number == 1: sys.exit('out of order')", r"died with exit code 1: out of order \(after 25 of 60 "),
+    "crashes": ("os._exit(7)", r"died with exit code 7 \(after 0 of 60 targets\)"),
+    "hangs": ("time.sleep(120)", r"no answer within 1 s \(after 0 of 60 targets\)"),
+    "babbles": ("print('hello', flush=True); continue", r"its answer is no JSON \(after 0 of 60 targets\)"),
+    "fails": ("print(json.dumps({'error': 'ValueError: no'}), flush=True); continue", r"ValueError: no \(after 0 of"),
+}
+
+
+def test_workers_that_fail_are_reported_and_the_others_go_on(ur5, tmp_path):
+    cold = problems.cold(ur5, Judge(ur5), 60)
+    workers = {name: worker(tmp_path, name, text) for name, (text, _) in TROUBLES.items()}
+    workers["hangs"].seconds = 1.0
+    workers["sound"] = worker(tmp_path, "sound")
+    try:
+        answers = interleave(workers, cold, 6)
+    finally:
+        for each in workers.values():
+            each.close()
+    np.testing.assert_array_equal(answers["sound"].theta, cold.starts)
+    for name, (_, reason) in TROUBLES.items():
+        figures = single_calls("ur5", name, cold, answers[name], Judge(ur5))
+        assert np.isnan(figures.strict)
+        assert figures.remark.startswith(answers[name])
+        assert re.match(reason, answers[name]), answers[name]
+
+
+def test_a_dead_worker_stays_dead(tmp_path):
+    dead = worker(tmp_path, "dead", "os._exit(7)")
+    for _ in range(2):
+        with pytest.raises(WorkerError, match="died with exit code 7"):
+            dead.ask("solve", targets=[], starts=[])
+
+
+def test_answers_that_are_wrongly_called_converged_are_counted(ur5, tmp_path):
+    judge, liar = Judge(ur5), worker(tmp_path, "liar")
+    cold = problems.cold(ur5, judge, 30)
+    solved = problems.Problems("cold", np.r_[poses(ur5, cold.starts[:10]), cold.targets[10:]], cold.starts)
+    try:
+        figures = single_calls("ur5", "liar", solved, interleave({"liar": liar}, solved, 6)["liar"], judge)
+    finally:
+        liar.close()
+    assert figures.strict == pytest.approx(10 / 30)
+    assert figures.wrong == 20
+    assert figures.motion == 0
+    assert figures.median == 1
+
+
+def test_what_cannot_be_installed_says_so_in_a_line(tmp_path):
+    (tmp_path / "requirements-absent.txt").write_text("absent @ file:///nowhere/absent-1.0-py3-none-any.whl\n")
+    said = []
+    with pytest.raises(NotInstalled, match="nowhere/absent-1.0") as error:
+        python_of("absent", tmp_path / "environments", said.append, requirements=tmp_path)
+    assert "\n" not in str(error.value)
+    assert len(said) == 1
+    assert python_of("twistarm", tmp_path, said.append) == Path(sys.executable)
+
+
+# -- the whole -----------------------------------------------------------------------------------------------------
+
+
+@pytest.mark.slow
+def test_a_quick_run(tmp_path, capsys):
+    file, picture = tmp_path / "figures.json", tmp_path / "figures.svg"
+    main(["--quick", "--arms", "panda", "so101", "--seed", "11", "--json", str(file), "--plot", str(picture)])
+    printed, found = capsys.readouterr().out, json.loads(file.read_text())
+    rows = {(row["arm"], row["peer"], row["kind"]): row for row in found["single"]}
+    assert len(rows) == 2 * 2 * 4
+    for (arm, peer, kind), row in rows.items():
+        assert row["remark"] == "", (arm, peer, kind)
+        assert row["wrong"] == 0
+        assert 0 < row["median"] <= row["p99"]
+        least = 1.0 if peer == "twistarm" else 0.5
+        assert row["strict"] == 0 if kind == "unreachable" else row["strict"] >= least
+    for arm in ("panda", "so101"):
+        assert rows[arm, "twistarm", "warm"]["motion"] <= 0.2
+        assert sum(rows[arm, "twistarm", "unreachable"]["reasons"].values()) == 3
+        assert rows[arm, "twistarm", "cold"]["ratio"] == 1
+    assert {(row["arm"], row["threads"], row["strict"], row["remark"]) for row in found["batch"]} == {
+        (arm, threads, 1.0, "") for arm in ("panda", "so101") for threads in (1, 2)
+    }
+    assert all(row["difference"] < 1e-12 for row in found["kinematics"])
+    assert {"one fk", "batch fk_jacobian"} <= set(found["kinematics"][0]["times"])
+    assert found["seed"] == 20260701
+    assert found["plan"]["seed"] == 11
+    assert set(found["versions"]) == {"twistarm", "pin"}
+    assert "--seed 11" in printed
+    assert "solve_ik(arm, g, theta0)" in printed
+    assert "<svg" in picture.read_text()
+
+
+# -- the servo -----------------------------------------------------------------------------------------------------
+
+
+def test_a_quick_run_of_the_servo(tmp_path, capsys):
+    file = tmp_path / "figures.json"
+    servo_main(
+        ["--arms", "rover_arm", "four_joints", "--count", "1", "--rounds", "1", "--steps", "200", "--json"]
+        + [str(file)]
+    )
+    printed, found = capsys.readouterr().out, json.loads(file.read_text())
+    assert {row["arm"] for row in found["steps"]} | set(found["absent"]) == {
+        "rover_arm", "rover_arm_6dof", "ur5", "panda", "so101"
+    }  # fmt: skip
+    for row in found["steps"]:
+        assert 0 < row["median"] <= row["p99"]
+        assert row["ratio"] == pytest.approx(row["median"] / row["fk"])
+        assert f"{row['median']:.2f}" in printed
+    assert found["growth"]["steps"] == 200
+    for part in ("held", "joystick", "path", "leaving"):
+        assert [row["arm"] for row in found[part]] == ["rover_arm", "four_joints"]
+    assert [(row["shaking"], row["unlimited"], row["unsteady"]) for row in found["held"]] == 2 * [(0, 0, 0)]
+    assert [row["acceleration"] for row in found["joystick"]] == [0, 0]
+
+
+def test_memory_that_is_kept_is_seen():
+    kept = []
+
+    class Leaking(Swing):
+        def step(self):
+            super().step()
+            kept.append(bytes(1000))
+
+    arm = load_arm("rover_arm")
+    assert growth([Leaking(arm, "jog")], 500)["python"] > 500 * 1000
+    assert growth([Swing(arm, "jog")], 500)["python"] < 500 * 16

@@ -1,0 +1,58 @@
+"""The core's headers by themselves: their C++ tests, compiled and run on every instruction set, with sanitizers too."""
+
+from __future__ import annotations
+
+import os
+import shutil
+import subprocess
+from pathlib import Path
+
+import pytest
+
+from twistarm.model import engine
+
+TESTS = Path(__file__).parents[2] / "core" / "tests"
+
+EVERY_SIZE = "1,2,3,4,5,6,7,8"
+
+QUICK = "lanes elementary ldl ranges singular_directions motion_limits"
+"""What compiles in seconds, and what the tests in Python do not see."""
+
+
+@pytest.fixture(scope="session")
+def compiler() -> str:
+    """A C++ compiler, and make; without them the tests skip, or fail where nothing may be skipped."""
+    found = next((name for name in ("c++", "g++", "clang++") if shutil.which(name)), None)
+    if found and shutil.which("make"):
+        return found
+    missing = "make" if found else "C++ compiler (apt install g++, xcode-select --install)"
+    if os.environ.get("TWISTARM_REQUIRE_ALL"):
+        pytest.fail(f"no {missing}")
+    pytest.skip(f"no {missing}: the core's own tests are not compiled")
+
+
+def check(compiler: str, build: Path, *settings: str) -> None:
+    """Compiles and runs the tests; what fails is told as the compiler and they told it."""
+    command = ["make", "-s", "-j2", "-C", str(TESTS), "check", f"CXX={compiler}", f"BUILD={build}", *settings]
+    done = subprocess.run(command, capture_output=True, text=True, check=False)
+    assert done.returncode == 0, f"{' '.join(command)}\n{done.stdout[-4000:]}\n{done.stderr[-4000:]}"
+
+
+def instruction_sets() -> list[str]:
+    """Of the processor; the compiled core's names for them, but for its baseline, which here needs no flags."""
+    core = engine.core()
+    names = ["baseline"] if core is None else core.instruction_sets()
+    return ["portable" if name == "baseline" else name for name in names]
+
+
+def test_the_headers(compiler: str, tmp_path: Path) -> None:
+    check(compiler, tmp_path, f"TESTS={QUICK}")
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("instructions", ["portable", "avx2", "avx512"])
+@pytest.mark.parametrize(("mode", "sizes"), [("quick", EVERY_SIZE), ("sanitized", "3")])
+def test_the_headers_on(compiler: str, tmp_path: Path, instructions: str, mode: str, sizes: str) -> None:
+    if instructions not in instruction_sets():
+        pytest.skip(f"this processor has no {instructions}")
+    check(compiler, tmp_path, f"SET={instructions}", f"MODE={mode}", f"SIZES={sizes}")

@@ -1,0 +1,161 @@
+"""The pages: every block in the README and in docs is executed, in the order in which a reader meets it.
+
+A page runs in a folder and a namespace of its own. A comment before a block says what else it is: `file NAME` is
+written before anything runs, `output` is what its first line prints, and the marks of `NOT_RUN` leave it out.
+"""
+
+from __future__ import annotations
+
+import os
+import re
+import shlex
+import shutil
+import subprocess
+from importlib import import_module
+from pathlib import Path
+from typing import NamedTuple
+
+import pytest
+
+import twistarm
+from twistarm.cli import application
+
+ROOT = Path(__file__).parents[2]
+DOCS = ROOT / "docs"
+PAGES = [ROOT / "README.md", *sorted(DOCS.rglob("*.md"))]
+
+NOT_RUN = {
+    "serves": "waits for Ctrl-C",
+    "installs": "changes the environment",
+    "recurses": "runs the tests themselves",
+    "another program": "is run by the tests of what it speaks to",
+    "needs a browser": "is run by the tests of pictures",
+}
+"""Marks of blocks that are not run here, with the reason."""
+
+FRAGMENTS = {"text", "toml", "xml", "cpp", "csv", "console"}
+"""Kinds of blocks that are looked at, not run, unless a mark makes a file of them or an output."""
+
+
+class Block(NamedTuple):
+    mark: str
+    kind: str
+    text: str
+
+
+FENCED = r"(?:^<!-- (?P<mark>[^>]+) -->\n)?^```(?P<kind>[^\n]*)\n(?P<text>.*?)^```$"
+COMPARED = r"^\|[^\n]*\| twistarm \|\n\|[-|]+\|\n(?P<rows>(?:\|[^\n]*\n)+)"
+"""A table whose last column says it in twistarm: each of its cells is a program."""
+
+
+def blocks(page: Path) -> list[Block]:
+    found = []
+    for match in re.finditer(f"{FENCED}|{COMPARED}", page.read_text("utf-8"), flags=re.S | re.M):
+        if match["rows"] is None:
+            if not match["kind"].startswith("{"):  # a directive of the site's
+                found.append(Block(match["mark"] or "", match["kind"], match["text"]))
+        else:
+            cells = [row.rsplit(" | ", 1)[1] for row in match["rows"].splitlines()]
+            found += [Block("", "python", program) for cell in cells for program in re.findall(r"`([^`]+)`", cell)]
+    return found
+
+
+def laid_out(page: Path, folder: Path) -> None:
+    """What the tour begins with: the reader's own arm in `my_arm/`, and the files that the page shows."""
+    (folder / "my_arm").mkdir()
+    for file in (ROOT / "robots" / "rover_arm").glob("*.xacro"):
+        shutil.copy(file, folder / "my_arm" / file.name.replace("rover_arm.urdf", "my_arm.urdf"))
+    for block in blocks(page):
+        if block.mark.startswith("file "):
+            (folder / block.mark.removeprefix("file ")).write_text(block.text, "utf-8")
+
+
+def command(line: str, capsys: pytest.CaptureFixture[str]) -> str:
+    """What a line that begins with `twistarm` prints, in this process: to start one takes longer than the command."""
+    capsys.readouterr()
+    program, *arguments = shlex.split(line, comments=True)
+    assert program == "twistarm", f"a command the tests do not know: {line}"
+    code, printed = application.run(arguments), capsys.readouterr()
+    assert code == 0, f"{line}\n{printed.out}\n{printed.err}"
+    return printed.out
+
+
+def compiled(source: str, said: str) -> None:
+    """Compile and run a C++ program that the page shows, with the headers in the folder that `bake` has named."""
+    compiler = shutil.which("c++") or shutil.which("g++") or shutil.which("clang++")
+    if compiler is None:
+        if os.environ.get("TWISTARM_REQUIRE_ALL"):
+            pytest.fail("no C++ compiler, and TWISTARM_REQUIRE_ALL is set")
+        return
+    include = said.split("-I ")[1].split()[0]
+    subprocess.run([compiler, "-std=c++17", "-O0", "-I", include, source, "-o", "main"], check=True, timeout=300)
+    subprocess.run(["./main"], check=True, timeout=60)
+
+
+@pytest.mark.parametrize("page", PAGES, ids=lambda page: str(page.relative_to(ROOT)))
+def test_every_block_does_what_the_page_says(page, tmp_path, monkeypatch, capsys):
+    laid_out(page, tmp_path)
+    monkeypatch.chdir(tmp_path)
+    names: dict[str, object] = {"__name__": "__main__"}
+    said = ""
+    for mark, kind, text in blocks(page):
+        if mark in NOT_RUN:
+            continue
+        if mark == "output":
+            line, _, shown = text.partition("\n")
+            printed = command(line.removeprefix("$ "), capsys)
+            assert [row.rstrip() for row in printed.splitlines()] == shown.splitlines()
+        elif mark.startswith("file "):
+            if kind == "cpp":
+                compiled(mark.removeprefix("file "), said)
+        elif kind == "python":
+            exec(compile(text, str(page.relative_to(ROOT)), "exec"), names)
+        elif kind == "sh":
+            for row in text.splitlines():
+                if row.strip() and not row.startswith("#"):
+                    said += command(row, capsys)
+        else:
+            assert kind in FRAGMENTS, f"{page.name}: a block of the unknown kind {kind!r}"
+
+
+def test_few_blocks_are_not_run():
+    left_out = [block.mark for page in PAGES for block in blocks(page) if block.mark in NOT_RUN]
+    assert len(left_out) <= 9, left_out
+
+
+@pytest.mark.parametrize("page", PAGES, ids=lambda page: str(page.relative_to(ROOT)))
+def test_what_a_page_links_to_is_there(page):
+    text = re.sub(r"```.*?^```$", "", page.read_text("utf-8"), flags=re.S | re.M)
+    for target in re.findall(r"\]\(([^)#\s]+)[^)]*\)", text):
+        ours = re.fullmatch(r"https://[\w.]*github[\w.]*/twistarm/twistarm/(?:(?:blob|tree)/)?main/(.*)", target)
+        if ours or not target.startswith("https://"):
+            assert (ROOT / ours[1] if ours else page.parent / target).exists(), target
+
+
+MODULES = ("", "screws", "joints", "poe", "rotations", "stream", "testing", "viewer", "wiring")
+
+
+def public_names(module: str) -> set[str]:
+    """What a module offers: its `__all__`, or the functions and classes that it defines."""
+    found = import_module(f"twistarm.{module}") if module in ("stream", "testing", "viewer", "wiring") else twistarm
+    found = getattr(twistarm, module) if module in twistarm.__all__ else found
+    names = getattr(found, "__all__", None) or [
+        name
+        for name, value in vars(found).items()
+        if getattr(value, "__module__", "") == found.__name__ and callable(value) and not name.startswith("_")
+    ]
+    return set(names)
+
+
+REFERENCE = {page: page.read_text("utf-8") for page in sorted((DOCS / "api").glob("*.md"))}
+
+
+@pytest.mark.parametrize("module", MODULES)
+def test_every_public_name_has_its_entry_and_an_example(module):
+    described = {name: page for page, text in REFERENCE.items() for name in re.findall(r":: (twistarm\.\S+)", text)}
+    programs = {page: "\n".join(block.text for block in blocks(page) if block.kind == "python") for page in REFERENCE}
+    for name in public_names(module) - set(MODULES):
+        full = f"twistarm.{module}.{name}" if module and name not in twistarm.__all__ else f"twistarm.{name}"
+        assert full in described, f"{full} has no entry in docs/api"
+        used = f"{module}.{name}" if module in ("screws", "joints", "poe", "rotations") else name
+        assert re.search(rf"\b{re.escape(used)}\b", programs[described[full]]), f"{full} has no example"

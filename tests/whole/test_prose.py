@@ -1,0 +1,61 @@
+"""Prose of the package, held by rules: what a module is comes first, and each parameter is described."""
+
+from __future__ import annotations
+
+import ast
+import inspect
+import re
+from pathlib import Path
+
+import twistarm
+from twistarm import stream, testing
+
+PACKAGE = Path(__file__).parents[2] / "src" / "twistarm"
+
+QUESTION = re.compile(r"(What|Which|How|Who|Whether|Where|When)\b|$")
+
+
+def test_each_first_line_says_what_the_module_is():
+    modules = sorted(PACKAGE.rglob("*.py"))
+    firsts = {path: ast.get_docstring(ast.parse(path.read_text("utf-8"))) or "" for path in modules}
+    asking = {str(path.relative_to(PACKAGE)): text for path, text in firsts.items() if QUESTION.match(text)}
+    assert not asking
+
+
+def public_functions():
+    """Every public function, and method of a public class, that a user can reach: {name: function}."""
+    found = {}
+
+    def visit(name, thing):
+        if inspect.isclass(thing):
+            for method, value in vars(thing).items():
+                if not method.startswith("_"):
+                    visit(f"{name}.{method}", getattr(value, "__func__", value))
+        elif inspect.ismodule(thing):
+            for function, value in vars(thing).items():
+                if not function.startswith("_") and getattr(value, "__module__", "") == thing.__name__:
+                    visit(f"{name}.{function}", value)
+        elif inspect.isfunction(thing) and thing.__module__.startswith("twistarm"):
+            found[name] = thing
+
+    for name in twistarm.__all__:
+        visit(name, getattr(twistarm, name))
+    for name in stream.__all__:
+        visit(f"stream.{name}", getattr(stream, name))
+    visit("testing", testing)
+    return found
+
+
+def test_functions_of_two_parameters_or_more_describe_each_of_them():
+    functions = public_functions()
+    assert len(functions) > 100
+    lacking = {}
+    for name, function in functions.items():
+        parameters = inspect.signature(function).parameters.values()
+        stars = {inspect.Parameter.VAR_POSITIONAL: "*", inspect.Parameter.VAR_KEYWORD: "**"}
+        names = [stars.get(p.kind, "") + p.name for p in parameters if p.name not in ("self", "cls")]
+        described = inspect.getdoc(function).partition("\nArgs:\n")[2]
+        missing = [p for p in names if not re.search(rf"^    {re.escape(p)}: ", described, re.M)]
+        if len(names) > 1 and missing:
+            lacking[name] = missing
+    assert not lacking

@@ -1,0 +1,561 @@
+"""The package twistarm_servo, a ROS 2 node, on stand-ins of rclpy that are as strict as the real one."""
+
+from __future__ import annotations
+
+import importlib
+import re
+import runpy
+import signal
+import sys
+import types
+from pathlib import Path
+from xml.etree import ElementTree
+
+import numpy as np
+import pytest
+import yaml
+
+import ros_stand_ins as msg
+
+PACKAGE = Path(__file__).parents[2] / "examples" / "ros2" / "twistarm_servo"
+
+TWIST, JOG, POSE = "~/delta_twist_cmds", "~/delta_joint_cmds", "~/pose_target_cmds"
+VELOCITIES = {"command_out_type": "std_msgs/Float64MultiArray", "publish_joint_positions": False}
+PERIOD = 0.01
+
+
+@pytest.fixture
+def package(monkeypatch):
+    """Imports a module of the package, and what it imports, anew: on the stand-ins of the moment."""
+    monkeypatch.syspath_prepend(str(PACKAGE))
+
+    def anew(name):
+        for old in [old for old in sys.modules if old.split(".")[0] == "twistarm_servo"]:
+            monkeypatch.delitem(sys.modules, old)
+        return importlib.import_module(f"twistarm_servo.{name}")
+
+    return anew
+
+
+class Drive:
+    """Spins the node for some cycles of simulated time, with joint states of an arm that follows; then Ctrl-C."""
+
+    def __init__(self, monkeypatch, package, theta, **parameters):
+        self.said = msg.install(monkeypatch, self.spin_once)
+        overrides = {**VELOCITIES, **parameters}
+        monkeypatch.setattr(msg.Node, "overrides", overrides)
+        self.main = package("node").main
+        self.node, self.cycle, self.each = None, 0, lambda drive: None
+        self.joints, self.ends = lambda drive: drive.follow(), KeyboardInterrupt
+        self.theta = theta.copy()
+
+    def run(self, cycles):
+        self.cycles = cycles
+        return self.main()
+
+    @property
+    def now(self):
+        return self.node.get_clock().seconds
+
+    @property
+    def arm(self):
+        return self.node.streaming.arm
+
+    @property
+    def commands(self):
+        return self.node.published["~/commands"]
+
+    @property
+    def rates(self):
+        return np.array([message.data for message in self.commands]).reshape(-1, 5)
+
+    @property
+    def log(self):
+        return [text for _, text in self.node.get_logger().said]
+
+    @property
+    def status(self):
+        return self.node.published["/diagnostics"][-1].status[0]
+
+    def spin_once(self, node):
+        self.node = node
+        if self.cycle == self.cycles:
+            raise self.ends
+        self.cycle += 1
+        node.get_clock().seconds += PERIOD
+        if self.node.streaming is not None:
+            self.joints(self)
+        self.each(self)
+        for period, callback in list(node.ticks):
+            if period < 1.0 or self.cycle % round(period / PERIOD) == 0:
+                callback()
+
+    def follow(self):
+        if len(self.commands):
+            self.theta = self.theta + PERIOD * self.rates[-1]
+        names = ["wheel", *reversed(self.arm.joint_names)]
+        self.hear("/joint_states", msg.JointState(name=names, position=[7.0, *self.theta[::-1].tolist()]))
+
+    def hear(self, topic, message, stamped=True):
+        kind, callback, _ = self.node.subscribed[topic]
+        assert type(message) is kind
+        if stamped and hasattr(message, "header"):
+            message.header.stamp = self.node.get_clock().now().to_msg()
+        callback(message)
+
+    def twist(self, frame_id="base_link", **changes):
+        fields = {"linear": msg.Vector3(z=0.05), **changes}
+        self.hear(TWIST, msg.TwistStamped(header=msg.Header(frame_id=frame_id), twist=msg.Twist(**fields)))
+
+
+@pytest.fixture(scope="module")
+def baked(rover, tmp_path_factory):
+    """The rover arm in a file that is read in no time."""
+    return str(rover.bake(tmp_path_factory.mktemp("baked") / "arm.json"))
+
+
+@pytest.fixture
+def drive(monkeypatch, package, rover, baked):
+    return lambda **parameters: Drive(monkeypatch, package, rover.ready, **{"description": baked, **parameters})
+
+
+def test_twists_become_rates_and_the_arm_is_left_at_rest(drive, rover):
+    it = drive(description="rover_arm")
+    it.each = lambda it: it.twist()
+    assert it.run(30) == 0
+    assert it.arm.fk(it.theta)[2, 3] > rover.fk("ready")[2, 3] + 0.005
+    assert not it.rates[-1].any()
+    assert it.node.destroyed
+    assert it.said == ["init", "shutdown"]
+    assert it.status.level == b"\x00"
+    values = {each.key: each.value for each in it.status.values}
+    assert values.keys() >= {"status", "scale", "interlock", "frame", "hold"}
+
+
+@pytest.mark.parametrize("number", [signal.SIGTERM, signal.SIGHUP])
+def test_signals_end_it_as_ctrl_c_does(drive, number):
+    it = drive()
+
+    def each(it):
+        it.twist()
+        if it.cycle == 20:
+            signal.raise_signal(number)
+
+    it.each, before = each, signal.getsignal(number)
+    it.run(40)
+    assert it.cycle == 20
+    assert not it.rates[-1].any()
+    assert signal.getsignal(number) is before
+
+
+def test_trajectories_have_velocities_and_end_at_rest(drive):
+    it = drive(command_out_type="trajectory_msgs/JointTrajectory", publish_joint_positions=True)
+    it.joints = lambda it: it.hear(
+        "/joint_states", msg.JointState(name=list(it.arm.joint_names), position=it.theta.tolist())
+    )
+    it.each = lambda it: it.twist()
+    it.run(10)
+    first, last = it.commands[8].points
+    assert it.commands[8].joint_names == list(it.arm.joint_names)
+    assert first.time_from_start.nanosec == 20_000_000
+    assert any(first.velocities)
+    assert not any(last.velocities)
+    assert it.commands[8].header.stamp.sec == 0
+    assert len(it.commands[-1].points) == 1
+
+
+def test_arrays_hold_positions_where_the_controller_takes_them(drive):
+    it = drive(publish_joint_positions=True, publish_joint_velocities=False)
+    it.joints = lambda it: it.hear(
+        "/joint_states", msg.JointState(name=list(it.arm.joint_names), position=it.theta.tolist())
+    )
+    it.run(3)
+    np.testing.assert_allclose(it.commands[-1].data, it.theta)
+
+
+def test_jogs_poses_and_unitless_twists_move_the_arm(drive, rover):
+    it = drive()
+    it.each = lambda it: it.hear(JOG, msg.JointJog(joint_names=["elbow"], velocities=[0.2]))
+    it.run(30)
+    assert it.rates[28] == pytest.approx([0.0, 0.0, 0.2, 0.0, 0.0], abs=1e-3)
+
+    it = drive(command_in_type="unitless", scale_joint=0.4)
+    it.each = lambda it: it.hear(JOG, msg.JointJog(joint_names=["elbow"], velocities=[0.5]))
+    it.run(30)
+    assert it.rates[28] == pytest.approx([0.0, 0.0, 0.2, 0.0, 0.0], abs=1e-3)
+
+    it, goal = drive(), rover.fk("ready")[:3, 3] + [0.0, 0.0, 0.02]
+    x, y, z = goal.tolist()
+    at = msg.Pose(position=msg.Point(x=x, y=y, z=z), orientation=msg.Quaternion(w=1.0))
+    it.each = lambda it: it.hear(POSE, msg.PoseStamped(header=msg.Header(frame_id="base_link"), pose=at))
+    it.run(20)
+    assert np.abs(it.rates).max() > 0.01
+
+
+NONSENSE = {
+    "a foreign frame": (lambda it: it.twist("world"), "got frame_id 'world'"),
+    "NaN": (lambda it: it.twist(linear=msg.Vector3(x=np.nan)), "finite"),
+    "infinity": (lambda it: it.twist(angular=msg.Vector3(z=np.inf)), "finite"),
+    "too fast": (lambda it: it.twist(linear=msg.Vector3(x=1e9)), "at most"),
+    "another arm's joint": (
+        lambda it: it.hear(JOG, msg.JointJog(joint_names=["j9"], velocities=[0.1])), "j9"),
+    "a joint twice": (
+        lambda it: it.hear(JOG, msg.JointJog(joint_names=["elbow"] * 2, velocities=[0.1] * 2)), "once"),
+    "unequal lengths": (lambda it: it.hear(JOG, msg.JointJog(joint_names=["elbow"])), "1 names, 0 velocities"),
+    "displacements": (
+        lambda it: it.hear(JOG, msg.JointJog(joint_names=["elbow"], displacements=[0.1])), "displacements"),
+    "a pose in the tool": (
+        lambda it: it.hear(POSE, msg.PoseStamped(header=msg.Header(frame_id="tool0"))), "got 'tool0'"),
+    "no rotation": (
+        lambda it: it.hear(POSE, msg.PoseStamped(header=msg.Header(frame_id="base_link"))), "length 1"),
+    "a stamp of the future": (
+        lambda it: it.hear(TWIST, msg.TwistStamped(header=msg.Header(stamp=msg.Time(sec=2000))), stamped=False),
+        "use_sim_time"),
+    "a stamp of the past": (
+        lambda it: it.hear(TWIST, msg.TwistStamped(header=msg.Header(stamp=msg.Time(sec=900))), stamped=False),
+        "s old"),
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("nonsense", NONSENSE)
+def test_nonsense_stops_a_moving_arm_and_is_said(drive, nonsense):
+    say, why = NONSENSE[nonsense]
+    it = drive()
+    it.each = lambda it: it.twist() if it.cycle <= 20 else say(it)
+    it.run(60)
+    assert np.abs(it.rates[19]).max() > 0.01
+    assert not it.rates[55].any()
+    assert any(why in text for text in it.log), it.log
+
+
+BAD_STATES = {
+    "NaN": lambda theta, names: (names, [np.nan, *theta[1:]]),
+    "a joint twice": lambda theta, names: ([*names, names[0]], [*theta, theta[0]]),
+    "unequal lengths": lambda theta, names: (names, theta[:-1]),
+    "no positions": lambda theta, names: (names, []),
+}
+
+
+@pytest.mark.parametrize("bad", BAD_STATES)
+def test_a_joint_state_that_is_none_stops_a_moving_arm(drive, bad):
+    it = drive()
+
+    def joints(it):
+        if it.cycle <= 20:
+            it.follow()
+            return
+        names, position = BAD_STATES[bad](it.theta.tolist(), list(it.arm.joint_names))
+        it.hear("/joint_states", msg.JointState(name=names, position=position))
+
+    it.joints, it.each = joints, lambda it: it.twist()
+    it.run(80)
+    assert np.abs(it.rates[19]).max() > 0.01
+    assert not it.rates[75].any()
+
+
+def test_joint_states_of_others_are_passed_over(drive):
+    it = drive()
+
+    def each(it):
+        it.twist()
+        it.hear("/joint_states", msg.JointState(name=["wheel"], position=[1.0]))
+
+    it.each = each
+    it.run(30)
+    assert np.abs(it.rates[28]).max() > 0.01
+
+
+def test_joint_states_in_parts_are_merged(drive):
+    """A message for each joint, and wheels that have another clock, fail, and tell of themselves twice."""
+    it = drive()
+
+    def joints(it):
+        other_clock = msg.Header(stamp=msg.Time(sec=90_000))
+        wheels = msg.JointState(header=other_clock, name=["wheel", "wheel"], position=[np.nan])
+        it.hear("/joint_states", wheels, stamped=False)
+        if len(it.commands):
+            it.theta = it.theta + PERIOD * it.rates[-1]
+        for name, value in zip(it.arm.joint_names, it.theta.tolist(), strict=True):
+            it.hear("/joint_states", msg.JointState(name=[name, "fan"], position=[value, 1.0]))
+        it.hear("/joint_states", msg.JointState(name=list(it.arm.joint_names), velocity=[0.0] * it.arm.n))
+
+    it.joints, it.each = joints, lambda it: it.twist()
+    it.run(30)
+    assert np.abs(it.rates[28]).max() > 0.01
+
+
+def test_nothing_is_sent_without_joint_states(drive):
+    it = drive()
+    it.joints, it.each = lambda it: None, lambda it: it.twist()
+    it.run(5)
+    assert it.commands == []
+    assert (it.status.level, it.status.message) == (b"\x02", "no joint state has arrived")
+
+
+def test_two_publishers_move_nothing(drive, monkeypatch):
+    it = drive()
+    monkeypatch.setattr(msg.Node, "publishers_of", {"/servo_node/delta_twist_cmds": 2})
+    it.each = lambda it: it.twist()
+    it.run(5)
+    assert not it.rates.any()
+    assert any("2 publishers command on" in text for text in it.log)
+
+
+@pytest.mark.parametrize("jump", [-500.0, 30.0])
+def test_a_simulation_that_is_set_back_or_jumps_stops_the_arm_and_goes_on(drive, jump):
+    it = drive()
+
+    def each(it):
+        if it.cycle == 20:
+            it.node.get_clock().seconds += jump
+        if it.cycle < 20 or it.cycle > 60:
+            it.twist()
+
+    it.each = each
+    assert it.run(90) == 0
+    assert np.abs(np.diff(it.rates, axis=0)).max() <= it.arm.limits.acceleration.max() * PERIOD * 1.001
+    assert not it.rates[55].any()
+    assert np.abs(it.rates[80]).max() > 0.01
+
+
+def test_services_stop_and_enable(drive):
+    """Under a held stick, which is released for a cycle after each time the arm was enabled."""
+    it, answers = drive(), {}
+    released, still = (31, 72, 102), msg.Vector3()
+    calls = {
+        10: ("~/stop", {}), 30: ("~/enable", {}), 40: ("~/emergency_stop", {}), 60: ("~/enable", {}),
+        61: ("~/clear", {}), 70: ("~/enable", {}), 80: ("~/pause_servo", {"data": True}),
+        100: ("~/pause_servo", {"data": False}),
+    }  # fmt: skip
+
+    def each(it):
+        it.twist(**({"linear": still} if it.cycle in released else {}))
+        if it.cycle in calls:
+            name, request = calls[it.cycle]
+            answers[it.cycle] = it.node.call(name, **request)
+
+    it.each = each
+    it.run(110)
+    moving = np.abs(it.rates).max(axis=1) > 0.0
+    assert [bool(moving[k]) for k in (8, 28, 30, 38, 58, 68, 71, 78, 98, 101, 108)] == [
+        True, False, False, True, False, False, False, True, False, False, True,
+    ]  # fmt: skip
+    assert answers[60] == (False, "emergency stop: the service emergency_stop was called")
+    assert [answers[k][0] for k in (10, 30, 40, 61, 70, 80, 100)] == [True] * 7
+    assert np.abs(np.diff(it.rates, axis=0)).max() <= it.arm.limits.acceleration.max() * PERIOD * 1.001
+
+
+def test_it_may_wait_to_be_enabled(drive):
+    it = drive(enabled_at_start=False)
+    it.each = lambda it: it.twist()
+    it.run(10)
+    assert not it.rates.any()
+    assert "waits to be enabled" in it.status.message
+
+
+def test_frame_and_hold_are_switched_while_it_runs(drive):
+    it, results = drive(), {}
+    settings = {10: ("frame", "base"), 20: ("frame", "world"), 30: ("hold", "orientation"), 31: ("rate", 50.0)}
+
+    def each(it):
+        it.twist("")
+        if it.cycle in settings:
+            results[it.cycle] = it.node.set_parameter(*settings[it.cycle])
+
+    it.each = each
+    it.run(110)
+    assert [results[k].successful for k in settings] == [True, False, True, False]
+    assert "frame must be" in results[20].reason
+    commands = it.node.switches.twist([0.0] * 6, "base")
+    assert (it.node.switches.frame, commands.held) == ("base", (False,) * 3 + (True,) * 3)
+    values = {each.key: each.value for each in it.status.values}
+    assert (values["frame"], values["hold"]) == ("base", "orientation")
+
+
+def test_a_description_comes_by_its_topic_or_as_text(drive):
+    text = (Path(__file__).parents[2] / "robots" / "rr_planar").glob("*.urdf")
+    urdf = next(text).read_text("utf-8")
+    it = drive(description="")
+    it.each = lambda it: it.node.streaming or it.hear("/robot_description", msg.String(data=urdf))
+    it.joints = lambda it: None
+    it.run(3)
+    assert it.arm.n == 2
+    assert it.node.subscribed["/robot_description"][2].durability is msg.DurabilityPolicy.TRANSIENT_LOCAL
+    it = drive(description="", robot_description=urdf, velocity_limit=0.3)
+    it.joints = lambda it: None
+    it.run(1)
+    assert it.arm.limits.velocity.tolist() == [0.3, 0.3]
+    assert np.isfinite(it.arm.limits.acceleration).all()
+    assert any("no limits given, used instead: acceleration" in text for text in it.log)
+
+
+@pytest.mark.parametrize(
+    ("parameters", "why"),
+    [
+        ({"description": "no_such_arm"}, "no_such_arm"),
+        ({"description": "", "robot_description": "<robot/>"}, "robot"),
+        ({"command_out_type": "torque"}, "command_out_type must be one of trajectory_msgs"),
+        ({"publish_joint_positions": True}, "holds positions or velocities"),
+        ({"command_in_type": "inches"}, "speed_units, unitless"),
+        ({"frame": "world"}, "frame must be"),
+        ({"hold": "breath"}, "hold must be"),
+        ({"qos_in": "fast"}, "best_effort, reliable, system_default"),
+        ({"rate": 5.0}, "rate must be at least 10 Hz"),
+        ({"rate": 100}, "expecting type 'float'"),
+        ({"description": "rover_arm", "tip": "no_link"}, "no_link"),
+        ({"joy_axes": [0, -1, -1, -1, -1, -1]}, "joy_rest must say"),
+        ({"joy_dead_man": -1}, "dead man"),
+        ({"command_out_topic": "arm commands"}, "Invalid topic name"),
+        ({"incoming_command_timeout": 0.0}, "timeout of a command must be"),
+    ],
+)
+def test_parameters_that_cannot_be_end_it_in_one_line(drive, parameters, why):
+    it = drive(**parameters)
+    with pytest.raises(SystemExit, match=why) as ended:
+        it.run(3)
+    assert "\n" not in str(ended.value)
+    assert it.said[-1] == "shutdown"
+
+
+def test_an_arm_that_strays_ends_it_with_1(drive):
+    it = drive(tolerance=0.01)
+    it.joints = lambda it: it.hear(
+        "/joint_states", msg.JointState(name=list(it.arm.joint_names), position=it.theta.tolist())
+    )
+    it.each = lambda it: it.twist()
+    assert it.run(200) == 1
+    assert "the arm is not where it was commanded to be" in it.node.get_logger().said[-1][1]
+    assert not it.rates[-1].any()
+
+
+# -- a joystick ----------------------------------------------------------------------------------------------------
+
+STICK_AND_TRIGGER = {
+    "frame": "base",
+    "joy_axes": [-1, -1, 1, -1, -1, -1],
+    "joy_rest": [0.0, 0.0, 1.0, 0.0, 0.0, 0.0],
+    "joy_scale": [0.1, 0.1, -0.1, 0.5, 0.5, 0.5],
+    "joy_dead_man": 0,
+}
+
+
+def joystick(it, trigger, held):
+    it.hear("joy", msg.Joy(axes=[0.0, trigger], buttons=[int(held)]))
+
+
+def test_a_trigger_at_rest_moves_nothing_and_pressed_it_does(drive):
+    it = drive(**STICK_AND_TRIGGER)
+    it.each = lambda it: joystick(it, 1.0 if it.cycle < 20 else -1.0, held=it.cycle > 5)
+    it.run(40)
+    assert not it.rates[:18].any()
+    assert it.arm.fk(it.theta)[2, 3] > it.arm.fk("ready")[2, 3] + 0.003
+
+
+@pytest.mark.parametrize(
+    ("trigger", "held", "why"),
+    [
+        (lambda cycle: 0.0, lambda cycle: cycle > 5, "axis 1 reads 0, at rest 1"),
+        (lambda cycle: -1.0, lambda cycle: cycle > 5, "axis 1 reads -1, at rest 1"),
+        (lambda cycle: 1.0 if cycle < 10 else -1.0, lambda cycle: True, "let go of button 0"),
+        (lambda cycle: np.nan, lambda cycle: cycle > 5, "finite"),
+    ],
+)
+def test_a_joystick_that_was_never_seen_at_rest_moves_nothing(drive, trigger, held, why):
+    it = drive(**STICK_AND_TRIGGER)
+    it.each = lambda it: joystick(it, trigger(it.cycle), held(it.cycle))
+    it.run(40)
+    assert not it.rates.any()
+    assert any(why in text for text in it.log)
+
+
+def test_a_joystick_that_was_silent_is_asked_again(drive):
+    """It may have been unplugged: the driver says 0 of every axis then, half pressed for a trigger."""
+    it = drive(**STICK_AND_TRIGGER)
+
+    def each(it):
+        if it.cycle < 20 or it.cycle > 60:
+            joystick(it, 1.0 if it.cycle < 10 else 0.0, held=it.cycle > 5)
+
+    it.each = each
+    it.run(80)
+    assert np.abs(it.rates[18]).max() > 0.001
+    assert not it.rates[60:].any()
+
+
+def test_the_button_let_go_stops_at_once_and_what_is_held_is_not_moved(drive):
+    it = drive(**STICK_AND_TRIGGER, hold="position")
+    it.each = lambda it: joystick(it, 1.0 if it.cycle < 10 else -1.0, held=5 < it.cycle < 30)
+    it.run(50)
+    assert not it.rates.any()
+    assert not any("refused" in text for text in it.log)
+    it = drive(**STICK_AND_TRIGGER)
+    it.each = lambda it: joystick(it, 1.0 if it.cycle < 10 else -1.0, held=5 < it.cycle < 30)
+    it.run(50)
+    assert np.abs(it.rates[28]).max() > 0.001
+    assert not it.rates[45].any()
+
+
+# -- the package's files -------------------------------------------------------------------------------------------
+
+
+def test_yaml_and_page_name_the_parameters_and_their_defaults(package, monkeypatch):
+    msg.install(monkeypatch, lambda node: None)
+    parameters = package("parameters")
+    node = msg.Node("servo_node")
+    defaults = vars(parameters.declared(node))
+    (given,) = yaml.safe_load((PACKAGE / "config" / "servo.yaml").read_text("utf-8")).values()
+    for name, value in given["ros__parameters"].items():
+        monkeypatch.setattr(msg.Node, "overrides", {name: value})
+        parameters.declared(msg.Node("servo_node"))
+        assert name in defaults
+    page = (PACKAGE / "README.md").read_text("utf-8")
+    table = page[page.index("## Parameters") : page.index("## From MoveIt")]
+    told = dict(re.findall(r"^\| `(\w+)` \| (.+?) \|", table, flags=re.M))
+    assert told.pop("joy_rest") == "not given"
+    assert np.isnan(defaults.pop("joy_rest")).all()
+    listed = {name: list(value) if isinstance(value, tuple) else value for name, value in defaults.items()}
+    assert {name: yaml.safe_load(value) for name, value in told.items()} == listed
+
+
+def test_what_is_imported_is_declared():
+    declared = {each.text for each in ElementTree.parse(PACKAGE / "package.xml").getroot().iter("exec_depend")}
+    texts = [file.read_text("utf-8") for file in PACKAGE.rglob("*.py")]
+    imported = {name for text in texts for name in re.findall(r"^(?:from|import) (\w+)", text, flags=re.M)}
+    python = {"__future__", "collections", "dataclasses", "glob", "math", "pathlib", "sys", "tempfile", "typing"}
+    assert imported - python - {"numpy", "setuptools", "twistarm"} <= declared
+    assert (PACKAGE / "resource" / "twistarm_servo").exists()
+    assert "servo_node = " in (PACKAGE / "setup.py").read_text("utf-8")
+
+
+def test_the_launch_file_starts_what_setup_installs(monkeypatch):
+    made = []
+
+    class Action:
+        def __init__(self, *args, **named):
+            self.args, self.named = args, named
+            made.append(self)
+
+    for name, classes in {
+        "launch": ("LaunchDescription",),
+        "launch.actions": ("DeclareLaunchArgument",),
+        "launch.conditions": ("IfCondition",),
+        "launch.substitutions": ("LaunchConfiguration", "PathJoinSubstitution"),
+        "launch_ros": (),
+        "launch_ros.actions": ("Node",),
+        "launch_ros.substitutions": ("FindPackageShare",),
+    }.items():
+        module = types.ModuleType(name)
+        vars(module).update({each: type(each, (Action,), {}) for each in classes})
+        monkeypatch.setitem(sys.modules, name, module)
+    runpy.run_path(str(PACKAGE / "launch" / "servo.launch.py"))["generate_launch_description"]()
+    kinds = {kind: [each for each in made if type(each).__name__ == kind] for kind in {type(e).__name__ for e in made}}
+    declared = {each.args[0] for each in kinds["DeclareLaunchArgument"]}
+    assert {each.args[0] for each in kinds["LaunchConfiguration"]} <= declared
+    servo, joy = (each.named for each in kinds["Node"])
+    assert f"{servo['executable']} = {servo['package']}.node:main" in (
+        (PACKAGE / "setup.py").read_text("utf-8").replace("{NAME}", "twistarm_servo")
+    )
+    assert servo["name"] == "servo_node"
+    assert joy["executable"] == "joy_node"
+    (path,) = kinds["PathJoinSubstitution"]
+    assert PACKAGE.joinpath(*path.args[0][1:]).exists()
