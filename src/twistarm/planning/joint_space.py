@@ -35,8 +35,6 @@ FITS = {
 }
 """The spline of each kind: through the waypoints, or resting at each."""
 
-ADVICE = "use {}, which goes straight from waypoint to waypoint, or add waypoints"
-
 Waypoints = RealArray | Sequence[Row | Mapping[str, float] | str]
 """Configurations as arrays, mappings {joint: value} or names of states."""
 
@@ -109,7 +107,8 @@ def plan_joint(
         kept_times, breakpoints, coefficients = _fastest(kept, kind, stop_at_waypoints, bounds, progress)
         when = kept_times[owner]
     motion = Trajectory(arm.joint_names, arm.units, points, when, breakpoints, coefficients, arm.actuators)
-    require_within(motion, bounds, ADVICE.format(argument("stop_at_waypoints", True)))
+    rest = argument("stop_at_waypoints", True)
+    require_within(motion, bounds, f"use {rest}, which goes straight from waypoint to waypoint, or add waypoints")
     if progress is not None:
         progress(1.0)
     return motion

@@ -22,6 +22,17 @@ RATE_TOL = 1e-9
 RATES = ("velocity", "acceleration", "jerk")
 
 
+class SwingError(LimitError):
+    """A spline swings beyond a position limit between waypoints: `what`, and the `remedy` of whoever planned it."""
+
+    def __init__(self, what: str, remedy: str) -> None:
+        super().__init__(f"{what}: {remedy}")
+        self.what, self.remedy = what, remedy
+
+    def __reduce__(self) -> tuple[type[SwingError], tuple[str, str]]:
+        return type(self), (self.what, self.remedy)
+
+
 def stretch_needed(coefficients: Array, durations: Array, limits: JointLimits) -> Array:
     """By what factor each segment's rates would have to be slowed, (s,): 1 where one just meets its limit.
 
@@ -75,10 +86,11 @@ def _require_positions(trajectory: Trajectory, limits: JointLimits, advice: str)
         return
     side, unit = "lower" if values[c, s, j] < limits.lower[j] else "upper", trajectory.units[j]
     time = trajectory.breakpoints[s] + tau[c, s, j]
-    raise LimitError(
+    raise SwingError(
         f"between its waypoints joint {trajectory.joint_names[j]!r} would swing to {quantity(values[c, s, j], unit)} "
         f"at t = {time:.4g} s, {quantity(beyond[c, s, j], unit)} beyond its {side} limit "
-        f"{quantity(getattr(limits, side)[j], unit)}: {advice}"
+        f"{quantity(getattr(limits, side)[j], unit)}",
+        advice,
     )
 
 

@@ -10,10 +10,11 @@ import numpy as np
 
 from ...model.arm import Arm
 from ...model.usual_limits import defaults_line, with_defaults
-from ...planning.joint_space import ADVICE, Kind, plan_joint
+from ...planning.joint_space import Kind, plan_joint
 from ...planning.trajectory import Trajectory
+from ...planning.within import SwingError
 from ...support.checks import Array
-from ...support.errors import InputError, LimitError
+from ...support.errors import InputError
 from ..protocol.jobs import Job, Progress
 from ..protocol.message_cache import Message
 from ..protocol.messages import Request
@@ -104,8 +105,8 @@ class Program:
         """In a thread: the motion, and the way of the tool."""
         try:
             motion = plan_joint(arm, points, kind=kind, limits=self.limits, stop_at_waypoints=stop, progress=progress)
-        except LimitError as error:
-            raise LimitError(str(error).replace(ADVICE, ON_THE_PAGE)) from error
+        except SwingError as error:
+            raise SwingError(error.what, ON_THE_PAGE) from error
         return motion, tool_path(arm, motion)
 
     def _finish(
