@@ -24,6 +24,7 @@ docs: .venv/dev
 bench: .venv/dev
 	$(BIN)/python -m benchmarks $(BENCH)
 	$(BIN)/python -m benchmarks.startup
+	$(BIN)/python -m benchmarks.timing
 	$(BIN)/python -m benchmarks.servo
 	$(BIN)/python -m benchmarks.streaming
 	$(BIN)/python -m benchmarks.viewer

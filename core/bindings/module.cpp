@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "chain.hpp"
+#include "planning.hpp"
 #include "servo.hpp"
 #include "targets.hpp"
 
@@ -27,13 +28,15 @@ NB_MODULE(_core, module) {
     using namespace nb::literals;
     // A program may end while it holds arms.
     nb::set_leak_warnings(false);
-    module.doc() = "The compiled kernels; `twistarm.engine.core()` is the door to them.";
+    module.doc() = "The compiled kernels; `twistarm.model.engine.core()` is the door to them.";
     module.attr("INTERFACE") = TWISTARM_INTERFACE;
     module.def("instruction_sets", &instruction_sets);
     module.def("pose", &bindings::pose, nb::arg().none());
     module.def("position", &bindings::position, nb::arg().none());
     module.def("approach", &bindings::approach, nb::arg().none(), nb::arg().none(), nb::arg().none());
     module.def("task", &bindings::task, nb::arg().none(), nb::arg().none(), nb::arg());
+    module.def("path_velocity", &bindings::path_velocity, nb::arg().none(), nb::arg().none(), nb::arg().none(),
+               nb::arg().none(), nb::arg().none(), nb::arg().none(), nb::arg());
     nb::class_<Chain>(module, "Chain")
         .def(nb::init<nb::handle, nb::handle, nb::handle, nb::handle, nb::handle, nb::handle, nb::handle, double,
                       const std::string&>(),

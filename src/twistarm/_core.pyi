@@ -26,6 +26,21 @@ def approach(p: object, direction: object, tool_axis: object, /) -> Array | None
 def task(g: object, tolerance: object, base_axes: bool, /) -> Array | None:
     """The numbers of a `Task`, (23,)."""
 
+def path_velocity(
+    breakpoints: object,
+    coefficients: object,
+    velocity: object,
+    acceleration: object,
+    ceiling: object,
+    grid: object,
+    most: float,
+    /,
+) -> tuple[Array, Array, Array] | None:
+    """x (N + 1,) at most `most`, share (N,) and which (N,) on a grid along a `LimitedPath`: a `Profile`.
+
+    None for what is no plain array, and for paths of more rows or of a higher degree than the core takes.
+    """
+
 class Chain:
     """g_st(theta) = Π exp(ξ_i (Aθ)_i) · home, its Jacobians and its inverse, from screws (6, m), home (4, 4), A (m, n).
 

@@ -127,16 +127,16 @@ def test_page_and_process_read_the_schema_alike(page: Any, viewer: Viewer, gate:
         for field, word in SCHEMA["requests"][request["type"]].items():
             spoilt.append({name: value for name, value in request.items() if name != field})
             spoilt += [{**request, field: value} for value in samples.bad(word) if told_alike(value)]
-    complaints = page.evaluate(
+    violations = page.evaluate(
         """async (requests) => {
-          const { complaint } = await import("./schema.js");
+          const { violation } = await import("./schema.js");
           const schema = await (await fetch("schema.json")).json();
-          return requests.map((request) => complaint(schema.requests, request));
+          return requests.map((request) => violation(schema.requests, request));
         }""",
         [*good, *spoilt],
     )
-    assert complaints[: len(good)] == [""] * len(good)
-    assert [spoilt[k] for k, complaint in enumerate(complaints[len(good) :]) if not complaint] == []
+    assert violations[: len(good)] == [""] * len(good)
+    assert [spoilt[k] for k, violation in enumerate(violations[len(good) :]) if not violation] == []
 
 
 def told_alike(value: Any) -> bool:

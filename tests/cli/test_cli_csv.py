@@ -14,9 +14,8 @@ from scipy.spatial.transform import Rotation
 
 from catalogue import load
 from ik_targets import pinocchio_fk, require_core
-from twistarm import load_arm, plan_joint
+from twistarm import load_arm, load_trajectory, plan_joint
 from twistarm.cli.application import run
-from twistarm.stream.recording import read_recording
 from twistarm.support.csv_lines import csv_text, name_in
 from urdf_text import two_joints
 
@@ -193,7 +192,7 @@ def test_motions_and_answers_of_joints_named_like_formulas(tmp_path: Path, monke
     arm = load_arm("arm.urdf", limits={"velocity": 1.0, "acceleration": 1.0})
     plan_joint(arm, [arm.ready, arm.ready + 0.1]).to_csv("motion.csv")
     assert (tmp_path / "motion.csv").read_text().startswith("time [s],'=HYPERLINK(1).position")
-    assert read_recording(arm, "motion.csv").theta.shape[1] == 2
+    assert load_trajectory(arm, "motion.csv").n == 2
     (tmp_path / "targets.csv").write_text("x,y,z\n0.1,0.1,0.3\n")
     run(["ik", "arm.urdf", "--targets", "targets.csv", "-o", "answers.csv"])
     assert "'=HYPERLINK(1) [rad]" in (tmp_path / "answers.csv").read_text()

@@ -279,8 +279,9 @@ def test_what_cannot_be_is_refused_before_anything_is_opened(typed: list[str], m
     def opened(*arguments: Any, **options: Any) -> None:
         raise AssertionError("opened")
 
-    for name in ("Viewer", "UdpSink", "UdpFeedback", "SimulatedJoints"):
-        monkeypatch.setattr(f"twistarm.cli.commands.servo.{name}", opened)
+    monkeypatch.setattr("twistarm.cli.commands.servo.Viewer", opened)
+    for name in ("UdpSink", "UdpFeedback", "SimulatedJoints"):
+        monkeypatch.setattr(f"twistarm.cli.robot.{name}", opened)
     assert run(["servo", "scara", "--no-browser", *typed]) == 2
 
 

@@ -8,11 +8,17 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+import yaml
 
 from twistarm import DescriptionError
 from twistarm.description.yaml_reading import parse_yaml
 
 FILE = Path("limits.yaml")
+
+
+@pytest.fixture(autouse=True, params=[True, False], ids=["libyaml", "PyYAML alone"])
+def libyaml(request: pytest.FixtureRequest, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(yaml, "__with_libyaml__", request.param and yaml.__with_libyaml__)
 
 
 def test_units_and_exponents() -> None:

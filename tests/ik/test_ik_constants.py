@@ -14,9 +14,10 @@ ROOT = Path(__file__).parents[2]
 PAGE = (ROOT / "docs" / "inverse_kinematics.md").read_text("utf-8")
 INCLUDE = ROOT / "core" / "include" / "twistarm"
 
-OF_THE_SERVO_AND_ARITHMETIC = {
-    "actuators", "box", "chain", "conversion", "elementary", "frame", "instruction_set", "kinematics", "lanes", "ldl",
-    "motion_limits", "resolved_rates", "screw_axes", "servo", "singular_directions",
+OF_OTHER_ROOMS = {
+    "actuators", "box", "chain", "conversion", "elementary", "frame", "instruction_set", "interval_limits",
+    "kinematics", "lanes", "ldl", "motion_limits", "path_velocity", "resolved_rates", "screw_axes", "servo",
+    "singular_directions",
 }  # fmt: skip
 """Headers that the page does not go into."""
 
@@ -59,7 +60,7 @@ def constants_of(header):
     return {name: value for name, value in values.items() if value is not None}
 
 
-HEADERS = [header for header in sorted(INCLUDE.rglob("*.hpp")) if header.stem not in OF_THE_SERVO_AND_ARITHMETIC]
+HEADERS = [header for header in sorted(INCLUDE.rglob("*.hpp")) if header.stem not in OF_OTHER_ROOMS]
 INITIALISERS = {name: text for header in HEADERS for name, text in initialisers(header).items()}
 TOLD = {name: said(value) for name, value in re.findall(r"^\| `([a-z]\w+)` +\| ([^|]+?) +\|", PAGE, flags=re.M)}
 

@@ -218,7 +218,7 @@ def test_the_command(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: py
     [
         (
             ["rover_arm", "-o", "arm.txt"],
-            "error: -o takes *.json or *.hpp; got arm.txt: another name, or --format",
+            "error: -o takes *.json or *.hpp or *.m or *.yaml; got arm.txt: another name, or --format",
         ),
         (["rover_arm", "-o", "none/arm.json"], "does not exist; create it first\n"),
         (["rover_arm.json"], "error: rover_arm.json: no such file; give a URDF or xacro file"),

@@ -8,9 +8,8 @@ import pytest
 
 from catalogue import load
 from test_trajectory import motion, standstill
-from twistarm import Actuators, plan_joint
+from twistarm import Actuators, load_trajectory, plan_joint
 from twistarm.planning import Trajectory
-from twistarm.stream import read_recording
 from twistarm.support.errors import InputError
 
 
@@ -18,6 +17,9 @@ def named(trajectory, names, units):
     return Trajectory(
         names, units, trajectory.waypoints, trajectory.times, trajectory.breakpoints, trajectory.coefficients
     )
+
+
+EXPORTS = [Trajectory.to_csv, Trajectory.to_json, Trajectory.to_yaml]
 
 
 def test_csv_has_a_column_per_joint_and_rate_and_reads_back_exactly(tmp_path):
@@ -55,13 +57,13 @@ def test_json_is_a_joint_trajectory(tmp_path):
     assert stamps[-1] == 5 * 10**9
 
 
-@pytest.mark.parametrize("export", [Trajectory.to_csv, Trajectory.to_json])
+@pytest.mark.parametrize("export", EXPORTS)
 def test_a_motion_of_no_length_is_one_point(tmp_path, export):
     text = export(standstill(), tmp_path / "a").read_text()
     assert text.count("0.3") == 1
 
 
-@pytest.mark.parametrize("export", [Trajectory.to_csv, Trajectory.to_json])
+@pytest.mark.parametrize("export", EXPORTS)
 def test_a_failure_leaves_what_was_there(tmp_path, monkeypatch, export):
     path = tmp_path / "a"
     path.write_text("old")
@@ -72,7 +74,7 @@ def test_a_failure_leaves_what_was_there(tmp_path, monkeypatch, export):
     assert os.listdir(tmp_path) == ["a"]
 
 
-@pytest.mark.parametrize("export", [Trajectory.to_csv, Trajectory.to_json])
+@pytest.mark.parametrize("export", EXPORTS)
 @pytest.mark.parametrize("dt", [0.0, -1.0, float("nan"), 1e-9])
 def test_a_bad_dt_writes_nothing(tmp_path, export, dt):
     with pytest.raises(InputError, match="dt must be"):
@@ -87,10 +89,28 @@ def test_json_refuses_steps_below_a_nanosecond(tmp_path):
     assert os.listdir(tmp_path) == []
 
 
-@pytest.mark.parametrize("export", [Trajectory.to_csv, Trajectory.to_json])
+@pytest.mark.parametrize("export", EXPORTS)
 def test_a_missing_folder_is_said(tmp_path, export):
     with pytest.raises(InputError, match="does not exist; create it first"):
         export(motion(), tmp_path / "missing" / "a")
+
+
+LABELS = ((0.0, "=1+1"), (0.9, "close gripper"), (0.9, "blow"), (1.0, "lift, slowly"), (5.0, "zu"))
+
+
+def test_labels_stand_in_rows_at_their_times(tmp_path):
+    trajectory = replace(motion(), labels=LABELS)
+    with open(trajectory.to_csv(tmp_path / "a.csv", dt=0.3), newline="", encoding="utf-8") as file:
+        header, *rows = csv.reader(file)
+    assert header[-2:] == ["label", "label"]
+    assert {float(row[0]): row[-2:] for row in rows if row[-2] or row[-1]} == {
+        0.0: ["'=1+1", ""], 0.9: ["close gripper", "blow"], 1.0: ["lift, slowly", ""], 5.0: ["zu", ""],
+    }  # fmt: skip
+    t = np.array([float(row[0]) for row in rows])
+    assert sorted({*np.round(trajectory.sample(0.3).t, 9), 1.0}) == np.round(t, 9).tolist()
+    assert np.array_equal(np.array([row[1:-2] for row in rows], float)[:, 0], trajectory(t)[:, 0])
+    message = json.loads(trajectory.to_json(tmp_path / "a.json", dt=0.3).read_text())
+    assert [(label["time"], label["text"]) for label in message["labels"]] == list(LABELS)
 
 
 # -- motors ------------------------------------------------------------------------------------------------------
@@ -135,9 +155,9 @@ def test_the_motors_columns_follow_the_joints(tmp_path):
     _, theta, theta_dot, _ = trajectory.sample(0.1)
     expected = np.stack(by_hand(theta, theta_dot), axis=-1).reshape(len(theta), -1)
     assert np.allclose(table[:, 16:], expected, rtol=1e-12, atol=1e-12)
-    again = read_recording(arm, path)
-    assert np.array_equal(again.theta, theta)
-    assert np.array_equal(again.theta_dot, theta_dot)
+    again = load_trajectory(arm, path)
+    assert np.array_equal(again(again.times), theta)
+    assert np.array_equal(again(again.times, 1), theta_dot)
 
 
 def test_the_motors_stand_beside_the_points_of_a_joint_trajectory(tmp_path):

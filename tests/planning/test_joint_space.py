@@ -112,9 +112,11 @@ def test_motions_that_stop_go_straight_and_stay_among_their_waypoints(kind, stop
 # -- the rest -----------------------------------------------------------------------------------------------------
 
 
-@pytest.mark.parametrize("kind", ["Cubic", "spline", "s_curve", None, 3])
+@pytest.mark.parametrize("kind", ["Cubic", "spline", "s-curve", None, 3])
 def test_an_unknown_kind_lists_the_known(kind):
-    with pytest.raises(InputError, match=r"kind must be 'cubic', 'quintic' or 'trapezoid'; got"):
+    with pytest.raises(
+        InputError, match=r"kind must be 'cubic', 'quintic', 'trapezoid', 'time_optimal' or 's_curve'; got"
+    ):
         plan_joint(ARM, PATH, kind=kind, limits=RATES)
 
 

@@ -63,7 +63,8 @@ def test_proportions_are_better_than_those_of_the_distances(kind):
 def test_a_jerk_limit_is_kept(kind):
     for stop in (False, True):
         motion = plan_joint(ARM, PATH, kind=kind, limits=RATES | {"jerk": 3.0}, stop_at_waypoints=stop)
-        assert motion.peak(3).max() == pytest.approx(3.0, rel=MET)
+        assert motion.peak(3).max() <= 3.0 * (1 + RATE)
+        assert max(motion.peak(3).max() / 3.0, use(motion, with_rates(ARM))) == pytest.approx(1.0, rel=MET)
 
 
 def test_a_trapezoid_does_not_look_at_jerk():

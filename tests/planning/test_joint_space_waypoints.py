@@ -1,13 +1,17 @@
 """The waypoints of `plan_joint`, the limits it takes, and what a curve does between them."""
 
+import itertools
+
 import numpy as np
 import pytest
+from scipy.interpolate import PPoly
 
-from joint_space_cases import ARM, KINDS, PASSES, PATH, RATES, WAYS, make_arm, with_rates
-from twistarm import JointLimits, arm_from_screws
-from twistarm.planning import plan_joint, timing
-from twistarm.planning.joint_space import FITS, MERGE_TOL
-from twistarm.support.errors import InputError, LimitError, UnknownNameError
+from joint_space_cases import ARM, KINDS, MET, PASSES, PATH, RATES, WAYS, make_arm, use, with_rates
+from twistarm import Approach, JointLimits, Pose, Position, arm_from_screws, load_arm
+from twistarm.model.usual_limits import with_defaults
+from twistarm.planning import plan_joint
+from twistarm.planning.joint_space import MERGE_TOL
+from twistarm.support.errors import InputError, LimitError, NotConvergedError, UnknownNameError
 
 # -- waypoints ----------------------------------------------------------------------------------------------------
 
@@ -28,6 +32,13 @@ def test_start_equal_to_goal_is_a_motion_of_no_length(kind, stop, apart):
     assert motion.times.tolist() == [0.0] * 3
     assert motion([-1, 0, 1]).tolist() == [PATH[1].tolist()] * 3
     assert motion.sample(0.1).theta.tolist() == [PATH[1].tolist()]
+
+
+@pytest.mark.parametrize(("kind", "stop"), WAYS)
+def test_one_waypoint_is_a_motion_of_no_length(kind, stop):
+    for times in (None, [0.0]):
+        motion = plan_joint(ARM, [PATH[1]], kind=kind, stop_at_waypoints=stop, limits=RATES, times=times)
+        assert (motion.duration, motion.times.tolist(), motion(1.0).tolist()) == (0.0, [0.0], PATH[1].tolist())
 
 
 @pytest.mark.parametrize(("kind", "stop"), WAYS)
@@ -61,9 +72,8 @@ def test_angles_are_not_wrapped():
 @pytest.mark.parametrize(
     ("waypoints", "kind_of_error", "text"),
     [
-        ([[0, 0, 0]], InputError, "at least two configurations, start and goal; got 1"),
-        ([], InputError, "at least two configurations"),
-        ("ready", InputError, "waypoints must be a sequence of at least two configurations; got 'ready'"),
+        ([], InputError, "waypoints must be at least one configuration; got none"),
+        ("ready", InputError, "waypoints must be a sequence of configurations; got 'ready'"),
         ({"slide": 0}, InputError, "waypoints must be a sequence"),
         (7, InputError, "waypoints must be a sequence"),
         (None, InputError, "waypoints must be a sequence"),
@@ -93,55 +103,74 @@ def test_a_waypoint_outside_the_limits_is_named():
     plan_joint(ARM, [[0, 0, 0], [0, 2.3, 0]], limits=RATES | {"upper": {"shoulder": 2.5}})
 
 
+def test_targets_are_waypoints_and_the_motion_stays_near():
+    arm = load_arm("rover_arm_6dof")
+    goal = arm.ready + [0.1, -0.1, 0.1, 0.1, -0.1, 0.2]
+    pose = arm.fk(goal)
+    targets = [pose, Pose(pose), Position(pose[:3, 3]), Approach(pose[:3, 3], pose[:3, 2])]
+    motion = plan_joint(arm, ["ready", *targets], limits=with_defaults(arm))
+    assert np.abs(motion.waypoints[1] - goal).max() < 1e-4
+    assert np.abs(np.diff(motion.waypoints[1:], axis=0)).max() < 1e-3
+    far = pose.copy()
+    far[0, 3] += 9.0
+    with pytest.raises(NotConvergedError, match=r"(?s)waypoint 1 \(counted from 0\) is not met: .*out of reach"):
+        plan_joint(arm, ["ready", far], limits=with_defaults(arm))
+
+
 # -- position limits between waypoints ----------------------------------------------------------------------------
 
 SWINGING = np.array([[0.0, 0.0, 0.0], [0.0, 2.0, 0.0], [0.0, 1.95, 2.4], [0.0, -1.0, 0.0]])
 """The shoulder comes to its limit 2.0 at speed: any smooth curve through these goes beyond."""
 
 
+ORDERS = {"cubic": 2, "quintic": 4}
+"""How many derivatives of a spline of each kind are continuous."""
+
+
+def assert_inside_and_smooth(motion, points, kind):
+    """By SciPy's polynomials: sampled between all breakpoints, and compared on both sides of each."""
+    grid = np.concatenate([np.linspace(a, b, 30) for a, b in itertools.pairwise(motion.breakpoints)])
+    curve = PPoly(motion.coefficients, motion.breakpoints)
+    assert ARM.limits.contains(curve(grid), tol=PASSES).all()
+    assert np.abs(curve(motion.times) - points).max() <= MERGE_TOL + PASSES
+    lengths = np.diff(motion.breakpoints)[:-1, None]
+    for order in range(ORDERS[kind] + 1):
+        rows = PPoly(motion.coefficients, motion.breakpoints).derivative(order).c
+        before = sum(row * lengths ** (len(rows) - 1 - i) for i, row in enumerate(rows[:, :-1]))
+        assert np.allclose(before, rows[-1, 1:], rtol=0, atol=1e-7 * max(np.abs(curve(grid, order)).max(), 1e-3))
+
+
 @pytest.mark.parametrize("kind", ["cubic", "quintic"])
-def test_a_spline_beyond_a_limit_is_refused_and_the_advice_helps(kind):
-    text = (
-        r"between its waypoints joint 'shoulder' would swing to [23][.\d]* rad at t = [\d.]+ s, [\d.]+ rad beyond its "
-        r"upper limit 2 rad: use stop_at_waypoints=True"
-    )
-    with pytest.raises(LimitError, match=text):
-        plan_joint(ARM, SWINGING, kind=kind, limits=RATES)
-    with pytest.raises(LimitError, match=text):
-        plan_joint(ARM, SWINGING, kind=kind, times=[0, 3, 6, 9])
-    motion = plan_joint(ARM, SWINGING, kind=kind, limits=RATES, stop_at_waypoints=True)
-    assert ARM.limits.contains(motion(np.linspace(0, motion.duration, 999)), tol=PASSES).all()
+@pytest.mark.parametrize("times", [None, [0, 10, 20, 30]])
+def test_a_spline_that_would_leave_the_limits_is_pulled_in(kind, times):
+    free = plan_joint(ARM, SWINGING, kind=kind, times=times, limits=RATES | {"upper": 9.0, "lower": -9.0})
+    assert free(np.linspace(0, free.duration, 999)).max(0)[1] > 2.01
+    motion = plan_joint(ARM, SWINGING, kind=kind, times=times, limits=RATES)
+    assert_inside_and_smooth(motion, SWINGING, kind)
+    if times:
+        assert motion.times.tolist() == times
 
 
-@pytest.mark.parametrize("kind", ["cubic", pytest.param("quintic", marks=pytest.mark.slow)])
-def test_whatever_a_spline_returns_is_inside(kind):
-    rng, inside, refused = np.random.default_rng(2), 0, 0
-    for _ in range(30):
-        points = rng.uniform(ARM.limits.lower, ARM.limits.upper, (4, 3))
-        try:
-            motion = plan_joint(ARM, points, kind=kind, limits=RATES)
-        except LimitError:
-            refused += 1
-            continue
-        inside += 1
-        assert ARM.limits.contains(motion(np.linspace(0, motion.duration, 2001)), tol=PASSES).all()
-    assert inside > 3
-    assert refused > 3
-
-
-def test_the_proportions_that_stay_inside_are_preferred():
-    rng = np.random.default_rng(3)
-    for _ in range(200):
-        points = rng.uniform(0.9 * ARM.limits.lower, 0.9 * ARM.limits.upper, (5, 3))
-        limits = with_rates(ARM)
-        times, _ = timing.fastest_spline(points, FITS["cubic", False], limits)
-        free, _ = timing.fastest_spline(
-            points, FITS["cubic", False], limits.with_({"lower": -99, "upper": 99}, ARM.joint_names)
+@pytest.mark.parametrize("kind", ["cubic", "quintic"])
+def test_no_waypoints_inside_the_limits_are_refused(kind):
+    rng = np.random.default_rng(2)
+    lower, upper = ARM.limits.lower, ARM.limits.upper
+    for _ in range(12):
+        points = rng.uniform(lower, upper, (5, 3))
+        points = np.where(
+            rng.random(points.shape) < 0.3, np.where(rng.random(points.shape) < 0.5, lower, upper), points
         )
-        assert times[-1] >= free[-1]
-        if times[-1] > free[-1]:
-            return
-    pytest.fail("no case in which the shortest motion leaves the limits and another stays inside")
+        motion = plan_joint(ARM, points, kind=kind, limits=RATES)
+        assert_inside_and_smooth(motion, points, kind)
+        assert use(motion, with_rates(ARM)) == pytest.approx(1.0, rel=MET)
+
+
+def test_a_joint_that_stays_inside_is_not_pulled():
+    times = [0, 10, 20, 30]
+    free = plan_joint(ARM, SWINGING, times=times, limits=RATES | {"upper": 9.0, "lower": -9.0})
+    motion, t = plan_joint(ARM, SWINGING, times=times, limits=RATES), np.linspace(0, 30, 301)
+    assert np.allclose(motion(t)[:, [0, 2]], free(t)[:, [0, 2]], atol=PASSES)
+    assert not np.allclose(motion(t)[:, 1], free(t)[:, 1], atol=1e-3)
 
 
 # -- limits -------------------------------------------------------------------------------------------------------

@@ -5,7 +5,7 @@ from hypothesis import strategies as st
 from scipy.interpolate import PPoly
 
 from strategies import generators
-from twistarm.planning.piecewise import derivative, evaluate, extremes, stretched
+from twistarm.planning.piecewise import derivative, evaluate, extremes, shifted, stretched
 
 ROUNDING = 1e-12
 """Relative: a dozen operations in double precision on values of one order."""
@@ -26,6 +26,19 @@ def real_roots_in(polynomial, duration):
     """Where a one-dimensional polynomial is stationary, by the eigenvalues of NumPy's companion matrix."""
     roots = np.roots(np.polyder(polynomial))
     return np.real(roots[(np.abs(np.imag(roots)) < 1e-6 * duration)])
+
+
+@given(motions(), st.floats(0.0, 1.0), st.floats(0.0, 1.0))
+def test_shifted_polynomials_are_the_same_further_on(motion, share, further):
+    coefficients, durations = motion
+    by, tau = share * durations, further * durations
+    powers = np.arange(len(coefficients) - 1, -1, -1.0)[:, None, None]
+    size = (np.abs(coefficients) * (2.0 * durations[:, None]) ** powers).sum(axis=0)
+    moved = shifted(coefficients, by)
+    for k in range(len(durations)):
+        expected = [np.polyval(column, by[k] + tau[k]) for column in coefficients[:, k].T]
+        actual = [np.polyval(column, tau[k]) for column in moved[:, k].T]
+        np.testing.assert_allclose(actual, expected, rtol=0, atol=ROUNDING * size[k].max() + 1e-300)
 
 
 @given(motions())

@@ -1,5 +1,5 @@
 import pickle
-from dataclasses import FrozenInstanceError
+from dataclasses import FrozenInstanceError, replace
 
 import numpy as np
 import pytest
@@ -160,3 +160,21 @@ def test_parts_that_do_not_fit_are_refused():
         Trajectory(
             good.joint_names, good.units, good.waypoints, good.times, good.breakpoints, good.coefficients * np.nan
         )
+
+
+@pytest.mark.parametrize(
+    ("labels", "said"),
+    [
+        ([(1.0, "open"), (0.5, "close")], "must not decrease .* got 0.5 s of 'close'"),
+        ([(5.1, "open")], r"lie within \[0, 5\] s; got 5.1 s"),
+        ([(np.nan, "open")], "the time of a label must be finite"),
+        ([(1.0, "two\nlines")], "a label must be one line of text"),
+        ([(1.0, " ")], "a label must be one line of text"),
+        ([(1.0, None)], "a label must be one line of text"),
+        ([1.0, "open"], "labels must be pairs"),
+        ("open", "labels must be pairs"),
+    ],
+)
+def test_labels_that_are_none_are_refused(labels, said):
+    with pytest.raises(InputError, match=said):
+        replace(motion(), labels=labels)

@@ -10,9 +10,10 @@ from types import SimpleNamespace
 import pytest
 
 from twistarm.stream import Interlock, SimulatedJoints, UdpSource, Verifier, parse_command, run, simulation, streaming
+from twistarm.stream.following.cycle import PATIENCE, SETTLING, START_TOLERANCE, TRACKING_TOLERANCE
+from twistarm.stream.following.motion_clock import SLOPE
 from twistarm.stream.links.inbox import COMMAND_TIMEOUT, FEEDBACK_TIMEOUT
 from twistarm.stream.links.messages import heard_word
-from twistarm.stream.replay import AT_START, BEHIND
 
 PAGE = (Path(__file__).parents[2] / "docs" / "streaming.md").read_text("utf-8")
 CLIENT, SIGNED = re.findall(r"<!-- another program -->\n```python\n(.*?)```", PAGE, flags=re.S)
@@ -68,8 +69,11 @@ def test_every_command_of_the_table_is_one(rover):
         ("`tolerance` ({:g} rad or m)", streaming.TOLERANCE),
         ("position loop of {:g} 1/s", simulation.GAIN),
         ("where not given, {:g} and", simulation.VELOCITY_RESERVE),
-        ("within {:g} rad or m", AT_START),
-        ("falls {:g} behind", BEHIND),
+        ("`start_tolerance` ({:g} rad or m)", START_TOLERANCE),
+        ("`tolerance` ({:g} rad or m, or", TRACKING_TOLERANCE),
+        ("after {:g} s at rest", PATIENCE),
+        ("at the latest {:g} s after", SETTLING),
+        ("by {:g} 1/s at most", SLOPE),
     ],
 )
 def test_its_numbers_are_the_codes(text, value):

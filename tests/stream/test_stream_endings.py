@@ -145,7 +145,8 @@ class Wrong:
 
     def __init__(self, monkeypatch, first, steps, name):
         self.count, self.first, self.steps, self.name = 0, first, steps, name
-        monkeypatch.setattr("twistarm.stream.streaming.servo_step", self)
+        for module in ("streaming", "cycles"):
+            monkeypatch.setattr(f"twistarm.stream.{module}.servo_step", self)
 
     def __call__(self, arm, state, command, dt, *, settings):
         self.count += 1

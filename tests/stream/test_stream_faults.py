@@ -11,10 +11,8 @@ from stream_stand_ins import PERIOD, Robot, Says, jog
 from stream_stand_ins import clock as clock
 from stream_stand_ins import robot as robot
 from stream_stand_ins import stream as stream
-from twistarm import plan_joint
 from twistarm.servo import servo_step
-from twistarm.stream import Ending, Inbox, Measured, Metronome, Reading, Replay, read_recording
-from twistarm.stream.replay import AT_START
+from twistarm.stream import Inbox, Measured, Metronome, Reading
 from twistarm.stream.watch import FeedbackWatch
 from twistarm.support.errors import InputError
 
@@ -59,7 +57,8 @@ def test_no_step_is_longer_than_the_servo_allows(rover, clock, stream, monkeypat
         steps.append(dt)
         return servo_step(arm, state, command, dt, settings=settings)
 
-    monkeypatch.setattr("twistarm.stream.streaming.servo_step", noted)
+    for module in ("streaming", "cycles"):
+        monkeypatch.setattr(f"twistarm.stream.{module}.servo_step", noted)
     clock.late = {20: 8 * PERIOD, 40: 11 * PERIOD, 60: 0.3, 80: -3.0}
     stream(duration=4.0, until=lambda: len(steps) >= 300)
     assert np.round(np.array(steps) / PERIOD, 6).tolist().count(1.0) == len(steps) - 1
@@ -237,18 +236,6 @@ def test_a_source_is_given_where_the_commanded_arm_is(rover, robot, stream):
     for state, setpoint in others:
         assert np.array_equal(state.theta, setpoint.theta)
         assert np.array_equal(state.theta_dot, setpoint.theta_dot)
-
-
-def test_a_replay_makes_up_for_where_the_arm_stood_at_the_start(rover, clock, stream, tmp_path):
-    away = 0.8 * AT_START * np.array([1.0, -1.0, 1.0, -1.0, 1.0])
-    start, end = rover.ready + [0.05, 0.0, 0.0, 0.0, 0.0], rover.ready + [0.1, 0.3, -0.4, 0.2, 1.0]
-    motion = plan_joint(rover, [start, end], kind="trapezoid")
-    replay = Replay(rover, read_recording(rover, motion.to_csv(tmp_path / "motion.csv", dt=0.02)))
-    robot = Robot(start + away, clock)
-    report = stream(replay, robot, duration=30.0, until=lambda: replay.done)
-    assert report.ending is Ending.DONE
-    # At its velocity limit a joint makes up for nothing until the half second in which the motion has ended.
-    assert np.abs(robot.theta - end).max() < 0.25 * 0.8 * AT_START
 
 
 # How each stream ends, and who commands

@@ -8,6 +8,7 @@ import json
 from pathlib import Path
 
 import numpy as np
+import yaml
 from numpy.testing import assert_array_equal
 
 from recorded_poses import HOME, REACH
@@ -43,6 +44,12 @@ def test_the_motion_on_show_is_downloaded_and_reads_back(arm: Arm, viewer: Viewe
     message = json.loads(text)
     assert message["joint_names"] == list(arm.joint_names)
     assert_array_equal([point["velocities"] for point in message["points"]], values[1])
+    status, text, headers = get(viewer.url + "motion.yaml")
+    assert headers["Content-Disposition"] == 'attachment; filename="small_motion.yaml"'
+    assert yaml.safe_load(text) == message
+    status, text, headers = get(viewer.url + "motion.h")
+    assert headers["Content-Disposition"] == 'attachment; filename="small_motion.h"'
+    assert "static inline void motion_theta(" in text
 
 
 def test_a_download_needs_the_token_and_a_host_of_ours(viewer: Viewer) -> None:

@@ -10,17 +10,16 @@ import numpy as np
 import pytest
 from numpy.testing import assert_allclose
 
-from twistarm import load_arm, plan_joint
+from twistarm import load_arm, load_trajectory, plan_joint
 from twistarm.cli.application import run
 from twistarm.support.errors import InputError
-from twistarm.viewer.files.csv_trajectory import recorded_motion
 
 ARM = load_arm("scara")
 MOTION = plan_joint(ARM, [0.2 * ARM.ready, ARM.ready], limits={"velocity": 1.0, "acceleration": 2.0}, kind="quintic")
 
 
 def test_it_passes_every_line_with_its_rate_and_follows_the_motion_between(tmp_path: Path) -> None:
-    read = recorded_motion(ARM, MOTION.to_csv(tmp_path / "a.csv", dt=0.05))
+    read = load_trajectory(ARM, MOTION.to_csv(tmp_path / "a.csv", dt=0.05))
     t, theta, theta_dot, _ = MOTION.sample(0.05)
     assert read.joint_names == ARM.joint_names
     assert_allclose(read.duration, MOTION.duration)
@@ -40,7 +39,7 @@ def test_uneven_steps_and_rates_at_the_ends(tmp_path: Path) -> None:
     path = tmp_path / "a.csv"
     path.write_text("\n".join(",".join(map(str, line)) for line in [["time [s]", *columns], *rows]))
     for t in (0.03, 0.1, 0.25, 0.39):
-        assert_allclose(recorded_motion(ARM, path)(t), (t * t + t) / 20, atol=1e-14)
+        assert_allclose(load_trajectory(ARM, path)(t), (t * t + t) / 20, atol=1e-14)
 
 
 def test_the_command_saves_a_page_that_plays_it(
@@ -63,5 +62,5 @@ def test_the_command_saves_a_page_that_plays_it(
 def test_what_is_no_recording_is_refused(tmp_path: Path) -> None:
     path = tmp_path / "a.csv"
     path.write_text("time [s]\n0\n")
-    with pytest.raises(InputError, match="a recording of scara has"):
-        recorded_motion(ARM, path)
+    with pytest.raises(InputError, match="a motion of scara has"):
+        load_trajectory(ARM, path)

@@ -24,6 +24,9 @@ STATE = twistarm.ServoState.at(ARM, ARM.ready)
 MOTION = twistarm.plan_joint(ARM, ["ready", "stowed"])
 SOLUTION = twistarm.solve_ik(ARM, G)
 SIMULATED = stream.SimulatedJoints(ARM, ARM.ready)
+
+STOPPED = stream.FollowControl()
+STOPPED.stop()
 MOTORS = {
     "names": ("a", "b"),
     "joint_names": ("j", "k"),
@@ -175,11 +178,16 @@ DOORS: dict[str, tuple[Callable[..., Any], dict[str, Any]]] = {
     "motion.to_csv": (MOTION.to_csv, {"path": "motion.csv", "dt": 0.1}),
     "check_wiring": (twistarm.check_wiring, {"arm": ARM, "log": "log.csv"}),
     "read_log": (read_log, {"path": "log.csv", "motors": DRIVES}),
-    "read_recording": (stream.read_recording, {"arm": ARM, "path": "motion.csv"}),
+    "load_trajectory": (twistarm.load_trajectory, {"arm": ARM, "path": "motion.csv"}),
     "SimulatedJoints": (stream.SimulatedJoints, {"arm": ARM, "theta": ARM.ready, "latency": 0.0}),
     "stream.run": (
         partial(stream.run, duration=0.001),
         {"arm": ARM, "source": Says(None), "sink": SIMULATED, "feedback": SIMULATED, "rate": 100.0, "settings": None},
+    ),
+    "stream.follow": (
+        partial(stream.follow, control=STOPPED),
+        {"arm": ARM, "trajectory": MOTION, "sink": SIMULATED, "feedback": SIMULATED, "rate": 100.0, "speed": 1.0,
+         "approach": True, "tolerance": 0.1, "start_tolerance": 0.01},
     ),
     **{name: (call, arguments) for name, call, arguments in (*of_theory(), *of_the_builder(), *of_the_drives())},
 }  # fmt: skip

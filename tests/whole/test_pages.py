@@ -80,15 +80,21 @@ def command(line: str, capsys: pytest.CaptureFixture[str]) -> str:
     return printed.out
 
 
-def compiled(source: str, said: str) -> None:
-    """Compile and run a C++ program that the page shows, with the headers in the folder that `bake` has named."""
+STANDARDS = {"cpp": ("c++", "c++17"), "c": ("c", "c99")}
+"""The language and its standard of a program that a page shows, by the kind of its block."""
+
+
+def compiled(source: str, kind: str, said: str) -> None:
+    """Compile and run a program that the page shows, with the headers in the folder that `bake` has named."""
     compiler = shutil.which("c++") or shutil.which("g++") or shutil.which("clang++")
     if compiler is None:
         if os.environ.get("TWISTARM_REQUIRE_ALL"):
             pytest.fail("no C++ compiler, and TWISTARM_REQUIRE_ALL is set")
         return
     include = said.split("-I ")[1].split()[0]
-    subprocess.run([compiler, "-std=c++17", "-O0", "-I", include, source, "-o", "main"], check=True, timeout=300)
+    language, standard = STANDARDS[kind]
+    command = [compiler, "-x", language, f"-std={standard}", "-O0", "-I", include, source, "-o", "main"]
+    subprocess.run(command, check=True, timeout=300)
     subprocess.run(["./main"], check=True, timeout=60)
 
 
@@ -106,8 +112,11 @@ def test_every_block_does_what_the_page_says(page, tmp_path, monkeypatch, capsys
             printed = command(line.removeprefix("$ "), capsys)
             assert [row.rstrip() for row in printed.splitlines()] == shown.splitlines()
         elif mark.startswith("file "):
-            if kind == "cpp":
-                compiled(mark.removeprefix("file "), said)
+            if kind in STANDARDS:
+                compiled(mark.removeprefix("file "), kind, said)
+            if kind == "matlab" and shutil.which("octave"):
+                program = ["octave", "--no-gui", "--norc", "--quiet", mark.removeprefix("file ")]
+                subprocess.run(program, check=True, timeout=120)
         elif kind == "python":
             exec(compile(text, str(page.relative_to(ROOT)), "exec"), names)
         elif kind == "sh":

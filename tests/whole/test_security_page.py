@@ -13,8 +13,8 @@ from twistarm.description.companions import toml_entries
 from twistarm.description.expansion import confinement
 from twistarm.description.meshes import limits
 from twistarm.model import baking, pinocchio_model
+from twistarm.planning.files import csv_reading, message_reading
 from twistarm.proof import golden_file as golden
-from twistarm.stream import recording
 from twistarm.stream.links import gate
 from twistarm.viewer.server import client_connection, gateway
 
@@ -31,7 +31,9 @@ FIGURES = {
     "processor time for the meshes of an arm": ("90 s", limits.ARM_SECONDS_AT_MOST),
     "a golden file, an `arm.json`": ("10 MB", golden.MAX_BYTES / 1e6),
     "postures and targets in CSV": ("15 MB", csv_rows.BOUNDS.bytes / 1e6),
-    "a recording": ("200 MB", recording.BOUNDS.bytes / 1e6),
+    "a motion in CSV": ("200 MB", csv_reading.BOUNDS.bytes / 1e6),
+    "a motion in JSON": ("50 MB", message_reading.MAX_BYTES / 1e6),
+    "values of a motion in YAML": ("500,000", message_reading.MAX_VALUES),
     "an `arm.toml`": ("64 kB", toml_entries.MAX_BYTES / 1e3),
 }
 

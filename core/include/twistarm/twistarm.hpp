@@ -4,6 +4,7 @@
 //   numeric/      packs of numbers (lanes), elementary functions, small linear systems
 //   kinematics/   chains, frames, forward kinematics and Jacobians, motors, motion limits
 //   ik/           from a target to a configuration, or to the nearest one and the reason
+//   planning/     the velocity along a path
 //   servo/        one step from a command to joint rates
 #pragma once
 
@@ -12,4 +13,5 @@
 #include "ik/race.hpp"
 #include "kinematics/actuators.hpp"
 #include "kinematics/conversion.hpp"
+#include "planning/interval_limits.hpp"
 #include "servo/servo.hpp"

@@ -19,6 +19,7 @@ from .commands import (
     checking,
     demonstration,
     doctor,
+    following,
     init,
     inspection,
     inverse,
@@ -58,6 +59,7 @@ for command in (
     motion.plan,
     viewing.view,
     servo.servo,
+    following.follow,
 ):
     app.command(cls=Command)(command)
 

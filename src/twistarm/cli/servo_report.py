@@ -1,4 +1,4 @@
-"""The report of `twistarm servo`: the loop's cycles and how it ended, for people and for programs."""
+"""The reports of `twistarm servo` and `follow`: cycles and how they ended, for people and for programs."""
 
 from __future__ import annotations
 
@@ -6,7 +6,7 @@ from dataclasses import fields
 from typing import Any
 
 from ..model.arm import Arm
-from ..stream import StreamReport
+from ..stream import FollowReport, StreamReport
 from .grid import Grid
 from .output import table
 
@@ -20,16 +20,36 @@ def report_json(arm: Arm, report: StreamReport) -> dict[str, Any]:
 
 def report_table(arm: Arm, report: StreamReport) -> Grid:
     """The same for people."""
+    return table(f"{arm.name}: servo", ["", ""], _rows(report, "no command"), text=("",))
+
+
+def follow_json(arm: Arm, report: FollowReport) -> dict[str, Any]:
+    """How far a motion came, and what the loop did, for programs."""
+    errors = dict(zip(report.joint_names, report.largest_error.tolist(), strict=True))
+    return {
+        "arm": arm.name, "ok": report.ok, "completed": report.completed, "ending": report.stream.ending.name,
+        "reason": report.stream.reason, "at": report.at, "duration": report.duration, "speed": report.speed,
+        "largest_error": errors, "loop": report_json(arm, report.stream),
+    }  # fmt: skip
+
+
+def follow_table(arm: Arm, report: FollowReport) -> Grid:
+    """The same for people."""
+    followed = [list(line.split(": ", 1)) for line in report.followed()]
+    return table(f"{arm.name}: follow", ["", ""], [*followed, *_rows(report.stream, "paused")], text=("",))
+
+
+def _rows(report: StreamReport, uncommanded: str) -> list[list[str]]:
     late = [f"{1e3 * seconds:.2f} ms" for seconds in (report.late_p50, report.late_p99, report.late_max)]
     statuses = ", ".join(f"{status.name} {count}" for status, count in report.statuses.items())
     blind = f"{report.blind:.1f} s later{because(report.blind, report.blind_reason)}"
-    rows = [
+    return [
         ["ended", ": ".join(filter(None, (report.ending.value, report.reason)))],
         ["cycles", f"{report.cycles} at {report.rate:g} Hz in {report.duration:.1f} s, {report.missed} missed"],
         ["begun late by", f"{late[0]} (median), {late[1]} (99 %), {late[2]} (most)"],
         *([["limits", report.assumed]] if report.assumed else []),
-        ["status", statuses or f"never moved: {report.blind_reason}"],
-        ["no command", f"{report.uncommanded:.1f} s{because(report.uncommanded, report.uncommanded_reason)}"],
+        ["status", statuses or ": ".join(filter(None, ("never moved", report.blind_reason)))],
+        [uncommanded, f"{report.uncommanded:.1f} s{because(report.uncommanded, report.uncommanded_reason)}"],
         *(
             [["held back", f"{report.barred:.1f} s{because(report.barred, report.barred_reason)}"]]
             if report.barred
@@ -39,7 +59,6 @@ def report_table(arm: Arm, report: StreamReport) -> Grid:
         ["at the end", report.at_the_end],
         *(["trouble", trouble] for trouble in (*report.undelivered, *report.failures)),
     ]
-    return table(f"{arm.name}: servo", ["", ""], rows, text=("",))
 
 
 def because(seconds: float, reason: str) -> str:

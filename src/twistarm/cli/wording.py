@@ -21,6 +21,7 @@ _OPTIONS = {
     "xacro_args": ("--xacro", "NAME:=VALUE"),
     "package_dirs": ("--package-dir", "FOLDER"),
     "stop_at_waypoints": ("--stop", ""),
+    "approach": ("--approach", ""),
 }
 """The option of each argument that messages name, and how its value is called in `--help`."""
 

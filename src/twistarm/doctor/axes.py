@@ -53,12 +53,12 @@ def check_axes(arm: Arm) -> Iterator[Finding]:
     yield finding(
         "axes-almost-exact",
         place_of(arm.description, arm.name),
-        f"{_told(found)}; taken as exact, the tool is off by some {_length(sum(near.moves for near in found))}",
+        f"{_listed(found)}; taken as exact, the tool is off by some {_length(sum(near.moves for near in found))}",
         _rewrite(arm, apart=any(near.apart for near in found)),
     )
 
 
-def _told(found: list[Near]) -> str:
+def _listed(found: list[Near]) -> str:
     """What almost holds, each with the joints it holds for."""
     joints: dict[str, list[str]] = {}
     for near in found:

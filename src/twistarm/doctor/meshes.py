@@ -48,7 +48,7 @@ def check_meshes(description: Description, reader: MeshReader) -> Iterator[Findi
     paths = list(dict.fromkeys(use.path for use in uses))
     pointers = [path for path in paths if _is_pointer(path)]
     if pointers:
-        yield _told(
+        yield _mesh_finding(
             "mesh-lfs-pointer",
             description,
             pointers,
@@ -66,7 +66,9 @@ def _sizes(description: Description, paths: list[Path], uses: list[Use], reader:
         yield finding("mesh-not-looked-at", description.place(), what, "pip install 'twistarm[view]'")
         return
     except TwistarmError as error:
-        yield _told("mesh-not-looked-at", description, paths, str(error), "look at them where it can be started")
+        yield _mesh_finding(
+            "mesh-not-looked-at", description, paths, str(error), "look at them where it can be started"
+        )
         return
     lengths = {path: length for path, length in found.items() if not isinstance(length, UnreadableMeshError)}
     broken: dict[tuple[str, str], list[Path]] = {}
@@ -74,11 +76,11 @@ def _sizes(description: Description, paths: list[Path], uses: list[Use], reader:
         if isinstance(why, UnreadableMeshError):
             broken.setdefault((why.reason, why.remedy), []).append(path)
     for (reason, remedy), files in broken.items():
-        yield _told("mesh-unreadable", description, files, f"{reason}; simple shapes are drawn instead", remedy)
+        yield _mesh_finding("mesh-unreadable", description, files, f"{reason}; simple shapes are drawn instead", remedy)
     flat = [use.path for use in uses if not all(use.scale)]
     if flat:
         remedy = 'write scale="1 1 1" in <mesh>, or what makes metres of the unit it was exported in'
-        yield _told("mesh-too-small", description, flat, "a scale of 0 leaves nothing of it to see", remedy)
+        yield _mesh_finding("mesh-too-small", description, flat, "a scale of 0 leaves nothing of it to see", remedy)
     sized = {
         use: length * max(map(abs, use.scale)) for use in uses if all(use.scale) and (length := lengths.get(use.path))
     }
@@ -93,7 +95,7 @@ def _out_of_scale(description: Description, lengths: dict[Use, float]) -> Iterat
         longest = max(large.values())
         unit, others = _likely_unit(longest, size)
         check = f"; check the unit of the export: it may be {others} too" if others else ""
-        yield _told(
+        yield _mesh_finding(
             "mesh-too-large",
             description,
             [use.path for use in large],
@@ -101,7 +103,7 @@ def _out_of_scale(description: Description, lengths: dict[Use, float]) -> Iterat
             _rescaled(list(large), UNITS[unit]) + check,
         )
     elif lengths and max(lengths.values()) < TOO_SMALL * size:
-        yield _told(
+        yield _mesh_finding(
             "mesh-too-small",
             description,
             [use.path for use in lengths],
@@ -152,7 +154,7 @@ def _size(description: Description) -> float:
     return float(np.ptp(points, axis=0).max()) or 1.0
 
 
-def _told(code: str, description: Description, paths: Sequence[Path], what: str, remedy: str) -> Finding:
+def _mesh_finding(code: str, description: Description, paths: Sequence[Path], what: str, remedy: str) -> Finding:
     names = listed(dict.fromkeys(path.name for path in paths), SHOWN)
     return finding(code, description.place(), f"{names}: {what}", remedy)
 

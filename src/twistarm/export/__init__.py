@@ -1,1 +1,1 @@
-"""Export: an arm as a C++ header."""
+"""Export: an arm as a C++ header, as a function of MATLAB, its limits as a joint_limits.yaml."""

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import os
-import re
 from collections.abc import Iterable, Mapping
 from pathlib import Path
 from typing import Any
@@ -15,26 +14,12 @@ from ..model.arm import Arm
 from ..model.baking import digest_of
 from ..servo import ServoSettings
 from ..servo.bounds import bounds_of
+from ..support.c_text import c_number, c_string, c_strings, identifier_of
 from ..support.checks import Array
 from ..support.errors import InputError, TwistarmError
 from ..support.files import writable, write_whole
 
 SUFFIXES = (".hpp", ".hh", ".hxx", ".h")
-
-_TAKEN = """
-    alignas alignof and and_eq asm auto bitand bitor bool break case catch char char8_t char16_t char32_t class
-    co_await co_return co_yield compl concept const consteval constexpr constinit const_cast continue decltype default
-    delete do double dynamic_cast else enum explicit export extern false float for friend goto i386 if inline int linux
-    long main mutable namespace new noexcept not not_eq nullptr operator or or_eq private protected public register
-    reinterpret_cast requires return short signed sizeof static static_assert static_cast std struct switch template
-    this thread_local throw true try twistarm typedef typeid typename union unix unsigned using virtual void volatile
-    wchar_t while xor xor_eq
-    abs acos asin atan BUFSIZ ceil clock close cos div EOF errno exit exp floor gamma index INFINITY j0 j1 jn link log
-    M_PI NAN NULL open pipe pow raise read remove rename round select signal sin sqrt stderr stdin stdout tan time write
-    y0 y1 yn
-"""
-"""What no namespace can be called: C++20's keywords, `main`, `std`, our own, the macros of GCC's dialects, and short
-names of the C library."""
 
 
 def write_cpp_header(arm: Arm, path: str | os.PathLike[str]) -> Path:
@@ -56,11 +41,8 @@ def core_headers() -> Path:
 
 
 def namespace_of(name: str) -> str:
-    """A C++ namespace after an arm's name: what no identifier may hold becomes one underscore."""
-    identifier = re.sub(r"[^A-Za-z0-9]+", "_", name).strip("_") or "arm"
-    if identifier[0].isdigit() or identifier in _TAKEN.split():
-        identifier = f"arm_{identifier}"
-    return identifier
+    """A C++ namespace after an arm's name."""
+    return identifier_of(name, "arm")
 
 
 def cpp_header(arm: Arm) -> str:
@@ -74,15 +56,15 @@ def cpp_header(arm: Arm) -> str:
     lower, upper = arm.sampling_bounds
     poses = {"ready": arm.ready, **arm.named_states}
     return _TEMPLATE.format(
-        arm=_text(arm.name),
+        arm=c_string(arm.name),
         namespace=namespace_of(arm.name),
         digest=digest_of(arm._baked),
-        base=_text(arm.base),
-        tip=_text(arm.tip),
-        order=", ".join(f"{_text(name)} [{unit}]" for name, unit in zip(arm.joint_names, arm.units, strict=True)),
+        base=c_string(arm.base),
+        tip=c_string(arm.tip),
+        order=", ".join(f"{c_string(name)} [{unit}]" for name, unit in zip(arm.joint_names, arm.units, strict=True)),
         n=n,
         m=joints,
-        names=_texts(arm.joint_names),
+        names=c_strings(arm.joint_names),
         lower=_doubles(arm.limits.lower),
         upper=_doubles(arm.limits.upper),
         start_lower=_doubles(lower),
@@ -92,7 +74,7 @@ def cpp_header(arm: Arm) -> str:
         effort=_doubles(arm.limits.effort),
         tool_axis=_numbers(arm.tool_axis),
         pose_count=len(poses),
-        pose_names=_texts(poses),
+        pose_names=c_strings(poses),
         poses=_rows(map(_numbers, poses.values())),
         identity=_truth(constants["identity"]),
         base_frame=_frame(constants["base"]),
@@ -124,7 +106,7 @@ def _servo(arm: Arm) -> Mapping[str, str | int]:
     return {
         "motors": motors,
         "rows": len(motion.names),
-        "row_names": _texts(motion.names),
+        "row_names": c_strings(motion.names),
         "motor_C": "{" + ", ".join(map(_numbers, motion.C[:motors])) + "}",
         "motor_c": _numbers(motion.c[:motors]),
         **{f"row_{name}": _numbers(getattr(motion.limits, name)) for name in _MOTION},
@@ -144,9 +126,9 @@ def _motors(arm: Arm) -> str:
     n, k, determined = arm.n, len(motors.names), not motors.undriven
     return _MOTORS.format(
         k=k,
-        names=_texts(motors.names),
-        units=_texts(motors.motor_units),
-        counted=_texts(motors.units),
+        names=c_strings(motors.names),
+        units=c_strings(motors.motor_units),
+        counted=c_strings(motors.units),
         determined=_truth(determined),
         G=_rows(map(_numbers, motors.G)),
         offset=_numbers(motors.offset),
@@ -162,7 +144,7 @@ _MOTION = ("lower", "upper", "velocity", "acceleration")
 
 
 def _number(value: float) -> str:
-    return f"T({_double(value)})"
+    return f"T({c_number(value)})"
 
 
 def _numbers(values: Iterable[float]) -> str:
@@ -170,11 +152,7 @@ def _numbers(values: Iterable[float]) -> str:
 
 
 def _doubles(values: Array) -> str:
-    return ", ".join(map(_double, values))
-
-
-def _double(value: float) -> str:
-    return repr(float(value)) if np.isfinite(value) else "-infinite" if value < 0 else "infinite"
+    return ", ".join(map(c_number, values))
 
 
 def _truth(value: bool) -> str:
@@ -194,21 +172,6 @@ def _link(link: Mapping[str, Any]) -> str:
 
 def _rows(rows: Iterable[str]) -> str:
     return "{\n" + "".join(f"        {row},\n" for row in rows) + "    }"
-
-
-def _texts(names: Iterable[str]) -> str:
-    return ", ".join(map(_text, names))
-
-
-def _text(name: str) -> str:
-    """A C string of plain characters, which cannot end a comment either; others as octal escapes of their UTF-8."""
-    plain = re.compile(r"[A-Za-z0-9 _.,:;+\-=@#%&()\[\]<>{}|~^!$']")
-    characters = (c if plain.fullmatch(c) else _octal(c) for c in name)
-    return '"' + "".join(characters) + '"'
-
-
-def _octal(character: str) -> str:
-    return "".join(f"\\{byte:03o}" for byte in character.encode("utf-8", "surrogatepass"))
 
 
 _MOTORS = """\

@@ -1,6 +1,25 @@
-"""Motions in time: planned inside the joint limits, evaluated at any instant, exported."""
+"""Motions in time: planned inside the joint limits, evaluated at any instant, written to files and read back."""
 
+from .cartesian.refusal import PathError
+from .files.load import load_trajectory
 from .joint_space import plan_joint
+from .motion import plan
+from .motion_file import MotionFile, load_motion
+from .segments import ArcMove, Dwell, JointMove, LineMove, ScrewMove
 from .trajectory import Samples, Trajectory
 
-__all__ = ["Samples", "Trajectory", "plan_joint"]
+__all__ = [
+    "ArcMove",
+    "Dwell",
+    "JointMove",
+    "LineMove",
+    "MotionFile",
+    "PathError",
+    "Samples",
+    "ScrewMove",
+    "Trajectory",
+    "load_motion",
+    "load_trajectory",
+    "plan",
+    "plan_joint",
+]

@@ -8,18 +8,26 @@ from typing import Any, Literal
 import numpy as np
 from numpy.typing import ArrayLike
 
+from ..ik.solve import solve_ik
+from ..ik.targets import KINDS as TARGETS
+from ..ik.targets import TargetLike
 from ..limits.joint_limits import JointLimits
 from ..model.arm import Arm, require_arm
-from ..support.caller_words import argument
 from ..support.checks import Array, RealArray, Row, as_flag, as_floats, require_callback, require_choice
-from ..support.errors import InputError, shown
+from ..support.errors import InputError, NotConvergedError, shown
 from . import spline, timing
-from .timing import Progress
+from .pulling_in import pulled_in
+from .spans import LONGEST, SHORTEST, Progress
+from .time_laws import PathBounds
 from .trajectory import Trajectory
-from .within import require_waypoints, require_within
+from .waypoint_laws import Motion, double_s_rests, fastest_along_spline, fastest_rests
+from .within import require_rates, require_waypoints
 
-Kind = Literal["cubic", "quintic", "trapezoid"]
-KINDS: tuple[Kind, ...] = ("cubic", "quintic", "trapezoid")
+Kind = Literal["cubic", "quintic", "trapezoid", "time_optimal", "s_curve"]
+KINDS: tuple[Kind, ...] = ("cubic", "quintic", "trapezoid", "time_optimal", "s_curve")
+
+BY_LAW = ("time_optimal", "s_curve")
+"""Kinds that keep every limit by construction, at given times too."""
 
 MERGE_TOL = 1e-6
 """Consecutive waypoints nearer than this [rad, m] in every joint are one: IK answers no finer."""
@@ -35,8 +43,8 @@ FITS = {
 }
 """The spline of each kind: through the waypoints, or resting at each."""
 
-Waypoints = RealArray | Sequence[Row | Mapping[str, float] | str]
-"""Configurations as arrays, mappings {joint: value} or names of states."""
+Waypoints = RealArray | Sequence[Row | Mapping[str, float] | str | TargetLike]
+"""Configurations as arrays, mappings {joint: value} or names of states, and targets of the tool."""
 
 
 def plan_joint(
@@ -51,21 +59,33 @@ def plan_joint(
 ) -> Trajectory:
     """A motion through `waypoints`, at rest at the first and the last, that keeps the joint limits everywhere.
 
-    Waypoints (k, n), k ≥ 2 [rad, m]: arrays, mappings {joint: value} or names of poses (`arm.configurations`). No angle
-    is wrapped, not even of a continuous joint: from 0 to 2π is a full turn.
+    Waypoints (k, n) [rad, m], one (a motion of duration 0) or more: arrays, mappings {joint: value} or names of poses
+    (`arm.configurations`). No angle is wrapped, not even of a continuous joint: from 0 to 2π is a full turn. A target
+    of the tool (`Pose`, `Position`, `Approach`, `Task` or a pose (4, 4)) stands for the configuration that `solve_ik`
+    finds from the waypoint before it (`arm.ready` for the first).
 
     - `cubic`: the C² spline; acceleration jumps at the start and the end only.
     - `quintic`: the C⁴ spline, acceleration zero at both ends; smoother, and it swings wider between waypoints.
+    - Where either would leave the position limits between waypoints it is pulled in: the joint passes the waypoints
+      nearby at a lower velocity, if need be at rest, on added pieces; the cubic stays C² and the quintic C⁴.
     - `trapezoid`: straight from waypoint to waypoint, stopping at each; all joints accelerate, coast and brake
       together. Its jerk is infinite: a jerk limit is not looked at.
+    - `time_optimal`: the shortest motion along a cubic spline through the waypoints. Some velocity or acceleration is
+      at its limit all the time; a jerk limit is not looked at. It takes no `times`.
+    - `s_curve`: straight from waypoint to waypoint in the shortest time that velocity, acceleration and jerk limits
+      of each joint and motor allow, stopping at each. A joint without a jerk limit comes to its acceleration limit in
+      0.1 s. Each joint has a profile of its own, and all arrive together; where joints share a motor, they move in
+      proportion.
+
+    Velocity, acceleration and jerk limits of the arm's motors (`arm.actuators`) are kept as those of its joints.
 
     With `stop_at_waypoints` cubic and quintic rest at each waypoint too (quintic with zero acceleration) and move
-    straight from one to the next; without it a spline may swing beyond the range of its waypoints.
+    straight from one to the next; without it a spline may swing beyond the range of its waypoints, inside the limits.
 
     Without `times` the motion is as short as its kind was found to allow: one velocity, acceleration or (where
     given, for cubic and quintic) jerk limit is met exactly, none is exceeded, and velocity and acceleration limits
     must be there for every joint. For segments that stop that is the minimum. The proportions of a spline's
-    segments are searched: typically within 2 % of the minimum for cubic and 10 % for quintic, which may be slower
+    segments are searched: typically within 2 % of the minimum for cubic and 5 % for quintic, which may be slower
     than stopping where a path turns back. Consecutive waypoints nearer than 1e-6 are merged; if none other
     remains, the motion has duration 0. With `times` (k,) [s], increasing from 0, the motion passes waypoint i at
     times[i], and limits that are missing are not checked.
@@ -75,8 +95,9 @@ def plan_joint(
 
     Args:
         arm: The arm.
-        waypoints: Configurations (k, n) [rad, m], k ≥ 2; each an array, a mapping {joint: value} or the name of a pose.
-        kind: "cubic", "quintic" or "trapezoid".
+        waypoints: Configurations (k, n) [rad, m], k ≥ 1; each an array, a mapping {joint: value}, the name of a
+            pose or a target.
+        kind: "cubic", "quintic", "trapezoid", "time_optimal" or "s_curve".
         limits: By default those of the arm; a `JointLimits`, or changes to the arm's such as
             {"velocity": 1.0, "acceleration": {"elbow": 2.0}} [rad/s, m/s and so on].
         times: Times of the waypoints (k,) [s], increasing from 0; None for a motion as short as the limits allow.
@@ -87,10 +108,11 @@ def plan_joint(
         The `Trajectory`, a piecewise polynomial in time.
 
     Raises:
-        LimitError: A waypoint lies outside the position limits, a spline swings outside them, the times are too short,
-            or a needed limit is missing; the message gives joint, limit, value and place.
+        LimitError: A waypoint lies outside the position limits, the times are too short, or a needed limit is missing;
+            the message gives joint, limit, value and place.
         InputError: An argument does not fit the arm.
         UnknownNameError: No such pose or joint.
+        NotConvergedError: A target is not met; the message names the waypoint and explains why.
     """
     require_choice(kind, KINDS, "kind")
     as_flag(stop_at_waypoints, "stop_at_waypoints")
@@ -98,29 +120,27 @@ def plan_joint(
     points = as_waypoints(require_arm(arm), waypoints)
     bounds = as_limits(arm, limits)
     require_waypoints(points, bounds, arm.joint_names, arm.units)
-    if times is not None:
-        when = _as_times(times, len(points))
-        breakpoints, coefficients = _at_times(points, kind, stop_at_waypoints, when, bounds)
-    else:
-        bounds.require(("velocity", "acceleration"), arm.joint_names)
-        kept, owner = _distinct(points)
-        kept_times, breakpoints, coefficients = _fastest(kept, kind, stop_at_waypoints, bounds, progress)
-        when = kept_times[owner]
+    inside = PathBounds(bounds, arm.actuators)
+    when, breakpoints, coefficients = _timed(points, kind, stop_at_waypoints, times, inside, arm.joint_names, progress)
     motion = Trajectory(arm.joint_names, arm.units, points, when, breakpoints, coefficients, arm.actuators)
-    rest = argument("stop_at_waypoints", True)
-    require_within(motion, bounds, f"use {rest}, which goes straight from waypoint to waypoint, or add waypoints")
+    if times is not None and kind not in BY_LAW:
+        require_rates(motion, bounds)
+        if arm.actuators is not None:
+            require_rates(motion.of_motors(), arm.actuators.limits, "motor")
     if progress is not None:
         progress(1.0)
     return motion
 
 
 def as_waypoints(arm: Arm, waypoints: Waypoints) -> Array:
-    """Waypoints (k, n), k ≥ 2, from arrays, {joint: value} mappings and names of states."""
+    """Waypoints (k, n), k ≥ 1, from arrays, {joint: value} mappings and names of states."""
     if isinstance(waypoints, str | Mapping) or not np.iterable(waypoints):
-        raise InputError(f"waypoints must be a sequence of at least two configurations; got {shown(waypoints)}")
-    points = [_waypoint(arm, waypoint, i) for i, waypoint in enumerate(waypoints)]
-    if len(points) < 2:
-        raise InputError(f"waypoints must be at least two configurations, start and goal; got {len(points)}")
+        raise InputError(f"waypoints must be a sequence of configurations; got {shown(waypoints)}")
+    points: list[Array] = []
+    for i, waypoint in enumerate(waypoints):
+        points.append(_waypoint(arm, waypoint, i, points[-1] if points else arm.ready))
+    if not points:
+        raise InputError("waypoints must be at least one configuration; got none")
     return np.array(points)
 
 
@@ -137,7 +157,13 @@ def as_limits(arm: Arm, limits: JointLimits | Mapping[str, Any] | None) -> Joint
     return limits
 
 
-def _waypoint(arm: Arm, waypoint: Any, index: int) -> Array:
+def _waypoint(arm: Arm, waypoint: Any, index: int, near: Array) -> Array:
+    """The configuration (n,) of a waypoint, for a target the nearest found to `near` (n,)."""
+    if isinstance(waypoint, TARGETS) or np.shape(waypoint) == (4, 4):
+        solution = solve_ik(arm, waypoint, near, posture="theta0")
+        if not solution.converged:
+            raise NotConvergedError(f"waypoint {index} (counted from 0) is not met: {solution.explain()}", solution)
+        return np.array(solution.theta)
     theta = arm.theta_from(waypoint, name=f"waypoint {index}")
     if theta.ndim != 1:
         raise InputError(f"waypoint {index} must be one configuration ({arm.n},); got {theta.shape}")
@@ -150,10 +176,12 @@ def _as_times(times: ArrayLike, count: int) -> Array:
         raise InputError(f"times must be one instant per waypoint, ({count},); got {when.shape}")
     if when[0] != 0 or not (np.diff(when) > 0).all():
         raise InputError(f"times must start at 0 and increase strictly; got {when.tolist()}")
+    if count == 1:
+        return when
     least = float(np.diff(when).min())
-    if least < LEAST_SEGMENT * when[-1] or not timing.SHORTEST <= when[-1] <= timing.LONGEST:
+    if least < LEAST_SEGMENT * when[-1] or not SHORTEST <= when[-1] <= LONGEST:
         raise InputError(
-            f"times must span {timing.SHORTEST:g} s to {timing.LONGEST:g} s with no segment under {LEAST_SEGMENT:g} of "
+            f"times must span {SHORTEST:g} s to {LONGEST:g} s with no segment under {LEAST_SEGMENT:g} of "
             f"the whole; got a segment of {least:.3g} s in {when[-1]:.3g} s"
         )
     return when
@@ -170,25 +198,53 @@ def _distinct(points: Array) -> tuple[Array, Array]:
     return points[kept], np.array(owner)
 
 
-def _at_times(points: Array, kind: Kind, stop: bool, times: Array, limits: JointLimits) -> tuple[Array, Array]:
+def _at_times(points: Array, kind: Kind, stop: bool, times: Array, bounds: PathBounds) -> tuple[Array, Array]:
     """Breakpoints and coefficients of a motion that passes each waypoint at its time."""
-    if kind == "trapezoid":
-        return spline.trapezoid(points, times, timing.trapezoid_ramps(points, times, limits))
-    return times, FITS[kind, stop](points, times)
-
-
-def _fastest(
-    points: Array, kind: Kind, stop: bool, limits: JointLimits, progress: Progress | None
-) -> tuple[Array, Array, Array]:
-    """Times of the waypoints, breakpoints and coefficients of the shortest motion found."""
     if len(points) == 1:
-        return np.zeros(1), np.zeros(2), points[None]
+        return np.zeros(2), points[None]
     if kind == "trapezoid":
-        times, ramps = timing.fastest_trapezoid(points, limits)
+        return spline.trapezoid(points, times, timing.trapezoid_ramps(points, times, bounds))
+    return pulled_in(FITS[kind, stop](points, times), times, points, bounds.limits)
+
+
+def _timed(
+    points: Array,
+    kind: Kind,
+    stop: bool,
+    times: ArrayLike | None,
+    bounds: PathBounds,
+    names: Sequence[str],
+    progress: Progress | None,
+) -> Motion:
+    """Times of the waypoints, breakpoints and coefficients: at the times given, else as short as was found."""
+    if times is not None:
+        if kind == "time_optimal":
+            raise InputError("a time_optimal motion takes no times: it is as fast as it can be; other kinds take them")
+        when = _as_times(times, len(points))
+        if kind != "s_curve" or len(points) == 1:
+            return when, *_at_times(points, kind, stop, when, bounds)
+    if times is None or kind == "s_curve":
+        bounds.limits.require(("velocity", "acceleration"), names)
+    if times is not None:
+        return double_s_rests(points, bounds, when)
+    kept, owner = _distinct(points)
+    if len(kept) == 1:
+        return np.zeros(len(points)), np.zeros(2), kept[None]
+    kept_times, breakpoints, coefficients = _fastest(kept, kind, stop, bounds, progress)
+    return kept_times[owner], breakpoints, coefficients
+
+
+def _fastest(points: Array, kind: Kind, stop: bool, bounds: PathBounds, progress: Progress | None) -> Motion:
+    """The shortest motion found through waypoints of which each is unlike the one before."""
+    if kind == "trapezoid":
+        times, ramps = timing.fastest_trapezoid(points, bounds)
         return times, *spline.trapezoid(points, times, ramps)
+    if kind == "s_curve":
+        return double_s_rests(points, bounds)
+    if kind == "time_optimal":
+        return fastest_rests(points, bounds) if stop else fastest_along_spline(points, bounds, progress)
     fit = FITS[kind, stop]
     if stop:
-        times = timing.fastest_rests(points, fit, limits)
+        times = timing.fastest_rests(points, fit, bounds)
         return times, times, fit(points, times)
-    times, coefficients = timing.fastest_spline(points, fit, limits, progress)
-    return times, times, coefficients
+    return timing.fastest_spline(points, fit, bounds, progress)

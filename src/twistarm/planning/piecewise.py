@@ -6,10 +6,13 @@ layout of SciPy's `PPoly`.
 
 from __future__ import annotations
 
+from functools import cache
+from math import comb
+
 import numpy as np
 from numpy.typing import NDArray
 
-from ..support.checks import Array
+from ..support.checks import Array, frozen
 
 BISECTIONS = 30
 """An extreme located to 2⁻³⁰ of its segment has its value to 2⁻⁶⁰: the slope there is zero."""
@@ -26,8 +29,8 @@ def derivative(coefficients: Array, order: int = 1) -> Array:
 
 def evaluate(coefficients: Array, tau: Array) -> Array:
     """Σ c_k tau^(degree − k) by Horner's rule, tau [s] since the segment's start, broadcast against c_k."""
-    value = np.zeros(np.broadcast_shapes(coefficients.shape[1:], tau.shape))
-    for row in coefficients:
+    value: Array = coefficients[0] + 0.0 * tau
+    for row in coefficients[1:]:
         value = value * tau + row
     return value
 
@@ -37,6 +40,34 @@ def stretched(coefficients: Array, factor: float) -> Array:
     powers = np.arange(len(coefficients) - 1, -1, -1.0)
     slower: Array = coefficients * (1.0 / factor) ** powers[:, None, None]
     return slower
+
+
+def composed(outer: Array, inner: Array) -> Array:
+    """Coefficients of outer(inner(t)): (d + 1, k, n) of (e + 1, k) on the same k pieces give (d e + 1, k, n)."""
+    result = outer[:1]
+    for row in outer[1:]:
+        product = np.zeros((len(result) + len(inner) - 1, *outer.shape[1:]))
+        for i, factor in enumerate(inner):
+            product[i : i + len(result)] += factor[:, None] * result
+        product[-1] += row
+        result = product
+    return result
+
+
+def shifted(coefficients: Array, by: Array) -> Array:
+    """The same polynomials in the time since `by` (s,) [s] after each segment's start: p(tau + by)."""
+    binomials, powers = _binomials(len(coefficients) - 1)
+    moved = binomials[:, :, None] * by ** powers[:, :, None]
+    same: Array = np.einsum("kps,ps...->ks...", moved, coefficients)
+    return same
+
+
+@cache
+def _binomials(degree: int) -> tuple[Array, Array]:
+    """By which number, and which power of `by`, each coefficient (columns) adds to each of the shifted (rows)."""
+    down = np.arange(degree, -1, -1)
+    binomials = [[float(comb(p, k)) for p in down] for k in down]
+    return frozen(binomials), frozen(np.maximum(down[None, :] - down[:, None], 0))
 
 
 def extremes(coefficients: Array, durations: Array) -> tuple[Array, Array]:

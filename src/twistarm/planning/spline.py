@@ -5,13 +5,11 @@ Coefficients are laid out as in `piecewise`.
 
 from __future__ import annotations
 
-from math import factorial
-from typing import Any
-
 import numpy as np
 
 from ..support.checks import Array
 from ..support.errors import missing_extra
+from .hermite import through
 
 
 def cubic(waypoints: Array, times: Array) -> Array:
@@ -29,19 +27,47 @@ def cubic(waypoints: Array, times: Array) -> Array:
 def quintic(waypoints: Array, times: Array) -> Array:
     """The C⁴ quintic spline with zero velocity and acceleration at both ends, (6, k − 1, n).
 
-    Of all paths through the waypoints at these times it has the least ∫ jerk² dt.
+    Of all paths through the waypoints at these times it has the least ∫ jerk² dt. The unknowns are velocity and
+    acceleration at each inner waypoint; that jerk and snap are continuous there is a banded system of equations.
     """
     try:
-        from scipy.interpolate import make_interp_spline
+        from scipy.linalg import solve_banded
     except ImportError as error:
         raise missing_extra("planning", "SciPy", "plan") from error
-    zero = np.zeros(waypoints.shape[1])
-    rests: Any = ([(1, zero), (2, zero)], [(1, zero), (2, zero)])
-    # From the first waypoint on: a joint that does not move then stays free of rounding.
-    spline = make_interp_spline(times, waypoints - waypoints[0], k=5, bc_type=rests)
-    coefficients = np.stack([spline(times[:-1], nu=power) / factorial(power) for power in range(5, -1, -1)])
-    coefficients[-1] += waypoints[0]
-    return coefficients
+    rates = np.zeros((2, *waypoints.shape))
+    inner = len(waypoints) - 2
+    if inner > 0:
+        bands, given = _jerk_and_snap(np.diff(waypoints, axis=0), np.diff(times))
+        solved = solve_banded((3, 3), bands, given, overwrite_ab=True, overwrite_b=True, check_finite=False)
+        rates[:, 1:-1] = solved.reshape(inner, 2, -1).swapaxes(0, 1)
+    return through(times, waypoints, *rates)
+
+
+def _jerk_and_snap(way: Array, h: Array) -> tuple[Array, Array]:
+    """Bands (7, 2 k − 4) and right side (2 k − 4, n) of the equations for v_1, a_1, v_2, a_2, …
+
+    At each inner waypoint the jerk and the snap of the segment that begins are those of the one that ends.
+    """
+    before, after = h[:-1], h[1:]
+    # Each equation is divided by the size of its terms: lengths of segments may be orders apart.
+    size = (1.0 / before + 1.0 / after) ** np.array([[2.0], [3.0]])
+    L2, R2, L3, R3 = 1.0 / before**2, 1.0 / after**2, 1.0 / before**3, 1.0 / after**3
+    terms = {
+        # (equation, unknown counted from v_i): the coefficient
+        (0, -2): 24.0 * L2, (0, -1): 3.0 / before, (0, 0): 36.0 * (L2 - R2), (0, 1): -9.0 / before - 9.0 / after,
+        (0, 2): -24.0 * R2, (0, 3): 3.0 / after,
+        (1, -2): 168.0 * L3, (1, -1): 24.0 * L2, (1, 0): 192.0 * (L3 + R3), (1, 1): 36.0 * (R2 - L2),
+        (1, 2): 168.0 * R3, (1, 3): -24.0 * R2,
+    }  # fmt: skip
+    count = 2 * len(before)
+    bands = np.zeros((7, count + 5))
+    for (equation, unknown), coefficient in terms.items():
+        bands[equation - unknown + 3, unknown + 2 : unknown + 2 + count : 2] = coefficient / size[equation]
+    left, right = way[:-1], way[1:]
+    jerk = 60.0 * (left * L3[:, None] - right * R3[:, None])
+    snap = 360.0 * (left * L2[:, None] ** 2 + right * R2[:, None] ** 2)
+    given = np.stack([jerk / size[0][:, None], snap / size[1][:, None]], axis=1)
+    return bands[:, 2 : count + 2], given.reshape(count, -1)
 
 
 def cubic_rests(waypoints: Array, times: Array) -> Array:

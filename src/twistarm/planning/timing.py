@@ -6,17 +6,15 @@ from collections.abc import Callable, Iterator
 
 import numpy as np
 
-from ..limits.joint_limits import JointLimits
 from ..support.checks import Array
 from ..support.errors import InputError
 from .piecewise import stretched
-from .within import POSITION_TOL, RATE_TOL, overshoot, stretch_needed
+from .pulling_in import pulled_in
+from .spans import LONGEST, MARGIN, SHORTEST, Progress
+from .time_laws.bounds import PathBounds
+from .within import RATE_TOL, stretch_needed, stretch_sampled
 
 Fit = Callable[[Array, Array], Array]
-Progress = Callable[[float], object]
-
-MARGIN = 1e-10
-"""Times are longer than the limits ask by this part, so that rounding falls on the inside."""
 
 EXPONENTS = (1.0, 0.5)
 """Powers of each segment's own least time with which the search starts: true to it, and evened out."""
@@ -30,61 +28,61 @@ CORRECTION = 0.5
 LEAST_PART = 1e-5
 """No segment or ramp is shorter than this part of the whole: its length must survive being added to the times."""
 
-SHORTEST, LONGEST = 1e-9, 1e9
-"""Lengths [s] of motions whose coefficients keep clear of overflow."""
-
 DIVERGED = 1.2
 """A search that is longer than its best by this factor does not come back."""
 
 
 def fastest_spline(
-    waypoints: Array, fit: Fit, limits: JointLimits, progress: Progress | None = None
-) -> tuple[Array, Array]:
-    """Times (k,) and coefficients of `fit` through the waypoints, its worst rate just meeting its limit.
+    waypoints: Array, fit: Fit, bounds: PathBounds, progress: Progress | None = None
+) -> tuple[Array, Array, Array]:
+    """Times (k,), breakpoints and coefficients of `fit` through the waypoints, its worst rate just meeting its limit.
 
     Stretching the whole motion by one factor makes it meet its limits exactly, whatever the proportions of its
     segments. The proportions are searched: segments that stay below their limits are shortened, those that set
-    the factor lengthened. Of all motions tried, the shortest inside the position limits is taken; where none is
-    inside, the shortest.
+    the factor lengthened. Every motion tried is pulled inside the position limits; the shortest is taken.
     """
-    tried: list[tuple[Array, Array]] = []
+    best = None
     for start, exponent in enumerate(EXPONENTS):
-        for step, motion in enumerate(_search(waypoints, fit, limits, exponent)):
-            tried.append(motion)
+        for step, motion in enumerate(_search(waypoints, fit, bounds, exponent)):
+            if best is None or motion[0][-1] < best[0][-1]:
+                best = motion
             if progress is not None:
                 progress((start * ROUNDS + step + 1) / (len(EXPONENTS) * ROUNDS))
-    tried.sort(key=lambda motion: float(motion[0][-1]))
-    inside = (m for m in tried if overshoot(m[1], np.diff(m[0]), limits) <= POSITION_TOL)
-    return next(inside, tried[0])
+    assert best is not None
+    times, breakpoints, coefficients = best
+    exact = stretch_needed(coefficients @ bounds.C.T, np.diff(breakpoints), bounds.rates)
+    factor = float(exact.max()) * (1.0 + MARGIN)
+    return times * factor, breakpoints * factor, stretched(coefficients, factor)
 
 
-def fastest_rests(waypoints: Array, fit: Fit, limits: JointLimits) -> Array:
+def fastest_rests(waypoints: Array, fit: Fit, bounds: PathBounds) -> Array:
     """Times (k,) of a `fit` that rests at every waypoint: each segment as short as the limits allow."""
     unhurried = np.arange(len(waypoints), dtype=np.float64)
-    needed = stretch_needed(fit(waypoints, unhurried), np.diff(unhurried), limits)
+    needed = stretch_needed(fit(waypoints, unhurried) @ bounds.C.T, np.diff(unhurried), bounds.rates)
     return _accumulated(needed * (1.0 + MARGIN))
 
 
-def fastest_trapezoid(waypoints: Array, limits: JointLimits) -> tuple[Array, Array]:
+def fastest_trapezoid(waypoints: Array, bounds: PathBounds) -> tuple[Array, Array]:
     """Times (k,) and ramps (k − 1,) of trapezoidal segments: full acceleration, full speed, full braking.
 
     Along a segment's straight line the fraction travelled may have speed V = min v_j / |Δ_j| and acceleration
-    A = min a_j / |Δ_j|. It takes 1/V + V/A, or 2/√A where V² ≥ A leaves no time to coast (Lynch & Park §9.2.2.2).
+    A = min a_j / |Δ_j|, j each joint and motor. It takes 1/V + V/A, or 2/√A where V² ≥ A leaves no time to coast
+    (Lynch & Park §9.2.2.2).
     """
-    V, A = _line_limits(waypoints, limits)
+    V, A = _line_limits(waypoints, bounds)
     ramps = np.minimum(V / A, np.sqrt(1.0 / A))
     ramps = np.maximum(ramps, LEAST_PART * (ramps + 1.0 / V).sum())
     durations = ramps + np.maximum(1.0 / V, ramps)
     return _accumulated(durations * (1.0 + MARGIN)), ramps * (1.0 + MARGIN)
 
 
-def trapezoid_ramps(waypoints: Array, times: Array, limits: JointLimits) -> Array:
+def trapezoid_ramps(waypoints: Array, times: Array, bounds: PathBounds) -> Array:
     """Ramps (k − 1,) [s] of trapezoidal segments at given times, as near to a third of each as the limits allow.
 
     A ramp r of a segment of length T needs speed 1/(T − r) ≤ V and acceleration 1/(r (T − r)) ≤ A. Where no ramp
     meets both, one that is too fast is returned.
     """
-    V, A = _line_limits(waypoints, limits)
+    V, A = _line_limits(waypoints, bounds)
     T = np.diff(times)
     least = 0.5 * (T - np.sqrt(np.maximum(T**2 - 4.0 / A, 0.0)))
     most = np.minimum(T - 1.0 / V, 0.5 * T)
@@ -93,35 +91,36 @@ def trapezoid_ramps(waypoints: Array, times: Array, limits: JointLimits) -> Arra
     return ramps
 
 
-def _search(waypoints: Array, fit: Fit, limits: JointLimits, exponent: float) -> Iterator[tuple[Array, Array]]:
-    """Motions that just meet the limits, each with its segments in better proportion than the last."""
-    durations, shortest = _least_durations(waypoints, limits) ** exponent, np.inf
+def _search(waypoints: Array, fit: Fit, bounds: PathBounds, exponent: float) -> Iterator[tuple[Array, Array, Array]]:
+    """Motions that nearly meet the limits, by samples, each with its segments in better proportion than the last."""
+    durations, shortest = _least_durations(waypoints, bounds) ** exponent, np.inf
     for _ in range(ROUNDS):
         times = _accumulated(durations)
-        coefficients = fit(waypoints, times)
-        needed = stretch_needed(coefficients, np.diff(times), limits)
+        breakpoints, coefficients = pulled_in(fit(waypoints, times), times, waypoints, bounds.limits)
+        rates = stretch_sampled(coefficients @ bounds.C.T, np.diff(breakpoints), bounds.rates)
+        needed = np.maximum.reduceat(rates, np.searchsorted(breakpoints, times[:-1]))
         factor = float(needed.max()) * (1.0 + MARGIN)
         if not factor * times[-1] < DIVERGED * shortest:
             return
         shortest = min(shortest, factor * float(times[-1]))
-        yield times * factor, stretched(coefficients, factor)
+        yield times * factor, breakpoints * factor, stretched(coefficients, factor)
         durations = durations * factor * (needed / factor) ** CORRECTION
 
 
-def _least_durations(waypoints: Array, limits: JointLimits) -> Array:
+def _least_durations(waypoints: Array, bounds: PathBounds) -> Array:
     """The scale of each segment's time (k − 1,): distance over velocity, or the root of that over acceleration."""
-    distances = np.abs(np.diff(waypoints, axis=0))
-    least: Array = np.maximum(distances / limits.velocity, np.sqrt(distances / limits.acceleration)).max(-1)
+    distances = np.abs(np.diff(waypoints, axis=0) @ bounds.C.T)
+    least: Array = np.maximum(distances / bounds.velocity, np.sqrt(distances / bounds.acceleration)).max(-1)
     return least
 
 
-def _line_limits(waypoints: Array, limits: JointLimits) -> tuple[Array, Array]:
+def _line_limits(waypoints: Array, bounds: PathBounds) -> tuple[Array, Array]:
     """Largest speed [1/s] and acceleration [1/s²] of the fraction travelled of each segment, (k − 1,) each.
 
-    Infinite where no joint that moves is limited.
+    Infinite where nothing that moves is limited.
     """
-    distances = np.abs(np.diff(waypoints, axis=0))
-    speed, acceleration = (distances / limits.velocity).max(-1), (distances / limits.acceleration).max(-1)
+    distances = np.abs(np.diff(waypoints, axis=0) @ bounds.C.T)
+    speed, acceleration = (distances / bounds.velocity).max(-1), (distances / bounds.acceleration).max(-1)
     with np.errstate(divide="ignore"):
         return 1.0 / speed, 1.0 / acceleration
 

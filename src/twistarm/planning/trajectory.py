@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+from collections.abc import Iterable
 from dataclasses import dataclass
 from math import ceil
 from pathlib import Path
@@ -12,12 +13,15 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from ..limits.actuators import Actuators
-from ..support.checks import Array, as_floats, frozen
+from ..support.checks import Array, as_floats, as_number, frozen
 from ..support.display import in_brief, told
 from ..support.errors import InputError, listed, shown
-from ..support.files import write_whole
+from ..support.files import writable, write_whole
+from .files.c_header import SUFFIXES, header_text
+from .files.csv_file import csv_text
+from .files.joint_trajectory import json_text, yaml_text
+from .files.motor_values import require_motors
 from .piecewise import derivative, evaluate, extremes
-from .trajectory_files import csv_text, json_text
 
 RATE_UNITS = ("", "/s", "/s²", "/s³")
 """What follows a joint's unit for the derivative of each order."""
@@ -25,8 +29,8 @@ RATE_UNITS = ("", "/s", "/s²", "/s³")
 MAX_SAMPLES = 10_000_000
 """More samples than this are a mistaken `dt`."""
 
-LAST_STEP = 1e-6
-"""A last step shorter than this part of `dt` is rounding, and joins the step before it."""
+LAST_STEP = 1e-3
+"""A last step shorter than this part of `dt` joins the step before it: between points as near numbers say little."""
 
 
 class Samples(NamedTuple):
@@ -49,7 +53,8 @@ class Trajectory:
     t − breakpoints[i] first, as in SciPy's `PPoly(coefficients, breakpoints)`. `waypoints` (k, n) are what it
     was planned through and `times` (k,) [s] when it passes them: equal for waypoints that were merged into one.
     A motion from a point to itself has duration 0 and one piece of no length. `actuators` are the motors of the arm
-    that it was planned for, if it has any: files say them too.
+    that it was planned for, if it has any: files say them too. `labels` are what else happens on the way, such as
+    (1.5, "close gripper"): pairs of time [s] and a line of text, in the order of time; every file carries them.
     """
 
     joint_names: tuple[str, ...]
@@ -59,6 +64,7 @@ class Trajectory:
     breakpoints: Array
     coefficients: Array
     actuators: Actuators | None = None
+    labels: tuple[tuple[float, str], ...] = ()
 
     def __post_init__(self) -> None:
         for name in ("waypoints", "times", "breakpoints", "coefficients"):
@@ -72,6 +78,7 @@ class Trajectory:
         steps = np.diff(self.breakpoints)
         if s < 1 or self.breakpoints[0] != 0 or not ((steps > 0).all() or (s == 1 and steps[0] == 0)):
             raise InputError("the breakpoints of a trajectory must increase from 0")
+        object.__setattr__(self, "labels", _as_labels(self.labels, self.duration))
 
     def __repr__(self) -> str:
         through = f"{self.duration:.4g} s through {len(self.times)} waypoints"
@@ -129,9 +136,7 @@ class Trajectory:
 
         Of `actuators`, else of those of the arm. Raises InputError where there are none, or they drive other joints.
         """
-        motors = self.actuators if actuators is None else actuators
-        if motors is None:
-            raise InputError("this trajectory knows no motors: give actuators=, or plan for an arm with [actuators]")
+        motors = require_motors(self.actuators if actuators is None else actuators)
         if motors.joint_names != self.joint_names:
             raise InputError(
                 f"actuators must drive the trajectory's joints, {listed(self.joint_names)}, in this order; "
@@ -140,28 +145,40 @@ class Trajectory:
         coefficients = self.coefficients @ motors.G.T
         coefficients[-1] += motors.offset
         waypoints = motors.to_motor(self.waypoints)
-        return Trajectory(motors.names, motors.motor_units, waypoints, self.times, self.breakpoints, coefficients)
+        return Trajectory(
+            motors.names, motors.motor_units, waypoints, self.times, self.breakpoints, coefficients, labels=self.labels
+        )
 
-    def to_csv(self, path: str | os.PathLike[str], dt: float = 0.01, *, actuators: Actuators | None = None) -> Path:
+    def to_csv(
+        self,
+        path: str | os.PathLike[str],
+        dt: float = 0.01,
+        *,
+        actuators: Actuators | None = None,
+        counts: bool = False,
+    ) -> Path:
         """Write a row every `dt` [s] and one at the end: time, then position, velocity, acceleration of each joint.
 
         The header names column and unit, `slide.position [m]`. Then, where there are motors (`actuators`, else those of
         the arm), of each `left.motor_position [rad]` and `left.motor_velocity [rad/s]`, on its side of the gears, and
-        what its drive counts, `left.counts [tick]` and `left.counts_rate [tick/s]`, not rounded. Numbers are written so
-        that reading gives the same floats. The file is written whole or not at all.
+        what its drive counts, `left.counts [tick]` and `left.counts_rate [tick/s]`, not rounded. The last column is
+        `label`, where there are labels: each stands in a row at its time. Numbers are written so that reading gives
+        the same floats. The file is written whole or not at all; `load_trajectory` reads it.
 
         Args:
             path: The file to write.
             dt: Time between rows [s].
             actuators: The motors; by default those of the arm.
+            counts: Whether time, what the drives count and labels are all: a file for firmware that knows no joints.
 
         Returns:
             The path written.
 
         Raises:
-            InputError: The file cannot be written, dt is not positive, or the actuators are of other joints.
+            InputError: The file cannot be written, dt is not positive, the actuators are of other joints, or there are
+                none to count.
         """
-        return write_whole(path, csv_text(self, dt, actuators))
+        return write_whole(path, csv_text(self, dt, actuators, counts=counts))
 
     def to_json(self, path: str | os.PathLike[str], dt: float = 0.01, *, actuators: Actuators | None = None) -> Path:
         """Write a `trajectory_msgs/JointTrajectory`: joint_names, and a point every `dt` [s] and one at the end.
@@ -169,7 +186,8 @@ class Trajectory:
         Each point has positions, velocities, accelerations (rad or m, and per s, s²) and time_from_start as `sec` and
         `nanosec`, strictly increasing from 0; the last velocity is zero. Where there are motors (as in `to_csv`),
         `motors` stands beside: names, units, count_units, and as many points of positions, velocities, counts and
-        counts_rates. The file is written whole or not at all.
+        counts_rates. So do `labels`, where there are any, each with `time` [s] and `text`. The file is written whole or
+        not at all.
 
         Args:
             path: The file to write.
@@ -184,6 +202,49 @@ class Trajectory:
         """
         return write_whole(path, json_text(self, dt, actuators))
 
+    def to_yaml(self, path: str | os.PathLike[str], dt: float = 0.01, *, actuators: Actuators | None = None) -> Path:
+        """Write the same as YAML, as `ros2 topic pub` takes it. YAML that twistarm has not written is never replaced.
+
+        ROS's tools refuse what stands beside a message's own fields: motors and labels.
+
+        Args:
+            path: The file to write.
+            dt: Time between points [s].
+            actuators: The motors; by default those of the arm.
+
+        Returns:
+            The path written.
+
+        Raises:
+            InputError: As `to_json`, and where other YAML stands at `path`.
+        """
+        return write_whole(path, yaml_text(self, dt, actuators))
+
+    def to_header(
+        self, path: str | os.PathLike[str], *, actuators: Actuators | None = None, counts: bool = False
+    ) -> Path:
+        """Write a C99 and C++17 header: the polynomials as a table, and the functions that evaluate them.
+
+        No samples: `motion_theta(t, theta)`, `motion_velocity` and `motion_acceleration` of a motion.h give what this
+        trajectory does at any t, in float or double. Names begin with the file's. Labels are a table of their own.
+
+        Args:
+            path: The file to write, named .h, .hpp, .hh or .hxx at its end.
+            actuators: The motors; by default those of the arm.
+            counts: Whether it gives what the motors' drives count, in place of the joints.
+
+        Returns:
+            The path written.
+
+        Raises:
+            InputError: The file cannot be written or is not named like a header, the actuators are of other joints, or
+                there are none to count.
+        """
+        target = writable(path)
+        if target.suffix not in SUFFIXES:
+            raise InputError(f"a header is named *{', *'.join(SUFFIXES)}; got {os.fspath(path)}")
+        return write_whole(target, header_text(self, target.name, actuators, counts=counts))
+
     def _held(self, values: Array, at: Array, order: int) -> Array:
         before, after = at <= 0, at >= self.duration
         if order == 0:
@@ -193,6 +254,27 @@ class Trajectory:
         else:
             values[(at < 0) | (at > self.duration)] = 0.0
         return values
+
+
+def _as_labels(labels: Iterable[tuple[float, str]], duration: float) -> tuple[tuple[float, str], ...]:
+    checked, earliest = [], 0.0
+    for time, text in _pairs(labels):
+        at = as_number(time, "the time of a label")
+        if not earliest <= at <= duration:
+            allowed = f"must not decrease and lie within [0, {duration:g}] s"
+            raise InputError(f"the times of labels {allowed}; got {at:g} s of {shown(text)}")
+        if not isinstance(text, str) or not text.strip() or not text.isprintable():
+            raise InputError(f"a label must be one line of text, such as 'close gripper'; got {shown(text)}")
+        checked.append((at, text))
+        earliest = at
+    return tuple(checked)
+
+
+def _pairs(labels: Iterable[tuple[float, str]]) -> list[tuple[float, str]]:
+    try:
+        return [(time, text) for time, text in labels]
+    except (TypeError, ValueError) as error:
+        raise InputError(f"labels must be pairs such as (1.5, 'close gripper'); got {shown(labels)}") from error
 
 
 def _check_order(order: int) -> None:

@@ -1,5 +1,12 @@
 """The loop around the servo: commands in, setpoints out, the joints watched; sources, sinks and simulated joints."""
 
+from ..support.renamed import refuse_renamed
+from .cycles import Cycle
+from .driving import come_to_rest
+from .following.control import FollowControl
+from .following.cycle import FollowCycle, Following
+from .following.follow import follow
+from .following.report import FollowReport
 from .interlock import Interlock
 from .links.gate import ExposedPortWarning, Signer, Verifier, read_key
 from .links.inbox import Inbox
@@ -7,14 +14,12 @@ from .links.messages import command_of, parse_command, parse_state, setpoint_mes
 from .links.serial_link import SerialRobot, SerialSource
 from .links.state_inbox import StateInbox
 from .links.udp import UdpFeedback, UdpSink, UdpSource
-from .loop import come_to_rest, run
+from .loop import run
 from .metronome import Metronome, MonotonicClock
 from .protocols import Clock, Feedback, Measured, Reading, Setpoint, Sink, Source, UndeliveredError
-from .recording import Recording, read_recording
-from .replay import Replay
 from .report import Ending, StreamReport
 from .simulation import SimulatedJoints
-from .streaming import Cycle, Streaming
+from .streaming import Streaming
 
 __all__ = [
     "Clock",
@@ -22,14 +27,16 @@ __all__ = [
     "Ending",
     "ExposedPortWarning",
     "Feedback",
+    "FollowControl",
+    "FollowCycle",
+    "FollowReport",
+    "Following",
     "Inbox",
     "Interlock",
     "Measured",
     "Metronome",
     "MonotonicClock",
     "Reading",
-    "Recording",
-    "Replay",
     "SerialRobot",
     "SerialSource",
     "Setpoint",
@@ -47,10 +54,20 @@ __all__ = [
     "Verifier",
     "come_to_rest",
     "command_of",
+    "follow",
     "parse_command",
     "parse_state",
     "read_key",
-    "read_recording",
     "run",
     "setpoint_message",
 ]
+
+_RENAMED = {
+    "Recording": "twistarm.Trajectory",
+    "read_recording": "twistarm.load_trajectory",
+    "Replay": "twistarm.stream.follow",
+}
+
+
+def __getattr__(name: str) -> object:
+    raise refuse_renamed(f"module {__name__!r}", name, _RENAMED)

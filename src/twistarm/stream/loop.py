@@ -1,10 +1,8 @@
-"""The loop: cycles on the clock, watched, ended as asked or by trouble, and the arm at rest on every way out."""
+"""The loop around the servo, on the clock: commands in, setpoints out, until it is told to end."""
 
 from __future__ import annotations
 
-import sys
 from collections.abc import Callable
-from contextlib import AbstractContextManager, nullcontext
 from inspect import signature
 from math import inf
 
@@ -14,14 +12,14 @@ from ..model.arm import Arm
 from ..servo import ServoSettings
 from ..support.checks import as_positive, require
 from ..support.errors import InputError, shown
-from ..support.interrupts import ended_like_ctrl_c
-from .failures import StreamError, call_device
+from .cycles import Cycle
+from .driving import drive
+from .failures import call_device
 from .interlock import Interlock
 from .links.inbox import COMMAND_TIMEOUT, FEEDBACK_TIMEOUT
-from .metronome import Metronome, MonotonicClock
 from .protocols import Clock, Feedback, Sink, Source
 from .report import Ending, StreamReport
-from .streaming import TOLERANCE, Cycle, Streaming
+from .streaming import TOLERANCE, Streaming
 
 
 def run(
@@ -106,49 +104,14 @@ def run(
         arm, source, sink, feedback, rate=rate, command_timeout=command_timeout, feedback_timeout=feedback_timeout,
         tolerance=tolerance, settings=current(), velocity_mode=velocity_mode, interlock=interlock,
     )  # fmt: skip
-    time = clock or MonotonicClock()
-    metronome = Metronome(streaming.period)
-    began = time.now()
-    handled: AbstractContextManager[list[int]] = ended_like_ctrl_c() if handle_signals else nullcontext([])
-    with handled:
-        ending, reason = Ending.INTERRUPTED, ""
-        try:
-            ending, reason = _drive(streaming, current, metronome, time, began + longest, until, on_cycle)
-        except KeyboardInterrupt as interrupted:
-            reason = str(interrupted)
-        except StreamError as failed:
-            ending, reason = failed.ending, str(failed)
-        except BaseException as error:
-            come_to_rest(streaming, metronome, time)
-            _note(error, tuple(streaming.tally.failures))
-            raise
-        at_rest = come_to_rest(streaming, metronome, time)
-        return streaming.report(ending, reason, time.now() - began, at_rest)
 
+    def take_settings() -> None:
+        streaming.settings = call_device(Ending.SERVO_FAILED, current)
 
-def come_to_rest(streaming: Streaming, metronome: Metronome, clock: Clock) -> bool:
-    """Brake cycle by cycle, then rates of 0, written even when Ctrl-C cuts the braking short.
-
-    Args:
-        streaming: The stream.
-        metronome: The cycles' times.
-        clock: The clock.
-
-    Returns:
-        Whether the arm is at rest.
-    """
-    try:
-        latest = clock.now() + streaming.longest_braking
-        while not streaming.at_rest and clock.now() < latest:
-            _wait(clock, metronome, latest)
-            now = clock.now()
-            streaming.brake(now, metronome.tick(now))
-    except KeyboardInterrupt:
-        pass
-    finally:
-        at_rest = streaming.at_rest
-        streaming.halt(clock.now())
-    return at_rest
+    return drive(
+        streaming, clock=clock, handle_signals=handle_signals, on_cycle=on_cycle, longest=longest, until=until,
+        before=take_settings,
+    )  # fmt: skip
 
 
 def _current(settings: ServoSettings | Callable[[], ServoSettings] | None) -> Callable[[], ServoSettings]:
@@ -162,44 +125,3 @@ def _current(settings: ServoSettings | Callable[[], ServoSettings] | None) -> Ca
         return lambda: require(settings(), ServoSettings, "settings", how)
     given = ServoSettings() if settings is None else settings
     return lambda: require(given, ServoSettings, "settings", how)
-
-
-def _drive(
-    streaming: Streaming,
-    settings: Callable[[], ServoSettings],
-    metronome: Metronome,
-    clock: Clock,
-    end: float,
-    until: Callable[[], bool] | None,
-    on_cycle: Callable[[Cycle], object] | None,
-) -> tuple[Ending, str]:
-    """Cycles until one of the reasons to end, and which it was."""
-    while True:
-        now, due = clock.now(), metronome.next
-        if now >= end:
-            return Ending.DURATION, ""
-        if until is not None and until():
-            return Ending.DONE, ""
-        periods = metronome.tick(now)
-        if periods != 0:  # else the clock woke us a little early
-            if due > -inf:
-                streaming.tally.lateness.add(now - due)
-            streaming.settings = call_device(Ending.SERVO_FAILED, settings)
-            cycle = streaming.cycle(now, periods)
-            if on_cycle is not None:
-                on_cycle(cycle)
-            if cycle.ending is not None:
-                return cycle.ending, cycle.reason
-        _wait(clock, metronome, end)
-
-
-def _wait(clock: Clock, metronome: Metronome, end: float) -> None:
-    """Sleep until the next cycle or the end; never longer than a period, though a clock may go back."""
-    clock.sleep_until(min(metronome.next, end, clock.now() + metronome.period))
-
-
-def _note(error: BaseException, failures: tuple[str, ...]) -> None:
-    """Say at the exception on its way what else went wrong, where Python (3.11 on) can."""
-    if sys.version_info >= (3, 11):
-        for failure in failures:
-            error.add_note(f"while the arm came to rest, {failure}")

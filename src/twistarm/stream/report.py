@@ -19,6 +19,9 @@ class Ending(Enum):
     DURATION = "the time was over"
     DONE = "it was told to end"
     INTERRUPTED = "it was interrupted"
+    ARRIVED = "the motion is done"
+    STOPPED = "it was stopped on its way"
+    ELSEWHERE = "the arm is not where the motion begins"
     STRAYED = "the arm is not where it was commanded to be"
     SOURCE_FAILED = "the source of commands failed"
     FEEDBACK_FAILED = "the feedback failed"
@@ -26,7 +29,7 @@ class Ending(Enum):
     SERVO_FAILED = "the servo failed"
 
 
-AS_ASKED = (Ending.DURATION, Ending.DONE, Ending.INTERRUPTED)
+AS_ASKED = (Ending.DURATION, Ending.DONE, Ending.INTERRUPTED, Ending.ARRIVED, Ending.STOPPED)
 
 
 @dataclass(frozen=True, repr=False)
@@ -135,6 +138,14 @@ class Tally:
         self.undelivered: Counter[str] = Counter()
         self.delivered = True
         self.failures: Counter[str] = Counter()
+
+    def count(self, *, blind: str = "", uncommanded: str = "", barred: str = "") -> None:
+        """One cycle that had no fresh joint state, no command, or was not allowed to move, each with its reason."""
+        self.blind += bool(blind)
+        self.uncommanded += bool(uncommanded)
+        self.uncommanded_reason = uncommanded or self.uncommanded_reason
+        self.barred += bool(barred)
+        self.barred_reason = barred or self.barred_reason
 
     def report(self, ending: Ending, reason: str, duration: float, at_rest: bool, interlock: str) -> StreamReport:
         """The report of a stream that ended after `duration` [s]."""

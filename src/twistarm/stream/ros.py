@@ -11,11 +11,11 @@ from ..model.usual_limits import usually_limited
 from ..servo import AnyCommand, ServoStatus
 from ..support.checks import Array
 from ..support.errors import InputError, listed
+from .cycles import Cycle
 from .links.by_name import values_by_name
 from .links.messages import command_of
 from .protocols import Setpoint
 from .report import Ending, Tally
-from .streaming import Cycle
 
 NANOSECONDS = 10**9
 

@@ -68,15 +68,20 @@ class FeedbackWatch:
             lower, upper = self._now
             self._now = np.minimum(lower, theta), np.maximum(upper, theta)
 
-    def deviation(self, theta: Array) -> str:
-        """Which joint is how far from where it was commanded to be, "" where none is farther than allowed."""
+    def error(self, theta: Array) -> Array | None:
+        """How far each joint (n,) is from all that was commanded within the last timeout; None before anything was."""
         if self._now is None:
-            return ""
+            return None
         lower, upper = self._now
         if self._before is not None:
             lower, upper = np.minimum(lower, self._before[0]), np.maximum(upper, self._before[1])
-        away = np.maximum(lower - theta, theta - upper)
-        if not (away > self._tolerance).any():
+        away: Array = np.maximum(np.maximum(lower - theta, theta - upper), 0.0)
+        return away
+
+    def deviation(self, theta: Array) -> str:
+        """Which joint is how far from where it was commanded to be, "" where none is farther than allowed."""
+        away = self.error(theta)
+        if away is None or not (away > self._tolerance).any():
             return ""
         j = int(np.argmax(away / self._tolerance))
         unit = self._arm.units[j]

@@ -17,6 +17,9 @@ from .temporaries import replace_whole
 DESCRIPTIONS = (".urdf", ".xacro", ".srdf", ".sdf", ".xml", ".toml", ".yaml", ".yml")
 """Names, in any letters, of what a team wrote itself: no output takes its place unasked."""
 
+WRITTEN_YAML = "# written by twistarm"
+"""What YAML of ours begins with: it is no team's own text and may be replaced."""
+
 _HEAD = 10_000
 """Bytes of a file that are looked at for a description under another name."""
 
@@ -161,13 +164,14 @@ def writable(path: str | os.PathLike[str], *, over_description: bool = False) ->
 
 def _is_description(file: Path) -> bool:
     """Whether it is one by its name, or by the element that its text begins with."""
-    if file.suffix.lower() in DESCRIPTIONS:
-        return True
+    named = file.suffix.lower() in DESCRIPTIONS
     try:
         with open_regular(file) as opened:
             head = opened.read(_HEAD).replace(b"\0", b"").lstrip(b"\xef\xbb\xbf\xff\xfe \t\r\n")  # UTF-16 too
     except OSError:
-        return False
+        return named
+    if named:
+        return not head.startswith(WRITTEN_YAML.encode())
     ends = {b"<?": b"?>", b"<!--": b"-->"}
     while end := next((end for start, end in ends.items() if head.startswith(start)), None):
         head = head.partition(end)[2].lstrip()

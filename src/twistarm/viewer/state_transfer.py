@@ -83,7 +83,7 @@ def _fits(motion: Trajectory, old: Stage, new: Stage) -> bool:
 
 def _within(motion: Trajectory, limits: JointLimits) -> bool:
     try:
-        require_within(motion, limits, "")
+        require_within(motion, limits)
     except LimitError:
         return False
     return True

@@ -110,7 +110,7 @@ class Evidence:
         """Of motor i."""
         suspects = [suspect for group in self.open_faults if any(j == i for j, _ in group) for suspect in group]
         found = next((one for j, one in suspects if j == i), self.found)
-        verdict, what, remedy = self._told(i, suspects)
+        verdict, what, remedy = self._in_words(i, suspects)
         ratio, zero = (None, None) if suspects else entries(found, self.motors, i)
         return MotorVerdict(
             name=self.motors.names[i],
@@ -128,7 +128,7 @@ class Evidence:
             remedy=remedy,
         )
 
-    def _told(self, i: int, suspects: list[Suspect]) -> tuple[str, str, str]:
+    def _in_words(self, i: int, suspects: list[Suspect]) -> tuple[str, str, str]:
         """Verdict, what and remedy."""
         hidden = not_shown(self.unseen[i], self._swapped_with(i))
         if suspects:

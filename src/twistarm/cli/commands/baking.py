@@ -1,4 +1,4 @@
-"""`bake`: the arm as one file of numbers, for Python without Pinocchio and for C++."""
+"""`bake`: the arm as one file of numbers, for Python without Pinocchio, C++, MATLAB and MoveIt."""
 
 from __future__ import annotations
 
@@ -7,6 +7,7 @@ from typing import Annotated
 
 import typer
 
+from ...export import limits_yaml, matlab
 from ...export.cpp_header import SUFFIXES, core_headers, cpp_header, namespace_of
 from ...model.arm import Arm
 from ...model.baking import SUFFIX, digest_of, text_of
@@ -16,17 +17,27 @@ from ..outputs import STDOUT, Force, Format, outputs_of
 
 Output = Annotated[
     list[str] | None,
-    typer.Option("--output", "-o", metavar="FILE", help="*.json or *.hpp, by default ARM.json; repeat it for both."),
+    typer.Option(
+        "--output", "-o", metavar="FILE", help="*.json, *.hpp, *.m or *.yaml, by default ARM.json; repeat it."
+    ),
 ]
 
 
 @takes_arm
 def bake(arm: Arm, output: Output = None, form: Format = None, force: Force = False, json: Json = False) -> None:
-    """Write the arm's chain as numbers: arm.json, read without Pinocchio and the description; or a C++17 header."""
-    kinds = {"json": (SUFFIX,), "hpp": SUFFIXES}
+    """Write the arm as numbers: arm.json, read without Pinocchio, a C++17 header, a MATLAB function, joint limits."""
+    kinds = {"json": (SUFFIX,), "hpp": SUFFIXES, "m": (matlab.SUFFIX,), "yaml": limits_yaml.SUFFIXES}
     outputs = outputs_of(output or f"{Path(arm.name).name}.{form or 'json'}", kinds, form, force=force, json=json)
     include = core_headers() if any(kind == "hpp" for kind, _ in outputs.files) else None
-    written = outputs.write({"json": lambda: text_of(arm._baked), "hpp": lambda: cpp_header(arm)})
+    function = next((Path(name).name for kind, name in outputs.files if kind == "m" and name != STDOUT), None)
+    written = outputs.write(
+        {
+            "json": lambda: text_of(arm._baked),
+            "hpp": lambda: cpp_header(arm),
+            "m": lambda: matlab.matlab_text(arm, function),
+            "yaml": lambda: limits_yaml.limits_yaml(arm),
+        }
+    )
     if json:
         print_json(
             {"arm": arm.name, "digest": digest_of(arm._baked), "written": written, "include": include and str(include)}
@@ -34,6 +45,11 @@ def bake(arm: Arm, output: Output = None, form: Format = None, force: Force = Fa
         return
     for kind, name in outputs.files:
         then = "" if name == STDOUT else f"; next: twistarm info {name}"
-        baked = f"{arm.name}, {arm.n} joints from {arm.base} to {arm.tip}{then}"
-        header = f"{arm.name} as namespace {namespace_of(arm.name)}; compile with -std=c++17 -I {include}"
-        say(f"{name}: {baked if kind == 'json' else header}", file=outputs.words)
+        described = {
+            "json": f"{arm.name}, {arm.n} joints from {arm.base} to {arm.tip}{then}",
+            "hpp": f"{arm.name} as namespace {namespace_of(arm.name)}; compile with -std=c++17 -I {include}",
+            "m": f"{arm.name} as a function of MATLAB and Octave, which tests itself: arm = {Path(name).stem}(); "
+            "arm.check()",
+            "yaml": f"joint limits of {arm.name}, for MoveIt, ros2_control and --limits",
+        }
+        say(f"{name}: {described[kind]}", file=outputs.words)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+from collections.abc import Sequence
 from pathlib import Path
 from typing import Annotated
 
@@ -10,11 +11,16 @@ import typer
 
 from ...loading.arm_file_draft import draft_arm_file
 from ...loading.load import load_arm
+from ...planning.motion_file_draft import draft_motion_file
 from ...support.errors import InputError
 from ..options import Base, Env, PackageDir, Srdf, Tip, Without, Xacro, xacro_arguments
 from ..output import say
 from ..outputs import NAMED, STDOUT, Force, outputs_of
 
+Motion = Annotated[
+    bool,
+    typer.Option("--motion", help="Write a first motion.toml for the arm, as plan takes it."),
+]
 File = Annotated[str, typer.Argument(metavar="FILE", help="URDF or xacro file.")]
 
 
@@ -29,8 +35,11 @@ def init(
     env: Env = None,
     srdf: Srdf = None,
     force: Force = False,
+    motion: Motion = False,
 ) -> int:
-    """Write a commented arm.toml for FILE: base, tip, xacro arguments, limits to fill in, the ready pose."""
+    """Write a commented arm.toml for FILE (base, tip, limits to fill in, the ready pose), or a first motion.toml."""
+    if motion:
+        return _motion(file, "motion.toml" if output == "arm.toml" else output, env or (), force)
     outputs = outputs_of(output, {"toml": (".toml",)}, force=force, over_description=True)
     if output != STDOUT and not output.endswith(".toml"):
         raise InputError(f"an arm file is named *.toml; got {output}")
@@ -53,4 +62,14 @@ def init(
     if output != STDOUT:
         arm = load_arm(output, env=env or ())
         say(f"{output}: {arm.n} joints from {arm.base} to {arm.tip}; next: twistarm info {output}")
+    return 0
+
+
+def _motion(source: str, output: str, env: Sequence[str], force: bool) -> int:
+    """A first motion.toml for an arm: a description, an arm.toml or a name."""
+    outputs = outputs_of(output, {"toml": (".toml",)}, force=force)
+    arm = load_arm(source, env=env)
+    outputs.write({"toml": lambda: draft_motion_file(arm)})
+    if output != STDOUT:
+        say(f"{output}: a motion with every kind of segment; next: twistarm plan {source} {output}")
     return 0

@@ -1,8 +1,9 @@
-"""`plan`: a trajectory through poses, to a table and to files."""
+"""`plan`: a trajectory through poses or targets, or of a motion.toml, to a table and to files."""
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
 from enum import Enum
 from typing import Annotated, Any
 
@@ -13,34 +14,57 @@ from ...limits.joint_limits import JointLimits
 from ...model.arm import Arm
 from ...model.ready_pose import named_ready
 from ...model.usual_limits import defaults_line, with_defaults
-from ...planning import Trajectory, plan_joint
-from ...planning.trajectory_files import csv_text, json_text
-from ...planning.within import RATE_TOL
+from ...planning import JointMove, LineMove, MotionFile, Trajectory, load_motion, plan_joint
+from ...planning import plan as plan_segments
+from ...planning.files.c_header import SUFFIXES, header_text
+from ...planning.files.csv_file import csv_text
+from ...planning.files.joint_trajectory import json_text, yaml_text
+from ...planning.spans import Progress
 from ...support.checks import Array, as_positive
+from ...support.errors import InputError
 from ..options import Json, Radians, takes_arm
-from ..output import console, note, number, print_json, progress_bar, say, shown, table, theta_values, units, warn
-from ..outputs import Force, Format, outputs_of
-from ..typed import POSE, parse_theta
+from ..output import console, note, number, print_json, progress_bar, say, shown, table, theta_values, units
+from ..outputs import STDOUT, Force, Format, outputs_of
+from ..targets import Axis, Direction, Rpy, typed_orientation
+from ..typed import POSE, XYZ, parse_numbers, parse_theta
+
+COUNTED = ("csv", "header")
+"""The kinds of files that may hold what drives count in place of the joints."""
 
 
 class Kind(str, Enum):
-    """The kind of spline."""
+    """The kind of motion."""
 
     cubic = "cubic"
     quintic = "quintic"
     trapezoid = "trapezoid"
+    time_optimal = "time_optimal"
+    s_curve = "s_curve"
 
 
 Start = Annotated[
     str | None, typer.Option("--from", metavar=POSE, help="Where it starts, as --to; unless given, the ready pose.")
 ]
+Motion = Annotated[
+    str | None,
+    typer.Argument(metavar="[MOTION]", help="A motion.toml; twistarm init --motion writes one."),
+]
 Through = Annotated[
-    list[str],
+    list[str] | None,
     typer.Option(
         "--to",
         metavar=POSE,
         help="Joint values (0 30 -45 …), joint=value for those that move, or a pose's name; repeat it for each pose.",
     ),
+]
+Positions = Annotated[
+    list[str] | None,
+    typer.Option("--xyz", metavar=XYZ, help="Instead of --to: where the tool is to be, in metres; repeat it."),
+]
+Line = Annotated[bool, typer.Option("--line", help="The tool goes along straight lines from pose to pose.")]
+Blend = Annotated[float, typer.Option(metavar="M", help="Round the corners of --line or --xyz inside this radius.")]
+ToolSpeed = Annotated[
+    float | None, typer.Option("--tool-speed", metavar="M/S", help="The tool goes no faster, with --line or --xyz.")
 ]
 Rate = Annotated[
     float | None,
@@ -52,9 +76,13 @@ Output = Annotated[
         "--output",
         "-o",
         metavar="FILE",
-        help="Write time, position, velocity and acceleration to *.csv, or a ROS JointTrajectory to *.json; with "
-        "[actuators] what the motors do and their drives count as well. - is standard output; repeat it for both.",
+        help="Write time, position, velocity and acceleration to *.csv, or a ROS JointTrajectory to *.json or *.yaml, "
+        "a C99 and C++17 header to *.h; with [actuators] what the motors do and their drives count as well. - is "
+        "standard output; repeat it.",
     ),
+]
+Counts = Annotated[
+    bool, typer.Option("--counts", help="Write what the motors' drives count alone, for firmware that knows no joints.")
 ]
 Step = Annotated[float, typer.Option(help="Time step of the files, in seconds.")]
 
@@ -62,32 +90,70 @@ Step = Annotated[float, typer.Option(help="Time step of the files, in seconds.")
 @takes_arm
 def plan(
     arm: Arm,
-    to: Through,
+    motion: Motion = None,
+    to: Through = None,
+    xyz: Positions = None,
+    rpy: Rpy = None,
+    direction: Direction = None,
+    axis: Axis = None,
+    line: Line = False,
+    blend: Blend = 0.0,
+    tool_speed: ToolSpeed = None,
     start: Start = None,
-    kind: Kind = Kind.cubic,
+    kind: Annotated[Kind | None, typer.Option(help="cubic unless given; with curves of the tool s_curve.")] = None,
     velocity: Rate = None,
     acceleration: Rate = None,
     stop: Annotated[bool, typer.Option("--stop", help="Come to rest at every pose.")] = False,
     output: Output = None,
     form: Format = None,
     force: Force = False,
+    counts: Counts = False,
     dt: Step = 0.01,
     rad: Radians = False,
     json: Json = False,
 ) -> None:
-    """Plan the fastest spline through the poses under position, velocity and acceleration limits, or the usual ones."""
-    origin = "ready" if start is None else start
-    given = capped(arm, {"velocity": velocity, "acceleration": acceleration})
+    """Plan the fastest motion through poses, targets or the segments of a file, under the limits or the usual ones."""
+    if [motion is not None, bool(to), bool(xyz)].count(True) != 1:
+        raise InputError("give poses by --to, positions by --xyz, or a motion.toml")
+    file = None if motion is None else load_motion(motion, arm)
+    given = capped(arm, {"velocity": velocity, "acceleration": acceleration}, {} if file is None else file.limits)
     limits = with_defaults(arm, given)
-    outputs = outputs_of(output, {"csv": (".csv",), "json": (".json",)}, form, force=force, json=json)
-    poses = _typed_poses(arm, (origin, *to), rad)
+    outputs = outputs_of(
+        output,
+        {"csv": (".csv",), "json": (".json",), "yaml": (".yaml", ".yml"), "header": SUFFIXES},
+        form,
+        force=force,
+        json=json,
+    )
+    if counts and any(kind not in COUNTED for kind, _ in outputs.files):
+        raise InputError("--counts goes with *.csv and *.h: a JointTrajectory is in rad and m")
+    orientation = typed_orientation(rpy, None, None, direction, axis, rad)
+    if orientation.is_given and not xyz:
+        raise InputError("--rpy and --direction turn the tool at the positions of --xyz: give --xyz too")
+    origin = "ready" if start is None else start
+    asked = Asked(arm, limits, None if kind is None else kind.value, start, rad)
     with progress_bar("planning") as progress:
-        planned = plan_joint(arm, poses, kind=kind.value, limits=limits, stop_at_waypoints=stop, progress=progress)
-    if start is None:
+        if file is not None:
+            planned = asked.of_file(file, progress)
+        elif xyz or line:
+            goals = [orientation.at(parse_numbers(text, 3, "--xyz")) for text in xyz] if xyz else asked.poses(to)[1:]
+            options: dict[str, Any] = {"tool_speed": tool_speed, "blend": 0.0 if stop else blend}
+            planned = asked.through(goals, LineMove if line else JointMove, options, progress)
+        else:
+            poses = asked.poses(to)
+            how: Any = "cubic" if kind is None else kind.value
+            planned = plan_joint(arm, poses, kind=how, limits=limits, stop_at_waypoints=stop, progress=progress)
+    if start is None and motion is None:
         note(_start(arm, rad))
-    for words in motors_beyond(planned):
-        warn(words)
-    written = outputs.write({"csv": lambda: csv_text(planned, dt), "json": lambda: json_text(planned, dt)})
+    header = next((name for kind, name in outputs.files if kind == "header" and name != STDOUT), "motion.h")
+    written = outputs.write(
+        {
+            "csv": lambda: csv_text(planned, dt, counts=counts),
+            "json": lambda: json_text(planned, dt),
+            "yaml": lambda: yaml_text(planned, dt),
+            "header": lambda: header_text(planned, header, counts=counts),
+        }
+    )
     if json:
         print_json({**_as_json(arm, planned, written), "start": origin, "assumed": defaults_line(arm, given) or None})
         return
@@ -97,43 +163,52 @@ def plan(
     outputs.say(written)
 
 
-def motors_beyond(planned: Trajectory) -> Iterator[str]:
-    """Motors of which a plan asks more than they may do, mostly those that serve several joints, and what helps."""
-    motors = planned.actuators
-    if motors is None:
-        return
-    motion = planned.of_motors()
-    for order, rate, per in ((1, "velocity", "/s"), (2, "acceleration", "/s²")):
-        limit, peak = getattr(motors.limits, rate), motion.peak(order)
-        for i in np.flatnonzero(peak > limit * (1.0 + RATE_TOL)):
-            cap, unit = limit[i] / np.abs(motors.G[i]).sum(), motion.units[i] + per
-            yield (
-                f"motor {motors.names[i]!r} would need {number(peak[i])} {unit}; its {rate} limit is "
-                f"{number(limit[i])} {unit}: --{rate} {_rounded_down(cap)} keeps it"
-            )
+@dataclass(frozen=True)
+class Asked:
+    """What is asked of every motion: the arm, its limits, the kind, and where it starts as typed."""
+
+    arm: Arm
+    limits: JointLimits
+    kind: str | None
+    start: str | None
+    radians: bool
+
+    def poses(self, typed: Sequence[str] | None) -> list[Array]:
+        """The start and the poses as typed; a joint that one leaves out stays where the pose before it has it."""
+        poses = [parse_theta(self.arm, "ready" if self.start is None else self.start, self.radians)]
+        for text in typed or ():
+            poses.append(parse_theta(self.arm, text, self.radians, ("the pose before", poses[-1])))
+        return poses
+
+    def of_file(self, content: MotionFile, progress: Progress) -> Trajectory:
+        """The motion of a motion.toml; what is typed beside it goes before what it says."""
+        start: Any = content.start if self.start is None else self.poses(())[0]
+        kind: Any = self.kind or content.kind or "s_curve"
+        speeds = {"tool_speed": content.tool_speed, "turn_speed": content.turn_speed}
+        return plan_segments(
+            self.arm, content.segments, start=start, limits=self.limits, kind=kind, progress=progress, **speeds
+        )
+
+    def through(
+        self, goals: Sequence[Any], move: type[JointMove | LineMove], options: dict[str, Any], progress: Progress
+    ) -> Trajectory:
+        """A motion by the same kind of move to each goal."""
+        last = {**options, "blend": 0.0}
+        segments = [move(goal, **(last if i + 1 == len(goals) else options)) for i, goal in enumerate(goals)]
+        kind: Any = self.kind or "s_curve"
+        return plan_segments(
+            self.arm, segments, start=self.poses(())[0], limits=self.limits, kind=kind, progress=progress
+        )
 
 
-def _rounded_down(cap: float) -> str:
-    """A positive cap in three digits, as it is typed."""
-    step = 10.0 ** (np.floor(np.log10(cap)) - 2)
-    return f"{np.floor(cap / step) * step:.3g}"
-
-
-def _typed_poses(arm: Arm, typed: tuple[str, ...], radians: bool) -> list[Array]:
-    """The poses as typed; a joint that one leaves out stays where the pose before it has it."""
-    poses = [parse_theta(arm, typed[0], radians)]
-    for text in typed[1:]:
-        poses.append(parse_theta(arm, text, radians, ("the pose before", poses[-1])))
-    return poses
-
-
-def capped(arm: Arm, caps: dict[str, float | None]) -> JointLimits:
-    """The arm's limits, none above what was typed; a limit that was not given takes the typed value."""
+def capped(arm: Arm, caps: dict[str, float | None], changes: Mapping[str, Any] | None = None) -> JointLimits:
+    """The arm's limits with `changes`, none above what was typed; a limit that was not given takes the typed value."""
+    limits = arm.limits.with_(changes or {}, arm.joint_names)
     for name, cap in caps.items():
         if cap is not None:
             as_positive(cap, f"--{name}")
-    changes = {name: np.minimum(getattr(arm.limits, name), cap) for name, cap in caps.items() if cap is not None}
-    return arm.limits.with_(changes, arm.joint_names)
+    lowered = {name: np.minimum(getattr(limits, name), cap) for name, cap in caps.items() if cap is not None}
+    return limits.with_(lowered, arm.joint_names)
 
 
 def _start(arm: Arm, radians: bool) -> str:

@@ -13,9 +13,9 @@ from typing import Annotated, Any
 import typer
 
 from ...loading.load import load_arm
+from ...planning import load_trajectory
 from ...support.errors import InputError
 from ...viewer import Viewer, page_html
-from ...viewer.files.csv_trajectory import recorded_motion
 from ...viewer.files.scene_snapshot import of_arm
 from ...viewer.files.screenshot import png_of
 from ...viewer.server.watching import loaded
@@ -60,7 +60,7 @@ def view(
     browser: Browser = True,
     fresh: Fresh = False,
     watch: Watch = False,
-    play: Annotated[Path | None, typer.Option(metavar="CSV", help="Play a motion that `twistarm plan` wrote.")] = None,
+    play: Annotated[Path | None, typer.Option(metavar="FILE", help="Play a motion that `twistarm plan` wrote.")] = None,
     output: Output = None,
     form: Format = None,
     force: Force = False,
@@ -79,7 +79,7 @@ def view(
     x = None if theta is None else parse_theta(arm, theta, rad)
     if x is not None:
         warn_outside(arm, x, rad)
-    motion = None if play is None else recorded_motion(arm, play)
+    motion = None if play is None else load_trajectory(arm, play)
     if outputs.files and (watch or fresh):
         raise InputError("--watch and --fresh are for a page that is served: they do not go with -o FILE")
     if outputs.files:

@@ -23,8 +23,8 @@ def unusable(path: Path, what: str, remedy: str = "correct it there") -> Descrip
     return refusal("arm-file-unusable", Place(str(path)), what, remedy)
 
 
-def parse_toml(path: Path) -> dict[str, Any]:
-    """The content of the file; DescriptionError where it is no TOML, or too much of it."""
+def parse_toml(path: Path, what: str = "an arm.toml") -> dict[str, Any]:
+    """The content of the file, which is to be `what`; DescriptionError where it is no TOML, or too much of it."""
     if sys.version_info >= (3, 11):
         import tomllib
     else:
@@ -32,12 +32,12 @@ def parse_toml(path: Path) -> dict[str, Any]:
 
     text = read_text(path, MAX_BYTES)
     if max(map(len, text.splitlines()), default=0) > MAX_LINE:
-        raise unusable(path, f"a line of more than {MAX_LINE:,} characters", "break it; is it an arm.toml?")
+        raise unusable(path, f"a line of more than {MAX_LINE:,} characters", f"break it; is it {what}?")
     try:
         content: dict[str, Any] = tomllib.loads(text)
         return content
     except RecursionError as error:
-        raise unusable(path, "not valid TOML: it nests too deep", "is it an arm.toml?") from error
+        raise unusable(path, "not valid TOML: it nests too deep", f"is it {what}?") from error
     except ValueError as error:  # TOMLDecodeError is one; so is Python's for an integer of too many digits
         raise unusable(path, f"not valid TOML: {error}") from error
 

@@ -25,7 +25,7 @@ import { Presets } from "./presets.js";
 import { Program } from "./program.js";
 import { Progress } from "./progress.js";
 import { Rejoining } from "./rejoining.js";
-import { complaint } from "./schema.js";
+import { violation } from "./schema.js";
 import { Share } from "./share.js";
 import { Sight } from "./sight.js";
 import { easeSoftware } from "./software.js";
@@ -118,7 +118,7 @@ function look() {
 
 // Whether it is asked.
 function ask(request) {
-  const wrong = complaint(schema.requests, request);
+  const wrong = violation(schema.requests, request);
   if (wrong || !QUIET.includes(request.type)) panel.showError(wrong);
   if (wrong) return false;
   const sent = link.send(request);
@@ -180,7 +180,7 @@ const receive = {
 
 // A message of another version of the process is told, not drawn.
 function show(message) {
-  const wrong = complaint(schema.messages, message);
+  const wrong = violation(schema.messages, message);
   if (wrong) return panel.showError(`this page does not understand the process: ${wrong}; load it again`);
   said[message.type] = message;
   receive[message.type]?.(message);

@@ -35,7 +35,7 @@ const WORDS = {
 };
 
 // What is wrong with a message of this table, "requests" or "messages"; "" where nothing is.
-export function complaint(table, message) {
+export function violation(table, message) {
   const fields = table[message?.type];
   if (!fields) return `unknown message type ${message?.type}`;
   const { type, ...given } = message;

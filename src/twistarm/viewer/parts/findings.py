@@ -98,13 +98,13 @@ def _message(arm: Arm, findings: Iterable[Finding], note: str) -> Message:
     more = f"{len(ordered) - MOST} more: twistarm doctor lists them." if len(ordered) > MOST else ""
     return {
         "type": "findings",
-        "findings": [_told(arm, one) for one in ordered[:MOST]],
+        "findings": [_finding_fields(arm, one) for one in ordered[:MOST]],
         "counts": dict(Counter(one.severity for one in ordered)),
         "note": " ".join(part for part in (note, more) if part),
     }
 
 
-def _told(arm: Arm, found: Finding) -> dict[str, Any]:
+def _finding_fields(arm: Arm, found: Finding) -> dict[str, Any]:
     """A finding in plain text; node null where it is about no single link or joint of the arm."""
     node = node_of(arm, found.place)
     here = None if arm.description is None else arm.description.path

@@ -12,7 +12,6 @@ from ...model.arm import Arm
 from ...model.usual_limits import defaults_line, with_defaults
 from ...planning.joint_space import Kind, plan_joint
 from ...planning.trajectory import Trajectory
-from ...planning.within import SwingError
 from ...support.checks import Array
 from ...support.errors import InputError
 from ..protocol.jobs import Job, Progress
@@ -26,9 +25,6 @@ STALE = "The list has changed since this motion was planned: plan again."
 
 STRAIGHT = "straight in joint space between the poses: the tool's way is a curve"
 """What is said of a motion that stops at each pose: straight, people take for the tool's way."""
-
-ON_THE_PAGE = "let it stop at each pose, or record poses in between"
-"""What helps against a spline that swings too far, in the words of the page."""
 
 
 class Program:
@@ -103,10 +99,7 @@ class Program:
         self, arm: Arm, points: Array, kind: Kind, stop: bool, progress: Progress
     ) -> tuple[Trajectory, dict[str, Any]]:
         """In a thread: the motion, and the way of the tool."""
-        try:
-            motion = plan_joint(arm, points, kind=kind, limits=self.limits, stop_at_waypoints=stop, progress=progress)
-        except SwingError as error:
-            raise SwingError(error.what, ON_THE_PAGE) from error
+        motion = plan_joint(arm, points, kind=kind, limits=self.limits, stop_at_waypoints=stop, progress=progress)
         return motion, tool_path(arm, motion)
 
     def _finish(

@@ -49,7 +49,7 @@ class TargetPart:
     requests = frozenset({"target", "release"})
 
     def __init__(self) -> None:
-        self._told = NOTHING
+        self._status = NOTHING
         self._shown: Array | None = None  # the configuration on show, where it is the target's answer
         self._wanted = False  # whether an answer may still come
         self._number = self._answered = 0  # of the latest target asked for, and of the one whose answer is on show
@@ -69,7 +69,7 @@ class TargetPart:
         finish = partial(self._finish, show, show.theta, self._number)
         solution = solved_at_once(show.arm, target, show.theta)
         if solution is not None:
-            finish((solution.theta, _told(given, solution)))
+            finish((solution.theta, _status(given, solution)))
             return None
         solve = partial(_solved, show.arm, target, given, show.theta, show.others)
         return Job("target", "solving for the target", lambda _: solve(), finish)
@@ -78,7 +78,7 @@ class TargetPart:
         """The target given, whether it is met, and the words of its solution."""
         if self._shown is not None and show.theta is not self._shown:
             self._release()
-        yield self._told
+        yield self._status
 
     def _finish(self, show: Show, start: Array, number: int, answer: Answer) -> None:
         """Show the answer, unless a later target has its answer, the target was let go, or something moved the arm."""
@@ -86,11 +86,11 @@ class TargetPart:
         if number < self._answered or not self._wanted or moved or show.driven or show.moving:
             return
         self._answered = number
-        self._shown, self._told = answer
+        self._shown, self._status = answer
         show.show(self._shown)
 
     def _release(self) -> None:
-        self._told, self._shown, self._wanted = NOTHING, None, False
+        self._status, self._shown, self._wanted = NOTHING, None, False
 
 
 def _target(arm: Arm, fields: Mapping[str, Any]) -> Pose | Position | Approach:
@@ -131,10 +131,10 @@ def _solved(
     others: Mapping[str, float],
 ) -> Answer:
     solution = solve_ik(arm, target, start, posture="theta0", max_time=MAX_TIME)
-    return solution.theta, {**_told(given, solution), "ghost": ghost(solution, others)}
+    return solution.theta, {**_status(given, solution), "ghost": ghost(solution, others)}
 
 
-def _told(given: dict[str, Any], solution: IKSolution) -> Message:
+def _status(given: dict[str, Any], solution: IKSolution) -> Message:
     return {
         "type": "target",
         "given": given,

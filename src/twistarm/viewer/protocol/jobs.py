@@ -64,7 +64,7 @@ class _Worker:
         self._changed = threading.Condition()
         self._waiting: Job | None = None
         self._stopped = False
-        self._told = False
+        self._reported = False
         self.thread = threading.Thread(target=self._run, name=f"twistarm {key}", daemon=True)
         self.thread.start()
 
@@ -98,14 +98,14 @@ class _Worker:
         else:
             self._deliver(lambda: job.finish(result))
         finally:
-            if self._told:
+            if self._reported:
                 self._tell(self._key, None)
-            self._told = False
+            self._reported = False
 
     def _progress(self, share: float) -> None:
         if self._stopped or self._waiting is not None:
             raise ReplacedError
-        self._told = True
+        self._reported = True
         self._tell(self._key, share)
 
 

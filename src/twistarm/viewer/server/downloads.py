@@ -8,8 +8,10 @@ from dataclasses import dataclass
 from functools import partial
 from typing import TYPE_CHECKING
 
+from ...planning.files.c_header import header_text
+from ...planning.files.csv_file import csv_text
+from ...planning.files.joint_trajectory import json_text, yaml_text
 from ...planning.trajectory import Trajectory
-from ...planning.trajectory_files import csv_text, json_text
 from ...support.errors import InputError
 from ..files.page_export import stand_alone
 from ..files.scene_snapshot import on_show
@@ -49,6 +51,11 @@ def _motion(write: Callable[[Trajectory, float], str], stage: Stage, scene: Scen
     return partial(write, at.trajectory, max(SAMPLE_TIME, at.duration / MOST_SAMPLES))
 
 
+def _header(motion: Trajectory, dt: float) -> str:
+    """Without samples: the polynomials themselves."""
+    return header_text(motion)
+
+
 def _page(stage: Stage, scene: Scene) -> Callable[[], str]:
     return partial(stand_alone, on_show(stage, scene))
 
@@ -57,5 +64,7 @@ DOWNLOADS: Mapping[str, Download] = {
     "arm.html": Download("text/html; charset=utf-8", ".html", _page),
     "motion.csv": Download("text/csv; charset=utf-8", "_motion.csv", partial(_motion, csv_text)),
     "motion.json": Download("application/json", "_motion.json", partial(_motion, json_text)),
+    "motion.yaml": Download("application/yaml", "_motion.yaml", partial(_motion, yaml_text)),
+    "motion.h": Download("text/plain; charset=utf-8", "_motion.h", partial(_motion, _header)),
 }
 """By the name under the token."""

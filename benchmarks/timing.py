@@ -1,0 +1,109 @@
+"""Timing of motions beside toppra and ruckig: durations and times of a call, in one interleaved run.
+
+Allowed: time-optimal along a path within 1 % of toppra on its automatic grid, and computed faster than by toppra on
+100 intervals, no limit passed by more than 1e-6 of it; from rest to rest no longer than ruckig, in 200 µs.
+"""
+
+from __future__ import annotations
+
+import argparse
+import sys
+import tempfile
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from scipy.interpolate import CubicSpline
+
+from .conductor import Worker, WorkerError
+from .environments import DEFAULT_FOLDER, NotInstalled, python_of
+
+JOINTS, WAYPOINTS = 7, 10
+VELOCITY, ACCELERATION, JERK = 2.0, 5.0, 50.0
+"""Limits of every joint [rad/s, rad/s², rad/s³]."""
+
+Row = tuple[str, str, dict[str, Any]]
+ALONG: tuple[Row, ...] = (
+    ("twistarm", "twistarm", {}),
+    ("toppra, 100 intervals", "toppra", {"grid": 100}),
+    ("toppra, automatic grid", "toppra", {"grid": None}),
+)
+TO: tuple[Row, ...] = (("twistarm", "twistarm", {}), ("ruckig", "ruckig", {}))
+
+
+def limits() -> dict[str, list[float]]:
+    return {"velocity": [VELOCITY] * JOINTS, "acceleration": [ACCELERATION] * JOINTS, "jerk": [JERK] * JOINTS}
+
+
+def path(random: np.random.Generator) -> dict[str, Any]:
+    """A natural cubic spline through random waypoints, evenly spaced in s."""
+    spline = CubicSpline(
+        np.linspace(0.0, 1.0, WAYPOINTS), random.uniform(-2.0, 2.0, (WAYPOINTS, JOINTS)), bc_type="natural"
+    )
+    return {"breakpoints": spline.x.tolist(), "coefficients": spline.c.tolist(), **limits()}
+
+
+def way(random: np.random.Generator) -> dict[str, Any]:
+    """A way of every joint, some long, some short."""
+    return {"way": (random.uniform(-3.0, 3.0, JOINTS) * 10.0 ** random.uniform(-4.0, 0.0, JOINTS)).tolist(), **limits()}
+
+
+def table(
+    title: str, do: str, rows: tuple[Row, ...], cases: list[dict[str, Any]], worker: Callable[[str], Worker]
+) -> None:
+    """Medians over the cases, each of which all libraries get in turn, and ratios to twistarm's."""
+    answers: dict[str, list[dict[str, Any]]] = {name: [] for name, _, _ in rows}
+    failed: dict[str, str] = {}
+    for case in cases:
+        for name, peer, settings in rows:
+            if name in failed:
+                continue
+            try:
+                answers[name].append(worker(peer).ask(do, **case, **settings))
+            except (WorkerError, NotInstalled) as error:
+                failed[name] = str(error)
+    print(f"\n{title}: median of {len(cases)}")
+    ours = answers["twistarm"]
+    for name, found in answers.items():
+        if name in failed:
+            print(f"  {name:24s} {failed[name]}")
+            continue
+        took = np.array([each["ns"] for each in found]) / 1e3
+        longer = np.array([each["duration"] / own["duration"] for each, own in zip(found, ours, strict=True)])
+        times = np.array([each["ns"] / own["ns"] for each, own in zip(found, ours, strict=True)])
+        beyond = f"   limits passed by {max(each['excess'] for each in found):8.1e}" if "excess" in found[0] else ""
+        print(
+            f"  {name:24s} {np.median(took):9.1f} µs ({np.median(times):6.2f} ×)   duration {np.median(longer):.5f} × "
+            f"({longer.min():.5f} … {longer.max():.5f}){beyond}"
+        )
+
+
+def main() -> None:
+    options = argparse.ArgumentParser(prog="python -m benchmarks.timing", description=__doc__)
+    options.add_argument("--count", type=int, default=50, help="paths, and ways from rest to rest (default 50)")
+    options.add_argument("--seed", type=int, default=20260701)
+    options.add_argument("--environments", type=Path, default=DEFAULT_FOLDER, metavar="FOLDER")
+    asked = options.parse_args()
+    random = np.random.default_rng(asked.seed)
+    workers: dict[str, Worker] = {}
+    with tempfile.TemporaryDirectory() as folder:
+
+        def worker(peer: str) -> Worker:
+            if peer not in workers:
+                python = python_of(peer, asked.environments, lambda text: print(text, file=sys.stderr))
+                workers[peer] = Worker(
+                    [str(python), "-m", "benchmarks.timing_worker", peer], Path(folder) / f"{peer}.log"
+                )
+            return workers[peer]
+
+        paths, ways = ([make(random) for _ in range(asked.count)] for make in (path, way))
+        title = f"{JOINTS} joints, {VELOCITY:g} rad/s, {ACCELERATION:g} rad/s²"
+        table(f"time-optimal along a spline through {WAYPOINTS} waypoints, {title}", "along", ALONG, paths, worker)
+        table(f"from rest to rest, {title}, {JERK:g} rad/s³", "to", TO, ways, worker)
+        for each in workers.values():
+            each.close()
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,154 @@
+"""`follow`: a motion from a file on simulated joints or on a robot, paused and stopped by keys."""
+
+from __future__ import annotations
+
+import sys
+from collections.abc import Callable
+from contextlib import ExitStack
+from dataclasses import replace
+from pathlib import Path
+from typing import Annotated
+
+import numpy as np
+import typer
+
+from ...model.arm import Arm
+from ...model.usual_limits import defaults_line, usually_limited
+from ...planning import Trajectory, load_trajectory
+from ...servo import ServoSettings
+from ...stream import FollowControl, FollowCycle, Interlock, read_key
+from ...stream import follow as follow_on
+from ...stream.cycles import checked_rate
+from ...stream.following.beginning import motion_of
+from ...stream.following.cycle import START_TOLERANCE, TRACKING_TOLERANCE
+from ...stream.links.inbox import FEEDBACK_TIMEOUT
+from ...support.checks import Array
+from ...support.errors import InputError
+from ...viewer import Viewer
+from ..keys import typed_keys
+from ..options import POSTURE, Json, Radians, takes_arm
+from ..output import console, print_json, progress_bar, say
+from ..robot import (
+    Admitted,
+    FeedbackTimeout,
+    From,
+    Hertz,
+    Key,
+    Listen,
+    Serial,
+    Tolerance,
+    Udp,
+    Units,
+    VelocityMode,
+    announce,
+    joints_of,
+    require_inside,
+    require_positive,
+    require_robot,
+)
+from ..servo_report import follow_json, follow_table
+from ..typed import parse_theta
+from .motion import Rate, capped
+from .viewing import Browser, Host, Port
+
+Motion = Annotated[
+    Path, typer.Argument(metavar="MOTION", help="A *.csv, *.json or *.yaml, as `twistarm plan -o` writes it.")
+]
+Stand = Annotated[str | None, POSTURE]
+Approach = Annotated[
+    bool,
+    typer.Option("--approach", help="Where the arm is elsewhere, move to the start first, straight in joint space."),
+]
+Speed = Annotated[float, typer.Option(help="Share of the motion's own speed, above 0 and at most 1.")]
+StartTolerance = Annotated[float, typer.Option(help="How far from the start a joint may stand (rad, m).")]
+
+KEYS = "space pauses and resumes, q stops"
+
+
+@takes_arm
+def follow(
+    arm: Arm,
+    motion: Motion,
+    approach: Approach = False,
+    speed: Speed = 1.0,
+    theta: Stand = None,
+    rate: Hertz = 100.0,
+    velocity: Rate = None,
+    acceleration: Rate = None,
+    udp: Udp = None,
+    listen: Listen = None,
+    serial: Serial = None,
+    units: Units = "joint",
+    senders: From = None,
+    key: Key = None,
+    velocity_mode: VelocityMode = False,
+    feedback_timeout: FeedbackTimeout = FEEDBACK_TIMEOUT,
+    tolerance: Tolerance = TRACKING_TOLERANCE,
+    start_tolerance: StartTolerance = START_TOLERANCE,
+    port: Port = 0,
+    host: Host = "127.0.0.1",
+    browser: Browser = True,
+    rad: Radians = False,
+    json: Json = False,
+) -> int:
+    """Follow a motion on simulated joints (--theta says where they stand), or on a robot by --udp or --serial."""
+    require_robot(udp, listen, serial, units, velocity_mode, admitted=bool(senders) or key is not None)
+    if theta is not None and (udp or serial):
+        raise InputError("--theta is where simulated joints stand; a robot says where it is")
+    checked_rate(rate, ServoSettings())
+    require_positive(speed=speed, tolerance=tolerance, start_tolerance=start_tolerance)
+    require_positive(feedback_timeout=feedback_timeout)
+    if speed > 1.0:
+        raise InputError(f"--speed is a share of the motion's own, at most 1; got {speed:g}")
+    driven = replace(arm, limits=capped(arm, {"velocity": velocity, "acceleration": acceleration}))
+    planned = motion_of(usually_limited(driven), load_trajectory(driven, motion))
+    x = _standing(arm, theta, planned, rad)
+    admitted = Admitted(tuple(senders or ()), None if key is None else read_key(key))
+    out, control, interlock = sys.stderr if json else sys.stdout, FollowControl(), Interlock()
+    with ExitStack() as stack:
+        sink, feedback = joints_of(driven, x, udp, listen, serial, units, feedback_timeout, admitted, stack)
+        viewer = stack.enter_context(Viewer(driven, x, host=host, port=port, open_browser=False, keep=port != 0))
+        viewer.show_path(planned)
+        announce(viewer, defaults_line(driven), browser, out)
+        progress = stack.enter_context(progress_bar("following"))
+        typed = stack.enter_context(typed_keys())
+        if typed is not None:
+            say(KEYS, file=out)
+
+        def each(cycle: FollowCycle) -> None:
+            viewer.show_servo(cycle)
+            progress(max(0.0, cycle.at) / cycle.duration if cycle.duration else 1.0)
+            for label in cycle.labels:
+                say(f"at {cycle.at:.2f} s: {label}", file=out)
+            obey(typed, control, interlock)
+
+        report = follow_on(
+            driven, planned, sink, feedback, rate=rate, speed=speed, approach=approach,
+            start_tolerance=start_tolerance, tolerance=tolerance, feedback_timeout=feedback_timeout,
+            velocity_mode=velocity_mode, control=control, interlock=interlock, on_cycle=each,
+        )  # fmt: skip
+    if json:
+        print_json(follow_json(arm, report))
+    else:
+        console().print(follow_table(arm, report))
+    return 0 if report.ok else 1
+
+
+def _standing(arm: Arm, theta: str | None, motion: Trajectory, radians: bool) -> Array:
+    """Where simulated joints stand, theta (n,): at the motion's start unless it was typed."""
+    if theta is None:
+        start: Array = np.clip(motion.waypoints[0], arm.limits.lower, arm.limits.upper)
+        return start
+    x = parse_theta(arm, theta, radians)
+    require_inside(arm, x, radians)
+    return x
+
+
+def obey(typed: Callable[[], str] | None, control: FollowControl, interlock: Interlock) -> None:
+    """Do what the keys say that were typed since the last cycle: whoever resumes enables what a robot had stopped."""
+    for pressed in typed() if typed is not None else "":
+        if pressed in "qQ":
+            control.stop()
+        elif pressed == " ":
+            interlock.enable()
+            control.toggle()

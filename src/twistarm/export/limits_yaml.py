@@ -1,0 +1,48 @@
+"""An arm's limits as the joint_limits.yaml of MoveIt and ros2_control."""
+
+from __future__ import annotations
+
+import os
+from pathlib import Path
+
+import numpy as np
+
+from ..model.arm import Arm
+from ..support.errors import InputError
+from ..support.files import WRITTEN_YAML, writable, write_whole
+from ..support.yaml_text import block
+
+SUFFIXES = (".yaml", ".yml")
+
+RATES = ("velocity", "acceleration", "jerk", "effort")
+
+
+def write_limits_yaml(arm: Arm, path: str | os.PathLike[str]) -> Path:
+    """Write `limits_yaml(arm)`, whole or not at all; returns the path written. YAML of a team's own stays."""
+    target = writable(path)
+    if target.suffix not in SUFFIXES:
+        raise InputError(f"a file of joint limits is named *{', *'.join(SUFFIXES)}; got {os.fspath(path)}")
+    return write_whole(target, limits_yaml(arm))
+
+
+def limits_yaml(arm: Arm) -> str:
+    """The file's text: of each joint what the arm knows of its limits, and `has_…_limits: false` for the rest.
+
+    Positions in rad or m, the rates per s, s², s³, effort in N m or N. `load_arm(…, limits=FILE)` reads it back.
+    """
+    joints = {name: _joint(arm, i) for i, name in enumerate(arm.joint_names)}
+    return "\n".join([f"{WRITTEN_YAML}: limits in rad or m and per s, s^2, s^3", *block({"joint_limits": joints}), ""])
+
+
+def _joint(arm: Arm, i: int) -> dict[str, bool | float]:
+    lower, upper = float(arm.limits.lower[i]), float(arm.limits.upper[i])
+    bounded = bool(np.isfinite([lower, upper]).any())
+    entries: dict[str, bool | float] = {"has_position_limits": bounded}
+    if bounded:
+        entries |= {"min_position": lower, "max_position": upper}
+    for rate in RATES:
+        limit = float(getattr(arm.limits, rate)[i])
+        entries[f"has_{rate}_limits"] = bool(np.isfinite(limit))
+        if np.isfinite(limit):
+            entries[f"max_{rate}"] = limit
+    return entries

@@ -1,0 +1,65 @@
+"""Bernstein coefficients of piecewise polynomials: what bounds them between their ends, without samples.
+
+p(σ) = Σ b_k C(d, k) σ^k (1 − σ)^(d−k) on σ in [0, 1] lies between the least and the largest of its b_k, and b_0, b_d
+are its values at the ends. Source: Farin, Curves and Surfaces for CAGD, chapters 4 and 5.
+"""
+
+from __future__ import annotations
+
+from functools import cache
+from math import comb
+
+import numpy as np
+
+from ..support.checks import Array, frozen
+
+ENOUGH = 1e-9
+"""How near, relatively, a bound comes to the largest magnitude that it bounds."""
+
+
+def bernstein(coefficients: Array, durations: Array) -> Array:
+    """Bernstein coefficients (d + 1, k, ...) of polynomials (d + 1, k, ...) on k pieces of the durations (k,)."""
+    degree = len(coefficients) - 1
+    powers = np.arange(degree, -1, -1.0)
+    scale = (durations ** powers[:, None]).reshape(degree + 1, -1, *[1] * (coefficients.ndim - 2))
+    return np.tensordot(_from_powers(degree), coefficients * scale, 1)
+
+
+def largest(coefficients: Array, durations: Array, enough: float = ENOUGH) -> tuple[float, int, int]:
+    """An upper bound of max abs p(σ) of polynomials (d + 1, k, r), and the piece and the component where it lies.
+
+    Branch and bound: pieces whose coefficients exceed the largest value seen are halved (de Casteljau) until the bound
+    is within the part `enough` of a value that is taken.
+    """
+    degree, shape = len(coefficients) - 1, coefficients.shape[1:]
+    b = np.moveaxis(bernstein(coefficients, durations), 0, -1).reshape(-1, degree + 1)
+    owner = np.arange(len(b))
+    taken, where = 0.0, 0
+    while True:
+        ends = np.maximum(np.abs(b[:, 0]), np.abs(b[:, -1]))
+        best = int(np.argmax(ends))
+        if ends[best] > taken:
+            taken, where = float(ends[best]), int(owner[best])
+        above = np.abs(b).max(-1) > taken * (1.0 + enough)
+        if not above.any():
+            piece, component = np.unravel_index(where, shape)
+            return taken * (1.0 + enough), int(piece), int(component)
+        b, owner = np.concatenate(_halves(b[above])), np.tile(owner[above], 2)
+
+
+def _halves(b: Array) -> tuple[Array, Array]:
+    """The coefficients (r, d + 1) on both halves of the piece, by de Casteljau's algorithm."""
+    left, right = [b[:, 0]], [b[:, -1]]
+    while b.shape[1] > 1:
+        b = 0.5 * (b[:, :-1] + b[:, 1:])
+        left.append(b[:, 0])
+        right.append(b[:, -1])
+    return np.stack(left, 1), np.stack(right[::-1], 1)
+
+
+@cache
+def _from_powers(degree: int) -> Array:
+    """(d + 1, d + 1): from coefficients of powers, highest first, to those of Bernstein's polynomials."""
+    return frozen(
+        [[comb(k, i) / comb(degree, i) if i <= k else 0.0 for i in range(degree, -1, -1)] for k in range(degree + 1)]
+    )

@@ -1,0 +1,56 @@
+"""Moving target: a curve of the tool, and what of its pose is to be followed."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from ...ik.targets import AnyTarget, Approach, Pose, Position, Task
+from ...support.checks import Array
+from .curves import Curve
+
+
+@dataclass(frozen=True)
+class MovingTarget:
+    """`curve` is followed as far as `like`, a target of any kind, constrains a pose: `like.at(g(s))` at every s."""
+
+    curve: Curve
+    like: AnyTarget
+
+    def at(self, s: float) -> AnyTarget:
+        """The target at s."""
+        return self.like.at(self.curve(np.array(s)))
+
+    def targets(self, s: Array) -> list[AnyTarget]:
+        """The targets at s (k,)."""
+        return [self.like.at(g) for g in self.curve(s)]
+
+    @property
+    def angle(self) -> float:
+        """How far the rotation that counts goes [rad]; 0 for a position."""
+        return 0.0 if isinstance(self.like, Position) else self.curve.angle
+
+    def errors(self, s: Array, g: Array) -> tuple[Array, Array]:
+        """How far poses g (k, 4, 4) are from the targets at s (k,): [m] and [rad], of what is constrained."""
+        ideal = self.curve(s)
+        if isinstance(self.like, Task):
+            both = [
+                (t.position_error(one), t.orientation_error(one)) for t, one in zip(self.targets(s), g, strict=True)
+            ]
+            return np.array([p for p, _ in both]), np.array([r for _, r in both])
+        position: Array = np.linalg.norm(g[:, :3, 3] - ideal[:, :3, 3], axis=-1)
+        if isinstance(self.like, Pose):
+            return position, _angles(np.swapaxes(ideal[:, :3, :3], -1, -2) @ g[:, :3, :3])
+        if isinstance(self.like, Approach):
+            axis, wanted = g[:, :3, :3] @ self.like.axis, ideal[:, :3, :3] @ self.like.axis
+            sine = np.linalg.norm(np.cross(axis, wanted), axis=-1)
+            return position, np.arctan2(sine, (axis * wanted).sum(axis=-1))
+        return position, np.zeros(len(s))
+
+
+def _angles(R: Array) -> Array:
+    """Angles of rotations (k, 3, 3) [rad], small ones too: the chord ‖R − 1‖ is 2√2 sin(angle/2)."""
+    chord = np.linalg.norm(R - np.eye(3), axis=(-2, -1))
+    angle: Array = 2.0 * np.arcsin(np.minimum(chord / np.sqrt(8.0), 1.0))
+    return angle

@@ -1,0 +1,91 @@
+"""The points of a motion read from CSV, line by line and within bounds."""
+
+from __future__ import annotations
+
+import csv
+from array import array
+from collections.abc import Iterable
+from itertools import pairwise
+from math import isfinite
+from pathlib import Path
+
+import numpy as np
+
+from ...model.arm import Arm
+from ...support.checks import as_floats
+from ...support.csv_lines import Bounds, csv_lines, name_in
+from ...support.errors import InputError, closest, listed
+from .columns import LABEL, TIME, count_columns, joint_columns
+from .points import Points
+
+BOUNDS = Bounds(bytes=200_000_000, lines=500_000)
+"""83 minutes at 100 Hz."""
+
+MOST_NUMBERS = 15_000_000
+"""That are kept of a file: of every line the time, positions, rates and accelerations."""
+
+
+def read_csv(arm: Arm, file: Path) -> Points:
+    """The points of `arm` in a CSV file. Raises InputError, with the line."""
+    try:
+        return _points(arm, csv.reader(csv_lines(file, BOUNDS)), str(file))
+    except csv.Error as error:
+        raise InputError(f"{file} is no CSV text: {error}") from error
+
+
+def _points(arm: Arm, reader: Iterable[list[str]], file: str) -> Points:
+    rows = iter(reader)
+    header = list(map(name_in, next(rows, [])))
+    groups, counted = _groups(arm, header, file)
+    columns = [header.index(name) for name in (TIME, *(name for group in groups for name in group))]
+    labelled = [k for k, name in enumerate(header) if name == LABEL]
+    lines, values, labels = array("q"), array("d"), list[tuple[float, str]]()
+    for line, row in enumerate(rows, 2):
+        if not row:
+            continue
+        numbers = _numbers(row, header, columns, f"{file}, line {line}")
+        lines.append(line)
+        values.extend(numbers)
+        labels.extend((numbers[0], name_in(row[k])) for k in labelled if row[k])
+        if len(values) > MOST_NUMBERS:
+            raise InputError(f"{file} has more than {MOST_NUMBERS:,} numbers; split it, or record at a lower rate")
+    table = np.frombuffer(values).reshape(len(lines), len(columns))
+    ends = np.cumsum([1, *map(len, groups)]).tolist()
+    states = [table[:, start:end] for start, end in pairwise(ends)]
+    if counted and arm.actuators is not None:
+        motor, motor_dot = map(arm.actuators.from_counts, states)
+        states = [arm.actuators.to_theta(motor), arm.actuators.velocity_to_theta(motor_dot)]
+    return Points(table[:, 0], labels, lambda k: f"{file}, line {lines[k]}", *states)
+
+
+def _groups(arm: Arm, header: list[str], file: str) -> tuple[list[list[str]], bool]:
+    """The columns of positions, rates and, where there are such, accelerations; and whether they are a drive's counts.
+
+    InputError where neither the joints' nor the motors' are all there, each once.
+    """
+    *needed, accelerations = joint_columns(arm.joint_names, arm.units)
+    motors = arm.actuators
+    if motors is not None and not _is_there(needed, header) and _is_there(counts := count_columns(motors), header):
+        return counts, True
+    for name in (TIME, *needed[0], *needed[1]):
+        if header.count(name) != 1:
+            others = [each for each in header if each not in (*needed[0], *needed[1])]
+            what = "twice" if name in header else f"not{closest(name, others)}"
+            raise InputError(f"{file}, line 1: a motion of {arm.name} has {listed([name])} once; here it is {what}")
+    return [*needed, accelerations] if _is_there([accelerations], header) else needed, False
+
+
+def _is_there(groups: list[list[str]], header: list[str]) -> bool:
+    return all(header.count(name) == 1 for group in groups for name in group)
+
+
+def _numbers(row: list[str], header: list[str], columns: list[int], place: str) -> list[float]:
+    if len(row) != len(header):
+        raise InputError(f"{place}: {len(header)} numbers are needed, as in the header; got {len(row)}")
+    try:
+        values = [float(row[k]) for k in columns]
+        if not all(map(isfinite, values)):
+            as_floats(values, "every number")
+    except ValueError as error:  # InputError is one
+        raise InputError(f"{place}: {error}") from error
+    return values

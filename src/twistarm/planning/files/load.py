@@ -1,0 +1,109 @@
+"""load_trajectory: a motion read back from a file, checked, as a trajectory of an arm."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Callable, Mapping
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ...model.arm import Arm, require_arm
+from ...support.errors import InputError, LimitError
+from ...support.files import as_path
+from ..hermite import through
+from ..trajectory import Trajectory
+from .csv_reading import read_csv
+from .message_reading import read_json, read_yaml
+from .points import Points
+
+READERS: Mapping[str, Callable[[Arm, Path], Points]] = {
+    ".csv": read_csv,
+    ".json": read_json,
+    ".yaml": read_yaml,
+    ".yml": read_yaml,
+}
+"""By the ending of a file's name, in any letters."""
+
+SHORTEST_STEP = 0.9e-9
+"""Seconds between two points: a message counts nanoseconds, and a polynomial divides by the fifth power."""
+
+LARGEST = 1e9
+"""Times [s], positions [rad, m] and rates of every arm are less by far: beyond, polynomials overflow."""
+
+BEYOND_LIMIT = 1e-6
+"""Beyond a position limit by less [rad, m] is rounding of the file."""
+
+
+def load_trajectory(arm: Arm, path: str | os.PathLike[str]) -> Trajectory:
+    """The motion of `arm` in a file, as `Trajectory.to_csv`, `to_json` and `to_yaml` write it, or as others do.
+
+    At the file's instants it is what stands there; between two of them it is a polynomial with the positions, rates and
+    (where the file has them) accelerations of both: quintic or cubic, and a straight line where there are positions
+    alone, as ROS's joint_trajectory_controller does it. The first instant is t = 0; before the first and after the last
+    the arm is at rest. Every instant is one of its waypoints. Labels are read too; motors are those of the arm.
+
+    - CSV: columns `time [s]`, and of each joint `<joint>.position [rad]` and `<joint>.velocity [rad/s]`, with or
+      without `<joint>.acceleration [rad/s^2]` (m for slides), in any order. In their place may stand what the motors'
+      drives count, as `to_csv(counts=True)` writes it. Other columns are passed over.
+    - JSON, YAML: a `trajectory_msgs/JointTrajectory`, joints in any order, others passed over; rad and m.
+      Of YAML some minutes are read at most.
+
+    Args:
+        arm: The arm.
+        path: A file whose name ends with .csv, .json, .yaml or .yml.
+
+    Returns:
+        The `Trajectory`.
+
+    Raises:
+        InputError: The file cannot be read; a joint is missing; a value is not a finite number, or a time does not
+            increase: the message gives the line or the point.
+        LimitError: A position lies outside the arm's limits.
+    """
+    require_arm(arm)
+    file = as_path(path)
+    reader = READERS.get(file.suffix.lower())
+    if reader is None:
+        raise InputError(f"a motion is read from {', '.join(f'*{ending}' for ending in READERS)}; got {file}")
+    points = reader(arm, file)
+    if len(points.t) == 0:
+        raise InputError(f"{file} holds no point of a motion")
+    _require_usual(points)
+    _require_increasing(points)
+    _require_within(arm, points)
+    t, theta = points.t - points.t[0], points.theta
+    labels = tuple((time - float(points.t[0]), text) for time, text in points.labels)
+    if len(t) == 1:
+        breakpoints, coefficients = np.zeros(2), theta[None]
+    else:
+        breakpoints, coefficients = t, through(t, theta, points.theta_dot, points.theta_ddot)
+    try:
+        return Trajectory(arm.joint_names, arm.units, theta, t, breakpoints, coefficients, arm.actuators, labels)
+    except InputError as error:
+        raise InputError(f"{file}: {error}") from error
+
+
+def _require_increasing(points: Points) -> None:
+    apart: NDArray[np.bool_] = np.diff(points.t) >= SHORTEST_STEP
+    if not apart.all():
+        k = int(np.argmin(apart)) + 1
+        raise InputError(f"{points.place(k)}: time must increase; got {points.t[k]:g} after {points.t[k - 1]:g}")
+
+
+def _require_usual(points: Points) -> None:
+    for values in (points.t[:, None], points.theta, points.theta_dot, points.theta_ddot):
+        if values is not None and not (np.abs(values) <= LARGEST).all():
+            k, j = (int(index) for index in np.unravel_index(np.argmax(np.abs(values)), values.shape))
+            raise InputError(f"{points.place(k)}: no arm moves so far or so fast; got {values[k, j]:g}")
+
+
+def _require_within(arm: Arm, points: Points) -> None:
+    beyond = np.maximum(arm.limits.lower - points.theta, points.theta - arm.limits.upper)
+    k, j = (int(index) for index in np.unravel_index(np.argmax(beyond), beyond.shape))
+    if beyond[k, j] > BEYOND_LIMIT:
+        raise LimitError(
+            f"{points.place(k)}: joint {arm.joint_names[j]!r} at {points.theta[k, j]:g} {arm.units[j]} is "
+            f"{beyond[k, j]:.3g} {arm.units[j]} beyond its limit; record a motion within the limits"
+        )

@@ -1,0 +1,115 @@
+"""The points of a motion read from ROS's trajectory_msgs/JointTrajectory, as JSON or YAML."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from ...description.yaml_reading import parse_yaml
+from ...model.arm import Arm
+from ...support import strict_json
+from ...support.errors import DescriptionError, InputError, closest, listed
+from ...support.files import read_bounded, why_no_file
+from .joint_trajectory import NANOSECOND
+from .points import Points
+
+MAX_BYTES = 50_000_000
+"""Twenty minutes of five joints at 100 Hz."""
+
+MAX_VALUES = 500_000
+"""Of a YAML file: three minutes of five joints at 100 Hz. JSON is read twenty times as fast."""
+
+FIELDS = ("positions", "velocities", "accelerations")
+
+
+def read_json(arm: Arm, file: Path) -> Points:
+    """The points of `arm` in a JSON file. Raises InputError, with the line or the point."""
+    text = _text(file)
+    try:
+        message = strict_json.parsed(text)
+    except ValueError as error:
+        raise InputError(f"{file} is no JSON: {error}") from error
+    return _points(arm, message, str(file))
+
+
+def read_yaml(arm: Arm, file: Path) -> Points:
+    """The points of `arm` in a YAML file, or in what `ros2 topic echo` prints. Raises InputError as `read_json`."""
+    # An echoed message ends with the mark of a next document, which is none.
+    text = _text(file).rstrip().removesuffix("\n---")
+    try:
+        message = parse_yaml(text, file, MAX_VALUES)
+    except DescriptionError as error:
+        raise InputError(str(error)) from error
+    return _points(arm, message, str(file))
+
+
+def _text(file: Path) -> str:
+    try:
+        return read_bounded(file, MAX_BYTES).decode("utf-8-sig")
+    except (OSError, ValueError) as error:
+        why = why_no_file(file) or getattr(error, "strerror", None) or error
+        raise InputError(f"cannot read {file}: {why}") from error
+
+
+def _points(arm: Arm, message: Any, file: str) -> Points:
+    names, points = _listed(message, "joint_names", file), _listed(message, "points", file)
+    order = _order(arm, names, file)
+
+    def place(k: int) -> str:
+        return f"{file}, point {k} (counted from 0)"
+
+    t = np.array([_time(point, place(k)) for k, point in enumerate(points)])
+    states = []
+    for name in FIELDS:
+        if name != FIELDS[0] and not all(point.get(name) for point in points):
+            break  # ROS leaves out what is not known, or leaves it empty
+        rows = [_row(point, name, len(names), place(k)) for k, point in enumerate(points)]
+        states.append(np.reshape(rows, (len(points), len(names)))[:, order])
+    return Points(t, _labels(message, file), place, *states)
+
+
+def _entry(mapping: Any, name: str, place: str) -> Any:
+    if not isinstance(mapping, dict):
+        raise InputError(f"{place}: a mapping with {name!r} is needed; got {strict_json.short(mapping)}")
+    if name not in mapping:
+        raise InputError(f"{place}: {name!r} is missing{closest(name, map(str, mapping))}")
+    return mapping[name]
+
+
+def _listed(mapping: Any, name: str, place: str) -> list[Any]:
+    value = _entry(mapping, name, place)
+    if not isinstance(value, list):
+        raise InputError(f"{place}: {name} must be a list; got {strict_json.short(value)}")
+    return value
+
+
+def _order(arm: Arm, names: list[Any], file: str) -> list[int]:
+    """Where the arm's joints stand among those of the message."""
+    others = [name for name in names if isinstance(name, str) and name not in arm.joint_names]
+    for name in arm.joint_names:
+        if names.count(name) != 1:
+            what = "twice" if name in names else f"not{closest(name, others)}"
+            raise InputError(f"{file}: the joint_names of {arm.name} have {listed([name])} once; here it is {what}")
+    return [names.index(name) for name in arm.joint_names]
+
+
+def _time(point: Any, place: str) -> float:
+    time = _entry(point, "time_from_start", place)
+    parts = [_entry(time, name, f"{place}, time_from_start") for name in ("sec", "nanosec")]
+    if not all(isinstance(part, int) and not isinstance(part, bool) and 0 <= part < 2**32 for part in parts):
+        raise InputError(f"{place}: time_from_start is in whole sec and nanosec from 0; got {strict_json.short(time)}")
+    return float(parts[0] + parts[1] * NANOSECOND)
+
+
+def _row(point: dict[str, Any], name: str, size: int, place: str) -> list[float]:
+    return strict_json.numbers(_entry(point, name, place), f"{place}: {name}", size)
+
+
+def _labels(message: dict[str, Any], file: str) -> list[tuple[float, str]]:
+    place = f"{file}, labels"
+    return [
+        (strict_json.number(_entry(label, "time", place), f"{place}: time"), _entry(label, "text", place))
+        for label in (_listed(message, "labels", file) if "labels" in message else ())
+    ]

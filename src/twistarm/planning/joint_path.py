@@ -1,0 +1,88 @@
+"""JointPath: a curve in joint space, which says where a motion goes and not yet when."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from ..support.checks import Array, as_floats, frozen
+from ..support.display import told
+from ..support.errors import InputError
+from .piecewise import derivative, evaluate
+
+Indices = NDArray[np.intp]
+
+STILL = 1e-12
+"""A joint that moves by less [rad, m] stays where it is."""
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class JointPath:
+    """q(s) of n joints, a polynomial on each of m pieces of a path parameter s, which has no unit.
+
+    `breakpoints` (m + 1,) starts at 0 and increases; `coefficients` (degree + 1, m, n) [rad, m], highest power of
+    s − breakpoints[i] first, as those of a `Trajectory`. Position, tangent q' and curvature q'' are continuous. A path
+    that stays where it is may have one piece of no length.
+
+    Raises InputError for shapes that do not fit and breakpoints that do not increase from 0.
+    """
+
+    breakpoints: Array
+    coefficients: Array
+
+    def __post_init__(self) -> None:
+        for name in ("breakpoints", "coefficients"):
+            object.__setattr__(self, name, frozen(as_floats(getattr(self, name), f"{name} of a path")))
+        m = self.breakpoints.size - 1
+        if self.breakpoints.ndim != 1 or self.coefficients.ndim != 3 or self.coefficients.shape[1] != m or m < 1:
+            raise InputError(
+                f"a path of m pieces needs breakpoints (m + 1,) and coefficients (degree + 1, m, n); got "
+                f"{self.breakpoints.shape} and {self.coefficients.shape}"
+            )
+        steps = np.diff(self.breakpoints)
+        if self.breakpoints[0] != 0 or not ((steps > 0).all() or (m == 1 and steps[0] == 0)):
+            raise InputError("the breakpoints of a path must increase from 0")
+
+    def __repr__(self) -> str:
+        return told("JointPath", {"n": self.n, "pieces": self.breakpoints.size - 1, "length": self.length})
+
+    @property
+    def n(self) -> int:
+        """Number of joints."""
+        return int(self.coefficients.shape[2])
+
+    @property
+    def length(self) -> float:
+        """The largest s; the smallest is 0."""
+        return float(self.breakpoints[-1])
+
+    @property
+    def start(self) -> Array:
+        """q(0), (n,)."""
+        return self(0.0)
+
+    @property
+    def end(self) -> Array:
+        """q(length), (n,)."""
+        return self(self.length)
+
+    @property
+    def moves(self) -> bool:
+        """Whether any joint moves along it, by more than rounding."""
+        powers = np.arange(len(self.coefficients) - 1, 0, -1.0)[:, None, None]
+        ways = np.abs(self.coefficients[:-1]) * np.diff(self.breakpoints)[:, None] ** powers
+        return bool(ways.max(initial=0.0) > STILL)
+
+    def piece_at(self, s: Array) -> Indices:
+        """Indices of the pieces in which s (...) lies; at a breakpoint the later one."""
+        inner = self.breakpoints[1:-1]
+        return np.searchsorted(inner, s, side="right")
+
+    def __call__(self, s: ArrayLike, order: int = 0) -> Array:
+        """The derivative of that order by s at s (...), (..., n); at a breakpoint the limit from above."""
+        at = as_floats(s, "s")
+        piece = self.piece_at(at.ravel())
+        sigma = (at.ravel() - self.breakpoints[piece])[:, None]
+        return evaluate(derivative(self.coefficients[:, piece], order), sigma).reshape(*at.shape, self.n)

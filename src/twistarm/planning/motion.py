@@ -1,0 +1,201 @@
+"""plan: a motion of segments (joint moves, lines, screws, arcs, dwells), timed to the limits."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, replace
+from typing import Any, Literal
+
+import numpy as np
+
+from ..limits.joint_limits import JointLimits
+from ..model.arm import Arm, require_arm
+from ..support.checks import Array, Row, as_positive, require_callback, require_choice
+from ..support.errors import InputError, shown
+from .joint_path import JointPath
+from .joint_space import as_limits
+from .route import Leg, Router
+from .segments import SEGMENTS, Dwell, Move, Segment
+from .spans import Progress
+from .stretches import Stretch, stretches
+from .time_laws.bounds import PathBounds
+from .time_laws.double_s import double_s
+from .time_laws.law import TimeLaw
+from .time_laws.quintic import quintic
+from .time_laws.s_curve import s_curve
+from .time_laws.time_optimal import time_optimal
+from .trajectory import Trajectory
+from .within import require_waypoints
+
+MotionKind = Literal["s_curve", "time_optimal", "quintic"]
+LAWS: dict[str, Callable[[JointPath, PathBounds], TimeLaw]] = {
+    "s_curve": s_curve,
+    "time_optimal": time_optimal,
+    "quintic": quintic,
+}
+
+
+def plan(
+    arm: Arm,
+    segments: Sequence[Segment] | Segment,
+    *,
+    start: Row | Mapping[str, float] | str | None = None,
+    limits: JointLimits | Mapping[str, Any] | None = None,
+    kind: MotionKind = "s_curve",
+    tool_speed: float | None = None,
+    turn_speed: float | None = None,
+    progress: Progress | None = None,
+) -> Trajectory:
+    """A motion through `segments`, from rest to rest, that keeps the limits of joints and motors everywhere.
+
+    Joint moves go straight in joint space; lines, screws and arcs keep the tool within 0.1 mm and 0.05° of the ideal
+    everywhere, in what their goals constrain. Where a joint move to a target leads to such curves, the branch of
+    inverse kinematics is chosen that can follow all of them with the least joint motion. The arm stops between two
+    moves, or rounds the corner inside the ball of radius `blend`.
+
+    - `s_curve`: acceleration is continuous and jerk within its limits; a joint without a jerk limit takes 0.1 s to its
+      acceleration limit. A joint move that stops at both ends is the shortest possible.
+    - `time_optimal`: the shortest time along the path; acceleration jumps.
+    - `quintic`: s(t) = 10 u³ − 15 u⁴ + 6 u⁵ along the whole stretch from stop to stop.
+
+    Sources: Biagiotti & Melchiorri 2008, §3.4 (double-S); Pham & Pham 2018 (time-optimal); Lynch & Park 2017, §9.2.
+
+    Args:
+        arm: The arm.
+        segments: `JointMove`, `LineMove`, `ScrewMove`, `ArcMove` and `Dwell`, one or more.
+        start: Configuration (n,) [rad, m], {joint: value} or the name of one; by default `arm.ready`.
+        limits: By default those of the arm; a `JointLimits`, or changes to the arm's such as {"acceleration": 3.0}.
+        kind: "s_curve", "time_optimal" or "quintic".
+        tool_speed: Greatest speed of the tool's origin [m/s] where a segment gives none.
+        turn_speed: Greatest angular speed of the tool [rad/s] where a segment gives none.
+        progress: Called with the fraction done, in (0, 1], or None.
+
+    Returns:
+        The `Trajectory`; its waypoints are the start and the end of every segment, its labels those of the segments.
+
+    Raises:
+        PathError: A curve cannot be followed; the message says how far it can, why not farther and what would help.
+        LimitError: A goal lies outside the position limits, or a needed limit is missing.
+        NotConvergedError: The target of a joint move cannot be met; the message says why.
+        InputError: An argument does not fit the arm, a curve ends where it begins, or a blend is too large.
+        UnknownNameError: No such configuration or joint.
+    """
+    require_choice(kind, tuple(LAWS), "kind")
+    require_callback(progress, "progress", "(fraction)")
+    moves = as_segments(segments, tool_speed, turn_speed)
+    bounds = as_limits(require_arm(arm), limits)
+    bounds.require(("velocity", "acceleration"), arm.joint_names)
+    planned = _with_ranges(arm, bounds)
+    origin = planned.ready if start is None else planned.theta_from(start, name="start")
+    if origin.shape != (arm.n,):
+        raise InputError(f"start must be one configuration ({arm.n},); got {origin.shape}")
+    require_waypoints(origin[None], bounds, arm.joint_names, arm.units, "start")
+
+    def told(done: int) -> None:
+        if progress is not None:
+            progress(0.9 * done / len(moves))
+
+    legs = Router(planned, moves, bounds, told).legs(origin)
+    timed = [
+        _timed(stretch, PathBounds(bounds, arm.actuators, stretch.ceiling), kind)
+        for stretch in stretches(planned, legs, bounds)
+    ]
+    motion = _assembled(arm, origin, legs, timed)
+    if progress is not None:
+        progress(1.0)
+    return motion
+
+
+def _with_ranges(arm: Arm, limits: JointLimits) -> Arm:
+    """The arm with these position limits, itself where they are its own: inverse kinematics looks at those alone."""
+    same = all(np.array_equal(getattr(limits, side), getattr(arm.limits, side)) for side in ("lower", "upper"))
+    return arm if same else replace(arm, limits=limits)
+
+
+def as_segments(segments: Any, tool_speed: float | None, turn_speed: float | None) -> list[Segment]:
+    """The segments; moves that give no speed of the tool have the one of the whole."""
+    given = [segments] if isinstance(segments, SEGMENTS) else list(segments) if np.iterable(segments) else None
+    if not given or isinstance(segments, str):
+        raise InputError(f"segments must be one or more of JointMove, LineMove, …, Dwell; got {shown(segments)}")
+    for name, value in (("tool_speed", tool_speed), ("turn_speed", turn_speed)):
+        if value is not None:
+            as_positive(value, name)
+    for i, segment in enumerate(given):
+        if not isinstance(segment, SEGMENTS):
+            raise InputError(
+                f"segment {i} must be a JointMove, LineMove, ScrewMove, ArcMove or Dwell; got {shown(segment)}"
+            )
+        if isinstance(segment, Move):
+            linear = segment.tool_speed if segment.tool_speed is not None else tool_speed
+            angular = segment.turn_speed if segment.turn_speed is not None else turn_speed
+            given[i] = replace(segment, tool_speed=linear, turn_speed=angular)
+            if segment.blend and (i + 1 == len(given) or isinstance(given[i + 1], Dwell)):
+                raise InputError(f"segment {i} cannot blend: the arm stops at its end; leave blend out")
+    return given
+
+
+@dataclass(frozen=True, eq=False)
+class Timed:
+    """A stretch in time: breakpoints (m + 1,) [s] from 0, coefficients, and when each of its legs ends [s]."""
+
+    first: int
+    last: int
+    breakpoints: Array
+    coefficients: Array
+    ends: Array
+
+
+def _timed(stretch: Stretch, bounds: PathBounds, kind: str) -> Timed:
+    path = stretch.path
+    if path.length == 0.0:
+        return Timed(stretch.first, stretch.last, np.zeros(2), path.coefficients, np.zeros(1))
+    if kind == "s_curve" and stretch.ceiling is None and len(path.coefficients) == 2 and len(path.breakpoints) == 2:
+        breakpoints, coefficients = double_s(path.start, path.end, bounds)
+        return Timed(stretch.first, stretch.last, breakpoints, coefficients, breakpoints[-1:])
+    law = LAWS[kind](path, bounds)
+    known = np.append(law.coefficients[-1], path.length)
+    ends = np.interp(stretch.ends, known, law.breakpoints)
+    return Timed(stretch.first, stretch.last, *law.along(path), ends)
+
+
+def _assembled(arm: Arm, origin: Array, legs: list[Leg], timed: list[Timed]) -> Trajectory:
+    """One trajectory of all stretches and dwells."""
+    times, waypoints, labels = [0.0], [origin], []
+    steps, pieces, at = [], [], 0.0
+    for stretch in timed:
+        for leg, end in zip(legs[stretch.first : stretch.last + 1], stretch.ends, strict=True):
+            segment = leg.segment
+            dwell = segment.seconds if isinstance(segment, Dwell) else 0.0
+            if segment.label:
+                labels.append((at + float(end), segment.label))
+            if dwell:
+                steps.append(np.array([dwell]))
+                pieces.append(leg.end[None, None])
+            times.append(at + float(end) + dwell)
+            waypoints.append(leg.end)
+        if stretch.breakpoints[-1] > 0.0:
+            steps.append(np.diff(stretch.breakpoints))
+            pieces.append(stretch.coefficients)
+        at += float(stretch.breakpoints[-1]) + (dwell if stretch.breakpoints[-1] == 0.0 else 0.0)
+    if not steps:
+        steps, pieces = [np.zeros(1)], [origin[None, None]]
+    degree = max(map(len, pieces))
+    coefficients = np.concatenate([np.pad(each, ((degree - len(each), 0), (0, 0), (0, 0))) for each in pieces], axis=1)
+    breakpoints = np.concatenate([[0.0], np.cumsum(np.concatenate(steps))])
+    when = np.minimum(times, breakpoints[-1])
+    motion = Trajectory(
+        arm.joint_names,
+        arm.units,
+        np.array(waypoints),
+        when,
+        breakpoints,
+        coefficients,
+        arm.actuators,
+        tuple((min(t, float(breakpoints[-1])), text) for t, text in labels),
+    )
+    return replace(motion, waypoints=np.where(_rounded(legs)[:, None], motion(when), motion.waypoints))
+
+
+def _rounded(legs: list[Leg]) -> Array:
+    """Which waypoints (k,) a motion does not pass but rounds."""
+    return np.array([False] + [isinstance(leg.segment, Move) and leg.segment.blend > 0.0 for leg in legs])

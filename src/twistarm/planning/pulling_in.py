@@ -1,0 +1,113 @@
+"""Splines pulled in: the same waypoints at the same times, inside the position limits between them too."""
+
+from __future__ import annotations
+
+from functools import cache
+from math import factorial
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..limits.joint_limits import JointLimits
+from ..support.checks import Array, frozen
+from .bernstein import bernstein
+from .piecewise import derivative, evaluate
+
+ROUNDING = 1e-10
+"""Beyond a limit by less [rad, m] is rounding."""
+
+EASING = 0.7
+"""A joint's velocity at a waypoint is lowered by this factor, again and again, until the joint stays inside."""
+
+LEAST_SHARE = 0.05
+"""A velocity lowered to less than this part of it is zero."""
+
+Mask = NDArray[np.bool_]
+
+
+def pulled_in(coefficients: Array, times: Array, waypoints: Array, limits: JointLimits) -> tuple[Array, Array]:
+    """Breakpoints and coefficients of a spline (d + 1, k − 1, n) through waypoints (k, n), made to keep inside.
+
+    A spline that stays inside comes back as it is. Where a joint leaves, its velocity at the waypoints on either side
+    is lowered to a share μ of it, its derivative of order r to μ^r, and a segment becomes d pieces of equal length
+    with d − 1 continuous derivatives, which the values at its ends determine: all is as smooth as the spline. With
+    μ = 1 at both ends they are the spline again; with μ = 0 they are monotone, the integral of a B-spline of degree
+    d − 1: some μ always keeps inside. The Bernstein coefficients of the pieces are what is kept inside.
+
+    Source: de Boor, A Practical Guide to Splines, chapters IX and XI.
+    """
+    durations, (degree, k, n) = np.diff(times), (len(coefficients) - 1, *waypoints.shape)
+    lower, upper = np.minimum(limits.lower, waypoints.min(0)), np.maximum(limits.upper, waypoints.max(0))
+    if not _outside(bernstein(coefficients, durations), lower, upper).any():
+        return times, coefficients
+    states, share = _states(coefficients, durations), np.ones((k, n))
+    while True:
+        pieces = _pieces(states, share, waypoints, durations)
+        hull = bernstein(pieces.reshape(degree + 1, -1, n), np.repeat(durations / degree, degree))
+        out = _outside(hull, lower, upper).reshape(k - 1, degree, n).any(1)
+        out &= (share[:-1] > 0.0) | (share[1:] > 0.0)
+        if not out.any():
+            break
+        ends = np.zeros((k, n), dtype=bool)
+        ends[:-1] |= out
+        ends[1:] |= out
+        eased = np.where(share * EASING < LEAST_SHARE, 0.0, share * EASING)
+        share = np.where(ends, eased, share)
+    whole = (share == 1.0).all(-1)
+    whole = whole[:-1] & whole[1:]
+    pieces[:, whole, 0] = coefficients[:, whole]
+    kept = np.ones((k - 1, degree), dtype=bool)
+    kept[whole, 1:] = False
+    starts = times[:-1, None] + durations[:, None] * (np.arange(degree) / degree)
+    return np.append(starts[kept], times[-1]), pieces[:, kept]
+
+
+def _outside(values: Array, lower: Array, upper: Array) -> Mask:
+    """Which of the pieces (s, n) have a value (c, s, n) beyond the limits (n,)."""
+    outside: Mask = (values.min(0) < lower - ROUNDING) | (values.max(0) > upper + ROUNDING)
+    return outside
+
+
+def _states(coefficients: Array, durations: Array) -> Array:
+    """Derivatives of order 1 … d − 1 of a spline at its waypoints, (d − 1, k, n)."""
+    degree = len(coefficients) - 1
+    rows = []
+    for order in range(1, degree):
+        slope = derivative(coefficients, order)
+        rows.append(np.concatenate([slope[-1], evaluate(slope[:, -1:], durations[-1:, None])]))
+    return np.stack(rows)
+
+
+def _pieces(states: Array, share: Array, waypoints: Array, durations: Array) -> Array:
+    """Coefficients (d + 1, k − 1, d, n) of segments in d pieces, with shares (k, n) of the states at the waypoints."""
+    orders = np.arange(1, len(states) + 1)[:, None, None]
+    eased, T = states * share**orders, durations[:, None] ** orders
+    way = np.diff(waypoints, axis=0)[None]
+    ends = np.concatenate([np.zeros(way.shape), eased[:, :-1] * T, way, eased[:, 1:] * T])
+    degree = len(states) + 1
+    unit = np.einsum("cpe,esn->cspn", _smooth_step(degree), ends)
+    unit[-1] += waypoints[:-1, None]
+    powers = np.arange(degree, -1, -1.0)
+    pieces: Array = unit / (durations ** powers[:, None])[:, :, None, None]
+    return pieces
+
+
+@cache
+def _smooth_step(degree: int) -> Array:
+    """(d + 1, d, 2 d): d pieces of length 1/d with d − 1 continuous derivatives, from the derivatives at both ends.
+
+    Columns are the derivatives of order 0 … d − 1 at 0, then those at 1.
+    """
+    d, length = degree, 1.0 / degree
+    rows = np.zeros((2 * d + d * (d - 1), d, d + 1))
+    for order in range(d):
+        powers = np.arange(d, -1, -1)
+        falling = np.array([factorial(p) / factorial(p - order) if p >= order else 0.0 for p in powers])
+        at_end = falling * length ** np.maximum(powers - order, 0.0)
+        at_start = np.where(powers == order, falling, 0.0)
+        rows[order, 0], rows[d + order, -1] = at_start, at_end
+        for joint in range(d - 1):
+            rows[2 * d + order * (d - 1) + joint, joint : joint + 2] = at_end, -at_start
+    given = np.eye(len(rows), 2 * d)
+    solved = np.linalg.solve(rows.reshape(len(rows), -1), given)
+    return frozen(solved.reshape(d, d + 1, 2 * d).swapaxes(0, 1))

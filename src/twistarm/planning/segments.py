@@ -1,0 +1,315 @@
+"""Segments of a motion: joint, line, screw and arc moves, and dwells."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from typing import Any, Literal
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from ..ik.targets import KINDS, AnyTarget, Pose
+from ..support.checks import (
+    Array,
+    Row,
+    as_direction,
+    as_flag,
+    as_not_negative,
+    as_number,
+    as_positive,
+    as_vector,
+    frozen,
+    require_choice,
+)
+from ..support.display import Brief
+from ..support.errors import InputError, shown
+
+Goal = Row | Mapping[str, float] | str | AnyTarget
+"""Where a move ends: a configuration (n,), {joint: value}, the name of one, a target, or a pose (4, 4)."""
+
+Constrained = Literal["pose", "approach", "position"]
+CONSTRAINED: tuple[Constrained, ...] = ("pose", "approach", "position")
+
+LABEL_LENGTH = 200
+
+
+@dataclass(frozen=True, eq=False, repr=False, kw_only=True)
+class Move(Brief):
+    """What every move may be told.
+
+    blend: radius [m] of the ball about the end of this move in which the tool may leave the path and round the corner
+    to the next; 0: it stops there. speed: the greatest share, in (0, 1], of the joints' velocity limits. tool_speed,
+    turn_speed: the greatest speed [m/s] of the tool's origin, and of its rotation [rad/s]. label: an action that is due
+    at the end of the move, such as "close gripper", carried into files.
+    """
+
+    blend: float = 0.0
+    speed: float = 1.0
+    tool_speed: float | None = None
+    turn_speed: float | None = None
+    label: str = ""
+
+    def __post_init__(self) -> None:
+        kept: dict[str, Any] = {"blend": as_not_negative(self.blend, "blend"), "label": as_label(self.label)}
+        kept["speed"] = as_positive(self.speed, "speed")
+        if kept["speed"] > 1.0:
+            raise InputError(
+                f"speed must be a share of the joints' velocity limits, more than 0 and at most 1; got {self.speed:g} "
+                "(tool_speed= takes m/s)"
+            )
+        for name in ("tool_speed", "turn_speed"):
+            value = getattr(self, name)
+            kept[name] = None if value is None else as_positive(value, name)
+        for name, value in kept.items():
+            object.__setattr__(self, name, value)
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class JointMove(Move):
+    """Every joint from where it is to where it is to be, straight in joint space.
+
+    To a target the arm goes by the configuration nearest to where it is, or, where moves along curves follow, by one
+    from which these can be followed.
+
+    Raises InputError for a goal, a blend, a speed or a label that cannot be used.
+    """
+
+    to: Goal
+
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        object.__setattr__(self, "to", as_goal(self.to))
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class LineMove(Move):
+    """The tool's origin along a straight line, its rotation about one fixed axis (slerp), both in proportion.
+
+    What the target leaves free is left free on the way: to a `Position` the rotation, to an `Approach` the turn about
+    the tool axis, whose direction swings in one plane; a `Task` keeps its tolerances. To a configuration the tool goes
+    to the pose it has there, or, on an arm of fewer than six joints, to as much of it as it can follow: all but the
+    turn about the tool axis, or the position.
+
+    Raises InputError for a goal, a blend, a speed or a label that cannot be used.
+    """
+
+    to: Goal | None
+    offset: Array | None = field(default=None, kw_only=True)
+    frame: str = field(default="tool", kw_only=True)
+    constrain: Constrained | None = field(default=None, kw_only=True)
+
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        if (self.to is None) == (self.offset is None):
+            raise InputError("a LineMove needs a goal, or LineMove.by(offset)")
+        if self.offset is None:
+            object.__setattr__(self, "to", as_goal(self.to))
+            return
+        object.__setattr__(self, "offset", _one(self.offset, "offset"))
+        require_choice(self.frame, ("tool", "base"), "frame")
+        _check_constrained(self.constrain)
+
+    @classmethod
+    def by(cls, offset: Row, *, frame: str = "tool", constrain: Constrained | None = None, **options: Any) -> LineMove:
+        """A line of that length and direction (3,) [m], along the tool's axes where it begins or the base's.
+
+        The rotation is kept: all of it ("pose"), but for turning about the tool axis ("approach"), or not at all
+        ("position").
+
+        Args:
+            offset: From the start to the end (3,) [m].
+            frame: Whose axes: "tool" or "base".
+            constrain: What of the pose is kept: "pose", "approach" or "position"; None: the pose, and by arms of fewer
+                than six joints the first of the three that they can.
+            **options: As for every move: blend, speed, tool_speed, turn_speed, label.
+
+        Returns:
+            The `LineMove`.
+
+        Raises:
+            InputError: An argument cannot be used.
+        """
+        return cls(None, offset=_one(offset, "offset"), frame=frame, constrain=constrain, **options)
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class ScrewMove(Move):
+    """The tool along one screw, g(s) = exp(s ξ̂) g0, s from 0 to 1 (MLS §2.3.3, Chasles' theorem).
+
+    To a goal, ξ = log(g1 g0⁻¹), the one screw of at most half a turn that leads there.
+
+    Raises InputError for a goal, a blend, a speed or a label that cannot be used.
+    """
+
+    to: Goal | None
+    twist: Array | None = field(default=None, kw_only=True)
+    constrain: Constrained | None = field(default=None, kw_only=True)
+
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        if (self.to is None) == (self.twist is None):
+            raise InputError("a ScrewMove needs a goal, or ScrewMove.about(axis, point, angle)")
+        if self.twist is None:
+            object.__setattr__(self, "to", as_goal(self.to))
+            return
+        object.__setattr__(self, "twist", _one(self.twist, "twist", 6))
+        _check_constrained(self.constrain)
+
+    @classmethod
+    def about(
+        cls,
+        axis: Row,
+        point: Row,
+        angle: float,
+        pitch: float = 0.0,
+        *,
+        constrain: Constrained | None = None,
+        **options: Any,
+    ) -> ScrewMove:
+        """A turn about an axis in the base frame, advancing by `pitch` per radian: ξ = (−ω × q + h ω, ω) · angle.
+
+        MLS §2.3.3: ω the unit axis, q a point on it, h the pitch [m/rad]. Any angle goes, several turns too.
+
+        Args:
+            axis: Direction of the axis (3,), of any length but 0.
+            point: A point on it (3,) [m].
+            angle: How far to turn [rad], by the right-hand rule.
+            pitch: Advance along the axis per angle [m/rad].
+            constrain: What of the pose is followed: "pose", "approach" (all but turning about the tool axis) or
+                "position"; None: the pose, and by arms of fewer than six joints the first of the three that they can.
+            **options: As for every move: blend, speed, tool_speed, turn_speed, label.
+
+        Returns:
+            The `ScrewMove`.
+
+        Raises:
+            InputError: An argument cannot be used.
+        """
+        w, q = _axis(axis), _one(point, "point")
+        v = np.cross(q, w) + as_number(pitch, "pitch") * w
+        return cls(None, twist=as_number(angle, "angle") * np.concatenate([v, w]), constrain=constrain, **options)
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class ArcMove(Move):
+    """The tool's origin along the circular arc from where it is through `via` to the goal, rotation by slerp.
+
+    `via` (3,) [m] in base axes, or a target of which the position counts. To a goal that leaves rotation free, it is
+    left free on the way, as by `LineMove`.
+
+    Raises InputError for a goal, a blend, a speed or a label that cannot be used.
+    """
+
+    via: Row | AnyTarget | None
+    to: Goal | None
+    twist: Array | None = field(default=None, kw_only=True)
+    turn: bool = field(default=True, kw_only=True)
+    constrain: Constrained | None = field(default=None, kw_only=True)
+
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        if self.twist is None:
+            if self.to is None or self.via is None:
+                raise InputError("an ArcMove needs via and a goal, or ArcMove.about(axis, centre, angle)")
+            object.__setattr__(self, "to", as_goal(self.to))
+            object.__setattr__(self, "via", frozen(_point(self.via)))
+            return
+        object.__setattr__(self, "twist", _one(self.twist, "twist", 6))
+        as_flag(self.turn, "turn")
+        _check_constrained(self.constrain)
+
+    @classmethod
+    def about(
+        cls,
+        axis: Row,
+        centre: Row,
+        angle: float,
+        *,
+        turn: bool = True,
+        constrain: Constrained | None = None,
+        **options: Any,
+    ) -> ArcMove:
+        """An arc about an axis through `centre` in the base frame.
+
+        Args:
+            axis: Direction of the axis (3,), of any length but 0.
+            centre: A point on it (3,) [m].
+            angle: How far [rad], by the right-hand rule; several turns too.
+            turn: Whether the tool turns with the arc, as a hand on a door's handle does, or keeps its rotation.
+            constrain: What of the pose is followed: "pose", "approach" (all but turning about the tool axis) or
+                "position"; None: the pose, and by arms of fewer than six joints the first of the three that they can.
+            **options: As for every move: blend, speed, tool_speed, turn_speed, label.
+
+        Returns:
+            The `ArcMove`.
+
+        Raises:
+            InputError: An argument cannot be used.
+        """
+        w, q = _axis(axis), _one(centre, "centre")
+        twist = as_number(angle, "angle") * np.concatenate([np.cross(q, w), w])
+        return cls(None, None, twist=twist, turn=turn, constrain=constrain, **options)
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class Dwell(Brief):
+    """A stay [s] where the arm is; its label, such as "close gripper", is due when it begins.
+
+    Raises InputError for a negative time or a label that cannot be used.
+    """
+
+    seconds: float
+    label: str = field(default="", kw_only=True)
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "seconds", as_not_negative(self.seconds, "seconds"))
+        object.__setattr__(self, "label", as_label(self.label))
+
+
+Segment = JointMove | LineMove | ScrewMove | ArcMove | Dwell
+SEGMENTS = (JointMove, LineMove, ScrewMove, ArcMove, Dwell)
+
+
+def _check_constrained(value: Any) -> None:
+    if value is not None:
+        require_choice(value, CONSTRAINED, "constrain")
+
+
+def as_goal(value: Any) -> Goal:
+    """A goal: names, mappings and targets as they are, numbers as an array; (4, 4) is a `Pose`."""
+    if isinstance(value, (str, Mapping, *KINDS)):
+        return value
+    if value is None:
+        raise InputError("a move needs a goal: a configuration, the name of one, or a target such as Pose(g)")
+    array = np.asarray(value)
+    return Pose(array) if array.shape == (4, 4) else value
+
+
+def as_label(value: Any) -> str:
+    """A label: one line of text."""
+    if not isinstance(value, str) or len(value) > LABEL_LENGTH or not (value.isprintable() or not value):
+        raise InputError(f"label must be one line of text of at most {LABEL_LENGTH} characters; got {shown(value)}")
+    return value
+
+
+def _axis(value: ArrayLike) -> Array:
+    return _shape(as_direction(value, "axis"), "axis", 3)
+
+
+def _one(value: ArrayLike, name: str, size: int = 3) -> Array:
+    return frozen(_shape(as_vector(value, name, size), name, size))
+
+
+def _shape(value: Array, name: str, size: int) -> Array:
+    if value.shape != (size,):
+        raise InputError(f"{name} must have shape ({size},); got {value.shape}")
+    return value
+
+
+def _point(value: Any) -> Array:
+    """The position of a target, or the point itself."""
+    if isinstance(value, KINDS):
+        return np.array(value.g[:3, 3] if hasattr(value, "g") else value.p)
+    array = np.asarray(value)
+    return np.array(Pose(array).g[:3, 3]) if array.shape == (4, 4) else _one(value, "via")

@@ -1,0 +1,14 @@
+"""Spans of time: the shortest and the longest motion, and the callback of planning for its progress."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+Progress = Callable[[float], object]
+"""Called with the fraction done, in (0, 1]."""
+
+MARGIN = 1e-10
+"""Times are longer than the limits ask by this part, so that rounding falls on the inside."""
+
+SHORTEST, LONGEST = 1e-9, 1e9
+"""Lengths [s] of motions whose coefficients keep clear of overflow."""

@@ -1,0 +1,10 @@
+"""Time laws: s(t) along a path in joint space, as fast as limits of joints, motors and tool allow."""
+
+from .bounds import PathBounds
+from .double_s import double_s
+from .law import Binding, TimeLaw
+from .quintic import quintic
+from .s_curve import s_curve
+from .time_optimal import time_optimal
+
+__all__ = ["Binding", "PathBounds", "TimeLaw", "double_s", "quintic", "s_curve", "time_optimal"]

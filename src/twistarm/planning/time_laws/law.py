@@ -1,0 +1,104 @@
+"""TimeLaw: when a motion is where on its path, as plain data."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Literal
+
+import numpy as np
+
+from ...support.checks import Array, as_floats, frozen
+from ...support.display import told
+from ...support.errors import InputError
+from ..joint_path import Indices, JointPath
+from ..piecewise import composed
+
+Rate = Literal["velocity", "acceleration", "jerk", "tool speed"]
+RATES: tuple[Rate, ...] = ("velocity", "acceleration", "jerk")
+
+APART = 1e-12
+"""Instants nearer than this part of the whole are one."""
+
+
+@dataclass(frozen=True)
+class Binding:
+    """What keeps a motion from being faster from `begin` to `end` [s]: a rate of joint or motor `index`, or the tool's.
+
+    `rate` is "velocity", "acceleration" or "jerk", of `owner` "joint" or "motor"; or "tool speed", of owner "tool".
+    """
+
+    begin: float
+    end: float
+    rate: Rate
+    owner: Literal["joint", "motor", "tool"]
+    index: int = 0
+
+    def describe(self, joint_names: Sequence[str], motor_names: Sequence[str] = ()) -> str:
+        """Such as "velocity of joint 'elbow'"."""
+        if self.owner == "tool":
+            return self.rate
+        names = joint_names if self.owner == "joint" else motor_names
+        return f"{self.rate} of {self.owner} {names[self.index]!r}"
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class TimeLaw:
+    """s(t), a polynomial on each of k pieces, from 0 to the length of a path, at rest at both ends.
+
+    `breakpoints` (k + 1,) [s] starts at 0; `coefficients` (degree + 1, k), highest power of t − breakpoints[i] first.
+    Each of its pieces lies within one of the path's. `binding` says what limits it, stretch by stretch.
+    """
+
+    breakpoints: Array
+    coefficients: Array
+    binding: tuple[Binding, ...] = ()
+
+    def __post_init__(self) -> None:
+        for name in ("breakpoints", "coefficients"):
+            object.__setattr__(self, name, frozen(as_floats(getattr(self, name), f"{name} of a time law")))
+        if self.coefficients.ndim != 2 or self.breakpoints.shape != (self.coefficients.shape[1] + 1,):
+            raise InputError(
+                f"a time law of k pieces needs breakpoints (k + 1,) and coefficients (degree + 1, k); got "
+                f"{self.breakpoints.shape} and {self.coefficients.shape}"
+            )
+
+    def __repr__(self) -> str:
+        return told("TimeLaw", {"duration": self.duration, "pieces": len(self.breakpoints) - 1})
+
+    @classmethod
+    def at_once(cls) -> TimeLaw:
+        """The law of a path that stays where it is: of duration 0."""
+        return cls(np.zeros(2), np.zeros((1, 1)))
+
+    @property
+    def duration(self) -> float:
+        """Length in time [s]."""
+        return float(self.breakpoints[-1])
+
+    def pieces(self, path: JointPath) -> Indices:
+        """In which piece of the path each of the law's lies, (k,)."""
+        middle = np.zeros(len(self.breakpoints) - 1)
+        for row in self.coefficients:
+            middle = middle * (0.5 * np.diff(self.breakpoints)) + row
+        return path.piece_at(middle)
+
+    def passes(self, places: Array) -> Array:
+        """When s (...) is reached, [s], of places at which one of the law's pieces begins or the path ends."""
+        s = np.append(self.coefficients[-1], max(places[-1], self.coefficients[-1, -1]))
+        return np.interp(places, s, self.breakpoints)
+
+    def along(self, path: JointPath) -> tuple[Array, Array]:
+        """Breakpoints (k + 1,) [s] and coefficients (d, k, n) of the motion q(s(t)), exactly, as of a `Trajectory`."""
+        piece = self.pieces(path)
+        inner = self.coefficients.copy()
+        inner[-1] -= path.breakpoints[piece]
+        return self.breakpoints, composed(path.coefficients[:, piece], inner)
+
+
+def apart(instants: Array) -> Array:
+    """The instants in order, from 0 on, without those that only rounding tells from the next."""
+    times = np.sort(instants, axis=None)
+    times = np.concatenate([times[:-1][np.diff(times) > APART * times[-1]], times[-1:]])
+    times[0] = 0.0
+    return times

@@ -1,0 +1,47 @@
+"""A law slowed down, or sped up, as a whole until it just meets its limits."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from ...support.checks import Array
+from ...support.errors import InputError
+from ..bernstein import ENOUGH, largest
+from ..joint_path import JointPath
+from ..piecewise import derivative
+from ..spans import LONGEST, MARGIN, SHORTEST
+from .bounds import PathBounds
+from .law import RATES, Binding, Rate, TimeLaw
+
+
+def at_full_pace(path: JointPath, law: TimeLaw, bounds: PathBounds, jerk: Array) -> TimeLaw:
+    """The law at the pace at which one rate just meets its limit and none exceeds it; `jerk` (r,) is that limited.
+
+    A law f times as slow has 1/f of the velocity, 1/f² of the acceleration and 1/f³ of the jerk.
+    """
+    factor, rate, row = pace_needed(path, law, bounds, jerk)
+    factor *= 1.0 + MARGIN
+    duration = law.duration * factor
+    if not SHORTEST <= duration <= LONGEST:
+        raise InputError(
+            f"this path and these limits make a motion of {duration:.3g} s; {SHORTEST:g} s to {LONGEST:g} s can be "
+            "planned: check the units of both"
+        )
+    slower = (1.0 / factor) ** np.arange(len(law.coefficients) - 1, -1, -1.0)[:, None]
+    binding = Binding(0.0, duration, rate, *(("tool", 0) if rate == "tool speed" else bounds.owners[row]))
+    return TimeLaw(law.breakpoints * factor, law.coefficients * slower, (binding,))
+
+
+def pace_needed(
+    path: JointPath, law: TimeLaw, bounds: PathBounds, jerk: Array, enough: float = ENOUGH
+) -> tuple[float, Rate, int]:
+    """By what factor, to the part `enough`, the law must be slowed, and which rate of which row says so."""
+    breakpoints, coefficients = law.along(path)
+    steps = np.diff(breakpoints)
+    rows, needed = coefficients @ bounds.C.T, []
+    for order, (rate, limit) in enumerate(zip(RATES, (bounds.velocity, bounds.acceleration, jerk), strict=True), 1):
+        ratio, _, row = largest(derivative(rows, order) / limit, steps, enough)
+        needed.append((ratio ** (1.0 / order), rate, row))
+    speed = derivative(law.coefficients[:, :, None]) / bounds.ceiling_of(path)[law.pieces(path)][:, None]
+    needed.append((largest(speed, steps)[0], "tool speed", 0))
+    return max(needed)

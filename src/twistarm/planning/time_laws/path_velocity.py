@@ -1,0 +1,107 @@
+"""The largest ṡ² along a path that limits allow, on a grid: reachability analysis in two passes.
+
+Source: Pham & Pham, A new approach to time-optimal path parameterization based on reachability analysis, IEEE T-RO
+34(3), 2018; the rows of each interval are our own (`interval_limits`). The compiled core makes the same passes.
+"""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ...model import engine
+from ...support.checks import Array
+from ..spans import SHORTEST
+from .interval_limits import LimitedPath, derivatives, rows, used
+
+CORRECTIONS = 64
+"""Newton's steps to a corner of a convex region; a handful are needed."""
+
+LONGEST_STEP = 1e-10
+"""No step goes farther down than to this part: what is left would be the rounding of a start much too large."""
+
+SHORTEST_STEP = 1.0 - 1e-13
+"""Every step goes down at least to this part: where a row is nearly upright, Newton's own is lost in rounding."""
+
+
+class Profile(NamedTuple):
+    """x = ṡ² (N + 1,) on a grid; how far each interval uses its tightest limit (N,); and which limit that is (N,).
+
+    Of r rows of limits 0 … r − 1 are velocities, r … 2 r − 1 accelerations, and 2 r is the ceiling of ṡ.
+    """
+
+    x: Array
+    share: Array
+    which: NDArray[np.intp]
+
+
+def path_velocity(path: LimitedPath, grid: Array) -> Profile:
+    """The profile on the grid (N + 1,) from 0 to the path's length, which holds every breakpoint of the path.
+
+    Backwards: from which x the end can be reached at rest. Forwards: the largest x, interval by interval, that stays
+    among those. Every interval's region of (x0, x1) is convex and holds (0, 0), so neither pass can fail.
+    """
+    core = engine.core()
+    found = None if core is None else core.path_velocity(*vars(path).values(), grid, _most(path))
+    if found is None:
+        return in_numpy(path, grid)
+    x, share, which = found
+    return Profile(x, share, which.astype(np.intp))
+
+
+def in_numpy(path: LimitedPath, grid: Array) -> Profile:
+    """The same profile, of which the rows of every interval are made at once."""
+    tangent, bend, ceiling = derivatives(path, grid)
+    steps = np.diff(grid)
+    x = passes(*rows(path, tangent, bend, ceiling, steps), _most(path))
+    return Profile(x, *used(path, tangent, bend, ceiling, steps, x))
+
+
+def _most(path: LimitedPath) -> float:
+    """The largest ṡ² where nothing else limits it."""
+    return float(path.breakpoints[-1] / SHORTEST) ** 2
+
+
+def passes(A: Array, B: Array, most: float) -> Array:
+    """x (N + 1,) from 0 to 0, at most `most`, with A x_i + B x_(i+1) ≤ 1 for the rows (N, q) of every interval."""
+    count = len(A)
+    controllable, x = np.zeros(count + 1), np.zeros(count + 1)
+    for i in range(count - 1, 0, -1):
+        controllable[i] = _largest_start(A[i], B[i], controllable[i + 1], most)
+    for i in range(count):
+        above = B[i] > 0
+        reached = ((1.0 - A[i, above] * x[i]) / B[i, above]).min(initial=controllable[i + 1])
+        x[i + 1] = max(reached, 0.0)
+    return x
+
+
+def _largest_start(a: Array, b: Array, end: float, most: float) -> float:
+    """The largest x0 ≥ 0 for which an x1 in [0, end] has a x0 + b x1 ≤ 1.
+
+    The room for x1, the least upper bound less the greatest lower one, is concave in x0 and not negative at 0: from a
+    start too large Newton's method comes down to its zero without passing it, along finitely many straight lines.
+    """
+    level = (b == 0) & (a > 0)
+    start = (1.0 / a[level]).min(initial=most)
+    uppers, lowers = b > 0, b < 0
+    for _ in range(CORRECTIONS):
+        upper, rise = _tightest(a[uppers], b[uppers], start, end, -1.0)
+        lower, fall = _tightest(a[lowers], b[lowers], start, 0.0, 1.0)
+        if upper >= lower or rise >= fall:
+            break
+        newton = start + (upper - lower) / (fall - rise)
+        start = min(max(newton, LONGEST_STEP * start), SHORTEST_STEP * start)
+    return max(float(start), 0.0)
+
+
+def _tightest(a: Array, b: Array, start: float, otherwise: float, sign: float) -> tuple[float, float]:
+    """The tightest bound of x1 at x0 = start and its slope: the least (sign −1) or the greatest (1), or `otherwise`."""
+    if not len(b):
+        return otherwise, 0.0
+    bound = (1.0 - a * start) / b
+    tightest = int(np.argmax(sign * bound))
+    if sign * bound[tightest] <= sign * otherwise:
+        return otherwise, 0.0
+    return float(bound[tightest]), float(-a[tightest] / b[tightest])

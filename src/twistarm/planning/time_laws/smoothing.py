@@ -1,0 +1,74 @@
+"""A law's moving average: its jerk is bounded, and it stays monotone."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from ...support.checks import Array
+from ..joint_path import Indices, JointPath
+from ..piecewise import derivative, evaluate
+from .law import TimeLaw, apart
+
+BISECTIONS = 60
+
+
+def smoothed(law: TimeLaw, window: float, path: JointPath) -> TimeLaw:
+    """s_w(t) = (1/w) ∫ s(τ) dτ over [t − w, t], longer by the window w [s]: a polynomial of one degree more.
+
+    Its rate is (s(t) − s(t − w))/w ≥ 0, and each further derivative the difference quotient of the one before: where
+    s̈ jumps, s̈_w rises evenly, and it is zero at both ends. Pieces end where the path's do.
+    """
+    average = _Average(law, window)
+    knots = np.concatenate([law.breakpoints, law.breakpoints + window])
+    times = apart(knots)
+    times = apart(np.concatenate([times, _reached(average, times, path.breakpoints[1:-1])]))
+    return TimeLaw(times, average.pieces(times))
+
+
+class _Average:
+    """The moving average of a law of parabolas, with s(τ) at rest before its start and after its end."""
+
+    def __init__(self, law: TimeLaw, window: float) -> None:
+        steps, c = np.diff(law.breakpoints), law.coefficients
+        powers = np.arange(len(c), 0, -1.0)
+        integral = np.concatenate([c / powers[:, None], np.zeros((1, c.shape[1]))])
+        integral[-1, 1:] = np.cumsum(np.polyval(integral, steps))[:-1]
+        end = float(np.polyval(c[:, -1], steps[-1])), float(np.polyval(integral[:, -1], steps[-1]))
+        before, after = np.zeros((len(integral), 1)), np.zeros((len(integral), 1))
+        after[-2:, 0] = end
+        self.integral = np.concatenate([before, integral, after], axis=1)[:, :, None]
+        self.starts = np.concatenate([[0.0], law.breakpoints])
+        self.window = window
+
+    def pieces(self, times: Array) -> Array:
+        """Coefficients (degree + 2, k) on the pieces between these times (k + 1,), which hold every knot."""
+        middle, starts = 0.5 * (times[:-1] + times[1:]), times[:-1]
+        now, before = self._piece(middle), self._piece(middle - self.window)
+        rows, factorial = [], 1.0
+        for order in range(len(self.integral)):
+            factorial *= max(order, 1)
+            rows.append(self._quotient(starts, now, before, order) / factorial)
+        return np.stack(rows[::-1])
+
+    def _quotient(self, times: Array, now: Indices, before: Indices, order: int) -> Array:
+        coefficients = derivative(self.integral, order)
+        tau = times - self.starts[now], times - self.window - self.starts[before]
+        late, early = (evaluate(coefficients[:, i], t[:, None])[:, 0] for i, t in zip((now, before), tau, strict=True))
+        quotient: Array = (late - early) / self.window
+        return quotient
+
+    def _piece(self, times: Array) -> Indices:
+        return np.searchsorted(self.starts[1:], times, side="right")
+
+
+def _reached(average: _Average, times: Array, places: Array) -> Array:
+    """When the average passes these places of the path."""
+    pieces = average.pieces(times)
+    index = np.clip(np.searchsorted(pieces[-1], places, side="right") - 1, 0, len(times) - 2)
+    own, low, high = pieces[:, index], np.zeros_like(places), np.diff(times)[index]
+    for _ in range(BISECTIONS):
+        middle = 0.5 * (low + high)
+        short = evaluate(own, middle) < places
+        low, high = np.where(short, middle, low), np.where(short, high, middle)
+    reached: Array = times[index] + high
+    return reached

@@ -1,0 +1,120 @@
+"""The time-optimal law: as fast along a path as velocities, accelerations, motors and the tool's speed allow."""
+
+from __future__ import annotations
+
+import itertools
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ...support.checks import Array
+from ...support.errors import InputError
+from ..joint_path import JointPath
+from ..spans import LONGEST, SHORTEST, Progress
+from .bounds import PathBounds
+from .interval_limits import LimitedPath
+from .law import Binding, Rate, TimeLaw
+from .path_velocity import Profile, path_velocity
+
+FIRST = 150
+"""Intervals to begin with, about."""
+
+LEAST = 2
+"""Intervals to begin with on each piece of the path."""
+
+GAIN = 1e-3
+"""The grid is fine enough where a finer one makes the motion shorter by less than this part."""
+
+LEFT = 4.0
+"""Of the time that limits leave unused one in so many parts is lost to the grid."""
+
+LOSS = 3e-3
+"""Intervals are halved whose own loss exceeds this part of the motion's time, shared among all of them."""
+
+ROUNDS = 10
+"""How often intervals are halved at most."""
+
+MOST = 5000
+"""A grid of more intervals is not refined: a trajectory has a piece for each."""
+
+
+def time_optimal(path: JointPath, bounds: PathBounds, progress: Progress | None = None) -> TimeLaw:
+    """The shortest law, at rest at both ends, that keeps velocity, acceleration, motors and ceiling everywhere.
+
+    s̈ is constant on each interval of a grid, so that s is a parabola on each; no limit is exceeded between the grid's
+    points either (`interval_limits`). Intervals are halved where that gains time, until what is gained is below 0.1 %,
+    or there are 5,000. Where the path turns, p' = 0, acceleration is limited by curvature alone, and where it does not
+    move at all nothing is: both are ordinary. Jerk is not limited. A path that stays where it is takes no time.
+
+    Args:
+        path: Where the motion goes.
+        bounds: The limits; each joint that moves needs one of its acceleration, or its motors do.
+        progress: Called with the fraction done, in (0, 1], or None.
+
+    Returns:
+        The law; its `binding` names the tightest limit of every stretch.
+
+    Raises:
+        InputError: The limits do not fit the path, or are so far from it that the motion would take less than 1e-9 s
+            or more than 1e9 s.
+    """
+    bounds.require(path)
+    if not path.moves:
+        return TimeLaw.at_once()
+    limited, grid, shortest = LimitedPath.of(path, bounds), _first_grid(path.breakpoints), np.inf
+    for done in range(1, ROUNDS + 1):
+        profile = path_velocity(limited, grid)
+        durations = _durations(grid, profile.x)
+        duration = float(durations.sum())
+        if progress is not None:
+            progress(done / ROUNDS)
+        loss = durations * (1.0 - profile.share)
+        coarse = loss > LOSS * duration / len(loss)
+        fine = loss.sum() < LEFT * GAIN * duration or duration > shortest * (1.0 - GAIN)
+        if fine or not coarse.any() or len(coarse) > MOST:
+            break
+        shortest = duration
+        grid = np.sort(np.concatenate([grid, (0.5 * (grid[:-1] + grid[1:]))[coarse]]))
+    return _law(grid, profile, durations, bounds)
+
+
+def _first_grid(breakpoints: Array) -> Array:
+    """Every piece of the path in as many intervals of one length."""
+    pieces = len(breakpoints) - 1
+    count = max(LEAST, -(-FIRST // pieces))
+    inner = breakpoints[:-1, None] + np.diff(breakpoints)[:, None] * np.arange(count) / count
+    return np.append(inner.ravel(), breakpoints[-1])
+
+
+def _durations(grid: Array, x: Array) -> Array:
+    """How long each interval takes (N,) [s]: 2 h / (ṡ0 + ṡ1)."""
+    speed = np.sqrt(x)
+    with np.errstate(divide="ignore"):
+        durations: Array = 2.0 * np.diff(grid) / (speed[:-1] + speed[1:])
+    if not SHORTEST <= durations.sum() <= LONGEST:
+        raise InputError(
+            f"this path and these limits make a motion of {durations.sum():.3g} s; {SHORTEST:g} s to {LONGEST:g} s can "
+            "be planned: check the units of both"
+        )
+    return durations
+
+
+def _law(grid: Array, profile: Profile, durations: Array, bounds: PathBounds) -> TimeLaw:
+    breakpoints = np.concatenate([[0.0], np.cumsum(durations)])
+    coefficients = np.stack([0.25 * np.diff(profile.x) / np.diff(grid), np.sqrt(profile.x[:-1]), grid[:-1]])
+    return TimeLaw(breakpoints, coefficients, _stretches(breakpoints, profile.which, bounds))
+
+
+def _stretches(breakpoints: Array, which: NDArray[np.intp], bounds: PathBounds) -> tuple[Binding, ...]:
+    """What binds, from when to when: neighbouring intervals that the same limit binds are one stretch."""
+    r = len(bounds.owners)
+    changes = np.concatenate([[0], np.flatnonzero(np.diff(which)) + 1, [len(which)]])
+    stretches = []
+    for i, j in itertools.pairwise(changes):
+        begin, end, limit = float(breakpoints[i]), float(breakpoints[j]), int(which[i])
+        if limit == 2 * r:
+            stretches.append(Binding(begin, end, "tool speed", "tool"))
+        else:
+            rate: Rate = "velocity" if limit < r else "acceleration"
+            stretches.append(Binding(begin, end, rate, *bounds.owners[limit % r]))
+    return tuple(stretches)

@@ -1,0 +1,81 @@
+"""Motions through waypoints that a time law times: the shortest along a spline, and double-S from stop to stop."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+import numpy as np
+
+from ..support.checks import Array
+from ..support.errors import LimitError, missing_extra
+from .joint_path import JointPath
+from .pulling_in import pulled_in
+from .spans import Progress
+from .time_laws import PathBounds, double_s, time_optimal
+from .within import RATE_TOL
+
+EXPONENTS = (0.5, 1.0)
+"""Powers of each segment's least time by which the path's parameter grows: the centripetal and the chordal spline."""
+
+Motion = tuple[Array, Array, Array]
+"""Times of the waypoints (k,), breakpoints (p + 1,) and coefficients (degree + 1, p, n)."""
+
+
+def fastest_along_spline(points: Array, bounds: PathBounds, progress: Progress | None = None) -> Motion:
+    """The shortest motion along a spline through the waypoints (k, n), each unlike the one before, that stays inside.
+
+    Of the natural cubic splines with centripetal and chordal parameter, pulled inside the position limits, the faster
+    one is taken.
+    """
+    laws = [(time_optimal(path, bounds, progress), path, s) for path, s in _splines(points, bounds)]
+    law, path, s = min(laws, key=lambda timed: timed[0].duration)
+    return law.passes(s), *law.along(path)
+
+
+def fastest_rests(points: Array, bounds: PathBounds) -> Motion:
+    """The shortest motion straight from each waypoint (k, n) to the next, each unlike the one before."""
+
+    def segment(i: int) -> tuple[Array, Array]:
+        line = JointPath(np.array([0.0, 1.0]), np.stack([points[i + 1] - points[i], points[i]])[:, None])
+        return time_optimal(line, bounds).along(line)
+
+    return _one_after_another([segment(i) for i in range(len(points) - 1)])
+
+
+def double_s_rests(points: Array, bounds: PathBounds, times: Array | None = None) -> Motion:
+    """Double-S from each waypoint (k, n) to the next, as short as can be, or taking the times (k,) [s] given."""
+    given = np.zeros(len(points) - 1) if times is None else np.diff(times)
+    segments = [double_s(points[i], points[i + 1], bounds, float(duration)) for i, duration in enumerate(given)]
+    needed = np.array([instants[-1] for instants, _ in segments])
+    if times is not None and (needed > given * (1.0 + RATE_TOL)).any():
+        i = int(np.argmax(needed / given))
+        raise LimitError(
+            f"from waypoint {i} (counted from 0) to the next takes {needed[i]:.4g} s inside the limits; times leave "
+            f"{given[i]:.4g} s: multiply times by {needed[i] / given[i] * (1 + 5e-4):.4g}, or leave times out"
+        )
+    return _one_after_another(segments)
+
+
+def _one_after_another(segments: list[tuple[Array, Array]]) -> Motion:
+    when = np.concatenate([[0.0], np.cumsum([instants[-1] for instants, _ in segments])])
+    breakpoints = [start + instants[1:] for start, (instants, _) in zip(when, segments, strict=False)]
+    return when, np.concatenate([[0.0], *breakpoints]), np.concatenate([pieces for _, pieces in segments], axis=1)
+
+
+def _splines(points: Array, bounds: PathBounds) -> Iterator[tuple[JointPath, Array]]:
+    """Splines inside the position limits, and the parameters (k,) at which they pass the waypoints."""
+    try:
+        from scipy.interpolate import CubicSpline
+    except ImportError as error:
+        raise missing_extra("planning", "SciPy", "plan") from error
+    for exponent in EXPONENTS:
+        s = _parameter(points, bounds, exponent)
+        # From the first waypoint on: a joint that does not move then stays free of rounding.
+        coefficients = CubicSpline(s, points - points[0], bc_type="natural").c.copy()
+        coefficients[-1] += points[0]
+        yield JointPath(*pulled_in(coefficients, s, points, bounds.limits)), s
+
+
+def _parameter(points: Array, bounds: PathBounds, exponent: float) -> Array:
+    least: Array = np.abs(np.diff(points, axis=0) @ bounds.C.T / bounds.velocity).max(-1)
+    return np.concatenate([[0.0], np.cumsum(least**exponent)])

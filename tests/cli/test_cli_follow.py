@@ -1,0 +1,176 @@
+"""`twistarm follow`: a file on simulated joints and on a robot of its own, keys, and what is refused."""
+
+from __future__ import annotations
+
+import json
+import os
+import pty
+import signal
+import subprocess
+import sys
+import threading
+import time
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+from test_cli_servo import PROGRAM, Capture, Robot, free_port, run
+from twistarm import load_arm, plan_joint
+
+
+@pytest.fixture(scope="module")
+def file(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    arm = load_arm("rr_planar")
+    motion = plan_joint(arm, [[0.3, 0.8], [0.6, 0.4]], kind="quintic", limits={"velocity": 1.0, "acceleration": 4.0})
+    motion = replace(motion, labels=((0.1, "close gripper"),))
+    return motion.to_json(tmp_path_factory.mktemp("follow") / "motion.json")
+
+
+def follow(file: Path, *options: str) -> list[str]:
+    return ["follow", "rr_planar", str(file), "--no-browser", *options]
+
+
+def test_simulated_joints_follow_it_to_its_end(capsys: Capture, file: Path) -> None:
+    assert run(follow(file, "--json")) == 0
+    out, err = capsys.readouterr()
+    answer = json.loads(out)
+    assert (answer["completed"], answer["ending"], answer["at"]) == (True, "ARRIVED", answer["duration"])
+    assert set(answer["largest_error"]) == {"joint_1", "joint_2"}
+    assert answer["loop"]["at_rest"]
+    assert "rr_planar at http://" in err
+    assert "s: close gripper" in err
+
+
+def test_an_arm_elsewhere_is_told_in_degrees_and_moved_on_request(capsys: Capture, file: Path) -> None:
+    typed = follow(file, "--theta", "20 40")
+    assert run(typed) == 1
+    out = " ".join(capsys.readouterr().out.split())
+    assert "the arm is not where the motion begins: joint_1 2.81127°, joint_2 5.83662° away; --approach moves it" in out
+    assert run([*typed, "--approach"]) == 0
+    assert "the motion is done" in capsys.readouterr().out
+
+
+def test_a_robot_by_udp_is_told_the_motion_from_where_it_is(capsys: Capture, file: Path) -> None:
+    listen = free_port()
+    robot = Robot(listen, ["joint_1", "joint_2"], [0.3, 0.8])
+    code = run(follow(file, "--udp", robot.address, "--listen", f"127.0.0.1:{listen}", "--speed", "0.8"))
+    robot.close()
+    out, err = capsys.readouterr()
+    assert (code, err) == (0, "")
+    assert "at 80 % of its speed" in out
+    theta = np.array([each["theta"] for each in robot.heard])
+    times = np.array([each["time"] for each in robot.heard])
+    np.testing.assert_allclose(theta[[0, -1]], [[0.3, 0.8], [0.6, 0.4]], atol=1e-3)
+    assert robot.heard[-1]["theta_dot"] == [0.0, 0.0]
+    # On the straight way from one to the other, however the computer's load delayed the cycles.
+    np.testing.assert_allclose((theta[:, 0] - 0.3) / 0.3, (0.8 - theta[:, 1]) / 0.4, atol=1e-6)
+    assert times[-1] - times[0] > 0.5
+
+
+def test_a_robot_that_goes_is_given_up(capsys: Capture, file: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("twistarm.stream.following.cycle.PATIENCE", 0.8)
+    listen = free_port()
+    robot = Robot(listen, ["joint_1", "joint_2"], [0.3, 0.8])
+    leave = threading.Timer(0.3, robot.close)
+    leave.start()
+    assert run(follow(file, "--udp", robot.address, "--listen", f"127.0.0.1:{listen}", "--speed", "0.3")) == 1
+    leave.join()
+    out = " ".join(capsys.readouterr().out.split())
+    assert "the feedback failed: the last joint state is " in out
+    assert "commanded to rest; the last setpoint did not get through" in out
+
+
+@pytest.mark.skipif(sys.platform == "win32", reason="Windows has no such terminals")
+def test_space_pauses_and_resumes_and_q_stops(file: Path) -> None:
+    ours, theirs = pty.openpty()
+    command = [str(PROGRAM), *follow(file, "--speed", "0.2", "--json")]
+    with subprocess.Popen(
+        command, stdin=theirs, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, start_new_session=True,
+        preexec_fn=lambda: take_terminal(theirs),
+    ) as process:  # fmt: skip
+        try:
+            assert process.stderr is not None
+            for line in process.stderr:
+                if line.startswith("space pauses"):
+                    break
+            time.sleep(0.8)
+            os.write(ours, b" ")
+            time.sleep(1.0)
+            os.write(ours, b" ")
+            time.sleep(0.5)
+            os.write(ours, b"q")
+            out, _ = process.communicate(timeout=30)
+        finally:
+            process.kill()
+    answer = json.loads(out)
+    assert (process.returncode, answer["ending"], answer["completed"]) == (1, "STOPPED", False)
+    assert 0.2 < answer["loop"]["uncommanded"] < 2.0
+    assert 0.0 < answer["at"] < answer["duration"]
+    for end in (ours, theirs):
+        os.close(end)
+
+
+def take_terminal(terminal: int) -> None:
+    """In the child: the terminal is its own, and it stands in its foreground."""
+    import fcntl
+    import termios
+
+    fcntl.ioctl(terminal, termios.TIOCSCTTY, 0)
+
+
+def test_ctrl_c_ends_it_at_rest(capsys: Capture, file: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("twistarm.cli.commands.following.obey", lambda *told: os.kill(os.getpid(), signal.SIGINT))
+    assert run(follow(file)) == 1
+    out, err = capsys.readouterr()
+    assert err == ""
+    assert "it was interrupted" in out
+    assert "at rest" in out
+
+
+BAD: dict[str, tuple[tuple[str, ...], str]] = {
+    "half of UDP": (("--udp", "127.0.0.1:5005"), "--udp HOST:PORT and --listen HOST:PORT go together"),
+    "a robot's place": (
+        ("--theta", "0 0", "--udp", "127.0.0.1:5005", "--listen", "127.0.0.1:0"),
+        "--theta is where simulated joints stand",
+    ),
+    "senders of nothing": (("--from", "127.0.0.1"), "--from and --key are for datagrams: they need --udp"),
+    "no speed": (("--speed", "0"), "--speed must be a positive number; got 0"),
+    "too fast": (("--speed", "2"), "--speed is a share of the motion's own, at most 1; got 2"),
+    "no tolerance": (("--tolerance", "nan"), "--tolerance must be a positive number; got nan"),
+    "a slow rate": (("--rate", "1"), "rate must be at least 10 Hz"),
+    "a pose of nobody": (("--theta", "nowhere"), "'nowhere' is neither joint values"),
+}
+
+
+@pytest.mark.parametrize("case", BAD)
+def test_bad_input_is_one_line_before_anything_is_opened(
+    capsys: Capture, file: Path, case: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def opened(*arguments: Any, **options: Any) -> None:
+        raise AssertionError("opened")
+
+    monkeypatch.setattr("twistarm.cli.commands.following.Viewer", opened)
+    options, reason = BAD[case]
+    assert run(follow(file, *options)) == 2
+    out, err = capsys.readouterr()
+    assert (out, err.count("\n")) == ("", 1)
+    assert reason in err
+
+
+def test_a_motion_that_no_robot_can_follow_is_refused(capsys: Capture, file: Path, tmp_path: Path) -> None:
+    message = json.loads(file.read_text())
+    message["joint_names"][1] = "joint_two"
+    other = tmp_path / "other.json"
+    other.write_text(json.dumps(message))
+    assert run(follow(other)) == 2
+    assert "joint_2" in capsys.readouterr().err
+    message["joint_names"][1] = "joint_2"
+    for point in message["points"]:
+        for rate in ("velocities", "accelerations"):
+            point.pop(rate, None)
+    other.write_text(json.dumps(message))
+    assert run(follow(other)) == 2
+    assert "jumps by" in capsys.readouterr().err

@@ -1,0 +1,108 @@
+"""The MATLAB twin of an arm, run by Octave: against Pinocchio, and against the vectors in it."""
+
+from __future__ import annotations
+
+import re
+import shutil
+import subprocess
+from pathlib import Path
+
+import numpy as np
+import pytest
+import yaml
+from numpy.testing import assert_allclose
+
+from catalogue import load
+from test_cpp_header import ARMS, reference
+from twistarm import arm_from_screws, load_arm
+from twistarm.cli.application import run
+from twistarm.export.matlab import matlab_text, write_matlab
+from twistarm.support.errors import InputError
+
+needs_octave = pytest.mark.skipif(
+    shutil.which("octave") is None, reason="Octave is not installed: the MATLAB twin of an arm is not run"
+)
+
+
+def octave(folder: Path, program: str) -> subprocess.CompletedProcess[str]:
+    command = ["octave", "--no-gui", "--norc", "--no-history", "--quiet", "--eval", program]
+    return subprocess.run(command, cwd=folder, capture_output=True, text=True, timeout=120, check=False)
+
+
+@needs_octave
+@pytest.mark.parametrize("name", ["rover_arm", "mimic", "helical"])
+def test_against_pinocchio(name: str, tmp_path: Path) -> None:
+    arm = ARMS[name](tmp_path)
+    write_matlab(arm, tmp_path / "twin.m")
+    theta = arm.random_theta(np.random.default_rng(3), 4)
+    rows = "; ".join(", ".join(map(repr, row)) for row in theta.tolist())
+    program = f"""
+        arm = twin(); arm.check(); theta = [{rows}];
+        for k = 1:{len(theta)}
+            printf('%.17g ', arm.fk(theta(k, :)), arm.spatial_jacobian(theta(k, :)'), arm.body_jacobian(theta(k, :)));
+        end
+        printf('|%s|%s', arm.name, strjoin(arm.joint_names, '/'));
+    """
+    done = octave(tmp_path, program)
+    assert done.returncode == 0, done.stderr
+    numbers, *words = done.stdout.split("|")
+    each = np.array(numbers.split(), float).reshape(len(theta), -1)
+    for k, sizes in enumerate(zip(*reference(arm, theta), strict=True)):
+        assert_allclose(each[k], np.concatenate([matrix.ravel(order="F") for matrix in sizes]), atol=1e-12)
+    assert words == [arm.name, "/".join(arm.joint_names)]
+
+
+@needs_octave
+def test_it_tests_itself_and_refuses_what_does_not_fit(tmp_path: Path) -> None:
+    text = matlab_text(load("rover_arm"), "twin.m")
+    wrong = re.sub(r"(arm\.screws = \[\n    0\.0, -0\.65)", r"\g<1>01", text)
+    assert wrong != text
+    (tmp_path / "wrong.m").write_text(wrong.replace("arm = twin()", "arm = wrong()"))
+    done = octave(tmp_path, "arm = wrong(); arm.check()")
+    assert done.returncode != 0
+    assert "rover_arm is 0.000" in done.stderr
+    assert "away from its test vectors" in done.stderr
+    (tmp_path / "twin.m").write_text(text)
+    done = octave(tmp_path, "arm = twin(); arm.fk([1 2 NaN 4 5])")
+    assert "theta must be 5 finite numbers: slide, shoulder, elbow, wrist_pitch, wrist_roll" in done.stderr
+
+
+@needs_octave
+def test_an_arm_of_screws_with_a_name_of_quotes(tmp_path: Path) -> None:
+    screws = np.array([[0, 0, 1.0, 0, 0, 0], [0, -0.5, 0, 0, 0, 1.0]]).T
+    arm = arm_from_screws(screws, np.eye(4), joints=("it's %d", 'a"b'), name="l'arm % é")
+    write_matlab(arm, tmp_path / "twin.m")
+    done = octave(tmp_path, "arm = twin(); arm.check(); printf('%s|', arm.name, arm.joint_names{:})")
+    assert done.stdout == "l'arm % é|it's %d|a\"b|", done.stderr
+
+
+def test_a_file_whose_name_no_function_can_have(tmp_path: Path) -> None:
+    arm = load("rover_arm")
+    for name, better in {"rover-arm.m": "rover_arm.m", "end.m": "arm_end.m", "3.m": "arm_3.m"}.items():
+        with pytest.raises(InputError, match=f"letters, digits and _: .* is none; call the file {better}"):
+            write_matlab(arm, tmp_path / name)
+    with pytest.raises(InputError, match=r"a MATLAB file is named \*\.m"):
+        write_matlab(arm, tmp_path / "arm.mat")
+    assert list(tmp_path.iterdir()) == []
+
+
+# -- limits ------------------------------------------------------------------------------------------------------
+
+
+def test_limits_are_read_back_as_they_are(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """The URDF of another arm with the same joints: every limit comes from the file."""
+    monkeypatch.chdir(tmp_path)
+    arm = load_arm("rover_arm", limits={"jerk": {"elbow": 1e-5}, "upper": {"wrist_roll": 3.0}, "velocity": 1e5})
+    arm.bake("changed.json")
+    assert run(["bake", "changed.json", "-o", "joint_limits.yaml"]) == 0
+    read = load_arm("rover_arm", limits="joint_limits.yaml")
+    assert not [each for each in read.findings if each.code.startswith("limits-")]
+    for field in ("lower", "upper", "velocity", "acceleration", "jerk", "effort"):
+        assert np.array_equal(getattr(read.limits, field), getattr(arm.limits, field)), field
+    written = yaml.safe_load(Path("joint_limits.yaml").read_text())["joint_limits"]
+    assert list(written) == list(arm.joint_names)
+    assert written["elbow"]["max_jerk"] == 1e-5
+    assert written["slide"]["has_jerk_limits"] is False
+    assert run(["bake", "rover_arm", "-o", "joint_limits.yaml"]) == 2
+    assert run(["bake", "rover_arm", "-o", "joint_limits.yaml", "--force"]) == 0
+    assert load_arm("rover_arm", limits="joint_limits.yaml").limits.jerk.min() == np.inf

@@ -1,0 +1,278 @@
+"""Motions read back from files: what was written, what others write, and what is refused with its place."""
+
+from __future__ import annotations
+
+import csv
+import json
+from dataclasses import replace
+
+import numpy as np
+import pytest
+import yaml
+from numpy.testing import assert_allclose
+
+from test_export import LABELS, plain, with_motors
+from twistarm import Actuators, ArmBuilder, load_arm, load_trajectory, plan_joint, stream
+from twistarm.cli.application import run
+from twistarm.planning import Trajectory
+from twistarm.support.errors import InputError, LimitError
+
+WRITERS = {".csv": Trajectory.to_csv, ".json": Trajectory.to_json, ".yaml": Trajectory.to_yaml}
+RATES = {"velocity": 1.0, "acceleration": 2.0}
+
+
+@pytest.fixture(scope="module")
+def motion(rover):
+    way = [rover.ready, rover.ready + [0.1, 0.3, -0.4, 0.2, 1.0], rover.ready + [-0.1, 0.1, -0.6, -0.3, -1.0]]
+    planned = plan_joint(rover, way, limits=RATES)
+    return replace(planned, labels=tuple((time * planned.duration / 5.0, text) for time, text in LABELS))
+
+
+@pytest.mark.parametrize("ending", WRITERS)
+@pytest.mark.parametrize("kind", ["cubic", "quintic", "trapezoid"])
+def test_what_was_written_is_read_back(rover, motion, tmp_path, kind, ending):
+    planned = plan_joint(rover, motion.waypoints, kind=kind, limits=RATES)
+    planned = replace(planned, labels=((0.0, "open"), (1.0, "close"), (1.0, "-5 °C, \"now\": '…' \\"), (1.2345, "ü😀")))
+    read = load_trajectory(rover, WRITERS[ending](planned, tmp_path / f"motion{ending}", 0.02))
+    assert read.labels == planned.labels
+    assert read.joint_names == planned.joint_names
+    assert read.actuators is rover.actuators
+    assert abs(read.duration - planned.duration) <= 1e-9
+    for order in range(3):
+        atol = 1e-9 if order < 2 else 1e-6  # a message has nanoseconds; at a jump of the acceleration any side is right
+        assert_allclose(read(read.times[1:-1], order), planned(read.times[1:-1], order), atol=atol)
+        if ending == ".csv":
+            assert np.array_equal(read(read.times[:-1], order), planned(read.times[:-1], order))
+    between = np.linspace(0.0, planned.duration, 2001)
+    jump = 2.0 * rover.limits.acceleration.max() if kind == "trapezoid" else 2.0 * planned.peak(3).max() * 0.02
+    assert np.abs(read(between) - planned(between)).max() <= jump * 0.02**2 / 32
+
+
+def test_a_motion_of_no_length_is_read_back(rover, tmp_path):
+    still = plan_joint(rover, [rover.ready, rover.ready], limits=RATES)
+    for ending, write in WRITERS.items():
+        read = load_trajectory(rover, write(still, tmp_path / f"still{ending}"))
+        assert read.duration == 0.0
+        assert np.array_equal(read(3.0), rover.ready)
+
+
+def test_yaml_is_the_message_that_json_is_to_every_reader(motion, tmp_path):
+    arm, driven = with_motors()
+    for each in (motion, replace(driven, labels=((0.1, "yes"), (0.2, "1e3")))):
+        message = json.loads(each.to_json(tmp_path / "a.json", 0.05).read_text())
+        text = each.to_yaml(tmp_path / "a.yaml", 0.05).read_text()
+        assert yaml.safe_load(text) == message
+        assert yaml.load(text, yaml.BaseLoader)["joint_names"] == message["joint_names"]
+    assert message["motors"]["names"] == list(arm.actuators.names)
+
+
+def test_numbers_and_names_that_yaml_might_take_otherwise(tmp_path):
+    names = ("no", "1", "a: b", "#", "é 😀'\"\\")
+    builder = ArmBuilder("odd")
+    for i, name in enumerate(names):
+        builder = builder.prismatic(name, np.eye(3)[i % 3], lower=-1e20, upper=1e20)
+    arm = builder.tool(np.eye(4)).build()
+    tiny = plan_joint(arm, [np.zeros(5), [1e-7, 1e-5, 1e-3, 1.0, 0.0]], limits=RATES)
+    file = tiny.to_yaml(tmp_path / "a.yaml", 0.1)
+    message = yaml.safe_load(file.read_text())
+    assert tuple(message["joint_names"]) == names
+    assert np.array_equal([point["positions"] for point in message["points"]], tiny.sample(0.1).theta)
+    assert_allclose(load_trajectory(arm, file)(tiny.sample(0.1).t), tiny.sample(0.1).theta, atol=1e-15)
+
+
+def test_a_file_for_the_firmware_alone(tmp_path):
+    arm, planned = with_motors()
+    path = planned.to_csv(tmp_path / "firmware.csv", 0.05, counts=True)
+    whole = planned.to_csv(tmp_path / "whole.csv", 0.05)
+    with path.open(newline="") as counted, whole.open(newline="") as every:
+        ours, theirs = csv.DictReader(counted), csv.DictReader(every)
+        rows = list(ours)
+        assert [{name: row[name] for name in ours.fieldnames} for row in theirs] == rows
+    assert list(rows[0])[:3] == ["time [s]", "shoulder.counts [deg]", "shoulder.counts_rate [deg/s]"]
+    with pytest.raises(InputError, match="the motors .* do not determine joint 'slide'"):
+        load_trajectory(arm, path)
+    with pytest.raises(InputError, match="this trajectory knows no motors"):
+        plain(planned).to_csv(tmp_path / "none.csv", counts=True)
+    assert not (tmp_path / "none.csv").exists()
+
+
+def test_counts_are_read_back_where_the_motors_drive_every_joint(tmp_path):
+    arm, _ = with_motors()
+    G = np.diag([300.0, 100.0, -50.0, 60.0, 60.0])
+    G[3, 4], G[4, 3] = 60.0, -60.0
+    units, ticks = ("mm", "deg", "turn", "tick", "tick"), np.array([np.nan] * 3 + [4096, 1024])
+    every = Actuators(("lift", "a", "b", "left", "right"), arm.joint_names, G, np.arange(5.0), units, ticks)
+    arm = replace(arm, actuators=every)
+    planned = plan_joint(arm, [arm.ready, arm.random_theta(2)], limits=RATES)
+    read = load_trajectory(arm, planned.to_csv(tmp_path / "counts.csv", 0.05, counts=True))
+    assert_allclose(read(read.times), planned(read.times), atol=1e-12)
+    assert_allclose(read(read.times, 1), planned(read.times, 1), atol=1e-12)
+
+
+def test_what_others_write(rover, tmp_path):
+    """A message as `ros2 topic echo` prints it: joints in another order, a gripper's too, and velocities or none."""
+    names = [*reversed(rover.joint_names), "gripper"]
+    given = [*reversed(rover.ready.tolist()), 0.5]
+    text = ["header:", "  stamp: {sec: 0, nanosec: 0}", "  frame_id: ''", "joint_names:", *(f"- {n}" for n in names)]
+    for sec, more in ((1, 0.0), (2, 0.1), (4, 0.4)):
+        text += ["points:"] if sec == 1 else []
+        text += ["- positions:", *(f"  - {value + more}" for value in given), "  velocities: []", "  effort: []"]
+        text += ["  time_from_start:", f"    sec: {sec}", "    nanosec: 500000000"]
+    path = tmp_path / "echo.yaml"
+    path.write_text("\n".join([*text, "---", ""]))
+    read = load_trajectory(rover, path)
+    assert read.times.tolist() == [0.0, 1.0, 3.0]
+    assert_allclose(read([0.0, 0.5, 2.0, 3.0]), rover.ready + np.array([[0.0], [0.05], [0.25], [0.4]]), atol=1e-12)
+
+
+def test_columns_in_another_order_and_more_of_them(rover, motion, tmp_path):
+    def turned(lines):
+        return [",".join([*reversed(line.split(",")), "0"]) for line in lines]
+
+    file = replace(motion, labels=()).to_csv(tmp_path / "a.csv", 0.02)
+    copy, read = load_trajectory(rover, changed(file, turned)), load_trajectory(rover, file)
+    assert np.array_equal(copy.coefficients, read.coefficients)
+
+
+# -- what is none ------------------------------------------------------------------------------------------------
+
+
+def changed(file, change):
+    lines = change(file.read_text("utf-8").splitlines())
+    copy = file.with_name(f"changed{file.suffix}")
+    copy.write_text("\n".join(lines) + "\n", "utf-8")
+    return copy
+
+
+def line(number, change):
+    return lambda lines: [change(text) if k == number else text for k, text in enumerate(lines, 1)]
+
+
+BAD_CSV = {
+    "no header": (lambda lines: lines[1:], "line 1: a motion of rover_arm has 'time \\[s\\]' once; here it is not"),
+    "degrees": (line(1, lambda text: text.replace("elbow.position [rad]", "elbow.position [deg]")), "closest: 'elbow"),
+    "twice": (line(1, lambda text: text.replace("acceleration [m/s^2]", "x").replace("slide.x", "time [s]")), "twice"),
+    "short": (line(7, lambda text: text.rsplit(",", 1)[0]), "line 7: 16 numbers are needed"),
+    "nan": (line(7, lambda text: "nan" + text[text.index(",") :]), "line 7: every number must be finite"),
+    "word": (line(7, lambda text: "soon" + text[text.index(",") :]), "line 7: could not convert"),
+    "back in time": (line(7, lambda text: "0.01" + text[text.index(",") :]), "line 7: time must increase; got 0.01"),
+    "a picosecond": (line(7, lambda text: "0.080000000001" + text[text.index(",") :]), "line 7: time must increase"),
+    "so fast": (line(7, lambda text: text.rsplit(",", 1)[0] + ",1e300"), "line 7: no arm moves so far or so fast; got"),
+    "beyond": (line(7, lambda text: ",".join([text.split(",")[0], "9", *text.split(",")[2:]])), "joint 'slide' at 9 m"),
+    "no line": (lambda lines: lines[:1], "holds no point of a motion"),
+    "empty": (lambda lines: [], "line 1"),
+}
+
+
+@pytest.mark.parametrize(("change", "why"), BAD_CSV.values(), ids=list(BAD_CSV))
+def test_a_bad_line_is_told(rover, motion, tmp_path, change, why):
+    file = replace(motion, labels=()).to_csv(tmp_path / "a.csv", 0.02)
+    with pytest.raises((InputError, LimitError), match=why) as caught:
+        load_trajectory(rover, changed(file, change))
+    assert "changed.csv" in str(caught.value)
+
+
+def at(*path, value=None):
+    """A change of a message: what stands at `path` becomes `value`, or goes where there is none."""
+
+    def change(message):
+        *way, last = path
+        for key in way:
+            message = message[key]
+        if value is None:
+            del message[last]
+        else:
+            message[last] = value
+
+    return change
+
+
+BAD_MESSAGES = {
+    "a name": (
+        at("joint_names", 2, value="ellbow"),
+        "joint_names of rover_arm have 'elbow' once; .*closest: 'ellbow'$",
+    ),
+    "a name twice": (at("joint_names", 1, value="elbow"), "'shoulder' once; here it is not"),
+    "a typo": (lambda m: m.update(point=m.pop("points")), "'points' is missing; closest: 'point'"),
+    "no list": (at("points", value={}), "points must be a list"),
+    "no points": (at("points", value=[]), "holds no point"),
+    "no point": (at("points", 3, value=7), r"point 3 \(counted from 0\): a mapping with 'time_from_start' is needed"),
+    "no position": (at("points", 3, "positions"), "point 3 .*: 'positions' is missing"),
+    "too few": (at("points", 3, "positions", 0), "point 3 .*: positions must be a list of 5 numbers"),
+    "a word": (
+        at("points", 3, "velocities", 0, value="fast"),
+        r"point 3 .*velocities\[0\] must be a number; got 'fast'",
+    ),
+    "too large": (at("points", 3, "velocities", 0, value=1e301), "must be finite and at most 1e"),
+    "a standstill": (at("points", 3, "time_from_start", value={"sec": 0, "nanosec": 0}), "point 3 .*: time must incr"),
+    "half a second": (at("points", 3, "time_from_start", "sec", value=0.5), "in whole sec and nanosec from 0"),
+    "no nanoseconds": (at("points", 3, "time_from_start", "nanosec"), "time_from_start: 'nanosec' is missing"),
+    "beyond": (at("points", 3, "positions", 0, value=9.0), "point 3 .*: joint 'slide' at 9 m is"),
+    "a late label": (at("labels", 0, "time", value=99.0), "the times of labels must not decrease"),
+    "no label": (at("labels", 0, "text"), "labels: 'text' is missing"),
+    "a label of lines": (at("labels", 0, "text", value="a\nb"), "a label must be one line of text"),
+}
+
+
+@pytest.mark.parametrize(("change", "why"), BAD_MESSAGES.values(), ids=list(BAD_MESSAGES))
+def test_a_bad_message_is_told(rover, motion, tmp_path, change, why):
+    message = json.loads(motion.to_json(tmp_path / "a.json", 0.1).read_text())
+    change(message)
+    for ending, write in ((".json", json.dumps), (".yaml", yaml.safe_dump)):
+        path = tmp_path / f"changed{ending}"
+        path.write_text(write(message))
+        with pytest.raises((InputError, LimitError), match=why) as caught:
+            load_trajectory(rover, path)
+        assert f"changed{ending}" in str(caught.value)
+
+
+FILES = {
+    "none.csv": (None, "cannot read .*none.csv: no such file"),
+    "none.json": (None, "cannot read .*none.json: no such file"),
+    "binary.csv": (b"\xff\xfe\x00\x81\x00", "is no text"),
+    "binary.yaml": (b"\xff\xfe\x00\x81\x00", "cannot read .*binary.yaml"),
+    "torn.json": (b'{"joint_names": [\n"a",', "torn.json is no JSON: .* line 2 column"),
+    "torn.yaml": (b"joint_names: [\n'a',\npoints: {", r"torn.yaml:[34]: not usable YAML"),
+    "nan.json": (b'{"points": [NaN]}', "numbers must be finite; got NaN"),
+    "list.yaml": (b"[1, 2]", "a mapping with 'joint_names' is needed"),
+    "bomb.yaml": (b"a: &a [1]\nb: &b [*a, *a]\nc: !!python/object/apply:os.system [x]", "bomb.yaml:3"),
+    "motion.txt": (b"", r"a motion is read from \*.csv, \*.json, \*.yaml, \*.yml; got .*motion.txt"),
+}
+
+
+@pytest.mark.parametrize("name", FILES)
+def test_files_that_are_none(rover, tmp_path, name):
+    content, why = FILES[name]
+    if content is not None:
+        (tmp_path / name).write_bytes(content)
+    with pytest.raises(InputError, match=why):
+        load_trajectory(rover, tmp_path / name)
+
+
+def test_yaml_of_a_team_is_never_replaced(motion, tmp_path, monkeypatch, capsys):
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "joint_limits.yaml").write_text("joint_limits: {}\n")
+    with pytest.raises(InputError, match="a description stands there and would be lost"):
+        motion.to_yaml("joint_limits.yaml")
+    arguments = ["plan", "rover_arm", "--to", "zero", "--velocity", "1", "--acceleration", "1", "--force", "-o"]
+    assert run([*arguments, "joint_limits.yaml"]) == 2
+    assert (tmp_path / "joint_limits.yaml").read_text() == "joint_limits: {}\n"
+    assert run([*arguments, "motion.yaml"]) == 0
+    assert run([*arguments, "motion.yaml", "--kind", "quintic"]) == 0
+    assert load_trajectory(load_arm("rover_arm"), "motion.yaml").joint_names == motion.joint_names
+    capsys.readouterr()
+
+
+def test_the_old_words_name_the_new() -> None:
+    with pytest.raises(AttributeError, match=r"it is now twistarm\.load_trajectory"):
+        _ = stream.read_recording
+
+
+def test_counts_on_the_command_line(tmp_path, monkeypatch, capsys):
+    monkeypatch.chdir(tmp_path)
+    arguments = ["plan", "rover_arm", "--to", "zero", "--velocity", "1", "--acceleration", "1", "--counts"]
+    assert run([*arguments, "-o", "motion.json"]) == 2
+    assert "--counts goes with *.csv and *.h: a JointTrajectory is in rad and m" in capsys.readouterr().err
+    assert run([*arguments, "-o", "motion.csv"]) == 2
+    assert "this trajectory knows no motors" in capsys.readouterr().err
+    assert list(tmp_path.iterdir()) == []

@@ -1,0 +1,234 @@
+"""`plan`: the tool on its curves, limits everywhere, corners, labels, and refusals that say how far it gets."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from twistarm import (
+    Approach,
+    ArcMove,
+    Arm,
+    Dwell,
+    JointMove,
+    LineMove,
+    PathError,
+    Pose,
+    Position,
+    ScrewMove,
+    Trajectory,
+    load_arm,
+    plan,
+    rotations,
+)
+from twistarm.support.errors import InputError, LimitError, NotConvergedError
+
+RATES = {"velocity": 1.2, "acceleration": 3.0, "jerk": 40.0}
+KINDS = ("s_curve", "time_optimal", "quintic")
+ARM = load_arm("rover_arm_6dof", limits=RATES)
+G = ARM.fk(ARM.ready)
+
+
+def moved(offset: list[float], turn: list[float] | None = None) -> Pose:
+    g = G.copy()
+    g[:3, 3] += offset
+    if turn is not None:
+        g[:3, :3] = rotations.exp(turn) @ g[:3, :3]
+    return Pose(g)
+
+
+def dense(motion: Trajectory, times: int = 20) -> np.ndarray:
+    """Instants at `times` as many places as the motion has breakpoints, those included."""
+    steps = np.diff(motion.breakpoints)[:, None]
+    return np.unique((motion.breakpoints[:-1, None] + steps * np.linspace(0.0, 1.0, times)).ravel())
+
+
+def require_limits(motion: Trajectory, arm: Arm, jerk: bool) -> None:
+    t = dense(motion)
+    theta = motion(t)
+    assert ((theta >= arm.limits.lower - 1e-6) & (theta <= arm.limits.upper + 1e-6)).all()
+    assert (np.abs(motion(t, 1)) <= arm.limits.velocity * (1 + 1e-6)).all()
+    assert (np.abs(motion(t, 2)) <= arm.limits.acceleration * (1 + 1e-6)).all()
+    assert not jerk or (np.abs(motion(t, 3)) <= arm.limits.jerk * (1 + 1e-6)).all()
+    step = np.diff(t).max()
+    assert np.abs(np.diff(theta, axis=0)).max() <= 1.01 * arm.limits.velocity.max() * step  # no leap
+
+
+@pytest.mark.parametrize("kind", KINDS)
+def test_a_tour_keeps_every_limit_and_ends_at_rest(kind):
+    tour = [
+        JointMove(moved([0.0, 0.05, 0.0])),
+        LineMove(moved([0.0, -0.05, 0.05]), blend=0.01),
+        LineMove(moved([0.05, 0.0, 0.0], [0.0, 0.0, 0.2]), tool_speed=0.1, label="close gripper"),
+        Dwell(0.25, label="wait"),
+        ScrewMove.about([0, 0, 1], G[:3, 3], 0.3, 0.05),
+        JointMove({ARM.joint_names[0]: 0.0}, speed=0.5),
+        JointMove("ready"),
+    ]
+    motion = plan(ARM, tour, kind=kind)
+    require_limits(motion, ARM, jerk=kind == "s_curve")
+    np.testing.assert_allclose(motion(motion.duration), ARM.ready)
+    assert np.abs(motion([0.0, motion.duration], 1)).max() == 0.0
+    assert [label for _, label in motion.labels] == ["close gripper", "wait"]
+    assert motion.labels[0][0] == pytest.approx(motion.times[3])
+    assert motion.times[4] - motion.times[3] == pytest.approx(0.25)
+    t = np.linspace(motion.times[2], motion.times[3], 400)
+    v = (ARM.body_jacobian(motion(t)) @ motion(t, 1)[..., None])[:, :3, 0]
+    assert np.linalg.norm(v, axis=1).max() <= 0.1
+    assert np.abs(motion(dense(motion), 1)[:, 0] / ARM.limits.velocity[0]).max() <= 1.0
+
+
+def test_a_line_is_straight_and_turns_in_proportion():
+    goal = moved([0.1, -0.08, 0.05], [0.2, -0.3, 0.1])
+    motion = plan(ARM, LineMove(goal))
+    g = ARM.fk(motion(dense(motion)))
+    way = goal.g[:3, 3] - G[:3, 3]
+    s = ((g[:, :3, 3] - G[:3, 3]) @ way) / (way @ way)
+    assert np.abs(g[:, :3, 3] - G[:3, 3] - s[:, None] * way).max() <= 1e-4
+    slerp = rotations.exp(s[:, None] * np.array([0.2, -0.3, 0.1])) @ G[:3, :3]
+    assert np.degrees(rotations.angle_between(slerp, g[:, :3, :3])).max() <= 0.05
+    np.testing.assert_allclose(g[-1], goal.g, atol=1e-6)
+
+
+def test_arcs_and_screws_keep_to_their_axis():
+    axis, centre = np.array([1.0, 0.0, 0.0]), G[:3, 3] - [0.0, 0.0, 0.1]
+    for move, turned in (
+        (ArcMove.about(axis, centre, 0.5), 0.5),
+        (ArcMove.about(axis, centre, 0.5, turn=False), 0.0),
+        (ScrewMove.about(axis, centre, 0.5, pitch=0.04), 0.5),
+    ):
+        motion = plan(ARM, move, kind="time_optimal")
+        g = ARM.fk(motion(dense(motion)))
+        radius = np.linalg.norm(np.cross(g[:, :3, 3] - centre, axis), axis=1)
+        np.testing.assert_allclose(radius, 0.1, atol=1e-4)
+        along = (g[:, :3, 3] - G[:3, 3]) @ axis
+        pitch = 0.04 if isinstance(move, ScrewMove) else 0.0
+        assert along[-1] == pytest.approx(0.5 * pitch, abs=1e-4)
+        assert rotations.angle_between(G[:3, :3], g[-1, :3, :3]) == pytest.approx(turned, abs=1e-3)
+
+
+def test_an_arc_goes_through_its_via_point():
+    via, goal = G[:3, 3] + [0.0, 0.05, 0.05], moved([0.0, 0.1, 0.0])
+    motion = plan(ARM, ArcMove(via, goal))
+    p = ARM.fk(motion(dense(motion, 50)))[:, :3, 3]
+    assert np.linalg.norm(p - via, axis=1).min() <= 3e-4
+    np.testing.assert_allclose(np.linalg.norm(p - (G[:3, 3] + [0.0, 0.05, 0.0]), axis=1), 0.05, atol=1e-4)
+
+
+def test_a_blend_stays_in_its_ball_and_does_not_stop():
+    corner = moved([0.0, 0.0, 0.08])
+    end = moved([0.0, 0.08, 0.08])
+    stops = plan(ARM, [LineMove(corner), LineMove(end)])
+    motion = plan(ARM, [LineMove(corner, blend=0.02), LineMove(end)])
+    assert motion.duration < stops.duration
+    t = dense(motion)
+    p = ARM.fk(motion(t))[:, :3, 3]
+    off = np.minimum(
+        np.linalg.norm((p - G[:3, 3])[:, :2], axis=1), np.linalg.norm((p - corner.g[:3, 3])[:, [0, 2]], axis=1)
+    )
+    inside = np.linalg.norm(p - corner.g[:3, 3], axis=1) <= 0.02 + 1e-9
+    assert off[~inside].max() <= 1e-4
+    v = np.linalg.norm(motion(t[(t > 0.05) & (t < motion.duration - 0.05)], 1), axis=1)
+    assert v.min() > 0.0
+    jumps = motion(motion.breakpoints[1:-1], 2) - motion(motion.breakpoints[1:-1] - 1e-9, 2)
+    assert np.abs(jumps).max() <= 1e-4 * ARM.limits.acceleration.max()
+
+
+def test_what_a_target_leaves_free_an_arm_of_five_joints_uses():
+    arm = load_arm("rover_arm", limits=RATES)
+    g = arm.fk(arm.ready)
+    goal = g[:3, 3] + [0.1, 0.05, -0.05]
+    for target in (Position(goal), Approach(goal, g[:3, :3] @ arm.tool_axis)):
+        motion = plan(arm, LineMove(target))
+        h = arm.fk(motion(dense(motion)))
+        way = goal - g[:3, 3]
+        s = ((h[:, :3, 3] - g[:3, 3]) @ way) / (way @ way)
+        assert np.abs(h[:, :3, 3] - g[:3, 3] - s[:, None] * way).max() <= 1e-4
+        if isinstance(target, Approach):
+            axis = h[:, :3, :3] @ arm.tool_axis
+            assert np.degrees(np.linalg.norm(axis - target.direction, axis=1)).max() <= 0.05
+
+
+def test_an_arm_of_five_joints_keeps_as_much_of_a_pose_as_it_can():
+    arm = load_arm("rover_arm", limits=RATES)
+    to = {arm.joint_names[0]: 0.1, "elbow": float(arm.ready[2]) + 0.2}
+    for move in (LineMove(to), LineMove.by([0.0, 0.0, 0.05])):
+        motion = plan(arm, move, kind="time_optimal")
+        end = arm.fk({**arm.theta_to_dict(arm.ready), **to} if move.to is not None else arm.ready)[:3, 3]
+        start = arm.fk(arm.ready)
+        goal = end if move.to is not None else end + 0.05 * start[:3, 2]
+        p = arm.fk(motion(dense(motion)))[:, :3, 3]
+        way = goal - start[:3, 3]
+        s = ((p - start[:3, 3]) @ way) / (way @ way)
+        assert np.abs(p - start[:3, 3] - s[:, None] * way).max() <= 1e-4
+        assert s[-1] == pytest.approx(1.0, abs=1e-4)
+
+
+def test_the_branch_is_chosen_for_the_whole_run():
+    """From the nearest configuration at the first pose the line ends at a limit; another one follows all of it."""
+    arm = load_arm("ur5", limits={"acceleration": 3.0})
+    rng = np.random.default_rng(1)
+    chosen = 0
+    for _ in range(6):
+        theta = arm.random_theta(rng)
+        g = arm.fk(theta)
+        g1 = g.copy()
+        g1[:3, 3] *= 0.9
+        try:
+            motion = plan(arm, [JointMove(Pose(g)), LineMove(Pose(g1))], kind="time_optimal")
+        except PathError:
+            continue
+        chosen += 1
+        require_limits(motion, arm, jerk=False)
+        np.testing.assert_allclose(arm.fk(motion.waypoints[1]), g, atol=1e-6)
+        np.testing.assert_allclose(arm.fk(motion.waypoints[2]), g1, atol=1e-6)
+    assert chosen >= 3
+
+
+def test_a_line_out_of_reach_says_how_far_it_gets():
+    """The shoulder of the ur5 can reach no farther than its links are long: the line ends on that sphere."""
+    arm = load_arm("ur5", limits={"acceleration": 3.0})
+    start = np.array([0.0, -1.0, 1.5, -0.5, 0.3, 0.0])
+    g = arm.fk(start)
+    out = g[:3, 3] / np.linalg.norm(g[:3, 3])
+    with pytest.raises(PathError, match=r"segment 0 \(LineMove\): the tool follows the path for .* of 2 m") as error:
+        plan(arm, LineMove(Position(g[:3, 3] + 2.0 * out)), start=start)
+    assert error.value.reason in ("singular", "out of reach")
+    reached = np.linalg.norm(arm.fk(error.value.theta)[:3, 3] - g[:3, 3]) / 2.0
+    assert error.value.share == pytest.approx(reached, abs=1e-3)
+    assert 0.05 < error.value.share < 0.5
+
+
+@pytest.mark.parametrize(
+    ("segments", "options", "error", "words"),
+    [
+        ([], {}, InputError, "one or more of JointMove"),
+        ([JointMove(np.zeros(6)), 3], {}, InputError, "segment 1 must be"),
+        ([LineMove(Pose(G))], {}, InputError, "segment 0 .LineMove.: it ends where it begins"),
+        ([LineMove(moved([0.0, 0.0, 0.01]), blend=0.2), LineMove(moved([0.0, 0.1, 0.0]))], {}, InputError, "blend of"),
+        ([LineMove(moved([0.0, 0.0, 0.01]), blend=0.2)], {}, InputError, "segment 0 cannot blend"),
+        ([JointMove(np.full(6, 50.0))], {}, LimitError, "segment 0 .JointMove. puts joint"),
+        ([JointMove(Position([9.0, 0.0, 0.0]))], {}, NotConvergedError, "segment 0 .JointMove."),
+        ([JointMove("ready")], {"limits": {"velocity": np.inf}}, LimitError, "no velocity limit"),
+        ([JointMove("ready")], {"kind": "fast"}, InputError, "kind must be"),
+        ([JointMove("ready")], {"tool_speed": -1.0}, InputError, "tool_speed must be a positive"),
+        ([ArcMove(G[:3, 3] + [0.0, 0.05, 0.0], moved([0.0, 0.1, 0.0]))], {}, InputError, "do not lie on a line"),
+    ],
+)
+def test_what_cannot_be_planned_is_refused(segments, options, error, words):
+    with pytest.raises(error, match=words):
+        plan(ARM, segments, **options)
+
+
+def test_segments_refuse_what_makes_no_sense():
+    for make, words in (
+        (lambda: LineMove(moved([0, 0, 0.1]), speed=2.0), "share of the joints' velocity limits"),
+        (lambda: LineMove(moved([0, 0, 0.1]), blend=-1.0), "blend must be 0 or more"),
+        (lambda: LineMove(moved([0, 0, 0.1]), label="a\nb"), "one line of text"),
+        (lambda: ScrewMove.about([0, 0, 0], [0, 0, 0], 1.0), "zero vector"),
+        (lambda: ScrewMove.about([0, 0, 1], [0, 0, 0], np.nan), "angle"),
+        (lambda: Dwell(-1.0), "seconds must be 0 or more"),
+        (lambda: JointMove(None), "needs a goal"),  # type: ignore[arg-type]
+    ):
+        with pytest.raises(InputError, match=words):
+            make()

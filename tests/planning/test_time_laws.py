@@ -1,0 +1,216 @@
+"""Time laws along paths: every limit kept, as short as they should be, and what binds is named."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from scipy.interpolate import CubicSpline
+
+from twistarm.limits import Actuators, JointLimits
+from twistarm.planning.joint_path import JointPath
+from twistarm.planning.time_laws import PathBounds, TimeLaw, double_s, quintic, s_curve, time_optimal
+from twistarm.planning.trajectory import Trajectory
+from twistarm.support.errors import InputError
+
+LAWS = {"quintic": quintic, "time_optimal": time_optimal, "s_curve": s_curve}
+
+
+def spline_path(n: int, k: int, seed: int) -> JointPath:
+    points = np.random.default_rng(seed).uniform(-2.0, 2.0, (k, n))
+    spline = CubicSpline(np.linspace(0.0, 1.0, k), points, bc_type="natural")
+    return JointPath(spline.x, spline.c)
+
+
+def limits(n: int, **rates: float) -> JointLimits:
+    names = [str(j) for j in range(n)]
+    return JointLimits.unbounded(n).with_({"velocity": 2.0, "acceleration": 5.0, **rates}, names)
+
+
+def wrist(velocity: float) -> Actuators:
+    """Two motors that both drive both joints."""
+    G = np.array([[10.0, 10.0], [10.0, -10.0]])
+    motors = JointLimits.unbounded(2).with_({"velocity": velocity, "acceleration": 60.0}, ["a", "b"])
+    return Actuators(("a", "b"), ("x", "y"), G, np.ones(2), ("rad", "rad"), np.full(2, np.nan), motors)
+
+
+def motion_of(path: JointPath, law: TimeLaw) -> Trajectory:
+    breakpoints, coefficients = law.along(path)
+    names = tuple(f"j{j}" for j in range(path.n))
+    ends, when = path([0.0, path.length]), np.array([0.0, law.duration])
+    return Trajectory(names, ("rad",) * path.n, ends, when, breakpoints, coefficients)
+
+
+def excess(path: JointPath, law: TimeLaw, bounds: PathBounds, jerk: bool) -> tuple[float, float]:
+    """The largest ratio of a rate to its limit, sampled 20 times a piece, and the deviation from the path [rad]."""
+    motion = motion_of(path, law)
+    u = np.linspace(0.0, 1.0, 20, endpoint=False)
+    t = (motion.breakpoints[:-1, None] + np.diff(motion.breakpoints)[:, None] * u).ravel()
+    C, worst = bounds.C, 0.0
+    for order, limit in enumerate((bounds.velocity, bounds.acceleration, bounds.jerk)[: 2 + jerk], 1):
+        worst = max(worst, float((np.abs(motion(t, order) @ C.T) / limit).max()))
+    piece = np.searchsorted(law.breakpoints, t, side="right") - 1
+    s = np.array([np.polyval(law.coefficients[:, i], x - law.breakpoints[i]) for i, x in zip(piece, t, strict=True)])
+    assert (np.diff(s) > -1e-12).all()
+    return worst, float(np.abs(path(s) - motion(t)).max())
+
+
+@pytest.mark.parametrize("law", LAWS)
+def test_limits_of_joints_motors_and_tool_are_kept_and_one_is_met(law: str) -> None:
+    for path, bounds in (
+        (spline_path(7, 10, 1), PathBounds(limits(7))),
+        (spline_path(2, 5, 2), PathBounds(limits(2), wrist(15.0))),
+        (spline_path(3, 6, 3), PathBounds(limits(3), None, np.array([np.inf, 0.1, np.inf, np.inf, 0.05]))),
+    ):
+        found = LAWS[law](path, bounds)
+        ratio, deviation = excess(path, found, bounds, jerk=law == "s_curve")
+        rate = np.polyval(np.polyder(found.coefficients[:, 0]), 0.0)
+        assert rate == 0
+        assert ratio < 1 + 1e-6
+        assert deviation < 1e-9
+        owners = {each.owner for each in found.binding}
+        if bounds.ceiling is None:
+            assert ratio > 0.99
+            assert bounds.actuators is None or "motor" in owners
+        else:
+            assert "tool" in owners or law == "s_curve"
+
+
+@pytest.mark.parametrize("law", LAWS)
+def test_a_path_that_stays_takes_no_time(law: str) -> None:
+    still = JointPath([0.0, 0.0], [[[1.0, 2.0]]])
+    constant = JointPath([0.0, 1.0, 2.0], np.concatenate([np.zeros((3, 2, 2)), np.ones((1, 2, 2))]))
+    for path in (still, constant):
+        found = LAWS[law](path, PathBounds(limits(2)))
+        assert found.duration == 0
+        assert motion_of(path, found)(0.0).tolist() == path(0.0).tolist()
+
+
+def test_the_quintic_law_on_a_line_is_the_textbook_s() -> None:
+    """Lynch & Park §9.2.2.1: the peak velocity is 15/8 of the mean, the peak acceleration 10/√3 of L/T²."""
+    line = JointPath([0.0, 0.25, 1.0], np.array([[[3.0], [3.0]], [[0.0], [0.75]]]))
+    slow, fast = quintic(line, PathBounds(limits(1, velocity=0.5))), quintic(line, PathBounds(limits(1, velocity=90.0)))
+    assert slow.duration == pytest.approx(15 / 8 * 3.0 / 0.5)
+    assert fast.duration == pytest.approx(np.sqrt(10 / np.sqrt(3) * 3.0 / 5.0))
+    assert slow.binding[0].describe(["lift"]) == "velocity of joint 'lift'"
+    assert fast.binding[0].describe(["lift"]) == "acceleration of joint 'lift'"
+
+
+def test_what_cannot_be_timed_is_refused() -> None:
+    path = spline_path(2, 4, 5)
+    with pytest.raises(InputError, match="3 numbers, one for each piece"):
+        quintic(path, PathBounds(limits(2), None, np.ones(2)))
+    with pytest.raises(InputError, match="no acceleration limit for joint 0"):
+        quintic(path, PathBounds(JointLimits.unbounded(2)))
+    with pytest.raises(InputError, match="of 3 joints, the path is of 2"):
+        quintic(path, PathBounds(limits(3)))
+
+
+def test_the_time_optimal_law_on_a_line_is_the_trapezoid() -> None:
+    """Lynch & Park §9.2.2.2: V/A to come to full speed, as long to stop, the rest of the way at V."""
+    line = JointPath([0.0, 0.25, 1.0], np.array([[[3.0, 1.5], [3.0, 1.5]], [[0.0, 1.0], [0.75, 1.375]]]))
+    law = time_optimal(line, PathBounds(limits(2)))
+    short = JointPath([0.0, 1.0], np.array([[[0.1, 0.0]], [[0.0, 0.0]]]))
+    assert time_optimal(short, PathBounds(limits(2))).duration == pytest.approx(2 * np.sqrt(0.1 / 5.0), rel=1e-3)
+    assert law.duration == pytest.approx(3.0 / 2.0 + 2.0 / 5.0, rel=1e-3)
+    assert [each.describe(["x", "y"]) for each in law.binding] == [
+        "acceleration of joint 'x'",
+        "velocity of joint 'x'",
+        "acceleration of joint 'x'",
+    ]
+    assert law.binding[1].begin == pytest.approx(0.4, abs=0.02)
+
+
+def test_the_s_curve_law_has_no_acceleration_at_its_ends_and_costs_a_few_percent() -> None:
+    path, bounds = spline_path(7, 10, 1), PathBounds(limits(7))
+    law = s_curve(path, bounds)
+    motion = motion_of(path, law)
+    ends = motion(np.array([0.0, law.duration]), 2)
+    assert np.abs(ends).max() < 1e-9
+    inner = motion.breakpoints[1:-1]
+    assert np.abs(motion(inner - 1e-9, 2) - motion(inner, 2)).max() < 1e-5
+    assert law.duration < 1.05 * time_optimal(path, bounds).duration
+
+
+@pytest.mark.parametrize(
+    ("way", "velocity", "acceleration", "jerk", "duration"),
+    [
+        (3.0, 2.0, 5.0, 50.0, 3.0 / 2.0 + 2.0 / 5.0 + 5.0 / 50.0),  # reaches V and A: d/V + V/A + A/J
+        (0.1, 2.0, 5.0, 25.0, 4.0 * np.cbrt(0.1 / 50.0)),  # neither: 4 (d/2J)^(1/3)
+        (3.0, 0.2, 5.0, 5.0, 3.0 / 0.2 + 2.0 * np.sqrt(0.2 / 5.0)),  # V, not A: d/V + 2 (V/J)^(1/2)
+        (1.0, 9.0, 5.0, 50.0, 0.1 + np.sqrt(0.1**2 + 4.0 / 5.0)),  # A, not V: A/J + ((A/J)² + 4 d/A)^(1/2)
+    ],
+)
+def test_double_s_takes_the_textbooks_time(
+    way: float, velocity: float, acceleration: float, jerk: float, duration: float
+) -> None:
+    """Biagiotti & Melchiorri §3.4.2; the other joint, whose way is short, takes as long and stays far below."""
+    bounds = PathBounds(limits(2, velocity=velocity, acceleration=acceleration, jerk=jerk))
+    start, goal = np.array([1.0, -1.0]), np.array([1.0 - way, -1.0 + 0.01 * way])
+    breakpoints, coefficients = double_s(start, goal, bounds)
+    motion = Trajectory(
+        ("a", "b"), ("rad",) * 2, np.array([start, goal]), breakpoints[[0, -1]], breakpoints, coefficients
+    )
+    assert motion.duration == pytest.approx(duration, rel=1e-12)
+    for order in range(3):
+        before = motion(breakpoints[1:-1] - 1e-12, order)
+        assert np.abs(motion(breakpoints[1:-1], order) - before).max() < 1e-9
+    ratios = np.array([motion.peak(order)[0] for order in (1, 2, 3)]) / (velocity, acceleration, jerk)
+    assert ratios.max() == pytest.approx(1.0)
+    assert motion(motion.duration - 1e-9) == pytest.approx(goal)
+    assert (np.diff(motion(np.linspace(0.0, motion.duration, 200)), axis=0) * [-1.0, 1.0] >= -1e-15).all()
+
+
+def test_double_s_of_joints_that_share_motors_is_straight_and_keeps_the_motors_limits() -> None:
+    bounds = PathBounds(limits(2), wrist(15.0))
+    _breakpoints, coefficients = double_s(np.zeros(2), np.array([1.0, 0.5]), bounds)
+    assert coefficients[..., 1] == pytest.approx(0.5 * coefficients[..., 0])
+    velocity = coefficients[2] @ bounds.C.T
+    assert np.abs(velocity).max() == pytest.approx(15.0)
+    assert double_s(np.ones(2), np.ones(2), bounds)[0].tolist() == [0.0, 0.0]
+
+
+def test_the_time_optimal_law_is_as_short_as_a_fine_search_finds() -> None:
+    """TOPP on 20,000 points with limits at the points alone, in phase space: a lower bound but for the grid."""
+    for seed in range(3):
+        path, bounds = spline_path(3, 6, seed), PathBounds(limits(3))
+        assert time_optimal(path, bounds).duration == pytest.approx(pointwise_optimum(path), rel=3e-3)
+
+
+def test_where_all_joints_turn_back_at_once_the_law_goes_on() -> None:
+    """q' = 0 for every joint. Joint 0 rests where it turns: legs of 1, 2, 2, 2 and 1 rad, each d / V + V / A."""
+    t = np.linspace(0.0, 1.0, 40)
+    wave = CubicSpline(t, np.outer(np.sin(4.0 * np.pi * t), [1.0, 0.5]), bc_type="natural")
+    path, bounds = JointPath(wave.x, wave.c), PathBounds(limits(2))
+    law = time_optimal(path, bounds)
+    assert excess(path, law, bounds, jerk=False)[0] < 1 + 1e-6
+    assert law.duration == pytest.approx(2 * 0.9 + 3 * 1.4, rel=0.002)
+
+
+def pointwise_optimum(path: JointPath, velocity: float = 2.0, acceleration: float = 5.0) -> float:
+    """The same two passes with the limits at grid points alone, the acceleration's region a polygon of two rows."""
+    s = np.linspace(0.0, path.length, 20_001)
+    h, tangent, bend = s[1], path(s, 1), path(s, 2)
+    cap = ((velocity / np.abs(tangent)) ** 2).min(-1)
+
+    def range_of(i: int, x: float) -> tuple[float, float]:
+        ends = (np.array([[-acceleration], [acceleration]]) - bend[i] * x) / tangent[i]
+        return float(ends.min(0).max()), float(ends.max(0).min())
+
+    # Where the ranges of s̈ do not meet, x is too large: the velocity limit curve of the acceleration, by bisection.
+    low, high = np.zeros_like(cap), cap.copy()
+    for _ in range(60):
+        middle = 0.5 * (low + high)
+        ends = (np.array([-acceleration, acceleration])[:, None, None] - bend * middle[:, None]) / tangent
+        fits = ends.min(0).max(-1) <= ends.max(0).min(-1)
+        low, high = np.where(fits, middle, low), np.where(fits, high, middle)
+    x = low
+    for order in (range(len(s) - 2, -1, -1), range(1, len(s))):
+        backwards = order.step < 0
+        previous = 0.0
+        x[-1 if backwards else 0] = 0.0
+        for i in order:
+            least, most = range_of(i + 1 if backwards else i - 1, previous)
+            x[i] = min(x[i], previous + 2.0 * h * (-least if backwards else most))
+            previous = x[i] = max(x[i], 0.0)
+    speed = np.sqrt(x)
+    return float((2.0 * h / (speed[1:] + speed[:-1])).sum())
