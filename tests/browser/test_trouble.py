@@ -259,7 +259,7 @@ def test_a_changed_file_is_drawn_anew_and_a_broken_one_reported(browser: Any, ar
         until(page, f"{shown}.textContent.endsWith('loaded again') && !{shown}.classList.contains('wrong')")
         until(page, "twistarm.state.frame?.theta.length === 3 && twistarm.panel.names[2] === 'elbow'")
         assert page.evaluate("twistarm.state.frame.theta.slice(0, 2)") == [0.1, 0.2]
-        for now, before in zip(page.evaluate(look), seen):
+        for now, before in zip(page.evaluate(look), seen, strict=True):
             assert_allclose(now, before, atol=1e-12)
         page.locator('input[data-joint="elbow"]').press("Home")
         until(page, "twistarm.state.frame.theta[2] === -2")
