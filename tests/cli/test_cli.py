@@ -434,6 +434,14 @@ def test_the_installed_program() -> None:
     helped = subprocess.run([program, "--help"], capture_output=True, text=True, timeout=60, check=True)
     commands = "demo arms info init check freeze doctor bake wiring fk jacobian ik plan view servo follow"
     assert set(commands.split()) <= set(re.findall(r"\w+", helped.stdout))
+    assert "bool" not in helped.stdout
+
+
+def test_an_option_that_takes_no_value_shows_none(capsys: Capture) -> None:
+    assert run(["ik", "--help"]) == 0
+    shown = capsys.readouterr().out
+    assert "--json" in shown
+    assert "bool" not in shown
 
 
 def test_version_and_what_is_installed(capsys: Capture) -> None:

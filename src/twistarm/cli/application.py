@@ -30,7 +30,7 @@ from .commands import (
     wiring,
 )
 from .output import say
-from .typed import Command
+from .typed import Command, Group
 from .versions import version
 from .wording import CommandLineWords, told
 
@@ -39,6 +39,7 @@ BAD_ANSWER, BAD_INPUT, BUG, INTERRUPTED = 1, 2, 70, 130
 
 app = typer.Typer(
     name="twistarm",
+    cls=Group,
     help="Kinematics of robot arms in the language of screws. ARM is a URDF or xacro file, an arm.toml, or a name "
     "that `twistarm arms` lists.",
     pretty_exceptions_enable=False,

@@ -7,7 +7,7 @@ from collections.abc import Collection, Sequence
 from typing import Any
 
 import numpy as np
-from typer.core import TyperCommand
+from typer.core import TyperCommand, TyperGroup
 
 from ..model.arm import Arm
 from ..support.checks import Array
@@ -30,7 +30,22 @@ _AROUND = "[](),;"
 """Stands around numbers in what Python, NumPy and --json print."""
 
 
-class Command(TyperCommand):
+class _Flags:
+    """Options that take no value show none in the help; Typer 0.29 writes <bool>."""
+
+    def get_params(self, ctx: Any) -> list[Any]:
+        params: list[Any] = super().get_params(ctx)  # type: ignore[misc]
+        for param in params:
+            if getattr(param, "is_flag", False) and param.metavar is None:
+                param.metavar = ""
+        return params
+
+
+class Group(_Flags, TyperGroup):
+    """The program, which holds the commands."""
+
+
+class Command(_Flags, TyperCommand):
     """A command whose options of several numbers need no quotes: `--theta 0.1 -30 60`, `--xyz 0.8 -0.1 0.7`."""
 
     def parse_args(self, ctx: Any, args: list[str]) -> list[str]:
