@@ -191,7 +191,7 @@ def test_a_line_out_of_reach_says_how_far_it_gets():
     start = np.array([0.0, -1.0, 1.5, -0.5, 0.3, 0.0])
     g = arm.fk(start)
     out = g[:3, 3] / np.linalg.norm(g[:3, 3])
-    with pytest.raises(PathError, match=r"segment 0 \(LineMove\): the tool follows the path for .* of 2 m") as error:
+    with pytest.raises(PathError, match=r"segment 1 \(LineMove\): the tool follows the path for .* of 2 m") as error:
         plan(arm, LineMove(Position(g[:3, 3] + 2.0 * out)), start=start)
     assert error.value.reason in ("singular", "out of reach")
     reached = np.linalg.norm(arm.fk(error.value.theta)[:3, 3] - g[:3, 3]) / 2.0
@@ -203,12 +203,12 @@ def test_a_line_out_of_reach_says_how_far_it_gets():
     ("segments", "options", "error", "words"),
     [
         ([], {}, InputError, "one or more of JointMove"),
-        ([JointMove(np.zeros(6)), 3], {}, InputError, "segment 1 must be"),
-        ([LineMove(Pose(G))], {}, InputError, "segment 0 .LineMove.: it ends where it begins"),
+        ([JointMove(np.zeros(6)), 3], {}, InputError, "segment 2 must be"),
+        ([LineMove(Pose(G))], {}, InputError, "segment 1 .LineMove.: it ends where it begins"),
         ([LineMove(moved([0.0, 0.0, 0.01]), blend=0.2), LineMove(moved([0.0, 0.1, 0.0]))], {}, InputError, "blend of"),
-        ([LineMove(moved([0.0, 0.0, 0.01]), blend=0.2)], {}, InputError, "segment 0 cannot blend"),
-        ([JointMove(np.full(6, 50.0))], {}, LimitError, "segment 0 .JointMove. puts joint"),
-        ([JointMove(Position([9.0, 0.0, 0.0]))], {}, NotConvergedError, "segment 0 .JointMove."),
+        ([LineMove(moved([0.0, 0.0, 0.01]), blend=0.2)], {}, InputError, "segment 1 .*cannot blend"),
+        ([JointMove(np.full(6, 50.0))], {}, LimitError, "segment 1 .JointMove. puts joint"),
+        ([JointMove(Position([9.0, 0.0, 0.0]))], {}, NotConvergedError, "segment 1 .JointMove."),
         ([JointMove("ready")], {"limits": {"velocity": np.inf}}, LimitError, "no velocity limit"),
         ([JointMove("ready")], {"kind": "fast"}, InputError, "kind must be"),
         ([JointMove("ready")], {"tool_speed": -1.0}, InputError, "tool_speed must be a positive"),

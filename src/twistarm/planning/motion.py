@@ -15,7 +15,7 @@ from ..support.errors import InputError, shown
 from .joint_path import JointPath
 from .joint_space import as_limits
 from .route import Leg, Router
-from .segments import SEGMENTS, Dwell, Move, Segment
+from .segments import SEGMENTS, Dwell, Move, Segment, place
 from .spans import Progress
 from .stretches import Stretch, stretches
 from .time_laws.bounds import PathBounds
@@ -123,14 +123,14 @@ def as_segments(segments: Any, tool_speed: float | None, turn_speed: float | Non
     for i, segment in enumerate(given):
         if not isinstance(segment, SEGMENTS):
             raise InputError(
-                f"segment {i} must be a JointMove, LineMove, ScrewMove, ArcMove or Dwell; got {shown(segment)}"
+                f"segment {i + 1} must be a JointMove, LineMove, ScrewMove, ArcMove or Dwell; got {shown(segment)}"
             )
         if isinstance(segment, Move):
             linear = segment.tool_speed if segment.tool_speed is not None else tool_speed
             angular = segment.turn_speed if segment.turn_speed is not None else turn_speed
             given[i] = replace(segment, tool_speed=linear, turn_speed=angular)
             if segment.blend and (i + 1 == len(given) or isinstance(given[i + 1], Dwell)):
-                raise InputError(f"segment {i} cannot blend: the arm stops at its end; leave blend out")
+                raise InputError(f"{place(i, segment)} cannot blend: the arm stops at its end; leave blend out")
     return given
 
 

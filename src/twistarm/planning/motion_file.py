@@ -81,7 +81,7 @@ class _Reader:
             speeds = {name: self._number(self.content, name) for name in SPEEDS if name in self.content}
         segments = []
         for i, entry in enumerate(entries):
-            with self._at(f"segment {i}"):
+            with self._at(f"segment {i + 1}"):
                 segments.append(self._segment(entry))
         return MotionFile(tuple(segments), start, self.content.get("kind"), limits, **speeds)
 

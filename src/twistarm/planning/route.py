@@ -21,7 +21,7 @@ from .cartesian.following import Blocked, Followed, follow
 from .cartesian.moving_target import MovingTarget
 from .cartesian.refusal import refusal
 from .joint_path import JointPath
-from .segments import CONSTRAINED, ArcMove, Constrained, Dwell, Goal, JointMove, LineMove, ScrewMove, Segment
+from .segments import CONSTRAINED, ArcMove, Constrained, Dwell, Goal, JointMove, LineMove, ScrewMove, Segment, place
 from .within import require_waypoints
 
 Curved = LineMove | ScrewMove | ArcMove
@@ -211,7 +211,7 @@ class Router:
         return path_effort(path, self.limits)
 
     def _place(self, i: int) -> str:
-        return f"segment {i} ({type(self.segments[i]).__name__})"
+        return place(i, self.segments[i])
 
 
 def path_effort(path: JointPath, limits: JointLimits) -> float:

@@ -271,6 +271,11 @@ Segment = JointMove | LineMove | ScrewMove | ArcMove | Dwell
 SEGMENTS = (JointMove, LineMove, ScrewMove, ArcMove, Dwell)
 
 
+def place(i: int, segment: Segment) -> str:
+    """`segment 2 (LineMove)`: the segment at index 1, as people count."""
+    return f"segment {i + 1} ({type(segment).__name__})"
+
+
 def _check_constrained(value: Any) -> None:
     if value is not None:
         require_choice(value, CONSTRAINED, "constrain")

@@ -14,7 +14,7 @@ from ..support.errors import InputError
 from .corners import cut, joined, part, rounded
 from .joint_path import JointPath
 from .route import Leg, path_effort
-from .segments import Move
+from .segments import Move, place
 
 SPEED_MARGIN = 1.0 - 1e-3
 """Speeds of the tool are looked at from place to place, and are kept with this much room."""
@@ -97,7 +97,7 @@ def _too_large(arm: Arm, leg: Leg, path: JointPath, following: JointPath, begins
     corner = arm.fk(path.end)[:3, 3]
     room = min(float(np.linalg.norm(arm.fk(each)[:3, 3] - corner)) for each in (path(begins), following.end))
     return (
-        f"the blend of segment {leg.index} ({type(segment).__name__}), {segment.blend:g} m, does not fit between its "
+        f"the blend of {place(leg.index, segment)}, {segment.blend:g} m, does not fit between its "
         f"neighbours: the tool is at most {room:.3g} m from that corner on the paths beside it: make it smaller, or 0 "
         "to stop there"
     )
@@ -109,7 +109,7 @@ def _of_unit_speed(leg: Leg, limits: JointLimits) -> JointPath:
     """
     path, segment = leg.path, leg.segment
     if path is None:
-        raise InputError(f"segment {leg.index} ({type(segment).__name__}) does not move: there is no corner to blend")
+        raise InputError(f"{place(leg.index, segment)} does not move: there is no corner to blend")
     assert isinstance(segment, Move)
     length = path_effort(path, limits) / path.length
     powers = np.arange(len(path.coefficients) - 1, -1, -1.0)
