@@ -35,9 +35,6 @@ MOST_BRANCHES = 48
 COMPARED = 3
 """After the first of them from which the curves can be followed so many more are compared with it."""
 
-PULLS = (0.0, 0.05, 0.3)
-"""How a redundant arm is drawn to the middle of its joints, one try after the other."""
-
 
 @dataclass(frozen=True, eq=False)
 class Leg:
@@ -162,13 +159,11 @@ class Router:
         for moving in self._moving(i, move, start):
             if moving.curve.length <= NO_WAY and moving.curve.angle <= NO_WAY:
                 raise InputError(f"{self._place(i)}: it ends where it begins: leave it out, or give it another goal")
-            freedom = self.arm.n > 6 or not isinstance(moving.like, Pose)
-            for pull in PULLS if freedom else PULLS[:1]:
-                result = follow(self.arm, moving, start, pull)
-                if isinstance(result, Followed):
-                    return Leg(i, move, result.path.end, result.path)
-                if farthest is None or result.share > farthest.blocked.share:
-                    farthest = _BlockedError(i, moving, result, start)
+            result = follow(self.arm, moving, start)
+            if isinstance(result, Followed):
+                return Leg(i, move, result.path.end, result.path)
+            if farthest is None or result.share > farthest.blocked.share:
+                farthest = _BlockedError(i, moving, result, start)
         assert farthest is not None
         raise farthest
 

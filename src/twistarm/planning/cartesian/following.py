@@ -9,12 +9,14 @@ from numpy.typing import NDArray
 
 from ...ik.solution import IKSolution
 from ...ik.solve import solve_ik
+from ...ik.targets import Pose
 from ...model.arm import Arm
 from ...support.checks import Array
 from ..bernstein import bernstein
 from ..joint_path import JointPath
-from ..piecewise import derivative, extremes
+from ..piecewise import extremes
 from ..within import POSITION_TOL as ROUNDING
+from .curvature import deviation_bend
 from .moving_target import MovingTarget
 
 Flags = NDArray[np.bool_]
@@ -44,6 +46,9 @@ MOST_CHECKS = 20_000
 ROUNDS = 12
 """Halvings of intervals in which the tool is too far from the curve."""
 
+PULLS = (0.0, 0.05, 0.3)
+"""How an arm that is left free is drawn to the middle of its joints, one try after the other."""
+
 
 @dataclass(frozen=True, eq=False)
 class Followed:
@@ -68,15 +73,28 @@ class Blocked:
     jump: bool
 
 
-def follow(arm: Arm, moving: MovingTarget, start: Array, pull: float = 0.0) -> Followed | Blocked:
+def follow(arm: Arm, moving: MovingTarget, start: Array) -> Followed | Blocked:
     """The joint path from start (n,), whose tool is at the beginning of the curve, or how far it gets.
 
     Samples of the curve are solved one after the other, each from the one before; where a joint would move far, or
     there is no answer, halfway first. A cubic spline, C², goes through them, and intervals are halved in which the tool
     may be farther from the curve than `POSITION_TOL` and `ANGLE_TOL`: at check points that is measured, and between
-    them it is bounded by the curvature of the tool's path. A redundant arm moves as little as it can from sample to
-    sample, or, with `pull` in (0, 1], by so much of the way to the middle of its joints.
+    them it is bounded by the curvature of the tool's path. An arm that is left free moves as little as it can from
+    sample to sample, or else, where that is blocked, by so much of the way to the middle of its joints (`PULLS`).
     """
+    free = arm.n > 6 or not isinstance(moving.like, Pose)
+    farthest: Blocked | None = None
+    for pull in PULLS if free else PULLS[:1]:
+        result = _pulled(arm, moving, start, pull)
+        if isinstance(result, Followed):
+            return result
+        if farthest is None or result.share > farthest.share:
+            farthest = result
+    assert farthest is not None
+    return farthest
+
+
+def _pulled(arm: Arm, moving: MovingTarget, start: Array, pull: float) -> Followed | Blocked:
     marched = _marched(arm, moving, start, pull)
     if isinstance(marched, Blocked):
         return marched
@@ -155,11 +173,10 @@ def _deviation(arm: Arm, moving: MovingTarget, path: JointPath) -> tuple[Flags, 
     """In which pieces (m,) the tool may be too far from the curve, and how far at most anywhere [m, rad].
 
     Between check points a distance d apart the deviation e, with e'' bounded, is at most the greater of both plus
-    d² ‖e''‖ / 8. ‖p''‖ ≤ ρ w² + ρ a and ‖ω'‖ ≤ w² + a with w = Σ|q'_j|, a = Σ|q''_j| and ρ the arm's reach; slides
-    count in metres.
+    d² ‖e''‖ / 8.
     """
     h = np.diff(path.breakpoints)
-    bend = np.array(moving.curve.bend) + _bend(arm, path)
+    bend = deviation_bend(arm, moving, path)
     tolerance = np.array([POSITION_TOL, ANGLE_TOL])
     part = min(float((4.0 * tolerance / np.maximum(bend.max(axis=0), 1e-12)).min()) ** 0.5, 1.0)
     each = np.clip(np.ceil(h / part), 2, max(2, MOST_CHECKS // len(h))).astype(np.int64)
@@ -174,16 +191,6 @@ def _deviation(arm: Arm, moving: MovingTarget, path: JointPath) -> tuple[Flags, 
     ]
     off = (greatest[0] > POSITION_TOL) | (greatest[1] > ANGLE_TOL)
     return off, float(greatest[0].max()), float(greatest[1].max())
-
-
-def _bend(arm: Arm, path: JointPath) -> Array:
-    """Bounds of ‖p''(s)‖ [m] and ‖ω'(s)‖ [rad] on each piece, (m, 2)."""
-    h = np.diff(path.breakpoints)
-    turns = np.array([unit == "rad" for unit in arm.units])
-    rate, change = (np.abs(bernstein(derivative(path.coefficients, k), h)).max(axis=0) for k in (1, 2))
-    w, a = (np.where(turns, each, 0.0).sum(axis=1) for each in (rate, change))
-    slide, slides = (np.where(turns, 0.0, each).sum(axis=1) for each in (rate, change))
-    return np.stack([arm.reach * (w**2 + a) + 2.0 * w * slide + slides, w**2 + a], axis=1)
 
 
 def _outside(arm: Arm, path: JointPath) -> Flags:

@@ -1,0 +1,72 @@
+"""Bounds of the deviation between check points: no finite difference along any joint path exceeds them."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from catalogue import load
+from twistarm import Position, Task, arm_from_screws, load_arm, rotations
+from twistarm.ik.targets import Pose
+from twistarm.model.arm import Arm
+from twistarm.planning.cartesian.curvature import deviation_bend
+from twistarm.planning.cartesian.curves import Line, Screw
+from twistarm.planning.cartesian.moving_target import MovingTarget
+from twistarm.planning.joint_path import JointPath
+
+MIMIC = """<robot name="lift"><link name="base_link"/><link name="one"/><link name="two"/><link name="tool"/>
+<joint name="lift" type="prismatic"><parent link="base_link"/><child link="one"/><axis xyz="0 0 1"/>
+<limit lower="0" upper="3" velocity="1" effort="1"/></joint>
+<joint name="turn" type="continuous"><parent link="one"/><child link="two"/><axis xyz="0 1 0"/></joint>
+<joint name="fold" type="revolute"><parent link="two"/><child link="tool"/><origin xyz="0.4 0 0"/><axis xyz="0 1 0"/>
+<limit lower="-9" upper="9" velocity="1" effort="1"/><mimic joint="turn" multiplier="3"/></joint>
+</robot>"""
+"""One coordinate turns two links, the second three times as far, on a slide that goes beyond the arm's reach."""
+
+
+def arms(folder) -> dict[str, Arm]:
+    file = folder / "lift.urdf"
+    file.write_text(MIMIC)
+    helix = np.array([[0.1, 0.0, 0.2, 0.0, 0.0, 1.0], [0.0, 0.3, 0.4, 0.0, 1.0, 0.0]]).T
+    home = np.eye(4)
+    home[0, 3] = 0.5
+    return {
+        "mimic": load_arm(file, tip="tool"),
+        "helical": arm_from_screws(helix, home, name="helical"),
+        "rover": load("rover_arm"),
+        "stanford": load("stanford"),
+    }
+
+
+@pytest.mark.parametrize("kind", ["mimic", "helical", "rover", "stanford"])
+def test_no_second_difference_exceeds_the_bound(kind, tmp_path):
+    arm = arms(tmp_path)[kind]
+    rng = np.random.default_rng(4)
+    for _ in range(20):
+        path = JointPath(
+            np.array([0.0, 1.0]), rng.uniform(-1.0, 1.0, (4, 1, arm.n)) * [[[3.0]], [[3.0]], [[2.0]], [[1.0]]]
+        )
+        g0, twist = arm.fk(path(0.0)), rng.uniform(-1.0, 1.0, 6)
+        g1 = g0.copy()
+        g1[:3, 3] += twist[:3]
+        g1[:3, :3] = rotations.exp(twist[3:]) @ g0[:3, :3]
+        for curve in (Line(g0, g1), Screw(g0, twist)):
+            for like in (Pose(g0), Position(g0[:3, 3]), Task(g0, [0.0, 0.0, np.inf, 0.0, 0.0, np.inf])):
+                position, rotation = seconds(arm, MovingTarget(curve, like), path)
+                bound = deviation_bend(arm, MovingTarget(curve, like), path)[0]
+                assert position <= bound[0] * (1.0 + 1e-4)
+                assert rotation <= bound[1] * (1.0 + 1e-4) or isinstance(like, Position)
+
+
+def seconds(arm: Arm, moving: MovingTarget, path: JointPath) -> tuple[float, float]:
+    """The greatest second differences of p − p_c, along the target's axes for a Task, and of the chord of R_cᵀ R."""
+    step = 1e-3
+    s = np.arange(0.0, 1.0 + step / 2, step)
+    g, ideal = arm.fk(path(s)), moving.curve(s)
+    apart = g[:, :3, 3] - ideal[:, :3, 3]
+    axes = np.swapaxes(ideal[:, :3, :3], 1, 2)
+    if isinstance(moving.like, Task):
+        apart = (axes @ apart[..., None])[..., 0]
+    E = axes @ g[:, :3, :3] / np.sqrt(2.0)  # the Frobenius norm of E − 1 is 2 √2 sin(angle / 2)
+    position, rotation = (np.diff(each, 2, axis=0).reshape(len(s) - 2, -1) / step**2 for each in (apart, E))
+    return float(np.linalg.norm(position, axis=1).max()), float(np.linalg.norm(rotation, axis=1).max())
