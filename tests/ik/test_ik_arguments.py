@@ -169,7 +169,7 @@ arm = twistarm.load_arm("panda")
 far = arm.fk(arm.ready) + np.diag([0.0, 0.0, 5.0], 1)
 print("begun", flush=True)
 try:
-    if sys.argv[1] == "one":
+    while sys.argv[1] == "one":  # a search that proves the pose out of reach ends by itself
         twistarm.solve_ik(arm, far, restarts=10**6)
     twistarm.solve_ik_batch(arm, [far] * 9, restarts=10**6, threads=int(sys.argv[1]))
 except KeyboardInterrupt:
