@@ -19,7 +19,8 @@ HOME, REACH, LEFT = (0.0, 0.0, 0.0), (1.0, 1.0, 0.1), (2.0, -1.0, 0.2)
 
 def ask(stage: Stage, kind: str, /, **fields: Any) -> Job | None:
     """A request as it would arrive, checked by the schema."""
-    return stage.handle(parse(encode({"type": kind, **fields})), now=0.0)
+    usual = {"corner": 0.0, "tool_speed": 0.0} if kind == "plan" else {}
+    return stage.handle(parse(encode({"type": kind, **usual, **fields})), now=0.0)
 
 
 def said(stage: Stage, kind: str) -> dict[str, Any]:

@@ -215,11 +215,11 @@ def test_the_tool_s_path_is_a_line_along_its_way(shown: Shown, arm: Arm) -> None
     motion = plan_joint(arm, [arm.ready, 0.8 * arm.ready], limits={"velocity": 0.5, "acceleration": 1.0})
     assert not page.get_by_label("Path").is_visible()
     viewer.show_path(motion)
-    until(page, "twistarm.view.node('/path').children.length === 1")
+    until(page, "twistarm.parts.path.lines.children.length === 1")
     assert page.get_by_label("Path").is_visible()
     vertices, radius = page.evaluate(
         """() => {
-          const { geometry } = twistarm.view.node("/path").children[0];
+          const { geometry } = twistarm.parts.path.lines.children[0];
           return [[...geometry.attributes.position.array], geometry.parameters.radius];
         }"""
     )
@@ -227,7 +227,7 @@ def test_the_tool_s_path_is_a_line_along_its_way(shown: Shown, arm: Arm) -> None
     off, _ = KDTree(way).query(np.reshape(vertices, (-1, 3)))
     assert_allclose(off, radius, atol=0.1 * radius)
     viewer.show_path(None)
-    until(page, "twistarm.view.node('/path').children.length === 0")
+    until(page, "twistarm.parts.path.lines.children.length === 0")
 
 
 @pytest.mark.slow

@@ -203,7 +203,7 @@ def test_the_list_is_edited_by_keyboard_and_mouse_on_two_pages(page: Any, other:
     until(other, "document.getElementById('plan-kind').value === 'trapezoid'")  # of all pages
     assert "straight in joint space" in other.locator("#program-note").inner_text()
     other.get_by_label("Kind of motion").select_option("quintic")
-    assert other.locator("#program-note").inner_text() == "Another kind of motion was planned: plan again."
+    assert other.locator("#program-note").inner_text() == "The motion was planned with other settings: plan again."
     plan(other, "quintic")
     duration = other.evaluate("twistarm.parts.player.duration")
     for each in (page, other):  # the arm stood there already: no frame told of it
@@ -262,7 +262,7 @@ def test_a_plot_is_clicked_to_seek_and_hovered_to_read(page: Any, arm: Arm, view
     assert f"{rate:.1f} °/s · {100 * share:.0f} %".replace("-", "−") in tip.inner_text()
     page.get_by_label("Joints plotted").get_by_role("button", name="shoulder").click()
     page.mouse.move(0, 0)
-    until(page, "document.querySelectorAll('.plot polyline').length === 3")
+    until(page, "document.querySelectorAll('.plot polyline').length === 4")
     assert tip.is_hidden()
     assert_read_off(velocity, motion, shoulder)
     limit = np.degrees(arm.limits.velocity[shoulder])
@@ -289,7 +289,7 @@ def assert_at_hand_on_a_phone(page: Any) -> None:
         assert box["x"] + box["width"] <= 390, part
         assert 0 <= box["y"] < box["y"] + box["height"] <= 844, part
     assert page.locator("#scrub").bounding_box()["width"] >= 150
-    assert all(plot.bounding_box()["width"] > 300 for plot in page.locator(".plot").all())
+    assert all(plot.bounding_box()["width"] > 150 for plot in page.locator(".plot").all())
     boxes = page.locator("input[type=checkbox]:visible").all()
     assert len(boxes) > 5
     assert all(min(box.bounding_box()[side] for side in ("width", "height")) >= 24 for box in boxes)
@@ -320,6 +320,10 @@ def test_a_list_is_saved_and_loaded_and_the_motion_exported(
     thetas = postures(arm, 3)
     for theta, name in zip(thetas, ("one", "zwei", "三"), strict=True):
         record(page, viewer, theta, name)
+    moves = [page.get_by_label(f"Move to {name}") for name in ("one", "zwei", "三")]
+    moves[2].select_option("screw")
+    until(page, "twistarm.parts.program.poses[2].by === 'screw'")
+    assert moves[0].is_disabled()
     with page.expect_download() as saving:
         press_of_the_list(page, "Save")
     assert saving.value.suggested_filename == "rover_arm_poses.json"
@@ -327,8 +331,9 @@ def test_a_list_is_saved_and_loaded_and_the_motion_exported(
     saving.value.save_as(path)
     saved = json.loads(path.read_text("utf-8"))
     assert saved["joints"] == list(arm.joint_names)
-    assert [(pose["name"], pose["theta"]) for pose in saved["poses"]] == [
-        (name, theta.tolist()) for name, theta in zip(("one", "zwei", "三"), thetas, strict=True)
+    assert [(pose["name"], pose["theta"], pose["by"]) for pose in saved["poses"]] == [
+        (name, theta.tolist(), by)
+        for name, theta, by in zip(("one", "zwei", "三"), thetas, ("joint", "joint", "screw"), strict=True)
     ]
     press_of_the_list(page, "Delete zwei")
     until_listed(page, ["one", "三"])
@@ -356,6 +361,35 @@ def test_a_list_is_saved_and_loaded_and_the_motion_exported(
         assert_array_equal(table[:, 1 + k :: 3], values)
 
 
+def test_where_a_line_ends_before_its_pose_is_marked(page: Any, arm: Arm, viewer: Viewer) -> None:
+    open_poses(page, viewer)
+    behind = arm.ready.copy()
+    behind[1:3] = arm.limits.lower[1], 0.5
+    for theta in (arm.ready, behind):
+        record(page, viewer, theta)
+    page.get_by_label("Move to pose 2").select_option("line")
+    until(page, "twistarm.parts.program.poses[1].by === 'line'")
+    page.get_by_label("Tool at most").fill("0.2")
+    page.get_by_role("button", name="Plan", exact=True).click()
+    until(page, "document.getElementById('error').textContent.startsWith('on the way to ')")
+    stops = page.locator("#stops span")
+    until(page, "document.querySelector('#stops span').style.transform !== ''")
+    share = page.locator("#error").inner_text().split("(")[1].split(" %")[0]
+    assert stops.inner_text().startswith(f"stops at {share} %: ")
+    box, pane = stops.bounding_box(), page.locator("#pane").bounding_box()
+    assert pane["x"] < box["x"] < box["x"] + box["width"] < pane["x"] + pane["width"]
+    pieces = page.evaluate("twistarm.parts.path.arms.map(({ parts }) => parts.length)")
+    assert len(pieces) == 3  # at both poses, and where it stops
+    assert len(set(pieces)) == 1
+    assert pieces[0] > 5
+    page.get_by_label("Move to pose 2").select_option("joint")
+    until(page, "twistarm.parts.program.poses[1].by === 'joint'")
+    page.get_by_label("Tool at most").fill("")
+    plan(page, "time_optimal")
+    assert stops.count() == 0
+    assert page.evaluate("twistarm.parts.path.arms.length") == 2
+
+
 @pytest.mark.parametrize(
     ("text", "reason"),
     [
@@ -366,6 +400,7 @@ def test_a_list_is_saved_and_loaded_and_the_motion_exported(
         ('{"joints": ["a"], "poses": [{"name": "p", "theta": ["0"]}]}', "theta of pose 1 must be a list of numbers"),
         ('{"joints": ["a"], "poses": [{"name": "p", "theta": [0]}]}', "the list moves a; rover_arm has slide"),
         ('{"joints": ["a"], "poses": [' + ",".join([POSE] * 3000) + "]}", "at most 57344 (56 kB)"),
+        ('{"joints": ["a"], "poses": [{"name": "p", "theta": [0], "by": 1}]}', "by of pose 1 must be joint, line"),
         (" " * (2**20 + 1), "poses.json has 1048577 bytes"),
     ],
 )  # fmt: skip

@@ -187,7 +187,7 @@ ASK = """([position, xyzw]) => twistarm.parts.target.ask({
 
 GHOST = """() => {
   const { ghost } = twistarm.parts;
-  return [globalThis.told.ghost, ghost.copies.length, ghost.frame.children.length, ghost.frame.position.toArray()];
+  return [globalThis.told.ghost, ghost.arm.parts.length, ghost.frame.children.length, ghost.frame.position.toArray()];
 }"""
 
 
@@ -211,7 +211,7 @@ def test_an_unmet_target_is_drawn_with_the_arm_that_would_meet_it(page: Any, arm
     assert_allclose(place, g[:3, 3])
     drawn = page.evaluate(
         """() => {
-          const { path, source, copy } = twistarm.parts.ghost.copies.at(-1);
+          const { path, source, copy } = twistarm.parts.ghost.arm.parts.at(-1);
           const { scene } = twistarm.view.viewer;
           const inNode = twistarm.view.node(path).matrixWorld.clone().invert().multiply(source.matrixWorld);
           return [path, copy.matrix.toArray(), inNode.toArray()];

@@ -46,7 +46,7 @@ DRAWN = """() => {
   const { instant, axes, labels, numbers } = theory;
   const toScreen = camera.projectionMatrix.clone();
   const placed = (text) => text.style.transform.match(/-?[\\d.]+/g).map(Number);
-  const seen = labels.layer.hidden ? [] : labels.labels;
+  const seen = labels.layer.hidden ? [] : labels.pins;
   return {
     axes, spatial: theory.spatial.arrows.map((two) => two.map(arrow)),
     body: theory.body.arrows.map((two) => two.map(arrow)),
@@ -202,7 +202,7 @@ def test_labels_follow_the_camera_and_hide_behind_it(page: Any, viewer: Viewer) 
     page.mouse.down()
     page.mouse.move(700, 370, steps=3)
     page.mouse.up()
-    until(page, f"twistarm.parts.theory.labels.labels[0].text.style.transform !== 'translate({before[0][1]}px'")
+    until(page, f"twistarm.parts.theory.labels.pins[0].text.style.transform !== 'translate({before[0][1]}px'")
     after_frames(page)
     drawn = page.evaluate(DRAWN)
     assert drawn["labels"] != before
@@ -217,7 +217,7 @@ def test_labels_follow_the_camera_and_hide_behind_it(page: Any, viewer: Viewer) 
     assert assert_labels(page.evaluate(DRAWN), ARM, viewer.theta) < 7
     page.get_by_role("button", name="Fit view").click()
     page.get_by_label("Screws", exact=True).uncheck()
-    until(page, "twistarm.parts.theory.labels.labels.filter(({ text }) => !text.hidden).length === 2")  # S and T
+    until(page, "twistarm.parts.theory.labels.pins.filter(({ text }) => !text.hidden).length === 2")  # S and T
     page.get_by_label("Screws", exact=True).check()
     switch(page, "Labels", on=False)
 

@@ -26,17 +26,20 @@ pytestmark = pytest.mark.browser
 TOOL = np.array([[1, 0, 0, 0.5], [0, 1, 0, 0], [0, 0, 1, 0.4], [0, 0, 0, 1.0]])
 
 LOADED = """() => {
-  const { view, highlight } = twistarm;
+  const { view, highlight, parts } = twistarm;
+  const nothing = { points: [], ideal: [], radius: 0.01, waypoints: [], stopped: null };
+  const stopped = { position: [0, 0, 0.2], words: "here", arm: {} };
   const counts = [];
   for (let k = 0; k < 10; k += 1) {
-    view.drawPath({ points: [[0, 0, 0], [0, 0.1 * k, 0.1], [0, 0, 0.2]], radius: 0.01 });
+    const points = [[0, 0, 0], [0, 0.1 * k, 0.1], [0, 0, 0.2]];
+    parts.path.show({ ...nothing, points, ideal: points, stopped });
     view.fit();
     highlight.point("/screws", `a joint ${k}`);
     view.viewer.render();
     counts.push([view.viewer.renderer.info.memory.geometries, view.viewer.renderer.info.memory.textures].join());
   }
   highlight.point(null);
-  view.drawPath({ points: [], radius: 0.01 });
+  parts.path.show(nothing);
   return counts;
 }"""
 """What the graphics card holds after each of ten paths, fits and highlights."""

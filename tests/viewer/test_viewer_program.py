@@ -121,7 +121,7 @@ def test_a_list_is_never_longer_than_one_message(stage: Stage) -> None:
     with pytest.raises(InputError, match=rf"a list has at most {LARGEST_LIST} bytes; \d+ poses would have"):
         record_on_and_on()
     poses = said(stage, "program")["poses"]
-    saved = [{"name": pose["name"], "theta": pose["theta"]} for pose in poses]
+    saved = [{name: pose[name] for name in ("name", "theta", "by")} for pose in poses]
     again = encode({"type": "poses", "joints": stage.arm.joint_names, "poses": saved, "number": 2**50})
     assert LARGEST_LIST < len(again) + 400 < LARGEST_MESSAGE
     ask(stage, "delete", id=poses[0]["id"])
@@ -259,7 +259,7 @@ def test_two_pages_edit_one_list_and_python_reads_it(arm: Arm, viewer: Viewer) -
         await page.until(lambda: len(page.latest["program"]["poses"]) == 2)
         first = page.latest["program"]["poses"][0]["id"]
         await page.ask(type="reorder", id=first, place=1)
-        await other.ask(type="plan", kind="cubic", stop=False)
+        await other.ask(type="plan", kind="cubic", stop=False, corner=0.0, tool_speed=0.0)
         await page.until(lambda: page.latest["program"]["planned"])
         await page.until(lambda: len(page.latest["plots"]["times"]) > 0)
         assert page.latest["frame"]["theta"] == [0.0, 0.0, 0.0]

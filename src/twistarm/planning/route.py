@@ -73,7 +73,7 @@ class Router:
             return self._legs(origin)
         except _BlockedError as error:
             words = refusal(self.arm, error.moving, error.blocked, error.start)
-            raise words.within(self._place(error.index)) from None
+            raise words.within(error.index, self._place(error.index)) from None
 
     def _legs(self, origin: Array) -> list[Leg]:
         legs: list[Leg] = []

@@ -46,7 +46,7 @@ def _posture(old: Stage, new: Stage) -> Iterator[str]:
 
 def _poses(old: Stage, new: Stage) -> Iterator[str]:
     joints = old.arm.joint_names
-    here = [(joints, {"name": pose.name, "theta": pose.theta.tolist()}) for pose in old.program.list.poses]
+    here = [(joints, pose.entry()) for pose in old.program.list.poses]
     left: list[LeftOut] = []
     reasons: list[str] = []
     for moved, pose in [*here, *old.left]:

@@ -31,7 +31,8 @@ class PathError(TwistarmError):
 
     `share`: how much of it, s in [0, 1); `theta` (n,): the configuration there; `reason`: "limit", "singular" or "out
     of reach"; `joint`: which has come to its limit, or None; `start` (n,): another configuration at the beginning from
-    which the whole path can be followed, or None.
+    which the whole path can be followed, or None; `segment`: the index of the segment in the motion, of which `place`
+    says the same in words; `detail`: the message without it.
     """
 
     def __init__(
@@ -42,16 +43,25 @@ class PathError(TwistarmError):
         reason: str = "",
         joint: str | None = None,
         start: Array | None = None,
+        segment: int | None = None,
+        place: str = "",
     ) -> None:
-        super().__init__(message)
-        self.share, self.theta, self.reason, self.joint, self.start = share, theta, reason, joint, start
+        super().__init__(f"{place}: {message}" if place else message)
+        self.detail, self.share, self.theta, self.reason = message, share, theta, reason
+        self.joint, self.start, self.segment, self.place = joint, start, segment, place
 
     def __reduce__(self) -> tuple[type[PathError], tuple[object, ...]]:
-        return type(self), (str(self), self.share, self.theta, self.reason, self.joint, self.start)
+        known = self.share, self.theta, self.reason, self.joint, self.start, self.segment, self.place
+        return type(self), (self.detail, *known)
 
-    def within(self, place: str) -> PathError:
-        """The same, with the place of the path in a motion before its words."""
-        return PathError(f"{place}: {self}", self.share, self.theta, self.reason, self.joint, self.start)
+    def within(self, segment: int, place: str) -> PathError:
+        """The same of a segment of a motion.
+
+        Args:
+            segment: its index, from 0.
+            place: it and its place in words, which the message begins with.
+        """
+        return PathError(self.detail, self.share, self.theta, self.reason, self.joint, self.start, segment, place)
 
 
 def refusal(arm: Arm, moving: MovingTarget, blocked: Blocked, start: Array) -> PathError:
@@ -73,7 +83,8 @@ def _part(moving: MovingTarget, share: float) -> str:
     """So far of so much, in m, or in rad where it only turns."""
     turns = moving.curve.length < 1e-9
     whole, unit = (moving.curve.angle, "rad") if turns else (moving.curve.length, "m")
-    return f"{quantity(share * whole, unit)} of {quantity(whole, unit)} ({100.0 * share:.0f} %)"
+    so_far, all_ = (quantity(float(f"{part:.3g}"), unit) for part in (share * whole, whole))
+    return f"{so_far} of {all_} ({100.0 * share:.0f} %)"
 
 
 def _why(arm: Arm, moving: MovingTarget, blocked: Blocked) -> tuple[str, str | None, str]:

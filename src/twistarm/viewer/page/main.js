@@ -19,6 +19,7 @@ import { LinkList } from "./link_list.js";
 import { LinkNames } from "./link_names.js";
 import { Notice } from "./notice.js";
 import { Panel } from "./panel.js";
+import { Path } from "./path.js";
 import { Player } from "./player.js";
 import { Plots } from "./plots.js";
 import { Presets } from "./presets.js";
@@ -78,6 +79,7 @@ const parts = {
   jogging: new JogPanel(page),
   target: new Target(page),
   ghost: new Ghost(view),
+  path: new Path(view),
   program: new Program(page),
   player: new Player({
     play: () => ask({ type: "play" }),
@@ -166,10 +168,7 @@ const receive = {
     for (const layer of ["screws", "frames", "path"]) view.setVisible(layer, message[layer]);
     panel.showVisible(message);
   },
-  path(message) {
-    view.drawPath(message);
-    panel.showPath(message.points.length > 0);
-  },
+  path: ({ points, ideal }) => panel.showPath(points.length + ideal.length > 0),
   servo(message) {
     jog.show(message);
     panel.showDriven(message.driven);

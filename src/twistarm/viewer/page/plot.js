@@ -8,6 +8,7 @@ import { signed } from "./units.js";
 const EDGE = { left: 46, right: 10, top: 20, bottom: 17 }; // px around the lines
 const DASHES = ["", "7 3", "2 2", "9 3 2 3"]; // lines are told apart without their colours too
 const COLOURS = 8; // --plot-0 …
+const LETTER = 6.6; // px of a title's letter
 
 export class Plot {
   // `act` holds seek(time) and point(plot, event, time), time null once nothing is pointed at.
@@ -33,7 +34,7 @@ export class Plot {
     this.svg.setAttribute("viewBox", `0 0 ${this.width} ${this.height}`);
     this.cursor = this.upright("cursor");
     this.pointer = this.upright("pointer");
-    const title = svg("text", { x: 2, y: 13, class: "title" }, scale.title);
+    const title = svg("text", { x: 2, y: 13, class: "title" }, fitting(scale.title, this.width));
     this.svg.replaceChildren(title, ...this.clock(), ...scale.marks.flatMap((mark) => this.mark(mark)),
       ...scale.lines.map((line) => this.line(line)), this.pointer, this.cursor);
     this.follow(this.time);
@@ -105,6 +106,11 @@ export class Plot {
     const points = values.map((value, i) => `${this.x(this.times[i]).toFixed(2)},${this.y(value).toFixed(2)}`);
     return svg("polyline", { ...look(joint), class: "line", points: points.join(" ") });
   }
+}
+
+// A title that there is room for, or its first words.
+function fitting(title, width) {
+  return LETTER * title.length < width ? title : title.split(/[,·]/)[0].trim();
 }
 
 // A short piece of a joint's line, for the legend.

@@ -1,4 +1,5 @@
-// What a plot shows of the joints, and in which numbers: all of them as shares of their limits, or one in its unit.
+// What a plot shows of the joints, and in which numbers: all of them as shares of their limits, or one in its unit; and
+// how fast the tool is.
 
 import { figure, limitDigits, signed, unitShown } from "./units.js";
 
@@ -12,6 +13,15 @@ const AIR = 0.12; // of the height, above and below
 // is a joint's place; null: all.
 export function scaled(plots, rate, chosen) {
   return chosen === null ? shares(plots, rate) : alone(plots, rate, chosen);
+}
+
+// The same of the tool: the speed of its origin, and how fast it turns at most.
+export function toolScaled({ tool }) {
+  const lines = [{ joint: 0, values: tool.linear }];
+  const { low, high } = reach([0], lines);
+  const digits = decimals(high - low);
+  const marks = ticks(low, high).filter((at) => at >= 0).map((at) => ({ at, limit: false, label: signed(at, digits) }));
+  return { title: "Tool, m/s", low, high, marks, lines };
 }
 
 // A value as people read it, with its unit.

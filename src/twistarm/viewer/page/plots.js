@@ -1,10 +1,13 @@
-// Position, velocity and acceleration of the trajectory that is loaded, against the limits, under the view.
+// Position, velocity and acceleration of the trajectory that is loaded, against the limits, and the tool's speed, under
+// the view.
 
 import { $, element } from "./element.js";
 import { writeName } from "./names.js";
 import { Plot, reading, swatch } from "./plot.js";
-import { RATES, scaled, share, worded } from "./plot_scale.js";
+import { RATES, scaled, share, toolScaled, worded } from "./plot_scale.js";
+import { figure, unitShown } from "./units.js";
 
+const TOOL = "tool"; // the plot that shows no joint
 const KEPT = "twistarm plots"; // in the browser's storage
 
 export class Plots {
@@ -14,7 +17,7 @@ export class Plots {
     this.data = null;
     this.chosen = null; // a joint's place; null: all
     const act = { seek, point: (plot, event, time) => this.point(plot, event, time) };
-    this.plots = RATES.map((rate) => new Plot(rate, act));
+    this.plots = [...RATES, TOOL].map((rate) => new Plot(rate, act));
     this.tip = element("div", "tip");
     this.tip.hidden = true;
     $("plots-figures").append(...this.plots.map(({ svg }) => svg), this.tip);
@@ -80,9 +83,17 @@ export class Plots {
   draw() {
     if ($("plots").hidden) return;
     for (const plot of this.plots) {
-      plot.draw(this.data.times, scaled(this.data, plot.rate, this.chosen));
-      plot.svg.setAttribute("aria-label", `${plot.scale.title}: ${this.drawn().map((i) => this.words(i, plot.rate)).join("; ")}`);
+      const tool = plot.rate === TOOL;
+      plot.draw(this.data.times, tool ? toolScaled(this.data) : scaled(this.data, plot.rate, this.chosen));
+      const most = tool ? this.speeds((values) => Math.max(...values)) : this.drawn().map((i) => this.words(i, plot.rate)).join("; ");
+      plot.svg.setAttribute("aria-label", `${plot.scale.title}: ${most}`);
     }
+  }
+
+  // Of the tool; `of` chooses among the values.
+  speeds(of) {
+    const { linear, angular } = this.data.tool;
+    return `${figure(of(linear), "m")} m/s, turning ${figure(of(angular), "rad")} ${unitShown("rad")}/s`;
   }
 
   words(i, rate) {
@@ -104,12 +115,16 @@ export class Plots {
     for (const each of this.plots) each.aim(time);
     this.tip.hidden = time === null;
     if (time === null) return;
-    const rows = this.drawn().map((i) => this.row(i, plot.rate, time));
-    this.tip.replaceChildren(element("strong", "", `${time.toFixed(2)} s`), ...reading(rows));
+    this.tip.replaceChildren(element("strong", "", `${time.toFixed(2)} s`), ...this.told(plot.rate, time));
     const box = $("plots-figures").getBoundingClientRect();
     const left = event.clientX - box.left;
     const beside = left + this.tip.offsetWidth + 24 < box.width ? left + 12 : left - this.tip.offsetWidth - 12;
     this.tip.style.left = `${Math.max(0, beside)}px`;
+  }
+
+  told(rate, time) {
+    if (rate !== TOOL) return reading(this.drawn().map((i) => this.row(i, rate, time)));
+    return [element("strong", "", this.speeds((values) => between(this.data.times, values, time)))];
   }
 
   row(i, rate, time) {

@@ -1,10 +1,10 @@
-// A list of poses as a file: joints, and poses with name and theta in rad and m.
+// A list of poses as a file: joints, and poses with name, theta in rad and m, and how the arm moves there.
 
 const LARGEST_FILE = 2 ** 20; // bytes, with whatever spaces and other entries it may have
 const LARGEST_LIST = 56 * 1024; // bytes, as in pose_list.py
 
 export function written(joints, poses) {
-  const rows = poses.map(({ name, theta }) => `    ${JSON.stringify({ name, theta })}`);
+  const rows = poses.map(({ name, theta, by }) => `    ${JSON.stringify({ name, theta, by })}`);
   return `{\n  "joints": ${JSON.stringify(joints)},\n  "poses": [\n${rows.join(",\n")}\n  ]\n}\n`;
 }
 
@@ -30,11 +30,13 @@ function parsed(name, text) {
 }
 
 function checked(file, pose, i) {
-  const { name, theta } = pose ?? {};
+  const { name, theta, by } = pose ?? {};
   if (typeof name !== "string") throw new Error(`${file}: pose ${i + 1} needs a name, as text`);
   const numbers = Array.isArray(theta) && theta.every((value) => Number.isFinite(value));
   if (!numbers) throw new Error(`${file}: theta of pose ${i + 1} must be a list of numbers, in rad and m`);
-  return { name, theta };
+  if (by === undefined) return { name, theta };
+  if (typeof by !== "string") throw new Error(`${file}: by of pose ${i + 1} must be joint, line, screw or via`);
+  return { name, theta, by };
 }
 
 function names(joints) {

@@ -1,13 +1,20 @@
-// The rows of recorded poses: a name to edit, and buttons to go there, to move the row and to delete it.
+// The rows of recorded poses: a name to edit, how the arm moves there, and buttons to go there, to move the row and to
+// delete it.
 
 import { element } from "./element.js";
 import { writeName } from "./names.js";
 
 const LONGEST = 60;
 const SAME = 1e-9; // rad, m: the arm stands on a pose
+const MOVES = [
+  ["joint", "joint", "Joint move: every joint from where it is to where it is to be"],
+  ["line", "line", "Straight line of the tool, turning evenly"],
+  ["screw", "screw", "Screw motion of the tool: a turn about one axis and a slide along it"],
+  ["via", "arc", "Circular arc of the tool through this pose to the next"],
+];
 
 export class PoseList {
-  // `act` holds go(id), rename(id, name), reorder(id, place), remove(id).
+  // `act` holds go(id), rename(id, name), moveBy(id, by), reorder(id, place), remove(id).
   constructor(list, act) {
     this.list = list;
     this.act = act;
@@ -36,6 +43,7 @@ export class PoseList {
     if (!this.rows.has(pose.id)) this.rows.set(pose.id, new Row(pose, this));
     const row = this.rows.get(pose.id);
     row.show(pose, place, this.poses.length);
+    row.showMove(pose.by, place === 0 ? "start" : place > 1 && this.poses[place - 1].by === "via" ? "arc’s end" : "");
     if (this.list.children[place] === row.item) return;
     row.moving = true;
     this.list.insertBefore(row.item, this.list.children[place] ?? null);
@@ -84,6 +92,7 @@ class Row {
     this.gone = false;
     this.item = element("li");
     this.box = this.makeBox();
+    this.by = this.makeMove();
     this.go = this.button("go", "Go", () => act.go(this.id));
     this.go.disabled = owner.driven;
     this.up = this.button("", "↑", () => owner.move(this.id, -1));
@@ -93,7 +102,7 @@ class Row {
     this.shown = element("span"); // over the box, in which a name is cut at its end
     this.shown.ariaHidden = "true";
     field.append(this.box, this.shown);
-    this.item.append(field, this.go, this.up, this.down, this.remove);
+    this.item.append(field, this.by, this.go, this.up, this.down, this.remove);
     this.item.addEventListener("keydown", (event) => this.press(event));
   }
 
@@ -106,6 +115,24 @@ class Row {
       else if (event.key === "Enter") this.send();
     });
     return box;
+  }
+
+  makeMove() {
+    const select = element("select");
+    this.given = new Option("", "", false, false); // what the row's place in the list leaves no choice of
+    this.given.hidden = true;
+    const options = MOVES.map(([by, text, title]) => Object.assign(new Option(text, by), { title }));
+    select.append(this.given, ...options);
+    select.addEventListener("change", () => this.owner.act.moveBy(this.id, select.value));
+    return select;
+  }
+
+  // How the arm moves to the pose; `given` in words where its place in the list says it.
+  showMove(by, given) {
+    this.given.text = given;
+    this.by.disabled = given !== "";
+    this.by.value = given ? "" : by;
+    this.by.title = given || MOVES.find(([move]) => move === by)[2];
   }
 
   button(className, text, press) {
@@ -124,6 +151,7 @@ class Row {
     this.box.title = name;
     writeName(this.shown, name, null);
     const words = [[this.go, "Go to"], [this.up, "Move up"], [this.down, "Move down"], [this.remove, "Delete"]];
+    this.by.ariaLabel = `Move to ${name}`;
     for (const [made, word] of words) made.title = made.ariaLabel = `${word} ${name}`;
   }
 

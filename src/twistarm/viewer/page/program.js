@@ -6,7 +6,8 @@ import { PoseList } from "./pose_list.js";
 import { read, written } from "./pose_file.js";
 import { fileName, save } from "./saving.js";
 
-const OUTDATED = "Another kind of motion was planned: plan again.";
+const OUTDATED = "The motion was planned with other settings: plan again.";
+const SETTINGS = ["plan-kind", "plan-stop", "plan-corner", "plan-tool-speed"];
 
 export class Program {
   // `page` holds panel, state and ask(request).
@@ -14,8 +15,7 @@ export class Program {
     this.page = page;
     this.poses = [];
     this.planned = false;
-    this.kind = null;
-    this.stop = false;
+    this.asked = null; // kind, stop, corner [m] and tool_speed [m/s] of the motion that is loaded; null: of no list
     this.note = "";
     this.duration = null;
     this.trying = this.failed = false; // the motion that was asked for last: it may still come, and it did not
@@ -23,6 +23,7 @@ export class Program {
     this.list = new PoseList($("pose-list"), {
       go: (id) => page.ask({ type: "go", id, ease: eases() }),
       rename: (id, name) => page.ask({ type: "rename", id, name }),
+      moveBy: (id, by) => page.ask({ type: "move", id, by }),
       reorder: (id, place) => page.ask({ type: "reorder", id, place }),
       remove: (id) => page.ask({ type: "delete", id }),
     });
@@ -39,22 +40,21 @@ export class Program {
     $("record").addEventListener("click", () => this.record());
     $("pose-name").addEventListener("keydown", ({ key }) => key === "Enter" && this.record());
     $("plan").addEventListener("click", () => this.plan());
-    for (const id of ["plan-kind", "plan-stop"]) $(id).addEventListener("change", () => this.choose());
+    for (const id of SETTINGS) $(id).addEventListener("change", () => this.choose());
     $("save-poses").addEventListener("click", () => this.save());
     $("load-poses").addEventListener("click", () => $("poses-file").click());
     $("poses-file").addEventListener("change", () => this.open());
   }
 
-  show({ poses, planned, kind, stop, note }) {
-    const another = kind !== null && (kind !== this.kind || stop !== this.stop);
+  show({ poses, planned, kind, stop, corner, tool_speed, note }) {
+    const before = this.asked;
     this.poses = poses;
     this.planned = planned;
-    this.kind = kind;
-    this.stop = stop;
+    this.asked = kind === null ? null : { kind, stop, corner, tool_speed };
     this.note = note;
     this.trying = false;
     this.failed = false;
-    if (another) this.follow();
+    if (this.asked && !(before && same(before, this.asked))) this.follow();
     this.list.show(poses);
     if (this.page.state.frame) this.list.mark(this.page.state.frame.theta);
     $("pose-name").placeholder = `pose ${poses.length + 1}`;
@@ -65,20 +65,24 @@ export class Program {
 
   // The boxes say what was planned, by whichever page.
   follow() {
-    $("plan-kind").value = this.kind;
-    $("plan-stop").checked = this.stop;
+    const { kind, stop, corner, tool_speed } = this.asked;
+    $("plan-kind").value = kind;
+    $("plan-stop").checked = stop;
+    if (!stops(this.asked)) $("plan-corner").value = corner;
+    $("plan-tool-speed").value = tool_speed || "";
     this.choose();
   }
 
   choose() {
     $("plan-stop").disabled = $("plan-kind").value === "trapezoid"; // which stops anyway
+    $("plan-corner").disabled = stops(this.settings);
     this.tell();
   }
 
-  // Whether the motion is the one that the boxes ask for.
-  get asAsked() {
-    const kind = $("plan-kind").value;
-    return kind === this.kind && (kind === "trapezoid" || $("plan-stop").checked === this.stop);
+  // What the boxes ask for.
+  get settings() {
+    const [corner, tool_speed] = ["plan-corner", "plan-tool-speed"].map((id) => ($(id).value ? $(id).valueAsNumber : 0));
+    return { kind: $("plan-kind").value, stop: $("plan-stop").checked, corner, tool_speed };
   }
 
   placed({ theta }) {
@@ -111,7 +115,7 @@ export class Program {
   tell() {
     const word = this.failed ? "Not planned anew; still loaded" : "Planned";
     const done = this.planned && this.duration !== null ? `${word}: ${this.duration.toFixed(2)} s` : "";
-    const outdated = this.planned && !this.asAsked;
+    const outdated = this.planned && !same(this.asked, this.settings);
     $("program-note").textContent = outdated ? OUTDATED : [done, this.note].filter(Boolean).join("; ");
     $("program-note").classList.toggle("stale", outdated || !this.planned);
     $("plan").disabled = this.driven || this.poses.length < 2;
@@ -123,7 +127,7 @@ export class Program {
   }
 
   plan() {
-    this.trying = this.page.ask({ type: "plan", kind: $("plan-kind").value, stop: $("plan-stop").checked });
+    this.trying = this.page.ask({ type: "plan", ...this.settings });
   }
 
   save() {
@@ -142,4 +146,14 @@ export class Program {
       this.page.panel.showError(error.message);
     }
   }
+}
+
+function stops({ kind, stop }) {
+  return stop || kind === "trapezoid";
+}
+
+// Whether both ask for the same motion: one that stops at each pose rounds no corners.
+function same(one, other) {
+  const corners = stops(one) || one.corner === other.corner;
+  return one.kind === other.kind && stops(one) === stops(other) && corners && one.tool_speed === other.tool_speed;
 }

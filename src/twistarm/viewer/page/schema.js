@@ -16,7 +16,7 @@ const CHECKS = {
   count: (value) => Number.isSafeInteger(value) && value >= 0,
   flag: (value) => typeof value === "boolean",
   names: (value) => list(value) && value.every(name),
-  poses: (value) => list(value) && value.every((pose) => object(pose) && Object.keys(pose).length === 2 && name(pose.name) && numbers(pose.theta)),
+  poses: (value) => list(value) && value.every(pose),
 };
 
 const WORDS = {
@@ -33,6 +33,11 @@ const WORDS = {
   names: `a list of names of at most ${LONGEST} characters`,
   poses: `a list of poses, each with a name of at most ${LONGEST} characters and theta, a list of numbers`,
 };
+
+function pose(value) {
+  if (!object(value) || Object.keys(value).some((key) => !["name", "theta", "by"].includes(key))) return false;
+  return name(value.name) && numbers(value.theta) && (value.by === undefined || name(value.by));
+}
 
 // What is wrong with a message of this table, "requests" or "messages"; "" where nothing is.
 export function violation(table, message) {

@@ -9,7 +9,6 @@ export const THREE = MeshCat.THREE;
 /** From the arm towards the camera, in the arm's base axes. @type {[number, number, number]} */
 export const DIRECTION = [0.95, -1.15, 0.62];
 const NOTHING = [new THREE.Vector3(-0.5, 0, -0.5), new THREE.Vector3(0.5, 1, 0.5)]; // where nothing is drawn
-const PATH = 0xe8850c;
 const SOON = 300; // ms until what has come to be drawn is
 
 export class View {
@@ -67,18 +66,6 @@ export class View {
   // Take away what was drawn: another process may answer after a reconnection.
   clear() {
     for (const layer of ["arm", "screws", "frames", "path"]) this.viewer.delete_path([layer]);
-  }
-
-  // The way of the tool: `points` in the base frame, none to draw none.
-  drawPath({ points, radius }) {
-    const group = this.node("/path");
-    dispose(group);
-    if (points.length > 1) {
-      const curve = new THREE.CatmullRomCurve3(points.map((point) => new THREE.Vector3(...point)));
-      const tube = new THREE.TubeGeometry(curve, 2 * points.length, radius, 8);
-      group.add(new THREE.Mesh(tube, new THREE.MeshLambertMaterial({ color: PATH, emissive: PATH, emissiveIntensity: 0.4 })));
-    }
-    this.viewer.set_dirty();
   }
 
   // {path: sixteen numbers, column by column}

@@ -27,6 +27,7 @@ WORDS = {
     "rename": "rename a pose",
     "reorder": "reorder the poses",
     "delete": "delete a pose",
+    "move": "choose a move",
     "poses": "load a list",
     "theta": "move the arm",
     "joint": "move {name}",

@@ -27,7 +27,7 @@ BEFORE = 1e-9
 DECIMALS = 6
 """Finer than any plot [rad, m, and per s and s²]."""
 
-NO_PLOTS: Message = {"type": "plots", "times": [], "joints": [], **{rate: [] for rate in RATES}}
+NO_PLOTS: Message = {"type": "plots", "times": [], "joints": [], **{rate: [] for rate in RATES}, "tool": {}}
 
 
 class Plots(Part):
@@ -65,7 +65,15 @@ def plots(arm: Arm, playback: Playback | None) -> Message:
         "times": times.tolist(),
         "joints": _joints(arm, limits, peaks),
         **{rate: rows.tolist() for rate, rows in zip(RATES, values, strict=True)},
+        "tool": _tool(arm, trajectory(times), trajectory(times, 1)),
     }
+
+
+def _tool(arm: Arm, theta: Array, rates: Array) -> dict[str, list[float]]:
+    """Speeds of the tool's origin [m/s] and of its rotation [rad/s]: the norms of the halves of J^b θ̇."""
+    twists = (arm.body_jacobian(theta) @ rates[..., None])[..., 0]
+    linear, angular = (np.round(np.linalg.norm(half, axis=-1), DECIMALS) for half in (twists[:, :3], twists[:, 3:]))
+    return {"linear": linear.tolist(), "angular": angular.tolist()}
 
 
 def _times(trajectory: Trajectory) -> Array:

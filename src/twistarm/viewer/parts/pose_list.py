@@ -23,13 +23,23 @@ LARGEST_LIST = LARGEST_MESSAGE * 7 // 8
 """Bytes of a whole list as a message, some 300 poses of seven joints: what was saved can be loaded in one."""
 
 
+MOVES = ("joint", "line", "screw", "via")
+"""How the arm moves to a pose: every joint straight, the tool on a straight line or a screw motion, or on the arc that
+leads through this pose to the next."""
+
+
 @dataclass(frozen=True, eq=False)
 class RecordedPose:
-    """A pose of the list; theta (n,) [rad, m] lies inside the limits."""
+    """A pose of the list: theta (n,) [rad, m] lies inside the limits, `by` of MOVES is how the arm moves to it."""
 
     id: int
     name: str
     theta: Array
+    by: str = MOVES[0]
+
+    def entry(self) -> dict[str, Any]:
+        """The pose as it is saved: name, theta and by."""
+        return {"name": self.name, "theta": self.theta.tolist(), "by": self.by}
 
 
 LeftOut = tuple[tuple[str, ...], Mapping[str, Any]]
@@ -53,6 +63,11 @@ class PoseList:
         at = self._place(number)
         others = [*self.poses[:at], *self.poses[at + 1 :]]
         self._keep([*self.poses[:at], replace(self.poses[at], name=_free(name, others)), *self.poses[at + 1 :]])
+
+    def move(self, number: int, by: str) -> None:
+        """Have the arm move to a pose in another way, one of MOVES."""
+        at = self._place(number)
+        self._keep([*self.poses[:at], replace(self.poses[at], by=by), *self.poses[at + 1 :]])
 
     def reorder(self, number: int, place: int) -> None:
         """Move to `place`, 0 the first; beyond the end means the last."""
@@ -100,7 +115,7 @@ class PoseList:
                 return place
         raise InputError(f"no pose number {number} in the list: it was deleted, or another list was loaded")
 
-    def _new(self, name: str, theta: ArrayLike, others: Sequence[RecordedPose]) -> RecordedPose:
+    def _new(self, name: str, theta: ArrayLike, others: Sequence[RecordedPose], by: str = MOVES[0]) -> RecordedPose:
         free = _free(name, others)
         checked = checked_theta(self._arm, theta)
         try:
@@ -110,7 +125,7 @@ class PoseList:
         self._made += 1
         # A slider's end may lie beyond its limit by the rounding of decimal text, which a planner does not take.
         limits = self._arm.limits
-        return RecordedPose(self._made, free, frozen(np.clip(checked, limits.lower, limits.upper)))
+        return RecordedPose(self._made, free, frozen(np.clip(checked, limits.lower, limits.upper)), by)
 
     def _read(self, pose: Mapping[str, Any], order: Sequence[int], others: Sequence[RecordedPose]) -> RecordedPose:
         """A pose of a list whose joints stand in another order."""
@@ -118,7 +133,11 @@ class PoseList:
         if values.shape != (len(order),):
             name = one_line(pose["name"], LONGEST_NAME)
             raise InputError(f"the pose '{name}' has {len(values)} values, and the list moves {len(order)} joints")
-        return self._new(pose["name"], values[order], others)
+        by = pose.get("by", MOVES[0])
+        if by not in MOVES:
+            name = one_line(pose["name"], LONGEST_NAME)
+            raise InputError(f"by of the pose '{name}' must be one of {', '.join(MOVES)}")
+        return self._new(pose["name"], values[order], others, by)
 
     def _order(self, joints: Sequence[str]) -> list[int]:
         """Where the arm's joints stand among `joints`."""
@@ -129,7 +148,7 @@ class PoseList:
         return [list(joints).index(name) for name in names]
 
     def _keep(self, poses: Sequence[RecordedPose]) -> None:
-        given = [{"name": pose.name, "theta": pose.theta.tolist()} for pose in poses]
+        given = [pose.entry() for pose in poses]
         size = len(encode({"joints": self._arm.joint_names, "poses": given}))
         if size > LARGEST_LIST and len(poses) >= len(self.poses):
             raise InputError(f"a list has at most {LARGEST_LIST} bytes; {len(poses)} poses would have {size}")

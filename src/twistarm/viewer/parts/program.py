@@ -2,23 +2,28 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping, Sequence
 from functools import partial
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
+from ...limits.joint_limits import JointLimits
 from ...model.arm import Arm
 from ...model.usual_limits import defaults_line, with_defaults
-from ...planning.joint_space import Kind, plan_joint
+from ...planning.cartesian.refusal import PathError
+from ...planning.joint_space import plan_joint
+from ...planning.motion import LAWS, plan
 from ...planning.trajectory import Trajectory
-from ...support.checks import Array
 from ...support.errors import InputError
 from ..protocol.jobs import Job, Progress
 from ..protocol.message_cache import Message
 from ..protocol.messages import Request
+from ..scene.ghost import standing_at
+from ..scene.placement import Placement
 from .part import Show
 from .pose_list import PoseList, RecordedPose
+from .pose_segments import ideal_way, segments
 from .tool_path import tool_path
 
 STALE = "The list has changed since this motion was planned: plan again."
@@ -26,19 +31,47 @@ STALE = "The list has changed since this motion was planned: plan again."
 STRAIGHT = "straight in joint space between the poses: the tool's way is a curve"
 """What is said of a motion that stops at each pose: straight, people take for the tool's way."""
 
+SPLINES = ("cubic", "quintic", "time_optimal", "trapezoid")
+"""Kinds that lead through joint moves alone without a stop; trapezoid stops at each pose."""
+
+WHY = {"limit": "a leap would follow", "singular": "singular posture", "out of reach": "out of reach"}
+"""In a few words, by the reason of a PathError."""
+
+MOST_GHOSTS = 12
+"""The arm is drawn faintly at so many poses, evenly chosen."""
+
+
+class Asked(NamedTuple):
+    """A motion as a page asks for it: its kind, whether it stops at each pose or rounds corners within a radius [m],
+    and the tool's greatest speed [m/s], 0 for none.
+    """
+
+    kind: Any
+    stop: bool
+    corner: float
+    tool_speed: float
+
+    def through_joints(self, poses: Sequence[RecordedPose]) -> bool:
+        """Whether joint waypoints say it all, so that a spline may lead through them."""
+        plain = all(pose.by == "joint" for pose in poses[1:]) and not self.tool_speed
+        return plain and (self.stop or self.kind in SPLINES)
+
+
+NOTHING_ASKED = Asked("", False, 0.0, 0.0)
+
 
 class Program:
     """The list of poses, and which of its states was planned."""
 
-    requests = frozenset({"record", "rename", "reorder", "delete", "go", "poses", "plan"})
+    requests = frozenset({"record", "rename", "reorder", "move", "delete", "go", "poses", "plan"})
 
     def __init__(self, arm: Arm) -> None:
         self.list = PoseList(arm)
         self.limits = with_defaults(arm)
         self._usual = defaults_line(arm)
         self._motion: Trajectory | None = None
-        self._through: tuple[int, ...] = ()
-        self._asked: tuple[Kind | None, bool] = (None, False)
+        self._through: tuple[tuple[int, str], ...] = ()
+        self._asked = NOTHING_ASKED
         self._shown: tuple[Any, ...] = ()
         self._message: Message = {}
 
@@ -46,11 +79,13 @@ class Program:
         """Do what a page asks for; a plan is a job. TwistarmError, and nothing changed, where it cannot."""
         kind, fields = request.kind, request.fields
         if kind == "plan":
-            return self._plan(fields["kind"], fields["stop"], show)
+            return self._plan(Asked(**fields), show)
         if kind == "record":
             self.list.record(fields["name"], show.theta)
         elif kind == "rename":
             self.list.rename(fields["id"], fields["name"])
+        elif kind == "move":
+            self.list.move(fields["id"], fields["by"])
         elif kind == "reorder":
             self.list.reorder(fields["id"], fields["place"])
         elif kind == "delete":
@@ -72,50 +107,114 @@ class Program:
 
     def follow(self, other: Program) -> None:
         """Take over which motion `other` planned, and through which poses: the list is the same or it is not."""
-        poses = [(pose.name, pose.theta.tolist()) for pose in self.list.poses]
         self._motion = other._motion
-        if poses == [(pose.name, pose.theta.tolist()) for pose in other.list.poses]:
-            self._through = _ids(self.list.poses) if other._through == _ids(other.list.poses) else ()
+        if [pose.entry() for pose in self.list.poses] == [pose.entry() for pose in other.list.poses]:
+            self._through = _listed(self.list.poses) if other._through == _listed(other.list.poses) else ()
 
     def _words(self, ours: bool) -> Message:
-        current = ours and self._through == _ids(self.list.poses)
-        poses = [{"id": pose.id, "name": pose.name, "theta": pose.theta.tolist()} for pose in self.list.poses]
-        kind, stop = self._asked if ours else (None, False)
-        straight = STRAIGHT if stop or kind == "trapezoid" else ""
+        current = ours and self._through == _listed(self.list.poses)
+        poses = [{"id": pose.id, **pose.entry()} for pose in self.list.poses]
+        asked = self._asked if ours else NOTHING_ASKED
+        through_joints = asked.through_joints(self.list.poses)
+        straight = STRAIGHT if through_joints and (asked.stop or asked.kind == "trapezoid") else ""
         note = ("; ".join(filter(None, (straight, self._usual))) if current else STALE) if ours else ""
-        return {"type": "program", "poses": poses, "planned": current, "kind": kind, "stop": stop, "note": note}
+        said = {**asked._asdict(), "kind": asked.kind or None}
+        return {"type": "program", "poses": poses, "planned": current, **said, "note": note}
 
-    def _plan(self, kind: Kind, stop: bool, show: Show) -> Job:
+    def _plan(self, asked: Asked, show: Show) -> Job:
         poses = self.list.poses
         if len(poses) < 2:
             raise InputError(f"a motion needs at least two poses; the list has {len(poses)}: record another")
-        points = np.array([pose.theta for pose in poses])
-        if not np.ptp(points, axis=0).any():
+        if not np.ptp([pose.theta for pose in poses], axis=0).any():
             raise InputError("the poses of the list are all the same: there is no motion between them")
-        work = partial(self._work, show.arm, points, kind, stop)
-        return Job("plan", "planning the motion", work, partial(self._finish, show, poses, (kind, stop)))
-
-    def _work(
-        self, arm: Arm, points: Array, kind: Kind, stop: bool, progress: Progress
-    ) -> tuple[Trajectory, dict[str, Any]]:
-        """In a thread: the motion, and the way of the tool."""
-        motion = plan_joint(arm, points, kind=kind, limits=self.limits, stop_at_waypoints=stop, progress=progress)
-        return motion, tool_path(arm, motion)
+        if asked.corner < 0.0 or asked.tool_speed < 0.0:
+            raise InputError("the radius of corners and the tool's speed must be 0 or more")
+        if asked.kind not in LAWS and not asked.through_joints(poses):
+            raise InputError(
+                f"a {asked.kind} leads through joint moves alone, and knows no limit of the tool's speed: choose "
+                "s-curve, time-optimal or quintic"
+            )
+        work = partial(_planned, show.arm, poses, asked, self.limits, dict(show.others))
+        return Job("plan", "planning the motion", work, partial(self._finish, show, poses, asked))
 
     def _finish(
         self,
         show: Show,
         poses: tuple[RecordedPose, ...],
-        asked: tuple[Kind, bool],
-        result: tuple[Trajectory, dict[str, Any]],
+        asked: Asked,
+        result: tuple[Trajectory | PathError, dict[str, Any]],
     ) -> None:
+        planned, path = result
+        if isinstance(planned, PathError):
+            show.draw_path(path)
+            to = [pose for pose in poses[1:] if pose.by != "via"][planned.segment or 0]
+            raise InputError(f"on the way to '{to.name}' {planned.detail}")
         if show.driven:
             raise InputError("the motion was planned and not loaded: a servo drives the arm meanwhile")
-        self._motion, path = result
-        self._through, self._asked = _ids(poses), asked
+        self._motion = planned
+        self._through, self._asked = _listed(poses), asked
         show.stand_by(self._motion, self.limits)
         show.draw_path(path)
 
 
-def _ids(poses: tuple[RecordedPose, ...]) -> tuple[int, ...]:
-    return tuple(pose.id for pose in poses)
+def _planned(
+    arm: Arm,
+    poses: tuple[RecordedPose, ...],
+    asked: Asked,
+    limits: JointLimits,
+    others: Mapping[str, float],
+    progress: Progress,
+) -> tuple[Trajectory | PathError, dict[str, Any]]:
+    """In a thread: the motion or why there is none, and the way of the tool."""
+    beside = {"ideal": ideal_way(arm, poses), "waypoints": _ghosts(arm, poses, others)}
+    try:
+        motion = _motion(arm, poses, asked, limits, progress)
+    except PathError as error:
+        return error, {**tool_path(arm, poses[0].theta[None]), **beside, "stopped": _stop(arm, error, others)}
+    return motion, {**tool_path(arm, motion), **beside}
+
+
+def _stop(arm: Arm, error: PathError, others: Mapping[str, float]) -> dict[str, Any] | None:
+    """Where a segment cannot be followed any farther: the tool's position, why in short, and how the arm stands."""
+    if error.theta is None:
+        return None
+    position = np.round(arm.fk(error.theta)[:3, 3], 6).tolist()
+    why = f"{error.joint} at its limit" if error.joint else WHY.get(error.reason, "")
+    words = f"stops at {100.0 * error.share:.0f} %: {why}"
+    return {"position": position, "words": words, "arm": standing_at(Placement(arm), error.theta, others)}
+
+
+def _motion(
+    arm: Arm, poses: Sequence[RecordedPose], asked: Asked, limits: JointLimits, progress: Progress
+) -> Trajectory:
+    if asked.through_joints(poses):
+        points = np.array([pose.theta for pose in poses])
+        return plan_joint(
+            arm,
+            points,
+            kind=asked.kind,
+            limits=limits,
+            stop_at_waypoints=asked.stop,
+            progress=progress,
+        )
+    return plan(
+        arm,
+        segments(arm, poses, 0.0 if asked.stop else asked.corner),
+        start=poses[0].theta,
+        limits=limits,
+        kind=asked.kind,
+        tool_speed=asked.tool_speed or None,
+        progress=progress,
+    )
+
+
+def _ghosts(arm: Arm, poses: Sequence[RecordedPose], others: Mapping[str, float]) -> list[dict[str, list[float]]]:
+    """Where the links stand at the poses, or at so many of them that can be told apart."""
+    chosen = np.unique(np.linspace(0, len(poses) - 1, min(len(poses), MOST_GHOSTS)).round().astype(int))
+    placement = Placement(arm)
+    return [standing_at(placement, poses[i].theta, others) for i in chosen]
+
+
+def _listed(poses: Sequence[RecordedPose]) -> tuple[tuple[int, str], ...]:
+    """What of a list a motion is planned by: its poses in their order, and how the arm moves to each but the first."""
+    return tuple((pose.id, pose.by if i else "") for i, pose in enumerate(poses))

@@ -20,7 +20,9 @@ MOST_POINTS = 400
 STILL = 1e-4
 """A step shorter than this share of the arm's size is not seen."""
 
-NO_PATH: dict[str, Any] = {"points": [], "radius": 0.0}
+NO_PATH: dict[str, Any] = {"points": [], "radius": 0.0, "ideal": [], "stopped": None, "waypoints": []}
+"""points: the way of the tool; ideal: that of its segments; stopped: where a segment cannot be followed any farther;
+waypoints: where everything stands at the poses, {node: matrix} each."""
 
 
 def tool_path(arm: Arm, motion: Trajectory | ArrayLike) -> dict[str, Any]:
@@ -28,13 +30,20 @@ def tool_path(arm: Arm, motion: Trajectory | ArrayLike) -> dict[str, Any]:
 
     `motion` is a trajectory of this arm, or configurations (k, n) in the order they are passed.
     """
-    points = arm.fk(_configurations(arm, motion))[:, :3, 3]
+    return {
+        **NO_PATH,
+        "points": drawn(arm, arm.fk(_configurations(arm, motion))[:, :3, 3]),
+        "radius": 0.004 * arm_size(arm),
+    }
+
+
+def drawn(arm: Arm, points: Array) -> list[list[float]]:
+    """Those of the points (k, 3) [m] that can be told apart; none if all are in one place."""
     kept = [points[0]]
     for point in points[1:]:
         if np.linalg.norm(point - kept[-1]) > STILL * arm_size(arm):
             kept.append(point)
-    drawn = np.round(kept, 6).tolist() if len(kept) > 1 else []
-    return {"points": drawn, "radius": 0.004 * arm_size(arm)}
+    return np.round(kept, 6).tolist() if len(kept) > 1 else []
 
 
 def _configurations(arm: Arm, motion: Trajectory | ArrayLike) -> Array:

@@ -83,9 +83,10 @@ def _list_of(check: Check, value: Any, name: str) -> list[Any]:
 
 
 def _pose(value: Any, name: str) -> dict[str, Any]:
-    if not isinstance(value, dict) or set(value) != {"name", "theta"}:
-        raise InputError(f"{name} must have name and theta; got {short(value)}")
-    return {"name": _name(value["name"], f"{name}.name"), "theta": _numbers(value["theta"], f"{name}.theta")}
+    if not isinstance(value, dict) or not {"name", "theta"} <= set(value) <= {"name", "theta", "by"}:
+        raise InputError(f"{name} must have name and theta, and may have by; got {short(value)}")
+    pose = {"name": _name(value["name"], f"{name}.name"), "theta": _numbers(value["theta"], f"{name}.theta")}
+    return {**pose, "by": _name(value["by"], f"{name}.by")} if "by" in value else pose
 
 
 _number = partial(number, largest=LARGEST_VALUE)

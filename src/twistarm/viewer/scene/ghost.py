@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 
 from ...ik import IKSolution
+from ...support.checks import Array
 from .placement import Placement
 
 
@@ -15,5 +16,10 @@ def ghost(solution: IKSolution, others: Mapping[str, float]) -> dict[str, list[f
     """
     if solution.unlimited is None:
         return None
-    transforms = Placement(solution.arm).at(solution.unlimited, others)["transforms"]
+    return standing_at(Placement(solution.arm), solution.unlimited, others)
+
+
+def standing_at(placement: Placement, theta: Array, others: Mapping[str, float]) -> dict[str, list[float]]:
+    """Where each link stands at theta (n,), {node: matrix by columns}."""
+    transforms = placement.at(theta, others)["transforms"]
     return {path: matrix for path, matrix in transforms.items() if path.startswith("/arm/")}

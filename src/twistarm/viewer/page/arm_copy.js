@@ -1,0 +1,55 @@
+// A copy of the arm, drawn faintly where it would stand.
+
+import { THREE } from "./view.js";
+
+const BEHIND = { polygonOffset: true, polygonOffsetFactor: 2, polygonOffsetUnits: 2 }; // where the arm stands as asked, it is seen
+export const ABOVE = 10; // drawn after the arm, before the handles
+
+export class ArmCopy {
+  // `colour` as the style sheet names it.
+  constructor(view, colour, opacity) {
+    this.view = view;
+    this.colour = colour;
+    this.opacity = opacity;
+    this.group = new THREE.Group();
+    this.parts = [];
+  }
+
+  // `transforms`: {path: sixteen numbers} of the links. What is copied already takes other places.
+  stand(transforms) {
+    if (this.parts.length === 0) this.copy(Object.keys(transforms));
+    this.view.viewer.scene.updateMatrixWorld(true);
+    for (const { path, source, copy } of this.parts) {
+      const inNode = this.view.node(path).matrixWorld.clone().invert().multiply(source.matrixWorld);
+      copy.matrix.fromArray(transforms[path]).multiply(inNode);
+    }
+  }
+
+  copy(paths) {
+    const material = faint(coloured(this.colour), this.opacity, true);
+    for (const path of paths) {
+      this.view.node(path).traverse((source) => {
+        if (!source.isMesh || source.material.depthTest === false) return;
+        const copy = new THREE.Mesh(source.geometry, material);
+        Object.assign(copy, { matrixAutoUpdate: false, renderOrder: ABOVE - 1 });
+        this.parts.push({ path, source, copy });
+        this.group.add(copy);
+      });
+    }
+  }
+
+  clear() {
+    this.parts[0]?.copy.material.dispose(); // the geometry is that of what is drawn
+    this.parts = [];
+    this.group.clear();
+  }
+}
+
+export function coloured(name) {
+  return new THREE.Color(getComputedStyle(document.documentElement).getPropertyValue(name).trim());
+}
+
+// `solid`: seen only where nothing stands before it, and one surface deep.
+export function faint(color, opacity, solid) {
+  return new THREE.MeshLambertMaterial({ color, emissive: color, emissiveIntensity: 0.35, transparent: true, opacity, depthTest: solid, depthWrite: solid, ...(solid && BEHIND) });
+}

@@ -1,0 +1,91 @@
+// The way of the tool: as it is followed, the ideal beside it, the arm faintly at the poses, and where it comes no farther.
+
+import { ArmCopy, coloured } from "./arm_copy.js";
+import { dispose } from "./disposal.js";
+import { element } from "./element.js";
+import { Pins } from "./pins.js";
+import { THREE } from "./view.js";
+
+const FOLLOWED = 0xe8850c;
+const IDEAL = "--quiet";
+const STOP = "--warn";
+const THIN = 0.55; // the ideal, beside what is followed: within it, seen where the two part
+const BALL = 3.2; // the end, beside the line's radius
+const POSE = 0.13; // opacities
+const STOPPED = 0.3;
+const NOTHING = { points: [], ideal: [], radius: 0, waypoints: [], stopped: null };
+
+export class Path {
+  constructor(view) {
+    this.view = view;
+    this.data = NOTHING;
+    this.lines = new THREE.Group();
+    this.arms = [];
+    this.pins = new Pins(view, "stops");
+    this.messages = { path: (message) => this.show(message) };
+    view.onDrawn.push(() => this.drawArms()); // what they are copies of has changed
+  }
+
+  hello() {
+    this.show(NOTHING);
+  }
+
+  show(message) {
+    this.data = message;
+    this.view.node("/path").add(this.lines);
+    this.drawLines();
+    this.drawArms();
+    this.mark();
+    if (this.shown && this.view.radius !== undefined) this.view.reframe();
+    this.view.viewer.set_dirty();
+  }
+
+  get shown() {
+    const { points, ideal, stopped } = this.data;
+    return points.length + ideal.length > 0 || stopped !== null;
+  }
+
+  drawLines() {
+    const { points, ideal, radius, stopped } = this.data;
+    dispose(this.lines);
+    if (points.length > 1) this.lines.add(tube(points, radius, new THREE.Color(FOLLOWED)));
+    if (ideal.length > 1) this.lines.add(tube(ideal, THIN * radius, coloured(IDEAL)));
+    if (stopped === null) return;
+    const ball = new THREE.Mesh(new THREE.SphereGeometry(BALL * radius, 20, 12), lit(coloured(STOP)));
+    ball.position.fromArray(stopped.position);
+    this.lines.add(ball);
+  }
+
+  drawArms() {
+    const { waypoints, stopped } = this.data;
+    for (const arm of this.arms) {
+      arm.clear();
+      arm.group.removeFromParent();
+    }
+    this.arms = waypoints.map((transforms) => this.stood(transforms, IDEAL, POSE));
+    if (stopped !== null) this.arms.push(this.stood(stopped.arm, STOP, STOPPED));
+  }
+
+  stood(transforms, colour, opacity) {
+    const arm = new ArmCopy(this.view, colour, opacity);
+    arm.stand(transforms);
+    this.view.node("/path").add(arm.group);
+    return arm;
+  }
+
+  // Why it stops, in place.
+  mark() {
+    const { stopped } = this.data;
+    const pin = () => ({ layer: "path", node: "/path", at: new THREE.Vector3(...stopped.position), text: element("span", "", stopped.words), down: 0, whole: true });
+    this.pins.show(stopped === null ? [] : [pin()]);
+  }
+}
+
+function tube(points, radius, colour) {
+  const curve = new THREE.CatmullRomCurve3(points.map((point) => new THREE.Vector3(...point)));
+  return new THREE.Mesh(new THREE.TubeGeometry(curve, 2 * points.length, radius, 8), lit(colour));
+}
+
+function lit(color) {
+  return new THREE.MeshLambertMaterial({ color, emissive: color, emissiveIntensity: 0.4 });
+}

@@ -1,0 +1,81 @@
+"""Segments of a list of recorded poses: how the arm moves to each of them, as `plan` takes it, and the ideal way."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from ...ik.targets import Position
+from ...model.arm import Arm
+from ...planning.cartesian.curves import Arc, Curve, Line, Screw
+from ...planning.segments import ArcMove, JointMove, LineMove, ScrewMove, Segment
+from ...support.checks import Array
+from ...support.errors import InputError
+from ...theory import screws
+from .pose_list import RecordedPose
+from .tool_path import drawn
+
+ROOM = 0.45
+"""A corner is rounded at most within this share of the tool's distance to the poses beside it."""
+
+LEAST_CORNER = 1e-4
+"""A smaller radius [m] is a stop."""
+
+POINTS = 60
+"""Of the ideal way from a pose to the next."""
+
+
+def segments(arm: Arm, poses: Sequence[RecordedPose], corner: float) -> list[Segment]:
+    """The segments from the first pose through all others, corners rounded within `corner` [m] or less.
+
+    InputError where a pose that an arc is to lead through is not followed by the arc's end.
+    """
+    made: list[Segment] = []
+    for i, pose in enumerate(poses[1:], start=1):
+        blend = _corner(arm, poses, i, corner)
+        if poses[i - 1].by == "via" and i > 1:
+            made.append(ArcMove(Position(arm.fk(poses[i - 1].theta)[:3, 3]), pose.theta, blend=blend))
+        elif pose.by == "joint":
+            made.append(JointMove(pose.theta, blend=blend))
+        elif pose.by != "via":
+            made.append((LineMove if pose.by == "line" else ScrewMove)(pose.theta, blend=blend))
+        if pose.by == "via" and (i + 1 == len(poses) or poses[i + 1].by == "via"):
+            raise InputError(
+                f"an arc leads through '{pose.name}' to the pose after it: that must be there, and be an end itself"
+            )
+    return made
+
+
+def _corner(arm: Arm, poses: Sequence[RecordedPose], i: int, corner: float) -> float:
+    """The radius at pose i: no more than there is room for, and 0 at the end."""
+    if i + 1 == len(poses) or corner <= 0.0:
+        return 0.0
+    before, here, after = arm.fk([pose.theta for pose in poses[i - 1 : i + 2]])[:, :3, 3]
+    room = ROOM * min(np.linalg.norm(here - before), np.linalg.norm(after - here))
+    blend = min(corner, float(room))
+    return blend if blend >= LEAST_CORNER else 0.0
+
+
+def ideal_way(arm: Arm, poses: Sequence[RecordedPose]) -> list[list[float]]:
+    """Points [m] of the way that the segments describe, corners and all."""
+    s = np.linspace(0.0, 1.0, POINTS)
+    ways: list[Array] = []
+    for i, pose in enumerate(poses[1:], start=1):
+        last = poses[i - 1]
+        through = last.by == "via" and i > 1
+        if pose.by == "via" and not through:
+            continue
+        if pose.by == "joint" and not through:
+            g = arm.fk(last.theta + s[:, None] * (pose.theta - last.theta))
+        else:
+            g = _curve(arm, poses[i - 2 if through else i - 1], last if through else None, pose)(s)
+        ways.append(g[:, :3, 3])
+    return drawn(arm, np.concatenate(ways)) if ways else []
+
+
+def _curve(arm: Arm, start: RecordedPose, via: RecordedPose | None, end: RecordedPose) -> Curve:
+    g0, g1 = arm.fk(start.theta), arm.fk(end.theta)
+    if via is not None:
+        return Arc.through(g0, arm.fk(via.theta)[:3, 3], g1)
+    return Line(g0, g1) if end.by == "line" else Screw(g0, screws.log(g1 @ screws.inverse(g0)))
