@@ -29,18 +29,13 @@ nb::object path_velocity(nb::handle breakpoints, nb::handle coefficients, nb::ha
                                               top.data()};
     using Limits = twistarm::interval_limits<double>;
     if (!Limits::fits(path)) return nb::none();
-    nb::object x = NumPy::get().empty(nb::make_tuple(points)), share = NumPy::get().empty(nb::make_tuple(points - 1)),
-               which = NumPy::get().empty(nb::make_tuple(points - 1));
+    nb::object x = NumPy::get().empty(nb::make_tuple(points)), share = NumPy::get().empty(nb::make_tuple(points - 1));
     Limits limits(path, s.data());
     const int count = static_cast<int>(points) - 1;
     double* const found = Array(x).data();
     twistarm::path_velocity(count, limits, most, found);
-    for (int i = 0; i < count; ++i) {
-        int tightest = 0;
-        Array(share).data()[i] = limits.share(i, found[i], found[i + 1], tightest);
-        Array(which).data()[i] = tightest;
-    }
-    return nb::make_tuple(x, share, which);
+    for (int i = 0; i < count; ++i) Array(share).data()[i] = limits.share(i, found[i], found[i + 1]);
+    return nb::make_tuple(x, share);
 }
 
 }  // namespace bindings

@@ -21,6 +21,7 @@ from .model.arm import Coupling as Coupling
 from .model.arm import Proof as Proof
 from .model.from_screws import arm_from_screws as arm_from_screws
 from .planning import ArcMove as ArcMove
+from .planning import Binding as Binding
 from .planning import Dwell as Dwell
 from .planning import JointMove as JointMove
 from .planning import LineMove as LineMove
@@ -28,6 +29,7 @@ from .planning import MotionFile as MotionFile
 from .planning import PathError as PathError
 from .planning import ScrewMove as ScrewMove
 from .planning import Trajectory as Trajectory
+from .planning import binding_limits as binding_limits
 from .planning import load_motion as load_motion
 from .planning import load_trajectory as load_trajectory
 from .planning import plan as plan

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import re
 from pathlib import Path
 
@@ -24,6 +25,11 @@ def test_the_file_that_init_writes_is_planned(capsys: Capture, tmp_path: Path) -
     arm = load_arm("rover_arm")
     assert np.allclose(planned["waypoints"][-1], arm.ready)
     assert "close gripper" in (tmp_path / "m.csv").read_text("utf-8")
+    longest = max(planned["binding"], key=lambda each: each["end"] - each["begin"])
+    assert (longest["rate"], longest["name"]) == ("acceleration", "slide")  # 5 cm at 1 m/s²: half of them to brake
+    assert run(["follow", "rover_arm", str(file), "--no-browser", "--json"]) == 0
+    assert json.loads(capsys.readouterr().out)["duration"] == planned["duration"]
+    assert run(["view", "rover_arm", "--play", str(file), "-o", str(tmp_path / "view.html")]) == 0
     # With the comment signs taken away every example is one that is read.
     text = file.read_text("utf-8").replace("# [", "[").replace("# line", "line").replace("# screw", "screw")
     file.write_text(text.replace("# arc", "arc").replace("# acceleration", "acceleration"), "utf-8")
@@ -36,6 +42,7 @@ def test_a_line_is_planned_to_a_typed_position(capsys: Capture) -> None:
     planned = answer(capsys, "plan", "rover_arm", "--xyz", " ".join(map(str, p)), "--line", "--tool-speed", "0.1")
     np.testing.assert_allclose(arm.fk(planned["waypoints"][-1])[:3, 3], p, atol=1e-6)
     assert planned["duration"] > np.linalg.norm([0.05, 0.05]) / 0.1
+    assert "tool speed" in [each["rate"] for each in planned["binding"]]
 
 
 @pytest.mark.parametrize(

@@ -1,4 +1,4 @@
-"""Time laws along paths: every limit kept, as short as they should be, and what binds is named."""
+"""Time laws along paths: every limit kept, and as short as they should be."""
 
 from __future__ import annotations
 
@@ -67,12 +67,7 @@ def test_limits_of_joints_motors_and_tool_are_kept_and_one_is_met(law: str) -> N
         assert rate == 0
         assert ratio < 1 + 1e-6
         assert deviation < 1e-9
-        owners = {each.owner for each in found.binding}
-        if bounds.ceiling is None:
-            assert ratio > 0.99
-            assert bounds.actuators is None or "motor" in owners
-        else:
-            assert "tool" in owners or law == "s_curve"
+        assert ratio > 0.99 or bounds.ceiling is not None
 
 
 @pytest.mark.parametrize("law", LAWS)
@@ -91,8 +86,6 @@ def test_the_quintic_law_on_a_line_is_the_textbook_s() -> None:
     slow, fast = quintic(line, PathBounds(limits(1, velocity=0.5))), quintic(line, PathBounds(limits(1, velocity=90.0)))
     assert slow.duration == pytest.approx(15 / 8 * 3.0 / 0.5)
     assert fast.duration == pytest.approx(np.sqrt(10 / np.sqrt(3) * 3.0 / 5.0))
-    assert slow.binding[0].describe(["lift"]) == "velocity of joint 'lift'"
-    assert fast.binding[0].describe(["lift"]) == "acceleration of joint 'lift'"
 
 
 def test_what_cannot_be_timed_is_refused() -> None:
@@ -112,12 +105,6 @@ def test_the_time_optimal_law_on_a_line_is_the_trapezoid() -> None:
     short = JointPath([0.0, 1.0], np.array([[[0.1, 0.0]], [[0.0, 0.0]]]))
     assert time_optimal(short, PathBounds(limits(2))).duration == pytest.approx(2 * np.sqrt(0.1 / 5.0), rel=1e-3)
     assert law.duration == pytest.approx(3.0 / 2.0 + 2.0 / 5.0, rel=1e-3)
-    assert [each.describe(["x", "y"]) for each in law.binding] == [
-        "acceleration of joint 'x'",
-        "velocity of joint 'x'",
-        "acceleration of joint 'x'",
-    ]
-    assert law.binding[1].begin == pytest.approx(0.4, abs=0.02)
 
 
 def test_the_s_curve_law_has_no_acceleration_at_its_ends_and_costs_a_few_percent() -> None:

@@ -123,6 +123,7 @@ IK = {"arm": ARM, "theta0": None, "position_tol": 1e-6, "orientation_tol": 1e-6,
 LOADED = {"base": None, "tip": None, "package_dirs": (), "xacro_args": None, "limits": None, "locked": None,
           "srdf": None, "without": ()}  # fmt: skip
 SETTINGS = twistarm.ServoSettings()
+MOVE = {"blend": 0.0, "speed": 1.0, "tool_speed": None, "turn_speed": None, "label": ""}
 
 DOORS: dict[str, tuple[Callable[..., Any], dict[str, Any]]] = {
     "load_arm": (twistarm.load_arm, {"source": "rr_planar", **LOADED}),
@@ -145,6 +146,29 @@ DOORS: dict[str, tuple[Callable[..., Any], dict[str, Any]]] = {
         {"arm": ARM, "waypoints": ["ready", "zero"], "kind": "cubic", "limits": None, "stop_at_waypoints": False,
          "times": None},
     ),
+    "plan": (
+        twistarm.plan,
+        {"arm": ARM, "segments": [twistarm.Dwell(1.0)], "start": None, "limits": None, "kind": "s_curve",
+         "tool_speed": None, "turn_speed": None},
+    ),
+    "JointMove": (twistarm.JointMove, {"to": "ready", **MOVE}),
+    "LineMove": (twistarm.LineMove, {"to": G, **MOVE}),
+    "LineMove.by": (twistarm.LineMove.by, {"offset": [0, 0, 0.1], "frame": "tool", "constrain": None, **MOVE}),
+    "ScrewMove": (twistarm.ScrewMove, {"to": G, **MOVE}),
+    "ScrewMove.about": (
+        twistarm.ScrewMove.about,
+        {"axis": [0, 0, 1.0], "point": [0, 0, 0.1], "angle": 0.3, "pitch": 0.0, "constrain": None, **MOVE},
+    ),
+    "ArcMove": (twistarm.ArcMove, {"via": [0.4, 0, 0.4], "to": G, **MOVE}),
+    "ArcMove.about": (
+        twistarm.ArcMove.about,
+        {"axis": [0, 0, 1.0], "centre": [0, 0, 0.1], "angle": 0.3, "turn": True, "constrain": None, **MOVE},
+    ),
+    "Dwell": (twistarm.Dwell, {"seconds": 1.0, "label": "close gripper"}),
+    "a line": (lambda to: twistarm.plan(ARM, twistarm.LineMove(to)), {"to": G}),
+    "a waypoint": (lambda to: twistarm.plan_joint(ARM, ["ready", to]), {"to": G}),
+    "load_motion": (twistarm.load_motion, {"path": "motion.toml", "arm": ARM}),
+    "binding_limits": (twistarm.binding_limits, {"arm": ARM, "motion": MOTION, "limits": None, "segments": ()}),
     "servo_step": (
         twistarm.servo_step, {"arm": ARM, "state": STATE, "command": None, "dt": 0.01, "settings": SETTINGS},
     ),

@@ -1,5 +1,6 @@
 """Motions in time: planned inside the joint limits, evaluated at any instant, written to files and read back."""
 
+from .binding import Binding, binding_limits
 from .cartesian.refusal import PathError
 from .files.load import load_trajectory
 from .joint_space import plan_joint
@@ -10,6 +11,7 @@ from .trajectory import Samples, Trajectory
 
 __all__ = [
     "ArcMove",
+    "Binding",
     "Dwell",
     "JointMove",
     "LineMove",
@@ -18,6 +20,7 @@ __all__ = [
     "Samples",
     "ScrewMove",
     "Trajectory",
+    "binding_limits",
     "load_motion",
     "load_trajectory",
     "plan",

@@ -25,26 +25,20 @@ def bernstein(coefficients: Array, durations: Array) -> Array:
     return np.tensordot(_from_powers(degree), coefficients * scale, 1)
 
 
-def largest(coefficients: Array, durations: Array, enough: float = ENOUGH) -> tuple[float, int, int]:
-    """An upper bound of max abs p(σ) of polynomials (d + 1, k, r), and the piece and the component where it lies.
+def largest(coefficients: Array, durations: Array, enough: float = ENOUGH) -> float:
+    """An upper bound of max abs p(σ) of polynomials (d + 1, k, r) on k pieces.
 
     Branch and bound: pieces whose coefficients exceed the largest value seen are halved (de Casteljau) until the bound
     is within the part `enough` of a value that is taken.
     """
-    degree, shape = len(coefficients) - 1, coefficients.shape[1:]
-    b = np.moveaxis(bernstein(coefficients, durations), 0, -1).reshape(-1, degree + 1)
-    owner = np.arange(len(b))
-    taken, where = 0.0, 0
+    b = np.moveaxis(bernstein(coefficients, durations), 0, -1).reshape(-1, len(coefficients))
+    taken = 0.0
     while True:
-        ends = np.maximum(np.abs(b[:, 0]), np.abs(b[:, -1]))
-        best = int(np.argmax(ends))
-        if ends[best] > taken:
-            taken, where = float(ends[best]), int(owner[best])
+        taken = max(taken, float(np.abs(b[:, [0, -1]]).max()))
         above = np.abs(b).max(-1) > taken * (1.0 + enough)
         if not above.any():
-            piece, component = np.unravel_index(where, shape)
-            return taken * (1.0 + enough), int(piece), int(component)
-        b, owner = np.concatenate(_halves(b[above])), np.tile(owner[above], 2)
+            return taken * (1.0 + enough)
+        b = np.concatenate(_halves(b[above]))
 
 
 def _halves(b: Array) -> tuple[Array, Array]:

@@ -13,7 +13,7 @@ from ..ik.targets import KINDS as TARGETS
 from ..ik.targets import TargetLike
 from ..limits.joint_limits import JointLimits
 from ..model.arm import Arm, require_arm
-from ..support.checks import Array, RealArray, Row, as_flag, as_floats, require_callback, require_choice
+from ..support.checks import Array, RealArray, Row, as_flag, as_floats, as_reals, require_callback, require_choice
 from ..support.errors import InputError, NotConvergedError, shown
 from . import spline, timing
 from .pulling_in import pulled_in
@@ -159,7 +159,7 @@ def as_limits(arm: Arm, limits: JointLimits | Mapping[str, Any] | None) -> Joint
 
 def _waypoint(arm: Arm, waypoint: Any, index: int, near: Array) -> Array:
     """The configuration (n,) of a waypoint, for a target the nearest found to `near` (n,)."""
-    if isinstance(waypoint, TARGETS) or np.shape(waypoint) == (4, 4):
+    if isinstance(waypoint, TARGETS) or _is_pose(waypoint):
         solution = solve_ik(arm, waypoint, near, posture="theta0")
         if not solution.converged:
             raise NotConvergedError(f"waypoint {index} (counted from 0) is not met: {solution.explain()}", solution)
@@ -168,6 +168,12 @@ def _waypoint(arm: Arm, waypoint: Any, index: int, near: Array) -> Array:
     if theta.ndim != 1:
         raise InputError(f"waypoint {index} must be one configuration ({arm.n},); got {theta.shape}")
     return theta
+
+
+def _is_pose(waypoint: Any) -> bool:
+    """Whether it is a pose (4, 4) rather than a configuration, or nothing of use."""
+    plain = not isinstance(waypoint, str | Mapping) and waypoint is not None
+    return plain and as_reals(waypoint, "a waypoint").shape == (4, 4)
 
 
 def _as_times(times: ArrayLike, count: int) -> Array:

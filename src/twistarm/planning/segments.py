@@ -15,6 +15,7 @@ from ..support.checks import (
     Row,
     as_direction,
     as_flag,
+    as_floats,
     as_not_negative,
     as_number,
     as_positive,
@@ -287,8 +288,8 @@ def as_goal(value: Any) -> Goal:
         return value
     if value is None:
         raise InputError("a move needs a goal: a configuration, the name of one, or a target such as Pose(g)")
-    array = np.asarray(value)
-    return Pose(array) if array.shape == (4, 4) else value
+    numbers = as_floats(value, "a goal that is no name and no target")
+    return Pose(numbers) if numbers.shape == (4, 4) else frozen(numbers)
 
 
 def as_label(value: Any) -> str:
@@ -316,5 +317,5 @@ def _point(value: Any) -> Array:
     """The position of a target, or the point itself."""
     if isinstance(value, KINDS):
         return np.array(value.g[:3, 3] if hasattr(value, "g") else value.p)
-    array = np.asarray(value)
-    return np.array(Pose(array).g[:3, 3]) if array.shape == (4, 4) else _one(value, "via")
+    numbers = as_floats(value, "via")
+    return np.array(Pose(numbers).g[:3, 3]) if numbers.shape == (4, 4) else _one(numbers, "via")

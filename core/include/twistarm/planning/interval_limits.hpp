@@ -84,27 +84,19 @@ public:
         return {a_, b_, count_};
     }
 
-    /// How far the interval uses the limit that it uses most, 1 for up to it, and which: velocities of the rows, then
-    /// accelerations, then the ceiling.
-    T share(int i, T x0, T x1, int& which) {
+    /// How far the interval uses the limit that it uses most, 1 for up to it.
+    T share(int i, T x0, T x1) {
         enter(i);
         const int e = path_.degree - 1, n = path_.rows;
         const T s_ddot = (x1 - x0) / (T(2) * (grid_[i + 1] - grid_[i])), half = T(0.5);
         T most = half * (x0 + x1) / (path_.ceiling[piece_] * path_.ceiling[piece_]);
-        which = 2 * n;
         for (int r = 0; r < n; ++r) {
             const T v0 = dp_[0][r] * per_velocity_[r], v1 = dp_[e][r] * per_velocity_[r];
             const T a0 = dp_[0][r] * s_ddot + ddp_[0][r] * x0, a1 = dp_[e][r] * s_ddot + ddp_[e - 1][r] * x1;
             const T velocity = half * (v0 * v0 * x0 + v1 * v1 * x1);
             const T acceleration = half * (absolute(a0) + absolute(a1)) * per_acceleration_[r];
-            if (velocity > most) {
-                most = velocity;
-                which = r;
-            }
-            if (acceleration > most) {
-                most = acceleration;
-                which = n + r;
-            }
+            if (velocity > most) most = velocity;
+            if (acceleration > most) most = acceleration;
         }
         return most;
     }

@@ -5,7 +5,6 @@ from __future__ import annotations
 import sys
 from collections.abc import Callable
 from contextlib import ExitStack
-from dataclasses import replace
 from pathlib import Path
 from typing import Annotated
 
@@ -14,7 +13,7 @@ import typer
 
 from ...model.arm import Arm
 from ...model.usual_limits import defaults_line, usually_limited
-from ...planning import Trajectory, load_trajectory
+from ...planning import Trajectory
 from ...servo import ServoSettings
 from ...stream import FollowControl, FollowCycle, Interlock, read_key
 from ...stream import follow as follow_on
@@ -48,11 +47,14 @@ from ..robot import (
 )
 from ..servo_report import follow_json, follow_table
 from ..typed import parse_theta
-from .motion import Rate, capped
+from .motion import Rate, motion_of_file
 from .viewing import Browser, Host, Port
 
 Motion = Annotated[
-    Path, typer.Argument(metavar="MOTION", help="A *.csv, *.json or *.yaml, as `twistarm plan -o` writes it.")
+    Path,
+    typer.Argument(
+        metavar="MOTION", help="A *.csv, *.json or *.yaml, as `twistarm plan -o` writes it, or a motion.toml to plan."
+    ),
 ]
 Stand = Annotated[str | None, POSTURE]
 Approach = Annotated[
@@ -100,8 +102,8 @@ def follow(
     require_positive(feedback_timeout=feedback_timeout)
     if speed > 1.0:
         raise InputError(f"--speed is a share of the motion's own, at most 1; got {speed:g}")
-    driven = replace(arm, limits=capped(arm, {"velocity": velocity, "acceleration": acceleration}))
-    planned = motion_of(usually_limited(driven), load_trajectory(driven, motion))
+    driven, read = motion_of_file(arm, motion, {"velocity": velocity, "acceleration": acceleration})
+    planned = motion_of(usually_limited(driven), read)
     x = _standing(arm, theta, planned, rad)
     admitted = Admitted(tuple(senders or ()), None if key is None else read_key(key))
     out, control, interlock = sys.stderr if json else sys.stdout, FollowControl(), Interlock()

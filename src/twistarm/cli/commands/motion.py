@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import asdict, dataclass, replace
 from enum import Enum
+from pathlib import Path
 from typing import Annotated, Any
 
 import numpy as np
@@ -14,11 +15,23 @@ from ...limits.joint_limits import JointLimits
 from ...model.arm import Arm
 from ...model.ready_pose import named_ready
 from ...model.usual_limits import defaults_line, with_defaults
-from ...planning import JointMove, LineMove, MotionFile, Trajectory, load_motion, plan_joint
+from ...planning import (
+    Binding,
+    JointMove,
+    LineMove,
+    MotionFile,
+    Trajectory,
+    binding_limits,
+    load_motion,
+    load_trajectory,
+    plan_joint,
+)
 from ...planning import plan as plan_segments
 from ...planning.files.c_header import SUFFIXES, header_text
 from ...planning.files.csv_file import csv_text
 from ...planning.files.joint_trajectory import json_text, yaml_text
+from ...planning.motion import as_segments
+from ...planning.segments import Segment
 from ...planning.spans import Progress
 from ...support.checks import Array, as_positive
 from ...support.errors import InputError
@@ -27,6 +40,9 @@ from ..output import console, note, number, print_json, progress_bar, say, shown
 from ..outputs import STDOUT, Force, Format, outputs_of
 from ..targets import Axis, Direction, Rpy, typed_orientation
 from ..typed import POSE, XYZ, parse_numbers, parse_theta
+
+MOST_STRETCHES = 8
+"""So many rows of binding limits are shown; --json has them all."""
 
 COUNTED = ("csv", "header")
 """The kinds of files that may hold what drives count in place of the joints."""
@@ -134,15 +150,16 @@ def plan(
     asked = Asked(arm, limits, None if kind is None else kind.value, start, rad)
     with progress_bar("planning") as progress:
         if file is not None:
-            planned = asked.of_file(file, progress)
+            planned, segments = asked.of_file(file, progress)
         elif xyz or line:
             goals = [orientation.at(parse_numbers(text, 3, "--xyz")) for text in xyz] if xyz else asked.poses(to)[1:]
             options: dict[str, Any] = {"tool_speed": tool_speed, "blend": 0.0 if stop else blend}
-            planned = asked.through(goals, LineMove if line else JointMove, options, progress)
+            planned, segments = asked.through(goals, LineMove if line else JointMove, options, progress)
         else:
             poses = asked.poses(to)
             how: Any = "cubic" if kind is None else kind.value
             planned = plan_joint(arm, poses, kind=how, limits=limits, stop_at_waypoints=stop, progress=progress)
+            segments = []
     if start is None and motion is None:
         note(_start(arm, rad))
     header = next((name for kind, name in outputs.files if kind == "header" and name != STDOUT), "motion.h")
@@ -154,13 +171,24 @@ def plan(
             "header": lambda: header_text(planned, header, counts=counts),
         }
     )
+    binding = binding_limits(arm, planned, limits=limits, segments=segments)
     if json:
-        print_json({**_as_json(arm, planned, written), "start": origin, "assumed": defaults_line(arm, given) or None})
+        said = {"start": origin, "assumed": defaults_line(arm, given) or None}
+        print_json({**_as_json(arm, planned, written), **said, "binding": [asdict(each) for each in binding]})
         return
     if assumed := defaults_line(arm, given):
         say(f"{assumed} (--velocity, --acceleration)", file=outputs.words)
     console(outputs.words).print(plan_table(arm, planned, rad, limits))
+    if binding:
+        console(outputs.words).print(binding_table(binding))
     outputs.say(written)
+
+
+Caps = Mapping[str, float | None]
+"""The greatest velocity and acceleration of any joint, as typed."""
+
+Planned = tuple[Trajectory, list[Segment]]
+"""A motion, and the segments that it was planned by."""
 
 
 @dataclass(frozen=True)
@@ -180,28 +208,41 @@ class Asked:
             poses.append(parse_theta(self.arm, text, self.radians, ("the pose before", poses[-1])))
         return poses
 
-    def of_file(self, content: MotionFile, progress: Progress) -> Trajectory:
+    def of_file(self, content: MotionFile, progress: Progress) -> Planned:
         """The motion of a motion.toml; what is typed beside it goes before what it says."""
         start: Any = content.start if self.start is None else self.poses(())[0]
         kind: Any = self.kind or content.kind or "s_curve"
-        speeds = {"tool_speed": content.tool_speed, "turn_speed": content.turn_speed}
-        return plan_segments(
-            self.arm, content.segments, start=start, limits=self.limits, kind=kind, progress=progress, **speeds
-        )
+        segments = as_segments(content.segments, content.tool_speed, content.turn_speed)
+        return self._planned(segments, start, kind, progress)
 
     def through(
         self, goals: Sequence[Any], move: type[JointMove | LineMove], options: dict[str, Any], progress: Progress
-    ) -> Trajectory:
+    ) -> Planned:
         """A motion by the same kind of move to each goal."""
         last = {**options, "blend": 0.0}
-        segments = [move(goal, **(last if i + 1 == len(goals) else options)) for i, goal in enumerate(goals)]
-        kind: Any = self.kind or "s_curve"
-        return plan_segments(
-            self.arm, segments, start=self.poses(())[0], limits=self.limits, kind=kind, progress=progress
-        )
+        segments: list[Segment] = []
+        for i, goal in enumerate(goals):
+            segments.append(move(goal, **(last if i + 1 == len(goals) else options)))
+        return self._planned(segments, self.poses(())[0], self.kind or "s_curve", progress)
+
+    def _planned(self, segments: list[Segment], start: Any, kind: Any, progress: Progress) -> Planned:
+        motion = plan_segments(self.arm, segments, start=start, limits=self.limits, kind=kind, progress=progress)
+        return motion, segments
 
 
-def capped(arm: Arm, caps: dict[str, float | None], changes: Mapping[str, Any] | None = None) -> JointLimits:
+def motion_of_file(arm: Arm, path: Path, caps: Caps) -> tuple[Arm, Trajectory]:
+    """The motion that a file holds, or that its segments describe (*.toml), and the arm with the limits it keeps."""
+    if path.suffix.lower() != ".toml":
+        driven = replace(arm, limits=capped(arm, caps))
+        return driven, load_trajectory(driven, path)
+    content = load_motion(path, arm)
+    driven = replace(arm, limits=capped(arm, caps, content.limits))
+    with progress_bar("planning") as progress:
+        motion, _ = Asked(driven, with_defaults(driven), None, None, False).of_file(content, progress)
+    return driven, motion
+
+
+def capped(arm: Arm, caps: Caps, changes: Mapping[str, Any] | None = None) -> JointLimits:
     """The arm's limits with `changes`, none above what was typed; a limit that was not given takes the typed value."""
     limits = arm.limits.with_(changes or {}, arm.joint_names)
     for name, cap in caps.items():
@@ -234,6 +275,18 @@ def plan_table(arm: Arm, planned: Trajectory, radians: bool, limits: JointLimits
     rows = [list(row) for row in zip(arm.joint_names, units(arm, radians), *columns.values(), strict=True)]
     title = f"{arm.name}: {number(planned.duration, 3)} s"
     return table(title, ["joint", "unit", *columns], rows, text=["unit"])
+
+
+def binding_table(binding: Sequence[Binding]) -> Any:
+    """The limit that each stretch of a motion uses most; of many, the longest in the order of time."""
+    longest = sorted(binding, key=lambda each: each.begin - each.end)[:MOST_STRETCHES]
+    rows = [
+        [number(each.begin, 3), number(each.end, 3), each.describe(), f"{100.0 * each.share:.0f} %"]
+        for each in sorted(longest, key=lambda each: each.begin)
+    ]
+    left = len(binding) - len(longest)
+    title = "limits used most" + (f" ({left} shorter stretches are in --json)" if left else "")
+    return table(title, ["from [s]", "to [s]", "limit", "used"], rows, text=["limit"])
 
 
 def _as_json(arm: Arm, planned: Trajectory, written: list[str]) -> dict[str, Any]:

@@ -13,7 +13,6 @@ from typing import Annotated, Any
 import typer
 
 from ...loading.load import load_arm
-from ...planning import load_trajectory
 from ...support.errors import InputError
 from ...viewer import Viewer, page_html
 from ...viewer.files.scene_snapshot import of_arm
@@ -24,6 +23,7 @@ from ..output import say, warn
 from ..outputs import Force, Format, outputs_of
 from ..typed import parse_theta
 from .kinematics import warn_outside
+from .motion import motion_of_file
 
 Port = Annotated[
     int,
@@ -43,6 +43,10 @@ Output = Annotated[
         help="Write a stand-alone page (*.html) or a picture (*.png) instead; - is standard output; repeat it.",
     ),
 ]
+Play = Annotated[
+    Path | None,
+    typer.Option(metavar="FILE", help="Play a motion that `twistarm plan` wrote, or that of a motion.toml."),
+]
 Fresh = Annotated[
     bool, typer.Option("--fresh", help="With --port: begin with a new address, and without the poses kept for it.")
 ]
@@ -60,7 +64,7 @@ def view(
     browser: Browser = True,
     fresh: Fresh = False,
     watch: Watch = False,
-    play: Annotated[Path | None, typer.Option(metavar="FILE", help="Play a motion that `twistarm plan` wrote.")] = None,
+    play: Play = None,
     output: Output = None,
     form: Format = None,
     force: Force = False,
@@ -79,7 +83,7 @@ def view(
     x = None if theta is None else parse_theta(arm, theta, rad)
     if x is not None:
         warn_outside(arm, x, rad)
-    motion = None if play is None else load_trajectory(arm, play)
+    motion = None if play is None else motion_of_file(arm, play, {})[1]
     if outputs.files and (watch or fresh):
         raise InputError("--watch and --fresh are for a page that is served: they do not go with -o FILE")
     if outputs.files:

@@ -2,9 +2,9 @@
 
 from .bounds import PathBounds
 from .double_s import double_s
-from .law import Binding, TimeLaw
+from .law import TimeLaw
 from .quintic import quintic
 from .s_curve import s_curve
 from .time_optimal import time_optimal
 
-__all__ = ["Binding", "PathBounds", "TimeLaw", "double_s", "quintic", "s_curve", "time_optimal"]
+__all__ = ["PathBounds", "TimeLaw", "double_s", "quintic", "s_curve", "time_optimal"]

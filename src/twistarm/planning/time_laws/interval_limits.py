@@ -80,19 +80,16 @@ def rows(path: LimitedPath, tangent: Array, bend: Array, ceiling: Array, steps: 
     return np.concatenate(A, axis=1), np.concatenate(B, axis=1)
 
 
-def used(
-    path: LimitedPath, tangent: Array, bend: Array, ceiling: Array, steps: Array, x: Array
-) -> tuple[Array, np.ndarray[tuple[int], np.dtype[np.intp]]]:
-    """How far each interval uses the limit that it uses most, (N,), 1 for up to it, and which: see `path_velocity`."""
+def used(path: LimitedPath, tangent: Array, bend: Array, ceiling: Array, steps: Array, x: Array) -> Array:
+    """How far each interval uses the limit that it uses most, (N,), 1 for up to it."""
     s_ddot = (np.diff(x) / (2.0 * steps))[:, None]
     velocity, acceleration, tool = np.zeros_like(bend[0]), np.zeros_like(bend[0]), np.zeros_like(s_ddot)
     for end, here in ((0, x[:-1, None]), (-1, x[1:, None])):
         velocity += 0.5 * (tangent[end] / path.velocity) ** 2 * here
         acceleration += 0.5 * np.abs(tangent[end] * s_ddot + bend[end] * here) / path.acceleration
         tool += 0.5 * here / ceiling[:, None] ** 2
-    share = np.concatenate([velocity, acceleration, tool], axis=1)
-    which = np.argmax(share, axis=1)
-    return np.take_along_axis(share, which[:, None], 1)[:, 0], which
+    share: Array = np.concatenate([velocity, acceleration, tool], axis=1).max(axis=1)
+    return share
 
 
 def _squared(polynomial: Array) -> Array:

@@ -2,9 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Literal
 
 import numpy as np
 
@@ -14,32 +12,8 @@ from ...support.errors import InputError
 from ..joint_path import Indices, JointPath
 from ..piecewise import composed
 
-Rate = Literal["velocity", "acceleration", "jerk", "tool speed"]
-RATES: tuple[Rate, ...] = ("velocity", "acceleration", "jerk")
-
 APART = 1e-12
 """Instants nearer than this part of the whole are one."""
-
-
-@dataclass(frozen=True)
-class Binding:
-    """What keeps a motion from being faster from `begin` to `end` [s]: a rate of joint or motor `index`, or the tool's.
-
-    `rate` is "velocity", "acceleration" or "jerk", of `owner` "joint" or "motor"; or "tool speed", of owner "tool".
-    """
-
-    begin: float
-    end: float
-    rate: Rate
-    owner: Literal["joint", "motor", "tool"]
-    index: int = 0
-
-    def describe(self, joint_names: Sequence[str], motor_names: Sequence[str] = ()) -> str:
-        """Such as "velocity of joint 'elbow'"."""
-        if self.owner == "tool":
-            return self.rate
-        names = joint_names if self.owner == "joint" else motor_names
-        return f"{self.rate} of {self.owner} {names[self.index]!r}"
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -47,12 +21,11 @@ class TimeLaw:
     """s(t), a polynomial on each of k pieces, from 0 to the length of a path, at rest at both ends.
 
     `breakpoints` (k + 1,) [s] starts at 0; `coefficients` (degree + 1, k), highest power of t − breakpoints[i] first.
-    Each of its pieces lies within one of the path's. `binding` says what limits it, stretch by stretch.
+    Each of its pieces lies within one of the path's.
     """
 
     breakpoints: Array
     coefficients: Array
-    binding: tuple[Binding, ...] = ()
 
     def __post_init__(self) -> None:
         for name in ("breakpoints", "coefficients"):

@@ -11,7 +11,7 @@ from ..joint_path import JointPath
 from ..piecewise import derivative
 from ..spans import LONGEST, MARGIN, SHORTEST
 from .bounds import PathBounds
-from .law import RATES, Binding, Rate, TimeLaw
+from .law import TimeLaw
 
 
 def at_full_pace(path: JointPath, law: TimeLaw, bounds: PathBounds, jerk: Array) -> TimeLaw:
@@ -19,8 +19,7 @@ def at_full_pace(path: JointPath, law: TimeLaw, bounds: PathBounds, jerk: Array)
 
     A law f times as slow has 1/f of the velocity, 1/f² of the acceleration and 1/f³ of the jerk.
     """
-    factor, rate, row = pace_needed(path, law, bounds, jerk)
-    factor *= 1.0 + MARGIN
+    factor = pace_needed(path, law, bounds, jerk) * (1.0 + MARGIN)
     duration = law.duration * factor
     if not SHORTEST <= duration <= LONGEST:
         raise InputError(
@@ -28,20 +27,17 @@ def at_full_pace(path: JointPath, law: TimeLaw, bounds: PathBounds, jerk: Array)
             "planned: check the units of both"
         )
     slower = (1.0 / factor) ** np.arange(len(law.coefficients) - 1, -1, -1.0)[:, None]
-    binding = Binding(0.0, duration, rate, *(("tool", 0) if rate == "tool speed" else bounds.owners[row]))
-    return TimeLaw(law.breakpoints * factor, law.coefficients * slower, (binding,))
+    return TimeLaw(law.breakpoints * factor, law.coefficients * slower)
 
 
-def pace_needed(
-    path: JointPath, law: TimeLaw, bounds: PathBounds, jerk: Array, enough: float = ENOUGH
-) -> tuple[float, Rate, int]:
-    """By what factor, to the part `enough`, the law must be slowed, and which rate of which row says so."""
+def pace_needed(path: JointPath, law: TimeLaw, bounds: PathBounds, jerk: Array, enough: float = ENOUGH) -> float:
+    """By what factor, to the part `enough`, the law must be slowed."""
     breakpoints, coefficients = law.along(path)
     steps = np.diff(breakpoints)
-    rows, needed = coefficients @ bounds.C.T, []
-    for order, (rate, limit) in enumerate(zip(RATES, (bounds.velocity, bounds.acceleration, jerk), strict=True), 1):
-        ratio, _, row = largest(derivative(rows, order) / limit, steps, enough)
-        needed.append((ratio ** (1.0 / order), rate, row))
+    rows: Array = coefficients @ bounds.C.T
+    needed: list[float] = []
+    for order, limit in enumerate((bounds.velocity, bounds.acceleration, jerk), start=1):
+        needed.append(largest(derivative(rows, order) / limit, steps, enough) ** (1.0 / order))
     speed = derivative(law.coefficients[:, :, None]) / bounds.ceiling_of(path)[law.pieces(path)][:, None]
-    needed.append((largest(speed, steps)[0], "tool speed", 0))
+    needed.append(largest(speed, steps))
     return max(needed)

@@ -9,7 +9,6 @@ from __future__ import annotations
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from ...model import engine
 from ...support.checks import Array
@@ -27,14 +26,10 @@ SHORTEST_STEP = 1.0 - 1e-13
 
 
 class Profile(NamedTuple):
-    """x = ṡ² (N + 1,) on a grid; how far each interval uses its tightest limit (N,); and which limit that is (N,).
-
-    Of r rows of limits 0 … r − 1 are velocities, r … 2 r − 1 accelerations, and 2 r is the ceiling of ṡ.
-    """
+    """x = ṡ² (N + 1,) on a grid, and how far each interval uses its tightest limit (N,)."""
 
     x: Array
     share: Array
-    which: NDArray[np.intp]
 
 
 def path_velocity(path: LimitedPath, grid: Array) -> Profile:
@@ -47,8 +42,7 @@ def path_velocity(path: LimitedPath, grid: Array) -> Profile:
     found = None if core is None else core.path_velocity(*vars(path).values(), grid, _most(path))
     if found is None:
         return in_numpy(path, grid)
-    x, share, which = found
-    return Profile(x, share, which.astype(np.intp))
+    return Profile(*found)
 
 
 def in_numpy(path: LimitedPath, grid: Array) -> Profile:
@@ -56,7 +50,7 @@ def in_numpy(path: LimitedPath, grid: Array) -> Profile:
     tangent, bend, ceiling = derivatives(path, grid)
     steps = np.diff(grid)
     x = passes(*rows(path, tangent, bend, ceiling, steps), _most(path))
-    return Profile(x, *used(path, tangent, bend, ceiling, steps, x))
+    return Profile(x, used(path, tangent, bend, ceiling, steps, x))
 
 
 def _most(path: LimitedPath) -> float:

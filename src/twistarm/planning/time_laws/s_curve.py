@@ -41,7 +41,7 @@ def s_curve(path: JointPath, bounds: PathBounds, progress: Progress | None = Non
         progress: Called with the fraction done, in (0, 1], or None.
 
     Returns:
-        The law; its `binding` is the one limit that says how fast it is.
+        The law.
 
     Raises:
         InputError: As `time_optimal`.
@@ -51,7 +51,7 @@ def s_curve(path: JointPath, bounds: PathBounds, progress: Progress | None = Non
         return TimeLaw.at_once()
     fastest = time_optimal(path, replace(bounds, ceiling=_ceiling(path, bounds)), progress)
     tried = (smoothed(fastest, width * _slowest_rise(bounds), path) for width in WINDOWS)
-    shortest = min(tried, key=lambda law: law.duration * pace_needed(path, law, bounds, bounds.jerk, ROUGHLY)[0])
+    shortest = min(tried, key=lambda law: law.duration * pace_needed(path, law, bounds, bounds.jerk, ROUGHLY))
     return at_full_pace(path, shortest, bounds, bounds.jerk)
 
 

@@ -2,10 +2,7 @@
 
 from __future__ import annotations
 
-import itertools
-
 import numpy as np
-from numpy.typing import NDArray
 
 from ...support.checks import Array
 from ...support.errors import InputError
@@ -13,7 +10,7 @@ from ..joint_path import JointPath
 from ..spans import LONGEST, SHORTEST, Progress
 from .bounds import PathBounds
 from .interval_limits import LimitedPath
-from .law import Binding, Rate, TimeLaw
+from .law import TimeLaw
 from .path_velocity import Profile, path_velocity
 
 FIRST = 150
@@ -52,7 +49,7 @@ def time_optimal(path: JointPath, bounds: PathBounds, progress: Progress | None 
         progress: Called with the fraction done, in (0, 1], or None.
 
     Returns:
-        The law; its `binding` names the tightest limit of every stretch.
+        The law.
 
     Raises:
         InputError: The limits do not fit the path, or are so far from it that the motion would take less than 1e-9 s
@@ -75,7 +72,7 @@ def time_optimal(path: JointPath, bounds: PathBounds, progress: Progress | None 
             break
         shortest = duration
         grid = np.sort(np.concatenate([grid, (0.5 * (grid[:-1] + grid[1:]))[coarse]]))
-    return _law(grid, profile, durations, bounds)
+    return _law(grid, profile, durations)
 
 
 def _first_grid(breakpoints: Array) -> Array:
@@ -99,22 +96,7 @@ def _durations(grid: Array, x: Array) -> Array:
     return durations
 
 
-def _law(grid: Array, profile: Profile, durations: Array, bounds: PathBounds) -> TimeLaw:
+def _law(grid: Array, profile: Profile, durations: Array) -> TimeLaw:
     breakpoints = np.concatenate([[0.0], np.cumsum(durations)])
     coefficients = np.stack([0.25 * np.diff(profile.x) / np.diff(grid), np.sqrt(profile.x[:-1]), grid[:-1]])
-    return TimeLaw(breakpoints, coefficients, _stretches(breakpoints, profile.which, bounds))
-
-
-def _stretches(breakpoints: Array, which: NDArray[np.intp], bounds: PathBounds) -> tuple[Binding, ...]:
-    """What binds, from when to when: neighbouring intervals that the same limit binds are one stretch."""
-    r = len(bounds.owners)
-    changes = np.concatenate([[0], np.flatnonzero(np.diff(which)) + 1, [len(which)]])
-    stretches = []
-    for i, j in itertools.pairwise(changes):
-        begin, end, limit = float(breakpoints[i]), float(breakpoints[j]), int(which[i])
-        if limit == 2 * r:
-            stretches.append(Binding(begin, end, "tool speed", "tool"))
-        else:
-            rate: Rate = "velocity" if limit < r else "acceleration"
-            stretches.append(Binding(begin, end, rate, *bounds.owners[limit % r]))
-    return tuple(stretches)
+    return TimeLaw(breakpoints, coefficients)

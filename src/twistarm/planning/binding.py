@@ -1,0 +1,176 @@
+"""Binding limits: what keeps a motion from being faster, stretch by stretch."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any, Literal
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..limits.joint_limits import JointLimits
+from ..model.arm import Arm, require_arm
+from ..support.checks import Array
+from ..support.errors import InputError, shown
+from .joint_space import as_limits
+from .motion import as_segments
+from .segments import Move, Segment
+from .time_laws.bounds import PathBounds
+from .trajectory import Trajectory
+
+Rate = Literal["velocity", "acceleration", "jerk", "tool speed", "turn speed"]
+
+LOOKS = 2000
+"""Instants of a motion that are looked at, about; at least three in each of its pieces."""
+
+ALIKE = 1e-3
+"""A share that is less by no more than this part is as great: where joints move in proportion, one of them is named."""
+
+SLIVER = 5e-3
+"""A stretch shorter than this part of the motion belongs to the one before it."""
+
+
+@dataclass(frozen=True)
+class Binding:
+    """The limit that a motion uses most from `begin` to `end` [s].
+
+    `rate` is "velocity", "acceleration" or "jerk" of `owner` "joint" or "motor", by its `name`, or the "tool speed" or
+    "turn speed" of owner "tool"; `share` is the greatest part of the limit that is used there: 1 where the motion is
+    as fast as it may be.
+    """
+
+    begin: float
+    end: float
+    rate: Rate
+    owner: Literal["joint", "motor", "tool"]
+    name: str
+    share: float
+
+    def describe(self) -> str:
+        """Such as "velocity of joint 'elbow'"."""
+        return self.rate if self.owner == "tool" else f"{self.rate} of {self.owner} {self.name!r}"
+
+
+def binding_limits(
+    arm: Arm,
+    motion: Trajectory,
+    *,
+    limits: JointLimits | Mapping[str, Any] | None = None,
+    segments: Sequence[Segment] = (),
+) -> tuple[Binding, ...]:
+    """The limit that each stretch of a motion uses most: what must be raised for the motion to be faster there.
+
+    Of every joint and motor j and every rate the share |rate_j(t)| / limit_j is compared, at some 2,000 instants; as
+    long as the same one is the greatest it is one stretch. A rate that is not limited does not count, and where the
+    arm stands nothing binds. Stretches shorter than 0.5 % of the motion belong to the one before.
+
+    Args:
+        arm: The arm, whose motors' limits count too.
+        motion: The motion of its joints.
+        limits: As they were given to `plan` or `plan_joint`.
+        segments: Those given to `plan`: their shares of the joints' velocities and speeds of the tool count.
+
+    Returns:
+        The stretches in the order of time, with gaps where the arm stands; () for a motion of duration 0.
+
+    Raises:
+        InputError: The motion is not of this arm's joints, or the segments are not those that it was planned by.
+    """
+    require_arm(arm)
+    if not isinstance(motion, Trajectory) or motion.joint_names != arm.joint_names:
+        raise InputError(f"motion must be a Trajectory of the arm's joints; got {shown(motion)}")
+    none = isinstance(segments, Sequence) and not segments
+    moves = [] if none else as_segments(segments, None, None)
+    if moves and len(moves) + 1 != len(motion.times):
+        raise InputError(
+            f"a motion of {len(moves)} segments has {len(moves) + 1} waypoints; this one has {len(motion.times)}"
+        )
+    bounds = PathBounds(as_limits(arm, limits), arm.actuators)
+    t, between = _instants(motion)
+    shares = np.concatenate([_of_joints(motion, bounds, moves, t), _of_tool(arm, motion, moves, t)], axis=1)
+    rows = _rows(arm, bounds)
+    return tuple(
+        Binding(begin, end, *rows[row], share) for begin, end, row, share in _stretches(motion, t, between, shares)
+    )
+
+
+def _instants(motion: Trajectory) -> tuple[Array, Array]:
+    """Instants (m,) inside the pieces of a motion, and what lies halfway between two, or parts their pieces."""
+    if not motion.duration:
+        return np.empty(0), np.empty(0)
+    steps = np.diff(motion.breakpoints)
+    looks = np.maximum(3, np.ceil(LOOKS * steps / motion.duration)).astype(np.intp)
+    piece = np.repeat(np.arange(len(steps)), looks)
+    nth = np.arange(len(piece)) - np.repeat(np.cumsum(looks) - looks, looks)
+    t: Array = motion.breakpoints[piece] + steps[piece] * (nth + 0.5) / looks[piece]
+    return t, np.where(np.diff(piece) > 0, motion.breakpoints[piece[1:]], 0.5 * (t[1:] + t[:-1]))
+
+
+def _of_joints(motion: Trajectory, bounds: PathBounds, moves: Sequence[Segment], t: Array) -> Array:
+    """(m, 3 r): the shares of velocity, acceleration and jerk of every joint and motor."""
+    velocity = np.abs(motion(t, 1) @ bounds.C.T) / bounds.velocity
+    n = motion.n
+    for move, among in _spans(motion, moves, t):
+        velocity[among, :n] /= move.speed
+    acceleration = np.abs(motion(t, 2) @ bounds.C.T) / bounds.acceleration
+    jerk = np.abs(motion(t, 3) @ bounds.C.T) / bounds.given_jerk
+    return np.concatenate([velocity, acceleration, jerk], axis=1)
+
+
+def _of_tool(arm: Arm, motion: Trajectory, moves: Sequence[Segment], t: Array) -> Array:
+    """(m, 2): the shares of the speeds of the tool's origin and of its rotation, 0 where a segment gives none."""
+    shares = np.zeros((len(t), 2))
+    for move, among in _spans(motion, moves, t):
+        if move.tool_speed is None and move.turn_speed is None:
+            continue
+        twist = (arm.body_jacobian(motion(t[among])) @ motion(t[among], 1)[..., None])[..., 0]
+        for column, (most, part) in enumerate(((move.tool_speed, twist[:, :3]), (move.turn_speed, twist[:, 3:]))):
+            if most is not None:
+                shares[among, column] = np.linalg.norm(part, axis=-1) / most
+    return shares
+
+
+def _spans(motion: Trajectory, moves: Sequence[Segment], t: Array) -> Iterator[tuple[Move, NDArray[np.bool_]]]:
+    """The moves, and which of the instants lie in each."""
+    for i, move in enumerate(moves):
+        if isinstance(move, Move):
+            yield move, (t >= motion.times[i]) & (t < motion.times[i + 1])
+
+
+def _rows(arm: Arm, bounds: PathBounds) -> list[tuple[Rate, Literal["joint", "motor", "tool"], str]]:
+    """What each column of the shares is of."""
+    motors = () if arm.actuators is None else arm.actuators.names
+    names = {"joint": arm.joint_names, "motor": motors}
+    rates: tuple[Rate, ...] = ("velocity", "acceleration", "jerk")
+    rows: list[tuple[Rate, Literal["joint", "motor", "tool"], str]] = [
+        (rate, owner, names[owner][index]) for rate in rates for owner, index in bounds.owners
+    ]
+    return [*rows, ("tool speed", "tool", ""), ("turn speed", "tool", "")]
+
+
+def _stretches(
+    motion: Trajectory, t: Array, between: Array, shares: Array
+) -> Iterator[tuple[float, float, int, float]]:
+    """Begin, end, row and greatest share of each stretch in which one row's share is the greatest."""
+    if not len(t):
+        return
+    rows, row = [], -1
+    for share, leader, greatest in zip(shares, shares.argmax(axis=1).tolist(), shares.max(axis=1), strict=True):
+        if greatest == 0.0:
+            row = -1
+        elif row < 0 or share[row] < (1.0 - ALIKE) * greatest:
+            row = leader
+        rows.append(row)
+    changes = np.flatnonzero(np.diff(rows)) + 1
+    edges = np.concatenate([[0.0], between[changes - 1], [motion.duration]])
+    first = np.concatenate([[0], changes])
+    long = np.diff(edges) >= SLIVER * motion.duration
+    long[0] = True
+    kept = np.flatnonzero(long)
+    kept = kept[np.append(True, np.diff(np.array(rows)[first[kept]]) != 0)]
+    ends = np.append(edges[kept[1:]], motion.duration)
+    for i, end in zip(kept, ends, strict=True):
+        if (row := rows[first[i]]) >= 0:
+            among = (t >= edges[i]) & (t < end)
+            yield float(edges[i]), float(end), row, float(shares[among, row].max())
