@@ -18,6 +18,9 @@ SAMPLES = 256
 
 BISECTIONS = 40
 
+ROUNDING = 1e-12
+"""A piece shorter than this part of its path is rounding."""
+
 SHRINKS = 20
 SMALLER = 0.8
 """A corner that leaves the ball or the position limits begins at so much of its radius, up to so many times."""
@@ -68,9 +71,10 @@ def rounded(
 
 def part(path: JointPath, begins: float, ends: float) -> JointPath:
     """The path between two values of its parameter, its own parameter from 0."""
-    inner = path.breakpoints[(path.breakpoints > begins) & (path.breakpoints < ends)]
+    rounding = ROUNDING * path.length
+    inner = path.breakpoints[(path.breakpoints > begins + rounding) & (path.breakpoints < ends - rounding)]
     breakpoints = np.concatenate([[begins], inner, [ends]])
-    piece = path.piece_at(breakpoints[:-1])
+    piece = path.piece_at(0.5 * (breakpoints[1:] + breakpoints[:-1]))
     moved = shifted(path.coefficients[:, piece], breakpoints[:-1] - path.breakpoints[piece])
     return JointPath(breakpoints - begins, moved)
 
