@@ -9,6 +9,7 @@ from twistarm import (
     Approach,
     ArcMove,
     Arm,
+    ArmBuilder,
     Dwell,
     JointMove,
     LineMove,
@@ -232,3 +233,21 @@ def test_segments_refuse_what_makes_no_sense():
     ):
         with pytest.raises(InputError, match=words):
             make()
+
+
+@pytest.mark.parametrize("radius", [0.002, 0.03, 0.1])
+@pytest.mark.parametrize("kind", ["s_curve", "time_optimal", "quintic"])
+def test_a_rounded_corner_never_takes_longer_than_stopping(kind, radius):
+    slides = ArmBuilder("slides").prismatic("x", [1, 0, 0], lower=-5, upper=5)
+    arm = slides.prismatic("y", [0, 1, 0], lower=-5, upper=5).tool(np.eye(4)).build()
+    limits = {"velocity": 1.0, "acceleration": 2.0, "jerk": 20.0}
+    corners = [[1.0, 0.0, 0.0], [1.0, 1.0, 0.0], [0.0, 1.0, 0.0]]
+
+    def duration(blend):
+        moves = [LineMove(Position(p), blend=blend * (i < 2)) for i, p in enumerate(corners)]
+        return plan(arm, moves, start=[0, 0], limits=limits, kind=kind).duration
+
+    assert duration(radius) <= duration(0.0) * (1 + 1e-9)
+    # From stop to stop of 1 m each at 1 m/s, 2 m/s² and 20 m/s³: 1/1 + 1/2 + 2/20 s (Biagiotti & Melchiorri §3.4).
+    assert kind != "s_curve" or duration(0.0) == pytest.approx(3 * 1.6, rel=1e-6)
+    assert radius < 0.1 or duration(radius) < 0.99 * duration(0.0) or kind == "quintic"

@@ -25,19 +25,19 @@ def bernstein(coefficients: Array, durations: Array) -> Array:
     return np.tensordot(_from_powers(degree), coefficients * scale, 1)
 
 
-def largest(coefficients: Array, durations: Array, enough: float = ENOUGH) -> float:
+def largest(coefficients: Array, durations: Array) -> float:
     """An upper bound of max abs p(σ) of polynomials (d + 1, k, r) on k pieces.
 
     Branch and bound: pieces whose coefficients exceed the largest value seen are halved (de Casteljau) until the bound
-    is within the part `enough` of a value that is taken.
+    is within 1e-9 of a value that is taken.
     """
     b = np.moveaxis(bernstein(coefficients, durations), 0, -1).reshape(-1, len(coefficients))
     taken = 0.0
     while True:
         taken = max(taken, float(np.abs(b[:, [0, -1]]).max()))
-        above = np.abs(b).max(-1) > taken * (1.0 + enough)
+        above = np.abs(b).max(-1) > taken * (1.0 + ENOUGH)
         if not above.any():
-            return taken * (1.0 + enough)
+            return taken * (1.0 + ENOUGH)
         b = np.concatenate(_halves(b[above]))
 
 

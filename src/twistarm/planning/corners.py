@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from itertools import pairwise
-
 import numpy as np
 
 from ..limits.joint_limits import JointLimits
@@ -77,11 +75,6 @@ def part(path: JointPath, begins: float, ends: float) -> JointPath:
     piece = path.piece_at(0.5 * (breakpoints[1:] + breakpoints[:-1]))
     moved = shifted(path.coefficients[:, piece], breakpoints[:-1] - path.breakpoints[piece])
     return JointPath(breakpoints - begins, moved)
-
-
-def cut(path: JointPath, count: int) -> JointPath:
-    """The same path in `count` pieces of equal length."""
-    return joined([part(path, a, b) for a, b in pairwise(np.linspace(0.0, path.length, count + 1))])
 
 
 def joined(paths: list[JointPath]) -> JointPath:

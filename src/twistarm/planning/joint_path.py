@@ -10,9 +10,12 @@ from numpy.typing import ArrayLike, NDArray
 from ..support.checks import Array, as_floats, frozen
 from ..support.display import told
 from ..support.errors import InputError
-from .piecewise import derivative, evaluate
+from .piecewise import derivative, evaluate, shifted
 
 Indices = NDArray[np.intp]
+
+ROUNDING = 1e-9
+"""A piece longer than it may be by this part is not cut once more."""
 
 STILL = 1e-12
 """A joint that moves by less [rad, m] stays where it is."""
@@ -74,6 +77,16 @@ class JointPath:
         powers = np.arange(len(self.coefficients) - 1, 0, -1.0)[:, None, None]
         ways = np.abs(self.coefficients[:-1]) * np.diff(self.breakpoints)[:, None] ** powers
         return bool(ways.max(initial=0.0) > STILL)
+
+    def in_pieces(self, most: float) -> tuple[JointPath, Indices]:
+        """The same path in pieces no longer than `most`, equal ones of each piece, and of which piece each is."""
+        steps = np.diff(self.breakpoints)
+        count = np.maximum(np.ceil(steps / most - ROUNDING), 1.0).astype(np.intp)
+        piece = np.repeat(np.arange(len(steps)), count)
+        nth = np.arange(len(piece)) - np.repeat(np.cumsum(count) - count, count)
+        by = steps[piece] * nth / count[piece]
+        breakpoints = np.append(self.breakpoints[piece] + by, self.length)
+        return JointPath(breakpoints, shifted(self.coefficients[:, piece], by)), piece
 
     def piece_at(self, s: Array) -> Indices:
         """Indices of the pieces in which s (...) lies; at a breakpoint the later one."""

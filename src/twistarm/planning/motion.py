@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
+from itertools import pairwise
 from typing import Any, Literal
 
 import numpy as np
@@ -17,7 +18,7 @@ from .joint_space import as_limits
 from .route import Leg, Router
 from .segments import SEGMENTS, Dwell, Move, Segment, place
 from .spans import Progress
-from .stretches import Stretch, stretches
+from .stretches import Stretch, runs, stretch_along
 from .time_laws.bounds import PathBounds
 from .time_laws.double_s import double_s
 from .time_laws.law import TimeLaw
@@ -51,7 +52,7 @@ def plan(
     Joint moves go straight in joint space; lines, screws and arcs keep the tool within 0.1 mm and 0.05° of the ideal
     everywhere, in what their goals constrain. Where a joint move to a target leads to such curves, the branch of
     inverse kinematics is chosen that can follow all of them with the least joint motion. The arm stops between two
-    moves, or rounds the corner inside the ball of radius `blend`.
+    moves, or rounds the corner inside the ball of radius `blend`, where stopping there is not sooner done.
 
     - `s_curve`: acceleration is continuous and jerk within its limits; a joint without a jerk limit takes 0.1 s to its
       acceleration limit. A joint move that stops at both ends is the shortest possible.
@@ -96,10 +97,7 @@ def plan(
             progress(0.9 * done / len(moves))
 
     legs = Router(planned, moves, bounds, told).legs(origin)
-    timed = [
-        _timed(stretch, PathBounds(bounds, arm.actuators, stretch.ceiling), kind)
-        for stretch in stretches(planned, legs, bounds)
-    ]
+    timed = [stretch for run in runs(legs) for stretch in _fastest(planned, run, bounds, kind)]
     motion = _assembled(arm, origin, legs, timed)
     if progress is not None:
         progress(1.0)
@@ -143,6 +141,27 @@ class Timed:
     breakpoints: Array
     coefficients: Array
     ends: Array
+
+
+def _fastest(arm: Arm, run: list[Leg], limits: JointLimits, kind: str) -> list[Timed]:
+    """The legs of a run in time: corners are rounded, but stopped at where that is sooner done."""
+
+    def timed(legs: list[Leg]) -> Timed:
+        stretch = stretch_along(arm, legs, limits)
+        return _timed(stretch, PathBounds(limits, arm.actuators, stretch.ceiling), kind)
+
+    rounded = [timed(run)]
+    if len(run) == 1:
+        return rounded
+    stopped = [timed([leg]) for leg in run]
+    known = np.concatenate([[0.0], rounded[0].ends])
+    alone = np.array([stretch.breakpoints[-1] for stretch in stopped])
+    slow = np.flatnonzero(known[2:] - known[:-2] > alone[1:] + alone[:-1]) + 1
+    options = [rounded, stopped]
+    if 0 < len(slow) < len(run) - 1:
+        cuts = [0, *slow.tolist(), len(run)]
+        options.append([timed(run[i:j]) for i, j in pairwise(cuts)])
+    return min(options, key=lambda option: sum(float(stretch.breakpoints[-1]) for stretch in option))
 
 
 def _timed(stretch: Stretch, bounds: PathBounds, kind: str) -> Timed:

@@ -11,7 +11,7 @@ from ..limits.joint_limits import JointLimits
 from ..model.arm import Arm
 from ..support.checks import Array
 from ..support.errors import InputError
-from .corners import cut, joined, part, rounded
+from .corners import joined, part, rounded
 from .joint_path import JointPath
 from .route import Leg, path_effort
 from .segments import Move, place
@@ -44,19 +44,20 @@ class Stretch:
     ceiling: Array | None
 
 
-def stretches(arm: Arm, legs: list[Leg], limits: JointLimits) -> Iterator[Stretch]:
-    """The stretches of the legs in order; InputError where a blend does not fit."""
+def runs(legs: list[Leg]) -> Iterator[list[Leg]]:
+    """The legs from one stop that was asked for to the next, in order."""
     i = 0
     while i < len(legs):
         run = [legs[i]]
         while isinstance(run[-1].segment, Move) and run[-1].segment.blend:
             run.append(legs[i + len(run)])
-        yield _stretch(arm, i, run, limits)
+        yield run
         i += len(run)
 
 
-def _stretch(arm: Arm, first: int, run: list[Leg], limits: JointLimits) -> Stretch:
-    last = first + len(run) - 1
+def stretch_along(arm: Arm, run: list[Leg], limits: JointLimits) -> Stretch:
+    """The stretch along legs with the corners between them rounded; InputError where a blend does not fit."""
+    first, last = run[0].index, run[-1].index
     if run[0].path is None and len(run) == 1:
         return Stretch(first, last, JointPath(np.zeros(2), run[0].end[None, None]), np.zeros(1), None)
     paths = [_of_unit_speed(leg, limits) for leg in run]
@@ -79,7 +80,7 @@ def _stretch(arm: Arm, first: int, run: list[Leg], limits: JointLimits) -> Stret
         if bend is not None:
             following = run[k + 1].segment
             assert isinstance(following, Move)
-            bend = bend[0], cut(bend[1], BEND_PIECES), bend[2]
+            bend = bend[0], bend[1].in_pieces(bend[1].length / BEND_PIECES)[0], bend[2]
             parts.append(bend[1])
             caps.append(np.minimum(_caps(arm, bend[1], segment, limits), _caps(arm, bend[1], following, limits)))
             ends.append(at + 0.5 * bend[1].length)
@@ -116,7 +117,7 @@ def _of_unit_speed(leg: Leg, limits: JointLimits) -> JointPath:
     scaled = JointPath(path.breakpoints * length, path.coefficients / length ** powers[:, None, None])
     if len(path.breakpoints) > 2 or (segment.tool_speed is None and segment.turn_speed is None):
         return scaled
-    return cut(scaled, STRAIGHT_PIECES)
+    return scaled.in_pieces(scaled.length / STRAIGHT_PIECES)[0]
 
 
 def _caps(arm: Arm, path: JointPath, segment: Move, limits: JointLimits) -> Array:

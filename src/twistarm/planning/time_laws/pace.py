@@ -6,7 +6,7 @@ import numpy as np
 
 from ...support.checks import Array
 from ...support.errors import InputError
-from ..bernstein import ENOUGH, largest
+from ..bernstein import largest
 from ..joint_path import JointPath
 from ..piecewise import derivative
 from ..spans import LONGEST, MARGIN, SHORTEST
@@ -19,7 +19,7 @@ def at_full_pace(path: JointPath, law: TimeLaw, bounds: PathBounds, jerk: Array)
 
     A law f times as slow has 1/f of the velocity, 1/f² of the acceleration and 1/f³ of the jerk.
     """
-    factor = pace_needed(path, law, bounds, jerk) * (1.0 + MARGIN)
+    factor = _pace_needed(path, law, bounds, jerk) * (1.0 + MARGIN)
     duration = law.duration * factor
     if not SHORTEST <= duration <= LONGEST:
         raise InputError(
@@ -30,14 +30,14 @@ def at_full_pace(path: JointPath, law: TimeLaw, bounds: PathBounds, jerk: Array)
     return TimeLaw(law.breakpoints * factor, law.coefficients * slower)
 
 
-def pace_needed(path: JointPath, law: TimeLaw, bounds: PathBounds, jerk: Array, enough: float = ENOUGH) -> float:
-    """By what factor, to the part `enough`, the law must be slowed."""
+def _pace_needed(path: JointPath, law: TimeLaw, bounds: PathBounds, jerk: Array) -> float:
+    """By what factor the law must be slowed."""
     breakpoints, coefficients = law.along(path)
     steps = np.diff(breakpoints)
     rows: Array = coefficients @ bounds.C.T
     needed: list[float] = []
     for order, limit in enumerate((bounds.velocity, bounds.acceleration, jerk), start=1):
-        needed.append(largest(derivative(rows, order) / limit, steps, enough) ** (1.0 / order))
+        needed.append(largest(derivative(rows, order) / limit, steps) ** (1.0 / order))
     speed = derivative(law.coefficients[:, :, None]) / bounds.ceiling_of(path)[law.pieces(path)][:, None]
     needed.append(largest(speed, steps))
     return max(needed)

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
+from collections.abc import Iterator
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -12,28 +13,43 @@ from ..joint_path import JointPath
 from ..piecewise import derivative
 from ..spans import Progress
 from .bounds import PathBounds
+from .interval_limits import LimitedPath
 from .law import TimeLaw
-from .pace import at_full_pace, pace_needed
+from .pace import at_full_pace
 from .smoothing import smoothed
-from .time_optimal import time_optimal
+from .tightening import needed, widened
+from .time_optimal import first_grid, on_grid
 
-WINDOWS = (0.5, 0.7, 1.0, 1.4, 2.0, 4.0)
+WINDOWS = (1.0, 0.7, 1.4, 2.0, 2.8, 4.0)
 """Widths of the window that are tried, in the time in which the slowest rate comes to its acceleration limit."""
 
-ROUGHLY = 1e-2
-"""How exactly the motions of several windows are compared."""
-
-BEND_SHARE = 0.5
+BEND_SHARE = 0.9
 """Of the jerk, left to the bend of the path itself; the rest is for changes of the acceleration along it."""
+
+PIECES = 64
+"""No piece of the path is longer than this part of it, so that a ceiling is low only where it must be."""
+
+CLOSE = 1.03
+"""A law that must be slowed by less than this factor is not made slower in places instead."""
+
+SPARE = 1.05
+"""A ceiling that a law comes near to by this factor counts."""
+
+KEPT = 1.002
+"""A law that exceeds its limits by less than this factor keeps them nearly."""
+
+ROUNDS = 5
+"""How often ceilings are lowered where a law still asks too much."""
 
 
 def s_curve(path: JointPath, bounds: PathBounds, progress: Progress | None = None) -> TimeLaw:
     """A law of limited jerk, at rest and without acceleration at both ends, that keeps every limit everywhere.
 
-    The time-optimal law's moving average has a jerk of at most its jumps of acceleration over the window's width; the
-    whole is then slowed by what its exact extremes ask. Several widths are tried and the shortest motion taken. A joint
-    or a motor without a jerk limit comes to its acceleration limit in 0.1 s. From rest to rest in a straight line
-    `double_s` is shorter. A path that stays where it is takes no time.
+    The time-optimal law's moving average has a jerk of at most its jumps of acceleration over the window's width.
+    Several widths are tried. Where sharp bends then ask for more than the limits, ceilings of ṡ are lowered about them;
+    the shortest of all these laws is slowed as a whole by what its exact extremes still ask. A joint or a motor without
+    a jerk limit comes to its acceleration limit in 0.1 s. From rest to rest in a straight line `double_s` is shorter. A
+    path that stays where it is takes no time.
 
     Args:
         path: Where the motion goes.
@@ -49,10 +65,66 @@ def s_curve(path: JointPath, bounds: PathBounds, progress: Progress | None = Non
     bounds.require(path)
     if not path.moves:
         return TimeLaw.at_once()
-    fastest = time_optimal(path, replace(bounds, ceiling=_ceiling(path, bounds)), progress)
-    tried = (smoothed(fastest, width * _slowest_rise(bounds), path) for width in WINDOWS)
-    shortest = min(tried, key=lambda law: law.duration * pace_needed(path, law, bounds, bounds.jerk, ROUGHLY))
-    return at_full_pace(path, shortest, bounds, bounds.jerk)
+    fine, piece = path.in_pieces(path.length / PIECES)
+    bounds = replace(bounds, ceiling=bounds.ceiling_of(path)[piece])
+    search = _Search(fine, bounds, LimitedPath.of(fine, bounds), first_grid(fine.breakpoints), _slowest_rise(bounds))
+    ceiling, tried = _ceiling(fine, bounds), []
+    for width in WINDOWS:
+        tried.append(search.tried(ceiling, width * search.rise))
+        if progress is not None:
+            progress(len(tried) / len(WINDOWS))
+    best = min(tried, key=_Tried.duration)
+    if best.factor.max() > CLOSE:
+        for start in (search.slow_in_bends(tried[0]), best, tried[0]):
+            best = min((best, *search.tightened(start)), key=_Tried.duration)
+    return at_full_pace(fine, best.law, bounds, bounds.jerk)
+
+
+@dataclass(frozen=True, eq=False)
+class _Tried:
+    """A law, the ceiling (m,) and the window [s] that it was made with, and what each piece of the path needs."""
+
+    law: TimeLaw
+    ceiling: Array
+    window: float
+    factor: Array
+    speed: Array
+
+    def duration(self) -> float:
+        """How long it takes once it is slowed as a whole."""
+        return self.law.duration * float(self.factor.max())
+
+
+@dataclass(frozen=True, eq=False)
+class _Search:
+    """A path in fine pieces with its bounds, the grid of its laws, and the time of the slowest rise [s]."""
+
+    path: JointPath
+    bounds: PathBounds
+    limited: LimitedPath
+    grid: Array
+    rise: float
+
+    def tried(self, ceiling: Array, window: float) -> _Tried:
+        fastest = on_grid(replace(self.limited, ceiling=ceiling), self.grid)
+        law = smoothed(fastest, window, self.path)
+        return _Tried(law, ceiling, window, *needed(self.path, law, self.bounds))
+
+    def slow_in_bends(self, at: _Tried) -> _Tried:
+        """The ceiling held for a window about each piece where it counts."""
+        counts = np.where(at.ceiling < at.speed * SPARE, at.ceiling, np.inf)
+        return self.tried(np.minimum(at.ceiling, widened(counts, self.path.breakpoints, at.window)), at.window)
+
+    def tightened(self, at: _Tried) -> Iterator[_Tried]:
+        """It, and laws of ever lower ceilings about the pieces that ask too much."""
+        yield at
+        for _ in range(ROUNDS):
+            if at.factor.max() < KEPT:
+                return
+            with np.errstate(divide="ignore", invalid="ignore"):
+                low = np.where(at.factor > 1.0, np.minimum(at.ceiling, at.speed / at.factor), np.inf)
+            at = self.tried(np.minimum(at.ceiling, widened(low, self.path.breakpoints, at.window)), at.window)
+            yield at
 
 
 def _ceiling(path: JointPath, bounds: PathBounds) -> Array:

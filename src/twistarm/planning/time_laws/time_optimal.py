@@ -58,7 +58,7 @@ def time_optimal(path: JointPath, bounds: PathBounds, progress: Progress | None 
     bounds.require(path)
     if not path.moves:
         return TimeLaw.at_once()
-    limited, grid, shortest = LimitedPath.of(path, bounds), _first_grid(path.breakpoints), np.inf
+    limited, grid, shortest = LimitedPath.of(path, bounds), first_grid(path.breakpoints), np.inf
     for done in range(1, ROUNDS + 1):
         profile = path_velocity(limited, grid)
         durations = _durations(grid, profile.x)
@@ -75,7 +75,13 @@ def time_optimal(path: JointPath, bounds: PathBounds, progress: Progress | None 
     return _law(grid, profile, durations)
 
 
-def _first_grid(breakpoints: Array) -> Array:
+def on_grid(limited: LimitedPath, grid: Array) -> TimeLaw:
+    """The shortest law whose s̈ is constant on each interval of a grid (N + 1,)."""
+    profile = path_velocity(limited, grid)
+    return _law(grid, profile, _durations(grid, profile.x))
+
+
+def first_grid(breakpoints: Array) -> Array:
     """Every piece of the path in as many intervals of one length."""
     pieces = len(breakpoints) - 1
     count = max(LEAST, -(-FIRST // pieces))
