@@ -135,8 +135,9 @@ class JointLimits:
             LimitError: One of them was not given for some joint.
         """
         for field in fields:
-            missing = [name for name, value in zip(names, getattr(self, field), strict=True) if np.isinf(value)]
-            if missing:
+            given = np.isfinite(getattr(self, field))
+            if not given.all():
+                missing = [name for name, known in zip(names, given, strict=True) if not known]
                 raise LimitError(
                     f"no {field} limit for {', '.join(missing)}: give it as "
                     f"limits={{'{field}': {{'{missing[0]}': …}}}}, one number for every joint as "

@@ -158,7 +158,7 @@ class Arm:
         """Degrees of freedom: length of theta."""
         return len(self.joint_names)
 
-    @property
+    @cached_property
     def units(self) -> tuple[str, ...]:
         """`rad` or `m` for each coordinate."""
         return tuple(unit_of(kind) for kind in self.joint_types)

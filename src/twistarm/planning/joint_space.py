@@ -172,8 +172,10 @@ def _waypoint(arm: Arm, waypoint: Any, index: int, near: Array) -> Array:
 
 def _is_pose(waypoint: Any) -> bool:
     """Whether it is a pose (4, 4) rather than a configuration, or nothing of use."""
-    plain = not isinstance(waypoint, str | Mapping) and waypoint is not None
-    return plain and as_reals(waypoint, "a waypoint").shape == (4, 4)
+    if isinstance(waypoint, str | Mapping) or waypoint is None:
+        return False
+    numbers = waypoint if isinstance(waypoint, np.ndarray) else as_reals(waypoint, "a waypoint")
+    return numbers.shape == (4, 4)
 
 
 def _as_times(times: ArrayLike, count: int) -> Array:

@@ -29,7 +29,7 @@ BEND_SHARE = 0.9
 PIECES = 64
 """No piece of the path is longer than this part of it, so that a ceiling is low only where it must be."""
 
-CLOSE = 1.03
+CLOSE = 1.06
 """A law that must be slowed by less than this factor is not made slower in places instead."""
 
 SPARE = 1.05
@@ -38,8 +38,9 @@ SPARE = 1.05
 KEPT = 1.002
 """A law that exceeds its limits by less than this factor keeps them nearly."""
 
-ROUNDS = 5
-"""How often ceilings are lowered where a law still asks too much."""
+ROUNDS = 6
+GAIN = 5e-3
+"""So many laws of ever lower ceilings are tried, as long as each is shorter than the one before by this part."""
 
 
 def s_curve(path: JointPath, bounds: PathBounds, progress: Progress | None = None) -> TimeLaw:
@@ -75,8 +76,8 @@ def s_curve(path: JointPath, bounds: PathBounds, progress: Progress | None = Non
             progress(len(tried) / len(WINDOWS))
     best = min(tried, key=_Tried.duration)
     if best.factor.max() > CLOSE:
-        for start in (search.slow_in_bends(tried[0]), best, tried[0]):
-            best = min((best, *search.tightened(start)), key=_Tried.duration)
+        tightened = [*search.tightened(search.slow_in_bends(tried[0])), *search.tightened(best)]
+        best = min((best, *tightened), key=_Tried.duration)
     return at_full_pace(fine, best.law, bounds, bounds.jerk)
 
 
@@ -117,14 +118,15 @@ class _Search:
 
     def tightened(self, at: _Tried) -> Iterator[_Tried]:
         """It, and laws of ever lower ceilings about the pieces that ask too much."""
-        yield at
+        shortest = np.inf
         for _ in range(ROUNDS):
-            if at.factor.max() < KEPT:
+            yield at
+            if at.factor.max() < KEPT or at.duration() > shortest * (1.0 - GAIN):
                 return
+            shortest = at.duration()
             with np.errstate(divide="ignore", invalid="ignore"):
                 low = np.where(at.factor > 1.0, np.minimum(at.ceiling, at.speed / at.factor), np.inf)
             at = self.tried(np.minimum(at.ceiling, widened(low, self.path.breakpoints, at.window)), at.window)
-            yield at
 
 
 def _ceiling(path: JointPath, bounds: PathBounds) -> Array:

@@ -25,13 +25,12 @@ def needed(path: JointPath, law: TimeLaw, bounds: PathBounds) -> tuple[Array, Ar
     rows, sigma = path.coefficients @ bounds.C.T, (s - path.breakpoints[piece])[..., None]
     p1, p2, p3 = (evaluate(derivative(rows, k)[:, None, piece], sigma) for k in (1, 2, 3))
     speed, s1, s2, s3 = s1, s1[..., None], s2[..., None], s3[..., None]
-    ratios = (
-        np.abs(p1 * s1) / bounds.velocity,
-        np.sqrt(np.abs(p2 * s1**2 + p1 * s2) / bounds.acceleration),
-        np.cbrt(np.abs(p3 * s1**3 + 3.0 * p2 * s1 * s2 + p1 * s3) / bounds.jerk),
-    )
+    velocity, acceleration = p1 * s1, p2 * s1**2 + p1 * s2
+    jerk = s1 * (p3 * s1**2 + 3.0 * p2 * s2) + p1 * s3
+    limited = (velocity / bounds.velocity, acceleration / bounds.acceleration, jerk / bounds.jerk)
+    factors = [np.abs(share).max(axis=(0, 2)) ** (1.0 / order) for order, share in enumerate(limited, start=1)]
     factor, fastest = np.zeros((2, len(path.breakpoints) - 1))
-    np.maximum.at(factor, piece, np.max([ratio.max(axis=(0, 2)) for ratio in ratios], axis=0))
+    np.maximum.at(factor, piece, np.max(factors, axis=0))
     np.maximum.at(fastest, piece, speed.max(axis=0))
     return factor, fastest
 
