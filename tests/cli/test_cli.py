@@ -33,9 +33,9 @@ def answer(capsys: Capture, *arguments: str) -> Any:
     return json.loads(capsys.readouterr().out)
 
 
-def error_of(capsys: Capture, *arguments: str) -> str:
-    """The one line that a command which cannot work prints on stderr; it must exit 2."""
-    assert run(arguments) == 2
+def error_of(capsys: Capture, *arguments: str, code: int = 2) -> str:
+    """The one line that a command which cannot work prints on stderr; it must exit with `code`."""
+    assert run(arguments) == code
     captured = capsys.readouterr()
     assert captured.out == ""
     assert captured.err.startswith("error: ")
@@ -442,6 +442,13 @@ def test_an_option_that_takes_no_value_shows_none(capsys: Capture) -> None:
     shown = capsys.readouterr().out
     assert "--json" in shown
     assert "bool" not in shown
+
+
+def test_the_help_loses_no_word_to_markup(capsys: Capture) -> None:
+    """Rich takes `[actuators]` for a style and shows nothing there."""
+    for command, words in (("plan", "[actuators]"), ("wiring", "z [m],"), ("fk", "[deg]`")):
+        assert run([command, "--help"]) == 0
+        assert words in capsys.readouterr().out
 
 
 def test_version_and_what_is_installed(capsys: Capture) -> None:

@@ -60,6 +60,19 @@ def test_init_without_a_clear_tip_says_what_to_fill_in(folder: Path, capsys: Cap
     assert load_arm("arm.toml").joint_names == ("a", "c")
 
 
+def test_a_motion_is_begun_for_the_arm_that_the_options_say(folder: Path, capsys: Capture) -> None:
+    parts = joint("a", "base_link", "upper"), joint("b", "upper", "left"), joint("c", "upper", "right")
+    write(folder, robot(*parts, links=("base_link", "upper", "left", "right")))
+    assert "no link for --tip 'tool9'" in error_of(capsys, "init", "arm.urdf", "--motion", "--tip", "tool9")
+    assert "is named *.toml" in error_of(capsys, "init", "arm.urdf", "--motion", "-o", "motion.txt", "--tip", "right")
+    assert run(["init", "arm.urdf", "--motion", "--tip", "right"]) == 0
+    said = capsys.readouterr().out
+    assert said.endswith("next: twistarm plan arm.urdf motion.toml --tip right\n")
+    assert len(answer(capsys, *said.rpartition("twistarm ")[2].split())["waypoints"]) == 4
+    assert "--force replaces it" in error_of(capsys, "init", "arm.urdf", "--motion", "--tip", "right")
+    assert run(["init", "arm.urdf", "--motion", "--tip", "right", "--force"]) == 0
+
+
 def test_init_leaves_nothing_behind_when_it_fails(folder: Path, capsys: Capture) -> None:
     assert "no link for --tip 'tool9'" in error_of(capsys, "init", "arm.urdf", "--tip", "tool9")
     assert "takes no xacro arguments" in error_of(capsys, "init", "arm.urdf", "--xacro", "a:=1")

@@ -14,6 +14,13 @@ from twistarm import load_arm, load_motion
 from twistarm.cli.application import run
 
 Capture = pytest.CaptureFixture[str]
+
+
+@pytest.fixture(autouse=True)
+def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.chdir(tmp_path)
+
+
 LIMITED = ("--acceleration", "3")
 
 
@@ -51,12 +58,28 @@ def test_a_line_is_planned_to_a_typed_position(capsys: Capture) -> None:
         ("", "there is no segment"),
         ("[[segment]]\njont = 'ready'", "segment 1: unknown entry 'jont'; closest: 'joint'"),
         ("[[segment]]\nline = { xyz = [1, 2] }", "segment 1: .*xyz"),
-        ("[[segment]]\ndwell = -1", "segment 1: seconds must be 0 or more"),
+        ("[[segment]]\ndwell = -1", "segment 1: dwell must be 0 or more"),
+        ("[[segment]]\ndwell = true", "segment 1: dwell must be a number; got true"),
+        ("[[segment]]\ndwell = 'long'", "segment 1: dwell must be one number; got 'long'"),
         ("[[segment]]\nscrew = { axis = [0, 0, 1], point = [0, 0, 0] }", "segment 1: angle is missing"),
-        ("[[segment]]\njoint = { elbw = 1 }", "segment 1 .JointMove.*|no joint 'elbw'.*closest: 'elbow'"),
+        ("[[segment]]\nscrew = { point = [0, 0, 0] }", "segment 1: axis and angle are missing beside 'point'"),
+        ("[[segment]]\nline = { by = [0, 0] }", r"segment 1: by must be three numbers, .* got \[0, 0\]"),
+        ("[[segment]]\narc = {}", "segment 1: arc takes via and to, or axis, centre and angle"),
+        ("[[segment]]\njoint = { elbw = 1 }", "segment 1: unknown entry 'elbw'; closest: 'elbow'"),
+        ("[[segment]]\njoint = {}", "segment 1: a goal is .* got {}"),
+        ("[[segment]]\njoint = 'redy'", "segment 1: no pose 'redy' in rover_arm; closest: 'ready'"),
+        ("[[segment]]\njoint = { xyx = [1, 0, 1] }", "segment 1: unknown entry 'xyx'; closest: 'xyz'"),
+        ("[[segment]]\njoint = { rpy = [1, 0, 1] }", "segment 1: xyz is missing beside 'rpy'"),
+        ("[[segment]]\njoint = { xyz = [1, 0, 1], tolerance = [1, 1, 1, 1, 1, 1] }", "tolerance goes with rpy or"),
+        ("[[segment]]\njoint = { xyz = [1, 0, 1], rpy = [0, 0, 0], tolerance = 1 }", "tolerance must be six numbers"),
+        ("[[segment]]\njoint = { xyz = [1, 0, 1], tool_axis = [1, 0, 0] }", "tool_axis goes with direction"),
+        ("start = { xyz = [1, 0, 1] }\n[[segment]]\ndwell = 1", "motion.toml, at the top: start must be a configur"),
+        ("start = { elbow = 1 }\n[[segment]]\ndwell = 1", "motion.toml, at the top: no value for joint 'slide'"),
+        ("tool_speed = 0\n[[segment]]\ndwell = 1", "motion.toml, at the top: tool_speed must be a positive"),
+        ("limits = { aceleration = 1 }\n[[segment]]\ndwell = 1", "motion.toml, at the top: no limit 'aceleration'"),
         ("[[segment]]\nline = 'ready'\njoint = 'ready'", "segment 1: it needs one of"),
         ("segment = 3", "there is no segment"),
-        ("kind = 'fast'\n[[segment]]\ndwell = 1", "kind must be"),
+        ("kind = 'fast'\n[[segment]]\ndwell = 1", "motion.toml, at the top: kind must be"),
         ("[[segment]\n", "not valid TOML"),
     ],
 )
@@ -66,7 +89,77 @@ def test_a_file_that_cannot_be_used_is_refused(capsys: Capture, tmp_path: Path, 
     assert re.search(words, error_of(capsys, "plan", "rover_arm", str(file)))
 
 
-def test_one_way_of_saying_where_to_go(capsys: Capture) -> None:
-    assert "give poses by --to" in error_of(capsys, "plan", "rover_arm")
-    assert "give poses by --to" in error_of(capsys, "plan", "rover_arm", "--to", "ready", "--xyz", "1 0 0")
-    assert "give --xyz too" in error_of(capsys, "plan", "rover_arm", "--to", "ready", "--direction", "0 0 1")
+IDLE = {
+    "a blend between joint poses": (["--to", "zero", "--to", "ready", "--blend", "0.1"], "--blend is about the way"),
+    "a tool speed of joint poses": (["--to", "zero", "--tool-speed", "0.1"], "--tool-speed is about the way"),
+    "a blend of one goal": (["--to", "zero", "--line", "--blend", "0.1"], "--blend rounds the corners between goals"),
+    "a blend that is none": (["--to", "zero", "--line", "--blend", "nan"], "--blend must be finite"),
+    "stops that are rounded": (["--to", "zero", "--line", "--stop", "--blend", "0.1"], "give one of them"),
+    "a line in a file": (["motion.toml", "--line", "--stop"], "leave out --line and --stop"),
+    "a direction in a file": (["motion.toml", "--direction", "0 0 1"], "give --xyz too"),
+    "a spline of lines": (
+        ["--to", "zero", "--line", "--kind", "cubic"],
+        "--kind cubic leads through the poses of --to",
+    ),
+    "no time": (["--to", "zero", "--dt", "nan"], "--dt must be a positive number"),
+    "two directions for three": (
+        ["--xyz", "1 0 1", "--xyz", "1 0 1", "--xyz", "1 0 1", "--direction", "0 0 1", "--direction", "0 0 1"],
+        "give one --direction for all positions, or one for each: 2 go with 3 --xyz",
+    ),
+    "no goal": ([], "give poses by --to"),
+    "two ways": (["--to", "ready", "--xyz", "1 0 0"], "give poses by --to"),
+    "a direction of poses": (["--to", "ready", "--direction", "0 0 1"], "give --xyz too"),
+}
+
+
+@pytest.mark.parametrize("case", IDLE)
+def test_no_option_is_ignored(capsys: Capture, case: str) -> None:
+    arguments, words = IDLE[case]
+    assert words in error_of(capsys, "plan", "rover_arm", *arguments)
+
+
+def test_each_position_may_have_its_own_direction(capsys: Capture) -> None:
+    arm = load_arm("rover_arm")
+    p = arm.fk(arm.ready)[:3, 3]
+    places = ["--xyz", " ".join(map(str, p)), "--xyz", " ".join(map(str, p + [0.0, 0.1, 0.0]))]
+    directions = np.array([[1.0, 0.0, -0.2], [1.0, 0.0, -0.5]])
+    typed = [word for d in directions for word in ("--direction", " ".join(map(str, d)))]
+    for options, expected in ((typed[:2], directions[[0, 0]]), (typed, directions)):
+        ends = answer(capsys, "plan", "rover_arm", *places, *options)["waypoints"][1:]
+        unit = expected / np.linalg.norm(expected, axis=1, keepdims=True)
+        np.testing.assert_allclose(arm.fk(ends)[:, :3, :3] @ arm.tool_axis, unit, atol=1e-6)
+
+
+def test_what_is_typed_goes_before_what_the_file_says(capsys: Capture, tmp_path: Path) -> None:
+    file = tmp_path / "motion.toml"
+    file.write_text("start = 'zero'\ntool_speed = 0.2\n[[segment]]\njoint = 'ready'", "utf-8")
+    planned, slower = (
+        answer(capsys, "plan", "rover_arm", str(file), *typed) for typed in ([], ["--tool-speed", "0.02"])
+    )
+    assert (planned["start"], planned["waypoints"][0]) == ("zero", [0.0] * 5)
+    assert slower["duration"] > 5 * planned["duration"]
+    assert answer(capsys, "plan", "rover_arm", str(file), "--from", "reach")["start"] == "reach"
+
+
+def test_what_the_arm_cannot_do_is_told_in_one_line_and_by_the_exit_code(capsys: Capture) -> None:
+    told = error_of(capsys, "plan", "rover_arm", "--xyz", "9 9 9", code=1)
+    assert "segment 1 (JointMove): rover_arm does not meet the position (9, 9, 9) m: position 14." in told
+    assert "out of reach; the nearest position" in told
+    assert "\\n" not in told
+    assert "and no farther" in error_of(capsys, "plan", "rover_arm", "--xyz", "9 9 9", "--line", code=1)
+
+
+def test_another_start_is_told_as_it_would_be_typed(capsys: Capture) -> None:
+    """Seven radians about the tool's axis are more than the wrist has left, from here."""
+    arm = load_arm("ur5")
+    ready = "0 -90 90 0 90 0"
+    axis, p = arm.fk(np.radians([0, -90, 90, 0, 90, 0]))[:3, 2:].T
+    assert arm.joint_names[5] == "wrist_3_joint"
+    file = f"degrees = true\nstart = [{ready.replace(' ', ', ')}]\n[[segment]]\n"
+    file += f"screw = {{ axis = {axis.tolist()}, point = {p.tolist()}, angle = 400 }}"
+    path = Path("motion.toml")
+    path.write_text(file, "utf-8")
+    told = error_of(capsys, "plan", "ur5", str(path), code=1)
+    found = re.search(r'another configuration, "([^"]*)" \(° and m\), from which all of it can be followed', told)
+    assert found, told
+    assert answer(capsys, "plan", "ur5", str(path), "--from", found[1])["duration"] > 0

@@ -22,7 +22,7 @@ from twistarm import (
     plan,
     rotations,
 )
-from twistarm.support.errors import InputError, LimitError, NotConvergedError
+from twistarm.support.errors import InputError, LimitError, NotConvergedError, UnknownNameError
 
 RATES = {"velocity": 1.2, "acceleration": 3.0, "jerk": 40.0}
 KINDS = ("s_curve", "time_optimal", "quintic")
@@ -186,6 +186,13 @@ def test_the_branch_is_chosen_for_the_whole_run():
     assert chosen >= 3
 
 
+def test_a_joint_that_the_target_leaves_free_stays():
+    """The turn about the tool's axis is free, and costs no time while another joint takes longer: it stays all the same."""
+    arm = load_arm("rover_arm", limits=RATES)
+    motion = plan(arm, [JointMove(Approach([0.9, 0.1, 0.6], [1.0, 0.0, 0.0])), LineMove.by([0.0, 0.0, 0.05])])
+    np.testing.assert_allclose(motion.waypoints[:, 4], arm.ready[4], atol=1e-6)
+
+
 def test_a_line_out_of_reach_says_how_far_it_gets():
     """The shoulder of the ur5 can reach no farther than its links are long: the line ends on that sphere."""
     arm = load_arm("ur5", limits={"acceleration": 3.0})
@@ -200,6 +207,31 @@ def test_a_line_out_of_reach_says_how_far_it_gets():
     assert 0.05 < error.value.share < 0.5
 
 
+def test_a_turn_in_place_is_followed_or_refused_but_never_left_out():
+    """What arms of fewer than six joints may leave out of a pose is never all of the move."""
+    arm = load_arm("rover_arm", limits=RATES | {"lower": {"wrist_roll": -2.0}, "upper": {"wrist_roll": 2.0}})
+    g = arm.fk(arm.ready)
+    roll, p = g[:3, :3] @ arm.tool_axis, g[:3, 3]
+    turned = arm.fk(plan(arm, ScrewMove.about(roll, p, 1.5)).waypoints[-1])
+    np.testing.assert_allclose(turned[:3, :3], rotations.from_axis_angle(roll, 1.5) @ g[:3, :3], atol=1e-6)
+    with pytest.raises(PathError, match="'wrist_roll' comes to its upper limit 2 rad: make it shorter") as error:
+        plan(arm, ScrewMove.about(roll, p, 2.5))
+    assert error.value.share == pytest.approx(2.0 / 2.5, abs=1e-3)
+    with pytest.raises(PathError, match="0 rad of 0.5 rad .0 %. and no farther: this arm cannot turn that way"):
+        plan(arm, ScrewMove.about([0.0, 0.0, 1.0], p, 0.5))
+
+
+def test_what_lies_beyond_the_end_of_a_path_says_why_it_ends():
+    """The tool of a stretched arm is out of reach a little farther on: no leap would help."""
+    arm = load_arm("rr_planar", limits=RATES)
+    start = arm.fk([0.0, 0.4])[:3, 3]
+    with pytest.raises(PathError) as error:
+        plan(arm, LineMove(Position(3.0 * start)), start=[0.0, 0.4])
+    assert error.value.reason == "out of reach"
+    reach = np.linalg.norm(arm.fk([0.0, 0.0])[:3, 3])
+    assert error.value.share == pytest.approx((reach / np.linalg.norm(start) - 1.0) / 2.0, abs=1e-3)
+
+
 @pytest.mark.parametrize(
     ("segments", "options", "error", "words"),
     [
@@ -210,6 +242,9 @@ def test_a_line_out_of_reach_says_how_far_it_gets():
         ([LineMove(moved([0.0, 0.0, 0.01]), blend=0.2)], {}, InputError, "segment 1 .*cannot blend"),
         ([JointMove(np.full(6, 50.0))], {}, LimitError, "segment 1 .JointMove. puts joint"),
         ([JointMove(Position([9.0, 0.0, 0.0]))], {}, NotConvergedError, "segment 1 .JointMove."),
+        ([JointMove("ready"), JointMove("redy")], {}, UnknownNameError, "^segment 2 .JointMove.: no pose 'redy'"),
+        ([JointMove({"elbw": 1.0})], {}, UnknownNameError, "^segment 1 .JointMove.: no joint 'elbw'"),
+        ([JointMove([1.0, 2.0])], {}, InputError, "^segment 1 .JointMove.: its goal must have shape"),
         ([JointMove("ready")], {"limits": {"velocity": np.inf}}, LimitError, "no velocity limit"),
         ([JointMove("ready")], {"kind": "fast"}, InputError, "kind must be"),
         ([JointMove("ready")], {"tool_speed": -1.0}, InputError, "tool_speed must be a positive"),

@@ -11,8 +11,9 @@ from typing import Annotated
 
 import typer
 
+from ..planning import PathError
 from ..support.caller_words import speaking
-from ..support.errors import TwistarmError
+from ..support.errors import NotConvergedError, TwistarmError
 from ..support.interrupts import end_by, ended_like_ctrl_c
 from .commands import (
     baking,
@@ -132,6 +133,8 @@ def _report(error: Exception) -> int:
         _say(f"{words} (see twistarm --help, or --help after the command)")
         return BAD_INPUT
     _say(told(error))
+    if isinstance(error, (NotConvergedError, PathError)):  # what was asked for makes sense, and this arm cannot do it
+        return BAD_ANSWER
     return BAD_INPUT if isinstance(error, (TwistarmError, OSError)) else BUG
 
 

@@ -12,7 +12,7 @@ from typer.core import TyperCommand, TyperGroup
 from ..model.arm import Arm
 from ..support.checks import Array
 from ..support.errors import InputError, UnknownNameError, listed
-from .output import note
+from .output import as_written, note
 
 VALUES = "VALUES"
 POSE = "POSE"
@@ -47,6 +47,12 @@ class Group(_Flags, TyperGroup):
 
 class Command(_Flags, TyperCommand):
     """A command whose options of several numbers need no quotes: `--theta 0.1 -30 60`, `--xyz 0.8 -0.1 0.7`."""
+
+    def __init__(self, *args: Any, **keywords: Any) -> None:
+        """Typer's; in its help, which Rich shows, a word in brackets is a word and no style."""
+        super().__init__(*args, **keywords)
+        for param in self.params:
+            param.help = as_written(getattr(param, "help", None) or "")  # type: ignore[attr-defined]
 
     def parse_args(self, ctx: Any, args: list[str]) -> list[str]:
         """Click's, of words in which such numbers are one."""

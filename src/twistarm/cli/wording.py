@@ -61,6 +61,13 @@ class CommandLineWords(CallerWords):
             return f"{math.degrees(value):.6g}°{unit.removeprefix('rad')}"
         return super().quantity(value, unit)
 
+    def posture(self, theta: Sequence[float], units: Sequence[str]) -> str:
+        """`"0.1 -28.65 57.3" (° and m)`."""
+        values = [
+            math.degrees(x) if self._degrees and unit == "rad" else x for x, unit in zip(theta, units, strict=True)
+        ]
+        return f'"{" ".join(f"{x:.4g}" for x in values)}" ({"°" if self._degrees else "rad"} and m)'
+
 
 def told(error: Exception) -> str:
     """What an error is told as: ours in its own words, the system's as they are, any other as our fault."""

@@ -47,6 +47,14 @@ def summary(solution: IKSolution) -> str:
     return f"{solution.arm.name} does not meet {solution.target.describe()}: {reached(solution)}; {solution.stop.value}"
 
 
+def in_one_line(solution: IKSolution) -> str:
+    """What was asked, how far from it, the reason and its details."""
+    why = [printable(line) for line in _why(solution)]
+    if why and why[0].startswith(solution.stop.value):
+        return "; ".join([summary(solution).removesuffix(f"; {solution.stop.value}"), *why])
+    return "; ".join([summary(solution), *why])
+
+
 def reached(solution: IKSolution) -> str:
     """The two errors in words."""
     if math.isinf(solution.position_error):

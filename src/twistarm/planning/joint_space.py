@@ -8,6 +8,7 @@ from typing import Any, Literal
 import numpy as np
 from numpy.typing import ArrayLike
 
+from ..ik.explain import in_one_line
 from ..ik.solve import solve_ik
 from ..ik.targets import KINDS as TARGETS
 from ..ik.targets import TargetLike
@@ -162,7 +163,7 @@ def _waypoint(arm: Arm, waypoint: Any, index: int, near: Array) -> Array:
     if isinstance(waypoint, TARGETS) or _is_pose(waypoint):
         solution = solve_ik(arm, waypoint, near, posture="theta0")
         if not solution.converged:
-            raise NotConvergedError(f"waypoint {index} (counted from 0) is not met: {solution.explain()}", solution)
+            raise NotConvergedError(f"waypoint {index} (counted from 0): {in_one_line(solution)}", solution)
         return np.array(solution.theta)
     theta = arm.theta_from(waypoint, name=f"waypoint {index}")
     if theta.ndim != 1:

@@ -14,10 +14,22 @@ import numpy as np
 from ..description.companions.toml_entries import parse_toml
 from ..ik.targets import Approach, Pose, Position, Task
 from ..model.arm import Arm
-from ..support.checks import Array, as_flag, as_number, as_reals, as_vector, require_mapping
-from ..support.errors import InputError, TwistarmError, closest, listed
+from ..support.checks import (
+    Array,
+    as_flag,
+    as_floats,
+    as_not_negative,
+    as_number,
+    as_positive,
+    as_reals,
+    as_theta,
+    require_choice,
+    require_mapping,
+)
+from ..support.errors import InputError, TwistarmError, closest, listed, shown
 from ..support.files import as_path
 from ..theory.rotations import from_quaternion_wxyz, from_rpy
+from .motion import LAWS
 from .segments import ArcMove, Dwell, Goal, JointMove, LineMove, ScrewMove, Segment
 
 SPEEDS = ("tool_speed", "turn_speed")
@@ -74,16 +86,20 @@ class _Reader:
             if as_flag(self.content.get("degrees", False), "degrees"):
                 self.angle = np.pi / 180.0
             limits = require_mapping(self.content.get("limits", {}), "limits", "{ acceleration = 3.0 }")
+            self.arm.limits.with_(limits, self.arm.joint_names)  # says what is wrong with them
+            kind = require_choice(self.content["kind"], LAWS, "kind") if "kind" in self.content else None
+            start = self._start(self.content["start"]) if "start" in self.content else None
+            speeds = {
+                name: as_positive(self._number(self.content, name), name) for name in SPEEDS if name in self.content
+            }
             entries = self.content.get("segment", [])
             if not isinstance(entries, list) or not entries:
                 raise InputError("there is no segment: write [[segment]] and under it joint, line, screw, arc or dwell")
-            start = self._goal(self.content["start"]) if "start" in self.content else None
-            speeds = {name: self._number(self.content, name) for name in SPEEDS if name in self.content}
         segments = []
         for i, entry in enumerate(entries):
             with self._at(f"segment {i + 1}"):
                 segments.append(self._segment(entry))
-        return MotionFile(tuple(segments), start, self.content.get("kind"), limits, **speeds)
+        return MotionFile(tuple(segments), start, kind, limits, **speeds)
 
     @contextmanager
     def _at(self, place: str) -> Iterator[None]:
@@ -98,7 +114,9 @@ class _Reader:
         kinds = [kind for kind in KINDS if kind in table]
         if len(kinds) != 1:
             raise InputError(f"it needs one of {', '.join(KINDS)}; got {listed(kinds) or 'none of them'}")
-        options = {name: self._number(table, name) for name in OPTIONS if name in table}
+        options = {
+            name: table[name] if name == "label" else self._number(table, name) for name in OPTIONS if name in table
+        }
         make: Callable[[Any, dict[str, Any]], Segment] = getattr(self, f"_{kinds[0]}")
         return make(table[kinds[0]], options)
 
@@ -106,76 +124,132 @@ class _Reader:
         return JointMove(self._goal(value), **options)
 
     def _line(self, value: Any, options: dict[str, Any]) -> Segment:
-        if isinstance(value, dict) and "by" in value:
-            return LineMove.by(value["by"], **self._rest(value, ("by",), ("frame", "constrain")), **options)
+        if table := _described(value, ("by",), ("frame", "constrain")):
+            return LineMove.by(_three(table, "by"), **_given(table, "frame", "constrain"), **options)
         return LineMove(self._goal(value), **options)
 
     def _screw(self, value: Any, options: dict[str, Any]) -> Segment:
-        if isinstance(value, dict) and "axis" in value:
-            rest = self._rest(value, ("axis", "point", "angle"), ("pitch", "constrain"))
-            angle = self._number(value, "angle")
-            return ScrewMove.about(value["axis"], value["point"], angle, **rest, **options)
+        if table := _described(value, ("axis", "point", "angle"), ("pitch", "constrain")):
+            axis, point, angle = _three(table, "axis"), _three(table, "point"), self._number(table, "angle")
+            pitch = self._number(table, "pitch") if "pitch" in table else 0.0
+            return ScrewMove.about(axis, point, angle, pitch, **_given(table, "constrain"), **options)
         return ScrewMove(self._goal(value), **options)
 
     def _arc(self, value: Any, options: dict[str, Any]) -> Segment:
-        table = require_mapping(value, "arc", "{ via = [0.5, 0.0, 0.6], to = … }")
-        if "axis" in table:
-            rest = self._rest(table, ("axis", "centre", "angle"), ("turn", "constrain"))
-            angle = self._number(table, "angle")
-            return ArcMove.about(table["axis"], table["centre"], angle, **rest, **options)
-        self._rest(table, ("via", "to"), ())
-        return ArcMove(table["via"], self._goal(table["to"]), **options)
+        if table := _described(value, ("axis", "centre", "angle"), ("turn", "constrain")):
+            axis, centre, angle = _three(table, "axis"), _three(table, "centre"), self._number(table, "angle")
+            return ArcMove.about(axis, centre, angle, **_given(table, "turn", "constrain"), **options)
+        through = _described(value, ("via", "to"), ())
+        if through is None:
+            raise InputError(f"arc takes via and to, or axis, centre and angle; got {shown(value)}")
+        via = through["via"]
+        return ArcMove(
+            self._target(via) if isinstance(via, dict) else _three(through, "via"), self._goal(through["to"]), **options
+        )
 
     def _dwell(self, value: Any, options: dict[str, Any]) -> Segment:
         _only(options, ("label",))
-        return Dwell(value, **options)
+        return Dwell(as_not_negative(self._number({"dwell": value}, "dwell"), "dwell"), **options)
+
+    def _start(self, value: Any) -> Goal:
+        """A configuration: a target is no place to be."""
+        if isinstance(value, dict) and "xyz" in value:
+            raise InputError("start must be a configuration: a pose's name, the joints' values or { joint = value, … }")
+        start = self._goal(value)
+        self.arm.theta_from(start, name="start")  # type: ignore[arg-type]  # names every joint
+        return start
 
     def _goal(self, value: Any) -> Goal:
         """The name of a configuration, its numbers, {joint: value}, or a target by xyz and what turns the tool."""
         if isinstance(value, str):
+            self.arm.theta_from(value)  # says which there are
             return value
         per_joint = np.array([self.angle if unit == "rad" else 1.0 for unit in self.arm.units])
         if isinstance(value, list):
-            theta: Array = as_vector(value, "a configuration", self.arm.n) * per_joint
+            theta: Array = as_theta(value, self.arm.n, "a configuration", self.arm.joint_names) * per_joint
             return theta
-        table = require_mapping(value, "a goal", '"ready", { elbow = 0.5 } or { xyz = [0.5, 0.0, 0.6] }')
-        if "xyz" not in table:
-            factors = dict(zip(self.arm.joint_names, per_joint.tolist(), strict=True))
-            return {joint: as_number(each, joint) * factors.get(joint, 1.0) for joint, each in table.items()}
-        _only(table, GOAL)
-        return self._target(table)
+        if not isinstance(value, dict) or not value:
+            raise InputError(f'a goal is "ready", {{ elbow = 0.5 }} or {{ xyz = [0.5, 0.0, 0.6] }}; got {shown(value)}')
+        _only(value, (*self.arm.joint_names, *GOAL))
+        joints = [name for name in value if name in self.arm.joint_names]
+        if not joints:
+            return self._target(value)
+        if len(joints) < len(value):
+            raise InputError(f"a goal is a target or values of joints, not both; got {listed(value)}")
+        factors = dict(zip(self.arm.joint_names, per_joint.tolist(), strict=True))
+        return {joint: _real(each, joint) * factors[joint] for joint, each in value.items()}
 
     def _target(self, table: Mapping[str, Any]) -> Pose | Position | Approach | Task:
-        p = as_vector(table["xyz"], "xyz")
+        _only(table, GOAL)
+        if "xyz" not in table:
+            raise InputError(f"xyz is missing beside {listed(table)}: a target says where the tool is to be")
+        p = _three(table, "xyz")
         turned = [name for name in ("rpy", "quaternion_wxyz", "direction") if name in table]
         if len(turned) > 1:
             which = " or ".join(turned)
             raise InputError(f"give {which}, not both: a whole orientation, or only where the tool points")
+        _needs(table, "tool_axis", ("direction",))
+        _needs(table, "tolerance", ("rpy", "quaternion_wxyz"))
+        _needs(table, "frame", ("tolerance",))
         if "direction" in table:
-            return Approach(p, table["direction"], table.get("tool_axis"))
+            return Approach(p, _three(table, "direction"), _three(table, "tool_axis") if "tool_axis" in table else None)
         if not turned:
             return Position(p)
         g = np.eye(4)
         g[:3, 3] = p
         if "rpy" in table:
-            g[:3, :3] = from_rpy(self.angle * as_vector(table["rpy"], "rpy"))
+            g[:3, :3] = from_rpy(self.angle * _three(table, "rpy"))
         else:
             g[:3, :3] = from_quaternion_wxyz(table["quaternion_wxyz"])
         if "tolerance" not in table:
             return Pose(g)
-        tolerance = as_reals(table["tolerance"], "tolerance") * np.repeat([1.0, self.angle], 3)
-        return Task(g, tolerance, table.get("frame", "target"))
+        tolerance = as_reals(table["tolerance"], "tolerance")
+        if tolerance.shape != (6,):
+            raise InputError(
+                "tolerance must be six numbers, along x, y and z and about them, inf where it is free; "
+                f"got {shown(table['tolerance'])}"
+            )
+        return Task(g, tolerance * np.repeat([1.0, self.angle], 3), table.get("frame", "target"))
 
-    def _rest(self, table: Mapping[str, Any], needed: Sequence[str], others: Sequence[str]) -> dict[str, Any]:
-        """Those of the `others` that are given, where all that is `needed` is there and nothing else."""
-        _only(table, (*needed, *others))
-        for name in needed:
-            if name not in table:
-                raise InputError(f"{name} is missing beside {listed(table)}")
-        return {name: table[name] for name in others if name in table}
+    def _number(self, table: Mapping[str, Any], name: str) -> float:
+        return _real(table[name], name) * (self.angle if name in ANGLES else 1.0)
 
-    def _number(self, table: Mapping[str, Any], name: str) -> Any:
-        return as_number(table[name], name) * self.angle if name in ANGLES else table[name]
+
+def _described(value: Any, needed: Sequence[str], others: Sequence[str]) -> Mapping[str, Any] | None:
+    """The table of a move without a goal, which has one of `needed`: all of them then, and nothing but `others`."""
+    if not isinstance(value, dict) or not set(value) & {*needed, *others}:
+        return None
+    _only(value, (*needed, *others))
+    if missing := [name for name in needed if name not in value]:
+        raise InputError(
+            f"{' and '.join(missing)} {'are' if len(missing) > 1 else 'is'} missing beside {listed(value)}"
+        )
+    return value
+
+
+def _given(table: Mapping[str, Any], *names: str) -> dict[str, Any]:
+    return {name: table[name] for name in names if name in table}
+
+
+def _needs(table: Mapping[str, Any], name: str, others: Sequence[str]) -> None:
+    """An entry that says nothing without one of the `others` is a mistake."""
+    if name in table and not set(others) & set(table):
+        raise InputError(f"{name} goes with {' or '.join(others)}, and there is none beside it")
+
+
+def _real(value: Any, name: str) -> float:
+    """A finite number; true and false are none in TOML."""
+    if isinstance(value, bool):
+        raise InputError(f"{name} must be a number; got {str(value).lower()}")
+    return as_number(value, name)
+
+
+def _three(table: Mapping[str, Any], name: str) -> Array:
+    """Three numbers [x, y, z]."""
+    numbers = as_floats(table[name], name)
+    if numbers.shape != (3,):
+        raise InputError(f"{name} must be three numbers, as in [0.5, 0.0, 0.6]; got {shown(table[name])}")
+    return numbers
 
 
 def _only(table: Mapping[str, Any], allowed: Sequence[str]) -> None:

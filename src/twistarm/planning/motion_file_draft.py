@@ -21,7 +21,7 @@ def draft_motion_file(arm: Arm) -> str:
 start = "ready"              # a pose's name, the joints' values, or {{ joint = value, … }} of every joint
 # kind = "s_curve"           # or "time_optimal", "quintic"
 # degrees = true             # angles below are degrees
-# tool_speed = 0.2           # m/s, wherever a segment gives none
+# tool_speed = 0.2           # m/s, wherever a segment gives none; turn_speed is in rad/s
 
 # [limits]                   # in place of the arm's own
 # acceleration = 3.0
@@ -38,7 +38,7 @@ dwell = 0.5                  # s
 # [[segment]]                # the tool along a straight line: 5 cm along its own z axis
 # line = {{ by = [0.0, 0.0, 0.05], frame = "tool" }}
 
-# [[segment]]                # … to a position, a direction or a whole pose; joint, screw and arc take them as well
+# [[segment]]                # … to a position alone, with a direction, or turned by rpy; joint, screw and arc as well
 # line = {{ xyz = [{x}, {y}, {z}], direction = [0.0, 0.0, -1.0] }}
 
 # [[segment]]                # a screw motion: a turn about an axis that advances `pitch` metres per radian

@@ -8,12 +8,13 @@ from typing import Any
 
 import numpy as np
 
+from ..ik.explain import in_one_line
 from ..ik.solve import solve_ik
 from ..ik.targets import KINDS, AnyTarget, Approach, Pose, Position, target_for
 from ..limits.joint_limits import JointLimits
 from ..model.arm import Arm
 from ..support.checks import Array
-from ..support.errors import InputError, NotConvergedError
+from ..support.errors import InputError, NotConvergedError, UnknownNameError
 from ..theory import rotations, screws
 from .cartesian.branches import branches
 from .cartesian.curves import Arc, Curve, Line, Screw
@@ -26,11 +27,11 @@ from .within import require_waypoints
 
 Curved = LineMove | ScrewMove | ArcMove
 
-NO_WAY = 1e-9
-"""A curve that goes no farther than this [m, rad] goes nowhere."""
-
 MOST_BRANCHES = 48
 """Configurations in which a run of curves may begin that are tried, the nearest first."""
+
+SAME = 1e-6
+"""Efforts that differ by a smaller share are one: the nearer start is taken, whose other joints move least."""
 
 COMPARED = 3
 """After the first of them from which the curves can be followed so many more are compared with it."""
@@ -119,7 +120,7 @@ class Router:
                     farthest = error
                 continue
             effort = sum(self._path_effort(leg.path) for leg in legs if leg.path is not None)
-            if effort < least:
+            if effort < least * (1.0 - SAME):
                 best, least = legs, effort
         if best is None:
             assert farthest is not None
@@ -144,11 +145,14 @@ class Router:
         if isinstance(goal, KINDS):
             solution = solve_ik(self.arm, goal, theta, posture="theta0")
             if not solution.converged:
-                raise NotConvergedError(f"{self._place(i)}: {solution.explain()}", solution)
+                raise NotConvergedError(f"{self._place(i)}: {in_one_line(solution)}", solution)
             return solution.theta
         if isinstance(goal, Mapping):
             goal = {**self.arm.theta_to_dict(theta), **goal}
-        end = self.arm.theta_from(goal, name=f"the goal of {self._place(i)}")
+        try:
+            end = self.arm.theta_from(goal, name="its goal")
+        except (InputError, UnknownNameError) as error:
+            raise type(error)(f"{self._place(i)}: {error}") from error
         if end.ndim != 1:
             raise InputError(f"{self._place(i)}: a goal must be one configuration ({self.arm.n},); got {end.shape}")
         require_waypoints(end[None], self.limits, self.arm.joint_names, self.arm.units, self._place(i))
@@ -156,9 +160,10 @@ class Router:
 
     def _curve(self, i: int, move: Curved, start: Array) -> Leg:
         farthest: _BlockedError | None = None
-        for moving in self._moving(i, move, start):
-            if moving.curve.length <= NO_WAY and moving.curve.angle <= NO_WAY:
-                raise InputError(f"{self._place(i)}: it ends where it begins: leave it out, or give it another goal")
+        ways = [moving for moving in self._moving(i, move, start) if not moving.is_still]
+        if not ways:
+            raise InputError(f"{self._place(i)}: it ends where it begins: leave it out, or give it another goal")
+        for moving in ways:
             result = follow(self.arm, moving, start)
             if isinstance(result, Followed):
                 return Leg(i, move, result.path.end, result.path)

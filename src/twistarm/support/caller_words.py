@@ -33,6 +33,10 @@ class CallerWords:
         """A value with its unit."""
         return f"{value:.6g} {unit}"
 
+    def posture(self, theta: Sequence[float], units: Sequence[str]) -> str:
+        """Joint values, as they would be given back."""
+        return f"[{', '.join(f'{value:.4g}' for value in theta)}]"
+
 
 _words = CallerWords()
 
@@ -71,6 +75,11 @@ def expression(python: str) -> str:
 def quantity(value: float, unit: str) -> str:
     """A value with its unit, in the caller's words."""
     return _words.quantity(value, unit)
+
+
+def posture(theta: Sequence[float], units: Sequence[str]) -> str:
+    """Joint values in the caller's words, as they would be given back."""
+    return _words.posture(theta, units)
 
 
 def _literal(value: Any) -> str:

@@ -47,18 +47,20 @@ CLEAN_TOL = 1e-14
 """Below this a rotation is left as it is: its error is already that of double precision."""
 
 
-def as_floats(value: Given, name: str) -> Array:
+def as_floats(value: Given, name: str, what: str = "an array of real numbers") -> Array:
     """`value` as a float64 array of finite numbers."""
     if value is None:  # to NumPy a NaN
-        raise InputError(f"{name} must be an array of real numbers; got None")
-    array = as_reals(value, name)
+        raise InputError(f"{name} must be {what}; got None")
+    array = as_reals(value, name, what)
     if not np.isfinite(array).all():
+        if not array.ndim:
+            raise InputError(f"{name} must be finite; got {array}")
         index = tuple(int(i) for i in np.argwhere(~np.isfinite(array))[0])
         raise InputError(f"{name} must be finite; it holds {array[index]} at index {list(index)}")
     return array
 
 
-def as_reals(value: Given, name: str) -> Array:
+def as_reals(value: Given, name: str, what: str = "an array of real numbers") -> Array:
     """`value` as a float64 array of numbers, which may be infinite or NaN."""
     try:
         array = np.asarray(value)
@@ -69,12 +71,12 @@ def as_reals(value: Given, name: str) -> Array:
         return np.asarray(array, dtype=np.float64)
     except Exception as error:  # an object's own conversion may raise anything, as that of a tensor with a gradient
         why = one_line(str(error), SHOWN)
-        raise InputError(f"{name} must be an array of real numbers; got {shown(value)} ({why})") from error
+        raise InputError(f"{name} must be {what}; got {shown(value)} ({why})") from error
 
 
 def as_number(value: ArrayLike, name: str) -> float:
     """`value` as one finite number."""
-    array = as_floats(value, name)
+    array = as_floats(value, name, "one number")
     if array.ndim:
         raise InputError(f"{name} must be one number; got shape {array.shape}")
     return float(array)

@@ -24,6 +24,7 @@ from ...stream.links.inbox import FEEDBACK_TIMEOUT
 from ...support.checks import Array
 from ...support.errors import InputError
 from ...viewer import Viewer
+from ..asked_motion import motion_of_file
 from ..keys import typed_keys
 from ..options import POSTURE, Json, Radians, takes_arm
 from ..output import console, print_json, progress_bar, say
@@ -47,7 +48,7 @@ from ..robot import (
 )
 from ..servo_report import follow_json, follow_table
 from ..typed import parse_theta
-from .motion import Rate, motion_of_file
+from .motion import Rate
 from .viewing import Browser, Host, Port
 
 Motion = Annotated[

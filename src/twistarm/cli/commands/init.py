@@ -3,25 +3,28 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Sequence
+import shlex
 from pathlib import Path
-from typing import Annotated
+from typing import Annotated, Any
 
 import typer
 
 from ...loading.arm_file_draft import draft_arm_file
 from ...loading.load import load_arm
 from ...planning.motion_file_draft import draft_motion_file
+from ...support.caller_words import argument
 from ...support.errors import InputError
 from ..options import Base, Env, PackageDir, Srdf, Tip, Without, Xacro, xacro_arguments
 from ..output import say
-from ..outputs import NAMED, STDOUT, Force, outputs_of
+from ..outputs import NAMED, STDOUT, Force, Outputs, outputs_of
 
 Motion = Annotated[
     bool,
-    typer.Option("--motion", help="Write a first motion.toml for the arm, as plan takes it."),
+    typer.Option(
+        "--motion", help="Write a first motion.toml for the arm, as `twistarm plan ARM motion.toml` takes it."
+    ),
 ]
-File = Annotated[str, typer.Argument(metavar="FILE", help="URDF or xacro file.")]
+File = Annotated[str, typer.Argument(metavar="FILE", help="URDF or xacro file; with --motion whatever is an ARM.")]
 
 
 def init(
@@ -38,22 +41,23 @@ def init(
     motion: Motion = False,
 ) -> int:
     """Write a commented arm.toml for FILE (base, tip, limits to fill in, the ready pose), or a first motion.toml."""
-    if motion:
-        return _motion(file, "motion.toml" if output == "arm.toml" else output, env or (), force)
+    if motion and output == "arm.toml":
+        output = "motion.toml"
     outputs = outputs_of(output, {"toml": (".toml",)}, force=force, over_description=True)
     if output != STDOUT and not output.endswith(".toml"):
-        raise InputError(f"an arm file is named *.toml; got {output}")
-    draft = draft_arm_file(
-        file,
-        Path(os.path.realpath(output)).parent,
-        base=base,
-        tip=tip,
-        package_dirs=package_dir or (),
-        xacro_args=xacro_arguments(xacro or []),
-        srdf=srdf,
-        without=without or (),
-        env=env or (),
-    )
+        raise InputError(f"{'a motion' if motion else 'an arm'} file is named *.toml; got {output}")
+    keywords: dict[str, Any] = {
+        "base": base,
+        "tip": tip,
+        "package_dirs": package_dir or (),
+        "xacro_args": xacro_arguments(xacro or []),
+        "srdf": srdf,
+        "without": without or (),
+        "env": env or (),
+    }
+    if motion:
+        return _motion(file, keywords, output, outputs)
+    draft = draft_arm_file(file, Path(os.path.realpath(output)).parent, **keywords)
     outputs.write({"toml": lambda: draft.text})
     if draft.unclear:
         unclear = f"take the # away from one tip = in it before it loads: {draft.unclear}"
@@ -65,11 +69,12 @@ def init(
     return 0
 
 
-def _motion(source: str, output: str, env: Sequence[str], force: bool) -> int:
+def _motion(source: str, keywords: dict[str, Any], output: str, outputs: Outputs) -> int:
     """A first motion.toml for an arm: a description, an arm.toml or a name."""
-    outputs = outputs_of(output, {"toml": (".toml",)}, force=force)
-    arm = load_arm(source, env=env)
+    arm = load_arm(source, **keywords)
     outputs.write({"toml": lambda: draft_motion_file(arm)})
     if output != STDOUT:
-        say(f"{output}: a motion with every kind of segment; next: twistarm plan {source} {output}")
+        options = [argument(name, value) for name, value in keywords.items() if value]
+        plan = " ".join(["twistarm plan", shlex.quote(source), shlex.quote(output), *options])
+        say(f"{output}: a motion with every kind of segment; next: {plan}")
     return 0

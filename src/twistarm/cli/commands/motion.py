@@ -2,10 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
-from dataclasses import asdict, dataclass, replace
+from collections.abc import Sequence
+from dataclasses import asdict
 from enum import Enum
-from pathlib import Path
 from typing import Annotated, Any
 
 import numpy as np
@@ -15,31 +14,18 @@ from ...limits.joint_limits import JointLimits
 from ...model.arm import Arm
 from ...model.ready_pose import named_ready
 from ...model.usual_limits import defaults_line, with_defaults
-from ...planning import (
-    Binding,
-    JointMove,
-    LineMove,
-    MotionFile,
-    Trajectory,
-    binding_limits,
-    load_motion,
-    load_trajectory,
-    plan_joint,
-)
-from ...planning import plan as plan_segments
+from ...planning import Binding, Trajectory, binding_limits, load_motion, plan_joint
 from ...planning.files.c_header import SUFFIXES, header_text
 from ...planning.files.csv_file import csv_text
 from ...planning.files.joint_trajectory import json_text, yaml_text
-from ...planning.motion import as_segments
-from ...planning.segments import Segment
-from ...planning.spans import Progress
-from ...support.checks import Array, as_positive
+from ...support.checks import as_positive
 from ...support.errors import InputError
+from ..asked_motion import Asked, capped, typed_targets
 from ..options import Json, Radians, takes_arm
 from ..output import console, note, number, print_json, progress_bar, say, shown, table, theta_values, units
 from ..outputs import STDOUT, Force, Format, outputs_of
-from ..targets import Axis, Direction, Rpy, typed_orientation
-from ..typed import POSE, XYZ, parse_numbers, parse_theta
+from ..targets import Axis
+from ..typed import POSE, RPY, XYZ
 
 MOST_STRETCHES = 8
 """So many rows of binding limits are shown; --json has them all."""
@@ -58,6 +44,10 @@ class Kind(str, Enum):
     s_curve = "s_curve"
 
 
+HOW = typer.Option(
+    help="How it is timed. Through poses: cubic unless given. With --line, --xyz or a motion.toml: s_curve unless "
+    "given, or time_optimal, quintic."
+)
 Start = Annotated[
     str | None, typer.Option("--from", metavar=POSE, help="Where it starts, as --to; unless given, the ready pose.")
 ]
@@ -78,9 +68,31 @@ Positions = Annotated[
     typer.Option("--xyz", metavar=XYZ, help="Instead of --to: where the tool is to be, in metres; repeat it."),
 ]
 Line = Annotated[bool, typer.Option("--line", help="The tool goes along straight lines from pose to pose.")]
-Blend = Annotated[float, typer.Option(metavar="M", help="Round the corners of --line or --xyz inside this radius.")]
+Rpys = Annotated[
+    list[str] | None,
+    typer.Option(
+        "--rpy",
+        metavar=RPY,
+        help="Orientation at --xyz: turns about the base's x, y and z axes, in this order [°, or rad with --rad]; one "
+        "for all positions, or repeated for each.",
+    ),
+]
+Directions = Annotated[
+    list[str] | None,
+    typer.Option(
+        "--direction",
+        metavar=XYZ,
+        help="Only where the tool points at --xyz, in base axes; turning about that is free. One for all positions, or "
+        "repeated for each.",
+    ),
+]
+Blend = Annotated[
+    float | None,
+    typer.Option(metavar="M", help="Round the corners of --line or --xyz inside this radius; without it: stop there."),
+]
 ToolSpeed = Annotated[
-    float | None, typer.Option("--tool-speed", metavar="M/S", help="The tool goes no faster, with --line or --xyz.")
+    float | None,
+    typer.Option("--tool-speed", metavar="M/S", help="The tool goes no faster, with --line, --xyz or a motion.toml."),
 ]
 Rate = Annotated[
     float | None,
@@ -109,14 +121,14 @@ def plan(
     motion: Motion = None,
     to: Through = None,
     xyz: Positions = None,
-    rpy: Rpy = None,
-    direction: Direction = None,
+    rpy: Rpys = None,
+    direction: Directions = None,
     axis: Axis = None,
     line: Line = False,
-    blend: Blend = 0.0,
+    blend: Blend = None,
     tool_speed: ToolSpeed = None,
     start: Start = None,
-    kind: Annotated[Kind | None, typer.Option(help="cubic unless given; with curves of the tool s_curve.")] = None,
+    kind: Annotated[Kind | None, HOW] = None,
     velocity: Rate = None,
     acceleration: Rate = None,
     stop: Annotated[bool, typer.Option("--stop", help="Come to rest at every pose.")] = False,
@@ -131,6 +143,10 @@ def plan(
     """Plan the fastest motion through poses, targets or the segments of a file, under the limits or the usual ones."""
     if [motion is not None, bool(to), bool(xyz)].count(True) != 1:
         raise InputError("give poses by --to, positions by --xyz, or a motion.toml")
+    as_positive(dt, "--dt")
+    asked = Asked(arm, start, rad, line, stop, blend, tool_speed, None if kind is None else kind.value)
+    asked.require_fitting(by_file=motion is not None, by_joints=not (xyz or line), goals=len(to or xyz or ()))
+    targets = typed_targets(xyz or (), rpy or (), direction or (), axis, rad)
     file = None if motion is None else load_motion(motion, arm)
     given = capped(arm, {"velocity": velocity, "acceleration": acceleration}, {} if file is None else file.limits)
     limits = with_defaults(arm, given)
@@ -143,24 +159,19 @@ def plan(
     )
     if counts and any(kind not in COUNTED for kind, _ in outputs.files):
         raise InputError("--counts goes with *.csv and *.h: a JointTrajectory is in rad and m")
-    orientation = typed_orientation(rpy, None, None, direction, axis, rad)
-    if orientation.is_given and not xyz:
-        raise InputError("--rpy and --direction turn the tool at the positions of --xyz: give --xyz too")
-    origin = "ready" if start is None else start
-    asked = Asked(arm, limits, None if kind is None else kind.value, start, rad)
     with progress_bar("planning") as progress:
         if file is not None:
-            planned, segments = asked.of_file(file, progress)
+            planned, segments = asked.of_file(file, limits, progress)
         elif xyz or line:
-            goals = [orientation.at(parse_numbers(text, 3, "--xyz")) for text in xyz] if xyz else asked.poses(to)[1:]
-            options: dict[str, Any] = {"tool_speed": tool_speed, "blend": 0.0 if stop else blend}
-            planned, segments = asked.through(goals, LineMove if line else JointMove, options, progress)
+            planned, segments = asked.through(targets or asked.poses(to)[1:], limits, progress)
         else:
-            poses = asked.poses(to)
-            how: Any = "cubic" if kind is None else kind.value
-            planned = plan_joint(arm, poses, kind=how, limits=limits, stop_at_waypoints=stop, progress=progress)
+            how: Any = asked.kind or "cubic"
+            planned = plan_joint(
+                arm, asked.poses(to), kind=how, limits=limits, stop_at_waypoints=stop, progress=progress
+            )
             segments = []
-    if start is None and motion is None:
+    origin = asked.origin(file)
+    if origin is None:
         note(_start(arm, rad))
     header = next((name for kind, name in outputs.files if kind == "header" and name != STDOUT), "motion.h")
     written = outputs.write(
@@ -173,7 +184,7 @@ def plan(
     )
     binding = binding_limits(arm, planned, limits=limits, segments=segments)
     if json:
-        said = {"start": origin, "assumed": defaults_line(arm, given) or None}
+        said = {"start": "ready" if origin is None else origin, "assumed": defaults_line(arm, given) or None}
         print_json({**_as_json(arm, planned, written), **said, "binding": [asdict(each) for each in binding]})
         return
     if assumed := defaults_line(arm, given):
@@ -182,74 +193,6 @@ def plan(
     if binding:
         console(outputs.words).print(binding_table(binding))
     outputs.say(written)
-
-
-Caps = Mapping[str, float | None]
-"""The greatest velocity and acceleration of any joint, as typed."""
-
-Planned = tuple[Trajectory, list[Segment]]
-"""A motion, and the segments that it was planned by."""
-
-
-@dataclass(frozen=True)
-class Asked:
-    """What is asked of every motion: the arm, its limits, the kind, and where it starts as typed."""
-
-    arm: Arm
-    limits: JointLimits
-    kind: str | None
-    start: str | None
-    radians: bool
-
-    def poses(self, typed: Sequence[str] | None) -> list[Array]:
-        """The start and the poses as typed; a joint that one leaves out stays where the pose before it has it."""
-        poses = [parse_theta(self.arm, "ready" if self.start is None else self.start, self.radians)]
-        for text in typed or ():
-            poses.append(parse_theta(self.arm, text, self.radians, ("the pose before", poses[-1])))
-        return poses
-
-    def of_file(self, content: MotionFile, progress: Progress) -> Planned:
-        """The motion of a motion.toml; what is typed beside it goes before what it says."""
-        start: Any = content.start if self.start is None else self.poses(())[0]
-        kind: Any = self.kind or content.kind or "s_curve"
-        segments = as_segments(content.segments, content.tool_speed, content.turn_speed)
-        return self._planned(segments, start, kind, progress)
-
-    def through(
-        self, goals: Sequence[Any], move: type[JointMove | LineMove], options: dict[str, Any], progress: Progress
-    ) -> Planned:
-        """A motion by the same kind of move to each goal."""
-        last = {**options, "blend": 0.0}
-        segments: list[Segment] = []
-        for i, goal in enumerate(goals):
-            segments.append(move(goal, **(last if i + 1 == len(goals) else options)))
-        return self._planned(segments, self.poses(())[0], self.kind or "s_curve", progress)
-
-    def _planned(self, segments: list[Segment], start: Any, kind: Any, progress: Progress) -> Planned:
-        motion = plan_segments(self.arm, segments, start=start, limits=self.limits, kind=kind, progress=progress)
-        return motion, segments
-
-
-def motion_of_file(arm: Arm, path: Path, caps: Caps) -> tuple[Arm, Trajectory]:
-    """The motion that a file holds, or that its segments describe (*.toml), and the arm with the limits it keeps."""
-    if path.suffix.lower() != ".toml":
-        driven = replace(arm, limits=capped(arm, caps))
-        return driven, load_trajectory(driven, path)
-    content = load_motion(path, arm)
-    driven = replace(arm, limits=capped(arm, caps, content.limits))
-    with progress_bar("planning") as progress:
-        motion, _ = Asked(driven, with_defaults(driven), None, None, False).of_file(content, progress)
-    return driven, motion
-
-
-def capped(arm: Arm, caps: Caps, changes: Mapping[str, Any] | None = None) -> JointLimits:
-    """The arm's limits with `changes`, none above what was typed; a limit that was not given takes the typed value."""
-    limits = arm.limits.with_(changes or {}, arm.joint_names)
-    for name, cap in caps.items():
-        if cap is not None:
-            as_positive(cap, f"--{name}")
-    lowered = {name: np.minimum(getattr(limits, name), cap) for name, cap in caps.items() if cap is not None}
-    return limits.with_(lowered, arm.joint_names)
 
 
 def _start(arm: Arm, radians: bool) -> str:

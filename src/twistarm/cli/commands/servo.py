@@ -26,6 +26,7 @@ from ...stream.streaming import TOLERANCE
 from ...support.checks import require_choice
 from ...support.errors import InputError
 from ...viewer import Viewer
+from ..asked_motion import capped
 from ..options import Json, Radians, Theta, takes_arm
 from ..output import console, print_json
 from ..robot import (
@@ -50,7 +51,7 @@ from ..robot import (
 )
 from ..servo_report import report_json, report_table
 from ..typed import parse_theta
-from .motion import Rate, capped
+from .motion import Rate
 from .viewing import Browser, Host, Port
 
 Commands = Annotated[

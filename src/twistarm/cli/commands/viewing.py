@@ -18,12 +18,12 @@ from ...viewer import Viewer, page_html
 from ...viewer.files.scene_snapshot import of_arm
 from ...viewer.files.screenshot import png_of
 from ...viewer.server.watching import loaded
+from ..asked_motion import motion_of_file
 from ..options import POSTURE, Radians, takes_source
 from ..output import say, warn
 from ..outputs import Force, Format, outputs_of
 from ..typed import parse_theta
 from .kinematics import warn_outside
-from .motion import motion_of_file
 
 Port = Annotated[
     int,

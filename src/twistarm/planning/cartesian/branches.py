@@ -29,7 +29,7 @@ def branches(arm: Arm, target: AnyTarget, near: Array) -> Array:
     first = solve_ik_batch(arm, [target], near[None], posture="theta0")
     met = np.vstack([first.theta[first.converged], found.theta[found.converged]])
     met = _windings(arm, met)
-    met = met[np.argsort(np.abs(met - near).max(axis=1), kind="stable")]
+    met = met[np.argsort(np.linalg.norm(met - near, axis=1), kind="stable")]
     kept: list[Array] = []
     for theta in met:
         if all(np.abs(theta - other).max() > APART for other in kept):

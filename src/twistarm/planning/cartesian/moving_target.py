@@ -10,6 +10,12 @@ from ...ik.targets import AnyTarget, Approach, Pose, Position, Task
 from ...support.checks import Array
 from .curves import Curve
 
+NO_WAY = 1e-9
+"""A curve that goes no farther than this [m, rad] goes nowhere."""
+
+SPREAD: Array = np.arange(1.0, 17.0) * 0.6180339887498949 % 1.0
+"""Places on a curve at which several turns, whole ones, do not all end where they began."""
+
 
 @dataclass(frozen=True)
 class MovingTarget:
@@ -25,6 +31,12 @@ class MovingTarget:
     def targets(self, s: Array) -> list[AnyTarget]:
         """The targets at s (k,)."""
         return [self.like.at(g) for g in self.curve(s)]
+
+    @property
+    def is_still(self) -> bool:
+        """Whether a tool that stays where the curve begins is on it everywhere, in what is constrained."""
+        g = np.broadcast_to(self.curve(np.array(0.0)), (len(SPREAD), 4, 4))
+        return float(max(map(np.max, self.errors(SPREAD, g)))) <= NO_WAY
 
     @property
     def angle(self) -> float:

@@ -7,9 +7,10 @@ from dataclasses import replace
 import numpy as np
 
 from ...ik.solve import solve_ik
+from ...ik.stop_reason import StopReason
 from ...ik.targets import AnyTarget, Approach, Pose, Position
 from ...model.arm import Arm
-from ...support.caller_words import quantity
+from ...support.caller_words import posture, quantity
 from ...support.checks import Array
 from ...support.errors import TwistarmError
 from .branches import branches
@@ -21,6 +22,9 @@ AT_LIMIT = 0.01
 
 SINGULAR = 0.05
 """A smaller least singular value, metres over the arm's reach, is that of a posture near a singular one."""
+
+AHEAD = (1e-3, 0.02)
+"""So far beyond the end, in s, it is asked whether any configuration meets the path."""
 
 FEW = 8
 """Other configurations at the start that are tried."""
@@ -84,7 +88,7 @@ def _part(moving: MovingTarget, share: float) -> str:
     turns = moving.curve.length < 1e-9
     whole, unit = (moving.curve.angle, "rad") if turns else (moving.curve.length, "m")
     so_far, all_ = (quantity(float(f"{part:.3g}"), unit) for part in (share * whole, whole))
-    return f"{so_far} of {all_} ({100.0 * share:.0f} %)"
+    return f"{so_far} of {all_} ({min(round(100.0 * share), 99)} %)"
 
 
 def _why(arm: Arm, moving: MovingTarget, blocked: Blocked) -> tuple[str, str | None, str]:
@@ -96,13 +100,17 @@ def _why(arm: Arm, moving: MovingTarget, blocked: Blocked) -> tuple[str, str | N
         side = "lower" if theta[j] - limits.lower[j] < limits.upper[j] - theta[j] else "upper"
         limit = quantity(float(getattr(limits, side)[j]), arm.units[j])
         return "limit", arm.joint_names[j], f"joint {arm.joint_names[j]!r} comes to its {side} limit {limit}"
-    ahead = min(blocked.share + 1e-3, 1.0)
-    met = blocked.jump or solve_ik(arm, moving.at(ahead), theta).converged
+    beyond = [solve_ik(arm, moving.at(min(blocked.share + step, 1.0)), theta) for step in AHEAD]
+    unmet = next((solution for solution in beyond if not solution.converged), None)
+    met = unmet is None
     least = float(arm.manipulability(theta).singular_values[-1])
     if met and least < SINGULAR:
         return "singular", None, "the arm comes to a singular posture, and would have to leap to another configuration"
     if met:
         return "limit", None, "the arm would have to leap to another configuration"
+    assert unmet is not None
+    if unmet.stop is StopReason.IMPOSSIBLE_DIRECTION:
+        return "out of reach", None, unmet.stop.value
     return "out of reach", None, "the path leaves the arm's reach there"
 
 
@@ -117,8 +125,8 @@ def _other_start(arm: Arm, moving: MovingTarget, start: Array) -> Array | None:
 
 def _help(arm: Arm, moving: MovingTarget, start: Array, other: Array | None) -> str:
     if other is not None:
-        values = ", ".join(f"{value:.4g}" for value in other)
-        return f"begin it in another configuration, [{values}], from which all of it can be followed"
+        begin = posture(other.tolist(), arm.units)
+        return f"begin it in another configuration, {begin}, from which all of it can be followed"
     if isinstance(moving.like, Pose):
         g = moving.like.g
         freer: dict[str, AnyTarget] = {
@@ -126,6 +134,7 @@ def _help(arm: Arm, moving: MovingTarget, start: Array, other: Array | None) -> 
             "the rotation": Position(g[:3, 3]),
         }
         for what, like in freer.items():
-            if isinstance(follow(arm, replace(moving, like=like), start), Followed):
+            freed = replace(moving, like=like)
+            if not freed.is_still and isinstance(follow(arm, freed, start), Followed):
                 return f"with {what} left free the arm can follow it (an Approach or a Position as goal)"
     return "make it shorter, or move its ends"

@@ -1,0 +1,147 @@
+"""A motion as it is asked for on the command line: options that fit each other, goals as typed, and their plan."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from ..limits.joint_limits import JointLimits
+from ..model.arm import Arm
+from ..model.usual_limits import with_defaults
+from ..planning import JointMove, LineMove, MotionFile, Trajectory, load_motion, load_trajectory
+from ..planning import plan as plan_segments
+from ..planning.motion import LAWS, as_segments
+from ..planning.segments import Segment
+from ..planning.spans import Progress
+from ..support.checks import Array, as_not_negative, as_positive
+from ..support.errors import InputError
+from .output import progress_bar
+from .targets import Target, typed_orientation
+from .typed import parse_numbers, parse_theta
+
+Caps = Mapping[str, float | None]
+"""The greatest velocity and acceleration of any joint, as typed."""
+
+Planned = tuple[Trajectory, list[Segment]]
+"""A motion, and the segments that it was planned by."""
+
+
+@dataclass(frozen=True)
+class Asked:
+    """The arm, where the motion starts as typed, and the options: None and False where they were not."""
+
+    arm: Arm
+    start: str | None = None
+    radians: bool = False
+    line: bool = False
+    stop: bool = False
+    blend: float | None = None
+    tool_speed: float | None = None
+    kind: str | None = None
+
+    def require_fitting(self, *, by_file: bool, by_joints: bool, goals: int) -> None:
+        """InputError for an option that the others leave nothing to say: none is ignored."""
+        if self.blend is not None:
+            as_not_negative(self.blend, "--blend")
+        if self.tool_speed is not None:
+            as_positive(self.tool_speed, "--tool-speed")
+        typed = {"--line": self.line, "--stop": self.stop, "--blend": self.blend is not None}
+        idle = [option for option, is_typed in typed.items() if is_typed]
+        if by_file and idle:
+            raise InputError(f"a motion.toml says itself how it goes to each goal: leave out {' and '.join(idle)}")
+        if self.stop and self.blend is not None:
+            raise InputError("--stop comes to rest at every pose, --blend rounds the corners there: give one of them")
+        if not by_file and by_joints and (self.blend is not None or self.tool_speed is not None):
+            option = "--tool-speed" if self.blend is None else "--blend"
+            raise InputError(f"{option} is about the way of the tool: add --line, or give positions by --xyz")
+        if self.blend is not None and goals < 2:
+            raise InputError("--blend rounds the corners between goals: give two of them, or leave it out")
+        if self.kind is not None and self.kind not in LAWS and (by_file or not by_joints):
+            *others, last = LAWS
+            laws = f"{', '.join(others)} or {last}"
+            raise InputError(f"--kind {self.kind} leads through the poses of --to alone; on other motions: {laws}")
+
+    def origin(self, file: MotionFile | None = None) -> Any:
+        """Where the motion starts as it was typed, or as its file says; None: in the pose ready."""
+        return self.start if self.start is not None or file is None else file.start
+
+    def poses(self, typed: Sequence[str] | None) -> list[Array]:
+        """The start and the poses as typed; a joint that one leaves out stays where the pose before it has it."""
+        poses = [parse_theta(self.arm, "ready" if self.start is None else self.start, self.radians)]
+        for text in typed or ():
+            poses.append(parse_theta(self.arm, text, self.radians, ("the pose before", poses[-1])))
+        return poses
+
+    def of_file(self, content: MotionFile, limits: JointLimits, progress: Progress) -> Planned:
+        """The motion of a motion.toml; what is typed beside it goes before what it says."""
+        start: Any = content.start if self.start is None else self.poses(())[0]
+        speed = content.tool_speed if self.tool_speed is None else self.tool_speed
+        segments = as_segments(content.segments, speed, content.turn_speed)
+        return self._planned(segments, start, self.kind or content.kind, limits, progress)
+
+    def through(self, goals: Sequence[Any], limits: JointLimits, progress: Progress) -> Planned:
+        """A motion by the same kind of move to each goal."""
+        move = LineMove if self.line else JointMove
+        blends = [self.blend or 0.0] * (len(goals) - 1) + [0.0]
+        segments: list[Segment] = [
+            move(goal, tool_speed=self.tool_speed, blend=blend) for goal, blend in zip(goals, blends, strict=True)
+        ]
+        return self._planned(segments, self.poses(())[0], self.kind, limits, progress)
+
+    def _planned(
+        self, segments: list[Segment], start: Any, kind: str | None, limits: JointLimits, progress: Progress
+    ) -> Planned:
+        law: Any = kind or "s_curve"
+        return plan_segments(self.arm, segments, start=start, limits=limits, kind=law, progress=progress), segments
+
+
+def typed_targets(
+    xyz: Sequence[str], rpy: Sequence[str], direction: Sequence[str], axis: str | None, radians: bool
+) -> list[Target]:
+    """The targets at positions: one orientation holds at all of them, or each has its own."""
+    if (rpy or direction or axis) and not xyz:
+        raise InputError("--rpy, --direction and --axis turn the tool at the positions of --xyz: give --xyz too")
+    option, turned = ("--rpy", rpy) if rpy else ("--direction", direction)
+    if turned and len(turned) not in (1, len(xyz)):
+        raise InputError(
+            f"give one {option} for all positions, or one for each: {len(turned)} go with {len(xyz)} --xyz"
+        )
+    orientations = [
+        typed_orientation(one_rpy, None, None, one_direction, axis, radians)
+        for one_rpy, one_direction in _pairs(rpy, direction)
+    ]
+    each = orientations * len(xyz) if len(orientations) == 1 else orientations
+    return [o.at(parse_numbers(text, 3, "--xyz")) for o, text in zip(each, xyz, strict=True)]
+
+
+def _pairs(rpy: Sequence[str], direction: Sequence[str]) -> list[tuple[str | None, str | None]]:
+    """What turns the tool at each position, or at all of them; both kinds at once are refused where they are read."""
+    if rpy and direction:
+        return [(rpy[0], direction[0])]
+    return [(each, None) for each in rpy] or [(None, each) for each in direction] or [(None, None)]
+
+
+def motion_of_file(arm: Arm, path: Path, caps: Caps) -> tuple[Arm, Trajectory]:
+    """The motion that a file holds, or that its segments describe (*.toml), and the arm with the limits it keeps."""
+    if path.suffix.lower() != ".toml":
+        driven = replace(arm, limits=capped(arm, caps))
+        return driven, load_trajectory(driven, path)
+    content = load_motion(path, arm)
+    driven = replace(arm, limits=capped(arm, caps, content.limits))
+    with progress_bar("planning") as progress:
+        motion, _ = Asked(driven).of_file(content, with_defaults(driven), progress)
+    return driven, motion
+
+
+def capped(arm: Arm, caps: Caps, changes: Mapping[str, Any] | None = None) -> JointLimits:
+    """The arm's limits with `changes`, none above what was typed; a limit that was not given takes the typed value."""
+    limits = arm.limits.with_(changes or {}, arm.joint_names)
+    for name, cap in caps.items():
+        if cap is not None:
+            as_positive(cap, f"--{name}")
+    lowered = {name: np.minimum(getattr(limits, name), cap) for name, cap in caps.items() if cap is not None}
+    return limits.with_(lowered, arm.joint_names)
