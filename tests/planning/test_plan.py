@@ -187,7 +187,7 @@ def test_the_branch_is_chosen_for_the_whole_run():
 
 
 def test_a_joint_that_the_target_leaves_free_stays():
-    """The turn about the tool's axis is free, and costs no time while another joint takes longer: it stays all the same."""
+    """The turn about the tool's axis is free, and costs no time while another joint takes longer: it stays."""
     arm = load_arm("rover_arm", limits=RATES)
     motion = plan(arm, [JointMove(Approach([0.9, 0.1, 0.6], [1.0, 0.0, 0.0])), LineMove.by([0.0, 0.0, 0.05])])
     np.testing.assert_allclose(motion.waypoints[:, 4], arm.ready[4], atol=1e-6)
