@@ -44,13 +44,14 @@ def pulled_in(coefficients: Array, times: Array, waypoints: Array, limits: Joint
     while True:
         pieces = _pieces(states, share, waypoints, durations)
         hull = bernstein(pieces.reshape(degree + 1, -1, n), np.repeat(durations / degree, degree))
-        out = _outside(hull, lower, upper).reshape(k - 1, degree, n).any(1)
-        out &= (share[:-1] > 0.0) | (share[1:] > 0.0)
-        if not out.any():
-            break
+        out = _outside(hull, lower, upper).reshape(k - 1, degree, n)
+        left, right = out[:, : degree // 2 + 1].any(1), out[:, degree // 2 :].any(1)
+        left, right = left | (right & (share[1:] == 0.0)), right | (left & (share[:-1] == 0.0))
         ends = np.zeros((k, n), dtype=bool)
-        ends[:-1] |= out
-        ends[1:] |= out
+        ends[:-1] |= left
+        ends[1:] |= right
+        if not (ends & (share > 0.0)).any():
+            break
         eased = np.where(share * EASING < LEAST_SHARE, 0.0, share * EASING)
         share = np.where(ends, eased, share)
     whole = (share == 1.0).all(-1)
