@@ -91,7 +91,8 @@ def trapezoid_ramps(waypoints: Array, times: Array, bounds: PathBounds) -> Array
     most = np.minimum(T - 1.0 / V, 0.5 * T)
     feasible = most >= least * (1.0 - RATE_TOL)
     ramps: Array = np.where(feasible, np.clip(T / 3.0, least, most), T / 3.0)
-    return np.maximum(ramps, ROUNDING * times[-1])
+    kept: Array = np.maximum(ramps, ROUNDING * times[-1])
+    return kept
 
 
 def _searches(
