@@ -14,6 +14,7 @@ import numpy as np
 from ..limits.joint_limits import JointLimits
 from ..model import engine
 from ..support.checks import Array, frozen
+from ..support.errors import missing_extra
 from .hermite import through
 from .piecewise import derivative, evaluate
 
@@ -40,8 +41,10 @@ def shortest_spline(way: Array, degree: int, rates: JointLimits, durations: Arra
 
 def in_numpy(way: Array, degree: int, limits: tuple[Array, ...], durations: Array) -> Array:
     """The same search, by SciPy."""
-    from scipy.optimize import minimize
-
+    try:
+        from scipy.optimize import minimize
+    except ImportError as error:
+        raise missing_extra("planning", "SciPy", "plan") from error
     x, least = np.log(durations), (np.inf, np.log(durations))
     for power in NORMS:
 
@@ -69,14 +72,15 @@ def duration(way: Array, degree: int, limits: tuple[Array, ...], x: Array, power
     inner = (unknown >= 0) & (unknown < (s - 1) * R)
     seg, end = np.nonzero(inner)
     stiff = energy(degree) * (d[:, None, None] ** (order[:, None] + order - degree))
-    system, right = np.zeros(((s - 1) * R,) * 2), np.zeros(((s - 1) * R, way.shape[1]))
-    both = inner[:, :, None] & inner[:, None, :]
-    at, first, second = np.nonzero(both)
-    np.add.at(system, (unknown[at, first], unknown[at, second]), stiff[both])
+    bands, right = np.zeros((2 * R, (s - 1) * R)), np.zeros(((s - 1) * R, way.shape[1]))
+    upper = inner[:, :, None] & inner[:, None, :] & (unknown[:, :, None] <= unknown[:, None, :])
+    at, first, second = np.nonzero(upper)
+    row, column = unknown[at, first], unknown[at, second]
+    np.add.at(bands, (2 * R - 1 + row - column, column), stiff[upper])
     np.add.at(right, unknown[seg, end], -stiff[seg, end, R, None] * way[seg])
     e = np.zeros((s, degree, way.shape[1]))
     e[:, R] = way
-    e[seg, end] = np.linalg.solve(system, right)[unknown[seg, end]] * scale[seg, end, None]
+    e[seg, end] = solved(bands, right)[unknown[seg, end]] * scale[seg, end, None]
 
     rates = [
         np.einsum("mk,skr->smr", looks(degree, o), e) / (limit * d[:, None, None] ** o)
@@ -96,12 +100,19 @@ def duration(way: Array, degree: int, limits: tuple[Array, ...], x: Array, power
     pull = np.zeros_like(right)
     np.add.at(pull, unknown[seg, end], (slope * scale[..., None])[seg, end])
     adjoint = np.zeros_like(e)
-    adjoint[seg, end] = np.linalg.solve(system, pull)[unknown[seg, end]]
+    adjoint[seg, end] = solved(bands, pull)[unknown[seg, end]]
     exponents = (order[:, None] + order - degree) * energy(degree)
     moved = np.einsum("skr,kl,slr->sk", adjoint, exponents, e)
     gradient -= (moved * d[:, None] ** (order - degree)).sum(1)
     exact = float(np.log(d.sum()) + np.log(most))
     return exact + float(np.log(total)) / power, gradient, exact
+
+
+def solved(bands: Array, right: Array) -> Array:
+    """The unknowns (N, r) of a positive definite system, in SciPy's upper form (2 R, N), and right sides (N, r)."""
+    from scipy.linalg import cho_solve_banded, cholesky_banded
+
+    return np.asarray(cho_solve_banded((cholesky_banded(bands), False), right)) if right.size else right
 
 
 @cache

@@ -17,9 +17,6 @@ from .within import RATE_TOL, slowed_by, stretch_needed, stretch_sampled
 
 Fit = Callable[[Array, Array], Array]
 
-EXPONENTS = (1.0, 0.5)
-"""Powers of each segment's own least time with which the search starts: true to it, and evened out."""
-
 ROUNDS = 20
 """Corrections per start; what further ones gain is below 1 %."""
 
@@ -51,7 +48,8 @@ def fastest_spline(
     times = _accumulated(shortest_spline(way, degree, bounds.rates, least))
     best = times, *pulled_in(fit(waypoints, times), times, waypoints, bounds.limits)
     if len(best[1]) > len(times):
-        starts = np.diff(times), *(least**exponent for exponent in EXPONENTS)
+        # Pulled in, those are not always the best to begin with: evened out ones are shorter now and then.
+        starts = np.diff(times), np.sqrt(least)
         best = min(_searches(waypoints, fit, bounds, starts, progress), key=lambda motion: float(motion[0][-1]))
     times, breakpoints, coefficients = best
     factor = slowed_by(coefficients @ bounds.C.T, np.diff(breakpoints), bounds.rates) * (1.0 + MARGIN)
