@@ -1,7 +1,8 @@
-"""Timing of motions beside toppra and ruckig: durations and times of a call, in one interleaved run.
+"""Timing of motions beside toppra, ruckig and long searches: durations and times of a call, in one interleaved run.
 
 Allowed: time-optimal along a path within 1 % of toppra on its automatic grid, and computed faster than by toppra on
-100 intervals, no limit passed by more than 1e-6 of it; from rest to rest no longer than ruckig, in 200 µs.
+100 intervals, no limit passed by more than 1e-6 of it; from rest to rest no longer than ruckig, in 200 µs; a quintic
+spline through waypoints within 3 % of a long search, in 2 ms; a straight line of 0.5 m in 20 ms.
 """
 
 from __future__ import annotations
@@ -30,6 +31,11 @@ ALONG: tuple[Row, ...] = (
     ("toppra, automatic grid", "toppra", {"grid": None}),
 )
 TO: tuple[Row, ...] = (("twistarm", "twistarm", {}), ("ruckig", "ruckig", {}))
+THROUGH: tuple[Row, ...] = (("twistarm", "twistarm", {"starts": 0}), ("long search", "twistarm", {"starts": 4}))
+LINE: tuple[Row, ...] = (("twistarm", "twistarm", {}),)
+
+RISE = 0.1
+"""In this time [s] twistarm brings what has no jerk limit to its acceleration limit; a peer is given that jerk."""
 
 
 def limits() -> dict[str, list[float]]:
@@ -47,6 +53,24 @@ def path(random: np.random.Generator) -> dict[str, Any]:
 def way(random: np.random.Generator) -> dict[str, Any]:
     """A way of every joint, some long, some short."""
     return {"way": (random.uniform(-3.0, 3.0, JOINTS) * 10.0 ** random.uniform(-4.0, 0.0, JOINTS)).tolist(), **limits()}
+
+
+def unequal(random: np.random.Generator) -> dict[str, Any]:
+    """A way with limits of their own for each joint, some of them without one of jerk."""
+    factors = 10.0 ** random.uniform(-1.0, 1.0, (3, JOINTS))
+    velocity, acceleration, jerk = factors * np.array([[VELOCITY], [ACCELERATION], [JERK]])
+    jerk = np.where(random.random(JOINTS) < 0.3, acceleration / RISE, jerk)
+    return way(random) | {"velocity": velocity.tolist(), "acceleration": acceleration.tolist(), "jerk": jerk.tolist()}
+
+
+def waypoints(random: np.random.Generator) -> dict[str, Any]:
+    """Random waypoints without limits of position."""
+    return {"waypoints": random.uniform(-2.0, 2.0, (WAYPOINTS, JOINTS)).tolist(), **limits()}
+
+
+def line(random: np.random.Generator) -> dict[str, Any]:
+    """A line of 0.5 m that the arm can follow is drawn from the seed."""
+    return {"seed": int(random.integers(2**32)), "arm": "ur5", "length": 0.5}
 
 
 def table(
@@ -97,10 +121,19 @@ def main() -> None:
                 )
             return workers[peer]
 
-        paths, ways = ([make(random) for _ in range(asked.count)] for make in (path, way))
+        def cases(make: Callable[[np.random.Generator], dict[str, Any]]) -> list[dict[str, Any]]:
+            return [make(random) for _ in range(asked.count)]
+
         title = f"{JOINTS} joints, {VELOCITY:g} rad/s, {ACCELERATION:g} rad/s²"
-        table(f"time-optimal along a spline through {WAYPOINTS} waypoints, {title}", "along", ALONG, paths, worker)
-        table(f"from rest to rest, {title}, {JERK:g} rad/s³", "to", TO, ways, worker)
+        table(
+            f"time-optimal along a spline through {WAYPOINTS} waypoints, {title}", "along", ALONG, cases(path), worker
+        )
+        table(f"from rest to rest, {title}, {JERK:g} rad/s³", "to", TO, cases(way), worker)
+        table(
+            "from rest to rest, limits of their own for each joint, some of no jerk", "to", TO, cases(unequal), worker
+        )
+        table(f"a quintic spline through {WAYPOINTS} waypoints, {title}", "through", THROUGH, cases(waypoints), worker)
+        table("a straight line of 0.5 m of a UR5", "line", LINE, cases(line), worker)
         for each in workers.values():
             each.close()
 

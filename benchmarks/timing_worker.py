@@ -4,9 +4,12 @@ It reads one JSON object per line and answers with one line each, as `worker.py`
 
   {"do": "along", "breakpoints", "coefficients", "velocity", "acceleration", "grid"}   {"duration", "excess", "ns"}
   {"do": "to", "way", "velocity", "acceleration", "jerk"}                             {"duration", "ns"}
+  {"do": "through", "waypoints", "velocity", "acceleration", "starts"}                {"duration", "excess", "ns"}
+  {"do": "line", "seed", "arm", "length"}                                             {"duration", "ns"}
 
-`grid` is the number of intervals, or null for an automatic grid. `excess` is by which part a limit is passed at 20
-times as many instants as the result has pieces, by the library's own evaluation; `ns` the least of some calls.
+`grid` is the number of intervals, or null for an automatic grid; `starts` how many a long search has, 0 for the
+library. `excess` is by which part a limit is passed at 20 times as many instants as the result has pieces, by the
+library's own evaluation; `ns` the least of some calls.
 """
 
 from __future__ import annotations
@@ -27,10 +30,10 @@ Answer = dict[str, Any]
 Asked = dict[str, Any]
 
 
-def timed(call: Callable[[], Any]) -> tuple[Any, int]:
+def timed(call: Callable[[], Any], calls: int = CALLS) -> tuple[Any, int]:
     """What the call returns, and the ns of the fastest."""
     took = []
-    for _ in range(CALLS):
+    for _ in range(calls):
         start = perf_counter_ns()
         result = call()
         took.append(perf_counter_ns() - start)
@@ -73,6 +76,37 @@ def twistarm_to(asked: Asked) -> Answer:
     return {"duration": float(breakpoints[-1]), "ns": ns}
 
 
+def twistarm_through(asked: Asked) -> Answer:
+    from twistarm import arm_from_screws, plan_joint
+
+    if asked["starts"]:
+        from .long_search import fastest_quintic
+
+        found, ns = timed(lambda: fastest_quintic(asked), calls=1)
+        return {"duration": found, "ns": ns}
+    n = len(asked["velocity"])
+    names = [f"joint{i + 1}" for i in range(n)]
+    given = {rate: dict(zip(names, asked[rate], strict=True)) for rate in ("velocity", "acceleration")}
+    arm = arm_from_screws(np.eye(6)[:, [5] * n], np.eye(4), joints=names, limits=given)
+    motion, ns = timed(lambda: plan_joint(arm, asked["waypoints"], kind="quintic"))
+    t = np.linspace(0.0, motion.duration, 20 * len(motion.breakpoints))
+    return {"duration": motion.duration, "ns": ns, "excess": excess((motion(t, 1), motion(t, 2)), asked)}
+
+
+def twistarm_line(asked: Asked) -> Answer:
+    from twistarm import LineMove, PathError, load_arm, plan
+
+    arm, random = load_arm(asked["arm"], limits={"acceleration": 5.0}), np.random.default_rng(asked["seed"])
+    while True:
+        start, way = random.uniform(arm.limits.lower, arm.limits.upper), random.normal(size=3)
+        move = LineMove.by(asked["length"] * way / np.linalg.norm(way), frame="base")
+        try:
+            motion, ns = timed(lambda start=start, move=move: plan(arm, move, start=start))
+        except PathError:
+            continue
+        return {"duration": motion.duration, "ns": ns}
+
+
 def toppra_along(asked: Asked) -> Answer:
     import toppra
     from scipy.interpolate import PPoly
@@ -111,6 +145,8 @@ def ruckig_to(asked: Asked) -> Answer:
 ANSWERS: dict[tuple[str, str], Callable[[Asked], Answer]] = {
     ("twistarm", "along"): twistarm_along,
     ("twistarm", "to"): twistarm_to,
+    ("twistarm", "through"): twistarm_through,
+    ("twistarm", "line"): twistarm_line,
     ("toppra", "along"): toppra_along,
     ("ruckig", "to"): ruckig_to,
 }

@@ -41,6 +41,14 @@ def path_velocity(
     None for what is no plain array, and for paths of more rows or of a higher degree than the core takes.
     """
 
+def shortest_spline(
+    way: object, velocity: object, acceleration: object, jerk: object, durations: object, degree: int, /
+) -> Array | None:
+    """Durations (s,), but for a factor of all, of a spline of the ways (s, r) of that degree, near those given (s,).
+
+    None for what is no plain array, and for other degrees than 3 and 5.
+    """
+
 class Chain:
     """g_st(theta) = Π exp(ξ_i (Aθ)_i) · home, its Jacobians and its inverse, from screws (6, m), home (4, 4), A (m, n).
 

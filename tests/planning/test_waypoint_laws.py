@@ -46,6 +46,20 @@ def test_a_time_optimal_motion_is_shorter_than_the_other_splines_and_than_stoppi
     assert durations["time_optimal", True] == pytest.approx(straight, rel=1e-3)
 
 
+@pytest.mark.parametrize("count", [30, 100])
+def test_many_waypoints_are_passed_though_the_first_grid_is_coarse(count: int) -> None:
+    points = np.random.default_rng(0).uniform(ARM.limits.lower, ARM.limits.upper, (count, ARM.n))
+    rates = {"velocity": 2.0, "acceleration": 5.0}
+    motion = plan_joint(
+        ARM, points, kind="time_optimal", limits={**rates, "acceleration": {"slide": 1, "shoulder": 2, "elbow": 4}}
+    )
+    assert motion(motion.times) == pytest.approx(points, abs=2e-9)
+    stops = plan_joint(
+        ARM, points, kind="trapezoid", limits={**rates, "acceleration": {"slide": 1, "shoulder": 2, "elbow": 4}}
+    )
+    assert motion.duration < stops.duration
+
+
 def test_a_time_optimal_spline_that_would_swing_out_is_pulled_in() -> None:
     narrow = {**LIMITS, "lower": POINTS.min(), "upper": POINTS.max()}
     motion = plan_joint(ARM, POINTS, kind="time_optimal", limits=narrow)

@@ -13,7 +13,7 @@ import numpy as np
 
 from ..support.checks import Array, frozen
 
-ENOUGH = 1e-9
+ENOUGH = 1e-10
 """How near, relatively, a bound comes to the largest magnitude that it bounds."""
 
 
@@ -29,7 +29,7 @@ def largest(coefficients: Array, durations: Array) -> float:
     """An upper bound of max abs p(σ) of polynomials (d + 1, k, r) on k pieces.
 
     Branch and bound: pieces whose coefficients exceed the largest value seen are halved (de Casteljau) until the bound
-    is within 1e-9 of a value that is taken.
+    is within 1e-10 of a value that is taken.
     """
     b = np.moveaxis(bernstein(coefficients, durations), 0, -1).reshape(-1, len(coefficients))
     taken = 0.0
@@ -38,17 +38,14 @@ def largest(coefficients: Array, durations: Array) -> float:
         above = np.abs(b).max(-1) > taken * (1.0 + ENOUGH)
         if not above.any():
             return taken * (1.0 + ENOUGH)
-        b = np.concatenate(_halves(b[above]))
+        b = (b[above] @ _halving(b.shape[1] - 1)).reshape(-1, b.shape[1])
 
 
-def _halves(b: Array) -> tuple[Array, Array]:
-    """The coefficients (r, d + 1) on both halves of the piece, by de Casteljau's algorithm."""
-    left, right = [b[:, 0]], [b[:, -1]]
-    while b.shape[1] > 1:
-        b = 0.5 * (b[:, :-1] + b[:, 1:])
-        left.append(b[:, 0])
-        right.append(b[:, -1])
-    return np.stack(left, 1), np.stack(right[::-1], 1)
+@cache
+def _halving(degree: int) -> Array:
+    """(d + 1, 2 d + 2): by de Casteljau's algorithm, the coefficients on one half of the piece, then on the other."""
+    left = [[comb(i, j) / 2**i if j <= i else 0.0 for i in range(degree + 1)] for j in range(degree + 1)]
+    return frozen(np.hstack([left, np.array(left)[::-1, ::-1]]))
 
 
 @cache

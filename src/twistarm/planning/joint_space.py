@@ -44,6 +44,9 @@ FITS = {
 }
 """The spline of each kind: through the waypoints, or resting at each."""
 
+DEGREES = {"cubic": 3, "quintic": 5}
+"""Of the polynomials of each kind of spline."""
+
 Waypoints = RealArray | Sequence[Row | Mapping[str, float] | str | TargetLike]
 """Configurations as arrays, mappings {joint: value} or names of states, and targets of the tool."""
 
@@ -86,10 +89,10 @@ def plan_joint(
     Without `times` the motion is as short as its kind was found to allow: one velocity, acceleration or (where
     given, for cubic and quintic) jerk limit is met exactly, none is exceeded, and velocity and acceleration limits
     must be there for every joint. For segments that stop that is the minimum. The proportions of a spline's
-    segments are searched: typically within 2 % of the minimum for cubic and 5 % for quintic, which may be slower
-    than stopping where a path turns back. Consecutive waypoints nearer than 1e-6 are merged; if none other
-    remains, the motion has duration 0. With `times` (k,) [s], increasing from 0, the motion passes waypoint i at
-    times[i], and limits that are missing are not checked.
+    segments are searched: within 1 % of the minimum, but where a spline was pulled in typically within 2 % for
+    cubic and 15 % for quintic. Either may be slower than stopping where a path turns back. Consecutive waypoints
+    nearer than 1e-6 are merged; if none other remains, the motion has duration 0. With `times` (k,) [s], increasing
+    from 0, the motion passes waypoint i at times[i], and limits that are missing are not checked.
 
     The extremes of the polynomials are checked, not samples (to 1e-9). Source: Lynch & Park, Modern Robotics, §9.2 and
     §9.3.
@@ -256,4 +259,4 @@ def _fastest(points: Array, kind: Kind, stop: bool, bounds: PathBounds, progress
     if stop:
         times = timing.fastest_rests(points, fit, bounds)
         return times, times, fit(points, times)
-    return timing.fastest_spline(points, fit, bounds, progress)
+    return timing.fastest_spline(points, DEGREES[kind], fit, bounds, progress)

@@ -28,11 +28,11 @@ Mask = NDArray[np.bool_]
 def pulled_in(coefficients: Array, times: Array, waypoints: Array, limits: JointLimits) -> tuple[Array, Array]:
     """Breakpoints and coefficients of a spline (d + 1, k − 1, n) through waypoints (k, n), made to keep inside.
 
-    A spline that stays inside comes back as it is. Where a joint leaves, its velocity at the waypoints on either side
-    is lowered to a share μ of it, its derivative of order r to μ^r, and a segment becomes d pieces of equal length
-    with d − 1 continuous derivatives, which the values at its ends determine: all is as smooth as the spline. With
-    μ = 1 at both ends they are the spline again; with μ = 0 they are monotone, the integral of a B-spline of degree
-    d − 1: some μ always keeps inside. The Bernstein coefficients of the pieces are what is kept inside.
+    A spline that stays inside comes back as it is. Where a joint leaves, its velocity at the nearer waypoint, in the
+    middle at both, is lowered to a share μ of it, its derivative of order r to μ^r, and a segment becomes d pieces of
+    equal length with d − 1 continuous derivatives, which the values at its ends determine: all is as smooth as the
+    spline. With μ = 1 at both ends they are the spline again; with μ = 0 they are monotone, the integral of a B-spline
+    of degree d − 1: some μ always keeps inside. The Bernstein coefficients of the pieces are what is kept inside.
 
     Source: de Boor, A Practical Guide to Splines, chapters IX and XI.
     """
@@ -44,13 +44,14 @@ def pulled_in(coefficients: Array, times: Array, waypoints: Array, limits: Joint
     while True:
         pieces = _pieces(states, share, waypoints, durations)
         hull = bernstein(pieces.reshape(degree + 1, -1, n), np.repeat(durations / degree, degree))
-        out = _outside(hull, lower, upper).reshape(k - 1, degree, n).any(1)
-        out &= (share[:-1] > 0.0) | (share[1:] > 0.0)
-        if not out.any():
-            break
+        out = _outside(hull, lower, upper).reshape(k - 1, degree, n)
+        left, right = out[:, : degree // 2 + 1].any(1), out[:, degree // 2 :].any(1)
+        left, right = left | (right & (share[1:] == 0.0)), right | (left & (share[:-1] == 0.0))
         ends = np.zeros((k, n), dtype=bool)
-        ends[:-1] |= out
-        ends[1:] |= out
+        ends[:-1] |= left
+        ends[1:] |= right
+        if not (ends & (share > 0.0)).any():
+            break
         eased = np.where(share * EASING < LEAST_SHARE, 0.0, share * EASING)
         share = np.where(ends, eased, share)
     whole = (share == 1.0).all(-1)

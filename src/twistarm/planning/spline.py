@@ -111,14 +111,14 @@ def _straight(waypoints: Array, times: Array, unit: tuple[float, ...]) -> Array:
     return coefficients
 
 
-COAST_TOL = 1e-12
-"""A coast shorter than this part of its segment is a rounding of none."""
+COAST_TOL = 1e-15
+"""A coast shorter than this part of the time at which it ends is a rounding of none."""
 
 
 def _ramp_coast_brake(start: float, end: float, ramp: float) -> tuple[Array, Array]:
     """Times at which the phases change, and coefficients (3, 2 or 3) of the fraction travelled in each."""
     duration = end - start
-    if duration - 2.0 * ramp <= COAST_TOL * duration:
+    if duration - 2.0 * ramp <= COAST_TOL * end:
         ramp = duration / 2.0
     speed = 1.0 / (duration - ramp)
     bend, ramped = speed / ramp / 2.0, speed * ramp / 2.0

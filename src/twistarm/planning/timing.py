@@ -11,13 +11,11 @@ from ..support.errors import InputError
 from .piecewise import stretched
 from .pulling_in import pulled_in
 from .spans import LONGEST, MARGIN, SHORTEST, Progress
+from .spline_times import shortest_spline
 from .time_laws.bounds import PathBounds
-from .within import RATE_TOL, stretch_needed, stretch_sampled
+from .within import RATE_TOL, slowed_by, stretch_needed, stretch_sampled
 
 Fit = Callable[[Array, Array], Array]
-
-EXPONENTS = (1.0, 0.5)
-"""Powers of each segment's own least time with which the search starts: true to it, and evened out."""
 
 ROUNDS = 20
 """Corrections per start; what further ones gain is below 1 %."""
@@ -28,30 +26,33 @@ CORRECTION = 0.5
 LEAST_PART = 1e-5
 """No segment or ramp is shorter than this part of the whole: its length must survive being added to the times."""
 
+ROUNDING = 1e-14
+"""No ramp at given times is shorter than this part of the whole."""
+
 DIVERGED = 1.2
 """A search that is longer than its best by this factor does not come back."""
 
 
 def fastest_spline(
-    waypoints: Array, fit: Fit, bounds: PathBounds, progress: Progress | None = None
+    waypoints: Array, degree: int, fit: Fit, bounds: PathBounds, progress: Progress | None = None
 ) -> tuple[Array, Array, Array]:
     """Times (k,), breakpoints and coefficients of `fit` through the waypoints, its worst rate just meeting its limit.
 
     Stretching the whole motion by one factor makes it meet its limits exactly, whatever the proportions of its
-    segments. The proportions are searched: segments that stay below their limits are shortened, those that set
-    the factor lengthened. Every motion tried is pulled inside the position limits; the shortest is taken.
+    segments. The proportions are searched (`spline_times`). Where that spline leaves the position limits it is pulled
+    in, and shortened further: of what is pulled in, segments that stay below their limits are shortened, those that
+    set the factor lengthened, and the shortest motion is taken.
     """
-    best = None
-    for start, exponent in enumerate(EXPONENTS):
-        for step, motion in enumerate(_search(waypoints, fit, bounds, exponent)):
-            if best is None or motion[0][-1] < best[0][-1]:
-                best = motion
-            if progress is not None:
-                progress((start * ROUNDS + step + 1) / (len(EXPONENTS) * ROUNDS))
-    assert best is not None
+    least = np.diff(_accumulated(_least_durations(waypoints, bounds)))
+    way = np.ascontiguousarray(np.diff(waypoints, axis=0) @ bounds.C.T)
+    times = _accumulated(shortest_spline(way, degree, bounds.rates, least))
+    best = times, *pulled_in(fit(waypoints, times), times, waypoints, bounds.limits)
+    if len(best[1]) > len(times):
+        # Pulled in, those are not always the best to begin with: evened out ones are shorter now and then.
+        starts = np.diff(times), np.sqrt(least)
+        best = min(_searches(waypoints, fit, bounds, starts, progress), key=lambda motion: float(motion[0][-1]))
     times, breakpoints, coefficients = best
-    exact = stretch_needed(coefficients @ bounds.C.T, np.diff(breakpoints), bounds.rates)
-    factor = float(exact.max()) * (1.0 + MARGIN)
+    factor = slowed_by(coefficients @ bounds.C.T, np.diff(breakpoints), bounds.rates) * (1.0 + MARGIN)
     return times * factor, breakpoints * factor, stretched(coefficients, factor)
 
 
@@ -88,12 +89,24 @@ def trapezoid_ramps(waypoints: Array, times: Array, bounds: PathBounds) -> Array
     most = np.minimum(T - 1.0 / V, 0.5 * T)
     feasible = most >= least * (1.0 - RATE_TOL)
     ramps: Array = np.where(feasible, np.clip(T / 3.0, least, most), T / 3.0)
-    return ramps
+    kept: Array = np.maximum(ramps, ROUNDING * times[-1])
+    return kept
 
 
-def _search(waypoints: Array, fit: Fit, bounds: PathBounds, exponent: float) -> Iterator[tuple[Array, Array, Array]]:
+def _searches(
+    waypoints: Array, fit: Fit, bounds: PathBounds, starts: tuple[Array, ...], progress: Progress | None
+) -> Iterator[tuple[Array, Array, Array]]:
+    """The motions of a search from each of the durations to start with."""
+    for start, durations in enumerate(starts):
+        for step, motion in enumerate(_search(waypoints, fit, bounds, durations)):
+            yield motion
+            if progress is not None:
+                progress((start * ROUNDS + step + 1) / (len(starts) * ROUNDS))
+
+
+def _search(waypoints: Array, fit: Fit, bounds: PathBounds, durations: Array) -> Iterator[tuple[Array, Array, Array]]:
     """Motions that nearly meet the limits, by samples, each with its segments in better proportion than the last."""
-    durations, shortest = _least_durations(waypoints, bounds) ** exponent, np.inf
+    shortest = np.inf
     for _ in range(ROUNDS):
         times = _accumulated(durations)
         breakpoints, coefficients = pulled_in(fit(waypoints, times), times, waypoints, bounds.limits)

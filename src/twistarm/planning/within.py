@@ -11,6 +11,7 @@ from ..limits.joint_limits import JointLimits
 from ..support.caller_words import argument, quantity
 from ..support.checks import Array, frozen
 from ..support.errors import LimitError
+from .bernstein import largest
 from .piecewise import derivative, evaluate, extremes
 from .trajectory import RATE_UNITS, Trajectory
 
@@ -35,6 +36,16 @@ def stretch_needed(coefficients: Array, durations: Array, limits: JointLimits) -
             _, values = extremes(derivative(coefficients, order), durations)
             ratio = (np.abs(values).max(0) / limit).max(-1)
             worst = np.maximum(worst, ratio ** (1.0 / order))
+    return worst
+
+
+def slowed_by(coefficients: Array, durations: Array, limits: JointLimits) -> float:
+    """The largest `stretch_needed` of all segments, to 1e-10, of which only those near it are looked at closely."""
+    worst = 0.0
+    for order, rate in enumerate(RATES, 1):
+        limit = getattr(limits, rate)
+        if np.isfinite(limit).any():
+            worst = max(worst, largest(derivative(coefficients, order) / limit, durations) ** (1.0 / order))
     return worst
 
 

@@ -65,10 +65,11 @@ def time_optimal(path: JointPath, bounds: PathBounds, progress: Progress | None 
         duration = float(durations.sum())
         if progress is not None:
             progress(done / ROUNDS)
-        loss = durations * (1.0 - profile.share)
-        coarse = loss > LOSS * duration / len(loss)
+        endless = np.isinf(durations)
+        loss = np.where(endless, 0.0, durations) * (1.0 - profile.share)
+        coarse = endless | (loss > LOSS * duration / len(loss))
         fine = loss.sum() < LEFT * GAIN * duration or duration > shortest * (1.0 - GAIN)
-        if fine or not coarse.any() or len(coarse) > MOST:
+        if not endless.any() and (fine or not coarse.any() or len(coarse) > MOST):
             break
         shortest = duration
         grid = np.sort(np.concatenate([grid, (0.5 * (grid[:-1] + grid[1:]))[coarse]]))
@@ -90,19 +91,19 @@ def first_grid(breakpoints: Array) -> Array:
 
 
 def _durations(grid: Array, x: Array) -> Array:
-    """How long each interval takes (N,) [s]: 2 h / (ṡ0 + ṡ1)."""
+    """How long each interval takes (N,) [s]: 2 h / (ṡ0 + ṡ1), inf where a coarse grid leaves no speed at both ends."""
     speed = np.sqrt(x)
     with np.errstate(divide="ignore"):
         durations: Array = 2.0 * np.diff(grid) / (speed[:-1] + speed[1:])
+    return durations
+
+
+def _law(grid: Array, profile: Profile, durations: Array) -> TimeLaw:
     if not SHORTEST <= durations.sum() <= LONGEST:
         raise InputError(
             f"this path and these limits make a motion of {durations.sum():.3g} s; {SHORTEST:g} s to {LONGEST:g} s can "
             "be planned: check the units of both"
         )
-    return durations
-
-
-def _law(grid: Array, profile: Profile, durations: Array) -> TimeLaw:
     breakpoints = np.concatenate([[0.0], np.cumsum(durations)])
     coefficients = np.stack([0.25 * np.diff(profile.x) / np.diff(grid), np.sqrt(profile.x[:-1]), grid[:-1]])
     return TimeLaw(breakpoints, coefficients)

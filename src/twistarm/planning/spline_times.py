@@ -1,0 +1,140 @@
+"""The times between a spline's waypoints: as short a motion as limits of velocity, acceleration and jerk allow.
+
+A motion f times as slow meets its limits, where f is the largest of its rates, each as a share of its limit, to the
+power of 1 over its order. Σ d · f does not change when all durations d are multiplied by one number; it is made least
+in x = log d, by L-BFGS (Nocedal & Wright, Numerical Optimization, §7.2), with a p-norm in the place of the largest.
+"""
+
+from __future__ import annotations
+
+from functools import cache
+
+import numpy as np
+
+from ..limits.joint_limits import JointLimits
+from ..model import engine
+from ..support.checks import Array, frozen
+from ..support.errors import missing_extra
+from .hermite import through
+from .piecewise import derivative, evaluate
+
+LOOKS = 17
+"""Places in each segment at which rates are looked at."""
+
+NORMS = (2.0**5, 2.0**8)
+"""Powers: the first leads near, the last is within a quarter per cent of the largest."""
+
+STEPS, GAIN = 30, 2e-5
+"""Of the search with each norm: at most so many, until one gains less than this part."""
+
+
+def shortest_spline(way: Array, degree: int, rates: JointLimits, durations: Array) -> Array:
+    """Durations (s,), but for one factor of all, of as short a motion as is found near those to begin with.
+
+    The cubic or quintic spline goes `way` (s, r) on each segment, each of the r rows within its `rates`.
+    """
+    limits = (rates.velocity, rates.acceleration, rates.jerk)
+    core = engine.core()
+    found = None if core is None else core.shortest_spline(way, *limits, durations, degree)
+    return in_numpy(way, degree, limits, durations) if found is None else found
+
+
+def in_numpy(way: Array, degree: int, limits: tuple[Array, ...], durations: Array) -> Array:
+    """The same search, by SciPy."""
+    try:
+        from scipy.optimize import minimize
+    except ImportError as error:
+        raise missing_extra("planning", "SciPy", "plan") from error
+    x, least = np.log(durations), (np.inf, np.log(durations))
+    for power in NORMS:
+
+        def norm(at: Array, power: float = power) -> tuple[float, Array]:
+            nonlocal least
+            value, gradient, exact = duration(way, degree, limits, at, power)
+            least = min(least, (exact, at.copy()), key=lambda seen: seen[0])
+            return value, gradient
+
+        x = minimize(norm, x, jac=True, method="L-BFGS-B", options={"maxiter": STEPS, "ftol": GAIN}).x
+    return np.exp(least[1])
+
+
+def duration(way: Array, degree: int, limits: tuple[Array, ...], x: Array, power: float) -> tuple[float, Array, float]:
+    """The logarithm of the time with durations exp(x) (s,), by the p-norm; its gradient (s,); and by the largest rate.
+
+    The unknown derivatives u at inner waypoints make E = ½ ∫ |q^(R+1)|² dt least, degree = 2 R + 1: with the ends e of
+    a segment in unit time, e_k ~ d^k u_k, E is the sum of ½ d^(−degree) eᵀ K e. So ∂E/∂u = 0 is a linear system, which
+    is symmetric, and the gradient of whatever depends on d and u comes by its adjoint.
+    """
+    R, d = degree // 2, np.exp(x - x.mean())
+    order = np.array([*range(1, R + 1), 0, *range(1, R + 1)])
+    scale, s = d[:, None] ** order, len(d)
+    unknown = (np.arange(s)[:, None] - 1) * R + np.array([*range(R), -degree * s * R, *range(R, 2 * R)])
+    inner = (unknown >= 0) & (unknown < (s - 1) * R)
+    seg, end = np.nonzero(inner)
+    stiff = energy(degree) * (d[:, None, None] ** (order[:, None] + order - degree))
+    bands, right = np.zeros((2 * R, (s - 1) * R)), np.zeros(((s - 1) * R, way.shape[1]))
+    upper = inner[:, :, None] & inner[:, None, :] & (unknown[:, :, None] <= unknown[:, None, :])
+    at, first, second = np.nonzero(upper)
+    row, column = unknown[at, first], unknown[at, second]
+    np.add.at(bands, (2 * R - 1 + row - column, column), stiff[upper])
+    np.add.at(right, unknown[seg, end], -stiff[seg, end, R, None] * way[seg])
+    e = np.zeros((s, degree, way.shape[1]))
+    e[:, R] = way
+    e[seg, end] = solved(bands, right)[unknown[seg, end]] * scale[seg, end, None]
+
+    rates = [
+        np.einsum("mk,skr->smr", looks(degree, o), e) / (limit * d[:, None, None] ** o)
+        for o, limit in enumerate(limits, 1)
+    ]
+    shares = [np.abs(rate) ** (1.0 / o) for o, rate in enumerate(rates, 1)]
+    most = max(float(share.max()) for share in shares)
+    weights = [(share / most) ** power for share in shares]
+    total = sum(float(weight.sum()) for weight in weights)
+
+    slope, gradient = np.zeros_like(e), d / d.sum()
+    for o, (rate, weight, limit) in enumerate(zip(rates, weights, limits, strict=True), 1):
+        by_rate = np.divide(weight, o * total * rate, out=np.zeros_like(rate), where=rate != 0.0)
+        slope += np.einsum("mk,smr->skr", looks(degree, o), by_rate / (limit * d[:, None, None] ** o))
+        gradient -= weight.sum((1, 2)) / total
+    gradient += (order[:, None] * slope * e)[:, order > 0].sum((1, 2))
+    pull = np.zeros_like(right)
+    np.add.at(pull, unknown[seg, end], (slope * scale[..., None])[seg, end])
+    adjoint = np.zeros_like(e)
+    adjoint[seg, end] = solved(bands, pull)[unknown[seg, end]]
+    exponents = (order[:, None] + order - degree) * energy(degree)
+    moved = np.einsum("skr,kl,slr->sk", adjoint, exponents, e)
+    gradient -= (moved * d[:, None] ** (order - degree)).sum(1)
+    exact = float(np.log(d.sum()) + np.log(most))
+    return exact + float(np.log(total)) / power, gradient, exact
+
+
+def solved(bands: Array, right: Array) -> Array:
+    """The unknowns (N, r) of a positive definite system, in SciPy's upper form (2 R, N), and right sides (N, r)."""
+    from scipy.linalg import cho_solve_banded, cholesky_banded
+
+    return np.asarray(cho_solve_banded((cholesky_banded(bands), False), right)) if right.size else right
+
+
+@cache
+def looks(degree: int, order: int) -> Array:
+    """(17, degree): the derivative of that order at σ from 0 to 1, from a segment's ends in unit time.
+
+    Its ends are the derivatives of order 1 … R at the start, the way, and those at the end.
+    """
+    return frozen(evaluate(derivative(_from_ends(degree), order), np.linspace(0.0, 1.0, LOOKS)[:, None]))
+
+
+@cache
+def energy(degree: int) -> Array:
+    """(degree, degree): ∫ of the products of the derivatives of order R + 1 of a segment's ends, in unit time."""
+    b = derivative(_from_ends(degree), degree // 2 + 1)[:, 0]
+    powers = np.arange(len(b) - 1, -1, -1.0)
+    return frozen(np.einsum("ik,jl,ij->kl", b, b, 1.0 / (powers[:, None] + powers + 1.0)))
+
+
+def _from_ends(degree: int) -> Array:
+    """(degree + 1, 1, degree): the polynomial on [0, 1] of each of a segment's ends."""
+    R, unit = degree // 2, np.eye(degree)
+    states = np.zeros((R + 1, 2, degree))
+    states[1:, 0], states[0, 1], states[1:, 1] = unit[:R], unit[R], unit[R + 1 :]
+    return through(np.array([0.0, 1.0]), *states)
