@@ -8,13 +8,16 @@ import numpy as np
 
 from ...ik.solve import solve_ik
 from ...ik.targets import AnyTarget, Approach, Pose, Position
+from ...limits.joint_limits import JointLimits
 from ...model.arm import Arm
 from ...support.caller_words import quantity
 from ...support.checks import Array
 from ...support.errors import TwistarmError
 from .branches import branches
-from .following import Blocked, Followed, follow
+from .following import Followed, follow
+from .ladder import climb
 from .moving_target import MovingTarget
+from .nodes import Blocked, Node, way
 
 AT_LIMIT = 0.01
 """A joint that is nearer to its limit than this [rad, m] where a path ends has come to it."""
@@ -22,8 +25,8 @@ AT_LIMIT = 0.01
 SINGULAR = 0.05
 """A smaller least singular value, metres over the arm's reach, is that of a posture near a singular one."""
 
-FEW = 8
-"""Other configurations at the start that are tried."""
+FEW = 2
+"""Other configurations from which the path may be followed that are tried."""
 
 
 class PathError(TwistarmError):
@@ -64,11 +67,12 @@ class PathError(TwistarmError):
         return PathError(self.detail, self.share, self.theta, self.reason, self.joint, self.start, segment, place)
 
 
-def refusal(arm: Arm, moving: MovingTarget, blocked: Blocked, start: Array) -> PathError:
-    """The error for a path that is blocked from `start` (n,) on; looks for what would help."""
-    reason, joint, why = _why(arm, moving, blocked)
-    other = _other_start(arm, moving, start)
-    help_ = _help(arm, moving, start, other)
+def refusal(arm: Arm, limits: JointLimits, blocked: Blocked, *, others: bool) -> PathError:
+    """The error for a path that is blocked; looks for what would help, with `others` in other configurations too."""
+    moving = blocked.moving
+    reason, joint, why = _why(arm, blocked)
+    other = _other_start(arm, limits, blocked) if others else None
+    help_ = _help(arm, limits, blocked, other)
     return PathError(
         f"the tool follows the path for {_part(moving, blocked.share)} and no farther: {why}: {help_}",
         blocked.share,
@@ -87,7 +91,7 @@ def _part(moving: MovingTarget, share: float) -> str:
     return f"{so_far} of {all_} ({100.0 * share:.0f} %)"
 
 
-def _why(arm: Arm, moving: MovingTarget, blocked: Blocked) -> tuple[str, str | None, str]:
+def _why(arm: Arm, blocked: Blocked) -> tuple[str, str | None, str]:
     """Reason, joint and words."""
     theta, limits = blocked.theta, arm.limits
     room = np.minimum(theta - limits.lower, limits.upper - theta)
@@ -97,7 +101,7 @@ def _why(arm: Arm, moving: MovingTarget, blocked: Blocked) -> tuple[str, str | N
         limit = quantity(float(getattr(limits, side)[j]), arm.units[j])
         return "limit", arm.joint_names[j], f"joint {arm.joint_names[j]!r} comes to its {side} limit {limit}"
     ahead = min(blocked.share + 1e-3, 1.0)
-    met = blocked.jump or solve_ik(arm, moving.at(ahead), theta).converged
+    met = blocked.leap or solve_ik(arm, blocked.moving.at(ahead), theta).converged
     least = float(arm.manipulability(theta).singular_values[-1])
     if met and least < SINGULAR:
         return "singular", None, "the arm comes to a singular posture, and would have to leap to another configuration"
@@ -106,26 +110,30 @@ def _why(arm: Arm, moving: MovingTarget, blocked: Blocked) -> tuple[str, str | N
     return "out of reach", None, "the path leaves the arm's reach there"
 
 
-def _other_start(arm: Arm, moving: MovingTarget, start: Array) -> Array | None:
+def _other_start(arm: Arm, limits: JointLimits, blocked: Blocked) -> Array | None:
     """Another configuration at the beginning of the path from which all of it can be followed."""
-    theta: Array
-    for theta in branches(arm, moving.at(0.0), start)[:FEW]:
-        if isinstance(follow(arm, moving, theta), Followed):
-            return theta
+    moving, start = blocked.moving, blocked.start
+    roots = [Node(moving, 0.0, theta, 0.0) for theta in branches(arm, moving.at(0.0), start)]
+    found = climb(arm, limits, roots) if roots else []
+    for node in [] if isinstance(found, Blocked) else found[:FEW]:
+        if isinstance(follow(arm, way(node)), Followed):
+            return way(node)[0].theta
     return None
 
 
-def _help(arm: Arm, moving: MovingTarget, start: Array, other: Array | None) -> str:
+def _help(arm: Arm, limits: JointLimits, blocked: Blocked, other: Array | None) -> str:
     if other is not None:
         values = ", ".join(f"{value:.4g}" for value in other)
         return f"begin it in another configuration, [{values}], from which all of it can be followed"
+    moving = blocked.moving
     if isinstance(moving.like, Pose):
-        g = moving.like.g
+        g, axis = moving.like.g, arm.tool_axis
         freer: dict[str, AnyTarget] = {
-            "turning about the tool axis": Approach(g[:3, 3], g[:3, :3] @ arm.tool_axis, arm.tool_axis),
+            "turning about the tool axis": Approach(g[:3, 3], g[:3, :3] @ axis, axis),
             "the rotation": Position(g[:3, 3]),
         }
         for what, like in freer.items():
-            if isinstance(follow(arm, replace(moving, like=like), start), Followed):
+            nodes = climb(arm, limits, [Node(replace(moving, like=like), 0.0, blocked.start, 0.0)])
+            if isinstance(nodes, list) and isinstance(follow(arm, way(nodes[0])), Followed):
                 return f"with {what} left free the arm can follow it (an Approach or a Position as goal)"
     return "make it shorter, or move its ends"
