@@ -28,6 +28,9 @@ PULL, LONGEST_PULL = 0.3, 0.3
 CELL = 0.15
 """Of configurations in one cube of this side [rad, m] the one with the least joint motion is kept."""
 
+HALFWAY = 0.2
+"""Halfway the joints are nearer to the middle of both configurations than this part of how far these are apart."""
+
 SEED = 0
 
 
@@ -46,9 +49,13 @@ def climb_wide(arm: Arm, limits: JointLimits, roots: Sequence[Node]) -> list[Nod
             return Blocked(max(nodes, key=lambda node: _room(arm, node.theta)), False)
         here = np.array([node.theta for node in nodes])
         costs = np.array([node.cost for node in nodes])[parents] + efforts(here[parents], theta, limits.velocity)
+        kept = _apart(theta, costs, rng)
+        kept = kept[_continuous(arm, nodes, parents[kept], float(rungs.s[k]), theta[kept])]
+        if not len(kept):
+            return Blocked(max(nodes, key=lambda node: _room(arm, node.theta)), True)
         nodes = [
             Node(nodes[parents[i]].moving, float(rungs.s[k]), theta[i], float(costs[i]), nodes[parents[i]])
-            for i in _apart(theta, costs, rng)
+            for i in kept
         ]
     return sorted(nodes, key=lambda node: node.cost)
 
@@ -68,6 +75,18 @@ def _spread(
     theta, good = projected(arm, nodes[0].moving.like, ideal, sought, EXACT)
     good &= np.abs(theta - here[parents]).max(axis=1) <= LONGEST_JUMP
     return theta[good], parents[good]
+
+
+def _continuous(arm: Arm, nodes: list[Node], parents: NDArray[np.intp], s: float, theta: Array) -> NDArray[np.bool_]:
+    """Which configurations (c, n) at s follow their parents without a leap: halfway the arm is about halfway."""
+    before = np.array([nodes[i].theta for i in parents])
+    middle = np.array(0.5 * (nodes[0].s + s))
+    poses = {id(node.moving): node.moving.curve(middle) for node in nodes}
+    ideal = np.array([poses[id(nodes[i].moving)] for i in parents])
+    halfway = 0.5 * (before + theta)
+    found, met = projected(arm, nodes[0].moving.like, ideal, halfway, EXACT)
+    off, step = (np.linalg.norm(each, axis=1) for each in (found - halfway, theta - before))
+    return met & (off <= HALFWAY * step + CELL * HALFWAY)
 
 
 def _apart(theta: Array, costs: Array, rng: np.random.Generator) -> NDArray[np.intp]:
