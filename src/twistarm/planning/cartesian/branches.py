@@ -26,12 +26,8 @@ def branches(arm: Arm, target: AnyTarget, near: Array) -> Array:
     kept. Joints that may turn for more than a turn are given by the windings their limits allow.
     """
     starts = np.vstack([near, arm.random_theta(SEED, STARTS)])
-    found = solve_ik_batch(
-        arm, [target] * len(starts), starts, position_tol=EXACT, orientation_tol=EXACT, restarts=1
-    )
-    first = solve_ik_batch(
-        arm, [target], near[None], position_tol=EXACT, orientation_tol=EXACT, posture="theta0"
-    )
+    found = solve_ik_batch(arm, [target] * len(starts), starts, position_tol=EXACT, orientation_tol=EXACT, restarts=1)
+    first = solve_ik_batch(arm, [target], near[None], position_tol=EXACT, orientation_tol=EXACT, posture="theta0")
     met = np.vstack([first.theta[first.converged], found.theta[found.converged]])
     met = _windings(arm, met)
     met = met[np.argsort(np.abs(met - near).max(axis=1), kind="stable")]

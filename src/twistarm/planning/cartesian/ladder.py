@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 import numpy as np
+from numpy.typing import NDArray
 
 from ...ik.batch import solve_ik_batch
 from ...ik.targets import Pose
@@ -76,7 +77,7 @@ class _Climber:
                 self.farthest = Blocked(node, bool(met[i]))
         return found, halved
 
-    def _solved(self, nodes: list[Node], s: float, k: int | None) -> tuple[Array, Array]:
+    def _solved(self, nodes: list[Node], s: float, k: int | None) -> tuple[Array, NDArray[np.bool_]]:
         """The answers (b, n) at s, sought where each node would be if it went on as it came, and which there are."""
         g = np.array([node.moving.curve(np.array(s)) for node in nodes]) if k is None else self.rungs.poses(nodes, k)
         pose = isinstance(nodes[0].moving.like, Pose)

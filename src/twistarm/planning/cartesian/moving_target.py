@@ -10,7 +10,6 @@ from ...ik.targets import AnyTarget, Approach, Pose, Position, Task
 from ...support.checks import Array
 from .curves import Curve
 
-
 SAME = 1e-8
 """Numbers of targets that differ by less are the same."""
 

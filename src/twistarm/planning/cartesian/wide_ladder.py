@@ -86,7 +86,8 @@ def _continuous(arm: Arm, nodes: list[Node], parents: NDArray[np.intp], s: float
     halfway = 0.5 * (before + theta)
     found, met = projected(arm, nodes[0].moving.like, ideal, halfway, EXACT)
     off, step = (np.linalg.norm(each, axis=1) for each in (found - halfway, theta - before))
-    return met & (off <= HALFWAY * step + CELL * HALFWAY)
+    near: NDArray[np.bool_] = met & (off <= HALFWAY * (step + CELL))
+    return near
 
 
 def _apart(theta: Array, costs: Array, rng: np.random.Generator) -> NDArray[np.intp]:
