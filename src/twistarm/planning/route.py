@@ -77,7 +77,7 @@ class Router:
         return legs
 
     def _next(self, i: int, theta: Array) -> list[Leg]:
-        """The leg of segment i, or those of a run: a joint move to a target and the curves and dwells that follow it."""
+        """The leg of segment i, or those of a run: a joint move to a target, and the curves and dwells after it."""
         segment = self.segments[i]
         end = i + 1
         while end < len(self.segments) and not isinstance(self.segments[end], JointMove):
@@ -148,16 +148,16 @@ class Router:
             if isinstance(nodes, Blocked):
                 raise _BlockedError(k, nodes, more[k])
             ends = [(node.theta, node.cost, node) for node in nodes]
+        ways = (self._followed(run, node, wide, more) for _, _, node in ends[:FOLLOWED])
         errors = []
-        for _, _, node in ends[:FOLLOWED]:
-            try:
-                return self._followed(run, node, wide, more)
-            except _BlockedError as error:
-                errors.append(error)
+        for found in ways:
+            if not isinstance(found, _BlockedError):
+                return found
+            errors.append(found)
         raise max(errors, key=lambda error: error.reached)
 
     def _roots(self, k: int, ends: list[_End], option: int) -> tuple[list[Node], bool]:
-        """The first nodes of curve k, which begins at the ends of what comes before, and whether more options follow."""
+        """The first nodes of curve k, which begins where what comes before ends, and whether more options follow."""
         segment = self.segments[k]
         assert isinstance(segment, CURVED)
         known: list[MovingTarget] = []
@@ -170,8 +170,10 @@ class Router:
             roots.append(Node(moving if same is None else same, 0.0, theta, cost, parent))
         return roots, option + 1 < len(movings)
 
-    def _followed(self, run: range, last: Node | None, even: bool, more: dict[int, bool]) -> tuple[Array, list[Leg]]:
-        """The start and the legs of a run whose last curve ends at that node."""
+    def _followed(
+        self, run: range, last: Node | None, even: bool, more: dict[int, bool]
+    ) -> tuple[Array, list[Leg]] | _BlockedError:
+        """The start and the legs of a run whose last curve ends at that node, or where it is blocked after all."""
         curves = [list(nodes) for _, nodes in groupby(way(last), key=lambda node: id(node.moving))]
         start = theta = curves[0][0].theta
         legs: list[Leg] = []
@@ -181,7 +183,7 @@ class Router:
                 continue
             result = follow(self.arm, curves.pop(0), even=even)
             if isinstance(result, Blocked):
-                raise _BlockedError(k, result, more[k])
+                return _BlockedError(k, result, more[k])
             theta = result.path.end
             legs.append(Leg(k, self.segments[k], theta, result.path))
         return start, legs

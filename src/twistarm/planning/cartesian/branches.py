@@ -30,11 +30,11 @@ def branches(arm: Arm, target: AnyTarget, near: Array) -> Array:
     first = solve_ik_batch(arm, [target], near[None], position_tol=EXACT, orientation_tol=EXACT, posture="theta0")
     met = np.vstack([first.theta[first.converged], found.theta[found.converged]])
     met = _windings(arm, met)
-    met = met[np.argsort(np.abs(met - near).max(axis=1), kind="stable")]
+    left = met[np.argsort(np.abs(met - near).max(axis=1), kind="stable")]
     kept: list[Array] = []
-    for theta in met:
-        if all(np.abs(theta - other).max() > APART for other in kept):
-            kept.append(theta)
+    while len(left):
+        kept.append(left[0])
+        left = left[np.abs(left - left[0]).max(axis=1) > APART]
     return np.array(kept).reshape(-1, arm.n)
 
 

@@ -36,7 +36,7 @@ class MovingTarget:
         return max(n - int(np.count_nonzero(tolerances == 0.0)), 0)
 
     def same(self, other: MovingTarget) -> bool:
-        """Whether the targets of both are the same everywhere, up to rounding: at the beginning, halfway, at the end."""
+        """Whether the targets of both are the same, up to rounding, at the beginning, halfway and at the end."""
         if self.like.kind != other.like.kind:
             return False
         s = np.array([0.0, 0.5, 1.0])

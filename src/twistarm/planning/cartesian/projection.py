@@ -13,7 +13,7 @@ from ...theory import rotations
 STEPS = 12
 
 DAMPING, LEAST_DAMPING = 0.05, 1e-12
-"""Of a step, as parts of the squared error and at least: far from the target and near a singular posture it is short."""
+"""Of a step, as part of the squared error and at least: far from targets and near singular postures it is short."""
 
 LIMIT = 1e-12
 """A joint this near to a limit [rad, m] is at it."""
