@@ -108,7 +108,7 @@ def _solved(arm: Arm, moving: MovingTarget, s: Array, near: Array) -> IKBatch:
 
 def _blocked(root: Node, s: Array, theta: Array, ahead: float, *, leap: bool) -> Blocked:
     last = int(np.searchsorted(s, ahead, side="left")) - 1
-    return Blocked(Node(root.moving, float(s[last]), theta[last], root.cost, root), leap)
+    return Blocked(Node(root.moving, float(s[last]), theta[last], root.cost, root), ahead, leap)
 
 
 def _deviation(arm: Arm, moving: MovingTarget, path: JointPath) -> tuple[Flags, float, float]:

@@ -74,7 +74,7 @@ class _Climber:
                 self.left -= 1
                 halved.append(node)
             elif self.farthest is None or node.s > self.farthest.share:
-                self.farthest = Blocked(node, bool(met[i]))
+                self.farthest = Blocked(node, s, bool(met[i]))
         return found, halved
 
     def _solved(self, nodes: list[Node], s: float, k: int | None) -> tuple[Array, NDArray[np.bool_]]:

@@ -44,9 +44,10 @@ def way(last: Node | None) -> list[Node]:
 
 @dataclass(frozen=True, eq=False)
 class Blocked:
-    """A curve was followed to `node` and no farther. `leap`: a little farther on it is met, but only by a leap."""
+    """A curve was followed to `node`, and not to s = `ahead`. `leap`: there it is met, but only by a leap."""
 
     node: Node
+    ahead: float
     leap: bool
 
     @property

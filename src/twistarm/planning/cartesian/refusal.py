@@ -7,6 +7,7 @@ from dataclasses import replace
 import numpy as np
 
 from ...ik.solve import solve_ik
+from ...ik.stop_reason import StopReason
 from ...ik.targets import AnyTarget, Approach, Pose, Position
 from ...limits.joint_limits import JointLimits
 from ...model.arm import Arm
@@ -17,10 +18,13 @@ from .branches import branches
 from .following import Followed, follow
 from .ladder import climb
 from .moving_target import MovingTarget
-from .nodes import Blocked, Node, way
+from .nodes import LONGEST_JUMP, Blocked, Node, way
 
 AT_LIMIT = 0.01
 """A joint that is nearer to its limit than this [rad, m] where a path ends has come to it."""
+
+MORE_ROOM = 0.5
+"""So much farther [rad, m] a joint may go to see whether its limit is what blocks."""
 
 SINGULAR = 0.05
 """A smaller least singular value, metres over the arm's reach, is that of a posture near a singular one."""
@@ -92,22 +96,36 @@ def _part(moving: MovingTarget, share: float) -> str:
 
 
 def _why(arm: Arm, blocked: Blocked) -> tuple[str, str | None, str]:
-    """Reason, joint and words."""
+    """Reason, joint and words. A joint's limit is the reason where the arm would go on if that joint had more room."""
     theta, limits = blocked.theta, arm.limits
     room = np.minimum(theta - limits.lower, limits.upper - theta)
-    j = int(room.argmin())
-    if room[j] < AT_LIMIT:
-        side = "lower" if theta[j] - limits.lower[j] < limits.upper[j] - theta[j] else "upper"
-        limit = quantity(float(getattr(limits, side)[j]), arm.units[j])
-        return "limit", arm.joint_names[j], f"joint {arm.joint_names[j]!r} comes to its {side} limit {limit}"
-    ahead = min(blocked.share + 1e-3, 1.0)
-    met = blocked.leap or solve_ik(arm, blocked.moving.at(ahead), theta).converged
-    least = float(arm.manipulability(theta).singular_values[-1])
-    if met and least < SINGULAR:
+    tight = [int(j) for j in np.argsort(room) if room[j] < AT_LIMIT]
+    for held in [*([j] for j in tight), *([tight] if len(tight) > 1 else [])]:
+        if _goes_on(arm, blocked, held):
+            j = held[0]
+            side = "lower" if theta[j] - limits.lower[j] < limits.upper[j] - theta[j] else "upper"
+            limit = quantity(float(getattr(limits, side)[j]), arm.units[j])
+            return "limit", arm.joint_names[j], f"joint {arm.joint_names[j]!r} comes to its {side} limit {limit}"
+    beyond = solve_ik(arm, blocked.moving.at(blocked.ahead), theta)
+    if not (blocked.leap or beyond.converged):
+        if beyond.stop is StopReason.BLOCKED_BY_LIMITS:
+            return "limit", None, "the limits of the joints leave no configuration that meets it farther on"
+        if beyond.stop is StopReason.IMPOSSIBLE_DIRECTION:
+            return "out of reach", None, "the arm cannot turn the tool as the path asks there"
+        return "out of reach", None, "the path leaves the arm's reach there"
+    if float(arm.manipulability(theta).singular_values[-1]) < SINGULAR:
         return "singular", None, "the arm comes to a singular posture, and would have to leap to another configuration"
-    if met:
-        return "limit", None, "the arm would have to leap to another configuration"
-    return "out of reach", None, "the path leaves the arm's reach there"
+    return "limit", None, "the arm would have to leap to another configuration"
+
+
+def _goes_on(arm: Arm, blocked: Blocked, joints: list[int]) -> bool:
+    """Whether the arm would follow the path farther if these joints had more room."""
+    lower, upper = arm.limits.lower.copy(), arm.limits.upper.copy()
+    lower[joints] -= MORE_ROOM
+    upper[joints] += MORE_ROOM
+    roomy = replace(arm, limits=replace(arm.limits, lower=lower, upper=upper))
+    beyond = solve_ik(roomy, blocked.moving.at(blocked.ahead), blocked.theta, restarts=1)
+    return beyond.converged and float(np.abs(beyond.theta - blocked.theta).max()) <= LONGEST_JUMP
 
 
 def _other_start(arm: Arm, limits: JointLimits, blocked: Blocked) -> Array | None:

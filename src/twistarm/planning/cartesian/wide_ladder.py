@@ -46,13 +46,13 @@ def climb_wide(arm: Arm, limits: JointLimits, roots: Sequence[Node]) -> list[Nod
     for k in range(1, rungs.count + 1):
         theta, parents = _spread(arm, rungs, k, nodes, rng)
         if not len(theta):
-            return Blocked(max(nodes, key=lambda node: _room(arm, node.theta)), False)
+            return Blocked(max(nodes, key=lambda node: _room(arm, node.theta)), float(rungs.s[k]), False)
         here = np.array([node.theta for node in nodes])
         costs = np.array([node.cost for node in nodes])[parents] + efforts(here[parents], theta, limits.velocity)
         kept = _apart(theta, costs, rng)
         kept = kept[_continuous(arm, nodes, parents[kept], float(rungs.s[k]), theta[kept])]
         if not len(kept):
-            return Blocked(max(nodes, key=lambda node: _room(arm, node.theta)), True)
+            return Blocked(max(nodes, key=lambda node: _room(arm, node.theta)), float(rungs.s[k]), True)
         nodes = [
             Node(nodes[parents[i]].moving, float(rungs.s[k]), theta[i], float(costs[i]), nodes[parents[i]])
             for i in kept
