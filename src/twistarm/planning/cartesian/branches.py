@@ -13,8 +13,8 @@ from .nodes import EXACT
 STARTS = 96
 """Searches from random starts, beside the one from where the arm is."""
 
-APART = 0.1
-"""Configurations nearer together than this [rad, m] in every joint are one."""
+APART = 0.02
+"""Configurations nearer together than this [rad, m] in every joint are one; branches may come near each other."""
 
 SEED = 0
 
