@@ -8,12 +8,13 @@ from ...ik.batch import solve_ik_batch
 from ...ik.targets import AnyTarget
 from ...model.arm import Arm
 from ...support.checks import Array
+from .nodes import EXACT
 
 STARTS = 96
 """Searches from random starts, beside the one from where the arm is."""
 
-APART = 0.1
-"""Configurations nearer together than this [rad, m] in every joint are one."""
+APART = 0.02
+"""Configurations nearer together than this [rad, m] in every joint are one; branches may come near each other."""
 
 SEED = 0
 
@@ -25,15 +26,15 @@ def branches(arm: Arm, target: AnyTarget, near: Array) -> Array:
     kept. Joints that may turn for more than a turn are given by the windings their limits allow.
     """
     starts = np.vstack([near, arm.random_theta(SEED, STARTS)])
-    found = solve_ik_batch(arm, [target] * len(starts), starts, restarts=1)
-    first = solve_ik_batch(arm, [target], near[None], posture="theta0")
+    found = solve_ik_batch(arm, [target] * len(starts), starts, position_tol=EXACT, orientation_tol=EXACT, restarts=1)
+    first = solve_ik_batch(arm, [target], near[None], position_tol=EXACT, orientation_tol=EXACT, posture="theta0")
     met = np.vstack([first.theta[first.converged], found.theta[found.converged]])
     met = _windings(arm, met)
-    met = met[np.argsort(np.linalg.norm(met - near, axis=1), kind="stable")]
+    left = met[np.argsort(np.linalg.norm(met - near, axis=1), kind="stable")]
     kept: list[Array] = []
-    for theta in met:
-        if all(np.abs(theta - other).max() > APART for other in kept):
-            kept.append(theta)
+    while len(left):
+        kept.append(left[0])
+        left = left[np.abs(left - left[0]).max(axis=1) > APART]
     return np.array(kept).reshape(-1, arm.n)
 
 

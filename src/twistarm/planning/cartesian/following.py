@@ -1,15 +1,14 @@
-"""Following: the joint path that keeps the tool on a curve, from one configuration on."""
+"""Following: the joint path through the configurations of a ladder that keeps the tool on its curve."""
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
 
-from ...ik.solution import IKSolution
-from ...ik.solve import solve_ik
-from ...ik.targets import Pose
+from ...ik.batch import IKBatch, solve_ik_batch
 from ...model.arm import Arm
 from ...support.checks import Array
 from ..bernstein import bernstein
@@ -18,26 +17,13 @@ from ..piecewise import extremes
 from ..within import POSITION_TOL as ROUNDING
 from .curvature import deviation_bend
 from .moving_target import MovingTarget
+from .nodes import EXACT, LONGEST_JUMP, Blocked, Node
+from .projection import projected
 
 Flags = NDArray[np.bool_]
 
 POSITION_TOL, ANGLE_TOL = 1e-4, np.radians(0.05)
 """How far the tool may be from the curve [m, rad], between samples too."""
-
-FIRST_STEP, FIRST_TURN = 0.01, np.radians(1.0)
-"""The first samples [m, rad]: from one to the next solve_ik stays on its branch where it can."""
-
-LONGEST_JUMP = 0.5
-"""A joint that moves farther [rad, m] between two samples calls for samples in between."""
-
-UNMET = 8
-"""Where a sample has no answer, others are tried back to so small a part of the step."""
-
-FINEST = 2**-12
-"""Samples are no nearer together than this in s; a path that needs them nearer does not continue."""
-
-EXACT = 1e-9
-"""Samples meet the curve to this [m, rad], so that the spline through them is smooth."""
 
 MOST_SAMPLES = 4096
 
@@ -46,8 +32,8 @@ MOST_CHECKS = 20_000
 ROUNDS = 12
 """Halvings of intervals in which the tool is too far from the curve."""
 
-PULLS = (0.0, 0.05, 0.3)
-"""How an arm that is left free is drawn to the middle of its joints, one try after the other."""
+EVENINGS = 20
+"""How often the samples of an arm that is left free are drawn to the line between their neighbours."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -61,44 +47,17 @@ class Followed:
     angle_error: float
 
 
-@dataclass(frozen=True, eq=False)
-class Blocked:
-    """The curve was followed to `share` of it, s in [0, 1), with the arm at `theta` (n,); `beyond` is the answer of
-    inverse kinematics a little farther on, from there. `jump`: it is met, but only by a leap of the joints.
+def follow(arm: Arm, samples: Sequence[Node], *, even: bool = False) -> Followed | Blocked:
+    """The joint path through samples of one curve, from its beginning to its end, or where it leaps.
+
+    A cubic spline, C², goes through them, and intervals are halved in which the tool may be farther from the curve than
+    `POSITION_TOL` and `ANGLE_TOL`: at check points that is measured, and between them it is bounded by the curvature of
+    the tool's path. `even`: samples of an arm that is left free are evened out first.
     """
-
-    share: float
-    theta: Array
-    beyond: IKSolution
-    jump: bool
-
-
-def follow(arm: Arm, moving: MovingTarget, start: Array) -> Followed | Blocked:
-    """The joint path from start (n,), whose tool is at the beginning of the curve, or how far it gets.
-
-    Samples of the curve are solved one after the other, each from the one before; where a joint would move far, or
-    there is no answer, halfway first. A cubic spline, C², goes through them, and intervals are halved in which the tool
-    may be farther from the curve than `POSITION_TOL` and `ANGLE_TOL`: at check points that is measured, and between
-    them it is bounded by the curvature of the tool's path. An arm that is left free moves as little as it can from
-    sample to sample, or else, where that is blocked, by so much of the way to the middle of its joints (`PULLS`).
-    """
-    free = arm.n > 6 or not isinstance(moving.like, Pose)
-    farthest: Blocked | None = None
-    for pull in PULLS if free else PULLS[:1]:
-        result = _pulled(arm, moving, start, pull)
-        if isinstance(result, Followed):
-            return result
-        if farthest is None or result.share > farthest.share:
-            farthest = result
-    assert farthest is not None
-    return farthest
-
-
-def _pulled(arm: Arm, moving: MovingTarget, start: Array, pull: float) -> Followed | Blocked:
-    marched = _marched(arm, moving, start, pull)
-    if isinstance(marched, Blocked):
-        return marched
-    s, theta = marched
+    moving = samples[0].moving
+    s, theta = np.array([node.s for node in samples]), np.array([node.theta for node in samples])
+    if even:
+        theta = _evened(arm, moving, s, theta)
     for _ in range(ROUNDS):
         path = spline(s, theta)
         off, position, angle = _deviation(arm, moving, path)
@@ -108,17 +67,28 @@ def _pulled(arm: Arm, moving: MovingTarget, start: Array, pull: float) -> Follow
         if len(s) > MOST_SAMPLES:
             break
         between = 0.5 * (s[:-1] + s[1:])[off]
-        added = []
-        for at in between:
-            solution = _solved(arm, moving, float(at), path(at), 0.0)
-            if not solution.converged:
-                return _blocked(s, theta, float(at), solution, jump=False)
-            added.append(solution.theta)
-        order = np.argsort(np.concatenate([s, between]), kind="stable")
-        s, theta = np.concatenate([s, between])[order], np.concatenate([theta, added])[order]
+        answer = _solved(arm, moving, between, path(between))
+        if not answer.converged.all():
+            unmet = int(np.flatnonzero(~answer.converged)[0])
+            return _blocked(samples[0], s, theta, float(between[unmet]), leap=False)
+        s, theta = np.concatenate([s, between]), np.concatenate([theta, answer.theta])
+        order = np.argsort(s, kind="stable")
+        s, theta = s[order], theta[order]
     worst = int(np.flatnonzero(off)[0])
-    ahead = float(s[worst + 1])
-    return _blocked(s, theta, ahead, _solved(arm, moving, ahead, theta[worst], 0.0), jump=True)
+    return _blocked(samples[0], s, theta, float(s[worst + 1]), leap=True)
+
+
+def _evened(arm: Arm, moving: MovingTarget, s: Array, theta: Array) -> Array:
+    """The samples (k, n) drawn to the straight line between their neighbours, as far as the targets leave them free."""
+    ideal = moving.curve(s[1:-1])
+    share = ((s[1:-1] - s[:-2]) / (s[2:] - s[:-2]))[:, None]
+    theta = theta.copy()
+    for _ in range(EVENINGS):
+        between = theta[:-2] + share * (theta[2:] - theta[:-2])
+        found, met = projected(arm, moving.like, ideal, between, EXACT)
+        met &= np.abs(found - theta[1:-1]).max(axis=1) <= LONGEST_JUMP
+        theta[1:-1][met] = found[met]
+    return theta
 
 
 def spline(s: Array, theta: Array) -> JointPath:
@@ -132,41 +102,13 @@ def _constant(theta: Array) -> Array:
     return np.stack([np.zeros_like(theta)] * 3 + [theta])[:, None]
 
 
-def _marched(arm: Arm, moving: MovingTarget, start: Array, pull: float) -> tuple[Array, Array] | Blocked:
-    """Samples (k,) of s and their configurations (k, n), near enough together for no joint to leap."""
-    steps = max(4, int(np.ceil(max(moving.curve.length / FIRST_STEP, moving.angle / FIRST_TURN))))
-    step = 1.0 / min(steps, MOST_SAMPLES)
-    s, thetas, at = [0.0], [start], 0.0
-    stride = step
-    while at < 1.0:
-        ahead = min(at + stride, 1.0)
-        if 1.0 - ahead < 0.5 * stride:
-            ahead = 1.0
-        predicted = thetas[-1]
-        if len(s) > 1:
-            predicted = predicted + (predicted - thetas[-2]) * ((ahead - at) / (at - s[-2]))
-        solution = _solved(arm, moving, ahead, np.clip(predicted, arm.limits.lower, arm.limits.upper), pull)
-        leap = float(np.abs(solution.theta - thetas[-1]).max())
-        if solution.converged and leap <= LONGEST_JUMP:
-            at = ahead
-            s.append(at)
-            thetas.append(solution.theta)
-            stride = min(2.0 * stride, step)
-        elif stride > (FINEST if solution.converged else step / UNMET) and len(s) < MOST_SAMPLES:
-            stride *= 0.5
-        else:
-            return _blocked(np.array(s), np.array(thetas), ahead, solution, jump=solution.converged)
-    return np.array(s), np.array(thetas)
+def _solved(arm: Arm, moving: MovingTarget, s: Array, near: Array) -> IKBatch:
+    return solve_ik_batch(arm, moving.targets(s), near, position_tol=EXACT, orientation_tol=EXACT, restarts=1)
 
 
-def _solved(arm: Arm, moving: MovingTarget, s: float, near: Array, pull: float) -> IKSolution:
-    posture = near + pull * (arm.limits.middle() - near) if pull else None
-    return solve_ik(arm, moving.at(s), near, position_tol=EXACT, orientation_tol=EXACT, restarts=1, posture=posture)
-
-
-def _blocked(s: Array, theta: Array, ahead: float, solution: IKSolution, *, jump: bool) -> Blocked:
+def _blocked(root: Node, s: Array, theta: Array, ahead: float, *, leap: bool) -> Blocked:
     last = int(np.searchsorted(s, ahead, side="left")) - 1
-    return Blocked(float(s[last]), theta[last], solution, jump)
+    return Blocked(Node(root.moving, float(s[last]), theta[last], root.cost, root), ahead, leap)
 
 
 def _deviation(arm: Arm, moving: MovingTarget, path: JointPath) -> tuple[Flags, float, float]:

@@ -16,6 +16,9 @@ NO_WAY = 1e-9
 SPREAD: Array = np.arange(1.0, 17.0) * 0.6180339887498949 % 1.0
 """Places on a curve at which several turns, whole ones, do not all end where they began."""
 
+SAME = 1e-8
+"""Numbers of targets that differ by less are the same."""
+
 
 @dataclass(frozen=True)
 class MovingTarget:
@@ -28,9 +31,23 @@ class MovingTarget:
         """The target at s."""
         return self.like.at(self.curve(np.array(s)))
 
-    def targets(self, s: Array) -> list[AnyTarget]:
-        """The targets at s (k,)."""
-        return [self.like.at(g) for g in self.curve(s)]
+    def targets(self, s: Array) -> Array | list[AnyTarget]:
+        """The targets at s (k,), as `solve_ik_batch` takes them: those of poses are an array (k, 4, 4)."""
+        g = self.curve(s)
+        return g if isinstance(self.like, Pose) else [self.like.at(each) for each in g]
+
+    def freedom(self, n: int) -> int:
+        """How many of n joints the targets leave free; those of a `Task` that are within tolerances count as free."""
+        tolerances = np.concatenate([self.like.position_tolerance, self.like.rotation_tolerance])
+        return max(n - int(np.count_nonzero(tolerances == 0.0)), 0)
+
+    def same(self, other: MovingTarget) -> bool:
+        """Whether the targets of both are the same, up to rounding, at the beginning, halfway and at the end."""
+        if self.like.kind != other.like.kind:
+            return False
+        s = np.array([0.0, 0.5, 1.0])
+        both = zip(self.curve(s), other.curve(s), strict=True)
+        return all(np.allclose(self.like.at(g).numbers, other.like.at(h).numbers, rtol=0.0, atol=SAME) for g, h in both)
 
     @property
     def is_still(self) -> bool:
@@ -48,7 +65,8 @@ class MovingTarget:
         ideal = self.curve(s)
         if isinstance(self.like, Task):
             both = [
-                (t.position_error(one), t.orientation_error(one)) for t, one in zip(self.targets(s), g, strict=True)
+                (t.position_error(one), t.orientation_error(one))
+                for t, one in zip(map(self.like.at, ideal), g, strict=True)
             ]
             return np.array([p for p, _ in both]), np.array([r for _, r in both])
         position: Array = np.linalg.norm(g[:, :3, 3] - ideal[:, :3, 3], axis=-1)

@@ -9,25 +9,28 @@ import numpy as np
 from ...ik.solve import solve_ik
 from ...ik.stop_reason import StopReason
 from ...ik.targets import AnyTarget, Approach, Pose, Position
+from ...limits.joint_limits import JointLimits
 from ...model.arm import Arm
 from ...support.caller_words import posture, quantity
 from ...support.checks import Array
 from ...support.errors import TwistarmError
 from .branches import branches
-from .following import Blocked, Followed, follow
+from .following import Followed, follow
+from .ladder import climb
 from .moving_target import MovingTarget
+from .nodes import LONGEST_JUMP, Blocked, Node, way
 
 AT_LIMIT = 0.01
 """A joint that is nearer to its limit than this [rad, m] where a path ends has come to it."""
 
+MORE_ROOM = 0.5
+"""So much farther [rad, m] a joint may go to see whether its limit is what blocks."""
+
 SINGULAR = 0.05
 """A smaller least singular value, metres over the arm's reach, is that of a posture near a singular one."""
 
-AHEAD = (1e-3, 0.02)
-"""So far beyond the end, in s, it is asked whether any configuration meets the path."""
-
-FEW = 8
-"""Other configurations at the start that are tried."""
+FEW = 2
+"""Other configurations from which the path may be followed that are tried."""
 
 
 class PathError(TwistarmError):
@@ -68,11 +71,12 @@ class PathError(TwistarmError):
         return PathError(self.detail, self.share, self.theta, self.reason, self.joint, self.start, segment, place)
 
 
-def refusal(arm: Arm, moving: MovingTarget, blocked: Blocked, start: Array) -> PathError:
-    """The error for a path that is blocked from `start` (n,) on; looks for what would help."""
-    reason, joint, why = _why(arm, moving, blocked)
-    other = _other_start(arm, moving, start)
-    help_ = _help(arm, moving, start, other)
+def refusal(arm: Arm, limits: JointLimits, blocked: Blocked, *, others: bool) -> PathError:
+    """The error for a path that is blocked; looks for what would help, with `others` in other configurations too."""
+    moving = blocked.moving
+    reason, joint, why = _why(arm, blocked)
+    other = _other_start(arm, limits, blocked) if others else None
+    help_ = _help(arm, limits, blocked, other)
     return PathError(
         f"the tool follows the path for {_part(moving, blocked.share)} and no farther: {why}: {help_}",
         blocked.share,
@@ -91,50 +95,64 @@ def _part(moving: MovingTarget, share: float) -> str:
     return f"{so_far} of {all_} ({min(round(100.0 * share), 99)} %)"
 
 
-def _why(arm: Arm, moving: MovingTarget, blocked: Blocked) -> tuple[str, str | None, str]:
-    """Reason, joint and words."""
+def _why(arm: Arm, blocked: Blocked) -> tuple[str, str | None, str]:
+    """Reason, joint and words. A joint's limit is the reason where the arm would go on if that joint had more room."""
     theta, limits = blocked.theta, arm.limits
     room = np.minimum(theta - limits.lower, limits.upper - theta)
-    j = int(room.argmin())
-    if room[j] < AT_LIMIT:
-        side = "lower" if theta[j] - limits.lower[j] < limits.upper[j] - theta[j] else "upper"
-        limit = quantity(float(getattr(limits, side)[j]), arm.units[j])
-        return "limit", arm.joint_names[j], f"joint {arm.joint_names[j]!r} comes to its {side} limit {limit}"
-    beyond = [solve_ik(arm, moving.at(min(blocked.share + step, 1.0)), theta) for step in AHEAD]
-    unmet = next((solution for solution in beyond if not solution.converged), None)
-    met = unmet is None
-    least = float(arm.manipulability(theta).singular_values[-1])
-    if met and least < SINGULAR:
+    tight = [int(j) for j in np.argsort(room) if room[j] < AT_LIMIT]
+    for held in [*([j] for j in tight), *([tight] if len(tight) > 1 else [])]:
+        if _goes_on(arm, blocked, held):
+            j = held[0]
+            side = "lower" if theta[j] - limits.lower[j] < limits.upper[j] - theta[j] else "upper"
+            limit = quantity(float(getattr(limits, side)[j]), arm.units[j])
+            return "limit", arm.joint_names[j], f"joint {arm.joint_names[j]!r} comes to its {side} limit {limit}"
+    beyond = solve_ik(arm, blocked.moving.at(blocked.ahead), theta)
+    if not (blocked.leap or beyond.converged):
+        if beyond.stop is StopReason.BLOCKED_BY_LIMITS:
+            return "limit", None, "the limits of the joints leave no configuration that meets it farther on"
+        if beyond.stop is StopReason.IMPOSSIBLE_DIRECTION:
+            return "out of reach", None, "the arm cannot turn the tool as the path asks there"
+        return "out of reach", None, "the path leaves the arm's reach there"
+    if float(arm.manipulability(theta).singular_values[-1]) < SINGULAR:
         return "singular", None, "the arm comes to a singular posture, and would have to leap to another configuration"
-    if met:
-        return "limit", None, "the arm would have to leap to another configuration"
-    assert unmet is not None
-    if unmet.stop is StopReason.IMPOSSIBLE_DIRECTION:
-        return "out of reach", None, unmet.stop.value
-    return "out of reach", None, "the path leaves the arm's reach there"
+    return "limit", None, "the arm would have to leap to another configuration"
 
 
-def _other_start(arm: Arm, moving: MovingTarget, start: Array) -> Array | None:
+def _goes_on(arm: Arm, blocked: Blocked, joints: list[int]) -> bool:
+    """Whether the arm would follow the path farther if these joints had more room."""
+    lower, upper = arm.limits.lower.copy(), arm.limits.upper.copy()
+    lower[joints] -= MORE_ROOM
+    upper[joints] += MORE_ROOM
+    roomy = replace(arm, limits=replace(arm.limits, lower=lower, upper=upper))
+    beyond = solve_ik(roomy, blocked.moving.at(blocked.ahead), blocked.theta, restarts=1)
+    return beyond.converged and float(np.abs(beyond.theta - blocked.theta).max()) <= LONGEST_JUMP
+
+
+def _other_start(arm: Arm, limits: JointLimits, blocked: Blocked) -> Array | None:
     """Another configuration at the beginning of the path from which all of it can be followed."""
-    theta: Array
-    for theta in branches(arm, moving.at(0.0), start)[:FEW]:
-        if isinstance(follow(arm, moving, theta), Followed):
-            return theta
+    moving, start = blocked.moving, blocked.start
+    roots = [Node(moving, 0.0, theta, 0.0) for theta in branches(arm, moving.at(0.0), start)]
+    found = climb(arm, limits, roots) if roots else []
+    for node in [] if isinstance(found, Blocked) else found[:FEW]:
+        if isinstance(follow(arm, way(node)), Followed):
+            return way(node)[0].theta
     return None
 
 
-def _help(arm: Arm, moving: MovingTarget, start: Array, other: Array | None) -> str:
+def _help(arm: Arm, limits: JointLimits, blocked: Blocked, other: Array | None) -> str:
     if other is not None:
         begin = posture(other.tolist(), arm.units)
         return f"begin it in another configuration, {begin}, from which all of it can be followed"
+    moving = blocked.moving
     if isinstance(moving.like, Pose):
-        g = moving.like.g
+        g, axis = moving.like.g, arm.tool_axis
         freer: dict[str, AnyTarget] = {
-            "turning about the tool axis": Approach(g[:3, 3], g[:3, :3] @ arm.tool_axis, arm.tool_axis),
+            "turning about the tool axis": Approach(g[:3, 3], g[:3, :3] @ axis, axis),
             "the rotation": Position(g[:3, 3]),
         }
         for what, like in freer.items():
             freed = replace(moving, like=like)
-            if not freed.is_still and isinstance(follow(arm, freed, start), Followed):
+            nodes = [] if freed.is_still else climb(arm, limits, [Node(freed, 0.0, blocked.start, 0.0)])
+            if isinstance(nodes, list) and nodes and isinstance(follow(arm, way(nodes[0])), Followed):
                 return f"with {what} left free the arm can follow it (an Approach or a Position as goal)"
     return "make it shorter, or move its ends"

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -16,12 +16,15 @@ from .bounds import PathBounds
 from .interval_limits import LimitedPath
 from .law import TimeLaw
 from .pace import at_full_pace
-from .smoothing import smoothed
-from .tightening import needed, widened
+from .smoothing import roughly_smoothed, smoothed
+from .tightening import Needs, widened
 from .time_optimal import first_grid, on_grid
 
-WINDOWS = (1.0, 0.7, 1.4, 2.0, 2.8, 4.0)
-"""Widths of the window that are tried, in the time in which the slowest rate comes to its acceleration limit."""
+WINDOWS = (0.7, 1.0, 1.4, 2.0, 2.8, 4.0)
+"""Widths of the window that may be tried, in the time in which the slowest rate comes to its acceleration limit."""
+
+FIRST, NARROW = 3, 1
+"""Which of them are tried first: the one that is mostly the best, and the one that is often when that is not."""
 
 BEND_SHARE = 0.9
 """Of the jerk, left to the bend of the path itself; the rest is for changes of the acceleration along it."""
@@ -68,24 +71,41 @@ def s_curve(path: JointPath, bounds: PathBounds, progress: Progress | None = Non
         return TimeLaw.at_once()
     fine, piece = path.in_pieces(path.length / PIECES)
     bounds = replace(bounds, ceiling=bounds.ceiling_of(path)[piece])
-    search = _Search(fine, bounds, LimitedPath.of(fine, bounds), first_grid(fine.breakpoints), _slowest_rise(bounds))
-    ceiling, tried = _ceiling(fine, bounds), []
-    for width in WINDOWS:
-        tried.append(search.tried(ceiling, width * search.rise))
-        if progress is not None:
-            progress(len(tried) / len(WINDOWS))
-    best = min(tried, key=_Tried.duration)
+    search = _Search(fine, Needs(fine, bounds), LimitedPath.of(fine, bounds), first_grid(fine.breakpoints))
+    ceiling, rise = _ceiling(fine, bounds), _slowest_rise(bounds)
+    fastest = search.fastest(ceiling)
+
+    def tried(i: int) -> _Tried:
+        return search.averaged(fastest, ceiling, WINDOWS[i] * rise)
+
+    narrow, first = tried(NARROW), tried(FIRST)
+    best = _downhill(tried, NARROW, narrow) if narrow.duration() < first.duration() else _downhill(tried, FIRST, first)
+    if progress is not None:
+        progress(0.5)
     if best.factor.max() > CLOSE:
-        tightened = [*search.tightened(search.slow_in_bends(tried[0])), *search.tightened(best)]
+        tightened = [*search.tightened(search.slow_in_bends(narrow)), *search.tightened(best)]
         best = min((best, *tightened), key=_Tried.duration)
-    return at_full_pace(fine, best.law, bounds, bounds.jerk)
+    if progress is not None:
+        progress(1.0)
+    return at_full_pace(fine, smoothed(best.fastest, best.window, fine), bounds, bounds.jerk)
+
+
+def _downhill(tried: Callable[[int], _Tried], first: int, best: _Tried) -> _Tried:
+    """The shortest law, from that of window `first` on in whichever direction the laws become shorter."""
+    for step in (-1, 1):
+        i = first + step
+        while 0 <= i < len(WINDOWS) and (other := tried(i)).duration() < best.duration():
+            best, i = other, i + step
+        if i != first + step:
+            break
+    return best
 
 
 @dataclass(frozen=True, eq=False)
 class _Tried:
-    """A law, the ceiling (m,) and the window [s] that it was made with, and what each piece of the path needs."""
+    """The fastest law under a ceiling (m,), the window [s] of its average, and what each piece of the path needs."""
 
-    law: TimeLaw
+    fastest: TimeLaw
     ceiling: Array
     window: float
     factor: Array
@@ -93,23 +113,26 @@ class _Tried:
 
     def duration(self) -> float:
         """How long it takes once it is slowed as a whole."""
-        return self.law.duration * float(self.factor.max())
+        return (self.fastest.duration + self.window) * float(self.factor.max())
 
 
 @dataclass(frozen=True, eq=False)
 class _Search:
-    """A path in fine pieces with its bounds, the grid of its laws, and the time of the slowest rise [s]."""
+    """A path in fine pieces, what laws need along it, and the grid of its laws."""
 
     path: JointPath
-    bounds: PathBounds
+    needs: Needs
     limited: LimitedPath
     grid: Array
-    rise: float
+
+    def fastest(self, ceiling: Array) -> TimeLaw:
+        return on_grid(replace(self.limited, ceiling=ceiling), self.grid)
+
+    def averaged(self, fastest: TimeLaw, ceiling: Array, window: float) -> _Tried:
+        return _Tried(fastest, ceiling, window, *self.needs.of(roughly_smoothed(fastest, window, self.path)))
 
     def tried(self, ceiling: Array, window: float) -> _Tried:
-        fastest = on_grid(replace(self.limited, ceiling=ceiling), self.grid)
-        law = smoothed(fastest, window, self.path)
-        return _Tried(law, ceiling, window, *needed(self.path, law, self.bounds))
+        return self.averaged(self.fastest(ceiling), ceiling, window)
 
     def slow_in_bends(self, at: _Tried) -> _Tried:
         """The ceiling held for a window about each piece where it counts."""

@@ -21,10 +21,13 @@ def smoothed(law: TimeLaw, window: float, path: JointPath) -> TimeLaw:
     s̈ jumps, s̈_w rises evenly, and it is zero at both ends. Pieces end where the path's do.
     """
     average = _Average(law, window)
-    knots = np.concatenate([law.breakpoints, law.breakpoints + window])
-    times = apart(knots)
-    times = apart(np.concatenate([times, _reached(average, times, path.breakpoints[1:-1])]))
-    return TimeLaw(times, average.pieces(times))
+    return average.law(_reached(average, path.breakpoints[1:-1]))
+
+
+def roughly_smoothed(law: TimeLaw, window: float, path: JointPath) -> TimeLaw:
+    """The same law in pieces that end only about where the path's do: enough to look at what it needs."""
+    average = _Average(law, window)
+    return average.law(np.interp(path.breakpoints[1:-1], average.at(average.knots), average.knots))
 
 
 class _Average:
@@ -41,6 +44,16 @@ class _Average:
         self.integral = np.concatenate([before, integral, after], axis=1)[:, :, None]
         self.starts = np.concatenate([[0.0], law.breakpoints])
         self.window = window
+        self.knots = apart(np.concatenate([law.breakpoints, law.breakpoints + window]))
+
+    def law(self, instants: Array) -> TimeLaw:
+        """It as a law whose pieces end at these instants too."""
+        times = apart(np.concatenate([self.knots, instants]))
+        return TimeLaw(times, self.pieces(times))
+
+    def at(self, times: Array) -> Array:
+        """s_w at some of the knots."""
+        return self._quotient(times, self._piece(times), self._piece(times - self.window), 0)
 
     def pieces(self, times: Array) -> Array:
         """Coefficients (degree + 2, k) on the pieces between these times (k + 1,), which hold every knot."""
@@ -63,8 +76,9 @@ class _Average:
         return np.searchsorted(self.starts[1:], times, side="right")
 
 
-def _reached(average: _Average, times: Array, places: Array) -> Array:
+def _reached(average: _Average, places: Array) -> Array:
     """When the average passes these places of the path."""
+    times = average.knots
     pieces = average.pieces(times)
     index = np.clip(np.searchsorted(pieces[-1], places, side="right") - 1, 0, len(times) - 2)
     own, low, high = pieces[:, index], np.zeros_like(places), np.diff(times)[index]

@@ -14,25 +14,33 @@ LOOKS = np.array([[0.0], [0.5], [1.0 - 1e-9]])
 """Where in each of its pieces a law is looked at."""
 
 
-def needed(path: JointPath, law: TimeLaw, bounds: PathBounds) -> tuple[Array, Array]:
-    """By what factor each piece of the path must be slowed to keep velocity, acceleration and jerk, (m,), and ṡ (m,).
+class Needs:
+    """What a time law needs along a path, of which the derivatives of the rows p = C q are known: p', p'', p'''."""
 
-    With p = C q: velocity p' ṡ, acceleration p'' ṡ² + p' s̈, jerk p''' ṡ³ + 3 p'' ṡ s̈ + p' s⃛, at three instants of each
-    piece of the law; ṡ is the largest there.
-    """
-    piece, tau = law.pieces(path), LOOKS * np.diff(law.breakpoints)
-    s, s1, s2, s3 = (evaluate(derivative(law.coefficients[:, :, None], k)[..., 0], tau) for k in range(4))
-    rows, sigma = path.coefficients @ bounds.C.T, (s - path.breakpoints[piece])[..., None]
-    p1, p2, p3 = (evaluate(derivative(rows, k)[:, None, piece], sigma) for k in (1, 2, 3))
-    speed, s1, s2, s3 = s1, s1[..., None], s2[..., None], s3[..., None]
-    velocity, acceleration = p1 * s1, p2 * s1**2 + p1 * s2
-    jerk = s1 * (p3 * s1**2 + 3.0 * p2 * s2) + p1 * s3
-    limited = (velocity / bounds.velocity, acceleration / bounds.acceleration, jerk / bounds.jerk)
-    factors = [np.abs(share).max(axis=(0, 2)) ** (1.0 / order) for order, share in enumerate(limited, start=1)]
-    factor, fastest = np.zeros((2, len(path.breakpoints) - 1))
-    np.maximum.at(factor, piece, np.max(factors, axis=0))
-    np.maximum.at(fastest, piece, speed.max(axis=0))
-    return factor, fastest
+    def __init__(self, path: JointPath, bounds: PathBounds) -> None:
+        self.path, self.bounds, self.ceiling = path, bounds, bounds.ceiling_of(path)
+        rows = path.coefficients @ bounds.C.T
+        self.derivatives = [np.moveaxis(derivative(rows, k), 2, 1).copy() for k in (1, 2, 3)]
+
+    def of(self, law: TimeLaw) -> tuple[Array, Array]:
+        """By what factor each piece of the path must be slowed to keep all limits, (m,), and ṡ (m,).
+
+        Velocity p' ṡ, acceleration p'' ṡ² + p' s̈, jerk p''' ṡ³ + 3 p'' ṡ s̈ + p' s⃛, at three instants of each piece of
+        the law, which may lie across several of the path's; ṡ is the largest there.
+        """
+        tau = LOOKS * np.diff(law.breakpoints)
+        s, s1, s2, s3 = (evaluate(derivative(law.coefficients[:, :, None], k)[..., 0], tau).ravel() for k in range(4))
+        piece = self.path.piece_at(s)
+        sigma = s - self.path.breakpoints[piece]
+        p1, p2, p3 = (evaluate(rows[:, :, piece], sigma) for rows in self.derivatives)
+        rates = (p1 * s1, p2 * s1**2 + p1 * s2, (p3 * s1**2 + 3.0 * p2 * s2) * s1 + p1 * s3)
+        limits = (self.bounds.velocity, self.bounds.acceleration, self.bounds.jerk)
+        shares = (np.abs(rate / limit[:, None]).max(axis=0) for rate, limit in zip(rates, limits, strict=True))
+        factors = [share ** (1.0 / order) for order, share in enumerate(shares, start=1)]
+        factor, fastest = np.zeros((2, len(self.path.breakpoints) - 1))
+        np.maximum.at(factor, piece, np.max(factors, axis=0))
+        np.maximum.at(fastest, piece, s1)
+        return np.maximum(factor, fastest / self.ceiling), fastest
 
 
 def widened(ceiling: Array, breakpoints: Array, window: float) -> Array:

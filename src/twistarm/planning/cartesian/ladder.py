@@ -1,0 +1,99 @@
+"""Ladder: curves climbed from rung to rung, from all configurations at once, without a leap of the joints."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ...ik.batch import solve_ik_batch
+from ...ik.targets import Pose
+from ...limits.joint_limits import JointLimits
+from ...model.arm import Arm
+from ...support.checks import Array
+from .nodes import EXACT, LONGEST_JUMP, Blocked, Node, Rungs, cheapest_first, efforts
+
+FEWEST = 4
+"""Rungs of the shortest curve."""
+
+UNMET = 8
+"""Where a rung has no answer, others are tried back to so small a part of the step."""
+
+FINEST = 2**-12
+"""Rungs are no nearer together than this in s; a path that needs them nearer does not continue."""
+
+MOST_HALVINGS = 4096
+"""Rungs in between of one climb, at most."""
+
+
+def climb(arm: Arm, limits: JointLimits, roots: Sequence[Node]) -> list[Node] | Blocked:
+    """The configurations at the ends of their curves that are reached from `roots`, least joint motion first, or how
+    far any of them comes.
+
+    A rung is solved for from every configuration at the one before, all in one batch; where a joint would leap, or
+    there is no answer, halfway first.
+    """
+    climber = _Climber(arm, limits, Rungs(roots, FEWEST))
+    nodes = list(roots)
+    for k in range(1, climber.rungs.count + 1):
+        nodes = climber.advance(nodes, float(climber.rungs.s[k]), k)
+    if nodes:
+        return cheapest_first(nodes)
+    assert climber.farthest is not None
+    return climber.farthest
+
+
+class _Climber:
+    """One climb: how many more rungs in between it may take, and the farthest of what was blocked."""
+
+    def __init__(self, arm: Arm, limits: JointLimits, rungs: Rungs) -> None:
+        self.arm, self.limits, self.rungs = arm, limits, rungs
+        self.left = MOST_HALVINGS
+        self.farthest: Blocked | None = None
+
+    def advance(self, nodes: list[Node], s: float, k: int | None = None) -> list[Node]:
+        """What follows the nodes, all of them at one s, at another: at rung k, or between two."""
+        if not nodes:
+            return []
+        found, halved = self._step(nodes, s, k)
+        if halved:
+            found += self.advance(self.advance(halved, 0.5 * (halved[0].s + s)), s, k)
+        return found
+
+    def _step(self, nodes: list[Node], s: float, k: int | None) -> tuple[list[Node], list[Node]]:
+        """What follows the nodes in one step, and the nodes that nothing follows but by way of the middle."""
+        here = np.array([node.theta for node in nodes])
+        theta, met = self._solved(nodes, s, k)
+        moved, leap = efforts(here, theta, self.limits.velocity), np.abs(theta - here).max(axis=1) > LONGEST_JUMP
+        found, halved, step = [], [], s - nodes[0].s
+        for i, node in enumerate(nodes):
+            if met[i] and not leap[i]:
+                found.append(Node(node.moving, s, theta[i], node.cost + float(moved[i]), node))
+            elif self.left > 0 and step > (FINEST if met[i] else self.rungs.s[1] / UNMET):
+                self.left -= 1
+                halved.append(node)
+            elif self.farthest is None or node.s > self.farthest.share:
+                self.farthest = Blocked(node, s, bool(met[i]))
+        return found, halved
+
+    def _solved(self, nodes: list[Node], s: float, k: int | None) -> tuple[Array, NDArray[np.bool_]]:
+        """The answers (b, n) at s, sought where each node would be if it went on as it came, and which there are."""
+        g = np.array([node.moving.curve(np.array(s)) for node in nodes]) if k is None else self.rungs.poses(nodes, k)
+        pose = isinstance(nodes[0].moving.like, Pose)
+        answer = solve_ik_batch(
+            self.arm,
+            g if pose else [node.moving.like.at(each) for node, each in zip(nodes, g, strict=True)],
+            np.clip([_ahead(node, s) for node in nodes], self.arm.limits.lower, self.arm.limits.upper),
+            position_tol=EXACT,
+            orientation_tol=EXACT,
+            restarts=1,
+        )
+        return answer.theta, answer.converged
+
+
+def _ahead(node: Node, s: float) -> Array:
+    before = node.parent
+    if before is None or before.moving is not node.moving:
+        return node.theta
+    return node.theta + (node.theta - before.theta) * ((s - node.s) / (node.s - before.s))

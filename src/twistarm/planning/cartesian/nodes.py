@@ -1,0 +1,101 @@
+"""Nodes of a ladder: configurations at the rungs of a curve, and the ways through them."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from ...support.checks import Array
+from .moving_target import MovingTarget
+
+FIRST_STEP, FIRST_TURN = 0.01, np.radians(1.0)
+"""From rung to rung [m, rad] solve_ik stays on its branch where it can."""
+
+MOST_RUNGS = 2048
+
+EXACT = 1e-9
+"""Configurations meet the curve to this [m, rad], so that the spline through them is smooth."""
+
+LONGEST_JUMP = 0.5
+"""A joint that moves farther [rad, m] from rung to rung leaps."""
+
+
+@dataclass(frozen=True, eq=False)
+class Node:
+    """A configuration at s of a curve, reached from `parent` with `cost` [s] of joint motion since the beginning."""
+
+    moving: MovingTarget
+    s: float
+    theta: Array
+    cost: float
+    parent: Node | None = None
+
+
+def way(last: Node | None) -> list[Node]:
+    """The nodes on the way to the last one, in order."""
+    nodes = []
+    while last is not None:
+        nodes.append(last)
+        last = last.parent
+    return nodes[::-1]
+
+
+def cheapest_first(nodes: list[Node]) -> list[Node]:
+    """Least joint motion first; of nodes that differ by rounding the one that comes first in the list."""
+    return sorted(nodes, key=lambda node: float(f"{node.cost:.6g}"))
+
+
+@dataclass(frozen=True, eq=False)
+class Blocked:
+    """A curve was followed to `node`, and not to s = `ahead`. `leap`: there it is met, but only by a leap."""
+
+    node: Node
+    ahead: float
+    leap: bool
+
+    @property
+    def share(self) -> float:
+        """How much of the curve was followed, s in [0, 1)."""
+        return self.node.s
+
+    @property
+    def theta(self) -> Array:
+        """The configuration there (n,)."""
+        return self.node.theta
+
+    @property
+    def moving(self) -> MovingTarget:
+        """What was followed."""
+        return self.node.moving
+
+    @property
+    def start(self) -> Array:
+        """The configuration (n,) at the beginning of the curve."""
+        return next(node.theta for node in way(self.node) if node.moving is self.moving)
+
+
+class Rungs:
+    """Places s (k + 1,) on the curves of some nodes, near enough together for all of them, and the poses there."""
+
+    def __init__(self, nodes: Sequence[Node], fewest: int) -> None:
+        movings = {id(node.moving): node.moving for node in nodes}
+        steps = max(max(each.curve.length / FIRST_STEP, each.angle / FIRST_TURN) for each in movings.values())
+        self.s = np.linspace(0.0, 1.0, int(np.clip(np.ceil(steps), fewest, MOST_RUNGS)) + 1)
+        self._poses = {key: each.curve(self.s) for key, each in movings.items()}
+
+    @property
+    def count(self) -> int:
+        """How many steps there are."""
+        return len(self.s) - 1
+
+    def poses(self, nodes: Sequence[Node], k: int) -> Array:
+        """The ideal poses (b, 4, 4) of each node's curve at rung k."""
+        return np.array([self._poses[id(node.moving)][k] for node in nodes])
+
+
+def efforts(start: Array, end: Array, velocity: Array) -> Array:
+    """The least times (...) from configurations to others (..., n) at the greatest velocities [s]."""
+    least: Array = (np.abs(end - start) / velocity).max(axis=-1)
+    return least

@@ -1,0 +1,91 @@
+"""Projection: many configurations at once brought onto the targets of a curve by Newton's method, inside the limits."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ...ik.targets import AnyTarget, Approach, Pose, Task
+from ...model.arm import Arm
+from ...support.checks import Array
+from ...theory import rotations
+
+STEPS = 12
+
+DAMPING, LEAST_DAMPING = 0.05, 1e-12
+"""Of a step, as part of the squared error and at least: far from targets and near singular postures it is short."""
+
+LIMIT = 1e-12
+"""A joint this near to a limit [rad, m] is at it."""
+
+
+def projected(arm: Arm, like: AnyTarget, ideal: Array, theta: Array, exact: float) -> tuple[Array, NDArray[np.bool_]]:
+    """Configurations near theta (k, n) that meet targets like that one at the poses `ideal` (k, 4, 4); which do.
+
+    Damped Gauss-Newton: θ ← θ − Jᵀ (J Jᵀ + λ 1)⁻¹ e, of all steps the shortest, so that what a target leaves free stays
+    (Nakamura & Hanafusa 1986). Joints at a limit that would go on out of it are held. Met to `exact` [m, rad].
+    """
+    lower, upper = arm.limits.lower, arm.limits.upper
+    theta = np.clip(theta, lower, upper)
+    for _ in range(STEPS):
+        e, J = errors_and_rows(like, ideal, arm.fk(theta), arm.body_jacobian(theta))
+        met: NDArray[np.bool_] = np.abs(e).max(axis=1) <= 0.5 * exact
+        if met.all():
+            break
+        damping = (DAMPING * (e**2).sum(axis=1) + LEAST_DAMPING)[:, None, None] * np.eye(e.shape[1])
+        step = _shortest(e, J, damping)
+        held = ((theta <= lower + LIMIT) & (step < 0.0)) | ((theta >= upper - LIMIT) & (step > 0.0))
+        if held.any():
+            step = _shortest(e, J * ~held[:, None], damping)
+        theta = np.where(met[:, None], theta, np.clip(theta + step, lower, upper))
+    return theta, met
+
+
+def _shortest(e: Array, J: Array, damping: Array) -> Array:
+    across = np.swapaxes(J, 1, 2)
+    step: Array = -(across @ np.linalg.solve(J @ across + damping, e[..., None]))[..., 0]
+    return step
+
+
+def errors_and_rows(like: AnyTarget, ideal: Array, g: Array, J_b: Array) -> tuple[Array, Array]:
+    """What of poses g (k, 4, 4) is off the targets at `ideal`, (k, r), and its rows of the Jacobian (k, r, n).
+
+    Those of the targets' own `position_rows` and `rotation_rows`, but for the size of errors that are not small; what a
+    `Task` tolerates is no error and has no rows.
+    """
+    turned = np.swapaxes(ideal[:, :3, :3], -1, -2)
+    R, offset = g[:, :3, :3], (g[:, :3, 3] - ideal[:, :3, 3])[..., None]
+    if isinstance(like, Task):
+        axes = np.broadcast_to(np.eye(3), R.shape) if like.frame == "base" else turned
+        phi = rotations.log(turned @ R)
+        back = axes @ np.swapaxes(turned, -1, -2)
+        e = np.concatenate([(axes @ offset)[..., 0], (back @ phi[..., None])[..., 0]], axis=1)
+        J = np.concatenate([axes @ R @ J_b[:, :3], back @ _log_rate(phi) @ J_b[:, 3:]], axis=1)
+        over = np.abs(e) > like.tolerance
+        return np.where(over, e - np.clip(e, -like.tolerance, like.tolerance), 0.0), J * (
+            over | (like.tolerance == 0.0)
+        )[..., None]
+    e, J = (np.swapaxes(R, 1, 2) @ offset)[..., 0], J_b[:, :3]
+    if isinstance(like, Pose):
+        E = turned @ R
+        spin = 0.5 * np.stack([E[:, 2, 1] - E[:, 1, 2], E[:, 0, 2] - E[:, 2, 0], E[:, 1, 0] - E[:, 0, 1]], axis=1)
+        return np.concatenate([e, spin], axis=1), J_b
+    if isinstance(like, Approach):
+        wanted = (np.swapaxes(R, 1, 2) @ ideal[:, :3, :3] @ like.axis[:, None])[..., 0]
+        spin = np.cross(wanted, like.axis) @ like.across.T
+        return np.concatenate([e, spin], axis=1), np.concatenate([J, like.across @ J_b[:, 3:]], axis=1)
+    return e, J
+
+
+def _log_rate(phi: Array) -> Array:
+    """The matrices (k, 3, 3) by which a body's angular velocity changes the logarithms φ (k, 3) of its rotation.
+
+    1 + φ̂/2 + (1/φ² − (1 + cos φ)/(2 φ sin φ)) φ̂², Lynch & Park §3.2.3; the last factor goes to 1/12 at 0.
+    """
+    angle = np.linalg.norm(phi, axis=1)
+    near = angle < 1e-3
+    safe = np.where(near, 1.0, np.minimum(angle, np.pi - 1e-6))
+    factor = np.where(near, 1.0 / 12.0, 1.0 / safe**2 - (1.0 + np.cos(safe)) / (2.0 * safe * np.sin(safe)))
+    cross = rotations.skew(phi)
+    rate: Array = np.eye(3) + 0.5 * cross + factor[:, None, None] * (cross @ cross)
+    return rate

@@ -1,0 +1,105 @@
+"""Wide ladder: curves climbed by an arm that is left free, in many postures at each rung."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ...limits.joint_limits import JointLimits
+from ...model.arm import Arm
+from ...support.checks import Array
+from .nodes import EXACT, LONGEST_JUMP, Blocked, Node, Rungs, cheapest_first, efforts
+from .projection import projected
+
+FEWEST = 40
+"""Rungs of the shortest curve: on each the arm may change its posture a little."""
+
+WIDTH = 100
+"""Configurations at each rung."""
+
+SOUGHT, KICK = 500, 0.8
+"""So many are sought for the next rung, from up to so far away [rad, m] in every joint."""
+
+PULL, LONGEST_PULL = 0.3, 0.3
+"""Each is also followed by one that is drawn by so much of its way, or so far [rad, m], to the middle of the joints."""
+
+CELL = 0.15
+"""Of configurations in one cube of this side [rad, m] the one with the least joint motion is kept."""
+
+HALFWAY = 0.2
+"""Halfway the joints are nearer to the middle of both configurations than this part of how far these are apart."""
+
+SEED = 0
+
+
+def climb_wide(arm: Arm, limits: JointLimits, roots: Sequence[Node]) -> list[Node] | Blocked:
+    """The configurations at the ends of their curves that are reached from `roots`, least joint motion first, or how
+    far any of them comes.
+
+    From rung to rung each goes on as near to itself as it can, nearer to the middle of the joints, and in random
+    postures; of all that are found `WIDTH` which are apart are kept, each as it is reached with the least joint motion.
+    """
+    rng = np.random.default_rng(SEED)
+    rungs, nodes = Rungs(roots, FEWEST), list(roots)
+    for k in range(1, rungs.count + 1):
+        theta, parents = _spread(arm, rungs, k, nodes, rng)
+        if not len(theta):
+            return Blocked(max(nodes, key=lambda node: _room(arm, node.theta)), float(rungs.s[k]), False)
+        here = np.array([node.theta for node in nodes])
+        costs = np.array([node.cost for node in nodes])[parents] + efforts(here[parents], theta, limits.velocity)
+        kept = _apart(theta, costs, rng)
+        kept = kept[_continuous(arm, nodes, parents[kept], float(rungs.s[k]), theta[kept])]
+        if not len(kept):
+            return Blocked(max(nodes, key=lambda node: _room(arm, node.theta)), float(rungs.s[k]), True)
+        nodes = [
+            Node(nodes[parents[i]].moving, float(rungs.s[k]), theta[i], float(costs[i]), nodes[parents[i]])
+            for i in kept
+        ]
+    return cheapest_first(nodes)
+
+
+def _spread(
+    arm: Arm, rungs: Rungs, k: int, nodes: list[Node], rng: np.random.Generator
+) -> tuple[Array, NDArray[np.intp]]:
+    """What follows the nodes at rung k, (c, n), and which node each follows (c,)."""
+    here = np.array([node.theta for node in nodes])
+    drawn = PULL * (arm.limits.middle() - here)
+    drawn *= np.minimum(1.0, LONGEST_PULL / np.maximum(np.abs(drawn).max(axis=1, keepdims=True), LONGEST_PULL))
+    each = -(-SOUGHT // len(nodes))
+    kicks = rng.uniform(-1.0, 1.0, (each, *here.shape)) * rng.uniform(0.0, KICK, (each, len(nodes), 1))
+    sought = np.concatenate([here, here + drawn, *(here + kicks)])
+    parents = np.tile(np.arange(len(nodes)), 2 + each)
+    ideal = np.tile(rungs.poses(nodes, k), (2 + each, 1, 1))
+    theta, good = projected(arm, nodes[0].moving.like, ideal, sought, EXACT)
+    good &= np.abs(theta - here[parents]).max(axis=1) <= LONGEST_JUMP
+    return theta[good], parents[good]
+
+
+def _continuous(arm: Arm, nodes: list[Node], parents: NDArray[np.intp], s: float, theta: Array) -> NDArray[np.bool_]:
+    """Which configurations (c, n) at s follow their parents without a leap: halfway the arm is about halfway."""
+    before = np.array([nodes[i].theta for i in parents])
+    middle = np.array(0.5 * (nodes[0].s + s))
+    poses = {id(node.moving): node.moving.curve(middle) for node in nodes}
+    ideal = np.array([poses[id(nodes[i].moving)] for i in parents])
+    halfway = 0.5 * (before + theta)
+    found, met = projected(arm, nodes[0].moving.like, ideal, halfway, EXACT)
+    off, step = (np.linalg.norm(each, axis=1) for each in (found - halfway, theta - before))
+    near: NDArray[np.bool_] = met & (off <= HALFWAY * (step + CELL))
+    return near
+
+
+def _apart(theta: Array, costs: Array, rng: np.random.Generator) -> NDArray[np.intp]:
+    """Which to keep: the cheapest in each cell; of more than `WIDTH` the very cheapest, and others."""
+    order = np.argsort(costs, kind="stable")
+    _, first = np.unique(np.round(theta[order] / CELL), axis=0, return_index=True)
+    kept: NDArray[np.intp] = order[np.sort(first)]
+    if len(kept) <= WIDTH:
+        return kept
+    return np.concatenate([kept[:1], rng.choice(kept[1:], WIDTH - 1, replace=False)])
+
+
+def _room(arm: Arm, theta: Array) -> float:
+    """How far the nearest limit is."""
+    return float(np.minimum(theta - arm.limits.lower, arm.limits.upper - theta).min())

@@ -1,0 +1,132 @@
+"""Goals: the configuration in which a move ends, and the curve on which it goes there."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from ..ik.explain import in_one_line
+from ..ik.solve import solve_ik
+from ..ik.targets import KINDS, AnyTarget, Approach, Pose, Position, target_for
+from ..limits.joint_limits import JointLimits
+from ..model.arm import Arm
+from ..support.checks import Array
+from ..support.errors import InputError, NotConvergedError, UnknownNameError
+from ..theory import rotations, screws
+from .cartesian.curves import Arc, Curve, Line, Screw
+from .cartesian.moving_target import MovingTarget
+from .segments import CONSTRAINED, ArcMove, Constrained, Goal, LineMove, ScrewMove
+from .within import require_waypoints
+
+Curved = LineMove | ScrewMove | ArcMove
+CURVED = (LineMove, ScrewMove, ArcMove)
+
+
+@dataclass(frozen=True, eq=False)
+class Goals:
+    """Where moves of an arm go. `where` is a segment and its place, in words, for errors."""
+
+    arm: Arm
+    limits: JointLimits
+
+    def configuration(self, goal: Goal, theta: Array, where: str) -> Array:
+        """Where a joint move goes from theta (n,); joints that a mapping leaves out stay."""
+        if isinstance(goal, KINDS):
+            solution = solve_ik(self.arm, goal, theta, posture="theta0")
+            if not solution.converged:
+                raise NotConvergedError(f"{where}: {in_one_line(solution)}", solution)
+            return solution.theta
+        if isinstance(goal, Mapping):
+            goal = {**self.arm.theta_to_dict(theta), **goal}
+        try:
+            end = self.arm.theta_from(goal, name="its goal")
+        except (InputError, UnknownNameError) as error:
+            raise type(error)(f"{where}: {error}") from error
+        if end.ndim != 1:
+            raise InputError(f"{where}: a goal must be one configuration ({self.arm.n},); got {end.shape}")
+        require_waypoints(end[None], self.limits, self.arm.joint_names, self.arm.units, where)
+        return end
+
+    def moving(self, move: Curved, start: Array, where: str) -> list[MovingTarget]:
+        """What is to be followed from start (n,): of several the first that can be."""
+        g0 = self.arm.fk(start)
+        if move.to is None:
+            found = [MovingTarget(_free_curve(move, g0), like) for like in self._likes(move.constrain, g0)]
+        else:
+            likes, g1 = self._goal_pose(move.to, g0, start, where)
+            try:
+                found = [MovingTarget(_curve_to(move, g0, g1), like) for like in likes]
+            except InputError as error:
+                raise InputError(f"{where}: {error}") from error
+        moving = [each for each in found if not each.is_still]
+        if not moving:
+            raise InputError(f"{where}: it ends where it begins: leave it out, or give it another goal")
+        return moving
+
+    def _goal_pose(self, goal: Goal, g0: Array, start: Array, where: str) -> tuple[list[AnyTarget], Array]:
+        """What the goal constrains, and the pose at the end: what it leaves free turns no more than it must."""
+        if not isinstance(goal, KINDS):
+            g1 = self.arm.fk(self.configuration(goal, start, where))
+            return self._likes(None, g1), g1
+        target = target_for(self.arm, goal)
+        if isinstance(target, Position):
+            return [target], _with_position(g0, target.p)
+        if isinstance(target, Approach):
+            g1 = _with_position(g0, target.p)
+            g1[:3, :3] = _shortest_turn(g0[:3, :3] @ target.axis, target.direction) @ g0[:3, :3]
+            return [target], g1
+        return [target], target.g
+
+    def _likes(self, constrain: Constrained | None, g: Array) -> list[AnyTarget]:
+        """What of a pose is followed; unless it is said, by arms of fewer than six joints as much as they can."""
+        if constrain is not None:
+            return [_like(self.arm, constrain, g)]
+        return [_like(self.arm, each, g) for each in (CONSTRAINED if self.arm.n < 6 else CONSTRAINED[:1])]
+
+
+def _free_curve(move: Curved, g0: Array) -> Curve:
+    """The curve of a move that has no goal but says how it goes."""
+    if isinstance(move, LineMove):
+        offset = np.asarray(move.offset)
+        return Line(g0, _with_position(g0, g0[:3, 3] + (g0[:3, :3] @ offset if move.frame == "tool" else offset)))
+    assert move.twist is not None
+    if isinstance(move, ArcMove) and not move.turn:
+        return Arc(g0, move.twist, g0[:3, :3])
+    return Screw(g0, move.twist)
+
+
+def _curve_to(move: Curved, g0: Array, g1: Array) -> Curve:
+    if isinstance(move, LineMove):
+        return Line(g0, g1)
+    if isinstance(move, ScrewMove):
+        return Screw(g0, screws.log(g1 @ screws.inverse(g0)))
+    return Arc.through(g0, np.asarray(move.via), g1)
+
+
+def _like(arm: Arm, constrain: Constrained, g: Array) -> AnyTarget:
+    if constrain == "pose":
+        return Pose(g)
+    if constrain == "approach":
+        return Approach(g[:3, 3], g[:3, :3] @ arm.tool_axis, arm.tool_axis)
+    return Position(g[:3, 3])
+
+
+def _with_position(g: Array, p: Any) -> Array:
+    moved = np.array(g)
+    moved[:3, 3] = p
+    return moved
+
+
+def _shortest_turn(a: Array, b: Array) -> Array:
+    """The rotation (3, 3) by the least angle that takes the unit vector a to b; half a turn has many, and takes one."""
+    axis = np.cross(a, b)
+    sine, cosine = float(np.linalg.norm(axis)), float(a @ b)
+    if sine < 1e-12:
+        if cosine > 0.0:
+            return np.eye(3)
+        axis = np.cross(a, np.eye(3)[int(np.abs(a).argmin())])
+    turn: Array = rotations.from_axis_angle(axis / np.linalg.norm(axis), float(np.arctan2(sine, cosine)))
+    return turn

@@ -1,0 +1,80 @@
+"""Ladders: arms that are left free change their posture to follow a curve, on rows that finite differences confirm."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from twistarm import Approach, LineMove, Pose, Position, Task, load_arm, plan, rotations
+from twistarm.planning.cartesian.projection import errors_and_rows, projected
+
+ARM = load_arm("rover_arm", limits={"acceleration": 3.0})
+
+BLOCKED_AS_IT_MOVES_LEAST = [
+    ([-0.24, 1.17, -1.16, 0.72, -0.8], [0.207, -0.257, -0.023]),
+    ([0.04, -1.54, 2.31, -0.3, 0.77], [0.32, -0.222, 0.739]),
+]
+
+
+@pytest.mark.parametrize(("start", "goal"), BLOCKED_AS_IT_MOVES_LEAST)
+def test_a_free_arm_goes_around_the_limits_of_its_joints(start, goal):
+    motion = plan(ARM, LineMove(Position(goal)), start=start)
+    theta = motion(np.linspace(0.0, motion.duration, 5000))
+    assert ((theta >= ARM.limits.lower - 1e-6) & (theta <= ARM.limits.upper + 1e-6)).all()
+    assert np.abs(np.diff(theta, axis=0)).max() < 0.02
+    p = ARM.fk(theta)[:, :3, 3]
+    way = np.asarray(goal) - p[0]
+    np.testing.assert_allclose(p[-1], goal, atol=1e-6)
+    assert np.linalg.norm(np.cross(p - p[0], way), axis=1).max() <= 1e-4 * np.linalg.norm(way)
+
+
+def likes(g: np.ndarray) -> list:
+    return [
+        Pose(g),
+        Position(g[:3, 3]),
+        Approach(g[:3, 3], g[:3, :3] @ [0.6, 0.0, 0.8], [0.6, 0.0, 0.8]),
+        Task(g, np.zeros(6)),
+        Task(g, np.zeros(6), frame="base"),
+    ]
+
+
+@pytest.mark.parametrize("name", ["rover_arm", "rover_arm_6dof"])
+def test_rows_are_the_derivatives_of_errors(name):
+    arm = load_arm(name)
+    rng = np.random.default_rng(3)
+    for theta in rng.uniform(-0.5, 0.5, (5, arm.n)):
+        g = arm.fk(theta)
+        for like in likes(g):
+
+            def errors(at: np.ndarray, like=like, g=g) -> np.ndarray:
+                return errors_and_rows(like, g[None], arm.fk(at)[None], arm.body_jacobian(at)[None])[0][0]
+
+            rows = errors_and_rows(like, g[None], g[None], arm.body_jacobian(theta)[None])[1][0]
+            step = 1e-6 * np.eye(arm.n)
+            differences = [(errors(theta + each) - errors(theta - each)) / 2e-6 for each in step]
+            np.testing.assert_allclose(rows, np.transpose(differences), atol=1e-7)
+
+
+def test_errors_of_a_task_away_from_its_target_are_what_exceeds_the_tolerances():
+    theta = ARM.ready
+    g = ARM.fk(theta)
+    off = g.copy()
+    off[:3, 3] += [0.02, 0.0, -0.005]
+    off[:3, :3] = rotations.exp([0.0, 0.0, 0.3]) @ g[:3, :3]
+    task = Task(g, [0.005, 0.0, 0.01, np.inf, np.inf, 0.1], frame="base")
+    e, J = errors_and_rows(task, g[None], off[None], ARM.body_jacobian(theta)[None])
+    np.testing.assert_allclose(e[0], [0.015, 0.0, 0.0, 0.0, 0.0, 0.2], atol=1e-12)
+    assert [bool(row.any()) for row in J[0]] == [True, True, False, False, False, True]
+
+
+def test_projected_configurations_meet_their_targets_inside_the_limits():
+    rng = np.random.default_rng(8)
+    wanted = rng.uniform(np.maximum(ARM.limits.lower, -3.0), np.minimum(ARM.limits.upper, 3.0), (200, ARM.n))
+    ideal = ARM.fk(wanted)
+    for like in likes(ideal[0])[1:3]:
+        theta, met = projected(ARM, like, ideal, wanted + rng.uniform(-0.1, 0.1, wanted.shape), 1e-9)
+        assert met.mean() > 0.9
+        assert ARM.limits.contains(theta).all()
+        for g, one in zip(ideal[met], ARM.fk(theta[met]), strict=True):
+            assert like.at(g).position_error(one) <= 1e-9
+            assert like.at(g).orientation_error(one) <= 1e-8
