@@ -217,7 +217,7 @@ def test_a_turn_in_place_is_followed_or_refused_but_never_left_out():
     with pytest.raises(PathError, match="'wrist_roll' comes to its upper limit 2 rad: make it shorter") as error:
         plan(arm, ScrewMove.about(roll, p, 2.5))
     assert error.value.share == pytest.approx(2.0 / 2.5, abs=1e-3)
-    with pytest.raises(PathError, match="0 rad of 0.5 rad .0 %. and no farther: the arm cannot turn the tool"):
+    with pytest.raises(PathError, match="0 rad of 0.5 rad .0 %. and no farther: this arm cannot turn that way"):
         plan(arm, ScrewMove.about([0.0, 0.0, 1.0], p, 0.5))
 
 

@@ -111,7 +111,7 @@ def _why(arm: Arm, blocked: Blocked) -> tuple[str, str | None, str]:
         if beyond.stop is StopReason.BLOCKED_BY_LIMITS:
             return "limit", None, "the limits of the joints leave no configuration that meets it farther on"
         if beyond.stop is StopReason.IMPOSSIBLE_DIRECTION:
-            return "out of reach", None, "the arm cannot turn the tool as the path asks there"
+            return "out of reach", None, beyond.stop.value
         return "out of reach", None, "the path leaves the arm's reach there"
     if float(arm.manipulability(theta).singular_values[-1]) < SINGULAR:
         return "singular", None, "the arm comes to a singular posture, and would have to leap to another configuration"
