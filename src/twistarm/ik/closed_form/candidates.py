@@ -1,0 +1,136 @@
+"""A family's closed form: all candidates for x with E₁(x₁) ⋯ Eₖ(xₖ) = G.
+
+With E_L, E_K, E_R the products of the joints before the group, of it and behind it, E_K = E_L⁻¹ G E_R⁻¹ leaves the
+point or plane X alone: E_L X = G E_R⁻¹ X. The joints behind, seen from the other side of G, come to stand before the
+others, so that one chain of at most three has to place X where G takes it.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import NamedTuple
+
+import numpy as np
+
+from ...support.checks import Array
+from ...theory.screws import inverse
+from .families import FittedFamily
+from .joint_axis import JointAxis, Plane, Point, across, product
+from .placing import Placed, place, settle
+from .trigonometric import harmonic
+
+NO_ORIGIN = np.zeros(3)
+
+
+class Candidate(NamedTuple):
+    """Values (k,) in the order of the chain, and the joints for which any other value would do."""
+
+    x: Array
+    free: frozenset[int]
+
+
+def candidates(fitted: FittedFamily, G: Array, near: Array, slack: float) -> list[Candidate]:
+    """Every x (k,) with E₁(x₁) ⋯ Eₖ(xₖ) = G (4, 4), and some that only nearly do, or not: forward kinematics decides.
+
+    Where any value of a joint would do it has that of `near` (k,).
+    """
+    order = fitted.family.order
+    before, group, behind = fitted.parts
+    wanted = [float(near[i]) for i in order]
+    b, e = len(before), len(before) + len(group)
+    chain = (*(axis.seen(G) for axis in behind), *before)
+    found = []
+    for beside in place(chain, fitted.kept, fitted.kept.moved(G), (*wanted[e:], *wanted[:b]), slack):
+        x_behind, x_before = beside.x[: len(behind)], beside.x[len(behind) :]
+        E = inverse(product(before, np.array(x_before))) @ G @ inverse(product(behind, np.array(x_behind)))
+        for inside in within_group(fitted.kept, group, E, tuple(wanted[b:e]), slack):
+            x = np.empty(len(order))
+            x[list(order)] = [*x_before, *inside.x, *x_behind]
+            places = [i - len(behind) if i >= len(behind) else e + i for i in beside.free]
+            free = frozenset(order[i] for i in (*places, *(b + i for i in inside.free)))
+            found.append(Candidate(x, free))
+    return found
+
+
+def within_group(
+    kept: Point | Plane, group: tuple[JointAxis, ...], E: Array, near: tuple[float, ...], slack: float
+) -> list[Placed]:
+    """All x with E₁(x₁) ⋯ Eₖ(xₖ) = E, k ≤ 3, for a group that leaves `kept` alone."""
+    if isinstance(kept, Point):
+        return rotating(tuple(axis.w for axis in group), E[:3, :3], near, slack)
+    return sliding(group, kept.n, E, near, slack)
+
+
+def rotating(w: tuple[Array, ...], R: Array, near: tuple[float, ...], slack: float) -> list[Placed]:
+    """All x with e^{ŵ₁x₁} ⋯ e^{ŵₖxₖ} = R (3, 3), k ≤ 3.
+
+    Of three, w₁ᵀ R w₃ = w₁ᵀ e^{ŵ₂x₂} w₃ gives x₂; then x₁ turns e^{ŵ₂x₂} w₃ to R w₃, and x₃ is the turn that is left.
+    Where x₂ brings w₃ along w₁ the wrist is singular: x₁ is free.
+    """
+    axes = tuple(JointAxis(each, NO_ORIGIN, slides=False) for each in w)
+    if len(w) == 1:
+        u = across(w[0])[0]
+        return [Placed((settle(axes[0], Point(u), Point(R @ u), near[0])[0],))]
+    if len(w) == 2:
+        return _first_then_rest(axes, R, w[1], near, slack)
+    start, quarter, half = (float(w[0] @ axes[1].motion(x)[:3, :3] @ w[2]) for x in (0.0, math.pi / 2, math.pi))
+    centre = 0.5 * (start + half)
+    found = []
+    for x in harmonic(start - centre, quarter - centre, float(w[0] @ R @ w[2]) - centre, 1.0, slack) or []:
+        found += _first_then_rest(axes, R, axes[1].motion(x)[:3, :3] @ w[2], near, slack, x)
+    return found
+
+
+def _first_then_rest(
+    axes: tuple[JointAxis, ...],
+    R: Array,
+    moved: Array,
+    near: tuple[float, ...],
+    slack: float,
+    middle: float | None = None,
+) -> list[Placed]:
+    """x₁ turns `moved` to where R takes the last axis; the last joint turns what is left."""
+    x, free = settle(axes[0], Point(moved), Point(R @ axes[-1].w), near[0])
+    left = axes[0].motion(-x)[:3, :3] @ R
+    between = () if middle is None else (middle,)
+    if middle is not None:
+        left = axes[1].motion(-middle)[:3, :3] @ left
+    last = rotating((axes[-1].w,), left, near[-1:], slack)[0].x
+    return [Placed((x, *between, *last), frozenset({0} if free else ()))]
+
+
+def sliding(
+    group: tuple[JointAxis, ...], normal: Array, E: Array, near: tuple[float, ...], slack: float
+) -> list[Placed]:
+    """All x with E₁(x₁) ⋯ Eₖ(xₖ) = E (4, 4), k ≤ 3, of joints that turn about the normal and slide across it.
+
+    The angles add up. With one turn it is the whole angle, and the slides are two lengths in the plane; else the joints
+    before the last turn take a point of its axis where E takes it.
+    """
+    turning = [i for i, axis in enumerate(group) if not axis.slides]
+    u, v = across(normal)
+    whole = math.atan2(float(v @ E[:3, :3] @ u), float(u @ E[:3, :3] @ u))
+    senses = [float(np.sign(group[i].w @ normal)) for i in turning]
+    if len(turning) == 1:
+        return [Placed(_one_turn(group, turning[0], senses[0] * whole, E))]
+    last = turning[-1]
+    if last < len(group) - 1:
+        backward = sliding(group[::-1], normal, inverse(E), tuple(-x for x in near[::-1]), slack)
+        end = len(group) - 1
+        return [Placed(tuple(-x for x in each.x[::-1]), frozenset(end - i for i in each.free)) for each in backward]
+    X = Point(group[last].o)
+    found = []
+    for rest in place(group[:last], X, X.moved(E), near[:last], slack):
+        turned = sum(sense * rest.x[i] for sense, i in zip(senses[:-1], turning[:-1], strict=True))
+        found.append(Placed((*rest.x, senses[-1] * (whole - turned)), rest.free))
+    return found
+
+
+def _one_turn(group: tuple[JointAxis, ...], turning: int, angle: float, E: Array) -> tuple[float, ...]:
+    """The one turn, and slides by least squares."""
+    x = np.zeros(len(group))
+    x[turning] = angle
+    slides = [i for i, axis in enumerate(group) if axis.slides]
+    directions = np.array([product(group[:i], x[:i])[:3, :3] @ group[i].w for i in slides]).reshape(-1, 3).T
+    x[slides] = np.linalg.lstsq(directions, E[:3, 3] - product(group, x)[:3, 3], rcond=None)[0]
+    return tuple(float(value) for value in x)

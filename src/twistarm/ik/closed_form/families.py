@@ -1,0 +1,201 @@
+"""Families of arms whose inverse kinematics has a closed form, recognised from the axes.
+
+Some joints that follow one another are a *group* if together they leave something alone: axes that meet in a point
+leave the point alone (a spherical group), parallel axes, and slides across them, every plane across the axes (a planar
+group). With at most three joints beside the group, these have to place the point, or the plane, where the target wants
+it (`placing`); the group does the rest. That covers a spherical wrist or shoulder with any three other joints, three
+parallel axes anywhere, and every arm of four joints. A slide along parallel axes commutes with them, so joints may be
+taken in another order than the arm's.
+
+Sources: Pieper 1968 (three axes that meet, three that are parallel); Elias & Wen, IK-Geo, 2022; MLS §3.3.
+"""
+
+from __future__ import annotations
+
+import itertools
+from dataclasses import dataclass, replace
+from functools import cached_property
+
+import numpy as np
+
+from ...support.checks import Array
+from .joint_axis import JointAxis, Plane, Point, product
+
+EXACT = 1e-9
+"""Axes that miss a point by less than this share of the arm's reach, or a direction by less [rad], are exact."""
+
+NEARLY = 2e-3
+"""Up to so much of the reach, or rad, the family of the nearest exact arm gives starts for Newton's method."""
+
+MOST_BESIDE = 3
+"""Joints beside the group that can be solved for."""
+
+INDEPENDENT = 1e-5
+"""Singular values above this tell motions apart."""
+
+TRIALS = 3
+"""Random configurations among which a rank is the largest; almost every one has it."""
+
+SPHERICAL, PLANAR = "spherical", "planar"
+
+
+@dataclass(frozen=True)
+class Family:
+    """Which joints are the group, whatever the values of joints that are held fixed.
+
+    `order` (k,): the joints of the chain in the order in which they are taken; those from `first` to before `last` are
+    the group of this `kind`.
+    """
+
+    kind: str
+    order: tuple[int, ...]
+    first: int
+    last: int
+
+    @property
+    def group(self) -> tuple[int, ...]:
+        """The joints of the group, base to tip."""
+        return self.order[self.first : self.last]
+
+    def fitted(self, axes: tuple[JointAxis, ...]) -> FittedFamily:
+        """The family for these axes (k,), the group's made exact."""
+        taken = [axes[i] for i in self.order]
+        group = taken[self.first : self.last]
+        kept, exact, off = _meeting(group) if self.kind == SPHERICAL else _parallel(group)
+        taken[self.first : self.last] = exact
+        return FittedFamily(self, tuple(taken), kept, off)
+
+
+@dataclass(frozen=True, eq=False)
+class FittedFamily:
+    """A family with its axes, in its order; `kept`, the point or plane that the group leaves alone.
+
+    `off`: by how much the arm's own axes miss it, in m for a point and rad for a plane.
+    """
+
+    family: Family
+    axes: tuple[JointAxis, ...]
+    kept: Point | Plane
+    off: float
+
+    @cached_property
+    def parts(self) -> tuple[tuple[JointAxis, ...], tuple[JointAxis, ...], tuple[JointAxis, ...]]:
+        """The axes before the group, of it, and behind it."""
+        first, last = self.family.first, self.family.last
+        return self.axes[:first], self.axes[first:last], self.axes[last:]
+
+    def off_share(self, reach: float) -> float:
+        """`off` in shares of the arm's reach [m], or in rad."""
+        return self.off / reach if self.family.kind == SPHERICAL else self.off
+
+
+def families(axes: tuple[JointAxis, ...], reach: float, tolerance: float = NEARLY) -> list[FittedFamily]:
+    """All families that at most six axes (k,) belong to, exact ones first, then those that are simplest to solve.
+
+    `tolerance`: share of the reach [m], or angle [rad], by which the axes may miss.
+    """
+    found = []
+    for order in _orders(axes):
+        for first, last in itertools.combinations(range(len(axes) + 1), 2):
+            if last - first > MOST_BESIDE or len(axes) - (last - first) > MOST_BESIDE:
+                continue
+            for kind in _kinds([axes[i] for i in order[first:last]]):
+                fitted = Family(kind, order, first, last).fitted(axes)
+                if fitted.off_share(reach) <= tolerance and _determined(fitted):
+                    found.append(fitted)
+    return sorted(found, key=lambda fitted: _rank(fitted, reach))
+
+
+def closest_miss(axes: tuple[JointAxis, ...], reach: float) -> FittedFamily | None:
+    """The family that the axes miss by least, however far; None where no three could be one."""
+    found = families(axes, reach, np.inf)
+    return min(found, key=lambda fitted: fitted.off_share(reach), default=None)
+
+
+def _rank(fitted: FittedFamily, reach: float) -> tuple[object, ...]:
+    """What is exact goes first, then the largest group, then the arm's own order."""
+    off = fitted.off_share(reach)
+    family = fitted.family
+    size = family.last - family.first
+    return off > EXACT, round(off, 6) if off > EXACT else 0.0, -size, family.kind != SPHERICAL, family.order
+
+
+def _kinds(group: list[JointAxis]) -> list[str]:
+    """What the joints may be: axes that slide meet in no point; planes need a normal."""
+    kinds = [] if any(axis.slides for axis in group) else [SPHERICAL]
+    return [*kinds, PLANAR] if len(group) > 1 and any(not axis.slides for axis in group) else kinds
+
+
+def _meeting(group: list[JointAxis]) -> tuple[Point, list[JointAxis], float]:
+    """The point nearest to all axes, the axes moved through it, and how far they were from it [m] at most."""
+    across = [np.eye(3) - np.outer(axis.w, axis.w) for axis in group]
+    target = np.sum([P @ axis.o for P, axis in zip(across, group, strict=True)], axis=0)
+    centre = np.linalg.lstsq(np.sum(across, axis=0), target, rcond=1e-9)[0]
+    off = max(float(np.linalg.norm(P @ (centre - axis.o))) for P, axis in zip(across, group, strict=True))
+    return Point(centre), [replace(axis, o=centre) for axis in group], off
+
+
+def _parallel(group: list[JointAxis]) -> tuple[Plane, list[JointAxis], float]:
+    """A plane across all axes that turn, the axes made parallel, and by how much they were not [rad] at most."""
+    turning = [axis.w for axis in group if not axis.slides]
+    normal = np.sum([w * np.sign(w @ turning[0]) for w in turning], axis=0)
+    normal = normal / max(float(np.linalg.norm(normal)), 1e-12)
+    off, exact = 0.0, []
+    for axis in group:
+        along = float(normal @ axis.w)
+        across = axis.w - along * normal
+        off = max(off, abs(along) if axis.slides else float(np.linalg.norm(across)))
+        w = across / max(float(np.linalg.norm(across)), 1e-12) if axis.slides else normal * np.sign(along)
+        exact.append(replace(axis, w=w))
+    return Plane(normal, 0.0), exact, off
+
+
+def _orders(axes: tuple[JointAxis, ...]) -> list[tuple[int, ...]]:
+    """The orders in which the joints may be taken, the arm's first: neighbours that commute change places."""
+    known = {tuple(range(len(axes))): None}
+    for order in (todo := list(known)):
+        for i in range(len(axes) - 1):
+            a, b = axes[order[i]], axes[order[i + 1]]
+            # Two slides commute too, but no group gains by that.
+            if a.slides != b.slides and np.linalg.norm(np.cross(a.w, b.w)) < EXACT:
+                swapped = (*order[:i], order[i + 1], order[i], *order[i + 2 :])
+                if swapped not in known:
+                    known[swapped] = None
+                    todo.append(swapped)
+    return list(known)
+
+
+def _determined(fitted: FittedFamily) -> bool:
+    """Whether the joints beside the group move what it keeps in as many ways as they are, and the group's are free."""
+    rng = np.random.default_rng(0)
+    before, group, behind = fitted.parts
+    seen = product(fitted.axes, rng.uniform(-2.0, 2.0, len(fitted.axes)))
+    beside = (*(axis.seen(seen) for axis in behind), *before)
+    moves = any(_placing_rank(beside, fitted.kept, rng) == len(beside) for _ in range(TRIALS))
+    return moves and any(_rank_of(_twists(group, rng)) == len(group) for _ in range(TRIALS))
+
+
+def _twists(axes: tuple[JointAxis, ...], rng: np.random.Generator) -> Array:
+    """The spatial Jacobian (6, k) at a random configuration."""
+    x = rng.uniform(-2.0, 2.0, len(axes))
+    return np.array([axis.seen(product(axes[:i], x[:i])).twist for i, axis in enumerate(axes)]).T.reshape(6, -1)
+
+
+def _placing_rank(axes: tuple[JointAxis, ...], X: Point | Plane, rng: np.random.Generator) -> int:
+    """In how many ways the joints move X, at a random configuration."""
+    x = rng.uniform(-2.0, 2.0, len(axes))
+    moved = X.moved(product(axes, x))
+    columns = []
+    for i, axis in enumerate(axes):
+        v, w = np.split(axis.seen(product(axes[:i], x[:i])).twist, 2)
+        if isinstance(moved, Plane):
+            turned = np.cross(w, moved.n)
+            columns.append([*turned, float(v @ moved.n)])
+        else:
+            columns.append([*(v + np.cross(w, moved.p)), 0.0])
+    return _rank_of(np.array(columns).reshape(-1, 4))
+
+
+def _rank_of(matrix: Array) -> int:
+    size = np.linalg.svd(matrix)[1] if matrix.size else np.zeros(0)
+    return int((size > INDEPENDENT).sum())
