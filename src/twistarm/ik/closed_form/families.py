@@ -166,36 +166,29 @@ def _orders(axes: tuple[JointAxis, ...]) -> list[tuple[int, ...]]:
 
 
 def _determined(fitted: FittedFamily) -> bool:
-    """Whether the joints beside the group move what it keeps in as many ways as they are, and the group's are free."""
+    """Whether the joints beside the group move what it keeps in as many ways as they are, and the group's are free.
+
+    At random configurations, each with the pose that it makes: for a pose that no configuration makes the joints beside
+    may well move what they cannot move where the arm can be.
+    """
     rng = np.random.default_rng(0)
-    before, group, behind = fitted.parts
-    seen = product(fitted.axes, rng.uniform(-2.0, 2.0, len(fitted.axes)))
-    beside = (*(axis.seen(seen) for axis in behind), *before)
-    moves = any(_placing_rank(beside, fitted.kept, rng) == len(beside) for _ in range(TRIALS))
-    return moves and any(_rank_of(_twists(group, rng)) == len(group) for _ in range(TRIALS))
+    first, last = fitted.family.first, fitted.family.last
+    for _ in range(TRIALS):
+        x = rng.uniform(-2.0, 2.0, len(fitted.axes))
+        J = [axis.seen(product(fitted.axes[:i], x[:i])).twist for i, axis in enumerate(fitted.axes)]
+        placed = fitted.kept.moved(product(fitted.axes[:first], x[:first]))
+        beside = [_velocity(placed, xi) for xi in (*J[:first], *J[last:])]
+        if _rank_of(beside) == len(beside) and _rank_of(J[first:last]) == last - first:
+            return True
+    return False
 
 
-def _twists(axes: tuple[JointAxis, ...], rng: np.random.Generator) -> Array:
-    """The spatial Jacobian (6, k) at a random configuration."""
-    x = rng.uniform(-2.0, 2.0, len(axes))
-    return np.array([axis.seen(product(axes[:i], x[:i])).twist for i, axis in enumerate(axes)]).T.reshape(6, -1)
+def _velocity(X: Point | Plane, xi: Array) -> Array:
+    """How X begins to move with the twist xi (6,): (ṅ, ḋ) or ṗ."""
+    v, w = xi[:3], xi[3:]
+    return np.append(np.cross(w, X.n), v @ X.n) if isinstance(X, Plane) else v + np.cross(w, X.p)
 
 
-def _placing_rank(axes: tuple[JointAxis, ...], X: Point | Plane, rng: np.random.Generator) -> int:
-    """In how many ways the joints move X, at a random configuration."""
-    x = rng.uniform(-2.0, 2.0, len(axes))
-    moved = X.moved(product(axes, x))
-    columns = []
-    for i, axis in enumerate(axes):
-        v, w = np.split(axis.seen(product(axes[:i], x[:i])).twist, 2)
-        if isinstance(moved, Plane):
-            turned = np.cross(w, moved.n)
-            columns.append([*turned, float(v @ moved.n)])
-        else:
-            columns.append([*(v + np.cross(w, moved.p)), 0.0])
-    return _rank_of(np.array(columns).reshape(-1, 4))
-
-
-def _rank_of(matrix: Array) -> int:
-    size = np.linalg.svd(matrix)[1] if matrix.size else np.zeros(0)
+def _rank_of(rows: list[Array]) -> int:
+    size = np.linalg.svd(np.array(rows))[1] if rows else np.zeros(0)
     return int((size > INDEPENDENT).sum())
