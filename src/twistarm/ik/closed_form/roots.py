@@ -38,6 +38,9 @@ HALFWAY = 1e-13
 ROUNDED_LIMIT = 1e-6
 """An answer that passes a limit by less [rad, m] is at the limit, if the target is met there too."""
 
+LEAST_ROUNDED = 1e-11
+"""By so little [rad, m] that the target is met at the limit as well."""
+
 SIDESTEP = 0.05
 """How far [rad, m] along a singular direction an answer is looked for again: where there is one, a family begins."""
 
@@ -108,16 +111,27 @@ def self_motion(
 
 
 def inside(arm: Arm, target: AnyTarget, theta: Array, near: Array, tolerances: Tolerances) -> Array | None:
-    """theta (n,) by whole turns inside the limits, as near to `near` (n,) as they allow; None where it is outside."""
-    lower, upper, turns = arm.limits.lower, arm.limits.upper, joint_ranges(arm).periodic
-    moved = np.where(turns, theta + TURN * np.round((near - theta) / TURN), theta)
-    back = np.ceil((lower - ROUNDED_LIMIT - moved) / TURN), np.ceil((moved - upper - ROUNDED_LIMIT) / TURN)
-    below, above = (np.where(np.isfinite(count), np.maximum(count, 0.0), 0.0) for count in back)
-    moved = np.where(turns, moved + TURN * (below - above), moved)
-    clipped = np.clip(moved, lower, upper)
-    if np.abs(clipped - moved).max(initial=0.0) > ROUNDED_LIMIT:
-        return None
-    return clipped if (clipped == moved).all() or met(arm, target, clipped, tolerances) else None
+    """theta (n,) by whole turns inside the limits, as near to `near` (n,) as they allow; None where it is outside.
+
+    A copy that passes a limit by rounding is brought to the limit, if the target is met there too; if it is not, other
+    copies are left.
+    """
+    for slack in (ROUNDED_LIMIT, LEAST_ROUNDED):
+        moved = _nearest_copy(arm, theta, near, slack)
+        clipped = np.clip(moved, arm.limits.lower, arm.limits.upper)
+        if np.abs(clipped - moved).max(initial=0.0) > slack:
+            return None
+        if (clipped == moved).all() or met(arm, target, clipped, tolerances):
+            return clipped
+    return None
+
+
+def _nearest_copy(arm: Arm, theta: Array, near: Array, slack: float) -> Array:
+    """theta (n,) by whole turns as near to `near` as the limits allow, which it may pass by `slack` [rad, m]."""
+    lowest = np.ceil((arm.limits.lower - slack - theta) / TURN)
+    highest = np.floor((arm.limits.upper + slack - theta) / TURN)
+    counts = np.maximum(np.minimum(np.round((near - theta) / TURN), highest), lowest)
+    return np.where(joint_ranges(arm).periodic, theta + TURN * counts, theta)
 
 
 def copies(arm: Arm, theta: Array) -> Array:
