@@ -17,6 +17,7 @@ from .batch import solve_ik_batch
 from .closed_form.methods import Method, method_for
 from .closed_form.roots import ROUNDED_LIMIT, Root, inside, roots
 from .closed_form.roots import copies as copied
+from .ranges import joint_ranges
 from .request import checked
 from .targets import AnyTarget, TargetLike, checked_target
 from .task_space import Tolerances
@@ -126,19 +127,27 @@ class _Task:
         swept = [i for i in method.swept if i not in self.given]
         while count ** len(swept) > MOST_COMBINATIONS:
             count -= 1
-        grid = {i: np.append(self.near[i], self._spread(i, count)) for i in swept}
+        grid = {i: self._with_near(i, self._spread(i, count)) for i in swept}
         choices = [grid.get(i, np.array([self.near[i]])) for i in method.held]
         combinations = list(product(*choices))
         return np.array(combinations).reshape(len(combinations), len(method.held))
 
     def _spread(self, joint: int, count: int) -> Array:
-        """Values over the range of a joint; an unbounded one's about theta0."""
+        """Values over the range of a joint, an unbounded one's about theta0; no angle twice."""
         lower, upper = self.arm.limits.lower[joint], self.arm.limits.upper[joint]
         half = 0.5 if self.arm.units[joint] == "m" else np.pi
         lower = lower if np.isfinite(lower) else self.near[joint] - half
         upper = upper if np.isfinite(upper) else self.near[joint] + half
-        spread: Array = np.linspace(lower, upper, count)
-        return spread
+        whole = joint_ranges(self.arm).turns[joint]
+        end = lower + 2.0 * np.pi if whole else upper
+        return np.linspace(lower, end, count, endpoint=not whole)
+
+    def _with_near(self, joint: int, values: Array) -> Array:
+        """Those values of a joint, theta0's first, no two of which are the same angle."""
+        apart = values - self.near[joint]
+        if joint_ranges(self.arm).periodic[joint]:
+            apart = (apart + np.pi) % (2.0 * np.pi) - np.pi
+        return np.append(self.near[joint], values[np.abs(apart) > ROUNDED_LIMIT])
 
     def searched(self, count: int, known: list[Root]) -> tuple[list[Root], int]:
         """Roots from many starts that are not known yet, and how many searches met the target."""
