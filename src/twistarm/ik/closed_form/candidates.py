@@ -8,6 +8,7 @@ others, so that one chain of at most three has to place X where G takes it.
 from __future__ import annotations
 
 import math
+from collections.abc import Iterator
 from typing import NamedTuple
 
 import numpy as np
@@ -17,9 +18,15 @@ from ...theory.screws import inverse
 from .families import FittedFamily
 from .joint_axis import JointAxis, Plane, Point, across, product
 from .placing import Placed, place, settle
-from .trigonometric import harmonic
+from .trigonometric import NEAREST, harmonic
 
 NO_ORIGIN = np.zeros(3)
+
+MET = 1e-6
+"""A candidate that misses by less [m, or a rotation's numbers] is an answer but for rounding."""
+
+ELSEWHERE = tuple(0.9 * step for step in range(1, 7))
+"""How far from `near` [rad, m] joints are tried of which any value would do, where there is no answer with that one."""
 
 
 class Candidate(NamedTuple):
@@ -32,24 +39,39 @@ class Candidate(NamedTuple):
 def candidates(fitted: FittedFamily, G: Array, near: Array, slack: float) -> list[Candidate]:
     """Every x (k,) with E₁(x₁) ⋯ Eₖ(xₖ) = G (4, 4), and some that only nearly do, or not: forward kinematics decides.
 
-    Where any value of a joint would do it has that of `near` (k,).
+    Where any value of a joint would do it has that of `near` (k,); where there is nothing with that, a nearby one.
     """
+    found, free = [], frozenset[int]()
+    for candidate in _with(fitted, G, near, slack):
+        found.append(candidate)
+        free |= candidate.free
+    met = any(_miss(fitted, candidate, G) <= MET for candidate in found if candidate.free)
+    for turned in ELSEWHERE if free and not met else ():
+        elsewhere = np.array(near)
+        elsewhere[list(free)] += turned
+        found += [candidate for candidate in _with(fitted, G, elsewhere, slack) if candidate.free]
+    return found
+
+
+def _miss(fitted: FittedFamily, candidate: Candidate, G: Array) -> float:
+    """The largest number of E₁(x₁) ⋯ Eₖ(xₖ) − G."""
+    return float(np.abs(product(fitted.axes, candidate.x[list(fitted.family.order)]) - G).max())
+
+
+def _with(fitted: FittedFamily, G: Array, near: Array, slack: float) -> Iterator[Candidate]:
     order = fitted.family.order
     before, group, behind = fitted.parts
     wanted = [float(near[i]) for i in order]
     b, e = len(before), len(before) + len(group)
     chain = (*(axis.seen(G) for axis in behind), *before)
-    found = []
     for beside in place(chain, fitted.kept, fitted.kept.moved(G), (*wanted[e:], *wanted[:b]), slack):
         x_behind, x_before = beside.x[: len(behind)], beside.x[len(behind) :]
         E = inverse(product(before, np.array(x_before))) @ G @ inverse(product(behind, np.array(x_behind)))
-        for inside in within_group(fitted.kept, group, E, tuple(wanted[b:e]), slack):
+        for inside in within_group(fitted.kept, group, E, tuple(wanted[b:e]), NEAREST if beside.free else slack):
             x = np.empty(len(order))
             x[list(order)] = [*x_before, *inside.x, *x_behind]
             places = [i - len(behind) if i >= len(behind) else e + i for i in beside.free]
-            free = frozenset(order[i] for i in (*places, *(b + i for i in inside.free)))
-            found.append(Candidate(x, free))
-    return found
+            yield Candidate(x, frozenset(order[i] for i in (*places, *(b + i for i in inside.free))))
 
 
 def within_group(
