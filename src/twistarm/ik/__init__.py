@@ -1,6 +1,7 @@
 """Inverse kinematics: targets, the solver, and solutions that say what was reached and why not more."""
 
 from .all_solutions import IKSolutions
+from .all_solutions_batch import IKSolutionsBatch, solve_ik_all_batch
 from .batch import IKBatch, solve_ik_batch
 from .request import POSTURES
 from .solution import IKSolution
@@ -17,6 +18,7 @@ __all__ = [
     "IKBatch",
     "IKSolution",
     "IKSolutions",
+    "IKSolutionsBatch",
     "Pose",
     "Position",
     "StopReason",
@@ -25,5 +27,6 @@ __all__ = [
     "Task",
     "solve_ik",
     "solve_ik_all",
+    "solve_ik_all_batch",
     "solve_ik_batch",
 ]

@@ -12,14 +12,15 @@ from numpy.typing import ArrayLike
 from ..model.arm import Arm, require_arm
 from ..support.checks import Array, as_flag, as_number, as_whole
 from ..support.errors import InputError, NoClosedFormError, shown, unknown_name
-from .all_solutions import IKSolutions
+from .all_solutions import HITS, TRIES, IKSolutions, configurations_in, found_row
 from .batch import solve_ik_batch
-from .closed_form.methods import Method, method_for
+from .closed_form.methods import Method, known_method, method_for
 from .closed_form.roots import ROUNDED_LIMIT, Root, inside, roots
 from .closed_form.roots import copies as copied
 from .ranges import joint_ranges
 from .request import checked
-from .targets import AnyTarget, TargetLike, checked_target
+from .solve import as_given
+from .targets import AnyTarget, Approach, Pose, TargetLike, checked_target
 from .task_space import Tolerances
 
 STARTS = 1000
@@ -27,6 +28,8 @@ STARTS = 1000
 
 BESIDE = 64
 """Searches beside elimination, and beside a family that the axes miss: what rounding loses is found by chance."""
+
+DEFAULT_SAMPLES = 32
 
 MOST_COMBINATIONS = 4096
 """Values of several sampled joints together."""
@@ -38,7 +41,7 @@ def solve_ik_all(
     theta0: ArrayLike | None = None,
     *,
     given: Mapping[str, float] | None = None,
-    samples: int = 32,
+    samples: int = DEFAULT_SAMPLES,
     copies: bool = False,
     closed_form: bool = False,
     position_tol: float = 1e-9,
@@ -78,24 +81,45 @@ def solve_ik_all(
         UnknownNameError: `given` names no joint of the arm.
         NoClosedFormError: `closed_form` is set and the arm has none for such a target; the message says why.
     """
+    # What is plainly right goes straight to the core; checking it here would cost more than solving it.
+    if given is None and samples is DEFAULT_SAMPLES and copies is False and type(closed_form) is bool:
+        answer = _at_once(require_arm(arm), target, theta0, position_tol, orientation_tol)
+        if answer is not None:
+            return answer
     asked = checked_target(require_arm(arm), target)
     request = checked(arm, theta0, None, position_tol, orientation_tol, 1, 0, None)
     as_flag(copies, "copies")
     as_flag(closed_form, "closed_form")
     count = as_whole(samples, "samples", 1, 1000)
-    stands = _given(arm, given)
+    stands = given_joints(arm, given)
     method = method_for(arm, asked, tuple(stands))
     if closed_form and method.family is None:
         raise NoClosedFormError(_none(arm, asked, method))
     near = np.array(request.theta0)
     near[list(stands)] = list(stands.values())
     task = _Task(arm, asked, near, request.tolerances, tuple(stands))
+    if method.compiled is not None:
+        return task.compiled(request.theta0, method, count, copies)
     found, starts, hits = task.solved(method, count) if method.there else ([], 0, 0)
     if not method.exact and not method.swept:
         more = BESIDE if method.there else STARTS
         beside, met = task.searched(more, found)
         found, starts, hits = found + beside, starts + more, hits + met
     return task.told(request.theta0, method, found, copies, (starts, hits))
+
+
+def _at_once(
+    arm: Arm, target: TargetLike, theta0: ArrayLike | None, position_tol: float, orientation_tol: float
+) -> IKSolutions | None:
+    """The answer of the core, where it has the family and everything is plainly right."""
+    asked = None if type(target) is np.ndarray else as_given(arm, target)
+    like, numbers = (Pose, target) if asked is None else (type(asked), asked.numbers)
+    method = known_method(arm, like, asked.axis.tobytes() if isinstance(asked, Approach) else None)
+    if method is None or method.compiled is None or method.swept:
+        return None
+    start = arm.ready if theta0 is None else theta0
+    row = method.compiled.solve(numbers, start, None, position_tol, orientation_tol)
+    return None if row is None else IKSolutions(arm, row, method, True, asked)
 
 
 @dataclass(frozen=True, eq=False)
@@ -107,6 +131,35 @@ class _Task:
     near: Array
     tolerances: Tolerances
     given: tuple[int, ...]
+
+    def compiled(self, theta0: Array, method: Method, count: int, copies: bool) -> IKSolutions:
+        """The answer of the core."""
+        assert method.compiled is not None
+        values = self._held_values(method, count)
+        held = values if len(values) > 1 else None
+        met = self.tolerances
+        row = method.compiled.solve(self.target.numbers, self.near, held, met.position, met.orientation)
+        assert row is not None, "what was checked is plain"
+        inside, outside = configurations_in(row, self.arm.n)
+        if copies:
+            inside = self._copied(inside)
+        tries = int(row[TRIES]), int(row[HITS])
+        row = found_row(self.target, theta0, inside, outside, tries)
+        return IKSolutions(self.arm, row, method, self._complete(method), self.target)
+
+    def _copied(self, inside: Array) -> Array:
+        """Configurations (k, 2 n) and their copies by whole turns, nearest first."""
+        n = self.arm.n
+        rows = [np.append(theta, each[n:]) for each in inside for theta in copied(self.arm, each[:n])]
+        return self._sorted(np.array(rows).reshape(-1, 2 * n))
+
+    def _sorted(self, rows: Array) -> Array:
+        """Configurations (k, 2 n), nearest first."""
+        apart = [distance(self.arm, row[: self.arm.n], self.near) for row in rows]
+        return rows[np.argsort(apart, kind="stable")]
+
+    def _complete(self, method: Method) -> bool:
+        return method.exact and not any(i not in self.given for i in method.swept)
 
     def solved(self, method: Method, count: int) -> tuple[list[Root], int, int]:
         """Roots by the method, for every value of the joints that are held; how many values, and how many had roots."""
@@ -163,21 +216,17 @@ class _Task:
     ) -> IKSolutions:
         """The roots inside the limits, nearest first, and those outside."""
         arm = self.arm
-        pairs: list[tuple[Array, tuple[int, ...]]] = []
+        inside_rows: list[Array] = []
         outside: list[Array] = []
         for root in found:
+            moving = np.array([float(i in root.free) for i in range(arm.n)])
             theta = inside(arm, self.target, root.theta, self.near, self.tolerances)
-            if theta is None:
-                outside.append(root.theta)
-            else:
-                pairs += [(each, root.free) for each in (copied(arm, theta) if copies else [theta])]
-        pairs.sort(key=lambda pair: distance(arm, pair[0], self.near))
-        complete = method.exact and not any(i not in self.given for i in method.swept)
-        return IKSolutions(
-            arm, self.target, theta0, np.array([theta for theta, _ in pairs]).reshape(-1, arm.n),
-            tuple(tuple(arm.joint_names[i] for i in free) for _, free in pairs),
-            np.array(outside).reshape(-1, arm.n), complete, method.name, method.in_words(arm), *tries,
-        )  # fmt: skip
+            rows = outside if theta is None else inside_rows
+            rows.append(np.append(root.theta if theta is None else theta, moving))
+        within = np.array(inside_rows).reshape(-1, 2 * arm.n)
+        within = self._copied(within) if copies else self._sorted(within)
+        row = found_row(self.target, theta0, within, np.array(outside), tries)
+        return IKSolutions(arm, row, method, self._complete(method), self.target)
 
 
 def distance(arm: Arm, theta: Array, near: Array) -> float:
@@ -187,7 +236,7 @@ def distance(arm: Arm, theta: Array, near: Array) -> float:
     return float((np.abs(theta - near) / np.where(np.isfinite(span) & (span > 0.0), span, usual)).max(initial=0.0))
 
 
-def _given(arm: Arm, given: Mapping[str, float] | None) -> dict[int, float]:
+def given_joints(arm: Arm, given: Mapping[str, float] | None) -> dict[int, float]:
     """{joint's index: value}, base to tip."""
     if given is None:
         return {}

@@ -1,0 +1,215 @@
+"""`solve_ik_all_batch`: every configuration of many targets, arrays in and out."""
+
+from __future__ import annotations
+
+import operator
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass, field
+from functools import cached_property
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from ..model.arm import Arm, require_arm
+from ..support.checks import Array, RealArray, as_flag, as_whole
+from .all_solutions import IKSolutions, configurations_in, found_row
+from .batch import MAX_THREADS, targets_for
+from .closed_form.methods import Method, method_for
+from .request import checked
+from .solve_all import DEFAULT_SAMPLES, given_joints, solve_ik_all
+from .targets import AnyTarget, Approach, Pose, TargetLike
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class IKSolutionsBatch:
+    """Every configuration of N targets, read-only arrays with a row for each; `batch[i]` is one as an `IKSolutions`.
+
+    count (N,): configurations inside the limits; outside_count (N,): beyond them.
+    """
+
+    arm: Arm
+    count: NDArray[np.int64]
+    outside_count: NDArray[np.int64]
+    targets: Array | tuple[AnyTarget, ...] = field(repr=False)
+    """What was asked: poses (N, 4, 4), or targets of any kinds."""
+    theta0: Array = field(repr=False)
+    """(n,) or (N, n) [rad, m]."""
+    rows: Array = field(repr=False)
+    """(r, 2 n): theta beside what moves, those of each target inside the limits and then those outside."""
+    known: tuple[tuple[Method, bool], ...] = field(repr=False)
+    """How, and whether these are all there are: of all targets, or for each."""
+
+    def __post_init__(self) -> None:
+        asked = [self.targets] if isinstance(self.targets, np.ndarray) else []
+        for array in (self.count, self.outside_count, self.theta0, self.rows, *asked):
+            array.flags.writeable = False
+
+    def __setstate__(self, state: dict[str, Any]) -> None:
+        self.__dict__.update(state)
+        self.__post_init__()  # an array is writeable again when it comes out of a pickle
+
+    @property
+    def complete(self) -> NDArray[np.bool_]:
+        """(N,): whether each target's configurations are all there are."""
+        each = np.array([complete for _, complete in self.known])
+        return np.resize(each, len(self))
+
+    @cached_property
+    def theta(self) -> Array:
+        """(N, most, n) [rad, m], nearest to theta0 first; NaN behind the last of each target."""
+        return self._padded(self.rows[:, : self.arm.n], np.nan)
+
+    @cached_property
+    def free(self) -> NDArray[np.bool_]:
+        """(N, most, n): which joints may go on moving while the target stays met; False behind the last."""
+        return self._padded(self.rows[:, self.arm.n :] > 0.5, False)
+
+    def _padded(self, rows: NDArray[Any], nothing: float) -> NDArray[Any]:
+        """(N, most, n) from rows (r, n)."""
+        place = np.arange(self.count.max(initial=0))
+        within = place < self.count[:, None]
+        padded = np.full((len(self), len(place), self.arm.n), nothing, dtype=rows.dtype)
+        padded[within] = rows[(self._first[:, None] + place)[within]]
+        padded.flags.writeable = False
+        return padded
+
+    @cached_property
+    def _first(self) -> NDArray[np.int64]:
+        """(N,): where each target's rows begin."""
+        both = self.count + self.outside_count
+        first: NDArray[np.int64] = np.cumsum(both) - both
+        return first
+
+    def __repr__(self) -> str:
+        return f"IKSolutionsBatch({self.arm.name}, {len(self)} targets, {int((self.count > 0).sum())} met)"
+
+    def __len__(self) -> int:
+        return len(self.count)
+
+    def __iter__(self) -> Iterator[IKSolutions]:
+        return (self[i] for i in range(len(self)))
+
+    def __getitem__(self, index: int) -> IKSolutions:
+        i = range(len(self))[operator.index(index)]
+        first, count = self._first[i], self.count[i]
+        inside = self.rows[first : first + count]
+        outside = self.rows[first + count : first + count + self.outside_count[i]]
+        start = self.theta0 if self.theta0.ndim == 1 else self.theta0[i]
+        target = Pose(self.targets[i]) if isinstance(self.targets, np.ndarray) else self.targets[i]
+        method, complete = self.known[i % len(self.known)]
+        return IKSolutions(self.arm, found_row(target, start, inside, outside, (0, 0)), method, complete, target)
+
+
+def solve_ik_all_batch(
+    arm: Arm,
+    targets: RealArray | Sequence[TargetLike],
+    theta0: ArrayLike | None = None,
+    *,
+    given: Mapping[str, float] | None = None,
+    samples: int = DEFAULT_SAMPLES,
+    copies: bool = False,
+    position_tol: float = 1e-9,
+    orientation_tol: float = 1e-9,
+    threads: int = 1,
+) -> IKSolutionsBatch:
+    """Every configuration of N targets: `solve_ik_all` of each, at the core's speed where it has the arm's family.
+
+    That is so for targets of one kind, an `Approach` with one tool axis, where no joint is sampled and no copy wanted;
+    then `threads` share the work. The answer to a target depends on nothing but that target. Ctrl-C ends it.
+
+    Args:
+        arm: The arm.
+        targets: Poses (N, 4, 4), or a sequence of `Pose`, `Position`, `Approach`, `Task` and poses (4, 4).
+        theta0: Configuration from which distances are counted (n,) or (N, n) [rad, m], by default `arm.ready`.
+        given: {joint: value} [rad, m] of joints that are to stand there.
+        samples: Number of values of each joint that is held, in (0, 1000].
+        copies: Whether configurations that differ by whole turns count as different, inside the limits.
+        position_tol: Greatest position error of an answer [m].
+        orientation_tol: Greatest rotation error of an answer [rad].
+        threads: Number of threads.
+
+    Returns:
+        The `IKSolutionsBatch`: theta (N, most, n), NaN behind the last of each target, count (N,); batch[i] is an
+        `IKSolutions`.
+
+    Raises:
+        InputError: A target (the message says which), theta0, a given value or a number cannot be used.
+        UnknownNameError: `given` names no joint of the arm.
+    """
+    require_arm(arm)
+    as_flag(copies, "copies")
+    if isinstance(targets, np.ndarray) and given is None and not copies:
+        # Poses that are plainly right go straight to the core, which looks at each of them much faster.
+        method = method_for(arm, Pose(np.eye(4)))
+        start = arm.ready if theta0 is None else theta0
+        found = _by_core(arm, method, (), targets, (start, start), (position_tol, orientation_tol, threads))
+        if found is not None:
+            return found
+    asked = targets_for(arm, targets)
+    request = checked(arm, theta0, None, position_tol, orientation_tol, 1, 0, None, count=len(asked))
+    workers = as_whole(threads, "threads", 1, MAX_THREADS)
+    stands = given_joints(arm, given)
+    alike = (
+        len({(type(target), target.axis.tobytes() if isinstance(target, Approach) else b"") for target in asked}) == 1
+    )
+    if alike and not copies:
+        near = np.array(request.theta0)
+        near[..., list(stands)] = list(stands.values())
+        how = request.tolerances.position, request.tolerances.orientation, workers
+        method, starts = method_for(arm, asked[0], tuple(stands)), (request.theta0, near)
+        found = _by_core(arm, method, tuple(stands), asked, starts, how)
+        if found is not None:
+            return found
+    each_start = np.broadcast_to(request.theta0, (len(asked), arm.n))
+    each = [
+        solve_ik_all(
+            arm,
+            target,
+            start,
+            given=given,
+            samples=samples,
+            copies=copies,
+            position_tol=position_tol,
+            orientation_tol=orientation_tol,
+        )
+        for target, start in zip(asked, each_start, strict=True)
+    ]
+    return _gathered(arm, asked, request.theta0, each)
+
+
+def _by_core(
+    arm: Arm,
+    method: Method,
+    given: tuple[int, ...],
+    targets: RealArray | tuple[AnyTarget, ...],
+    starts: tuple[ArrayLike, ArrayLike],
+    how: tuple[float, float, int],
+) -> IKSolutionsBatch | None:
+    """The core's answer; None where it has no family, or an argument is not plainly right.
+
+    starts: theta0, and the same with the joints that are given at their values.
+    """
+    if method.compiled is None or not set(given).issuperset(method.swept):
+        return None
+    numbers = targets if isinstance(targets, np.ndarray) else np.array([target.numbers for target in targets])
+    found = method.compiled.solve_batch(numbers, starts[1], *how)
+    if found is None:
+        return None
+    rows, count, inside = found
+    kept = np.array(targets, dtype=np.float64) if isinstance(targets, np.ndarray) else targets
+    within = inside.astype(np.int64)
+    return IKSolutionsBatch(
+        arm, within, count.astype(np.int64) - within, kept, np.array(starts[0], dtype=np.float64), rows,
+        ((method, True),),
+    )  # fmt: skip
+
+
+def _gathered(arm: Arm, targets: tuple[AnyTarget, ...], theta0: Array, each: list[IKSolutions]) -> IKSolutionsBatch:
+    """Answers that were found one by one."""
+    rows = [part for found in each for part in configurations_in(found._row, arm.n)]
+    count = np.array([len(found) for found in each], dtype=np.int64)
+    beyond = np.array([len(found.outside) for found in each], dtype=np.int64)
+    all_rows = np.concatenate(rows) if rows else np.zeros((0, 2 * arm.n))
+    known = tuple((found._method, found.complete) for found in each) or ((method_for(arm, Pose(np.eye(4))), True),)
+    return IKSolutionsBatch(arm, count, beyond, targets, np.array(theta0), all_rows, known)
