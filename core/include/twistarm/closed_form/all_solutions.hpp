@@ -22,7 +22,7 @@ template <class T> constexpr T default_slack = is_double<T> ? T(1e-6) : T(2e-3);
 /// it is farther outside.
 template <class T, int N>
 bool nearest_copy(const ranges<T, N>& range, int n, const T* theta, const T* near, T slack, T* copy, bool& cut) {
-    const auto turns = [](T x) { return static_cast<double>(x) / whole_turn; };
+    const auto turns = [](T x) { return static_cast<double>(x) * (1.0 / whole_turn); };
     cut = false;
     for (int k = 0; k < n; ++k) {
         const T lower = range.lower[k], upper = range.upper[k];

@@ -41,7 +41,7 @@ template <class T> joint_value<T> set_free(joint_value<T> value) {
 template <class T> joint_value<T> slid(T length) { return {T(1), T(0), length}; }
 
 /// The turn of which cosine and sine are known but for a common factor; both 0 are the turn 0.
-template <class T> joint_value<T> turned(T cosine, T sine) {
+template <class T> TWISTARM_INLINE joint_value<T> turned(T cosine, T sine) {
     const T size = sqrt(cosine * cosine + sine * sine);
     if (!(size > T(0))) return {T(1), T(0), T(0)};
     return {cosine / size, sine / size, T(0)};
@@ -66,7 +66,7 @@ template <class T> joint_value<T> operator+(const joint_value<T>& a, const joint
 template <class T> struct parted {
     T along[3], across[3], turned[3];
 
-    parted(const T w[3], const T v[3]) {
+    TWISTARM_INLINE parted(const T w[3], const T v[3]) {
         const T share = dot(w, v);
         for (int k = 0; k < 3; ++k) {
             along[k] = share * w[k];
@@ -77,7 +77,7 @@ template <class T> struct parted {
 };
 
 /// v ← e^{ŵx} v: Rodrigues' formula. MLS §2.2.1, eq. 2.14.
-template <class T> void move_direction(const joint_axis<T>& axis, const joint_value<T>& x, T v[3]) {
+template <class T> TWISTARM_INLINE void move_direction(const joint_axis<T>& axis, const joint_value<T>& x, T v[3]) {
     if (axis.slides) return;
     const parted<T> parts(axis.w, v);
     for (int k = 0; k < 3; ++k) v[k] = parts.along[k] + x.cosine * parts.across[k] + x.sine * parts.turned[k];

@@ -17,6 +17,9 @@ namespace closed_form {
 template <class T> constexpr T clearly_two = is_double<T> ? T(1e-6) : T(1e-3);
 template <class T> constexpr T barely_two = is_double<T> ? T(1e-9) : T(1e-5);
 
+/// Below this a matrix is of rank 1 but for rounding.
+template <class T> constexpr T only_one = is_double<T> ? T(1e-12) : T(1e-6);
+
 /// Above this ratio a pair (cos x, sin x) is solved for as two numbers.
 template <class T> constexpr T well_conditioned = T(is_double<T> ? 1e-3 : 3e-2);
 
@@ -189,6 +192,8 @@ void one_by_one(const side<T>& a, const side<T>& b, const T e[2], const T row[2]
 }
 
 /// Both turn: x is taken out where A is the better conditioned, by its inverse, or by the row that A has not.
+///
+/// Where one of them is of rank 1 and the other is not, what goes with the other stands alone in one condition.
 template <class T> void two_angles(const side<T>& a, const side<T>& b, const T e[2], T slack, pairs<T>& found) {
     const two_by_two<T> size_a(a.A), size_b(b.A);
     const T scale = greatest(size_a.larger, size_b.larger);
@@ -200,8 +205,11 @@ template <class T> void two_angles(const side<T>& a, const side<T>& b, const T e
         for (const joint_value<T>& x : one_joint(a, e, slack)) found.add({x, set_free(b.near)});
         return;
     }
-    const T ratio = size_a.smaller / size_a.larger;
-    if (size_b.smaller / size_b.larger > ratio) {
+    const T ratio = size_a.smaller / size_a.larger, other = size_b.smaller / size_b.larger;
+    // The usual arms: no quartic is needed.
+    if (ratio <= only_one<T> && other > well_conditioned<T>)
+        return one_by_one(a, b, e, size_a.row, scale, slack, found);
+    if (other > ratio || (other <= only_one<T> && ratio > well_conditioned<T>)) {
         pairs<T> swapped;
         two_angles(b, a, e, slack, swapped);
         return add_swapped(swapped, found);

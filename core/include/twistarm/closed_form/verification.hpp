@@ -70,7 +70,7 @@ public:
         return meets(between, precision<T>::halfway, precision<T>::halfway);
     }
 
-    /// A register of configurations after one of Newton's steps; which of them miss by rounding alone, far from any
+    /// A register of configurations after one of Newton's steps, where one of them needs it; which of them miss by rounding alone, far from any
     /// singularity, and which are so near before it that they may be answers.
     template <class V> void step(V* theta, unsigned& done, unsigned& near) const {
         constexpr T far = precision<T>::near;
@@ -98,15 +98,20 @@ public:
             pivot = greatest(pivot, H[i][i]);
             longest = greatest(longest, absolute(y[i]));
         }
+        V worst = V(T(0));
+        for (int k = 0; k < rows; ++k) worst = greatest(worst, absolute(missed.e[k]));
         auto good = pivot * trace < V(precision<T>::regular);
         for (int i = 0; i < count_; ++i) good = good & (H[i][i] > V(T(0)));
+        const V enough = V(T(10) * precision<T>::rounding);
+        done = bits(good & (worst <= enough));
+        if (all(good & (worst <= enough))) return;
         const V share = precision<T>::longest / longest;
         for (int i = 0; i < count_; ++i) theta[moving_[i]] = theta[moving_[i]] + select(good, y[i] * share, V(T(0)));
         walk(arm_, aims.base, aims.tip, theta, g);
         residual_of<Kind, N>(g, columns, 0, aims, T(1), missed);
-        V worst = V(T(0));
+        worst = V(T(0));
         for (int k = 0; k < rows; ++k) worst = greatest(worst, absolute(missed.e[k]));
-        done = bits(good & (worst <= V(T(10) * precision<T>::rounding)));
+        done = bits(good & (worst <= enough));
     }
 
     /// θ after some of Newton's steps of least length, −J⁺ e, of which so many may gain little; whether it meets the target.
