@@ -28,6 +28,9 @@ STARTS = 1000
 BESIDE = 64
 """Searches beside elimination, and beside a family that the axes miss: what rounding loses is found by chance."""
 
+IN_FAMILY = 32
+"""Searches along a continuous family whose configuration nearest to theta0 lies outside the limits."""
+
 MOST_COMBINATIONS = 4096
 """Values of several sampled joints together."""
 
@@ -95,7 +98,8 @@ def solve_ik_all(
         more = BESIDE if method.there else STARTS
         beside, met = task.searched(more, found)
         found, starts, hits = found + beside, starts + more, hits + met
-    return task.told(request.theta0, method, found, copies, (starts, hits))
+    found, all_seen = task.brought_inside(found)
+    return task.told(request.theta0, method, found, copies, (starts, hits), all_seen)
 
 
 @dataclass(frozen=True, eq=False)
@@ -152,27 +156,66 @@ class _Task:
     def searched(self, count: int, known: list[Root]) -> tuple[list[Root], int]:
         """Roots from many starts that are not known yet, and how many searches met the target."""
         starts = np.vstack([self.near, self.arm.random_theta(0, count - 1)])
-        batch = solve_ik_batch(self.arm, [self.target] * count, starts, restarts=1)
+        return self.from_starts(starts, known)
+
+    def from_starts(self, starts: Array, known: list[Root]) -> tuple[list[Root], int]:
+        """Roots from these starts (k, n) that are not known yet, and how many searches met the target."""
+        batch = solve_ik_batch(self.arm, [self.target] * len(starts), starts, restarts=1)
         met = batch.theta[batch.converged]
         met = met[(np.abs(met[:, self.given] - self.near[list(self.given)]) <= ROUNDED_LIMIT).all(axis=1)]
         everything = roots(self.arm, self.target, [*(root.theta for root in known), *met], self.tolerances, self.given)
         return everything[len(known) :], len(met)
 
+    def brought_inside(self, found: list[Root]) -> tuple[list[Root], bool]:
+        """The roots, and of each family that was met outside the limits alone the member inside that is nearest to it.
+
+        Also whether every family was met inside: where searches along it find nothing, there may be something yet.
+        """
+        members: list[Root] = []
+        all_seen = True
+        for root in found:
+            if root.free and self.inside(root) is None:
+                known = [*found, *members]
+                along = [each for each in self.along(root, known) if each.free and self.inside(each) is not None]
+                members += sorted(along, key=lambda each: float(np.abs(each.theta - root.theta).max()))[:1]
+                all_seen = all_seen and (
+                    bool(along) or any(o.free == root.free and self.inside(o) is not None for o in known)
+                )
+        return found + members, all_seen
+
+    def along(self, root: Root, known: list[Root]) -> list[Root]:
+        """New roots from starts that differ from this one in the joints that are free."""
+        lower, upper = self.arm.sampling_bounds
+        starts = np.tile(np.clip(root.theta, lower, upper), (IN_FAMILY, 1))
+        free = list(root.free)
+        starts[:, free] = self.arm.random_theta(0, IN_FAMILY)[:, free]
+        return self.from_starts(starts, known)[0]
+
+    def inside(self, root: Root) -> Array | None:
+        """The root inside the limits, if it is there."""
+        return inside(self.arm, self.target, root.theta, self.near, self.tolerances)
+
     def told(
-        self, theta0: Array, method: Method, found: list[Root], copies: bool, tries: tuple[int, int]
+        self,
+        theta0: Array,
+        method: Method,
+        found: list[Root],
+        copies: bool,
+        tries: tuple[int, int],
+        all_seen: bool,
     ) -> IKSolutions:
         """The roots inside the limits, nearest first, and those outside."""
         arm = self.arm
         pairs: list[tuple[Array, tuple[int, ...]]] = []
         outside: list[Array] = []
         for root in found:
-            theta = inside(arm, self.target, root.theta, self.near, self.tolerances)
+            theta = self.inside(root)
             if theta is None:
                 outside.append(root.theta)
             else:
                 pairs += [(each, root.free) for each in (copied(arm, theta) if copies else [theta])]
         pairs.sort(key=lambda pair: distance(arm, pair[0], self.near))
-        complete = method.exact and not any(i not in self.given for i in method.swept)
+        complete = all_seen and method.exact and not any(i not in self.given for i in method.swept)
         return IKSolutions(
             arm, self.target, theta0, np.array([theta for theta, _ in pairs]).reshape(-1, arm.n),
             tuple(tuple(arm.joint_names[i] for i in free) for _, free in pairs),

@@ -18,7 +18,7 @@ from ...theory.screws import inverse
 from .families import FittedFamily
 from .joint_axis import JointAxis, Plane, Point, across, product
 from .placing import Placed, place, settle
-from .trigonometric import NEAREST, harmonic
+from .trigonometric import NEAREST
 
 NO_ORIGIN = np.zeros(3)
 
@@ -94,8 +94,8 @@ def within_group(
 def rotating(w: tuple[Array, ...], R: Array, near: tuple[float, ...], slack: float) -> list[Placed]:
     """All x with e^{ŵ₁x₁} ⋯ e^{ŵₖxₖ} = R (3, 3), k ≤ 3.
 
-    Of three, w₁ᵀ R w₃ = w₁ᵀ e^{ŵ₂x₂} w₃ gives x₂; then x₁ turns e^{ŵ₂x₂} w₃ to R w₃, and x₃ is the turn that is left.
-    Where x₂ brings w₃ along w₁ the wrist is singular: x₁ is free.
+    Of three, the angle from w₁ to R w₃ gives x₂ (`_middle_turns`); then x₁ turns e^{ŵ₂x₂} w₃ to R w₃, and x₃ is the
+    turn that is left. Where x₂ brings w₃ along w₁ the wrist is singular: x₁ is free.
     """
     axes = tuple(JointAxis(each, NO_ORIGIN, slides=False) for each in w)
     if not w:
@@ -105,12 +105,32 @@ def rotating(w: tuple[Array, ...], R: Array, near: tuple[float, ...], slack: flo
         return [Placed((settle(axes[0], Point(u), Point(R @ u), near[0])[0],))]
     if len(w) == 2:
         return _first_then_rest(axes, R, w[1], near, slack)
-    start, quarter, half = (float(w[0] @ axes[1].motion(x)[:3, :3] @ w[2]) for x in (0.0, math.pi / 2, math.pi))
-    centre = 0.5 * (start + half)
     found = []
-    for x in harmonic(start - centre, quarter - centre, float(w[0] @ R @ w[2]) - centre, 1.0, slack) or []:
+    for x in _middle_turns(axes[1], w[0], w[2], R @ w[2], slack):
         found += _first_then_rest(axes, R, axes[1].motion(x)[:3, :3] @ w[2], near, slack, x)
     return found
+
+
+def _middle_turns(middle: JointAxis, first: Array, last: Array, goal: Array, slack: float) -> list[float]:
+    """The turns of `last` (3,) about the middle axis to where its angle from `first` is that of `goal`.
+
+    The three directions make a triangle on the sphere with the sides α, γ and β. Its half-angle formulas give the angle
+    at the middle axis to rounding, however small it is; from its cosine half the digits of a nearly singular wrist
+    would be lost.
+    """
+    alpha, gamma, beta = _angle(middle.w, first), _angle(middle.w, last), _angle(first, goal)
+    s = 0.5 * (alpha + beta + gamma)
+    sine, cosine = math.sin(s - alpha) * math.sin(s - gamma), math.sin(s) * math.sin(s - beta)
+    if min(sine, cosine) < -slack:
+        return []
+    opening = 2.0 * math.atan2(math.sqrt(max(sine, 0.0)), math.sqrt(max(cosine, 0.0)))
+    aligned = settle(middle, Point(last), Point(first), 0.0)[0]
+    return [aligned + opening, aligned - opening] if sine > 0.0 and cosine > 0.0 else [aligned + opening]
+
+
+def _angle(a: Array, b: Array) -> float:
+    """Between unit vectors a and b (3,) [rad]."""
+    return math.atan2(float(np.linalg.norm(np.cross(a, b))), float(a @ b))
 
 
 def _first_then_rest(
