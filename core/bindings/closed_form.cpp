@@ -48,11 +48,13 @@ public:
             (i < found.inside ? inside_ : outside_).push_back({found.distance[i], at});
         }
         hits_ += found.count > 0;
+        left_ += static_cast<std::size_t>(found.left);
     }
 
     std::size_t count() const { return inside_.size() + outside_.size(); }
     std::size_t inside() const { return inside_.size(); }
     std::size_t hits() const { return hits_; }
+    std::size_t left() const { return left_; }
 
     void write(double* into) {
         std::stable_sort(inside_.begin(), inside_.end(), [](const Place& a, const Place& b) { return a.distance < b.distance; });
@@ -68,7 +70,7 @@ private:
         double distance;
         std::size_t at;
     };
-    std::size_t n_, hits_ = 0;
+    std::size_t n_, hits_ = 0, left_ = 0;
     std::vector<double> rows_;
     std::vector<Place> inside_, outside_;
 };
@@ -79,18 +81,20 @@ public:
     Work(const ClosedFormEngine& engine, const Questions& asked, const Met& met, std::size_t n,
          bool (*over)(const void* clock), const void* clock)
         : SharedWork(over, clock), engine_(engine), asked_(asked), met_(met), n_(n),
-          found_((asked.count + block - 1) / block), counts_(asked.count), inside_(asked.count) {}
+          found_((asked.count + block - 1) / block), counts_(asked.count), inside_(asked.count), left_(asked.count) {}
 
     nb::object result() const {
         std::size_t total = 0;
-        for (const std::vector<double>& each : found_) total += each.size() / (2 * n_);
+        for (const std::vector<double>& some : found_) total += some.size() / (2 * n_);
         nb::object rows = NumPy::get().empty(nb::make_tuple(total, 2 * n_));
-        nb::object count = NumPy::get().empty(nb::make_tuple(asked_.count)), inside = NumPy::get().empty(nb::make_tuple(asked_.count));
+        const auto each = [&](const std::vector<int>& values) {
+            nb::object array = NumPy::get().empty(nb::make_tuple(asked_.count));
+            std::copy(values.begin(), values.end(), Array(array).data());
+            return array;
+        };
         double* into = Array(rows).data();
-        for (const std::vector<double>& each : found_) into = std::copy(each.begin(), each.end(), into);
-        std::copy(counts_.begin(), counts_.end(), Array(count).data());
-        std::copy(inside_.begin(), inside_.end(), Array(inside).data());
-        return nb::make_tuple(rows, count, inside);
+        for (const std::vector<double>& some : found_) into = std::copy(some.begin(), some.end(), into);
+        return nb::make_tuple(rows, each(counts_), each(inside_), each(left_));
     }
 
 private:
@@ -106,6 +110,7 @@ private:
                 rows.insert(rows.end(), found.rows, found.rows + static_cast<std::size_t>(found.count) * 2 * n_);
                 counts_[t] = found.count;
                 inside_[t] = found.inside;
+                left_[t] = found.left;
             }
         }
     }
@@ -115,13 +120,13 @@ private:
     Met met_;
     std::size_t n_;
     std::vector<std::vector<double>> found_;
-    std::vector<int> counts_, inside_;
+    std::vector<int> counts_, inside_, left_;
     std::atomic<std::size_t> next_{0};
 };
 
 }  // namespace
 
-ClosedForm::ClosedForm(nb::object chain, int kind, int first, int last, bool plane, nb::handle axes, nb::handle joint,
+ClosedForm::ClosedForm(nb::object chain, int kind, int first, int last, int keeps, nb::handle axes, nb::handle joint,
                        nb::handle kept, nb::handle held, nb::handle held_axes, nb::handle rate, nb::handle home,
                        nb::handle idle)
     : chain_(std::move(chain)), kind_(kind) {
@@ -138,8 +143,10 @@ ClosedForm::ClosedForm(nb::object chain, int kind, int first, int last, bool pla
     require(lines.finite() && alone.finite() && held_lines.finite() && rates.finite() && g.finite(),
             "a family's numbers are finite");
     require(kind >= 0 && kind < 3, "a closed form is of a pose, a position or an approach");
-    require(0 <= first && first < last && last <= static_cast<int>(count) && last - first <= 3 &&
-                static_cast<int>(count) - (last - first) <= 3, "a group has one to three joints, and as many stand beside it");
+    const int all = static_cast<int>(count);
+    require(0 <= first && first < last && last <= all, "a group is a part of the joints");
+    require(keeps == 0 ? last - first == all : (keeps == 1 || keeps == 2) && last - first <= 3 && all - (last - first) <= 3,
+            "a group has one to three joints, and no more stand beside it");
     const std::vector<int> joints = whole_numbers(which, n_), held_joints = whole_numbers(still, n_);
     std::uint32_t idle_bits = 0;
     for (std::size_t k = 0; k < n_; ++k) {
@@ -150,7 +157,7 @@ ClosedForm::ClosedForm(nb::object chain, int kind, int first, int last, bool pla
         require(rates.data()[k] != 0.0, "a rate is not zero");
     }
     require(std::is_sorted(held_joints.begin(), held_joints.end()), "held joints stand base to tip");
-    engine_.reset(arm->engine().closed_form({kind, static_cast<int>(count), first, last, plane, lines.data(), alone.data(),
+    engine_.reset(arm->engine().closed_form({kind, static_cast<int>(count), first, last, keeps, lines.data(), alone.data(),
                                              joints.data(), static_cast<int>(held_count_), held_joints.data(),
                                              held_lines.data(), rates.data(), g.data(), idle_bits}));
 }
@@ -163,8 +170,8 @@ nb::object ClosedForm::solve(nb::handle numbers, nb::handle theta0, nb::handle h
         !row(theta0, n_, start) || !is_start(start, n_))
         return not_plain();
     Configurations found;
-    const std::size_t width = 2 * n_, numbers_there = numbers_of_kind[kind_], first = 5 + n_ + numbers_there;
-    const auto answer = [&](std::size_t inside, std::size_t count, std::size_t starts, std::size_t hits) {
+    const std::size_t width = 2 * n_, numbers_there = numbers_of_kind[kind_], first = 6 + n_ + numbers_there;
+    const auto answer = [&](std::size_t inside, std::size_t count, std::size_t starts, std::size_t hits, std::size_t left) {
         nb::object array = NumPy::get().empty(nb::int_(first + count * width));
         double* const into = Array(array).data();
         into[0] = static_cast<double>(inside);
@@ -172,13 +179,15 @@ nb::object ClosedForm::solve(nb::handle numbers, nb::handle theta0, nb::handle h
         into[2] = static_cast<double>(starts);
         into[3] = static_cast<double>(hits);
         into[4] = kind_;
-        std::memcpy(into + 5, start, n_ * sizeof(double));
-        std::memcpy(into + 5 + n_, asked, numbers_there * sizeof(double));
+        into[5] = static_cast<double>(left);
+        std::memcpy(into + 6, start, n_ * sizeof(double));
+        std::memcpy(into + 6 + n_, asked, numbers_there * sizeof(double));
         return array;
     };
     if (held.is_none()) {
         engine_->solve(asked, start, nullptr, met.position, met.orientation, found);
-        nb::object array = answer(static_cast<std::size_t>(found.inside), static_cast<std::size_t>(found.count), 0, 0);
+        nb::object array = answer(static_cast<std::size_t>(found.inside), static_cast<std::size_t>(found.count), 0, 0,
+                                  static_cast<std::size_t>(found.left));
         std::memcpy(Array(array).data() + first, found.rows, static_cast<std::size_t>(found.count) * width * sizeof(double));
         make_read_only(array);
         return array;
@@ -194,7 +203,7 @@ nb::object ClosedForm::solve(nb::handle numbers, nb::handle theta0, nb::handle h
             all.add(found);
         }
     });
-    nb::object array = answer(all.inside(), all.count(), tries, all.hits());
+    nb::object array = answer(all.inside(), all.count(), tries, all.hits(), all.left());
     all.write(Array(array).data() + first);
     make_read_only(array);
     return array;

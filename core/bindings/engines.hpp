@@ -249,7 +249,8 @@ template <int N> solved_arm<double, N> solved_from(const FamilyNumbers& numbers,
     family.count = numbers.count;
     family.first = numbers.first;
     family.last = numbers.last;
-    family.kept = {numbers.plane, {numbers.kept[0], numbers.kept[1], numbers.kept[2]}, numbers.kept[3]};
+    family.keeps = static_cast<closed_form::keeps>(numbers.keeps);
+    family.kept = {family.keeps == closed_form::keeps::plane, {numbers.kept[0], numbers.kept[1], numbers.kept[2]}, numbers.kept[3]};
     for (int i = 0; i < numbers.count; ++i) {
         family.axes[i] = axis_from(numbers.axes + 7 * i);
         solved.joint[i] = numbers.joint[i];
@@ -281,12 +282,17 @@ public:
                double orientation_tolerance, Configurations& found) const override {
         const int n = arm_.coordinates();
         double values[capacity(N)];
-        for (int h = 0; h < solved_.held_count; ++h) values[h] = held != nullptr ? held[h] : near[solved_.held[h]];
+        for (int h = 0; h < solved_.held_count; ++h) {
+            const int k = solved_.held[h];
+            values[h] = held != nullptr ? held[h] : clamped(near[k], range_.lower[k], range_.upper[k]);
+        }
         configurations<double, N> all;
         find_all(arm_, solved_, range_, target_of_kind<Kind>(numbers), near, values, position_tolerance,
                  orientation_tolerance, all);
         found.count = all.count;
         found.inside = all.inside;
+        found.left = 0;
+        for (int i = all.inside; i < all.count; ++i) found.left += all.found[i].family;
         for (int i = 0; i < all.count; ++i) {
             double* const row = found.rows + i * 2 * n;
             found.distance[i] = all.found[i].distance;

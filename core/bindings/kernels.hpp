@@ -67,7 +67,7 @@ struct Constants {
 // What has been recognised of an arm for one kind of target (twistarm::solved_arm), all of it as numbers.
 struct FamilyNumbers {
     int kind, count, first, last;
-    bool plane;                  // whether the group leaves planes alone, or a point
+    int keeps;                   // twistarm::closed_form::keeps
     const double *axes, *kept;   // (count, 7): w, o, 1 for a slide; a point and 0, or a normal and d
     const int* joint;            // (count,)
     int held_count;
@@ -81,7 +81,7 @@ constexpr int most_configurations = 32;
 // Every configuration for one target: theta (n) and, as 0 and 1, which coordinates may move (n), row by row.
 struct Configurations {
     double rows[most_configurations * 2 * most_joints], distance[most_configurations];
-    int count, inside;
+    int count, inside, left;  // left: of a continuous family, and outside
 };
 
 // The closed form of one arm's family.

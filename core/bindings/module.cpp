@@ -56,7 +56,7 @@ NB_MODULE(_core, module) {
              nb::arg().none(), nb::arg().none(), nb::arg().none(), nb::arg().none(), nb::arg().none(), nb::arg().none(),
              nb::arg().none());
     nb::class_<bindings::ClosedForm>(module, "ClosedForm")
-        .def(nb::init<nb::object, int, int, int, bool, nb::handle, nb::handle, nb::handle, nb::handle, nb::handle,
+        .def(nb::init<nb::object, int, int, int, int, nb::handle, nb::handle, nb::handle, nb::handle, nb::handle,
                       nb::handle, nb::handle, nb::handle>())
         .def("solve", &bindings::ClosedForm::solve, nb::arg().none(), nb::arg().none(), nb::arg().none(), nb::arg().none(),
              nb::arg().none())

@@ -124,7 +124,7 @@ class ClosedForm:
         kind: int,
         first: int,
         last: int,
-        plane: bool,
+        keeps: int,
         axes: Array,
         joint: Array,
         kept: Array,
@@ -144,10 +144,11 @@ class ClosedForm:
         """
     def solve_batch(
         self, numbers: object, theta0: object, position_tol: object, orientation_tol: object, threads: object, /
-    ) -> tuple[Array, Array, Array] | None:
+    ) -> tuple[Array, Array, Array, Array] | None:
         """The same of N targets, held joints at their values in theta0, which is one for all or one for each.
 
-        rows (r, 2 n), one behind the other; how many each target has (N,); how many of these are inside the limits.
+        rows (r, 2 n), one behind the other; how many each target has (N,); how many of these are inside the limits; how
+        many outside are of a continuous family.
         """
 
 class Servo:

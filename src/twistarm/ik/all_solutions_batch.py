@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import operator
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
 from typing import Any
@@ -39,10 +39,12 @@ class IKSolutionsBatch:
     """(r, 2 n): theta beside what moves, those of each target inside the limits and then those outside."""
     known: tuple[tuple[Method, bool], ...] = field(repr=False)
     """How, and whether these are all there are: of all targets, or for each."""
+    left: NDArray[np.bool_] = field(repr=False)
+    """(N,): where a continuous family was met outside the limits, and what is inside has still to be looked for."""
 
     def __post_init__(self) -> None:
         asked = [self.targets] if isinstance(self.targets, np.ndarray) else []
-        for array in (self.count, self.outside_count, self.theta0, self.rows, *asked):
+        for array in (self.count, self.outside_count, self.theta0, self.rows, self.left, *asked):
             array.flags.writeable = False
 
     def __setstate__(self, state: dict[str, Any]) -> None:
@@ -64,6 +66,13 @@ class IKSolutionsBatch:
     def free(self) -> NDArray[np.bool_]:
         """(N, most, n): which joints may go on moving while the target stays met; False behind the last."""
         return self._padded(self.rows[:, self.arm.n :] > 0.5, False)
+
+    def completed(self, one: Callable[[TargetLike, Array], IKSolutions]) -> IKSolutionsBatch:
+        """The same where nothing is left to look for; `one` solves one target from its theta0."""
+        if not self.left.any():
+            return self
+        each = [one(found.target, found.theta0) if left else found for found, left in zip(self, self.left, strict=True)]
+        return _gathered(self.arm, self.targets, self.theta0, each)
 
     def _padded(self, rows: NDArray[Any], nothing: float) -> NDArray[Any]:
         """(N, most, n) from rows (r, n)."""
@@ -139,77 +148,75 @@ def solve_ik_all_batch(
     """
     require_arm(arm)
     as_flag(copies, "copies")
+    count = as_whole(samples, "samples", 1, 1000)
+    met = position_tol, orientation_tol
+
+    def one(target: TargetLike, start: ArrayLike) -> IKSolutions:
+        return solve_ik_all(
+            arm, target, start, given=given, samples=count, copies=copies, position_tol=met[0], orientation_tol=met[1]
+        )
+
     if isinstance(targets, np.ndarray) and given is None and not copies:
         # Poses that are plainly right go straight to the core, which looks at each of them much faster.
         method = method_for(arm, Pose(np.eye(4)))
-        start = arm.ready if theta0 is None else theta0
-        found = _by_core(arm, method, (), targets, (start, start), (position_tol, orientation_tol, threads))
+        plain = method.compiled is not None and not method.swept
+        found = (
+            _by_core(arm, method, targets, arm.ready if theta0 is None else theta0, (*met, threads)) if plain else None
+        )
         if found is not None:
-            return found
+            return found.completed(one)
     asked = targets_for(arm, targets)
-    request = checked(arm, theta0, None, position_tol, orientation_tol, 1, 0, None, count=len(asked))
+    request = checked(arm, theta0, None, *met, 1, 0, None, count=len(asked))
     workers = as_whole(threads, "threads", 1, MAX_THREADS)
     stands = given_joints(arm, given)
-    alike = (
-        len({(type(target), target.axis.tobytes() if isinstance(target, Approach) else b"") for target in asked}) == 1
-    )
-    if alike and not copies:
-        near = np.array(request.theta0)
-        near[..., list(stands)] = list(stands.values())
-        how = request.tolerances.position, request.tolerances.orientation, workers
-        method, starts = method_for(arm, asked[0], tuple(stands)), (request.theta0, near)
-        found = _by_core(arm, method, tuple(stands), asked, starts, how)
-        if found is not None:
-            return found
-    each_start = np.broadcast_to(request.theta0, (len(asked), arm.n))
-    each = [
-        solve_ik_all(
-            arm,
-            target,
-            start,
-            given=given,
-            samples=samples,
-            copies=copies,
-            position_tol=position_tol,
-            orientation_tol=orientation_tol,
-        )
-        for target, start in zip(asked, each_start, strict=True)
-    ]
-    return _gathered(arm, asked, request.theta0, each)
+    near = np.array(request.theta0)
+    near[..., list(stands)] = list(stands.values())
+    kinds = {(type(target), target.axis.tobytes() if isinstance(target, Approach) else b"") for target in asked}
+    method = method_for(arm, asked[0] if asked else Pose(np.eye(4)), tuple(stands))
+    if len(kinds) <= 1 and not copies and method.compiled is not None and {*stands}.issuperset(method.swept):
+        found = _by_core(arm, method, asked, near, (*met, workers))
+        assert found is not None, "what was checked is plain"
+        return found.completed(one)
+    starts = np.broadcast_to(near, (len(asked), arm.n))
+    return _gathered(arm, asked, near, [one(*each) for each in zip(asked, starts, strict=True)])
 
 
 def _by_core(
     arm: Arm,
     method: Method,
-    given: tuple[int, ...],
     targets: RealArray | tuple[AnyTarget, ...],
-    starts: tuple[ArrayLike, ArrayLike],
+    near: ArrayLike,
     how: tuple[float, float, int],
 ) -> IKSolutionsBatch | None:
-    """The core's answer; None where it has no family, or an argument is not plainly right.
-
-    starts: theta0, and the same with the joints that are given at their values.
-    """
-    if method.compiled is None or not set(given).issuperset(method.swept):
-        return None
-    numbers = targets if isinstance(targets, np.ndarray) else np.array([target.numbers for target in targets])
-    found = method.compiled.solve_batch(numbers, starts[1], *how)
+    """The core's answer; None where an argument is not plainly right."""
+    assert method.compiled is not None
+    numbers = targets
+    if isinstance(targets, tuple):
+        numbers = np.array([target.numbers for target in targets]).reshape(len(targets), *_shape(targets))
+    found = method.compiled.solve_batch(numbers, near, *how)
     if found is None:
         return None
-    rows, count, inside = found
-    kept = np.array(targets, dtype=np.float64) if isinstance(targets, np.ndarray) else targets
+    rows, count, inside, left = found
     within = inside.astype(np.int64)
-    return IKSolutionsBatch(
-        arm, within, count.astype(np.int64) - within, kept, np.array(starts[0], dtype=np.float64), rows,
-        ((method, True),),
-    )  # fmt: skip
+    kept = targets if isinstance(targets, tuple) else np.array(targets, dtype=np.float64)
+    start = np.array(near, dtype=np.float64)
+    known = ((method, True),)
+    return IKSolutionsBatch(arm, within, count.astype(np.int64) - within, kept, start, rows, known, left > 0.0)
 
 
-def _gathered(arm: Arm, targets: tuple[AnyTarget, ...], theta0: Array, each: list[IKSolutions]) -> IKSolutionsBatch:
+def _shape(targets: tuple[AnyTarget, ...]) -> tuple[int, ...]:
+    """Of one target's numbers."""
+    return targets[0].numbers.shape if targets else (4, 4)
+
+
+def _gathered(
+    arm: Arm, targets: Array | tuple[AnyTarget, ...], theta0: Array, each: list[IKSolutions]
+) -> IKSolutionsBatch:
     """Answers that were found one by one."""
     rows = [part for found in each for part in configurations_in(found._row, arm.n)]
     count = np.array([len(found) for found in each], dtype=np.int64)
     beyond = np.array([len(found.outside) for found in each], dtype=np.int64)
     all_rows = np.concatenate(rows) if rows else np.zeros((0, 2 * arm.n))
-    known = tuple((found._method, found.complete) for found in each) or ((method_for(arm, Pose(np.eye(4))), True),)
-    return IKSolutionsBatch(arm, count, beyond, targets, np.array(theta0), all_rows, known)
+    known = tuple((found._method, found.complete) for found in each)
+    nothing = np.zeros(len(each), dtype=np.bool_)
+    return IKSolutionsBatch(arm, count, beyond, targets, theta0, all_rows, known, nothing)

@@ -12,7 +12,7 @@ from numpy.typing import ArrayLike
 from ..model.arm import Arm, require_arm
 from ..support.checks import Array, as_flag, as_number, as_whole
 from ..support.errors import InputError, NoClosedFormError, shown, unknown_name
-from .all_solutions import HITS, TRIES, IKSolutions, configurations_in, found_row
+from .all_solutions import HITS, LEFT, TRIES, IKSolutions, found_row, roots_in
 from .batch import solve_ik_batch
 from .closed_form.methods import Method, known_method, method_for
 from .closed_form.roots import ROUNDED_LIMIT, Root, inside, roots
@@ -28,6 +28,9 @@ STARTS = 1000
 
 BESIDE = 64
 """Searches beside elimination, and beside a family that the axes miss: what rounding loses is found by chance."""
+
+IN_FAMILY = 32
+"""Searches along a continuous family whose configuration nearest to theta0 lies outside the limits."""
 
 DEFAULT_SAMPLES = 32
 
@@ -99,13 +102,18 @@ def solve_ik_all(
     near[list(stands)] = list(stands.values())
     task = _Task(arm, asked, near, request.tolerances, tuple(stands))
     if method.compiled is not None:
-        return task.compiled(request.theta0, method, count, copies)
-    found, starts, hits = task.solved(method, count) if method.there else ([], 0, 0)
+        row = task.compiled(method, count)
+        if not copies and not row[LEFT]:
+            return IKSolutions(arm, row, method, task.complete(method), asked)
+        found, starts, hits = [*roots_in(row, arm.n)], int(row[TRIES]), int(row[HITS])
+    else:
+        found, starts, hits = task.solved(method, count) if method.there else ([], 0, 0)
     if not method.exact and not method.swept:
         more = BESIDE if method.there else STARTS
         beside, met = task.searched(more, found)
         found, starts, hits = found + beside, starts + more, hits + met
-    return task.told(request.theta0, method, found, copies, (starts, hits))
+    found, all_seen = task.brought_inside(found, method)
+    return task.told(method, found, copies, (starts, hits), all_seen)
 
 
 def _at_once(
@@ -119,7 +127,7 @@ def _at_once(
         return None
     start = arm.ready if theta0 is None else theta0
     row = method.compiled.solve(numbers, start, None, position_tol, orientation_tol)
-    return None if row is None else IKSolutions(arm, row, method, True, asked)
+    return None if row is None or row[LEFT] else IKSolutions(arm, row, method, True, asked)
 
 
 @dataclass(frozen=True, eq=False)
@@ -132,33 +140,17 @@ class _Task:
     tolerances: Tolerances
     given: tuple[int, ...]
 
-    def compiled(self, theta0: Array, method: Method, count: int, copies: bool) -> IKSolutions:
-        """The answer of the core."""
+    def compiled(self, method: Method, count: int) -> Array:
+        """What the core has found."""
         assert method.compiled is not None
         values = self._held_values(method, count)
-        held = values if len(values) > 1 else None
-        met = self.tolerances
+        held, met = values if len(values) > 1 else None, self.tolerances
         row = method.compiled.solve(self.target.numbers, self.near, held, met.position, met.orientation)
         assert row is not None, "what was checked is plain"
-        inside, outside = configurations_in(row, self.arm.n)
-        if copies:
-            inside = self._copied(inside)
-        tries = int(row[TRIES]), int(row[HITS])
-        row = found_row(self.target, theta0, inside, outside, tries)
-        return IKSolutions(self.arm, row, method, self._complete(method), self.target)
+        return row
 
-    def _copied(self, inside: Array) -> Array:
-        """Configurations (k, 2 n) and their copies by whole turns, nearest first."""
-        n = self.arm.n
-        rows = [np.append(theta, each[n:]) for each in inside for theta in copied(self.arm, each[:n])]
-        return self._sorted(np.array(rows).reshape(-1, 2 * n))
-
-    def _sorted(self, rows: Array) -> Array:
-        """Configurations (k, 2 n), nearest first."""
-        apart = [distance(self.arm, row[: self.arm.n], self.near) for row in rows]
-        return rows[np.argsort(apart, kind="stable")]
-
-    def _complete(self, method: Method) -> bool:
+    def complete(self, method: Method) -> bool:
+        """Whether the method finds everything."""
         return method.exact and not any(i not in self.given for i in method.swept)
 
     def solved(self, method: Method, count: int) -> tuple[list[Root], int, int]:
@@ -181,7 +173,8 @@ class _Task:
         while count ** len(swept) > MOST_COMBINATIONS:
             count -= 1
         grid = {i: self._with_near(i, self._spread(i, count)) for i in swept}
-        choices = [grid.get(i, np.array([self.near[i]])) for i in method.held]
+        stand = np.clip(self.near, self.arm.limits.lower, self.arm.limits.upper)
+        choices = [grid.get(i, np.array([stand[i]])) for i in method.held]
         combinations = list(product(*choices))
         return np.array(combinations).reshape(len(combinations), len(method.held))
 
@@ -205,28 +198,62 @@ class _Task:
     def searched(self, count: int, known: list[Root]) -> tuple[list[Root], int]:
         """Roots from many starts that are not known yet, and how many searches met the target."""
         starts = np.vstack([self.near, self.arm.random_theta(0, count - 1)])
-        batch = solve_ik_batch(self.arm, [self.target] * count, starts, restarts=1)
+        return self.from_starts(starts, known)
+
+    def from_starts(self, starts: Array, known: list[Root]) -> tuple[list[Root], int]:
+        """Roots from these starts (k, n) that are not known yet, and how many searches met the target."""
+        batch = solve_ik_batch(self.arm, [self.target] * len(starts), starts, restarts=1)
         met = batch.theta[batch.converged]
         met = met[(np.abs(met[:, self.given] - self.near[list(self.given)]) <= ROUNDED_LIMIT).all(axis=1)]
         everything = roots(self.arm, self.target, [*(root.theta for root in known), *met], self.tolerances, self.given)
         return everything[len(known) :], len(met)
 
+    def brought_inside(self, found: list[Root], method: Method) -> tuple[list[Root], bool]:
+        """The roots, and of each family that was met outside the limits alone the member inside that is nearest to it.
+
+        Also whether every family was met inside: where searches along it find nothing, there may be something yet.
+        """
+        members: list[Root] = []
+        all_seen = True
+        for root in found:
+            if not {*method.held}.issuperset(root.free) and self.inside(root) is None:
+                known = [*found, *members]
+                along = [each for each in self.along(root, known) if each.free and self.inside(each) is not None]
+                members += sorted(along, key=lambda each: float(np.abs(each.theta - root.theta).max()))[:1]
+                all_seen = all_seen and (
+                    bool(along) or any(o.free == root.free and self.inside(o) is not None for o in known)
+                )
+        return found + members, all_seen
+
+    def along(self, root: Root, known: list[Root]) -> list[Root]:
+        """New roots from starts that differ from this one in the joints that are free."""
+        lower, upper = self.arm.sampling_bounds
+        starts = np.tile(np.clip(root.theta, lower, upper), (IN_FAMILY, 1))
+        free = list(root.free)
+        starts[:, free] = self.arm.random_theta(0, IN_FAMILY)[:, free]
+        return self.from_starts(starts, known)[0]
+
+    def inside(self, root: Root) -> Array | None:
+        """The root inside the limits, if it is there."""
+        return inside(self.arm, self.target, root.theta, self.near, self.tolerances)
+
     def told(
-        self, theta0: Array, method: Method, found: list[Root], copies: bool, tries: tuple[int, int]
+        self, method: Method, found: list[Root], copies: bool, tries: tuple[int, int], all_seen: bool
     ) -> IKSolutions:
         """The roots inside the limits, nearest first, and those outside."""
         arm = self.arm
-        inside_rows: list[Array] = []
+        within: list[Array] = []
         outside: list[Array] = []
         for root in found:
+            theta = self.inside(root)
             moving = np.array([float(i in root.free) for i in range(arm.n)])
-            theta = inside(arm, self.target, root.theta, self.near, self.tolerances)
-            rows = outside if theta is None else inside_rows
+            rows = outside if theta is None else within
             rows.append(np.append(root.theta if theta is None else theta, moving))
-        within = np.array(inside_rows).reshape(-1, 2 * arm.n)
-        within = self._copied(within) if copies else self._sorted(within)
-        row = found_row(self.target, theta0, within, np.array(outside), tries)
-        return IKSolutions(arm, row, method, self._complete(method), self.target)
+        if copies:
+            within = [np.append(theta, row[arm.n :]) for row in within for theta in copied(arm, row[: arm.n])]
+        within.sort(key=lambda row: distance(arm, row[: arm.n], self.near))
+        row = found_row(self.target, self.near, np.array(within), np.array(outside), tries)
+        return IKSolutions(arm, row, method, all_seen and self.complete(method), self.target)
 
 
 def distance(arm: Arm, theta: Array, near: Array) -> float:

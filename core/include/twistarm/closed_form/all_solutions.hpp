@@ -151,6 +151,7 @@ void find_all(const chain<T, N, M>& arm, const solved_arm<T, N>& solved, const r
                 configuration<T, N> one;
                 for (int k = 0; k < n; ++k) one.theta[k] = answers[i][k];
                 one.free = free[i] | solved.idle;
+                one.family = free[i] != 0;
                 one.inside = closed_form::bring_within(judged, range, n, near, one.theta);
                 one.distance = closed_form::distance(arm, range, one.theta, near);
                 closed_form::put(all, one);

@@ -13,9 +13,11 @@ TWISTARM_BEGIN
 constexpr int most_unknowns = 6;
 
 /// An arm's axes in the order in which they are solved for; those from `first` to before `last` are the group that leaves
-/// `kept` alone. At most three are in it, and at most three are not.
+/// `kept` alone. At most three are in it, and at most three are not; but of at most three joints that turn and three that
+/// slide, whose group keeps nothing, all are in it.
 template <class T> struct fitted_family {
     int count, first, last;
+    closed_form::keeps keeps;
     closed_form::joint_axis<T> axes[most_unknowns];
     closed_form::feature<T> kept;
 };
@@ -55,10 +57,36 @@ template <class T> bool is_met(const fitted_family<T>& family, const candidate<T
     return off <= nearly_met<T>;
 }
 
+/// Of joints that turn, at most three in different directions, and at most three that slide, in whatever order, the rotation
+/// gives the former.
+template <class T>
+void find_decoupled(const fitted_family<T>& family, const frame<T>& G, const joint_value<T>* near, T slack, bool free,
+                    candidate_list<T>& found) {
+    joint_axis<T> axes[3];
+    joint_value<T> wanted[3];
+    int turning[3], count = 0;
+    for (int i = 0; i < family.count; ++i)
+        if (!family.axes[i].slides && count < 3) {
+            axes[count] = family.axes[i];
+            wanted[count] = near[i];
+            turning[count++] = i;
+        }
+    placings<T> turns;
+    rotating(group<T>{axes, count, family.kept}, G, wanted, slack, turns);
+    for (const placed<T>& each : turns) {
+        candidate<T> one;
+        for (int i = 0; i < family.count; ++i) one.x[i] = slid(T(0));
+        for (int i = 0; i < count; ++i) one.x[turning[i]] = each.x[i];
+        set_slides(family.axes, family.count, G, one.x);
+        if (!free || one.free(family.count) != 0) found.add(one);
+    }
+}
+
 /// The candidates where what is free stands at `near`, but those without anything free where only `free` ones are wanted.
 template <class T>
 void find_with(const fitted_family<T>& family, const frame<T>& G, const joint_value<T>* near, T slack, bool free,
                candidate_list<T>& found) {
+    if (family.keeps == keeps::nothing) return find_decoupled(family, G, near, slack, free, found);
     const int before = family.first, behind = family.count - family.last;
     joint_axis<T> chain[3];
     joint_value<T> wanted[3];

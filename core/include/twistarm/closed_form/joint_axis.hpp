@@ -30,7 +30,10 @@ template <class T> struct joint_axis {
 /// value would do as well, with others for the rest.
 template <class T> struct joint_value {
     T cosine, sine, length;
-    bool free = false;
+    bool free;
+
+    joint_value() = default;
+    constexpr joint_value(T c, T s, T l, bool any = false) : cosine(c), sine(s), length(l), free(any) {}
 };
 
 template <class T> joint_value<T> set_free(joint_value<T> value) {
@@ -42,9 +45,10 @@ template <class T> joint_value<T> slid(T length) { return {T(1), T(0), length}; 
 
 /// The turn of which cosine and sine are known but for a common factor; both 0 are the turn 0.
 template <class T> TWISTARM_INLINE joint_value<T> turned(T cosine, T sine) {
-    const T size = sqrt(cosine * cosine + sine * sine);
-    if (!(size > T(0))) return {T(1), T(0), T(0)};
-    return {cosine / size, sine / size, T(0)};
+    const T square = cosine * cosine + sine * sine;
+    if (!(square > T(0))) return {T(1), T(0), T(0)};
+    const T scale = T(1) / sqrt(square);
+    return {cosine * scale, sine * scale, T(0)};
 }
 
 template <class T> joint_value<T> turned_by(T angle) {
@@ -84,7 +88,7 @@ template <class T> TWISTARM_INLINE void move_direction(const joint_axis<T>& axis
 }
 
 /// p ← E(x) p.
-template <class T> void move_point(const joint_axis<T>& axis, const joint_value<T>& x, T p[3]) {
+template <class T> TWISTARM_INLINE void move_point(const joint_axis<T>& axis, const joint_value<T>& x, T p[3]) {
     if (axis.slides) {
         for (int k = 0; k < 3; ++k) p[k] += x.length * axis.w[k];
         return;
@@ -124,6 +128,9 @@ template <class T> joint_axis<T> seen(const joint_axis<T>& axis, const frame<T>&
     move_by(g, axis.o, moved.o);
     return moved;
 }
+
+/// What a group of joints leaves alone.
+enum class keeps { nothing, point, plane };
 
 /// A point v [m], or the plane of the points x with v · x = d, v a unit vector; turned round it is another plane.
 template <class T> struct feature {

@@ -51,18 +51,19 @@ template <class T> struct two_by_two {
     T larger, smaller, row[2];
 
     explicit two_by_two(const T A[2][2]) {
-        const T sum = A[0][0] + A[1][1], difference = A[0][0] - A[1][1], even = A[1][0] + A[0][1], odd = A[1][0] - A[0][1];
-        const T first = sqrt(sum * sum + odd * odd), second = sqrt(difference * difference + even * even);
-        larger = T(0.5) * (first + second);
-        smaller = T(0.5) * absolute(first - second);
         const T p = A[0][0] * A[0][0] + A[0][1] * A[0][1], r = A[1][0] * A[1][0] + A[1][1] * A[1][1];
-        const T q = A[0][0] * A[1][0] + A[0][1] * A[1][1], h = sqrt((p - r) * (p - r) + T(4) * q * q);
+        const T q = A[0][0] * A[1][0] + A[0][1] * A[1][1];
+        // Rows across one another, or one of them 0: no root needs to be drawn to see it.
+        const bool apart = absolute(q) <= T(sizeof(T) == 8 ? 1e-15 : 1e-7) * absolute(p - r);
+        const T h = apart ? absolute(p - r) : sqrt((p - r) * (p - r) + T(4) * q * q);
+        larger = sqrt(T(0.5) * (p + r + h));
+        smaller = larger > T(0) ? absolute(A[0][0] * A[1][1] - A[0][1] * A[1][0]) / larger : T(0);
         row[0] = T(1);
         row[1] = T(0);
         if (!(h > T(0))) return;
         const int main = p >= r ? 0 : 1;
-        row[main] = sqrt(T(0.5) * (T(1) + absolute(p - r) / h));
-        row[1 - main] = q / (h * row[main]);
+        row[main] = apart ? T(1) : sqrt(T(0.5) * (T(1) + absolute(p - r) / h));
+        row[1 - main] = apart ? T(0) : q / (h * row[main]);
     }
 };
 

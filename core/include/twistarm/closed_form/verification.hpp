@@ -13,6 +13,7 @@ TWISTARM_BEGIN
 template <class T, int N> struct configuration {
     T theta[capacity(N)];
     std::uint32_t free;
+    bool family;  ///< whether it may move for itself, not only for what was held
     T distance;
     bool inside;
 };
@@ -27,7 +28,7 @@ template <class T> struct precision {
     static constexpr T rounding = T(is_double<T> ? 1e-14 : 1e-6);     ///< of forward kinematics
     static constexpr T singular = T(is_double<T> ? 1e-9 : 1e-5);      ///< singular values below this part are none
     static constexpr T dependent = T(is_double<T> ? 1e-6 : 1e-3);     ///< and below this move nothing at first
-    static constexpr T regular = T(is_double<T> ? 1e5 : 1e3);         ///< pivots of JᵀJ above its trace over this
+    static constexpr T regular = T(is_double<T> ? 1e8 : 1e4);         ///< pivots of JᵀJ above its trace over this
     static constexpr T same = T(is_double<T> ? 1e-5 : 3e-3);          ///< nearer together, two answers may be one
     static constexpr T halfway = T(is_double<T> ? 1e-13 : 3e-6);      ///< if halfway between the target is met so well
     static constexpr T at_limit = T(is_double<T> ? 1e-6 : 1e-4);      ///< an answer beyond by less is at the limit,
@@ -57,7 +58,8 @@ public:
     }
     bool meets(const T* theta) const { return meets(theta, position_, chord_); }
 
-    /// Whether two answers are one: near together, but for whole turns, and halfway between them the target is met.
+    /// Whether two answers are one: near together, but for whole turns, and the target is met as well
+    /// halfway between them, or to rounding.
     bool same(const ranges<T, N>& range, const T* a, const T* b) const {
         constexpr T turn = T(whole_turn);
         T between[width];
@@ -67,7 +69,8 @@ public:
             if (!(absolute(apart) <= precision<T>::same)) return false;
             between[k] = b[k] + T(0.5) * apart;
         }
-        return meets(between, precision<T>::halfway, precision<T>::halfway);
+        const T most = greatest(greatest(precision<T>::halfway, T(2) * missed(a)), T(2) * missed(b));
+        return missed(between) <= most;
     }
 
     /// A register of configurations after one of Newton's steps, where one of them needs it; which of them miss by rounding alone, far from any
@@ -125,10 +128,9 @@ public:
             if (!(worst > precision<T>::rounding)) break;
             if (worst > T(0.9) * best && ++in_vain > patience) break;
             best = least(best, worst);
-            T move[most_unknowns], longest = precision<T>::longest;
+            T move[most_unknowns];
             pseudo_inverse_step(missed, move);
-            for (int i = 0; i < count_; ++i) longest = greatest(longest, absolute(move[i]));
-            for (int i = 0; i < count_; ++i) theta[moving_[i]] += move[i] * (precision<T>::longest / longest);
+            for (int i = 0; i < count_; ++i) theta[moving_[i]] += move[i];
         }
         return meets(theta);
     }
@@ -173,6 +175,13 @@ private:
         return worst;
     }
 
+    /// The larger of both errors.
+    T missed(const T* theta) const {
+        residual<T, N, rows> off;
+        miss(theta, off);
+        return sqrt(greatest(off.position_squared, off.rotation_squared));
+    }
+
     void miss(const T* theta, residual<T, N, rows>& missed) const {
         frame<T> g;
         column<T> columns[1];
@@ -202,6 +211,8 @@ private:
         return most;
     }
 
+    /// No step is long in any of the directions that J tells apart: where one of them hardly moves the tool, near a wrist in
+    /// line, the others go all their way nevertheless.
     void pseudo_inverse_step(const residual<T, N, rows>& missed, T move[6]) const {
         six_rows<T, most_unknowns> columns;
         T X[6][6], size[6];
@@ -211,7 +222,8 @@ private:
             if (!(size[i] > precision<T>::singular * most)) continue;
             T share = T(0);
             for (int k = 0; k < rows; ++k) share -= columns[i][k] * missed.e[k];
-            for (int j = 0; j < count_; ++j) move[j] += share / (size[i] * size[i]) * X[j][i];
+            share = clamped(share / (size[i] * size[i]), -precision<T>::longest, precision<T>::longest);
+            for (int j = 0; j < count_; ++j) move[j] += share * X[j][i];
         }
     }
 

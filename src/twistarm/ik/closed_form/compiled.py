@@ -12,7 +12,7 @@ from ...support.checks import Array
 from ...theory.screws import inverse
 from .chain import Chain
 from .families import Family
-from .joint_axis import JointAxis, Plane
+from .joint_axis import JointAxis, Plane, Point
 
 if TYPE_CHECKING:
     from ..._core import ClosedForm
@@ -38,16 +38,21 @@ def compiled(
     joints = [left[i] for i in family.order]
     back = [inverse(_carried(chain, held, joint)) for joint in joints]
     at_zero = [axis.seen(g) for axis, g in zip(fitted.axes, back, strict=True)]
-    kept = fitted.kept.moved(back[family.first])
-    plane = isinstance(kept, Plane)
+    keeps, kept = _kept(None if fitted.kept is None else fitted.kept.moved(back[family.first]))
     solver: ClosedForm = core.ClosedForm(
-        arm._compiled, kind, family.first, family.last, plane, _numbers(at_zero),
+        arm._compiled, kind, family.first, family.last, keeps, _numbers(at_zero),
         np.array([joint if joint < arm.n else -1 for joint in joints], dtype=np.float64),
-        np.append(kept.n, kept.d) if isinstance(kept, Plane) else np.append(kept.p, 0.0),
-        np.array(held, dtype=np.float64), _numbers([chain.axes[i] for i in held]),
+        kept, np.array(held, dtype=np.float64), _numbers([chain.axes[i] for i in held]),
         np.array(chain.rates), np.array(arm.home), np.array([float(i in idle) for i in range(arm.n)]),
     )  # fmt: skip
     return solver
+
+
+def _kept(kept: Point | Plane | None) -> tuple[int, Array]:
+    """What the group leaves alone: nothing, a point or a plane, and its four numbers."""
+    if kept is None:
+        return 0, np.zeros(4)
+    return (2, np.append(kept.n, kept.d)) if isinstance(kept, Plane) else (1, np.append(kept.p, 0.0))
 
 
 def _carried(chain: Chain, held: tuple[int, ...], joint: int) -> Array:

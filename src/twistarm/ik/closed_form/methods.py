@@ -22,7 +22,7 @@ from .candidates import candidates
 from .chain import MOST_JOINTS, Chain, chain_for, goal
 from .compiled import SAMPLE, compiled
 from .elimination import Rooted, eliminated
-from .families import EXACT, SPHERICAL, Family, FittedFamily, closest_miss, families
+from .families import DECOUPLED, EXACT, SPHERICAL, Family, FittedFamily, closest_miss, families
 from .joint_axis import JointAxis
 
 if TYPE_CHECKING:
@@ -193,6 +193,8 @@ def _why_not(arm: Arm, chain: Chain, ways: list[tuple[int, ...]]) -> str:
 
 def family_in_words(arm: Arm, kind: str, joints: list[int]) -> str:
     """The group of joints, and what it leaves alone."""
+    if kind == DECOUPLED:
+        return "the joints that turn follow from the rotation alone, those that slide from the position"
     if len(joints) == 1:
         return f"joints beside {_names(arm, joints)} place a point of its axis"
     return f"the axes of {_names(arm, joints)} {'meet in a point' if kind == SPHERICAL else 'move in parallel planes'}"

@@ -30,10 +30,10 @@ DEPENDENT = 1e-6
 """Singular values below this part of the largest are those of directions that move nothing at first."""
 
 SAME = 1e-5
-"""Two answers nearer together than this [rad, m] are one if halfway between them the target is met to `HALFWAY`."""
+"""Two answers nearer together than this [rad, m] are one if the target is met as well halfway between them."""
 
 HALFWAY = 1e-13
-"""[m, rad]"""
+"""Or to so much [m, rad]."""
 
 ROUNDED_LIMIT = 1e-6
 """An answer that passes a limit by less [rad, m] is at the limit, if the target is met there too."""
@@ -56,15 +56,19 @@ class Root:
 
 
 def corrected(arm: Arm, target: AnyTarget, theta: Array, held: tuple[int, ...] = ()) -> Array:
-    """theta (n,) after some of Newton's steps of least length, −J⁺ e, toward the target; `held` joints stay."""
+    """theta (n,) after some of Newton's steps of least length, −J⁺ e, toward the target; `held` joints stay.
+
+    No step is long in any of the directions that J tells apart: where one of them hardly moves the tool, near a wrist
+    in line, the others go all their way nevertheless.
+    """
     for _ in range(STEPS):
         error, J = _error_and_rows(arm, target, theta)
         if np.abs(error).max(initial=0.0) <= ROUNDING:
             break
         J[:, list(held)] = 0.0
-        step = np.linalg.pinv(J, rcond=SINGULAR) @ -error
-        longest = float(np.abs(step).max(initial=0.0))
-        theta = theta + step * min(1.0, LONGEST_STEP / max(longest, 1e-300))
+        U, size, Vt = np.linalg.svd(J, full_matrices=False)
+        there = size > SINGULAR * size.max(initial=0.0)
+        theta = theta - np.clip((U.T @ error)[there] / size[there], -LONGEST_STEP, LONGEST_STEP) @ Vt[there]
     return theta
 
 
@@ -149,9 +153,13 @@ def _same(arm: Arm, target: AnyTarget, a: Array, b: Array, turns: Mask) -> bool:
     apart = np.where(turns, (a - b + np.pi) % TURN - np.pi, a - b)
     if np.abs(apart).max(initial=0.0) > SAME:
         return False
-    between = b + 0.5 * apart
-    g = arm.fk(between)
-    return Tolerances(HALFWAY, HALFWAY).met(target.position_error(g), target.orientation_error(g))
+    here, halfway, there = (_missed(arm, target, theta) for theta in (a, b + 0.5 * apart, b))
+    return halfway <= max(HALFWAY, 2.0 * here, 2.0 * there)
+
+
+def _missed(arm: Arm, target: AnyTarget, theta: Array) -> float:
+    g = arm.fk(theta)
+    return max(target.position_error(g), target.orientation_error(g))
 
 
 def _error_and_rows(arm: Arm, target: AnyTarget, theta: Array) -> tuple[Array, Array]:
