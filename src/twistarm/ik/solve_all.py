@@ -53,9 +53,9 @@ def solve_ik_all(
     """Every configuration inside the limits that meets `target`, verified, nearest to `theta0` first.
 
     By the closed form of the arm's family (a group of joints whose axes meet in a point or are parallel, at most three
-    joints beside it), or, for six joints that turn, by elimination (an eigenvalue problem, for whatever axes); each
-    answer is corrected by Newton's method until forward kinematics meets the target to rounding, and kept only if it
-    does. Where there is neither, searches from many starts are tried, and `complete` is False.
+    joints beside it), or, for five or six joints that turn, by elimination (an eigenvalue problem, for whatever axes);
+    each answer is corrected by Newton's method until forward kinematics meets the target to rounding, and kept only if
+    it does. Where there is neither, searches from many starts are tried, and `complete` is False.
 
     A `Pose` takes arms of up to six joints, an `Approach` of up to five, a `Position` of up to three. Arms with fewer
     meet the targets that fit them; `explain()` says how far off another is. Where there are more joints than the target

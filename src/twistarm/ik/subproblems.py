@@ -20,13 +20,17 @@ from ..support.checks import Array, as_direction, as_number, as_twist, as_vector
 from ..support.errors import InputError
 from .closed_form.joint_axis import JointAxis, Point, axis_of, product
 from .closed_form.placing import place, settle
-from .closed_form.trigonometric import NEAREST, harmonic, quadratic
+from .closed_form.trigonometric import NEAREST, NOTHING, harmonic, quadratic
+from .ranges import Mask
 
 UNIT = 1e-6
 """How far a twist's length may be from 1."""
 
-SAME = 1e-9
-"""Values nearer together than this [rad, m] are one."""
+SAME = 1e-6
+"""Values nearer together than this [rad, m] are one if the miss halfway is greater by no more than `ROUNDING`."""
+
+ROUNDING = 1e-14
+"""[m]"""
 
 BEST = 1e-6
 """What misses by so much more [m] than the best is no root beside it."""
@@ -69,7 +73,7 @@ def subproblem_1(xi: ArrayLike, p: ArrayLike, q: ArrayLike) -> Roots:
     """
     axis, start, goal = _axis(xi, "xi"), _point(p, "p"), _point(q, "q")
     x, free = settle(axis, start, goal, 0.0)
-    return _roots([x], lambda value: _apart(start.moved(axis.motion(value)), goal), free)
+    return _roots((axis,), [x], lambda value: _apart(start.moved(axis.motion(value)), goal), free)
 
 
 def subproblem_2(xi_1: ArrayLike, xi_2: ArrayLike, p: ArrayLike, q: ArrayLike) -> Roots:
@@ -96,7 +100,7 @@ def subproblem_2(xi_1: ArrayLike, xi_2: ArrayLike, p: ArrayLike, q: ArrayLike) -
     placed = place(axes, start, goal, (0.0, 0.0), NEAREST)
     values = [each.x for each in placed] or [(0.0, 0.0)]
     free = any(each.free for each in placed)
-    return _roots(values, lambda value: _apart(start.moved(product(axes, np.array(value))), goal), free)
+    return _roots(axes, values, lambda value: _apart(start.moved(product(axes, np.array(value))), goal), free)
 
 
 def subproblem_3(xi: ArrayLike, p: ArrayLike, q: ArrayLike, distance: float) -> Roots:
@@ -195,26 +199,39 @@ def _along(axis: JointAxis, value: Callable[[Array], float]) -> tuple[float, flo
 def _level(axis: JointAxis, k: tuple[float, float, float], off: Callable[[float], float]) -> Roots:
     """Where k₀ + k₁ u + k₂ v is zero, or nearest to it."""
     scale = max(abs(each) for each in k) or 1.0
-    if axis.slides:
-        found: list[float] | None = quadratic(k[2], k[1], k[0], NEAREST)
-    else:
+    found: list[float] | None
+    if not axis.slides:
         found = harmonic(k[1], k[2], -k[0], scale, NEAREST)
-    return _roots(found or [0.0], off, free=found is None)
+    elif max(abs(k[1]), abs(k[2])) <= NOTHING:
+        found = None
+    else:
+        found = quadratic(k[2], k[1], k[0], NEAREST)
+    return _roots((axis,), found or [0.0], off, free=found is None)
 
 
-def _roots(values: Sequence[float] | Sequence[tuple[float, ...]], off: Callable[..., float], free: bool) -> Roots:
+def _roots(
+    axes: tuple[JointAxis, ...],
+    values: Sequence[float] | Sequence[tuple[float, ...]],
+    off: Callable[..., float],
+    free: bool,
+) -> Roots:
     """The values that miss by least, each once."""
+    turns = np.array([not axis.slides for axis in axes]).reshape(np.shape(values[0]))
     misses = [off(value) for value in values]
     best = min(misses)
     kept: list[Array] = []
     for value, miss in zip(values, misses, strict=True):
-        each = np.asarray(value, dtype=np.float64)
-        if miss <= best + BEST and not any(np.abs(_wrapped(each - other)).max() < SAME for other in kept):
+        each = _wrapped(np.asarray(value, dtype=np.float64), turns)
+        if miss <= best + BEST and not any(_same(each, other, turns, off, best) for other in kept):
             kept.append(each)
     return Roots(np.array(kept), best, free)
 
 
-def _wrapped(x: Array) -> Array:
-    """Angles in (−π, π]."""
-    turned: Array = math.pi - (math.pi - x) % (2.0 * math.pi)
-    return turned
+def _same(a: Array, b: Array, turns: Mask, off: Callable[..., float], best: float) -> bool:
+    apart = _wrapped(a - b, turns)
+    return bool(np.abs(apart).max() < SAME) and off(b + 0.5 * apart) <= best + ROUNDING
+
+
+def _wrapped(x: Array, turns: Mask) -> Array:
+    """Angles in (−π, π]; lengths as they are."""
+    return np.where(turns, math.pi - (math.pi - x) % (2.0 * math.pi), x)

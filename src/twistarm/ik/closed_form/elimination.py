@@ -1,4 +1,4 @@
-"""Elimination: all configurations of six joints that turn, whatever their axes, from an eigenvalue problem.
+"""Elimination: all configurations of six joints that turn, or five, whatever their axes, from an eigenvalue problem.
 
 E₃E₄E₅ = E₂⁻¹E₁⁻¹ G E₆⁻¹. Applied to the last axis, its point p and direction d, both sides are free of x₆:
 
@@ -11,6 +11,9 @@ M₀ + M₁t₃ + M₂t₃² that is singular at the answers, and at t₃ = ±i.
 
 Sources: Raghavan & Roth, Inverse kinematics of the general 6R manipulator, ASME J. Mech. Des. 115, 1993; Manocha &
 Canny, Efficient inverse kinematics for general 6R manipulators, IEEE T-RA 10, 1994 (the eigenvalue problem).
+
+Five joints get a sixth that stands still, about a line that has nothing to do with the others: the answers for which
+its angle is 0 are those of the five.
 
 For special axes the matrix may be singular everywhere. The chain of joints is closed by G, so it may begin at any
 joint, in either direction: of these twelve ways `rooted` takes the one that finds random configurations best.
@@ -52,13 +55,24 @@ FOUND = 1e-5
 """A pose is met, before any correction, to so much of the reach."""
 
 
+STILL = 0.1
+"""The joint added to five may stand at so much of an angle, before any correction: double roots have few digits."""
+
+STILL_AXIS = np.array([0.48, -0.6, 0.64]), np.array([0.31, 0.23, -0.41])
+"""Its direction, and a point on it in shares of the reach."""
+
+
 @dataclass(frozen=True, eq=False)
 class Rooted:
-    """Where the chain begins, and whether it is walked backward; `worst`, the error of what was found so."""
+    """Where the chain begins, and whether it is walked backward; `worst`, the error of what was found so.
+
+    `still`: the joint added to five.
+    """
 
     start: int
     backward: bool
     worst: float
+    still: tuple[JointAxis, ...] = ()
 
     def chain(self, axes: tuple[JointAxis, ...], G: Array) -> tuple[tuple[JointAxis, ...], Array, list[int]]:
         """The axes and G of the chain that begins there, and which joint each of its joints is."""
@@ -72,11 +86,12 @@ class Rooted:
 
 def rooted(axes: tuple[JointAxis, ...], reach: float) -> Rooted | None:
     """The way that finds random configurations best; None for axes whose matrix is singular whichever way."""
-    if len(axes) != SIX or any(axis.slides for axis in axes):
+    if not SIX - 1 <= len(axes) <= SIX or any(axis.slides for axis in axes):
         return None
     rng = np.random.default_rng(0)
-    trials = rng.uniform(-np.pi, np.pi, (TRIALS, SIX))
-    ways = [Rooted(start, backward, math.inf) for start in range(SIX) for backward in (False, True)]
+    trials = rng.uniform(-np.pi, np.pi, (TRIALS, len(axes)))
+    still = (JointAxis(STILL_AXIS[0], reach * STILL_AXIS[1], slides=False),) * (SIX - len(axes))
+    ways = [Rooted(start, backward, math.inf, still) for start in range(SIX) for backward in (False, True)]
     judged = [replace(way, worst=max(_missed(axes, way, x, reach) for x in trials)) for way in ways]
     best = min(judged, key=lambda way: way.worst)
     return best if best.worst <= FOUND else None
@@ -95,14 +110,15 @@ def _missed(axes: tuple[JointAxis, ...], way: Rooted, x: Array, reach: float) ->
 
 
 def eliminated(axes: tuple[JointAxis, ...], way: Rooted, G: Array) -> list[Array]:
-    """Candidates x (6,) for E₁(x₁) ⋯ E₆(x₆) = G (4, 4): every answer, most of them to six digits or more."""
-    chain, closed, joints = way.chain(axes, G)
+    """Candidates x (k,) for E₁(x₁) ⋯ Eₖ(xₖ) = G (4, 4), k = 6 or 5: every answer, most to six digits or more."""
+    chain, closed, joints = way.chain((*axes, *way.still), G)
     left, right = _left(chain), _right(chain, closed)
     found = []
     for middle in _middle_angles(left, right):
         x = np.empty(SIX)
         x[joints] = _completed(chain, closed, left, right, middle)
-        found.append(x)
+        if all(abs((angle + math.pi) % (2.0 * math.pi) - math.pi) <= STILL for angle in x[len(axes) :]):
+            found.append(x[: len(axes)])
     return found
 
 

@@ -73,7 +73,9 @@ class Method:
     def in_words(self, arm: Arm) -> str:
         """The family, or why there is none."""
         if self.family is None:
-            return "six joints that turn, whatever their axes" if self.rooted is not None else self.reason
+            if self.rooted is None:
+                return self.reason
+            return f"{'five' if self.rooted.still else 'six'} joints that turn, whatever their axes"
         left = [i for i in range(len(self.chain.axes)) if i not in self.held]
         joints = [left[i] for i in self.family.group]
         what = family_in_words(arm, self.family.kind, joints)

@@ -55,7 +55,9 @@ class Root:
     free: tuple[int, ...]
 
 
-def corrected(arm: Arm, target: AnyTarget, theta: Array, held: tuple[int, ...] = ()) -> Array:
+def corrected(
+    arm: Arm, target: AnyTarget, theta: Array, held: tuple[int, ...] = (), singular: float = SINGULAR
+) -> Array:
     """theta (n,) after some of Newton's steps of least length, −J⁺ e, toward the target; `held` joints stay.
 
     No step is long in any of the directions that J tells apart: where one of them hardly moves the tool, near a wrist
@@ -67,7 +69,7 @@ def corrected(arm: Arm, target: AnyTarget, theta: Array, held: tuple[int, ...] =
             break
         J[:, list(held)] = 0.0
         U, size, Vt = np.linalg.svd(J, full_matrices=False)
-        there = size > SINGULAR * size.max(initial=0.0)
+        there = size > singular * size.max(initial=0.0)
         theta = theta - np.clip((U.T @ error)[there] / size[there], -LONGEST_STEP, LONGEST_STEP) @ Vt[there]
     return theta
 
@@ -108,7 +110,7 @@ def self_motion(
     for direction in Vt[rank:]:
         step = np.zeros(arm.n)
         step[solved] = SIDESTEP * direction
-        beside = corrected(arm, target, theta + step, held)
+        beside = corrected(arm, target, theta + step, held, DEPENDENT)
         if met(arm, target, beside, tolerances) and np.abs(beside - theta).max() > 0.5 * SIDESTEP:
             moving |= set(np.flatnonzero(np.abs(beside - theta) > 1e-6).tolist())
     return tuple(sorted(moving))

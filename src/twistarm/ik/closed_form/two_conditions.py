@@ -80,20 +80,33 @@ def one_joint(a: Side, e: Array, slack: float) -> list[tuple[float, bool]]:
 
 
 def _two_lengths(a: Side, b: Side, e: Array, slack: float) -> list[Pair]:
-    """Both slide: one length follows from the first condition, linear in both."""
+    """Both slide: one length follows from the first condition; where the slides have come parallel one is free."""
     A, B = a.matrix, b.matrix
     if np.abs(A[:, 1]).max() + np.abs(B[:, 1]).max() <= NOTHING:
-        both = np.stack([A[:, 0], B[:, 0]], axis=1)
-        return [] if abs(np.linalg.det(both)) <= NOTHING else [Pair(*np.linalg.solve(both, e))]
+        return _two_linear(a, b, e)
     if abs(B[0, 0]) > abs(A[0, 0]):
         return [pair.swapped for pair in _two_lengths(b, a, e, slack)]
     if abs(A[0, 0]) <= NOTHING:
-        return []
+        rest = e[1] - B[1, 0] * b.near - B[1, 1] * b.near**2
+        return [Pair(x, b.near, False, True) for x in quadratic(A[1, 1], A[1, 0], -rest, NEAREST)]
     p, q = e[0] / A[0, 0], -B[0, 0] / A[0, 0]  # x = p + q y
     square = A[1, 1] * q * q + B[1, 1]
     linear = A[1, 0] * q + 2.0 * A[1, 1] * p * q + B[1, 0]
     constant = A[1, 0] * p + A[1, 1] * p * p - e[1]
+    if abs(square) <= NOTHING and abs(linear) <= NOTHING:
+        return [Pair(p + q * b.near, b.near, False, True)]
     return [Pair(p + q * y, y) for y in quadratic(square, linear, constant, slack)]
+
+
+def _two_linear(a: Side, b: Side, e: Array) -> list[Pair]:
+    """Both conditions are linear; where they are one condition the second length is that at hand."""
+    both = np.stack([a.matrix[:, 0], b.matrix[:, 0]], axis=1)
+    if abs(np.linalg.det(both)) > NOTHING:
+        return [Pair(*np.linalg.solve(both, e))]
+    (x, x_free), (y, y_free) = one_joint(a, e, 0.0)[0], one_joint(b, e, 0.0)[0]
+    if x_free or y_free:
+        return [Pair(x, y, x_free, y_free)]
+    return [Pair(one_joint(a, e - both[:, 1] * b.near, 0.0)[0][0], b.near, False, True)]
 
 
 def _angle_and_length(a: Side, b: Side, e: Array, slack: float) -> list[Pair]:
@@ -103,7 +116,7 @@ def _angle_and_length(a: Side, b: Side, e: Array, slack: float) -> list[Pair]:
     if np.abs(square).max() <= NOTHING:
         i = int(np.argmax(np.abs(linear)))
         if abs(linear[i]) <= NOTHING * scale:
-            return []
+            return [Pair(x, b.near, free, True) for x, free in one_joint(a, e, slack)]
         share = linear[1 - i] / linear[i]
         cosine, sine = A[1 - i] - share * A[i]
         roots = harmonic(cosine, sine, e[1 - i] - share * e[i], scale, slack)
