@@ -110,26 +110,46 @@ template <class T> void add_swapped(const pairs<T>& swapped, pairs<T>& found) {
     for (const pair<T>& each : swapped) found.add({each.y, each.x});
 }
 
-/// Both slide: one length follows from the first condition, linear in both.
-template <class T> void two_lengths(const side<T>& a, const side<T>& b, const T e[2], T slack, pairs<T>& found) {
-    const auto &A = a.A, &B = b.A;
-    if (a.size_of_column(1) + b.size_of_column(1) <= nothing<T>) {
-        const T both[2][2] = {{A[0][0], B[0][0]}, {A[1][0], B[1][0]}};
+/// Both conditions are linear; where they are one condition the second length is that at hand.
+template <class T> void two_linear(const side<T>& a, const side<T>& b, const T e[2], pairs<T>& found) {
+    const T both[2][2] = {{a.A[0][0], b.A[0][0]}, {a.A[1][0], b.A[1][0]}};
+    if (absolute(both[0][0] * both[1][1] - both[0][1] * both[1][0]) > nothing<T>) {
         T x[2];
-        if (absolute(both[0][0] * both[1][1] - both[0][1] * both[1][0]) <= nothing<T>) return;
         solve_two(both, e, x);
         found.add({slid(x[0]), slid(x[1])});
         return;
     }
+    const roots<T, 4> first = one_joint(a, e, T(0)), second = one_joint(b, e, T(0));
+    if (first.count == 0 || second.count == 0) return;
+    joint_value<T> x = first.items[0], y = second.items[0];
+    if (!x.free && !y.free) {
+        const T rest[2] = {e[0] - both[0][1] * b.near.length, e[1] - both[1][1] * b.near.length};
+        const T square = a.A[0][0] * a.A[0][0] + a.A[1][0] * a.A[1][0];
+        x = slid((a.A[0][0] * rest[0] + a.A[1][0] * rest[1]) / square);
+        y = set_free(b.near);
+    }
+    found.add({x, y});
+}
+
+/// Both slide: one length follows from the first condition; where the slides have come parallel one is free.
+template <class T> void two_lengths(const side<T>& a, const side<T>& b, const T e[2], T slack, pairs<T>& found) {
+    const auto &A = a.A, &B = b.A;
+    if (a.size_of_column(1) + b.size_of_column(1) <= nothing<T>) return two_linear(a, b, e, found);
     if (absolute(B[0][0]) > absolute(A[0][0])) {
         pairs<T> swapped;
         two_lengths(b, a, e, slack, swapped);
         return add_swapped(swapped, found);
     }
-    if (absolute(A[0][0]) <= nothing<T>) return;
+    if (absolute(A[0][0]) <= nothing<T>) {
+        for (const joint_value<T>& x : quadratic(A[1][1], A[1][0], b.at(1, b.near) - e[1], nearest<T>))
+            found.add({x, set_free(b.near)});
+        return;
+    }
     const T p = e[0] / A[0][0], q = -B[0][0] / A[0][0];  // x = p + q y
     const T square = A[1][1] * q * q + B[1][1], linear = A[1][0] * q + T(2) * A[1][1] * p * q + B[1][0];
     const T constant = A[1][0] * p + A[1][1] * p * p - e[1];
+    if (absolute(square) <= nothing<T> && absolute(linear) <= nothing<T>)
+        return found.add({slid(p + q * b.near.length), set_free(b.near)});
     for (const joint_value<T>& y : quadratic(square, linear, constant, slack)) found.add({slid(p + q * y.length), y});
 }
 
@@ -139,7 +159,10 @@ template <class T> void angle_and_length(const side<T>& a, const side<T>& b, con
     const T linear[2] = {b.A[0][0], b.A[1][0]}, square = b.A[1][1], scale = a.largest() + b.largest();
     if (b.size_of_column(1) <= nothing<T>) {
         const int i = absolute(linear[1]) > absolute(linear[0]) ? 1 : 0, j = 1 - i;
-        if (absolute(linear[i]) <= nothing<T> * scale) return;
+        if (absolute(linear[i]) <= nothing<T> * scale) {
+            for (const joint_value<T>& x : one_joint(a, e, slack)) found.add({x, set_free(b.near)});
+            return;
+        }
         const T share = linear[j] / linear[i], cosine = A[j][0] - share * A[i][0], sine = A[j][1] - share * A[i][1];
         for (const joint_value<T>& x : harmonic(cosine, sine, e[j] - share * e[i], scale, slack).or_near(a.near))
             found.add({x, slid((e[i] - a.at(i, x)) / linear[i])});

@@ -118,7 +118,8 @@ public:
     }
 
     /// θ after some of Newton's steps of least length, −J⁺ e, of which so many may gain little; whether it meets the target.
-    bool correct(T* theta, int patience = 3) const {
+    /// singular: singular values below this part of the largest are none.
+    bool correct(T* theta, int patience = 3, T singular = precision<T>::singular) const {
         residual<T, N, rows> missed;
         T best = static_cast<T>(__builtin_inf());
         int in_vain = 0;
@@ -129,7 +130,7 @@ public:
             if (worst > T(0.9) * best && ++in_vain > patience) break;
             best = least(best, worst);
             T move[most_unknowns];
-            pseudo_inverse_step(missed, move);
+            pseudo_inverse_step(missed, singular, move);
             for (int i = 0; i < count_; ++i) theta[moving_[i]] += move[i];
         }
         return meets(theta);
@@ -150,7 +151,7 @@ public:
             if (size[i] > precision<T>::dependent * most) continue;
             for (int k = 0; k < arm_.coordinates(); ++k) beside[k] = theta[k];
             for (int j = 0; j < count_; ++j) beside[moving_[j]] += precision<T>::sidestep * X[j][i];
-            if (!correct(beside)) continue;
+            if (!correct(beside, 3, precision<T>::dependent)) continue;
             std::uint32_t changed = 0;
             T farthest = T(0);
             for (int j = 0; j < count_; ++j) {
@@ -213,13 +214,13 @@ private:
 
     /// No step is long in any of the directions that J tells apart: where one of them hardly moves the tool, near a wrist in
     /// line, the others go all their way nevertheless.
-    void pseudo_inverse_step(const residual<T, N, rows>& missed, T move[6]) const {
+    void pseudo_inverse_step(const residual<T, N, rows>& missed, T singular, T move[6]) const {
         six_rows<T, most_unknowns> columns;
         T X[6][6], size[6];
         const T most = decompose(missed, columns, X, size);
         for (int j = 0; j < count_; ++j) move[j] = T(0);
         for (int i = 0; i < count_; ++i) {
-            if (!(size[i] > precision<T>::singular * most)) continue;
+            if (!(size[i] > singular * most)) continue;
             T share = T(0);
             for (int k = 0; k < rows; ++k) share -= columns[i][k] * missed.e[k];
             share = clamped(share / (size[i] * size[i]), -precision<T>::longest, precision<T>::longest);

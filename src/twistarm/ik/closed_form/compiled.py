@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from collections.abc import Set
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
@@ -21,17 +22,27 @@ SAMPLE = 0.3
 """Held joints stand at this value [rad, m] while their family is looked for: almost every value shows it."""
 
 
-def compiled(
-    arm: Arm, kind: int, chain: Chain, family: Family, held: tuple[int, ...], idle: tuple[int, ...]
-) -> ClosedForm | None:
-    """The family for targets of a `kind`, with joints `held`, in the core; None where the arm is not in the core.
+class FamilyNumbers(NamedTuple):
+    """A family and its axes where the held joints stand at 0, as the core takes them (twistarm::solved_arm)."""
 
-    `idle`: joints that any answer may move. The core holds joints at other values in every call, so it gets the axes
-    as they are where these stand at 0.
+    first: int
+    last: int
+    keeps: int
+    axes: Array
+    joint: Array
+    kept: Array
+    held: Array
+    held_axes: Array
+    rate: Array
+    home: Array
+    idle: Array
+
+
+def family_numbers(arm: Arm, chain: Chain, family: Family, held: tuple[int, ...], idle: Set[int]) -> FamilyNumbers:
+    """The numbers of a family, with joints `held`; `idle`: those that any answer may move.
+
+    The core holds joints at other values in every call, so it gets the axes as they are where these stand at 0.
     """
-    core = engine.core()
-    if core is None or arm._compiled is None:
-        return None
     axes, _ = chain.held(held, np.full(len(held), SAMPLE))
     fitted = family.fitted(axes)
     left = [i for i in range(len(chain.axes)) if i not in held]
@@ -39,12 +50,20 @@ def compiled(
     back = [inverse(_carried(chain, held, joint)) for joint in joints]
     at_zero = [axis.seen(g) for axis, g in zip(fitted.axes, back, strict=True)]
     keeps, kept = _kept(None if fitted.kept is None else fitted.kept.moved(back[family.first]))
-    solver: ClosedForm = core.ClosedForm(
-        arm._compiled, kind, family.first, family.last, keeps, _numbers(at_zero),
+    return FamilyNumbers(
+        family.first, family.last, keeps, _numbers(at_zero),
         np.array([joint if joint < arm.n else -1 for joint in joints], dtype=np.float64),
         kept, np.array(held, dtype=np.float64), _numbers([chain.axes[i] for i in held]),
         np.array(chain.rates), np.array(arm.home), np.array([float(i in idle) for i in range(arm.n)]),
     )  # fmt: skip
+
+
+def compiled(arm: Arm, kind: int, numbers: FamilyNumbers) -> ClosedForm | None:
+    """The family for targets of a `kind` in the core; None where the arm is not in the core."""
+    core = engine.core()
+    if core is None or arm._compiled is None:
+        return None
+    solver: ClosedForm = core.ClosedForm(arm._compiled, kind, *numbers)
     return solver
 
 

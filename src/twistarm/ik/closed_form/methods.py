@@ -20,7 +20,7 @@ from ..targets import AnyTarget, Approach
 from . import elimination
 from .candidates import candidates
 from .chain import MOST_JOINTS, Chain, chain_for, goal
-from .compiled import SAMPLE, compiled
+from .compiled import SAMPLE, FamilyNumbers, compiled, family_numbers
 from .elimination import Rooted, eliminated
 from .families import DECOUPLED, EXACT, SPHERICAL, Family, FittedFamily, closest_miss, families
 from .joint_axis import JointAxis
@@ -42,8 +42,8 @@ class Method:
     """How: by a `family`, or by elimination as it is `rooted`; with neither, `reason` says why there is none.
 
     `held`: joints of the arm that are given or sampled, beyond what the target determines; `idle`, those of them that
-    do nothing that the target does not leave free, so that one value stands for all. `compiled`: the family in the
-    core, where it is exact and there is one.
+    do nothing that the target does not leave free, so that one value stands for all. `numbers` and
+    `compiled`: the family for the core and in it, where it is exact.
     """
 
     chain: Chain
@@ -53,6 +53,7 @@ class Method:
     rooted: Rooted | None = None
     off: float = 0.0
     reason: str = ""
+    numbers: FamilyNumbers | None = None
     compiled: ClosedForm | None = None
 
     @property
@@ -140,8 +141,8 @@ def _with_core(arm: Arm, target: AnyTarget, given: tuple[int, ...], method: Meth
     """The method, with its family in the core where the axes are exact: slack for those that miss is not for it."""
     if method.family is None or not method.exact:
         return method
-    idle = tuple(i for i in method.held if i not in given)
-    return replace(method, compiled=compiled(arm, target.kind, method.chain, method.family, method.held, idle))
+    numbers = family_numbers(arm, method.chain, method.family, method.held, {*method.held} - {*given})
+    return replace(method, numbers=numbers, compiled=compiled(arm, target.kind, numbers))
 
 
 def _looked_for(arm: Arm, target: AnyTarget, given: tuple[int, ...]) -> Method:
