@@ -1,4 +1,4 @@
-// Sine, cosine and arc sine against the C library's in long double, in units of the last place.
+// Sine, cosine, arc sine and arc tangent against the C library's in long double, in units of the last place.
 #include "twistarm/numeric/elementary.hpp"
 
 #include "check.hpp"
@@ -58,6 +58,25 @@ void test_arcsine() {
     CHECK(arcsine(0.0) == 0.0 && ulps(arcsine(1.0), std::asin(real(1))) <= 1, "ends");
 }
 
+void test_arctangent() {
+    tests::generator random;
+    double worst = 0, worst_float = 0;
+    for (int i = 0; i < 200000; ++i) {
+        const double size = std::pow(10.0, random.between(-6, 6)), x = random.between(-1, 1), y = size * random.between(-1, 1);
+        worst = std::fmax(worst, ulps(arctangent(y, x), std::atan2(real(y), real(x))));
+        const float u = static_cast<float>(y), v = static_cast<float>(x);
+        worst_float = std::fmax(worst_float, static_cast<double>(std::fabs(arctangent(u, v) - std::atan2(real(u), real(v)))));
+    }
+    std::printf("arctangent %.2f ulp, float %.1e\n", worst, worst_float);
+    CHECK(worst < 4 + peer, "%g ulp", worst);
+    CHECK(worst_float < 8e-7, "%g", worst_float);
+    CHECK(arctangent(0.0, 0.0) == 0.0 && arctangent(0.0, -1.0) > 3.14 && arctangent(-1.0, 0.0) < -1.57, "ends");
+    pack<double, 8> across(0.5), along(-0.25);
+    across.set(3, -2.0);
+    const pack<double, 8> all = arctangent(across, along);
+    for (int l = 0; l < 8; ++l) CHECK(std::fabs(all[l] - arctangent(across[l], along[l])) < 1e-15, "arctangent in lanes");
+}
+
 /// Lanes do what numbers alone do, and a far angle or infinity in one leaves the others as they are.
 template <class T> void test_lanes() {
     using V = pack<T, 8>;
@@ -97,6 +116,7 @@ void test_far_angles() {
 int main() {
     test_sines();
     test_arcsine();
+    test_arctangent();
     test_lanes<double>();
     test_lanes<float>();
     test_far_angles();

@@ -5,12 +5,15 @@ from .doctor import diagnose as diagnose
 from .ik import Approach as Approach
 from .ik import IKBatch as IKBatch
 from .ik import IKSolution as IKSolution
+from .ik import IKSolutions as IKSolutions
 from .ik import Pose as Pose
 from .ik import Position as Position
 from .ik import StopReason as StopReason
 from .ik import Task as Task
 from .ik import solve_ik as solve_ik
+from .ik import solve_ik_all as solve_ik_all
 from .ik import solve_ik_batch as solve_ik_batch
+from .ik import subproblems as subproblems
 from .limits.actuators import Actuators as Actuators
 from .limits.joint_limits import JointLimits as JointLimits
 from .loading.arm_builder import ArmBuilder as ArmBuilder
@@ -53,6 +56,7 @@ from .support.errors import DescriptionError as DescriptionError
 from .support.errors import InputError as InputError
 from .support.errors import LimitError as LimitError
 from .support.errors import MissingExtraError as MissingExtraError
+from .support.errors import NoClosedFormError as NoClosedFormError
 from .support.errors import NotConvergedError as NotConvergedError
 from .support.errors import TwistarmError as TwistarmError
 from .support.errors import UnknownNameError as UnknownNameError

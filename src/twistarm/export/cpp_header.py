@@ -18,6 +18,7 @@ from ..support.c_text import c_number, c_string, c_strings, identifier_of
 from ..support.checks import Array
 from ..support.errors import InputError, TwistarmError
 from ..support.files import writable, write_whole
+from .cpp_closed_form import cpp_closed_form
 
 SUFFIXES = (".hpp", ".hh", ".hxx", ".h")
 
@@ -46,7 +47,8 @@ def namespace_of(name: str) -> str:
 
 
 def cpp_header(arm: Arm) -> str:
-    """The header's text: `chain`, limits, poses, `servo_bounds`, `actuators` of the arm as constants, and `solve_ik`.
+    """The header's text: `chain`, limits, poses, `servo_bounds`, `actuators` of the arm as constants, `solve_ik`, and
+    `solve_ik_all` where the arm's axes belong to a family.
 
     The chain is the compiled core's own: constant transforms between joints that turn about z
     (core/include/twistarm/kinematics/chain.hpp), which only the core computes. TwistarmError where there is none.
@@ -83,6 +85,7 @@ def cpp_header(arm: Arm) -> str:
         coupling=_rows(map(_numbers, np.asarray(constants["coupling"]))),
         **_servo(arm),
         motors_section=_motors(arm),
+        closed_form_section=cpp_closed_form(arm),
     )
 
 
@@ -336,5 +339,6 @@ twistarm::solution<T, n> solve_ik(const twistarm::ranges<T, n>& limits, const Ta
     return solve_ik<Lanes>(limits, asked, theta0, settings, seed);
 }}
 
+{closed_form_section}
 }}  // namespace {namespace}
 """

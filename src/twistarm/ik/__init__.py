@@ -1,9 +1,12 @@
 """Inverse kinematics: targets, the solver, and solutions that say what was reached and why not more."""
 
+from .all_solutions import IKSolutions
+from .all_solutions_batch import IKSolutionsBatch, solve_ik_all_batch
 from .batch import IKBatch, solve_ik_batch
 from .request import POSTURES
 from .solution import IKSolution
 from .solve import solve_ik
+from .solve_all import solve_ik_all
 from .stop_reason import StopReason
 from .targets import AnyTarget, Approach, Pose, Position, TargetLike, Task
 from .task_space import Target
@@ -14,6 +17,8 @@ __all__ = [
     "Approach",
     "IKBatch",
     "IKSolution",
+    "IKSolutions",
+    "IKSolutionsBatch",
     "Pose",
     "Position",
     "StopReason",
@@ -21,5 +26,7 @@ __all__ = [
     "TargetLike",
     "Task",
     "solve_ik",
+    "solve_ik_all",
+    "solve_ik_all_batch",
     "solve_ik_batch",
 ]

@@ -64,6 +64,10 @@ class NotConvergedError(TwistarmError):
         return type(self), (str(self), self.solution)
 
 
+class NoClosedFormError(TwistarmError):
+    """An arm has no closed form for such a target, and one was asked for; the message says what it misses."""
+
+
 class MissingExtraError(TwistarmError, ImportError):
     """An optional dependency is not installed; the message is the command that installs it."""
 

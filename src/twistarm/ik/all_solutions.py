@@ -1,0 +1,189 @@
+"""The answer of `solve_ik_all`: every configuration that meets a target, and what is known of the whole set."""
+
+from __future__ import annotations
+
+import operator
+from collections.abc import Iterator
+from typing import Any
+
+import numpy as np
+
+from ..model.arm import Arm
+from ..support.checks import Array
+from ..support.errors import printable
+from .closed_form.methods import Method
+from .closed_form.roots import Root
+from .solve import solve_ik
+from .targets import AnyTarget, numbers_of_kind, target_of
+
+INSIDE, COUNT, TRIES, HITS, KIND, LEFT = range(6)
+"""Where each single number stands in what was found: how many are inside the limits and how many in all, searches or
+values that were tried and how many of them had an answer, the target's kind, and how many of a continuous family stand
+outside the limits, whose members inside are left to look for; core/bindings/closed_form.cpp writes the same."""
+
+FIRST = 6
+"""Behind them stand theta0 (n), the target's numbers, and for each configuration theta (n) and which of its joints may
+move (n) as 0 and 1: those inside first."""
+
+
+def found_row(target: AnyTarget, theta0: Array, inside: Array, outside: Array, tries: tuple[int, int]) -> Array:
+    """What was found, as one read-only row of numbers: `inside` and `outside` (…, 2 n) are theta beside what moves."""
+    single = [len(inside), len(inside) + len(outside), *tries, target.kind, 0]
+    row = np.concatenate([single, theta0, target.numbers.ravel(), inside.ravel(), outside.ravel()])
+    row.flags.writeable = False
+    return row
+
+
+def configurations_in(row: Array, n: int) -> tuple[Array, Array]:
+    """Those inside the limits and those outside, (…, 2 n)."""
+    rows = row[FIRST + n + numbers_of_kind(int(row[KIND])) :].reshape(-1, 2 * n)
+    return rows[: int(row[INSIDE])], rows[int(row[INSIDE]) :]
+
+
+def roots_in(row: Array, n: int) -> Iterator[Root]:
+    """The same as roots."""
+    for each in np.concatenate(configurations_in(row, n)):
+        yield Root(each[:n], tuple(np.flatnonzero(each[n:]).tolist()))
+
+
+class IKSolutions:
+    """Configurations inside the limits that meet the target, each verified by forward kinematics; it cannot be changed.
+
+    theta (k, n) [rad, m], read-only: nearest to theta0 first, by the largest joint difference in shares of the joint's
+    range (2π or 1 m where it has none). `solutions[i]` is theta[i].
+    free: for each of them, the joints that may go on moving while the target stays met, () where it stands alone. Where
+    a wrist is singular, or an arm redundant, theta is one of a continuous family, the one nearest to theta0 that was
+    found; `given` chooses another.
+    outside (m, n): configurations that meet the target beyond the position limits.
+    complete: whether these are all there are, but for others of the same families. False where joints were sampled,
+    where the axes miss the family that was solved, and for a search.
+    method: "closed form", "elimination" or "search from many starts"; `family`: which, in words.
+    starts, hits: searches that were run, and how many of them met the target; values of sampled joints, and how many
+    gave a configuration. 0 where there was nothing to sample.
+    """
+
+    __slots__ = ("_arm", "_complete", "_method", "_row", "_target")
+
+    def __init__(self, arm: Arm, row: Array, method: Method, complete: bool, target: AnyTarget | None = None) -> None:
+        self._arm = arm
+        self._row = row
+        self._method = method
+        self._complete = complete
+        self._target = target
+
+    @property
+    def arm(self) -> Arm:
+        """Whose configurations they are."""
+        return self._arm
+
+    @property
+    def target(self) -> AnyTarget:
+        """What was asked."""
+        if self._target is None:
+            kind, first = int(self._row[KIND]), FIRST + self._arm.n
+            self._target = target_of(kind, self._row[first : first + numbers_of_kind(kind)])
+        return self._target
+
+    @property
+    def theta0(self) -> Array:
+        """(n,) [rad, m]: from which distances are counted, joints that are given at their values."""
+        return self._row[FIRST : FIRST + self._arm.n]
+
+    @property
+    def theta(self) -> Array:
+        """(k, n) [rad, m], read-only, nearest to theta0 first."""
+        return configurations_in(self._row, self._arm.n)[0][:, : self._arm.n]
+
+    @property
+    def outside(self) -> Array:
+        """(m, n) [rad, m], read-only: what meets the target beyond the position limits."""
+        return configurations_in(self._row, self._arm.n)[1][:, : self._arm.n]
+
+    @property
+    def free(self) -> tuple[tuple[str, ...], ...]:
+        """For each of theta, the joints that may go on moving while the target stays met."""
+        moving = configurations_in(self._row, self._arm.n)[0][:, self._arm.n :]
+        names = self._arm.joint_names
+        return tuple(tuple(names[i] for i in np.flatnonzero(each)) for each in moving)
+
+    @property
+    def complete(self) -> bool:
+        """Whether these are all there are."""
+        return self._complete
+
+    @property
+    def method(self) -> str:
+        """closed form, elimination or search from many starts."""
+        return self._method.name
+
+    @property
+    def family(self) -> str:
+        """Which closed form, or why there is none."""
+        return self._method.in_words(self._arm)
+
+    @property
+    def starts(self) -> int:
+        """Searches that were run, or values of sampled joints; 0 where there was nothing to sample."""
+        return int(self._row[TRIES])
+
+    @property
+    def hits(self) -> int:
+        """How many of these met the target."""
+        return int(self._row[HITS])
+
+    @property
+    def position_error(self) -> Array:
+        """(k,) [m], of what the target constrains."""
+        return np.array([self.target.position_error(g) for g in self.arm.fk(self.theta)])
+
+    @property
+    def orientation_error(self) -> Array:
+        """(k,) [rad], of what the target constrains."""
+        return np.array([self.target.orientation_error(g) for g in self.arm.fk(self.theta)])
+
+    def explain(self) -> str:
+        """What was asked, how many configurations meet it, and where none does, how far off the nearest is."""
+        lines = [
+            f"asked of {self.arm.name}: {self.target.describe()}",
+            self._counted(),
+            f"found by {self.method}: {self.family}",
+        ]
+        families = sorted({joints for joints in self.free if joints})
+        lines += [
+            f"one of a continuous family: {', '.join(joints)} may move while the target stays met"
+            for joints in families
+        ]
+        if not len(self):
+            lines += solve_ik(self.arm, self.target, self.theta0).explain().splitlines()[1:]
+        return "\n".join(map(printable, lines))
+
+    def _counted(self) -> str:
+        count, beyond = len(self), len(self.outside)
+        all_ = "all there are" if self.complete else "there may be more"
+        outside = f", {beyond} more outside the limits" if beyond else ""
+        sampled = f", {self.hits} of {self.starts} tries met it" if self.starts else ""
+        if not count and self.complete:
+            return f"no configuration inside the limits{outside}: that is certain"
+        return f"{count} configuration{'s' * (count != 1)} inside the limits{outside}; {all_}{sampled}"
+
+    def __len__(self) -> int:
+        return int(self._row[INSIDE])
+
+    def __iter__(self) -> Iterator[Array]:
+        return iter(self.theta)
+
+    def __getitem__(self, index: int) -> Array:
+        theta: Array = self.theta[operator.index(index)]
+        return theta
+
+    def __repr__(self) -> str:
+        return f"IKSolutions({self.arm.name}, {self._counted()}; {self.method})"
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        return _unpickled, (self._arm, self._row, self._method, self._complete, self._target)
+
+
+def _unpickled(arm: Arm, row: Array, method: Method, complete: bool, target: AnyTarget | None) -> IKSolutions:
+    # An array is writeable again when it comes out of a pickle.
+    row.flags.writeable = False
+    return IKSolutions(arm, row, method, complete, target)

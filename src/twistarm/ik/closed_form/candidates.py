@@ -1,0 +1,204 @@
+"""A family's closed form: all candidates for x with E₁(x₁) ⋯ Eₖ(xₖ) = G.
+
+With E_L, E_K, E_R the products of the joints before the group, of it and behind it, E_K = E_L⁻¹ G E_R⁻¹ leaves the
+point or plane X alone: E_L X = G E_R⁻¹ X. The joints behind, seen from the other side of G, come to stand before the
+others, so that one chain of at most three has to place X where G takes it.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+from typing import NamedTuple
+
+import numpy as np
+
+from ...support.checks import Array
+from ...theory.screws import inverse
+from .families import FittedFamily
+from .joint_axis import JointAxis, Plane, Point, across, product
+from .placing import Placed, place, settle
+from .trigonometric import NEAREST
+
+NO_ORIGIN = np.zeros(3)
+
+MET = 1e-6
+"""A candidate that misses by less [m, or a rotation's numbers] is an answer but for rounding."""
+
+ELSEWHERE = tuple(0.9 * step for step in range(1, 7))
+"""How far from `near` [rad, m] joints are tried of which any value would do, where there is no answer with that one."""
+
+
+class Candidate(NamedTuple):
+    """Values (k,) in the order of the chain, and the joints for which any other value would do."""
+
+    x: Array
+    free: frozenset[int]
+
+
+def candidates(fitted: FittedFamily, G: Array, near: Array, slack: float) -> list[Candidate]:
+    """Every x (k,) with E₁(x₁) ⋯ Eₖ(xₖ) = G (4, 4), and some that only nearly do, or not: forward kinematics decides.
+
+    Where any value of a joint would do it has that of `near` (k,); where there is nothing with that, a nearby one.
+    """
+    found, free = [], frozenset[int]()
+    for candidate in _with(fitted, G, near, slack):
+        found.append(candidate)
+        free |= candidate.free
+    met = any(_miss(fitted, candidate, G) <= MET for candidate in found if candidate.free)
+    for turned in ELSEWHERE if free and not met else ():
+        elsewhere = np.array(near)
+        elsewhere[list(free)] += turned
+        found += [candidate for candidate in _with(fitted, G, elsewhere, slack) if candidate.free]
+    return found
+
+
+def _miss(fitted: FittedFamily, candidate: Candidate, G: Array) -> float:
+    """The largest number of E₁(x₁) ⋯ Eₖ(xₖ) − G."""
+    return float(np.abs(product(fitted.axes, candidate.x[list(fitted.family.order)]) - G).max())
+
+
+def _with(fitted: FittedFamily, G: Array, near: Array, slack: float) -> Iterator[Candidate]:
+    order = fitted.family.order
+    before, group, behind = fitted.parts
+    wanted = [float(near[i]) for i in order]
+    b, e = len(before), len(before) + len(group)
+    chain = (*(axis.seen(G) for axis in behind), *before)
+    for beside in _beside(chain, fitted.kept, G, (*wanted[e:], *wanted[:b]), slack):
+        x_behind, x_before = beside.x[: len(behind)], beside.x[len(behind) :]
+        E = inverse(product(before, np.array(x_before))) @ G @ inverse(product(behind, np.array(x_behind)))
+        for inside in within_group(fitted.kept, group, E, tuple(wanted[b:e]), NEAREST if beside.free else slack):
+            x = np.empty(len(order))
+            x[list(order)] = [*x_before, *inside.x, *x_behind]
+            places = [i - len(behind) if i >= len(behind) else e + i for i in beside.free]
+            yield Candidate(x, frozenset(order[i] for i in (*places, *(b + i for i in inside.free))))
+
+
+def _beside(
+    chain: tuple[JointAxis, ...], kept: Point | Plane | None, G: Array, near: tuple[float, ...], slack: float
+) -> list[Placed]:
+    return [Placed(())] if kept is None else place(chain, kept, kept.moved(G), near, slack)
+
+
+def within_group(
+    kept: Point | Plane | None, group: tuple[JointAxis, ...], E: Array, near: tuple[float, ...], slack: float
+) -> list[Placed]:
+    """All x with E₁(x₁) ⋯ Eₖ(xₖ) = E, k ≤ 3, for a group that leaves `kept` alone; k ≤ 6 for a decoupled one."""
+    if kept is None:
+        return decoupled(group, E, near, slack)
+    if isinstance(kept, Point):
+        return rotating(tuple(axis.w for axis in group), E[:3, :3], near, slack)
+    return sliding(group, kept.n, E, near, slack)
+
+
+def rotating(w: tuple[Array, ...], R: Array, near: tuple[float, ...], slack: float) -> list[Placed]:
+    """All x with e^{ŵ₁x₁} ⋯ e^{ŵₖxₖ} = R (3, 3), k ≤ 3.
+
+    Of three, the angle from w₁ to R w₃ gives x₂ (`_middle_turns`); then x₁ turns e^{ŵ₂x₂} w₃ to R w₃, and x₃ is the
+    turn that is left. Where x₂ brings w₃ along w₁ the wrist is singular: x₁ is free.
+    """
+    axes = tuple(JointAxis(each, NO_ORIGIN, slides=False) for each in w)
+    if not w:
+        return [Placed(())]
+    if len(w) == 1:
+        u = across(w[0])[0]
+        return [Placed((settle(axes[0], Point(u), Point(R @ u), near[0])[0],))]
+    if len(w) == 2:
+        return _first_then_rest(axes, R, w[1], near, slack)
+    found = []
+    for x in _middle_turns(axes[1], w[0], w[2], R @ w[2], slack):
+        found += _first_then_rest(axes, R, axes[1].motion(x)[:3, :3] @ w[2], near, slack, x)
+    return found
+
+
+def _middle_turns(middle: JointAxis, first: Array, last: Array, goal: Array, slack: float) -> list[float]:
+    """The turns of `last` (3,) about the middle axis to where its angle from `first` is that of `goal`.
+
+    The three directions make a triangle on the sphere with the sides α, γ and β. Its half-angle formulas give the angle
+    at the middle axis to rounding, however small it is; from its cosine half the digits of a nearly singular wrist
+    would be lost.
+    """
+    alpha, gamma, beta = _angle(middle.w, first), _angle(middle.w, last), _angle(first, goal)
+    s = 0.5 * (alpha + beta + gamma)
+    sine, cosine = math.sin(s - alpha) * math.sin(s - gamma), math.sin(s) * math.sin(s - beta)
+    if min(sine, cosine) < -slack:
+        return []
+    opening = 2.0 * math.atan2(math.sqrt(max(sine, 0.0)), math.sqrt(max(cosine, 0.0)))
+    aligned = settle(middle, Point(last), Point(first), 0.0)[0]
+    return [aligned + opening, aligned - opening] if sine > 0.0 and cosine > 0.0 else [aligned + opening]
+
+
+def _angle(a: Array, b: Array) -> float:
+    """Between unit vectors a and b (3,) [rad]."""
+    return math.atan2(float(np.linalg.norm(np.cross(a, b))), float(a @ b))
+
+
+def _first_then_rest(
+    axes: tuple[JointAxis, ...],
+    R: Array,
+    moved: Array,
+    near: tuple[float, ...],
+    slack: float,
+    middle: float | None = None,
+) -> list[Placed]:
+    """x₁ turns `moved` to where R takes the last axis; the last joint turns what is left."""
+    x, free = settle(axes[0], Point(moved), Point(R @ axes[-1].w), near[0])
+    left = axes[0].motion(-x)[:3, :3] @ R
+    between = () if middle is None else (middle,)
+    if middle is not None:
+        left = axes[1].motion(-middle)[:3, :3] @ left
+    last = rotating((axes[-1].w,), left, near[-1:], slack)[0].x
+    return [Placed((x, *between, *last), frozenset({0} if free else ()))]
+
+
+def sliding(
+    group: tuple[JointAxis, ...], normal: Array, E: Array, near: tuple[float, ...], slack: float
+) -> list[Placed]:
+    """All x with E₁(x₁) ⋯ Eₖ(xₖ) = E (4, 4), k ≤ 3, of joints that turn about the normal and slide across it.
+
+    The angles add up. With one turn it is the whole angle, and the slides are two lengths in the plane; else the joints
+    before the last turn take a point of its axis where E takes it.
+    """
+    turning = [i for i, axis in enumerate(group) if not axis.slides]
+    u, v = across(normal)
+    whole = math.atan2(float(v @ E[:3, :3] @ u), float(u @ E[:3, :3] @ u))
+    senses = [float(np.sign(group[i].w @ normal)) for i in turning]
+    if len(turning) == 1:
+        return [Placed(_one_turn(group, turning[0], senses[0] * whole, E))]
+    last = turning[-1]
+    if last < len(group) - 1:
+        backward = sliding(group[::-1], normal, inverse(E), tuple(-x for x in near[::-1]), slack)
+        end = len(group) - 1
+        return [Placed(tuple(-x for x in each.x[::-1]), frozenset(end - i for i in each.free)) for each in backward]
+    X = Point(group[last].o)
+    found = []
+    for rest in place(group[:last], X, X.moved(E), near[:last], slack):
+        turned = sum(sense * rest.x[i] for sense, i in zip(senses[:-1], turning[:-1], strict=True))
+        found.append(Placed((*rest.x, senses[-1] * (whole - turned)), rest.free))
+    return found
+
+
+def decoupled(group: tuple[JointAxis, ...], E: Array, near: tuple[float, ...], slack: float) -> list[Placed]:
+    """All x with E₁(x₁) ⋯ Eₖ(xₖ) = E (4, 4), at most three that turn, by the rotation, and three that slide."""
+    turning = [i for i, axis in enumerate(group) if not axis.slides]
+    found = []
+    for turns in rotating(tuple(group[i].w for i in turning), E[:3, :3], tuple(near[i] for i in turning), slack):
+        x = np.zeros(len(group))
+        x[turning] = turns.x
+        found.append(Placed(_with_slides(group, x, E), frozenset(turning[i] for i in turns.free)))
+    return found
+
+
+def _one_turn(group: tuple[JointAxis, ...], turning: int, angle: float, E: Array) -> tuple[float, ...]:
+    """The one turn, and slides by least squares."""
+    x = np.zeros(len(group))
+    x[turning] = angle
+    return _with_slides(group, x, E)
+
+
+def _with_slides(group: tuple[JointAxis, ...], x: Array, E: Array) -> tuple[float, ...]:
+    """x (k,) with the slides, 0 so far, by least squares where E takes the origin: they are linear in it."""
+    slides = [i for i, axis in enumerate(group) if axis.slides]
+    directions = np.array([product(group[:i], x[:i])[:3, :3] @ group[i].w for i in slides]).reshape(-1, 3).T
+    x[slides] = np.linalg.lstsq(directions, E[:3, 3] - product(group, x)[:3, 3], rcond=None)[0]
+    return tuple(float(value) for value in x)

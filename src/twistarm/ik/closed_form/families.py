@@ -1,0 +1,220 @@
+"""Families of arms whose inverse kinematics has a closed form, recognised from the axes.
+
+Some joints that follow one another are a *group* if together they leave something alone: axes that meet in a point
+leave the point alone (a spherical group), parallel axes, and slides across them, every plane across the axes (a planar
+group). With at most three joints beside the group, these have to place the point, or the plane, where the target wants
+it (`placing`); the group does the rest. That covers a spherical wrist or shoulder with any three other joints, three
+parallel axes anywhere, and every arm of four joints. A slide along parallel axes commutes with them, so joints may be
+taken in another order than the arm's. Of at most three joints that turn, in different directions, and at most three
+that slide, in whatever order, the rotation alone gives the former: all are one *decoupled* group that keeps nothing.
+
+Sources: Pieper 1968 (three axes that meet, three that are parallel); Elias & Wen, IK-Geo, 2022; MLS §3.3.
+"""
+
+from __future__ import annotations
+
+import itertools
+from dataclasses import dataclass, replace
+from functools import cached_property
+
+import numpy as np
+
+from ...support.checks import Array
+from .joint_axis import JointAxis, Plane, Point, product
+
+EXACT = 1e-9
+"""Axes that miss a point by less than this share of the arm's reach, or a direction by less [rad], are exact."""
+
+NEARLY = 2e-3
+"""Up to so much of the reach, or rad, the family of the nearest exact arm gives starts for Newton's method."""
+
+MOST_BESIDE = 3
+"""Joints beside the group that can be solved for."""
+
+INDEPENDENT = 1e-5
+"""Singular values above this tell motions apart."""
+
+TRIALS = 3
+"""Random configurations among which a rank is the largest; almost every one has it."""
+
+SPHERICAL, PLANAR, DECOUPLED = "spherical", "planar", "decoupled"
+
+
+@dataclass(frozen=True)
+class Family:
+    """Which joints are the group, whatever the values of joints that are held fixed.
+
+    `order` (k,): the joints of the chain in the order in which they are taken; those from `first` to before `last` are
+    the group of this `kind`.
+    """
+
+    kind: str
+    order: tuple[int, ...]
+    first: int
+    last: int
+
+    @property
+    def group(self) -> tuple[int, ...]:
+        """The joints of the group, base to tip."""
+        return self.order[self.first : self.last]
+
+    def fitted(self, axes: tuple[JointAxis, ...]) -> FittedFamily:
+        """The family for these axes (k,), the group's made exact."""
+        taken = [axes[i] for i in self.order]
+        group = taken[self.first : self.last]
+        if self.kind == DECOUPLED:
+            return FittedFamily(self, tuple(taken), None, 0.0)
+        kept, exact, off = _meeting(group) if self.kind == SPHERICAL else _parallel(group)
+        taken[self.first : self.last] = exact
+        return FittedFamily(self, tuple(taken), kept, off)
+
+
+@dataclass(frozen=True, eq=False)
+class FittedFamily:
+    """A family with its axes, in its order; `kept`, the point or plane that the group leaves alone, if there is one.
+
+    `off`: by how much the arm's own axes miss it, in m for a point and rad for a plane.
+    """
+
+    family: Family
+    axes: tuple[JointAxis, ...]
+    kept: Point | Plane | None
+    off: float
+
+    @cached_property
+    def parts(self) -> tuple[tuple[JointAxis, ...], tuple[JointAxis, ...], tuple[JointAxis, ...]]:
+        """The axes before the group, of it, and behind it."""
+        first, last = self.family.first, self.family.last
+        return self.axes[:first], self.axes[first:last], self.axes[last:]
+
+    def off_share(self, reach: float) -> float:
+        """`off` in shares of the arm's reach [m], or in rad."""
+        return self.off / reach if self.family.kind == SPHERICAL else self.off
+
+
+def families(axes: tuple[JointAxis, ...], reach: float, tolerance: float = NEARLY) -> list[FittedFamily]:
+    """All families that at most six axes (k,) belong to, exact ones first, then those that are simplest to solve.
+
+    `tolerance`: share of the reach [m], or angle [rad], by which the axes may miss.
+    """
+    turning = [axis for axis in axes if not axis.slides]
+    if len(turning) <= MOST_BESIDE and len(axes) - len(turning) <= MOST_BESIDE:
+        whole = Family(DECOUPLED, tuple(range(len(axes))), 0, len(axes)).fitted(axes)
+        if _decoupled(whole):
+            return [whole]
+    found = []
+    for order in _orders(axes):
+        for first, last in itertools.combinations(range(len(axes) + 1), 2):
+            if last - first > MOST_BESIDE or len(axes) - (last - first) > MOST_BESIDE:
+                continue
+            for kind in _kinds([axes[i] for i in order[first:last]]):
+                fitted = Family(kind, order, first, last).fitted(axes)
+                if fitted.off_share(reach) <= tolerance and _determined(fitted):
+                    found.append(fitted)
+    return sorted(found, key=lambda fitted: _rank(fitted, reach))
+
+
+def closest_miss(axes: tuple[JointAxis, ...], reach: float) -> FittedFamily | None:
+    """The family that the axes miss by least, however far; None where no three could be one."""
+    found = families(axes, reach, np.inf)
+    return min(found, key=lambda fitted: fitted.off_share(reach), default=None)
+
+
+def _rank(fitted: FittedFamily, reach: float) -> tuple[object, ...]:
+    """What is exact goes first, then the largest group, then the arm's own order."""
+    off = fitted.off_share(reach)
+    family = fitted.family
+    size = family.last - family.first
+    return off > EXACT, round(off, 6) if off > EXACT else 0.0, -size, family.kind != SPHERICAL, family.order
+
+
+def _kinds(group: list[JointAxis]) -> list[str]:
+    """What the joints may be: axes that slide meet in no point; planes need a normal."""
+    kinds = [] if any(axis.slides for axis in group) else [SPHERICAL]
+    return [*kinds, PLANAR] if len(group) > 1 and any(not axis.slides for axis in group) else kinds
+
+
+def _meeting(group: list[JointAxis]) -> tuple[Point, list[JointAxis], float]:
+    """The point nearest to all axes, the axes moved through it, and how far they were from it [m] at most."""
+    across = [np.eye(3) - np.outer(axis.w, axis.w) for axis in group]
+    target = np.sum([P @ axis.o for P, axis in zip(across, group, strict=True)], axis=0)
+    centre = np.linalg.lstsq(np.sum(across, axis=0), target, rcond=1e-9)[0]
+    off = max(float(np.linalg.norm(P @ (centre - axis.o))) for P, axis in zip(across, group, strict=True))
+    return Point(centre), [replace(axis, o=centre) for axis in group], off
+
+
+def _parallel(group: list[JointAxis]) -> tuple[Plane, list[JointAxis], float]:
+    """A plane across all axes that turn, the axes made parallel, and by how much they were not [rad] at most."""
+    turning = [axis.w for axis in group if not axis.slides]
+    normal = np.sum([w * np.sign(w @ turning[0]) for w in turning], axis=0)
+    normal = normal / max(float(np.linalg.norm(normal)), 1e-12)
+    off, exact = 0.0, []
+    for axis in group:
+        along = float(normal @ axis.w)
+        across = axis.w - along * normal
+        off = max(off, abs(along) if axis.slides else float(np.linalg.norm(across)))
+        w = across / max(float(np.linalg.norm(across)), 1e-12) if axis.slides else normal * np.sign(along)
+        exact.append(replace(axis, w=w))
+    return Plane(normal, 0.0), exact, off
+
+
+def _orders(axes: tuple[JointAxis, ...]) -> list[tuple[int, ...]]:
+    """The orders in which the joints may be taken, the arm's first: neighbours that commute change places."""
+    known = {tuple(range(len(axes))): None}
+    for order in (todo := list(known)):
+        for i in range(len(axes) - 1):
+            a, b = axes[order[i]], axes[order[i + 1]]
+            # Two slides commute too, but no group gains by that.
+            if a.slides != b.slides and np.linalg.norm(np.cross(a.w, b.w)) < EXACT:
+                swapped = (*order[:i], order[i + 1], order[i], *order[i + 2 :])
+                if swapped not in known:
+                    known[swapped] = None
+                    todo.append(swapped)
+    return list(known)
+
+
+def _decoupled(fitted: FittedFamily) -> bool:
+    """Whether each joint that turns changes the rotation in another way, and each that slides the position."""
+    rng = np.random.default_rng(0)
+    for _ in range(TRIALS):
+        J = _columns(fitted.axes, rng.uniform(-2.0, 2.0, len(fitted.axes)))
+        turns = [xi[3:] for xi, axis in zip(J, fitted.axes, strict=True) if not axis.slides]
+        slides = [xi[:3] for xi, axis in zip(J, fitted.axes, strict=True) if axis.slides]
+        if _rank_of(turns) == len(turns) and _rank_of(slides) == len(slides):
+            return True
+    return False
+
+
+def _columns(axes: tuple[JointAxis, ...], x: Array) -> list[Array]:
+    """The twists (6,) of the joints at x (k,): the columns of the spatial Jacobian."""
+    return [axis.seen(product(axes[:i], x[:i])).twist for i, axis in enumerate(axes)]
+
+
+def _determined(fitted: FittedFamily) -> bool:
+    """Whether the joints beside the group move what it keeps in as many ways as they are, and the group's are free.
+
+    At random configurations, each with the pose that it makes: for a pose that no configuration makes the joints beside
+    may well move what they cannot move where the arm can be.
+    """
+    rng = np.random.default_rng(0)
+    first, last = fitted.family.first, fitted.family.last
+    for _ in range(TRIALS):
+        x = rng.uniform(-2.0, 2.0, len(fitted.axes))
+        J = _columns(fitted.axes, x)
+        assert fitted.kept is not None
+        placed = fitted.kept.moved(product(fitted.axes[:first], x[:first]))
+        beside = [_velocity(placed, xi) for xi in (*J[:first], *J[last:])]
+        if _rank_of(beside) == len(beside) and _rank_of(J[first:last]) == last - first:
+            return True
+    return False
+
+
+def _velocity(X: Point | Plane, xi: Array) -> Array:
+    """How X begins to move with the twist xi (6,): (ṅ, ḋ) or ṗ."""
+    v, w = xi[:3], xi[3:]
+    return np.append(np.cross(w, X.n), v @ X.n) if isinstance(X, Plane) else v + np.cross(w, X.p)
+
+
+def _rank_of(rows: list[Array]) -> int:
+    size = np.linalg.svd(np.array(rows))[1] if rows else np.zeros(0)
+    return int((size > INDEPENDENT).sum())

@@ -1,0 +1,110 @@
+"""The axis of one joint, which turns about a line or slides along it, and what it moves: points and planes."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+
+from ...support.checks import Array
+from ...support.errors import InputError
+
+NO_PITCH = 1e-9
+"""A pitch [m/rad] below this is the rounding of none."""
+
+NO_TURN = 1e-12
+"""A twist with less rotation than this is a slide."""
+
+
+@dataclass(frozen=True, eq=False)
+class JointAxis:
+    """A line along the unit vector w (3,) through the point o (3,) [m]: the joint turns about it, or slides along it.
+
+    E(x) = e^{ξ̂x} with ξ = (o × w, w) for a joint that turns, (w, 0) for one that slides.
+    """
+
+    w: Array
+    o: Array
+    slides: bool
+
+    def motion(self, x: float) -> Array:
+        """E(x), (4, 4), for x in rad or m. MLS §2.3.2."""
+        g = np.eye(4)
+        if self.slides:
+            g[:3, 3] = x * self.w
+        else:
+            g[:3, :3] = turn(self.w, x)
+            g[:3, 3] = self.o - g[:3, :3] @ self.o
+        return g
+
+    def seen(self, g: Array) -> JointAxis:
+        """The same axis moved by g (4, 4): g E(x) g⁻¹ is its motion."""
+        return JointAxis(g[:3, :3] @ self.w, g[:3, :3] @ self.o + g[:3, 3], self.slides)
+
+    @property
+    def twist(self) -> Array:
+        """ξ (6,) with unit w, or unit v where it slides."""
+        return np.concatenate([self.w, np.zeros(3)] if self.slides else [np.cross(self.o, self.w), self.w])
+
+
+@dataclass(frozen=True, eq=False)
+class Point:
+    """A point at p (3,) [m]."""
+
+    p: Array
+
+    def moved(self, g: Array) -> Point:
+        """The point moved by g (4, 4)."""
+        return Point(g[:3, :3] @ self.p + g[:3, 3])
+
+
+@dataclass(frozen=True, eq=False)
+class Plane:
+    """The points x with n · x = d, n (3,) a unit vector, d [m]; with n turned round it is another plane."""
+
+    n: Array
+    d: float
+
+    def moved(self, g: Array) -> Plane:
+        """The plane moved by g (4, 4): n' = R n, d' = d + n' · p."""
+        n = g[:3, :3] @ self.n
+        return Plane(n, float(self.d + n @ g[:3, 3]))
+
+
+def axis_of(xi: Array) -> JointAxis:
+    """The axis of a twist (6,); w and v of any length but zero. InputError for a screw: it both turns and slides."""
+    v, w = xi[:3], xi[3:]
+    rate = float(np.linalg.norm(w))
+    if rate < NO_TURN:
+        speed = float(np.linalg.norm(v))
+        if speed < NO_TURN:
+            raise InputError(f"a twist must turn or slide; got {xi.tolist()}")
+        return JointAxis(v / speed, np.zeros(3), slides=True)
+    pitch = float(v @ w) / rate**2
+    if abs(pitch) > NO_PITCH:
+        raise InputError(f"a joint that turns and slides by {pitch:.3g} m/rad has no closed form; got {xi.tolist()}")
+    return JointAxis(w / rate, np.cross(w, v) / rate**2, slides=False)
+
+
+def product(axes: tuple[JointAxis, ...], x: Array) -> Array:
+    """E₁(x₁) ⋯ Eₖ(xₖ), (4, 4)."""
+    g = np.eye(4)
+    for axis, value in zip(axes, x, strict=True):
+        g = g @ axis.motion(float(value))
+    return g
+
+
+def turn(w: Array, x: float) -> Array:
+    """The rotation (3, 3) by x about the unit vector w: Rodrigues' formula. MLS §2.2.1, eq. 2.14."""
+    c, s = math.cos(x), math.sin(x)
+    hat = np.array([[0.0, -w[2], w[1]], [w[2], 0.0, -w[0]], [-w[1], w[0], 0.0]])
+    R: Array = np.eye(3) + s * hat + (1.0 - c) * (hat @ hat)
+    return R
+
+
+def across(w: Array) -> tuple[Array, Array]:
+    """Unit vectors u and w × u (3,) that span the plane across the unit vector w."""
+    u = np.cross(w, np.eye(3)[int(np.argmin(np.abs(w)))])
+    u /= np.linalg.norm(u)
+    return u, np.cross(w, u)

@@ -1,0 +1,216 @@
+"""The way in which all configurations of an arm are found for a kind of target: a family, elimination, or none.
+
+It follows from the axes alone, is looked for once for each arm and kind, and kept with the arm.
+"""
+
+from __future__ import annotations
+
+import itertools
+from dataclasses import dataclass, replace
+from functools import cached_property
+from typing import TYPE_CHECKING, Any
+from weakref import WeakKeyDictionary
+
+import numpy as np
+
+from ...model.arm import Arm
+from ...support.checks import Array
+from ...support.errors import InputError
+from ..targets import AnyTarget, Approach
+from . import elimination
+from .candidates import candidates
+from .chain import MOST_JOINTS, Chain, chain_for, goal
+from .compiled import SAMPLE, FamilyNumbers, compiled, family_numbers
+from .elimination import Rooted, eliminated
+from .families import DECOUPLED, EXACT, SPHERICAL, Family, FittedFamily, closest_miss, families
+from .joint_axis import JointAxis
+
+if TYPE_CHECKING:
+    from ..._core import ClosedForm
+
+SLACK = 1e-6
+"""What misses a subproblem of an exact arm by less, in shares of its size, is rounding: a stretched arm."""
+
+SLACK_NEARLY = 0.05
+"""The same for an arm whose axes miss its family: a root of the true arm may be none of the exact one."""
+
+CLOSED_FORM, ELIMINATION, SEARCH = "closed form", "elimination", "search from many starts"
+
+
+@dataclass(frozen=True, eq=False)
+class Method:
+    """How: by a `family`, or by elimination as it is `rooted`; with neither, `reason` says why there is none.
+
+    `held`: joints of the arm that are given or sampled, beyond what the target determines; `idle`, those of them that
+    do nothing that the target does not leave free, so that one value stands for all. `numbers` and
+    `compiled`: the family for the core and in it, where it is exact.
+    """
+
+    chain: Chain
+    held: tuple[int, ...]
+    idle: tuple[int, ...]
+    family: Family | None = None
+    rooted: Rooted | None = None
+    off: float = 0.0
+    reason: str = ""
+    numbers: FamilyNumbers | None = None
+    compiled: ClosedForm | None = None
+
+    @property
+    def there(self) -> bool:
+        """Whether there is a way."""
+        return self.family is not None or self.rooted is not None
+
+    @property
+    def exact(self) -> bool:
+        """Whether every answer is among the candidates: the axes are those of the family, or elimination was used."""
+        return self.rooted is not None or (self.family is not None and self.off <= EXACT)
+
+    @property
+    def name(self) -> str:
+        """In a word."""
+        return CLOSED_FORM if self.family is not None else ELIMINATION if self.rooted is not None else SEARCH
+
+    def in_words(self, arm: Arm) -> str:
+        """The family, or why there is none."""
+        if self.family is None:
+            if self.rooted is None:
+                return self.reason
+            return f"{'five' if self.rooted.still else 'six'} joints that turn, whatever their axes"
+        left = [i for i in range(len(self.chain.axes)) if i not in self.held]
+        joints = [left[i] for i in self.family.group]
+        what = family_in_words(arm, self.family.kind, joints)
+        return what if self.exact else f"{what}, which they miss by {self.off:.1e} of the reach, or rad"
+
+    @cached_property
+    def swept(self) -> tuple[int, ...]:
+        """Held joints of which each value gives other configurations."""
+        return tuple(i for i in self.held if i not in self.idle)
+
+    @cached_property
+    def fitted(self) -> FittedFamily | None:
+        """The family with its axes, where no joint is held."""
+        return self.family.fitted(self.chain.axes) if self.family is not None and not self.held else None
+
+    def candidates(self, arm: Arm, target: AnyTarget, near: Array, values: Array) -> list[Array]:
+        """Candidates theta (n,), held joints at `values` of theta; what is free stands as in `near` (n,)."""
+        chain = self.chain
+        rates = chain.rates[list(self.held)]
+        axes, behind = chain.held(self.held, rates * values)
+        G = goal(arm, target) @ behind
+        solved = [i for i in range(chain.n) if i not in self.held]
+        found = []
+        for x in self._solved(axes, G, np.append((near * chain.rates)[solved], np.zeros(len(axes) - len(solved)))):
+            theta = np.empty(chain.n)
+            theta[solved] = x[: len(solved)] / chain.rates[solved]
+            theta[list(self.held)] = values
+            found.append(theta)
+        return found
+
+    def __getstate__(self) -> dict[str, Any]:
+        return {**self.__dict__, "compiled": None}  # what is compiled belongs to this process
+
+    def _solved(self, axes: tuple[JointAxis, ...], G: Array, near: Array) -> list[Array]:
+        if self.family is not None:
+            fitted = self.fitted or self.family.fitted(axes)
+            slack = SLACK if self.exact else SLACK_NEARLY
+            return [candidate.x for candidate in candidates(fitted, G, near, slack)]
+        assert self.rooted is not None
+        return eliminated(axes, self.rooted, G)
+
+
+_KEPT: WeakKeyDictionary[Arm, dict[object, Method]] = WeakKeyDictionary()
+
+
+def known_method(arm: Arm, like: type[AnyTarget], axis: bytes | None) -> Method | None:
+    """The method for targets of this type, of an Approach with this tool axis, where it has been looked for."""
+    kept = _KEPT.get(arm)
+    return None if kept is None else kept.get((like, (), axis))
+
+
+def method_for(arm: Arm, target: AnyTarget, given: tuple[int, ...] = ()) -> Method:
+    """The method for targets like this one, with the joints `given` held, and others where there are still too many."""
+    key = type(target), given, target.axis.tobytes() if isinstance(target, Approach) else None
+    kept = _KEPT.setdefault(arm, {})
+    if key not in kept:
+        kept[key] = _with_core(arm, target, given, _looked_for(arm, target, given))
+    return kept[key]
+
+
+def _with_core(arm: Arm, target: AnyTarget, given: tuple[int, ...], method: Method) -> Method:
+    """The method, with its family in the core where the axes are exact: slack for those that miss is not for it."""
+    if method.family is None or not method.exact:
+        return method
+    numbers = family_numbers(arm, method.chain, method.family, method.held, {*method.held} - {*given})
+    return replace(method, numbers=numbers, compiled=compiled(arm, target.kind, numbers))
+
+
+def _looked_for(arm: Arm, target: AnyTarget, given: tuple[int, ...]) -> Method:
+    try:
+        chain = chain_for(arm, target)
+    except InputError as error:
+        return Method(Chain((), np.ones(arm.n), arm.reach), given, (), reason=str(error))
+    idle = tuple(i for i in range(arm.n) if i not in given and chain.idle(i))
+    surplus = chain.surplus(given)
+    rest = [i for i in range(arm.n) if i not in idle and i not in given]
+    first = (*given, *idle[:surplus])
+    more = itertools.combinations(rest[::-1], max(surplus - len(idle), 0))
+    return _best(arm, chain, [tuple(sorted((*first, *each))) for each in more], idle)
+
+
+def _best(arm: Arm, chain: Chain, ways: list[tuple[int, ...]], idle: tuple[int, ...]) -> Method:
+    """Of the ways to hold joints the one whose family is exact; else elimination; else the nearest family."""
+    best: Method | None = None
+    for held in ways:
+        axes, _ = chain.held(held, np.full(len(held), SAMPLE))
+        if len(axes) > MOST_JOINTS:
+            continue
+        for fitted in families(axes, arm.reach)[:1]:
+            off = fitted.off_share(arm.reach)
+            if best is None or off < best.off - EXACT:
+                best = Method(chain, held, tuple(i for i in idle if i in held), fitted.family, off=off)
+    if best is not None and best.off <= EXACT:
+        return best
+    if best is None:
+        for held in ways:
+            axes, _ = chain.held(held, np.full(len(held), SAMPLE))
+            way = elimination.rooted(axes, arm.reach)
+            if way is not None:
+                return Method(chain, held, tuple(i for i in idle if i in held), rooted=way)
+    return best or Method(chain, ways[0] if ways else (), idle, reason=_why_not(arm, chain, ways))
+
+
+def _why_not(arm: Arm, chain: Chain, ways: list[tuple[int, ...]]) -> str:
+    """Which axes miss a family by least."""
+    misses = []
+    for held in ways:
+        axes, _ = chain.held(held, np.full(len(held), SAMPLE))
+        if len(axes) <= MOST_JOINTS and (miss := closest_miss(axes, arm.reach)) is not None:
+            left = [i for i in range(len(chain.axes)) if i not in held]
+            misses.append((miss.off_share(arm.reach), miss, [left[i] for i in miss.family.group]))
+    if not misses:
+        return "no three of its axes that follow one another meet in a point or are parallel"
+    _, miss, joints = min(misses, key=lambda each: each[0])
+    return missed_in_words(arm, miss, joints)
+
+
+def family_in_words(arm: Arm, kind: str, joints: list[int]) -> str:
+    """The group of joints, and what it leaves alone."""
+    if kind == DECOUPLED:
+        return "the joints that turn follow from the rotation alone, those that slide from the position"
+    if len(joints) == 1:
+        return f"joints beside {_names(arm, joints)} place a point of its axis"
+    return f"the axes of {_names(arm, joints)} {'meet in a point' if kind == SPHERICAL else 'move in parallel planes'}"
+
+
+def missed_in_words(arm: Arm, miss: FittedFamily, joints: list[int]) -> str:
+    """By how much the axes of the group miss a point or a direction."""
+    if miss.family.kind == SPHERICAL:
+        return f"the axes of {_names(arm, joints)} pass a common point at {1e3 * miss.off:.3g} mm"
+    return f"the axes of {_names(arm, joints)} are {np.degrees(miss.off):.3g}° from parallel"
+
+
+def _names(arm: Arm, joints: list[int]) -> str:
+    names = [arm.joint_names[i] for i in joints if i < arm.n]
+    names += ["the turns that the target leaves free"] * (len(names) < len(joints))
+    return f"{', '.join(names[:-1])} and {names[-1]}" if len(names) > 1 else names[0]

@@ -1,0 +1,170 @@
+"""Candidates made into answers: corrected by forward kinematics, verified, brought inside the limits, told apart."""
+
+from __future__ import annotations
+
+import itertools
+from collections.abc import Iterable
+from dataclasses import dataclass
+
+import numpy as np
+
+from ...model.arm import Arm
+from ...support.checks import Array
+from ..ranges import TURN, Mask, joint_ranges
+from ..targets import AnyTarget
+from ..task_space import Tolerances
+
+STEPS = 30
+"""Newton's steps for a candidate: exact ones take one or two, those of a nearby arm four or five."""
+
+LONGEST_STEP = 0.3
+"""[rad, m]: a candidate is near its answer or none."""
+
+ROUNDING = 1e-14
+"""Errors [m, rad] below this are those of forward kinematics itself."""
+
+SINGULAR = 1e-9
+"""Singular values below this part of the largest are none: Newton's step leaves those directions alone."""
+
+DEPENDENT = 1e-6
+"""Singular values below this part of the largest are those of directions that move nothing at first."""
+
+SAME = 1e-5
+"""Two answers nearer together than this [rad, m] are one if the target is met as well halfway between them."""
+
+HALFWAY = 1e-13
+"""Or to so much [m, rad]."""
+
+ROUNDED_LIMIT = 1e-6
+"""An answer that passes a limit by less [rad, m] is at the limit, if the target is met there too."""
+
+LEAST_ROUNDED = 1e-11
+"""By so little [rad, m] that the target is met at the limit as well."""
+
+SIDESTEP = 0.05
+"""How far [rad, m] along a singular direction an answer is looked for again: where there is one, a family begins."""
+
+MOST_COPIES = 4096
+
+
+@dataclass(frozen=True, eq=False)
+class Root:
+    """An answer theta (n,), each angle anywhere, and the joints that may change while the target stays met."""
+
+    theta: Array
+    free: tuple[int, ...]
+
+
+def corrected(
+    arm: Arm, target: AnyTarget, theta: Array, held: tuple[int, ...] = (), singular: float = SINGULAR
+) -> Array:
+    """theta (n,) after some of Newton's steps of least length, −J⁺ e, toward the target; `held` joints stay.
+
+    No step is long in any of the directions that J tells apart: where one of them hardly moves the tool, near a wrist
+    in line, the others go all their way nevertheless.
+    """
+    for _ in range(STEPS):
+        error, J = _error_and_rows(arm, target, theta)
+        if np.abs(error).max(initial=0.0) <= ROUNDING:
+            break
+        J[:, list(held)] = 0.0
+        U, size, Vt = np.linalg.svd(J, full_matrices=False)
+        there = size > singular * size.max(initial=0.0)
+        theta = theta - np.clip((U.T @ error)[there] / size[there], -LONGEST_STEP, LONGEST_STEP) @ Vt[there]
+    return theta
+
+
+def met(arm: Arm, target: AnyTarget, theta: Array, tolerances: Tolerances) -> bool:
+    """Whether forward kinematics meets the target to the tolerances."""
+    g = arm.fk(theta)
+    return tolerances.met(target.position_error(g), target.orientation_error(g))
+
+
+def roots(
+    arm: Arm, target: AnyTarget, candidates: Iterable[Array], tolerances: Tolerances, held: tuple[int, ...] = ()
+) -> list[Root]:
+    """The different answers among the candidates, each corrected and verified; `held` joints stay where they are."""
+    found: list[Root] = []
+    turns = joint_ranges(arm).periodic
+    for candidate in candidates:
+        theta = corrected(arm, target, np.array(candidate), held)
+        if not met(arm, target, theta, tolerances):
+            continue
+        if not any(_same(arm, target, theta, other.theta, turns) for other in found):
+            found.append(Root(theta, self_motion(arm, target, theta, tolerances, held)))
+    return found
+
+
+def self_motion(
+    arm: Arm, target: AnyTarget, theta: Array, tolerances: Tolerances, held: tuple[int, ...] = ()
+) -> tuple[int, ...]:
+    """The joints, beside those `held`, that move while the target stays met: () for an answer that stands alone.
+
+    Where the rows of the Jacobian are dependent there is a direction that moves nothing at first. A step along it,
+    corrected, either comes back, or is another answer: then the two belong to a family.
+    """
+    solved = [i for i in range(arm.n) if i not in held]
+    _, size, Vt = np.linalg.svd(_error_and_rows(arm, target, theta)[1][:, solved])
+    rank = int((size > DEPENDENT * size.max(initial=1e-300)).sum())
+    moving: set[int] = set()
+    for direction in Vt[rank:]:
+        step = np.zeros(arm.n)
+        step[solved] = SIDESTEP * direction
+        beside = corrected(arm, target, theta + step, held, DEPENDENT)
+        if met(arm, target, beside, tolerances) and np.abs(beside - theta).max() > 0.5 * SIDESTEP:
+            moving |= set(np.flatnonzero(np.abs(beside - theta) > 1e-6).tolist())
+    return tuple(sorted(moving))
+
+
+def inside(arm: Arm, target: AnyTarget, theta: Array, near: Array, tolerances: Tolerances) -> Array | None:
+    """theta (n,) by whole turns inside the limits, as near to `near` (n,) as they allow; None where it is outside.
+
+    A copy that passes a limit by rounding is brought to the limit, if the target is met there too; if it is not, other
+    copies are left.
+    """
+    for slack in (ROUNDED_LIMIT, LEAST_ROUNDED):
+        moved = _nearest_copy(arm, theta, near, slack)
+        clipped = np.clip(moved, arm.limits.lower, arm.limits.upper)
+        if np.abs(clipped - moved).max(initial=0.0) > slack:
+            return None
+        if (clipped == moved).all() or met(arm, target, clipped, tolerances):
+            return clipped
+    return None
+
+
+def _nearest_copy(arm: Arm, theta: Array, near: Array, slack: float) -> Array:
+    """theta (n,) by whole turns as near to `near` as the limits allow, which it may pass by `slack` [rad, m]."""
+    lowest = np.ceil((arm.limits.lower - slack - theta) / TURN)
+    highest = np.floor((arm.limits.upper + slack - theta) / TURN)
+    counts = np.maximum(np.minimum(np.round((near - theta) / TURN), highest), lowest)
+    return np.where(joint_ranges(arm).periodic, theta + TURN * counts, theta)
+
+
+def copies(arm: Arm, theta: Array) -> Array:
+    """All of theta's copies by whole turns inside the limits (k, n); unbounded joints within a turn of 0."""
+    lower = np.maximum(arm.limits.lower, np.where(np.isfinite(arm.limits.lower), arm.limits.lower, -TURN))
+    upper = np.minimum(arm.limits.upper, np.where(np.isfinite(arm.limits.upper), arm.limits.upper, TURN))
+    choices = []
+    for value, low, high, turns in zip(theta, lower, upper, joint_ranges(arm).periodic, strict=True):
+        first, last = np.ceil((low - value) / TURN), np.floor((high - value) / TURN)
+        choices.append(value + TURN * np.arange(first, last + 1) if turns and last >= first else [value])
+    return np.array(list(itertools.islice(itertools.product(*choices), MOST_COPIES)))
+
+
+def _same(arm: Arm, target: AnyTarget, a: Array, b: Array, turns: Mask) -> bool:
+    apart = np.where(turns, (a - b + np.pi) % TURN - np.pi, a - b)
+    if np.abs(apart).max(initial=0.0) > SAME:
+        return False
+    here, halfway, there = (_missed(arm, target, theta) for theta in (a, b + 0.5 * apart, b))
+    return halfway <= max(HALFWAY, 2.0 * here, 2.0 * there)
+
+
+def _missed(arm: Arm, target: AnyTarget, theta: Array) -> float:
+    g = arm.fk(theta)
+    return max(target.position_error(g), target.orientation_error(g))
+
+
+def _error_and_rows(arm: Arm, target: AnyTarget, theta: Array) -> tuple[Array, Array]:
+    g, J_b = arm._fk_and_body_jacobian(theta)
+    (e_p, J_p), (e_r, J_r) = target.position_rows(g, J_b), target.rotation_rows(g, J_b)
+    return np.concatenate([e_p, e_r]), np.concatenate([J_p, J_r])

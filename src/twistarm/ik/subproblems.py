@@ -1,0 +1,237 @@
+"""Subproblems of inverse kinematics: one or two joints that move a point where it is wanted. MLS §3.3.2.
+
+Joints are given by their twists xi (6,) = (v, w), linear part first, as the columns of `arm.screws`: w a unit vector,
+or 0 and v one for a joint that slides. Points are (3,) [m], values in rad or m. Each function returns `Roots`: every
+value there is, and how far the best of them misses. A problem that has no solution returns the values that come
+nearest, so whether there is one is a question of `residual` and of nothing else; where two solutions have come
+together, a stretched arm, one is returned.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from ..support.checks import Array, as_direction, as_number, as_twist, as_vector, frozen
+from ..support.errors import InputError
+from .closed_form.joint_axis import JointAxis, Point, axis_of, product
+from .closed_form.placing import place, settle
+from .closed_form.trigonometric import NEAREST, NOTHING, harmonic, quadratic
+from .ranges import Mask
+
+UNIT = 1e-6
+"""How far a twist's length may be from 1."""
+
+SAME = 1e-6
+"""Values nearer together than this [rad, m] are one if the miss halfway is greater by no more than `ROUNDING`."""
+
+ROUNDING = 1e-14
+"""[m]"""
+
+BEST = 1e-6
+"""What misses by so much more [m] than the best is no root beside it."""
+
+
+@dataclass(frozen=True, eq=False)
+class Roots:
+    """The values of one subproblem.
+
+    values (k,), or (k, 2) for two joints [rad, m]: angles in (−π, π]. residual [m]: how far the best of them misses; 0,
+    but for rounding, where there is a solution. free: whether other values would do as well, because the point lies on
+    an axis; then one of them is given.
+    """
+
+    values: Array
+    residual: float
+    free: bool = False
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "values", frozen(self.values))
+
+
+def subproblem_1(xi: ArrayLike, p: ArrayLike, q: ArrayLike) -> Roots:
+    """The turn about one axis that takes p to q: e^{ξ̂θ} p = q. Paden–Kahan subproblem 1, MLS §3.3.2.
+
+    θ = atan2(w · (p' × q'), p' · q'), p' and q' the parts of p − r and q − r across the axis (w, r). Along the axis and
+    in their distance from it p and q have to agree; by how much they do not is the residual. A joint that slides goes
+    w · (q − p). On the axis every θ does: `free`, and 0 is given.
+
+    Args:
+        xi: Twist (6,) of a joint that turns or slides.
+        p: Point (3,) [m].
+        q: Where it is to be (3,) [m].
+
+    Returns:
+        `Roots`: one value.
+
+    Raises:
+        InputError: The twist is a screw or no unit twist, or an argument has another shape.
+    """
+    axis, start, goal = _axis(xi, "xi"), _point(p, "p"), _point(q, "q")
+    x, free = settle(axis, start, goal, 0.0)
+    return _roots((axis,), [x], lambda value: _apart(start.moved(axis.motion(value)), goal), free)
+
+
+def subproblem_2(xi_1: ArrayLike, xi_2: ArrayLike, p: ArrayLike, q: ArrayLike) -> Roots:
+    """The turns about two axes that take p to q: e^{ξ̂₁θ₁} e^{ξ̂₂θ₂} p = q. Paden–Kahan subproblem 2, MLS §3.3.2.
+
+    Turning about the first axis changes neither w₁ · (x − r₁) nor ‖x − r₁‖, so θ₂ has to give both the values that q
+    has: two conditions, linear in cos θ₂ and sin θ₂. θ₁ is then subproblem 1. Two axes that meet have up to two
+    solutions; parallel axes too (the two-link arm); skew ones, of which MLS does not speak, in general one or none.
+    Either joint may slide.
+
+    Args:
+        xi_1: Twist (6,) of the joint nearer to the base.
+        xi_2: Twist (6,) of the other.
+        p: Point (3,) [m].
+        q: Where it is to be (3,) [m].
+
+    Returns:
+        `Roots`: values (k, 2), k ≤ 2.
+
+    Raises:
+        InputError: A twist is a screw or no unit twist, or an argument has another shape.
+    """
+    axes, start, goal = (_axis(xi_1, "xi_1"), _axis(xi_2, "xi_2")), _point(p, "p"), _point(q, "q")
+    placed = place(axes, start, goal, (0.0, 0.0), NEAREST)
+    values = [each.x for each in placed] or [(0.0, 0.0)]
+    free = any(each.free for each in placed)
+    return _roots(axes, values, lambda value: _apart(start.moved(product(axes, np.array(value))), goal), free)
+
+
+def subproblem_3(xi: ArrayLike, p: ArrayLike, q: ArrayLike, distance: float) -> Roots:
+    """The turn about one axis that takes p to a distance from q: ‖e^{ξ̂θ} p − q‖ = δ. Paden–Kahan 3, MLS §3.3.2.
+
+    By the law of cosines θ = θ₀ ± acos((‖p'‖² + ‖q'‖² − δ'²) / (2 ‖p'‖ ‖q'‖)), θ₀ the turn from p' to q', δ'² what is
+    left of δ² across the axis. A point on a sliding joint meets the sphere in up to two places.
+
+    Args:
+        xi: Twist (6,) of a joint that turns or slides.
+        p: Point (3,) [m].
+        q: Centre of the sphere (3,) [m].
+        distance: Radius δ ≥ 0 [m].
+
+    Returns:
+        `Roots`: values (k,), k ≤ 2.
+
+    Raises:
+        InputError: The twist is a screw or no unit twist, δ is negative, or an argument has another shape.
+    """
+    axis, start, centre = _axis(xi, "xi"), _point(p, "p"), _point(q, "q")
+    radius = as_number(distance, "distance [m]")
+    if radius < 0.0:
+        raise InputError(f"distance must not be negative, in metres; got {radius:g}")
+
+    def off(value: float) -> float:
+        return abs(_apart(start.moved(axis.motion(value)), centre) - radius)
+
+    constant, first, second = _along(axis, lambda g: float(((start.moved(g).p - centre.p) ** 2).sum()))
+    return _level(axis, (constant - radius**2, first, second), off)
+
+
+def subproblem_4(xi: ArrayLike, p: ArrayLike, normal: ArrayLike, offset: float) -> Roots:
+    """The turn about one axis that takes p into a plane: n · e^{ξ̂θ} p = d. Subproblem 4 of IK-Geo.
+
+    The circle of p meets the plane where a cos θ + b sin θ = c: θ = atan2(b, a) ± acos(c / √(a² + b²)). The line of a
+    joint that slides meets it once, unless it is parallel to it.
+
+    Args:
+        xi: Twist (6,) of a joint that turns or slides.
+        p: Point (3,) [m].
+        normal: Normal n (3,), of any length but zero; it is made a unit vector.
+        offset: d [m], the plane's distance from the origin along the normal.
+
+    Returns:
+        `Roots`: values (k,), k ≤ 2.
+
+    Raises:
+        InputError: The twist is a screw or no unit twist, the normal is zero, or an argument has another shape.
+
+    Source: A. J. Elias & J. T. Wen, IK-Geo: Unified Robot Inverse Kinematics Using Subproblem Decomposition, 2022.
+    """
+    axis, start, d = _axis(xi, "xi"), _point(p, "p"), as_number(offset, "offset [m]")
+    n = as_direction(normal, "normal")
+    if n.ndim != 1:
+        raise InputError(f"normal must be one vector (3,); got {n.shape}")
+
+    def off(value: float) -> float:
+        return abs(float(n @ start.moved(axis.motion(value)).p) - d)
+
+    constant, first, second = _along(axis, lambda g: float(n @ start.moved(g).p))
+    return _level(axis, (constant - d, first, second), off)
+
+
+def _axis(xi: ArrayLike, name: str) -> JointAxis:
+    twist = as_twist(xi, name)
+    if twist.ndim != 1:
+        raise InputError(f"{name} must be one twist (6,); got {twist.shape}")
+    rate = float(np.linalg.norm(twist[3:]) or np.linalg.norm(twist[:3]))
+    if abs(rate - 1.0) > UNIT:
+        raise InputError(f"{name} must be a unit twist, ‖w‖ = 1, or w = 0 and ‖v‖ = 1; divide it by {rate:.6g}")
+    return axis_of(twist)
+
+
+def _point(value: ArrayLike, name: str) -> Point:
+    p = as_vector(value, name)
+    if p.ndim != 1:
+        raise InputError(f"{name} must be one point (3,); got {p.shape}")
+    return Point(p)
+
+
+def _apart(a: Point, b: Point) -> float:
+    return float(np.linalg.norm(a.p - b.p))
+
+
+def _along(axis: JointAxis, value: Callable[[Array], float]) -> tuple[float, float, float]:
+    """value(E(x)) as k₀ + k₁ cos x + k₂ sin x, or k₀ + k₁ x + k₂ x² where the joint slides."""
+    if axis.slides:
+        back, here, on = (value(axis.motion(x)) for x in (-1.0, 0.0, 1.0))
+        return here, 0.5 * (on - back), 0.5 * (on + back) - here
+    start, quarter, half = (value(axis.motion(x)) for x in (0.0, math.pi / 2, math.pi))
+    centre = 0.5 * (start + half)
+    return centre, start - centre, quarter - centre
+
+
+def _level(axis: JointAxis, k: tuple[float, float, float], off: Callable[[float], float]) -> Roots:
+    """Where k₀ + k₁ u + k₂ v is zero, or nearest to it."""
+    scale = max(abs(each) for each in k) or 1.0
+    found: list[float] | None
+    if not axis.slides:
+        found = harmonic(k[1], k[2], -k[0], scale, NEAREST)
+    elif max(abs(k[1]), abs(k[2])) <= NOTHING:
+        found = None
+    else:
+        found = quadratic(k[2], k[1], k[0], NEAREST)
+    return _roots((axis,), found or [0.0], off, free=found is None)
+
+
+def _roots(
+    axes: tuple[JointAxis, ...],
+    values: Sequence[float] | Sequence[tuple[float, ...]],
+    off: Callable[..., float],
+    free: bool,
+) -> Roots:
+    """The values that miss by least, each once."""
+    turns = np.array([not axis.slides for axis in axes]).reshape(np.shape(values[0]))
+    misses = [off(value) for value in values]
+    best = min(misses)
+    kept: list[Array] = []
+    for value, miss in zip(values, misses, strict=True):
+        each = _wrapped(np.asarray(value, dtype=np.float64), turns)
+        if miss <= best + BEST and not any(_same(each, other, turns, off, best) for other in kept):
+            kept.append(each)
+    return Roots(np.array(kept), best, free)
+
+
+def _same(a: Array, b: Array, turns: Mask, off: Callable[..., float], best: float) -> bool:
+    apart = _wrapped(a - b, turns)
+    return bool(np.abs(apart).max() < SAME) and off(b + 0.5 * apart) <= best + ROUNDING
+
+
+def _wrapped(x: Array, turns: Mask) -> Array:
+    """Angles in (−π, π]; lengths as they are."""
+    return np.where(turns, math.pi - (math.pi - x) % (2.0 * math.pi), x)

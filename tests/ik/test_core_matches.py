@@ -1,0 +1,250 @@
+"""Every configuration by the compiled core and by the readable code: the same roots, of every family."""
+
+from __future__ import annotations
+
+import pickle
+from collections.abc import Iterator
+
+import numpy as np
+import pytest
+
+from catalogue import load
+from twistarm import Approach, Arm, Pose, Position, arm_from_screws
+from twistarm.ik import AnyTarget, IKSolutions, solve_ik_all, solve_ik_all_batch
+from twistarm.ik.closed_form import methods
+from twistarm.ik.closed_form.families import DECOUPLED, PLANAR, SPHERICAL
+from twistarm.ik.closed_form.methods import Method
+from twistarm.ik.ranges import joint_ranges
+from twistarm.ik.targets import target_for
+from twistarm.model import engine
+
+pytestmark = pytest.mark.skipif(engine.core() is None, reason="there is no compiled core")
+
+SAME = 1e-6
+"""[rad, m]: roots that stand alone."""
+
+CATALOGUE = [
+    ("ur5", "pose"), ("elbow", "pose"), ("elbow", "position"), ("stanford", "approach"), ("scara", "pose"),
+    ("rover_arm", "pose"), ("rover_arm", "approach"), ("kinova", "pose"), ("so101", "pose"), ("rr_planar", "position"),
+]  # fmt: skip
+
+SINGULAR = [0.0, np.pi / 2, -np.pi / 2]
+
+
+def target_at(arm: Arm, kind: str, theta: np.ndarray) -> AnyTarget:
+    g = arm.fk(theta)
+    if kind == "pose":
+        return Pose(g)
+    return Position(g[:3, 3]) if kind == "position" else target_for(arm, Approach(g[:3, 3], g[:3, :3] @ arm.tool_axis))
+
+
+def postures(arm: Arm, count: int) -> Iterator[np.ndarray]:
+    """Inside the limits at random, singular ones and stretched ones among them, and ones at a limit."""
+    rng = np.random.default_rng(4)
+    lower, upper = arm.sampling_bounds
+    for i, theta in enumerate(arm.random_theta(4, count)):
+        changed = np.array(theta)
+        if i % 2:
+            joints = rng.random(arm.n) < 0.5
+            changed[joints] = np.clip(rng.choice(SINGULAR, arm.n), lower, upper)[joints]
+        if i % 5 == 4:
+            changed[i % arm.n] = upper[i % arm.n]
+        yield changed
+
+
+def readable(
+    monkeypatch: pytest.MonkeyPatch, arm: Arm, target: AnyTarget, given: dict[str, float] | None = None
+) -> IKSolutions:
+    """The answer without the core's closed form."""
+    with monkeypatch.context() as patch:
+        patch.setattr(methods, "_KEPT", type(methods._KEPT)())
+        patch.setattr(methods, "compiled", lambda *_: None)
+        return solve_ik_all(arm, target, given=given)
+
+
+def method_of(arm: Arm, target: AnyTarget, given: tuple[int, ...] = ()) -> Method:
+    return methods.method_for(arm, target, given)
+
+
+def assert_same(arm: Arm, core: IKSolutions, other: IKSolutions) -> None:
+    """As many roots, and each with its like; of continuous families there are members, and the same joints move."""
+    assert np.all(core.position_error <= 1e-9)
+    assert np.all(core.orientation_error <= 1e-9)
+    assert arm.limits.contains(core.theta).all()
+    if any(core.free) or any(other.free):
+        assert {*core.free} == {*other.free}
+        return
+    for one, like in ((core.theta, other.theta), (core.outside, other.outside)):
+        assert len(one) == len(like)
+        apart = one[:, None] - like[None]
+        turns = joint_ranges(arm).periodic
+        apart = np.where(turns, (apart + np.pi) % (2 * np.pi) - np.pi, apart)
+        distance = np.abs(apart).max(axis=2, initial=0.0)
+        assert len(one) == 0 or (distance.min(axis=0) < SAME).all()
+        assert len(one) == 0 or (distance.min(axis=1) < SAME).all()
+
+
+@pytest.mark.parametrize(("name", "kind"), CATALOGUE)
+def test_catalogue(name: str, kind: str, monkeypatch: pytest.MonkeyPatch) -> None:
+    arm = load(name)
+    for theta in postures(arm, 12):
+        target = target_at(arm, kind, theta)
+        assert method_of(arm, target).compiled is not None
+        core = solve_ik_all(arm, target)
+        assert_same(arm, core, readable(monkeypatch, arm, target))
+
+
+def screws_of(axes: list[tuple[np.ndarray, np.ndarray, bool]]) -> np.ndarray:
+    return np.array([[*w, 0, 0, 0] if slides else [*np.cross(o, w), *w] for w, o, slides in axes], dtype=float).T
+
+
+def drawn(kind: str, seed: int) -> Arm:
+    """An arm with random axes that belongs to a family."""
+    rng = np.random.default_rng(seed)
+
+    def axis(slides: bool = False) -> tuple[np.ndarray, np.ndarray, bool]:
+        w = rng.normal(size=3)
+        return w / np.linalg.norm(w), rng.uniform(-0.5, 0.5, 3), slides
+
+    axes = [axis() for _ in range(6)]
+    if kind in {"wrist", "shoulder"}:
+        first = 3 if kind == "wrist" else 0
+        for i in range(first, first + 3):
+            axes[i] = (axes[i][0], axes[first][1], False)
+    elif kind == "slides before a wrist":
+        axes[:2] = [axis(True), axis(True)]
+        axes[3:] = [(w, axes[3][1], False) for w, _, _ in axes[3:]]
+    elif kind == "decoupled":
+        axes[1], axes[2], axes[4] = axis(True), axis(True), axis(True)
+    else:
+        first = {"parallel first": 0, "parallel second": 1, "parallel last": 3}[kind]
+        for i in range(first, first + 3):
+            axes[i] = (axes[first][0], axes[i][1], False)
+    home = np.eye(4)
+    home[:3, 3] = rng.uniform(-0.5, 0.5, 3)
+    return arm_from_screws(screws_of(axes), home, name=kind)
+
+
+DRAWN = {
+    "wrist": SPHERICAL, "shoulder": SPHERICAL, "slides before a wrist": SPHERICAL, "decoupled": DECOUPLED,
+    "parallel first": PLANAR, "parallel second": PLANAR, "parallel last": PLANAR,
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("kind", DRAWN)
+def test_random_axes(kind: str, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Of a general arm two conditions are a quartic."""
+    for seed in range(3):
+        arm = drawn(kind, seed)
+        for theta in postures(arm, 4):
+            target = Pose(arm.fk(theta))
+            method = method_of(arm, target)
+            assert method.family is not None
+            assert method.family.kind == DRAWN[kind]
+            core = solve_ik_all(arm, target)
+            assert core.method == "closed form"
+            assert_same(arm, core, readable(monkeypatch, arm, target))
+            apart = np.abs(np.where(joint_ranges(arm).periodic, np.sin((core.theta - theta) / 2), core.theta - theta))
+            assert any(core.free) or apart.max(axis=1).min() < SAME
+
+
+def test_held_joints(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Seven joints, of which one stands where the caller wants it."""
+    arm = load("panda")
+    name = arm.joint_names[6]
+    for theta in postures(arm, 6):
+        target, given = Pose(arm.fk(theta)), {name: float(theta[6])}
+        core = solve_ik_all(arm, target, given=given)
+        assert (core.theta[:, 6] == theta[6]).all()
+        assert_same(arm, core, readable(monkeypatch, arm, target, given))
+
+
+def test_sampled_joints() -> None:
+    """Each value of the sampled joint is one more try; every answer is verified."""
+    arm = load("panda")
+    found = solve_ik_all(arm, Pose(arm.fk(arm.ready)))
+    assert not found.complete
+    assert 0 < found.hits <= found.starts
+    assert len(found) > found.hits / 2
+    assert np.all(found.position_error <= 1e-9)
+    assert any("joint7" in joint for joints in found.free for joint in joints)
+    assert np.abs(found.theta - arm.ready).max(axis=1).min() < SAME
+
+
+def test_sorted_by_distance_and_copied_by_whole_turns() -> None:
+    arm = load("ur5")
+    target = Pose(arm.fk(arm.random_theta(8)))
+    once, copies = solve_ik_all(arm, target), solve_ik_all(arm, target, copies=True)
+    assert len(copies) > len(once)
+    for found in (once, copies):
+        share = np.abs(found.theta - arm.ready) / (arm.limits.upper - arm.limits.lower)
+        assert (np.diff(share.max(axis=1)) >= -1e-12).all()
+    for theta in once.theta:
+        assert np.abs(copies.theta - theta).max(axis=1).min() < 1e-12
+
+
+def test_answers_are_read_only_and_pickled() -> None:
+    arm = load("ur5")
+    found = solve_ik_all(arm, arm.fk(arm.random_theta(9)))
+    again = pickle.loads(pickle.dumps(found))
+    for each in (found, again):
+        assert not each.theta.flags.writeable
+        assert not each.outside.flags.writeable
+        with pytest.raises(ValueError, match="read-only"):
+            each.theta[0, 0] = 1.0
+    np.testing.assert_array_equal(again.theta, found.theta)
+    assert again.explain() == found.explain()
+
+
+@pytest.mark.parametrize("threads", [1, 3])
+def test_batch(threads: int) -> None:
+    """The batch is what each call alone gives, whatever the number of threads."""
+    arm = load("ur5")
+    poses = arm.fk(arm.random_theta(11, 700))
+    poses[5, :3, 3] = 9.0
+    batch = solve_ik_all_batch(arm, poses, threads=threads)
+    assert batch.theta.shape == (700, batch.count.max(), arm.n)
+    assert batch.count[5] == 0
+    assert np.isnan(batch.theta[5]).all()
+    assert batch.complete.all()
+    for i in (0, 5, 255, 256, 699):
+        alone = solve_ik_all(arm, poses[i])
+        np.testing.assert_array_equal(batch.theta[i, : batch.count[i]], alone.theta)
+        np.testing.assert_array_equal(batch[i].theta, alone.theta)
+        np.testing.assert_array_equal(batch[i].outside, alone.outside)
+        assert len(batch[i].outside) == batch.outside_count[i]
+
+
+def test_batch_of_any_targets() -> None:
+    arm = load("rover_arm")
+    postures_tried = arm.random_theta(12, 4)
+    targets = [target_at(arm, kind, theta) for theta in postures_tried for kind in ("pose", "approach")]
+    batch = solve_ik_all_batch(arm, targets, postures_tried[0])
+    for i, target in enumerate(targets):
+        np.testing.assert_allclose(batch[i].theta, solve_ik_all(arm, target, postures_tried[0]).theta, atol=1e-12)
+        assert batch.count[i] > 0
+    assert len(solve_ik_all_batch(arm, [])) == 0
+
+
+def test_batch_with_a_joint_given() -> None:
+    arm = load("panda")
+    name = arm.joint_names[6]
+    theta = np.array(arm.random_theta(13, 5))
+    theta[:, 6] = 0.3
+    batch = solve_ik_all_batch(arm, arm.fk(theta), given={name: 0.3})
+    assert (batch.count > 0).all()
+    for i in range(5):
+        assert (batch[i].theta[:, 6] == 0.3).all()
+        assert np.abs(batch[i].theta - theta[i]).max(axis=1).min() < SAME
+
+
+def test_without_the_core(monkeypatch: pytest.MonkeyPatch) -> None:
+    """The batch then loops over the readable code."""
+    arm = load("scara")
+    poses = arm.fk(arm.random_theta(14, 3))
+    with_core = solve_ik_all_batch(arm, poses)
+    monkeypatch.setattr(methods, "_KEPT", type(methods._KEPT)())
+    monkeypatch.setattr(methods, "compiled", lambda *_: None)
+    without = solve_ik_all_batch(arm, poses)
+    np.testing.assert_array_equal(with_core.count, without.count)
+    np.testing.assert_allclose(with_core.theta, without.theta, atol=SAME)
