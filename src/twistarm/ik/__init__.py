@@ -2,6 +2,7 @@
 
 from .all_solutions import IKSolutions
 from .batch import IKBatch, solve_ik_batch
+from .closed_form.report import ClosedFormReport, closed_form_of
 from .request import POSTURES
 from .solution import IKSolution
 from .solve import solve_ik
@@ -14,6 +15,7 @@ __all__ = [
     "POSTURES",
     "AnyTarget",
     "Approach",
+    "ClosedFormReport",
     "IKBatch",
     "IKSolution",
     "IKSolutions",
@@ -23,6 +25,7 @@ __all__ = [
     "Target",
     "TargetLike",
     "Task",
+    "closed_form_of",
     "solve_ik",
     "solve_ik_all",
     "solve_ik_batch",

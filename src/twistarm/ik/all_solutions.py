@@ -11,6 +11,7 @@ import numpy as np
 from ..model.arm import Arm
 from ..support.checks import Array, frozen
 from ..support.errors import printable
+from .explain import reached, why_not
 from .solve import solve_ik
 from .targets import AnyTarget
 
@@ -63,7 +64,7 @@ class IKSolutions:
         lines = [
             f"asked of {self.arm.name}: {self.target.describe()}",
             self._counted(),
-            f"found by {self.method}: {self.family}",
+            f"{'found' if len(self) else 'looked for'} by {self.method}: {self.family}",
         ]
         families = sorted({joints for joints in self.free if joints})
         lines += [
@@ -71,13 +72,14 @@ class IKSolutions:
             for joints in families
         ]
         if not len(self):
-            lines += solve_ik(self.arm, self.target, self.theta0).explain().splitlines()[1:]
+            nearest = solve_ik(self.arm, self.target, self.theta0)
+            lines += [f"the nearest configuration: {reached(nearest)}", *([] if nearest.converged else why_not(nearest))]
         return "\n".join(map(printable, lines))
 
     def _counted(self) -> str:
         count, beyond = len(self), len(self.outside)
         all_ = "all there are" if self.complete else "there may be more"
-        outside = f", {beyond} more outside the limits" if beyond else ""
+        outside = f", {beyond}{' more' * (count > 0)} outside" if beyond else ""
         sampled = f", {self.hits} of {self.starts} tries met it" if self.starts else ""
         if not count and self.complete:
             return f"no configuration inside the limits{outside}: that is certain"

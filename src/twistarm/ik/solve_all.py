@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from ..model.arm import Arm, require_arm
+from ..support.caller_words import quantity
 from ..support.checks import Array, as_flag, as_number, as_whole
 from ..support.errors import InputError, NoClosedFormError, shown, unknown_name
 from .all_solutions import IKSolutions
@@ -192,7 +193,8 @@ def _given(arm: Arm, given: Mapping[str, float] | None) -> dict[int, float]:
         i = arm.joint_names.index(name)
         if not arm.limits.lower[i] <= number <= arm.limits.upper[i]:
             raise InputError(
-                f"given[{name!r}] is {number:g}, outside the limits {arm.limits.lower[i]:g} … {arm.limits.upper[i]:g}"
+                f"joint {name!r} cannot be given at {quantity(number, arm.units[i])}, outside its limits "
+                f"{quantity(arm.limits.lower[i], arm.units[i])} … {quantity(arm.limits.upper[i], arm.units[i])}"
             )
         stands[i] = number
     return dict(sorted(stands.items()))
