@@ -16,8 +16,8 @@ eight = solve_ik_all(ur5, g)
 assert len(eight) == 8
 assert eight.complete
 
-# The rover arm slides and turns in one plane: where the tool's position and direction are given, the elbow is up or down.
-# Its last joint rolls the tool about that direction, which is free.
+# The rover arm slides, and turns in one plane: where the tool's position and direction are given, the elbow is up or
+# down. Its last joint rolls the tool about that direction, which is free.
 flips = solve_ik_all(rover, Approach([0.8, 0.1, 0.7], direction=[1, 0, 0]))
 assert len(flips) == 2
 assert flips.complete

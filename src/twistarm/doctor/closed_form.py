@@ -19,8 +19,7 @@ def check_closed_form(arm: Arm) -> Iterator[Finding]:
     yield finding(
         "closed-form-missed",
         place_of(arm.description, arm.name),
-        f"{report.miss}: for {report.target} targets there is no exact closed form, solve_ik_all corrects the answers of "
-        "the nearest exact arm, and cannot say whether these are all",
-        f"{rewriting(arm, apart=False)}; exact axes give every configuration, and the proof that a "
-        "target has none",
+        f"{report.miss}: a {report.target} has no exact closed form; solve_ik_all corrects the answers of the nearest "
+        "exact arm, and cannot say whether these are all",
+        f"{rewriting(arm, apart=False)}; exact axes give every configuration, and the proof that a target has none",
     )

@@ -52,8 +52,8 @@ def diagnose(source: str | os.PathLike[str] | Arm, **load: Any) -> tuple[Finding
 
     In addition to the findings of `load_arm`: limits that look like degrees, singular postures, impossible inertias,
     meshes out of scale, a missing tool frame, idle joints, what the arm cannot do with its tool, axes that are almost
-    exact, and a closed form of inverse kinematics that they miss by that. A description that `load_arm` refuses is an answer here: its errors are findings, and what can be read of it
-    is looked at all the same.
+    exact, and a closed form of inverse kinematics that they miss. A description that `load_arm` refuses is an answer
+    here: its errors are findings, and what can be read of it is looked at all the same.
 
     Args:
         source: As in `load_arm`, or an `Arm`.

@@ -73,7 +73,8 @@ class IKSolutions:
         ]
         if not len(self):
             nearest = solve_ik(self.arm, self.target, self.theta0)
-            lines += [f"the nearest configuration: {reached(nearest)}", *([] if nearest.converged else why_not(nearest))]
+            lines.append(f"the nearest configuration: {reached(nearest)}")
+            lines += [] if nearest.converged else why_not(nearest)
         return "\n".join(map(printable, lines))
 
     def _counted(self) -> str:

@@ -18,6 +18,7 @@ from .batch import solve_ik_batch
 from .closed_form.methods import Method, method_for
 from .closed_form.roots import ROUNDED_LIMIT, Root, inside, roots
 from .closed_form.roots import copies as copied
+from .ranges import TURN, joint_ranges
 from .request import checked
 from .targets import AnyTarget, TargetLike, checked_target
 from .task_space import Tolerances
@@ -160,7 +161,7 @@ class _Task:
         for root in found:
             theta = inside(arm, self.target, root.theta, self.near, self.tolerances)
             if theta is None:
-                outside.append(root.theta)
+                outside.append(_toward_middle(arm, root.theta))
             else:
                 pairs += [(each, root.free) for each in (copied(arm, theta) if copies else [theta])]
         pairs.sort(key=lambda pair: distance(arm, pair[0], self.near))
@@ -170,6 +171,14 @@ class _Task:
             tuple(tuple(arm.joint_names[i] for i in free) for _, free in pairs),
             np.array(outside).reshape(-1, arm.n), complete, method.name, method.in_words(arm), *tries,
         )  # fmt: skip
+
+
+def _toward_middle(arm: Arm, theta: Array) -> Array:
+    """theta (n,) by whole turns as near to the middle of the limits as they bring it: so it is least outside."""
+    lower, upper = arm.limits.lower, arm.limits.upper
+    bounded = np.isfinite(lower) & np.isfinite(upper)
+    middle = 0.5 * (np.where(bounded, lower, 0.0) + np.where(bounded, upper, 0.0))
+    return np.where(joint_ranges(arm).periodic, theta + TURN * np.round((middle - theta) / TURN), theta)
 
 
 def distance(arm: Arm, theta: Array, near: Array) -> float:

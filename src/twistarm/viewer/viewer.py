@@ -248,12 +248,12 @@ class Viewer(Closeable):
     def show_solutions(self, solutions: IKSolutions | None) -> None:
         """Draw every configuration of `solve_ik_all` faintly, for the pages to step through; None draws none.
 
-        The arm stands at the nearest; those outside the limits are red. They are let go once the arm is moved otherwise.
+        The arm stands at the nearest; those outside the limits are red. They are let go once the arm is moved.
         """
         self._require_open()
         arm = self.arm
         if solutions is not None and solutions.arm is not arm:
-            raise InputError(f"these are configurations of another arm: solve_ik_all(viewer.arm, …) gives those of {arm.name}")
+            raise InputError("these are configurations of another arm: solve_ik_all(viewer.arm, …) gives this one's")
         others = self._server.ask(lambda stage: dict(stage.others))
         answer = None if solutions is None else answer_of(solutions, others)
         self._server.driver.drop(MOVED)

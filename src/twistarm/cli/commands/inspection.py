@@ -121,7 +121,8 @@ def engine_view(arm: Arm) -> str:
 def all_view(arm: Arm) -> str:
     """How all configurations are found."""
     report = closed_form_of(arm)
-    return f"all configurations of a target, a {report.target} (ik --all), by {report}"
+    a = "an" if report.target[0] in "AEIO" else "a"
+    return f"all configurations of {a} {report.target} (ik --all): {report}"
 
 
 def _joints(arm: Arm, radians: bool) -> Any:

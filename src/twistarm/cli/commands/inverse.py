@@ -39,7 +39,8 @@ PositionTolerance = Annotated[
 OrientationTolerance = Annotated[
     float | None,
     typer.Option(
-        metavar="ANGLE", help="How far the tool may be turned off [°, or rad with --rad]; 1e-6 rad, with --all 1e-9 rad."
+        metavar="ANGLE",
+        help="How far the tool may be turned off [°, or rad with --rad]; 1e-6 rad, with --all 1e-9 rad.",
     ),
 ]
 MaxTime = Annotated[float | None, typer.Option("--max-time", metavar="S", help="Give up after so many seconds.")]
@@ -88,7 +89,11 @@ def ik(
         raise InputError("give one position by --xyz, or a file of targets by --targets")
     if columns is not None and targets is None:
         raise InputError("--columns names the columns of a file: it goes with --targets")
-    _require_fitting(all_, {"--given": given, "--copies": copies}, {"--posture": posture, "--max-time": max_time, "--targets": targets})
+    _require_fitting(
+        all_,
+        {"--given": given, "--copies": copies},
+        {"--posture": posture, "--max-time": max_time, "--targets": targets},
+    )
     outputs = outputs_of(output, {"csv": (".csv",)}, force=force, json=json)
     orientation = typed_orientation(rpy, quaternion, quaternion_xyzw, direction, axis, rad)
     how = {"theta0": parse_theta(arm, start, rad), **_tolerances(position_tolerance, orientation_tolerance, rad)}

@@ -180,4 +180,6 @@ def _closest(arm: Arm, chain: Chain, held: tuple[int, ...], family: Family | Non
     if not axes or len(axes) > MOST_JOINTS:
         return None
     miss = closest_miss(axes, arm.reach) if family is None else family.fitted(axes)
-    return miss and (miss.off_share(arm.reach), missed_in_words(arm, miss, axes, chain.left(held)))
+    if miss is None:
+        return None
+    return miss.off_share(arm.reach), missed_in_words(arm, miss, axes, chain.left(held))

@@ -34,11 +34,11 @@ class ClosedFormReport:
     def __str__(self) -> str:
         held = f", for each value of {' and '.join(self.held)}" if self.held else ""
         miss = f"; {self.miss}" if self.method == ELIMINATION and self.miss else ""
-        return f"{self.method}: {self.family}{held}{miss}"
+        return f"{self.method}, {self.family}{held}{miss}"
 
 
 def closed_form_of(arm: Arm, like: AnyTarget | None = None) -> ClosedFormReport:
-    """The report for targets like this one; by default for poses, where an arm's five joints fit approaches, for those."""
+    """The report for targets like this one; by default for approaches where five joints fit them, else for poses."""
     target = _usual(arm) if like is None else like
     method = method_for(arm, target)
     off, miss = closest_miss_of(arm, method)

@@ -19,10 +19,12 @@ export class Solutions {
     this.ghosts = [];
     this.arms = [];
     this.at = null;
+    this.stands = null;
     this.asked = false;
+    this.differ = false; // whether other joints may go on moving in some of them
     this.messages = {
       solutions: (message) => this.show(message),
-      solution: ({ at }) => this.choose(at),
+      solution: ({ at, stands }) => this.choose(at, stands),
       servo: ({ driven }) => ($("solutions-all").disabled = driven),
     };
     page.view.onDrawn.push(() => this.draw()); // what they are copies of has changed
@@ -61,22 +63,24 @@ export class Solutions {
     this.asked = asked;
     this.places = places;
     this.ghosts = ghosts;
+    this.differ = new Set(places.map(({ free, beyond }) => (beyond.length > 0 ? places[0].free : free).join())).size > 1; // else the words say it
     $("solutions").hidden = !asked;
     const [, ...lines] = words.split("\n"); // the first says what is asked
     $("solutions-words").replaceChildren(...lines.map((line) => element("p", line.startsWith(" ") ? "why" : "", line.trim())));
-    this.choose(null);
+    this.choose(this.at, this.stands);
+    if (asked && this.page.view.radius !== undefined) this.page.view.reframe();
   }
 
-  // Which of them is on show, or beyond the limits, so that the arm does not go there.
-  choose(at) {
-    this.at = at;
+  // Which of them was chosen, and where the arm stands: it does not go beyond its limits.
+  choose(at, stands) {
+    Object.assign(this, { at, stands });
     const { length } = this.places;
     const { free, beyond } = this.places[at] ?? { free: [], beyond: [] };
     $("solution-place").textContent = length === 0 ? "none" : `${at === null ? "–" : at + 1} of ${length}`;
     for (const id of ["solution-next", "solution-previous"]) $(id).disabled = length === 0 || (length === 1 && at === 0);
     $("solutions").dataset.beyond = beyond.length > 0;
     $("solution-words").textContent = beyond.length > 0 ? `outside the limits: ${beyond.join(", ")}; the arm stays`
-      : free.length > 0 ? `one of a family: ${free.join(", ")} may go on moving` : "";
+      : free.length > 0 && this.differ ? `one of a family: ${free.join(", ")} may go on moving` : "";
     this.draw();
   }
 
@@ -88,12 +92,12 @@ export class Solutions {
     this.arms = [];
     const shown = $("solution-ghosts").checked ? this.ghosts : [];
     for (const [i, transforms] of shown.entries()) {
+      if (i === this.stands) continue; // the arm itself
       const beyond = this.places[i].beyond.length > 0;
-      if (i === this.at && !beyond) continue; // the arm itself
       const { colour, opacity } = beyond ? BEYOND : INSIDE;
       const arm = new ArmCopy(this.page.view, colour, i === this.at ? CHOSEN : opacity);
       arm.stand(transforms);
-      this.page.view.viewer.scene.add(arm.group);
+      this.page.view.node("/solutions").add(arm.group);
       this.arms.push(arm);
     }
     this.page.view.viewer.set_dirty();

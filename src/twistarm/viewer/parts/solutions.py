@@ -47,6 +47,7 @@ class Solutions:
     def __init__(self) -> None:
         self._answer: Answer | None = None
         self._at: int | None = None  # the configuration that was chosen
+        self._stands: int | None = None  # the one where the arm stands
         self._where: Array | None = None  # where the arm stands for it, or is on its way to
         self._number = 0  # of the latest question
 
@@ -65,7 +66,7 @@ class Solutions:
         if self._answer is not None and show.seen().theta is not self._where:
             self.release()
         yield NONE if self._answer is None else self._answer.told
-        yield {"type": "solution", "at": self._at}
+        yield {"type": "solution", "at": self._at, "stands": self._stands}
 
     def _find(self, fields: Mapping[str, Any], show: Show) -> Job:
         show.require_free()
@@ -83,7 +84,8 @@ class Solutions:
     def take(self, answer: Answer, where: Array) -> None:
         """Hold these configurations; the arm stands at `where` (n,)."""
         here = answer.inside > 0 and np.abs(answer.theta[0] - where).max(initial=0.0) < STANDS
-        self._answer, self._at, self._where = answer, 0 if here else None, where
+        self._answer, self._where = answer, where
+        self._at = self._stands = 0 if here else None
 
     def _step(self, place: int, ease: bool, show: Show, now: float) -> None:
         """Choose a configuration, and go there if it is inside the limits: else the arm stays, and its ghost stands."""
@@ -93,10 +95,11 @@ class Solutions:
         inside = place < self._answer.inside
         show.go(self._answer.theta[place] if inside else self._where, ease, now)
         self._at, self._where = place, show.seen().theta
+        self._stands = place if inside else self._stands
 
     def release(self) -> None:
         """Let the configurations go."""
-        self._answer = self._at = self._where = None
+        self._answer = self._at = self._stands = self._where = None
 
 
 def _found(arm: Arm, target: AnyTarget, start: Array, others: Mapping[str, float]) -> Answer:
