@@ -1,4 +1,4 @@
-"""What is known of all configurations of an arm before a target is: its family, or which axes miss one."""
+"""An arm's family, or which axes miss one: how all configurations are found, before a target is known."""
 
 from __future__ import annotations
 
