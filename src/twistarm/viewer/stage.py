@@ -74,13 +74,13 @@ class Stage:
         self.parts: tuple[Part, ...] = (
             self.player,
             TargetPart(),
-            self.solutions,
             Gauge(arm),
             Theory(arm),
             self.workspace,
             self.program,
             self.history,
             Plots(),
+            self.solutions,
         )
         self.left: tuple[LeftOut, ...] = ()
         self.driven = self.jogging = False
