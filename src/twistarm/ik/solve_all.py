@@ -15,7 +15,7 @@ from ..support.checks import Array, as_flag, as_number, as_whole
 from ..support.errors import InputError, NoClosedFormError, shown, unknown_name
 from .all_solutions import IKSolutions
 from .batch import solve_ik_batch
-from .closed_form.methods import Method, method_for
+from .closed_form.methods import Method, closest_miss_of, method_for
 from .closed_form.roots import ROUNDED_LIMIT, Root, inside, roots
 from .closed_form.roots import copies as copied
 from .ranges import TURN, joint_ranges
@@ -211,5 +211,6 @@ def _given(arm: Arm, given: Mapping[str, float] | None) -> dict[int, float]:
 
 def _none(arm: Arm, target: AnyTarget, method: Method) -> str:
     kind = type(target).__name__
-    why = method.reason or "its axes belong to no family; elimination solves it numerically, without closed_form=True"
+    miss = f"{closest_miss_of(arm, method)[1]}; elimination solves it numerically, without closed_form=True"
+    why = method.reason or miss
     return f"{arm.name} has no closed form for a {kind}: {why}"

@@ -84,7 +84,7 @@ def ik(
     rad: Radians = False,
     json: Json = False,
 ) -> int:
-    """Inverse kinematics: a position (--xyz), and how the tool is turned; or every row of a CSV file (--targets)."""
+    """Inverse kinematics: joint values for a position and orientation, all of them (--all), or for a CSV's rows."""
     if (xyz is None) == (targets is None):
         raise InputError("give one position by --xyz, or a file of targets by --targets")
     if columns is not None and targets is None:

@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from ...model.arm import Arm
-from ..targets import AnyTarget, Approach, Pose
+from ..targets import AnyTarget, Approach, Pose, TargetLike, checked_target
 from .families import NEARLY
 from .methods import ELIMINATION, closest_miss_of, method_for
 
@@ -37,9 +37,9 @@ class ClosedFormReport:
         return f"{self.method}, {self.family}{held}{miss}"
 
 
-def closed_form_of(arm: Arm, like: AnyTarget | None = None) -> ClosedFormReport:
+def closed_form_of(arm: Arm, like: TargetLike | None = None) -> ClosedFormReport:
     """The report for targets like this one; by default for approaches where five joints fit them, else for poses."""
-    target = _usual(arm) if like is None else like
+    target = _usual(arm) if like is None else checked_target(arm, like)
     method = method_for(arm, target)
     off, miss = closest_miss_of(arm, method)
     held = tuple(arm.joint_names[i] for i in method.swept)

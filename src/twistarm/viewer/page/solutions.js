@@ -95,7 +95,7 @@ export class Solutions {
       if (i === this.stands) continue; // the arm itself
       const beyond = this.places[i].beyond.length > 0;
       const { colour, opacity } = beyond ? BEYOND : INSIDE;
-      const arm = new ArmCopy(this.page.view, colour, i === this.at ? CHOSEN : opacity);
+      const arm = new ArmCopy(this.page.view, colour, i === this.at ? CHOSEN : opacity, i);
       arm.stand(transforms);
       this.page.view.node("/solutions").add(arm.group);
       this.arms.push(arm);
