@@ -158,11 +158,11 @@ constexpr double least_tolerance = 1e-12;  // as in ik/request.py
 constexpr double farthest_start = 1e6;     // [rad, m], as in ik/request.py
 constexpr std::uint64_t most_searches = 1000000;  // as in ik/request.py
 
+}  // namespace
+
 bool tolerance(nb::handle value, double& number) {
     return real(value, number) && number >= least_tolerance && std::isfinite(number);
 }
-
-}  // namespace
 
 bool Settings::read(nb::handle kind, nb::handle position_tolerance, nb::handle orientation_tolerance,
                     nb::handle restarts, nb::handle seed, nb::handle max_time) {
@@ -195,10 +195,8 @@ nb::object Chain::solve(nb::handle kind, nb::handle numbers, nb::handle theta0, 
     double asked[most_numbers], start[most_joints], preferred[most_joints];
     if (!settings.read(kind, position_tolerance, orientation_tolerance, restarts, seed, max_time)) return not_plain();
     Query& query = settings.query;
-    const bool is_read = query.kind == 0 ? bindings::numbers(numbers, four_by_four, 2, asked)
-                                         : row(numbers, numbers_of_kind[query.kind], asked);
     const bool has_posture = !posture.is_none();
-    if (!is_read || !is_target(query.kind, asked) || !row(theta0, n_, start) || !is_start(start, n_) ||
+    if (!read_target(numbers, query.kind, asked) || !row(theta0, n_, start) || !is_start(start, n_) ||
         (has_posture && (!row(posture, n_, preferred) || !is_finite(preferred, n_))))
         return not_plain();
     nb::object array = NumPy::get().empty(row_lengths_[query.kind]);

@@ -24,6 +24,8 @@ struct Settings {
               nb::handle seed, nb::handle max_time);
 };
 
+// Each is false for what is not plainly right.
+bool tolerance(nb::handle value, double& number);
 bool is_start(const double* theta, std::size_t count);
 bool is_finite(const double* theta, std::size_t count);
 
@@ -34,6 +36,7 @@ public:
 
     std::size_t n() const { return n_; }
     const char* instruction_set() const { return kernels_->name; }
+    const Engine& engine() const { return *engine_; }
 
     // The chain's numbers by name: joints, coordinates, identity, base, tip, links, coupling.
     nb::dict constants() const;

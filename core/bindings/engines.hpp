@@ -7,6 +7,7 @@
 
 #include "kernels.hpp"
 
+#include "twistarm/closed_form/all_solutions.hpp"
 #include "twistarm/ik/answer.hpp"
 #include "twistarm/ik/batch.hpp"
 #include "twistarm/kinematics/conversion.hpp"
@@ -18,6 +19,9 @@ namespace engines {
 using bindings::Answer;
 using bindings::ArmNumbers;
 using bindings::Batch;
+using bindings::ClosedFormEngine;
+using bindings::Configurations;
+using bindings::FamilyNumbers;
 using bindings::Constants;
 using bindings::Engine;
 using bindings::numbers_of_kind;
@@ -233,6 +237,78 @@ void solve_target(const chain<double, N, N>& arm, const ranges<double, N>& range
     conclusion(query, question, found, ends, clock, answer);
 }
 
+// -- every configuration ---------------------------------------------------------------------------------------------
+
+inline closed_form::joint_axis<double> axis_from(const double* numbers) {
+    return {{numbers[0], numbers[1], numbers[2]}, {numbers[3], numbers[4], numbers[5]}, numbers[6] != 0.0};
+}
+
+template <int N> solved_arm<double, N> solved_from(const FamilyNumbers& numbers, int n) {
+    solved_arm<double, N> solved{};
+    fitted_family<double>& family = solved.family;
+    family.count = numbers.count;
+    family.first = numbers.first;
+    family.last = numbers.last;
+    family.keeps = static_cast<closed_form::keeps>(numbers.keeps);
+    family.kept = {family.keeps == closed_form::keeps::plane, {numbers.kept[0], numbers.kept[1], numbers.kept[2]}, numbers.kept[3]};
+    for (int i = 0; i < numbers.count; ++i) {
+        family.axes[i] = axis_from(numbers.axes + 7 * i);
+        solved.joint[i] = numbers.joint[i];
+    }
+    solved.held_count = numbers.held_count;
+    for (int h = 0; h < numbers.held_count; ++h) {
+        solved.held[h] = numbers.held[h];
+        solved.held_axes[h] = axis_from(numbers.held_axes + 7 * h);
+    }
+    for (int k = 0; k < n; ++k) solved.rate[k] = numbers.rate[k];
+    solved.home = frame_from_rows<double>(numbers.home);
+    solved.idle = numbers.idle;
+    return solved;
+}
+
+template <target_kind Kind> target_of<double, Kind> target_of_kind(const double* numbers) {
+    target_of<double, Kind> asked;
+    static_cast<target<double>&>(asked) = target_from(static_cast<int>(Kind), numbers);
+    return asked;
+}
+
+// The closed form of an arm of N joints for one kind of target.
+template <target_kind Kind, int N> class ClosedForm final : public ClosedFormEngine {
+public:
+    ClosedForm(const chain<double, N, N>& arm, const ranges<double, N>& range, const FamilyNumbers& numbers)
+        : arm_(arm), range_(range), solved_(solved_from<N>(numbers, arm.coordinates())) {}
+
+    void solve(const double* numbers, const double* near, const double* held, double position_tolerance,
+               double orientation_tolerance, Configurations& found) const override {
+        const int n = arm_.coordinates();
+        double values[capacity(N)];
+        for (int h = 0; h < solved_.held_count; ++h) {
+            const int k = solved_.held[h];
+            values[h] = held != nullptr ? held[h] : clamped(near[k], range_.lower[k], range_.upper[k]);
+        }
+        configurations<double, N> all;
+        find_all(arm_, solved_, range_, target_of_kind<Kind>(numbers), near, values, position_tolerance,
+                 orientation_tolerance, all);
+        found.count = all.count;
+        found.inside = all.inside;
+        found.left = 0;
+        for (int i = all.inside; i < all.count; ++i) found.left += all.found[i].family;
+        for (int i = 0; i < all.count; ++i) {
+            double* const row = found.rows + i * 2 * n;
+            found.distance[i] = all.found[i].distance;
+            for (int k = 0; k < n; ++k) {
+                row[k] = all.found[i].theta[k];
+                row[n + k] = (all.found[i].free >> k & 1U) != 0 ? 1.0 : 0.0;
+            }
+        }
+    }
+
+private:
+    const chain<double, N, N>& arm_;
+    const ranges<double, N>& range_;
+    const solved_arm<double, N> solved_;
+};
+
 // -- one arm ---------------------------------------------------------------------------------------------------------
 
 // Any arm.
@@ -244,6 +320,7 @@ public:
                     double* body) const override;
     void solve(const Query& query, const Question& question, Answer& answer) const override;
     void solve(const Query& query, const Batch& batch, std::size_t begin, std::size_t end) const override;
+    ClosedFormEngine* closed_form(const FamilyNumbers& family) const override;
 
 protected:
     const general_chain arm_;

@@ -32,6 +32,11 @@ public:
         solve_targets<target_kind::pose>(fixed_, within_, conclusion_, query, batch, begin, end);
     }
 
+    ClosedFormEngine* closed_form(const FamilyNumbers& family) const override {
+        if (static_cast<target_kind>(family.kind) != target_kind::pose) return GeneralEngine::closed_form(family);
+        return new ClosedForm<target_kind::pose, N>(fixed_, within_, family);
+    }
+
 private:
     const chain<double, N, N> fixed_;
     const ranges<double, N> within_;

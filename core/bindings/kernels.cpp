@@ -57,6 +57,16 @@ void GeneralEngine::solve(const Query& query, const Batch& batch, std::size_t be
     });
 }
 
+ClosedFormEngine* GeneralEngine::closed_form(const FamilyNumbers& family) const {
+    switch (static_cast<target_kind>(family.kind)) {
+        case target_kind::pose: return new ClosedForm<target_kind::pose, dynamic>(arm_, range_, family);
+        case target_kind::position: return new ClosedForm<target_kind::position, dynamic>(arm_, range_, family);
+        case target_kind::approach: return new ClosedForm<target_kind::approach, dynamic>(arm_, range_, family);
+        case target_kind::task: break;
+    }
+    return nullptr;
+}
+
 static Engine* make(const ArmNumbers& numbers) {
     general_chain arm;
     const screw_model model{numbers.joints, numbers.coordinates, numbers.screws, numbers.home, numbers.coupling};

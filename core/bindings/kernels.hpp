@@ -64,6 +64,35 @@ struct Constants {
     Link links[most_joints];
 };
 
+// What has been recognised of an arm for one kind of target (twistarm::solved_arm), all of it as numbers.
+struct FamilyNumbers {
+    int kind, count, first, last;
+    int keeps;                   // twistarm::closed_form::keeps
+    const double *axes, *kept;   // (count, 7): w, o, 1 for a slide; a point and 0, or a normal and d
+    const int* joint;            // (count,)
+    int held_count;
+    const int* held;             // (held_count,)
+    const double *held_axes, *rate, *home;  // (held_count, 7), (coordinates,), (4, 4)
+    std::uint32_t idle;
+};
+
+constexpr int most_configurations = 32;
+
+// Every configuration for one target: theta (n) and, as 0 and 1, which coordinates may move (n), row by row.
+struct Configurations {
+    double rows[most_configurations * 2 * most_joints], distance[most_configurations];
+    int count, inside, left;  // left: of a continuous family, and outside
+};
+
+// The closed form of one arm's family.
+class ClosedFormEngine {
+public:
+    virtual ~ClosedFormEngine() = default;
+    // held: values of the held joints, or null: those of `near`.
+    virtual void solve(const double* numbers, const double* near, const double* held, double position_tolerance,
+                       double orientation_tolerance, Configurations& found) const = 0;
+};
+
 // One arm, its chain in the form and the instructions that suit it best.
 class Engine {
 public:
@@ -74,6 +103,8 @@ public:
                             double* body) const = 0;
     virtual void solve(const Query& query, const Question& question, Answer& answer) const = 0;
     virtual void solve(const Query& query, const Batch& batch, std::size_t begin, std::size_t end) const = 0;
+    // It must not outlive this engine.
+    virtual ClosedFormEngine* closed_form(const FamilyNumbers& family) const = 0;
 };
 
 struct Kernels {

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "chain.hpp"
+#include "closed_form.hpp"
 #include "planning.hpp"
 #include "servo.hpp"
 #include "targets.hpp"
@@ -54,6 +55,13 @@ NB_MODULE(_core, module) {
         .def("solve_batch", &Chain::solve_batch, nb::arg().none(), nb::arg().none(), nb::arg().none(), nb::arg().none(),
              nb::arg().none(), nb::arg().none(), nb::arg().none(), nb::arg().none(), nb::arg().none(), nb::arg().none(),
              nb::arg().none());
+    nb::class_<bindings::ClosedForm>(module, "ClosedForm")
+        .def(nb::init<nb::object, int, int, int, int, nb::handle, nb::handle, nb::handle, nb::handle, nb::handle,
+                      nb::handle, nb::handle, nb::handle>())
+        .def("solve", &bindings::ClosedForm::solve, nb::arg().none(), nb::arg().none(), nb::arg().none(), nb::arg().none(),
+             nb::arg().none())
+        .def("solve_batch", &bindings::ClosedForm::solve_batch, nb::arg().none(), nb::arg().none(), nb::arg().none(),
+             nb::arg().none(), nb::arg().none());
     nb::class_<bindings::Servo>(module, "Servo")
         .def(nb::init<nb::handle, nb::handle, nb::handle, nb::handle, nb::handle, nb::handle, nb::handle, nb::handle,
                       nb::handle, nb::handle, nb::handle, double, double, double, bool>())

@@ -94,9 +94,14 @@ bool is_target(int kind, double* numbers) {
     return kind != 3 || (is_tolerance(numbers + 16) && is_one_of(numbers[22]));
 }
 
+bool read_target(nb::handle given, int kind, double* into) {
+    return (kind == 0 ? numbers(given, four_by_four, 2, into) : row(given, numbers_of_kind[kind], into)) &&
+           is_target(kind, into);
+}
+
 nb::object pose(nb::handle g) {
     double numbers[16];
-    if (!bindings::numbers(g, four_by_four, 2, numbers) || !is_target(0, numbers)) return nb::none();
+    if (!read_target(g, 0, numbers)) return nb::none();
     return frozen(NumPy::get().empty(nb::make_tuple(4, 4)), numbers, 16);
 }
 

@@ -12,6 +12,9 @@ bool is_target(int kind, double* numbers);
 
 constexpr std::size_t four_by_four[] = {4, 4};
 
+// One target of a kind, from its numbers as a caller gives them.
+bool read_target(nb::handle given, int kind, double* numbers);
+
 // A target's numbers, read-only, from what its class is given (src/twistarm/ik/targets.py); None where Python has to look.
 nb::object pose(nb::handle g);
 nb::object position(nb::handle p);

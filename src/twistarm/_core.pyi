@@ -115,6 +115,42 @@ class Chain:
         the row's stop is −1, and nothing but what was asked is written.
         """
 
+class ClosedForm:
+    """The closed form of an arm's family for one kind of target; ik/closed_form/compiled.py says what it is made of."""
+
+    def __init__(
+        self,
+        chain: Chain,
+        kind: int,
+        first: int,
+        last: int,
+        keeps: int,
+        axes: Array,
+        joint: Array,
+        kept: Array,
+        held: Array,
+        held_axes: Array,
+        rate: Array,
+        home: Array,
+        idle: Array,
+        /,
+    ) -> None: ...
+    def solve(
+        self, numbers: object, theta0: object, held: object, position_tol: object, orientation_tol: object, /
+    ) -> Array | None:
+        """Every configuration that meets a target, as one row (ik/all_solutions.py).
+
+        held: values (m, h) of the held joints, each of which is tried; None for those of theta0.
+        """
+    def solve_batch(
+        self, numbers: object, theta0: object, position_tol: object, orientation_tol: object, threads: object, /
+    ) -> tuple[Array, Array, Array, Array] | None:
+        """The same of N targets, held joints at their values in theta0, which is one for all or one for each.
+
+        rows (r, 2 n), one behind the other; how many each target has (N,); how many of these are inside the limits; how
+        many outside are of a continuous family.
+        """
+
 class Servo:
     """One arm's servo (core/include/twistarm/servo.hpp).
 

@@ -4,10 +4,12 @@
 //   numeric/      packs of numbers (lanes), elementary functions, small linear systems
 //   kinematics/   chains, frames, forward kinematics and Jacobians, motors, motion limits
 //   ik/           from a target to a configuration, or to the nearest one and the reason
+//   closed_form/  from a target to every configuration that meets it
 //   planning/     the velocity along a path
 //   servo/        one step from a command to joint rates
 #pragma once
 
+#include "closed_form/all_solutions.hpp"
 #include "ik/answer.hpp"
 #include "ik/batch.hpp"
 #include "ik/race.hpp"

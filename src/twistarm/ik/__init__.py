@@ -2,6 +2,7 @@
 
 from . import subproblems
 from .all_solutions import IKSolutions
+from .all_solutions_batch import IKSolutionsBatch, solve_ik_all_batch
 from .batch import IKBatch, solve_ik_batch
 from .closed_form.report import ClosedFormReport, closed_form_of
 from .request import POSTURES
@@ -20,6 +21,7 @@ __all__ = [
     "IKBatch",
     "IKSolution",
     "IKSolutions",
+    "IKSolutionsBatch",
     "Pose",
     "Position",
     "StopReason",
@@ -29,6 +31,7 @@ __all__ = [
     "closed_form_of",
     "solve_ik",
     "solve_ik_all",
+    "solve_ik_all_batch",
     "solve_ik_batch",
     "subproblems",
 ]

@@ -4,21 +4,52 @@ from __future__ import annotations
 
 import operator
 from collections.abc import Iterator
-from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 
 from ..model.arm import Arm
 from ..support.checks import Array, frozen
 from ..support.errors import printable
+from .closed_form.methods import Method
+from .closed_form.roots import Root
 from .explain import reached, why_not
+from .ranges import joint_ranges
 from .solve import solve_ik
-from .targets import AnyTarget
+from .targets import AnyTarget, numbers_of_kind, target_of
+
+INSIDE, COUNT, TRIES, HITS, KIND, LEFT = range(6)
+"""Where each single number stands in what was found: how many are inside the limits and how many in all, searches or
+values that were tried and how many of them had an answer, the target's kind, and how many of a continuous family stand
+outside the limits, whose members inside are left to look for; core/bindings/closed_form.cpp writes the same."""
+
+FIRST = 6
+"""Behind them stand theta0 (n), the target's numbers, and for each configuration theta (n) and which of its joints may
+move (n) as 0 and 1: those inside first."""
 
 
-@dataclass(frozen=True, eq=False, repr=False)
+def found_row(target: AnyTarget, theta0: Array, inside: Array, outside: Array, tries: tuple[int, int]) -> Array:
+    """What was found, as one read-only row of numbers: `inside` and `outside` (…, 2 n) are theta beside what moves."""
+    single = [len(inside), len(inside) + len(outside), *tries, target.kind, 0]
+    row = np.concatenate([single, theta0, target.numbers.ravel(), inside.ravel(), outside.ravel()])
+    row.flags.writeable = False
+    return row
+
+
+def configurations_in(row: Array, n: int) -> tuple[Array, Array]:
+    """Those inside the limits and those outside, (…, 2 n)."""
+    rows = row[FIRST + n + numbers_of_kind(int(row[KIND])) :].reshape(-1, 2 * n)
+    return rows[: int(row[INSIDE])], rows[int(row[INSIDE]) :]
+
+
+def roots_in(row: Array, n: int) -> Iterator[Root]:
+    """The same as roots."""
+    for each in np.concatenate(configurations_in(row, n)):
+        yield Root(each[:n], tuple(np.flatnonzero(each[n:]).tolist()))
+
+
 class IKSolutions:
-    """Configurations inside the limits that meet the target, each verified by forward kinematics.
+    """Configurations inside the limits that meet the target, each verified by forward kinematics; it cannot be changed.
 
     theta (k, n) [rad, m], read-only: nearest to theta0 first, by the largest joint difference in shares of the joint's
     range (2π or 1 m where it has none). `solutions[i]` is theta[i].
@@ -33,21 +64,75 @@ class IKSolutions:
     gave a configuration. 0 where there was nothing to sample.
     """
 
-    arm: Arm
-    target: AnyTarget
-    theta0: Array
-    theta: Array
-    free: tuple[tuple[str, ...], ...]
-    outside: Array
-    complete: bool
-    method: str
-    family: str
-    starts: int = 0
-    hits: int = 0
+    __slots__ = ("_arm", "_complete", "_method", "_row", "_target")
 
-    def __post_init__(self) -> None:
-        for name in ("theta0", "theta", "outside"):
-            object.__setattr__(self, name, frozen(getattr(self, name)))
+    def __init__(self, arm: Arm, row: Array, method: Method, complete: bool, target: AnyTarget | None = None) -> None:
+        self._arm = arm
+        self._row = row
+        self._method = method
+        self._complete = complete
+        self._target = target
+
+    @property
+    def arm(self) -> Arm:
+        """Whose configurations they are."""
+        return self._arm
+
+    @property
+    def target(self) -> AnyTarget:
+        """What was asked."""
+        if self._target is None:
+            kind, first = int(self._row[KIND]), FIRST + self._arm.n
+            self._target = target_of(kind, self._row[first : first + numbers_of_kind(kind)])
+        return self._target
+
+    @property
+    def theta0(self) -> Array:
+        """(n,) [rad, m]: from which distances are counted, joints that are given at their values."""
+        return self._row[FIRST : FIRST + self._arm.n]
+
+    @property
+    def theta(self) -> Array:
+        """(k, n) [rad, m], read-only, nearest to theta0 first."""
+        return configurations_in(self._row, self._arm.n)[0][:, : self._arm.n]
+
+    @property
+    def outside(self) -> Array:
+        """(m, n) [rad, m], read-only: what meets the target beyond the position limits, as near to them as it gets."""
+        theta = configurations_in(self._row, self._arm.n)[1][:, : self._arm.n]
+        return frozen(joint_ranges(self._arm).toward_middle(theta))
+
+    @property
+    def free(self) -> tuple[tuple[str, ...], ...]:
+        """For each of theta, the joints that may go on moving while the target stays met."""
+        moving = configurations_in(self._row, self._arm.n)[0][:, self._arm.n :]
+        names = self._arm.joint_names
+        return tuple(tuple(names[i] for i in np.flatnonzero(each)) for each in moving)
+
+    @property
+    def complete(self) -> bool:
+        """Whether these are all there are."""
+        return self._complete
+
+    @property
+    def method(self) -> str:
+        """closed form, elimination or search from many starts."""
+        return self._method.name
+
+    @property
+    def family(self) -> str:
+        """Which closed form, or why there is none."""
+        return self._method.in_words(self._arm)
+
+    @property
+    def starts(self) -> int:
+        """Searches that were run, or values of sampled joints; 0 where there was nothing to sample."""
+        return int(self._row[TRIES])
+
+    @property
+    def hits(self) -> int:
+        """How many of these met the target."""
+        return int(self._row[HITS])
 
     @property
     def position_error(self) -> Array:
@@ -87,7 +172,7 @@ class IKSolutions:
         return f"{count} configuration{'s' * (count != 1)} inside the limits{outside}; {all_}{sampled}"
 
     def __len__(self) -> int:
-        return len(self.theta)
+        return int(self._row[INSIDE])
 
     def __iter__(self) -> Iterator[Array]:
         return iter(self.theta)
@@ -98,3 +183,12 @@ class IKSolutions:
 
     def __repr__(self) -> str:
         return f"IKSolutions({self.arm.name}, {self._counted()}; {self.method})"
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        return _unpickled, (self._arm, self._row, self._method, self._complete, self._target)
+
+
+def _unpickled(arm: Arm, row: Array, method: Method, complete: bool, target: AnyTarget | None) -> IKSolutions:
+    # An array is writeable again when it comes out of a pickle.
+    row.flags.writeable = False
+    return IKSolutions(arm, row, method, complete, target)

@@ -162,7 +162,7 @@ def solve_ik_batch(
         rows = chain.solve_batch(Pose.kind, targets, start, *how, rather, threads, progress)
         if rows is not None:
             return IKBatch(arm, _begun(arm, rows))
-    asked = _targets(targets, arm)
+    asked = targets_for(arm, targets)
     request = checked(arm, theta0, posture, *how, count=len(asked))
     workers = as_whole(threads, "threads", 1, MAX_THREADS)
     require_callback(progress, "progress", "(done, count)")
@@ -173,7 +173,8 @@ def solve_ik_batch(
     return IKBatch(arm, _begun(arm, rows), asked)
 
 
-def _targets(targets: Any, arm: Arm) -> tuple[AnyTarget, ...]:
+def targets_for(arm: Arm, targets: Any) -> tuple[AnyTarget, ...]:
+    """The targets of a batch, of any kinds; InputError, which says of which, for what is none."""
     if isinstance(targets, np.ndarray) and (targets.ndim != 3 or targets.shape[1:] != (4, 4)):
         raise InputError(f"targets must be poses of shape (N, 4, 4); got {targets.shape}")
     if isinstance(targets, str) or not isinstance(targets, (np.ndarray, Sequence)):

@@ -62,7 +62,7 @@ def solve_ik(
     chain = (arm if type(arm) is Arm else require_arm(arm))._compiled
     # What is plainly right goes straight to the core; checking it here would cost more than solving it.
     if chain is not None:
-        given = None if type(target) is np.ndarray else _as_given(arm, target)
+        given = None if type(target) is np.ndarray else as_given(arm, target)
         kind, numbers = (Pose.kind, target) if given is None else (given.kind, given.numbers)
         start = arm.ready if theta0 is None else theta0 if type(theta0) is np.ndarray else named(arm, theta0)
         rather = None if posture is None else named(arm, posture, start)
@@ -78,7 +78,7 @@ def solve_ik(
     return IKSolution(arm, row, asked)
 
 
-def _as_given(arm: Arm, target: Any) -> AnyTarget | None:
+def as_given(arm: Arm, target: Any) -> AnyTarget | None:
     """A target with its tool axis; None for what is no target yet."""
     if not isinstance(target, KINDS):
         return None

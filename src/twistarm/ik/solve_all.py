@@ -13,14 +13,15 @@ from ..model.arm import Arm, require_arm
 from ..support.caller_words import quantity
 from ..support.checks import Array, as_flag, as_number, as_whole
 from ..support.errors import InputError, NoClosedFormError, shown, unknown_name
-from .all_solutions import IKSolutions
+from .all_solutions import HITS, LEFT, TRIES, IKSolutions, found_row, roots_in
 from .batch import solve_ik_batch
-from .closed_form.methods import Method, closest_miss_of, method_for
+from .closed_form.methods import Method, closest_miss_of, known_method, method_for
 from .closed_form.roots import ROUNDED_LIMIT, Root, inside, roots
 from .closed_form.roots import copies as copied
-from .ranges import TURN, joint_ranges
+from .ranges import joint_ranges
 from .request import checked
-from .targets import AnyTarget, TargetLike, checked_target
+from .solve import as_given
+from .targets import AnyTarget, Approach, Pose, TargetLike, checked_target
 from .task_space import Tolerances
 
 STARTS = 1000
@@ -28,6 +29,11 @@ STARTS = 1000
 
 BESIDE = 64
 """Searches beside elimination, and beside a family that the axes miss: what rounding loses is found by chance."""
+
+IN_FAMILY = 32
+"""Searches along a continuous family whose configuration nearest to theta0 lies outside the limits."""
+
+DEFAULT_SAMPLES = 32
 
 MOST_COMBINATIONS = 4096
 """Values of several sampled joints together."""
@@ -39,7 +45,7 @@ def solve_ik_all(
     theta0: ArrayLike | None = None,
     *,
     given: Mapping[str, float] | None = None,
-    samples: int = 32,
+    samples: int = DEFAULT_SAMPLES,
     copies: bool = False,
     closed_form: bool = False,
     position_tol: float = 1e-9,
@@ -79,24 +85,50 @@ def solve_ik_all(
         UnknownNameError: `given` names no joint of the arm.
         NoClosedFormError: `closed_form` is set and the arm has none for such a target; the message says why.
     """
+    # What is plainly right goes straight to the core; checking it here would cost more than solving it.
+    if given is None and samples is DEFAULT_SAMPLES and copies is False and type(closed_form) is bool:
+        answer = _at_once(require_arm(arm), target, theta0, position_tol, orientation_tol)
+        if answer is not None:
+            return answer
     asked = checked_target(require_arm(arm), target)
     request = checked(arm, theta0, None, position_tol, orientation_tol, 1, 0, None)
     as_flag(copies, "copies")
     as_flag(closed_form, "closed_form")
     count = as_whole(samples, "samples", 1, 1000)
-    stands = _given(arm, given)
+    stands = given_joints(arm, given)
     method = method_for(arm, asked, tuple(stands))
     if closed_form and method.family is None:
         raise NoClosedFormError(_none(arm, asked, method))
     near = np.array(request.theta0)
     near[list(stands)] = list(stands.values())
     task = _Task(arm, asked, near, request.tolerances, tuple(stands))
-    found, starts, hits = task.solved(method, count) if method.there else ([], 0, 0)
+    if method.compiled is not None:
+        row = task.compiled(method, count)
+        if not copies and not row[LEFT]:
+            return IKSolutions(arm, row, method, task.complete(method), asked)
+        found, starts, hits = [*roots_in(row, arm.n)], int(row[TRIES]), int(row[HITS])
+    else:
+        found, starts, hits = task.solved(method, count) if method.there else ([], 0, 0)
     if not method.exact and not method.swept:
         more = BESIDE if method.there else STARTS
         beside, met = task.searched(more, found)
         found, starts, hits = found + beside, starts + more, hits + met
-    return task.told(request.theta0, method, found, copies, (starts, hits))
+    found, all_seen = task.brought_inside(found, method)
+    return task.told(method, found, copies, (starts, hits), all_seen)
+
+
+def _at_once(
+    arm: Arm, target: TargetLike, theta0: ArrayLike | None, position_tol: float, orientation_tol: float
+) -> IKSolutions | None:
+    """The answer of the core, where it has the family and everything is plainly right."""
+    asked = None if type(target) is np.ndarray else as_given(arm, target)
+    like, numbers = (Pose, target) if asked is None else (type(asked), asked.numbers)
+    method = known_method(arm, like, asked.axis.tobytes() if isinstance(asked, Approach) else None)
+    if method is None or method.compiled is None or method.swept:
+        return None
+    start = arm.ready if theta0 is None else theta0
+    row = method.compiled.solve(numbers, start, None, position_tol, orientation_tol)
+    return None if row is None or row[LEFT] else IKSolutions(arm, row, method, True, asked)
 
 
 @dataclass(frozen=True, eq=False)
@@ -108,6 +140,19 @@ class _Task:
     near: Array
     tolerances: Tolerances
     given: tuple[int, ...]
+
+    def compiled(self, method: Method, count: int) -> Array:
+        """What the core has found."""
+        assert method.compiled is not None
+        values = self._held_values(method, count)
+        held, met = values if len(values) > 1 else None, self.tolerances
+        row = method.compiled.solve(self.target.numbers, self.near, held, met.position, met.orientation)
+        assert row is not None, "what was checked is plain"
+        return row
+
+    def complete(self, method: Method) -> bool:
+        """Whether the method finds everything."""
+        return method.exact and not any(i not in self.given for i in method.swept)
 
     def solved(self, method: Method, count: int) -> tuple[list[Root], int, int]:
         """Roots by the method, for every value of the joints that are held; how many values, and how many had roots."""
@@ -128,57 +173,88 @@ class _Task:
         swept = [i for i in method.swept if i not in self.given]
         while count ** len(swept) > MOST_COMBINATIONS:
             count -= 1
-        grid = {i: np.append(self.near[i], self._spread(i, count)) for i in swept}
-        choices = [grid.get(i, np.array([self.near[i]])) for i in method.held]
+        grid = {i: self._with_near(i, self._spread(i, count)) for i in swept}
+        stand = np.clip(self.near, self.arm.limits.lower, self.arm.limits.upper)
+        choices = [grid.get(i, np.array([stand[i]])) for i in method.held]
         combinations = list(product(*choices))
         return np.array(combinations).reshape(len(combinations), len(method.held))
 
     def _spread(self, joint: int, count: int) -> Array:
-        """Values over the range of a joint; an unbounded one's about theta0."""
+        """Values over the range of a joint, an unbounded one's about theta0; no angle twice."""
         lower, upper = self.arm.limits.lower[joint], self.arm.limits.upper[joint]
         half = 0.5 if self.arm.units[joint] == "m" else np.pi
         lower = lower if np.isfinite(lower) else self.near[joint] - half
         upper = upper if np.isfinite(upper) else self.near[joint] + half
-        spread: Array = np.linspace(lower, upper, count)
-        return spread
+        whole = joint_ranges(self.arm).turns[joint]
+        end = lower + 2.0 * np.pi if whole else upper
+        return np.linspace(lower, end, count, endpoint=not whole)
+
+    def _with_near(self, joint: int, values: Array) -> Array:
+        """Those values of a joint, theta0's first, no two of which are the same angle."""
+        apart = values - self.near[joint]
+        if joint_ranges(self.arm).periodic[joint]:
+            apart = (apart + np.pi) % (2.0 * np.pi) - np.pi
+        return np.append(self.near[joint], values[np.abs(apart) > ROUNDED_LIMIT])
 
     def searched(self, count: int, known: list[Root]) -> tuple[list[Root], int]:
         """Roots from many starts that are not known yet, and how many searches met the target."""
         starts = np.vstack([self.near, self.arm.random_theta(0, count - 1)])
-        batch = solve_ik_batch(self.arm, [self.target] * count, starts, restarts=1)
+        return self.from_starts(starts, known)
+
+    def from_starts(self, starts: Array, known: list[Root]) -> tuple[list[Root], int]:
+        """Roots from these starts (k, n) that are not known yet, and how many searches met the target."""
+        batch = solve_ik_batch(self.arm, [self.target] * len(starts), starts, restarts=1)
         met = batch.theta[batch.converged]
         met = met[(np.abs(met[:, self.given] - self.near[list(self.given)]) <= ROUNDED_LIMIT).all(axis=1)]
         everything = roots(self.arm, self.target, [*(root.theta for root in known), *met], self.tolerances, self.given)
         return everything[len(known) :], len(met)
 
+    def brought_inside(self, found: list[Root], method: Method) -> tuple[list[Root], bool]:
+        """The roots, and of each family that was met outside the limits alone the member inside that is nearest to it.
+
+        Also whether every family was met inside: where searches along it find nothing, there may be something yet.
+        """
+        members: list[Root] = []
+        all_seen = True
+        for root in found:
+            if not {*method.held}.issuperset(root.free) and self.inside(root) is None:
+                known = [*found, *members]
+                along = [each for each in self.along(root, known) if each.free and self.inside(each) is not None]
+                members += sorted(along, key=lambda each: float(np.abs(each.theta - root.theta).max()))[:1]
+                all_seen = all_seen and (
+                    bool(along) or any(o.free == root.free and self.inside(o) is not None for o in known)
+                )
+        return found + members, all_seen
+
+    def along(self, root: Root, known: list[Root]) -> list[Root]:
+        """New roots from starts that differ from this one in the joints that are free."""
+        lower, upper = self.arm.sampling_bounds
+        starts = np.tile(np.clip(root.theta, lower, upper), (IN_FAMILY, 1))
+        free = list(root.free)
+        starts[:, free] = self.arm.random_theta(0, IN_FAMILY)[:, free]
+        return self.from_starts(starts, known)[0]
+
+    def inside(self, root: Root) -> Array | None:
+        """The root inside the limits, if it is there."""
+        return inside(self.arm, self.target, root.theta, self.near, self.tolerances)
+
     def told(
-        self, theta0: Array, method: Method, found: list[Root], copies: bool, tries: tuple[int, int]
+        self, method: Method, found: list[Root], copies: bool, tries: tuple[int, int], all_seen: bool
     ) -> IKSolutions:
         """The roots inside the limits, nearest first, and those outside."""
         arm = self.arm
-        pairs: list[tuple[Array, tuple[int, ...]]] = []
+        within: list[Array] = []
         outside: list[Array] = []
         for root in found:
-            theta = inside(arm, self.target, root.theta, self.near, self.tolerances)
-            if theta is None:
-                outside.append(_toward_middle(arm, root.theta))
-            else:
-                pairs += [(each, root.free) for each in (copied(arm, theta) if copies else [theta])]
-        pairs.sort(key=lambda pair: distance(arm, pair[0], self.near))
-        complete = method.exact and not any(i not in self.given for i in method.swept)
-        return IKSolutions(
-            arm, self.target, theta0, np.array([theta for theta, _ in pairs]).reshape(-1, arm.n),
-            tuple(tuple(arm.joint_names[i] for i in free) for _, free in pairs),
-            np.array(outside).reshape(-1, arm.n), complete, method.name, method.in_words(arm), *tries,
-        )  # fmt: skip
-
-
-def _toward_middle(arm: Arm, theta: Array) -> Array:
-    """theta (n,) by whole turns as near to the middle of the limits as they bring it: so it is least outside."""
-    lower, upper = arm.limits.lower, arm.limits.upper
-    bounded = np.isfinite(lower) & np.isfinite(upper)
-    middle = 0.5 * (np.where(bounded, lower, 0.0) + np.where(bounded, upper, 0.0))
-    return np.where(joint_ranges(arm).periodic, theta + TURN * np.round((middle - theta) / TURN), theta)
+            theta = self.inside(root)
+            moving = np.array([float(i in root.free) for i in range(arm.n)])
+            rows = outside if theta is None else within
+            rows.append(np.append(root.theta if theta is None else theta, moving))
+        if copies:
+            within = [np.append(theta, row[arm.n :]) for row in within for theta in copied(arm, row[: arm.n])]
+        within.sort(key=lambda row: distance(arm, row[: arm.n], self.near))
+        row = found_row(self.target, self.near, np.array(within), np.array(outside), tries)
+        return IKSolutions(arm, row, method, all_seen and self.complete(method), self.target)
 
 
 def distance(arm: Arm, theta: Array, near: Array) -> float:
@@ -188,7 +264,7 @@ def distance(arm: Arm, theta: Array, near: Array) -> float:
     return float((np.abs(theta - near) / np.where(np.isfinite(span) & (span > 0.0), span, usual)).max(initial=0.0))
 
 
-def _given(arm: Arm, given: Mapping[str, float] | None) -> dict[int, float]:
+def given_joints(arm: Arm, given: Mapping[str, float] | None) -> dict[int, float]:
     """{joint's index: value}, base to tip."""
     if given is None:
         return {}

@@ -20,10 +20,7 @@ from ..support.checks import Array, as_direction, as_number, as_twist, as_vector
 from ..support.errors import InputError
 from .closed_form.joint_axis import JointAxis, Point, axis_of, product
 from .closed_form.placing import place, settle
-from .closed_form.trigonometric import harmonic, quadratic
-
-NEAREST = 1e100
-"""Whatever misses has a nearest value: every slack is allowed."""
+from .closed_form.trigonometric import NEAREST, harmonic, quadratic
 
 UNIT = 1e-6
 """How far a twist's length may be from 1."""

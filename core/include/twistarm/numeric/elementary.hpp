@@ -1,4 +1,4 @@
-// Sine, cosine and arc sine of scalars and packs, without branches on the ordinary path.
+// Sine, cosine, arc sine and arc tangent of scalars and packs, without branches on the ordinary path.
 #pragma once
 
 #include "lanes.hpp"
@@ -98,6 +98,33 @@ template <class V> TWISTARM_INLINE V arcsine(const V& x) {
     q = q * z + T(1);
     const V near = root + root * (z * p / q);
     return select(large, T(1.57079632679489661923) - T(2) * near, near);
+}
+
+/// The angle of (x, y) in [−π, π], within 4 ulp for double; 0 for (0, 0). Source: the rational approximation of Cephes, atan.c.
+///
+/// With t = min(|x|, |y|) / max(|x|, |y|): arctan t = t + t³ P(t²) / Q(t²) up to tan(π/8), and π/4 + arctan((t − 1)/(t + 1))
+/// above.
+template <class V> TWISTARM_INLINE V arctangent(const V& y, const V& x) {
+    using T = scalar_of<V>;
+    const V across = absolute(y), along = absolute(x), zero = V(T(0));
+    const V larger = greatest(across, along), smaller = least(across, along);
+    const V ratio = smaller / select(larger > zero, larger, V(T(1)));
+    const auto middle = ratio > V(T(0.41421356237309504880));
+    const V t = select(middle, (ratio - T(1)) / (ratio + T(1)), ratio), z = t * t;
+    V p = z * T(-8.750608600031904122785e-1) + T(-1.615753718733365076637e1);
+    p = p * z + T(-7.500855792314704667340e1);
+    p = p * z + T(-1.228866684490136173410e2);
+    p = p * z + T(-6.485021904942025371773e1);
+    V q = z + T(2.485846490142306297962e1);
+    q = q * z + T(1.650270098316988542046e2);
+    q = q * z + T(4.328810604912902668951e2);
+    q = q * z + T(4.853903996359136964868e2);
+    q = q * z + T(1.945506571482613964425e2);
+    V angle = t + t * (z * p / q);
+    angle = select(middle, T(0.78539816339744830962) + angle, angle);
+    angle = select(across > along, T(1.57079632679489661923) - angle, angle);
+    angle = select(x < zero, T(3.14159265358979323846) - angle, angle);
+    return select(y < zero, -angle, angle);
 }
 
 TWISTARM_END

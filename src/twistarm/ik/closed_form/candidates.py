@@ -8,6 +8,7 @@ others, so that one chain of at most three has to place X where G takes it.
 from __future__ import annotations
 
 import math
+from collections.abc import Iterator
 from typing import NamedTuple
 
 import numpy as np
@@ -17,9 +18,15 @@ from ...theory.screws import inverse
 from .families import FittedFamily
 from .joint_axis import JointAxis, Plane, Point, across, product
 from .placing import Placed, place, settle
-from .trigonometric import harmonic
+from .trigonometric import NEAREST
 
 NO_ORIGIN = np.zeros(3)
+
+MET = 1e-6
+"""A candidate that misses by less [m, or a rotation's numbers] is an answer but for rounding."""
+
+ELSEWHERE = tuple(0.9 * step for step in range(1, 7))
+"""How far from `near` [rad, m] joints are tried of which any value would do, where there is no answer with that one."""
 
 
 class Candidate(NamedTuple):
@@ -32,30 +39,53 @@ class Candidate(NamedTuple):
 def candidates(fitted: FittedFamily, G: Array, near: Array, slack: float) -> list[Candidate]:
     """Every x (k,) with E₁(x₁) ⋯ Eₖ(xₖ) = G (4, 4), and some that only nearly do, or not: forward kinematics decides.
 
-    Where any value of a joint would do it has that of `near` (k,).
+    Where any value of a joint would do it has that of `near` (k,); where there is nothing with that, a nearby one.
     """
+    found, free = [], frozenset[int]()
+    for candidate in _with(fitted, G, near, slack):
+        found.append(candidate)
+        free |= candidate.free
+    met = any(_miss(fitted, candidate, G) <= MET for candidate in found if candidate.free)
+    for turned in ELSEWHERE if free and not met else ():
+        elsewhere = np.array(near)
+        elsewhere[list(free)] += turned
+        found += [candidate for candidate in _with(fitted, G, elsewhere, slack) if candidate.free]
+    return found
+
+
+def _miss(fitted: FittedFamily, candidate: Candidate, G: Array) -> float:
+    """The largest number of E₁(x₁) ⋯ Eₖ(xₖ) − G."""
+    return float(np.abs(product(fitted.axes, candidate.x[list(fitted.family.order)]) - G).max())
+
+
+def _with(fitted: FittedFamily, G: Array, near: Array, slack: float) -> Iterator[Candidate]:
     order = fitted.family.order
     before, group, behind = fitted.parts
     wanted = [float(near[i]) for i in order]
     b, e = len(before), len(before) + len(group)
     chain = (*(axis.seen(G) for axis in behind), *before)
-    found = []
-    for beside in place(chain, fitted.kept, fitted.kept.moved(G), (*wanted[e:], *wanted[:b]), slack):
+    for beside in _beside(chain, fitted.kept, G, (*wanted[e:], *wanted[:b]), slack):
         x_behind, x_before = beside.x[: len(behind)], beside.x[len(behind) :]
         E = inverse(product(before, np.array(x_before))) @ G @ inverse(product(behind, np.array(x_behind)))
-        for inside in within_group(fitted.kept, group, E, tuple(wanted[b:e]), slack):
+        for inside in within_group(fitted.kept, group, E, tuple(wanted[b:e]), NEAREST if beside.free else slack):
             x = np.empty(len(order))
             x[list(order)] = [*x_before, *inside.x, *x_behind]
             places = [i - len(behind) if i >= len(behind) else e + i for i in beside.free]
-            free = frozenset(order[i] for i in (*places, *(b + i for i in inside.free)))
-            found.append(Candidate(x, free))
-    return found
+            yield Candidate(x, frozenset(order[i] for i in (*places, *(b + i for i in inside.free))))
+
+
+def _beside(
+    chain: tuple[JointAxis, ...], kept: Point | Plane | None, G: Array, near: tuple[float, ...], slack: float
+) -> list[Placed]:
+    return [Placed(())] if kept is None else place(chain, kept, kept.moved(G), near, slack)
 
 
 def within_group(
-    kept: Point | Plane, group: tuple[JointAxis, ...], E: Array, near: tuple[float, ...], slack: float
+    kept: Point | Plane | None, group: tuple[JointAxis, ...], E: Array, near: tuple[float, ...], slack: float
 ) -> list[Placed]:
-    """All x with E₁(x₁) ⋯ Eₖ(xₖ) = E, k ≤ 3, for a group that leaves `kept` alone."""
+    """All x with E₁(x₁) ⋯ Eₖ(xₖ) = E, k ≤ 3, for a group that leaves `kept` alone; k ≤ 6 for a decoupled one."""
+    if kept is None:
+        return decoupled(group, E, near, slack)
     if isinstance(kept, Point):
         return rotating(tuple(axis.w for axis in group), E[:3, :3], near, slack)
     return sliding(group, kept.n, E, near, slack)
@@ -64,21 +94,43 @@ def within_group(
 def rotating(w: tuple[Array, ...], R: Array, near: tuple[float, ...], slack: float) -> list[Placed]:
     """All x with e^{ŵ₁x₁} ⋯ e^{ŵₖxₖ} = R (3, 3), k ≤ 3.
 
-    Of three, w₁ᵀ R w₃ = w₁ᵀ e^{ŵ₂x₂} w₃ gives x₂; then x₁ turns e^{ŵ₂x₂} w₃ to R w₃, and x₃ is the turn that is left.
-    Where x₂ brings w₃ along w₁ the wrist is singular: x₁ is free.
+    Of three, the angle from w₁ to R w₃ gives x₂ (`_middle_turns`); then x₁ turns e^{ŵ₂x₂} w₃ to R w₃, and x₃ is the
+    turn that is left. Where x₂ brings w₃ along w₁ the wrist is singular: x₁ is free.
     """
     axes = tuple(JointAxis(each, NO_ORIGIN, slides=False) for each in w)
+    if not w:
+        return [Placed(())]
     if len(w) == 1:
         u = across(w[0])[0]
         return [Placed((settle(axes[0], Point(u), Point(R @ u), near[0])[0],))]
     if len(w) == 2:
         return _first_then_rest(axes, R, w[1], near, slack)
-    start, quarter, half = (float(w[0] @ axes[1].motion(x)[:3, :3] @ w[2]) for x in (0.0, math.pi / 2, math.pi))
-    centre = 0.5 * (start + half)
     found = []
-    for x in harmonic(start - centre, quarter - centre, float(w[0] @ R @ w[2]) - centre, 1.0, slack) or []:
+    for x in _middle_turns(axes[1], w[0], w[2], R @ w[2], slack):
         found += _first_then_rest(axes, R, axes[1].motion(x)[:3, :3] @ w[2], near, slack, x)
     return found
+
+
+def _middle_turns(middle: JointAxis, first: Array, last: Array, goal: Array, slack: float) -> list[float]:
+    """The turns of `last` (3,) about the middle axis to where its angle from `first` is that of `goal`.
+
+    The three directions make a triangle on the sphere with the sides α, γ and β. Its half-angle formulas give the angle
+    at the middle axis to rounding, however small it is; from its cosine half the digits of a nearly singular wrist
+    would be lost.
+    """
+    alpha, gamma, beta = _angle(middle.w, first), _angle(middle.w, last), _angle(first, goal)
+    s = 0.5 * (alpha + beta + gamma)
+    sine, cosine = math.sin(s - alpha) * math.sin(s - gamma), math.sin(s) * math.sin(s - beta)
+    if min(sine, cosine) < -slack:
+        return []
+    opening = 2.0 * math.atan2(math.sqrt(max(sine, 0.0)), math.sqrt(max(cosine, 0.0)))
+    aligned = settle(middle, Point(last), Point(first), 0.0)[0]
+    return [aligned + opening, aligned - opening] if sine > 0.0 and cosine > 0.0 else [aligned + opening]
+
+
+def _angle(a: Array, b: Array) -> float:
+    """Between unit vectors a and b (3,) [rad]."""
+    return math.atan2(float(np.linalg.norm(np.cross(a, b))), float(a @ b))
 
 
 def _first_then_rest(
@@ -126,10 +178,26 @@ def sliding(
     return found
 
 
+def decoupled(group: tuple[JointAxis, ...], E: Array, near: tuple[float, ...], slack: float) -> list[Placed]:
+    """All x with E₁(x₁) ⋯ Eₖ(xₖ) = E (4, 4), at most three that turn, by the rotation, and three that slide."""
+    turning = [i for i, axis in enumerate(group) if not axis.slides]
+    found = []
+    for turns in rotating(tuple(group[i].w for i in turning), E[:3, :3], tuple(near[i] for i in turning), slack):
+        x = np.zeros(len(group))
+        x[turning] = turns.x
+        found.append(Placed(_with_slides(group, x, E), frozenset(turning[i] for i in turns.free)))
+    return found
+
+
 def _one_turn(group: tuple[JointAxis, ...], turning: int, angle: float, E: Array) -> tuple[float, ...]:
     """The one turn, and slides by least squares."""
     x = np.zeros(len(group))
     x[turning] = angle
+    return _with_slides(group, x, E)
+
+
+def _with_slides(group: tuple[JointAxis, ...], x: Array, E: Array) -> tuple[float, ...]:
+    """x (k,) with the slides, 0 so far, by least squares where E takes the origin: they are linear in it."""
     slides = [i for i, axis in enumerate(group) if axis.slides]
     directions = np.array([product(group[:i], x[:i])[:3, :3] @ group[i].w for i in slides]).reshape(-1, 3).T
     x[slides] = np.linalg.lstsq(directions, E[:3, 3] - product(group, x)[:3, 3], rcond=None)[0]

@@ -5,7 +5,8 @@ leave the point alone (a spherical group), parallel axes, and slides across them
 group). With at most three joints beside the group, these have to place the point, or the plane, where the target wants
 it (`placing`); the group does the rest. That covers a spherical wrist or shoulder with any three other joints, three
 parallel axes anywhere, and every arm of four joints. A slide along parallel axes commutes with them, so joints may be
-taken in another order than the arm's.
+taken in another order than the arm's. Of at most three joints that turn, in different directions, and at most three
+that slide, in whatever order, the rotation alone gives the former: all are one *decoupled* group that keeps nothing.
 
 Sources: Pieper 1968 (three axes that meet, three that are parallel); Elias & Wen, IK-Geo, 2022; MLS §3.3.
 """
@@ -36,7 +37,7 @@ INDEPENDENT = 1e-5
 TRIALS = 3
 """Random configurations among which a rank is the largest; almost every one has it."""
 
-SPHERICAL, PLANAR = "spherical", "planar"
+SPHERICAL, PLANAR, DECOUPLED = "spherical", "planar", "decoupled"
 
 
 @dataclass(frozen=True)
@@ -61,6 +62,8 @@ class Family:
         """The family for these axes (k,), the group's made exact."""
         taken = [axes[i] for i in self.order]
         group = taken[self.first : self.last]
+        if self.kind == DECOUPLED:
+            return FittedFamily(self, tuple(taken), None, 0.0)
         kept, exact, off = _meeting(group) if self.kind == SPHERICAL else _parallel(group)
         taken[self.first : self.last] = exact
         return FittedFamily(self, tuple(taken), kept, off)
@@ -68,14 +71,14 @@ class Family:
 
 @dataclass(frozen=True, eq=False)
 class FittedFamily:
-    """A family with its axes, in its order; `kept`, the point or plane that the group leaves alone.
+    """A family with its axes, in its order; `kept`, the point or plane that the group leaves alone, if there is one.
 
     `off`: by how much the arm's own axes miss it, in m for a point and rad for a plane.
     """
 
     family: Family
     axes: tuple[JointAxis, ...]
-    kept: Point | Plane
+    kept: Point | Plane | None
     off: float
 
     @cached_property
@@ -94,6 +97,11 @@ def families(axes: tuple[JointAxis, ...], reach: float, tolerance: float = NEARL
 
     `tolerance`: share of the reach [m], or angle [rad], by which the axes may miss.
     """
+    turning = [axis for axis in axes if not axis.slides]
+    if len(turning) <= MOST_BESIDE and len(axes) - len(turning) <= MOST_BESIDE:
+        whole = Family(DECOUPLED, tuple(range(len(axes))), 0, len(axes)).fitted(axes)
+        if _decoupled(whole):
+            return [whole]
     found = []
     for order in _orders(axes):
         for first, last in itertools.combinations(range(len(axes) + 1), 2):
@@ -165,37 +173,48 @@ def _orders(axes: tuple[JointAxis, ...]) -> list[tuple[int, ...]]:
     return list(known)
 
 
-def _determined(fitted: FittedFamily) -> bool:
-    """Whether the joints beside the group move what it keeps in as many ways as they are, and the group's are free."""
+def _decoupled(fitted: FittedFamily) -> bool:
+    """Whether each joint that turns changes the rotation in another way, and each that slides the position."""
     rng = np.random.default_rng(0)
-    before, group, behind = fitted.parts
-    seen = product(fitted.axes, rng.uniform(-2.0, 2.0, len(fitted.axes)))
-    beside = (*(axis.seen(seen) for axis in behind), *before)
-    moves = any(_placing_rank(beside, fitted.kept, rng) == len(beside) for _ in range(TRIALS))
-    return moves and any(_rank_of(_twists(group, rng)) == len(group) for _ in range(TRIALS))
+    for _ in range(TRIALS):
+        J = _columns(fitted.axes, rng.uniform(-2.0, 2.0, len(fitted.axes)))
+        turns = [xi[3:] for xi, axis in zip(J, fitted.axes, strict=True) if not axis.slides]
+        slides = [xi[:3] for xi, axis in zip(J, fitted.axes, strict=True) if axis.slides]
+        if _rank_of(turns) == len(turns) and _rank_of(slides) == len(slides):
+            return True
+    return False
 
 
-def _twists(axes: tuple[JointAxis, ...], rng: np.random.Generator) -> Array:
-    """The spatial Jacobian (6, k) at a random configuration."""
-    x = rng.uniform(-2.0, 2.0, len(axes))
-    return np.array([axis.seen(product(axes[:i], x[:i])).twist for i, axis in enumerate(axes)]).T.reshape(6, -1)
+def _columns(axes: tuple[JointAxis, ...], x: Array) -> list[Array]:
+    """The twists (6,) of the joints at x (k,): the columns of the spatial Jacobian."""
+    return [axis.seen(product(axes[:i], x[:i])).twist for i, axis in enumerate(axes)]
 
 
-def _placing_rank(axes: tuple[JointAxis, ...], X: Point | Plane, rng: np.random.Generator) -> int:
-    """In how many ways the joints move X, at a random configuration."""
-    x = rng.uniform(-2.0, 2.0, len(axes))
-    moved = X.moved(product(axes, x))
-    columns = []
-    for i, axis in enumerate(axes):
-        v, w = np.split(axis.seen(product(axes[:i], x[:i])).twist, 2)
-        if isinstance(moved, Plane):
-            turned = np.cross(w, moved.n)
-            columns.append([*turned, float(v @ moved.n)])
-        else:
-            columns.append([*(v + np.cross(w, moved.p)), 0.0])
-    return _rank_of(np.array(columns).reshape(-1, 4))
+def _determined(fitted: FittedFamily) -> bool:
+    """Whether the joints beside the group move what it keeps in as many ways as they are, and the group's are free.
+
+    At random configurations, each with the pose that it makes: for a pose that no configuration makes the joints beside
+    may well move what they cannot move where the arm can be.
+    """
+    rng = np.random.default_rng(0)
+    first, last = fitted.family.first, fitted.family.last
+    for _ in range(TRIALS):
+        x = rng.uniform(-2.0, 2.0, len(fitted.axes))
+        J = _columns(fitted.axes, x)
+        assert fitted.kept is not None
+        placed = fitted.kept.moved(product(fitted.axes[:first], x[:first]))
+        beside = [_velocity(placed, xi) for xi in (*J[:first], *J[last:])]
+        if _rank_of(beside) == len(beside) and _rank_of(J[first:last]) == last - first:
+            return True
+    return False
 
 
-def _rank_of(matrix: Array) -> int:
-    size = np.linalg.svd(matrix)[1] if matrix.size else np.zeros(0)
+def _velocity(X: Point | Plane, xi: Array) -> Array:
+    """How X begins to move with the twist xi (6,): (ṅ, ḋ) or ṗ."""
+    v, w = xi[:3], xi[3:]
+    return np.append(np.cross(w, X.n), v @ X.n) if isinstance(X, Plane) else v + np.cross(w, X.p)
+
+
+def _rank_of(rows: list[Array]) -> int:
+    size = np.linalg.svd(np.array(rows))[1] if rows else np.zeros(0)
     return int((size > INDEPENDENT).sum())

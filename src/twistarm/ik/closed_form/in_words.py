@@ -8,7 +8,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from ...model.arm import Arm
-from .families import SPHERICAL, FittedFamily
+from .families import DECOUPLED, SPHERICAL, FittedFamily
 from .joint_axis import JointAxis
 
 PARALLEL = 1e-6
@@ -21,6 +21,8 @@ Joints = Sequence[int]
 def family_in_words(arm: Arm, fitted: FittedFamily, joints: Joints) -> str:
     """The group of joints, and what makes it one."""
     group = fitted.family.group
+    if fitted.family.kind == DECOUPLED:
+        return "the joints that turn follow from the rotation alone, those that slide from the position"
     names = _names(arm, [joints[i] for i in group])
     if min(joints[i] for i in group) >= arm.n:
         return "the joints place a point, and the target leaves the turns about it free"

@@ -6,8 +6,9 @@ It follows from the axes alone, is looked for once for each arm and kind, and ke
 from __future__ import annotations
 
 import itertools
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
+from typing import TYPE_CHECKING, Any
 from weakref import WeakKeyDictionary
 
 import numpy as np
@@ -19,10 +20,14 @@ from ..targets import AnyTarget, Approach
 from . import elimination
 from .candidates import candidates
 from .chain import MOST_JOINTS, Chain, chain_for, goal
+from .compiled import SAMPLE, compiled
 from .elimination import Rooted, eliminated
 from .families import EXACT, Family, FittedFamily, closest_miss, families
 from .in_words import family_in_words, missed_in_words, off_in_words
 from .joint_axis import JointAxis
+
+if TYPE_CHECKING:
+    from ..._core import ClosedForm
 
 SLACK = 1e-6
 """What misses a subproblem of an exact arm by less, in shares of its size, is rounding: a stretched arm."""
@@ -32,16 +37,14 @@ SLACK_NEARLY = 0.05
 
 CLOSED_FORM, ELIMINATION, SEARCH = "closed form", "elimination", "search from many starts"
 
-SAMPLE = 0.3
-"""Held joints stand at this value [rad, m] while their family is looked for: almost every value shows it."""
-
 
 @dataclass(frozen=True, eq=False)
 class Method:
     """How: by a `family`, or by elimination as it is `rooted`; with neither, `reason` says why there is none.
 
     `held`: joints of the arm that are given or sampled, beyond what the target determines; `idle`, those of them that
-    do nothing that the target does not leave free, so that one value stands for all.
+    do nothing that the target does not leave free, so that one value stands for all. `compiled`: the family in the
+    core, where it is exact and there is one.
     """
 
     chain: Chain
@@ -51,6 +54,7 @@ class Method:
     rooted: Rooted | None = None
     off: float = 0.0
     reason: str = ""
+    compiled: ClosedForm | None = None
 
     @property
     def there(self) -> bool:
@@ -101,6 +105,9 @@ class Method:
             found.append(theta)
         return found
 
+    def __getstate__(self) -> dict[str, Any]:
+        return {**self.__dict__, "compiled": None}  # what is compiled belongs to this process
+
     def _solved(self, axes: tuple[JointAxis, ...], G: Array, near: Array) -> list[Array]:
         if self.family is not None:
             fitted = self.fitted or self.family.fitted(axes)
@@ -113,13 +120,27 @@ class Method:
 _KEPT: WeakKeyDictionary[Arm, dict[object, Method]] = WeakKeyDictionary()
 
 
+def known_method(arm: Arm, like: type[AnyTarget], axis: bytes | None) -> Method | None:
+    """The method for targets of this type, of an Approach with this tool axis, where it has been looked for."""
+    kept = _KEPT.get(arm)
+    return None if kept is None else kept.get((like, (), axis))
+
+
 def method_for(arm: Arm, target: AnyTarget, given: tuple[int, ...] = ()) -> Method:
     """The method for targets like this one, with the joints `given` held, and others where there are still too many."""
     key = type(target), given, target.axis.tobytes() if isinstance(target, Approach) else None
     kept = _KEPT.setdefault(arm, {})
     if key not in kept:
-        kept[key] = _looked_for(arm, target, given)
+        kept[key] = _with_core(arm, target, given, _looked_for(arm, target, given))
     return kept[key]
+
+
+def _with_core(arm: Arm, target: AnyTarget, given: tuple[int, ...], method: Method) -> Method:
+    """The method, with its family in the core where the axes are exact: slack for those that miss is not for it."""
+    if method.family is None or not method.exact:
+        return method
+    idle = tuple(i for i in method.held if i not in given)
+    return replace(method, compiled=compiled(arm, target.kind, method.chain, method.family, method.held, idle))
 
 
 def _looked_for(arm: Arm, target: AnyTarget, given: tuple[int, ...]) -> Method:

@@ -24,7 +24,7 @@ from .joint_axis import JointAxis, Plane, Point, across
 from .trigonometric import NOTHING
 from .two_conditions import Side, one_joint, two_conditions
 
-ON_AXIS = 1e-7
+ON_AXIS = 1e-12
 """What lies nearer to an axis than this [m], or points along it to so much, is not moved by a turn about it."""
 
 

@@ -30,13 +30,16 @@ DEPENDENT = 1e-6
 """Singular values below this part of the largest are those of directions that move nothing at first."""
 
 SAME = 1e-5
-"""Two answers nearer together than this [rad, m] are one if halfway between them the target is met to `HALFWAY`."""
+"""Two answers nearer together than this [rad, m] are one if the target is met as well halfway between them."""
 
 HALFWAY = 1e-13
-"""[m, rad]"""
+"""Or to so much [m, rad]."""
 
 ROUNDED_LIMIT = 1e-6
 """An answer that passes a limit by less [rad, m] is at the limit, if the target is met there too."""
+
+LEAST_ROUNDED = 1e-11
+"""By so little [rad, m] that the target is met at the limit as well."""
 
 SIDESTEP = 0.05
 """How far [rad, m] along a singular direction an answer is looked for again: where there is one, a family begins."""
@@ -53,15 +56,19 @@ class Root:
 
 
 def corrected(arm: Arm, target: AnyTarget, theta: Array, held: tuple[int, ...] = ()) -> Array:
-    """theta (n,) after some of Newton's steps of least length, −J⁺ e, toward the target; `held` joints stay."""
+    """theta (n,) after some of Newton's steps of least length, −J⁺ e, toward the target; `held` joints stay.
+
+    No step is long in any of the directions that J tells apart: where one of them hardly moves the tool, near a wrist
+    in line, the others go all their way nevertheless.
+    """
     for _ in range(STEPS):
         error, J = _error_and_rows(arm, target, theta)
         if np.abs(error).max(initial=0.0) <= ROUNDING:
             break
         J[:, list(held)] = 0.0
-        step = np.linalg.pinv(J, rcond=SINGULAR) @ -error
-        longest = float(np.abs(step).max(initial=0.0))
-        theta = theta + step * min(1.0, LONGEST_STEP / max(longest, 1e-300))
+        U, size, Vt = np.linalg.svd(J, full_matrices=False)
+        there = size > SINGULAR * size.max(initial=0.0)
+        theta = theta - np.clip((U.T @ error)[there] / size[there], -LONGEST_STEP, LONGEST_STEP) @ Vt[there]
     return theta
 
 
@@ -108,16 +115,27 @@ def self_motion(
 
 
 def inside(arm: Arm, target: AnyTarget, theta: Array, near: Array, tolerances: Tolerances) -> Array | None:
-    """theta (n,) by whole turns inside the limits, as near to `near` (n,) as they allow; None where it is outside."""
-    lower, upper, turns = arm.limits.lower, arm.limits.upper, joint_ranges(arm).periodic
-    moved = np.where(turns, theta + TURN * np.round((near - theta) / TURN), theta)
-    back = np.ceil((lower - ROUNDED_LIMIT - moved) / TURN), np.ceil((moved - upper - ROUNDED_LIMIT) / TURN)
-    below, above = (np.where(np.isfinite(count), np.maximum(count, 0.0), 0.0) for count in back)
-    moved = np.where(turns, moved + TURN * (below - above), moved)
-    clipped = np.clip(moved, lower, upper)
-    if np.abs(clipped - moved).max(initial=0.0) > ROUNDED_LIMIT:
-        return None
-    return clipped if (clipped == moved).all() or met(arm, target, clipped, tolerances) else None
+    """theta (n,) by whole turns inside the limits, as near to `near` (n,) as they allow; None where it is outside.
+
+    A copy that passes a limit by rounding is brought to the limit, if the target is met there too; if it is not, other
+    copies are left.
+    """
+    for slack in (ROUNDED_LIMIT, LEAST_ROUNDED):
+        moved = _nearest_copy(arm, theta, near, slack)
+        clipped = np.clip(moved, arm.limits.lower, arm.limits.upper)
+        if np.abs(clipped - moved).max(initial=0.0) > slack:
+            return None
+        if (clipped == moved).all() or met(arm, target, clipped, tolerances):
+            return clipped
+    return None
+
+
+def _nearest_copy(arm: Arm, theta: Array, near: Array, slack: float) -> Array:
+    """theta (n,) by whole turns as near to `near` as the limits allow, which it may pass by `slack` [rad, m]."""
+    lowest = np.ceil((arm.limits.lower - slack - theta) / TURN)
+    highest = np.floor((arm.limits.upper + slack - theta) / TURN)
+    counts = np.maximum(np.minimum(np.round((near - theta) / TURN), highest), lowest)
+    return np.where(joint_ranges(arm).periodic, theta + TURN * counts, theta)
 
 
 def copies(arm: Arm, theta: Array) -> Array:
@@ -135,9 +153,13 @@ def _same(arm: Arm, target: AnyTarget, a: Array, b: Array, turns: Mask) -> bool:
     apart = np.where(turns, (a - b + np.pi) % TURN - np.pi, a - b)
     if np.abs(apart).max(initial=0.0) > SAME:
         return False
-    between = b + 0.5 * apart
-    g = arm.fk(between)
-    return Tolerances(HALFWAY, HALFWAY).met(target.position_error(g), target.orientation_error(g))
+    here, halfway, there = (_missed(arm, target, theta) for theta in (a, b + 0.5 * apart, b))
+    return halfway <= max(HALFWAY, 2.0 * here, 2.0 * there)
+
+
+def _missed(arm: Arm, target: AnyTarget, theta: Array) -> float:
+    g = arm.fk(theta)
+    return max(target.position_error(g), target.orientation_error(g))
 
 
 def _error_and_rows(arm: Arm, target: AnyTarget, theta: Array) -> tuple[Array, Array]:

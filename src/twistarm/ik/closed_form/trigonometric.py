@@ -16,6 +16,9 @@ from ...support.checks import Array
 NOTHING = 1e-9
 """A coefficient below this part of the equation's scale is zero."""
 
+NEAREST = 1e100
+"""The slack with which whatever misses has the root that comes nearest."""
+
 LEVEL = 1e-7
 """What is left of the equation when all its coefficients are zero may be so much of its scale."""
 

@@ -4,8 +4,9 @@ u(x) is (cos x, sin x) for a joint that turns and (x, x²) for one that slides; 
 joints that turn this is subproblem 6 of Elias & Wen, IK-Geo, 2022: a quartic. Squares of lengths stand in the second
 condition alone.
 
-What just misses counts (see `trigonometric`), and where one condition is nearly a multiple of the other both ways of
-solving are taken: the answers hold every root, and some that are none.
+What just misses counts (see `trigonometric`). Where any value of one joint would do, and the other has none with the
+one at hand, so does what comes nearest: Newton's method moves both from there. Where one condition is nearly a multiple
+of the other both ways of solving are taken. So the answers hold every root, and some that are none.
 """
 
 from __future__ import annotations
@@ -16,7 +17,7 @@ from typing import NamedTuple
 import numpy as np
 
 from ...support.checks import Array
-from .trigonometric import NOTHING, harmonic, quadratic, second_harmonic
+from .trigonometric import NEAREST, NOTHING, harmonic, quadratic, second_harmonic
 
 CLEARLY_TWO = 1e-6
 """Ratio of a matrix's singular values above which its two rows are two conditions."""
@@ -117,7 +118,7 @@ def _angle_and_length(a: Side, b: Side, e: Array, slack: float) -> list[Pair]:
     return [
         Pair(x, y, free)
         for x, free in _or_any(roots, a.near)
-        for y in quadratic(square[1], linear[1], float(A[1] @ _u(x)) - e[1], slack)
+        for y in quadratic(square[1], linear[1], float(A[1] @ _u(x)) - e[1], NEAREST if free else slack)
     ]
 
 
@@ -154,7 +155,7 @@ def _one_by_one(a: Side, b: Side, e: Array, U: Array, scale: float, slack: float
     pairs = []
     for y, y_free in _or_any(_harmonic(alone @ b.matrix, float(alone @ e), scale, slack), b.near):
         rest = float(row @ (e - b.matrix @ _u(y)))
-        for x, x_free in _or_any(_harmonic(row @ a.matrix, rest, scale, slack), a.near):
+        for x, x_free in _or_any(_harmonic(row @ a.matrix, rest, scale, NEAREST if y_free else slack), a.near):
             pairs.append(Pair(x, y, x_free, y_free))
     return pairs
 

@@ -1,0 +1,238 @@
+#include "closed_form.hpp"
+
+#include <algorithm>
+#include <cstring>
+#include <new>
+#include <vector>
+
+#include "questions.hpp"
+#include "sharing.hpp"
+
+namespace bindings {
+
+namespace {
+
+constexpr std::size_t axis_numbers = 7;
+
+void require(bool right, const char* what) {
+    if (!right) throw nb::value_error(what);
+}
+
+std::vector<int> whole_numbers(const Numbers& values, std::size_t most) {
+    std::vector<int> all;
+    for (std::size_t i = 0; i < values.size(); ++i) {
+        require(values.data()[i] >= -1.0 && values.data()[i] < static_cast<double>(most), "an index is out of range");
+        all.push_back(static_cast<int>(values.data()[i]));
+    }
+    return all;
+}
+
+// Tolerances of a call, and whether they are plainly right.
+struct Met {
+    double position, orientation;
+    bool read(nb::handle position_tolerance, nb::handle orientation_tolerance) {
+        return tolerance(position_tolerance, position) && tolerance(orientation_tolerance, orientation);
+    }
+};
+
+// Every configuration of one target for several values of held joints: those inside first, by distance.
+class Gathered {
+public:
+    explicit Gathered(std::size_t n) : n_(n) {}
+
+    void add(const Configurations& found) {
+        for (int i = 0; i < found.count; ++i) {
+            const std::size_t at = rows_.size() / (2 * n_);
+            rows_.insert(rows_.end(), found.rows + static_cast<std::size_t>(i) * 2 * n_,
+                         found.rows + static_cast<std::size_t>(i + 1) * 2 * n_);
+            (i < found.inside ? inside_ : outside_).push_back({found.distance[i], at});
+        }
+        hits_ += found.count > 0;
+        left_ += static_cast<std::size_t>(found.left);
+    }
+
+    std::size_t count() const { return inside_.size() + outside_.size(); }
+    std::size_t inside() const { return inside_.size(); }
+    std::size_t hits() const { return hits_; }
+    std::size_t left() const { return left_; }
+
+    void write(double* into) {
+        std::stable_sort(inside_.begin(), inside_.end(), [](const Place& a, const Place& b) { return a.distance < b.distance; });
+        for (const auto* places : {&inside_, &outside_})
+            for (const Place& place : *places) {
+                std::memcpy(into, rows_.data() + place.at * 2 * n_, 2 * n_ * sizeof(double));
+                into += 2 * n_;
+            }
+    }
+
+private:
+    struct Place {
+        double distance;
+        std::size_t at;
+    };
+    std::size_t n_, hits_ = 0, left_ = 0;
+    std::vector<double> rows_;
+    std::vector<Place> inside_, outside_;
+};
+
+// A batch, in blocks that threads take.
+class Work final : public SharedWork {
+public:
+    Work(const ClosedFormEngine& engine, const Questions& asked, const Met& met, std::size_t n,
+         bool (*over)(const void* clock), const void* clock)
+        : SharedWork(over, clock), engine_(engine), asked_(asked), met_(met), n_(n),
+          found_((asked.count + block - 1) / block), counts_(asked.count), inside_(asked.count), left_(asked.count) {}
+
+    nb::object result() const {
+        std::size_t total = 0;
+        for (const std::vector<double>& some : found_) total += some.size() / (2 * n_);
+        nb::object rows = NumPy::get().empty(nb::make_tuple(total, 2 * n_));
+        const auto each = [&](const std::vector<int>& values) {
+            nb::object array = NumPy::get().empty(nb::make_tuple(asked_.count));
+            std::copy(values.begin(), values.end(), Array(array).data());
+            return array;
+        };
+        double* into = Array(rows).data();
+        for (const std::vector<double>& some : found_) into = std::copy(some.begin(), some.end(), into);
+        return nb::make_tuple(rows, each(counts_), each(inside_), each(left_));
+    }
+
+private:
+    void do_blocks() override {
+        Configurations found;
+        for (std::size_t b; (b = next_.fetch_add(1)) < found_.size();) {
+            std::vector<double>& rows = found_[b];
+            rows.reserve(block * 16 * n_);
+            const std::size_t end = std::min((b + 1) * block, asked_.count);
+            for (std::size_t t = b * block; t < end && !stopped(); ++t) {
+                const Question question = asked_.at(t);
+                engine_.solve(question.numbers, question.theta0, nullptr, met_.position, met_.orientation, found);
+                rows.insert(rows.end(), found.rows, found.rows + static_cast<std::size_t>(found.count) * 2 * n_);
+                counts_[t] = found.count;
+                inside_[t] = found.inside;
+                left_[t] = found.left;
+            }
+        }
+    }
+
+    const ClosedFormEngine& engine_;
+    const Questions& asked_;
+    Met met_;
+    std::size_t n_;
+    std::vector<std::vector<double>> found_;
+    std::vector<int> counts_, inside_, left_;
+    std::atomic<std::size_t> next_{0};
+};
+
+}  // namespace
+
+ClosedForm::ClosedForm(nb::object chain, int kind, int first, int last, int keeps, nb::handle axes, nb::handle joint,
+                       nb::handle kept, nb::handle held, nb::handle held_axes, nb::handle rate, nb::handle home,
+                       nb::handle idle)
+    : chain_(std::move(chain)), kind_(kind) {
+    const Chain* const arm = nb::cast<const Chain*>(chain_);
+    n_ = arm->n();
+    const Numbers lines(axes), which(joint), alone(kept), still(held), held_lines(held_axes), rates(rate), g(home), free(idle);
+    require(still.plain() && still.dimensions() == 1 && still.size() < n_, "held must be float64 (h,)");
+    held_count_ = still.size();
+    require(lines.plain() && lines.dimensions() == 2 && lines.shape(1) == axis_numbers && lines.shape(0) >= 1 &&
+                lines.shape(0) <= 6, "axes must be float64 (k, 7)");
+    const std::size_t count = lines.shape(0);
+    require(which.is(count) && alone.is(4) && held_lines.is(held_count_, axis_numbers) && rates.is(n_) && g.is(4, 4) &&
+                free.is(n_), "an array has another shape");
+    require(lines.finite() && alone.finite() && held_lines.finite() && rates.finite() && g.finite(),
+            "a family's numbers are finite");
+    require(kind >= 0 && kind < 3, "a closed form is of a pose, a position or an approach");
+    const int all = static_cast<int>(count);
+    require(0 <= first && first < last && last <= all, "a group is a part of the joints");
+    require(keeps == 0 ? last - first == all : (keeps == 1 || keeps == 2) && last - first <= 3 && all - (last - first) <= 3,
+            "a group has one to three joints, and no more stand beside it");
+    const std::vector<int> joints = whole_numbers(which, n_), held_joints = whole_numbers(still, n_);
+    std::uint32_t idle_bits = 0;
+    for (std::size_t k = 0; k < n_; ++k) {
+        if (free.data()[k] != 0.0) idle_bits |= std::uint32_t{1} << k;
+        const auto at = static_cast<int>(k);
+        require(std::count(joints.begin(), joints.end(), at) + std::count(held_joints.begin(), held_joints.end(), at) == 1,
+                "each joint is solved for or held");
+        require(rates.data()[k] != 0.0, "a rate is not zero");
+    }
+    require(std::is_sorted(held_joints.begin(), held_joints.end()), "held joints stand base to tip");
+    engine_.reset(arm->engine().closed_form({kind, static_cast<int>(count), first, last, keeps, lines.data(), alone.data(),
+                                             joints.data(), static_cast<int>(held_count_), held_joints.data(),
+                                             held_lines.data(), rates.data(), g.data(), idle_bits}));
+}
+
+nb::object ClosedForm::solve(nb::handle numbers, nb::handle theta0, nb::handle held, nb::handle position_tolerance,
+                             nb::handle orientation_tolerance) const {
+    Met met;
+    double asked[most_numbers], start[most_joints];
+    if (!met.read(position_tolerance, orientation_tolerance) || !read_target(numbers, kind_, asked) ||
+        !row(theta0, n_, start) || !is_start(start, n_))
+        return not_plain();
+    Configurations found;
+    const std::size_t width = 2 * n_, numbers_there = numbers_of_kind[kind_], first = 6 + n_ + numbers_there;
+    const auto answer = [&](std::size_t inside, std::size_t count, std::size_t starts, std::size_t hits, std::size_t left) {
+        nb::object array = NumPy::get().empty(nb::int_(first + count * width));
+        double* const into = Array(array).data();
+        into[0] = static_cast<double>(inside);
+        into[1] = static_cast<double>(count);
+        into[2] = static_cast<double>(starts);
+        into[3] = static_cast<double>(hits);
+        into[4] = kind_;
+        into[5] = static_cast<double>(left);
+        std::memcpy(into + 6, start, n_ * sizeof(double));
+        std::memcpy(into + 6 + n_, asked, numbers_there * sizeof(double));
+        return array;
+    };
+    if (held.is_none()) {
+        engine_->solve(asked, start, nullptr, met.position, met.orientation, found);
+        nb::object array = answer(static_cast<std::size_t>(found.inside), static_cast<std::size_t>(found.count), 0, 0,
+                                  static_cast<std::size_t>(found.left));
+        std::memcpy(Array(array).data() + first, found.rows, static_cast<std::size_t>(found.count) * width * sizeof(double));
+        make_read_only(array);
+        return array;
+    }
+    const Numbers values(held);
+    if (!values.plain() || values.dimensions() != 2 || values.shape(1) != held_count_ || !values.finite()) return not_plain();
+    const std::vector<double> tried(values.data(), values.data() + values.size());
+    const std::size_t tries = values.shape(0);
+    Gathered all(n_);
+    without_lock([&] {
+        for (std::size_t i = 0; i < tries; ++i) {
+            engine_->solve(asked, start, tried.data() + i * held_count_, met.position, met.orientation, found);
+            all.add(found);
+        }
+    });
+    nb::object array = answer(all.inside(), all.count(), tries, all.hits(), all.left());
+    all.write(Array(array).data() + first);
+    make_read_only(array);
+    return array;
+}
+
+nb::object ClosedForm::solve_batch(nb::handle numbers, nb::handle theta0, nb::handle position_tolerance,
+                                   nb::handle orientation_tolerance, nb::handle threads) const {
+    Met met;
+    Questions asked;
+    std::uint64_t workers;
+    if (!met.read(position_tolerance, orientation_tolerance) || !whole(threads, workers) || workers < 1 ||
+        workers > most_threads || !read_targets(numbers, kind_, asked) ||
+        !read_thetas(theta0, asked.count, n_, asked.theta0) || !is_start(asked.theta0.at(0), asked.theta0.count))
+        return not_plain();
+    const std::size_t busy = std::min<std::size_t>(workers, (asked.count + block - 1) / block);
+    const bool alone = busy <= 1;
+    Watch watch(Deadline::none);
+    const Deadline never(Deadline::none);
+    const auto over = static_cast<bool (*)(const void*)>(&Deadline::passed);
+    Work work(*engine_, asked, met, n_, alone ? &Watch::passed : over,
+              alone ? static_cast<const void*>(&watch) : &never);
+    if (alone) {
+        work.run();
+        watch.end();
+    } else {
+        share(work, static_cast<int>(busy), asked.count, nb::none());
+    }
+    if (work.out_of_memory()) throw std::bad_alloc();
+    return work.result();
+}
+
+}  // namespace bindings

@@ -1,0 +1,147 @@
+// A family's closed form: all candidates for x with E₁(x₁) ⋯ Eₖ(xₖ) = G.
+//
+// With E_L, E_K, E_R the products of the joints before the group, of it and behind it, E_K = E_L⁻¹ G E_R⁻¹ leaves the point
+// or plane X alone: E_L X = G E_R⁻¹ X. The joints behind, seen from the other side of G, come to stand before the others, so
+// that one chain of at most three has to place X where G takes it.
+#pragma once
+
+#include "group.hpp"
+
+TWISTARM_BEGIN
+
+/// Unknowns of a closed form, at most.
+constexpr int most_unknowns = 6;
+
+/// An arm's axes in the order in which they are solved for; those from `first` to before `last` are the group that leaves
+/// `kept` alone. At most three are in it, and at most three are not; but of at most three joints that turn and three that
+/// slide, whose group keeps nothing, all are in it.
+template <class T> struct fitted_family {
+    int count, first, last;
+    closed_form::keeps keeps;
+    closed_form::joint_axis<T> axes[most_unknowns];
+    closed_form::feature<T> kept;
+};
+
+namespace closed_form {
+
+/// A candidate that misses by less [m, or a rotation's numbers] is an answer but for rounding.
+template <class T> constexpr T nearly_met = is_double<T> ? T(1e-6) : T(1e-3);
+
+/// How far apart [rad, m], and how often, joints are tried of which any value would do, where that at hand has no answer.
+constexpr double elsewhere_step = 0.9;
+constexpr int elsewhere = 6;
+
+/// Values in the order of the family's axes.
+template <class T> struct candidate {
+    joint_value<T> x[most_unknowns];
+
+    unsigned free(int count) const {
+        unsigned joints = 0;
+        for (int i = 0; i < count; ++i) joints |= static_cast<unsigned>(x[i].free) << i;
+        return joints;
+    }
+};
+
+constexpr int most_candidates = 64;
+template <class T> using candidate_list = few<candidate<T>, most_candidates>;
+
+namespace detail {
+/// Whether E₁(x₁) ⋯ Eₖ(xₖ) is G.
+template <class T> bool is_met(const fitted_family<T>& family, const candidate<T>& each, const frame<T>& G) {
+    frame<T> g = identity_frame<T>();
+    for (int i = family.count - 1; i >= 0; --i) move_frame(family.axes[i], each.x[i], g);
+    T off = T(0);
+    for (int k = 0; k < 3; ++k)
+        off = greatest(off, greatest(greatest(absolute(g.x[k] - G.x[k]), absolute(g.y[k] - G.y[k])),
+                                     greatest(absolute(g.z[k] - G.z[k]), absolute(g.p[k] - G.p[k]))));
+    return off <= nearly_met<T>;
+}
+
+/// Of joints that turn, at most three in different directions, and at most three that slide, in whatever order, the rotation
+/// gives the former.
+template <class T>
+void find_decoupled(const fitted_family<T>& family, const frame<T>& G, const joint_value<T>* near, T slack, bool free,
+                    candidate_list<T>& found) {
+    joint_axis<T> axes[3];
+    joint_value<T> wanted[3];
+    int turning[3], count = 0;
+    for (int i = 0; i < family.count; ++i)
+        if (!family.axes[i].slides && count < 3) {
+            axes[count] = family.axes[i];
+            wanted[count] = near[i];
+            turning[count++] = i;
+        }
+    placings<T> turns;
+    rotating(group<T>{axes, count, family.kept}, G, wanted, slack, turns);
+    for (const placed<T>& each : turns) {
+        candidate<T> one;
+        for (int i = 0; i < family.count; ++i) one.x[i] = slid(T(0));
+        for (int i = 0; i < count; ++i) one.x[turning[i]] = each.x[i];
+        set_slides(family.axes, family.count, G, one.x);
+        if (!free || one.free(family.count) != 0) found.add(one);
+    }
+}
+
+/// The candidates where what is free stands at `near`, but those without anything free where only `free` ones are wanted.
+template <class T>
+void find_with(const fitted_family<T>& family, const frame<T>& G, const joint_value<T>* near, T slack, bool free,
+               candidate_list<T>& found) {
+    if (family.keeps == keeps::nothing) return find_decoupled(family, G, near, slack, free, found);
+    const int before = family.first, behind = family.count - family.last;
+    joint_axis<T> chain[3];
+    joint_value<T> wanted[3];
+    for (int i = 0; i < behind; ++i) {
+        chain[i] = seen(family.axes[family.last + i], G);
+        wanted[i] = near[family.last + i];
+    }
+    for (int i = 0; i < before; ++i) {
+        chain[behind + i] = family.axes[i];
+        wanted[behind + i] = near[i];
+    }
+    const group<T> inner{family.axes + family.first, family.last - family.first, family.kept};
+    for (const placed<T>& beside : place(chain, before + behind, family.kept, moved(G, family.kept), wanted, slack)) {
+        // G E_R⁻¹ = (motions of the axes behind, seen through G)⁻¹ G, and E_L⁻¹ goes before it.
+        frame<T> E = G;
+        bool any = false;
+        for (int i = 0; i < behind + before; ++i) {
+            move_frame(chain[i], back(beside.x[i]), E);
+            any = any || beside.x[i].free;
+        }
+        for (const placed<T>& inside : within(inner, E, near + family.first, any ? nearest<T> : slack)) {
+            candidate<T> each;
+            for (int i = 0; i < before; ++i) each.x[i] = beside.x[behind + i];
+            for (int i = 0; i < inner.count; ++i) each.x[before + i] = inside.x[i];
+            for (int i = 0; i < behind; ++i) each.x[family.last + i] = beside.x[i];
+            if (!free || each.free(family.count) != 0) found.add(each);
+        }
+    }
+}
+}  // namespace detail
+
+/// Every x with E₁(x₁) ⋯ Eₖ(xₖ) = G, and some that only nearly do, or not: forward kinematics decides.
+///
+/// Where any value of a joint would do it has that of `near`, in the family's order; where there is nothing with that, some
+/// elsewhere.
+template <class T>
+void find_candidates(const fitted_family<T>& family, const frame<T>& G, const joint_value<T>* near, T slack,
+                     candidate_list<T>& found) {
+    detail::find_with(family, G, near, slack, false, found);
+    unsigned free = 0;
+    bool met = false;
+    for (const candidate<T>& each : found)
+        if (const unsigned joints = each.free(family.count); joints != 0) {
+            free |= joints;
+            met = met || detail::is_met(family, each, G);
+        }
+    joint_value<T> tried[most_unknowns];
+    for (int step = 1; step <= elsewhere && free != 0 && !met; ++step) {
+        const T away = T(elsewhere_step * step);
+        for (int i = 0; i < family.count; ++i)
+            tried[i] = (free >> i & 1U) == 0 ? near[i] : near[i] + value_of(family.axes[i], away);
+        detail::find_with(family, G, tried, slack, true, found);
+    }
+}
+
+}  // namespace closed_form
+
+TWISTARM_END

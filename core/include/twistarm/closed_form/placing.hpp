@@ -1,0 +1,173 @@
+// Placing a point or a plane by up to three joints: all x with E₁(x₁) ⋯ Eₖ(xₖ) X = Y.
+//
+// What moves along the middle joint keeps two numbers, so E₃(x₃) X and E₁(x₁)⁻¹ Y must have the same: of a point p, where
+// the middle joint turns about (w, o), w · (p − o) and ‖p − o‖², where it slides the two coordinates across w; of a plane
+// (n, d) w · n and d − n · o, where it slides two components of n. These are two conditions on x₁ and x₃; x₂ is the turn or
+// slide that is left (subproblem 1). For points this is how Pieper (1968) solves the first three joints of an arm with a
+// spherical wrist; for planes it serves three parallel axes.
+#pragma once
+
+#include "two_conditions.hpp"
+
+TWISTARM_BEGIN
+
+namespace closed_form {
+
+/// What lies nearer to an axis than this [m], or points along it to so much, is not moved by a turn about it.
+template <class T> constexpr T on_axis = is_double<T> ? T(1e-12) : T(1e-6);
+
+/// Values of up to three joints.
+template <class T> struct placed {
+    joint_value<T> x[3];
+};
+
+template <class T> using placings = few<placed<T>, 8>;
+
+/// x with E(x) X = Y as near as can be; `near`, free, where any would do. Subproblem 1, MLS §3.3.2, for planes and slides too.
+template <class T>
+joint_value<T> settle(const joint_axis<T>& axis, const feature<T>& X, const feature<T>& Y, const joint_value<T>& near) {
+    if (axis.slides && X.plane) {
+        const T share = dot(axis.w, X.v);
+        return absolute(share) < nothing<T> ? set_free(near) : slid((Y.d - X.d) / share);
+    }
+    T a[3], b[3], turned_a[3];
+    if (axis.slides) {
+        for (int k = 0; k < 3; ++k) a[k] = Y.v[k] - X.v[k];
+        return slid(dot(axis.w, a));
+    }
+    for (int k = 0; k < 3; ++k) {
+        a[k] = X.plane ? X.v[k] : X.v[k] - axis.o[k];
+        b[k] = Y.plane ? Y.v[k] : Y.v[k] - axis.o[k];
+    }
+    const T along_a = dot(axis.w, a), along_b = dot(axis.w, b);
+    for (int k = 0; k < 3; ++k) {
+        a[k] -= along_a * axis.w[k];
+        b[k] -= along_b * axis.w[k];
+    }
+    if (dot(a, a) < on_axis<T> * on_axis<T> || dot(b, b) < on_axis<T> * on_axis<T>) return set_free(near);
+    cross(axis.w, a, turned_a);
+    return turned(dot(a, b), dot(turned_a, b));
+}
+
+namespace detail {
+/// The two numbers of X that moving along the middle joint does not change.
+template <class T> void kept_numbers(const joint_axis<T>& middle, const feature<T>& X, T kept[2]) {
+    if (middle.slides) {
+        T u[3], v[3];
+        across(middle.w, u, v);
+        kept[0] = dot(u, X.v);
+        kept[1] = dot(v, X.v);
+    } else if (X.plane) {
+        kept[0] = dot(middle.w, X.v);
+        kept[1] = X.d - dot(X.v, middle.o);
+    } else {
+        const T away[3] = {X.v[0] - middle.o[0], X.v[1] - middle.o[1], X.v[2] - middle.o[2]};
+        kept[0] = dot(middle.w, away);
+        kept[1] = dot(away, away);
+    }
+}
+
+/// The kept numbers of E(sense · x) X: constant, and what goes with cos x and sin x, or with x and x² where it slides.
+template <class T> struct kept_along {
+    T constant[2], A[2][2];
+
+    kept_along(const joint_axis<T>& middle, const joint_axis<T>& axis, const feature<T>& X, T sense) {
+        T still[3], first[3], second[3] = {T(0), T(0), T(0)};
+        if (axis.slides) {
+            for (int k = 0; k < 3; ++k) {
+                still[k] = X.v[k];
+                first[k] = X.plane ? T(0) : sense * axis.w[k];
+            }
+        } else {
+            const T from[3] = {X.v[0] - (X.plane ? T(0) : axis.o[0]), X.v[1] - (X.plane ? T(0) : axis.o[1]),
+                               X.v[2] - (X.plane ? T(0) : axis.o[2])};
+            const parted<T> parts(axis.w, from);
+            for (int k = 0; k < 3; ++k) {
+                still[k] = parts.along[k] + (X.plane ? T(0) : axis.o[k]);
+                first[k] = parts.across[k];
+                second[k] = sense * parts.turned[k];
+            }
+        }
+        if (middle.slides) {
+            T u[3], v[3];
+            across(middle.w, u, v);
+            set(0, dot(u, still), dot(u, first), dot(u, second));
+            set(1, dot(v, still), dot(v, first), dot(v, second));
+        } else if (X.plane) {
+            set(0, dot(middle.w, still), dot(middle.w, first), dot(middle.w, second));
+            if (axis.slides) {
+                set(1, X.d - dot(X.v, middle.o), sense * dot(X.v, axis.w), T(0));
+            } else {
+                const T lever[3] = {axis.o[0] - middle.o[0], axis.o[1] - middle.o[1], axis.o[2] - middle.o[2]};
+                set(1, X.d - dot(X.v, axis.o) + dot(still, lever), dot(first, lever), dot(second, lever));
+            }
+        } else {
+            for (int k = 0; k < 3; ++k) still[k] -= middle.o[k];
+            set(0, dot(middle.w, still), dot(middle.w, first), dot(middle.w, second));
+            const T square = dot(first, first), base = dot(still, still);
+            if (axis.slides) set(1, base, T(2) * dot(still, first), square);
+            else set(1, base + square, T(2) * dot(still, first), T(2) * dot(still, second));
+        }
+    }
+
+private:
+    void set(int row, T still, T first, T second) {
+        constant[row] = still;
+        A[row][0] = first;
+        A[row][1] = second;
+    }
+};
+
+/// The first joint is the middle one: nothing stands before it.
+template <class T>
+void place_by_two(const joint_axis<T>* axes, const feature<T>& X, const feature<T>& Y, const joint_value<T>* near,
+                  T slack, placings<T>& found) {
+    const kept_along<T> along(axes[0], axes[1], X, T(1));
+    T e[2];
+    kept_numbers(axes[0], Y, e);
+    side<T> last{{}, axes[1].slides, near[1]};
+    for (int i = 0; i < 2; ++i) {
+        e[i] -= along.constant[i];
+        for (int k = 0; k < 2; ++k) last.A[i][k] = along.A[i][k];
+    }
+    for (const joint_value<T>& y : one_joint(last, e, slack))
+        found.add({{settle(axes[0], moved(axes[1], y, X), Y, near[0]), y, {}}});
+}
+
+template <class T>
+void place_by_three(const joint_axis<T>* axes, const feature<T>& X, const feature<T>& Y, const joint_value<T>* near,
+                    T slack, placings<T>& found) {
+    const kept_along<T> before(axes[1], axes[0], Y, T(-1)), behind(axes[1], axes[2], X, T(1));
+    side<T> first{{}, axes[0].slides, near[0]}, last{{}, axes[2].slides, near[2]};
+    T e[2];
+    for (int i = 0; i < 2; ++i) {
+        e[i] = before.constant[i] - behind.constant[i];
+        for (int k = 0; k < 2; ++k) {
+            first.A[i][k] = -before.A[i][k];
+            last.A[i][k] = behind.A[i][k];
+        }
+    }
+    for (const pair<T>& each : two_conditions(first, last, e, slack)) {
+        const feature<T> from = moved(axes[2], each.y, X), to = moved(axes[0], back(each.x), Y);
+        found.add({{each.x, settle(axes[1], from, to, near[1]), each.y}});
+    }
+}
+}  // namespace detail
+
+/// All x with E₁(x₁) ⋯ Eₖ(xₖ) X = Y, k ≤ 3, in the sense of least squares where there are too few joints.
+///
+/// Where any value would do, a joint takes that of `near`. What just misses by `slack` counts.
+template <class T>
+placings<T> place(const joint_axis<T>* axes, int count, const feature<T>& X, const feature<T>& Y,
+                  const joint_value<T>* near, T slack) {
+    placings<T> found;
+    if (count == 0) found.add({});
+    if (count == 1) found.add({{settle(axes[0], X, Y, near[0]), {}, {}}});
+    if (count == 2) detail::place_by_two(axes, X, Y, near, slack, found);
+    if (count == 3) detail::place_by_three(axes, X, Y, near, slack, found);
+    return found;
+}
+
+}  // namespace closed_form
+
+TWISTARM_END

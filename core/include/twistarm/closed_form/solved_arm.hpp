@@ -1,0 +1,74 @@
+// An arm's closed form for one kind of target: the family of its joints and of the turns that the target leaves free.
+#pragma once
+
+#include "../ik/aim.hpp"
+#include "candidates.hpp"
+
+TWISTARM_BEGIN
+
+/// What twistarm's Python has recognised of an arm (src/twistarm/ik/closed_form), as numbers.
+///
+/// E₁(x₁) ⋯ Eₙ(xₙ) V₁ ⋯ Vₖ = g home⁻¹ with x = rate θ: V are one turn about the tool axis for an approach and three about
+/// the tool's origin for a position. Joints beyond those that the target determines are `held` at given values, each
+/// moving those behind it; the family's axes are those where they stand at 0.
+template <class T, int N> struct solved_arm {
+    fitted_family<T> family;
+    int joint[most_unknowns];  ///< which coordinate each of the family's axes is; -1: a turn that the target leaves free
+    int held_count, held[capacity(N)];  ///< base to tip
+    closed_form::joint_axis<T> held_axes[capacity(N)];
+    T rate[capacity(N)];
+    frame<T> home;
+    std::uint32_t idle;  ///< coordinates, as bits, that any answer may move, because they were held though not given
+};
+
+namespace closed_form {
+
+/// The family where the held joints stand at `values` of θ, and what the pose is to be multiplied by behind home⁻¹.
+template <class T, int N>
+void hold(const solved_arm<T, N>& arm, const T* values, fitted_family<T>& family, frame<T>& behind) {
+    family = arm.family;
+    behind = identity_frame<T>();
+    if (arm.held_count == 0) return;
+    frame<T> carried[capacity(N)];
+    for (int h = 0; h < arm.held_count; ++h) {
+        behind = product(behind, motion(arm.held_axes[h], value_of(arm.held_axes[h], arm.rate[arm.held[h]] * values[h])));
+        carried[h] = behind;
+    }
+    for (int i = 0; i < family.count; ++i) {
+        int h = -1;
+        while (h + 1 < arm.held_count && (arm.joint[i] < 0 || arm.held[h + 1] < arm.joint[i])) ++h;
+        if (h < 0) continue;
+        family.axes[i] = seen(family.axes[i], carried[h]);
+        if (i == family.first) family.kept = moved(carried[h], family.kept);
+    }
+    behind = inverse(behind);
+}
+
+/// A pose that meets the target.
+template <class T> frame<T> any_pose(const target<T>& asked) {
+    frame<T> g = asked.goal;
+    if (asked.kind == target_kind::approach)
+        g = product(twistarm::detail::rotation_onto(asked.direction), inverse(twistarm::detail::rotation_onto(asked.tool_axis)));
+    for (int k = 0; k < 3; ++k) g.p[k] = asked.goal.p[k];
+    return g;
+}
+
+/// All candidates for θ (n,) by the values of the family's axes; what is free stands as in `near` (n,).
+template <class T, int N>
+void find_candidates(const solved_arm<T, N>& arm, const target<T>& asked, const T* near, const T* held_values, T slack,
+                     candidate_list<T>& found) {
+    fitted_family<T> family;
+    frame<T> behind;
+    hold(arm, held_values, family, behind);
+    joint_value<T> wanted[most_unknowns];
+    for (int i = 0; i < family.count; ++i) {
+        const int k = arm.joint[i];
+        wanted[i] = value_of(family.axes[i], k < 0 ? T(0) : near[k] * arm.rate[k]);
+    }
+    const frame<T> G = product(product(any_pose(asked), inverse(arm.home)), behind);
+    find_candidates(family, G, wanted, slack, found);
+}
+
+}  // namespace closed_form
+
+TWISTARM_END

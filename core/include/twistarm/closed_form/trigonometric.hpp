@@ -1,0 +1,151 @@
+// Roots of the equations that subproblems come down to: in the sine and cosine of an angle, or in a length.
+//
+// An equation that just misses, by less than `slack` of its size, has the root that comes nearest: a stretched arm has one
+// answer, not none, whatever rounding says. Whether a root is one is decided later, by forward kinematics.
+#pragma once
+
+#include "joint_axis.hpp"
+#include "quartic.hpp"
+
+TWISTARM_BEGIN
+
+namespace closed_form {
+
+template <class T> constexpr bool is_double = sizeof(T) == 8;
+
+/// A coefficient below this part of the equation's scale is zero.
+template <class T> constexpr T nothing = is_double<T> ? T(1e-9) : T(1e-5);
+
+/// What is left of the equation when all its coefficients are zero may be so much of its scale.
+template <class T> constexpr T level = is_double<T> ? T(1e-7) : T(1e-4);
+
+/// The slack with which whatever misses has the root that comes nearest.
+template <class T> constexpr T nearest = T(is_double<T> ? 1e100 : 1e30F);
+
+/// Real roots; `any`: every value is one.
+template <class T, int Most> struct roots : few<joint_value<T>, Most> {
+    bool any = false;
+
+    /// Those roots, or, where every value is one, the one at hand.
+    roots or_near(const joint_value<T>& near) const {
+        roots found = *this;
+        if (any) found.add(set_free(near));
+        return found;
+    }
+};
+
+/// Angles x with a cos x + b sin x = c: atan2(b, a) ± acos(c / √(a² + b²)); `scale`, of the equation's other coefficients.
+template <class T> roots<T, 2> harmonic(T a, T b, T c, T scale, T slack) {
+    roots<T, 2> found;
+    const T amplitude = sqrt(a * a + b * b);
+    if (amplitude <= nothing<T> * scale) {
+        found.any = absolute(c) <= (level<T> + slack) * scale;
+        return found;
+    }
+    if (absolute(c) > amplitude * (T(1) + slack) + nothing<T> * scale) return found;
+    const T opening = sqrt(greatest((amplitude - c) * (amplitude + c), T(0)));
+    found.add(turned(a * c - b * opening, b * c + a * opening));
+    if (opening > T(0)) found.add(turned(a * c + b * opening, b * c - a * opening));
+    return found;
+}
+
+/// Lengths x with f x² + b x + c = 0, without cancellation.
+template <class T> roots<T, 2> quadratic(T f, T b, T c, T slack) {
+    roots<T, 2> found;
+    if (absolute(f) <= nothing<T> * absolute(b)) {
+        if (b != T(0)) found.add(slid(-c / b));
+        return found;
+    }
+    const T discriminant = b * b - T(4) * f * c;
+    if (discriminant < -slack * (b * b + absolute(T(4) * f * c))) return found;
+    const T root = sqrt(greatest(discriminant, T(0))), q = T(-0.5) * (b + (b < T(0) ? -root : root));
+    if (q == T(0)) {
+        found.add(slid(T(0)));
+        return found;
+    }
+    found.add(slid(q / f));
+    if (root > T(0)) found.add(slid(c / q));
+    return found;
+}
+
+/// k₀ + k₁ c + k₂ s + k₃ c² + k₄ c s + k₅ s², c = cos x and s = sin x.
+template <class T> struct second_harmonic {
+    T k[6];
+
+    T at(T c, T s) const { return k[0] + k[1] * c + k[2] * s + k[3] * c * c + k[4] * c * s + k[5] * s * s; }
+    T slope(T c, T s) const {
+        return -k[1] * s + k[2] * c - T(2) * k[3] * c * s + k[4] * (c * c - s * s) + T(2) * k[5] * s * c;
+    }
+    T scale() const {
+        T largest = T(0);
+        for (T each : k) largest = greatest(largest, absolute(each));
+        return largest;
+    }
+
+    /// The zeros, at most four: a quartic in t = tan((x − x₀)/2), x₀ chosen so that its leading coefficient is large.
+    roots<T, 4> zeros(T slack) const {
+        roots<T, 4> found;
+        const T size = scale();
+        const joint_value<T> start = beginning();
+        T p[5];
+        in_half_tangent(start, p);
+        T largest = T(0);
+        for (T each : p) largest = greatest(largest, absolute(each));
+        if (!(largest > nothing<T> * size)) {
+            found.any = true;
+            return found;
+        }
+        complex_number<T> t[4];
+        quartic_roots(p, t);
+        for (const complex_number<T>& each : t) {
+            const T square = each.re * each.re + each.im * each.im;
+            if (absolute(each.im) > T(3) * sqrt(slack) * (T(1) + square)) continue;
+            const joint_value<T> x = turned(T(1) - each.re * each.re, T(2) * each.re) + start;
+            found.add(corrected(x, size));
+        }
+        return found;
+    }
+
+private:
+    /// Of eight angles the one half a turn from where the value is largest.
+    joint_value<T> beginning() const {
+        joint_value<T> best{T(1), T(0), T(0)}, tried = best;
+        const joint_value<T> on{T(0.7648421872844885), T(0.644217687237691), T(0)};  // by 0.7 rad
+        T largest = T(-1);
+        for (int i = 0; i < 8; ++i, tried = tried + on) {
+            const T size = absolute(at(-tried.cosine, -tried.sine));
+            if (size > largest) {
+                largest = size;
+                best = tried;
+            }
+        }
+        return best;
+    }
+
+    /// The equation times (1 + t²)², p[i] with tⁱ.
+    void in_half_tangent(const joint_value<T>& start, T p[5]) const {
+        const T one[3] = {T(1), T(0), T(1)}, c[3] = {start.cosine, T(-2) * start.sine, -start.cosine},
+                s[3] = {start.sine, T(2) * start.cosine, -start.sine};
+        const T* const pairs[6][2] = {{one, one}, {c, one}, {s, one}, {c, c}, {c, s}, {s, s}};
+        for (int i = 0; i < 5; ++i) p[i] = T(0);
+        for (int m = 0; m < 6; ++m)
+            for (int i = 0; i < 3; ++i)
+                for (int j = 0; j < 3; ++j) p[i + j] += k[m] * pairs[m][0][i] * pairs[m][1][j];
+    }
+
+    /// x after three of Newton's steps, none of them far: at a double root there is nothing to gain.
+    joint_value<T> corrected(joint_value<T> x, T size) const {
+        for (int step = 0; step < 3; ++step) {
+            const T rate = slope(x.cosine, x.sine);
+            if (absolute(rate) < nothing<T> * size) break;
+            const T on = at(x.cosine, x.sine) / rate;
+            if (absolute(on) > T(0.01)) break;
+            x = turned(x.cosine + on * x.sine, x.sine - on * x.cosine);
+        }
+        return x;
+    }
+};
+
+}  // namespace closed_form
+
+TWISTARM_END

@@ -1,0 +1,238 @@
+// Candidates made into answers: corrected by forward kinematics, verified, told apart; joints that may go on moving.
+#pragma once
+
+#include "../ik/ranges.hpp"
+#include "../ik/residual.hpp"
+#include "../kinematics/singular_directions.hpp"
+#include "../numeric/ldl.hpp"
+#include "solved_arm.hpp"
+
+TWISTARM_BEGIN
+
+/// An answer: θ, the coordinates, as bits, that may change while the target stays met, its distance from the start.
+template <class T, int N> struct configuration {
+    T theta[capacity(N)];
+    std::uint32_t free;
+    bool family;  ///< whether it may move for itself, not only for what was held
+    T distance;
+    bool inside;
+};
+
+namespace closed_form {
+
+/// What counts as nothing, in m and rad; src/twistarm/ik/closed_form/roots.py has the same for double.
+template <class T> struct precision {
+    static constexpr int steps = 30;               ///< of Newton's, for a candidate
+    static constexpr T longest = T(0.3);           ///< step: a candidate is near its answer or none
+    static constexpr T near = T(0.05);             ///< so far a candidate of an exact family misses, at most
+    static constexpr T rounding = T(is_double<T> ? 1e-14 : 1e-6);     ///< of forward kinematics
+    static constexpr T singular = T(is_double<T> ? 1e-9 : 1e-5);      ///< singular values below this part are none
+    static constexpr T dependent = T(is_double<T> ? 1e-6 : 1e-3);     ///< and below this move nothing at first
+    static constexpr T regular = T(is_double<T> ? 1e8 : 1e4);         ///< pivots of JᵀJ above its trace over this
+    static constexpr T same = T(is_double<T> ? 1e-5 : 3e-3);          ///< nearer together, two answers may be one
+    static constexpr T halfway = T(is_double<T> ? 1e-13 : 3e-6);      ///< if halfway between the target is met so well
+    static constexpr T at_limit = T(is_double<T> ? 1e-6 : 1e-4);      ///< an answer beyond by less is at the limit,
+    static constexpr T on_limit = T(is_double<T> ? 1e-11 : 1e-6);     ///< and by so little meets the target there too
+    static constexpr T sidestep = T(0.05);         ///< along a singular direction, where a family is looked for
+    static constexpr T moved = T(is_double<T> ? 1e-6 : 1e-3);
+};
+
+/// Forward kinematics as the judge of one target: how far configurations miss it, and Newton's steps toward it.
+template <target_kind Kind, class T, int N, int M> class judge {
+public:
+    static constexpr int rows = rows_of(Kind), width = capacity(N);
+
+    judge(const chain<T, N, M>& arm, const solved_arm<T, N>& solved, const target<T>& asked, T position_tolerance,
+          T orientation_tolerance)
+        : arm_(arm), aim_(aim_at(arm, asked)), position_(position_tolerance),
+          chord_(T(2) * static_cast<T>(__builtin_sin(0.5 * static_cast<double>(least(orientation_tolerance, T(3.1415926)))))) {
+        for (int i = 0; i < solved.family.count; ++i)
+            if (solved.joint[i] >= 0) moving_[count_++] = solved.joint[i];
+    }
+
+    /// Whether θ misses the target by no more than `position` [m] and `chord` [2 sin(φ/2)].
+    bool meets(const T* theta, T position, T chord) const {
+        residual<T, N, rows> missed;
+        miss(theta, missed);
+        return meets(missed, position, chord);
+    }
+    bool meets(const T* theta) const { return meets(theta, position_, chord_); }
+
+    /// Whether two answers are one: near together, but for whole turns, and the target is met as well
+    /// halfway between them, or to rounding.
+    bool same(const ranges<T, N>& range, const T* a, const T* b) const {
+        constexpr T turn = T(whole_turn);
+        T between[width];
+        for (int k = 0; k < arm_.coordinates(); ++k) {
+            T apart = a[k] - b[k];
+            if (range.periodic[k]) apart -= turn * static_cast<T>(__builtin_rint(static_cast<double>(apart / turn)));
+            if (!(absolute(apart) <= precision<T>::same)) return false;
+            between[k] = b[k] + T(0.5) * apart;
+        }
+        const T most = greatest(greatest(precision<T>::halfway, T(2) * missed(a)), T(2) * missed(b));
+        return missed(between) <= most;
+    }
+
+    /// A register of configurations after one of Newton's steps, where one of them needs it; which of them miss by rounding alone, far from any
+    /// singularity, and which are so near before it that they may be answers.
+    template <class V> void step(V* theta, unsigned& done, unsigned& near) const {
+        constexpr T far = precision<T>::near;
+        const int n = arm_.coordinates();
+        const aim<V> aims = aim_in_every_lane<V>(aim_);
+        column<V> columns[width];
+        residual<V, N, rows> missed;
+        frame<V> g;
+        walk_with_columns(arm_, aims.base, aims.tip, theta, g, columns);
+        residual_of<Kind, N>(g, columns, n, aims, T(1), missed);
+        near = bits((missed.position_squared < V(far * far)) & (missed.rotation_squared < V(far * far)));
+        V H[most_unknowns][most_unknowns], y[most_unknowns], trace = V(T(0)), pivot = V(T(0)), longest = V(precision<T>::longest);
+        for (int i = 0; i < count_; ++i) {
+            const V* const row = missed.J[moving_[i]];
+            y[i] = V(T(0));
+            for (int k = 0; k < rows; ++k) y[i] = y[i] - row[k] * missed.e[k];
+            for (int j = 0; j <= i; ++j) {
+                H[i][j] = V(T(0));
+                for (int k = 0; k < rows; ++k) H[i][j] = H[i][j] + row[k] * missed.J[moving_[j]][k];
+            }
+            trace = trace + H[i][i];
+        }
+        solve_ldl(H, y, count_);
+        for (int i = 0; i < count_; ++i) {
+            pivot = greatest(pivot, H[i][i]);
+            longest = greatest(longest, absolute(y[i]));
+        }
+        V worst = V(T(0));
+        for (int k = 0; k < rows; ++k) worst = greatest(worst, absolute(missed.e[k]));
+        auto good = pivot * trace < V(precision<T>::regular);
+        for (int i = 0; i < count_; ++i) good = good & (H[i][i] > V(T(0)));
+        const V enough = V(T(10) * precision<T>::rounding);
+        done = bits(good & (worst <= enough));
+        if (all(good & (worst <= enough))) return;
+        const V share = precision<T>::longest / longest;
+        for (int i = 0; i < count_; ++i) theta[moving_[i]] = theta[moving_[i]] + select(good, y[i] * share, V(T(0)));
+        walk(arm_, aims.base, aims.tip, theta, g);
+        residual_of<Kind, N>(g, columns, 0, aims, T(1), missed);
+        worst = V(T(0));
+        for (int k = 0; k < rows; ++k) worst = greatest(worst, absolute(missed.e[k]));
+        done = bits(good & (worst <= enough));
+    }
+
+    /// θ after some of Newton's steps of least length, −J⁺ e, of which so many may gain little; whether it meets the target.
+    bool correct(T* theta, int patience = 3) const {
+        residual<T, N, rows> missed;
+        T best = static_cast<T>(__builtin_inf());
+        int in_vain = 0;
+        for (int step = 0; step < precision<T>::steps; ++step) {
+            with_rows(theta, missed);
+            const T worst = largest(missed);
+            if (!(worst > precision<T>::rounding)) break;
+            if (worst > T(0.9) * best && ++in_vain > patience) break;
+            best = least(best, worst);
+            T move[most_unknowns];
+            pseudo_inverse_step(missed, move);
+            for (int i = 0; i < count_; ++i) theta[moving_[i]] += move[i];
+        }
+        return meets(theta);
+    }
+
+    /// The coordinates that move while the target stays met.
+    ///
+    /// Where the rows of the Jacobian are dependent there is a direction that moves nothing at first. A step along it,
+    /// corrected, either comes back, or is another answer: then the two belong to a family.
+    std::uint32_t self_motion(const T* theta) const {
+        residual<T, N, rows> missed;
+        six_rows<T, most_unknowns> columns;
+        T X[6][6], size[6], beside[width];
+        with_rows(theta, missed);
+        const T most = decompose(missed, columns, X, size);
+        std::uint32_t moving = 0;
+        for (int i = 0; i < count_; ++i) {
+            if (size[i] > precision<T>::dependent * most) continue;
+            for (int k = 0; k < arm_.coordinates(); ++k) beside[k] = theta[k];
+            for (int j = 0; j < count_; ++j) beside[moving_[j]] += precision<T>::sidestep * X[j][i];
+            if (!correct(beside)) continue;
+            std::uint32_t changed = 0;
+            T farthest = T(0);
+            for (int j = 0; j < count_; ++j) {
+                const T away = absolute(beside[moving_[j]] - theta[moving_[j]]);
+                farthest = greatest(farthest, away);
+                if (away > precision<T>::moved) changed |= std::uint32_t{1} << moving_[j];
+            }
+            if (farthest > T(0.5) * precision<T>::sidestep) moving |= changed;
+        }
+        return moving;
+    }
+
+private:
+    static bool meets(const residual<T, N, rows>& missed, T position, T chord) {
+        return missed.position_squared <= position * position && missed.rotation_squared <= chord * chord;
+    }
+
+    static T largest(const residual<T, N, rows>& missed) {
+        T worst = T(0);
+        for (T each : missed.e)
+            if (!(absolute(each) <= worst)) worst = absolute(each);
+        return worst;
+    }
+
+    /// The larger of both errors.
+    T missed(const T* theta) const {
+        residual<T, N, rows> off;
+        miss(theta, off);
+        return sqrt(greatest(off.position_squared, off.rotation_squared));
+    }
+
+    void miss(const T* theta, residual<T, N, rows>& missed) const {
+        frame<T> g;
+        column<T> columns[1];
+        walk(arm_, aim_.base, aim_.tip, theta, g);
+        residual_of<Kind, N>(g, columns, 0, aim_, T(1), missed);
+    }
+
+    void with_rows(const T* theta, residual<T, N, rows>& missed) const {
+        frame<T> g;
+        column<T> columns[width];
+        walk_with_columns(arm_, aim_.base, aim_.tip, theta, g, columns);
+        residual_of<Kind, N>(g, columns, arm_.coordinates(), aim_, T(1), missed);
+    }
+
+    /// J X = `columns`, orthogonal, column i of length size[i]; the greatest length.
+    T decompose(const residual<T, N, rows>& missed, six_rows<T, most_unknowns>& columns, T X[6][6], T size[6]) const {
+        for (int i = 0; i < count_; ++i)
+            for (int k = 0; k < rows; ++k) columns[i][k] = missed.J[moving_[i]][k];
+        make_orthogonal<T, most_unknowns>(columns, count_, rows, X);
+        T most = T(0);
+        for (int i = 0; i < count_; ++i) {
+            T square = T(0);
+            for (int k = 0; k < rows; ++k) square += columns[i][k] * columns[i][k];
+            size[i] = sqrt(square);
+            most = greatest(most, size[i]);
+        }
+        return most;
+    }
+
+    /// No step is long in any of the directions that J tells apart: where one of them hardly moves the tool, near a wrist in
+    /// line, the others go all their way nevertheless.
+    void pseudo_inverse_step(const residual<T, N, rows>& missed, T move[6]) const {
+        six_rows<T, most_unknowns> columns;
+        T X[6][6], size[6];
+        const T most = decompose(missed, columns, X, size);
+        for (int j = 0; j < count_; ++j) move[j] = T(0);
+        for (int i = 0; i < count_; ++i) {
+            if (!(size[i] > precision<T>::singular * most)) continue;
+            T share = T(0);
+            for (int k = 0; k < rows; ++k) share -= columns[i][k] * missed.e[k];
+            share = clamped(share / (size[i] * size[i]), -precision<T>::longest, precision<T>::longest);
+            for (int j = 0; j < count_; ++j) move[j] += share * X[j][i];
+        }
+    }
+
+    const chain<T, N, M>& arm_;
+    aim<T> aim_;
+    T position_, chord_;
+    int moving_[most_unknowns], count_ = 0;
+};
+
+}  // namespace closed_form
+
+TWISTARM_END

@@ -1,0 +1,222 @@
+"""`solve_ik_all_batch`: every configuration of many targets, arrays in and out."""
+
+from __future__ import annotations
+
+import operator
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, field
+from functools import cached_property
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from ..model.arm import Arm, require_arm
+from ..support.checks import Array, RealArray, as_flag, as_whole
+from .all_solutions import IKSolutions, configurations_in, found_row
+from .batch import MAX_THREADS, targets_for
+from .closed_form.methods import Method, method_for
+from .request import checked
+from .solve_all import DEFAULT_SAMPLES, given_joints, solve_ik_all
+from .targets import AnyTarget, Approach, Pose, TargetLike
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class IKSolutionsBatch:
+    """Every configuration of N targets, read-only arrays with a row for each; `batch[i]` is one as an `IKSolutions`.
+
+    count (N,): configurations inside the limits; outside_count (N,): beyond them.
+    """
+
+    arm: Arm
+    count: NDArray[np.int64]
+    outside_count: NDArray[np.int64]
+    targets: Array | tuple[AnyTarget, ...] = field(repr=False)
+    """What was asked: poses (N, 4, 4), or targets of any kinds."""
+    theta0: Array = field(repr=False)
+    """(n,) or (N, n) [rad, m]."""
+    rows: Array = field(repr=False)
+    """(r, 2 n): theta beside what moves, those of each target inside the limits and then those outside."""
+    known: tuple[tuple[Method, bool], ...] = field(repr=False)
+    """How, and whether these are all there are: of all targets, or for each."""
+    left: NDArray[np.bool_] = field(repr=False)
+    """(N,): where a continuous family was met outside the limits, and what is inside has still to be looked for."""
+
+    def __post_init__(self) -> None:
+        asked = [self.targets] if isinstance(self.targets, np.ndarray) else []
+        for array in (self.count, self.outside_count, self.theta0, self.rows, self.left, *asked):
+            array.flags.writeable = False
+
+    def __setstate__(self, state: dict[str, Any]) -> None:
+        self.__dict__.update(state)
+        self.__post_init__()  # an array is writeable again when it comes out of a pickle
+
+    @property
+    def complete(self) -> NDArray[np.bool_]:
+        """(N,): whether each target's configurations are all there are."""
+        each = np.array([complete for _, complete in self.known])
+        return np.resize(each, len(self))
+
+    @cached_property
+    def theta(self) -> Array:
+        """(N, most, n) [rad, m], nearest to theta0 first; NaN behind the last of each target."""
+        return self._padded(self.rows[:, : self.arm.n], np.nan)
+
+    @cached_property
+    def free(self) -> NDArray[np.bool_]:
+        """(N, most, n): which joints may go on moving while the target stays met; False behind the last."""
+        return self._padded(self.rows[:, self.arm.n :] > 0.5, False)
+
+    def completed(self, one: Callable[[TargetLike, Array], IKSolutions]) -> IKSolutionsBatch:
+        """The same where nothing is left to look for; `one` solves one target from its theta0."""
+        if not self.left.any():
+            return self
+        each = [one(found.target, found.theta0) if left else found for found, left in zip(self, self.left, strict=True)]
+        return _gathered(self.arm, self.targets, self.theta0, each)
+
+    def _padded(self, rows: NDArray[Any], nothing: float) -> NDArray[Any]:
+        """(N, most, n) from rows (r, n)."""
+        place = np.arange(self.count.max(initial=0))
+        within = place < self.count[:, None]
+        padded = np.full((len(self), len(place), self.arm.n), nothing, dtype=rows.dtype)
+        padded[within] = rows[(self._first[:, None] + place)[within]]
+        padded.flags.writeable = False
+        return padded
+
+    @cached_property
+    def _first(self) -> NDArray[np.int64]:
+        """(N,): where each target's rows begin."""
+        both = self.count + self.outside_count
+        first: NDArray[np.int64] = np.cumsum(both) - both
+        return first
+
+    def __repr__(self) -> str:
+        return f"IKSolutionsBatch({self.arm.name}, {len(self)} targets, {int((self.count > 0).sum())} met)"
+
+    def __len__(self) -> int:
+        return len(self.count)
+
+    def __iter__(self) -> Iterator[IKSolutions]:
+        return (self[i] for i in range(len(self)))
+
+    def __getitem__(self, index: int) -> IKSolutions:
+        i = range(len(self))[operator.index(index)]
+        first, count = self._first[i], self.count[i]
+        inside = self.rows[first : first + count]
+        outside = self.rows[first + count : first + count + self.outside_count[i]]
+        start = self.theta0 if self.theta0.ndim == 1 else self.theta0[i]
+        target = Pose(self.targets[i]) if isinstance(self.targets, np.ndarray) else self.targets[i]
+        method, complete = self.known[i % len(self.known)]
+        return IKSolutions(self.arm, found_row(target, start, inside, outside, (0, 0)), method, complete, target)
+
+
+def solve_ik_all_batch(
+    arm: Arm,
+    targets: RealArray | Sequence[TargetLike],
+    theta0: ArrayLike | None = None,
+    *,
+    given: Mapping[str, float] | None = None,
+    samples: int = DEFAULT_SAMPLES,
+    copies: bool = False,
+    position_tol: float = 1e-9,
+    orientation_tol: float = 1e-9,
+    threads: int = 1,
+) -> IKSolutionsBatch:
+    """Every configuration of N targets: `solve_ik_all` of each, at the core's speed where it has the arm's family.
+
+    That is so for targets of one kind, an `Approach` with one tool axis, where no joint is sampled and no copy wanted;
+    then `threads` share the work. The answer to a target depends on nothing but that target. Ctrl-C ends it.
+
+    Args:
+        arm: The arm.
+        targets: Poses (N, 4, 4), or a sequence of `Pose`, `Position`, `Approach`, `Task` and poses (4, 4).
+        theta0: Configuration from which distances are counted (n,) or (N, n) [rad, m], by default `arm.ready`.
+        given: {joint: value} [rad, m] of joints that are to stand there.
+        samples: Number of values of each joint that is held, in (0, 1000].
+        copies: Whether configurations that differ by whole turns count as different, inside the limits.
+        position_tol: Greatest position error of an answer [m].
+        orientation_tol: Greatest rotation error of an answer [rad].
+        threads: Number of threads.
+
+    Returns:
+        The `IKSolutionsBatch`: theta (N, most, n), NaN behind the last of each target, count (N,); batch[i] is an
+        `IKSolutions`.
+
+    Raises:
+        InputError: A target (the message says which), theta0, a given value or a number cannot be used.
+        UnknownNameError: `given` names no joint of the arm.
+    """
+    require_arm(arm)
+    as_flag(copies, "copies")
+    count = as_whole(samples, "samples", 1, 1000)
+    met = position_tol, orientation_tol
+
+    def one(target: TargetLike, start: ArrayLike) -> IKSolutions:
+        return solve_ik_all(
+            arm, target, start, given=given, samples=count, copies=copies, position_tol=met[0], orientation_tol=met[1]
+        )
+
+    if isinstance(targets, np.ndarray) and given is None and not copies:
+        # Poses that are plainly right go straight to the core, which looks at each of them much faster.
+        method = method_for(arm, Pose(np.eye(4)))
+        plain = method.compiled is not None and not method.swept
+        found = (
+            _by_core(arm, method, targets, arm.ready if theta0 is None else theta0, (*met, threads)) if plain else None
+        )
+        if found is not None:
+            return found.completed(one)
+    asked = targets_for(arm, targets)
+    request = checked(arm, theta0, None, *met, 1, 0, None, count=len(asked))
+    workers = as_whole(threads, "threads", 1, MAX_THREADS)
+    stands = given_joints(arm, given)
+    near = np.array(request.theta0)
+    near[..., list(stands)] = list(stands.values())
+    kinds = {(type(target), target.axis.tobytes() if isinstance(target, Approach) else b"") for target in asked}
+    method = method_for(arm, asked[0] if asked else Pose(np.eye(4)), tuple(stands))
+    if len(kinds) <= 1 and not copies and method.compiled is not None and {*stands}.issuperset(method.swept):
+        found = _by_core(arm, method, asked, near, (*met, workers))
+        assert found is not None, "what was checked is plain"
+        return found.completed(one)
+    starts = np.broadcast_to(near, (len(asked), arm.n))
+    return _gathered(arm, asked, near, [one(*each) for each in zip(asked, starts, strict=True)])
+
+
+def _by_core(
+    arm: Arm,
+    method: Method,
+    targets: RealArray | tuple[AnyTarget, ...],
+    near: ArrayLike,
+    how: tuple[float, float, int],
+) -> IKSolutionsBatch | None:
+    """The core's answer; None where an argument is not plainly right."""
+    assert method.compiled is not None
+    numbers = targets
+    if isinstance(targets, tuple):
+        numbers = np.array([target.numbers for target in targets]).reshape(len(targets), *_shape(targets))
+    found = method.compiled.solve_batch(numbers, near, *how)
+    if found is None:
+        return None
+    rows, count, inside, left = found
+    within = inside.astype(np.int64)
+    kept = targets if isinstance(targets, tuple) else np.array(targets, dtype=np.float64)
+    start = np.array(near, dtype=np.float64)
+    known = ((method, True),)
+    return IKSolutionsBatch(arm, within, count.astype(np.int64) - within, kept, start, rows, known, left > 0.0)
+
+
+def _shape(targets: tuple[AnyTarget, ...]) -> tuple[int, ...]:
+    """Of one target's numbers."""
+    return targets[0].numbers.shape if targets else (4, 4)
+
+
+def _gathered(
+    arm: Arm, targets: Array | tuple[AnyTarget, ...], theta0: Array, each: list[IKSolutions]
+) -> IKSolutionsBatch:
+    """Answers that were found one by one."""
+    rows = [part for found in each for part in configurations_in(found._row, arm.n)]
+    count = np.array([len(found) for found in each], dtype=np.int64)
+    beyond = np.array([len(found.outside) for found in each], dtype=np.int64)
+    all_rows = np.concatenate(rows) if rows else np.zeros((0, 2 * arm.n))
+    known = tuple((found._method, found.complete) for found in each)
+    nothing = np.zeros(len(each), dtype=np.bool_)
+    return IKSolutionsBatch(arm, count, beyond, targets, theta0, all_rows, known, nothing)

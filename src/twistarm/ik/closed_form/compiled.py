@@ -1,0 +1,69 @@
+"""An arm's family in the compiled core, which solves it in a microsecond."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from ...model import engine
+from ...model.arm import Arm
+from ...support.checks import Array
+from ...theory.screws import inverse
+from .chain import Chain
+from .families import Family
+from .joint_axis import JointAxis, Plane, Point
+
+if TYPE_CHECKING:
+    from ..._core import ClosedForm
+
+SAMPLE = 0.3
+"""Held joints stand at this value [rad, m] while their family is looked for: almost every value shows it."""
+
+
+def compiled(
+    arm: Arm, kind: int, chain: Chain, family: Family, held: tuple[int, ...], idle: tuple[int, ...]
+) -> ClosedForm | None:
+    """The family for targets of a `kind`, with joints `held`, in the core; None where the arm is not in the core.
+
+    `idle`: joints that any answer may move. The core holds joints at other values in every call, so it gets the axes
+    as they are where these stand at 0.
+    """
+    core = engine.core()
+    if core is None or arm._compiled is None:
+        return None
+    axes, _ = chain.held(held, np.full(len(held), SAMPLE))
+    fitted = family.fitted(axes)
+    left = [i for i in range(len(chain.axes)) if i not in held]
+    joints = [left[i] for i in family.order]
+    back = [inverse(_carried(chain, held, joint)) for joint in joints]
+    at_zero = [axis.seen(g) for axis, g in zip(fitted.axes, back, strict=True)]
+    keeps, kept = _kept(None if fitted.kept is None else fitted.kept.moved(back[family.first]))
+    solver: ClosedForm = core.ClosedForm(
+        arm._compiled, kind, family.first, family.last, keeps, _numbers(at_zero),
+        np.array([joint if joint < arm.n else -1 for joint in joints], dtype=np.float64),
+        kept, np.array(held, dtype=np.float64), _numbers([chain.axes[i] for i in held]),
+        np.array(chain.rates), np.array(arm.home), np.array([float(i in idle) for i in range(arm.n)]),
+    )  # fmt: skip
+    return solver
+
+
+def _kept(kept: Point | Plane | None) -> tuple[int, Array]:
+    """What the group leaves alone: nothing, a point or a plane, and its four numbers."""
+    if kept is None:
+        return 0, np.zeros(4)
+    return (2, np.append(kept.n, kept.d)) if isinstance(kept, Plane) else (1, np.append(kept.p, 0.0))
+
+
+def _carried(chain: Chain, held: tuple[int, ...], joint: int) -> Array:
+    """How the held joints before this one have moved it, (4, 4)."""
+    g = np.eye(4)
+    for i in held:
+        if i < joint:
+            g = g @ chain.axes[i].motion(SAMPLE)
+    return g
+
+
+def _numbers(axes: list[JointAxis]) -> Array:
+    """(k, 7): w, o, and 1 for a slide."""
+    return np.array([[*axis.w, *axis.o, float(axis.slides)] for axis in axes]).reshape(-1, 7)
