@@ -259,6 +259,7 @@ CASES: dict[str, Case] = {
     ),
     # axes
     "axes-almost-exact": urdf(chain("0 0 1", "0 0 1", rpy="1.5708 0 0")),
+    "closed-form-missed": urdf(chain("0 0 1", "0 1 0", "0 1 0", "0 1 0", "0 0 1", "0 1 0", rpy="1e-5 0 0")),
     # the tool
     "tool-frame-missing": urdf(two_joints().replace("tool0", "flange")),
     "several-tips": urdf(

@@ -13,8 +13,9 @@ import pytest
 
 from diagnosing import codes
 from finding_cases import chain
-from twistarm import Arm, diagnose, load_arm
+from twistarm import Arm, diagnose, load_arm, solve_ik_all
 from twistarm.doctor.wording import toml_table
+from twistarm.ik import closed_form_of
 from urdf_text import joint, robot, write
 
 if sys.version_info >= (3, 11):
@@ -144,3 +145,36 @@ def test_a_wrist_that_is_almost_spherical(tmp_path: Path) -> None:
     )
     (said,) = [one for one in diagnose(write(tmp_path, text)) if one.code == "axes-almost-exact"]
     assert "roll–pitch–yaw are a spherical wrist but for 0.5 mm" in said.what
+
+
+def wrist(offset: float) -> str:
+    """Six joints; the last three axes meet but for an offset [m]."""
+    axes = ["0 0 1", "0 1 0", "0 1 0", "1 0 0", "0 1 0", "1 0 0"]
+    xyz = ["0 0 0.3", "0 0.1 0.2", "0 0.1 0.5", "0.05 0 0.4", "0 0 0", f"0 {offset} 0"]
+    links = [f"l{i}" for i in range(6)]
+    parts = [
+        joint(f"j{i}", one, other, inside=f'<axis xyz="{axis}"/>', xyz=place)
+        for i, (one, other, axis, place) in enumerate(zip(["base_link", *links[:-1]], links, axes, xyz, strict=True))
+    ]
+    return robot(*parts, joint("mount", "l5", "tool0", kind="fixed"), links=("base_link", *links, "tool0"))
+
+
+@pytest.mark.parametrize(
+    ("offset", "told"),
+    [(4e-4, "the axes of j3 and j5 pass at 0.4 mm: a Pose has no exact closed form"), (0.0, None), (0.05, None)],
+)
+def test_axes_that_just_miss_a_closed_form(offset: float, told: str | None, tmp_path: Path) -> None:
+    """Exact ones miss nothing, and an offset of 5 cm is how the arm is built."""
+    said = [one for one in diagnose(write(tmp_path, wrist(offset))) if one.code == "closed-form-missed"]
+    assert bool(said) == bool(told)
+    assert told is None or (said[0].what.startswith(told) and "every configuration" in said[0].remedy)
+
+
+def test_what_is_found_where_axes_just_miss_is_not_called_complete(tmp_path: Path) -> None:
+    for offset, complete in ((4e-4, False), (0.0, True)):
+        arm = load_arm(write(tmp_path, wrist(offset)))
+        theta = np.array([0.2, 0.3, -0.5, 0.4, 0.6, -0.2])
+        solutions = solve_ik_all(arm, arm.fk(theta))
+        assert solutions.complete == complete
+        assert np.abs(solutions.theta - theta).max(axis=1).min() < 1e-8
+        assert closed_form_of(arm).nearly != complete

@@ -99,7 +99,22 @@ def parse_theta(arm: Arm, text: str, radians: bool, rest: tuple[str, Array] | No
     """
     if text.strip() in arm.configurations:
         return arm.theta_from(text.strip())
-    theta = _typed(arm, text, radians, rest)
+    return _onto_limits(arm, _typed(arm, text, radians, rest))
+
+
+def parse_joints(arm: Arm, text: str, name: str, radians: bool) -> dict[str, float]:
+    """Typed `joint=value` pairs, {joint: value} [rad, m]; `name`: of the option."""
+    try:
+        names, values = _pairs(text)
+    except InputError:
+        raise
+    except ValueError as error:
+        raise InputError(f"{name} takes joint=value, as in {name} {arm.joint_names[-1]}=10; got {text!r}") from error
+    theta = _onto_limits(arm, _of_joints(arm, names, values, radians))
+    return {joint: float(theta[arm.joint_names.index(joint)]) for joint in names}
+
+
+def _onto_limits(arm: Arm, theta: Array) -> Array:
     onto = np.clip(theta, arm.limits.lower, arm.limits.upper)
     return np.where(np.abs(theta - onto) <= ROUNDING, onto, theta)
 
@@ -125,16 +140,22 @@ def _typed(arm: Arm, text: str, radians: bool, rest: tuple[str, Array] | None) -
 
 def _by_joint(arm: Arm, names: list[str], values: list[float], radians: bool, rest: tuple[str, Array] | None) -> Array:
     """theta of typed joints, the others as in `rest`."""
+    typed = _of_joints(arm, names, values, radians)
+    others = [name for name in arm.joint_names if name not in names]
+    if not others:
+        return typed
+    name, theta = rest or ("the pose ready", arm.ready)
+    note(f"{', '.join(others)} as in {name}")
+    return np.where([joint in names for joint in arm.joint_names], typed, theta)
+
+
+def _of_joints(arm: Arm, names: list[str], values: list[float], radians: bool) -> Array:
+    """theta of typed joints, the others 0."""
     if len(set(names)) < len(names):
         raise InputError(f"a joint is named twice: {', '.join(names)}")
     others = [name for name in arm.joint_names if name not in names]
     typed = arm.theta_from([*names, *others], [*values, *(0.0 for _ in others)])
-    if not others:
-        return typed if radians else from_degrees(arm, typed)
-    name, theta = rest or ("the pose ready", arm.ready)
-    note(f"{', '.join(others)} as in {name}")
-    given = np.array([joint in names for joint in arm.joint_names])
-    return np.where(given, typed if radians else from_degrees(arm, typed), theta)
+    return typed if radians else from_degrees(arm, typed)
 
 
 def _pairs(text: str) -> tuple[list[str], list[float]]:

@@ -130,6 +130,7 @@ CODES: dict[str, Code] = {
     "joint-off-the-chain": Code("info", "joints that are not between base and tip"),
     # axes
     "axes-almost-exact": Code("info", "axes are parallel, square or meeting but for a little"),
+    "closed-form-missed": Code("info", "axes just miss a closed form of inverse kinematics"),
     # the tool
     "tool-frame-missing": Code("warning", "the tool is the last joint's own frame; nothing says where the arm grips"),
     # bodies

@@ -54,7 +54,7 @@ def check_axes(arm: Arm) -> Iterator[Finding]:
         "axes-almost-exact",
         place_of(arm.description, arm.name),
         f"{_listed(found)}; taken as exact, the tool is off by some {_length(sum(near.moves for near in found))}",
-        _rewrite(arm, apart=any(near.apart for near in found)),
+        rewriting(arm, apart=any(near.apart for near in found)),
     )
 
 
@@ -116,7 +116,7 @@ def _wrist(arm: Arm, axes: Array, points: Array, turning: Array) -> list[Near]:
     return [Near("–".join(arm.moving_names[-3:]), what, distance, apart=True)]
 
 
-def _rewrite(arm: Arm, *, apart: bool) -> str:
+def rewriting(arm: Arm, *, apart: bool) -> str:
     """The rounded angles of the chain's origins, as they are written, with what to write instead, if there are such."""
     rounded: dict[str, list[str]] = {}
     for word in _rounded_words(arm):

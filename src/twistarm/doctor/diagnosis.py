@@ -16,6 +16,7 @@ from ..model.arm import Arm
 from ..support.errors import ComparisonError, DescriptionError, InputError, UnknownNameError
 from .abilities import Abilities, abilities_of, sample_motions
 from .axes import check_axes
+from .closed_form import check_closed_form
 from .idle import check_off_the_chain, check_without_effect
 from .inertia import check_inertias
 from .limits import check_limits, check_reach, check_zero
@@ -51,8 +52,8 @@ def diagnose(source: str | os.PathLike[str] | Arm, **load: Any) -> tuple[Finding
 
     In addition to the findings of `load_arm`: limits that look like degrees, singular postures, impossible inertias,
     meshes out of scale, a missing tool frame, idle joints, what the arm cannot do with its tool, axes that are almost
-    exact. A description that `load_arm` refuses is an answer here: its errors are findings, and what can be read of it
-    is looked at all the same.
+    exact, and a closed form of inverse kinematics that they miss. A description that `load_arm` refuses is an answer
+    here: its errors are findings, and what can be read of it is looked at all the same.
 
     Args:
         source: As in `load_arm`, or an `Arm`.
@@ -123,6 +124,7 @@ def examine_arm(arm: Arm, reader: MeshReader | None = None) -> Diagnosis:
     able = abilities_of(motions)
     found = [*arm.findings, *check_zero(arm), *check_reach(arm), *check_postures(arm, able.rank)]
     found += [*check_abilities(arm, able), *check_without_effect(arm, motions), *check_axes(arm)]
+    found += check_closed_form(arm)
     if arm.description is not None:
         found += _of_description(arm.description, arm, reader)
         found += [*check_tool(arm, arm.description), *check_off_the_chain(arm, arm.description)]

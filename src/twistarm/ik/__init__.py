@@ -4,6 +4,7 @@ from . import subproblems
 from .all_solutions import IKSolutions
 from .all_solutions_batch import IKSolutionsBatch, solve_ik_all_batch
 from .batch import IKBatch, solve_ik_batch
+from .closed_form.report import ClosedFormReport, closed_form_of
 from .request import POSTURES
 from .solution import IKSolution
 from .solve import solve_ik
@@ -16,6 +17,7 @@ __all__ = [
     "POSTURES",
     "AnyTarget",
     "Approach",
+    "ClosedFormReport",
     "IKBatch",
     "IKSolution",
     "IKSolutions",
@@ -26,6 +28,7 @@ __all__ = [
     "Target",
     "TargetLike",
     "Task",
+    "closed_form_of",
     "solve_ik",
     "solve_ik_all",
     "solve_ik_all_batch",

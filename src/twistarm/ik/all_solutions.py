@@ -9,10 +9,12 @@ from typing import Any
 import numpy as np
 
 from ..model.arm import Arm
-from ..support.checks import Array
+from ..support.checks import Array, frozen
 from ..support.errors import printable
 from .closed_form.methods import Method
 from .closed_form.roots import Root
+from .explain import reached, why_not
+from .ranges import joint_ranges
 from .solve import solve_ik
 from .targets import AnyTarget, numbers_of_kind, target_of
 
@@ -96,8 +98,9 @@ class IKSolutions:
 
     @property
     def outside(self) -> Array:
-        """(m, n) [rad, m], read-only: what meets the target beyond the position limits."""
-        return configurations_in(self._row, self._arm.n)[1][:, : self._arm.n]
+        """(m, n) [rad, m], read-only: what meets the target beyond the position limits, as near to them as it gets."""
+        theta = configurations_in(self._row, self._arm.n)[1][:, : self._arm.n]
+        return frozen(joint_ranges(self._arm).toward_middle(theta))
 
     @property
     def free(self) -> tuple[tuple[str, ...], ...]:
@@ -146,7 +149,7 @@ class IKSolutions:
         lines = [
             f"asked of {self.arm.name}: {self.target.describe()}",
             self._counted(),
-            f"found by {self.method}: {self.family}",
+            f"{'found' if len(self) else 'looked for'} by {self.method}: {self.family}",
         ]
         families = sorted({joints for joints in self.free if joints})
         lines += [
@@ -154,13 +157,15 @@ class IKSolutions:
             for joints in families
         ]
         if not len(self):
-            lines += solve_ik(self.arm, self.target, self.theta0).explain().splitlines()[1:]
+            nearest = solve_ik(self.arm, self.target, self.theta0)
+            lines.append(f"the nearest configuration: {reached(nearest)}")
+            lines += [] if nearest.converged else why_not(nearest)
         return "\n".join(map(printable, lines))
 
     def _counted(self) -> str:
         count, beyond = len(self), len(self.outside)
         all_ = "all there are" if self.complete else "there may be more"
-        outside = f", {beyond} more outside the limits" if beyond else ""
+        outside = f", {beyond}{' more' * (count > 0)} outside" if beyond else ""
         sampled = f", {self.hits} of {self.starts} tries met it" if self.starts else ""
         if not count and self.complete:
             return f"no configuration inside the limits{outside}: that is certain"

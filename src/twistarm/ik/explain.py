@@ -36,10 +36,14 @@ def explain(solution: IKSolution) -> str:
     """The solution in words, line by line."""
     lines = [f"asked of {solution.arm.name}: {solution.target.describe()}", f"reached: {reached(solution)}"]
     if not solution.converged:
-        lines.append(f"reason: {solution.stop.value}")
-        lines += [f"  {line}" for line in _why(solution)]
+        lines += why_not(solution)
     lines.append(f"found by {solution.method}: {solution.iterations} iterations, {_counted(solution.restarts)}")
     return "\n".join(map(printable, [*lines, *(f"note: {note}" for note in solution.notes)]))
+
+
+def why_not(solution: IKSolution) -> list[str]:
+    """The reason why the target is not met, line by line."""
+    return [f"reason: {solution.stop.value}", *(f"  {line}" for line in _why(solution))]
 
 
 def summary(solution: IKSolution) -> str:

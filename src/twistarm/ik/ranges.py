@@ -58,6 +58,12 @@ class JointRanges:
         kept = self.periodic & (turned >= self.lower) & (turned <= self.upper)
         return np.clip(np.where(kept, turned, theta), self.lower, self.upper)
 
+    def toward_middle(self, theta: Array) -> Array:
+        """theta (..., n) by whole turns as near to the middle of the limits as they go: so it is least outside."""
+        bounded = np.isfinite(self.lower) & np.isfinite(self.upper)
+        middle = 0.5 * (np.where(bounded, self.lower, 0.0) + np.where(bounded, self.upper, 0.0))
+        return np.where(self.periodic, theta + TURN * np.round((middle - theta) / TURN), theta)
+
     def _turned_back(self, theta: Array) -> Array:
         """theta less the whole turns by which it lies outside; a hair outside, by rounding, is left."""
         below = np.ceil(np.maximum(self.lower - theta, 0.0) / TURN - WHOLE_TURN_TOL)

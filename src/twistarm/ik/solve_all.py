@@ -10,11 +10,12 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from ..model.arm import Arm, require_arm
+from ..support.caller_words import quantity
 from ..support.checks import Array, as_flag, as_number, as_whole
 from ..support.errors import InputError, NoClosedFormError, shown, unknown_name
 from .all_solutions import HITS, LEFT, TRIES, IKSolutions, found_row, roots_in
 from .batch import solve_ik_batch
-from .closed_form.methods import Method, known_method, method_for
+from .closed_form.methods import Method, closest_miss_of, known_method, method_for
 from .closed_form.roots import ROUNDED_LIMIT, Root, inside, roots
 from .closed_form.roots import copies as copied
 from .ranges import joint_ranges
@@ -277,7 +278,8 @@ def given_joints(arm: Arm, given: Mapping[str, float] | None) -> dict[int, float
         i = arm.joint_names.index(name)
         if not arm.limits.lower[i] <= number <= arm.limits.upper[i]:
             raise InputError(
-                f"given[{name!r}] is {number:g}, outside the limits {arm.limits.lower[i]:g} … {arm.limits.upper[i]:g}"
+                f"joint {name!r} cannot be given at {quantity(number, arm.units[i])}, outside its limits "
+                f"{quantity(arm.limits.lower[i], arm.units[i])} … {quantity(arm.limits.upper[i], arm.units[i])}"
             )
         stands[i] = number
     return dict(sorted(stands.items()))
@@ -285,5 +287,6 @@ def given_joints(arm: Arm, given: Mapping[str, float] | None) -> dict[int, float
 
 def _none(arm: Arm, target: AnyTarget, method: Method) -> str:
     kind = type(target).__name__
-    why = method.reason or "its axes belong to no family; elimination solves it numerically, without closed_form=True"
+    miss = f"{closest_miss_of(arm, method)[1]}; elimination solves it numerically, without closed_form=True"
+    why = method.reason or miss
     return f"{arm.name} has no closed form for a {kind}: {why}"

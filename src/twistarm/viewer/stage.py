@@ -30,6 +30,7 @@ from .parts.plots import Plots
 from .parts.pose_list import LeftOut
 from .parts.program import Program
 from .parts.servo_words import SILENT
+from .parts.solutions import Answer, Solutions
 from .parts.summary import describe_arm, extra_joints, joint_unit, named_poses, rest
 from .parts.target import TargetPart
 from .parts.theory import SHOWN, Theory
@@ -41,7 +42,7 @@ from .protocol.message_cache import Message
 from .protocol.messages import Request
 from .scene.placement import Placement
 
-DRIVING = ("theta", "joint", "pose", "random", "play", "seek", "target", "go", "plan")
+DRIVING = ("theta", "joint", "pose", "random", "play", "seek", "target", "solution", "go", "plan")
 """Requests that move the arm: not under a servo's hands."""
 
 NO_DRIVE: Message = {"type": "drive", "on": False, "note": "", "beyond": SLIDE, "free": False}
@@ -67,6 +68,7 @@ class Stage:
         self.player = Player()
         self.program = Program(arm)
         self.workspace = Workspace()
+        self.solutions = Solutions()
         self.history = History(self.program.list)
         self._glide: Glide | None = None
         self.parts: tuple[Part, ...] = (
@@ -78,6 +80,7 @@ class Stage:
             self.program,
             self.history,
             Plots(),
+            self.solutions,
         )
         self.left: tuple[LeftOut, ...] = ()
         self.driven = self.jogging = False
@@ -114,6 +117,14 @@ class Stage:
         """Stand at the start of `trajectory`, planned by `limits`, for a page to play."""
         self._stop()
         self.theta = self.player.stand_by(trajectory, limits)
+
+    def show_solutions(self, answer: Answer | None) -> None:
+        """Hold these configurations for the pages, the arm at the nearest; None lets go of them."""
+        if answer is None:
+            self.solutions.release()
+            return
+        self.show(answer.theta[0] if answer.inside else self.theta)
+        self.solutions.take(answer, self.theta)
 
     def draw_path(self, path: Mapping[str, Any]) -> None:
         """Draw this way of the tool: points and radius."""

@@ -13,6 +13,7 @@ from pathlib import Path
 
 from numpy.typing import ArrayLike
 
+from ..ik import IKSolutions
 from ..model.arm import Arm, require_arm
 from ..planning.trajectory import Trajectory
 from ..servo import ServoOutput, ServoSettings
@@ -28,6 +29,7 @@ from .files.scene_snapshot import SceneSnapshot, on_show
 from .files.screenshot import write_picture
 from .parts.limit_checks import check_trajectory, checked_theta
 from .parts.servo_words import servo_words
+from .parts.solutions import answer_of
 from .parts.tool_path import NO_PATH, tool_path
 from .scene.arm_scene import Scene
 from .scene.drawing import require_meshcat
@@ -242,6 +244,20 @@ class Viewer(Closeable):
         self._require_open()
         path = NO_PATH if motion is None else tool_path(self.arm, motion)
         self._server.post("path", lambda stage: stage.draw_path(path))
+
+    def show_solutions(self, solutions: IKSolutions | None) -> None:
+        """Draw every configuration of `solve_ik_all` faintly, for the pages to step through; None draws none.
+
+        The arm stands at the nearest; those outside the limits are red. They are let go once the arm is moved.
+        """
+        self._require_open()
+        arm = self.arm
+        if solutions is not None and solutions.arm is not arm:
+            raise InputError("these are configurations of another arm: solve_ik_all(viewer.arm, …) gives this one's")
+        others = self._server.ask(lambda stage: dict(stage.others))
+        answer = None if solutions is None else answer_of(solutions, others)
+        self._server.driver.drop(MOVED)
+        self._post("show", arm, lambda stage: stage.show_solutions(answer))
 
     def save_html(self, path: str | os.PathLike[str], trajectory: Trajectory | None = None) -> Path:
         """Write a stand-alone page of what is on show, every joint, layer and finding, and the loaded trajectory.

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import fields
+from dataclasses import asdict, fields
 from pathlib import Path
 from typing import Any
 
@@ -11,6 +11,7 @@ from rich.console import Group
 
 from ...description import catalog
 from ...description.companions.motors import MOTOR_LIMITS
+from ...ik import closed_form_of
 from ...limits.actuators import Actuators
 from ...limits.joint_limits import FIELDS
 from ...model import engine
@@ -68,6 +69,7 @@ def info_json(arm: Arm) -> dict[str, Any]:
         "proof": arm.proof._asdict() if arm.proof else None,
         "engine": engine_of(arm),
         "core": engine.instruction_set() or None,
+        "all_configurations": asdict(closed_form_of(arm)),
         "findings": [finding_json(finding) for finding in arm.findings],
     }
 
@@ -94,6 +96,7 @@ def info_view(arm: Arm, radians: bool) -> Group:
             f"{arm.proof.jacobian_error:.1e} (Jacobian) at {arm.proof.samples} random postures"
         )
     parts.append(literal(engine_view(arm)))
+    parts.append(literal(all_view(arm)))
     if arm.actuators is not None:
         for motors in (_actuators(arm.actuators), *_motor_limits(arm, arm.actuators, radians)):
             parts += ["", motors]
@@ -113,6 +116,13 @@ def engine_view(arm: Arm) -> str:
     """The engine, and why it is not the compiled core."""
     why_not = "" if arm._compiled is not None else engine.why_not() or "the arm has more than 32 joints"
     return f"engine: {engine_of(arm)}" + (f"; no compiled core: {why_not}" if why_not else "")
+
+
+def all_view(arm: Arm) -> str:
+    """How all configurations are found."""
+    report = closed_form_of(arm)
+    a = "an" if report.target[0] in "AEIO" else "a"
+    return f"all configurations of {a} {report.target} (ik --all): {report}"
 
 
 def _joints(arm: Arm, radians: bool) -> Any:

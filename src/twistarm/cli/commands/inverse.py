@@ -1,4 +1,4 @@
-"""`ik`: joint values for a target, or for each target of a CSV file."""
+"""`ik`: joint values for a target, all of them, or those for each target of a CSV file."""
 
 from __future__ import annotations
 
@@ -8,17 +8,18 @@ from typing import Annotated, Any
 import numpy as np
 import typer
 
-from ...ik import POSTURES, IKSolution, solve_ik, solve_ik_batch
+from ...ik import POSTURES, IKSolution, solve_ik, solve_ik_all, solve_ik_batch
 from ...model.arm import Arm
 from ...support.checks import as_positive
 from ...support.errors import InputError
+from ..all_answers import tell_all
 from ..answers import answers_csv, tell_answers
 from ..csv_rows import Columns, read_sheet
 from ..options import Json, Radians, Theta, takes_arm
 from ..output import console, pose_json, print_json, progress_bar, say, shown, table, theta_typed, units
 from ..outputs import Force, Output, outputs_of
 from ..targets import COLUMNS, Axis, Direction, Quaternion, QuaternionXyzw, Rpy, targets_in, typed_orientation
-from ..typed import VALUES, XYZ, parse_numbers, parse_theta
+from ..typed import VALUES, XYZ, parse_joints, parse_numbers, parse_theta
 
 Xyz = Annotated[str | None, typer.Option(metavar=XYZ, help="Position of the tool in the base frame, in metres.")]
 Targets = Annotated[
@@ -32,12 +33,31 @@ Posture = Annotated[
         "a pose or values.",
     ),
 ]
-PositionTolerance = Annotated[float, typer.Option(metavar="M", help="How far off a position is still met, in metres.")]
+PositionTolerance = Annotated[
+    float | None, typer.Option(metavar="M", help="How far off a position is still met; 1e-6 m, with --all 1e-9 m.")
+]
 OrientationTolerance = Annotated[
     float | None,
-    typer.Option(metavar="ANGLE", help="How far the tool may be turned off [°, or rad with --rad]; 1e-6 rad."),
+    typer.Option(
+        metavar="ANGLE",
+        help="How far the tool may be turned off [°, or rad with --rad]; 1e-6 rad, with --all 1e-9 rad.",
+    ),
 ]
 MaxTime = Annotated[float | None, typer.Option("--max-time", metavar="S", help="Give up after so many seconds.")]
+All = Annotated[
+    bool, typer.Option("--all", help="Every configuration that meets the target, the one nearest to --start first.")
+]
+Given = Annotated[
+    str | None,
+    typer.Option(
+        metavar=VALUES,
+        help="With --all: joint=value of joints that are to stand there; the others are solved for. Where there are "
+        "more joints than the target determines, some are else held at values over their range.",
+    ),
+]
+Copies = Annotated[
+    bool, typer.Option("--copies", help="With --all: what differs by whole turns of joints counts as different.")
+]
 
 
 @takes_arm
@@ -52,8 +72,11 @@ def ik(
     targets: Targets = None,
     columns: Columns = None,
     start: Theta = "ready",
+    all_: All = False,
+    given: Given = None,
+    copies: Copies = False,
     posture: Posture = None,
-    position_tolerance: PositionTolerance = 1e-6,
+    position_tolerance: PositionTolerance = None,
     orientation_tolerance: OrientationTolerance = None,
     max_time: MaxTime = None,
     output: Output = None,
@@ -61,22 +84,26 @@ def ik(
     rad: Radians = False,
     json: Json = False,
 ) -> int:
-    """Inverse kinematics: a position (--xyz), and how the tool is turned; or every row of a CSV file (--targets)."""
+    """Inverse kinematics: joint values for a position and orientation, all of them (--all), or for a CSV's rows."""
     if (xyz is None) == (targets is None):
         raise InputError("give one position by --xyz, or a file of targets by --targets")
     if columns is not None and targets is None:
         raise InputError("--columns names the columns of a file: it goes with --targets")
+    _require_fitting(
+        all_,
+        {"--given": given, "--copies": copies},
+        {"--posture": posture, "--max-time": max_time, "--targets": targets},
+    )
     outputs = outputs_of(output, {"csv": (".csv",)}, force=force, json=json)
     orientation = typed_orientation(rpy, quaternion, quaternion_xyzw, direction, axis, rad)
-    as_positive(position_tolerance, "--position-tolerance")
-    angle = None if orientation_tolerance is None else as_positive(orientation_tolerance, "--orientation-tolerance")
-    how: dict[str, Any] = {
-        "theta0": parse_theta(arm, start, rad),
-        "posture": posture if posture in (None, *POSTURES) else parse_theta(arm, str(posture), rad),
-        "position_tol": position_tolerance,
-        "orientation_tol": 1e-6 if angle is None else angle if rad else float(np.radians(angle)),
-        "max_time": max_time,
-    }
+    how = {"theta0": parse_theta(arm, start, rad), **_tolerances(position_tolerance, orientation_tolerance, rad)}
+    if all_:
+        stands = None if given is None else parse_joints(arm, given, "--given", rad)
+        target = orientation.at(parse_numbers(str(xyz), 3, "--xyz"))
+        solutions = solve_ik_all(arm, target, **how, given=stands, copies=copies)
+        return tell_all(solutions, outputs, radians=rad, json=json)
+    how["posture"] = posture if posture in (None, *POSTURES) else parse_theta(arm, str(posture), rad)
+    how["max_time"] = max_time
     if targets is not None:
         sheet = read_sheet(targets, columns)
         asked = targets_in(sheet, orientation)
@@ -94,6 +121,27 @@ def ik(
         say(theta_typed(arm, solution.theta, rad), *solution.explain().splitlines(), file=outputs.words)
         outputs.say(written)
     return 0 if solution.converged else 1
+
+
+def _require_fitting(all_: bool, alone: dict[str, Any], never: dict[str, Any]) -> None:
+    """InputError for options that go with --all alone, or never with it."""
+    for option, value in alone.items():
+        if value and not all_:
+            raise InputError(f"{option} is about all configurations: it goes with --all")
+    for option, value in never.items():
+        if value is not None and all_:
+            raise InputError(f"--all takes no {option}: it gives every configuration for the one target of --xyz")
+
+
+def _tolerances(position: float | None, orientation: float | None, radians: bool) -> dict[str, Any]:
+    """The tolerances that were typed [m, rad]."""
+    typed: dict[str, Any] = {}
+    if position is not None:
+        typed["position_tol"] = as_positive(position, "--position-tolerance")
+    if orientation is not None:
+        angle = as_positive(orientation, "--orientation-tolerance")
+        typed["orientation_tol"] = angle if radians else float(np.radians(angle))
+    return typed
 
 
 def solution_table(arm: Arm, solution: IKSolution, radians: bool) -> Any:

@@ -56,9 +56,13 @@ class Chain:
                 left.append(axis.seen(carried))
         return tuple(left), inverse(carried)
 
+    def left(self, held: tuple[int, ...]) -> list[int]:
+        """The places of the axes without these joints."""
+        return [i for i in range(len(self.axes)) if i not in held]
+
     def surplus(self, held: tuple[int, ...] = ()) -> int:
         """How many joints more there are, beside those held, than motions that they make: so many more are held."""
-        rng, left = np.random.default_rng(0), [i for i in range(len(self.axes)) if i not in held]
+        rng, left = np.random.default_rng(0), self.left(held)
         return len(left) - max(_rank(self._jacobian(rng)[:, left]) for _ in range(3))
 
     def idle(self, joint: int) -> bool:

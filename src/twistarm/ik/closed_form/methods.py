@@ -22,7 +22,8 @@ from .candidates import candidates
 from .chain import MOST_JOINTS, Chain, chain_for, goal
 from .compiled import SAMPLE, FamilyNumbers, compiled, family_numbers
 from .elimination import Rooted, eliminated
-from .families import DECOUPLED, EXACT, SPHERICAL, Family, FittedFamily, closest_miss, families
+from .families import EXACT, Family, FittedFamily, closest_miss, families
+from .in_words import family_in_words, missed_in_words, off_in_words
 from .joint_axis import JointAxis
 
 if TYPE_CHECKING:
@@ -77,10 +78,10 @@ class Method:
             if self.rooted is None:
                 return self.reason
             return f"{'five' if self.rooted.still else 'six'} joints that turn, whatever their axes"
-        left = [i for i in range(len(self.chain.axes)) if i not in self.held]
-        joints = [left[i] for i in self.family.group]
-        what = family_in_words(arm, self.family.kind, joints)
-        return what if self.exact else f"{what}, which they miss by {self.off:.1e} of the reach, or rad"
+        axes, _ = self.chain.held(self.held, np.full(len(self.held), SAMPLE))
+        fitted = self.family.fitted(axes)
+        what = family_in_words(arm, fitted, self.chain.left(self.held))
+        return what if self.exact else f"{what} but for {off_in_words(fitted)}"
 
     @cached_property
     def swept(self) -> tuple[int, ...]:
@@ -182,35 +183,27 @@ def _best(arm: Arm, chain: Chain, ways: list[tuple[int, ...]], idle: tuple[int, 
 
 def _why_not(arm: Arm, chain: Chain, ways: list[tuple[int, ...]]) -> str:
     """Which axes miss a family by least."""
-    misses = []
-    for held in ways:
-        axes, _ = chain.held(held, np.full(len(held), SAMPLE))
-        if len(axes) <= MOST_JOINTS and (miss := closest_miss(axes, arm.reach)) is not None:
-            left = [i for i in range(len(chain.axes)) if i not in held]
-            misses.append((miss.off_share(arm.reach), miss, [left[i] for i in miss.family.group]))
+    misses = [miss for held in ways if (miss := _closest(arm, chain, held)) is not None]
     if not misses:
         return "no three of its axes that follow one another meet in a point or are parallel"
-    _, miss, joints = min(misses, key=lambda each: each[0])
-    return missed_in_words(arm, miss, joints)
+    return min(misses)[1]
 
 
-def family_in_words(arm: Arm, kind: str, joints: list[int]) -> str:
-    """The group of joints, and what it leaves alone."""
-    if kind == DECOUPLED:
-        return "the joints that turn follow from the rotation alone, those that slide from the position"
-    if len(joints) == 1:
-        return f"joints beside {_names(arm, joints)} place a point of its axis"
-    return f"the axes of {_names(arm, joints)} {'meet in a point' if kind == SPHERICAL else 'move in parallel planes'}"
+def closest_miss_of(arm: Arm, method: Method) -> tuple[float, str]:
+    """By how much its axes miss the family, or the nearest one, in shares of the reach or rad, and in words.
+
+    (0, "") where they miss nothing.
+    """
+    if method.exact and method.family is not None:
+        return 0.0, ""
+    return _closest(arm, method.chain, method.held, method.family) or (0.0, "")
 
 
-def missed_in_words(arm: Arm, miss: FittedFamily, joints: list[int]) -> str:
-    """By how much the axes of the group miss a point or a direction."""
-    if miss.family.kind == SPHERICAL:
-        return f"the axes of {_names(arm, joints)} pass a common point at {1e3 * miss.off:.3g} mm"
-    return f"the axes of {_names(arm, joints)} are {np.degrees(miss.off):.3g}° from parallel"
-
-
-def _names(arm: Arm, joints: list[int]) -> str:
-    names = [arm.joint_names[i] for i in joints if i < arm.n]
-    names += ["the turns that the target leaves free"] * (len(names) < len(joints))
-    return f"{', '.join(names[:-1])} and {names[-1]}" if len(names) > 1 else names[0]
+def _closest(arm: Arm, chain: Chain, held: tuple[int, ...], family: Family | None = None) -> tuple[float, str] | None:
+    axes, _ = chain.held(held, np.full(len(held), SAMPLE))
+    if not axes or len(axes) > MOST_JOINTS:
+        return None
+    miss = closest_miss(axes, arm.reach) if family is None else family.fitted(axes)
+    if miss is None:
+        return None
+    return miss.off_share(arm.reach), missed_in_words(arm, miss, axes, chain.left(held))

@@ -2,15 +2,16 @@
 
 import { THREE } from "./view.js";
 
-const BEHIND = { polygonOffset: true, polygonOffsetFactor: 2, polygonOffsetUnits: 2 }; // where the arm stands as asked, it is seen
+const BEHIND = 2; // units of depth: where the arm stands as asked, it is seen
 export const ABOVE = 10; // drawn after the arm, before the handles
 
 export class ArmCopy {
-  // `colour` as the style sheet names it.
-  constructor(view, colour, opacity) {
+  // `colour` as the style sheet names it; `place` among several: where two coincide, the first is seen.
+  constructor(view, colour, opacity, place = 0) {
     this.view = view;
     this.colour = colour;
     this.opacity = opacity;
+    this.place = place;
     this.group = new THREE.Group();
     this.parts = [];
   }
@@ -27,6 +28,7 @@ export class ArmCopy {
 
   copy(paths) {
     const material = faint(coloured(this.colour), this.opacity, true);
+    Object.assign(material, { polygonOffset: true, polygonOffsetFactor: BEHIND, polygonOffsetUnits: BEHIND * (1 + this.place) });
     for (const path of paths) {
       this.view.node(path).traverse((source) => {
         if (!source.isMesh || source.material.depthTest === false) return;
@@ -51,5 +53,5 @@ export function coloured(name) {
 
 // `solid`: seen only where nothing stands before it, and one surface deep.
 export function faint(color, opacity, solid) {
-  return new THREE.MeshLambertMaterial({ color, emissive: color, emissiveIntensity: 0.35, transparent: true, opacity, depthTest: solid, depthWrite: solid, ...(solid && BEHIND) });
+  return new THREE.MeshLambertMaterial({ color, emissive: color, emissiveIntensity: 0.35, transparent: true, opacity, depthTest: solid, depthWrite: solid });
 }

@@ -30,6 +30,7 @@ import { violation } from "./schema.js";
 import { Share } from "./share.js";
 import { Sight } from "./sight.js";
 import { easeSoftware } from "./software.js";
+import { Solutions } from "./solutions.js";
 import { Tabs } from "./tabs.js";
 import { Target } from "./target.js";
 import { Theory } from "./theory.js";
@@ -78,6 +79,7 @@ const parts = {
   rejoining: new Rejoining(page),
   jogging: new JogPanel(page),
   target: new Target(page),
+  solutions: new Solutions(page, () => parts.target.wanted()),
   ghost: new Ghost(view),
   path: new Path(view),
   program: new Program(page),

@@ -159,6 +159,12 @@ export class Target {
     }
   }
 
+  // What is to be met: the target given, or the tool as it stands.
+  wanted() {
+    if (this.given) return { kind: this.given.kind, position: this.given.position, xyzw: this.given.xyzw };
+    return this.tool && { kind: this.kind, position: this.tool.position.toArray(), xyzw: this.tool.quaternion.toArray() };
+  }
+
   choose() {
     if (this.given) this.ask(standing(this.given, this.tool));
     this.arrange();

@@ -34,6 +34,7 @@ WORDS = {
     "pose": "go to {name}",
     "random": "go to a random configuration",
     "target": "move the tool",
+    "solution": "go to another configuration",
     "go": "go to a pose",
     "jog": "jog",
 }

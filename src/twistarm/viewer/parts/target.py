@@ -62,7 +62,7 @@ class TargetPart:
         if request.kind == "release":
             self._release()
             return None
-        target, given = _target(show.arm, request.fields), dict(request.fields)
+        target, given = target_asked(show.arm, request.fields), dict(request.fields)
         show.show(show.theta)  # a running trajectory stops
         self._number += 1
         self._wanted = True
@@ -93,7 +93,7 @@ class TargetPart:
         self._status, self._shown, self._wanted = NOTHING, None, False
 
 
-def _target(arm: Arm, fields: Mapping[str, Any]) -> Pose | Position | Approach:
+def target_asked(arm: Arm, fields: Mapping[str, Any]) -> Pose | Position | Approach:
     """The target that a page asked for: {kind, position [m], xyzw}, of which a position needs no direction."""
     p, xyzw = np.array(fields["position"]), fields["xyzw"]
     length = math.hypot(*xyzw)

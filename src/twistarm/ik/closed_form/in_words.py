@@ -1,0 +1,83 @@
+"""Families and what misses one, in words."""
+
+from __future__ import annotations
+
+import itertools
+from collections.abc import Sequence
+
+import numpy as np
+
+from ...model.arm import Arm
+from .families import DECOUPLED, SPHERICAL, FittedFamily
+from .joint_axis import JointAxis
+
+PARALLEL = 1e-6
+"""Sines below this are those of parallel axes: their distance is measured across them."""
+
+Joints = Sequence[int]
+"""For each axis of a chain its place in the arm; what a target leaves free has places behind the arm's joints."""
+
+
+def family_in_words(arm: Arm, fitted: FittedFamily, joints: Joints) -> str:
+    """The group of joints, and what makes it one."""
+    group = fitted.family.group
+    if fitted.family.kind == DECOUPLED:
+        return "the joints that turn follow from the rotation alone, those that slide from the position"
+    names = _names(arm, [joints[i] for i in group])
+    if min(joints[i] for i in group) >= arm.n:
+        return "the joints place a point, and the target leaves the turns about it free"
+    if len(group) == 1:
+        return f"the other joints place a point of the axis of {names}"
+    if fitted.family.kind == SPHERICAL:
+        return f"the axes of {names} meet in a point"
+    slides = any(axis.slides for axis in fitted.parts[1])
+    return f"{names} turn and slide in parallel planes" if slides else f"the axes of {names} are parallel"
+
+
+def off_in_words(fitted: FittedFamily) -> str:
+    """By how much the axes miss the family: `0.4 mm`."""
+    return _length(fitted.off) if fitted.family.kind == SPHERICAL else _angle(fitted.off)
+
+
+def missed_in_words(arm: Arm, fitted: FittedFamily, axes: Sequence[JointAxis], joints: Joints) -> str:
+    """Which two axes of the group are farthest from what would make it one."""
+    group = fitted.family.group
+    spherical = fitted.family.kind == SPHERICAL
+    between = _distance if spherical else _from_parallel
+    pairs = itertools.combinations(group, 2)
+    far, i, j = max(((between(axes[i], axes[j]), i, j) for i, j in pairs), default=(0.0, 0, 0))
+    names = _names(arm, [joints[i], joints[j]])
+    if spherical and far > fitted.off:
+        return f"the axes of {names} pass at {_length(far)}"
+    if spherical:  # each two of them meet, but not all three
+        return f"the axes of {_names(arm, [joints[i] for i in group])} pass a common point at {_length(fitted.off)}"
+    kind = "square" if axes[i].slides != axes[j].slides else "parallel"
+    return f"the axes of {names} are {_angle(far)} from {kind}"
+
+
+def _distance(a: JointAxis, b: JointAxis) -> float:
+    normal, apart = np.cross(a.w, b.w), b.o - a.o
+    sine = float(np.linalg.norm(normal))
+    return abs(float(normal @ apart)) / sine if sine > PARALLEL else float(np.linalg.norm(np.cross(a.w, apart)))
+
+
+def _from_parallel(a: JointAxis, b: JointAxis) -> float:
+    """The angle [rad] by which they are not parallel, or where one slides, not square."""
+    sine, cosine = float(np.linalg.norm(np.cross(a.w, b.w))), abs(float(a.w @ b.w))
+    if a.slides != b.slides:
+        return float(np.arctan2(cosine, sine))
+    return 0.0 if a.slides else float(np.arctan2(sine, cosine))
+
+
+def _names(arm: Arm, joints: Joints) -> str:
+    names = [arm.joint_names[i] for i in joints if i < arm.n]
+    names += ["the turns that the target leaves free"] * (len(names) < len(joints))
+    return f"{', '.join(names[:-1])} and {names[-1]}" if len(names) > 1 else names[0]
+
+
+def _length(metres: float) -> str:
+    return f"{1e3 * metres:.3g} mm" if metres >= 1e-5 else f"{1e6 * metres:.2g} µm"
+
+
+def _angle(radians: float) -> str:
+    return f"{np.degrees(radians):.2g}°" if radians > 1e-4 else f"{radians:.1e} rad"

@@ -1,0 +1,55 @@
+"""An arm's family, or which axes miss one: how all configurations are found, before a target is known."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from ...model.arm import Arm
+from ..targets import AnyTarget, Approach, Pose, TargetLike, checked_target
+from .families import NEARLY
+from .methods import ELIMINATION, closest_miss_of, method_for
+
+FITS_APPROACH = 5
+"""Joints that an `Approach` determines."""
+
+
+@dataclass(frozen=True)
+class ClosedFormReport:
+    """How `solve_ik_all` finds every configuration of an arm, for one kind of `target`.
+
+    method: "closed form", "elimination" or "search from many starts". family: which, in words; of a search, why there
+    is none. exact: whether every configuration is found, of those with the joints `held` where they stand.
+    held: joints that the target does not determine, base to tip. miss: which axes miss a family by least, and by how
+    much, in words; "" where they miss none. nearly: whether that is so little that it looks like rounding.
+    """
+
+    target: str
+    method: str
+    family: str
+    exact: bool
+    held: tuple[str, ...] = ()
+    miss: str = ""
+    nearly: bool = False
+
+    def __str__(self) -> str:
+        held = f", for each value of {' and '.join(self.held)}" if self.held else ""
+        miss = f"; {self.miss}" if self.method == ELIMINATION and self.miss else ""
+        return f"{self.method}, {self.family}{held}{miss}"
+
+
+def closed_form_of(arm: Arm, like: TargetLike | None = None) -> ClosedFormReport:
+    """The report for targets like this one; by default for approaches where five joints fit them, else for poses."""
+    target = _usual(arm) if like is None else checked_target(arm, like)
+    method = method_for(arm, target)
+    off, miss = closest_miss_of(arm, method)
+    held = tuple(arm.joint_names[i] for i in method.swept)
+    return ClosedFormReport(
+        type(target).__name__, method.name, method.in_words(arm), method.exact, held, miss,
+        nearly=bool(miss) and off <= NEARLY,
+    )  # fmt: skip
+
+
+def _usual(arm: Arm) -> AnyTarget:
+    g = arm.home
+    approach = Approach(g[:3, 3], g[:3, :3] @ arm.tool_axis, arm.tool_axis)
+    return approach if arm.n == FITS_APPROACH and not method_for(arm, approach).swept else Pose(g)

@@ -1,0 +1,105 @@
+// All configurations that meet the target: counted, stepped through, and each drawn faintly.
+
+import { ArmCopy } from "./arm_copy.js";
+import { $, element } from "./element.js";
+import { eases } from "./glide.js";
+import { takesKeys } from "./keys.js";
+
+const KEYS = { KeyN: 1, KeyP: -1 }; // next and previous
+const INSIDE = { colour: "--accent", opacity: 0.16 };
+const BEYOND = { colour: "--warn", opacity: 0.16 };
+const CHOSEN = 0.45; // opacity of one beyond the limits, where the arm does not go
+
+export class Solutions {
+  // `page` holds view and ask(request); `wanted()` says what is to be met.
+  constructor(page, wanted) {
+    this.page = page;
+    this.wanted = wanted;
+    this.places = [];
+    this.ghosts = [];
+    this.arms = [];
+    this.at = null;
+    this.stands = null;
+    this.asked = false;
+    this.differ = false; // whether other joints may go on moving in some of them
+    this.messages = {
+      solutions: (message) => this.show(message),
+      solution: ({ at, stands }) => this.choose(at, stands),
+      servo: ({ driven }) => ($("solutions-all").disabled = driven),
+    };
+    page.view.onDrawn.push(() => this.draw()); // what they are copies of has changed
+    $("solutions-all").addEventListener("click", () => this.ask());
+    $("solution-next").addEventListener("click", () => this.step(1));
+    $("solution-previous").addEventListener("click", () => this.step(-1));
+    $("solutions-end").addEventListener("click", () => page.ask({ type: "solutions_end" }));
+    $("solution-ghosts").addEventListener("change", () => this.draw());
+    addEventListener("keydown", (event) => this.press(event));
+  }
+
+  hello() {
+    this.show({ asked: false, places: [], words: "", ghosts: [] });
+  }
+
+  press({ code, repeat, ctrlKey, metaKey, altKey }) {
+    if (!(code in KEYS) || repeat || ctrlKey || metaKey || altKey || takesKeys(document.activeElement)) return;
+    if ($("solutions-all").disabled) return;
+    if (this.asked) this.step(KEYS[code]);
+    else this.ask();
+  }
+
+  ask() {
+    const wanted = this.wanted();
+    if (wanted) this.page.ask({ type: "solutions", ...wanted });
+  }
+
+  step(by) {
+    const { length } = this.places;
+    if (length === 0) return;
+    const place = this.at === null ? (by > 0 ? 0 : length - 1) : (this.at + by + length) % length;
+    this.page.ask({ type: "solution", place, ease: eases() });
+  }
+
+  show({ asked, places, words, ghosts }) {
+    this.asked = asked;
+    this.places = places;
+    this.ghosts = ghosts;
+    this.differ = new Set(places.map(({ free, beyond }) => (beyond.length > 0 ? places[0].free : free).join())).size > 1; // else the words say it
+    $("solutions").hidden = !asked;
+    const [, ...lines] = words.split("\n"); // the first says what is asked
+    $("solutions-words").replaceChildren(...lines.map((line) => element("p", line.startsWith(" ") ? "why" : "", line.trim())));
+    this.choose(this.at, this.stands);
+    if (asked && this.page.view.radius !== undefined) this.page.view.reframe();
+  }
+
+  // Which of them was chosen, and where the arm stands: it does not go beyond its limits.
+  choose(at, stands) {
+    Object.assign(this, { at, stands });
+    const { length } = this.places;
+    const { free, beyond } = this.places[at] ?? { free: [], beyond: [] };
+    $("solution-place").textContent = length === 0 ? "none" : `${at === null ? "–" : at + 1} of ${length}`;
+    for (const id of ["solution-next", "solution-previous"]) $(id).disabled = length === 0 || (length === 1 && at === 0);
+    $("solutions").dataset.beyond = beyond.length > 0;
+    $("solution-words").textContent = beyond.length > 0 ? `outside the limits: ${beyond.join(", ")}; the arm stays`
+      : free.length > 0 && this.differ ? `one of a family: ${free.join(", ")} may go on moving` : "";
+    this.draw();
+  }
+
+  draw() {
+    for (const arm of this.arms) {
+      arm.clear();
+      arm.group.removeFromParent();
+    }
+    this.arms = [];
+    const shown = $("solution-ghosts").checked ? this.ghosts : [];
+    for (const [i, transforms] of shown.entries()) {
+      if (i === this.stands) continue; // the arm itself
+      const beyond = this.places[i].beyond.length > 0;
+      const { colour, opacity } = beyond ? BEYOND : INSIDE;
+      const arm = new ArmCopy(this.page.view, colour, i === this.at ? CHOSEN : opacity, i);
+      arm.stand(transforms);
+      this.page.view.node("/solutions").add(arm.group);
+      this.arms.push(arm);
+    }
+    this.page.view.viewer.set_dirty();
+  }
+}

@@ -1,0 +1,144 @@
+"""All configurations that meet a target, for a page to step through, each with its ghost."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping, Sequence
+from functools import partial
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from ...ik import AnyTarget, IKSolutions, closed_form_of, solve_ik_all
+from ...model.arm import Arm
+from ...support.checks import Array
+from ...support.errors import InputError
+from ...support.vector_words import value_in_words
+from ..protocol.jobs import Job
+from ..protocol.message_cache import Message
+from ..protocol.messages import Request
+from ..scene.ghost import standing_at
+from ..scene.placement import Placement
+from .part import Show
+from .target import target_asked
+
+MOST = 32
+"""Configurations to step through, the nearest of all; of those beyond the limits what these leave."""
+
+STANDS = 1e-3
+"""An arm that is nearer than this [rad, m] to a configuration stands there."""
+
+NONE: Message = {"type": "solutions", "asked": False, "places": [], "words": "", "ghosts": []}
+"""What is told while nobody has asked."""
+
+
+class Answer(NamedTuple):
+    """theta (k, n), those inside the limits first, how many these are, and what is told of them."""
+
+    theta: Array
+    inside: int
+    told: Message
+
+
+class Solutions:
+    """Holds the configurations of one target. They are let go once the arm is moved by anything else."""
+
+    requests = frozenset({"solutions", "solution", "solutions_end"})
+
+    def __init__(self) -> None:
+        self._answer: Answer | None = None
+        self._at: int | None = None  # the configuration that was chosen
+        self._stands: int | None = None  # the one where the arm stands
+        self._where: Array | None = None  # where the arm stands for it, or is on its way to
+        self._number = 0  # of the latest question
+
+    def handle(self, request: Request, show: Show, now: float) -> Job | None:
+        """Find all configurations, go to one of them, or let them go. InputError for what can be no target."""
+        if request.kind == "solutions":
+            return self._find(request.fields, show)
+        if request.kind == "solutions_end":
+            self.release()
+        else:
+            self._step(request.fields["place"], request.fields["ease"], show, now)
+        return None
+
+    def messages(self, show: Show) -> Iterator[Message]:
+        """The configurations, and which of them was chosen."""
+        if self._answer is not None and show.seen().theta is not self._where:
+            self.release()
+        yield NONE if self._answer is None else self._answer.told
+        yield {"type": "solution", "at": self._at, "stands": self._stands}
+
+    def _find(self, fields: Mapping[str, Any], show: Show) -> Job:
+        show.require_free()
+        target, start = target_asked(show.arm, fields), show.seen().theta
+        self._number += 1
+        find = partial(_found, show.arm, target, start, dict(show.others))
+        finish = partial(self._finish, show, start, self._number)
+        return Job("solutions", "looking for all configurations", lambda _: find(), finish)
+
+    def _finish(self, show: Show, start: Array, number: int, answer: Answer) -> None:
+        """Tell the answer, unless another was asked for meanwhile, or something moved the arm."""
+        if number == self._number and show.seen().theta is start and not show.driven:
+            self.take(answer, start)
+
+    def take(self, answer: Answer, where: Array) -> None:
+        """Hold these configurations; the arm stands at `where` (n,)."""
+        here = answer.inside > 0 and np.abs(answer.theta[0] - where).max(initial=0.0) < STANDS
+        self._answer, self._where = answer, where
+        self._at = self._stands = 0 if here else None
+
+    def _step(self, place: int, ease: bool, show: Show, now: float) -> None:
+        """Choose a configuration, and go there if it is inside the limits: else the arm stays, and its ghost stands."""
+        if self._answer is None or place >= len(self._answer.theta):
+            raise InputError("these configurations were let go, because the arm was moved: ask for all of them again")
+        assert self._where is not None
+        inside = place < self._answer.inside
+        show.go(self._answer.theta[place] if inside else self._where, ease, now)
+        self._at, self._where = place, show.seen().theta
+        self._stands = place if inside else self._stands
+
+    def release(self) -> None:
+        """Let the configurations go."""
+        self._answer = self._at = self._stands = self._where = None
+
+
+def _found(arm: Arm, target: AnyTarget, start: Array, others: Mapping[str, float]) -> Answer:
+    """All configurations; joints that the target does not determine stay where they are."""
+    held = {name: float(start[arm.joint_names.index(name)]) for name in closed_form_of(arm, target).held}
+    return answer_of(solve_ik_all(arm, target, start, given=held), others, _held_in_words(arm, held))
+
+
+def answer_of(solutions: IKSolutions, others: Mapping[str, float], more: Sequence[str] = ()) -> Answer:
+    """What is held and told of the configurations; `more`: further lines of words."""
+    theta = np.vstack([solutions.theta, solutions.outside])[:MOST]
+    placement = Placement(solutions.arm)
+    told = {
+        "type": "solutions",
+        "asked": True,
+        "places": [_place(solutions, each, i) for i, each in enumerate(theta)],
+        "words": "\n".join([*solutions.explain().splitlines(), *more]),
+        "ghosts": [standing_at(placement, each, others) for each in theta],
+    }
+    return Answer(theta, min(len(solutions), MOST), told)
+
+
+def _held_in_words(arm: Arm, held: Mapping[str, float]) -> list[str]:
+    values = [
+        f"{name} at {value_in_words(value, arm.units[arm.joint_names.index(name)])}" for name, value in held.items()
+    ]
+    return [f"held where the arm stands, because the target leaves it free: {', '.join(values)}"] if values else []
+
+
+def _place(solutions: IKSolutions, theta: Array, i: int) -> dict[str, list[str]]:
+    """Of one configuration the joints that may go on moving, and those beyond their limits, in words."""
+    if i < len(solutions):
+        return {"free": list(solutions.free[i]), "beyond": []}
+    arm, limits = solutions.arm, solutions.arm.limits
+    beyond = []
+    for name, value, lower, upper, unit in zip(
+        arm.joint_names, theta, limits.lower, limits.upper, arm.units, strict=True
+    ):
+        if not lower <= value <= upper:
+            sign, limit = ("<", lower) if value < lower else (">", upper)
+            beyond.append(f"{name} {value_in_words(value, unit)} {sign} {value_in_words(limit, unit)}")
+    return {"free": [], "beyond": beyond}

@@ -1,0 +1,133 @@
+"""`twistarm ik --all`: every configuration on the terminal, as JSON and CSV; and what `info` says of the family."""
+
+from __future__ import annotations
+
+import csv
+import json
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from ik_targets import require_core
+from twistarm import load_arm
+from twistarm.cli.application import run
+
+Capture = pytest.CaptureFixture[str]
+
+ROVER = ["ik", "rover_arm", "--all", "--xyz", "0.8", "0.1", "0.7", "--direction", "1", "0", "0"]
+"""Elbow up and elbow down."""
+
+
+def said(capsys: Capture, *arguments: str, code: int = 0) -> str:
+    capsys.readouterr()
+    assert run(list(arguments)) == code
+    printed = capsys.readouterr()
+    return printed.out if code < 2 else printed.err
+
+
+def test_all_of_them_nearest_first(capsys: Capture) -> None:
+    arm = load_arm("rover_arm")
+    content = json.loads(said(capsys, *ROVER, "--json"))
+    assert content["complete"]
+    assert content["method"] == "closed form"
+    assert content["free"] == [["wrist_roll"]] * 2
+    for theta in content["theta"]:
+        g, _, _ = arm.by_pinocchio(theta)
+        np.testing.assert_allclose(g[:3, 2:].T, [[1, 0, 0], [0.8, 0.1, 0.7]], atol=1e-9)
+    far = [np.abs(np.array(theta) - arm.ready).max() for theta in content["theta"]]
+    assert far == sorted(far)
+    assert content["theta"][0][2] * content["theta"][1][2] < 0, "elbow up and elbow down"
+
+
+def test_it_is_a_table_that_can_be_pasted(capsys: Capture, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setenv("COLUMNS", "80")
+    lines = said(capsys, *ROVER).splitlines()
+    assert lines[0] == "rover_arm: 2 configurations, nearest first"
+    assert max(map(len, lines[1:6])) <= 80
+    assert "2 configurations inside the limits; all there are" in lines
+    typed = next(line for line in lines if line.startswith("--theta")).removeprefix("--theta ").strip('"')
+    pose = json.loads(said(capsys, "fk", "rover_arm", "--theta", typed, "--json"))
+    assert np.allclose(pose["position"], [0.8, 0.1, 0.7], atol=1e-6)
+
+
+def test_given_joints_stand_where_they_are_told(capsys: Capture) -> None:
+    where = ["ik", "rover_arm", "--all", "--xyz", "0.8", "0.1", "0.7", "--json"]
+    held = json.loads(said(capsys, *where, "--given", "wrist_pitch=10", "wrist_roll=30"))
+    assert held["complete"]
+    assert np.allclose(np.array(held["theta"])[:, 3:], np.radians([10, 30]))
+    assert not json.loads(said(capsys, *where))["complete"], "one of a surface of configurations"
+
+
+def test_whole_turns_count_on_request(capsys: Capture) -> None:
+    pose = ["ik", "scara", "--all", "--xyz", "0.4", "0.2", "0.2", "--rpy", "0", "0", "30", "--json"]
+    alone, copies = (json.loads(said(capsys, *pose, *more))["theta"] for more in ([], ["--copies"]))
+    assert len(copies) >= len(alone) > 0
+    arm = load_arm("scara")
+    turns = (np.array(copies)[:, None] - np.array(alone)[None]) / (2.0 * np.pi)
+    assert (np.abs(turns - np.round(turns)).max(axis=2).min(axis=1) < 1e-9).all()
+    assert arm.limits.contains(np.array(copies)).all()
+
+
+def test_csv_has_those_outside_the_limits_too(tmp_path: Path, capsys: Capture) -> None:
+    out = tmp_path / "all.csv"
+    pose = ["--xyz", "0.2", "0.1", "0.7", "--direction", "-1", "0", "0"]
+    words = said(capsys, "ik", "rover_arm", "--all", *pose, "-o", str(out))
+    assert "1 configuration inside the limits, 1 more outside; all there are" in words
+    with out.open(encoding="utf-8") as file:
+        rows = list(csv.DictReader(file))
+    assert [row["within_limits"] for row in rows] == ["yes", "no"]
+    arm = load_arm("rover_arm")
+    for row in rows:
+        theta = [float(row[f"{name} [{unit}]"]) for name, unit in zip(arm.joint_names, arm.units, strict=True)]
+        g, _, _ = arm.by_pinocchio(theta)
+        assert np.allclose(g[:3, 3], [0.2, 0.1, 0.7], atol=1e-9)
+        assert arm.limits.contains(theta) == (row["within_limits"] == "yes")
+
+
+def test_none_is_an_answer_with_exit_code_1(capsys: Capture) -> None:
+    far = said(capsys, "ik", "rover_arm", "--all", "--xyz", "5", "0", "0", "--direction", "1", "0", "0", code=1)
+    assert "no configuration inside the limits: that is certain" in far
+    require_core(load_arm("rover_arm"))
+    aside = said(capsys, "ik", "rover_arm", "--all", "--xyz", "0.8", "0.1", "0.7", "--rpy", "0", "0", "20", code=1)
+    assert "no configuration inside the limits: that is certain" in aside
+    assert "the nearest configuration: position met, orientation" in aside
+    assert "with the position held, no joint turns its tool about" in aside
+
+
+BAD = {
+    "no number": (["--all", "--xyz", "nan", "0", "0"], "--xyz takes 3 numbers"),
+    "no joint": (["--all", "--xyz", "1 0 0", "--given", "nose=3"], "no joint 'nose' in rover_arm"),
+    "no pair": (["--all", "--xyz", "1 0 0", "--given", "3"], "--given takes joint=value"),
+    "no finite value": (["--all", "--xyz", "1 0 0", "--given", "elbow=nan"], "elbow takes a number"),
+    "beyond a limit": (["--all", "--xyz", "1 0 0", "--given", "elbow=500"], "'elbow' cannot be given at 500°"),
+    "given without all": (["--xyz", "1 0 0", "--given", "elbow=5"], "--given is about all configurations"),
+    "copies without all": (["--xyz", "1 0 0", "--copies"], "--copies is about all configurations"),
+    "a posture": (["--all", "--xyz", "1 0 0", "--posture", "middle"], "--all takes no --posture"),
+    "a file": (["--all", "--targets", "t.csv"], "--all takes no --targets"),
+    "no target": (["--all"], "--xyz"),
+    "a tolerance of nothing": (["--all", "--xyz", "1 0 0", "--position-tolerance", "0"], "--position-tolerance"),
+}
+
+
+@pytest.mark.parametrize("case", BAD)
+def test_bad_input_is_one_line(case: str, capsys: Capture) -> None:
+    arguments, told = BAD[case]
+    error = said(capsys, "ik", "rover_arm", *arguments, code=2)
+    assert told in error
+    assert error.count("\n") == 1
+
+
+@pytest.mark.parametrize(
+    ("arm", "told"),
+    [
+        ("rover_arm", "an Approach (ik --all): closed form, the axes of shoulder, elbow and wrist_pitch are parallel"),
+        ("elbow", "a Pose (ik --all): closed form, the axes of joint_4, joint_5 and joint_6 meet in a point"),
+        ("rover_arm_6dof", "elimination, six joints that turn, whatever their axes; the axes of wrist_pitch and "
+         "wrist_roll pass at 20 mm"),
+    ],
+)  # fmt: skip
+def test_info_names_the_family_or_what_misses(arm: str, told: str, capsys: Capture) -> None:
+    assert told in said(capsys, "info", arm)
+    report = json.loads(said(capsys, "info", arm, "--json"))["all_configurations"]
+    assert report["family"] in told
