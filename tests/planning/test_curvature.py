@@ -1,4 +1,4 @@
-"""Bounds of the deviation between check points: no finite difference along any joint path exceeds them."""
+"""Bounds between check points: no finite difference along any joint path, no speed of the tool exceeds them."""
 
 from __future__ import annotations
 
@@ -12,6 +12,8 @@ from twistarm.model.arm import Arm
 from twistarm.planning.cartesian.curvature import deviation_bend
 from twistarm.planning.cartesian.curves import Line, Screw
 from twistarm.planning.cartesian.moving_target import MovingTarget
+from twistarm.planning.cartesian.tool_derivatives import ToolDerivatives
+from twistarm.planning.cartesian.tool_speed import greatest_tool_speeds
 from twistarm.planning.joint_path import JointPath
 
 MIMIC = """<robot name="lift"><link name="base_link"/><link name="one"/><link name="two"/><link name="tool"/>
@@ -56,6 +58,28 @@ def test_no_second_difference_exceeds_the_bound(kind, tmp_path):
                 bound = deviation_bend(arm, MovingTarget(curve, like), path)[0]
                 assert position <= bound[0] * (1.0 + 1e-4)
                 assert rotation <= bound[1] * (1.0 + 1e-4) or isinstance(like, Position)
+
+
+@pytest.mark.parametrize("kind", ["mimic", "helical", "rover", "stanford"])
+def test_no_speed_of_the_tool_exceeds_its_bound_and_some_come_near(kind, tmp_path):
+    arm, rng = arms(tmp_path)[kind], np.random.default_rng(6)
+    limits = arm.limits.with_({"velocity": 3.0}, arm.joint_names)
+    for _ in range(20):
+        scale = np.array([2.0, 2.0, 2.0, 1.0])[:, None, None]
+        path = JointPath(np.array([0.0, 0.2]), rng.uniform(-1.0, 1.0, (4, 1, arm.n)) * scale)
+        s = np.linspace(0.0, 0.2, 2001)
+        g = arm.fk(path(s))
+        velocity = np.gradient(g[:, :3, 3], s, axis=0)[1:-1]
+        turn = rotations.log(np.swapaxes(g[:-1, :3, :3], 1, 2) @ g[1:, :3, :3]) / s[1]
+        seen = np.array([np.linalg.norm(velocity, axis=1).max(), np.linalg.norm(turn, axis=1).max()])
+        bound = np.array([each[0] for each in greatest_tool_speeds(arm, path, limits, 1e-3, 1e-3)])
+        assert (seen <= bound * (1.0 + 1e-5)).all()
+        assert (seen >= bound * (1.0 - 1e-3)).all()
+        jerk = np.diff(g[::40, :3, 3], 3, axis=0) / s[40] ** 3
+        assert np.linalg.norm(jerk, axis=1).max() <= ToolDerivatives.along(arm, path).jerk[0] * (1.0 + 1e-3)
+        world = (g[:-1, :3, :3] @ turn[..., None])[::40, :, 0]
+        turn_jerk = np.linalg.norm(np.diff(world, 2, axis=0), axis=1).max() / s[40] ** 2
+        assert turn_jerk <= ToolDerivatives.along(arm, path).turn_jerk[0] * (1.0 + 1e-3)
 
 
 def seconds(arm: Arm, moving: MovingTarget, path: JointPath) -> tuple[float, float]:

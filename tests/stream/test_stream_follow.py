@@ -96,6 +96,21 @@ def test_however_it_is_paused_and_slowed_the_limits_hold_and_it_stays_on_its_pat
     assert max(waited) < 2.0
 
 
+def test_cycles_late_by_parts_of_a_period_or_missed_make_no_setpoint_leap(rover, motion):
+    """Of a cycle that is late and the next one, which is not, each moves the arm by its own time."""
+    rng = np.random.default_rng(8)
+    late = {int(k): float(rng.uniform(0.05, 6.95)) * PERIOD for k in rng.choice(np.arange(5, 250), 60, replace=False)}
+    clock = FakeClock(late=late)
+    robot = Robot(rover.ready, clock)
+    report = follow(rover, motion, robot, robot, clock=clock)
+    assert report.ok
+    assert report.stream.missed > 20
+    t, theta, _, _ = told(robot)
+    np.testing.assert_allclose(theta, motion(np.minimum(t + PERIOD - t[0], motion.duration)), atol=1e-9)
+    assert np.diff(t).min() < 0.2 * PERIOD
+    assert max(shares(rover, robot)) <= EXACT
+
+
 def test_a_stop_ends_it_on_its_path(rover, motion, robot, clock):
     control = FollowControl()
     report = follow(rover, motion, robot, robot, clock=clock, control=control, on_cycle=at(0.8, control.stop))

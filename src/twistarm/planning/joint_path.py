@@ -97,5 +97,8 @@ class JointPath:
         """The derivative of that order by s at s (...), (..., n); at a breakpoint the limit from above."""
         at = as_floats(s, "s")
         piece = self.piece_at(at.ravel())
-        sigma = (at.ravel() - self.breakpoints[piece])[:, None]
-        return evaluate(derivative(self.coefficients[:, piece], order), sigma).reshape(*at.shape, self.n)
+        return self.within(piece, at.ravel() - self.breakpoints[piece], order).reshape(*at.shape, self.n)
+
+    def within(self, piece: Indices, sigma: Array, order: int = 0) -> Array:
+        """The derivative of that order in pieces (k,), each at sigma (k,) from where it begins, (k, n)."""
+        return evaluate(derivative(self.coefficients[:, piece], order), sigma[:, None])

@@ -11,16 +11,12 @@ from ..limits.joint_limits import JointLimits
 from ..model.arm import Arm
 from ..support.checks import Array
 from ..support.errors import InputError
+from .cartesian.tool_speed import greatest_tool_speeds
 from .corners import joined, part, rounded
 from .joint_path import JointPath
+from .piecewise import derivative, extremes
 from .route import Leg, path_effort
 from .segments import Move, place
-
-SPEED_MARGIN = 1.0 - 1e-3
-"""Speeds of the tool are looked at from place to place, and are kept with this much room."""
-
-LOOKS = 9
-"""Places in each piece of a path at which the tool's speed is looked at."""
 
 BEND_PIECES = 8
 """Of a rounded corner: each has its own greatest speed."""
@@ -123,16 +119,12 @@ def _of_unit_speed(leg: Leg, limits: JointLimits) -> JointPath:
 def _caps(arm: Arm, path: JointPath, segment: Move, limits: JointLimits) -> Array:
     """The greatest ṡ on each piece (m,) by the segment's share of joint velocities and its speeds of the tool."""
     cap = np.full(len(path.breakpoints) - 1, np.inf)
-    if segment.speed == 1.0 and segment.tool_speed is None and segment.turn_speed is None:
-        return cap
-    h = np.diff(path.breakpoints)
-    s = path.breakpoints[:-1, None] + h[:, None] * np.linspace(0.0, 1.0 - 1e-9, LOOKS)
-    rate = path(s, 1)
     with np.errstate(divide="ignore"):
         if segment.speed < 1.0:
-            cap = np.minimum(cap, segment.speed / (np.abs(rate) / limits.velocity).max(axis=(1, 2)))
-        twist = (arm.body_jacobian(path(s)) @ rate[..., None])[..., 0]
-        for limit, axes in ((segment.tool_speed, slice(0, 3)), (segment.turn_speed, slice(3, 6))):
-            if limit is not None:
-                cap = np.minimum(cap, limit / np.linalg.norm(twist[..., axes], axis=-1).max(axis=1))
-    return cap * SPEED_MARGIN
+            _, rates = extremes(derivative(path.coefficients), np.diff(path.breakpoints))
+            cap = segment.speed / (np.abs(rates) / limits.velocity).max(axis=(0, 2))
+        if segment.tool_speed is not None or segment.turn_speed is not None:
+            most = [np.inf if speed is None else speed for speed in (segment.tool_speed, segment.turn_speed)]
+            for speed, greatest in zip(most, greatest_tool_speeds(arm, path, limits, *most), strict=True):
+                cap = np.minimum(cap, speed / greatest)
+    return cap

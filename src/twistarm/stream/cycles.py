@@ -17,6 +17,7 @@ from ..support.display import Brief
 from ..support.errors import InputError
 from .failures import StreamError, call_device, worded
 from .interlock import ENABLED, Interlock, Interlocked
+from .metronome import ROUNDING
 from .observer import RateObserver, with_reserve
 from .protocols import Feedback, Measured, Reading, Setpoint, Sink, UndeliveredError
 from .report import Ending, StreamReport, Tally
@@ -86,8 +87,9 @@ class Cycles(ABC, Generic[C]):
         self.tally = Tally(self.rate, self.assumed)
         self._watch = FeedbackWatch(arm, self.feedback_timeout, tolerance)
         self._commanded_arm = with_reserve(self.arm) if velocity_mode else self.arm
-        self._observer = RateObserver(self.arm, self.period) if velocity_mode else None
+        self._observer = RateObserver(self.arm) if velocity_mode else None
         self._number = 0
+        self._stepped: float | None = None  # when the last step was made [s]
 
     def cycle(self, now: float, periods: int = 1) -> C:
         """One cycle: look at the joints, take the command, step the servo, write the setpoint.
@@ -97,7 +99,7 @@ class Cycles(ABC, Generic[C]):
 
         Args:
             now: The clock's time [s].
-            periods: Periods since the last cycle; 0 or less where time went back.
+            periods: Periods since the last cycle: what is more than 1 counts as missed.
 
         Returns:
             The `Cycle`.
@@ -105,25 +107,24 @@ class Cycles(ABC, Generic[C]):
         self.tally.cycles += 1
         self.tally.missed += max(0, periods - 1)
         try:
-            return self._cycle(now, periods)
+            return self._cycle(now)
         except StreamError as failed:
             return self._failed(now, str(failed), failed.ending)
 
-    def brake(self, now: float, periods: int = 1) -> bool:
+    def brake(self, now: float) -> bool:
         """One step toward rest, which reads neither commands nor joints. A sink's failure is noted.
 
         Where the servo itself fails, the arm stands at once: rates of 0 where it was last.
 
         Args:
             now: The clock's time [s].
-            periods: Periods since the last cycle.
 
         Returns:
             Whether the arm is at rest.
         """
         if not self.at_rest:
             try:
-                self._write_anyway(self._coming_to_rest(now, periods))
+                self._write_anyway(self._coming_to_rest(now))
             except Exception as error:  # whatever it is, the arm must not go on moving
                 self.tally.failures[f"the servo failed, and the arm was stopped at once: {worded(error)}"] += 1
                 assert self.state is not None
@@ -166,12 +167,12 @@ class Cycles(ABC, Generic[C]):
             return 0.0
         return 2.0 * float((np.abs(self.state.theta_dot) / self.arm.limits.acceleration).max()) + BRAKING_SPARE
 
-    def _coming_to_rest(self, now: float, periods: int) -> Setpoint:
+    def _coming_to_rest(self, now: float) -> Setpoint:
         """The setpoint of a step of `brake`."""
-        return self._braked(now, periods, "coming to rest")
+        return self._braked(now, "coming to rest")
 
     @abstractmethod
-    def _cycle(self, now: float, periods: int) -> C:
+    def _cycle(self, now: float) -> C:
         """One cycle, which may raise `StreamError`."""
 
     @abstractmethod
@@ -200,22 +201,27 @@ class Cycles(ABC, Generic[C]):
         if self._observer is not None:
             self._observer.start(self.state.theta, now)
 
-    def _untimely(self, periods: int) -> str:
-        if periods < 1:
+    def _untimely(self, now: float) -> str:
+        """Why the time since the last step cannot be one step's, "" where it can: a period may be late by one."""
+        elapsed = self.period if self._stepped is None else now - self._stepped
+        if elapsed <= 0.0:
             return "time went back"
-        elapsed = periods * self.period
-        if elapsed > self.settings.longest_dt:
+        if elapsed >= self.settings.longest_dt + self.period * (1.0 - ROUNDING):
             return f"{elapsed:.3g} s since the last cycle (longest step {self.settings.longest_dt:g} s)"
         return ""
 
-    def _elapsed(self, periods: int) -> float:
-        """Seconds that a step is over: the time since the last one, one period where that cannot be."""
-        return self.period if self._untimely(periods) else periods * self.period
+    def _elapsed(self, now: float) -> float:
+        """Seconds that a step is over: as many as have passed since the last one, so that a cycle that is late or soon
+        after a late one moves nothing faster than its rate; one period at first and where that cannot be.
+        """
+        if self._stepped is None or self._untimely(now):
+            return self.period
+        return min(max(now - self._stepped, ROUNDING * self.period), self.settings.longest_dt)
 
-    def _braked(self, now: float, periods: int, reason: str) -> Setpoint:
+    def _braked(self, now: float, reason: str) -> Setpoint:
         """A step toward rest of each joint by itself, as fast as its acceleration limit allows."""
         assert self.state is not None  # whoever steps has asked
-        state, output = servo_step(self.arm, self.state, None, self._elapsed(periods), settings=self.settings)
+        state, output = servo_step(self.arm, self.state, None, self._elapsed(now), settings=self.settings)
         return self._moved(state, ServoOutput.stale(output.theta_dot, reason), now, follow=False)
 
     def _moved(self, state: ServoState, output: ServoOutput, now: float, *, follow: bool) -> Setpoint:
@@ -226,9 +232,10 @@ class Cycles(ABC, Generic[C]):
             raise StreamError(Ending.SERVO_FAILED, f"its setpoint is not finite: rates {output.theta_dot.tolist()}")
         self.state = state
         self._watch.follow(self.state.theta, now)
-        rates = output.theta_dot
+        rates, elapsed = output.theta_dot, self._elapsed(now)
+        self._stepped = now
         if self._observer is not None:
-            rates = self._observer.rates(before, rates, follow=follow)
+            rates = self._observer.rates(before, rates, elapsed, follow=follow)
         return self._setpoint(now, self.state.theta, rates, output)
 
     def _setpoint(self, now: float, theta: Array, rates: Array, output: ServoOutput) -> Setpoint:

@@ -64,7 +64,8 @@ def come_to_rest(cycles: Cycles[C], metronome: Metronome, clock: Clock) -> bool:
         while not cycles.at_rest and clock.now() < latest:
             _wait(clock, metronome, latest)
             now = clock.now()
-            cycles.brake(now, metronome.tick(now))
+            metronome.tick(now)
+            cycles.brake(now)
     except KeyboardInterrupt:
         pass
     finally:

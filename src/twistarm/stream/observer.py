@@ -68,9 +68,9 @@ class RateObserver:
     is, divided by the gain, within the arm's velocity and acceleration limits.
     """
 
-    def __init__(self, arm: Arm, period: float) -> None:
+    def __init__(self, arm: Arm) -> None:
         self._velocity = arm.limits.velocity
-        self._most = arm.limits.acceleration * period
+        self._acceleration = arm.limits.acceleration
         n = arm.n
         self._x = np.column_stack([np.zeros(n), np.ones(n), np.full(n, DELAY)])
         self._covariance = np.tile(np.diag(FIRST_DEVIATION**2), (n, 1, 1))
@@ -100,8 +100,9 @@ class RateObserver:
             self._heard = measured.time
             self._update(measured.theta, min(measured.time, now))
 
-    def rates(self, theta: Array, theta_dot: Array, follow: bool = True) -> Array:
-        """The rates u (n,) for drives whose joints should be at theta (n,) now and move at theta_dot (n,) from now on.
+    def rates(self, theta: Array, theta_dot: Array, elapsed: float, follow: bool = True) -> Array:
+        """The rates u (n,) for drives whose joints should be at theta (n,) now and move at theta_dot (n,) from now on,
+        `elapsed` [s] after those before.
 
         Where they should not `follow`, theta does not matter: they come to rest as the servo does.
         """
@@ -113,7 +114,8 @@ class RateObserver:
         correction[resting & (np.abs(correction) < STILL)] = 0.0
         wanted = theta_dot + np.clip(correction, -CORRECTION * self._velocity, CORRECTION * self._velocity)
         wanted = np.clip(wanted / self._x[:, 1], -self._velocity, self._velocity)
-        self._u = frozen(np.clip(wanted, self._u - self._most, self._u + self._most))
+        most = self._acceleration * elapsed
+        self._u = frozen(np.clip(wanted, self._u - most, self._u + most))
         return self._u
 
     def _predict(self, now: float) -> None:

@@ -58,7 +58,7 @@ class Streaming(Cycles[Cycle]):
         self._released = inf
         self._held = not self.interlock.allows_motion  # a command since before the arm was enabled, which moves nothing
 
-    def _cycle(self, now: float, periods: int) -> Cycle:
+    def _cycle(self, now: float) -> Cycle:
         measured, theta, blind = self._look(now)
         self._start(theta, now)
         self._hear(None if blind else measured, now)
@@ -75,8 +75,8 @@ class Streaming(Cycles[Cycle]):
         if barred:
             command, uncommanded = None, ""
         self.tally.count(blind=blind, uncommanded=uncommanded, barred=barred)
-        reason = strayed or barred or blind or self._untimely(periods) or uncommanded
-        setpoint = self._step(None if reason else command, now, periods, reason)
+        reason = strayed or barred or blind or self._untimely(now) or uncommanded
+        setpoint = self._step(None if reason else command, now, reason)
         undelivered = self._send(setpoint)
         self._restart_at_rest(theta, now, released=command is None)
         why = "; ".join(filter(None, (reason, undelivered)))
@@ -102,11 +102,11 @@ class Streaming(Cycles[Cycle]):
             return None, f"the command is {reading.age:.3g} s old (timeout {self.command_timeout:g} s)"
         return reading.command, ""
 
-    def _step(self, command: AnyCommand | None, now: float, periods: int, reason: str) -> Setpoint:
+    def _step(self, command: AnyCommand | None, now: float, reason: str) -> Setpoint:
         if command is None:
-            return self._braked(now, periods, reason)
+            return self._braked(now, reason)
         assert self.state is not None  # whoever steps has asked
-        dt = self._elapsed(periods)
+        dt = self._elapsed(now)
         state, output = servo_step(self._commanded_arm, self.state, command, dt, settings=self.settings)
         return self._moved(state, output, now, follow=True)
 

@@ -121,7 +121,7 @@ class Following(Cycles[FollowCycle]):
         """Whether it is still to come to where the trajectory begins."""
         return self._leg is not self._main
 
-    def _cycle(self, now: float, periods: int) -> FollowCycle:
+    def _cycle(self, now: float) -> FollowCycle:
         measured, theta, blind = self._look(now)
         self._require_patience(blind, now)
         if self.state is None and theta is not None:
@@ -135,8 +135,8 @@ class Following(Cycles[FollowCycle]):
         self._astray = bool(strayed) or self.interlock.word == EMERGENCY_STOP
         paused = self.control.pause_reason or ("stopped" if self.control.stopped else "")
         self.tally.count(blind=blind, barred=barrier, uncommanded="" if barrier else paused)
-        reason = strayed or barrier or blind or self._untimely(periods) or paused
-        setpoint = self._braked(now, periods, reason) if self._astray else self._along(now, periods, reason)
+        reason = strayed or barrier or blind or self._untimely(now) or paused
+        setpoint = self._braked(now, reason) if self._astray else self._along(now, reason)
         undelivered = self._send(setpoint)
         ending, why = self._ending(strayed, theta, now)
         reason = why or "; ".join(filter(None, (reason, undelivered)))
@@ -168,14 +168,14 @@ class Following(Cycles[FollowCycle]):
             self.control.pause(permission.barrier)
         return permission.barrier
 
-    def _along(self, now: float, periods: int, hold: str) -> Setpoint:
+    def _along(self, now: float, hold: str) -> Setpoint:
         """A step along the path: toward rest where there is a reason to `hold`, else toward the speed that was told."""
         assert self.state is not None
         if self._on_the_way and self._clock.time >= self._leg.motion.duration:
             self._leg, self._clock = self._main, MotionClock(0.0, 0.0)
-        rate, dt = 0.0 if hold else min(self.speed, self._leg.rate), self._elapsed(periods)
+        rate, dt = 0.0 if hold else min(self.speed, self._leg.rate), self._elapsed(now)
         clock = self._clock
-        if self._untimely(periods):  # who hears nothing for so long stands by now
+        if self._untimely(now):  # who hears nothing for so long stands by now
             clock = MotionClock(clock.time, 0.0)
         elif clock.time == 0.0:  # nothing moves there, at whatever rate
             clock = MotionClock(0.0, rate)
@@ -190,10 +190,10 @@ class Following(Cycles[FollowCycle]):
         self._clock = clock
         return setpoint
 
-    def _coming_to_rest(self, now: float, periods: int) -> Setpoint:
+    def _coming_to_rest(self, now: float) -> Setpoint:
         if self._astray:
-            return super()._coming_to_rest(now, periods)
-        return self._along(now, periods, "coming to rest")
+            return super()._coming_to_rest(now)
+        return self._along(now, "coming to rest")
 
     def _ending(self, strayed: str, theta: Array | None, now: float) -> tuple[Ending | None, str]:
         """Whether the motion is over, and why."""
