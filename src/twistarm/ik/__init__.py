@@ -1,5 +1,6 @@
 """Inverse kinematics: targets, the solver, and solutions that say what was reached and why not more."""
 
+from . import subproblems
 from .all_solutions import IKSolutions
 from .all_solutions_batch import IKSolutionsBatch, solve_ik_all_batch
 from .batch import IKBatch, solve_ik_batch
@@ -29,4 +30,5 @@ __all__ = [
     "solve_ik_all",
     "solve_ik_all_batch",
     "solve_ik_batch",
+    "subproblems",
 ]

@@ -1,0 +1,63 @@
+"""Arms of each family from `data/ik_families.json`, and judges of all their answers that use SciPy alone."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+
+import numpy as np
+from scipy.linalg import expm
+
+from twistarm import arm_from_screws
+
+CASES = json.loads((Path(__file__).parent / "data" / "ik_families.json").read_text(encoding="utf-8"))["arms"]
+
+
+def screws_of(axes):
+    """Twists (6, n) of axes [kind, direction, point]."""
+    columns = []
+    for kind, direction, point in axes:
+        w = np.array(direction, dtype=float) / np.linalg.norm(direction)
+        columns.append(np.r_[np.cross(point, w), w] if kind == "R" else np.r_[w, 0.0, 0.0, 0.0])
+    return np.array(columns).T
+
+
+def family_arm(name, noise=0.0, rng=None, half_turns=1.0):
+    """The arm of that name, its axes off by `noise`, joints within ± `half_turns` π or 1 m."""
+    xi = screws_of(CASES[name]["axes"])
+    if noise:
+        turning = np.linalg.norm(xi[3:], axis=0) > 0
+        for i in np.flatnonzero(turning):
+            w, v = xi[3:, i], xi[:3, i]
+            o = np.cross(w, v) + noise * rng.normal(size=3)
+            w = w + noise * rng.normal(size=3)
+            w /= np.linalg.norm(w)
+            xi[:, i] = np.r_[np.cross(o, w), w]
+    home = np.eye(4)
+    home[:3, 3] = [0.9, 0.15, 0.3]
+    names = [f"joint{i + 1}" for i in range(xi.shape[1])]
+    bound = np.where(np.linalg.norm(xi[3:], axis=0) > 0, half_turns * np.pi, 1.0)
+    limits = {"lower": dict(zip(names, (-bound).tolist(), strict=True))}
+    limits["upper"] = dict(zip(names, bound.tolist(), strict=True))
+    return arm_from_screws(xi, home, joints=names, limits=limits, name=name)
+
+
+def pose_of(arm, theta):
+    """g_st (4, 4) by SciPy's matrix exponentials of the arm's twists."""
+    g = np.eye(4)
+    for (vx, vy, vz, wx, wy, wz), x in zip(arm.screws.T, arm.coupling.A @ theta + arm.coupling.b, strict=True):
+        hat = np.array([[0, -wz, wy, vx], [wz, 0, -wx, vy], [-wy, wx, 0, vz], [0, 0, 0, 0]])
+        g = g @ expm(x * hat)
+    return g @ arm.home
+
+
+def missed(arm, g, theta):
+    """How far theta (n,) is from the pose g (4, 4), in m or rad."""
+    off = pose_of(arm, theta) - g
+    return max(np.linalg.norm(off[:3, 3]), np.linalg.norm(off[:3, :3]) / np.sqrt(2))
+
+
+def apart(arm, a, b):
+    """The largest difference of two configurations, angles modulo whole turns."""
+    turns = np.array(arm.units) != "m"
+    return np.abs(np.where(turns, (a - b + np.pi) % (2 * np.pi) - np.pi, a - b)).max()

@@ -1,0 +1,83 @@
+"""Families are recognised from the axes, exact or as an export rounds them, and named; what misses says by how much."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+import twistarm
+from catalogue import load
+from family_arms import CASES, apart, family_arm, missed, pose_of
+from twistarm.ik import Approach, Pose, Position
+from twistarm.ik.closed_form.methods import method_for
+
+
+def a_pose(arm):
+    return Pose(arm.home)
+
+
+@pytest.mark.parametrize("name", CASES)
+def test_the_family_is_recognised_from_the_axes(name):
+    arm, case = family_arm(name), CASES[name]
+    method = method_for(arm, a_pose(arm))
+    assert method.exact
+    if case["kind"] == "elimination":
+        assert method.family is None
+        assert method.name == "elimination"
+    else:
+        assert method.family.kind == case["kind"]
+        assert sorted(method.family.group) == case["group"]
+        assert method.name == "closed form"
+
+
+@pytest.mark.parametrize(("name", "noise"), [("spherical wrist", 1e-4), ("parallel 2-3-4", 1e-4), ("P-RRR-R", 1e-6)])
+def test_rounded_axes_are_reported_and_all_their_answers_found(name, noise):
+    """The nearest exact arm gives the starts; its misses are told, and the answers are those of the arm itself."""
+    rng = np.random.default_rng(5)
+    arm = family_arm(name, noise, rng)
+    method = method_for(arm, a_pose(arm))
+    if method.family is None:  # a smaller group is exact, or elimination takes arms of five and six joints
+        assert method.name == "elimination"
+    theta = arm.random_theta(rng)
+    g = pose_of(arm, theta)
+    found = twistarm.solve_ik_all(arm, Pose(g))
+    assert found.complete == method.exact
+    assert method.exact or "miss" in found.family
+    assert min(apart(arm, each, theta) for each in found) < 1e-6
+    assert max(missed(arm, g, each) for each in found) < 1e-9
+
+
+@pytest.mark.parametrize(
+    ("name", "method"),
+    [("elbow", "closed form"), ("stanford", "closed form"), ("scara", "closed form"), ("rover_arm", "closed form"),
+     ("rover_arm_6dof", "elimination"), ("ur3", "closed form"), ("ur5", "closed form"), ("ur10", "closed form"),
+     ("so100", "closed form"), ("so101", "closed form"), ("z1", "closed form"), ("rr_planar", "closed form")],
+)  # fmt: skip
+def test_arms_of_the_catalogue_have_a_method(name, method):
+    arm = load(name)
+    assert method_for(arm, Pose(arm.fk(arm.ready))).name == method
+
+
+def test_seven_joints_have_a_family_with_one_given():
+    arm = load("panda")
+    method = method_for(arm, Pose(arm.fk(arm.ready)), (6,))
+    assert method.exact
+    assert method.swept == (6,)
+    assert method_for(arm, Pose(arm.fk(arm.ready))).swept != ()
+
+
+def test_targets_that_leave_something_free_fit_fewer_joints():
+    five, three = family_arm("R-RRR-R"), load("rr_planar")
+    assert method_for(five, Approach([0.5, 0, 0.3], [0, 0, -1], tool_axis=[0, 0, 1])).exact
+    assert method_for(three, Position([0.5, 0.1, 0.0])).exact
+    rolling = method_for(five, Approach([0.5, 0, 0.3], [1, 0, 0], tool_axis=[1, 0, 0]))
+    assert rolling.there
+
+
+def test_what_misses_a_family_says_which_axes_and_by_how_much():
+    arm = family_arm("spherical wrist, slides")
+    xi = np.array(arm.screws)
+    xi[:3, 3] += np.cross([0, 0.02, 0.02], xi[3:, 3])  # axis 4 goes past the other two at 28 mm
+    off = twistarm.arm_from_screws(xi, arm.home, limits=arm.limits, joints=arm.joint_names)
+    with pytest.raises(twistarm.NoClosedFormError, match=r"joint\d.*(mm|parallel)"):
+        twistarm.solve_ik_all(off, Pose(arm.home), closed_form=True)

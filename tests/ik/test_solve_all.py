@@ -1,0 +1,222 @@
+"""Every configuration that meets a target: the one that made it is among them, each is exact, none is there twice."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+import twistarm
+from catalogue import load
+from family_arms import CASES, apart, family_arm, missed, pose_of
+from ik_targets import pinocchio_fk
+from twistarm import Approach, Pose, Position, solve_ik_all
+
+EXACT = 1e-9
+QUARTER = np.pi / 2
+
+
+def holds(arm, g, theta, found, deeper=3):
+    """Whether theta is an answer, or lies in a family that was reported: then a free joint is given theta's value."""
+    everything = [*found.theta, *found.outside]
+    near = min(everything, key=lambda each: apart(arm, each, theta), default=None)
+    if near is not None and apart(arm, near, theta) < 1e-5:
+        return True
+    names = {name for joints in found.free for name in joints}
+    for name in sorted(names) if deeper else ():
+        value = float(theta[arm.joint_names.index(name)])
+        if holds(arm, g, theta, solve_ik_all(arm, Pose(g), theta, given={name: value}), deeper - 1):
+            return True
+    return False
+
+
+def check(arm, theta, near):
+    """One target, made by theta."""
+    g = pose_of(arm, theta)
+    found = solve_ik_all(arm, Pose(g), near)
+    everything = [*found.theta, *found.outside]
+    assert all(missed(arm, g, each) <= EXACT for each in everything)
+    twice = [(i, j) for i, a in enumerate(everything) for j in range(i) if apart(arm, a, everything[j]) < 1e-8]
+    assert not twice
+    assert holds(arm, g, theta, found), theta
+    lower, upper = arm.limits.lower, arm.limits.upper
+    assert ((found.theta >= lower) & (found.theta <= upper)).all()
+    distances = (np.abs(found.theta - near) / (upper - lower)).max(axis=1) if len(found) else np.zeros(0)
+    assert (np.diff(distances) >= 0).all()
+    return found
+
+
+def special(arm, rng):
+    """A configuration of quarters and limits, where axes align, elbows stretch and joints stand at their limits."""
+    theta = arm.random_theta(rng)
+    lower, upper = arm.sampling_bounds
+    turns = np.array(arm.units) != "m"
+    quarter = np.where(turns, np.clip(np.round(theta / QUARTER) * QUARTER, lower, upper), np.round(4 * theta) / 4)
+    limit = np.where(rng.random(arm.n) < 0.5, lower, upper)
+    which = rng.integers(3, size=arm.n)
+    return np.choose(which, [theta, quarter, limit])
+
+
+@pytest.mark.parametrize("name", CASES)
+def test_the_configuration_that_made_the_target_is_found(name):
+    arm, rng = family_arm(name), np.random.default_rng(11)
+    for i in range(2):
+        found = check(arm, special(arm, rng) if i else arm.random_theta(rng), arm.random_theta(rng))
+        assert found.complete
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("half_turns", [1.0, 0.6])
+@pytest.mark.parametrize("name", CASES)
+def test_the_configuration_that_made_the_target_is_found_at_length(name, half_turns):
+    arm, rng = family_arm(name, half_turns=half_turns), np.random.default_rng(12)
+    for i in range(400):
+        theta = special(arm, rng) if i % 4 == 3 else arm.random_theta(rng)
+        if i % 8 == 7:
+            theta = np.clip(theta + 10.0 ** -rng.uniform(3, 9) * rng.normal(size=arm.n), *arm.sampling_bounds)
+        check(arm, theta, arm.random_theta(rng))
+
+
+@pytest.mark.parametrize("name", ["ur5", "elbow", "stanford", "scara", "rover_arm", "so101"])
+def test_arms_of_the_catalogue_by_pinocchio(name):
+    arm, rng = load(name), np.random.default_rng(13)
+    for _ in range(2):
+        theta = arm.random_theta(rng)
+        g = pinocchio_fk(arm, theta)
+        found = solve_ik_all(arm, Pose(g))
+        assert min(apart(arm, each, theta) for each in found) < 1e-6
+        for each in [*found.theta, *found.outside]:
+            off = pinocchio_fk(arm, each) - g
+            assert np.abs(off).max() < EXACT
+
+
+def test_a_ur_arm_has_its_eight_postures():
+    """Shoulder, elbow and wrist, two ways each: Hawkins, Analytic inverse kinematics for the UR-5/10, 2013."""
+    arm = load("ur5")
+    found = solve_ik_all(arm, Pose(pose_of(arm, np.array([0.3, -1.1, 1.4, -0.7, 0.9, 0.4]))))
+    assert len(found) + len(found.outside) == 8
+    assert found.complete
+    assert found.method == "closed form"
+
+
+@pytest.mark.parametrize("name", [name for name in CASES if CASES[name]["kind"] != "elimination"][::2])
+def test_nothing_more_is_found_by_searching(name):
+    """Searches from many starts are the independent witness that a complete set is complete."""
+    arm, rng = family_arm(name), np.random.default_rng(14)
+    g = pose_of(arm, arm.random_theta(rng))
+    found = solve_ik_all(arm, Pose(g))
+    assert found.complete
+    starts = arm.random_theta(rng, 50)
+    batch = twistarm.solve_ik_batch(arm, [Pose(g)] * 50, starts, restarts=1, position_tol=1e-9, orientation_tol=1e-9)
+    everything = [*found.theta, *found.outside]
+    for theta in batch.theta[batch.converged]:
+        assert min(apart(arm, each, theta) for each in everything) < 1e-5
+
+
+@pytest.mark.parametrize("name", [name for name in CASES if CASES[name]["kind"] != "decoupled"][::3])
+def test_what_is_out_of_reach_has_no_answer_for_certain(name):
+    arm = family_arm(name)
+    g = np.array(arm.home)
+    g[:3, 3] += [30.0, 20.0, 10.0]
+    found = solve_ik_all(arm, Pose(g))
+    assert len(found) == 0
+    assert len(found.outside) == 0 or "m" in arm.units  # a slide would have to be tens of metres long
+    assert found.complete
+    assert "that is certain" in found.explain()
+
+
+def test_a_singular_wrist_is_a_family_and_given_chooses_in_it():
+    arm = family_arm("spherical wrist")
+    theta = np.array([0.3, -0.5, 0.9, 0.7, 0.0, -0.2])
+    found = solve_ik_all(arm, Pose(pose_of(arm, theta)))
+    assert ("joint4", "joint6") in found.free
+    for value in (-1.0, 2.0):
+        held = solve_ik_all(arm, Pose(pose_of(arm, theta)), given={"joint4": value})
+        assert min(apart(arm, each, np.array([0.3, -0.5, 0.9, value, 0, 0.5 - value])) for each in held) < 1e-7
+
+
+def test_a_family_met_outside_the_limits_is_followed_inside():
+    """Of a singular wrist only the sum of two joints counts; the member nearest to theta0 may be out of limits."""
+    arm = family_arm("spherical wrist", half_turns=0.5)
+    theta = np.array([0.3, -0.5, 0.9, 1.5, 0.0, 1.5])  # their sum is 3 rad, so each has to be above 1.43
+    found = solve_ik_all(arm, Pose(pose_of(arm, theta)), np.zeros(6))
+    assert any(abs(each[3] + each[5] - 3.0) < 1e-7 for each in found)
+
+
+@pytest.mark.parametrize("gap", [1e-3, 1e-5, 3e-7, 3e-8, 3e-9])
+def test_a_wrist_nearly_in_line_keeps_its_digits(gap):
+    arm = family_arm("spherical wrist")
+    theta = np.array([0.3, -0.5, 0.9, 0.7, gap, -0.2])
+    found = solve_ik_all(arm, Pose(pose_of(arm, theta)), np.array([0.0, 0, 0, -2.0, 0, 2.0]))
+    assert holds(arm, pose_of(arm, theta), theta, found)
+
+
+def test_a_stretched_arm_has_one_answer():
+    arm = load("rr_planar")
+    found = solve_ik_all(arm, Position(pose_of(arm, np.array([0.4, 0.0]))[:3, 3]))
+    assert len(found) + len(found.outside) == 1
+
+
+def test_copies_by_whole_turns_are_counted_on_request():
+    arm = family_arm("SCARA, slide last", half_turns=2.0)
+    g = pose_of(arm, np.array([0.3, 0.8, -0.4, 0.2]))
+    one, many = solve_ik_all(arm, Pose(g)), solve_ik_all(arm, Pose(g), copies=True)
+    assert len(many) == 8 * len(one)  # three joints, two turns each
+    assert all(missed(arm, g, each) < EXACT for each in many)
+
+
+def test_a_redundant_arm_is_sampled_or_given_a_joint():
+    arm = load("panda")
+    theta = arm.ready
+    g = pose_of(arm, theta)
+    swept = solve_ik_all(arm, Pose(g), theta, samples=1)
+    assert not swept.complete
+    assert swept.starts == 2  # theta0's value, and one
+    assert len(swept)
+    held = solve_ik_all(arm, Pose(g), theta, given={arm.joint_names[6]: float(theta[6])})
+    assert held.complete
+    assert min(apart(arm, each, theta) for each in held) < 1e-6
+
+
+@pytest.mark.parametrize("kind", ["approach", "position"])
+def test_targets_that_leave_something_free(kind):
+    arm, rng = (family_arm("R-RRR-R") if kind == "approach" else load("so101")), np.random.default_rng(15)
+    theta = arm.random_theta(rng)
+    g = pose_of(arm, theta)
+    if kind == "approach":
+        found = solve_ik_all(arm, Approach(g[:3, 3], g[:3, :3] @ [0, 0, 1], tool_axis=[0, 0, 1]))
+        assert found.complete
+        assert min(apart(arm, each, theta) for each in found) < 1e-6
+    else:
+        found = solve_ik_all(arm, Position(g[:3, 3]), theta, samples=3)
+        assert not found.complete
+    assert len(found)
+    for each in found:
+        assert np.linalg.norm(pose_of(arm, each)[:3, 3] - g[:3, 3]) < EXACT
+
+
+@pytest.mark.parametrize(
+    ("given", "error", "says"),
+    [
+        ({"joint9": 0.0}, twistarm.UnknownNameError, "joint9"),
+        ({"joint1": 9.0}, twistarm.InputError, "outside the limits"),
+        ({"joint1": np.nan}, twistarm.InputError, "joint1"),
+        ([1.0], twistarm.InputError, "mapping"),
+    ],
+)
+def test_bad_given_values_are_named(given, error, says):
+    arm = family_arm("spherical wrist")
+    with pytest.raises(error, match=says):
+        solve_ik_all(arm, Pose(arm.home), given=given)
+
+
+def test_arms_that_no_joint_makes_mobile_or_whose_axes_coincide():
+    """Zero lengths and coincident axes: an answer, and the joints that are one another's are told as free."""
+    axis = np.array([0, 0, 0, 0, 0, 1.0])
+    twice = twistarm.arm_from_screws(np.array([axis, axis]).T, np.eye(4))
+    found = solve_ik_all(twice, Pose(pose_of(twice, np.array([0.3, 0.4]))))
+    assert len(found)
+    assert not found.complete
+    assert all(abs(np.sin((each.sum() - 0.7) / 2)) < EXACT for each in found)
+    idle = solve_ik_all(twice, Position([0.0, 0.0, 0.0]))
+    assert len(idle)
+    assert not len(solve_ik_all(twice, Position([0.1, 0.0, 0.0])))
