@@ -133,7 +133,7 @@ ClosedForm::ClosedForm(nb::object chain, int kind, int first, int last, int keep
     const Chain* const arm = nb::cast<const Chain*>(chain_);
     n_ = arm->n();
     const Numbers lines(axes), which(joint), alone(kept), still(held), held_lines(held_axes), rates(rate), g(home), free(idle);
-    require(still.plain() && still.dimensions() == 1 && still.size() < n_, "held must be float64 (h,)");
+    require(still.plain() && still.dimensions() == 1 && still.size() <= n_, "held must be float64 (h,)");
     held_count_ = still.size();
     require(lines.plain() && lines.dimensions() == 2 && lines.shape(1) == axis_numbers && lines.shape(0) >= 1 &&
                 lines.shape(0) <= 6, "axes must be float64 (k, 7)");

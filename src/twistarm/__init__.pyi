@@ -6,12 +6,14 @@ from .ik import Approach as Approach
 from .ik import IKBatch as IKBatch
 from .ik import IKSolution as IKSolution
 from .ik import IKSolutions as IKSolutions
+from .ik import IKSolutionsBatch as IKSolutionsBatch
 from .ik import Pose as Pose
 from .ik import Position as Position
 from .ik import StopReason as StopReason
 from .ik import Task as Task
 from .ik import solve_ik as solve_ik
 from .ik import solve_ik_all as solve_ik_all
+from .ik import solve_ik_all_batch as solve_ik_all_batch
 from .ik import solve_ik_batch as solve_ik_batch
 from .ik import subproblems as subproblems
 from .limits.actuators import Actuators as Actuators

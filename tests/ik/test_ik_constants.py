@@ -60,7 +60,11 @@ def constants_of(header):
     return {name: value for name, value in values.items() if value is not None}
 
 
-HEADERS = [header for header in sorted(INCLUDE.rglob("*.hpp")) if header.stem not in OF_OTHER_ROOMS]
+HEADERS = [
+    header
+    for header in sorted(INCLUDE.rglob("*.hpp"))
+    if header.stem not in OF_OTHER_ROOMS and header.parent.name != "closed_form"
+]
 INITIALISERS = {name: text for header in HEADERS for name, text in initialisers(header).items()}
 TOLD = {name: said(value) for name, value in re.findall(r"^\| `([a-z]\w+)` +\| ([^|]+?) +\|", PAGE, flags=re.M)}
 

@@ -178,6 +178,7 @@ HEADERS = Path(__file__).parents[2] / "core" / "include" / "twistarm"
 
 HEADER_FLOORS = {"numeric": {"numeric"}, "kinematics": {"numeric", "kinematics"}}
 HEADER_FLOORS["ik"] = {*HEADER_FLOORS["kinematics"], "ik"}
+HEADER_FLOORS["closed_form"] = {*HEADER_FLOORS["ik"], "closed_form"}
 HEADER_FLOORS["servo"] = {*HEADER_FLOORS["kinematics"], "servo"}
 HEADER_FLOORS["planning"] = {*HEADER_FLOORS["kinematics"], "planning"}
 """The rooms of the C++ core, and those that each of them includes."""

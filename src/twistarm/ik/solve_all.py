@@ -109,12 +109,15 @@ def solve_ik_all(
         found, starts, hits = [*roots_in(row, arm.n)], int(row[TRIES]), int(row[HITS])
     else:
         found, starts, hits = task.solved(method, count) if method.there else ([], 0, 0)
-    if not method.exact and not method.swept:
+    missed = False
+    if (not method.exact or method.rooted is not None) and not method.swept:
         more = BESIDE if method.there else STARTS
         beside, met = task.searched(more, found)
-        found, starts, hits = found + beside, starts + more, hits + met
+        missed = bool(beside)
+        if missed or not method.exact:
+            found, starts, hits = found + beside, starts + more, hits + met
     found, all_seen = task.brought_inside(found, method)
-    return task.told(method, found, copies, (starts, hits), all_seen)
+    return task.told(method, found, copies, (starts, hits), all_seen and not missed)
 
 
 def _at_once(

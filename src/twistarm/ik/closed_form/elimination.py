@@ -27,7 +27,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from ...support.checks import Array
-from ...theory.screws import inverse
+from ...theory.screws import exp, inverse
 from .joint_axis import JointAxis, Point, across, product
 from .placing import settle
 
@@ -60,6 +60,14 @@ STILL = 0.1
 
 STILL_AXIS = np.array([0.48, -0.6, 0.64]), np.array([0.31, 0.23, -0.41])
 """Its direction, and a point on it in shares of the reach."""
+
+
+BESIDE = (
+    np.eye(4),
+    exp(1e-5 * np.array([0.53, -0.31, 0.79, 0.41, 0.67, -0.62])),
+    exp(1e-4 * np.array([-0.37, 0.83, 0.29, -0.71, 0.23, 0.59])),
+)
+"""The pose itself and two beside it [m, rad]: near enough for Newton's method, far enough for the eigenvalues to part."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -101,7 +109,7 @@ def _missed(axes: tuple[JointAxis, ...], way: Rooted, x: Array, reach: float) ->
     """How far the nearest of what is found for the pose at x is from it, in shares of the reach or rad."""
     G = product(axes, x)
     errors = [np.inf]
-    for found in eliminated(axes, way, G):
+    for found in _at(axes, way, G):
         off = np.abs(product(axes, found) - G)
         apart = float(np.abs((found - x + np.pi) % (2.0 * np.pi) - np.pi).max())
         if apart < 1e-2:
@@ -110,7 +118,16 @@ def _missed(axes: tuple[JointAxis, ...], way: Rooted, x: Array, reach: float) ->
 
 
 def eliminated(axes: tuple[JointAxis, ...], way: Rooted, G: Array) -> list[Array]:
-    """Candidates x (k,) for E₁(x₁) ⋯ Eₖ(xₖ) = G (4, 4), k = 6 or 5: every answer, most to six digits or more."""
+    """Candidates x (k,) for E₁(x₁) ⋯ Eₖ(xₖ) = G (4, 4), k = 6 or 5: every answer, most to six digits or more.
+
+    Where joints stand at special angles the matrix may be singular for this G alone, and what is found is noise. So the
+    same is asked for poses beside it, in directions that have nothing to do with the arm: their answers are near.
+    """
+    return [x for beside in BESIDE for x in _at(axes, way, G @ beside)]
+
+
+def _at(axes: tuple[JointAxis, ...], way: Rooted, G: Array) -> list[Array]:
+    """Candidates for this G alone."""
     chain, closed, joints = way.chain((*axes, *way.still), G)
     left, right = _left(chain), _right(chain, closed)
     found = []
