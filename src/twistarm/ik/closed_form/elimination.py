@@ -67,7 +67,7 @@ BESIDE = (
     exp(1e-5 * np.array([0.53, -0.31, 0.79, 0.41, 0.67, -0.62])),
     exp(1e-4 * np.array([-0.37, 0.83, 0.29, -0.71, 0.23, 0.59])),
 )
-"""The pose itself and two beside it [m, rad]: near enough for Newton's method, far enough for the eigenvalues to part."""
+"""The pose itself and two beside it [m, rad]: near enough for Newton, far enough for eigenvalues to part."""
 
 
 @dataclass(frozen=True, eq=False)
