@@ -11,41 +11,12 @@ import numpy as np
 from ..model.arm import Arm
 from ..support.checks import Array, frozen
 from ..support.errors import printable
+from .all_solutions_row import FIRST, HITS, INSIDE, KIND, TRIES, configurations_in
 from .closed_form.methods import Method
-from .closed_form.roots import Root
 from .explain import reached, why_not
 from .ranges import joint_ranges
 from .solve import solve_ik
 from .targets import AnyTarget, numbers_of_kind, target_of
-
-INSIDE, COUNT, TRIES, HITS, KIND, LEFT = range(6)
-"""Where each single number stands in what was found: how many are inside the limits and how many in all, searches or
-values that were tried and how many of them had an answer, the target's kind, and how many of a continuous family stand
-outside the limits, whose members inside are left to look for; core/bindings/closed_form.cpp writes the same."""
-
-FIRST = 6
-"""Behind them stand theta0 (n), the target's numbers, and for each configuration theta (n) and which of its joints may
-move (n) as 0 and 1: those inside first."""
-
-
-def found_row(target: AnyTarget, theta0: Array, inside: Array, outside: Array, tries: tuple[int, int]) -> Array:
-    """What was found, as one read-only row of numbers: `inside` and `outside` (…, 2 n) are theta beside what moves."""
-    single = [len(inside), len(inside) + len(outside), *tries, target.kind, 0]
-    row = np.concatenate([single, theta0, target.numbers.ravel(), inside.ravel(), outside.ravel()])
-    row.flags.writeable = False
-    return row
-
-
-def configurations_in(row: Array, n: int) -> tuple[Array, Array]:
-    """Those inside the limits and those outside, (…, 2 n)."""
-    rows = row[FIRST + n + numbers_of_kind(int(row[KIND])) :].reshape(-1, 2 * n)
-    return rows[: int(row[INSIDE])], rows[int(row[INSIDE]) :]
-
-
-def roots_in(row: Array, n: int) -> Iterator[Root]:
-    """The same as roots."""
-    for each in np.concatenate(configurations_in(row, n)):
-        yield Root(each[:n], tuple(np.flatnonzero(each[n:]).tolist()))
 
 
 class IKSolutions:

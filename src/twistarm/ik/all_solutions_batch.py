@@ -13,7 +13,8 @@ from numpy.typing import ArrayLike, NDArray
 
 from ..model.arm import Arm, require_arm
 from ..support.checks import Array, RealArray, as_flag, as_whole
-from .all_solutions import IKSolutions, configurations_in, found_row
+from .all_solutions import IKSolutions
+from .all_solutions_row import configurations_in, found_row
 from .batch import MAX_THREADS, targets_for
 from .closed_form.methods import Method, method_for
 from .request import checked

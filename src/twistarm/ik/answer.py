@@ -17,9 +17,10 @@ POSITION_ERROR, ORIENTATION_ERROR, ITERATIONS, RESTARTS, STOP, FLAGS, KIND, POSI
 FIRST = 9
 """Behind them stand theta (n), `unlimited` (n), theta0 (n) and the target's numbers."""
 
-NEAREST, HAS_UNLIMITED, OTHER_BRANCH, START_MOVED = 1, 2, 4, 8
+NEAREST, HAS_UNLIMITED, OTHER_BRANCH, START_MOVED, BY_CLOSED_FORM, CERTAIN = 1, 2, 4, 8, 16, 32
 """Flags: theta is the nearest configuration, looked for because no search met the target; `unlimited` is there; theta
-is not near theta0, though the target is near theta0's pose, or cannot be met; theta0 lay outside the limits."""
+is not near theta0, though the target is near theta0's pose, or cannot be met; theta0 lay outside the limits; theta
+is of the closed form, after no search had met the target; the closed form shows that no configuration meets it."""
 
 NOT_FINISHED = -1
 """In place of a reason: the time was up before the target was finished."""

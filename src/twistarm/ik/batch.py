@@ -16,6 +16,7 @@ from ..model.arm import Arm, require_arm
 from ..support.checks import Array, RealArray, as_whole, frozen, require_callback
 from ..support.errors import InputError, shown
 from . import answer, textbook
+from .certainty import settled
 from .deadline import Deadline
 from .ranges import joint_ranges
 from .request import Request, checked, named
@@ -161,7 +162,7 @@ def solve_ik_batch(
         # Poses that are plainly right go straight to the core, which looks at each of them much faster.
         rows = chain.solve_batch(Pose.kind, targets, start, *how, rather, threads, progress)
         if rows is not None:
-            return IKBatch(arm, _begun(arm, rows))
+            return IKBatch(arm, _settled(arm, _begun(arm, rows), None))
     asked = targets_for(arm, targets)
     request = checked(arm, theta0, posture, *how, count=len(asked))
     workers = as_whole(threads, "threads", 1, MAX_THREADS)
@@ -170,7 +171,15 @@ def solve_ik_batch(
         rows = _one_by_one(arm, asked, request, progress)
     else:
         rows = _by_core(arm, chain, asked, request, BatchOptions(workers, progress))
-    return IKBatch(arm, _begun(arm, rows), asked)
+    return IKBatch(arm, _settled(arm, _begun(arm, rows), asked), asked)
+
+
+def _settled(arm: Arm, rows: Array, targets: tuple[AnyTarget, ...] | None) -> Array:
+    """The rows, those that no search has met as the closed form knows them."""
+    for i in np.flatnonzero(rows[:, answer.STOP] != 0) if arm._compiled is not None else ():
+        target = Pose(answer.numbers_in(rows[i], arm.n, 16).reshape(4, 4)) if targets is None else targets[i]
+        rows[i] = settled(arm, target, rows[i])
+    return rows
 
 
 def targets_for(arm: Arm, targets: Any) -> tuple[AnyTarget, ...]:

@@ -84,7 +84,12 @@ def _why(solution: IKSolution) -> list[str]:
         return [f"{what}; try more restarts, another rng or another theta0"]
     lines = _blocked(solution) if solution.stop is StopReason.BLOCKED_BY_LIMITS else _missing(solution)
     bounds = at_bounds(solution)
-    return [*lines, f"at {', '.join(bounds)}"] if bounds else lines
+    lines += [f"at {', '.join(bounds)}"] if bounds else []
+    return (
+        [*lines, "the arm's closed form has no answer inside the limits: that is certain"]
+        if solution.certain
+        else lines
+    )
 
 
 def at_bounds(solution: IKSolution) -> list[str]:

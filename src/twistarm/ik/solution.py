@@ -14,7 +14,7 @@ from ..support.vector_words import value_in_words
 from . import answer
 from .explain import explain, summary
 from .ranges import joint_ranges
-from .stop_reason import DAMPED, NEAREST, STOPS, StopReason
+from .stop_reason import CLOSED_FORM, DAMPED, NEAREST, STOPS, StopReason
 from .targets import AnyTarget, numbers_of_kind, target_of
 from .task_space import Tolerances
 
@@ -99,8 +99,15 @@ class IKSolution:
 
     @property
     def method(self) -> str:
-        """What found theta: a damped search, or the search for the nearest configuration."""
+        """What found theta: a damped search, the search for the nearest configuration, or the closed form."""
+        if self._says(answer.BY_CLOSED_FORM):
+            return CLOSED_FORM
         return NEAREST if self._says(answer.NEAREST) else DAMPED
+
+    @property
+    def certain(self) -> bool:
+        """Whether a target that is not met is known to be met nowhere inside the limits: by the arm's closed form."""
+        return self._says(answer.CERTAIN)
 
     @property
     def stop(self) -> StopReason:

@@ -8,7 +8,10 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from ..model.arm import Arm, require_arm
+from ..support.checks import Array
 from . import textbook
+from .answer import STOP
+from .certainty import settled
 from .request import checked, named
 from .solution import IKSolution
 from .targets import KINDS, AnyTarget, Approach, Pose, TargetLike, checked_target
@@ -68,14 +71,20 @@ def solve_ik(
         rather = None if posture is None else named(arm, posture, start)
         row = chain.solve(kind, numbers, start, position_tol, orientation_tol, restarts, rng, max_time, rather)
         if row is not None:
-            return IKSolution(arm, row, given)
+            if row[STOP] == 0:
+                return IKSolution(arm, row, given)
+            return _settled(arm, row, Pose(np.asarray(target)) if given is None else given)
     asked = checked_target(arm, target)
     request = checked(arm, theta0, posture, position_tol, orientation_tol, restarts, rng, max_time)
     if chain is None:
         return IKSolution(arm, textbook.solve(arm, asked, request), asked)
     row = chain.solve(asked.kind, asked.numbers, *request.for_core)
     assert row is not None, "what was refused is plain now"
-    return IKSolution(arm, row, asked)
+    return _settled(arm, row, asked)
+
+
+def _settled(arm: Arm, row: Array, target: AnyTarget) -> IKSolution:
+    return IKSolution(arm, settled(arm, target, row), target)
 
 
 def as_given(arm: Arm, target: Any) -> AnyTarget | None:

@@ -13,7 +13,8 @@ from ..model.arm import Arm, require_arm
 from ..support.caller_words import quantity
 from ..support.checks import Array, as_flag, as_number, as_whole
 from ..support.errors import InputError, NoClosedFormError, shown, unknown_name
-from .all_solutions import HITS, LEFT, TRIES, IKSolutions, found_row, roots_in
+from .all_solutions import IKSolutions
+from .all_solutions_row import HITS, LEFT, TRIES, found_row, roots_in
 from .batch import solve_ik_batch
 from .closed_form.methods import Method, closest_miss_of, known_method, method_for
 from .closed_form.roots import ROUNDED_LIMIT, Root, inside, roots

@@ -6,7 +6,7 @@ from enum import Enum
 
 from ..model.inability import CANNOT_TURN
 
-DAMPED, NEAREST = "damped least squares", "nearest configuration"
+DAMPED, NEAREST, CLOSED_FORM = "damped least squares", "nearest configuration", "closed form"
 
 
 class StopReason(Enum):

@@ -16,7 +16,7 @@ import numpy as np
 from ...model.arm import Arm
 from ...support.checks import Array
 from ...support.errors import InputError
-from ..targets import AnyTarget, Approach
+from ..targets import AnyTarget, Approach, Pose, Position
 from . import elimination
 from .candidates import candidates
 from .chain import MOST_JOINTS, Chain, chain_for, goal
@@ -138,6 +138,19 @@ def method_for(arm: Arm, target: AnyTarget, given: tuple[int, ...] = ()) -> Meth
     return kept[key]
 
 
+def family_for(arm: Arm, target: AnyTarget) -> ClosedForm | None:
+    """The exact family for targets like this one in the core, where no joint has to be sampled; else None."""
+    free = {Pose: 0, Approach: 1, Position: 3}.get(type(target), MOST_JOINTS)
+    if arm.n + free > MOST_JOINTS:
+        return None
+    key = "family", type(target), target.axis.tobytes() if isinstance(target, Approach) else None
+    kept = _KEPT.setdefault(arm, {})
+    if key not in kept:
+        kept[key] = _with_core(arm, target, (), _looked_for(arm, target, (), families_alone=True))
+    method = kept[key]
+    return None if method.swept else method.compiled
+
+
 def _with_core(arm: Arm, target: AnyTarget, given: tuple[int, ...], method: Method) -> Method:
     """The method, with its family in the core where the axes are exact: slack for those that miss is not for it."""
     if method.family is None or not method.exact:
@@ -146,7 +159,7 @@ def _with_core(arm: Arm, target: AnyTarget, given: tuple[int, ...], method: Meth
     return replace(method, numbers=numbers, compiled=compiled(arm, target.kind, numbers))
 
 
-def _looked_for(arm: Arm, target: AnyTarget, given: tuple[int, ...]) -> Method:
+def _looked_for(arm: Arm, target: AnyTarget, given: tuple[int, ...], *, families_alone: bool = False) -> Method:
     try:
         chain = chain_for(arm, target)
     except InputError as error:
@@ -156,11 +169,15 @@ def _looked_for(arm: Arm, target: AnyTarget, given: tuple[int, ...]) -> Method:
     rest = [i for i in range(arm.n) if i not in idle and i not in given]
     first = (*given, *idle[:surplus])
     more = itertools.combinations(rest[::-1], max(surplus - len(idle), 0))
-    return _best(arm, chain, [tuple(sorted((*first, *each))) for each in more], idle)
+    ways = [tuple(sorted((*first, *each))) for each in more]
+    found = _by_family(arm, chain, ways, idle)
+    if families_alone or (found is not None and found.exact):
+        return found or Method(chain, given, idle)
+    return found or _by_elimination(arm, chain, ways, idle)
 
 
-def _best(arm: Arm, chain: Chain, ways: list[tuple[int, ...]], idle: tuple[int, ...]) -> Method:
-    """Of the ways to hold joints the one whose family is exact; else elimination; else the nearest family."""
+def _by_family(arm: Arm, chain: Chain, ways: list[tuple[int, ...]], idle: tuple[int, ...]) -> Method | None:
+    """Of the ways to hold joints the one whose axes are nearest to a family, or the first of those that are exact."""
     best: Method | None = None
     for held in ways:
         axes, _ = chain.held(held, np.full(len(held), SAMPLE))
@@ -170,15 +187,17 @@ def _best(arm: Arm, chain: Chain, ways: list[tuple[int, ...]], idle: tuple[int, 
             off = fitted.off_share(arm.reach)
             if best is None or off < best.off - EXACT:
                 best = Method(chain, held, tuple(i for i in idle if i in held), fitted.family, off=off)
-    if best is not None and best.off <= EXACT:
-        return best
-    if best is None:
-        for held in ways:
-            axes, _ = chain.held(held, np.full(len(held), SAMPLE))
-            way = elimination.rooted(axes, arm.reach)
-            if way is not None:
-                return Method(chain, held, tuple(i for i in idle if i in held), rooted=way)
-    return best or Method(chain, ways[0] if ways else (), idle, reason=_why_not(arm, chain, ways))
+    return best
+
+
+def _by_elimination(arm: Arm, chain: Chain, ways: list[tuple[int, ...]], idle: tuple[int, ...]) -> Method:
+    """Of the ways to hold joints the first that leaves axes for elimination; the reason where none does."""
+    for held in ways:
+        axes, _ = chain.held(held, np.full(len(held), SAMPLE))
+        way = elimination.rooted(axes, arm.reach)
+        if way is not None:
+            return Method(chain, held, tuple(i for i in idle if i in held), rooted=way)
+    return Method(chain, ways[0] if ways else (), idle, reason=_why_not(arm, chain, ways))
 
 
 def _why_not(arm: Arm, chain: Chain, ways: list[tuple[int, ...]]) -> str:
