@@ -106,7 +106,11 @@ def _code(cell: Cell, output: str) -> str:
 def without_speech(source: str) -> str:
     """A program without the statements that only say or show something: what they say stands below it."""
     lines = source.splitlines()
-    for node in ast.parse(source).body:
+    try:
+        statements = ast.parse(source).body
+    except SyntaxError:
+        return source
+    for node in statements:
         call = node.value if isinstance(node, ast.Expr) else None
         if isinstance(call, ast.Call) and ast.unparse(call.func) in SPEECH:
             lines[node.lineno - 1 : node.end_lineno] = [""] * ((node.end_lineno or node.lineno) - node.lineno + 1)

@@ -147,7 +147,14 @@ def _turn(name: str, titles: Titles, direction: str) -> str:
 
 
 def _lessons(names: Iterable[str], titles: Titles) -> str:
-    return "".join(f"<li>{_link(name, titles)}</li>" for name in names if name in titles)
+    topics: dict[str, list[str]] = {}
+    for _, topic, name in SECTIONS:
+        topics.setdefault(name, []).append(topic)
+    return "".join(
+        f"<li>{_link(name, titles)} <small>{escape('; '.join(topics[name]))}</small></li>"
+        for name in names
+        if name in titles
+    )
 
 
 def _link(name: str, titles: Titles) -> str:

@@ -81,10 +81,9 @@ def _slider(data: Data) -> str:
 
 
 def _prediction(data: Data) -> str:
-    return (
-        f'<div class="prediction" role="group" aria-label="Predict"><div class="question">{block(data["question"])}</div>'
-        f"{fold('Show the answer', block(data['answer']))}</div>"
-    )
+    question = f'<div class="question">{block(data["question"])}</div>'
+    answer = fold("Show the answer", block(data["answer"]))
+    return f'<div class="prediction" role="group" aria-label="Predict">{question}{answer}</div>'
 
 
 def _exercises(data: Data) -> str:

@@ -34,7 +34,9 @@ def formula(tex: str, *, display: bool = False) -> str:
     try:
         mathml: str = convert(tex, display="block" if display else "inline")
     except Exception as error:
-        raise InputError(f"the formula {tex!r} cannot be read: {error or type(error).__name__}") from error
+        raise InputError(f"the formula {tex!r} cannot be read: {str(error) or type(error).__name__}") from error
+    if unknown := re.search(r"\\\w+", re.sub(r"<[^>]*>", " ", mathml)):
+        raise InputError(f"the formula {tex!r} cannot be read: no MathML is known for {unknown[0]}")
     # cos θ, but cos(θ): a function's name is an operator, which that library writes as a letter.
     mathml = re.sub(r"(<mi>(?:arc)?(?:sin|cos|tan|exp|log|ln)</mi>)(?=<m(?!o))", rf"\1{THIN}", mathml)
     mathml = re.sub(
