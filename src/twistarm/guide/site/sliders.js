@@ -76,13 +76,13 @@
     }
 
     // A number to slide: its name, from, to, step, unit.
-    number(key, name, from, to, step, unit, value) {
+    number(key, name, from, to, step, suffix, value) {
       const input = element("input", { type: "range", min: from, max: to, step, value });
       const output = element("output");
       const digits = step < 0.1 ? 2 : step < 1 ? 1 : 0;
       const take = () => {
         this.values[key] = Number(input.value);
-        const said = `${this.values[key].toFixed(digits).replace("-", "−")}${unit}`;
+        const said = `${this.values[key].toFixed(digits).replace("-", "−")}${suffix}`;
         output.textContent = said;
         input.setAttribute("aria-valuetext", said);
       };
