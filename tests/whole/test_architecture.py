@@ -20,6 +20,7 @@ FILES = sorted(PACKAGE.rglob("*.py"))
 
 FLOORS = (
     ("cli",),
+    ("guide",),
     ("viewer", "testing"),
     ("doctor", "stream", "export"),
     ("planning",),
@@ -43,7 +44,7 @@ ALLOWED = {
     "trimesh": ("description/meshes",),
     "collada": ("description/meshes",),
     "yourdfpy": ("proof/crosscheck.py",),
-    "scipy": ("planning",),
+    "scipy": ("planning", "guide/exercises"),
     "serial": ("stream/links/serial_link.py",),
     "xacro": ("description/expansion",),
     "yaml": ("description",),

@@ -11,6 +11,7 @@ import textwrap
 from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass
 from functools import cached_property
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -117,6 +118,12 @@ class Exercise:
         """The function to fill in: signature, prompt as docstring, and an error that says that it is not written."""
         prompt = textwrap.indent(self.prompt, "    ", lambda line: bool(line.strip()))
         return f'{self.signature}\n    """{prompt.lstrip()}\n    """\n    raise NotImplementedError\n'
+
+    @property
+    def matlab(self) -> str | None:
+        """The model solution for Octave and MATLAB; None where the task is one for Python alone."""
+        path = Path(__file__).with_name("octave") / f"{self.name}.m"
+        return path.read_text("utf-8") if path.is_file() else None
 
     def wrong(self, slip: Slip) -> Callable[..., Any]:
         """The function of a reader who made that slip."""

@@ -7,11 +7,13 @@ column by column, or `exercise,case,error,0,0,0,text`.
 from __future__ import annotations
 
 from collections.abc import Iterator
+from functools import cache
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
+from ...model.arm import Arm
 from ...support.errors import InputError, UnknownNameError, closest, one_line
 from ..exercises import Exercise, every_exercise
 from .answers import Answer, form_of, plain
@@ -82,9 +84,14 @@ def _case(exercise: Exercise, entry: dict[str, Any], path: Path) -> Case:
 
 def _forms(exercise: Exercise) -> list[int]:
     """How many axes each argument of an exercise has."""
+    return [np.ndim(each) for each in next(iter(exercise.instances(np.random.default_rng(0), _any_arm())))]
+
+
+@cache
+def _any_arm() -> Arm:
     from ...loading.load import load_arm
 
-    return [np.ndim(each) for each in next(iter(exercise.instances(np.random.default_rng(0), load_arm("rover_arm"))))]
+    return load_arm("rr_planar")
 
 
 def _as(numbers: Any, axes: int) -> Any:
