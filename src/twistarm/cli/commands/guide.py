@@ -10,7 +10,7 @@ import typer
 from ...guide.exercises import LESSONS, exercises_of
 from ...guide.exercises.files import write_exercises
 from ...guide.grading import Report, check_file
-from ...guide.grading.progress import begun, kept, read_progress
+from ...guide.grading.progress import begun, folder_of, kept, read_progress
 from ...guide.grading.report import SIGNS
 from ...guide.teaching.arm import arm as arm_of_the_lessons
 from ...loading.load import load_arm
@@ -45,7 +45,7 @@ def check(
     """Grade the exercises in FILE: exit code 0 where all is right, 1 where not, 2 where it cannot be used."""
     path = as_path(file)
     report = check_file(path, _arm(arm), seed)
-    trouble = kept(path.parent, report)
+    trouble = kept(folder_of(path), report)
     if json:
         print_json(_as_json(report))
     else:

@@ -36,6 +36,13 @@ def read_progress(folder: Path) -> dict[str, dict[str, Any]]:
     return exercises
 
 
+def folder_of(path: Path) -> Path:
+    """The folder whose progress a graded file belongs to: its own, or the one above where that alone has a file."""
+    own = path.absolute().parent
+    above = why_no_file(own / NAME) == NO_SUCH_FILE and not why_no_file(own.parent / NAME)
+    return own.parent if above else own
+
+
 def begun(folder: Path) -> None:
     """Make the file, where there is none, so that notebooks in that folder are noted too."""
     if why_no_file(folder / NAME) == NO_SUCH_FILE:

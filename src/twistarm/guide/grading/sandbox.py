@@ -51,8 +51,8 @@ class Run:
     def take(self, event: dict[str, Any]) -> None:
         """Keep what the worker told of the file."""
         if "loaded" in event:
-            self.loaded = True
             self.functions, self.own = tuple(event["loaded"]), tuple(event["own"])
+            self.loaded = True
         elif "syntax" in event:
             self.syntax = tuple(event["syntax"])
         elif "failed" in event:

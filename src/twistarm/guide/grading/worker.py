@@ -7,6 +7,7 @@ code does to modules must not change what is told of it: everything that is need
 
 from __future__ import annotations
 
+import builtins
 import inspect
 import json
 import linecache
@@ -32,7 +33,7 @@ encode, write, leave, extract, new_module = (
     types.ModuleType,
 )
 asarray, NDARRAY, NUMBERS = np.asarray, np.ndarray, (int, float, np.integer, np.floating, np.bool_)
-base, repr_, type_, isinstance_, len_, str_ = BaseException, repr, type, isinstance, len, str
+whole_builtins, kept_builtins = vars(builtins), dict(vars(builtins))
 
 
 def main() -> None:
@@ -102,9 +103,11 @@ def _loaded(job: dict[str, Any], tell: Callable[..., None]) -> types.ModuleType 
     vars(module)["__file__"] = name
     try:
         exec(code, vars(module))
-    except base as error:
+    except BaseException as error:
+        whole_builtins.update(kept_builtins)
         tell(failed=_error(error, name))
         return None
+    whole_builtins.update(kept_builtins)
     functions = [each for each, value in list(vars(module).items()) if callable(value) and not each.startswith("_")]
     own = [each for each in functions if getattr(vars(module)[each], "__module__", "") == module.__name__]
     tell(loaded=functions, own=own)
@@ -121,9 +124,12 @@ def answer(
         arguments = [_decoded(each) for each in given]
         before = [_encoded(each) for each in arguments]
         try:
-            one = _encoded(function(*arguments))
-        except base as error:
-            one = {"error": _error(error, file, function, len_(arguments))}
+            given_back = function(*arguments)
+            whole_builtins.update(kept_builtins)
+            one = _encoded(given_back)
+        except BaseException as error:
+            whole_builtins.update(kept_builtins)
+            one = {"error": _error(error, file, function, len(arguments))}
         if changed := [i for i, each in enumerate(arguments) if _encoded(each) != before[i]]:
             one["changed"] = changed
         answers.append(one)
@@ -133,47 +139,47 @@ def answer(
 
 
 def _decoded(value: Any) -> Any:
-    return asarray(value["array"], dtype=float) if isinstance_(value, dict) else value
+    return asarray(value["array"], dtype=float) if isinstance(value, dict) else value
 
 
 def _encoded(value: Any, depth: int = 0) -> dict[str, Any]:
     """What came back, as JSON: a number, an array, items, None, or the name of another type."""
     if value is None:
         return {"none": True}
-    if isinstance_(value, NUMBERS):
+    if isinstance(value, NUMBERS):
         try:
             return {"number": float(value)}
         except OverflowError:
             return {"number": float("inf")}
-    if isinstance_(value, NDARRAY):
+    if isinstance(value, NDARRAY):
         if value.dtype.kind not in "biuf":
             return {"other": f"array of {value.dtype}"}
         if value.size > LARGEST:
             return {"large": list(value.shape)}
         return {"array": asarray(value, dtype=float).tolist(), "shape": list(value.shape)}
-    if isinstance_(value, (list, tuple)) and depth < 5:
-        if len_(value) > LARGEST:
-            return {"large": [len_(value)]}
+    if isinstance(value, (list, tuple)) and depth < 5:
+        if len(value) > LARGEST:
+            return {"large": [len(value)]}
         return {"items": [_encoded(each, depth + 1) for each in value]}
-    if depth == 0 and hasattr(type_(value), "__array__"):
+    if depth == 0 and hasattr(type(value), "__array__"):
         try:
             return _encoded(asarray(value), 1)
-        except base:
+        except BaseException:
             pass
-    return {"other": type_(value).__name__}
+    return {"other": type(value).__name__}
 
 
 def _error(error: BaseException, file: str, function: Any = None, given: int = 0) -> dict[str, Any]:
     """Kind, text and line of an error; `calls` where the function does not take what it is given."""
     lines = [frame.lineno for frame in extract(error.__traceback__) if frame.filename == file]
-    told = {"type": type_(error).__name__, "text": str_(error)[:300], "line": lines[-1] if lines else 0}
-    if module := getattr(error, "name", None) if isinstance_(error, ImportError) else None:
-        told["module"] = str_(module)
-    if function is not None and isinstance_(error, TypeError):
+    told = {"type": type(error).__name__, "text": str(error)[:300], "line": lines[-1] if lines else 0}
+    if module := getattr(error, "name", None) if isinstance(error, ImportError) else None:
+        told["module"] = str(module)
+    if function is not None and isinstance(error, TypeError):
         try:
             inspect.signature(function).bind(*[None] * given)
         except TypeError:
-            told["calls"] = str_(inspect.signature(function))[:200]
+            told["calls"] = str(inspect.signature(function))[:200]
         except ValueError:
             pass
     return told
