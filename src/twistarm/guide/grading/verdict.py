@@ -10,7 +10,7 @@ import numpy as np
 
 from ...model.arm import Arm
 from ...support.errors import one_line
-from ..exercises.exercise import Exercise
+from ..exercises.exercise import Exercise, whole
 from .answers import Answer, flat, form_of, in_words, of_function
 
 SEEN_DIGITS = 4
@@ -127,7 +127,8 @@ def _of_the_case(exercise: Exercise, case: Case, answer: Answer) -> tuple[str, s
     if bad.size:
         what = "NaN (not a number)" if np.isnan(bad).any() else "infinity"
         return "wrong", f"It returns {what} for {call}: a division by 0, or a root, acos or logarithm out of its range."
-    return "wrong", f"{call} is {_shown(case.expected.value)}, and yours gives {_shown(answer.value)}."
+    known = "is" if exercise.seen is whole else "may be"
+    return "wrong", f"{call} {known} {_shown(case.expected.value)}, and yours gives {_shown(answer.value)}."
 
 
 def _of_error(exercise: Exercise, error: Any, call: str) -> str:
