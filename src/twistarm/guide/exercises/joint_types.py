@@ -64,7 +64,10 @@ def _stacks(rng: np.random.Generator, arm: Arm) -> Iterator[tuple[Any, ...]]:
     yield (np.column_stack([about_w, np.concatenate([w, np.zeros(3)])]),)
     yield (rng.normal(size=(6, 7)),)
     yield (rng.normal(size=(6, 5)),)
-    yield (own_chain(rng, arm)[0],)
+    screws = own_chain(rng, arm)[0]
+    values = np.linalg.svd(screws, compute_uv=False)
+    if not np.any((values > 1e-12) & (values < 1e-4)):  # where rounding of a description decides, no answer is right
+        yield (screws,)
 
 
 def _by_velocities(kind: str, axis: Array, point: Array, pitch: float) -> Array:

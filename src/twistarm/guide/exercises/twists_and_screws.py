@@ -72,6 +72,7 @@ def _turning(rng: np.random.Generator, arm: Arm) -> Iterator[tuple[Any, ...]]:
 def _motions(rng: np.random.Generator, arm: Arm) -> Iterator[tuple[Any, ...]]:
     for kind in ["turn", "slide", "thread"] * 3:
         yield column(rng, kind), angle(rng)
+    yield np.concatenate([np.zeros(3), unit(rng)]), angle(rng)
     S, _, _ = own_chain(rng, arm)
     yield from ((xi, angle(rng)) for xi in S.T)
 

@@ -161,6 +161,8 @@ def _shown(value: Any) -> str:
         return repr(value)
     if isinstance(value, (list, tuple)):
         return f"({', '.join(map(_shown, value))})"
+    if np.ndim(value) == 0:
+        return f"{float(value):.6g}"
     if np.size(value) > 16:
         return f"an array of shape {np.shape(value)}"
     text = np.array2string(np.asarray(value, float) + 0.0, precision=SEEN_DIGITS, suppress_small=True, separator=", ")
