@@ -63,6 +63,7 @@ def test_slips_are_named(tmp_path: Path, rover: Arm) -> None:
     assert report.code == 1
 
 
+@pytest.mark.slow
 @needs_octave
 def test_more_slips_are_named(tmp_path: Path, rover: Arm) -> None:
     results = written(
@@ -81,6 +82,7 @@ def test_more_slips_are_named(tmp_path: Path, rover: Arm) -> None:
     assert named["damped_step"] == "damping not squared"
 
 
+@pytest.mark.slow
 @needs_octave
 def test_a_template_is_not_written_yet(tmp_path: Path, rover: Arm) -> None:
     for name, text in octave_files(rover):
