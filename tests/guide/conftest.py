@@ -2,23 +2,28 @@
 
 from __future__ import annotations
 
+import fcntl
+import os
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
 import pytest
 
+from small_course import LESSON, ROVER
 from twistarm.guide.building.building import Built, build
 from twistarm.guide.building.lesson_process import outcome
-
-LESSON = "3_1_forward_kinematics"
-
-ROVER = {"source": "rover_arm"}
 
 
 @pytest.fixture(scope="session")
 def built(tmp_path_factory: pytest.TempPathFactory) -> Built:
-    return build(tmp_path_factory.mktemp("course"), ROVER, [LESSON])
+    """Built by the first process that asks, while the others wait; they find nothing to be made."""
+    # A folder that the processes of one run share, made by pytest-xdist above the temporary one of each.
+    own = tmp_path_factory.getbasetemp()
+    shared = own.parent if "PYTEST_XDIST_WORKER" in os.environ else own
+    with (shared / "course.lock").open("w") as lock:
+        fcntl.flock(lock, fcntl.LOCK_EX)
+        return build(shared / "course", ROVER, [LESSON])
 
 
 @pytest.fixture

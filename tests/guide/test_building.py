@@ -3,17 +3,19 @@
 from __future__ import annotations
 
 import re
+import shutil
 from html.parser import HTMLParser
 from pathlib import Path
 
 import pytest
 
-from conftest import LESSON, ROVER  # type: ignore[attr-defined]
+from small_course import LESSON, ROVER
 from twistarm import InputError, TwistarmError
 from twistarm.guide.building import running
 from twistarm.guide.building.building import Built, as_keywords, build
 from twistarm.guide.building.site_folder import MARKER, SiteFolder
-from twistarm.guide.course import PARTS, SECTIONS, lesson_named, lessons
+from twistarm.guide.course import LESSONS, SECTIONS, lesson_named, lessons
+from twistarm.guide.exercises import exercises_of
 
 
 class Page(HTMLParser):
@@ -48,6 +50,16 @@ def test_pages_refer_to_what_is_there_and_to_nowhere_else(built: Built) -> None:
                 assert anchor in pages[file or name].names, f"{name}: {target}"
 
 
+def test_a_lesson_ends_with_its_exercises_and_the_contents_say_how_they_are_graded(built: Built) -> None:
+    page = (built.folder / f"{LESSON}.html").read_text("utf-8")
+    for exercise in exercises_of(LESSON):
+        assert f'<h3 id="exercise-{exercise.name}">' in page
+    assert page.count("<summary>Show a solution</summary>") == len(exercises_of(LESSON))
+    assert f"twistarm guide check {LESSON}.py" in page
+    index = (built.folder / "index.html").read_text("utf-8")
+    assert all(f"twistarm guide {command} " in index for command in ("exercises", "check", "progress"))
+
+
 def test_scenes_share_their_scripts_and_allow_no_others(built: Built) -> None:
     scenes = list((built.folder / "scenes").glob("scene_*.html"))
     text = scenes[0].read_text("utf-8")
@@ -62,13 +74,19 @@ def test_scenes_share_their_scripts_and_allow_no_others(built: Built) -> None:
     assert len(text) < 200_000, "the bundle and the meshes lie beside the page"
 
 
-def test_nothing_is_made_twice_and_what_is_lost_is_made_again(built: Built) -> None:
+def test_nothing_is_made_twice(built: Built) -> None:
     assert built.failed == ()
     assert build(built.folder, ROVER, [LESSON]).run == ()
-    page = built.folder / f"{LESSON}.html"
+
+
+@pytest.mark.slow
+def test_what_is_lost_is_made_again(built: Built, tmp_path: Path) -> None:
+    own = tmp_path / "course"
+    shutil.copytree(built.folder, own)
+    page = own / f"{LESSON}.html"
     text = page.read_text("utf-8")
     page.unlink()
-    assert build(built.folder, ROVER, [LESSON]).run == (LESSON,)
+    assert build(own, ROVER, [LESSON]).run == (LESSON,)
     assert page.read_text("utf-8") == text, "the same lesson on the same arm is the same page"
 
 
@@ -105,9 +123,10 @@ def test_a_broken_record_is_begun_anew(text: str, tmp_path: Path) -> None:
     assert SiteFolder(tmp_path).kept("a", "key") is None
 
 
+@pytest.mark.slow
 def test_an_endless_lesson_and_one_that_dies_are_said(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     head = "# %% [markdown]\n# # A title\n\n# %%\n"
-    (tmp_path / "endless.py").write_text(head + "while True: pass\n")
+    (tmp_path / "endless.py").write_text(head + "import time\ntime.sleep(60)\n")
     (tmp_path / "dying.py").write_text(head + "import os, sys\nsys.stderr.write('last words\\n')\nos._exit(3)\n")
     monkeypatch.setattr(running, "lesson_file", lambda name: tmp_path / f"{name}.py")
     made = dict(running.run_lessons(["endless", "dying"], ROVER, tmp_path, timeout=4.0))
@@ -116,9 +135,8 @@ def test_an_endless_lesson_and_one_that_dies_are_said(tmp_path: Path, monkeypatc
 
 
 def test_the_course_names_every_lesson_once_and_every_section() -> None:
-    names = [name for part in PARTS for name in part.lessons]
-    assert len(set(names)) == len(names)
-    assert {name for *_, name in SECTIONS} == set(names)
+    assert len(set(LESSONS)) == len(LESSONS)
+    assert {name for *_, name in SECTIONS} == set(LESSONS)
     assert lesson_named(f"examples/guide/{lessons()[0]}.py") == lessons()[0]
     with pytest.raises(TwistarmError, match="no lesson '3_1_forward' in the guide; closest: '3_1_forward_kinematics'"):
         lesson_named("3_1_forward")

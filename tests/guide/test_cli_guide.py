@@ -6,7 +6,7 @@ from pathlib import Path
 
 import pytest
 
-from conftest import LESSON  # type: ignore[attr-defined]
+from small_course import LESSON
 from twistarm.cli.application import run
 from twistarm.guide.building.building import Built
 from twistarm.guide.building.site_folder import MARKER
@@ -25,6 +25,8 @@ Capture = pytest.CaptureFixture[str]
         (["-o", "."], "holds something that the guide did not write"),
         (["print", "3_1_forward_kinematic", "-o", "a.pdf"], "closest: '3_1_forward_kinematics'"),
         (["print", LESSON, "-o", "none/a.pdf"], "does not exist; create it first"),
+        (["--arm", "scara", "check", "a.py"], "give the options after the command: twistarm guide check … --arm ARM"),
+        (["check", "a.py", "--tip", "hand"], "give an ARM: the other options are about one"),
     ],
 )
 def test_what_cannot_be_is_one_sentence(

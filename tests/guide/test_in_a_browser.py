@@ -14,8 +14,9 @@ import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
 
-from conftest import LESSON, ROVER  # type: ignore[attr-defined]
+from small_course import LESSON, ROVER
 from twistarm.guide.building.building import Built, build
+from twistarm.guide.building.pages import SCRIPTS, site_text
 from twistarm.guide.teaching import outlet
 from twistarm.guide.teaching.html import html_of
 from twistarm.guide.teaching.saying import SLIDERS, slider
@@ -118,7 +119,7 @@ def test_without_scripts_questions_answers_and_drawings_are_there(built: Built, 
 
 
 @pytest.fixture
-def bench(built: Built, browser: Any, tmp_path: Path) -> Iterator[Any]:
+def bench(browser: Any, tmp_path: Path) -> Iterator[Any]:
     """A function that opens a slider and gives its page."""
     pages = []
 
@@ -126,9 +127,9 @@ def bench(built: Built, browser: Any, tmp_path: Path) -> Iterator[Any]:
         shown: list[outlet.Shown] = []
         with outlet.installed(shown.append):
             slider(name, "?", "!", **numbers)
-        script = (built.folder / "assets" / "sliders.js").read_text("utf-8")
+        scripts = "".join(f"<script>{site_text(name)}</script>" for name in SCRIPTS)
         file = tmp_path / "slider.html"
-        file.write_text(f"<meta charset=utf-8>{html_of(shown[0].data(None))}<script>{script}</script>", "utf-8")
+        file.write_text(f"<meta charset=utf-8>{html_of(shown[0].data(None))}{scripts}", "utf-8")
         page = browser.new_page()
         pages.append((page, watched(page)))
         page.goto(file.as_uri())

@@ -27,7 +27,8 @@ from .teaching.figures import (
     plot_screw,
     plot_vector,
 )
-from .teaching.saying import check, figure, practice, predict, say, scene, slider, table
+from .teaching.practising import check, practice
+from .teaching.saying import figure, predict, say, scene, slider, table
 from .teaching.tex import rough, tex
 
 __all__ = [

@@ -28,6 +28,9 @@ PARTS = (
     Part("4 Your arm", ("4_capstone",)),
 )
 
+LESSONS = tuple(name for part in PARTS for name in part.lessons)
+"""The names of the lessons, in the order of the course."""
+
 SECTIONS = (
     ("2.1.1", "Rotation matrices, Euler angles, where they fail", "2_1_1_rotation_matrices"),
     ("2.1.1", "Quaternions", "2_1_1_quaternions"),
@@ -52,8 +55,8 @@ SECTIONS = (
 
 
 def lessons() -> tuple[str, ...]:
-    """The names of the lessons, in the order of the course."""
-    return tuple(name for part in PARTS for name in part.lessons if lesson_file(name).is_file())
+    """The lessons that there are, in the order of the course."""
+    return tuple(name for name in LESSONS if lesson_file(name).is_file())
 
 
 def lesson_file(name: str) -> Path:

@@ -1,4 +1,4 @@
-"""`guide`: the course, built on an arm, served or printed."""
+"""`guide`: the course, built on an arm, served or printed; its exercises are commands of the same group."""
 
 from __future__ import annotations
 
@@ -23,12 +23,13 @@ from ..options import takes_arm_option
 from ..output import progress_bar, say, warn
 from ..outputs import Force, outputs_of
 from ..typed import Command, Group
+from . import practising
 from .viewing import Browser
 
 guide = typer.Typer(
     name="guide",
     cls=Group,
-    help="The course in the kinematics of arms, on your own arm: built, served, printed.",
+    help="The course in the kinematics of arms, on your own arm, and its exercises, graded.",
     pretty_exceptions_enable=False,
 )
 
@@ -65,6 +66,7 @@ def course(
     files that opens from disk, offline.
     """
     if context.invoked_subcommand is not None:
+        _require_no_options(context)
         return
     built = _built(source, load, output)
     if output is not None:
@@ -88,6 +90,18 @@ def print_lesson(
     built = _built(source, load, None, [name])
     outputs.say(outputs.write({"pdf": lambda: pdf_of(built.folder, name)}))
     raise typer.Exit(bool(built.failed))
+
+
+for command in (practising.exercises, practising.check, practising.progress):
+    guide.command(cls=Command)(command)
+
+
+def _require_no_options(context: typer.Context) -> None:
+    """Options of `guide` itself would say nothing to its commands, which have their own."""
+    sources = [context.get_parameter_source(name) for name in context.params]
+    if any(source is not None and source.name == "COMMANDLINE" for source in sources):
+        command = context.invoked_subcommand
+        raise InputError(f"give the options after the command: twistarm guide {command} … --arm ARM")
 
 
 def _built(

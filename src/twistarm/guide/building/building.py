@@ -19,11 +19,11 @@ from ...viewer.server.watching import loaded
 from ..course import lesson_file, lessons
 from .cells import cells_of, title_of
 from .errata import slips
-from .pages import errata_page, index_page, lesson_page, site_text
+from .pages import SCRIPTS, STYLE, errata_page, index_page, lesson_page, site_text
 from .running import TIMEOUT, run_lessons
 from .site_folder import SiteFolder
 
-ASSETS = {"assets/style.css": "style.css", "assets/sliders.js": "sliders.js"}
+ASSETS = {f"assets/{name}": name for name in (STYLE, *SCRIPTS)}
 
 
 @dataclass(frozen=True)

@@ -12,7 +12,7 @@ from typing import Any
 import twistarm
 
 from ...model.arm import Arm
-from ..course import PARTS, SECTIONS, lessons
+from ..course import LESSONS, PARTS, SECTIONS, lessons
 from ..teaching.html import html_of
 from ..teaching.markup import block
 
@@ -23,6 +23,11 @@ POLICY = (
 """Scripts and style sheets are those that the page names; figures have style attributes. A frame holds a scene, which
 lies beside the page: 'self' where it is served, file: where it is opened from disk.
 """
+
+STYLE = "style.css"
+
+SCRIPTS = tuple(f"sliders/{name}.js" for name in ("numbers", "bench", "space", "plane", "start"))
+"""Of pages with sliders, in the order in which they need one another."""
 
 Titles = Mapping[str, str]
 """Of the lessons, by name."""
@@ -65,6 +70,7 @@ def index_page(titles: Titles, arm: Arm, failed: Iterable[str]) -> str:
     body = (
         f"<h1>Screws, from the guide to your arm</h1>{failures}"
         f"{block(INTRODUCTION.format(arm=_as_code(arm.name), n=_joints(arm)))}{parts}"
+        f'<h2 id="exercises">Exercises that grade themselves</h2>{block(EXERCISES)}'
         '<h2 id="sections">Where each section of the guide is taught</h2>'
         '<div class="wide" role="group" aria-label="Sections of the guide" tabindex="0"><table><thead><tr>'
         '<th scope="col">Section</th><th scope="col">What is in it</th><th scope="col">Lesson</th></tr></thead>'
@@ -85,6 +91,20 @@ on these pages was computed when they were built, on {arm}, an arm of {n}.
 A lesson takes ten to twenty minutes. It begins with a question that somebody has who builds an arm, states the law and
 where it comes from, and shows it on the arm. Where it asks you to **predict**, do so before you unfold the answer: what
 you got wrong is what you will remember. Work with a pencil, and with Python at hand."""
+
+
+EXERCISES = f"""Each lesson ends with exercises: functions to write, which are graded on random instances and on the
+screws of your arm. A mistake that is known is named.
+
+```sh
+twistarm guide exercises -o my_exercises
+twistarm guide check my_exercises/{LESSONS[0]}.py --arm my_arm.urdf
+twistarm guide progress my_exercises
+```
+
+The first writes the files to fill in, one for each lesson, and those for Octave and MATLAB; it never replaces one that
+is there. Without `--arm` the screws are those of the bundled rover arm. The last shows what is right and what is still
+to do."""
 
 
 def errata_page(slips: Iterable[Mapping[str, str]], arm: Arm) -> str:
@@ -127,7 +147,7 @@ def _page(
         version=twistarm.__version__,
         policy=POLICY.format(nonce=nonce),
         nonce=nonce,
-        script=f'<script defer src="assets/sliders.js" nonce="{nonce}"></script>\n' if script else "",
+        script="".join(f'<script defer src="assets/{name}" nonce="{nonce}"></script>\n' for name in SCRIPTS if script),
         here=current if here == "index" else "",
         there=current if here == "errata" else "",
     )

@@ -37,7 +37,7 @@ class SiteFolder:
                     f"{self.path} holds something that the guide did not write (there is no {MARKER}); "
                     "give a new folder, or an empty one"
                 )
-            for folder in (self.path, self.path / "assets", self.path / "scenes"):
+            for folder in (self.path, self.path / "assets" / "sliders", self.path / "scenes"):
                 folder.mkdir(parents=True, exist_ok=True)
         except OSError as error:
             raise InputError(f"cannot write into {self.path}: {error.strerror or error}") from error

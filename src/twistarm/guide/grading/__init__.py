@@ -1,13 +1,9 @@
-"""The grader of the exercises."""
+"""The grader of the exercises: a reader's function or file against independent answers, and slips by their names."""
 
 from __future__ import annotations
 
-from collections.abc import Callable
-from typing import Any
+from .checking import check, check_file
+from .report import Report
+from .verdict import Verdict
 
-from ...support.errors import TwistarmError
-
-
-def check(function: Callable[..., Any]) -> Any:
-    """Grade `function` as the exercise of its name."""
-    raise TwistarmError(f"there is no exercise {function.__name__!r} yet")
+__all__ = ["Report", "Verdict", "check", "check_file"]

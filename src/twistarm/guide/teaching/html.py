@@ -89,12 +89,25 @@ def _prediction(data: Data) -> str:
 def _exercises(data: Data) -> str:
     entries = "".join(
         f'<div class="exercise" role="group" aria-label="Exercise {k}">'
-        f'<h3 id="exercise-{escape(entry["name"])}">Exercise {k}</h3>'
+        f'<h3 id="exercise-{escape(entry["name"])}">Exercise {k}: <code>{escape(entry["name"])}</code></h3>'
         f"{block(entry['prompt'])}{program(entry['signature'])}"
         f"{fold('Show a solution', program(entry['solution']))}</div>"
         for k, entry in enumerate(data["entries"], start=1)
     )
-    return f'<div class="exercises">{entries}</div>'
+    return f'<div class="exercises">{block(HOW_TO_CHECK.format(lesson=data["lesson"]))}{entries}</div>'
+
+
+HOW_TO_CHECK = """Write each function in `{lesson}.py`, one of the files that `twistarm guide exercises` writes, and
+have it graded by `twistarm guide check {lesson}.py`, or in a notebook by `guide.check`. A known mistake is named."""
+
+
+def _report(data: Data) -> str:
+    verdicts = "".join(f"<li>{escape(line)}</li>" for line in data["lines"])
+    printed = escape("\n".join(data["printed"]))
+    below = (
+        f'<p>Your code printed:</p><pre class="printed" tabindex="0"><samp>{printed}</samp></pre>' if printed else ""
+    )
+    return f'<div class="report" role="group" aria-label="Verdict"><ul>{verdicts}</ul>{below}</div>'
 
 
 KINDS: dict[str, Callable[[Data], str]] = {
@@ -105,4 +118,5 @@ KINDS: dict[str, Callable[[Data], str]] = {
     "slider": _slider,
     "prediction": _prediction,
     "exercises": _exercises,
+    "report": _report,
 }

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -114,22 +114,6 @@ def predict(question: str, answer: str) -> None:
     from .shown import Prediction
 
     show(Prediction(question, answer))
-
-
-def practice(lesson: str) -> None:
-    """Show the exercises of a lesson, by its name: prompts, signatures, how to check, solutions behind a fold."""
-    from ..exercises import exercises_of
-    from .shown import Exercises
-
-    fields = ("name", "prompt", "signature", "solution")
-    show(Exercises(lesson, [{field: getattr(each, field) for field in fields} for each in exercises_of(lesson)]))
-
-
-def check(function: Callable[..., Any]) -> Any:
-    """Grade a function that answers an exercise, found by its name; shows the verdict and returns the report."""
-    from ..grading import check as graded
-
-    return graded(function)
 
 
 def _cell(value: object) -> str:

@@ -10,6 +10,7 @@ from typing import Any
 from ...model.arm import Arm
 from ...planning.trajectory import Trajectory
 from ...support.checks import Array
+from ..grading.report import Report
 from . import scenes, stills, svg
 
 
@@ -135,10 +136,29 @@ class Exercises:
     entries: Sequence[Mapping[str, str]]
 
     def plain(self) -> str:
-        """Signatures, and how to check."""
-        lines = [f"Exercise: {entry['signature']}" for entry in self.entries]
-        return "\n".join(lines or [f"No exercises yet for {self.lesson}."])
+        """Prompts and signatures, and how to check."""
+        texts = [
+            f"Exercise {k}: {entry['name']}\n\n{entry['prompt']}\n\n{entry['signature']}\n"
+            for k, entry in enumerate(self.entries, start=1)
+        ]
+        return "\n".join([*texts, f"To check: twistarm guide check {self.lesson}.py"])
 
     def data(self, folder: Path | None) -> dict[str, Any]:
         """The entries."""
         return {"kind": "exercises", "lesson": self.lesson, "entries": [dict(entry) for entry in self.entries]}
+
+
+@dataclass(frozen=True, repr=False)
+class Graded(Report):
+    """A report that is shown when it is made."""
+
+    def plain(self) -> str:
+        """Its lines, and what the reader's code printed where something is not right."""
+        return "\n".join(self.told)
+
+    def data(self, folder: Path | None) -> dict[str, Any]:
+        """The same, apart."""
+        return {"kind": "report", "lines": self.lines, "printed": self.printed_lines}
+
+    def _ipython_display_(self) -> None:
+        """Not shown again as the value of a notebook's cell."""
