@@ -19,7 +19,7 @@ from twistarm.model import engine
 ROOT = Path(__file__).parents[2]
 
 
-FOLDERS = {"src/twistarm": "", "robots": "robots/", "examples/guide": "examples/guide/", "core/include": "include/"}
+FOLDERS = {"src/twistarm": "", "robots": "robots/", "core/include": "include/"}
 """Folders of the checkout, and where they are in the package."""
 
 
@@ -51,7 +51,8 @@ def test_the_wheel_holds_the_package_and_nothing_else(wheel: Path) -> None:
         "twistarm/_core.pyi",
         "twistarm/robots/rover_arm/arm.toml",
         "twistarm/viewer/page/index.html",
-        "twistarm/examples/guide/3_2_inverse_kinematics.py",
+        "twistarm/guide/lessons/3_1_forward_kinematics.py",
+        "twistarm/guide/site/style.css",
         "twistarm/include/twistarm/twistarm.hpp",
     } <= names
 

@@ -21,6 +21,7 @@ from .commands import (
     demonstration,
     doctor,
     following,
+    guide,
     init,
     inspection,
     inverse,
@@ -64,6 +65,7 @@ for command in (
     following.follow,
 ):
     app.command(cls=Command)(command)
+app.add_typer(guide.guide)
 
 
 def _print_version(wanted: bool) -> None:

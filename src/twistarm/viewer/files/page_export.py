@@ -2,10 +2,15 @@
 
 from __future__ import annotations
 
+import base64
+import hashlib
+import json
 import os
 import re
+from collections.abc import Mapping
 from html import escape
 from pathlib import Path
+from typing import Any
 
 from numpy.typing import ArrayLike
 
@@ -23,6 +28,8 @@ EXPORT = r"^export ((?:async )?function|class|const) ([\w$]+)"
 
 STATE = '<script type="application/json" id="state">{}</script>'
 """How the page that saved it stood, its camera and what was chosen: share.js writes it in place of the braces."""
+
+RANDOM_NAME = rb"[0-9a-f]{8}(-[0-9a-f]{4}){3}-[0-9a-f]{12}"
 
 POLICY = "default-src 'none'; script-src 'unsafe-inline'; style-src 'unsafe-inline'; img-src data: blob:"
 
@@ -64,19 +71,61 @@ def page_html(arm: Arm, trajectory: Trajectory | None = None, theta: ArrayLike |
 
 def stand_alone(shown: SceneSnapshot) -> str:
     """index.html with its style, its scripts and what is shown inlined."""
+    meshcat = f"<script>{_inline(meshcat_bundle())}</script>"
+    return _page(
+        shown.arm.name, shown.data(), POLICY, meshcat, f'<script type="module">\n{_inline(_program())}</script>'
+    )
+
+
+def beside(shown: SceneSnapshot) -> tuple[str, dict[str, str]]:
+    """The page for a folder of many: what is shown alone, and by their names the scripts that have to lie beside it.
+
+    Meshcat's code and the page's own are the same for all pages, the meshes for all of one arm. Its policy lets it run
+    no script but those that it names itself, opened from disk too, where no other policy tells files apart.
+    """
+    data = shown.data()
+    objects = f"globalThis.twistarmObjects = {json.dumps(_numbered(data.pop('objects')))};"
+    digest = hashlib.sha256(objects.encode()).hexdigest()[:12]
+    scripts = {
+        "meshcat.js": meshcat_bundle(),
+        "view.js": f'"use strict";\n{_program()}',
+        f"meshes_{digest}.js": objects,
+    }
+    nonce = hashlib.sha256(encode(data).encode()).hexdigest()[:24]
+    policy = POLICY.replace("script-src 'unsafe-inline'", f"script-src 'nonce-{nonce}'")
+    first, *rest = (
+        f'<script defer src="{name}" nonce="{nonce}"></script>' for name in ("meshcat.js", *list(scripts)[:0:-1])
+    )
+    return _page(shown.arm.name, data, policy, first, "\n".join(rest)), scripts
+
+
+def _numbered(objects: list[str]) -> list[str]:
+    """The same with numbers for the random names that Meshcat gives: an arm's meshes are then one text each time."""
+    numbers: dict[bytes, bytes] = {}
+
+    def numbered(found: re.Match[bytes]) -> bytes:
+        return numbers.setdefault(found[0], b"00000000-0000-0000-0000-%012x" % len(numbers))
+
+    plain = (re.sub(RANDOM_NAME, numbered, base64.b64decode(each)) for each in objects)
+    return [base64.b64encode(each).decode("ascii") for each in plain]
+
+
+def _page(name: str, data: Mapping[str, Any], policy: str, meshcat: str, program: str) -> str:
+    """index.html with its style and what is shown inlined, and the scripts as elements."""
     page = re.sub(r'<link rel="stylesheet" href="(.*)">', _style, page_text("index.html"))
     # A "<" in JSON can only stand in a string; escaped, no name can close the script.
-    literal = encode(shown.data()).replace("<", "\\u003c")
-    policy = f'<meta http-equiv="Content-Security-Policy" content="{POLICY}">'
-    scripts = (
-        f'<script type="application/json" id="data">{literal}</script>\n{STATE}\n'
-        f'<script type="module">\n{_program()}</script>'
-    )
+    literal = encode(data).replace("<", "\\u003c")
     for old, new in (
-        ("<title>twistarm</title>", f"<title>{escape(shown.arm.name)} · twistarm</title>"),
-        ('<meta charset="utf-8">', f'<meta charset="utf-8">\n{policy}'),
-        ('<script src="meshcat.js"></script>', f"<script>{_inline(meshcat_bundle())}</script>"),
-        ('<script type="module" src="main.js"></script>', scripts),
+        ("<title>twistarm</title>", f"<title>{escape(name)} · twistarm</title>"),
+        (
+            '<meta charset="utf-8">',
+            f'<meta charset="utf-8">\n<meta http-equiv="Content-Security-Policy" content="{policy}">',
+        ),
+        ('<script src="meshcat.js"></script>', meshcat),
+        (
+            '<script type="module" src="main.js"></script>',
+            f'<script type="application/json" id="data">{literal}</script>\n{STATE}\n{program}',
+        ),
     ):
         head, found, tail = page.partition(old)
         if not found:
@@ -91,7 +140,7 @@ def _style(link: re.Match[str]) -> str:
 
 def _program() -> str:
     """The modules in one script, since a file opened from disk may import none; each keeps its names to itself."""
-    return _inline("\n".join(_scoped(name) for name in modules("standalone.js")))
+    return "\n".join(_scoped(name) for name in modules("standalone.js"))
 
 
 def _scoped(name: str) -> str:

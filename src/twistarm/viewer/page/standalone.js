@@ -141,7 +141,7 @@ panel.showVisible(data.visible);
 panel.showPath(data.path.points.length + data.path.ideal.length > 0);
 plots.show(data.plots);
 showPlayer();
-for (const object of data.objects) view.draw(Uint8Array.from(atob(object), (letter) => letter.charCodeAt(0)));
+for (const object of data.objects ?? globalThis.twistarmObjects) view.draw(Uint8Array.from(atob(object), (letter) => letter.charCodeAt(0)));
 path.show(data.path);
 for (const [layer, on] of Object.entries(data.visible)) view.setVisible(layer, on);
 show();

@@ -1,0 +1,308 @@
+"""Slips of the team's guide, each in our words, with the number that shows it, computed here."""
+
+from __future__ import annotations
+
+from math import factorial
+from typing import NamedTuple
+
+import numpy as np
+
+from ...support.checks import Array
+from ...theory import joints, rotations, screws
+from ..teaching.tex import rough
+
+
+class Slip(NamedTuple):
+    """A slip: where it stands, what is said there and what is right, and what shows it; markdown."""
+
+    title: str
+    words: str
+    shown: str
+
+
+def slips() -> list[Slip]:
+    """All of them, in the order of the guide."""
+    return [
+        _sine_of_nothing(),
+        _moved_axes(),
+        _square_of_a_norm(),
+        _double_cover(),
+        _orthogonal_alone(),
+        _series(),
+        _unit_axis(),
+        _composition(),
+        _screw_motion(),
+        _pure_rotation(),
+        _spatial_twist(),
+        _home_pose(),
+        _homogeneous_point(),
+        _product_without_adjoint(),
+        _paired_signs(),
+        _one_solution(),
+    ]
+
+
+def _sine_of_nothing() -> Slip:
+    wrong, right = rotations.exp([0, 0, 1], 1.0), rotations.exp([0, 0, 1], np.radians(1.0))
+    return Slip(
+        "Sine and cosine without an argument (2.1.1)",
+        r"The elementary rotations write $\sin$ and $\cos$ alone, and one of them $R_v(\beta)$ for $R_y(\beta)$. An "
+        r"angle "
+        "belongs in each, and with it its unit: what computes takes radians.",
+        f"Turned by 1 rad instead of 1°, a point at 1 m from the axis is {_far(wrong, right):.3f} m off.",
+    )
+
+
+def _moved_axes() -> Slip:
+    a, b = np.radians([40.0, 30.0])
+    moved = rotations.exp([0, 0, 1], a) @ rotations.exp([0, 1, 0], b)
+    fixed = rotations.exp([0, 1, 0], b) @ rotations.exp([0, 0, 1], a)
+    return Slip(
+        "From which frame to which, and about which axes (2.1.1)",
+        "The rotation that is said to take B to B takes A to B. The Euler angles turn about the axes as the turns "
+        "before "
+        "have left them, so that each new factor stands on the right.",
+        f"$R_z(40°)R_y(30°)$ and $R_y(30°)R_z(40°)$ differ by {_angle(moved, fixed):.1f}°.",
+    )
+
+
+def _square_of_a_norm() -> Slip:
+    Q = np.array([1.0, 2.0, 3.0, 4.0])
+    conjugate = Q * [1, -1, -1, -1]
+    square = rotations.quaternion_product_wxyz(Q, conjugate)[0]
+    literal = rotations.quaternion_product_wxyz(Q, conjugate / square**2)[0]
+    right = rotations.quaternion_product_wxyz(Q, conjugate / square)[0]
+    return Slip(
+        "The norm of a quaternion (2.1.1)",
+        r"$Q \cdot Q^*$ is the square of the norm, $\|Q\|^2$, and not the norm. With the guide's "
+        r"$Q^{-1} = Q^*/\|Q\|^2$, whoever takes the definition at its word divides by the fourth power. With unit "
+        "quaternions nobody notices.",
+        f"For $Q = (1, 2, 3, 4)$: $Q \\cdot Q^* = {square:.0f}$. Read literally, $Q \\cdot Q^{{-1}} = "
+        f"{literal:.4f}$, which "
+        f"is $1/{1 / literal:.0f}$; with $\\|Q\\| = \\sqrt{{{square:.0f}}}$ it is {right:.0f}.",
+    )
+
+
+def _double_cover() -> Slip:
+    Q = rotations.to_quaternion_wxyz(rotations.exp([1, 2, 3], 0.4))
+    same = _far(rotations.from_quaternion_wxyz(Q), rotations.from_quaternion_wxyz(-Q))
+    return Slip(
+        "Quaternions are no global parametrisation (2.1.1)",
+        r"They are written $\mathbb{H}$, not $\mathbb{Q}$, which are the fractions. And unit quaternions cover the "
+        "rotations twice: $Q$ and $-Q$ are the same rotation.",
+        f"The matrices of $Q$ and of $-Q$ differ by {same:.0f}; as points of the sphere the two are "
+        f"{np.linalg.norm(Q - -Q):.0f} apart, as far as can be.",
+    )
+
+
+def _orthogonal_alone() -> Slip:
+    mirror = np.diag([1.0, 1.0, -1.0])
+    off = np.abs(mirror.T @ mirror - np.eye(3)).max()
+    double = 2 * np.eye(3)
+    return Slip(
+        "Which matrices are rotations (2.1.2)",
+        r"$R^TR = I$, the unit matrix and not the number 1, and $\det R = +1$. Neither all $n \times n$ matrices are "
+        r"$SO(n)$, nor are the vectors of $\mathbb{R}^3$ its elements: $A, B \in SO(3) \subset "
+        r"\mathbb{R}^{3 \times 3}$.",
+        f"The mirror $\\mathrm{{diag}}(1, 1, -1)$ has $M^TM = I$ (off by {off:.0f}) and determinant "
+        f"−{-np.linalg.det(mirror):.0f}: it makes a right hand a left one. $2I$ is a $3 \\times 3$ matrix of "
+        f"determinant "
+        f"{np.linalg.det(double):.0f}.",
+    )
+
+
+def _series() -> Slip:
+    w, theta = np.array([0.6, 0.0, 0.8]), 1.2
+    W = rotations.skew(w)
+    cosine = {power: (-1) ** (power // 2) * theta**power / factorial(power) for power in (2, 4, 6, 8)}
+    # What the guide writes: powers of ω, which has norm one, where powers of the angle belong.
+    slipped = cosine | {power: (-1) ** (power // 2) / factorial(power) for power in (4, 6)}
+    sine = sum((-1) ** (power // 2) * theta**power / factorial(power) for power in (1, 3, 5, 7, 9))
+    exact = rotations.exp(w, theta)
+    right, wrong = (np.eye(3) + W * sine - W @ W * sum(terms.values()) for terms in (cosine, slipped))
+    return Slip(
+        "The series of the exponential (2.1.2)",
+        r"The axis turns for $\theta$ units of time at unit rate, not at unit velocity for $\omega$ units; and the "
+        r"series "
+        r"runs through $\theta^4/4!$ and $\theta^6/6!$, not $\omega^4/4!$ and $\omega^6/6!$: $\omega$ is a vector.",
+        f"At $\\theta = {theta}$ the series is ${rough(_far(right, exact))}$ from the rotation; with $\\|\\omega\\| "
+        f"= 1$ "
+        f"in place of "
+        f"$\\theta$ in those two terms it is {_far(wrong, exact):.3f} from it.",
+    )
+
+
+def _unit_axis() -> Slip:
+    w, theta = np.array([0.0, 0.0, 2.0]), np.radians(30.0)
+    W = rotations.skew(w)
+    careless = np.eye(3) + W * np.sin(theta) + W @ W * (1 - np.cos(theta))
+    size = np.linalg.norm(w)
+    careful = np.eye(3) + W / size * np.sin(size * theta) + W @ W / size**2 * (1 - np.cos(size * theta))
+    return Slip(
+        "Rodrigues' formula needs a unit axis (2.1.2)",
+        r"$e^{\hat\omega\theta} = I + \hat\omega \sin\theta + \hat\omega^2 (1 - \cos\theta)$ holds for $\|\omega\| = "
+        r"1$. "
+        r"Otherwise: $I + \frac{\hat\omega}{\|\omega\|} \sin(\|\omega\|\theta) + \frac{\hat\omega^2}{\|\omega\|^2} "
+        r"(1 - \cos(\|\omega\|\theta))$.",
+        f"For $\\omega = (0, 0, 2)$ and 30° the short formula gives a matrix of determinant "
+        f"{np.linalg.det(careless):.3f}, no rotation; the long one is within "
+        f"${rough(_far(careful, rotations.exp(w, theta)))}$ "
+        "of the exponential.",
+    )
+
+
+def _composition() -> Slip:
+    ab, bc = screws.exp([1, 0, 0, 0, 0, 0.5]), screws.exp([0, 1, 0, 0.7, 0, 0])
+    off = np.linalg.norm((ab @ bc - bc @ ab)[:3, 3])
+    return Slip(
+        "What is given, and what is sought (2.2.1)",
+        r"Where $g_{ac}$ is said to be given, twice, $g_{ab}$ and $g_{bc}$ are meant: $g_{ac} = g_{ab}\, g_{bc}$. "
+        r"Indices "
+        "that meet in the middle cancel; written the other way round they do not.",
+        f"With two poses of half a turn's size, $g_{{ab}}\\,g_{{bc}}$ and $g_{{bc}}\\,g_{{ab}}$ put the origin "
+        f"{off:.3f} m apart.",
+    )
+
+
+def _screw_motion() -> Slip:
+    xi = joints.helical([0, 0, 1], [0.3, 0, 0], 0.1)[:, 0]
+    h = 1e-6
+    rate = (screws.exp(xi, h) - screws.exp(xi, -h)) / (2 * h)
+    off = np.abs(rate - screws.hat(xi)).max()
+    return Slip(
+        "Chasles, and what a twist is (2.2.2)",
+        "The theorem is Chasles': every rigid motion is a screw motion. A twist is not the time derivative of one, "
+        "but the "
+        "infinitesimal screw motion: what the motion is at its very beginning, before it has moved anything.",
+        f"At $t = 0$ the derivative of $e^{{\\hat\\xi t}}$ is $\\hat\\xi$ (found ${rough(off)}$ apart by "
+        f"differences); at "
+        f"$t = 1$ it is another matrix, {np.abs(screws.hat(xi) @ screws.exp(xi, 1.0) - screws.hat(xi)).max():.2f} "
+        f"away.",
+    )
+
+
+def _pure_rotation() -> Slip:
+    w, q, p, pitch = np.array([0, 0, 1.0]), np.array([0.3, 0, 0]), np.array([0.5, 0.2, 0]), 0.1
+    turning = np.cross(w, p - q)
+    xi = np.append(-np.cross(w, q) + pitch * w, w)
+    along = (screws.hat(xi) @ np.append(p, 1))[:3]
+    return Slip(
+        "A joint that turns and slides (2.2.2)",
+        r"$\dot p = \omega \times (p - q)$ is said of a joint that translates and rotates. It is the velocity of pure "
+        r"rotation. A screw adds $h\omega$, a slide has $\dot p = v$; and altogether $v = -\omega \times q + h\omega$.",
+        f"A point on a screw of pitch {pitch} m/rad moves along the axis at {along @ w:.2f} m/s for each rad/s; the "
+        f"guide's "
+        f"formula says {turning @ w:.0f}.",
+    )
+
+
+def _spatial_twist() -> Slip:
+    xi = joints.revolute([0, 0, 1], [0.4, 0, 0])[:, 0]
+    home = screws.exp([0.9, 0, 0, 0, 0.3, 0])
+    body = screws.adjoint(screws.inverse(home)) @ xi
+    return Slip(
+        "Spatial, not body (2.2.2)",
+        r"The twist of $\dot g g^{-1} = \hat\xi$ is seen from the fixed frame: it is the spatial velocity. The "
+        r"body's is "
+        r"$g^{-1}\dot g$.",
+        f"For a joint 0.4 m from the origin: spatial $v = ({_numbers(xi[:3])})$, body $v = ({_numbers(body[:3])})$ "
+        f"m/s. "
+        f"Taken for each other they are {np.linalg.norm(xi - body):.2f} apart.",
+    )
+
+
+def _home_pose() -> Slip:
+    xi = joints.revolute([0, 0, 1], [0, 0, 0])[:, 0]
+    home = screws.exp([0.8, 0, 0, 0, 0, 0])
+    with_home, without = screws.exp(xi, 0.5) @ home, screws.exp(xi, 0.5)
+    return Slip(
+        "The pose at the beginning (2.2.2)",
+        r"$e^{\hat\xi\theta}$ moves what there is: $g(\theta) = e^{\hat\xi\theta} g(0)$. A tool that is not at the "
+        r"origin "
+        "when the joint stands at zero is missed by as much.",
+        f"A tool 0.8 m out, the joint at 0.5 rad: without $g(0)$ the answer is "
+        f"{np.linalg.norm((with_home - without)[:3, 3]):.2f} m off.",
+    )
+
+
+def _homogeneous_point() -> Slip:
+    g = screws.exp([0.5, 0.2, 0, 0, 0, 1.0])
+    p = np.array([1.0, 0, 0])
+    point, vector = (g @ [*p, 1])[:3], (g @ [*p, 0])[:3]
+    return Slip(
+        "Points with a one below them (2.2.2)",
+        r"$e^{\hat\xi\theta}$ is $4 \times 4$ and moves points $\bar p = (p, 1)$ within one frame: $\dot{\bar p} = "
+        r"\hat\xi \bar p$. With a zero below, it is a direction that is moved, and no translation reaches it.",
+        f"The same three numbers as a point and as a direction end {np.linalg.norm(point - vector):.3f} m apart.",
+    )
+
+
+def _product_without_adjoint() -> Slip:
+    S = np.hstack([joints.revolute([0, 0, 1], [0, 0, 0]), joints.revolute([0, 0, 1], [0.4, 0, 0])])
+    home = screws.exp([0.7, 0, 0, 0, 0, 0])
+    theta = np.array([0.5, 0.8])
+    g = screws.exp(S[:, 0], theta[0]) @ screws.exp(S[:, 1], theta[1]) @ home
+    x = 0.4 * np.cos(theta[0]) + 0.3 * np.cos(theta.sum())
+    return Slip(
+        "The product of exponentials needs no Adjoint (3.1)",
+        r"Twists of the space frame, at home, are all that the space form takes: $g = e^{\hat\xi_1\theta_1} \cdots "
+        r"e^{\hat\xi_n\theta_n} g(0)$. Adjoints come in with the body form and with the Jacobians.",
+        f"The two-link arm by this formula alone: $x = {g[0, 3]:.4f}$ m; by trigonometry: $x = {x:.4f}$ m.",
+    )
+
+
+def _paired_signs() -> Slip:
+    l1, l2, target = 0.4, 0.3, np.array([0.35, 0.3])
+    missed = {
+        (a, b): np.linalg.norm(_tip(l1, l2, *_elbow(l1, l2, target, a, b)) - target) for a in (1, -1) for b in (1, -1)
+    }
+    return Slip(
+        "The signs of the two-link arm go together (3.2)",
+        r"$\theta_2 = \pi \pm \alpha$ and $\theta_1 = \mathrm{atan2}(y, x) \pm \beta$ are two solutions, not four: "
+        r"both with "
+        "plus, or both with minus.",
+        f"With equal signs the tool is ${rough(max(missed[1, 1], missed[-1, -1]))}$ m from the target, with mixed ones "
+        f"{missed[1, -1]:.3f} m; the worst there is, $2l_2$, would be {2 * l2:.1f} m.",
+    )
+
+
+def _one_solution() -> Slip:
+    l1, l2 = 0.4, 0.3
+    stretched = [_elbow(l1, l2, np.array([l1 + l2, 0.0]), sign, sign) for sign in (1, -1)]
+    apart = np.abs(np.exp(1j * stretched[0]) - np.exp(1j * stretched[1])).max()
+    cosine = (l1**2 + l2**2 - (l1 + l2 + 1e-9) ** 2) / (2 * l1 * l2)
+    return Slip(
+        "How many solutions, and where (3.2)",
+        r"Two, where $|l_1 - l_2| < r < l_1 + l_2$; one at either edge, where $\alpha$ is $0$ or $\pi$; none beyond. "
+        r"At "
+        r"$r = 0$ with equal links $\theta_1$ is free. At an edge rounding takes the cosine past one: clamp it. And "
+        r"$\pi + \alpha$ wants wrapping.",
+        f"Stretched out, the two solutions are ${rough(apart)}$ apart. A nanometre further the cosine is "
+        f"$-1 {cosine + 1:+.0e}$, whose arc cosine is not a number.",
+    )
+
+
+def _elbow(l1: float, l2: float, p: Array, a: int, b: int) -> Array:
+    """The guide's formula with the sign `a` on α and `b` on β."""
+    r = np.hypot(*p)
+    alpha = np.arccos(np.clip((l1**2 + l2**2 - r**2) / (2 * l1 * l2), -1, 1))
+    beta = np.arccos(np.clip((r**2 + l1**2 - l2**2) / (2 * l1 * r), -1, 1))
+    return np.array([np.arctan2(p[1], p[0]) + b * beta, np.pi + a * alpha])
+
+
+def _tip(l1: float, l2: float, first: float, second: float) -> Array:
+    return np.array(
+        [l1 * np.cos(first) + l2 * np.cos(first + second), l1 * np.sin(first) + l2 * np.sin(first + second)]
+    )
+
+
+def _far(A: Array, B: Array) -> float:
+    return float(np.abs(A - B).max())
+
+
+def _angle(A: Array, B: Array) -> float:
+    return float(np.degrees(rotations.angle_between(A, B)))
+
+
+def _numbers(values: Array) -> str:
+    return ", ".join(f"{value + 0.0:.2f}" for value in np.round(values, 2))

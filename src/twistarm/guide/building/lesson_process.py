@@ -1,0 +1,140 @@
+"""The process of one lesson: it runs the cells and writes the lesson's text and outputs as HTML.
+
+    python -m twistarm.guide.building.lesson_process LESSON.py SCENES OUT.json
+
+The outcome is JSON: `title`, `body`, `sections` (name and title of each), `scenes` (files), `failed` (empty, or a
+sentence that says which cell and why), and `needs_script`.
+"""
+
+from __future__ import annotations
+
+import ast
+import io
+import json
+import linecache
+import re
+import sys
+import traceback
+from contextlib import redirect_stdout
+from html import escape
+from pathlib import Path
+from typing import Any
+
+from ...support.errors import one_line
+from ..teaching import outlet
+from ..teaching.html import fold, html_of
+from ..teaching.markup import block, program, slug
+from .cells import Cell, cells_of, title_of
+
+SPEECH = {f"guide.{name}" for name in ("figure", "practice", "predict", "say", "scene", "slider", "table")}
+"""Calls that only say or show something."""
+
+LONGEST_OUTPUT = 20_000
+"""Characters of what a cell prints that a page shows."""
+
+
+class Run:
+    """A lesson that runs: its names, what its cells have shown, and the scenes that it has written."""
+
+    def __init__(self, path: Path, scenes: Path) -> None:
+        self.path, self._scenes = path, scenes
+        self._names: dict[str, Any] = {"__name__": "__main__", "__file__": str(path)}
+        self.shown: list[dict[str, Any]] = []
+        self.everything: list[dict[str, Any]] = []
+
+    def cell(self, cell: Cell) -> str:
+        """Run a cell; its output as HTML. What it raises is raised."""
+        self.shown = []
+        printed = io.StringIO()
+        # Lines are counted as in the file, so that an error names its own.
+        program = compile("\n" * (cell.line - 1) + cell.source, str(self.path), "exec")
+        with outlet.installed(self._show), redirect_stdout(printed):
+            exec(program, self._names)
+        self.everything += self.shown
+        text = printed.getvalue()[:LONGEST_OUTPUT].rstrip()
+        words = f'<pre class="printed" tabindex="0"><samp>{escape(text)}</samp></pre>' if text else ""
+        return words + "\n".join(map(html_of, self.shown))
+
+    def _show(self, shown: outlet.Shown) -> None:
+        data = shown.data(self._scenes)
+        if "files" in data:
+            data["files"] = [f"{self._scenes.name}/{name}" for name in data["files"]]
+        self.shown.append(data)
+
+
+def outcome(path: Path, scenes: Path) -> dict[str, Any]:
+    """The lesson at `path`, run; a cell that fails ends it, and the text goes on."""
+    cells = cells_of(path)
+    run = Run(path, scenes)
+    body, failed = [], ""
+    for number, cell in enumerate(cells, start=1):
+        if not cell.code:
+            body.append(f'<div class="text">{block(cell.source)}</div>')
+            continue
+        output = ""
+        if not failed:
+            try:
+                output = run.cell(cell)
+            except Exception as error:
+                failed = f"{path.stem}: cell {number} (line {_line(error, path, cell)}) failed: {_words(error)}"
+                output = f'<p class="failed" role="note">{escape(failed)}. The programs after it did not run.</p>'
+        body.append(_code(cell, output))
+    shown = run.everything
+    return {
+        "title": title_of(cells),
+        "body": "\n".join(body),
+        "sections": [(slug(title), title) for title in _sections(cells)],
+        "scenes": sorted({name for data in shown for name in data.get("files", ())}),
+        "needs_script": any(data["kind"] == "slider" for data in shown),
+        "failed": failed,
+    }
+
+
+def _code(cell: Cell, output: str) -> str:
+    """A program and its output, either of them folded where the cell is tagged so."""
+    whole, told = program(cell.source), without_speech(cell.source)
+    source = program(told) if told else ""
+    if "solution" in cell.tags:
+        return fold("Show the solution", whole + output, "fold solution")
+    if "hidden" in cell.tags:
+        return output + fold("The program behind this", whole, "fold program")
+    if "reveal" in cell.tags:
+        return source + fold("Show the answer", output)
+    return source + output
+
+
+def without_speech(source: str) -> str:
+    """A program without the statements that only say or show something: what they say stands below it."""
+    lines = source.splitlines()
+    try:
+        statements = ast.parse(source).body
+    except SyntaxError:
+        return source
+    for node in statements:
+        call = node.value if isinstance(node, ast.Expr) else None
+        if isinstance(call, ast.Call) and ast.unparse(call.func) in SPEECH:
+            lines[node.lineno - 1 : node.end_lineno] = [""] * ((node.end_lineno or node.lineno) - node.lineno + 1)
+    return re.sub(r"\n{3,}", "\n\n", "\n".join(lines)).strip()
+
+
+def _sections(cells: tuple[Cell, ...]) -> list[str]:
+    lines = (line for cell in cells if not cell.code for line in cell.source.splitlines())
+    return [line[3:].strip() for line in lines if line.startswith("## ")]
+
+
+def _line(error: Exception, path: Path, cell: Cell) -> int:
+    own = [frame.lineno for frame in traceback.extract_tb(error.__traceback__) if frame.filename == str(path)]
+    return own[-1] or cell.line if own else getattr(error, "lineno", None) or cell.line
+
+
+def _words(error: Exception) -> str:
+    if isinstance(error, AssertionError) and not str(error):
+        frame = traceback.extract_tb(error.__traceback__)[-1]
+        claim = linecache.getline(frame.filename, frame.lineno or 0).strip()
+        return one_line(f"what it claims does not hold here: {claim}", 300)
+    return one_line(f"{type(error).__name__}: {error}", 300)
+
+
+if __name__ == "__main__":
+    lesson, scenes_folder, result = map(Path, sys.argv[1:])
+    result.write_text(json.dumps(outcome(lesson, scenes_folder)), "utf-8")

@@ -1,0 +1,189 @@
+"""The pages of the site: a lesson, the contents, the errata, in the one template."""
+
+from __future__ import annotations
+
+import hashlib
+from collections.abc import Iterable, Mapping
+from html import escape
+from importlib.resources import files
+from string import Template
+from typing import Any
+
+import twistarm
+
+from ...model.arm import Arm
+from ..course import LESSONS, PARTS, SECTIONS, lessons
+from ..teaching.html import html_of
+from ..teaching.markup import block
+
+POLICY = (
+    "default-src 'none'; script-src 'nonce-{nonce}'; style-src-elem 'nonce-{nonce}'; style-src-attr 'unsafe-inline'; "
+    "img-src data:; frame-src 'self' file:"
+)
+"""Scripts and style sheets are those that the page names; figures have style attributes. A frame holds a scene, which
+lies beside the page: 'self' where it is served, file: where it is opened from disk.
+"""
+
+STYLE = "style.css"
+
+SCRIPTS = tuple(f"sliders/{name}.js" for name in ("numbers", "bench", "space", "plane", "start"))
+"""Of pages with sliders, in the order in which they need one another."""
+
+Titles = Mapping[str, str]
+"""Of the lessons, by name."""
+
+
+def site_text(name: str) -> str:
+    """A file of the site as it comes with the package."""
+    return files("twistarm.guide").joinpath("site").joinpath(name).read_text("utf-8")
+
+
+def lesson_page(name: str, outcome: Mapping[str, Any], titles: Titles, arm: Arm) -> str:
+    """A lesson as a page."""
+    items = "".join(f'<li><a href="#{anchor}">{escape(title)}</a></li>' for anchor, title in outcome["sections"])
+    file = f'<p><a href="{name}.py" download>This lesson as a program</a></p>'
+    contents = f'<nav class="contents" aria-label="In this lesson"><ol>{items}</ol>{file}</nav>'
+    return _page(
+        kind="lesson",
+        title=f"{outcome['title']} · the guide",
+        body=outcome["body"],
+        contents=contents,
+        neighbours=_neighbours(name, titles),
+        arm=arm,
+        script=bool(outcome["needs_script"]),
+    )
+
+
+def index_page(titles: Titles, arm: Arm, failed: Iterable[str]) -> str:
+    """The contents: the parts with their lessons, and the guide's sections with the lesson that teaches each."""
+    parts = "".join(
+        f'<section><h2 id="part-{number}">{escape(part.title)}</h2><ol>{_lessons(part.lessons, titles)}</ol></section>'
+        for number, part in enumerate(PARTS, start=1)
+        if any(name in titles for name in part.lessons)
+    )
+    rows = "".join(
+        f'<tr><th scope="row">{section}</th><td>{escape(topic)}</td><td>{_link(name, titles)}</td></tr>'
+        for section, topic, name in SECTIONS
+        if name in titles
+    )
+    failures = "".join(f'<p class="failed" role="note">{escape(words)}</p>' for words in failed)
+    body = (
+        f"<h1>Screws, from the guide to your arm</h1>{failures}"
+        f"{block(INTRODUCTION.format(arm=_as_code(arm.name), n=_joints(arm)))}{parts}"
+        f'<h2 id="exercises">Exercises that grade themselves</h2>{block(EXERCISES)}'
+        '<h2 id="sections">Where each section of the guide is taught</h2>'
+        '<div class="wide" role="group" aria-label="Sections of the guide" tabindex="0"><table><thead><tr>'
+        '<th scope="col">Section</th><th scope="col">What is in it</th><th scope="col">Lesson</th></tr></thead>'
+        f"<tbody>{rows}</tbody></table></div>"
+    )
+    first = next(iter(titles), "")
+    onward = (
+        f'<nav class="neighbours" aria-label="Lessons"><span></span>{_turn(first, titles, "next")}</nav>'
+        if first
+        else ""
+    )
+    return _page(kind="index", title="The guide", body=body, contents="", neighbours=onward, arm=arm, here="index")
+
+
+INTRODUCTION = """This course finishes the team's guide to manipulation. Its lessons are run, not written: every number
+on these pages was computed when they were built, on {arm}, an arm of {n}.
+
+A lesson takes ten to twenty minutes. It begins with a question that somebody has who builds an arm, states the law and
+where it comes from, and shows it on the arm. Where it asks you to **predict**, do so before you unfold the answer: what
+you got wrong is what you will remember. Work with a pencil, and with Python at hand."""
+
+
+EXERCISES = f"""Each lesson ends with exercises: functions to write, which are graded on random instances and on the
+screws of your arm. A mistake that is known is named.
+
+```sh
+twistarm guide exercises -o my_exercises
+twistarm guide check my_exercises/{LESSONS[0]}.py --arm my_arm.urdf
+twistarm guide progress my_exercises
+```
+
+The first writes the files to fill in, one for each lesson, and those for Octave and MATLAB; it never replaces one that
+is there. Without `--arm` the screws are those of the bundled rover arm. The last shows what is right and what is still
+to do."""
+
+
+def errata_page(slips: Iterable[Mapping[str, str]], arm: Arm) -> str:
+    """What the team's guide says, what is right, and the number that shows it."""
+    entries = "".join(
+        f'<section class="slip"><h2 id="slip-{number}">{number}. {slip["title"]}</h2>{block(slip["words"])}'
+        f"{html_of({'kind': 'text', 'markdown': slip['shown']})}</section>"
+        for number, slip in enumerate(slips, start=1)
+    )
+    body = f"<h1>Errata of the guide</h1>{block(ERRATA)}{entries}"
+    return _page(
+        kind="errata", title="Errata · the guide", body=body, contents="", neighbours="", arm=arm, here="errata"
+    )
+
+
+ERRATA = """Where the team's guide slips, in our words, and for each slip the number that shows it. Nothing here is
+typed by hand: the numbers were computed when this page was built."""
+
+
+def _page(
+    *,
+    kind: str,
+    title: str,
+    body: str,
+    contents: str,
+    neighbours: str,
+    arm: Arm,
+    script: bool = False,
+    here: str = "",
+) -> str:
+    nonce = hashlib.sha256(body.encode()).hexdigest()[:24]
+    current = ' aria-current="page"'
+    return Template(site_text("page.html")).substitute(
+        kind=kind,
+        title=escape(title),
+        body=body,
+        contents=contents,
+        neighbours=neighbours,
+        arm=escape(arm.name),
+        version=twistarm.__version__,
+        policy=POLICY.format(nonce=nonce),
+        nonce=nonce,
+        script="".join(f'<script defer src="assets/{name}" nonce="{nonce}"></script>\n' for name in SCRIPTS if script),
+        here=current if here == "index" else "",
+        there=current if here == "errata" else "",
+    )
+
+
+def _neighbours(name: str, titles: Titles) -> str:
+    order = [each for each in lessons() if each in titles]
+    at = order.index(name)
+    before = _turn(order[at - 1], titles, "prev") if at else "<span></span>"
+    after = _turn(order[at + 1], titles, "next") if at + 1 < len(order) else "<span></span>"
+    return f'<nav class="neighbours" aria-label="Lessons">{before}{after}</nav>'
+
+
+def _turn(name: str, titles: Titles, direction: str) -> str:
+    word = "Next" if direction == "next" else "Previous"
+    return f'<a rel="{direction}" href="{name}.html"><small>{word}</small> {escape(titles[name])}</a>'
+
+
+def _lessons(names: Iterable[str], titles: Titles) -> str:
+    topics: dict[str, list[str]] = {}
+    for _, topic, name in SECTIONS:
+        topics.setdefault(name, []).append(topic)
+    return "".join(
+        f"<li>{_link(name, titles)} <small>{escape('; '.join(topics[name]))}</small></li>"
+        for name in names
+        if name in titles
+    )
+
+
+def _link(name: str, titles: Titles) -> str:
+    return f'<a href="{name}.html">{escape(titles[name])}</a>'
+
+
+def _joints(arm: Arm) -> str:
+    return f"{arm.n} joint{'s' * (arm.n != 1)}"
+
+
+def _as_code(name: str) -> str:
+    return f"`{name.replace('`', '')}`"

@@ -1,0 +1,196 @@
+"""Exercises of the capstone: from a target to setpoints."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from typing import Any
+
+import numpy as np
+
+from ...model.arm import Arm
+from ...support.checks import Array
+from .exercise import Exercise, Slip
+from .independent import tool
+from .instances import TIMES, chain, own_chain, pose
+
+
+def pregrasp(g_object: Array, distance: float) -> Array:
+    """The pose (4, 4) from which the tool approaches: that of the grasp, `g_object` (4, 4), drawn back by `distance`
+    [m] along the grasp's own z axis, which points into the object.
+    """
+    back = np.eye(4)
+    back[2, 3] = -distance
+    g: Array = g_object @ back
+    return g
+
+
+def solve_pose(screws: Array, home: Array, x0: Array, target: Array) -> Array:
+    """Joint values (m,) [rad, m] that bring the tool to `target` (4, 4), searched from `x0` (m,), which is near.
+
+    `screws` (6, m) and `home` (4, 4) are the arm's. Repeat: the error g⁻¹ g_target as a twist, a damped step of the
+    body Jacobian. `fk` and `body_jacobian` of twistarm.theory.poe, `inverse` and `log` of twistarm.theory.screws, or
+    your own.
+    """
+    from twistarm.theory.poe import body_jacobian, fk
+    from twistarm.theory.screws import inverse, log
+
+    x = x0.copy()
+    for _ in range(100):
+        error = log(inverse(fk(screws, home, x)) @ target)
+        if np.abs(error).max() < 1e-10:
+            break
+        J = body_jacobian(screws, home, x)
+        x = x + J.T @ np.linalg.solve(J @ J.T + 1e-8 * np.eye(6), error)
+    return x
+
+
+def setpoints(x0: Array, x1: Array, duration: float, period: float) -> Array:
+    """What is sent to the joints, (N, m): their values every `period` [s] from 0 to `duration` [s], both ends among
+    them, on the cubic from rest at `x0` (m,) to rest at `x1` (m,). The duration is a whole number of periods.
+    """
+    N = round(duration / period) + 1
+    s = np.linspace(0.0, 1.0, N)[:, None]
+    return x0 + (3 * s**2 - 2 * s**3) * (x1 - x0)
+
+
+def _grasps(rng: np.random.Generator, arm: Arm) -> Iterator[tuple[Any, ...]]:
+    yield from ((pose(rng), float(rng.uniform(0.05, 0.3))) for _ in range(TIMES))
+    yield tool(*own_chain(rng, arm)), 0.1
+
+
+def _tasks(rng: np.random.Generator, arm: Arm) -> Iterator[tuple[Any, ...]]:
+    """Targets that are met, for the joints' values come first."""
+    for k in range(5):
+        screws, home, x = chain(rng) if k < 3 else own_chain(rng, arm)
+        yield screws, home, x + rng.uniform(-0.15, 0.15, len(x)), tool(screws, home, x)
+
+
+def _courses(rng: np.random.Generator, arm: Arm) -> Iterator[tuple[Any, ...]]:
+    for n in (1, 3, 5, 6, arm.n):
+        period = float(rng.choice([0.1, 0.25, 0.05]))
+        yield rng.normal(size=n), rng.normal(size=n), period * int(rng.integers(7, 20)), period
+
+
+def _solved(screws: Array, home: Array, x0: Array, target: Array) -> Array:
+    """By SciPy's least squares on the numbers of the matrices."""
+    from scipy.optimize import least_squares
+
+    def off(x: Array) -> Array:
+        return np.asarray((tool(screws, home, x) - target)[:3].ravel())
+
+    return np.asarray(least_squares(off, x0, xtol=1e-12, ftol=1e-12, gtol=1e-12).x)
+
+
+def _reached(x: Array, screws: Array, home: Array, x0: Array, target: Array) -> Array:
+    """Where the tool is at those joint values: several may be right."""
+    return tool(screws, home, x)
+
+
+def _course(x0: Array, x1: Array, duration: float, period: float) -> Array:
+    """Each joint by itself, on the polynomial of its four conditions."""
+    A = np.array(
+        [[1, 0, 0, 0], [0, 1, 0, 0], [1, duration, duration**2, duration**3], [0, 1, 2 * duration, 3 * duration**2]],
+        float,
+    )
+    times = [k * period for k in range(int(duration / period + 1.5))]
+    courses = [np.linalg.solve(A, [a, 0.0, b, 0.0]) for a, b in zip(x0, x1, strict=True)]
+    return np.array([[c @ [1, t, t**2, t**3] for c in courses] for t in times])
+
+
+EXERCISES = (
+    Exercise(
+        pregrasp,
+        lambda g, d: np.column_stack([g[:, :3], g[:, 3] - d * g[:, 2]]),
+        _grasps,
+        (
+            Slip(
+                "left for right",
+                "You multiply from the left: that moves along the base's z axis. Along the grasp's own "
+                "it is multiplied from the right.",
+                {"g_object @ back": "back @ g_object"},
+            ),
+            Slip(
+                "forwards",
+                "You go forwards, into the object: its z axis points inwards, so the way back is −distance.",
+                {"= -distance": "= distance"},
+            ),
+            Slip(
+                "along x",
+                "You go along the grasp's x axis; z is the third.",
+                {"back[2, 3]": "back[0, 3]"},
+            ),
+            Slip(
+                "row for column",
+                "The translation stands in the last row: it belongs into the last column, back[2, 3].",
+                {"back[2, 3]": "back[3, 2]"},
+            ),
+            Slip(
+                "grasp forgotten",
+                "You return the way back alone: multiply the grasp's pose by it.",
+                {"g_object @ back": "back"},
+            ),
+        ),
+    ),
+    Exercise(
+        solve_pose,
+        _solved,
+        _tasks,
+        (
+            Slip(
+                "degrees",
+                "Your joint values are in degrees: leave np.degrees out.",
+                {"return x": "return np.degrees(x)"},
+            ),
+            Slip(
+                "start returned",
+                "You return the start as it was: did the loop never run, or did you return x0?",
+                {"return x": "return x0"},
+            ),
+            Slip(
+                "change returned",
+                "You return the change alone: add it to x0.",
+                {"return x": "return x - x0"},
+            ),
+            Slip(
+                "pose returned",
+                "You return the pose that was reached; asked for are the joint values.",
+                {"return x": "return fk(screws, home, x)"},
+            ),
+        ),
+        tolerance=1e-5,
+        seen=_reached,
+    ),
+    Exercise(
+        setpoints,
+        _course,
+        _courses,
+        (
+            Slip(
+                "straight line",
+                "The joints move evenly and start with a jerk: ease them with 3 s² − 2 s³.",
+                {"(3 * s**2 - 2 * s**3)": "s"},
+            ),
+            Slip(
+                "end missing",
+                "The last setpoint is missing (or the steps are too short): both ends are sent, N = "
+                "duration / period + 1.",
+                {"+ 1\n": "\n", "np.linspace(0.0, 1.0, N)": "np.arange(N) / N"},
+            ),
+            Slip(
+                "not divided by the duration",
+                "You put the time itself into the polynomial: s = t / duration goes from 0 to 1.",
+                {"np.linspace(0.0, 1.0, N)": "np.linspace(0.0, duration, N)"},
+            ),
+            Slip(
+                "a column each",
+                "Your setpoints stand in columns; a row for each moment is asked for, (N, m).",
+                {"return x0 + (3 * s**2 - 2 * s**3) * (x1 - x0)": "return (x0 + (3 * s**2 - 2 * s**3) * (x1 - x0)).T"},
+            ),
+            Slip(
+                "one too few, spread",
+                "One setpoint is missing: from 0 to the duration there are duration / period + 1 moments.",
+                {"+ 1\n": "\n"},
+            ),
+        ),
+    ),
+)

@@ -1,0 +1,68 @@
+"""The files that a reader fills in: a Python file for each lesson, and the tasks for Octave and MATLAB."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from pathlib import Path
+
+from ...model.arm import Arm
+from ...support.errors import InputError
+from ...support.files import write_whole
+from . import LESSONS, exercises_of
+from .octave_files import octave_files
+
+HEAD = '''"""Exercises of the lesson {lesson}.
+
+Fill in the functions, and have them graded:
+
+    twistarm guide check {file}
+
+Angles are in radians, twists are (v, ω), poses are 4 × 4 arrays.
+"""
+
+import numpy as np
+from numpy.typing import NDArray
+
+Array = NDArray[np.float64]
+'''
+
+
+def python_text(lesson: str) -> str:
+    """The Python file of a lesson, its functions to be filled in."""
+    head = HEAD.format(lesson=lesson, file=f"{lesson}.py")
+    return "\n\n".join([head, *(exercise.template for exercise in exercises_of(lesson))])
+
+
+def exercise_files(arm: Arm) -> Iterator[tuple[str, str]]:
+    """Name and text of every file; those for Octave and MATLAB hold instances of that arm."""
+    for lesson in LESSONS:
+        yield f"{lesson}.py", python_text(lesson)
+    for name, text in octave_files(arm):
+        yield f"octave/{name}", text
+
+
+def write_exercises(folder: Path, arm: Arm) -> tuple[list[str], list[str]]:
+    """Write the files into a folder, made where it is not there; a file that is there stays as it is.
+
+    Args:
+        folder: Where to.
+        arm: The arm whose screws are among the instances for Octave and MATLAB.
+
+    Returns:
+        The names of the files written, and of those that stayed.
+
+    Raises:
+        InputError: The folder cannot be made, or written to.
+    """
+    written, stayed = [], []
+    try:
+        (folder / "octave").mkdir(parents=True, exist_ok=True)
+    except OSError as error:
+        raise InputError(f"cannot make the folder {folder}: {error.strerror or error}") from error
+    for name, text in exercise_files(arm):
+        if (folder / name).exists() or (folder / name).is_symlink():
+            stayed.append(name)
+        else:
+            write_whole(folder / name, text)
+            written.append(name)
+    return written, stayed

@@ -1,0 +1,196 @@
+"""Exercises on the six joint types."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from typing import Any
+
+import numpy as np
+
+from ...model.arm import Arm
+from ...support.checks import Array
+from .exercise import Exercise, Slip
+from .independent import crossing
+from .instances import TIMES, own_chain, unit
+from .words import ANGULAR_FIRST
+
+
+def joint_twist(kind: str, axis: Array, point: Array, pitch: float) -> Array:
+    """The twist (v, ω), (6,), of a joint with the unit vector `axis` (3,).
+
+    `kind` is "revolute" (a turn about the line through `point` (3,)), "prismatic" (a slide along the axis) or "helical"
+    (a turn with `pitch` metres of slide for each radian).
+    """
+    if kind == "prismatic":
+        return np.concatenate([axis, np.zeros(3)])
+    v = -np.cross(axis, point)
+    if kind == "helical":
+        v = v + pitch * axis
+    return np.concatenate([v, axis])
+
+
+def ball_joint(point: Array) -> Array:
+    """The twists of a ball joint centred at `point` (3,): (6, 3), columns for turns about the z, y and x axes of the
+    space frame, in this order.
+    """
+    return np.column_stack([np.concatenate([-np.cross(w, point), w]) for w in np.eye(3)[::-1]])
+
+
+def degrees_of_freedom(screws: Array) -> int:
+    """In how many independent ways joints move what they carry: of the twists in the columns of `screws` (6, m), those
+    that are not made up of the others. Numbers below 1e-9 are rounding.
+    """
+    return int(np.linalg.matrix_rank(screws, tol=1e-9))
+
+
+def _kinds(rng: np.random.Generator, arm: Arm) -> Iterator[tuple[Any, ...]]:
+    for kind in ("revolute", "prismatic", "helical") * 3:
+        yield kind, unit(rng), rng.normal(size=3), float(rng.uniform(0.05, 0.4))
+
+
+def _centres(rng: np.random.Generator, arm: Arm) -> Iterator[tuple[Any, ...]]:
+    yield from ((rng.normal(size=3),) for _ in range(TIMES))
+
+
+def _stacks(rng: np.random.Generator, arm: Arm) -> Iterator[tuple[Any, ...]]:
+    """Joints with a fourth turn about a ball's centre, a plane's joints with one more, a doubled one; the arm's own."""
+    w, q = unit(rng), rng.normal(size=3)
+    turns = [np.concatenate([-np.cross(each, q), each]) for each in (*np.eye(3), unit(rng))]
+    slides = [np.concatenate([np.cross(w, each), np.zeros(3)]) for each in (unit(rng), unit(rng), unit(rng))]
+    about_w = np.concatenate([-np.cross(w, q), w])
+    yield (np.column_stack(turns),)
+    yield (np.column_stack([*slides, about_w]),)
+    yield (np.column_stack([about_w, 2.0 * about_w]),)
+    yield (np.column_stack([about_w, np.concatenate([w, np.zeros(3)])]),)
+    yield (rng.normal(size=(6, 7)),)
+    yield (rng.normal(size=(6, 5)),)
+    screws = own_chain(rng, arm)[0]
+    values = np.linalg.svd(screws, compute_uv=False)
+    if not np.any((values > 1e-12) & (values < 1e-4)):  # where rounding of a description decides, no answer is right
+        yield (screws,)
+
+
+def _by_velocities(kind: str, axis: Array, point: Array, pitch: float) -> Array:
+    """v is what the point of the body at the origin does."""
+    if kind == "prismatic":
+        return np.array([*axis, 0.0, 0.0, 0.0])
+    slide = pitch if kind == "helical" else 0.0
+    return np.array([*(crossing(point) @ axis + slide * axis), *axis])
+
+
+def _ball(point: Array) -> Array:
+    x, y, z = point
+    return np.array([[y, -z, 0.0], [-x, 0.0, z], [0.0, x, -y], [0.0, 0.0, 1.0], [0.0, 1.0, 0.0], [1.0, 0.0, 0.0]])
+
+
+def _rank(screws: Array) -> int:
+    return int((np.linalg.eigvalsh(screws @ screws.T) > 1e-12).sum())
+
+
+EXERCISES = (
+    Exercise(
+        joint_twist,
+        _by_velocities,
+        _kinds,
+        (
+            Slip(
+                "slide that turns",
+                "Your prismatic joint has ω = axis: a slide does not turn. Its twist is (axis, 0).",
+                {"[axis, np.zeros(3)]": "[axis, axis]"},
+            ),
+            Slip(
+                "slide about a point",
+                "Your prismatic joint is (0, axis) or has −ω × q: a slide is (axis, 0), wherever the joint stands.",
+                {"[axis, np.zeros(3)]": "[np.zeros(3), axis]"},
+            ),
+            Slip(
+                "sign of the moment",
+                "Your v has +ω × q: a turn moves the point of the body at the origin with −ω × q.",
+                {"v = -np.cross(axis, point)": "v = np.cross(axis, point)"},
+            ),
+            Slip(
+                "pitch forgotten",
+                "Your helical joint slides not: add pitch · axis to v.",
+                {"v = v + pitch * axis": "v = v + 0.0 * axis"},
+            ),
+            Slip(
+                "pitch for all",
+                "The pitch is added to revolute joints too: they have none, whatever `pitch` holds.",
+                {'if kind == "helical":': "if True:"},
+            ),
+            Slip(
+                "pitch inverted",
+                "You divide by the pitch; it is metres for each radian, so v gets pitch · axis.",
+                {"pitch * axis": "axis / pitch"},
+            ),
+            Slip(
+                "angular first",
+                ANGULAR_FIRST,
+                {"[axis, np.zeros(3)]": "[np.zeros(3), axis]", "[v, axis]": "[axis, v]"},
+            ),
+            Slip(
+                "through the origin",
+                "Your turns go through the origin: the point of the axis is not used. v = −ω × q.",
+                {"v = -np.cross(axis, point)": "v = np.zeros(3)"},
+            ),
+        ),
+    ),
+    Exercise(
+        ball_joint,
+        _ball,
+        _centres,
+        (
+            Slip(
+                "order of the columns",
+                "Your columns are the turns about x, y and z; asked for are z, y and x, the order of "
+                "URDF's yaw, pitch, roll.",
+                {"np.eye(3)[::-1]": "np.eye(3)"},
+            ),
+            Slip(
+                "rows for columns",
+                "A twist stands in each row of yours; asked for are columns, (6, 3): transpose.",
+                {"np.column_stack": "np.array"},
+            ),
+            Slip(
+                "through the origin",
+                "Your turns go through the origin: v = −ω × q for each.",
+                {"-np.cross(w, point)": "np.zeros(3)"},
+            ),
+            Slip(
+                "sign of the moment",
+                "Your v has +ω × q: it is −ω × q for each of the turns.",
+                {"-np.cross(w, point)": "np.cross(w, point)"},
+            ),
+            Slip("angular first", ANGULAR_FIRST, {"[-np.cross(w, point), w]": "[w, -np.cross(w, point)]"}),
+        ),
+    ),
+    Exercise(
+        degrees_of_freedom,
+        _rank,
+        _stacks,
+        (
+            Slip(
+                "joints counted",
+                "You count the joints. Four turns about one point move a body in three ways: count the "
+                "columns that are independent, the rank.",
+                {"int(np.linalg.matrix_rank(screws, tol=1e-9))": "screws.shape[1]"},
+            ),
+            Slip(
+                "six at most",
+                "You take the smaller of six and the number of joints: joints that repeat what others do count as well "
+                "then. It is the rank.",
+                {"int(np.linalg.matrix_rank(screws, tol=1e-9))": "min(screws.shape)"},
+            ),
+            Slip(
+                "turns alone",
+                "You look at ω alone: slides move a body too. Take the rank of all six rows.",
+                {"matrix_rank(screws,": "matrix_rank(screws[3:],"},
+            ),
+            Slip(
+                "velocities alone",
+                "You look at v alone: take the rank of all six rows.",
+                {"matrix_rank(screws,": "matrix_rank(screws[:3],"},
+            ),
+        ),
+    ),
+)

@@ -1,0 +1,181 @@
+"""Exercises on the workspace."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from typing import Any
+
+import numpy as np
+
+from ...model.arm import Arm
+from ...support.checks import Array
+from .exercise import Exercise, Slip
+from .independent import tool
+from .instances import chain, own_chain
+from .words import DEGREES, NO_HOME
+
+
+def reachable(l1: float, l2: float, x: float, y: float) -> bool:
+    """Whether the tip of the two-link arm with links `l1` and `l2` can be at (x, y) [m]; edges are reachable.
+
+    Allow 1e-9 m of rounding at the edges.
+    """
+    r = np.hypot(x, y)
+    return bool(abs(l1 - l2) - 1e-9 <= r <= l1 + l2 + 1e-9)
+
+
+def dextrous(l1: float, l2: float, l3: float) -> Array:
+    """The least and the greatest distance from the base, (2,) [m], where the tip of a planar arm of three links can be
+    in *every* direction, wherever the third link points. Here l1 ≥ l2 + l3 and l2 ≥ l3.
+    """
+    return np.array([l1 - l2 + l3, l1 + l2 - l3])
+
+
+def cloud(screws: Array, home: Array, postures: Array) -> Array:
+    """Where the tool's origin is, (N, 3) [m], at N postures (N, m) [rad, m] of an arm with twists `screws` (6, m) and
+    home pose `home` (4, 4).
+    """
+    from twistarm.theory.screws import exp
+
+    points = []
+    for x in postures:
+        g = np.eye(4)
+        for xi, value in zip(screws.T, x, strict=True):
+            g = g @ exp(xi, value)
+        points.append((g @ home)[:3, 3])
+    return np.array(points)
+
+
+def _targets(rng: np.random.Generator, arm: Arm) -> Iterator[tuple[Any, ...]]:
+    for l1, l2 in ((0.5, 0.3), (0.3, 0.5), (0.4, 0.4)):
+        for r in (0.05, 0.15, 0.25, 0.35, 0.7, 0.79, 0.85):
+            turn = rng.uniform(-np.pi, np.pi)
+            yield l1, l2, float(r * np.cos(turn)), float(r * np.sin(turn))
+    yield 2.0, 3.0, 3.0, 4.0
+    yield 3.0, 8.0, -3.0, 4.0
+    yield 0.4, 0.4, 0.0, 0.0
+
+
+def _links(rng: np.random.Generator, arm: Arm) -> Iterator[tuple[Any, ...]]:
+    for _ in range(6):
+        l3 = rng.uniform(0.1, 0.3)
+        l2 = l3 + rng.uniform(0.05, 0.3)
+        yield float(l2 + l3 + rng.uniform(0.05, 0.4)), float(l2), float(l3)
+
+
+def _postures(rng: np.random.Generator, arm: Arm) -> Iterator[tuple[Any, ...]]:
+    for _ in range(3):
+        screws, home, x = chain(rng)
+        yield screws, home, x * rng.uniform(-1.0, 1.0, (4, 1))
+    screws, home, _ = own_chain(rng, arm)
+    yield screws, home, arm.random_theta(rng, 4) @ arm.coupling.A.T
+
+
+def _triangle(l1: float, l2: float, x: float, y: float) -> bool:
+    """Three lengths make a triangle: none is longer than the other two together."""
+    r = np.sqrt(x * x + y * y)
+    return bool(all(2 * side <= l1 + l2 + r + 2e-9 for side in (l1, l2, r)))
+
+
+def _by_the_wrist(l1: float, l2: float, l3: float) -> Array:
+    """The wrist moves in an annulus, and a whole circle of radius l3 about the tip must lie in it."""
+    inner, outer = l1 - l2, l1 + l2
+    distances = np.linspace(0.0, l1 + l2 + l3, 100_001)
+    inside = (np.abs(distances - l3) >= inner) & (distances + l3 <= outer)
+    inside &= distances >= l3
+    return np.array([distances[inside][0], distances[inside][-1]])
+
+
+EXERCISES = (
+    Exercise(
+        reachable,
+        _triangle,
+        _targets,
+        (
+            Slip(
+                "hole forgotten",
+                "Points near the base are called reachable: with links of different lengths there is a hole of radius "
+                "|l1 − l2|.",
+                {"abs(l1 - l2) - 1e-9 <= r": "0.0 <= r"},
+            ),
+            Slip(
+                "no absolute value",
+                "The hole has the radius |l1 − l2|: without the absolute value it vanishes where the "
+                "second link is longer.",
+                {"abs(l1 - l2)": "(l1 - l2)"},
+            ),
+            Slip(
+                "edges excluded",
+                "The edges are reachable too: there the arm is stretched out or folded. Use <= and allow for rounding.",
+                {"- 1e-9 <= r <= l1 + l2 + 1e-9": "+ 1e-9 < r < l1 + l2 - 1e-9"},
+            ),
+            Slip(
+                "outer edge forgotten",
+                "Points farther than l1 + l2 are called reachable.",
+                {" <= l1 + l2 + 1e-9": ""},
+            ),
+            Slip(
+                "square for length",
+                "You compare x² + y², which is r², with lengths: take the root (np.hypot).",
+                {"r = np.hypot(x, y)": "r = x * x + y * y"},
+            ),
+        ),
+    ),
+    Exercise(
+        dextrous,
+        _by_the_wrist,
+        _links,
+        (
+            Slip(
+                "reachable for dextrous",
+                "These are the edges of the reachable workspace, which the tip reaches in one direction "
+                "alone. For every direction the third link must fit inside: it narrows the annulus on "
+                "both sides.",
+                {"[l1 - l2 + l3, l1 + l2 - l3]": "[l1 - l2 - l3, l1 + l2 + l3]"},
+            ),
+            Slip(
+                "third link forgotten",
+                "This is where the wrist can be. Around it the third link needs room: it narrows the annulus on both "
+                "sides.",
+                {"[l1 - l2 + l3, l1 + l2 - l3]": "[l1 - l2, l1 + l2]"},
+            ),
+            Slip(
+                "outer alone",
+                "The outer edge is right; the inner one goes outwards by l3: even with the third link "
+                "towards the base the wrist must not be in the hole.",
+                {"[l1 - l2 + l3,": "[l1 - l2 - l3,"},
+            ),
+            Slip(
+                "inner alone",
+                "The inner edge is right; the outer one comes inwards by l3: even with the third link "
+                "away from the base the wrist must be in reach.",
+                {"l1 + l2 - l3]": "l1 + l2 + l3]"},
+            ),
+        ),
+        tolerance=5e-5,
+    ),
+    Exercise(
+        cloud,
+        lambda screws, home, postures: np.array([tool(screws, home, x)[:3, 3] for x in postures]),
+        _postures,
+        (
+            Slip("home forgotten", NO_HOME, {"(g @ home)": "g"}),
+            Slip(
+                "a column each",
+                "Your points stand in columns, (3, N); a row each is asked for, (N, 3).",
+                {"return np.array(points)": "return np.array(points).T"},
+            ),
+            Slip("degrees", DEGREES, {"exp(xi, value)": "exp(xi, np.radians(value))"}),
+            Slip(
+                "goes on from the last",
+                "Each posture goes on from the one before: begin each with the identity, inside the loop.",
+                {"    points = []\n": "    points = []\n    g = np.eye(4)\n", "        g = np.eye(4)\n": ""},
+            ),
+            Slip(
+                "row for column",
+                "You read the last row of the pose; the origin is its last column, g[:3, 3].",
+                {"[:3, 3]": "[3, :3]"},
+            ),
+        ),
+    ),
+)

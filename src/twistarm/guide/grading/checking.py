@@ -1,0 +1,160 @@
+"""Grading: a file of the reader's, a results file of Octave or MATLAB, or a function of a notebook."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Callable, Mapping, Sequence
+from pathlib import Path
+from typing import Any
+
+from ...model.arm import Arm
+from ...support.errors import InputError, UnknownNameError, closest, listed, one_line, shown
+from ...support.files import read_bounded, why_no_file
+from ..exercises import LESSONS, Exercise, every_exercise, exercises_of
+from .answers import of_worker
+from .progress import kept
+from .report import Report
+from .results import HEADER, read_results
+from .sandbox import SECONDS, Run, run, run_function
+from .verdict import Case, Verdict, cases_of, judged
+
+LARGEST_FILE = 2**24
+"""Bytes of a reader's file or of a results file."""
+
+
+def check(function: Callable[..., Any], arm: Arm, seed: int = 0) -> Report:
+    """Grade a function as the exercise of its name, in a copy of this process.
+
+    Args:
+        function: The reader's function.
+        arm: The arm whose screws are among the instances.
+        seed: Of the random instances.
+
+    Returns:
+        The report.
+
+    Raises:
+        InputError: It is no function.
+        UnknownNameError: There is no exercise of its name.
+    """
+    if not callable(function) or not hasattr(function, "__code__"):
+        raise InputError(f"check takes a function, as in check(rotation_z), without a call; got {shown(function)}")
+    name = function.__name__
+    exercises = every_exercise()
+    if name not in exercises:
+        raise UnknownNameError(f"there is no exercise {name!r}{closest(name, exercises)}")
+    cases = cases_of(exercises[name], arm, seed)
+    done = run_function(function, {name: [case.arguments for case in cases]})
+    answers = done.answers.get(name, done.ended or "gave no answer")
+    report = Report(name, (_verdict(exercises[name], cases, answers),), printed=done.printed)
+    kept(Path(), report, only_there=True)
+    return report
+
+
+def check_file(path: Path, arm: Arm, seed: int = 0, seconds: float = SECONDS) -> Report:
+    """Grade the exercises in a Python file, or in a results file that the Octave and MATLAB scripts write.
+
+    A file named as a lesson (`2_1_1_quaternions.py`) is expected to have all its exercises; in any other the functions
+    that are there are graded.
+
+    Args:
+        path: The file.
+        arm: The arm whose screws are among the instances.
+        seed: Of the random instances.
+        seconds: Time for the file, and for each exercise.
+
+    Returns:
+        The report; also where the file has an error.
+
+    Raises:
+        InputError: There is no such file, or it is no text.
+    """
+    text = _text(path)
+    if text.startswith(HEADER):
+        return Report(path.name, tuple(judged(*each) for each in read_results(text, path)))
+    expected, mentioned = _exercises_in(text, path)
+    cases = {name: cases_of(each, arm, seed) for name, each in mentioned.items()}
+    instances = {name: [case.arguments for case in rows] for name, rows in cases.items()}
+    done = run(text, path.name, path.absolute().parent, instances, seconds)
+    if problem := _problem(done):
+        return Report(path.name, problem=problem, excerpt=_excerpt(done), printed=done.printed)
+    verdicts = [
+        _verdict(mentioned[name], cases[name], done.answers[name]) if name in done.answers else _missing(each, done)
+        for name, each in mentioned.items()
+        if name in done.answers or name in expected
+    ]
+    if not verdicts:
+        there = f"its functions are {listed(done.own)}" if done.own else "it has no functions"
+        near = next((words for name in done.own if (words := closest(name, every_exercise()))), "")
+        problem = f"it has none of the exercises: {there}{near}; `twistarm guide exercises` writes files to fill in"
+        return Report(path.name, problem=problem, printed=done.printed)
+    return Report(path.name, tuple(verdicts), printed=done.printed)
+
+
+def _text(path: Path) -> str:
+    """What a file holds; InputError where that is no text."""
+    if why := why_no_file(path):
+        raise InputError(f"{path}: {why}; give the Python file, or the results file, that is to be graded")
+    try:
+        return read_bounded(path, LARGEST_FILE).decode("utf-8-sig").replace("\r\n", "\n")
+    except OSError as error:
+        raise InputError(f"{path} cannot be read: {error.strerror or error}") from error
+    except UnicodeDecodeError as error:
+        raise InputError(
+            f"{path} is no UTF-8 text (byte {error.start + 1} is 0x{error.object[error.start]:02x}): save it as UTF-8"
+        ) from error
+
+
+def _exercises_in(text: str, path: Path) -> tuple[Mapping[str, Exercise], Mapping[str, Exercise]]:
+    """The exercises that are expected in a file, and those that it may hold, the former among them."""
+    expected = {each.name: each for each in exercises_of(path.stem)} if path.stem in LESSONS else {}
+    words = set(re.findall(r"\w+", text))
+    mentioned = {name: each for name, each in every_exercise().items() if name in words or name in expected}
+    return expected, mentioned
+
+
+def _problem(done: Run) -> str:
+    """Why a file cannot be used at all, in a sentence."""
+    if done.syntax is not None:
+        message, line, _, _ = done.syntax
+        return f"line {line}: {message}" if line else one_line(message, 200)
+    if done.ended:
+        return f"while it was read it {done.ended}"
+    if done.failed is None:
+        return ""
+    error = done.failed
+    where = f"line {error['line']}: " if error.get("line") else ""
+    if error.get("module") and error["type"] == "ModuleNotFoundError":
+        return f"{where}it imports {error['module']}, which is not installed: leave it out, or install it"
+    if error["type"] == "SystemExit":
+        return f"{where}it ends the program (sys.exit): leave that out"
+    if error["type"] == "EOFError":
+        return f"{where}it reads from the keyboard (input): leave that out"
+    if error["type"] == "MemoryError":
+        return f"{where}it takes more than 1 GB of memory"
+    text = one_line(f"{error['type']}: {error['text']}".rstrip(": "), 200)
+    return f"{where}it stops with {text}"
+
+
+def _excerpt(done: Run) -> tuple[str, ...]:
+    """The line with a syntax error, and a caret below."""
+    if done.syntax is None or not done.syntax[3].strip():
+        return ()
+    _, _, column, text = done.syntax
+    lead = len(text) - len(text.lstrip())
+    return f"    {text.strip()}", "    " + " " * max(column - 1 - lead, 0) + "^"
+
+
+def _missing(exercise: Exercise, done: Run) -> Verdict:
+    others = [name for name in done.own if name not in every_exercise()]
+    near = closest(exercise.name, others)
+    words = f"there is no function {exercise.name}" + (
+        f"; did you mean it by {near[len('; closest: ') :]}?" if near else ""
+    )
+    return Verdict(exercise.name, exercise.lesson, "unwritten", words)
+
+
+def _verdict(exercise: Exercise, cases: Sequence[Case], answers: list[Any] | str) -> Verdict:
+    if isinstance(answers, str):
+        return Verdict(exercise.name, exercise.lesson, "unusable", f"It {answers}")
+    return judged(exercise, cases, [of_worker(each) for each in answers])

@@ -1,0 +1,113 @@
+"""The results file of the Octave and MATLAB exercises: what their functions were given and what they answered, as CSV.
+
+A line is `exercise,case,argument,k,rows,columns,numbers…` or `exercise,case,answer,0,rows,columns,numbers…`, numbers
+column by column, or `exercise,case,error,0,0,0,text`.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from functools import cache
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from ...model.arm import Arm
+from ...support.errors import InputError, UnknownNameError, closest, one_line
+from ..exercises import Exercise, every_exercise
+from .answers import Answer, form_of, plain
+from .verdict import Case, of_function_checked
+
+HEADER = "# twistarm guide results 1"
+"""The first line of such a file."""
+
+Rows = dict[tuple[str, int], dict[str, Any]]
+
+
+def read_results(text: str, path: Path) -> Iterator[tuple[Exercise, list[Case], list[Answer]]]:
+    """Each exercise of a results file with its cases and the answers to them.
+
+    Raises:
+        InputError: A line is not as the scripts write it.
+        UnknownNameError: It names an exercise that there is not.
+    """
+    rows: Rows = {}
+    for number, line in enumerate(text.splitlines()[1:], 2):
+        if line.strip():
+            _read(line, rows, f"{path}, line {number}")
+    if not rows:
+        raise InputError(f"{path} holds no results: run the script again")
+    exercises = every_exercise()
+    for name in dict.fromkeys(name for name, _ in rows):
+        exercise = exercises[name]
+        found = [each for (other, _), each in rows.items() if other == name]
+        cases = [_case(exercise, each, path) for each in found]
+        yield exercise, cases, [_answer(each, case) for each, case in zip(found, cases, strict=True)]
+
+
+def _read(line: str, rows: Rows, where: str) -> None:
+    """Note what one line says."""
+    try:
+        name, case, what, k, height, width, *rest = line.split(",")
+        entry = rows.setdefault((name, int(case)), {"arguments": {}})
+        if what == "error":
+            entry["error"] = ",".join(rest)
+        else:
+            numbers = np.array([float(each) for each in rest]).reshape(int(height), int(width), order="F")
+            if what == "argument":
+                entry["arguments"][int(k)] = numbers
+            elif what == "answer":
+                entry["answer"] = numbers
+            else:
+                raise ValueError(what)
+    except ValueError as error:
+        why = f"it is not as the script writes it ({one_line(str(error), 80)}): run the script again"
+        raise InputError(f"{where}: {why}") from error
+    exercises = every_exercise()
+    if name not in exercises:
+        raise UnknownNameError(f"{where}: there is no exercise {one_line(name, 60)!r}{closest(name, exercises)}")
+
+
+def _case(exercise: Exercise, entry: dict[str, Any], path: Path) -> Case:
+    """The case of a line's arguments; their forms are those that the exercise's own instances have."""
+    given = entry["arguments"]
+    forms = _forms(exercise)
+    if sorted(given) != list(range(1, len(forms) + 1)):
+        raise InputError(f"{path}: {exercise.name} takes {len(forms)} arguments; the file has {len(given)}")
+    arguments = tuple(_as(given[i + 1], form) for i, form in enumerate(forms))
+    expected = of_function_checked(exercise.reference, arguments)
+    if expected is None:
+        raise InputError(f"{path}: the arguments of {exercise.name} are not those of the script: run it again")
+    return Case(arguments, expected)
+
+
+def _forms(exercise: Exercise) -> list[int]:
+    """How many axes each argument of an exercise has."""
+    return [np.ndim(each) for each in next(iter(exercise.instances(np.random.default_rng(0), _any_arm())))]
+
+
+@cache
+def _any_arm() -> Arm:
+    from ...loading.load import load_arm
+
+    return load_arm("rr_planar")
+
+
+def _as(numbers: Any, axes: int) -> Any:
+    return numbers if axes == 2 else numbers.ravel() if axes == 1 else float(numbers.ravel()[0])
+
+
+def _answer(entry: dict[str, Any], case: Case) -> Answer:
+    """An answer in the form that is expected, if it is that but for being a row or a column."""
+    if "error" in entry:
+        unwritten = "not written yet" in entry["error"]
+        kind = "NotImplementedError" if unwritten else "an error"
+        return Answer(error={"type": kind, "text": entry["error"], "line": 0})
+    numbers = entry.get("answer")
+    if numbers is None:
+        return Answer(error={"type": "an error", "text": "it gave no answer", "line": 0})
+    form = form_of(case.expected.value)
+    if len(form) < 2 and 1 in numbers.shape and numbers.size == int(np.prod(form)):
+        numbers = numbers.reshape(form)
+    return Answer(plain(numbers))

@@ -1,0 +1,169 @@
+"""A verdict on answers: right, a slip by its name, or the first case that is not right, in one sentence."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from ...model.arm import Arm
+from ...support.errors import one_line
+from ..exercises.exercise import Exercise, whole
+from .answers import Answer, flat, form_of, in_words, of_function
+
+SEEN_DIGITS = 4
+
+
+@dataclass(frozen=True)
+class Verdict:
+    """What the grader says of one exercise. `state` is "right", "wrong", "unwritten" or "unusable"; `slip` is the name
+    of the mistake where it is known; `words` is a sentence, or a few, for the reader.
+    """
+
+    exercise: str
+    lesson: str
+    state: str
+    words: str
+    slip: str = ""
+
+    @property
+    def ok(self) -> bool:
+        """Whether it is right."""
+        return self.state == "right"
+
+
+@dataclass(frozen=True)
+class Case:
+    """An instance: the arguments, and the answer that is right."""
+
+    arguments: tuple[Any, ...]
+    expected: Answer
+
+
+def cases_of(exercise: Exercise, arm: Arm, seed: int) -> list[Case]:
+    """The instances of an exercise with their answers, the same for the same seed and arm."""
+    rows = list(exercise.instances(np.random.default_rng(seed), arm))
+    return [Case(row, of_function(exercise.reference, row)) for row in rows]
+
+
+def of_function_checked(function: Any, arguments: tuple[Any, ...]) -> Answer | None:
+    """The answer of a reference; None where its arguments make no sense."""
+    answer = of_function(function, arguments)
+    return None if answer.error is not None or answer.undefined else answer
+
+
+def judged(exercise: Exercise, cases: Sequence[Case], answers: Sequence[Answer]) -> Verdict:
+    """The verdict on a function's answers to those cases."""
+
+    def verdict(state: str, words: str, slip: str = "") -> Verdict:
+        return Verdict(exercise.name, exercise.lesson, state, words, slip)
+
+    if any(each.error is not None and each.error["type"] == "NotImplementedError" for each in answers):
+        return verdict("unwritten", "not written yet")
+    if len(answers) < len(cases):
+        return verdict("unusable", "gave fewer answers than it was asked for")
+    pairs = list(zip(cases, answers, strict=False))
+    wrong = next((k for k, (case, answer) in enumerate(pairs) if not _right(exercise, case, answer)), None)
+    if wrong is None:
+        return _unless_changed(exercise, verdict("right", f"right, in {len(cases)} cases"), answers)
+    for slip in exercise.slips:
+        function = exercise.wrong(slip)
+        if all(_alike(exercise, case, answer, of_function(function, case.arguments)) for case, answer in pairs):
+            return verdict("wrong", slip.words, slip.name)
+    return verdict(*_of_the_case(exercise, *pairs[wrong]))
+
+
+def _unless_changed(exercise: Exercise, right: Verdict, answers: Sequence[Answer]) -> Verdict:
+    changed = sorted({i for each in answers for i in each.changed})
+    if not changed:
+        return right
+    names = " and ".join(exercise.parameters[i] for i in changed if i < len(exercise.parameters))
+    words = (
+        f"The answers are right, but {names} is another after the call: whoever called finds it changed. Work on a "
+        "copy, as in `p = p.copy()`."
+    )
+    return Verdict(right.exercise, right.lesson, "wrong", words, "argument changed")
+
+
+def _seen(exercise: Exercise, case: Case, answer: Answer) -> Any:
+    """What counts of an answer of the right form, as numbers in a row."""
+    if answer.form != case.expected.form or not np.isfinite(answer.numbers).all():
+        return answer.numbers
+    return flat(exercise.seen(answer.value, *case.arguments))
+
+
+def _right(exercise: Exercise, case: Case, answer: Answer) -> bool:
+    return answer.form == case.expected.form and _close(exercise, case, answer, case.expected)
+
+
+def _alike(exercise: Exercise, case: Case, answer: Answer, slip: Answer) -> bool:
+    """Whether a slip explains an answer: the same form and numbers, NaN like NaN, or like the error in its place."""
+    if answer.error is not None and slip.error is not None:
+        return bool(answer.error["type"] == slip.error["type"])
+    if answer.error is not None or slip.error is not None:
+        return answer.undefined and slip.undefined
+    return answer.form == slip.form and _close(exercise, case, answer, slip)
+
+
+def _close(exercise: Exercise, case: Case, one: Answer, other: Answer) -> bool:
+    a, b = _seen(exercise, case, one), _seen(exercise, case, other)
+    scale = max(1.0, float(np.abs(case.expected.numbers).max(initial=0.0)))
+    return a.shape == b.shape and bool(np.allclose(a, b, rtol=0.0, atol=exercise.tolerance * scale, equal_nan=True))
+
+
+def _of_the_case(exercise: Exercise, case: Case, answer: Answer) -> tuple[str, str]:
+    """State and words for an answer that no slip explains."""
+    call = f"{exercise.name}({_shown_arguments(exercise, case)})"
+    expected = in_words(form_of(case.expected.value))
+    if answer.error is not None:
+        return "wrong", _of_error(exercise, answer.error, call)
+    if answer.form == "None":
+        return "wrong", f"It returns nothing (None) where {expected} is expected: is a `return` missing?"
+    if answer.form != case.expected.form:
+        return "wrong", f"It returns {in_words(answer.form)} where {expected} is expected."
+    bad = answer.numbers[~np.isfinite(answer.numbers)]
+    if bad.size:
+        what = "NaN (not a number)" if np.isnan(bad).any() else "infinity"
+        return "wrong", f"It returns {what} for {call}: a division by 0, or a root, acos or logarithm out of its range."
+    known = "is" if exercise.seen is whole else "may be"
+    return "wrong", f"{call} {known} {_shown(case.expected.value)}, and yours gives {_shown(answer.value)}."
+
+
+def _of_error(exercise: Exercise, error: Any, call: str) -> str:
+    where = f" in line {error['line']}" if error.get("line") else ""
+    if error.get("calls"):
+        wanted = ", ".join(exercise.parameters)
+        return f"It takes {error['calls']} and is called with ({wanted}): give it these arguments, in this order."
+    if error["type"] == "SystemExit":
+        return f"It ends the program (sys.exit){where}: return the answer instead."
+    if error["type"] == "EOFError":
+        return f"It reads from the keyboard (input){where}: everything that it needs stands in its arguments."
+    if error["type"] == "MemoryError":
+        return f"It takes more than 1 GB of memory{where}: how large do its arrays get?"
+    if error["type"] == "RecursionError":
+        return f"It calls itself without end{where}."
+    if error["type"] in ("ModuleNotFoundError", "ImportError") and error.get("module"):
+        return f"It imports {error['module']}{where}, which cannot be imported here."
+    text = one_line(f"{error['type']}: {error['text']}".rstrip(": "), 200)
+    return f"It stops{where} with {text}; it was asked for {call}."
+
+
+def _shown_arguments(exercise: Exercise, case: Case) -> str:
+    names = zip(exercise.parameters, case.arguments, strict=True)
+    return ", ".join(f"{name}={_shown(value)}" for name, value in names)
+
+
+def _shown(value: Any) -> str:
+    """A value on one line: a large array by its shape alone."""
+    if isinstance(value, str):
+        return repr(value)
+    if isinstance(value, (list, tuple)):
+        return f"({', '.join(map(_shown, value))})"
+    if np.ndim(value) == 0:
+        return f"{float(value):.6g}"
+    if np.size(value) > 16:
+        return f"an array of shape {np.shape(value)}"
+    text = np.array2string(np.asarray(value, float) + 0.0, precision=SEEN_DIGITS, suppress_small=True, separator=", ")
+    return " ".join(text.split())

@@ -1,0 +1,1 @@
+"""The calls of a lesson: its arm, what it says, its figures, scenes and sliders."""

@@ -1,0 +1,254 @@
+"""Figures of the lessons: axes in the one style, and what is drawn in them: frames, vectors, screws and arms."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from ...model.arm import Arm
+from ...support.checks import Array
+from ...theory import poe
+from ...theory.screws import to_screw
+from .style import AMBER, AXES, BLUE, COLOURS, DASHES, FAINT, GREEN, GREY, INK, ORANGE, PINK, SKY, settings
+
+__all__ = ["AMBER", "BLUE", "COLOURS", "GREEN", "GREY", "INK", "ORANGE", "PINK", "SKY", "arm_points", "axes2", "axes3",
+           "fit", "plot_arm", "plot_frame", "plot_point", "plot_screw", "plot_vector"]  # fmt: skip
+
+
+def axes2(
+    columns: int = 1,
+    width: float = 5.6,
+    height: float = 3.2,
+    *,
+    xlabel: str = "",
+    ylabel: str = "",
+    equal: bool = False,
+) -> tuple[Any, Any]:
+    """A figure with plane axes, as (figure, axes); several columns give a list of axes.
+
+    Args:
+        columns: Axes side by side.
+        width: Of the figure [inches]; the text of a page is 6.6 wide.
+        height: Of the figure [inches].
+        xlabel: What the abscissa is, with its unit.
+        ylabel: What the ordinate is, with its unit.
+        equal: Whether a length is as long along both axes.
+
+    Returns:
+        The figure and its axes.
+    """
+    from matplotlib.figure import Figure
+
+    with settings():
+        fig = Figure(figsize=(width, height), layout="constrained")
+        axes = fig.subplots(1, columns)
+    for ax in np.atleast_1d(axes):
+        ax.set(xlabel=xlabel, ylabel=ylabel)
+        if equal:
+            ax.set_aspect("equal", adjustable="datalim")
+    return fig, axes
+
+
+def axes3(
+    columns: int = 1,
+    width: float = 4.6,
+    height: float = 3.8,
+    *,
+    elev: float = 22.0,
+    azim: float = -55.0,
+    box: bool = True,
+) -> tuple[Any, Any]:
+    """A figure with axes in space, as (figure, axes); several columns give a list of axes.
+
+    Call `fit` when all is drawn: a length is then as long in each direction.
+
+    Args:
+        columns: Axes side by side.
+        width: Of the figure [inches].
+        height: Of the figure [inches].
+        elev: Height of the eye [degrees].
+        azim: Direction of the eye about z [degrees].
+        box: Whether walls, ticks and numbers are drawn.
+
+    Returns:
+        The figure and its axes.
+    """
+    from matplotlib.figure import Figure
+
+    with settings():
+        fig = Figure(figsize=(width, height), layout="constrained")
+        axes = [fig.add_subplot(1, columns, k + 1, projection="3d", computed_zorder=False) for k in range(columns)]
+    for ax in axes:
+        ax.view_init(elev=elev, azim=azim)
+        ax.set(xlabel="x [m]", ylabel="y [m]", zlabel="z [m]")
+        ax.tick_params(labelsize=8, pad=0)
+        ax.locator_params(nbins=4)
+        for axis in (ax.xaxis, ax.yaxis, ax.zaxis):
+            axis.line.set_color(GREY)
+            axis._axinfo["grid"].update(color=FAINT, linewidth=0.6)
+        if not box:
+            ax.set_axis_off()
+    return fig, axes[0] if columns == 1 else axes
+
+
+def fit(ax: Any, points: ArrayLike | None = None, margin: float = 0.05) -> None:
+    """Make the axes in space a cube around what is drawn, or around points (..., 3).
+
+    Args:
+        ax: The axes.
+        points: What must be seen; without them the limits that there are.
+        margin: Room around it, as a share.
+    """
+    if points is None:
+        low, high = np.array([ax.get_xlim3d(), ax.get_ylim3d(), ax.get_zlim3d()]).T
+    else:
+        each = np.asarray(points, float).reshape(-1, 3)
+        low, high = each.min(axis=0), each.max(axis=0)
+    middle, half = (low + high) / 2, float((high - low).max()) / 2 * (1 + 2 * margin) or 0.5
+    for set_limits, centre in zip((ax.set_xlim3d, ax.set_ylim3d, ax.set_zlim3d), middle, strict=True):
+        set_limits(centre - half, centre + half)
+    ax.set_box_aspect((1, 1, 1), zoom=1.0 if ax.axison else 1.45)
+
+
+def plot_frame(ax: Any, g: ArrayLike, name: str | None = "", length: float = 1.0, alpha: float = 1.0) -> None:
+    """Draw a frame: x solid and vermilion, y dashed and green, z dotted and blue.
+
+    Args:
+        ax: Axes in space.
+        g: Its pose (4, 4), or a rotation (3, 3) at the origin.
+        name: Its letter, set beside each axis; None leaves the axes without letters.
+        length: Of the axes.
+        alpha: 1 for one that is meant, less for one that was.
+    """
+    pose = np.eye(4)
+    given = np.asarray(g, float)
+    pose[: len(given), : len(given)] = given
+    origin = pose[:3, 3]
+    for k, axis in enumerate("xyz"):
+        end = origin + length * pose[:3, k]
+        line = np.array([origin, end]).T
+        ax.plot(*line, color=AXES[axis], linestyle=DASHES[axis], alpha=alpha, linewidth=2.0)
+        if name is not None:
+            words = f"${axis}_{{{name}}}$" if name else f"${axis}$"
+            place = origin + 1.13 * (end - origin)
+            ax.text(*place, words, color=AXES[axis], alpha=alpha, ha="center", va="center")
+    ax.plot(*origin[:, None], "o", color=INK, markersize=3, alpha=alpha)
+
+
+def plot_vector(
+    ax: Any, start: ArrayLike, vector: ArrayLike, name: str = "", colour: str = INK, style: Any = "-"
+) -> None:
+    """Draw an arrow in the plane or in space.
+
+    Args:
+        ax: The axes.
+        start: Where it begins, (2,) or (3,).
+        vector: From there to its tip.
+        name: Set beside its tip; formulae between dollars.
+        colour: One of the guide's colours.
+        style: A line style of matplotlib.
+    """
+    a, d = np.asarray(start, float), np.asarray(vector, float)
+    if len(a) == 3:
+        ax.quiver(*a, *d, color=colour, arrow_length_ratio=0.12, linewidth=2.0, linestyle=style)
+    else:
+        arrow = {"arrowstyle": "-|>", "shrinkA": 0, "shrinkB": 0, "mutation_scale": 11}
+        ax.annotate("", a + d, a, arrowprops={**arrow, "color": colour, "linewidth": 2.0, "linestyle": style})
+        ax.update_datalim(np.array([a, a + d]))
+        ax.autoscale_view()
+    if name:
+        ax.text(*(a + 1.1 * d), name, color=colour, ha="center", va="center")
+
+
+def plot_point(ax: Any, point: ArrayLike, name: str = "", colour: str = INK, marker: str = "o") -> None:
+    """Draw a point in the plane or in space, with its name beside it."""
+    p = np.asarray(point, float)
+    ax.plot(*p[:, None], marker, color=colour, markersize=5, linestyle="none")
+    if name:
+        ax.text(*p, f"  {name}", color=colour, va="center")
+
+
+def plot_screw(
+    ax: Any, xi: ArrayLike, length: float = 1.0, name: str = "", colour: str = PINK, near: ArrayLike = (0.0, 0.0, 0.0)
+) -> None:
+    """Draw the axis of a twist (v, w): a line along w with an arrow around it, or an arrow along v where w = 0.
+
+    Args:
+        ax: Axes in space.
+        xi: The twist (6,).
+        length: Of what is drawn of the axis.
+        name: Set at its end.
+        colour: One of the guide's colours.
+        near: What the drawn piece of the axis lies nearest to: the joint; an arrow of w = 0 lies there.
+    """
+    screw = to_screw(xi)
+    axis, middle = screw.axis, np.asarray(near, float)
+    point = middle if np.isinf(screw.pitch) else screw.point + axis * float((middle - screw.point) @ axis)
+    if np.isinf(screw.pitch):
+        ax.quiver(*(point - length / 2 * axis), *(length * axis), color=colour, arrow_length_ratio=0.15, linewidth=2.0)
+    else:
+        line = np.array([point - length / 2 * axis, point + length / 2 * axis])
+        ax.plot(*line.T, color=colour, linestyle=(0, (7, 2, 1.5, 2)), linewidth=1.6)
+        ax.plot(*_sense(point + 0.35 * length * axis, axis, 0.12 * length).T, color=colour, linewidth=1.6)
+    if name:
+        ax.text(*(point + 0.56 * length * axis), name, color=colour, ha="center", va="center")
+
+
+def plot_arm(
+    ax: Any, arm: Arm, theta: ArrayLike | None = None, colour: str = INK, alpha: float = 1.0, tool: bool = True
+) -> None:
+    """Draw an arm as a skeleton: its joints (circles turn, squares slide), what joins them, and the tool's frame.
+
+    Args:
+        ax: Axes in space.
+        arm: The arm.
+        theta: Where it stands, (n,) [rad, m]; ready where not given.
+        colour: One of the guide's colours.
+        alpha: 1 for one that is meant, less for one that was.
+        tool: Whether the tool's frame is drawn.
+    """
+    x = arm.ready if theta is None else np.asarray(theta, float)
+    points = arm_points(arm, x)
+    ax.plot(*points.T, color=colour, linewidth=3.5, solid_capstyle="round", solid_joinstyle="round", alpha=0.75 * alpha)
+    turning = np.linalg.norm(arm.screws[3:], axis=0) > 0.5
+    for point, turns in zip(points[1:-1], turning, strict=True):
+        ax.plot(*point[:, None], "o" if turns else "s", color=colour, markersize=6, markerfacecolor=SKY, alpha=alpha)
+    ax.plot(*points[:1].T, "^", color=colour, markersize=7, alpha=alpha)
+    if tool:
+        plot_frame(ax, arm.fk(x), "t", length=0.16 * arm.reach, alpha=alpha)
+
+
+def arm_points(arm: Arm, theta: ArrayLike) -> Array:
+    """The arm as a line (m + 2, 3): the base, a point for each moving joint, and the tool.
+
+    The point of a joint is the origin of the link that it moves; an arm without a description has the point of each
+    axis that lies nearest to the point before.
+    """
+    x = np.asarray(theta, float)
+    points = [np.zeros(3)]
+    tree = arm.description
+    if tree is not None and all(name in tree.joints for name in arm.moving_names):
+        poses = arm.poses(x)
+        points += [poses[tree.joints[name].child][:3, 3] for name in arm.moving_names]
+    else:
+        values = arm.coupling.A @ x
+        moved = poe.spatial_jacobian(arm.screws, values)
+        for xi in moved.T:
+            screw = to_screw(xi)
+            along = 0.0 if np.isinf(screw.pitch) else float((points[-1] - screw.point) @ screw.axis)
+            points.append(points[-1] if np.isinf(screw.pitch) else screw.point + along * screw.axis)
+    return np.array([*points, arm.fk(x)[:3, 3]])
+
+
+def _sense(centre: Array, axis: Array, radius: float) -> Array:
+    """Three quarters of a turn about an axis, with an arrow head at its end, (k, 3)."""
+    u = np.cross(axis, [1.0, 0, 0] if abs(axis[0]) < 0.8 else [0, 1.0, 0])
+    u /= np.linalg.norm(u)
+    v = np.cross(axis, u)
+    t = np.linspace(0, 1.5 * np.pi, 40)
+    arc: Array = centre + radius * (np.cos(t)[:, None] * u + np.sin(t)[:, None] * v)
+    end, ahead = arc[-1], np.cross(axis, arc[-1] - centre)
+    head = [end - 0.5 * ahead + s * 0.3 * (end - centre) for s in (1, -1)]
+    return np.array([*arc, head[0], end, head[1]])

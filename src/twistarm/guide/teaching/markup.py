@@ -1,0 +1,90 @@
+"""Markdown as HTML: formulae as MathML, programs in colours; nothing that it holds becomes HTML of its own."""
+
+from __future__ import annotations
+
+import re
+from functools import cache
+from html import escape
+from typing import Any
+
+from ...support.errors import InputError, missing_extra
+
+LONG = 36
+"""Letters of a displayed formula that a telephone may have to scroll, so that a keyboard has to reach it."""
+
+THIN = '<mspace width="0.167em"></mspace>'
+
+
+def block(markdown: str) -> str:
+    """Paragraphs, lists, tables, headings."""
+    html: str = _renderer().render(markdown)
+    return html
+
+
+def inline(markdown: str) -> str:
+    """A line of text, without a paragraph around it."""
+    html: str = _renderer().renderInline(markdown)
+    return html
+
+
+def formula(tex: str, *, display: bool = False) -> str:
+    """A formula in TeX's language as MathML, which says it in TeX to those who hear it."""
+    from latex2mathml.converter import convert
+
+    try:
+        mathml: str = convert(tex, display="block" if display else "inline")
+    except Exception as error:
+        raise InputError(f"the formula {tex!r} cannot be read: {str(error) or type(error).__name__}") from error
+    if unknown := re.search(r"\\\w+", re.sub(r"<[^>]*>", " ", mathml)):
+        raise InputError(f"the formula {tex!r} cannot be read: no MathML is known for {unknown[0]}")
+    # cos θ, but cos(θ): a function's name is an operator, which that library writes as a letter.
+    mathml = re.sub(r"(<mi>(?:arc)?(?:sin|cos|tan|exp|log|ln)</mi>)(?=<m(?!o))", rf"\1{THIN}", mathml)
+    mathml = re.sub(
+        r"(</m(?:i|n|sub|sup|subsup|over|frac)>)(?=<mi>(?:arc)?(?:sin|cos|tan|exp|log|ln)<)", rf"\1{THIN}", mathml
+    )
+    mathml = mathml.replace('<mo movablelimits="true">', '<mo movablelimits="true" lspace="0">')
+    scrolls = 'tabindex="0" ' if display and len(tex) > LONG else ""
+    return mathml.replace("<math ", f'<math {scrolls}alttext="{escape(tex)}" ', 1)
+
+
+def program(source: str) -> str:
+    """A Python program in colours, which the style sheet gives."""
+    from pygments import highlight
+    from pygments.formatters import HtmlFormatter
+    from pygments.lexers import PythonLexer
+
+    html: str = highlight(source, PythonLexer(), HtmlFormatter(nowrap=True))
+    return f'<pre class="code" tabindex="0"><code>{html.rstrip()}</code></pre>'
+
+
+def slug(text: str) -> str:
+    """A heading's name in an address."""
+    return re.sub(r"[^a-z0-9]+", "-", text.lower()).strip("-") or "section"
+
+
+@cache
+def _renderer() -> Any:
+    try:
+        from markdown_it import MarkdownIt
+        from mdit_py_plugins.dollarmath import dollarmath_plugin
+    except ImportError as error:
+        raise missing_extra("the guide", error.name or "markdown-it-py", "guide") from error
+    renderer = MarkdownIt("commonmark", {"html": False, "highlight": _fence}).enable("table")
+    dollarmath_plugin(
+        renderer, double_inline=True, renderer=lambda tex, options: formula(tex, display=options["display_mode"])
+    )
+    renderer.add_render_rule("heading_open", _heading)
+    return renderer
+
+
+def _fence(source: str, language: str, _: str) -> str:
+    return (
+        program(source)
+        if language == "python"
+        else f'<pre class="code" tabindex="0"><code>{escape(source)}</code></pre>'
+    )
+
+
+def _heading(renderer: Any, tokens: Any, index: int, options: Any, env: Any) -> str:
+    tag = tokens[index].tag
+    return f'<{tag} id="{slug(tokens[index + 1].content)}">'

@@ -1,0 +1,122 @@
+"""Calls of a lesson that say and show something, one for each kind."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from ...support.errors import InputError, listed
+from .outlet import show
+
+if TYPE_CHECKING:
+    from ...model.arm import Arm
+    from ...planning.trajectory import Trajectory
+
+SLIDERS: dict[str, dict[str, Any]] = {
+    "frame": {"order": "ZYZ", "alpha": 30, "beta": 50, "gamma": 20},
+    "axis_angle": {"axis": (1, 1, 1), "angle": 120},
+    "twist": {"axis": (0, 0, 1), "point": (0.5, 0, 0), "pitch": 0.1, "angle": 90},
+    "joint": {"type": "cylindrical"},
+    "two_link": {"l1": 0.4, "l2": 0.3, "theta1": 30, "theta2": 60},
+    "spline": {"kind": "cubic", "start": 0, "end": 90, "duration": 2, "velocity_start": 0, "velocity_end": 0},
+    "ellipsoid": {"l1": 0.4, "l2": 0.3, "theta1": 30, "theta2": 60},
+}
+"""The sliders by name, and the numbers with which each begins: angles in degrees, lengths in metres, time in s."""
+
+
+def say(markdown: str) -> None:
+    """Show text of the lesson, markdown with formulae between dollars.
+
+    Indented text of several lines is taken as if it began at the margin.
+    """
+    from inspect import cleandoc
+
+    from .shown import Text
+
+    show(Text(cleandoc(markdown)))
+
+
+def table(head: Sequence[str], rows: Sequence[Sequence[object]], caption: str = "") -> None:
+    """Show a table. Cells are markdown; a float has four digits, another object its own text.
+
+    Args:
+        head: Titles of the columns.
+        rows: As many cells in each row.
+        caption: What the table says, in a sentence.
+    """
+    from .shown import Table
+
+    lines = [[_cell(cell) for cell in row] for row in rows]
+    if any(len(line) != len(head) for line in lines):
+        raise InputError(f"each row of a table has as many cells as its head, {len(head)}")
+    show(Table(list(head), lines, caption))
+
+
+def figure(fig: Any, alt: str, caption: str = "") -> None:
+    """Show a figure of matplotlib.
+
+    Args:
+        fig: The figure, as `axes2` and `axes3` make them.
+        alt: What is to be seen, in words, for a reader who does not see it.
+        caption: What the figure says, markdown.
+    """
+    from .shown import Figure
+
+    if not alt.strip():
+        raise InputError("a figure needs alt, its words for a reader who does not see it")
+    show(Figure(fig, alt, caption))
+
+
+def scene(
+    arm: Arm,
+    theta: ArrayLike | None = None,
+    trajectory: Trajectory | None = None,
+    caption: str = "",
+    screws: bool = True,
+) -> None:
+    """Show an arm that the reader turns and moves, a stand-alone page of the view.
+
+    Args:
+        arm: The arm.
+        theta: Where it stands, (n,) [rad, m]; ready where not given.
+        trajectory: A motion that the page plays.
+        caption: What there is to see or do, markdown.
+        screws: Whether the screw axes are drawn.
+    """
+    from .shown import Scene
+
+    show(Scene(arm, np.asarray(arm.ready if theta is None else theta, float), trajectory, caption, screws))
+
+
+def slider(name: str, question: str, answer: str, **numbers: Any) -> None:
+    """Show something to move by hand, with a question whose answer it shows.
+
+    Args:
+        name: A name of `SLIDERS`.
+        question: What the reader is to find out by moving it, markdown.
+        answer: The answer, markdown; it stands behind a fold.
+        numbers: Where it begins; angles in degrees, as the page shows them, lengths in metres.
+    """
+    from .shown import Slider
+
+    if name not in SLIDERS:
+        raise InputError(f"there is no slider {name!r}; there are {listed(SLIDERS)}")
+    if unknown := set(numbers) - set(SLIDERS[name]):
+        raise InputError(f"the slider {name!r} takes {listed(SLIDERS[name])}; got {listed(sorted(unknown))}")
+    show(Slider(name, question, answer, {**SLIDERS[name], **numbers}))
+
+
+def predict(question: str, answer: str) -> None:
+    """Ask the reader before the lesson shows it: the question, and its answer behind a fold; both markdown."""
+    from .shown import Prediction
+
+    show(Prediction(question, answer))
+
+
+def _cell(value: object) -> str:
+    if isinstance(value, (float, np.floating)):
+        return f"{value + 0.0:.4f}".replace("-0.0000", "0.0000").replace("-", "−")
+    return str(value)

@@ -1,0 +1,49 @@
+"""A figure of matplotlib as SVG that stands in a page: its colours follow the page, its names collide with none."""
+
+from __future__ import annotations
+
+import hashlib
+import io
+import re
+from typing import Any
+
+from .style import COLOURS, settings
+
+
+def of(figure: Any) -> str:
+    """The figure as one `<svg>` element, hidden from those who hear the page: its words stand beside it."""
+    text = io.StringIO()
+    with settings():
+        figure.savefig(text, format="svg", bbox_inches="tight", pad_inches=0.05, metadata={"Date": None})
+    return as_element(text.getvalue())
+
+
+def as_element(document: str) -> str:
+    """An SVG document of matplotlib as an element of a page."""
+    element = document[document.index("<svg") :].strip()
+    element = re.sub(r"<metadata>.*?</metadata>", "", element, flags=re.DOTALL)
+    # A style element in it would be one of the whole page.
+    element = re.sub(r"<style.*?</style>", "", element, flags=re.DOTALL)
+    head, _, rest = element.partition(">")
+    width, height = (float(re.search(rf' {side}="([\d.]+)pt"', head)[1]) for side in ("width", "height"))  # type: ignore[index]
+    head = (
+        f'<svg viewBox="0 0 {width:g} {height:g}" style="width:{width * 1.34:.0f}px" aria-hidden="true" '
+        'focusable="false" stroke-linejoin="round" stroke-linecap="butt"'
+    )
+    return f"{head}>{_coloured(_own_names(rest))}"
+
+
+def _own_names(text: str) -> str:
+    """Names with what the figure holds before them: a page has several figures, and a name may stand in it once."""
+    mark = "f" + hashlib.sha256(text.encode()).hexdigest()[:8]
+    text = re.sub(r'xlink:href="#', 'href="#', text)
+    # Groups that nothing refers to need no name.
+    used = set(re.findall(r'(?:href="|url\()#([^")]+)', text))
+    text = re.sub(r' id="([^"]+)"', lambda m: f' id="{mark}-{m[1]}"' if m[1] in used else "", text)
+    return re.sub(r'(href="|url\()#', rf"\g<1>#{mark}-", text)
+
+
+def _coloured(text: str) -> str:
+    for name, colour in COLOURS.items():
+        text = text.replace(colour, f"var(--{name},{colour})")
+    return text

@@ -1,0 +1,297 @@
+"""Grading in a process of its own: whatever a reader's file does, it is told in a sentence, and nothing is lost."""
+
+from __future__ import annotations
+
+import time
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from twistarm import Arm
+from twistarm.guide import check
+from twistarm.guide.exercises import every_exercise
+from twistarm.guide.exercises.files import python_text
+from twistarm.guide.grading import Report, check_file
+from twistarm.guide.grading.answers import Answer, form_of, of_worker, plain
+from twistarm.guide.grading.verdict import cases_of, judged
+from twistarm.guide.teaching import outlet
+from twistarm.guide.teaching.html import html_of
+from twistarm.support.errors import InputError, UnknownNameError
+
+RIGHT = """
+import numpy as np
+def rotation_z(alpha):
+    c, s = np.cos(alpha), np.sin(alpha)
+    return np.array([[c, -s, 0], [s, c, 0], [0, 0, 1]])
+"""
+
+HARM = [
+    (
+        "os._exit",
+        "def rotation_z(a):\n    import os\n    os._exit(0)\n" + RIGHT.replace("rotation_z", "f"),
+        1,
+        "It ended the whole process, as os._exit does",
+    ),
+    ("sys.exit", "import sys\ndef rotation_z(a):\n    sys.exit(0)\n", 1, "It ends the program (sys.exit) in line 3"),
+    ("sys.exit at once", "import sys\nsys.exit(0)\n# rotation_z", 2, "line 2: it ends the program (sys.exit)"),
+    ("os._exit at once", "import os\nos._exit(0)\n# rotation_z", 2, "while it was read it ended the whole process"),
+    ("endless at once", "# rotation_z\nwhile True: pass\n", 2, "while it was read it was not done after 1.5 s"),
+    (
+        "killed",
+        "import os, signal\ndef rotation_z(a):\n    os.kill(os.getpid(), signal.SIGKILL)\n",
+        1,
+        "was ended by SIGKILL",
+    ),
+    ("recursion", "def rotation_z(a):\n    return rotation_z(a)\n", 1, "It calls itself without end in line 2"),
+    (
+        "memory",
+        "import numpy as np\ndef rotation_z(a):\n    return np.ones(3 * 10**9)\n",
+        1,
+        "more than 1 GB of memory",
+    ),
+    (
+        "no module",
+        "import nowhere_at_all\ndef rotation_z(a): return 1\n",
+        2,
+        "it imports nowhere_at_all, which is not installed",
+    ),
+    (
+        "keyboard",
+        "def rotation_z(a):\n    return float(input('? '))\n",
+        1,
+        "It reads from the keyboard (input) in line 2",
+    ),
+    ("error at once", "# rotation_z\nx = 1 / 0\n", 2, "line 2: it stops with ZeroDivisionError: division by zero"),
+    (
+        "no such name",
+        "def rotation_z(a):\n    return np.eye(3)\n",
+        1,
+        "It stops in line 2 with NameError: name 'np' is not defined",
+    ),
+    ("arguments", "def rotation_z():\n    return 1\n", 1, "It takes () and is called with (alpha)"),
+    (
+        "no return",
+        "def rotation_z(a):\n    3\n",
+        1,
+        "It returns nothing (None) where an array of shape (3, 3) is expected: is a `return`",
+    ),
+    (
+        "shape",
+        "import numpy as np\ndef rotation_z(a):\n    return np.eye(4)\n",
+        1,
+        "It returns an array of shape (4, 4) where an array of shape (3, 3)",
+    ),
+    ("text", "def rotation_z(a):\n    return 'R'\n", 1, "It returns a value of type str where"),
+    (
+        "complex",
+        "import numpy as np\ndef rotation_z(a):\n    return np.eye(3) * 1j\n",
+        1,
+        "It returns a value of type array of complex128",
+    ),
+    (
+        "large",
+        "import numpy as np\ndef rotation_z(a):\n    return np.zeros((300, 300))\n",
+        1,
+        "a very large array of shape (300, 300)",
+    ),
+    (
+        "NaN",
+        "import numpy as np\ndef rotation_z(a):\n    return np.full((3, 3), np.nan)\n",
+        1,
+        "It returns NaN (not a number) for rotation_z(alpha=",
+    ),
+    (
+        "infinity",
+        "import numpy as np\ndef rotation_z(a):\n    return np.full((3, 3), np.inf)\n",
+        1,
+        "It returns infinity for",
+    ),
+    (
+        "ragged",
+        "def rotation_z(a):\n    return [[1], [1, 2]]\n",
+        1,
+        "It returns 2 values (an array of shape (1,), an array of shape (2,))",
+    ),
+    (
+        "another name",
+        "def rotation_zz(a):\n    return 1\n",
+        2,
+        "it has none of the exercises: its functions are 'rotation_zz'; closest: 'rotation_z'",
+    ),
+    ("empty", "", 2, "it has none of the exercises: it has no functions"),
+    ("null bytes", "def rotation_z(a): return 1\0", 2, "null bytes"),
+    ("deep", "rotation_z = " + "(" * 5000 + ")" * 5000, 2, ""),
+    (
+        "changed numpy",
+        RIGHT
+        + "\nfor name in ('asarray', 'array', 'allclose', 'isfinite'):\n    setattr(np, name, None)\n"
+        + RIGHT.replace("np.array(", "("),
+        0,
+        "right",
+    ),
+    (
+        "changed builtins",
+        RIGHT
+        + "\nimport builtins, json, os\nbuiltins.len = builtins.isinstance = None\njson.dumps = os.write = None\n",
+        0,
+        "right",
+    ),
+    (
+        "a thread that goes on",
+        "import threading, time\nthreading.Thread(target=time.sleep, args=(60,)).start()\n" + RIGHT,
+        0,
+        "right",
+    ),
+    ("a child that goes on", "import subprocess\nsubprocess.Popen(['sleep', '60'])\n" + RIGHT, 0, "right"),
+    ("at exit", "import atexit, time\natexit.register(time.sleep, 60)\n" + RIGHT, 0, "right"),
+    (
+        "no traceback of ours",
+        "class E(Exception):\n    def __str__(self): raise ValueError\ndef rotation_z(a):\n    raise E\n",
+        1,
+        "rotation_z: It",
+    ),
+    (
+        "results written by hand",
+        "import os\nfor fd in range(3, 20):\n    try: os.write(fd, b'nonsense\\n')\n    except OSError: pass\n" + RIGHT,
+        2,
+        "no result",
+    ),
+    (
+        "results of another kind",
+        "import os\nfor fd in range(3, 20):\n    try: os.write(fd, b'{\"loaded\": 5}\\n')\n    except OSError: pass\n"
+        + RIGHT,
+        2,
+        "no result",
+    ),
+    ("closed", "import os\nos.closerange(0, 50)\n" + RIGHT, 2, "ended"),
+    ("given the main guard", RIGHT + "\nif __name__ == '__main__':\n    1 / 0\n", 0, "right"),
+    ("checks itself", RIGHT + "\nfrom twistarm import guide\nguide.check(rotation_z)\n", 0, "right"),
+    ("a class", "class rotation_z:\n    def __init__(self, alpha): pass\n", 1, "It returns a value of type rotation_z"),
+    (
+        "signals",
+        "import signal\nfor n in range(1, 30):\n    try: signal.signal(n, signal.SIG_IGN)\n    "
+        "except (OSError, ValueError): pass\ndef rotation_z(a):\n    while True:\n        try:\n     "
+        "       while True: pass\n        except BaseException: pass\n",
+        1,
+        "It was not done after",
+    ),
+]
+
+
+def graded(folder: Path, text: str, arm: Arm, name: str = "mine.py") -> Report:
+    (folder / name).write_text(text)
+    return check_file(folder / name, arm, seconds=1.5)
+
+
+QUICK = ("os._exit",)
+
+
+@pytest.mark.parametrize(
+    ("text", "code", "words"),
+    [pytest.param(*rest, id=what, marks=() if what in QUICK else pytest.mark.slow) for what, *rest in HARM],
+)
+def test_a_file_that_does_harm(text: str, code: int, words: str, tmp_path: Path, rover: Arm) -> None:
+    began = time.monotonic()
+    report = graded(tmp_path, text, rover)
+    assert words in repr(report), report
+    assert report.code == code, report
+    assert all(len(line) < 700 and "Traceback" not in line for line in report.lines)
+    assert time.monotonic() - began < 30
+
+
+def test_after_one_endless_loop_the_others_are_graded(tmp_path: Path, rover: Arm) -> None:
+    text = RIGHT + "import time\ndef zyz(a, b, c):\n    while True: time.sleep(1)\ndef zyz_angle(R):\n    return 1\n"
+    report = graded(tmp_path, text, rover, "2_1_1_rotation_matrices.py")
+    assert [each.state for each in report.verdicts] == ["right", "unusable", "unwritten"]
+    assert report.verdicts[1].words.startswith("It was not done after 1.5 s")
+    assert report.verdicts[2].words == "there is no function zyz_angles; did you mean it by 'zyz_angle'?"
+
+
+def test_syntax_is_shown_with_its_line_and_a_caret(tmp_path: Path, rover: Arm) -> None:
+    report = graded(tmp_path, "\nif True:\n    x = = 3\n", rover)
+    assert report.problem.startswith("line 3: ")
+    assert report.excerpt == ("    x = = 3", "        ^")
+
+
+@pytest.mark.slow
+def test_megabytes_that_are_printed_are_cut(tmp_path: Path, rover: Arm) -> None:
+    report = graded(tmp_path, "for k in range(200_000):\n    print('x' * 100)\n" + RIGHT, rover)
+    assert report.ok
+    assert len(report.printed) == 10_000
+
+
+@pytest.mark.slow
+def test_templates_load_and_are_not_written_yet(tmp_path: Path, rover: Arm) -> None:
+    for lesson in dict.fromkeys(exercise.lesson for exercise in every_exercise().values()):
+        report = graded(tmp_path, python_text(lesson), rover, f"{lesson}.py")
+        assert {each.state for each in report.verdicts} == {"unwritten"}
+        assert report.code == 1
+
+
+@pytest.mark.slow
+def test_solutions_are_right_in_a_process_of_their_own(tmp_path: Path, rover: Arm) -> None:
+    for lesson in dict.fromkeys(exercise.lesson for exercise in every_exercise().values()):
+        solutions = [each.solution for each in every_exercise().values() if each.lesson == lesson]
+        head = "from __future__ import annotations\nimport numpy as np\n\n"
+        (tmp_path / f"{lesson}.py").write_text(head + "\n\n".join(solutions))
+        report = check_file(tmp_path / f"{lesson}.py", rover)
+        assert report.code == 0, report
+
+
+def test_what_is_no_file_to_grade(tmp_path: Path, rover: Arm) -> None:
+    with pytest.raises(InputError, match="no such file; give the Python file"):
+        check_file(tmp_path / "nowhere.py", rover)
+    with pytest.raises(InputError, match="a folder"):
+        check_file(tmp_path, rover)
+    (tmp_path / "latin.py").write_bytes("# schön\n".encode("latin-1"))
+    with pytest.raises(InputError, match=r"is no UTF-8 text \(byte 6 is 0xf6\): save it as UTF-8"):
+        check_file(tmp_path / "latin.py", rover)
+
+
+def test_in_a_notebook(tmp_path: Path, rover: Arm, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.chdir(tmp_path)
+    calls = []
+
+    def rotation_z(alpha: float) -> object:
+        calls.append(alpha)
+        print("from the copy")
+        return np.array([[np.cos(alpha), np.sin(alpha), 0], [-np.sin(alpha), np.cos(alpha), 0], [0, 0, 1]])
+
+    shown: list[outlet.Shown] = []
+    with outlet.installed(shown.append):
+        report = check(rotation_z)
+    (told,) = shown
+    assert told.plain().splitlines()[2:4] == ["your code printed:", "  from the copy"]
+    assert "<li>✗ rotation_z: This is the transpose" in html_of(told.data(None))
+    assert "<samp>from the copy" in html_of(told.data(None))
+    assert report.verdicts[0].slip == "transposed"
+    assert "from the copy" in report.printed
+    assert not calls  # it ran in a copy of this process
+    assert not list(tmp_path.iterdir())
+
+    def rotation_y(alpha: float) -> object:
+        return None
+
+    with pytest.raises(UnknownNameError, match="there is no exercise 'rotation_y'; closest: 'rotation_z'"):
+        check(rotation_y)
+    with pytest.raises(InputError, match="without a call"):
+        check(rotation_z(0.1))  # type: ignore[arg-type]
+
+
+def test_a_changed_argument_is_named(rover: Arm) -> None:
+    exercise = every_exercise()["transform_points"]
+    cases = cases_of(exercise, rover, 0)
+    answers = [Answer(case.expected.value, changed=(1,)) for case in cases]
+    verdict = judged(exercise, cases, answers)
+    assert (verdict.state, verdict.slip) == ("wrong", "argument changed")
+    assert "points_b is another after the call" in verdict.words
+
+
+def test_forms() -> None:
+    assert form_of(plain([[1, 2], [3, 4]])) == (2, 2)
+    assert form_of(plain((np.ones(3), np.ones(3), 1.0))) == ("parts", (3,), (3,), ())
+    assert form_of(plain(())) == ("parts",)
+    assert of_worker({"array": [], "shape": [0, 3]}).form == (0, 3)
+    assert of_worker(7).form == "what cannot be read"
+    assert of_worker({"number": 1}).numbers == [1.0]

@@ -1,0 +1,308 @@
+"""Exercises: model solutions are right, slips are named, and references agree with Pinocchio and SciPy."""
+
+from __future__ import annotations
+
+import inspect
+from collections.abc import Callable
+from functools import cache
+from itertools import combinations
+from math import acos, atan2, cos, pi, sin, sqrt
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+import scipy.linalg
+from scipy.spatial.transform import Rotation
+
+from catalogue import load
+from joint_arms import random_chain
+from model_arms import REAL_ARMS
+from twistarm import Arm, load_arm, screws
+from twistarm.guide.exercises import LESSONS, every_exercise, exercises_of
+from twistarm.guide.exercises.exercise import Exercise, Slip
+from twistarm.guide.exercises.independent import body_columns, expm, pose_log, spatial_columns, tool, twist_matrix
+from twistarm.guide.exercises.instances import own_chain, pose
+from twistarm.guide.grading.answers import of_function
+from twistarm.guide.grading.verdict import Case, Verdict, cases_of, judged
+
+EXERCISES = every_exercise()
+
+
+@cache
+def cases_on(name: str, arm: Arm, seed: int) -> list[Case]:
+    cases = cases_of(EXERCISES[name], arm, seed)
+    assert all(case.expected.error is None and not case.expected.undefined for case in cases)
+    return cases
+
+
+def verdict_on(function: Callable[..., Any], exercise: Exercise, arm: Arm, seed: int = 0) -> Verdict:
+    cases = cases_on(exercise.name, arm, seed)
+    return judged(exercise, cases, [of_function(function, case.arguments) for case in cases])
+
+
+def hold(exercise: Exercise, arm: Arm, seed: int) -> None:
+    """The model solution is right, and each slip is named."""
+    right = verdict_on(exercise.model, exercise, arm, seed)
+    assert right.ok, f"{arm.name}: {right}"
+    for slip in exercise.slips:
+        verdict = verdict_on(exercise.wrong(slip), exercise, arm, seed)
+        assert (verdict.state, verdict.slip) == ("wrong", slip.name), f"{arm.name}, seed {seed}: {slip.name}"
+
+
+@pytest.mark.parametrize("name", EXERCISES)
+def test_the_model_solution_is_right_and_each_slip_is_named(name: str, rover: Arm) -> None:
+    hold(EXERCISES[name], rover, seed=0)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("seed", range(1, 6))
+@pytest.mark.parametrize("name", EXERCISES)
+def test_on_other_instances_and_arms(name: str, seed: int) -> None:
+    """Five joints, slides, two joints, and one that turns and slides at once."""
+    for arm in ("scara", "rr_planar", "stanford"):
+        hold(EXERCISES[name], load(arm), seed)
+    hold(EXERCISES[name], helical_arm(seed), seed)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(("file", "options"), REAL_ARMS)
+def test_on_real_arms(file: str, options: dict[str, Any], models: Path) -> None:
+    arm = load_arm(models / file, **options)
+    for exercise in EXERCISES.values():
+        hold(exercise, arm, seed=0)
+
+
+def helical_arm(seed: int) -> Arm:
+    from joint_arms import by_hand
+
+    return by_hand(*random_chain(("helical", "prismatic", "revolute", "cylindrical"), seed))
+
+
+def test_what_there_is() -> None:
+    assert [bool(exercises_of(lesson)) for lesson in LESSONS] == [True] * 16
+    for lesson in LESSONS:
+        assert 2 <= len(exercises_of(lesson)) <= 4
+        assert all(exercise.lesson == lesson for exercise in exercises_of(lesson))
+    assert len(EXERCISES) == sum(len(exercises_of(lesson)) for lesson in LESSONS)
+    slips = [slip for exercise in EXERCISES.values() for slip in exercise.slips]
+    assert len(slips) >= 300
+    for exercise in EXERCISES.values():
+        assert len({slip.name for slip in exercise.slips}) == len(exercise.slips), exercise.name
+        assert all(20 < len(slip.words) < 260 and slip.words[-1] in ".?)" for slip in exercise.slips), exercise.name
+        assert len(exercise.solution.splitlines()) <= 21, exercise.name
+        # The template says what to do, and not how.
+        assert "raise NotImplementedError" in exercise.template
+        assert exercise.prompt.splitlines()[0] in exercise.template
+
+
+# slips written otherwise than in the course ---------------------------------------------------------------------
+
+
+def turn(axis: str, angle: float) -> Any:
+    return Rotation.from_euler(axis, angle).as_matrix()
+
+
+def hat(w: Any) -> Any:
+    return np.array([np.cross(w, e) for e in np.eye(3)]).T
+
+
+def by_scipy(S: Any, x: Any) -> Any:
+    g = np.eye(4)
+    for xi, value in zip(S.T, x, strict=True):
+        g = g @ scipy.linalg.expm(twist_matrix(xi) * value)
+    return g
+
+
+def mixed_signs(l1: float, l2: float, x: float, y: float) -> list[list[float]]:
+    r = sqrt(x * x + y * y)
+    bend = pi - acos(max(-1.0, min(1.0, (l1**2 + l2**2 - r**2) / (2 * l1 * l2))))
+    beta = acos(max(-1.0, min(1.0, (r * r + l1**2 - l2**2) / (2 * l1 * r))))
+    wrap = lambda a: atan2(sin(a), cos(a))  # noqa: E731
+    return [[wrap(atan2(y, x) + beta), bend], [wrap(atan2(y, x) - beta), -bend]]
+
+
+def unclamped(l1: float, l2: float, r: float) -> float:
+    return acos((l1 * l1 + l2 * l2 - r * r) / (2 * l1 * l2))
+
+
+def columns_at_rest(S: Any, x: Any) -> Any:
+    return S.copy()
+
+
+WRITTEN_OTHERWISE: list[tuple[str, str, Callable[..., Any]]] = [
+    ("rotation_z", "transposed", lambda alpha: turn("z", -alpha)),
+    ("rotation_z", "degrees", lambda alpha: Rotation.from_euler("z", alpha, degrees=True).as_matrix()),
+    ("rotation_z", "sine for cosine", lambda a: [[sin(a), -cos(a), 0], [cos(a), sin(a), 0], [0, 0, 1]]),
+    ("zyz", "fixed for moved axes", lambda a, b, c: Rotation.from_euler("zyz", [a, b, c]).as_matrix()),
+    ("zyz", "transposed", lambda a, b, c: Rotation.from_euler("ZYZ", [a, b, c]).inv().as_matrix()),
+    ("zyz", "ZYX", lambda a, b, c: Rotation.from_euler("ZYX", [a, b, c]).as_matrix()),
+    ("multiply", "order reversed", lambda P, Q: EXERCISES["multiply"].reference(Q, P)),
+    ("from_axis_angle", "xyzw", lambda w, t: Rotation.from_rotvec(w / np.linalg.norm(w) * t).as_quat()),
+    ("rotate", "xyzw", lambda Q, p: Rotation.from_quat(Q).apply(p)),
+    ("rotate", "inverse rotation", lambda Q, p: Rotation.from_quat(np.roll(Q, -1)).inv().apply(p)),
+    (
+        "rodrigues",
+        "not normalised",
+        lambda w, t: np.eye(3) + sin(t) * hat(w) + (1 - cos(t)) * (np.outer(w, w) - w @ w * np.eye(3)),
+    ),
+    ("rotation_log", "transposed", lambda R: Rotation.from_matrix(R.T).as_rotvec()),
+    ("change_frame", "order reversed", lambda R_ab, R_bc, q: np.dot(R_bc, np.dot(R_ab, q))),
+    ("inverse_pose", "only transposed", lambda g: np.transpose(g)),
+    ("transform_points", "rows times R", lambda g, P: np.array([p @ g[:3, :3] + g[:3, 3] for p in P])),
+    ("tool_point", "right for left", lambda g, h, q: (h @ (g @ [*q, 1.0]))[:3]),
+    ("twist_of_screw", "angular first", lambda a, q, h: np.r_[a, np.cross(q, a) + h * a] / np.linalg.norm(a)),
+    (
+        "screw_of_twist",
+        "pitch inverted",
+        lambda xi: (screws.to_screw(xi).axis, screws.to_screw(xi).point, 1 / screws.to_screw(xi).pitch),
+    ),
+    ("pose_after", "right for left", lambda g, xi, t: g @ scipy.linalg.expm(twist_matrix(xi) * t)),
+    ("adjoint", "no p̂R", lambda g: scipy.linalg.block_diag(g[:3, :3], g[:3, :3])),
+    ("adjoint", "transposed", lambda g: screws.adjoint(g).T),
+    ("body_twist", "spatial for body", lambda g, d: np.r_[(d @ np.linalg.inv(g))[:3, 3], hat_vee(d, g)]),
+    ("spatial_twist", "body for spatial", lambda g, V: V.copy()),
+    ("product_of_exponentials", "home forgotten", lambda S, home, x: by_scipy(S, x)),
+    ("product_of_exponentials", "degrees", lambda S, home, x: by_scipy(S, np.deg2rad(x)) @ home),
+    ("product_of_exponentials", "angular first", lambda S, home, x: by_scipy(np.r_[S[3:], S[:3]], x) @ home),
+    ("both_elbows", "mixed signs", mixed_signs),
+    ("elbow", "acos not clamped", unclamped),
+    ("wrap", "from 0 to 2π", lambda angle: angle - 2 * pi * np.floor(angle / (2 * pi))),
+    ("two_link_determinant", "cosine for sine", lambda l1, l2, t1, t2: l1 * l2 * cos(t2)),
+    ("damped_step", "damping not squared", lambda J, e, k: np.linalg.inv(J.T @ J + k * np.eye(J.shape[1])) @ J.T @ e),
+    ("damped_step", "damping missing", lambda J, e, k: np.linalg.lstsq(J, e, rcond=None)[0]),
+    ("cubic", "not divided by T", lambda t, T, a, b: a + t * t * (3 - 2 * t) * (b - a)),
+    ("quintic_velocity", "not divided by T", lambda t, T, a, b: 30 * (t / T) ** 2 * (1 - t / T) ** 2 * (b - a)),
+    ("spatial_jacobian", "columns not moved", columns_at_rest),
+    ("body_jacobian", "spatial for body", lambda S, home, x: spatial_columns(S, x)),
+    ("screw_between", "numbers interpolated", lambda a, b, s: (1 - s) * a + s * b),
+    ("pregrasp", "left for right", lambda g, d: g - d * np.eye(4)[:, [2]] * [0, 0, 0, 1]),
+]
+
+
+def hat_vee(g_dot: Any, g: Any) -> Any:
+    S = g_dot[:3, :3] @ g[:3, :3].T
+    return [S[2, 1], S[0, 2], S[1, 0]]
+
+
+@pytest.mark.parametrize(
+    ("name", "slip", "function"), WRITTEN_OTHERWISE, ids=lambda each: each if isinstance(each, str) else ""
+)
+def test_a_slip_written_otherwise_is_named(name: str, slip: str, function: Callable[..., Any], rover: Arm) -> None:
+    assert verdict_on(function, EXERCISES[name], rover).slip == slip
+
+
+# right, written otherwise ---------------------------------------------------------------------------------------
+
+RIGHT: list[tuple[str, Callable[..., Any]]] = [
+    ("rotation_z", lambda a: ((cos(a), -sin(a), 0), (sin(a), cos(a), 0), (0, 0, 1))),
+    ("zyz", lambda a, b, c: scipy.linalg.expm(hat([0, 0, a])) @ scipy.linalg.expm(hat([0, b, 0])) @ turn("z", c)),
+    ("from_axis_angle", lambda w, t: -np.roll(Rotation.from_rotvec(w / np.linalg.norm(w) * t).as_quat(), 1)),
+    ("rodrigues", lambda w, t: scipy.linalg.expm(hat(w) * t)),
+    ("inverse_pose", np.linalg.inv),
+    ("screw_of_twist", lambda xi: [screws.to_screw(xi).axis, screws.to_screw(xi).point, screws.to_screw(xi).pitch]),
+    ("twist_exp", lambda xi, t: scipy.linalg.expm(twist_matrix(xi) * t)),
+    ("adjoint", screws.adjoint),
+    ("body_screws", lambda S, home: np.linalg.solve(screws.adjoint(home), S)),
+    ("both_elbows", lambda *a: np.array(mixed_signs(*a))[[1, 0]] * [1, -1]),
+    ("damped_step", lambda J, e, k: np.linalg.solve(J.T @ J + k**2 * np.eye(J.shape[1]), J.T @ e)),
+    ("pose_error", lambda g, h: pose_log(np.linalg.inv(g) @ h)),
+    ("screw_between", lambda a, b, s: screws.exp(screws.log(b @ np.linalg.inv(a)), s) @ a),
+    ("manipulability", lambda J: np.prod(np.linalg.svd(J)[1])),
+    ("lost_direction", lambda J: -scipy.linalg.null_space(J.T)[:, 0]),
+    (
+        "setpoints",
+        lambda a, b, T, dt: [a + (b - a) * (t / T) ** 2 * (3 - 2 * t / T) for t in np.arange(0, T + dt / 2, dt)],
+    ),
+]
+
+
+@pytest.mark.parametrize(("name", "function"), RIGHT, ids=lambda each: each if isinstance(each, str) else "")
+def test_a_right_answer_written_otherwise_is_right(name: str, function: Callable[..., Any], rover: Arm) -> None:
+    verdict = verdict_on(function, EXERCISES[name], rover)
+    assert verdict.ok, verdict
+
+
+# two slips ------------------------------------------------------------------------------------------------------
+
+TOGETHER = [
+    ("rotation_z", lambda a: turn("z", np.radians(-a))),
+    ("zyz", lambda a, b, c: turn("z", c).T @ turn("y", b) @ turn("z", a)),
+    ("multiply", lambda P, Q: [P[0] * Q[0] + P[1:] @ Q[1:], *(P[0] * Q[1:] + Q[0] * P[1:] - np.cross(P[1:], Q[1:]))]),
+    ("rodrigues", lambda w, t: scipy.linalg.expm(-hat(w / np.linalg.norm(w)) * t) if w.any() else np.eye(3)),
+    ("inverse_pose", lambda g: np.block([[g[:3, :3], g[:3, 3:]], [np.zeros((1, 3)), np.ones((1, 1))]])),
+    ("tool_point", lambda g, h, q: (h @ g @ [*q, 0])[:3]),
+    ("twist_of_screw", lambda a, q, h: np.r_[a, np.cross(a, q)] / np.linalg.norm(a)),
+    ("product_of_exponentials", lambda S, home, x: by_scipy(np.r_[S[3:], S[:3]], np.radians(x))),
+    ("product_of_exponentials", lambda S, home, x: by_scipy(S[:, ::-1], x[::-1])),
+    ("cubic", lambda t, T, a, b: (3 * t**2 - 2 * t**3) * b),
+    ("damped_step", lambda J, e, k: -np.linalg.solve(J.T @ J + k * np.eye(J.shape[1]), J.T @ e)),
+    ("body_jacobian", lambda S, home, x: np.roll(S, 3, axis=0)),
+]
+
+
+@pytest.mark.parametrize(("name", "function"), TOGETHER)
+def test_two_slips_are_not_taken_for_one(name: str, function: Callable[..., Any], rover: Arm) -> None:
+    verdict = verdict_on(function, EXERCISES[name], rover)
+    assert (verdict.state, verdict.slip) == ("wrong", "")
+    assert "yours gives" in verdict.words
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("name", [name for name in EXERCISES if name != "solve_pose"])
+def test_where_two_slips_have_one_name_it_is_that_slip(name: str, rover: Arm) -> None:
+    """One of the two has no effect then, or both make a third: on whatever instances."""
+    exercise = EXERCISES[name]
+    for one, other in combinations(exercise.slips, 2):
+        both = Slip("both", "", {**one.edits, **other.edits})
+        try:
+            function = exercise.wrong(both)
+        except (LookupError, SyntaxError):
+            continue
+        first = verdict_on(function, exercise, rover, 0)
+        if first.slip:
+            assert verdict_on(function, exercise, load("stanford"), 7).slip == first.slip, (one.name, other.name)
+
+
+# references -----------------------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("arm", ["rover_arm", "rover_arm_6dof", "scara", "stanford"])
+def test_the_reader_s_arm_is_judged_as_by_pinocchio(arm: str) -> None:
+    loaded = load(arm)
+    theta = loaded.random_theta(5)
+    S, home, A = np.array(loaded.screws), np.array(loaded.home), loaded.coupling.A
+    g, J_s, J_b = loaded.by_pinocchio(theta)
+    np.testing.assert_allclose(tool(S, home, A @ theta), g, atol=1e-12)
+    np.testing.assert_allclose(spatial_columns(S, A @ theta) @ A, J_s, atol=1e-12)
+    np.testing.assert_allclose(body_columns(S, home, A @ theta) @ A, J_b, atol=1e-12)
+
+
+def test_the_exponential_and_the_logarithm_are_those_of_scipy() -> None:
+    rng = np.random.default_rng(4)
+    for size in (0.0, 1e-9, 0.3, 2.0, 20.0):
+        M = rng.normal(size=(4, 4)) * size
+        np.testing.assert_allclose(expm(M), scipy.linalg.expm(M), rtol=1e-10, atol=1e-12)
+    for _ in range(5):
+        g = pose(rng)
+        np.testing.assert_allclose(twist_matrix(pose_log(g)), scipy.linalg.logm(g).real, atol=1e-9)
+
+
+def test_instances_hold_numbers_alone_and_the_reader_s_arm(rover: Arm) -> None:
+    S = own_chain(np.random.default_rng(0), rover)[0]
+    with_it = set()
+    for exercise in EXERCISES.values():
+        for arguments in exercise.instances(np.random.default_rng(0), rover):
+            assert len(arguments) == len(exercise.parameters)
+            for each in arguments:
+                assert isinstance(each, (float, str, np.ndarray)), exercise.name
+                if np.shape(each) == S.shape and np.array_equal(each, S):
+                    with_it.add(exercise.name)
+    assert {"product_of_exponentials", "spatial_jacobian", "body_screws", "cloud", "solve_pose"} <= with_it
+
+
+def test_a_slip_that_no_longer_fits_the_solution_is_noticed() -> None:
+    exercise = EXERCISES["rotation_z"]
+    with pytest.raises(LookupError, match="rotation_z, old: the solution has no"):
+        exercise.wrong(Slip("old", "", {"not there": ""}))
+    assert inspect.signature(exercise.wrong(exercise.slips[0])) == inspect.signature(exercise.model)
