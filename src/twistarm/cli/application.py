@@ -20,6 +20,7 @@ from .commands import (
     demonstration,
     doctor,
     following,
+    guide,
     init,
     inspection,
     inverse,
@@ -63,6 +64,7 @@ for command in (
     following.follow,
 ):
     app.command(cls=Command)(command)
+app.add_typer(guide.guide)
 
 
 def _print_version(wanted: bool) -> None:

@@ -41,6 +41,17 @@ Source = Annotated[str, ARM]
 ARM_OR_NONE = inspect.Parameter(
     "source", inspect.Parameter.KEYWORD_ONLY, default=None, annotation=Annotated[str | None, ARM]
 )
+ARM_OPTION = inspect.Parameter(
+    "source",
+    inspect.Parameter.KEYWORD_ONLY,
+    default=None,
+    annotation=Annotated[
+        str | None,
+        typer.Option(
+            "--arm", metavar="ARM", help="Your arm; the bundled rover arm without it.", autocompletion=arms_like
+        ),
+    ],
+)
 Base = Annotated[str | None, typer.Option(metavar="LINK", help="Base link, instead of the root.")]
 Tip = Annotated[str | None, typer.Option(metavar="LINK", help="Tip link, instead of the one found by its name.")]
 PackageDir = Annotated[
@@ -92,6 +103,11 @@ def takes_arm_or_none(command: Callable[..., Any]) -> Callable[..., Any]:
 def takes_source(command: Callable[..., Any]) -> Callable[..., Any]:
     """The same for a command that loads by itself: its first two parameters get ARM and the keywords of `load_arm`."""
     return _with_load_options(command, 2, lambda source, load: (source, load))
+
+
+def takes_arm_option(command: Callable[..., Any]) -> Callable[..., Any]:
+    """The same as `takes_source` with `--arm ARM` in place of ARM: the first parameter is None where it is not given."""
+    return _with_load_options(command, 2, lambda source, load: (source, load), ARM_OPTION)
 
 
 def _with_load_options(

@@ -7,7 +7,6 @@ import json
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import partial
-from importlib.resources import files
 from pathlib import Path
 from typing import Any
 
@@ -122,7 +121,7 @@ def as_keywords(source: str, keywords: Mapping[str, Any]) -> dict[str, Any]:
 def _package() -> str:
     """What tells one twistarm from another, and with it the style of its pages."""
     names = (".py", ".js", ".css", ".html", ".json")
-    root = Path(str(files(twistarm)))
+    root = Path(twistarm.__file__).parent
     held = sorted(path for path in root.rglob("*") if path.suffix in names and path.parent.name != "lessons")
     return _digest(*(f"{path.relative_to(root)}\0{path.read_text('utf-8')}" for path in held))
 

@@ -104,7 +104,7 @@ def _orthogonal_alone() -> Slip:
         r"$SO(n)$, nor are the vectors of $\mathbb{R}^3$ its elements: $A, B \in SO(3) \subset "
         r"\mathbb{R}^{3 \times 3}$.",
         f"The mirror $\\mathrm{{diag}}(1, 1, -1)$ has $M^TM = I$ (off by {off:.0f}) and determinant "
-        f"{np.linalg.det(mirror):.0f}: it makes a right hand a left one. $2I$ is a $3 \\times 3$ matrix of determinant "
+        f"−{-np.linalg.det(mirror):.0f}: it makes a right hand a left one. $2I$ is a $3 \\times 3$ matrix of determinant "
         f"{np.linalg.det(double):.0f}.",
     )
 

@@ -1,4 +1,4 @@
-"""A browser that draws a page into a file, without a display and for a limited time."""
+"""A browser that draws or prints a page into a file, without a display and for a limited time."""
 
 from __future__ import annotations
 
@@ -40,15 +40,8 @@ TIMEOUT = 60.0
 def draw(browser: str, page: Path, size: tuple[int, int]) -> bytes:
     """The PNG that `browser` makes of `page`. The file counts, not how the browser ends: some linger after writing."""
     picture = page.with_name("arm.png")
-    command = (
-        browser,
-        *FLAGS,
-        f"--user-data-dir={page.with_name('profile')}",
-        "--window-size={},{}".format(*size),
-        f"--screenshot={picture}",
-        f"{page.as_uri()}#pane",
-    )
-    end = _run(command, page.parent)
+    window = "--window-size={},{}".format(*size)
+    end = _run(browser, page, (window, f"--screenshot={picture}"), "#pane")
     data = picture.read_bytes() if picture.is_file() else b""
     wrong = fault(data, size) if data else f"{end} and wrote no picture"
     if wrong:
@@ -56,8 +49,21 @@ def draw(browser: str, page: Path, size: tuple[int, int]) -> bytes:
     return data
 
 
-def _run(command: tuple[str, ...], folder: Path) -> str:
-    """Run `command` for at most `TIMEOUT`, and say how it ended; none of its processes outlives this call."""
+def printed(browser: str, page: Path) -> bytes:
+    """The PDF that `browser` prints of `page`, without its own head and foot."""
+    paper = page.with_name("page.pdf")
+    end = _run(browser, page, ("--no-pdf-header-footer", f"--print-to-pdf={paper}"))
+    data = paper.read_bytes() if paper.is_file() else b""
+    if not (data.startswith(b"%PDF-") and data.rstrip().endswith(b"%%EOF")):
+        raise TwistarmError(f"{browser} {end} and printed no whole PDF")
+    return data
+
+
+def _run(browser: str, page: Path, wishes: tuple[str, ...], place: str = "") -> str:
+    """Have `browser` open `page` for at most `TIMEOUT`; how it ended. None of its processes outlives this call."""
+    folder = page.parent
+    profile = f"--user-data-dir={page.with_name('profile')}"
+    command = (browser, *FLAGS, profile, *wishes, f"{page.as_uri()}{place}")
     # Debian's launcher makes a folder in the configuration, whatever profile it is given.
     own = {"XDG_CONFIG_HOME": str(folder), "XDG_CACHE_HOME": str(folder)}
     log = folder / "log"

@@ -1,0 +1,130 @@
+"""`guide`: the course, built on an arm, served or printed."""
+
+from __future__ import annotations
+
+import hashlib
+import json
+import os
+import sys
+import webbrowser
+from collections.abc import Mapping, Sequence
+from contextlib import suppress
+from pathlib import Path
+from typing import Annotated, Any
+
+import typer
+
+from ...guide.building.building import Built, as_keywords, build
+from ...guide.building.printing import pdf_of
+from ...guide.building.server import SiteServer
+from ...guide.course import lesson_named, lessons
+from ...support.errors import DescriptionError, InputError
+from ..options import takes_arm_option
+from ..output import progress_bar, say, warn
+from ..outputs import Force, outputs_of
+from ..typed import Command, Group
+from .viewing import Browser
+
+guide = typer.Typer(
+    name="guide",
+    cls=Group,
+    help="The course in the kinematics of arms, on your own arm: built, served, printed.",
+    pretty_exceptions_enable=False,
+)
+
+Folder = Annotated[
+    Path | None,
+    typer.Option(
+        "--output", "-o", metavar="DIR", help="Write the site into this folder, new or empty or built before, and end."
+    ),
+]
+Port = Annotated[int, typer.Option(min=0, max=65535, help="Port to serve on, on this machine alone; 0: a free one.")]
+
+
+def lessons_like(typed: str) -> list[str]:
+    """Completions of LESSON."""
+    return [name for name in lessons() if name.startswith(typed)]
+
+
+Lesson = Annotated[str, typer.Argument(metavar="LESSON", help="A lesson by its name.", autocompletion=lessons_like)]
+
+
+@guide.callback(invoke_without_command=True)
+@takes_arm_option
+def course(
+    source: str | None,
+    load: dict[str, Any],
+    context: typer.Context,
+    output: Folder = None,
+    port: Port = 0,
+    browser: Browser = True,
+) -> None:
+    """Build the course on your own arm and read it in the browser; served on this machine until Ctrl-C.
+
+    Every lesson is run on the arm, two at a time, again only where something has changed. With -o DIR it is a site of
+    files that opens from disk, offline.
+    """
+    if context.invoked_subcommand is not None:
+        return
+    built = _built(source, load, output)
+    if output is not None:
+        say(f"written: {built.start} (opens in a browser, offline)")
+        raise typer.Exit(bool(built.failed))
+    _serve(built, port, browser)
+
+
+@guide.command("print", cls=Command)
+@takes_arm_option
+def print_lesson(
+    source: str | None,
+    load: dict[str, Any],
+    lesson: Lesson,
+    output: Annotated[str, typer.Option("--output", "-o", metavar="FILE", help="Where to write it, *.pdf.")],
+    force: Force = False,
+) -> None:
+    """Print one lesson as a PDF, its answers unfolded; needs Chromium, Chrome or Edge."""
+    outputs = outputs_of(output, {"pdf": (".pdf",)}, force=force)
+    name = lesson_named(lesson)
+    built = _built(source, load, None, [name])
+    outputs.say(outputs.write({"pdf": lambda: pdf_of(built.folder, name)}))
+    raise typer.Exit(bool(built.failed))
+
+
+def _built(
+    source: str | None, load: Mapping[str, Any], folder: Path | None, names: Sequence[str] | None = None
+) -> Built:
+    """The course on the arm that was typed; what failed is said."""
+    arm = as_keywords(source or "rover_arm", load)
+    place = folder or _kept_in(arm, names)
+    try:
+        with progress_bar(f"the guide on {source or 'rover_arm'}") as progress:
+            built = build(place, arm, names, progress=lambda done, _: progress(done))
+    except DescriptionError as error:
+        words = f"{error}; no page was written: twistarm doctor says all that is wrong with it"
+        raise DescriptionError(words, error.findings) from error
+    for words in built.failed:
+        warn(words)
+    return built
+
+
+def _kept_in(arm: Mapping[str, Any], names: Sequence[str] | None) -> Path:
+    """The folder of this user's cache for the course on this arm; single lessons for printing lie apart."""
+    given = os.environ.get("XDG_CACHE_HOME", "")
+    home = Path.home() / ("Library/Caches" if sys.platform == "darwin" else ".cache")
+    root = Path(given) if os.path.isabs(given) and sys.platform != "darwin" else home
+    digest = hashlib.sha256(json.dumps([arm, names], sort_keys=True).encode()).hexdigest()[:16]
+    place = root / "twistarm" / "guide" / digest
+    try:
+        place.mkdir(mode=0o700, parents=True, exist_ok=True)
+    except OSError as error:
+        raise InputError(f"cannot use {place}: {error.strerror or error}; give a folder by -o DIR") from error
+    return place
+
+
+def _serve(built: Built, port: int, browser: bool) -> None:
+    with SiteServer(built.folder, port) as server:
+        say(f"the guide on {built.arm.name} at {server.url}  (Ctrl-C ends it)")
+        if browser and not webbrowser.open(server.url):
+            warn("no browser found here; open the address yourself, or use -o DIR for a site that needs no server")
+        with suppress(KeyboardInterrupt):
+            server.serve()

@@ -1,0 +1,33 @@
+"""A lesson printed: its page as a PDF, by an installed browser."""
+
+from __future__ import annotations
+
+import re
+import shutil
+import tempfile
+from pathlib import Path
+
+from ...support.errors import TwistarmError
+from ...viewer.files.browsers import find_browser, is_snap
+from ...viewer.files.headless import printed
+
+
+def pdf_of(site: Path, lesson: str) -> bytes:
+    """The PDF of a lesson of the site that was built in `site`, with all that is folded unfolded.
+
+    TwistarmError where there is no browser, or where it prints nothing.
+    """
+    browser = find_browser()
+    # A snap of Ubuntu sees no hidden folder and no temporary one.
+    home = Path.home() if is_snap(browser) else None
+    try:
+        with tempfile.TemporaryDirectory(prefix="twistarm-", dir=home, ignore_cleanup_errors=True) as folder:
+            page = Path(folder, f"{lesson}.html")
+            shutil.copytree(site / "assets", Path(folder, "assets"))
+            text = (site / page.name).read_text("utf-8")
+            # On paper nothing can be unfolded, tried or opened.
+            text = re.sub(r"<iframe .*?</iframe>", "", text.replace("<details", "<details open"), flags=re.DOTALL)
+            page.write_text(re.sub(r"<script .*?</script>", "", text, flags=re.DOTALL), "utf-8")
+            return printed(browser, page)
+    except OSError as error:
+        raise TwistarmError(f"cannot print with {browser}: {error}") from error

@@ -1,0 +1,85 @@
+"""The site served to this machine alone."""
+
+from __future__ import annotations
+
+import errno
+import posixpath
+from http import HTTPStatus
+from http.server import SimpleHTTPRequestHandler, ThreadingHTTPServer
+from pathlib import Path
+from typing import Any
+from urllib.parse import unquote, urlsplit
+
+from ...support.errors import InputError
+
+HOST = "127.0.0.1"
+
+NAMES = ("127.0.0.1", "localhost", "[::1]")
+"""Hosts that a browser of this machine may ask for; another name has been made to lead here."""
+
+
+class SiteServer:
+    """Serves the files of `folder` on 127.0.0.1 until it is closed; a context manager.
+
+    Raises InputError where the port cannot be had.
+    """
+
+    def __init__(self, folder: Path, port: int = 0) -> None:
+        handler = type("Handler", (_Handler,), {"folder": folder})
+        try:
+            self._server = ThreadingHTTPServer((HOST, port), handler)
+        except (OSError, OverflowError) as error:
+            in_use = getattr(error, "errno", None) == errno.EADDRINUSE
+            why = "is in use" if in_use else f"cannot be had ({error})"
+            raise InputError(f"port {port} {why}; take another, or --port 0 for a free one") from error
+
+    @property
+    def url(self) -> str:
+        """Where the contents are."""
+        return f"http://{HOST}:{self._server.server_address[1]}/"
+
+    def serve(self) -> None:
+        """Serve until Ctrl-C or `close`."""
+        self._server.serve_forever()
+
+    def close(self) -> None:
+        """Stop, and let go of the port."""
+        self._server.shutdown()
+        self._server.server_close()
+
+    def __enter__(self) -> SiteServer:
+        return self
+
+    def __exit__(self, *raised: object) -> None:
+        self._server.server_close()
+
+
+class _Handler(SimpleHTTPRequestHandler):
+    """Files of the folder by GET; no listings, nothing outside of it."""
+
+    folder: Path
+    server_version = "twistarm"
+    sys_version = ""
+
+    def __init__(self, *arguments: Any) -> None:
+        super().__init__(*arguments, directory=str(self.folder))
+
+    def send_head(self) -> Any:
+        host = self.headers.get("Host", "")
+        if host.rpartition(":")[0] not in NAMES and host not in NAMES:
+            self.send_error(HTTPStatus.FORBIDDEN, "this page is for this machine alone")
+            return None
+        path = posixpath.normpath(unquote(urlsplit(self.path).path)).lstrip("/") or "index.html"
+        place = (self.folder / path).resolve()
+        if not place.is_relative_to(self.folder.resolve()) or not place.is_file():
+            self.send_error(HTTPStatus.NOT_FOUND)
+            return None
+        return super().send_head()
+
+    def end_headers(self) -> None:
+        self.send_header("Cache-Control", "no-cache")
+        self.send_header("X-Content-Type-Options", "nosniff")
+        super().end_headers()
+
+    def log_message(self, format: str, *arguments: object) -> None:
+        """Say nothing: who reads knows what they read."""
