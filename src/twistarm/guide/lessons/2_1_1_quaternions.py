@@ -218,9 +218,9 @@ guide.say(
 # %% [markdown]
 # ## The sign in your logs
 #
-# The arm has moved to a second orientation, and somebody turns the tool once about its own axis while you record. The program that turns matrices into quaternions
-# has to choose between $Q$ and $-Q$, and like most of its kind it takes the one with $q_0 \geq 0$. Look at what this
-# does.
+# The arm has moved to a second orientation, and somebody turns the tool once about its own axis while you record. The
+# program that turns matrices into quaternions has to choose between $Q$ and $-Q$, and like most of its kind it takes
+# the one with $q_0 \geq 0$. Look at what this does.
 
 # %% tags=["hidden"]
 there = arm.fk(0.5 * arm.ready + 0.5 * arm.random_theta(3))[:3, :3] @ rotations.exp(arm.tool_axis, 0.6)
