@@ -2,11 +2,11 @@
 # # Rigid motions
 #
 # A camera on a link of your arm sees a rock and says where it lies: so much to the right, so much ahead, all of it
-# measured from the lens. You want the tip of the screwdriver that the gripper holds to touch the rock. Where is the rock
-# for the base? Where is the tip? And how far has the one to go to meet the other?
+# measured from the lens. You want the tip of the screwdriver that the gripper holds to touch the rock. Where is the
+# rock for the base? Where is the tip? And how far has the one to go to meet the other?
 #
-# Frames that have moved and turned lie between the questions and their answers. This lesson puts a turn and a shift into
-# one matrix, so that passing from frame to frame becomes a product.
+# Frames that have moved and turned lie between the questions and their answers. This lesson puts a turn and a shift
+# into one matrix, so that passing from frame to frame becomes a product.
 #
 # ## The law
 #
@@ -68,8 +68,8 @@ miss = np.linalg.norm((g_sc - swapped)[:3, 3])
 guide.predict(
     "How far from the screwdriver's true tip do you look for it if you write $g_{tc}\\,g_{st}$ instead of "
     "$g_{st}\\,g_{tc}$?",
-    f"On `{arm.name}`, {100 * miss:.1f} cm. The tip is at $({', '.join(f'{x:.3f}' for x in g_sc[:3, 3] + 0.0)})$ m; the "
-    f"swapped product says $({', '.join(f'{x:.3f}' for x in swapped[:3, 3] + 0.0)})$ m.",
+    f"On `{arm.name}`, {100 * miss:.1f} cm. The tip is at $({', '.join(f'{x:.3f}' for x in g_sc[:3, 3] + 0.0)})$ m; "
+    f"the swapped product says $({', '.join(f'{x:.3f}' for x in swapped[:3, 3] + 0.0)})$ m.",
 )
 
 # %% [markdown]
@@ -78,7 +78,7 @@ guide.predict(
 
 # %% tags=["hidden"]
 turn, shift = screws.exp([0, 0, 0, 0, 0, 1], np.pi / 3), screws.exp([1.0, 0, 0, 0, 0, 0])
-fig, columns = guide.axes2(2, width=6.4, height=3.0, equal=True)
+fig, columns = guide.axes2(2, width=6.4, height=3.0, equal=False)
 for ax, motions, title in (
     (columns[0], [turn, turn @ shift], "first turn, then shift"),
     (columns[1], [shift, shift @ turn], "first shift, then turn"),
@@ -88,7 +88,7 @@ for ax, motions, title in (
         for axis, (letter, colour) in enumerate(zip("xy", colours, strict=True)):
             name = f"${letter}_{'ABC'[k]}$" if k != 1 else ""
             guide.plot_vector(ax, g[:2, 3], 0.45 * g[:2, axis], name, colour)
-    ax.set(title=title, xlim=(-0.7, 1.7), ylim=(-0.3, 1.6), xlabel="x", ylabel="y")
+    ax.set(title=title, xlim=(-0.7, 1.7), ylim=(-0.3, 1.6), xlabel="x", ylabel="y", aspect="equal")
 guide.figure(
     fig,
     "Two plane drawings. On the left a frame turns by sixty degrees and then moves along its own new x axis, up and to "
@@ -117,8 +117,8 @@ guide.say(
 )
 
 # %% [markdown]
-# With an identity, an inverse, a product that stays inside and associativity, $SE(3)$ is a group, as $SO(3)$ is. The sum
-# of two poses is no pose: its last row ends with a 2.
+# With an identity, an inverse, a product that stays inside and associativity, $SE(3)$ is a group, as $SO(3)$ is. The
+# sum of two poses is no pose: its last row ends with a 2.
 #
 # ## In use: the camera and the rock
 #
@@ -132,7 +132,9 @@ links = arm.description.joints if arm.description else {}
 moving = [links[name].child for name in arm.moving_names if name in links]
 camera = moving[(len(moving) - 1) // 2] if moving else arm.base
 g_scam = arm.pose(theta, camera)
-seen = np.array([0.25 * arm.reach, -0.10 * arm.reach, 0.15 * arm.reach, 1.0])  # the rock, by the camera
+tip = (g_st @ point)[:3]
+lies = tip + 0.3 * arm.reach * np.array([0.6, -0.8, 0.0])
+seen = np.round(screws.inverse(g_scam) @ [*lies, 1], 3)  # what the camera says, to the millimetre
 
 rock_s = g_scam @ seen
 rock_t = screws.inverse(g_st) @ rock_s
@@ -154,8 +156,7 @@ guide.table(
 fig, ax = guide.axes3(width=5.2, height=4.6)
 guide.plot_arm(ax, arm, theta, alpha=0.6)
 guide.plot_frame(ax, np.eye(4), "s", 0.18 * arm.reach)
-guide.plot_frame(ax, g_scam, "c", 0.14 * arm.reach)
-tip = (g_st @ point)[:3]
+guide.plot_frame(ax, g_scam, "c", 0.16 * arm.reach)
 guide.plot_vector(ax, g_scam[:3, 3], (rock_s[:3] - g_scam[:3, 3]), "", guide.PINK)
 guide.plot_vector(ax, tip, rock_s[:3] - tip, "", guide.AMBER)
 guide.plot_point(ax, rock_s[:3], "rock", guide.INK)
@@ -169,7 +170,7 @@ guide.figure(
 
 # %%
 guide.scene(
-    arm, theta=theta, caption="Move a joint behind the camera, then one before it: which of them moves its view?"
+    arm, theta=theta, caption="Move a joint beyond the camera's link, then one before it: which moves its view?"
 )
 
 # %% [markdown]
@@ -186,8 +187,8 @@ guide.scene(
 # **Millimetres.** CAD exports in mm, URDF means metres. The tip of a tool that is 12 cm long ends 120 m away, which
 # shows at once; a shift in inches does not.
 #
-# **The camera's axes.** Optical frames have $z$ ahead, $x$ right and $y$ down; frames of links mostly have $x$ ahead and
-# $z$ up. The turn between the two is a constant matrix, and it belongs in the chain.
+# **The camera's axes.** Optical frames have $z$ ahead, $x$ right and $y$ down; frames of links mostly have $x$ ahead
+# and $z$ up. The turn between the two is a constant matrix, and it belongs in the chain.
 #
 # ## Exercises
 
