@@ -1,4 +1,4 @@
-# make demo: see it work.  make test: prove it.  make docs: the site, in docs/_build.  Each builds .venv first; PYTHON
+# make demo: see it work.  make guide: learn it.  make test: prove it.  make docs: the site, in docs/_build.  Each builds .venv first; PYTHON
 # names another interpreter than python3, WORKERS how many processes test at once.
 PYTHON ?= python3
 WORKERS ?= 3
@@ -6,10 +6,13 @@ BIN := .venv/bin
 # Tests start hundreds of programs: what Python has compiled once is kept, wherever that is switched off.
 unexport PYTHONDONTWRITEBYTECODE
 
-.PHONY: demo test test-all docs bench lint lint-page format coverage dist clean
+.PHONY: demo guide test test-all docs bench lint lint-page format coverage dist clean
 
 demo: .venv/base
 	$(BIN)/twistarm demo
+
+guide: .venv/base
+	$(BIN)/twistarm guide
 
 test: .venv/dev
 	$(BIN)/python -m pytest -m "not slow and not alone" -n $(WORKERS) --dist worksteal
@@ -60,7 +63,7 @@ CORE := $(shell find core -path core/tests -prune -o -type f -print)
 
 .venv/base: pyproject.toml $(CORE)
 	$(PYTHON) -m venv .venv
-	$(BIN)/python -m pip install --quiet --editable '.[view,check,plan]'
+	$(BIN)/python -m pip install --quiet --editable '.[view,check,plan,guide]'
 	@touch $@
 
 .venv/dev: pyproject.toml $(CORE)

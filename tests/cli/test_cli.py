@@ -432,7 +432,7 @@ def test_the_installed_program() -> None:
     assert done.stderr.startswith("error: no arm 'nobody' in the catalogue")
     assert "Traceback" not in done.stderr
     helped = subprocess.run([program, "--help"], capture_output=True, text=True, timeout=60, check=True)
-    commands = "demo arms info init check freeze doctor bake wiring fk jacobian ik plan view servo follow"
+    commands = "demo arms info init check freeze doctor bake wiring fk jacobian ik plan view servo follow guide"
     assert set(commands.split()) <= set(re.findall(r"\w+", helped.stdout))
     assert "bool" not in helped.stdout
 

@@ -66,7 +66,7 @@
       this.words = words;
       this.numbers = element("pre", { className: "numbers", tabIndex: 0 });
       this.numbers.setAttribute("aria-label", "Numbers");
-      this.numbers.setAttribute("role", "region");
+      this.numbers.setAttribute("role", "group");
       this.controls = element("div", { className: "controls" });
       const bench = element("div", { className: "bench" }, this.controls, this.svg, this.numbers);
       stage.append(bench);
@@ -76,13 +76,13 @@
     }
 
     // A number to slide: its name, from, to, step, unit.
-    number(key, name, from, to, step, unit, value) {
+    number(key, name, from, to, step, suffix, value) {
       const input = element("input", { type: "range", min: from, max: to, step, value });
       const output = element("output");
       const digits = step < 0.1 ? 2 : step < 1 ? 1 : 0;
       const take = () => {
         this.values[key] = Number(input.value);
-        const said = `${this.values[key].toFixed(digits).replace("-", "−")}${unit}`;
+        const said = `${this.values[key].toFixed(digits).replace("-", "−")}${suffix}`;
         output.textContent = said;
         input.setAttribute("aria-valuetext", said);
       };

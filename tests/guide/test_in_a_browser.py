@@ -1,0 +1,227 @@
+"""The site in a real browser, opened from disk: no error, no request elsewhere, nothing that axe-core finds, and
+sliders whose numbers are right.
+"""
+
+from __future__ import annotations
+
+import os
+import re
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any, NoReturn
+
+import numpy as np
+import pytest
+from scipy.spatial.transform import Rotation
+
+from conftest import LESSON, ROVER  # type: ignore[attr-defined]
+from twistarm.guide.building.building import Built, build
+from twistarm.guide.teaching import outlet
+from twistarm.guide.teaching.html import html_of
+from twistarm.guide.teaching.saying import SLIDERS, slider
+from twistarm.support.errors import TwistarmError
+from twistarm.viewer.files.browsers import find_browser
+from twistarm.viewer.files.headless import FLAGS
+
+pytestmark = [pytest.mark.slow, pytest.mark.browser]
+
+AXE = Path(__file__).parents[2] / "tools" / "page" / "node_modules" / "axe-core" / "axe.min.js"
+
+
+def absent(reason: str) -> NoReturn:
+    if os.environ.get("TWISTARM_REQUIRE_ALL") == "1":
+        pytest.fail(f"{reason}, and TWISTARM_REQUIRE_ALL=1")
+    pytest.skip(reason)
+
+
+@pytest.fixture(scope="module")
+def browser() -> Iterator[Any]:
+    try:
+        path = find_browser()
+    except TwistarmError as error:
+        absent(str(error))
+    from playwright.sync_api import sync_playwright
+
+    with sync_playwright() as playwright:
+        flags = [flag for flag in FLAGS if not flag.startswith("--virtual-time")]
+        launched = playwright.chromium.launch(executable_path=path, args=flags)
+        yield launched
+        launched.close()
+
+
+@pytest.fixture(scope="module")
+def course(tmp_path_factory: pytest.TempPathFactory) -> Built:
+    """The whole of it, on the rover arm."""
+    made = build(tmp_path_factory.mktemp("whole"), ROVER)
+    assert made.failed == ()
+    return made
+
+
+def watched(page: Any) -> list[str]:
+    """What goes wrong in a page, and what it asks for that is no file beside it."""
+    seen: list[str] = []
+    page.on("pageerror", lambda error: seen.append(str(error)))
+    page.on("console", lambda said: seen.append(said.text) if said.type == "error" else None)
+    page.on(
+        "request", lambda asked: None if asked.url.startswith(("file:", "data:", "blob:")) else seen.append(asked.url)
+    )
+    return seen
+
+
+@pytest.mark.parametrize("scheme", ["light", "dark"])
+@pytest.mark.parametrize("width", [1280, 390])
+def test_every_page_reads_without_a_fault(course: Built, browser: Any, scheme: str, width: int) -> None:
+    if not AXE.is_file():
+        absent("axe-core is not installed: make lint-page")
+    context = browser.new_context(viewport={"width": width, "height": 900}, color_scheme=scheme, bypass_csp=True)
+    for file in sorted(course.folder.glob("*.html")):
+        page = context.new_page()
+        seen = watched(page)
+        page.route("**/scene_*", lambda route: route.fulfill(body="<title>a scene</title>"))  # a test of its own
+        page.goto(file.as_uri())
+        page.evaluate("document.querySelectorAll('details').forEach((each) => { each.open = true; })")
+        page.evaluate(AXE.read_text("utf-8"))
+        found = page.evaluate("axe.run({ iframes: false, preload: false })")
+        faults = [(each["id"], each["nodes"][0]["html"][:120]) for each in found["violations"]]
+        assert faults == [], file.name
+        assert page.evaluate("document.documentElement.scrollWidth <= innerWidth"), f"{file.name} is wider than {width}"
+        assert page.evaluate(
+            "[...document.querySelectorAll('figure > .picture svg')].every((svg) => svg.getBBox().width > 0)"
+        )
+        assert seen == [], file.name
+        page.close()
+    context.close()
+
+
+def test_the_scene_is_drawn_from_disk(built: Built, browser: Any) -> None:
+    page = browser.new_page()
+    seen = watched(page)
+    page.goto((built.folder / f"{LESSON}.html").as_uri())
+    frame = page.locator("iframe")
+    frame.scroll_into_view_if_needed()
+    page.frame_locator("iframe").locator("body[data-drawn]").wait_for(timeout=60_000)
+    assert page.frame_locator("iframe").locator("#name").inner_text() == "rover_arm"
+    assert seen == []
+    page.close()
+
+
+def test_without_scripts_questions_answers_and_drawings_are_there(built: Built, browser: Any) -> None:
+    context = browser.new_context(java_script_enabled=False)
+    page = context.new_page()
+    page.goto((built.folder / f"{LESSON}.html").as_uri())
+    assert page.locator(".slider .picture svg").first.is_visible()
+    assert page.locator(".scene .still svg").first.is_visible()
+    assert not page.locator("iframe").is_visible()
+    page.locator(".prediction summary").first.click()
+    assert page.locator(".prediction details div").first.is_visible()
+    context.close()
+
+
+@pytest.fixture
+def bench(built: Built, browser: Any, tmp_path: Path) -> Iterator[Any]:
+    """A function that opens a slider and gives its page."""
+    pages = []
+
+    def opened(name: str, **numbers: Any) -> Any:
+        shown: list[outlet.Shown] = []
+        with outlet.installed(shown.append):
+            slider(name, "?", "!", **numbers)
+        script = (built.folder / "assets" / "sliders.js").read_text("utf-8")
+        file = tmp_path / "slider.html"
+        file.write_text(f"<meta charset=utf-8>{html_of(shown[0].data(None))}<script>{script}</script>", "utf-8")
+        page = browser.new_page()
+        pages.append((page, watched(page)))
+        page.goto(file.as_uri())
+        return page
+
+    yield opened
+    for page, seen in pages:
+        assert seen == []
+        page.close()
+
+
+def numbers(page: Any) -> list[float]:
+    text = page.locator("pre.numbers").inner_text().replace("−", "-")
+    return [float(each) for each in re.findall(r"-?\d+\.?\d*", text.translate({ord(x): " " for x in "₁₂"}))]
+
+
+def slide(page: Any, label: str, value: float) -> None:
+    control = page.get_by_label(label, exact=False).first
+    control.evaluate("(input, value) => { input.value = value; input.dispatchEvent(new Event('input')); }", value)
+
+
+@pytest.mark.parametrize("name", SLIDERS)
+def test_each_slider_starts_and_every_control_has_a_name(name: str, bench: Any) -> None:
+    page = bench(name)
+    assert page.locator(".bench svg").get_attribute("aria-label")
+    assert page.locator(".bench svg > *").count() > 2
+    names = page.evaluate(
+        "[...document.querySelectorAll('.bench :is(input, select)')].map((each) => each.labels[0].innerText)"
+    )
+    assert all(names)
+    first = page.locator(".bench input").first
+    before = page.locator(".bench svg").inner_html()
+    first.focus()
+    for _ in range(4):
+        page.keyboard.press("ArrowRight")
+    assert page.locator(".bench svg").inner_html() != before or name == "spline", "keys move it"
+
+
+@pytest.mark.parametrize("order", ["ZYZ", "ZYX", "XYZ"])
+def test_the_frame_is_that_of_scipy(order: str, bench: Any) -> None:
+    page = bench("frame", order=order, alpha=50, beta=40, gamma=-20)
+    assert np.allclose(
+        numbers(page)[:9], Rotation.from_euler(order, [50, 40, -20], degrees=True).as_matrix().ravel(), atol=6e-4
+    )
+
+
+def test_the_axis_is_that_of_scipy(bench: Any) -> None:
+    page = bench("axis_angle", axis=(1, 1, 1), angle=120)
+    R = Rotation.from_rotvec(np.radians(120) * np.ones(3) / np.sqrt(3)).as_matrix()
+    assert np.allclose(numbers(page)[:12], [*np.ones(3) / np.sqrt(3), *R.ravel()], atol=2e-2)  # its sliders have steps
+
+
+def test_the_screw_is_the_exponential(bench: Any) -> None:
+    from scipy.linalg import expm
+
+    page = bench("twist", axis=(0, 0, 1), point=(0.5, 0.2, 0), pitch=0.1, angle=90)
+    v, w = [0.2, -0.5, 0.1], [0, 0, 1.0]
+    hat = np.array([[0, -1, 0, v[0]], [1, 0, 0, v[1]], [0, 0, 0, v[2]], [0, 0, 0, 0.0]])
+    assert np.allclose(numbers(page)[:22], [*v, *w, *expm(hat * np.pi / 2).ravel()], atol=6e-4)
+
+
+def test_the_two_link_arm_and_its_other_solution(bench: Any) -> None:
+    page = bench("two_link", l1=0.4, l2=0.3, theta1=30, theta2=60)
+
+    def tip(first: float, second: float) -> Any:
+        a, b = np.radians([first, first + second])
+        return np.array([0.4 * np.cos(a) + 0.3 * np.cos(b), 0.4 * np.sin(a) + 0.3 * np.sin(b)])
+
+    x, y, r, _, _, first, second = numbers(page)[:7]
+    assert np.allclose([x, y], tip(30, 60), atol=6e-4)
+    assert np.isclose(r, np.hypot(x, y), atol=2e-3)
+    assert np.isclose(second, -60, atol=0.1)
+    assert np.allclose(tip(first, second), [x, y], atol=3e-3)
+
+
+def test_the_ellipsoid_has_the_singular_values(bench: Any) -> None:
+    page = bench("ellipsoid", l1=0.4, l2=0.3, theta1=0, theta2=90)
+    J = np.array([[-0.3, -0.3], [0.4, 0.0]])
+    found = numbers(page)
+    assert np.allclose(found[:4], J.ravel(), atol=6e-4)
+    assert np.allclose(found[4:7], [*np.linalg.svd(J, compute_uv=False), np.linalg.det(J)], atol=6e-4)
+
+
+@pytest.mark.parametrize(("kind", "speed", "rise"), [("cubic", 1.5, 6.0), ("quintic", 1.875, 5.7735)])
+def test_the_spline_has_the_textbooks_peaks(kind: str, speed: float, rise: float, bench: Any) -> None:
+    """From rest to rest over T: 3/2 and 15/8 of the mean velocity, 6 and 10/√3 of h/T² (Lynch & Park, §9.2.2)."""
+    page = bench("spline", kind=kind, start=0, end=90, duration=2)
+    _, _, fastest, hardest, *_ = numbers(page)
+    assert np.allclose([fastest, hardest], [speed * 45, rise * 22.5], atol=0.1)
+
+
+@pytest.mark.parametrize(("kind", "freedoms"), [("revolute", 1), ("helical", 1), ("cylindrical", 2), ("planar", 3)])
+def test_a_joint_takes_away_what_it_does_not_leave(kind: str, freedoms: int, bench: Any) -> None:
+    page = bench("joint")
+    page.locator("select").select_option(kind)
+    assert numbers(page)[:2] == [freedoms, 6 - freedoms]
