@@ -98,9 +98,9 @@ for name, xi in zip(arm.moving_names, arm.screws.T, strict=True):
     if np.linalg.norm(w) > 0.5:
         assert np.isclose(screw.pitch, w @ v / (w @ w))
         assert np.allclose(screw.point, np.cross(w, v) / (w @ w))
-    shown = [", ".join(f"{x + 0.0:.3f}" for x in np.round(each, 3)) for each in (v, w, screw.axis, screw.point)]
+    shown = [", ".join(f"{x + 0.0:.3f}" for x in np.round(each, 3)) for each in (v, w, screw.point)]
     rows.append([f"`{name}`", *shown, "∞" if np.isinf(screw.pitch) else f"{screw.pitch + 0.0:.3f}"])
-guide.table(["joint", "$v$", r"$\omega$", "axis", "point $q$ [m]", "$h$ [m/rad]"], rows, f"The screws of `{arm.name}`.")
+guide.table(["joint", "$v$", r"$\omega$", "point $q$ [m]", "$h$ [m/rad]"], rows, f"The screws of `{arm.name}`.")
 
 # %%
 h = 1e-6

@@ -192,14 +192,14 @@ guide.table(
 # %% [markdown]
 # ## What goes wrong in practice
 #
-# **$v^s$ taken for the tool's speed.** A controller that limits its length slows the arm down far from the base, and
-# does not limit it near by. Limit $v^b$, or the hybrid velocity of the next chapters.
+# **$v^s$ taken for the tool's speed.** A controller that limits its length slows down joints whose axes pass far from
+# the base's origin, and lets a joint whose axis passes through the origin turn as fast as it likes. Limit $v^b$.
 #
 # **$(v, \omega)$ or $(\omega, v)$.** Lynch & Park write the second, and their Adjoint has its $\hat p R$ at the lower
 # left. A program from one book with a matrix from the other runs without complaint.
 #
-# **$\mathrm{Ad}_g$ for a wrench.** It takes the transpose of the inverse. The force comes out right only where nothing
-# sits off the origin, so test with a tool that has a length.
+# **$\mathrm{Ad}_g$ for a wrench.** It takes the transpose of the inverse. With $\mathrm{Ad}_g$ the pull of the table
+# keeps its force and loses its torque about the base. Where $p = 0$ the slip does not show, so test with a lever arm.
 #
 # **Adding twists of different frames.** The gyro's reading and the base's velocity are six numbers each, and their sum
 # means nothing until one of them has passed through an Adjoint.
