@@ -1,0 +1,314 @@
+# %% [markdown]
+# # Quaternions
+#
+# The log of your arm says that the tool's orientation is four numbers. Which one is the scalar? In the next line all
+# four have changed their sign, and the gripper has not moved. And why four numbers, where the lesson before made do
+# with three angles?
+#
+# The lesson before ends with the answer to the last question: three angles fail somewhere, whichever three you take.
+# Four numbers do not. This lesson says what the four are, how they multiply and what they ask of you in return.
+#
+# ## From the plane to space
+#
+# In the plane you know such numbers. A complex number of length one, $\cos\theta + i\sin\theta$, turns every other
+# complex number by $\theta$ when you multiply the two. A quaternion does the same in space. It has a scalar part $q_0$
+# and a vector part $q$ of three components, which we write as a pair:
+#
+# $$Q = q_0 + q_1\,\mathbf{i} + q_2\,\mathbf{j} + q_3\,\mathbf{k} = (q_0, q)$$
+#
+# The rules $\mathbf{i}^2 = \mathbf{j}^2 = \mathbf{k}^2 = -1$, $\mathbf{i}\mathbf{j} = \mathbf{k}$,
+# $\mathbf{j}\mathbf{k} = \mathbf{i}$ and $\mathbf{k}\mathbf{i} = \mathbf{j}$, each with its sign changed when the
+# factors change places, give the product of any two:
+#
+# $$P\,Q = (p_0 q_0 - p \cdot q,\;\; p_0\,q + q_0\,p + p \times q)$$
+#
+# The cross product is what makes the order of the factors matter. The *conjugate* is $Q^* = (q_0, -q)$.
+#
+# ## The law
+#
+# A turn by the angle $\theta$ about the unit axis $\omega$ is the unit quaternion
+#
+# $$Q = \left(\cos\tfrac{\theta}{2},\; \omega \sin\tfrac{\theta}{2}\right)$$
+#
+# and it moves the point $x$ to $x'$ by
+#
+# $$(0, x') = Q\,(0, x)\,Q^*$$
+#
+# Turns follow each other as matrices do: $Q_{ac} = Q_{ab}\,Q_{bc}$. Source: MLS, section 2.2.3.
+#
+# ## Your tool in four numbers
+#
+# Here is the orientation of the tool where the arm stands ready, as a matrix, as an axis with an angle, and as a
+# quaternion. SciPy computes the quaternion once more, from the same matrix.
+
+# %%
+import numpy as np
+from scipy.spatial.transform import Rotation
+
+from twistarm import guide, rotations
+
+arm = guide.arm()
+R = arm.fk(arm.ready)[:3, :3]
+Q = rotations.to_quaternion_wxyz(R)
+axis, angle = rotations.to_axis_angle(R)
+
+by_scipy = np.roll(Rotation.from_matrix(R).as_quat(), 1)  # SciPy puts the scalar last
+assert np.allclose(abs(Q @ by_scipy), 1)
+assert np.allclose(Q, [np.cos(angle / 2), *(axis * np.sin(angle / 2))])
+
+guide.say(
+    rf"The tool of `{arm.name}` is turned by ${np.degrees(angle):.1f}°$ about the axis "
+    rf"$({', '.join(f'{a:.3f}' for a in axis + 0.0)})$, seen from the base."
+)
+guide.table(
+    ["", "$q_0$", "$q_1$", "$q_2$", "$q_3$"],
+    [["scalar first, `wxyz`", *Q], ["half the angle, and the axis", np.cos(angle / 2), *(axis * np.sin(angle / 2))]],
+    "Two ways to the same four numbers.",
+)
+
+# %% [markdown]
+# Now move a point with it. The product is two lines, and the law fits in one more.
+
+
+# %%
+def product(P, Q):
+    """P Q of two quaternions, scalar first."""
+    (p0, p), (q0, q) = (P[0], np.array(P[1:])), (Q[0], np.array(Q[1:]))
+    return np.array([p0 * q0 - p @ q, *(p0 * q + q0 * p + np.cross(p, q))])
+
+
+def conjugate(Q):
+    """The quaternion with its vector part reversed."""
+    return Q * [1, -1, -1, -1]
+
+
+x = np.array([0.10, 0.0, 0.05])  # a point of the gripper, in the tool's axes [m]
+moved = product(product(Q, [0, *x]), conjugate(Q))
+assert np.allclose(moved, [0, *(R @ x)])
+assert np.allclose(product(Q, by_scipy), rotations.quaternion_product_wxyz(Q, by_scipy))
+
+guide.table(
+    ["", "scalar", "$x$ [m]", "$y$ [m]", "$z$ [m]"],
+    [["$Q\\,(0, x)\\,Q^*$", *moved], ["$R\\,x$", "", *(R @ x)]],
+    "The same point moved by the quaternion and by the matrix.",
+)
+
+# %% [markdown]
+# ## Why half the angle
+#
+# $Q$ stands on both sides of the point, once as it is and once conjugated. Each side brings half of the turn. This has
+# a consequence that no matrix has.
+
+# %%
+once_round = np.array([np.cos(np.pi), 0, 0, np.sin(np.pi)])
+guide.predict(
+    "You turn the tool about its own $z$ axis, by one full turn. The matrix is back where it began. Where is the "
+    "quaternion? And after how many degrees is it back?",
+    f"After 360° it is $({', '.join(f'{q:.0f}' for q in once_round + 0.0)})$, which is $-1$ times where it began. "
+    "It takes two full turns, 720°, until it is back.",
+)
+
+# %% tags=["hidden"]
+turn = np.radians(np.linspace(0, 720, 241))
+fig, ax = guide.axes2(xlabel="angle turned [°]")
+ax.plot(np.degrees(turn), np.cos(turn), label=r"$\cos\theta$, an entry of $R$")
+ax.plot(np.degrees(turn), np.cos(turn / 2), label=r"$q_0 = \cos\,\theta/2$")
+for full in (360, 720):
+    ax.axvline(full, color=guide.GREY, linewidth=0.8, linestyle=":")
+ax.set_xticks(range(0, 721, 90))
+ax.set_ylim(-1.15, 1.55)
+ax.legend(loc="upper center", ncols=2)
+guide.figure(
+    fig,
+    "Two curves over two full turns. The entry of the matrix comes back after 360 degrees. The scalar part of the "
+    "quaternion is then at minus one and comes back after 720 degrees.",
+    "A turn of 360° brings the matrix back, and the quaternion to its negative.",
+)
+
+# %% [markdown]
+# So $Q$ and $-Q$ are the same rotation: the sign occurs twice in $Q\,(0, x)\,Q^*$ and cancels. Unit quaternions are the
+# points of a sphere in four dimensions, and opposite points of this sphere mean the same. Mathematicians say that they
+# cover the rotations twice.
+#
+# You may find them called a *global parametrisation* of rotations, and their set written $\mathbb{Q}$. They are written
+# $\mathbb{H}$, after Hamilton ($\mathbb{Q}$ are the fractions), and they are better than a parametrisation by angles,
+# because they fail nowhere. But they are no one-to-one list of the rotations: each stands in it twice.
+
+# %%
+assert np.allclose(rotations.from_quaternion_wxyz(Q), rotations.from_quaternion_wxyz(-Q))
+guide.slider(
+    "axis_angle",
+    "Leave the axis alone and move the angle. At which angle is $q_0 = 0$? And which two settings of the slider show "
+    "the same matrix and opposite quaternions?",
+    f"At {np.degrees(2 * np.arccos(0)):.0f}°, a half turn: $\\cos(\\theta/2) = 0$ there, and the vector part is the "
+    "axis itself. Angles that differ by 360° show the same matrix and opposite quaternions.",
+    axis=(1, 1, 1),
+    angle=90,
+)
+
+# %% [markdown]
+# ## Your arm as a product of quaternions
+#
+# Every joint that turns has a unit axis $\omega_i$, seen from the base where all joints stand at zero. Joint $i$ at
+# $\theta_i$ is the quaternion $Q_i = (\cos\frac{\theta_i}{2}, \omega_i\sin\frac{\theta_i}{2})$. A joint that slides
+# turns nothing and is $(1, 0)$. The orientation of the tool is their product, from the base to the tip, times the
+# orientation $Q_{st}(0)$ that the tool has at zero:
+#
+# $$Q_{st}(\theta) = Q_1\,Q_2 \cdots Q_n\,Q_{st}(0)$$
+#
+# The program knows nothing of your arm but its axes. Its answer is compared with forward kinematics.
+
+# %%
+values = arm.coupling.A @ arm.ready  # of each moving joint, those that mimic others too
+whole = np.array([1.0, 0, 0, 0])
+for omega, value in zip(arm.screws[3:].T, values, strict=True):
+    half = value / 2 * np.linalg.norm(omega)  # the norm is 1, or 0 for a slide
+    whole = product(whole, [np.cos(half), *(omega * np.sin(half))])
+whole = product(whole, rotations.to_quaternion_wxyz(arm.home[:3, :3]))
+
+off = np.degrees(rotations.angle_between(rotations.from_quaternion_wxyz(whole), R))
+assert off < 1e-5
+assert np.isclose(abs(whole @ Q), 1)
+guide.table(
+    ["", "$q_0$", "$q_1$", "$q_2$", "$q_3$"],
+    [["product of the joints", *whole], ["forward kinematics", *Q]],
+    f"{len(values)} joints of `{arm.name}`, multiplied. Where all four signs differ, the rotation is the same.",
+)
+
+# %% [markdown]
+# ## The norm, and the inverse
+#
+# The norm of a quaternion is its length, $\|Q\| = \sqrt{q_0^2 + q_1^2 + q_2^2 + q_3^2}$. Work out $Q\,Q^*$ with the
+# product above: the vector part cancels and the scalar part is the sum of the squares. Therefore
+#
+# $$\|Q\|^2 = Q\,Q^*, \qquad Q^{-1} = \frac{Q^*}{\|Q\|^2}$$
+#
+# You may find $\|Q\| = Q\,Q^*$ written, without the square, together with this inverse. Take both at their word, and
+# you divide by the fourth power of the length.
+
+# %%
+P = np.array([1.0, 2.0, 3.0, 4.0])
+square = product(P, conjugate(P))[0]
+literal = product(P, conjugate(P) / square**2)[0]
+right = product(P, conjugate(P) / square)
+assert np.allclose(right, [1, 0, 0, 0])
+assert np.isclose(literal, 1 / 30)
+assert np.allclose(rotations.quaternion_inverse_wxyz(P), conjugate(P) / square)
+
+guide.predict(
+    "For $Q = (1, 2, 3, 4)$: what is $Q\\,Q^{-1}$ if $\\|Q\\|$ is taken to be $Q\\,Q^*$? And for a unit quaternion?",
+    f"$Q\\,Q^* = {square:.0f}$, and $Q\\,Q^{{-1}}$ comes out as $1/{1 / literal:.0f}$ where it has to be "
+    f"${right[0]:.0f}$. For a unit quaternion it comes out right, because $1 = 1^2$. So a test that tries unit "
+    "quaternions alone lets the slip pass.",
+)
+
+# %% [markdown]
+# A quaternion that has lost its unit length is no rotation any more: $Q\,(0, x)\,Q^*$ stretches every point by
+# $\|Q\|^2$. The remedy costs one division, $Q/\|Q\|$. A matrix that has lost its right angles costs more to mend. This,
+# and that four numbers are fewer than nine, is why filters and logs use quaternions.
+
+# %%
+stretched = product(product(1.05 * Q, [0, *x]), conjugate(1.05 * Q))
+growth = np.linalg.norm(stretched) / np.linalg.norm(x)
+assert np.isclose(growth, 1.05**2)
+guide.say(
+    f"A quaternion that is 5 percent too long makes the gripper {100 * (growth - 1):.1f} percent larger than it is."
+)
+
+# %% [markdown]
+# ## The sign in your logs
+#
+# The arm has moved to a second orientation, and somebody turns the tool once about its own axis while you record. The
+# program that turns matrices into quaternions has to choose between $Q$ and $-Q$, and like most of its kind it takes
+# the one with $q_0 \geq 0$. Look at what this does.
+
+# %% tags=["hidden"]
+there = arm.fk(0.5 * arm.ready + 0.5 * arm.random_theta(3))[:3, :3] @ rotations.exp(arm.tool_axis, 0.6)
+steps = np.linspace(0, 2 * np.pi, 181)
+turned = there @ rotations.exp(arm.tool_axis, steps)
+logged = rotations.to_quaternion_wxyz(turned)
+agrees = np.sign(np.sum(logged[1:] * logged[:-1], axis=1))
+mended = logged * np.cumprod([1.0, *agrees])[:, None]
+assert np.abs(np.diff(mended, axis=0)).max() < 0.02 < 0.5 < np.abs(np.diff(logged, axis=0)).max()
+assert np.allclose(rotations.from_quaternion_wxyz(mended), turned)
+
+fig, (left, right_ax) = guide.axes2(2, width=6.6, height=3.0, xlabel="tool turned [°]")
+for ax, curves, title in ((left, logged, "as logged"), (right_ax, mended, "each sign as its neighbour's")):
+    ax.plot(np.degrees(steps), curves, label=["$q_0$", "$q_1$", "$q_2$", "$q_3$"])
+    ax.set(title=title, xticks=range(0, 361, 90), ylim=(-1.1, 1.1))
+fig.legend(*left.get_legend_handles_labels(), loc="outside lower center", ncols=4)
+guide.figure(
+    fig,
+    "The four components while the tool turns once. On the left, as logged, they jump to their negatives on the way. "
+    "On the right, with signs made to agree with the neighbour's, they are smooth and end at the negative of where "
+    "they began.",
+    "The tool moved evenly all the time. The jump on the left is a choice of sign.",
+)
+
+# %% [markdown]
+# The mending is one rule: where the dot product of two neighbours is negative, take the second with its sign changed.
+#
+# The same rule belongs before every interpolation. Between two orientations there are two ways round, along the same
+# axis: by $\varphi$, or by $360° - \varphi$ the other way. Which one you get depends on the signs that the two
+# quaternions happen to have.
+
+# %%
+Q1, Q2 = Q, rotations.to_quaternion_wxyz(there)
+Q2 = Q2 if Q1 @ Q2 >= 0 else -Q2
+short, long = (2 * np.degrees(np.arccos(np.clip(Q1 @ end, -1, 1))) for end in (Q2, -Q2))
+assert np.isclose(short + long, 360)
+assert np.isclose(short, np.degrees(rotations.angle_between(R, there)), atol=1e-4)
+halfway_cancelled = np.linalg.norm(Q1 + -Q1)
+
+guide.say(f"""
+From the orientation at ready to the second one of `{arm.name}`:
+
+- with signs that agree, $Q_1 \\cdot Q_2 \\geq 0$, the way between the two turns the tool by **{short:.1f}°**;
+- with one sign changed, to the same orientation, by **{long:.1f}°**.
+
+And the mean of $Q$ and $-Q$, two records of one orientation, has the length {halfway_cancelled:.0f}: it is none.
+""")
+
+# %% [markdown]
+# ## What goes wrong in practice
+#
+# **The order of the four.** Some programs put the scalar first (`wxyz`: Eigen's constructor, MuJoCo), others put it
+# last (`xyzw`: the messages of ROS, SciPy, Pinocchio's configurations). Nothing fails when you mix them up, for the
+# numbers are a unit quaternion in either order. In twistarm the order is in the name of the function.
+
+# %%
+misread = rotations.from_quaternion_wxyz(np.roll(Q, -1))
+guide.say(
+    f"The tool of `{arm.name}` at ready, written scalar last and read scalar first, is off by "
+    f"**{np.degrees(rotations.angle_between(R, misread)):.0f}°**. Check with the identity: its scalar is the one that "
+    "is 1."
+)
+
+# %% [markdown]
+# **The half angle forgotten.** $(\cos\theta, \omega\sin\theta)$ is a unit quaternion too, and it turns by $2\theta$. A
+# wrist that should turn a quarter and turns a half shows it.
+#
+# **Signs that jump.** A filter, a mean or a derivative across the jump gives a spike, or a tool that spins once round
+# on its way. Make the signs agree first.
+#
+# **Length that drifts.** Thousands of products of rounded numbers leave the unit sphere. Divide by the norm after each
+# update, not once a day.
+#
+# **The wrong side.** $Q_{ab}\,Q_{bc}$ has its inner letters meet. To turn about the tool's own axes, multiply from
+# the right; about the base's axes, from the left. The conjugate takes $Q_{ab}$ to $Q_{ba}$, and whoever confuses the
+# two sees a tool that tilts to the wrong side.
+
+# %%
+turns = {name: rotations.exp(unit, np.radians(60)) for name, unit in zip("xyz", np.eye(3), strict=True)}
+apart = {name: np.degrees(rotations.angle_between(turn @ there, there @ turn)) for name, turn in turns.items()}
+worst = max(apart, key=apart.get)
+guide.say(
+    f"At the second orientation above, a turn by 60° about the base's ${worst}$ axis and one about the tool's "
+    f"${worst}$ axis leave the tool {apart[worst]:.0f}° apart."
+)
+
+# %% [markdown]
+# ## Exercises
+
+# %%
+guide.practice("2_1_1_quaternions")
