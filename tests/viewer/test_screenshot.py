@@ -82,9 +82,10 @@ def test_without_a_browser_it_is_said_what_was_looked_for(path: Path, tmp_path: 
     with pytest.raises(TwistarmError) as caught:
         save_png(ARM, tmp_path / "arm.png")
     assert str(caught.value) == (
-        "a screenshot needs a browser, and there is none of chromium, chromium-browser, google-chrome, "
+        "a picture or a print needs a browser, and there is none of chromium, chromium-browser, google-chrome, "
         "google-chrome-stable, microsoft-edge, microsoft-edge-stable on PATH, nor Chrome, Chromium or Edge in "
-        "/Applications; install one (on Debian: apt install chromium), or save the page (-o FILE.html)"
+        "/Applications; install one (on Debian: apt install chromium), or open the page yourself "
+        "(view -o FILE.html, guide -o DIR)"
     )
 
 
@@ -248,7 +249,8 @@ def test_the_command(
     assert capsys.readouterr().err == "error: --size is that of the picture: it goes with -o FILE.png\n"
     (path / "chromium").unlink()
     assert run([*command, "320x240"]) == 2
-    assert capsys.readouterr().err.startswith("error: a screenshot needs a browser, and there is none of chromium, ")
+    said = capsys.readouterr().err
+    assert said.startswith("error: a picture or a print needs a browser, and there is none of chromium, ")
 
 
 @pytest.mark.browser

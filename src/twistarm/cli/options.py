@@ -106,7 +106,7 @@ def takes_source(command: Callable[..., Any]) -> Callable[..., Any]:
 
 
 def takes_arm_option(command: Callable[..., Any]) -> Callable[..., Any]:
-    """The same as `takes_source` with `--arm ARM` in place of ARM: the first parameter is None where it is not given."""
+    """The same as `takes_source`, with `--arm ARM` in place of ARM; the first parameter is None without it."""
     return _with_load_options(command, 2, lambda source, load: (source, load), ARM_OPTION)
 
 

@@ -17,6 +17,7 @@ from .teaching.figures import (
     ORANGE,
     PINK,
     SKY,
+    arm_points,
     axes2,
     axes3,
     fit,
@@ -27,6 +28,7 @@ from .teaching.figures import (
     plot_vector,
 )
 from .teaching.saying import check, figure, practice, predict, say, scene, slider, table
+from .teaching.tex import rough, tex
 
 __all__ = [
     "AMBER",
@@ -39,6 +41,7 @@ __all__ = [
     "PINK",
     "SKY",
     "arm",
+    "arm_points",
     "arm_with",
     "axes2",
     "axes3",
@@ -53,8 +56,10 @@ __all__ = [
     "plot_vector",
     "practice",
     "predict",
+    "rough",
     "say",
     "scene",
     "slider",
     "table",
+    "tex",
 ]

@@ -79,6 +79,7 @@ def build(
     for done, (name, outcome) in enumerate(run_lessons(stale, arm, site.path / "scenes", timeout), start=1):
         outcome["title"] = titles[name]
         site.write(f"{name}.html", lesson_page(name, outcome, titles, the_arm))
+        site.write(f"{name}.py", lesson_file(name).read_text("utf-8"))
         entries[name] = {"key": "" if outcome["failed"] else keys[name], "scenes": outcome["scenes"]}
         site.keep(name, entries[name])
         if outcome["failed"]:
@@ -86,7 +87,15 @@ def build(
         progress(done / len(stale), name)
     _around(site, titles, the_arm, failed)
     scenes = {scene for entry in entries.values() for scene in entry["scenes"]}
-    site.sweep({*ASSETS, "index.html", "errata.html", *(f"{name}.html" for name in wanted), *scenes})
+    site.sweep(
+        {
+            *ASSETS,
+            "index.html",
+            "errata.html",
+            *(f"{name}{ending}" for name in wanted for ending in (".html", ".py")),
+            *scenes,
+        }
+    )
     return Built(site.path, the_arm, tuple(stale), tuple(sorted(failed)))
 
 

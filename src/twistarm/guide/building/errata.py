@@ -9,6 +9,7 @@ import numpy as np
 
 from ...support.checks import Array
 from ...theory import joints, rotations, screws
+from ..teaching.tex import rough
 
 
 class Slip(NamedTuple):
@@ -104,7 +105,8 @@ def _orthogonal_alone() -> Slip:
         r"$SO(n)$, nor are the vectors of $\mathbb{R}^3$ its elements: $A, B \in SO(3) \subset "
         r"\mathbb{R}^{3 \times 3}$.",
         f"The mirror $\\mathrm{{diag}}(1, 1, -1)$ has $M^TM = I$ (off by {off:.0f}) and determinant "
-        f"−{-np.linalg.det(mirror):.0f}: it makes a right hand a left one. $2I$ is a $3 \\times 3$ matrix of determinant "
+        f"−{-np.linalg.det(mirror):.0f}: it makes a right hand a left one. $2I$ is a $3 \\times 3$ matrix of "
+        f"determinant "
         f"{np.linalg.det(double):.0f}.",
     )
 
@@ -123,7 +125,8 @@ def _series() -> Slip:
         r"The axis turns for $\theta$ units of time at unit rate, not at unit velocity for $\omega$ units; and the "
         r"series "
         r"runs through $\theta^4/4!$ and $\theta^6/6!$, not $\omega^4/4!$ and $\omega^6/6!$: $\omega$ is a vector.",
-        f"At $\\theta = {theta}$ the series is {_far(right, exact):.1e} from the rotation; with $\\|\\omega\\| = 1$ "
+        f"At $\\theta = {theta}$ the series is ${rough(_far(right, exact))}$ from the rotation; with $\\|\\omega\\| "
+        f"= 1$ "
         f"in place of "
         f"$\\theta$ in those two terms it is {_far(wrong, exact):.3f} from it.",
     )
@@ -143,7 +146,7 @@ def _unit_axis() -> Slip:
         r"(1 - \cos(\|\omega\|\theta))$.",
         f"For $\\omega = (0, 0, 2)$ and 30° the short formula gives a matrix of determinant "
         f"{np.linalg.det(careless):.3f}, no rotation; the long one is within "
-        f"{_far(careful, rotations.exp(w, theta)):.0e} "
+        f"${rough(_far(careful, rotations.exp(w, theta)))}$ "
         "of the exponential.",
     )
 
@@ -171,7 +174,8 @@ def _screw_motion() -> Slip:
         "The theorem is Chasles': every rigid motion is a screw motion. A twist is not the time derivative of one, "
         "but the "
         "infinitesimal screw motion: what the motion is at its very beginning, before it has moved anything.",
-        f"At $t = 0$ the derivative of $e^{{\\hat\\xi t}}$ is $\\hat\\xi$ (found {off:.0e} apart by differences); at "
+        f"At $t = 0$ the derivative of $e^{{\\hat\\xi t}}$ is $\\hat\\xi$ (found ${rough(off)}$ apart by "
+        f"differences); at "
         f"$t = 1$ it is another matrix, {np.abs(screws.hat(xi) @ screws.exp(xi, 1.0) - screws.hat(xi)).max():.2f} "
         f"away.",
     )
@@ -257,7 +261,7 @@ def _paired_signs() -> Slip:
         r"$\theta_2 = \pi \pm \alpha$ and $\theta_1 = \mathrm{atan2}(y, x) \pm \beta$ are two solutions, not four: "
         r"both with "
         "plus, or both with minus.",
-        f"With equal signs the tool is {max(missed[1, 1], missed[-1, -1]):.0e} m from the target, with mixed ones "
+        f"With equal signs the tool is ${rough(max(missed[1, 1], missed[-1, -1]))}$ m from the target, with mixed ones "
         f"{missed[1, -1]:.3f} m; the worst there is, $2l_2$, would be {2 * l2:.1f} m.",
     )
 
@@ -273,7 +277,7 @@ def _one_solution() -> Slip:
         r"At "
         r"$r = 0$ with equal links $\theta_1$ is free. At an edge rounding takes the cosine past one: clamp it. And "
         r"$\pi + \alpha$ wants wrapping.",
-        f"Stretched out, the two solutions are {apart:.0e} apart. A nanometre further the cosine is "
+        f"Stretched out, the two solutions are ${rough(apart)}$ apart. A nanometre further the cosine is "
         f"$-1 {cosine + 1:+.0e}$, whose arc cosine is not a number.",
     )
 

@@ -8,9 +8,11 @@ sentence that says which cell and why), and `needs_script`.
 
 from __future__ import annotations
 
+import ast
 import io
 import json
 import linecache
+import re
 import sys
 import traceback
 from contextlib import redirect_stdout
@@ -23,6 +25,9 @@ from ..teaching import outlet
 from ..teaching.html import fold, html_of
 from ..teaching.markup import block, program, slug
 from .cells import Cell, cells_of, title_of
+
+SPEECH = {f"guide.{name}" for name in ("figure", "practice", "predict", "say", "scene", "slider", "table")}
+"""Calls that only say or show something."""
 
 LONGEST_OUTPUT = 20_000
 """Characters of what a cell prints that a page shows."""
@@ -87,14 +92,29 @@ def outcome(path: Path, scenes: Path) -> dict[str, Any]:
 
 def _code(cell: Cell, output: str) -> str:
     """A program and its output, either of them folded where the cell is tagged so."""
-    source = program(cell.source)
+    whole, told = program(cell.source), without_speech(cell.source)
+    source = program(told) if told else ""
     if "solution" in cell.tags:
-        return fold("Show the solution", source + output, "fold solution")
+        return fold("Show the solution", whole + output, "fold solution")
     if "hidden" in cell.tags:
-        return output + fold("The program behind this", source, "fold program")
+        return output + fold("The program behind this", whole, "fold program")
     if "reveal" in cell.tags:
         return source + fold("Show the answer", output)
     return source + output
+
+
+def without_speech(source: str) -> str:
+    """A program without the statements that only say or show something: what they say stands below it."""
+    lines = source.splitlines()
+    try:
+        statements = ast.parse(source).body
+    except SyntaxError:
+        return source
+    for node in statements:
+        call = node.value if isinstance(node, ast.Expr) else None
+        if isinstance(call, ast.Call) and ast.unparse(call.func) in SPEECH:
+            lines[node.lineno - 1 : node.end_lineno] = [""] * ((node.end_lineno or node.lineno) - node.lineno + 1)
+    return re.sub(r"\n{3,}", "\n\n", "\n".join(lines)).strip()
 
 
 def _sections(cells: tuple[Cell, ...]) -> list[str]:

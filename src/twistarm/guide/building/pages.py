@@ -36,7 +36,8 @@ def site_text(name: str) -> str:
 def lesson_page(name: str, outcome: Mapping[str, Any], titles: Titles, arm: Arm) -> str:
     """A lesson as a page."""
     items = "".join(f'<li><a href="#{anchor}">{escape(title)}</a></li>' for anchor, title in outcome["sections"])
-    contents = f'<nav class="contents" aria-label="In this lesson"><ol>{items}</ol></nav>' if items else ""
+    file = f'<p><a href="{name}.py" download>This lesson as a program</a></p>'
+    contents = f'<nav class="contents" aria-label="In this lesson"><ol>{items}</ol>{file}</nav>'
     return _page(
         kind="lesson",
         title=f"{outcome['title']} · the guide",
@@ -65,7 +66,7 @@ def index_page(titles: Titles, arm: Arm, failed: Iterable[str]) -> str:
         f"<h1>Screws, from the guide to your arm</h1>{failures}"
         f"{block(INTRODUCTION.format(arm=_as_code(arm.name), n=_joints(arm)))}{parts}"
         '<h2 id="sections">Where each section of the guide is taught</h2>'
-        '<div class="wide" role="region" aria-label="Sections of the guide" tabindex="0"><table><thead><tr>'
+        '<div class="wide" role="group" aria-label="Sections of the guide" tabindex="0"><table><thead><tr>'
         '<th scope="col">Section</th><th scope="col">What is in it</th><th scope="col">Lesson</th></tr></thead>'
         f"<tbody>{rows}</tbody></table></div>"
     )
@@ -146,7 +147,14 @@ def _turn(name: str, titles: Titles, direction: str) -> str:
 
 
 def _lessons(names: Iterable[str], titles: Titles) -> str:
-    return "".join(f"<li>{_link(name, titles)}</li>" for name in names if name in titles)
+    topics: dict[str, list[str]] = {}
+    for _, topic, name in SECTIONS:
+        topics.setdefault(name, []).append(topic)
+    return "".join(
+        f"<li>{_link(name, titles)} <small>{escape('; '.join(topics[name]))}</small></li>"
+        for name in names
+        if name in titles
+    )
 
 
 def _link(name: str, titles: Titles) -> str:

@@ -58,7 +58,7 @@ class SiteFolder:
         entry = self._record["lessons"].get(lesson)
         if not isinstance(entry, dict) or entry.get("key") != key:
             return None
-        files = [f"{lesson}.html", *entry.get("scenes", ())]
+        files = [f"{lesson}.html", f"{lesson}.py", *entry.get("scenes", ())]
         return entry if all((self.path / str(name)).is_file() for name in files) else None
 
     def keep(self, lesson: str, entry: dict[str, Any]) -> None:

@@ -1,42 +1,232 @@
 # %% [markdown]
-# # Forward kinematics
+# # Where is the tool?
 #
-# Where is the tool? Test $g_{st}(\theta) = e^{\hat\xi_1\theta_1} \cdots e^{\hat\xi_n\theta_n} g_{st}(0)$.
-#
-# ## A section
+# You have bolted the arm together, and its encoders report an angle for every joint that turns and a length for every
+# joint that slides. Before you can reach for anything you need one function: from those numbers to where the tool is
+# and how it stands. This is **forward kinematics**. It always has exactly one answer, and there are two ways to write
+# it down. Both are short.
 
 # %%
 import numpy as np
 
-from twistarm import guide
+from twistarm import guide, poe, screws
 
 arm = guide.arm()
-g = arm.fk(arm.ready)
-guide.say(f"The tool stands at $x = {g[0, 3]:.3f}$ m.")
-guide.table(["joint", "$v$"], [[name, float(v)] for name, v in zip(arm.joint_names, arm.screws[0], strict=True)])
+theta = arm.ready  # the pose that the arm waits in
 
-# %%
-fig, ax = guide.axes3()
-guide.plot_arm(ax, arm)
-guide.fit(ax)
-guide.figure(fig, f"{arm.name} at its ready pose", "The arm.")
-
-# %%
-guide.scene(arm, caption="Move it.")
-
-# %%
-guide.slider("two_link", "Which $\\theta_2$?", "The other.")
-guide.slider("frame", "Which $\\theta_2$?", "The other.")
-guide.slider("axis_angle", "Which $\\theta_2$?", "The other.")
-guide.slider("twist", "Which $\\theta_2$?", "The other.")
-guide.slider("joint", "Which $\\theta_2$?", "The other.")
-guide.slider("spline", "Which $\\theta_2$?", "The other.")
-guide.slider("ellipsoid", "Which $\\theta_2$?", "The other.")
-guide.predict("How many?", "Two.")
-
-# %% tags=["reveal"]
-guide.say("revealed")
+# %% [markdown]
+# ## Link by link
+#
+# The file that describes your arm says, for each joint, where it sits on the link before it, $g_0$, and about which
+# axis it turns or slides, $\xi$. Moved by $\theta$, it takes its link to $g_0\, e^{\hat\xi\theta}$. Go from base to
+# tip and multiply, and the indices cancel as they did for rotations:
+#
+# $$g_{st} = g_{s1}\, g_{12} \cdots g_{nt}$$
+#
+# Nothing to remember and no table of letters to get wrong. But there are as many frames as links, and each was
+# somebody's choice.
 
 # %% tags=["hidden"]
-guide.say("hidden")
-assert np.isfinite(g).all()
+fig, ax = guide.axes3(width=5.0, height=4.2)
+guide.plot_arm(ax, arm, theta)
+if arm.description is not None:
+    poses = arm.poses(theta)
+    for name in arm.moving_names:
+        guide.plot_frame(ax, poses[arm.description.joints[name].child], None, 0.09 * arm.reach)
+guide.plot_frame(ax, np.eye(4), "s", 0.2 * arm.reach)
+guide.fit(ax)
+guide.figure(
+    fig,
+    f"The skeleton of {arm.name} from its base to its tool, with a frame at each of its {len(arm.moving_names)} "
+    f"moving links",
+    f"A frame on every moving link of `{arm.name}`: the chain from s, the base, to t, the tool.",
+)
+
+# %% [markdown]
+# ## Two frames and the axes: the product of exponentials
+#
+# Put every joint to zero and take two photographs. One shows the tool: its pose $g_{st}(0)$. The other shows the axes
+# of the joints, all seen from the base: their twists $\xi_1, \dots, \xi_n$. For a joint that turns about a line
+# through $q$ along the unit vector $\omega$, and for one that slides along $v$:
+#
+# $$\xi = \begin{bmatrix} -\omega \times q \\ \omega \end{bmatrix}, \qquad \xi = \begin{bmatrix} v \\ 0 \end{bmatrix}$$
+#
+# Now move the joints one after the other, **the last one first**. The last one moves the tool and nothing else; when
+# its turn comes, no axis before it has moved. The one before it moves the last link with all that hangs on it, and so
+# on down to the base:
+#
+# $$g_{st}(\theta) = e^{\hat\xi_1\theta_1}\, e^{\hat\xi_2\theta_2} \cdots e^{\hat\xi_n\theta_n}\, g_{st}(0)$$
+#
+# This is the product of exponentials (MLS, section 3.2.2). Each axis is used as it stood on the photograph, and that is
+# why it is allowed.
+
+# %% tags=["hidden"]
+rows = []
+for name, xi in zip(arm.moving_names, arm.screws.T, strict=True):
+    screw = screws.to_screw(xi)
+    turns = np.isfinite(screw.pitch)
+    point = "any" if not turns else ", ".join(f"{x + 0.0:.3f}" for x in np.round(screw.point, 3))
+    axis = ", ".join(f"{x + 0.0:.2f}" for x in np.round(screw.axis, 2))
+    rows.append([f"`{name}`", "turns" if turns else "slides", axis.replace("-", "−"), point.replace("-", "−")])
+guide.table(
+    ["joint", "it", "along", "through [m]"], rows, f"The axes of {arm.name}, all joints at zero, seen from its base."
+)
+guide.say(rf"The tool on the same photograph: $$g_{{st}}(0) = {guide.tex(arm.home)}$$")
+
+# %% tags=["hidden"]
+fig, ax = guide.axes3(width=5.0, height=4.2)
+guide.plot_arm(ax, arm, np.zeros(arm.n))
+for k, (xi, point) in enumerate(zip(arm.screws.T, guide.arm_points(arm, np.zeros(arm.n))[1:-1], strict=True), start=1):
+    guide.plot_screw(ax, xi, 0.5 * arm.reach, rf"$\xi_{{{k}}}$", near=point)
+guide.fit(ax)
+guide.figure(
+    fig,
+    f"{arm.name} with all joints at zero and the axis of each of its joints",
+    "The second photograph: the axes, all joints at zero.",
+)
+
+# %% [markdown]
+# ## The formula at work
+#
+# It takes three lines, and no library but one that knows $e^{\hat\xi\theta}$. Joints that follow another one (mimic
+# joints) have an axis but no coordinate of their own: `coupling` turns the coordinates into one value for each axis.
+
+# %%
+values = arm.coupling.A @ theta
+g = arm.home
+for xi, value in reversed(list(zip(arm.screws.T, values, strict=True))):
+    g = screws.exp(xi, value) @ g  # the last joint first: each one moves what is there already
+
+guide.say(
+    rf"$$g_{{st}}(\theta) = {guide.tex(g)}$$ The tool stands at $x = {g[0, 3]:.3f}$, $y = {g[1, 3]:.3f}$, "
+    rf"$z = {g[2, 3]:.3f}$ m from the base."
+)
+
+# %% [markdown]
+# Is it right? Ask somebody who has never heard of screws. Pinocchio reads your file by itself and goes link by link.
+
+# %%
+by_pinocchio = arm.by_pinocchio(theta)[0] if arm.description is not None else poe.fk(arm.screws, arm.home, values)
+off = np.abs(g - by_pinocchio).max()
+assert off < 1e-9
+guide.say(
+    f"The largest of the sixteen differences between the two is ${guide.rough(off)}$: rounding. twistarm makes this "
+    f"comparison every "
+    "time it loads an arm, and refuses the arm if they differ."
+)
+
+# %% [markdown]
+# ## Predict
+#
+# Only one joint moves at a time in the next question; the others stay as on the photograph.
+
+# %% tags=["hidden"]
+turning = np.flatnonzero((np.linalg.norm(arm.screws[3:], axis=0) > 0.5) & (np.abs(arm.coupling.A).sum(axis=1) > 0))
+first = int(turning[0]) if len(turning) else 0
+screw = screws.to_screw(arm.screws[:, first])
+tool = arm.home[:3, 3]
+lever = np.linalg.norm(np.cross(screw.axis, tool - screw.point)) if np.isfinite(screw.pitch) else np.inf
+small = np.radians(1.0)
+moved = np.linalg.norm((screws.exp(arm.screws[:, first], small) @ arm.home)[:3, 3] - tool)
+guide.predict(
+    f"From zero, `{arm.moving_names[first]}` alone turns by 1°. How far does the tool move?",
+    f"By {1000 * moved:.1f} mm. "
+    + (
+        f"The tool is {lever:.3f} m from that axis, and 1° is {small:.4f} rad: lever times angle, "
+        f"{1000 * lever * small:.1f} mm. Keep that number in mind when you choose encoders."
+        if np.isfinite(lever) and lever > 1e-6
+        else "It lies on the axis, or slides along it: there is no lever."
+    ),
+)
+
+# %%
+guide.scene(
+    arm,
+    np.zeros(arm.n),
+    caption="Every joint at zero. Move the last joint alone, then the first alone: which axes come along?",
+)
+
+# %% [markdown]
+# ## The same from the tool's side
+#
+# You may look at the axes from the tool instead. Their twists are then $\xi^b_i = \mathrm{Ad}_{g_{st}(0)}^{-1}\,
+# \xi_i$, and the home pose stands in front:
+#
+# $$g_{st}(\theta) = g_{st}(0)\, e^{\hat\xi^b_1\theta_1} \cdots e^{\hat\xi^b_n\theta_n}$$
+#
+# It is the same formula, for $M e^{A} = e^{MAM^{-1}} M$. The guide says that the product of exponentials needs an
+# Adjoint transformation: this form does, the other one does not.
+
+# %%
+body = screws.adjoint(screws.inverse(arm.home)) @ arm.screws
+from_the_tool = arm.home
+for xi, value in zip(body.T, values, strict=True):
+    from_the_tool = from_the_tool @ screws.exp(xi, value)
+assert np.allclose(from_the_tool, g)
+assert np.allclose(body, arm.body_screws)
+guide.say(f"On your arm the two forms differ by ${guide.rough(np.abs(from_the_tool - g).max())}$.")
+
+# %% [markdown]
+# ## By hand, once in your life
+#
+# For two links in a plane, a triangle is enough. With $l_1$ and $l_2$ between the axes and the tool:
+#
+# $$x = l_1\cos\theta_1 + l_2\cos(\theta_1 + \theta_2), \qquad y = l_1\sin\theta_1 + l_2\sin(\theta_1 + \theta_2)$$
+
+# %%
+planar = guide.bundled("rr_planar")
+q1, q2 = (screws.to_screw(xi).point for xi in planar.screws.T)
+l1, l2 = np.linalg.norm(q2 - q1), np.linalg.norm(planar.home[:3, 3] - q2)
+pair = np.array([0.4, 0.9])
+x = l1 * np.cos(pair[0]) + l2 * np.cos(pair.sum())
+y = l1 * np.sin(pair[0]) + l2 * np.sin(pair.sum())
+assert np.allclose(planar.fk(pair)[:2, 3] - q1[:2], [x, y])
+guide.slider(
+    "two_link",
+    "Find two postures in which the tool is at the same place.",
+    r"Move until you like the place; then tick *draw the other solution*. The elbow flips to the other side, "
+    r"$\theta_2$ "
+    r"changes its sign. Stretched out or folded, the two become one. That forward kinematics has one answer does not "
+    r"mean "
+    "that the way back has: it is the matter of the lessons on inverse kinematics.",
+    l1=round(float(l1), 3),
+    l2=round(float(l2), 3),
+    theta1=25,
+    theta2=50,
+)
+
+# %% [markdown]
+# ## What goes wrong in practice
+#
+# - **No home pose.** Without $g_{st}(0)$ at its end the product says how the tool has *moved*, not where it is.
+# - **Axes in the wrong order.** Base to tip, from left to right. Written the other way, each axis is used after
+#   something has moved it.
+# - **Zero is somewhere else.** The formula is right about the zero of the *file*. If the motor's zero is another,
+#   subtract it first: a joint that is off by 5° puts the tool as far off as its lever says.
+# - **Degrees.** An angle of 30 is almost five full turns.
+
+# %% tags=["hidden"]
+wrong_order = arm.home
+for xi, value in zip(arm.screws.T, values, strict=True):
+    wrong_order = screws.exp(xi, value) @ wrong_order
+without_home = g @ screws.inverse(arm.home)
+in_degrees = poe.fk(
+    arm.screws, arm.home, arm.coupling.A @ np.where(np.array(arm.units) == "rad", np.degrees(theta), theta)
+)
+rows = [
+    [words, 1000 * float(np.linalg.norm((wrong - g)[:3, 3]))]
+    for words, wrong in (
+        ("no home pose", without_home),
+        ("axes in the wrong order", wrong_order),
+        ("degrees for radians", in_degrees),
+    )
+]
+guide.table(
+    ["slip", "the tool is off by [mm]"], [[words, f"{far:.0f}"] for words, far in rows], f"On {arm.name}, waiting."
+)
+
+# %% [markdown]
+# ## Exercises
+
+# %%
+guide.practice("3_1_forward_kinematics")

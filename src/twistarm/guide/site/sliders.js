@@ -66,7 +66,7 @@
       this.words = words;
       this.numbers = element("pre", { className: "numbers", tabIndex: 0 });
       this.numbers.setAttribute("aria-label", "Numbers");
-      this.numbers.setAttribute("role", "region");
+      this.numbers.setAttribute("role", "group");
       this.controls = element("div", { className: "controls" });
       const bench = element("div", { className: "bench" }, this.controls, this.svg, this.numbers);
       stage.append(bench);

@@ -109,16 +109,16 @@ def fit(ax: Any, points: ArrayLike | None = None, margin: float = 0.05) -> None:
     middle, half = (low + high) / 2, float((high - low).max()) / 2 * (1 + 2 * margin) or 0.5
     for set_limits, centre in zip((ax.set_xlim3d, ax.set_ylim3d, ax.set_zlim3d), middle, strict=True):
         set_limits(centre - half, centre + half)
-    ax.set_box_aspect((1, 1, 1))
+    ax.set_box_aspect((1, 1, 1), zoom=1.0 if ax.axison else 1.45)
 
 
-def plot_frame(ax: Any, g: ArrayLike, name: str = "", length: float = 1.0, alpha: float = 1.0) -> None:
+def plot_frame(ax: Any, g: ArrayLike, name: str | None = "", length: float = 1.0, alpha: float = 1.0) -> None:
     """Draw a frame: x solid and vermilion, y dashed and green, z dotted and blue.
 
     Args:
         ax: Axes in space.
         g: Its pose (4, 4), or a rotation (3, 3) at the origin.
-        name: Its letter, set beside each axis.
+        name: Its letter, set beside each axis; None leaves the axes without letters.
         length: Of the axes.
         alpha: 1 for one that is meant, less for one that was.
     """
@@ -130,8 +130,10 @@ def plot_frame(ax: Any, g: ArrayLike, name: str = "", length: float = 1.0, alpha
         end = origin + length * pose[:3, k]
         line = np.array([origin, end]).T
         ax.plot(*line, color=AXES[axis], linestyle=DASHES[axis], alpha=alpha, linewidth=2.0)
-        ax.text(*(origin + 1.13 * (end - origin)), f"${axis}_{{{name}}}$" if name else f"${axis}$", color=AXES[axis],
-                alpha=alpha, ha="center", va="center")  # fmt: skip
+        if name is not None:
+            words = f"${axis}_{{{name}}}$" if name else f"${axis}$"
+            place = origin + 1.13 * (end - origin)
+            ax.text(*place, words, color=AXES[axis], alpha=alpha, ha="center", va="center")
     ax.plot(*origin[:, None], "o", color=INK, markersize=3, alpha=alpha)
 
 
@@ -168,7 +170,9 @@ def plot_point(ax: Any, point: ArrayLike, name: str = "", colour: str = INK, mar
         ax.text(*p, f"  {name}", color=colour, va="center")
 
 
-def plot_screw(ax: Any, xi: ArrayLike, length: float = 1.0, name: str = "", colour: str = PINK) -> None:
+def plot_screw(
+    ax: Any, xi: ArrayLike, length: float = 1.0, name: str = "", colour: str = PINK, near: ArrayLike = (0.0, 0.0, 0.0)
+) -> None:
     """Draw the axis of a twist (v, w): a line along w with an arrow around it, or an arrow along v where w = 0.
 
     Args:
@@ -177,9 +181,11 @@ def plot_screw(ax: Any, xi: ArrayLike, length: float = 1.0, name: str = "", colo
         length: Of what is drawn of the axis.
         name: Set at its end.
         colour: One of the guide's colours.
+        near: What the drawn piece of the axis lies nearest to: the joint; an arrow of w = 0 lies there.
     """
     screw = to_screw(xi)
-    axis, point = screw.axis, screw.point
+    axis, middle = screw.axis, np.asarray(near, float)
+    point = middle if np.isinf(screw.pitch) else screw.point + axis * float((middle - screw.point) @ axis)
     if np.isinf(screw.pitch):
         ax.quiver(*(point - length / 2 * axis), *(length * axis), color=colour, arrow_length_ratio=0.15, linewidth=2.0)
     else:

@@ -35,7 +35,7 @@ def _table(data: Data) -> str:
     caption = f"<caption>{inline(data['caption'])}</caption>" if data["caption"] else ""
     label = escape(data["caption"] or "Table")
     return (
-        f'<div class="wide" role="region" aria-label="{label}" tabindex="0"><table>{caption}'
+        f'<div class="wide" role="group" aria-label="{label}" tabindex="0"><table>{caption}'
         f"<thead><tr>{head}</tr></thead><tbody>{rows}</tbody></table></div>"
     )
 
@@ -73,26 +73,25 @@ def _scene(data: Data) -> str:
 def _slider(data: Data) -> str:
     name, numbers = data["name"], escape(json.dumps(data["numbers"]))
     return (
-        f'<section class="slider" aria-label="To try: {escape(name.replace("_", " "))}">'
+        f'<div class="slider" role="group" aria-label="To try: {escape(name.replace("_", " "))}">'
         f'<div class="question">{block(data["question"])}</div>'
         f'<div class="stage" data-slider="{name}" data-numbers="{numbers}">{_picture(data, data["still"])}</div>'
-        f"{fold('Show the answer', block(data['answer']))}</section>"
+        f"{fold('Show the answer', block(data['answer']))}</div>"
     )
 
 
 def _prediction(data: Data) -> str:
-    return (
-        f'<section class="prediction" aria-label="Predict"><div class="question">{block(data["question"])}</div>'
-        f"{fold('Show the answer', block(data['answer']))}</section>"
-    )
+    question = f'<div class="question">{block(data["question"])}</div>'
+    answer = fold("Show the answer", block(data["answer"]))
+    return f'<div class="prediction" role="group" aria-label="Predict">{question}{answer}</div>'
 
 
 def _exercises(data: Data) -> str:
     entries = "".join(
-        f'<section class="exercise" aria-label="Exercise {k}">'
+        f'<div class="exercise" role="group" aria-label="Exercise {k}">'
         f'<h3 id="exercise-{escape(entry["name"])}">Exercise {k}</h3>'
         f"{block(entry['prompt'])}{program(entry['signature'])}"
-        f"{fold('Show a solution', program(entry['solution']))}</section>"
+        f"{fold('Show a solution', program(entry['solution']))}</div>"
         for k, entry in enumerate(data["entries"], start=1)
     )
     return f'<div class="exercises">{entries}</div>'

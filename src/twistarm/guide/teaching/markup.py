@@ -9,6 +9,11 @@ from typing import Any
 
 from ...support.errors import InputError, missing_extra
 
+LONG = 36
+"""Letters of a displayed formula that a telephone may have to scroll, so that a keyboard has to reach it."""
+
+THIN = '<mspace width="0.167em"></mspace>'
+
 
 def block(markdown: str) -> str:
     """Paragraphs, lists, tables, headings."""
@@ -29,9 +34,17 @@ def formula(tex: str, *, display: bool = False) -> str:
     try:
         mathml: str = convert(tex, display="block" if display else "inline")
     except Exception as error:
-        raise InputError(f"the formula {tex!r} cannot be read: {error or type(error).__name__}") from error
-    # Greek capitals stand upright there; the rest is as Presentation MathML has it.
-    return mathml.replace("<math ", f'<math alttext="{escape(tex)}" ', 1)
+        raise InputError(f"the formula {tex!r} cannot be read: {str(error) or type(error).__name__}") from error
+    if unknown := re.search(r"\\\w+", re.sub(r"<[^>]*>", " ", mathml)):
+        raise InputError(f"the formula {tex!r} cannot be read: no MathML is known for {unknown[0]}")
+    # cos θ, but cos(θ): a function's name is an operator, which that library writes as a letter.
+    mathml = re.sub(r"(<mi>(?:arc)?(?:sin|cos|tan|exp|log|ln)</mi>)(?=<m(?!o))", rf"\1{THIN}", mathml)
+    mathml = re.sub(
+        r"(</m(?:i|n|sub|sup|subsup|over|frac)>)(?=<mi>(?:arc)?(?:sin|cos|tan|exp|log|ln)<)", rf"\1{THIN}", mathml
+    )
+    mathml = mathml.replace('<mo movablelimits="true">', '<mo movablelimits="true" lspace="0">')
+    scrolls = 'tabindex="0" ' if display and len(tex) > LONG else ""
+    return mathml.replace("<math ", f'<math {scrolls}alttext="{escape(tex)}" ', 1)
 
 
 def program(source: str) -> str:
@@ -57,7 +70,9 @@ def _renderer() -> Any:
     except ImportError as error:
         raise missing_extra("the guide", error.name or "markdown-it-py", "guide") from error
     renderer = MarkdownIt("commonmark", {"html": False, "highlight": _fence}).enable("table")
-    dollarmath_plugin(renderer, renderer=lambda tex, options: formula(tex, display=options["display_mode"]))
+    dollarmath_plugin(
+        renderer, double_inline=True, renderer=lambda tex, options: formula(tex, display=options["display_mode"])
+    )
     renderer.add_render_rule("heading_open", _heading)
     return renderer
 

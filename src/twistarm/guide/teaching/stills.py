@@ -9,12 +9,13 @@ import numpy as np
 
 from ...model.arm import Arm
 from ...support.checks import Array
-from ...theory import joints, rotations, screws
+from ...theory import joints, poe, rotations, screws
 from .figures import (
     BLUE,
     GREY,
     INK,
     ORANGE,
+    arm_points,
     axes2,
     axes3,
     fit,
@@ -32,8 +33,9 @@ def arm(arm: Arm, theta: Array) -> Any:
     """The arm as a skeleton with the screws that its joints have there."""
     fig, ax = axes3(width=4.4, height=4.0)
     plot_arm(ax, arm, theta)
-    for xi in arm.spatial_jacobian(theta).T:
-        plot_screw(ax, xi, length=0.35 * arm.reach)
+    moved = poe.spatial_jacobian(arm.screws, arm.coupling.A @ theta)
+    for xi, point in zip(moved.T, arm_points(arm, theta)[1:-1], strict=True):
+        plot_screw(ax, xi, length=0.35 * arm.reach, near=point)
     fit(ax)
     return fig
 

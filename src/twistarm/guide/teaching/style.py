@@ -6,7 +6,7 @@ from contextlib import AbstractContextManager
 from typing import Any
 
 INK, GREY, FAINT = "#1b1f24", "#5b6470", "#c9ced6"
-BLUE, ORANGE, GREEN, PINK, SKY, AMBER = "#0072b2", "#d55e00", "#00795a", "#b0548a", "#2f86b7", "#9a6700"
+BLUE, ORANGE, GREEN, PINK, SKY, AMBER = "#0072b2", "#b54a00", "#00795a", "#a0447a", "#2f86b7", "#835700"
 """The colours of Okabe & Ito, the light ones darkened until they stand out from white by 3 to 1 and more."""
 
 COLOURS = {"ink": INK, "grey": GREY, "faint": FAINT, "blue": BLUE, "orange": ORANGE, "green": GREEN, "pink": PINK,

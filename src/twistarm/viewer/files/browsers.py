@@ -32,8 +32,9 @@ def find_browser() -> str:
     found = next(filter(None, map(shutil.which, (*NAMES, *PLACES))), None)
     if found is None:
         raise TwistarmError(
-            f"a picture or a print needs a browser, and there is none of {', '.join(NAMES)} on PATH, nor Chrome, Chromium or "
-            "Edge in /Applications; install one (on Debian: apt install chromium), or open the page itself (view -o FILE.html, guide -o DIR)"
+            f"a picture or a print needs a browser, and there is none of {', '.join(NAMES)} on PATH, nor Chrome, "
+            "Chromium or Edge in /Applications; install one (on Debian: apt install chromium), or open the page "
+            "yourself (view -o FILE.html, guide -o DIR)"
         )
     return found
 

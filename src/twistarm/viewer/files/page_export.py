@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import base64
 import hashlib
+import json
 import os
 import re
 from collections.abc import Mapping
@@ -26,6 +28,8 @@ EXPORT = r"^export ((?:async )?function|class|const) ([\w$]+)"
 
 STATE = '<script type="application/json" id="state">{}</script>'
 """How the page that saved it stood, its camera and what was chosen: share.js writes it in place of the braces."""
+
+RANDOM_NAME = rb"[0-9a-f]{8}(-[0-9a-f]{4}){3}-[0-9a-f]{12}"
 
 POLICY = "default-src 'none'; script-src 'unsafe-inline'; style-src 'unsafe-inline'; img-src data: blob:"
 
@@ -80,7 +84,7 @@ def beside(shown: SceneSnapshot) -> tuple[str, dict[str, str]]:
     no script but those that it names itself, opened from disk too, where no other policy tells files apart.
     """
     data = shown.data()
-    objects = f"globalThis.twistarmObjects = {encode(data.pop('objects'))};"
+    objects = f"globalThis.twistarmObjects = {json.dumps(_numbered(data.pop('objects')))};"
     digest = hashlib.sha256(objects.encode()).hexdigest()[:12]
     scripts = {
         "meshcat.js": meshcat_bundle(),
@@ -93,6 +97,17 @@ def beside(shown: SceneSnapshot) -> tuple[str, dict[str, str]]:
         f'<script defer src="{name}" nonce="{nonce}"></script>' for name in ("meshcat.js", *list(scripts)[:0:-1])
     )
     return _page(shown.arm.name, data, policy, first, "\n".join(rest)), scripts
+
+
+def _numbered(objects: list[str]) -> list[str]:
+    """The same with numbers for the random names that Meshcat gives: an arm's meshes are then one text each time."""
+    numbers: dict[bytes, bytes] = {}
+
+    def numbered(found: re.Match[bytes]) -> bytes:
+        return numbers.setdefault(found[0], b"00000000-0000-0000-0000-%012x" % len(numbers))
+
+    plain = (re.sub(RANDOM_NAME, numbered, base64.b64decode(each)) for each in objects)
+    return [base64.b64encode(each).decode("ascii") for each in plain]
 
 
 def _page(name: str, data: Mapping[str, Any], policy: str, meshcat: str, program: str) -> str:

@@ -1,0 +1,132 @@
+"""The site: whole, self-contained, ours alone, and made anew only where something has changed."""
+
+from __future__ import annotations
+
+import re
+from html.parser import HTMLParser
+from pathlib import Path
+
+import pytest
+
+from conftest import LESSON, ROVER  # type: ignore[attr-defined]
+from twistarm import InputError, TwistarmError
+from twistarm.guide.building import running
+from twistarm.guide.building.building import Built, as_keywords, build
+from twistarm.guide.building.site_folder import MARKER, SiteFolder
+from twistarm.guide.course import PARTS, SECTIONS, lesson_named, lessons
+
+
+class Page(HTMLParser):
+    """What a page refers to and names, and what it nests."""
+
+    def __init__(self, text: str) -> None:
+        super().__init__()
+        self.refers: list[str] = []
+        self.names: list[str] = []
+        self.feed(text)
+
+    def handle_starttag(self, tag: str, attrs: list[tuple[str, str | None]]) -> None:
+        for key, value in attrs:
+            if key in ("href", "src") and value:
+                self.refers.append(value)
+            if key == "id" and value:
+                self.names.append(value)
+
+
+def test_pages_refer_to_what_is_there_and_to_nowhere_else(built: Built) -> None:
+    pages = {path.name: Page(path.read_text("utf-8")) for path in built.folder.glob("*.html")}
+    assert set(pages) == {"index.html", "errata.html", f"{LESSON}.html"}
+    for name, page in pages.items():
+        assert len(set(page.names)) == len(page.names), f"{name} has a name twice"
+        for target in page.refers:
+            file, _, anchor = target.partition("#")
+            if target == "data:,":
+                continue
+            assert not re.match(r"\w+:|//", target), f"{name} asks elsewhere: {target}"
+            assert not file or (built.folder / file).is_file(), f"{name}: {target}"
+            if anchor:
+                assert anchor in pages[file or name].names, f"{name}: {target}"
+
+
+def test_scenes_share_their_scripts_and_allow_no_others(built: Built) -> None:
+    scenes = list((built.folder / "scenes").glob("scene_*.html"))
+    text = scenes[0].read_text("utf-8")
+    policy = re.search(r'Content-Security-Policy" content="([^"]+)"', text)[1]  # type: ignore[index]
+    nonce = re.search(r"script-src 'nonce-(\w+)'", policy)[1]  # type: ignore[index]
+    assert policy.startswith("default-src 'none'; script-src 'nonce-")
+    scripts = re.findall(r"<script(?! type=\"application/json\")([^>]*)>", text)
+    assert len(scripts) == 3
+    for attributes in scripts:
+        assert f'nonce="{nonce}"' in attributes
+        assert (built.folder / "scenes" / re.search(r'src="([^"]+)"', attributes)[1]).is_file()  # type: ignore[index]
+    assert len(text) < 200_000, "the bundle and the meshes lie beside the page"
+
+
+def test_nothing_is_made_twice_and_what_is_lost_is_made_again(built: Built) -> None:
+    assert built.failed == ()
+    assert build(built.folder, ROVER, [LESSON]).run == ()
+    page = built.folder / f"{LESSON}.html"
+    text = page.read_text("utf-8")
+    page.unlink()
+    assert build(built.folder, ROVER, [LESSON]).run == (LESSON,)
+    assert page.read_text("utf-8") == text, "the same lesson on the same arm is the same page"
+
+
+def test_a_folder_of_somebody_else_is_left_alone(tmp_path: Path) -> None:
+    mine = tmp_path / "notes.txt"
+    mine.write_text("mine")
+    with pytest.raises(
+        InputError, match=f"holds something that the guide did not write .*{MARKER}.*; give a new folder"
+    ):
+        SiteFolder(tmp_path)
+    with pytest.raises(InputError, match="is a file; -o takes a folder"):
+        SiteFolder(mine)
+    with pytest.raises(InputError, match="cannot write into .*notes.txt"):
+        SiteFolder(mine / "below")
+    assert [path.name for path in tmp_path.iterdir()] == ["notes.txt"]
+
+
+def test_what_the_reader_puts_into_our_folder_stays(tmp_path: Path) -> None:
+    site = SiteFolder(tmp_path / "site")
+    for name in ("old.html", "scenes/scene_0123456789ab.html"):
+        site.write(name, "ours")
+    notes = [site.path / "notes.txt", site.path / "scenes" / "notes.html"]
+    for path in notes:
+        path.write_text("mine")
+    site.sweep({"index.html"})
+    assert all(path.read_text() == "mine" for path in notes)
+    assert not (site.path / "old.html").exists()
+    assert not (site.path / "scenes" / "scene_0123456789ab.html").exists()
+
+
+@pytest.mark.parametrize("text", ["", "{", "[]", '{"lessons": 3}', '{"lessons": {"a": 1}, "files": []}'])
+def test_a_broken_record_is_begun_anew(text: str, tmp_path: Path) -> None:
+    (tmp_path / MARKER).write_text(text)
+    assert SiteFolder(tmp_path).kept("a", "key") is None
+
+
+def test_an_endless_lesson_and_one_that_dies_are_said(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    head = "# %% [markdown]\n# # A title\n\n# %%\n"
+    (tmp_path / "endless.py").write_text(head + "while True: pass\n")
+    (tmp_path / "dying.py").write_text(head + "import os, sys\nsys.stderr.write('last words\\n')\nos._exit(3)\n")
+    monkeypatch.setattr(running, "lesson_file", lambda name: tmp_path / f"{name}.py")
+    made = dict(running.run_lessons(["endless", "dying"], ROVER, tmp_path, timeout=4.0))
+    assert made["endless"]["failed"] == "endless: was ended after 4 s"
+    assert made["dying"]["failed"] == "dying: ended with code 3: last words"
+
+
+def test_the_course_names_every_lesson_once_and_every_section() -> None:
+    names = [name for part in PARTS for name in part.lessons]
+    assert len(set(names)) == len(names)
+    assert {name for *_, name in SECTIONS} == set(names)
+    assert lesson_named(f"examples/guide/{lessons()[0]}.py") == lessons()[0]
+    with pytest.raises(TwistarmError, match="no lesson '3_1_forward' in the guide; closest: '3_1_forward_kinematics'"):
+        lesson_named("3_1_forward")
+
+
+def test_paths_of_an_arm_mean_the_same_from_anywhere(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "mine.urdf").write_text("")
+    made = as_keywords("mine.urdf", {"srdf": Path("a.srdf"), "tip": None, "without": ("x",)})
+    assert made == {"source": str(tmp_path / "mine.urdf"), "srdf": str(tmp_path / "a.srdf"), "without": ["x"]}
+    assert as_keywords("scara", {}) == {"source": "scara"}
