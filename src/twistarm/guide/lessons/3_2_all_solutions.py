@@ -103,7 +103,7 @@ for value in meetings:
     guide.plot_point(panels[2], (screws.exp(about_z, value) @ np.append(p, 1))[:3], "", guide.INK, "D")
 for ax, words in zip(panels, ("1: to a point", "2: by two axes", "3: to a distance"), strict=True):
     ax.set_title(words)
-    guide.fit(ax, [[-0.75] * 3, [0.75] * 3])
+    guide.fit(ax, [[-0.85] * 3, [0.85] * 3])
 guide.figure(
     fig,
     "Three drawings: a circle about an axis from p to q; two circles about two axes that cross in two marked points; a "
@@ -217,8 +217,12 @@ def draw_all(arm, configurations, words):
         else:
             shapes.append((points, [theta]))
     columns = min(4, len(shapes))
-    fig, panels = guide.axes3(columns=columns, width=6.6 if columns > 1 else 4.0, height=3.0, box=False, azim=-65)
     everywhere = np.vstack([points for points, _ in shapes])
+    tool = everywhere[len(shapes[0][0]) - 1]
+    across = float(np.degrees(np.arctan2(tool[1], tool[0]))) - 70.0  # looked at from the side
+    fig, panels = guide.axes3(
+        columns=columns, width=6.6 if columns > 1 else 4.0, height=3.0, box=False, elev=15, azim=across
+    )
     for j, ax in enumerate(np.atleast_1d(panels)):
         group = shapes[j::columns]
         for i, (_, same) in enumerate(group):
