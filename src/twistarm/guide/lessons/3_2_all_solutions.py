@@ -11,7 +11,13 @@ import numpy as np
 
 from twistarm import Approach, Pose, arm_from_screws, guide, poe, screws, solve_ik_all, subproblems
 
-arm = guide.arm_with("a joint that turns", lambda a: bool((np.linalg.norm(a.screws[3:], axis=0) > 0.5).any()))
+
+def turning(arm):
+    """Which joints turn."""
+    return np.flatnonzero(np.linalg.norm(arm.screws[3:], axis=0) > 0.5)
+
+
+arm = guide.arm_with("a joint that turns", lambda a: len(turning(a)) > 0)
 
 # %% [markdown]
 # ## Three small questions
@@ -41,15 +47,16 @@ arm = guide.arm_with("a joint that turns", lambda a: bool((np.linalg.norm(a.scre
 # %%
 def turn_to(xi, p, q):
     """Subproblem 1, for a joint that turns."""
-    w, r = xi[3:], np.cross(xi[3:], xi[:3])  # the direction of the axis, and its point nearest to the origin
+    w, r = xi[3:], np.cross(xi[3:], xi[:3])  # the axis' direction, and a point of it
     across = np.eye(3) - np.outer(w, w)
     u, v = across @ (p - r), across @ (q - r)
     return np.arctan2(w @ np.cross(u, v), u @ v)
 
 
-k = int(np.flatnonzero(np.linalg.norm(arm.screws[3:], axis=0) > 0.5)[0])
+k = int(turning(arm)[0])
 xi = arm.screws[:, k]
-finger = (arm.home @ [0.1 * arm.reach, 0.07 * arm.reach, 0.05 * arm.reach, 1.0])[:3]  # a point beside the tool
+beside_the_tool = arm.reach * np.array([0.1, 0.07, 0.05])
+finger = (arm.home @ np.append(beside_the_tool, 1))[:3]
 moved = (screws.exp(xi, 0.7) @ np.append(finger, 1))[:3]
 assert np.isclose(turn_to(xi, finger, moved), 0.7)
 assert np.isclose(subproblems.subproblem_1(xi, finger, moved).values[0], 0.7)
@@ -141,7 +148,8 @@ def meeting_point(*twists):
     """The point nearest to the axes of some twists: where they meet, if they do."""
     across = [np.eye(3) - np.outer(x[3:], x[3:]) for x in twists]
     on_axis = [np.cross(x[3:], x[:3]) for x in twists]
-    return np.linalg.solve(sum(across), sum(P @ q for P, q in zip(across, on_axis, strict=True)))
+    moments = [P @ q for P, q in zip(across, on_axis, strict=True)]
+    return np.linalg.solve(sum(across), sum(moments))
 
 
 def apply(g, p):
@@ -156,14 +164,19 @@ on_6, beside = q_w + xi[5, 3:], q_w + xi[4, 3:]
 def ways(g_d):
     """All configurations of the elbow arm with its tool at g_d, by subproblems."""
     g_1 = g_d @ screws.inverse(elbow_arm.home)
-    for t3 in subproblems.subproblem_3(xi[2], q_w, q_b, np.linalg.norm(apply(g_1, q_w) - q_b)).values:
-        wrist = apply(screws.exp(xi[2], t3), q_w)
-        for t1, t2 in subproblems.subproblem_2(xi[0], xi[1], wrist, apply(g_1, q_w)).values:
-            before = screws.exp(xi[0], t1) @ screws.exp(xi[1], t2) @ screws.exp(xi[2], t3)
+    there = apply(g_1, q_w)
+    far = np.linalg.norm(there - q_b)
+    for t3 in subproblems.subproblem_3(xi[2], q_w, q_b, far).values:
+        e_3 = screws.exp(xi[2], t3)
+        wrist = apply(e_3, q_w)
+        for t1, t2 in subproblems.subproblem_2(xi[0], xi[1], wrist, there).values:
+            before = screws.exp(xi[0], t1) @ screws.exp(xi[1], t2) @ e_3
             g_2 = screws.inverse(before) @ g_1  # what the wrist has to do
-            for t4, t5 in subproblems.subproblem_2(xi[3], xi[4], on_6, apply(g_2, on_6)).values:
-                g_3 = screws.inverse(screws.exp(xi[3], t4) @ screws.exp(xi[4], t5)) @ g_2
-                t6 = subproblems.subproblem_1(xi[5], beside, apply(g_3, beside)).values[0]
+            goal = apply(g_2, on_6)
+            for t4, t5 in subproblems.subproblem_2(xi[3], xi[4], on_6, goal).values:
+                so_far = screws.exp(xi[3], t4) @ screws.exp(xi[4], t5)
+                goal = apply(screws.inverse(so_far) @ g_2, beside)
+                t6 = subproblems.subproblem_1(xi[5], beside, goal).values[0]
                 yield np.array([t1, t2, t3, t4, t5, t6])
 
 
@@ -257,7 +270,8 @@ draw_all(
 # %%
 own = guide.arm()
 rng = np.random.default_rng(4)
-theta = np.clip(own.ready + 0.25 * (own.random_theta(rng) - own.ready), own.limits.lower, own.limits.upper)
+theta = own.ready + 0.25 * (own.random_theta(rng) - own.ready)
+theta = np.clip(theta, own.limits.lower, own.limits.upper)
 g = own.fk(theta)
 target = Approach(g[:3, 3], g[:3, :3] @ own.tool_axis) if own.n == 5 else Pose(g)
 found = solve_ik_all(own, target, theta)
@@ -316,8 +330,8 @@ flips = solve_ik_all(rover, Approach(g[:3, 3], g[:3, :3] @ rover.tool_axis), rov
 both = np.array([*flips, *flips.outside])
 assert flips.complete
 assert len(both) == 2
-assert np.isclose(both[0, 2], -both[1, 2]), "the elbow bends to the other side by as much"
-assert np.isclose(both[0, 1:4].sum(), both[1, 1:4].sum()), "and the tool points along the same direction"
+assert np.isclose(both[0, 2], -both[1, 2])  # the elbow bends to the other side by as much
+assert np.isclose(both[0, 1:4].sum(), both[1, 1:4].sum())  # the tool points the same way
 
 # %% tags=["hidden"]
 guide.table(
@@ -334,14 +348,15 @@ draw_all(rover, both, "`rover_arm`: elbow up and elbow down, with the tool in th
 # lengths below are the maker's; they are all that is needed.
 
 # %%
-d1, a2, a3, d4, d5, d6 = 0.089159, 0.425, 0.39225, 0.10915, 0.09465, 0.0823  # [m], Universal Robots
+d1, a2, a3, d4, d5, d6 = 0.089159, 0.425, 0.39225, 0.10915, 0.09465, 0.0823  # [m]
 x, y, z = np.eye(3)
 axes = [(z, 0 * x), (y, d1 * z), (y, a2 * x + d1 * z), (y, (a2 + a3) * x + d1 * z),
         (-z, (a2 + a3) * x + d4 * y), (y, (a2 + a3) * x + (d1 - d5) * z)]  # fmt: skip
 home = np.eye(4)
 home[:3, :3] = np.column_stack([-x, z, y])
 home[:3, 3] = (a2 + a3) * x + (d4 + d6) * y + (d1 - d5) * z
-ur5 = arm_from_screws(np.column_stack([np.append(-np.cross(w, q), w) for w, q in axes]), home, name="ur5")
+twists = np.column_stack([np.append(-np.cross(w, q), w) for w, q in axes])
+ur5 = arm_from_screws(twists, home, name="ur5")
 
 standing = np.radians([20.0, -70.0, 95.0, -60.0, -80.0, 30.0])
 g = ur5.fk(standing)

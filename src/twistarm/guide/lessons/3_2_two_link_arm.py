@@ -2,9 +2,9 @@
 # # Elbow up or elbow down?
 #
 # You tape a cross onto the bench and want the tip of the arm on it. You know where the cross is; the motors want
-# angles. Last lesson's formula goes the other way. To turn it round is called **inverse kinematics**, and for two links
-# in a plane you can do it with a triangle. Most arms have those two links somewhere inside them, and most of what can
-# go wrong with inverse kinematics goes wrong here first.
+# angles. Forward kinematics goes from the angles to the place. The way back is called **inverse kinematics**, and for
+# two links in a plane you can do it with a triangle. Most arms have those two links somewhere inside them, and most of
+# what can go wrong with inverse kinematics goes wrong here first.
 
 # %%
 import numpy as np
@@ -25,21 +25,23 @@ cross = np.array([0.30, 0.35])  # where the cross is [m], seen from the shoulder
 # The law of cosines says
 #
 # $$\cos\alpha = \frac{l_1^2 + l_2^2 - r^2}{2\, l_1 l_2}, \qquad
-#   \cos\beta = \frac{r^2 + l_1^2 - l_2^2}{2\, l_1 r}, \qquad
-#   r = \sqrt{x^2 + y^2}, \qquad \varphi = \mathrm{atan2}(y, x)$$
+#   \cos\beta = \frac{r^2 + l_1^2 - l_2^2}{2\, l_1 r}$$
+#
+# $$r = \sqrt{x^2 + y^2}, \qquad \varphi = \mathrm{atan2}(y, x)$$
 #
 # The triangle may lie on either side of the line from the shoulder to the cross. So there are two answers, and each is
 # called the **flip** of the other:
 #
-# $$\theta_1 = \varphi + \beta,\;\; \theta_2 = \pi + \alpha \qquad \text{or} \qquad
-#   \theta_1 = \varphi - \beta,\;\; \theta_2 = \pi - \alpha$$
+# $$\theta_1 = \varphi + \beta, \quad \theta_2 = \pi + \alpha$$
+#
+# $$\theta_1 = \varphi - \beta, \quad \theta_2 = \pi - \alpha$$
 #
 # This is the planar example of MLS, section 3.3.1.
 
 
 # %%
 def triangle(l1, l2, x, y):
-    """The angles alpha at the elbow and beta at the shoulder, and the direction phi of the target [rad]."""
+    """The angles at elbow and shoulder, and the direction of the target [rad]."""
     r = np.hypot(x, y)
     alpha = np.arccos((l1**2 + l2**2 - r**2) / (2 * l1 * l2))
     beta = np.arccos((r**2 + l1**2 - l2**2) / (2 * l1 * r))
@@ -48,9 +50,9 @@ def triangle(l1, l2, x, y):
 
 def tip(theta1, theta2):
     """Forward kinematics of the two-link arm."""
-    return np.array(
-        [l1 * np.cos(theta1) + l2 * np.cos(theta1 + theta2), l1 * np.sin(theta1) + l2 * np.sin(theta1 + theta2)]
-    )
+    elbow = l1 * np.array([np.cos(theta1), np.sin(theta1)])
+    both = theta1 + theta2
+    return elbow + l2 * np.array([np.cos(both), np.sin(both)])
 
 
 def wrap(angle):
@@ -59,7 +61,8 @@ def wrap(angle):
 
 
 alpha, beta, phi = triangle(l1, l2, *cross)
-up, down = (wrap(np.array([phi + sign * beta, np.pi + sign * alpha])) for sign in (+1, -1))
+up = wrap(np.array([phi + beta, np.pi + alpha]))
+down = wrap(np.array([phi - beta, np.pi - alpha]))
 for theta in (up, down):
     assert np.allclose(tip(*theta), cross)
     assert np.allclose(planar.fk(theta)[:2, 3], q1[:2] + cross)
@@ -211,13 +214,13 @@ guide.predict(
 r = (l1 + l2) - (2 * min(l1, l2)) * (1 - np.cos(np.linspace(0, np.pi, 201))) / 2
 elbow_bend = np.pi - np.arccos(np.clip((l1**2 + l2**2 - r**2) / (2 * l1 * l2), -1, 1))
 fig, ax = guide.axes2(xlabel="distance r of the target [m]", ylabel="θ₂ [°]", height=3.4)
-ax.plot(r, np.degrees(elbow_bend), label="(−,−)")
 ax.plot(r, -np.degrees(elbow_bend), label="(+,+)")
+ax.plot(r, np.degrees(elbow_bend), label="(−,−)")
 for edge, words, side in ((l1 + l2, "stretched", "right"), (abs(l1 - l2), "folded", "left")):
     ax.axvline(edge, color=guide.GREY, linewidth=0.8, linestyle=":")
     ax.text(edge, 205, words, color=guide.GREY, ha=side, va="bottom")
 ax.set_yticks(range(-180, 181, 60))
-ax.legend(loc="center")
+ax.legend(loc="center", frameon=False)
 guide.figure(
     fig,
     "The bend of the elbow against the distance of the target, for both answers: the two curves are each other's "
@@ -228,7 +231,7 @@ guide.figure(
 
 # %% [markdown]
 # Rounding makes a trap of the edge itself. Ask for a point at exactly $l_1 + l_2$, which is reachable, and the cosine
-# may come out as $-1.0000000000000002$. Then `arccos` gives `nan`, and `nan` goes to the motors. So the argument is
+# may come out beyond $-1$. Then `arccos` gives `nan`, and `nan` goes to the motors. So the argument is
 # brought back into $[-1, 1]$ first, and whether the point is reachable is decided before, by $r$ and with a tolerance.
 
 # %%
@@ -239,8 +242,9 @@ lost = int((np.abs(cosine) > 1).sum())
 assert 0 < lost < len(many)
 assert np.isfinite(np.arccos(np.clip(cosine, -1, 1))).all()
 guide.say(
-    f"Of {len(many):,} two-link arms with random lengths, {lost:,} give `nan` at their own full stretch. With "
-    "`np.clip(cosine, -1, 1)` none does."
+    f"Of {len(many):,} two-link arms with random lengths, {lost:,} have a cosine such as {cosine.min():.16f} at "
+    f"their own "
+    "full stretch, and `nan` for an angle. With `np.clip(cosine, -1, 1)` none has."
 )
 
 # %% [markdown]
@@ -281,7 +285,8 @@ first = two_links(arm)
 def flipped(arm, theta, i):
     """The posture with the other elbow: moving joints i and i + 1 have parallel axes."""
     values = arm.coupling.A @ theta
-    a, b, c = guide.arm_points(arm, theta)[i + 1 : i + 4]  # shoulder, elbow, and what they carry
+    points = guide.arm_points(arm, theta)
+    a, b, c = points[i + 1 : i + 4]  # shoulder, elbow, what they carry
     w, w_next = poe.spatial_jacobian(arm.screws, values)[3:, i : i + 2].T
 
     def angle(u, v):  # from u to v about w
@@ -345,12 +350,13 @@ azimuth = (np.degrees(np.arctan2(w[1], w[0])) % 180) - 160 if upright else -35.0
 fig, ax = guide.axes3(width=5.0, height=4.2, elev=12 if upright else 45, azim=float(azimuth))
 guide.plot_arm(ax, arm, theta, guide.BLUE, tool=False)
 guide.plot_arm(ax, arm, other, guide.ORANGE, alpha=0.7, tool=False)
-guide.plot_point(ax, here[first + 3], "same place")
+guide.plot_point(ax, here[first + 3], "", guide.INK, "D")
 guide.fit(ax, [*here, *there])
 guide.figure(
     fig,
     f"{arm.name} twice, with the elbow on either side; the {what} is at the same place both times",
-    f"`{arm.name}` and its flip. What lies beyond the {what} points elsewhere: to keep the tool's direction too, the "
+    f"`{arm.name}` and its flip; the diamond marks what stays in place. What lies beyond the {what} points "
+    f"elsewhere: to keep the tool's direction too, the "
     "joints behind must turn back, which is the matter of the next lesson.",
 )
 
