@@ -161,7 +161,7 @@ def damped_step(J, e, damping):
     return J.T @ np.linalg.solve(J @ J.T + damping**2 * np.eye(len(J)), e)
 
 
-stacked = np.vstack([J, 0.05 * np.eye(2)])  # the same compromise, one least-squares problem
+stacked = np.vstack([J, 0.05 * np.eye(2)])  # the same, one least-squares problem
 by_lstsq = np.linalg.lstsq(stacked, np.append(e, [0, 0]), rcond=None)[0]
 assert np.allclose(damped_step(J, e, 0.05), by_lstsq)
 
@@ -245,7 +245,7 @@ fig, ax = guide.axes2(xlabel="step", ylabel="gap [m]", height=2.8)
 ax.plot(by_newton, label="Newton")
 ax.plot(by_damped, label="damped, λ = ‖e‖")
 ax.axhline(least, color=guide.GREY, linewidth=0.8, linestyle=":")
-ax.text(39, least, "the least there is", color=guide.GREY, ha="right", va="bottom")
+ax.text(39, least, "the least there is", color=guide.GREY, ha="right", va="top")
 ax.legend(loc="upper right", frameon=False, ncols=2)
 ax.set_ylim(0, 1.25 * by_newton.max())
 guide.figure(
