@@ -277,12 +277,11 @@ for pair in pairs:
     rows.append([names, pair.kind, str(len(pair.rows)), guide.tex(np.round(pair.frame[:3, 2], 3) + 0.0).join("$$")])
 guide.predict(
     f"`{arm.name}` moves {len(arm.moving_names)} joints with {arm.n} coordinates. Into which of the six types do "
-    f"they group, "
-    "base to tip? In how many independent ways does the tool move where the arm waits?",
+    "they group, base to tip? In how many independent ways does the tool move where the arm waits?",
     "As "
     + ", ".join(pair.kind for pair in pairs)
-    + f". The tool moves in {spanned} independent ways: the rank of the Jacobian there. More than six there cannot be, and "
-    "joints with parallel axes may give less than they number.",
+    + f". The tool moves in {spanned} independent ways: the rank of the Jacobian there. There cannot be more than six, "
+    "and joints with parallel axes may give less than they number.",
 )
 guide.table(
     ["moving joints", "make a joint that is", "freedoms", "along, or about [x, y, z]"],
