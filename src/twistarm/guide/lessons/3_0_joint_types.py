@@ -60,7 +60,7 @@ start[:3, 3] = [0.62, 0, -0.25]
 for ax, (name, columns) in zip(panels, one_each.items(), strict=True):
     xi = columns[:, 0]
     path = np.array([(screws.exp(xi, s) @ start)[:3, 3] for s in amounts[name]])
-    guide.plot_screw(ax, xi, 0.95, r"$\xi$", near=point)
+    guide.plot_screw(ax, xi, 0.95, r"$\xi$", guide.ORANGE if name == "prismatic" else guide.PINK, near=point)
     ax.plot(*path.T, color=guide.GREY, linestyle="-", linewidth=1.2)
     guide.plot_frame(ax, start, None, 0.16, alpha=0.4)
     guide.plot_frame(ax, screws.exp(xi, amounts[name][-1]) @ start, None, 0.16)

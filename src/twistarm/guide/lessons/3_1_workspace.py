@@ -189,7 +189,9 @@ guide.predict(
 # that picks things up from the ground must do.
 
 # %% tags=["hidden"]
-i, j = sorted(np.argsort(high - low)[-2:])
+size = high - low
+upright = size[2] > 0.3 * size.max()  # a section seen from the side, but for an arm that moves in a plane
+i, j = (int(np.argmax(size[:2])), 2) if upright else (0, 1)
 grid_i, grid_j = (np.linspace(low[k] - 0.03 * arm.reach, high[k] + 0.03 * arm.reach, 13) for k in (i, j))
 places = np.tile(at_ready[-1], (13 * 13, 1))
 places[:, [i, j]] = np.array([[a, b] for a in grid_i for b in grid_j])
