@@ -154,12 +154,11 @@ guide.table(
 # %%
 guide.slider(
     "joint",
-    "Which of the six carry a frame without ever turning it? In which one can two sliders be undone by a third?",
-    "Only the prismatic joint never turns it. And none lets you undo one slider by others: its freedoms are "
-    "independent, "
-    "which is why they count. Only the ball comes close: set its middle turn to 90°, and the first and third "
-    "turn about "
-    "one line.",
+    "Choose each type in turn. Which one never turns the frame? Then take the spherical joint and set its middle turn, "
+    "about $y'$, to 90°. What do the other two sliders do to the frame now?",
+    "Only the prismatic joint never turns it. In the ball, at 90°, the two other sliders do the same thing: "
+    "their axes lie "
+    "on one line. Move one up and the other up as much, or down, and the frame stands still.",
     type="spherical",
 )
 

@@ -92,44 +92,65 @@ guide.figure(
 # %% [markdown]
 # ## In every direction
 #
-# With two links the direction of the tip comes with its place: two directions, one for each elbow. So the dextrous
-# workspace of this arm is empty. Add a third link, a hand of length $l_3$. To hold the tip at a given place in a given
-# direction, the wrist must be $l_3$ behind it. Turn the direction all the way round, and the wrist draws a circle about
-# the tip. The place is dextrous if the whole circle lies in the ring of the first two links:
+# In a plane an orientation is a direction. With two links the direction of the tip comes with its place, one for each
+# elbow, so that the dextrous workspace of this arm is empty. Add a third link, a hand of length $l_3$. To hold the tip
+# at a given place in a given direction, the wrist must be $l_3$ behind it. Turn the direction all the way round, and
+# the wrist draws a circle about the tip. Its distances from the shoulder run from $|r - l_3|$ to $r + l_3$. The
+# place is dextrous if the whole circle lies in the ring of the first two links:
 #
-# $$|l_1 - l_2| + l_3 \;\le\; r \;\le\; l_1 + l_2 - l_3$$
+# $$|r - l_3| \ge |l_1 - l_2|, \qquad r + l_3 \le l_1 + l_2$$
+#
+# For a hand shorter than the hole is wide this is a ring again, from $|l_1 - l_2| + l_3$ to $l_1 + l_2 - l_3$.
+
 
 # %%
-l3 = 0.06  # a hand [m]
-radii = np.linspace(0, l1 + l2 + l3 + 0.02, 200)
-directions = np.linspace(0, 2 * np.pi, 720, endpoint=False)
-wrist = np.hypot(radii[:, None] - l3 * np.cos(directions), l3 * np.sin(directions))
-possible = (wrist >= abs(l1 - l2)) & (wrist <= l1 + l2)
-share = possible.mean(axis=1)
+def share_of_directions(l3, radii):
+    """The share of all directions that a hand of length l3 can have at these distances."""
+    turn = np.linspace(0, 2 * np.pi, 720, endpoint=False)
+    wrist = np.hypot(radii[:, None] - l3 * np.cos(turn), l3 * np.sin(turn))
+    return ((wrist >= abs(l1 - l2)) & (wrist <= l1 + l2)).mean(axis=1)
 
-inside = (radii >= abs(l1 - l2) + l3) & (radii <= l1 + l2 - l3)
-assert np.array_equal(share == 1, inside)
+
+radii = np.linspace(0, 1.0, 300)
+hands = [0.06, 0.2]  # a short one and a long one [m]
+shares = {l3: share_of_directions(l3, radii) for l3 in hands}
+for l3, share in shares.items():
+    dextrous = (np.abs(radii - l3) >= abs(l1 - l2)) & (radii + l3 <= l1 + l2)
+    assert np.array_equal(share == 1, dextrous)
 
 # %% tags=["hidden"]
-fig, ax = guide.axes2(
-    xlabel="distance r of the tip from the shoulder [m]", ylabel="possible directions [%]", height=2.9
+reach_of = {l3: l1 + l2 + l3 for l3 in hands}
+all_round = {l3: radii[share == 1] for l3, share in shares.items()}
+guide.predict(
+    f"A hand of {hands[0]:.2f} m, or one of {hands[1]:.2f} m: with which does the arm reach farther? With which "
+    f"has it more "
+    "places where the hand can have every direction?",
+    f"The long hand reaches farther, {reach_of[hands[1]]:.2f} m against {reach_of[hands[0]]:.2f} m. The short "
+    f"one is more "
+    f"dextrous: with it the outermost such place is at {all_round[hands[0]].max():.2f} m, with the long one at "
+    f"{all_round[hands[1]].max():.2f} m, and the ring of such places is narrower on its inner side too. The long "
+    f"hand has "
+    "a small disc of them about the shoulder besides, where it points away from the wrist's own ring.",
 )
-ax.plot(radii, 100 * share)
-for edge in (abs(l1 - l2) + l3, l1 + l2 - l3):
-    ax.axvline(edge, color=guide.GREY, linewidth=0.8, linestyle=":")
-ax.text((2 * max(l1, l2)) / 2, 55, "dextrous", color=guide.GREY, ha="center")
+fig, ax = guide.axes2(
+    xlabel="distance r of the tip from the shoulder [m]", ylabel="possible directions [%]", height=3.0
+)
+for l3, share in shares.items():
+    ax.plot(radii, 100 * share, label=f"hand of {l3:.2f} m")
+ax.legend(loc="upper right", frameon=False, labelcolor=guide.INK)
+ax.set_ylim(-3, 130)
 guide.figure(
     fig,
-    "The share of possible directions against the distance: zero near the shoulder, rising to a hundred percent, level "
-    "between two dotted lines, and falling to zero at full stretch",
-    f"Three links of {l1:.2f}, {l2:.2f} and {l3:.2f} m. Between the dotted lines every direction is possible; at full "
-    "stretch only one.",
+    "The share of possible directions against the distance for two hands: the curve of the short hand is level at a "
+    "hundred percent over a wide range, that of the long one over a narrow range and near the shoulder; both "
+    "fall to zero "
+    "at full stretch",
+    f"Links of {l1:.2f} and {l2:.2f} m with either hand. Where a curve is at 100 % the place is dextrous. At "
+    f"full stretch "
+    "there is only one direction.",
 )
 
 # %% [markdown]
-# A longer hand makes the reachable workspace larger and the dextrous one smaller. With $l_3$ longer than the shorter of
-# the other two links there is none.
-#
 # ## Your arm
 #
 # For your arm there is no formula, and none is needed. Draw postures at random inside the limits and look where the
@@ -161,23 +182,26 @@ guide.figure(
 )
 
 # %% [markdown]
-# Is the cloud as large as the workspace? Ask a solver for a place far away along the $x$ axis. It answers with the
-# nearest configuration that there is.
+# Is the cloud as large as the workspace? Ask a solver for a place far away along each axis, to either side. It answers
+# with the nearest configuration that there is.
 
 # %%
-middle = (low + high) / 2
-far_away = np.array([1000 * arm.reach, middle[1], middle[2]])
-nearest = arm.fk(solve_ik(arm, Position(far_away)).theta)[0, 3]
-assert nearest >= high[0] - 1e-3 * arm.reach
 drawn = cloud[:1200]  # those of the picture
+short = {}
+for k, axis in enumerate("xyz"):
+    for sign in (1, -1):
+        far_away = (low + high) / 2
+        far_away[k] = sign * 1000 * arm.reach
+        end = arm.fk(solve_ik(arm, Position(far_away)).theta)[k, 3]
+        short[axis, sign] = end, (sign * drawn[:, k]).max() * sign
+        assert sign * end >= sign * short[axis, sign][1] - 1e-3 * arm.reach
+(axis, sign), (end, seen) = max(short.items(), key=lambda each: abs(each[1][0] - each[1][1]))
 guide.predict(
-    f"In the {len(drawn):,} postures of the picture the tool has come out to $x = {drawn[:, 0].max():.3f}$ m. "
-    f"How far does "
-    "it really come?",
-    f"To $x = {nearest:.3f}$ m, {1000 * (nearest - drawn[:, 0].max()):.0f} mm farther. The outermost "
-    "places need one posture exactly, "
-    "and chance does not find it. The cloud is thin where the arm is stretched, and thick where many postures "
-    "lead; how "
+    f"In the {len(drawn):,} postures of the picture the tool has come out to ${axis} = {seen:.3f}$ m on the "
+    f"{'positive' if sign > 0 else 'negative'} side. How far does it really come?",
+    f"To ${axis} = {end:.3f}$ m, {1000 * abs(end - seen):.0f} mm farther. The outermost places need one posture "
+    f"exactly, "
+    "and chance does not find it. The cloud is thin in some places and thick in others, where many postures lead; how "
     "thick it is says nothing about where you can go.",
 )
 
@@ -225,7 +249,7 @@ for which, marker, colour, label in (
     face = colour if marker == "s" else "none"
     ax.plot(*places[which][:, [i, j]].T, marker, color=colour, markerfacecolor=face, markersize=5, label=label)
 ax.plot(*at_ready[:, [i, j]].T, color=guide.INK, linestyle="-", linewidth=2.5)
-ax.legend(loc="upper center", bbox_to_anchor=(0.5, -0.16), ncols=3, frameon=False)
+ax.legend(loc="upper center", bbox_to_anchor=(0.5, -0.16), ncols=3, frameon=False, labelcolor=guide.INK)
 guide.figure(
     fig,
     f"A grid of {len(places)} points around {arm.name}: {int(there.sum())} are reached, and at {int(also.sum())} "

@@ -38,7 +38,7 @@ arm = guide.arm_with("a joint that turns", lambda a: len(turning(a)) > 0)
 # cross in two points, in one, or not at all.
 #
 # **Subproblem 3.** The point $p$ is to come to the distance $\delta$ from $q$:
-# $\lVert e^{\hat\xi\theta} p - q \rVert = \delta$. A circle meets a sphere in two points, in one, or not at all. This
+# $\|e^{\hat\xi\theta} p - q \| = \delta$. A circle meets a sphere in two points, in one, or not at all. This
 # is the elbow of the lesson before.
 #
 # They carry the names of Paden and Kahan (MLS, section 3.3.2).
@@ -131,7 +131,7 @@ guide.figure(
 # 1. $q_w$ lies on the last three axes. Apply both sides to it and these three are gone:
 #    $e^{\hat\xi_1\theta_1} e^{\hat\xi_2\theta_2} e^{\hat\xi_3\theta_3}\, q_w = g_1\, q_w$.
 # 2. The shoulder point $q_b$ lies on the first two. They do not change a distance from it, so that
-#    $\lVert e^{\hat\xi_3\theta_3} q_w - q_b \rVert = \lVert g_1 q_w - q_b \rVert$: subproblem 3 for $\theta_3$.
+#    $\|e^{\hat\xi_3\theta_3} q_w - q_b \| = \|g_1 q_w - q_b \|$: subproblem 3 for $\theta_3$.
 # 3. With $\theta_3$ known, subproblem 2 gives $\theta_1$ and $\theta_2$.
 # 4. With all three known, the wrist has to do the rest. A point on the last axis alone gives $\theta_4$ and $\theta_5$
 #    (subproblem 2). A point beside it gives $\theta_6$ (subproblem 1).

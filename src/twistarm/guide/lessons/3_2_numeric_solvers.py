@@ -146,8 +146,9 @@ guide.slider(
 # Do not ask for the gap to be closed at any price. Ask for a compromise between the gap that is left and the size of
 # the step, with the **damping** $\lambda$ as its price:
 #
-# $$\min_\Delta\; \lVert J\Delta - e \rVert^2 + \lambda^2 \lVert \Delta \rVert^2
-#   \quad\Rightarrow\quad \Delta = J^T (J J^T + \lambda^2 I)^{-1} e$$
+# $$\min_\Delta\; \|J\Delta - e\|^2 + \lambda^2 \|\Delta\|^2$$
+#
+# $$\Delta = J^T (J J^T + \lambda^2 I)^{-1} e$$
 #
 # Along a direction with the singular value $\sigma$ Newton multiplies the gap by $1/\sigma$. This step multiplies it by
 # $\sigma / (\sigma^2 + \lambda^2)$, which is never more than $1/(2\lambda)$. It is called **damped least squares**
@@ -214,7 +215,7 @@ assert best < len(dampings) - 1
 
 # %% [markdown]
 # Far from the target you want much damping, and near it none, for damping spoils Newton's doubling of digits. So let it
-# fade with the gap: $\lambda^2 = c\,\lVert e \rVert^2$ (Chan & Lawrence 1988). This is also what twistarm does inside.
+# fade with the gap: $\lambda^2 = c\,\|e \|^2$ (Chan & Lawrence 1988). This is also what twistarm does inside.
 #
 # ## Out of reach
 #
@@ -244,9 +245,8 @@ assert abs(by_damped[-1] - least) < 0.02 * planar.reach
 fig, ax = guide.axes2(xlabel="step", ylabel="gap [m]", height=2.8)
 ax.plot(by_newton, label="Newton")
 ax.plot(by_damped, label="damped, λ = ‖e‖")
-ax.axhline(least, color=guide.GREY, linewidth=0.8, linestyle=":")
-ax.text(39, least, "the least there is", color=guide.GREY, ha="right", va="top")
-ax.legend(loc="upper right", frameon=False, ncols=2)
+ax.axhline(least, color=guide.INK, linewidth=1.0, linestyle=":", label="the least there is")
+ax.legend(loc="upper right", frameon=False, ncols=3, labelcolor=guide.INK)
 ax.set_ylim(0, 1.25 * by_newton.max())
 guide.figure(
     fig,

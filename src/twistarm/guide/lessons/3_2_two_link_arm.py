@@ -220,7 +220,7 @@ for edge, words, side in ((l1 + l2, "stretched", "right"), (abs(l1 - l2), "folde
     ax.axvline(edge, color=guide.GREY, linewidth=0.8, linestyle=":")
     ax.text(edge, 205, words, color=guide.GREY, ha=side, va="bottom")
 ax.set_yticks(range(-180, 181, 60))
-ax.legend(loc="center", frameon=False)
+ax.legend(loc="center", frameon=False, labelcolor=guide.INK)
 guide.figure(
     fig,
     "The bend of the elbow against the distance of the target, for both answers: the two curves are each other's "
