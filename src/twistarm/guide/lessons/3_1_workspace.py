@@ -100,12 +100,12 @@ guide.figure(
 #
 # $$|r - l_3| \ge |l_1 - l_2|, \qquad r + l_3 \le l_1 + l_2$$
 #
-# For a hand shorter than the hole is wide this is a ring again, from $|l_1 - l_2| + l_3$ to $l_1 + l_2 - l_3$.
+# For a hand shorter than $|l_1 - l_2|$ this is a ring again, from $|l_1 - l_2| + l_3$ to $l_1 + l_2 - l_3$.
 
 
 # %%
 def share_of_directions(l3, radii):
-    """The share of all directions that a hand of length l3 can have at these distances."""
+    """The share of all directions that a hand of length l3 can have there."""
     turn = np.linspace(0, 2 * np.pi, 720, endpoint=False)
     wrist = np.hypot(radii[:, None] - l3 * np.cos(turn), l3 * np.sin(turn))
     return ((wrist >= abs(l1 - l2)) & (wrist <= l1 + l2)).mean(axis=1)
@@ -128,9 +128,8 @@ guide.predict(
     f"The long hand reaches farther, {reach_of[hands[1]]:.2f} m against {reach_of[hands[0]]:.2f} m. The short "
     f"one is more "
     f"dextrous: with it the outermost such place is at {all_round[hands[0]].max():.2f} m, with the long one at "
-    f"{all_round[hands[1]].max():.2f} m, and the ring of such places is narrower on its inner side too. The long "
-    f"hand has "
-    "a small disc of them about the shoulder besides, where it points away from the wrist's own ring.",
+    f"{all_round[hands[1]].max():.2f} m, and the hole in their ring is larger. But about the shoulder itself the "
+    "long hand has a small disc of them besides: there the wrist circles around the hole of its own ring.",
 )
 fig, ax = guide.axes2(
     xlabel="distance r of the tip from the shoulder [m]", ylabel="possible directions [%]", height=3.0
@@ -195,7 +194,8 @@ for k, axis in enumerate("xyz"):
         end = arm.fk(solve_ik(arm, Position(far_away)).theta)[k, 3]
         short[axis, sign] = end, (sign * drawn[:, k]).max() * sign
         assert sign * end >= sign * short[axis, sign][1] - 1e-3 * arm.reach
-(axis, sign), (end, seen) = max(short.items(), key=lambda each: abs(each[1][0] - each[1][1]))
+worst = max(short, key=lambda side: abs(short[side][0] - short[side][1]))
+(axis, sign), (end, seen) = worst, short[worst]
 guide.predict(
     f"In the {len(drawn):,} postures of the picture the tool has come out to ${axis} = {seen:.3f}$ m on the "
     f"{'positive' if sign > 0 else 'negative'} side. How far does it really come?",

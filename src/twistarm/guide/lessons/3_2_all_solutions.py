@@ -9,7 +9,7 @@
 # %%
 import numpy as np
 
-from twistarm import Approach, Pose, arm_from_screws, guide, poe, screws, solve_ik_all, subproblems
+from twistarm import Approach, Pose, arm_from_screws, guide, poe, rotations, screws, solve_ik_all, subproblems
 
 
 def turning(arm):
@@ -38,8 +38,12 @@ arm = guide.arm_with("a joint that turns", lambda a: len(turning(a)) > 0)
 # cross in two points, in one, or not at all.
 #
 # **Subproblem 3.** The point $p$ is to come to the distance $\delta$ from $q$:
-# $\|e^{\hat\xi\theta} p - q \| = \delta$. A circle meets a sphere in two points, in one, or not at all. This
-# is the elbow of the lesson before.
+# $\|e^{\hat\xi\theta} p - q\| = \delta$. A circle meets a sphere in two points, in one, or not at all. This is the
+# elbow of the lesson before, and the law of cosines answers it. Along the axis nothing changes, so that
+# $\delta'^2 = \delta^2 - (\omega \cdot (p - q))^2$ is left to be met across it. With $\theta_0$ for the angle from
+# $u'$ to $v'$ of subproblem 1:
+#
+# $$\theta = \theta_0 \pm \arccos \frac{\|u'\|^2 + \|v'\|^2 - \delta'^2}{2\, \|u'\|\, \|v'\|}$$
 #
 # They carry the names of Paden and Kahan (MLS, section 3.3.2).
 
@@ -53,6 +57,15 @@ def turn_to(xi, p, q):
     return np.arctan2(w @ np.cross(u, v), u @ v)
 
 
+def turns_to_distance(xi, p, q, distance):
+    """Subproblem 3, for a joint that turns: both angles, where there are two."""
+    w, r = xi[3:], np.cross(xi[3:], xi[:3])
+    across = np.eye(3) - np.outer(w, w)
+    u, v = np.linalg.norm(across @ (p - r)), np.linalg.norm(across @ (q - r))
+    cosine = (u**2 + v**2 - distance**2 + (w @ (p - q)) ** 2) / (2 * u * v)
+    return turn_to(xi, p, q) + np.array([-1, 1]) * np.arccos(np.clip(cosine, -1, 1))
+
+
 k = int(turning(arm)[0])
 xi = arm.screws[:, k]
 beside_the_tool = arm.reach * np.array([0.1, 0.07, 0.05])
@@ -60,6 +73,12 @@ finger = (arm.home @ np.append(beside_the_tool, 1))[:3]
 moved = (screws.exp(xi, 0.7) @ np.append(finger, 1))[:3]
 assert np.isclose(turn_to(xi, finger, moved), 0.7)
 assert np.isclose(subproblems.subproblem_1(xi, finger, moved).values[0], 0.7)
+
+half_way = np.linalg.norm((screws.exp(xi, 0.4) @ np.append(finger, 1))[:3] - moved)
+both = turns_to_distance(xi, finger, moved, half_way)
+by_library = subproblems.subproblem_3(xi, finger, moved, half_way).values
+assert np.allclose(both, [0.4, 1.0])
+assert np.allclose(np.sort(by_library % (2 * np.pi)), both)
 guide.say(
     f"A point on the gripper of `{arm.name}`, turned by `{arm.moving_names[k]}` from ${guide.tex(finger)}$ to "
     f"${guide.tex(moved)}$ m: subproblem 1 reads off {np.degrees(turn_to(xi, finger, moved)):.2f}°, which is what was "
@@ -208,6 +227,18 @@ assert by_twistarm.complete
 assert len(everything) == len(eight)
 for theta in eight:
     assert np.abs(wrap(everything - theta)).max(axis=1).min() < 1e-6
+
+# %% [markdown]
+# The two wrists of a posture are each other's flip: the middle joint bends to the other side, and its two neighbours
+# turn by half a turn to make up for it. For a wrist with axes $z$, $y$, $z$ these are the ZYZ angles of your first
+# lesson, told in two ways:
+#
+# $$R_z(\alpha)\, R_y(\beta)\, R_z(\gamma) = R_z(\alpha + \pi)\, R_y(-\beta)\, R_z(\gamma + \pi)$$
+
+# %%
+zyz = np.array([0.5, 0.8, -0.3])
+flip = np.array([zyz[0] + np.pi, -zyz[1], zyz[2] + np.pi])
+assert np.allclose(rotations.from_euler("ZYZ", zyz), rotations.from_euler("ZYZ", flip))
 
 # %% tags=["hidden"]
 SHADES = (guide.BLUE, guide.ORANGE, guide.GREEN, guide.PINK)
