@@ -29,8 +29,8 @@ arm = guide.arm()
 #
 # $$r^2 = l_1^2 + l_2^2 + 2\, l_1 l_2 \cos\theta_2$$
 #
-# The cosine runs from $-1$ to $1$, so that $r$ runs from $|l_1 - l_2|$, folded, to $l_1 + l_2$, stretched. The first
-# joint carries each of these points around a full circle: a ring.
+# The cosine runs from $-1$ to $1$, so that $r$ runs from $\left|l_1 - l_2\right|$, folded, to $l_1 + l_2$,
+# stretched. The first joint carries each of these points around a full circle: a ring.
 
 # %%
 planar = guide.bundled("rr_planar")
@@ -75,7 +75,7 @@ stopped = planar.fk(few_postures)[:, :2, 3] - q1[:2]
 fig, panels = guide.axes2(columns=2, width=6.4, height=3.3, xlabel="x [m]", ylabel="y [m]", equal=True)
 turn = np.linspace(0, 2 * np.pi, 200)
 for ax, cloud, words in zip(panels, (tips, stopped), ("no stops", "with stops"), strict=True):
-    ax.plot(*cloud[:1000].T, ".", color=guide.BLUE, markersize=2)
+    ax.plot(*cloud[:500].T, ".", color=guide.BLUE, markersize=2)
     for radius in (abs(l1 - l2), l1 + l2):
         ax.plot(radius * np.cos(turn), radius * np.sin(turn), color=guide.ORANGE, linestyle="-", linewidth=1.2)
     ax.plot(0, 0, "^", color=guide.INK)
@@ -85,7 +85,7 @@ guide.figure(
     "Two clouds of points in a ring between two circles: on the left they fill it all round, on the right only a "
     "part of "
     "its upper half and a piece below",
-    "The tip of the two-link arm in a thousand random postures. The circles have the radii $|l_1 - l_2|$ and "
+    "The tip of the two-link arm in five hundred random postures. The circles have the radii $|l_1 - l_2|$ and "
     "$l_1 + l_2$.",
 )
 
@@ -95,12 +95,13 @@ guide.figure(
 # In a plane an orientation is a direction. With two links the direction of the tip comes with its place, one for each
 # elbow, so that the dextrous workspace of this arm is empty. Add a third link, a hand of length $l_3$. To hold the tip
 # at a given place in a given direction, the wrist must be $l_3$ behind it. Turn the direction all the way round, and
-# the wrist draws a circle about the tip. Its distances from the shoulder run from $|r - l_3|$ to $r + l_3$. The
-# place is dextrous if the whole circle lies in the ring of the first two links:
+# the wrist draws a circle about the tip. Its distances from the shoulder run from $\left|r - l_3\right|$ to
+# $r + l_3$. The place is dextrous if the whole circle lies in the ring of the first two links:
 #
-# $$|r - l_3| \ge |l_1 - l_2|, \qquad r + l_3 \le l_1 + l_2$$
+# $$\left|r - l_3\right| \ge \left|l_1 - l_2\right|, \qquad r + l_3 \le l_1 + l_2$$
 #
-# For a hand shorter than $|l_1 - l_2|$ this is a ring again, from $|l_1 - l_2| + l_3$ to $l_1 + l_2 - l_3$.
+# For a hand shorter than $\left|l_1 - l_2\right|$ this is a ring again, from $\left|l_1 - l_2\right| + l_3$ to
+# $l_1 + l_2 - l_3$.
 
 
 # %%
@@ -168,7 +169,7 @@ guide.table(
 at_ready = guide.arm_points(arm, arm.ready)
 fig, panels = guide.axes2(columns=2, width=6.4, height=3.3, equal=True)
 for ax, (i, j), words in zip(panels, ((0, 2), (0, 1)), ("from the side", "from above"), strict=True):
-    ax.plot(*cloud[:1200][:, [i, j]].T, ".", color=guide.BLUE, markersize=1.8)
+    ax.plot(*cloud[:700][:, [i, j]].T, ".", color=guide.BLUE, markersize=1.8)
     ax.plot(*at_ready[:, [i, j]].T, color=guide.INK, linestyle="-", linewidth=2.5, marker="o", markersize=4)
     ax.set(xlabel=f"{'xyz'[i]} [m]", ylabel=f"{'xyz'[j]} [m]")
     ax.set_title(words)
@@ -177,7 +178,7 @@ guide.figure(
     f"The places that the tool of {arm.name} comes to, as a cloud of points, from the side and from above, with "
     f"the arm "
     "at its ready pose in it",
-    f"The reachable workspace of `{arm.name}` as a cloud of 1,200 postures.",
+    f"The reachable workspace of `{arm.name}` as a cloud of 700 postures.",
 )
 
 # %% [markdown]
@@ -185,7 +186,7 @@ guide.figure(
 # with the nearest configuration that there is.
 
 # %%
-drawn = cloud[:1200]  # those of the picture
+drawn = cloud[:700]  # those of the picture
 short = {}
 for k, axis in enumerate("xyz"):
     for sign in (1, -1):

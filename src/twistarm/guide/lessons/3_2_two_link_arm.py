@@ -187,7 +187,7 @@ guide.slider(
 #
 # A triangle with the sides $l_1$, $l_2$ and $r$ exists only if
 #
-# $$|l_1 - l_2| \le r \le l_1 + l_2$$
+# $$\left|l_1 - l_2\right| \le r \le l_1 + l_2$$
 #
 # Inside this ring there are two answers. On its edges there is one. Beyond there is none, and the cosine leaves
 # $[-1, 1]$. If the links are equally long, the ring has no hole. Then $r = 0$ is reachable, and there $\theta_1$ may be
