@@ -264,7 +264,7 @@ guide.figure(
 # roll about that direction left free. Leaving a number free means leaving its row out of $J$ and $e$.
 
 # %%
-few = guide.arm_with("five joints or fewer", lambda a: 3 <= a.n <= 5)
+few = guide.arm_with("three to five joints", lambda a: 3 <= a.n <= 5)
 waiting = few.ready + 0.2 * (few.random_theta(1) - few.ready)
 waiting = np.clip(waiting, few.limits.lower, few.limits.upper)
 g = few.fk(waiting)
