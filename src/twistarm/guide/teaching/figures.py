@@ -191,7 +191,8 @@ def plot_screw(
     else:
         line = np.array([point - length / 2 * axis, point + length / 2 * axis])
         ax.plot(*line.T, color=colour, linestyle=(0, (7, 2, 1.5, 2)), linewidth=1.6)
-        ax.plot(*_sense(point + 0.35 * length * axis, axis, 0.12 * length).T, color=colour, linewidth=1.6)
+        sense = _sense(point + 0.35 * length * axis, axis, 0.12 * length)
+        ax.plot(*sense.T, color=colour, linestyle="-", linewidth=1.6)
     if name:
         ax.text(*(point + 0.56 * length * axis), name, color=colour, ha="center", va="center")
 

@@ -1,0 +1,333 @@
+# %% [markdown]
+# # What can the arm reach?
+#
+# Before you drill the holes for its base you want to know. Does the arm reach the ground in front of the wheels? Does
+# it reach its own battery box? And where it does, can it point the gripper straight down there? These are questions
+# about all postures at once. Forward kinematics answers them: try very many.
+
+# %%
+import numpy as np
+
+from twistarm import Approach, Pose, Position, guide, rotations, screws, solve_ik, solve_ik_batch
+
+arm = guide.arm()
+
+# %% [markdown]
+# ## The law
+#
+# Let $Q$ be the set of postures that the joints allow, and let $p(\theta)$ and $R(\theta)$ be the position and the
+# orientation of the tool. The **reachable workspace** has the places where the tool can be at all. The **dextrous
+# workspace** has those where it can be in *every* orientation (MLS, section 3.2.4):
+#
+# $$W_R = \{\, p(\theta) : \theta \in Q \,\}$$
+#
+# $$W_D = \{\, p : \text{for every } R \in SO(3) \text{ some } \theta \in Q \text{ has } g_{st}(\theta) = (p, R) \,\}$$
+#
+# ## Two links: a ring
+#
+# The distance of the tip from the shoulder does not depend on $\theta_1$. By the law of cosines
+#
+# $$r^2 = l_1^2 + l_2^2 + 2\, l_1 l_2 \cos\theta_2$$
+#
+# The cosine runs from $-1$ to $1$, so that $r$ runs from $\left|l_1 - l_2\right|$, folded, to $l_1 + l_2$,
+# stretched. The first joint carries each of these points around a full circle: a ring.
+
+# %%
+planar = guide.bundled("rr_planar")
+q1, q2 = (screws.to_screw(xi).point for xi in planar.screws.T)
+l1, l2 = np.linalg.norm(q2 - q1), np.linalg.norm(planar.home[:3, 3] - q2)
+tips = planar.fk(planar.random_theta(0, 4000))[:, :2, 3] - q1[:2]
+r = np.linalg.norm(tips, axis=1)
+assert r.max() <= l1 + l2 + 1e-12
+assert r.min() >= abs(l1 - l2) - 1e-12
+assert r.max() > 0.99 * (l1 + l2)
+guide.predict(
+    f"The links are {l1:.2f} and {l2:.2f} m long. How large is the hole in the middle? With the same "
+    f"{l1 + l2:.2f} m of "
+    "tube, how would you cut the links to have none?",
+    f"Its radius is the difference of the links, {abs(l1 - l2):.2f} m; the nearest of {len(r):,} random postures "
+    f"comes to "
+    f"{r.min():.3f} m. Cut two links of {(l1 + l2) / 2:.2f} m: folded, the tip lies on the shoulder. That the arm then "
+    "runs into itself is another matter.",
+)
+guide.slider(
+    "two_link",
+    r"Watch $r$. Which of the two sliders changes it? Find the smallest and the largest.",
+    rf"Only $\theta_2$. The largest is {l1 + l2:.2f} m at 0°, the smallest {abs(l1 - l2):.2f} m at 180°. Both are the "
+    "same for the elbow on either side.",
+    l1=round(float(l1), 3),
+    l2=round(float(l2), 3),
+    theta1=40,
+    theta2=70,
+)
+
+# %% [markdown]
+# Motors have stops. Let the shoulder turn from 0° to 180° and the elbow by 120° to either side, and the ring is no
+# ring any more.
+
+# %%
+rng = np.random.default_rng(1)
+stops = np.radians([[0, 180], [-120, 120]])
+few_postures = rng.uniform(stops[:, 0], stops[:, 1], (4000, 2))
+stopped = planar.fk(few_postures)[:, :2, 3] - q1[:2]
+
+# %% tags=["hidden"]
+fig, panels = guide.axes2(columns=2, width=6.4, height=3.3, xlabel="x [m]", ylabel="y [m]", equal=True)
+turn = np.linspace(0, 2 * np.pi, 200)
+for ax, cloud, words in zip(panels, (tips, stopped), ("no stops", "with stops"), strict=True):
+    ax.plot(*cloud[:500].T, ".", color=guide.BLUE, markersize=2)
+    for radius in (abs(l1 - l2), l1 + l2):
+        ax.plot(radius * np.cos(turn), radius * np.sin(turn), color=guide.ORANGE, linestyle="-", linewidth=1.2)
+    ax.plot(0, 0, "^", color=guide.INK)
+    ax.set_title(words)
+guide.figure(
+    fig,
+    "Two clouds of points in a ring between two circles: on the left they fill it all round, on the right only a "
+    "part of "
+    "its upper half and a piece below",
+    "The tip of the two-link arm in five hundred random postures. The circles have the radii $|l_1 - l_2|$ and "
+    "$l_1 + l_2$.",
+)
+
+# %% [markdown]
+# ## In every direction
+#
+# In a plane an orientation is a direction. With two links the direction of the tip comes with its place, one for each
+# elbow, so that the dextrous workspace of this arm is empty. Add a third link, a hand of length $l_3$. To hold the tip
+# at a given place in a given direction, the wrist must be $l_3$ behind it. Turn the direction all the way round, and
+# the wrist draws a circle about the tip. Its distances from the shoulder run from $\left|r - l_3\right|$ to
+# $r + l_3$. The place is dextrous if the whole circle lies in the ring of the first two links:
+#
+# $$\left|r - l_3\right| \ge \left|l_1 - l_2\right|, \qquad r + l_3 \le l_1 + l_2$$
+#
+# For a hand shorter than $\left|l_1 - l_2\right|$ this is a ring again, from $\left|l_1 - l_2\right| + l_3$ to
+# $l_1 + l_2 - l_3$.
+
+
+# %%
+def share_of_directions(l3, radii):
+    """The share of all directions that a hand of length l3 can have there."""
+    turn = np.linspace(0, 2 * np.pi, 720, endpoint=False)
+    wrist = np.hypot(radii[:, None] - l3 * np.cos(turn), l3 * np.sin(turn))
+    return ((wrist >= abs(l1 - l2)) & (wrist <= l1 + l2)).mean(axis=1)
+
+
+radii = np.linspace(0, 1.0, 300)
+hands = [0.06, 0.2]  # a short one and a long one [m]
+shares = {l3: share_of_directions(l3, radii) for l3 in hands}
+for l3, share in shares.items():
+    dextrous = (np.abs(radii - l3) >= abs(l1 - l2)) & (radii + l3 <= l1 + l2)
+    assert np.array_equal(share == 1, dextrous)
+
+# %% tags=["hidden"]
+reach_of = {l3: l1 + l2 + l3 for l3 in hands}
+all_round = {l3: radii[share == 1] for l3, share in shares.items()}
+guide.predict(
+    f"A hand of {hands[0]:.2f} m, or one of {hands[1]:.2f} m: with which does the arm reach farther? With which "
+    f"has it more "
+    "places where the hand can have every direction?",
+    f"The long hand reaches farther, {reach_of[hands[1]]:.2f} m against {reach_of[hands[0]]:.2f} m. The short "
+    f"one is more "
+    f"dextrous: with it the outermost such place is at {all_round[hands[0]].max():.2f} m, with the long one at "
+    f"{all_round[hands[1]].max():.2f} m, and the hole in their ring is larger. But about the shoulder itself the "
+    "long hand has a small disc of them besides: there the wrist circles around the hole of its own ring.",
+)
+fig, ax = guide.axes2(
+    xlabel="distance r of the tip from the shoulder [m]", ylabel="possible directions [%]", height=3.0
+)
+for l3, share in shares.items():
+    ax.plot(radii, 100 * share, label=f"hand of {l3:.2f} m")
+ax.legend(loc="upper right", frameon=False, labelcolor=guide.INK)
+ax.set_ylim(-3, 130)
+guide.figure(
+    fig,
+    "The share of possible directions against the distance for two hands: the curve of the short hand is level at a "
+    "hundred percent over a wide range, that of the long one over a narrow range and near the shoulder; both "
+    "fall to zero "
+    "at full stretch",
+    f"Links of {l1:.2f} and {l2:.2f} m with either hand. Where a curve is at 100 % the place is dextrous. At "
+    f"full stretch "
+    "there is only one direction.",
+)
+
+# %% [markdown]
+# ## Your arm
+#
+# For your arm there is no formula, and none is needed. Draw postures at random inside the limits and look where the
+# tool is.
+
+# %%
+cloud = arm.fk(arm.random_theta(2, 20_000))[:, :3, 3]
+low, high = cloud.min(axis=0), cloud.max(axis=0)
+
+# %% tags=["hidden"]
+guide.table(
+    ["", "from [m]", "to [m]"],
+    [[f"${axis}$", float(a), float(b)] for axis, a, b in zip("xyz", low, high, strict=True)],
+    f"Where the tool of `{arm.name}` comes in {len(cloud):,} random postures, seen from its base.",
+)
+at_ready = guide.arm_points(arm, arm.ready)
+fig, panels = guide.axes2(columns=2, width=6.4, height=3.3, equal=True)
+for ax, (i, j), words in zip(panels, ((0, 2), (0, 1)), ("from the side", "from above"), strict=True):
+    ax.plot(*cloud[:700][:, [i, j]].T, ".", color=guide.BLUE, markersize=1.8)
+    ax.plot(*at_ready[:, [i, j]].T, color=guide.INK, linestyle="-", linewidth=2.5, marker="o", markersize=4)
+    ax.set(xlabel=f"{'xyz'[i]} [m]", ylabel=f"{'xyz'[j]} [m]")
+    ax.set_title(words)
+guide.figure(
+    fig,
+    f"The places that the tool of {arm.name} comes to, as a cloud of points, from the side and from above, with "
+    f"the arm "
+    "at its ready pose in it",
+    f"The reachable workspace of `{arm.name}` as a cloud of 700 postures.",
+)
+
+# %% [markdown]
+# Is the cloud as large as the workspace? Ask a solver for a place far away along each axis, to either side. It answers
+# with the nearest configuration that there is.
+
+# %%
+drawn = cloud[:700]  # those of the picture
+short = {}
+for k, axis in enumerate("xyz"):
+    for sign in (1, -1):
+        far_away = (low + high) / 2
+        far_away[k] = sign * 1000 * arm.reach
+        end = arm.fk(solve_ik(arm, Position(far_away)).theta)[k, 3]
+        short[axis, sign] = end, (sign * drawn[:, k]).max() * sign
+        assert sign * end >= sign * short[axis, sign][1] - 1e-3 * arm.reach
+worst = max(short, key=lambda side: abs(short[side][0] - short[side][1]))
+(axis, sign), (end, seen) = worst, short[worst]
+guide.predict(
+    f"In the {len(drawn):,} postures of the picture the tool has come out to ${axis} = {seen:.3f}$ m on the "
+    f"{'positive' if sign > 0 else 'negative'} side. How far does it really come?",
+    f"To ${axis} = {end:.3f}$ m, {1000 * abs(end - seen):.0f} mm farther. The outermost places need one posture "
+    f"exactly, "
+    "and chance does not find it. The cloud is thin in some places and thick in others, where many postures lead; how "
+    "thick it is says nothing about where you can go.",
+)
+
+# %% [markdown]
+# ## And pointing there?
+#
+# Now the question that you began with. Lay a grid over the workspace and ask two things at each point. Can the tool be
+# there at all? That is a `Position`. Can it be there and point in a given direction? That is an `Approach`: what an arm
+# that picks things up from the ground must do.
+
+# %% tags=["hidden"]
+size = high - low
+upright = size[2] > 0.3 * size.max()  # a section seen from the side, but for an arm that moves in a plane
+i, j = (int(np.argmax(size[:2])), 2) if upright else (0, 1)
+grid_i, grid_j = (np.linspace(low[k] - 0.03 * arm.reach, high[k] + 0.03 * arm.reach, 13) for k in (i, j))
+places = np.tile(at_ready[-1], (13 * 13, 1))
+places[:, [i, j]] = np.array([[a, b] for a in grid_i for b in grid_j])
+there = solve_ik_batch(arm, [Position(p) for p in places], position_tol=1e-4, orientation_tol=1e-3).converged
+
+
+def pointing(direction):
+    """At which of the places the tool can point that way."""
+    found = there.copy()
+    targets = [Approach(p, direction, arm.tool_axis) for p in places[there]]
+    found[there] = solve_ik_batch(arm, targets, position_tol=1e-4, orientation_tol=1e-3).converged if targets else []
+    return found
+
+
+down, words = np.array([0.0, 0.0, -1.0]), "straight down"
+also = pointing(down)
+if not also.any():
+    down, words = arm.fk(arm.ready)[:3, :3] @ arm.tool_axis, "as it does at the ready pose"
+    also = pointing(down)
+    guide.say(
+        f"`{arm.name}` can point its tool straight down at none of them. The picture asks for the direction that "
+        f"it has at "
+        "the ready pose."
+    )
+fig, ax = guide.axes2(width=5.0, height=4.2, xlabel=f"{'xyz'[i]} [m]", ylabel=f"{'xyz'[j]} [m]", equal=True)
+for which, marker, colour, label in (
+    (~there, "x", guide.GREY, "not reached"),
+    (there & ~also, "o", guide.BLUE, "reached"),
+    (also, "s", guide.ORANGE, f"reached, pointing {words}"),
+):
+    face = colour if marker == "s" else "none"
+    ax.plot(*places[which][:, [i, j]].T, marker, color=colour, markerfacecolor=face, markersize=5, label=label)
+ax.plot(*at_ready[:, [i, j]].T, color=guide.INK, linestyle="-", linewidth=2.5)
+ax.legend(loc="upper center", bbox_to_anchor=(0.5, -0.16), ncols=3, frameon=False, labelcolor=guide.INK)
+guide.figure(
+    fig,
+    f"A grid of {len(places)} points around {arm.name}: {int(there.sum())} are reached, and at {int(also.sum())} "
+    f"of them "
+    f"the tool can point {words}",
+    f"A section of the workspace of `{arm.name}`, where ${'xyz'[3 - i - j]} = {at_ready[-1, 3 - i - j]:.2f}$ m, "
+    f"with the arm "
+    "at its ready pose.",
+)
+guide.predict(
+    f"Of the places in this section that the tool reaches, at what share can it point {words}?",
+    f"At {int(also.sum())} of {int(there.sum())}"
+    + (f", {100 * also.sum() / there.sum():.0f} %." if there.any() else ".")
+    + " Plan the height of the base by the squares, not by the circles.",
+)
+
+# %% [markdown]
+# A direction leaves the roll free. The dextrous workspace allows no freedom at all. Take the place where the tool is
+# now, and ask for many orientations, drawn at random.
+
+# %%
+here = arm.fk(arm.ready)
+asked = []
+for xyzw in np.random.default_rng(5).normal(size=(60, 4)):
+    g = here.copy()
+    g[:3, :3] = rotations.from_xyzw(xyzw / np.linalg.norm(xyzw))
+    asked.append(Pose(g))
+met = solve_ik_batch(arm, asked).converged
+guide.say(
+    f"At its ready pose `{arm.name}` can turn its tool into {int(met.sum())} of {len(met)} random orientations without "
+    "leaving the place. "
+    + (
+        f"With {arm.n} joints that is no surprise: an orientation and a place are six numbers, so that an arm of "
+        f"fewer than "
+        "six joints has no dextrous workspace."
+        if arm.n < 6
+        else "If it is not all of them, this place is outside the dextrous workspace: the limits, or the length of the "
+        "hand, forbid some."
+    )
+)
+assert arm.n >= 6 or not met.any()
+
+# %%
+guide.scene(
+    arm,
+    caption="Turn each joint from stop to stop. Where does the tool come nearest to the base? Which joint decides it?",
+)
+
+# %% [markdown]
+# ## What goes wrong in practice
+#
+# - **No stops.** A cloud drawn from whole turns promises places that the motors' stops forbid.
+# - **Reachable taken for usable.** The arm gets there, and the gripper looks at the sky.
+# - **The edge as a work place.** At full stretch there is one posture, one direction, and the arm is singular.
+# - **Another tool.** A longer gripper moves the whole workspace and shrinks the dextrous one. Draw it again.
+# - **The arm itself.** Kinematics knows no bodies. Between two reachable places the forearm may have to pass through
+#   the mast.
+
+# %% tags=["hidden"]
+turns = np.array(arm.units) == "rad"
+wide = arm.random_theta(2, 20_000)
+wide[:, turns] = np.random.default_rng(2).uniform(-np.pi, np.pi, (len(wide), int(turns.sum())))
+promised = arm.fk(wide)[:, :3, 3]
+size_of = {"inside the limits": cloud, "as if it had none": promised}
+cell = 0.1 * arm.reach
+rows = []
+for words, points in size_of.items():
+    cells = len(np.unique(np.floor(points / cell), axis=0))
+    rows.append([words, str(cells), f"{points[:, 2].min():.2f} to {points[:, 2].max():.2f}".replace("-", "−")])
+guide.table(
+    ["turning joints", f"cells of {100 * cell:.0f} cm that are reached", "height $z$ [m]"],
+    rows,
+    f"`{arm.name}` in {len(cloud):,} random postures each.",
+)
+
+# %% [markdown]
+# ## Exercises
+
+# %%
+guide.practice("3_1_workspace")

@@ -1,0 +1,382 @@
+# %% [markdown]
+# # Walking to the target
+#
+# The closed form needs axes that meet or run parallel. Your bracket holds one of them three millimetres beside the
+# others, and the formulas are gone. What works for every arm is what you would do yourself with a joystick. Look how
+# far the tool is off. Find out what a small turn of each joint does. Make the move that should close the gap. Look
+# again.
+#
+# This lesson writes that solver in ten lines, breaks it, and mends it with one number.
+
+# %%
+import numpy as np
+
+from twistarm import Approach, Pose, Position, guide, screws, solve_ik
+
+arm = guide.arm()
+
+# %% [markdown]
+# ## Newton's step
+#
+# The tool is at $g$ and should be at $g_d$. How it gets there, seen from the tool, is a twist: the logarithm of the
+# motion between the two. What the joints do to the tool, seen from the tool, is the body Jacobian:
+#
+# $$e = \big(\log(g^{-1} g_d)\big)^\vee, \qquad V^b = J^b(\theta)\,\dot\theta$$
+#
+# So ask for the step $\Delta$ that closes the gap, as if the Jacobian stayed what it is:
+#
+# $$J^b(\theta)\,\Delta = e, \qquad \theta \leftarrow \theta + \Delta$$
+#
+# That is Newton's method (Lynch & Park, section 6.2; the body Jacobian is that of MLS, section 3.4.1). With fewer or
+# more joints than six, take the $\Delta$ that comes nearest, and of those the shortest: least squares.
+
+
+# %%
+def newton_step(J, e):
+    """The shortest step that closes the gap best."""
+    return np.linalg.lstsq(J, e, rcond=1e-9)[0]
+
+
+def walk(arm, g_d, theta, step, count):
+    """The gap before each step, (count + 1, 6), and where the walk ends."""
+    gaps = []
+    for _ in range(count + 1):
+        e = screws.log(screws.inverse(arm.fk(theta)) @ g_d)
+        gaps.append(e)
+        end, theta = theta, theta + step(arm.body_jacobian(theta), e)
+    return np.array(gaps), end
+
+
+# %% tags=["hidden"]
+def size(arm, gaps):
+    """The gaps as one number each: metres in shares of the arm's reach, and radians."""
+    scaled = np.asarray(gaps) / np.repeat([arm.reach, 1.0], 3)
+    return np.linalg.norm(scaled, axis=-1)
+
+
+def nimble(arm, theta):
+    """The least singular value but for directions that the arm never has; lengths in shares of the reach."""
+    sigma = np.linalg.svd(arm.body_jacobian(theta) / np.repeat([arm.reach, 1.0], 3)[:, None], compute_uv=False)
+    return sigma[sigma > 1e-9][-1]
+
+
+rng = np.random.default_rng(3)
+goals = [arm.ready + 0.3 * (arm.random_theta(rng) - arm.ready) for _ in range(40)]
+goal = max(goals, key=lambda theta: nimble(arm, theta))
+g_d = arm.fk(goal)
+scale = np.where(np.array(arm.units) == "rad", 0.25, 0.1 * arm.reach)
+start = goal + scale * rng.uniform(-1, 1, arm.n)
+gaps, reached = walk(arm, g_d, start, newton_step, 8)
+assert size(arm, gaps)[-1] < 1e-9, "Newton arrives"
+assert np.allclose(arm.fk(reached), g_d, atol=1e-8)
+guide.table(
+    ["steps taken", "the tool is off by", "and by", "both in one number"],
+    [
+        [
+            str(i),
+            f"{1000 * np.linalg.norm(e[:3]):.6f} mm",
+            f"{np.degrees(np.linalg.norm(e[3:])):.6f}°",
+            f"${guide.rough(max(s, 1e-16))}$",
+        ]
+        for i, (e, s) in enumerate(zip(gaps[:6], size(arm, gaps), strict=False))
+    ],
+    f"`{arm.name}` walks to a pose from a posture nearby. The last column has lengths in shares of the arm's reach.",
+)
+guide.predict(
+    "Look at the exponents in the last column. What does each step do to the number of digits that are right?",
+    "Once the gap is small, it doubles them, until rounding ends the game. An error $\\varepsilon$ becomes some "
+    "$c\\,\\varepsilon^2$. "
+    f"From a gap of ${guide.rough(size(arm, gaps)[1])}$ after one step it takes "
+    f"{int(np.argmax(size(arm, gaps) < 1e-9)) - 1} more to pass $10^{{-9}}$.",
+)
+
+# %% [markdown]
+# ## How it breaks
+#
+# Take the two-link arm, almost stretched out, and ask its tip to come a little closer. In this posture hardly any
+# motion of the joints moves the tip along the arm. Newton wants that motion and gets it, from the one combination of
+# joints that does it at all, by asking for very much of it.
+
+# %%
+planar = guide.bundled("rr_planar")
+stretched = np.radians([20.0, 2.0])
+tip = planar.fk(stretched)[:2, 3]
+goal_2 = 0.9 * tip  # closer, on the same line
+
+
+def tip_gap(theta):
+    """The gap of the tip (2,), and the Jacobian (2, 2) of the tip's place."""
+    return goal_2 - planar.fk(theta)[:2, 3], planar.hybrid_jacobian(theta)[:2]
+
+
+e, J = tip_gap(stretched)
+leap = newton_step(J, e)
+sigma = np.linalg.svd(J, compute_uv=False)
+guide.predict(
+    f"The tip shall come {1000 * np.linalg.norm(e):.0f} mm closer, and the elbow is bent by 2°. How far does "
+    f"Newton turn "
+    "the elbow in its first step?",
+    f"By {np.degrees(leap[1]):.0f}°. The two singular values of the Jacobian are {sigma[0]:.3f} and "
+    f"{sigma[1]:.4f} m/rad. "
+    f"Along the weak direction a step is the gap divided by {sigma[1]:.4f}. At an elbow of 0° it would be without end.",
+)
+assert abs(np.degrees(leap[1])) > 180
+assert np.allclose(J @ leap, e)
+
+bends = np.radians(np.arange(1.0, 180.0))
+at_bends = planar.hybrid_jacobian(np.stack([0 * bends, bends], axis=-1))[:, :2]
+weaker = np.linalg.svd(at_bends, compute_uv=False)[:, 1]
+nimblest = np.degrees(bends[np.argmax(weaker)])
+guide.slider(
+    "ellipsoid",
+    r"The half-axes of the ellipse are the singular values: how fast the tip moves, at best and at worst, if the "
+    r"joints "
+    r"turn with rates of norm one. Where is the smaller one largest?",
+    rf"At $\theta_2 = {nimblest:.0f}°$, with the tool drawn well in. At 0° and 180° the ellipse is a line: "
+    r"$\det J = l_1 l_2 \sin\theta_2 = 0$.",
+    l1=0.4,
+    l2=0.3,
+    theta1=20,
+    theta2=20,
+)
+
+# %% [markdown]
+# ## One number mends it
+#
+# Do not ask for the gap to be closed at any price. Ask for a compromise between the gap that is left and the size of
+# the step, with the **damping** $\lambda$ as its price:
+#
+# $$\min_\Delta\; \|J\Delta - e\|^2 + \lambda^2 \|\Delta\|^2$$
+#
+# $$\Delta = J^T (J J^T + \lambda^2 I)^{-1} e$$
+#
+# Along a direction with the singular value $\sigma$ Newton multiplies the gap by $1/\sigma$. This step multiplies it by
+# $\sigma / (\sigma^2 + \lambda^2)$, which is never more than $1/(2\lambda)$. It is called **damped least squares**
+# (Nakamura & Hanafusa 1986, Wampler 1986). The price has a unit: $\lambda$ is compared with $\sigma$, so here it is in
+# metres per radian.
+
+
+# %%
+def damped_step(J, e, damping):
+    """The step that weighs what is left of the gap against its own size."""
+    return J.T @ np.linalg.solve(J @ J.T + damping**2 * np.eye(len(J)), e)
+
+
+stacked = np.vstack([J, 0.05 * np.eye(2)])  # the same, one least-squares problem
+by_lstsq = np.linalg.lstsq(stacked, np.append(e, [0, 0]), rcond=None)[0]
+assert np.allclose(damped_step(J, e, 0.05), by_lstsq)
+
+
+def steps_to_arrive(damping, most=200):
+    """How many steps bring the two-link arm within a tenth of a millimetre, or None."""
+    theta = stretched
+    for count in range(most + 1):
+        e, J = tip_gap(theta)
+        if np.linalg.norm(e) < 1e-4:
+            return count
+        theta = theta + damped_step(J, e, damping)
+    return None
+
+
+# %% tags=["hidden"]
+dampings = np.geomspace(1e-3, 1.0, 61)
+first = np.array([damped_step(J, e, d) for d in dampings])
+assert (np.linalg.norm(first, axis=1) <= np.linalg.norm(e) / (2 * dampings) + 1e-12).all()
+left = np.array([np.linalg.norm(tip_gap(stretched + step)[0]) for step in first])
+needed = [steps_to_arrive(d) for d in dampings]
+arrived = np.array([np.nan if count is None else count for count in needed])
+best = int(np.nanargmin(arrived))
+fig, panels = guide.axes2(columns=3, width=6.6, height=2.7, xlabel="damping λ [m/rad]")
+panels[0].loglog(dampings, np.degrees(np.linalg.norm(first, axis=1)))
+panels[0].axhline(180, color=guide.GREY, linewidth=0.8, linestyle=":")
+panels[0].set_title("size of the first step [°]")
+panels[1].semilogx(dampings, 1000 * left, color=guide.ORANGE)
+panels[1].axhline(1000 * np.linalg.norm(e), color=guide.GREY, linewidth=0.8, linestyle=":")
+panels[1].set_title("gap after it [mm]")
+panels[2].loglog(dampings, arrived, color=guide.GREEN, linestyle="-", marker=".", markersize=3)
+panels[2].set_title("steps to arrive")
+guide.figure(
+    fig,
+    "Three curves against the damping: the size of the first step falls steadily; the gap after it is large on "
+    "the left, "
+    "least in the middle and as large as before on the right; the steps needed are irregular on the left, fewest "
+    "in the "
+    "middle and grow on the right",
+    "A sweep of the damping near the stretched arm. Dotted: half a turn, and the gap before the step. Too little "
+    "damping "
+    "leaps anywhere, too much crawls.",
+)
+guide.say(
+    f"The best damping of the sweep, {dampings[best]:.3f} m/rad, needs {needed[best]} steps. With the largest, "
+    f"{dampings[-1]:.0f} m/rad, "
+    + ("it takes " + str(needed[-1]) + "." if needed[-1] is not None else "200 steps are not enough.")
+)
+assert best < len(dampings) - 1
+
+# %% [markdown]
+# Far from the target you want much damping, and near it none, for damping spoils Newton's doubling of digits. So let it
+# fade with the gap: $\lambda^2 = c\,\|e \|^2$ (Chan & Lawrence 1988). This is also what twistarm does inside.
+#
+# ## Out of reach
+#
+# The difference is plainest where there is no answer. Now the target lies beyond the stretched arm.
+
+# %%
+too_far = 1.15 * tip / np.linalg.norm(tip) * planar.reach
+
+
+def gaps_beyond(step):
+    """The gaps of forty steps towards the target beyond reach."""
+    theta, gaps = np.radians([60.0, 50.0]), []
+    for _ in range(40):
+        e = too_far - planar.fk(theta)[:2, 3]
+        gaps.append(np.linalg.norm(e))
+        theta = theta + step(planar.hybrid_jacobian(theta)[:2], e)
+    return np.array(gaps)
+
+
+by_newton = gaps_beyond(newton_step)
+by_damped = gaps_beyond(lambda J, e: damped_step(J, e, np.linalg.norm(e)))
+least = np.linalg.norm(too_far) - planar.reach  # the arm stretched out towards it
+
+# %% tags=["hidden"]
+assert by_newton[20:].max() > 3 * least
+assert abs(by_damped[-1] - least) < 0.02 * planar.reach
+fig, ax = guide.axes2(xlabel="step", ylabel="gap [m]", height=2.8)
+ax.plot(by_newton, label="Newton")
+ax.plot(by_damped, label="damped, λ = ‖e‖")
+ax.axhline(least, color=guide.INK, linewidth=1.0, linestyle=":", label="the least there is")
+ax.legend(loc="upper right", frameon=False, ncols=3, labelcolor=guide.INK)
+ax.set_ylim(0, 1.25 * by_newton.max())
+guide.figure(
+    fig,
+    "The gap over forty steps: Newton's jumps up and down without end, the damped one falls and stays near the dotted "
+    "line of the least possible gap",
+    "A target beyond reach. Newton never comes to rest; damped least squares stretches the arm towards it.",
+)
+
+# %% [markdown]
+# ## Five joints
+#
+# A pose is six numbers, and five joints can meet five of them at best. The rank of the Jacobian says how many. What is
+# missing has a direction: a twist of the tool that no joint can contribute to. So with five joints ask for less. A
+# **position** asks for three numbers. An **approach** asks for five: the position, and where the tool points, with the
+# roll about that direction left free. Leaving a number free means leaving its row out of $J$ and $e$.
+
+# %%
+few = guide.arm_with("three to five joints", lambda a: 3 <= a.n <= 5)
+waiting = few.ready + 0.2 * (few.random_theta(1) - few.ready)
+waiting = np.clip(waiting, few.limits.lower, few.limits.upper)
+g = few.fk(waiting)
+turn = np.array([0, 0, 0, 0.2, -0.15, 0.25])
+wanted = g @ screws.exp(turn, 1.0)  # the same place, turned a little
+targets = {
+    "`Pose`, 6 numbers": Pose(wanted),
+    "`Approach`, 5 numbers": Approach(wanted[:3, 3], wanted[:3, :3] @ few.tool_axis),
+    "`Position`, 3 numbers": Position(wanted[:3, 3]),
+}
+answers = {words: solve_ik(few, target, waiting) for words, target in targets.items()}
+
+# %% tags=["hidden"]
+samples = [few.body_jacobian(theta) / np.repeat([few.reach, 1.0], 3)[:, None] for theta in few.random_theta(0, 8)]
+rank = max(int(np.linalg.matrix_rank(each, tol=1e-6)) for each in samples)
+guide.say(f"`{few.name}` has {few.n} joints; the rank of its Jacobian is {rank} at best.")
+guide.table(
+    ["asked", "off by [mm]", "off by [°]", "the solver says"],
+    [
+        [words, f"{1000 * each.position_error:.2f}", f"{np.degrees(each.orientation_error):.2f}", each.stop.value]
+        for words, each in answers.items()
+    ],
+    "One wish, the tool turned a little where it stands, asked in three ways.",
+)
+position = answers["`Position`, 3 numbers"]
+assert position.converged
+assert not answers["`Pose`, 6 numbers"].converged
+guide.say(
+    "An approach is met as well: its roll was all that stood in the way."
+    if answers["`Approach`, 5 numbers"].converged
+    else "Even the approach is not met: no joint of this arm turns the tool to that side while its place is held. "
+    "In the solver's words:\n\n```text\n" + answers["`Approach`, 5 numbers"].explain() + "\n```"
+)
+
+# %% [markdown]
+# ## What solve_ik says when it cannot
+#
+# `solve_ik` is such a damped walk, from many starts, inside the limits. It never answers with nothing. Where a target
+# cannot be met it returns the nearest configuration, position first, and says why:
+
+# %% tags=["hidden"]
+beyond = arm.fk(arm.ready).copy()
+beyond[:3, 3] += np.array([3.0, 0.5, 0.2]) * arm.reach
+cases = [("a place far outside", solve_ik(arm, Position(beyond[:3, 3])))]
+for k in np.flatnonzero(np.isfinite(arm.limits.upper)):
+    over = arm.ready.copy()
+    over[k] = arm.limits.upper[k] + (0.4 if arm.units[k] == "rad" else 0.2 * arm.reach)
+    blocked = solve_ik(arm, Pose(arm.fk(over)))
+    if blocked.stop.name == "BLOCKED_BY_LIMITS":
+        cases.append((f"a pose for which `{arm.joint_names[k]}` must leave its limits", blocked))
+        break
+turned = arm.fk(goal) @ screws.exp(np.array([0, 0, 0, 0.3, 0.2, 0.1]), 1.0)
+if arm.n < 6:
+    cases.append(("the tool turned where the arm cannot turn it", solve_ik(arm, Pose(turned), goal)))
+cases.append(("the pose of a posture of its own", solve_ik(arm, Pose(g_d))))
+assert cases[0][1].stop.name in ("OUT_OF_REACH", "BLOCKED_BY_LIMITS")
+assert cases[-1][1].converged
+assert all(arm.limits.contains(each.theta) for _, each in cases)
+guide.table(
+    ["asked", "`stop`", "in words"],
+    [[words, f"`{each.stop.name}`", each.stop.value] for words, each in cases],
+    f"Asked of `{arm.name}`.",
+)
+guide.say("And `explain()` of the first:\n\n```text\n" + cases[0][1].explain() + "\n```")
+
+# %% [markdown]
+# Take its answer by `solution.require()` where nothing but an exact answer will do: it gives $\theta$, or raises an
+# error that carries the reason. To look at `theta` without looking at `converged` is how arms drive to the wrong place.
+#
+# ## What goes wrong in practice
+#
+# - **The gap and the Jacobian seen from different frames.** A gap in base axes with the body Jacobian. Each step is
+#   then turned by the tool's own rotation; the walk may still creep in, or never.
+# - **Degrees in the step.** The Jacobian is per radian.
+# - **Metres against radians.** One number for both needs a length. Damping that is right in metres is a thousand times
+#   too weak in millimetres.
+# - **One start.** A walk goes downhill, and the valley may be the wrong one. Start again elsewhere: that is the
+#   `restarts` of a solution.
+# - **Limits clipped at the end.** An answer that is clipped afterwards is no answer. Put them into the walk.
+
+
+# %% tags=["hidden"]
+def mixed_up(theta, count=8):
+    """Newton with the gap seen from the base and the body Jacobian."""
+    for _ in range(count):
+        e = screws.log(g_d @ screws.inverse(arm.fk(theta)))
+        theta = theta + newton_step(arm.body_jacobian(theta), e)
+    return size(arm, screws.log(screws.inverse(arm.fk(theta)) @ g_d))
+
+
+def in_degrees(theta):
+    """One step whose angles were turned into degrees before they were added."""
+    e = screws.log(screws.inverse(arm.fk(theta)) @ g_d)
+    factor = np.where(np.array(arm.units) == "rad", np.degrees(1.0), 1.0)
+    return size(
+        arm, screws.log(screws.inverse(arm.fk(theta + factor * newton_step(arm.body_jacobian(theta), e))) @ g_d)
+    )
+
+
+guide.table(
+    ["walk", "gap at its end"],
+    [
+        ["as above, eight steps", f"${guide.rough(max(size(arm, gaps)[-1], 1e-16))}$"],
+        ["gap from the base, Jacobian from the tool, eight steps", f"${guide.rough(mixed_up(start))}$"],
+        ["degrees in the step, one step", f"${guide.rough(in_degrees(start))}$"],
+        ["before the first step", f"${guide.rough(size(arm, gaps)[0])}$"],
+    ],
+    f"On `{arm.name}`; lengths in shares of its reach.",
+)
+
+# %% [markdown]
+# ## Exercises
+
+# %%
+guide.practice("3_2_numeric_solvers")

@@ -1,0 +1,397 @@
+# %% [markdown]
+# # Elbow up or elbow down?
+#
+# You tape a cross onto the bench and want the tip of the arm on it. You know where the cross is; the motors want
+# angles. Forward kinematics goes from the angles to the place. The way back is called **inverse kinematics**, and for
+# two links in a plane you can do it with a triangle. Most arms have those two links somewhere inside them, and most of
+# what can go wrong with inverse kinematics goes wrong here first.
+
+# %%
+import numpy as np
+
+from twistarm import Position, guide, poe, screws, solve_ik_all
+
+planar = guide.bundled("rr_planar")
+q1, q2 = (screws.to_screw(xi).point for xi in planar.screws.T)
+l1, l2 = np.linalg.norm(q2 - q1), np.linalg.norm(planar.home[:3, 3] - q2)
+cross = np.array([0.30, 0.35])  # where the cross is [m], seen from the shoulder
+
+# %% [markdown]
+# ## The law
+#
+# Shoulder, elbow and tip are the corners of a triangle. Two of its sides are the links, $l_1$ and $l_2$. The third,
+# $r$, is the distance of the cross from the shoulder. A triangle with three known sides has known angles. Call
+# $\alpha$ the angle at the elbow, $\beta$ the one at the shoulder, and $\varphi$ the direction in which the cross lies.
+# The law of cosines says
+#
+# $$\cos\alpha = \frac{l_1^2 + l_2^2 - r^2}{2\, l_1 l_2}, \qquad
+#   \cos\beta = \frac{r^2 + l_1^2 - l_2^2}{2\, l_1 r}$$
+#
+# $$r = \sqrt{x^2 + y^2}, \qquad \varphi = \mathrm{atan2}(y, x)$$
+#
+# The triangle may lie on either side of the line from the shoulder to the cross. So there are two answers, and each is
+# called the **flip** of the other:
+#
+# $$\theta_1 = \varphi + \beta, \quad \theta_2 = \pi + \alpha$$
+#
+# $$\theta_1 = \varphi - \beta, \quad \theta_2 = \pi - \alpha$$
+#
+# This is the planar example of MLS, section 3.3.1.
+
+
+# %%
+def triangle(l1, l2, x, y):
+    """The angles at elbow and shoulder, and the direction of the target [rad]."""
+    r = np.hypot(x, y)
+    alpha = np.arccos((l1**2 + l2**2 - r**2) / (2 * l1 * l2))
+    beta = np.arccos((r**2 + l1**2 - l2**2) / (2 * l1 * r))
+    return alpha, beta, np.arctan2(y, x)
+
+
+def tip(theta1, theta2):
+    """Forward kinematics of the two-link arm."""
+    elbow = l1 * np.array([np.cos(theta1), np.sin(theta1)])
+    both = theta1 + theta2
+    return elbow + l2 * np.array([np.cos(both), np.sin(both)])
+
+
+def wrap(angle):
+    """The same direction, in (−π, π]."""
+    return np.pi - (np.pi - angle) % (2 * np.pi)
+
+
+alpha, beta, phi = triangle(l1, l2, *cross)
+up = wrap(np.array([phi + beta, np.pi + alpha]))
+down = wrap(np.array([phi - beta, np.pi - alpha]))
+for theta in (up, down):
+    assert np.allclose(tip(*theta), cross)
+    assert np.allclose(planar.fk(theta)[:2, 3], q1[:2] + cross)
+
+# %% tags=["hidden"]
+
+
+def degrees(angle):
+    """An angle for a table."""
+    return f"{np.degrees(angle) + 0.0:.1f}°".replace("-", "−")
+
+
+def arc(ax, centre, start, end, radius, name, colour):
+    """An angle, drawn as an arc with its name."""
+    at = np.linspace(start, end, 40)
+    ax.plot(
+        centre[0] + radius * np.cos(at), centre[1] + radius * np.sin(at), color=colour, linestyle="-", linewidth=1.2
+    )
+    middle = at[20]
+    ax.text(
+        centre[0] + 1.35 * radius * np.cos(middle),
+        centre[1] + 1.35 * radius * np.sin(middle),
+        name,
+        color=colour,
+        ha="center",
+        va="center",
+    )
+
+
+def links(ax, theta, colour, style, alpha=1.0):
+    """The two links."""
+    elbow = l1 * np.array([np.cos(theta[0]), np.sin(theta[0])])
+    ax.plot(
+        *np.array([[0, 0], elbow, tip(*theta)]).T, color=colour, linestyle=style, linewidth=3, marker="o", alpha=alpha
+    )
+    return elbow
+
+
+fig, ax = guide.axes2(width=4.6, height=4.0, xlabel="x [m]", ylabel="y [m]", equal=True)
+ax.plot(*np.array([[0, 0], cross]).T, color=guide.GREY, linestyle="--", linewidth=1.2)
+ax.text(*(0.45 * cross + [0.018, -0.018]), "$r$", color=guide.GREY, ha="center")
+links(ax, down, guide.ORANGE, (0, (5, 1.5)))
+elbow = links(ax, up, guide.BLUE, "-")
+ax.text(*(0.5 * elbow + [-0.03, 0.0]), "$l_1$", color=guide.BLUE, ha="center")
+ax.text(*(0.5 * (elbow + cross) + [0.0, 0.022]), "$l_2$", color=guide.BLUE, ha="center")
+arc(ax, (0, 0), phi, up[0], 0.12, r"$\beta$", guide.BLUE)
+arc(ax, (0, 0), 0, phi, 0.07, r"$\varphi$", guide.INK)
+to_base, to_tip = np.arctan2(*-elbow[::-1]), np.arctan2(*(cross - elbow)[::-1])
+arc(ax, elbow, to_base, to_base + wrap(to_tip - to_base), 0.05, r"$\alpha$", guide.BLUE)
+ax.plot(*cross, "x", color=guide.INK, markersize=10, markeredgewidth=2)
+ax.plot([0, 0.2], [0, 0], color=guide.GREY, linewidth=0.8, linestyle="-")
+guide.figure(
+    fig,
+    "Two triangles on the line from the shoulder to a cross: the same two links on either side of it, one solid, one "
+    "dashed; the angles alpha at the elbow, beta and phi at the shoulder",
+    r"Solid: $(+,+)$, the elbow on the left. Dashed: $(-,-)$, its flip.",
+)
+rows = [[words, *map(degrees, theta), degrees(theta.sum())] for words, theta in (("$(+,+)$", up), ("$(-,-)$", down))]
+guide.table(
+    ["signs", r"$\theta_1$", r"$\theta_2$", r"the tip points along $\theta_1 + \theta_2$"],
+    rows,
+    f"Both answers for the cross at ({cross[0]:.2f}, {cross[1]:.2f}) m, wrapped into (−180°, 180°].",
+)
+
+# %% [markdown]
+# Is that all? A solver that knows nothing of triangles answers the same question from the axes alone.
+
+# %%
+target = np.append(q1[:2] + cross, planar.home[2, 3])
+found = solve_ik_all(planar, Position(target))
+assert found.complete
+assert len(found) == 2
+for theta in (up, down):
+    assert np.abs(wrap(found.theta - theta)).max(axis=1).min() < 1e-7
+guide.say("twistarm finds these two, and knows that there are no others.")
+
+# %% [markdown]
+# ## The signs go together
+#
+# You may find the two answers written in one line, $\theta_2 = \pi \pm \alpha$ and $\theta_1 = \varphi \pm \beta$. As
+# it stands it allows four pairs of signs.
+
+# %%
+mixed = np.array([phi - beta, np.pi + alpha])
+miss = np.linalg.norm(tip(*mixed) - cross)
+assert np.isclose(miss, 2 * l2 * np.sin(alpha))
+assert np.isclose(np.hypot(*tip(*mixed)), np.hypot(*cross))
+guide.predict(
+    r"The signs are mixed: $\theta_1 = \varphi - \beta$ with $\theta_2 = \pi + \alpha$. Where is the tip?",
+    rf"At the right distance, in the wrong direction. The elbow bends so that the tip is ${np.hypot(*cross):.3f}$ m "
+    rf"away, as it should be, but the shoulder turns it to $\varphi - 2\beta$. It misses the cross by "
+    rf"$2\, r \sin\beta = 2\, l_2 \sin\alpha$, here {1000 * miss:.0f} mm. With the elbow at a right angle it is twice "
+    rf"the length of the second link. Near the stretched arm it is almost nothing, and that is how the slip gets "
+    rf"through "
+    rf"a test.",
+)
+
+# %% tags=["hidden"]
+rows = []
+for s1, s2 in ((1, 1), (-1, -1), (-1, 1), (1, -1)):
+    theta = np.array([phi + s1 * beta, np.pi + s2 * alpha])
+    signs = f"$({'+' if s1 > 0 else '-'},{'+' if s2 > 0 else '-'})$"
+    off = np.linalg.norm(tip(*theta) - cross)
+    rows.append([signs, *map(degrees, wrap(theta)), f"{1000 * off:.1f}"])
+guide.table(
+    [r"signs of $\beta$ and $\alpha$", r"$\theta_1$", r"$\theta_2$", "off by [mm]"], rows, "Four pairs of signs."
+)
+guide.slider(
+    "two_link",
+    "Tick *draw the other solution* and the one with mixed signs. For which bend of the elbow are all three the same?",
+    r"For $\theta_2 = 0$, the stretched arm, and $\theta_2 = \pm 180°$, the folded one. There $\alpha$ is a half "
+    r"turn or "
+    r"zero, $\sin\alpha = 0$, and the triangle is flat: the two answers are one.",
+    l1=round(float(l1), 3),
+    l2=round(float(l2), 3),
+    theta1=round(float(np.degrees(down[0]))),
+    theta2=round(float(np.degrees(down[1]))),
+)
+
+# %% [markdown]
+# ## At the edges
+#
+# A triangle with the sides $l_1$, $l_2$ and $r$ exists only if
+#
+# $$\left|l_1 - l_2\right| \le r \le l_1 + l_2$$
+#
+# Inside this ring there are two answers. On its edges there is one. Beyond there is none, and the cosine leaves
+# $[-1, 1]$. If the links are equally long, the ring has no hole. Then $r = 0$ is reachable, and there $\theta_1$ may be
+# anything: the formula for $\beta$ divides by zero because the question has no single answer.
+#
+# The edges are awkward before you reach them, too.
+
+# %%
+short = l1 + l2 - 0.001
+bend = np.pi - triangle(l1, l2, short, 0.0)[0]
+guide.predict(
+    f"The links are {l1:.2f} and {l2:.2f} m long. The cross lies one millimetre closer than the arm can stretch. How "
+    "far is the elbow bent?",
+    rf"By {np.degrees(bend):.1f}°. Near the edge $r$ hardly changes as the elbow bends, so that the elbow must "
+    rf"bend a lot "
+    rf"for a small change of $r$: it grows as the square root of what is missing. To go one more millimetre "
+    rf"outward the "
+    rf"elbow travels all of these {np.degrees(bend):.1f}°, and a motor at a constant tip speed would have to be "
+    rf"infinitely "
+    rf"fast at the end.",
+)
+
+# %% tags=["hidden"]
+r = (l1 + l2) - (2 * min(l1, l2)) * (1 - np.cos(np.linspace(0, np.pi, 201))) / 2
+elbow_bend = np.pi - np.arccos(np.clip((l1**2 + l2**2 - r**2) / (2 * l1 * l2), -1, 1))
+fig, ax = guide.axes2(xlabel="distance r of the target [m]", ylabel="θ₂ [°]", height=3.4)
+ax.plot(r, -np.degrees(elbow_bend), label="(+,+)")
+ax.plot(r, np.degrees(elbow_bend), label="(−,−)")
+for edge, words, side in ((l1 + l2, "stretched", "right"), (abs(l1 - l2), "folded", "left")):
+    ax.axvline(edge, color=guide.GREY, linewidth=0.8, linestyle=":")
+    ax.text(edge, 205, words, color=guide.GREY, ha=side, va="bottom")
+ax.set_yticks(range(-180, 181, 60))
+ax.legend(loc="center", frameon=False, labelcolor=guide.INK)
+guide.figure(
+    fig,
+    "The bend of the elbow against the distance of the target, for both answers: the two curves are each other's "
+    "mirror "
+    "image, and both are vertical at the two edges of the ring",
+    "Both answers over the whole ring. At its edges they become one, and the curves are vertical.",
+)
+
+# %% [markdown]
+# Rounding makes a trap of the edge itself. Ask for a point at exactly $l_1 + l_2$, which is reachable, and the cosine
+# may come out beyond $-1$. Then `arccos` gives `nan`, and `nan` goes to the motors. So the argument is
+# brought back into $[-1, 1]$ first, and whether the point is reachable is decided before, by $r$ and with a tolerance.
+
+# %%
+many = np.random.default_rng(0).uniform(0.1, 0.9, (10_000, 2))
+stretched = many.sum(axis=1)
+cosine = ((many**2).sum(axis=1) - stretched**2) / (2 * many.prod(axis=1))
+lost = int((np.abs(cosine) > 1).sum())
+assert 0 < lost < len(many)
+assert np.isfinite(np.arccos(np.clip(cosine, -1, 1))).all()
+guide.say(
+    f"Of {len(many):,} two-link arms with random lengths, {lost:,} have a cosine such as {cosine.min():.16f} at "
+    f"their own "
+    "full stretch, and `nan` for an angle. With `np.clip(cosine, -1, 1)` none has."
+)
+
+# %% [markdown]
+# ## The two links inside your arm
+#
+# Two joints whose axes are parallel, one after the other, are a two-link arm wherever they stand and wherever the maker
+# has put their zeros. The first link goes from the one axis to the other, the second from there to what the two carry:
+# the next joint, or the tool. To flip it you need no formula for $\theta$ at all. Measure the two signed angles in the
+# posture that the arm has, $\beta$ from the line of sight to the first link and $\theta_2$ from the first link to the
+# second, and turn the shoulder by $-2\beta$ and the elbow by $-2\theta_2$.
+
+
+# %% tags=["hidden"]
+def two_links(arm):
+    """The first of two parallel turning joints, each with a coordinate of its own, that carry something; or None."""
+    A = arm.coupling.A
+    points = guide.arm_points(arm, arm.ready)
+    axes = poe.spatial_jacobian(arm.screws, A @ arm.ready)[3:]
+    for i in range(len(A) - 1):
+        w = axes[:, i]
+        own = (A[i : i + 2] != 0).sum(axis=1).tolist() == [1, 1]
+        if not own or np.linalg.norm(axes[:, i]) < 0.5 or np.linalg.norm(axes[:, i + 1]) < 0.5:
+            continue
+        k = [int(np.flatnonzero(row)[0]) for row in A[i : i + 2]]
+        if k[0] == k[1] or A[:i, k].any() or np.linalg.norm(np.cross(w, axes[:, i + 1])) > 2e-3:
+            continue
+        lengths = [np.linalg.norm(np.cross(w, points[j + 1] - points[j])) for j in (i + 1, i + 2)]
+        if min(lengths) > 0.05 * arm.reach:
+            return i
+    return None
+
+
+arm = guide.arm_with("two parallel turning joints, one after the other", lambda a: two_links(a) is not None)
+first = two_links(arm)
+
+
+# %%
+def flipped(arm, theta, i):
+    """The posture with the other elbow: moving joints i and i + 1 have parallel axes."""
+    values = arm.coupling.A @ theta
+    points = guide.arm_points(arm, theta)
+    a, b, c = points[i + 1 : i + 4]  # shoulder, elbow, what they carry
+    w, w_next = poe.spatial_jacobian(arm.screws, values)[3:, i : i + 2].T
+
+    def angle(u, v):  # from u to v about w
+        return np.arctan2(w @ np.cross(u, v), np.cross(w, u) @ np.cross(w, v))
+
+    turn = np.zeros(len(values))
+    turn[i] = -2 * angle(c - a, b - a)
+    turn[i + 1] = -2 * angle(b - a, c - b) * np.sign(w @ w_next)
+    k = [int(np.flatnonzero(row)[0]) for row in arm.coupling.A[i : i + 2]]
+    other = theta.copy()
+    other[k] += turn[i : i + 2] / arm.coupling.A[[i, i + 1], k]
+    return other
+
+
+# %% tags=["hidden"]
+starts = [arm.ready, *arm.random_theta(np.random.default_rng(0), 200)]
+lower, upper = arm.limits.lower, arm.limits.upper
+k_pair = [int(np.flatnonzero(row)[0]) for row in arm.coupling.A[first : first + 2]]
+
+
+def wrapped_inside(theta):
+    """Whole turns taken off the pair where that brings it inside the limits."""
+    theta = theta.copy()
+    for k in k_pair:
+        for turn in (0.0, 2 * np.pi, -2 * np.pi):
+            if lower[k] <= theta[k] + turn <= upper[k]:
+                theta[k] += turn
+                break
+    return theta
+
+
+pairs = [(theta, wrapped_inside(flipped(arm, theta, first))) for theta in starts]
+pairs = [(t, o) for t, o in pairs if 0.6 < np.abs(wrap(o - t)).max() < 2.8] or pairs
+inside = [(t, o) for t, o in pairs if arm.limits.contains(o)]
+theta, other = (inside or pairs)[0]
+here, there = guide.arm_points(arm, theta), guide.arm_points(arm, other)
+carried = float(np.linalg.norm(here[first + 3] - there[first + 3]))
+assert carried < 2e-3 * arm.reach, "forward kinematics: what the two links carry stays where it was"
+what = "tool" if first + 3 == len(here) - 1 else f"joint `{arm.moving_names[first + 2]}`"
+w = poe.spatial_jacobian(arm.screws, arm.coupling.A @ theta)[3:, first]
+own_l1, own_l2 = (np.linalg.norm(np.cross(w, here[first + j + 1] - here[first + j])) for j in (1, 2))
+guide.say(
+    f"On `{arm.name}` the two links are those of `{arm.moving_names[first]}` and `{arm.moving_names[first + 1]}`: "
+    f"$l_1 = {own_l1:.3f}$ m, $l_2 = {own_l2:.3f}$ m, and they carry the {what}."
+)
+guide.table(
+    ["joint", "posture", "its flip"],
+    [[f"`{arm.joint_names[k]}`", degrees(theta[k]), degrees(other[k])] for k in k_pair],
+    f"Forward kinematics says that the {what} stands at the same place in both, "
+    + (f"to ${guide.rough(carried)}$ m." if carried > 1e-12 else "to the last digit."),
+)
+guide.say(
+    "Both postures are inside the limits of the joints."
+    if inside
+    else "The flip lies outside the limits: with these limits the arm has one elbow only. The limits choose for you."
+)
+
+# %% tags=["hidden"]
+upright = np.hypot(w[0], w[1]) > 0.5  # whether the two links move in an upright plane
+azimuth = (np.degrees(np.arctan2(w[1], w[0])) % 180) - 160 if upright else -35.0
+fig, ax = guide.axes3(width=5.0, height=4.2, elev=12 if upright else 45, azim=float(azimuth))
+guide.plot_arm(ax, arm, theta, guide.BLUE, tool=False)
+guide.plot_arm(ax, arm, other, guide.ORANGE, alpha=0.7, tool=False)
+guide.plot_point(ax, here[first + 3], "", guide.INK, "D")
+guide.fit(ax, [*here, *there])
+guide.figure(
+    fig,
+    f"{arm.name} twice, with the elbow on either side; the {what} is at the same place both times",
+    f"`{arm.name}` and its flip; the diamond marks what stays in place. What lies beyond the {what} points "
+    f"elsewhere: to keep the tool's direction too, the "
+    "joints behind must turn back, which is the matter of the next lesson.",
+)
+
+# %% [markdown]
+# ## What goes wrong in practice
+#
+# - **Mixed signs.** The distance is right and the direction is not. Test with the elbow at a right angle, where it
+#   shows most.
+# - **No clamp.** The arm works everywhere and sends `nan` when it is stretched out. Clip the cosine.
+# - **No wrap.** $\pi + \alpha$ is between half a turn and a whole one. A joint whose limits are ±150° refuses it,
+#   though the same posture, a turn less, is allowed.
+# - **`atan(y / x)`.** It cannot tell a cross in front of the arm from one behind it, and it divides by zero straight
+#   to the left. `atan2(y, x)` does neither.
+# - **Flipping on the way.** A program that takes either answer at each point of a line may change elbows in the middle.
+#   Choose once; then stay with the answer nearest to where the arm is.
+
+# %% tags=["hidden"]
+behind = -cross
+alpha_b, beta_b, phi_b = triangle(l1, l2, *behind)
+by_atan = np.array([np.arctan(behind[1] / behind[0]) - beta_b, np.pi - alpha_b])
+jump = np.abs(wrap(up - down)).max()
+assert np.isclose(np.linalg.norm(tip(*by_atan) - behind), 2 * np.hypot(*behind))
+guide.table(
+    ["slip", "how it shows"],
+    [
+        ["mixed signs", f"{1000 * miss:.0f} mm beside the cross"],
+        ["`atan(y / x)`, the cross behind the arm", f"{1000 * np.linalg.norm(tip(*by_atan) - behind):.0f} mm off"],
+        ["no wrap", rf"$\theta_2$ = {degrees(np.pi + alpha)} where {degrees(wrap(np.pi + alpha))} is meant"],
+        ["flipping on the way", f"a joint jumps by {degrees(jump)}"],
+    ],
+    f"On `{planar.name}`, for the cross above.",
+)
+
+# %% [markdown]
+# ## Exercises
+
+# %%
+guide.practice("3_2_two_link_arm")
