@@ -1,5 +1,6 @@
 """Inverse kinematics: targets, the solver, and solutions that say what was reached and why not more."""
 
+from . import subproblems
 from .all_solutions import IKSolutions
 from .batch import IKBatch, solve_ik_batch
 from .request import POSTURES
@@ -26,4 +27,5 @@ __all__ = [
     "solve_ik",
     "solve_ik_all",
     "solve_ik_batch",
+    "subproblems",
 ]
