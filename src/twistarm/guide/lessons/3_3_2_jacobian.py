@@ -35,13 +35,13 @@ p = g[:3, 3]  # the tool's origin, seen from the base
 # is the spatial twist of the tool, the linear part first.
 
 # %%
-values = arm.coupling.A @ theta  # one value for each axis, those of mimic joints included
+values = arm.coupling.A @ theta  # one value for each axis, mimic joints too
 carried, columns = np.eye(4), []
 for xi, value in zip(arm.screws.T, values, strict=True):
     columns.append(screws.adjoint(carried) @ xi)
     carried = carried @ screws.exp(xi, value)
 axes_now = np.column_stack(columns)
-J_s = axes_now @ arm.coupling.A  # the columns of joints that follow another are added to its column
+J_s = axes_now @ arm.coupling.A  # joints that follow another are added to its column
 
 # %% tags=["hidden"]
 rates_of = ["1 m/s" if unit == "m" else "1 rad/s" for unit in arm.units]
@@ -83,20 +83,29 @@ guide.say(
 # %% tags=["hidden"]
 hybrid = arm.hybrid_jacobian(theta)
 speeds = np.linalg.norm(hybrid[:3], axis=0)
-fig, ax = guide.axes3(width=5.4, height=4.6)
-guide.plot_arm(ax, arm, theta)
-joints_at = guide.arm_points(arm, theta)[1:-1]
-for k, (xi, point) in enumerate(zip(axes_now.T, joints_at, strict=True), start=1):
-    guide.plot_screw(ax, xi, 0.34 * arm.reach, rf"$\xi_{{{k}}}'$", near=point)
-for k, (arrow, speed) in enumerate(zip(hybrid[:3].T, speeds, strict=True), start=1):
-    if speed > 0.02 * speeds.max():
-        guide.plot_vector(ax, p, 0.45 * arm.reach * arrow / speeds.max(), rf"$\dot\theta_{{{k}}}$", guide.BLUE)
-guide.fit(ax)
+fig, (left, right) = guide.axes3(2, width=6.6, height=3.6, box=False)
+guide.plot_arm(left, arm, theta, tool=False)
+for k, (xi, point) in enumerate(zip(axes_now.T, guide.arm_points(arm, theta)[1:-1], strict=True), start=1):
+    guide.plot_screw(left, xi, 0.42 * arm.reach, near=point)
+    left.text(*(point + 0.07 * arm.reach * np.array([1, 0, 1])), rf"$\xi_{k}'$", color=guide.INK)
+guide.plot_arm(right, arm, theta, colour=guide.GREY, alpha=0.6, tool=False)
+for k in np.argsort(-speeds, kind="stable"):
+    if speeds[k] > 0.02 * speeds.max():
+        arrow = 0.5 * arm.reach * hybrid[:3, k] / speeds.max()
+        guide.plot_vector(right, p, arrow, colour=guide.BLUE)
+        right.text(*(p + 1.14 * arrow + [0, 0, 0.02 * arm.reach]), f"{k + 1}", color=guide.BLUE)
+left.set_title("the axes, where they stand now", fontsize=9)
+right.set_title("the tool's velocity by each joint", fontsize=9)
+seen = np.array([left.get_w_lims(), right.get_w_lims()]).reshape(2, 3, 2)
+for ax in (left, right):
+    guide.fit(ax, [seen[:, :, 0].min(axis=0), seen[:, :, 1].max(axis=0)])
 guide.figure(
     fig,
-    f"{arm.name} as it waits: the axis of each joint where it stands now, and at the tool an arrow for each joint that "
-    "moves its origin, the velocity that this joint alone gives it",
-    "The axes as they stand now, and what each joint alone, at a rate of one, does to the tool's origin (blue).",
+    f"Left, {arm.name} as it waits with the axis of each joint where it stands now; right, at its tool, an arrow for "
+    "each joint that moves its origin: the velocity that this joint alone gives it",
+    "Left, the columns of $J^s$ are the twists of these axes. Right, what each joint alone, at a rate of one, does "
+    "to the "
+    "tool's origin.",
 )
 
 # %%
@@ -139,7 +148,8 @@ k = int(np.argmax(lever))  # the turning joint that moves the tool most
 v, omega = J_s[:3, k], J_s[3:, k]
 p_dot = v + np.cross(omega, p)
 step = h * np.eye(arm.n)[k]
-assert np.allclose(p_dot, (arm.fk(theta + step) - arm.fk(theta - step))[:3, 3] / (2 * h), atol=1e-7)
+quotient = (arm.fk(theta + step) - arm.fk(theta - step))[:3, 3] / (2 * h)
+assert np.allclose(p_dot, quotient, atol=1e-7)
 apart = np.linalg.norm(p_dot - v)
 guide.say(
     f"Let `{arm.joint_names[k]}` alone run at {rates_of[k]}. The first three rows say "
@@ -164,7 +174,8 @@ J_b = screws.adjoint(screws.inverse(g)) @ J_s
 assert np.allclose(J_b, arm.body_jacobian(theta))
 for i, step in enumerate(h * np.eye(arm.n)):
     V_hat = screws.inverse(g) @ (arm.fk(theta + step) - arm.fk(theta - step)) / (2 * h)
-    assert np.allclose(J_b[:, i], [*V_hat[:3, 3], V_hat[2, 1], V_hat[0, 2], V_hat[1, 0]], atol=1e-7)
+    V = [*V_hat[:3, 3], V_hat[2, 1], V_hat[0, 2], V_hat[1, 0]]
+    assert np.allclose(J_b[:, i], V, atol=1e-7)
 
 guide.table(
     ["Jacobian", "$v$ is the velocity of", "in axes of", "in Pinocchio", r"$\lvert v \rvert$ [m/s]"],
@@ -177,7 +188,7 @@ guide.table(
 )
 
 # %%
-moved = theta + 0.7 * np.eye(arm.n)[0]  # the first joint alone; limits do not matter to the formula
+moved = theta + 0.7 * np.eye(arm.n)[0]  # the first joint alone; no limit is looked at
 alone = np.count_nonzero(arm.coupling.A[:, 0]) == 1 and arm.coupling.A[0, 0] != 0
 unchanged = np.abs(arm.body_jacobian(moved) - J_b).max()
 assert unchanged < 1e-9 or not alone
@@ -204,8 +215,8 @@ guide.predict(
 # %%
 wishes = 0.05 * np.eye(3)
 answers = [np.linalg.lstsq(hybrid[:3], wish, rcond=1e-9)[0] for wish in wishes]
-left = [np.linalg.norm(hybrid[:3] @ rates - wish) for rates, wish in zip(answers, wishes, strict=True)]
-best = int(np.argmin(np.round(left, 9)))
+missed = np.linalg.norm(hybrid[:3] @ np.transpose(answers) - wishes, axis=0)
+best = int(np.argmin(np.round(missed, 9)))  # the axis along which the arm can go best
 rates = np.round(answers[best], 12) + 0.0
 
 dt = 0.01
@@ -221,7 +232,7 @@ guide.table(
     ],
     f"Five centimetres a second along the base's ${'xyz'[best]}$ axis.",
 )
-closed = [i for i in range(3) if left[i] > 1e-6]
+closed = [i for i in range(3) if missed[i] > 1e-6]
 guide.say(
     f"Let them run for a hundredth of a second: forward kinematics finds the tool {1000 * gone[best]:.3f} mm farther "
     f"along ${'xyz'[best]}$, of {1000 * dt * wishes[best][best]:.3f} mm that were wished. The next hundredth needs a "
@@ -229,7 +240,7 @@ guide.say(
     "Jacobian, for the axes have moved. "
     + (
         f"Along {' and '.join(f'${chr(120 + i)}$' for i in closed)} this arm cannot go here as wished: the best rates "
-        f"miss by {', '.join(f'{left[i] * 1000:.1f}' for i in closed)} mm/s. The next lesson says why."
+        f"miss by {', '.join(f'{missed[i] * 1000:.1f}' for i in closed)} mm/s. The next lesson says why."
         if closed
         else "The tool may turn on the way, because nothing was said about that. To forbid it, ask for all six rows."
     )
@@ -252,13 +263,14 @@ guide.say(
 
 # %%
 mass, gravity = 1.0, 9.81
-f = np.array([0.0, 0.0, mass * gravity])  # what the tool exerts on the stone, in axes of the base
+f = np.array([0.0, 0.0, mass * gravity])  # on the stone, in axes of the base
 F_t = np.append(g[:3, :3].T @ f, np.zeros(3))  # the same in the tool's axes
 torques = J_b.T @ F_t
 
 # Whoever knows no Jacobian: the work that lifts the stone, joint by joint.
-lifts = [(arm.fk(theta + step) - arm.fk(theta - step))[2, 3] / (2 * h) for step in h * np.eye(arm.n)]
-assert np.allclose(torques, mass * gravity * np.array(lifts), atol=1e-6)
+steps = h * np.eye(arm.n)
+lifts = (arm.fk(theta + steps) - arm.fk(theta - steps))[:, 2, 3] / (2 * h)
+assert np.allclose(torques, mass * gravity * lifts, atol=1e-6)
 
 F_s = np.append(f, np.cross(p, f))  # the same wrench, seen from the base
 assert np.allclose(J_s.T @ F_s, torques)
@@ -272,8 +284,8 @@ guide.predict(
     (
         f"Most: `{arm.joint_names[heaviest]}`, with {abs(torques[heaviest]):.2f} {unit}. Nothing: "
         + (", ".join(f"`{n}`" for n, t in zip(arm.joint_names, torques, strict=True) if abs(t) < 1e-6) or "none")
-        + ". A joint that turns bears the weight times the horizontal distance of the tool from its axis; one about a "
-        "vertical axis bears none."
+        + ". About a level axis a joint bears the weight times the horizontal distance of the tool from the axis; about a "
+        "vertical one, nothing."
         if abs(torques[heaviest]) > 1e-6
         else "None of them bears anything: every axis stands so that the weight cannot drive it. The bearings carry "
         "all."

@@ -136,7 +136,7 @@ guide.figure(
 slides = np.array(arm.units) == "m"
 m = arm.manipulability(theta)
 postures = arm.random_theta(0, 2000)
-rank = int(arm.manipulability(postures).rank.max())  # in how many directions the tool moves where it moves in most
+rank = int(arm.manipulability(postures).rank.max())  # where the tool moves in most
 
 
 def least(x):
@@ -148,7 +148,8 @@ guide.say(
     rf"`{arm.name}`, waiting: $\sigma = {guide.tex(m.singular_values)}$. It can move its tool in {rank} independent "
     f"direction{'s' if rank > 1 else ''}"
     + (
-        f", the most that its joints allow; {6 - rank} of the six are missing in *every* posture. That is not a "
+        f", the most that its joints allow; of the six, {6 - rank} {'are' if rank < 5 else 'is'} missing in *every* "
+        f"posture. That is not a "
         f"singularity: it is what {arm.n} joint{'s' if arm.n > 1 else ''} can do."
         if rank < 6
         else ", which is all that there are."
@@ -218,13 +219,20 @@ words = "a turn about" if turns > np.sqrt(0.5) else "a shift along"
 share = max(turns**2, 1 - turns**2)
 axis = way / np.linalg.norm(way)
 axis = axis * (1.0 if axis[np.argmax(np.abs(axis))] > 0 else -1.0)
+
+
+def shown(x, unit, digits):
+    number = f"{round(float(x), digits) + 0.0:.{digits}f}".replace("-", "−")
+    return f"{number}{unit if unit == '°' else ' ' + unit}"
+
+
 guide.table(
     ["joint", "ready", "worst", "runs idle"],
     [
         [
             f"`{name}`",
-            *(f"{x:.3f} m" if slide else f"{np.degrees(x) + 0.0:.1f}°".replace("-", "−") for x in (a, b)),
-            f"{w:+.2f} {'m/s' if slide else 'rad/s'}".replace("-", "−"),
+            *(shown(x, "m", 3) if slide else shown(np.degrees(x), "°", 1) for x in (a, b)),
+            shown(w, "m/s" if slide else "rad/s", 2),
         ]
         for name, slide, a, b, w in zip(arm.joint_names, slides, theta, singular, idle, strict=True)
     ],
@@ -237,8 +245,9 @@ verdict = (
     "keeps what it can do. That is as it should be, and not every arm has it."
 )
 guide.say(
-    f"{verdict} What the tool {'loses' if is_singular else 'does worst'}, in its own axes, is for the most part "
-    f"({100 * share:.0f} %) {words} ${guide.tex(axis, 2)}$. The joints that work against each other there: "
+    f"{verdict} What the tool {'loses' if is_singular else 'does worst'} is for the most part "
+    f"({100 * share:.0f} %) {words} ${guide.tex(axis, 2)}$ in its own axes. The joints that work against each other "
+    f"there: "
     f"{', '.join(f'`{name}`' for name in against)}."
 )
 
@@ -286,14 +295,15 @@ def lines(count):
 
 w, q, d = rng.normal(size=(3, 3))
 square = np.cross(w, d)
-pairs = {
+first, ahead = turning(w, q), turning(w, q + d)
+patterns = {
     "six lines anywhere": lines(6),
-    "two on one line": [turning(w, q), turning(w, q + 0.7 * w), *lines(4)],
-    "three parallel, in one plane": [turning(w, q), turning(w, q + d), turning(w, q - 0.4 * d), *lines(3)],
-    "three parallel, not in one plane": [turning(w, q), turning(w, q + d), turning(w, q + square), *lines(3)],
-    "four through one point": [*(turning(rng.normal(size=3), q) for _ in range(4)), *lines(2)],
+    "two on one line": [first, turning(w, q + 0.7 * w), *lines(4)],
+    "three parallel, in one plane": [first, ahead, turning(w, q - 0.4 * d), *lines(3)],
+    "three parallel, not in one plane": [first, ahead, turning(w, q + square), *lines(3)],
+    "four through one point": [*(turning(x, q) for x in rng.normal(size=(4, 3))), *lines(2)],
 }
-ranks = {words: int(np.linalg.matrix_rank(np.column_stack(each), tol=1e-9)) for words, each in pairs.items()}
+ranks = {words: int(np.linalg.matrix_rank(each, tol=1e-9)) for words, each in patterns.items()}
 assert list(ranks.values()) == [6, 5, 5, 6, 5]
 guide.table(
     ["six turning axes", "rank"], list(ranks.items()), "The columns of $J^s$ are the axes: put them together, count."
@@ -339,8 +349,8 @@ top = 30 / damping
 ax.semilogy(s, np.minimum(plain, 10 * top), label="inverse, 1/σ")
 ax.semilogy(s, damped, label=f"damped, λ = {damping}")
 ax.axhline(1 / (2 * damping), color=guide.GREY, linewidth=1.0, linestyle=":", label="1/(2λ)")
-ax.set_ylim(min(damped.min(), plain.min()) / 2, top)
-ax.legend()
+ax.set_ylim(min(0.3 / damping / 10, plain.min() / 2, damped[0] / 2), top)
+ax.legend(frameon=False, fontsize=9, loc="upper left")
 guide.figure(
     fig,
     "The rates that the inverse asks for grow without bound towards the singular posture; those of damped least "
