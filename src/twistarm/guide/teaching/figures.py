@@ -212,7 +212,8 @@ def plot_arm(
     """
     x = arm.ready if theta is None else np.asarray(theta, float)
     points = arm_points(arm, x)
-    ax.plot(*points.T, color=colour, linewidth=3.5, solid_capstyle="round", solid_joinstyle="round", alpha=0.75 * alpha)
+    round_ends = {"solid_capstyle": "round", "solid_joinstyle": "round"}
+    ax.plot(*points.T, color=colour, linestyle="-", linewidth=3.5, alpha=0.75 * alpha, **round_ends)
     turning = np.linalg.norm(arm.screws[3:], axis=0) > 0.5
     for point, turns in zip(points[1:-1], turning, strict=True):
         ax.plot(*point[:, None], "o" if turns else "s", color=colour, markersize=6, markerfacecolor=SKY, alpha=alpha)

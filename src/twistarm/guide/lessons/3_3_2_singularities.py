@@ -1,0 +1,430 @@
+# %% [markdown]
+# # Why does the arm get stuck when it is stretched out?
+#
+# You drive the tool outward with the joystick, slowly and straight. All is well until the arm is nearly straight. Then
+# the elbow motor runs away at full speed, and the tool hardly moves. You look for a loose wire. There is none: the arm
+# has come to a **singular configuration**, and the reason stands in its Jacobian.
+
+# %%
+import numpy as np
+from scipy.optimize import minimize
+
+from twistarm import guide, screws
+
+arm = guide.arm()
+theta = arm.ready
+
+# %% [markdown]
+# ## The law
+#
+# The columns of $J(\theta)$ are the twists that the joints offer. Their sums are all that the tool can do. Where the
+# columns stop being independent, one direction is missing among the sums. A configuration is singular where the rank of
+# $J(\theta)$ is smaller than it is elsewhere (MLS, section 3.4.3). It does not matter which Jacobian you ask: $J^s$ and
+# $J^b$ differ by an Adjoint, which has an inverse.
+#
+# Begin with two links in a plane, where it can be done by hand. Only the position of the tool counts, and the Jacobian
+# is $2 \times 2$. Its determinant is
+#
+# $$\det J = l_1 l_2 \sin\theta_2$$
+
+# %%
+planar = guide.bundled("rr_planar")
+elbow_at = screws.to_screw(planar.screws[:, 1]).point
+l1 = float(np.linalg.norm(elbow_at - screws.to_screw(planar.screws[:, 0]).point))
+l2 = float(np.linalg.norm(planar.home[:3, 3] - elbow_at))
+
+bends = np.radians(np.linspace(-179, 179, 359))
+postures = np.stack([0.4 + 0 * bends, bends], axis=-1)
+J = planar.hybrid_jacobian(postures)[:, :2]  # x and y of the tool's origin
+assert np.allclose(np.linalg.det(J), l1 * l2 * np.sin(bends))
+
+# %%
+guide.predict(
+    r"For which angles is that arm singular? And what does $\theta_1$ have to do with it?",
+    r"At $\theta_2 = 0$, stretched, and at $\theta_2 = 180°$, folded. Nothing: $\theta_1$ turns the whole picture. "
+    r"Being "
+    "singular is a matter of the posture of the axes to each other, and the first joint never changes that.",
+)
+guide.slider(
+    "ellipsoid",
+    r"The ellipse shows where the tool can be sent by joint rates of length one. Bring $\theta_2$ to 0. What becomes "
+    r"of "
+    "the ellipse, and which way can the tool no longer go?",
+    r"It becomes a line, square to the arm: $\sigma_2 = 0$. Along the arm the tool cannot move at all, neither out nor "
+    "in. Both joints can only swing it sideways. The way in is lost too, although there is room.",
+    l1=round(l1, 3),
+    l2=round(l2, 3),
+    theta1=25,
+    theta2=70,
+)
+
+# %% [markdown]
+# ## What the elbow is asked for
+#
+# Let the tool go outward at five centimetres a second, along the line from the base. From the law of cosines,
+# $r^2 = l_1^2 + l_2^2 + 2 l_1 l_2 \cos\theta_2$, and therefore
+#
+# $$\dot\theta_2 = -\frac{r\, \dot r}{l_1 l_2 \sin\theta_2}$$
+#
+# The sine of a small angle stands below the line.
+
+# %%
+outward = 0.05
+nearly = np.radians(np.array([90.0, 30.0, 10.0, 3.0, 1.0]))
+rates = []
+for bend in nearly:
+    at = np.array([0.0, bend])
+    tool = planar.fk(at)[:2, 3] - screws.to_screw(planar.screws[:, 0]).point[:2]
+    r = np.linalg.norm(tool)
+    rate = np.linalg.solve(planar.hybrid_jacobian(at)[:2], outward * tool / r)
+    assert np.isclose(rate[1], -r * outward / (l1 * l2 * np.sin(bend)))
+    rates.append(abs(float(np.degrees(rate[1]))))
+guide.table(
+    ["elbow still bent by", "it must turn at"],
+    [[f"{np.degrees(bend):.0f}°", f"{rate:.0f}°/s"] for bend, rate in zip(nearly, rates, strict=True)],
+    f"Outward at {100 * outward:.0f} cm/s with links of {l1:g} m and {l2:g} m.",
+)
+
+# %% [markdown]
+# ## How far from singular: the ellipsoid
+#
+# A rank is a yes or a no. A builder wants to know how near. Take all joint rates of length one: a ball. $J$ maps it to
+# an ellipsoid, the **manipulability ellipsoid** (MLS, section 3.4.4, measures it). The singular value decomposition
+# $J = U \Sigma V^T$ describes it whole:
+#
+# - its half axes have the lengths $\sigma_1 \ge \sigma_2 \ge \dots$, the singular values;
+# - they point along the columns of $U$, directions of the tool;
+# - the columns of $V$ are the joint rates that lead there.
+#
+# A long axis means fast, and weak: by $\tau = J^T F$, a unit of joint torque balances the force $1/\sigma$ there. A
+# short axis means slow, and strong. The ratio $\sigma_{\max}/\sigma_{\min}$ is the **condition number**. It is one
+# for a ball, and infinite where a direction is lost.
+
+# %% tags=["hidden"]
+fig, axes = guide.axes2(3, width=6.6, height=2.6, equal=True)
+turn = np.linspace(0, 2 * np.pi, 200)
+circle = np.array([np.cos(turn), np.sin(turn)])
+for ax, bend in zip(axes, (90.0, 30.0, 0.0), strict=True):
+    at = np.radians([30.0, bend])
+    line = guide.arm_points(planar, at)[1:, :2]
+    ellipse = line[-1][:, None] + 0.35 * planar.hybrid_jacobian(at)[:2] @ circle
+    ax.plot(*line.T, color=guide.INK, linewidth=3.5, linestyle="-", solid_capstyle="round")
+    ax.plot(*line[:-1].T, "o", color=guide.BLUE, markersize=6, linestyle="none")
+    ax.plot(*ellipse, color=guide.ORANGE, linestyle="-")
+    number = np.linalg.cond(planar.hybrid_jacobian(at)[:2])
+    ax.set_title(rf"$\theta_2 = {bend:.0f}°$" + "\ncondition " + (f"{number:.1f}" if number < 1e6 else "∞"), fontsize=9)
+    ax.set_xlim(-0.35, 1.05)
+    ax.set_ylim(-0.3, 0.95)
+    ax.set_xticks([])
+    ax.set_yticks([])
+guide.figure(
+    fig,
+    "The two-link arm with its elbow bent by 90, by 30 and by 0 degrees; the ellipse at its tool gets thinner, and "
+    "is a "
+    "line, square to the arm, where the arm is straight",
+    "The velocities of the tool that joint rates of length one reach, as the arm is stretched.",
+)
+
+# %% [markdown]
+# ## On your arm: six directions, two units
+#
+# The whole Jacobian has rows in metres and rows in radians, and a sum of squares of both means nothing until you say
+# how many metres are worth one radian. `arm.manipulability` measures lengths in units of the arm's reach. The
+# singular values then have no unit, but they depend on that choice. Whether one of them is zero does not.
+
+# %%
+slides = np.array(arm.units) == "m"
+m = arm.manipulability(theta)
+postures = arm.random_theta(0, 2000)
+rank = int(arm.manipulability(postures).rank.max())  # where the tool moves in most
+
+
+def least(x):
+    """The singular value that reaches zero first."""
+    return float(arm.manipulability(x).singular_values[rank - 1])
+
+
+guide.say(
+    rf"`{arm.name}`, waiting: $\sigma = {guide.tex(m.singular_values)}$. It can move its tool in {rank} independent "
+    f"direction{'s' if rank > 1 else ''}"
+    + (
+        f", the most that its joints allow; of the six, {6 - rank} {'are' if rank < 5 else 'is'} missing in *every* "
+        f"posture. That is not a "
+        f"singularity: it is what {arm.n} joint{'s' if arm.n > 1 else ''} can do."
+        if rank < 6
+        else ", which is all that there are."
+    )
+    + f" The condition of these {rank} is {float(m.condition_in(rank)):.1f}."
+)
+
+# %% tags=["hidden"]
+linear = arm.hybrid_jacobian(theta)[:3] * np.where(slides, arm.reach, 1.0)
+U, sigma, _ = np.linalg.svd(linear)
+sigma = np.append(sigma, np.zeros(3 - len(sigma)))
+around, height = np.meshgrid(np.linspace(0, 2 * np.pi, 25), np.linspace(0, np.pi, 13))
+ball = np.array([np.sin(height) * np.cos(around), np.sin(height) * np.sin(around), np.cos(height)])
+size = 0.35 * arm.reach / sigma[0]
+surface = arm.fk(theta)[:3, 3, None, None] + size * np.einsum("ij,jkl->ikl", U * sigma, ball)
+fig, ax = guide.axes3(width=5.0, height=4.4)
+ax.plot_wireframe(*surface, color=guide.ORANGE, linewidth=0.6, alpha=0.7, rstride=2, cstride=2)
+guide.plot_arm(ax, arm, theta)
+for k in range(3):
+    if sigma[k] > 0.02 * sigma[0]:
+        guide.plot_vector(ax, arm.fk(theta)[:3, 3], 1.05 * size * sigma[k] * U[:, k], "", guide.ORANGE)
+guide.fit(ax)
+flat = int((sigma > 1e-6 * sigma[0]).sum())
+shape = {3: "an ellipsoid", 2: "a flat ellipse", 1: "a line", 0: "a point"}[flat]
+guide.figure(
+    fig,
+    f"{arm.name} as it waits, and at its tool {shape} with its half axes: long where joint rates move the tool far",
+    f"Where joint rates of length one send the tool's origin: {shape}, its half axes in the ratio "
+    f"{' : '.join(f'{s / sigma[0]:.2f}' for s in sigma[:flat])}.",
+)
+
+# %% [markdown]
+# ## The worst posture inside your limits
+#
+# Where is your own arm singular? Ask two thousand random postures, take the worst, and roll downhill from there, within
+# the joint limits.
+
+# %%
+low, high = arm.sampling_bounds
+bounds = list(zip(low, high, strict=True))
+worst = postures[np.argsort(arm.manipulability(postures).singular_values[:, rank - 1])[:4]]
+found = [minimize(lambda x: least(x) ** 2, x, method="L-BFGS-B", bounds=bounds) for x in worst]
+singular = min((np.clip(each.x, low, high) for each in found), key=least)
+
+gone = least(singular) / arm.manipulability(singular).singular_values[0]
+is_singular = gone < 1e-4
+
+# %% [markdown]
+# Two directions have a name there. One is of the tool: the column of $U$ that is lost. The other is of the joints: the
+# column of $V$ beside it, rates that cancel each other so that the tool stands still while motors run. Read both just
+# beside the posture, for in it any rounding would choose among all that is missing.
+
+# %%
+lengths = np.where(slides, arm.reach, 1.0)  # slides are counted in units of the reach, too
+beside = singular + 0.02 * (theta - singular)
+J = arm.body_jacobian(beside) * np.array([1 / arm.reach] * 3 + [1.0] * 3)[:, None] * lengths
+U, sigma, Vt = np.linalg.svd(J, full_matrices=False)
+assert np.allclose(sigma, arm.manipulability(beside).singular_values)
+lost, idle = U[:, rank - 1], Vt[rank - 1] * lengths
+
+# %% tags=["hidden"]
+weights = np.abs(Vt[rank - 1])
+against = [name for name, w in zip(arm.joint_names, weights, strict=True) if w > 0.15 * weights.max()]
+turns = float(np.linalg.norm(lost[3:]))
+way = lost[3:] if turns > np.sqrt(0.5) else lost[:3]
+words = "a turn about" if turns > np.sqrt(0.5) else "a shift along"
+share = max(turns**2, 1 - turns**2)
+axis = way / np.linalg.norm(way)
+axis = axis * (1.0 if axis[np.argmax(np.abs(axis))] > 0 else -1.0)
+
+
+def shown(x, unit, digits):
+    number = f"{round(float(x), digits) + 0.0:.{digits}f}".replace("-", "−")
+    return f"{number}{unit if unit == '°' else ' ' + unit}"
+
+
+guide.table(
+    ["joint", "ready", "worst", "runs idle"],
+    [
+        [
+            f"`{name}`",
+            *(shown(x, "m", 3) if slide else shown(np.degrees(x), "°", 1) for x in (a, b)),
+            shown(w, "m/s" if slide else "rad/s", 2),
+        ]
+        for name, slide, a, b, w in zip(arm.joint_names, slides, theta, singular, idle, strict=True)
+    ],
+    f"The worst posture that was found in the limits of `{arm.name}`.",
+)
+verdict = (
+    rf"There $\sigma_{{{rank}}}/\sigma_1 = {guide.rough(gone)}$: singular."
+    if is_singular
+    else rf"There $\sigma_{{{rank}}}/\sigma_1 = {gone:.3f}$. It is not singular: inside your limits this arm always "
+    "keeps what it can do. That is as it should be, and not every arm has it."
+)
+guide.say(
+    f"{verdict} What the tool {'loses' if is_singular else 'does worst'} is for the most part "
+    f"({100 * share:.0f} %) {words} ${guide.tex(axis, 2)}$ in its own axes. The joints that work against each other "
+    f"there: "
+    f"{', '.join(f'`{name}`' for name in against)}."
+)
+
+# %% tags=["hidden"]
+fig, ax = guide.axes3(width=5.2, height=4.4)
+guide.plot_arm(ax, arm, theta, colour=guide.GREY, alpha=0.4, tool=False)
+guide.plot_arm(ax, arm, singular)
+axes_there = arm.spatial_jacobian(singular)
+follows = [int(np.argmax(np.abs(arm.coupling.A[:, k]))) for k in range(arm.n)]
+points = guide.arm_points(arm, singular)[1:-1]
+for k, name in enumerate(arm.joint_names):
+    if name in against:
+        guide.plot_screw(ax, axes_there[:, k], 0.5 * arm.reach, near=points[follows[k]])
+guide.fit(ax)
+guide.figure(
+    fig,
+    f"{arm.name} in its worst posture, with the axes of the joints that work against each other; behind it, grey, the "
+    "posture in which it waits",
+    f"The worst posture, and the axes of {', '.join(f'`{name}`' for name in against)}. Grey: waiting.",
+)
+
+# %% [markdown]
+# ## Three patterns to know by sight
+#
+# You will meet three kinds again and again (MLS, section 3.4.3). Each is a statement about axes, and an eye can see it:
+#
+# - **two turning axes on one line**: the wrist whose first and last joint roll about the same line. Turning one against
+#   the other does nothing;
+# - **three parallel turning axes in one plane**: shoulder, elbow and wrist, stretched. Your two links above are that,
+#   with the tool's point for the third;
+# - **four turning axes through one point**: the wrist's centre comes to lie on the axis of the base.
+
+# %%
+rng = np.random.default_rng(3)
+
+
+def turning(axis, point):
+    axis = np.asarray(axis) / np.linalg.norm(axis)
+    return np.append(np.cross(point, axis), axis)  # (−ω × q, ω)
+
+
+def lines(count):
+    return [turning(rng.normal(size=3), rng.normal(size=3)) for _ in range(count)]
+
+
+w, q, d = rng.normal(size=(3, 3))
+square = np.cross(w, d)
+first, ahead = turning(w, q), turning(w, q + d)
+patterns = {
+    "six lines anywhere": lines(6),
+    "two on one line": [first, turning(w, q + 0.7 * w), *lines(4)],
+    "three parallel, in one plane": [first, ahead, turning(w, q - 0.4 * d), *lines(3)],
+    "three parallel, not in one plane": [first, ahead, turning(w, q + square), *lines(3)],
+    "four through one point": [*(turning(x, q) for x in rng.normal(size=(4, 3))), *lines(2)],
+}
+ranks = {words: int(np.linalg.matrix_rank(each, tol=1e-9)) for words, each in patterns.items()}
+assert list(ranks.values()) == [6, 5, 5, 6, 5]
+guide.table(
+    ["six turning axes", "rank"], list(ranks.items()), "The columns of $J^s$ are the axes: put them together, count."
+)
+
+# %% [markdown]
+# ## Driving through
+#
+# Walk from the posture in which the arm waits to the worst one, every joint in proportion. On the way, ask at each step
+# what the joints must do for the tool to make the twist of size one that suits them least: $1/\sigma$.
+#
+# A controller that inverts $J$ sends these rates to the motors. **Damped least squares** does not:
+#
+# $$\dot\theta = J^T (J J^T + \lambda^2 I)^{-1} V$$
+#
+# It puts $\sigma/(\sigma^2 + \lambda^2)$ in the place of $1/\sigma$. That is never more than $1/(2\lambda)$. The
+# price is that the tool does only the share $\sigma^2/(\sigma^2 + \lambda^2)$ of what was asked.
+
+# %%
+damping = 0.05
+s = np.linspace(0, 1, 400)
+on_the_way = theta + s[:, None] * (singular - theta)
+small = np.maximum(arm.manipulability(on_the_way).singular_values[:, rank - 1], 1e-12)
+plain, damped = 1 / small, small / (small**2 + damping**2)
+assert np.all(damped <= 1 / (2 * damping) + 1e-9)
+
+V = lost  # checked on the whole matrix, not on the formula for one singular value
+whole = J.T @ np.linalg.solve(J @ J.T + damping**2 * np.eye(6), V)
+assert np.isclose(np.linalg.norm(whole), sigma[rank - 1] / (sigma[rank - 1] ** 2 + damping**2))
+
+# %%
+guide.predict(
+    f"With $\\lambda = {damping}$, what is the largest rate that the damped answer can ask for, for a twist of size "
+    f"one?",
+    rf"$1/(2\lambda) = {1 / (2 * damping):.0f}$, reached where $\sigma = \lambda$. Nearer to the singularity it asks "
+    rf"for "
+    "less and less, and in it for nothing: the arm gives up the direction that it does not have, and keeps the others.",
+)
+
+# %% tags=["hidden"]
+fig, ax = guide.axes2(xlabel="from waiting (0) to the worst posture (1)", ylabel="joint rates per unit of twist")
+top = 30 / damping
+ax.semilogy(s, np.minimum(plain, 10 * top), label="inverse, 1/σ")
+ax.semilogy(s, damped, label=f"damped, λ = {damping}")
+ax.axhline(1 / (2 * damping), color=guide.GREY, linewidth=1.0, linestyle=":", label="1/(2λ)")
+ax.set_ylim(min(0.3 / damping / 10, plain.min() / 2, damped[0] / 2), top)
+ax.legend(frameon=False, fontsize=9, loc="upper left")
+guide.figure(
+    fig,
+    "The rates that the inverse asks for grow without bound towards the singular posture; those of damped least "
+    "squares "
+    f"stay below {1 / (2 * damping):.0f} and fall to zero there"
+    if is_singular
+    else "The rates that the inverse and damped least squares ask for on the way to the worst posture",
+    "The worst direction, on the way to the worst posture.",
+)
+
+# %% [markdown]
+# Damping is for driving by hand. When you *plan*, you may do better: move the joints instead of the tool past such a
+# place (`JointMove`), choose the other solution of inverse kinematics, or place the work elsewhere. `twistarm`'s servo
+# and its solver damp by themselves.
+#
+# ## What is lost for motion is won for force
+#
+# In the lost direction $u$ you have $u^T J = 0$. By $\tau = J^T F$ a wrench along it asks nothing of any motor: the
+# structure carries it. So you hold a suitcase with your arm straight.
+
+# %%
+straight = np.array([0.4, np.radians(1.0)])
+pull = planar.fk(straight)[:2, 3] - screws.to_screw(planar.screws[:, 0]).point[:2]
+force = 100 * pull / np.linalg.norm(pull)
+stretched = planar.hybrid_jacobian(straight)[:2].T @ force
+bent = planar.hybrid_jacobian([0.4, np.radians(90.0)])[:2]
+tool = planar.fk([0.4, np.radians(90.0)])[:2, 3] - screws.to_screw(planar.screws[:, 0]).point[:2]
+at_right_angle = bent.T @ (100 * tool / np.linalg.norm(tool))
+assert np.isclose(stretched[0], 0, atol=1e-9)  # the force passes through the base
+guide.predict(
+    "The two-link arm pulls outward with 100 N, along the line from its base. What torque must the elbow hold when "
+    "it is "
+    "bent by 90°, and what when it is bent by 1°?",
+    f"{abs(at_right_angle[1]):.1f} N m at 90°, and {abs(stretched[1]):.2f} N m at 1°. The motor that could not move "
+    f"the "
+    "tool outward need not hold it there either.",
+)
+
+# %% [markdown]
+# ## What goes wrong in practice
+#
+# - **Only the ends are checked.** Both ends of a straight line are comfortable, and the middle is singular. Check the
+#   whole way; `plan` does, and `PathError` names the place.
+# - **The determinant as a distance.** It shrinks with the size of the arm, not only with the distance from trouble. Use
+#   the condition or the smallest singular value.
+# - **Metres beside radians.** In millimetres the same posture has another condition. Say what length is worth a radian.
+# - **A hard switch.** A pseudo-inverse that cuts off small singular values jumps when one crosses the threshold, and
+#   the motors knock. Damping is smooth.
+# - **Ready is singular.** Many descriptions stretch the arm out at zero: there Newton's method and joysticks begin
+#   badly.
+
+# %% tags=["hidden"]
+small_arm, large_arm = (float(np.linalg.det(planar.hybrid_jacobian([0.4, 1.2])[:2])) * f**2 for f in (0.1, 1.0))
+zero = arm.manipulability(np.zeros(arm.n))
+lowest = zero.singular_values[rank - 1] / zero.singular_values[0]
+same = [float(arm.manipulability(theta, length).condition_in(rank)) for length in (arm.reach, 1.0, 0.001)]
+guide.table(
+    ["what", "number"],
+    [
+        ["determinant of the two-link arm, well bent", f"{large_arm:.4f}"],
+        ["the same arm built a tenth as large", f"{small_arm:.6f}"],
+        [f"condition of `{arm.name}`, waiting, by its reach", f"{same[0]:.1f}"],
+        ["the same, one metre worth one radian", f"{same[1]:.1f}"],
+        ["the same, one millimetre worth one radian", f"{same[2]:.0f}"],
+        [
+            f"`{arm.name}`, all joints at zero",
+            "singular" if lowest < 1e-6 else f"condition {float(zero.condition_in(rank)):.1f}",
+        ],
+    ],
+    "The slips as numbers.",
+)
+
+# %% [markdown]
+# ## Exercises
+
+# %%
+guide.practice("3_3_2_singularities")
