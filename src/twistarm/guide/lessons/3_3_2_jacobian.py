@@ -87,7 +87,8 @@ fig, (left, right) = guide.axes3(2, width=6.6, height=3.6, box=False)
 guide.plot_arm(left, arm, theta, tool=False)
 for k, (xi, point) in enumerate(zip(axes_now.T, guide.arm_points(arm, theta)[1:-1], strict=True), start=1):
     guide.plot_screw(left, xi, 0.42 * arm.reach, near=point)
-    left.text(*(point + 0.07 * arm.reach * np.array([1, 0, 1])), rf"$\xi_{k}'$", color=guide.INK)
+    end = point - 0.27 * arm.reach * screws.to_screw(xi).axis  # beside the end that has no arrow
+    left.text(*end, f"{k}", color=guide.PINK, ha="center", va="center")
 guide.plot_arm(right, arm, theta, colour=guide.GREY, alpha=0.6, tool=False)
 for k in np.argsort(-speeds, kind="stable"):
     if speeds[k] > 0.02 * speeds.max():
@@ -98,7 +99,7 @@ left.set_title("the axes, where they stand now", fontsize=9)
 right.set_title("the tool's velocity by each joint", fontsize=9)
 seen = np.array([left.get_w_lims(), right.get_w_lims()]).reshape(2, 3, 2)
 for ax in (left, right):
-    guide.fit(ax, [seen[:, :, 0].min(axis=0), seen[:, :, 1].max(axis=0)])
+    guide.fit(ax, [seen[:, :, 0].min(axis=0), seen[:, :, 1].max(axis=0)], margin=0.2)
 guide.figure(
     fig,
     f"Left, {arm.name} as it waits with the axis of each joint where it stands now; right, at its tool, an arrow for "
@@ -284,8 +285,8 @@ guide.predict(
     (
         f"Most: `{arm.joint_names[heaviest]}`, with {abs(torques[heaviest]):.2f} {unit}. Nothing: "
         + (", ".join(f"`{n}`" for n, t in zip(arm.joint_names, torques, strict=True) if abs(t) < 1e-6) or "none")
-        + ". About a level axis a joint bears the weight times the horizontal distance of the tool from the axis; about a "
-        "vertical one, nothing."
+        + ". About a level axis a joint bears the weight times the horizontal distance of the tool from "
+        "the axis; about a vertical one, nothing."
         if abs(torques[heaviest]) > 1e-6
         else "None of them bears anything: every axis stands so that the weight cannot drive it. The bearings carry "
         "all."

@@ -350,7 +350,7 @@ ax.semilogy(s, np.minimum(plain, 10 * top), label="inverse, 1/σ")
 ax.semilogy(s, damped, label=f"damped, λ = {damping}")
 ax.axhline(1 / (2 * damping), color=guide.GREY, linewidth=1.0, linestyle=":", label="1/(2λ)")
 ax.set_ylim(min(0.3 / damping / 10, plain.min() / 2, damped[0] / 2), top)
-ax.legend(frameon=False, fontsize=9, loc="upper left")
+ax.legend(frameon=False, fontsize=9, labelcolor=guide.INK, loc="upper left")
 guide.figure(
     fig,
     "The rates that the inverse asks for grow without bound towards the singular posture; those of damped least "

@@ -1,0 +1,422 @@
+# %% [markdown]
+# # What do you send every ten milliseconds?
+#
+# The arm is folded, and you have recorded the posture in which it should be. You send the new angles to the motors, all
+# at once. The arm bangs, the battery's fuse blows, and the rover has moved by a hand's width. Nothing was wrong with
+# the angles. What you did not say is how to get there.
+#
+# This lesson fills the guide's section on spline trajectories, which is empty. You need two things: a **path**, which
+# says where, and a **time law**, which says when.
+
+# %%
+import numpy as np
+from scipy.interpolate import CubicSpline
+
+from twistarm import LineMove, PathError, TwistarmError, guide, plan, plan_joint, rotations, screws
+
+arm = guide.arm()
+start = arm.ready
+goal = start + 0.4 * (arm.random_theta(7) - start)  # some posture inside the limits
+
+# %% [markdown]
+# ## The straight path, and its clock
+#
+# The simplest path goes straight in joint space: every joint from its first value to its last, all in proportion. One
+# number $s$ runs from 0 to 1:
+#
+# $$\theta(t) = \theta_0 + s(t)\,(\theta_1 - \theta_0)$$
+#
+# Everything else is the choice of $s(t)$. It begins at 0 and ends at 1, at the time $T$; and the arm stands still
+# at both ends. These are four conditions, and a polynomial with four coefficients meets them: the **cubic**. With
+# $u = t/T$,
+#
+# $$s = 3u^2 - 2u^3$$
+#
+# (Lynch & Park, section 9.2.2; MLS has no chapter on this.) You need not remember it. Four linear equations give it:
+
+# %%
+#            u³    u²   u   1
+conditions = [
+    [0.0, 0.0, 0.0, 1.0],  # s(0)
+    [1.0, 1.0, 1.0, 1.0],  # s(1)
+    [0.0, 0.0, 1.0, 0.0],  # s'(0)
+    [3.0, 2.0, 1.0, 0.0],  # s'(1)
+]
+cubic = np.poly1d(np.linalg.solve(conditions, [0.0, 1.0, 0.0, 0.0]))
+assert np.allclose(cubic.coeffs, [-2.0, 3.0, 0.0, 0.0])
+
+# %%
+u = np.linspace(0, 1, 1001)
+fastest, hardest = np.abs(cubic.deriv()(u)).max(), np.abs(cubic.deriv(2)(u)).max()
+guide.predict(
+    "You halve the time $T$ of the same move. What becomes of the greatest velocity, and what of the greatest "
+    "acceleration?",
+    rf"Velocity doubles, acceleration becomes four times as large. With $d$ the distance, the cubic needs "
+    rf"${fastest:.1f}\, d/T$ and ${hardest:.0f}\, d/T^2$. Motors are asked for torque by the acceleration: haste costs "
+    "by the square.",
+)
+
+# %% [markdown]
+# ## Two more conditions: the quintic
+#
+# The cubic begins with its greatest acceleration. Before the start there was none, so the torque *jumps*, and a long
+# thin arm answers by shaking. Ask for zero acceleration at both ends as well. Six conditions, six coefficients:
+#
+# $$s = 10u^3 - 15u^4 + 6u^5$$
+
+# %%
+quintic = np.poly1d([6.0, -15.0, 10.0, 0.0, 0.0, 0.0])
+for derivative in (1, 2):
+    assert np.allclose(quintic.deriv(derivative)([0.0, 1.0]), 0.0)
+peaks = {}
+for name, law in (("cubic", cubic), ("quintic", quintic)):
+    peaks[name] = [float(np.abs(law.deriv(k)(u)).max()) for k in (1, 2, 3)]
+assert np.allclose(peaks["cubic"], [3 / 2, 6, 12])
+assert np.allclose(peaks["quintic"], [15 / 8, 10 / np.sqrt(3), 60], atol=1e-4)
+
+# %% tags=["hidden"]
+guide.table(
+    ["law", "greatest velocity, times $d/T$", "acceleration, times $d/T^2$", "jerk, times $d/T^3$"],
+    [[name, *(f"{peak:.2f}" for peak in each)] for name, each in peaks.items()],
+    "What the same move in the same time asks for. The cubic's jerk counts only inside: at its ends the acceleration "
+    "jumps.",
+)
+fig, panels = guide.axes2(3, width=6.6, height=2.5, xlabel="t / T")
+for ax, k, words in zip(panels, range(3), ("s", "velocity", "acceleration"), strict=True):
+    for name, law, style in (("cubic", cubic, "-"), ("quintic", quintic, "--")):
+        colour = guide.BLUE if name == "cubic" else guide.ORANGE
+        t = np.array([-0.15, 0, *u, 1, 1.15])
+        values = np.array([0, 0, *law.deriv(k)(u), 0, 0]) if k else np.array([0, 0, *law(u), 1, 1])
+        ax.plot(t, values, color=colour, linestyle=style, label=name)
+    ax.set_title(words, fontsize=9)
+panels[0].legend(frameon=False, fontsize=8, labelcolor=guide.INK, loc="upper left")
+guide.figure(
+    fig,
+    "Position, velocity and acceleration of the cubic and the quintic over time: the acceleration of the cubic jumps "
+    "at "
+    "both ends, that of the quintic begins and ends at zero",
+    "From rest to rest. The cubic is the gentler in the middle, the quintic at the ends.",
+)
+guide.slider(
+    "spline",
+    "Give the cubic a velocity at its end other than zero, as if it had to go on. How does its greatest velocity "
+    "change? "
+    "And which two velocities, at the start and at the end, make the acceleration vanish?",
+    r"A cubic may begin and end at any velocity: there are four coefficients, so four numbers can be chosen. If both "
+    r"ends "
+    r"have the mean velocity $d/T$, it is a straight line, and the acceleration is zero throughout. A *negative* end "
+    "velocity makes it overshoot first.",
+    kind="cubic",
+    start=0,
+    end=90,
+    duration=2,
+    velocity_start=0,
+    velocity_end=0,
+)
+
+# %% [markdown]
+# ## Limits: how long must it take?
+#
+# Turn the peaks around. A joint with the distance $d$, the velocity limit $\dot\theta_{\max}$ and the acceleration
+# limit $\ddot\theta_{\max}$ needs at least
+#
+# $$T = \max\left(\frac{3}{2}\frac{|d|}{\dot\theta_{\max}},\ \sqrt{\frac{6\,|d|}{\ddot\theta_{\max}}}\right)$$
+#
+# All joints share one $s(t)$, so the slowest joint sets the time for all, and all arrive together.
+#
+# A URDF holds velocity limits, and no limit of acceleration: it has no place for one. Where your arm's files give none,
+# this lesson supposes that a joint comes to full speed in half a second.
+
+# %%
+given = arm.limits
+velocity = np.where(np.isfinite(given.velocity), given.velocity, 1.0)
+acceleration = np.where(np.isfinite(given.acceleration), given.acceleration, 2.0 * velocity)
+limits = {
+    "velocity": dict(zip(arm.joint_names, velocity.tolist(), strict=True)),
+    "acceleration": dict(zip(arm.joint_names, acceleration.tolist(), strict=True)),
+}
+d = np.abs(goal - start)
+by_velocity, by_acceleration = 1.5 * d / velocity, np.sqrt(6 * d / acceleration)
+shortest = max(by_velocity.max(), by_acceleration.max())
+
+motion = plan_joint(arm, [start, goal], kind="cubic", limits=limits)
+nothing_else = arm.actuators is None and not np.isfinite(given.jerk).any()
+assert motion.duration >= shortest - 1e-9
+assert np.isclose(motion.duration, shortest) or not nothing_else
+assert np.all(motion.peak(1) <= velocity * (1 + 1e-9))
+assert np.all(motion.peak(2) <= acceleration * (1 + 1e-9))
+
+# %% tags=["hidden"]
+turns = np.array([unit == "rad" for unit in arm.units])
+units = [("°", 180 / np.pi) if turn else (" m", 1.0) for turn in turns]
+guide.table(
+    ["joint", "way", "limits", r"$T$ by velocity", r"$T$ by acceleration"],
+    [
+        [
+            f"`{name}`",
+            f"{way * k:.{1 if k > 1 else 3}f}{unit}",
+            f"{v * k:.{0 if k > 1 else 2}f}{unit}/s, {a * k:.{0 if k > 1 else 2}f}{unit}/s²",
+            f"{first:.2f} s",
+            f"{second:.2f} s",
+        ]
+        for name, way, (unit, k), v, a, first, second in zip(
+            arm.joint_names, d, units, velocity, acceleration, by_velocity, by_acceleration, strict=True
+        )
+    ],
+    f"One move of `{arm.name}`.",
+)
+slowest = int(np.argmax(np.maximum(by_velocity, by_acceleration)))
+guide.say(
+    f"`{arm.joint_names[slowest]}` is the slowest, with {shortest:.2f} s. `plan_joint` says {motion.duration:.2f} s"
+    + ("." if np.isclose(motion.duration, shortest) else ": the arm has limits of motors or of jerk besides.")
+    + " It looks for the extremes of the polynomials, not at samples of them; so nothing slips through between two."
+)
+quick = plan_joint(arm, [start, goal], kind="quintic", limits=limits).duration
+curve = plan_joint(arm, [start, goal], kind="s_curve", limits=limits).duration
+guide.predict(
+    "Will the quintic need more time than the cubic, or less?",
+    f"It depends on what is scarce. Where velocity is, the quintic is slower (15/8 against 3/2). Where acceleration "
+    f"is, it "
+    rf"is a trace faster ($10/\sqrt 3$ against 6). Here: {quick:.2f} s against {motion.duration:.2f} s. The law that "
+    f"drives at the limits and rounds only the corners (`s_curve`) takes {curve:.2f} s.",
+)
+
+# %% [markdown]
+# ## Via points
+#
+# On the way is a rock. You add a posture that goes around it. Now you may stop there, or pass through. To pass through
+# you need one cubic for each stretch, and conditions where two meet: the same position, the same velocity, the same
+# acceleration. Count, and you will find just as many equations as coefficients once both ends are at rest. This is the
+# **cubic spline** (Lynch & Park, section 9.3).
+
+# %%
+via = 0.35 * start + 0.45 * goal + 0.2 * arm.random_theta(12)  # half way, and to one side
+through = plan_joint(arm, [start, via, goal], kind="cubic", limits=limits)
+stopping = plan_joint(arm, [start, via, goal], kind="cubic", limits=limits, stop_at_waypoints=True)
+
+by_scipy = CubicSpline(through.times, through.waypoints, bc_type="clamped")
+at = np.linspace(0, through.duration, 200)
+inside = np.all((by_scipy(at) >= given.lower - 1e-9) & (by_scipy(at) <= given.upper + 1e-9))
+assert np.allclose(through(at), by_scipy(at), atol=1e-8) or not inside
+meeting = through.times[1]
+just_before, just_after = through(meeting - 1e-7, 2), through(meeting + 1e-7, 2)
+assert np.allclose(just_before, just_after, atol=1e-4 * acceleration.max())
+
+# %% tags=["hidden"]
+k = int(np.argmax(through.peak(1) / velocity))
+unit, factor = units[k]
+fig, (left, right) = guide.axes2(2, width=6.6, height=2.7, xlabel="t [s]")
+for way, words, style, colour in (
+    (through, "through", "-", guide.BLUE),
+    (stopping, "stopping", "--", guide.ORANGE),
+):
+    t = np.linspace(0, way.duration, 300)
+    left.plot(t, factor * way(t)[:, k], linestyle=style, color=colour, label=words)
+    right.plot(t, factor * way(t, 1)[:, k], linestyle=style, color=colour)
+    left.plot(way.times, factor * way.waypoints[:, k], "o", color=colour, markersize=5, linestyle="none")
+for sign in (1, -1):
+    right.axhline(sign * factor * velocity[k], color=guide.GREY, linewidth=1, linestyle=":")
+left.set_ylabel(f"{arm.joint_names[k]} [{unit.strip()}]")
+right.set_ylabel(f"velocity [{unit.strip()}/s]")
+left.legend(frameon=False, fontsize=8, labelcolor=guide.INK)
+guide.figure(
+    fig,
+    f"The joint {arm.joint_names[k]} over time, through a via point and stopping there, and its velocity, with its "
+    f"limits",
+    "The same three postures, passed and stopped at. Dots: the postures; dotted: the velocity limit.",
+)
+low, high = through.waypoints.min(axis=0), through.waypoints.max(axis=0)
+inner = through(at)
+beyond = np.maximum(inner - high, low - inner).max(axis=0)
+worst = int(np.argmax(beyond * np.array([f for _, f in units])))
+guide.predict(
+    "Is passing through always faster than stopping? And does the spline stay between the postures that you gave?",
+    f"Here it takes {through.duration:.2f} s, and with a stop {stopping.duration:.2f} s. Usually passing is the "
+    f"faster; "
+    "where a path turns back on itself it need not be. Nothing keeps a spline between its postures: "
+    + (
+        f"here `{arm.joint_names[worst]}` swings {beyond[worst] * units[worst][1]:.2f}{units[worst][0]} beyond the "
+        f"range "
+        "of the three."
+        if beyond[worst] > 1e-6
+        else "here it does stay there, by luck."
+    )
+    + " twistarm keeps the swing inside the joint limits; that it misses the rock is yours to check.",
+)
+
+# %% [markdown]
+# ## Straight in what?
+#
+# A path that is straight in joint space is not straight in the room. For a push, a plug or a drawer you want the *tool*
+# to go straight, and there are two ways to say so. Let $g_0$ and $g_1$ be the poses at both ends.
+#
+# - **Line**: the tool's origin goes straight, and the rotation turns about one fixed axis, both in proportion.
+# - **Screw**: Chasles found that one screw leads from $g_0$ to $g_1$. Go along it:
+#
+# $$g(s) = e^{\hat\xi s}\, g_0, \qquad \hat\xi = \log(g_1 g_0^{-1})$$
+#
+# (MLS, section 2.3.3.)
+
+# %%
+g0, g1 = arm.fk(start), arm.fk(goal)
+share = np.linspace(0, 1, 101)
+
+by_joints = arm.fk(start + share[:, None] * (goal - start))
+
+xi = screws.log(g1 @ screws.inverse(g0))
+by_screw = screws.exp(xi, share) @ g0
+
+turn = rotations.log(g0[:3, :3].T @ g1[:3, :3])
+by_line = np.tile(np.eye(4), (len(share), 1, 1))
+by_line[:, :3, :3] = g0[:3, :3] @ rotations.exp(share[:, None] * turn)
+by_line[:, :3, 3] = g0[:3, 3] + share[:, None] * (g1 - g0)[:3, 3]
+
+for way in (by_joints, by_screw, by_line):
+    assert np.allclose(way[0], g0)
+    assert np.allclose(way[-1], g1)
+
+# The screw is the same motion, whoever looks: from the base (above) or from the tool.
+from_the_tool = g0 @ screws.exp(screws.log(screws.inverse(g0) @ g1), share)
+assert np.allclose(from_the_tool, by_screw)
+
+
+# %% tags=["hidden"]
+def length_of(points):
+    return float(np.linalg.norm(np.diff(points, axis=0), axis=1).sum())
+
+
+def off_the_chord(points):
+    chord = points[-1] - points[0]
+    if (span := np.linalg.norm(chord)) < 1e-9:
+        return float(np.linalg.norm(points - points[0], axis=1).max())
+    across = np.cross(points - points[0], chord / span)
+    return float(np.linalg.norm(across, axis=1).max())
+
+
+ways = {"joints": by_joints, "line": by_line, "screw": by_screw}
+ahead = np.array([0.0, 0.0, 0.1, 1.0])  # a point ten centimetres in front of the tool
+rows = [
+    [
+        name,
+        f"{length_of(way[:, :3, 3]):.3f} m",
+        f"{1000 * off_the_chord(way[:, :3, 3]):.1f} mm",
+        f"{1000 * off_the_chord((way @ ahead)[:, :3]):.1f} mm",
+    ]
+    for name, way in ways.items()
+]
+assert off_the_chord(by_line[:, :3, 3]) < 1e-9
+guide.table(
+    [
+        "straight in",
+        "way of the tool's origin",
+        "it leaves the straight line by",
+        "a point 10 cm ahead leaves its own by",
+    ],
+    rows,
+    "Three ways between the same two poses.",
+)
+fig, ax = guide.axes3(width=5.2, height=4.4)
+guide.plot_arm(ax, arm, start, colour=guide.GREY, alpha=0.45, tool=False)
+guide.plot_arm(ax, arm, goal, colour=guide.GREY, alpha=0.45, tool=False)
+for (name, way), colour, style in zip(
+    ways.items(), (guide.BLUE, guide.INK, guide.ORANGE), ("-", ":", "--"), strict=True
+):
+    ax.plot(*way[:, :3, 3].T, color=colour, linestyle=style, linewidth=2.2, label=name)
+size = 0.12 * arm.reach
+guide.plot_frame(ax, g0, None, size)
+guide.plot_frame(ax, g1, None, size)
+ax.legend(frameon=False, fontsize=9, labelcolor=guide.INK, loc="upper left")
+guide.fit(ax)
+guide.figure(
+    fig,
+    f"{arm.name} at both ends of a move, and three ways of its tool between them: straight in the joints, on a line, "
+    "along a screw",
+    "The same two poses. Which way is right, the task decides.",
+)
+
+# %%
+guide.predict(
+    "On the *line*, does a point ten centimetres ahead of the tool's origin go straight as well?",
+    (
+        f"No: it leaves its straight line by {1000 * off_the_chord((by_line @ ahead)[:, :3]):.1f} mm, because the tool "
+        "turns on the way. A line is a statement about *one* point, so say which: put the tool frame where the work "
+        "is. "
+        "On the screw no point is special: each moves on a helix about the same axis, with the same pitch."
+        if np.linalg.norm(turn) > 1e-6
+        else "Here it does, for the tool does not turn between the two poses. Where it turns, only the origin goes "
+        "straight. On the screw no point is special."
+    ),
+)
+
+# %% [markdown]
+# Take the line for a push and a cut. Take the screw where the task has an axis: a cap, a door, a latch. Take the joints
+# for everything else: that path always exists inside the limits, and it knows no singularity.
+#
+# ## Let `plan` do it
+#
+# Whether the arm *can* follow a line is another question: the limits end somewhere, and there are singularities.
+# `plan` solves inverse kinematics along the way, stays in one branch, and then finds the time law within all limits.
+
+# %%
+length = 0.25 * arm.reach
+for direction in np.vstack([np.eye(3), -np.eye(3)]):
+    push = LineMove.by(length * direction, frame="base", constrain="position")
+    try:
+        straight = plan(arm, push, limits=limits, tool_speed=0.2)
+        break
+    except TwistarmError:  # not that way: try the next axis of the base
+        continue
+
+t = np.linspace(0, straight.duration, 500)
+tool = arm.fk(straight(t))[:, :3, 3]
+assert off_the_chord(tool) < 1e-4
+assert np.isclose(length_of(tool), length, atol=1e-3 * arm.reach)
+try:
+    plan(arm, LineMove.by(12 * length * direction, frame="base", constrain="position"), limits=limits)
+    refused = ""
+except PathError as error:
+    refused = str(error)
+assert refused
+
+# %% tags=["hidden"]
+axis = ("+" if direction.sum() > 0 else "−") + "xyz"[int(np.argmax(np.abs(direction)))]
+guide.say(
+    f"{length:.3f} m along ${axis}$ of the base take {straight.duration:.2f} s. Forward kinematics at {len(t)} "
+    f"instants: "
+    f"the tool leaves the line by at most {1e6 * off_the_chord(tool):.1f} µm. Ask for twelve times as far, and `plan` "
+    f"answers:\n\n> {refused}"
+)
+guide.scene(
+    arm, start, straight, caption="The push. Play it, and watch which joints must hurry so that the tool goes straight."
+)
+
+# %% [markdown]
+# ## What goes wrong in practice
+#
+# - **Straight in the wrong space.** Two recorded postures close to the table, and the tool goes through the table
+#   between them. Add via points, or use a line.
+# - **A full turn.** From 350° to 10° is 20° to you and 340° back to a program that subtracts. Wrap the difference where
+#   the joint has no limits; never where it has a cable.
+# - **Too few setpoints.** Between two setpoints a simple drive goes straight. With acceleration $a$ it is off by up to
+#   $a\,\Delta t^2/8$.
+# - **Only samples are checked.** The velocity at every hundredth of a second was fine, and the peak lay between.
+# - **The limit of the joint is not that of the motor.** Behind a differential both motors work for one joint.
+#   `[actuators]` in `arm.toml` says so.
+
+# %% tags=["hidden"]
+rows = []
+for dt in (0.01, 0.05, 0.2):
+    grid = np.append(np.arange(0, motion.duration, dt), motion.duration)
+    fine = np.linspace(0, motion.duration, 4001)
+    chords = np.stack([np.interp(fine, grid, column) for column in motion(grid).T], axis=-1)
+    off = np.abs(chords - motion(fine)).max(axis=0)
+    assert np.all(off <= motion.peak(2) * dt**2 / 8 + 1e-9)
+    far = np.linalg.norm((arm.fk(chords) - arm.fk(motion(fine)))[:, :3, 3], axis=1).max()
+    rows.append([f"{1000 * dt:.0f} ms", f"{1000 * far:.3f} mm"])
+guide.table(["a setpoint every", "the tool is off by up to"], rows, f"The first move of this lesson on `{arm.name}`.")
+
+# %% [markdown]
+# ## Exercises
+
+# %%
+guide.practice("3_3_1_trajectories")
