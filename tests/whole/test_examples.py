@@ -1,4 +1,4 @@
-"""The examples and the guide's lessons run and assert what they claim."""
+"""The examples run and assert what they claim; tests/guide runs the lessons."""
 
 from __future__ import annotations
 
