@@ -124,8 +124,8 @@ guide.slider(
 #
 # All joints share one $s(t)$, so the slowest joint sets the time for all, and all arrive together.
 #
-# A URDF holds velocity limits, and no limit of acceleration: it has no place for one. Where your arm's files give none,
-# this lesson supposes that a joint comes to full speed in half a second.
+# A URDF may hold velocity limits, but it has no place for a limit of acceleration. Where your arm's files give none,
+# this lesson supposes full speed within half a second; and where no speed is given, one radian or one metre a second.
 
 # %%
 given = arm.limits
@@ -352,27 +352,37 @@ guide.predict(
 # Take the line for a push and a cut. Take the screw where the task has an axis: a cap, a door, a latch. Take the joints
 # for everything else: that path always exists inside the limits, and it knows no singularity.
 #
-# ## Let `plan` do it
+# ## Let the planner do it
 #
 # Whether the arm *can* follow a line is another question: the limits end somewhere, and there are singularities.
 # `plan` solves inverse kinematics along the way, stays in one branch, and then finds the time law within all limits.
 
-# %%
-length = 0.25 * arm.reach
-for direction in np.vstack([np.eye(3), -np.eye(3)]):
-    push = LineMove.by(length * direction, frame="base", constrain="position")
-    try:
-        straight = plan(arm, push, limits=limits, tool_speed=0.2)
-        break
-    except TwistarmError:  # not that way: try the next axis of the base
-        continue
 
+# %%
+def push(arm, share):
+    """Along an axis of the base, that share of its reach: the first of six ways that the arm can go; or None."""
+    v = np.where(np.isfinite(arm.limits.velocity), arm.limits.velocity, 1.0)
+    a = np.where(np.isfinite(arm.limits.acceleration), arm.limits.acceleration, 2.0 * v)
+    for direction in np.vstack([np.eye(3), -np.eye(3)]):
+        line = LineMove.by(share * arm.reach * direction, frame="base", constrain="position")
+        try:
+            limits = {"velocity": v, "acceleration": a}
+            return direction, plan(arm, line, limits=limits, tool_speed=0.2)
+        except TwistarmError:
+            continue  # not that way
+    return None
+
+
+pusher = guide.arm_with("a straight line that it can follow", lambda each: push(each, 0.25) is not None)
+direction, straight = push(pusher, 0.25)
+length = 0.25 * pusher.reach
 t = np.linspace(0, straight.duration, 500)
-tool = arm.fk(straight(t))[:, :3, 3]
+tool = pusher.fk(straight(t))[:, :3, 3]
 assert off_the_chord(tool) < 1e-4
-assert np.isclose(length_of(tool), length, atol=1e-3 * arm.reach)
+assert np.isclose(length_of(tool), length, atol=1e-3 * pusher.reach)
+far = LineMove.by(12 * length * direction, frame="base", constrain="position")
 try:
-    plan(arm, LineMove.by(12 * length * direction, frame="base", constrain="position"), limits=limits)
+    plan(pusher, far, limits={"velocity": 1.0, "acceleration": 2.0})
     refused = ""
 except PathError as error:
     refused = str(error)
@@ -387,7 +397,10 @@ guide.say(
     f"answers:\n\n> {refused}"
 )
 guide.scene(
-    arm, start, straight, caption="The push. Play it, and watch which joints must hurry so that the tool goes straight."
+    pusher,
+    pusher.ready,
+    straight,
+    caption="The push. Play it, and watch which joints must hurry so that the tool goes straight.",
 )
 
 # %% [markdown]
