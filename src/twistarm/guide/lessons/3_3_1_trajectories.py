@@ -93,18 +93,16 @@ panels[0].legend(frameon=False, fontsize=8, labelcolor=guide.INK, loc="upper lef
 guide.figure(
     fig,
     "Position, velocity and acceleration of the cubic and the quintic over time: the acceleration of the cubic jumps "
-    "at "
-    "both ends, that of the quintic begins and ends at zero",
+    "at both ends, that of the quintic begins and ends at zero",
     "From rest to rest. The cubic is the gentler in the middle, the quintic at the ends.",
 )
 guide.slider(
     "spline",
     "Give the cubic a velocity at its end other than zero, as if it had to go on. How does its greatest velocity "
-    "change? "
-    "And which two velocities, at the start and at the end, make the acceleration vanish?",
+    "change? And which two velocities, at the start and at the end, make the acceleration vanish?",
     r"A cubic may begin and end at any velocity: there are four coefficients, so four numbers can be chosen. If both "
-    r"ends "
-    r"have the mean velocity $d/T$, it is a straight line, and the acceleration is zero throughout. A *negative* end "
+    r"ends have the mean velocity $d/T$, it is a straight line, and the acceleration is zero throughout. A *negative* "
+    r"end "
     "velocity makes it overshoot first.",
     kind="cubic",
     start=0,
@@ -232,12 +230,10 @@ worst = int(np.argmax(beyond * np.array([f for _, f in units])))
 guide.predict(
     "Is passing through always faster than stopping? And does the spline stay between the postures that you gave?",
     f"Here it takes {through.duration:.2f} s, and with a stop {stopping.duration:.2f} s. Usually passing is the "
-    f"faster; "
-    "where a path turns back on itself it need not be. Nothing keeps a spline between its postures: "
+    f"faster; where a path turns back on itself it need not be. Nothing keeps a spline between its postures: "
     + (
         f"here `{arm.joint_names[worst]}` swings {beyond[worst] * units[worst][1]:.2f}{units[worst][0]} beyond the "
-        f"range "
-        "of the three."
+        f"range of the three."
         if beyond[worst] > 1e-6
         else "here it does stay there, by luck."
     )
@@ -340,8 +336,7 @@ guide.predict(
     (
         f"No: it leaves its straight line by {1000 * off_the_chord((by_line @ ahead)[:, :3]):.1f} mm, because the tool "
         "turns on the way. A line is a statement about *one* point, so say which: put the tool frame where the work "
-        "is. "
-        "On the screw no point is special: each moves on a helix about the same axis, with the same pitch."
+        "is. On the screw no point is special: each moves on a helix about the same axis, with the same pitch."
         if np.linalg.norm(turn) > 1e-6
         else "Here it does, for the tool does not turn between the two poses. Where it turns, only the origin goes "
         "straight. On the screw no point is special."
@@ -392,9 +387,8 @@ assert refused
 axis = ("+" if direction.sum() > 0 else "−") + "xyz"[int(np.argmax(np.abs(direction)))]
 guide.say(
     f"{length:.3f} m along ${axis}$ of the base take {straight.duration:.2f} s. Forward kinematics at {len(t)} "
-    f"instants: "
-    f"the tool leaves the line by at most {1e6 * off_the_chord(tool):.1f} µm. Ask for twelve times as far, and `plan` "
-    f"answers:\n\n> {refused}"
+    f"instants: the tool leaves the line by at most {1e6 * off_the_chord(tool):.1f} µm. Ask for twelve times as far, "
+    f"and `plan` answers:\n\n> {refused}"
 )
 guide.scene(
     pusher,

@@ -76,8 +76,7 @@ assert off < 1e-9
 assert off_difference < 1e-7
 guide.say(
     rf"The largest difference from Pinocchio is ${guide.rough(off)}$; from the difference quotient of $\dot g "
-    rf"g^{{-1}}$, "
-    rf"${guide.rough(off_difference)}$, which is what a quotient is worth."
+    rf"g^{{-1}}$, ${guide.rough(off_difference)}$, which is what a quotient is worth."
 )
 
 # %% tags=["hidden"]
@@ -99,14 +98,13 @@ left.set_title("the axes, where they stand now", fontsize=9)
 right.set_title("the tool's velocity by each joint", fontsize=9)
 seen = np.array([left.get_w_lims(), right.get_w_lims()]).reshape(2, 3, 2)
 for ax in (left, right):
-    guide.fit(ax, [seen[:, :, 0].min(axis=0), seen[:, :, 1].max(axis=0)], margin=0.2)
+    guide.fit(ax, [seen[:, :, 0].min(axis=0), seen[:, :, 1].max(axis=0)], margin=0.1)
 guide.figure(
     fig,
     f"Left, {arm.name} as it waits with the axis of each joint where it stands now; right, at its tool, an arrow for "
     "each joint that moves its origin: the velocity that this joint alone gives it",
     "Left, the columns of $J^s$ are the twists of these axes. Right, what each joint alone, at a rate of one, does "
-    "to the "
-    "tool's origin.",
+    "to the tool's origin.",
 )
 
 # %%
@@ -130,8 +128,7 @@ guide.predict(
     rf"the "
     "first one moves?",
     f"The last joint changes {by_last}: no axis hangs on it. The first one changes {by_first} of {count}: never its "
-    f"own, "
-    "and none that it moves along itself. Column $i$ depends on the joints *before* $i$ alone.",
+    f"own, and none that it moves along itself. Column $i$ depends on the joints *before* $i$ alone.",
 )
 
 # %% [markdown]
@@ -155,8 +152,7 @@ apart = np.linalg.norm(p_dot - v)
 guide.say(
     f"Let `{arm.joint_names[k]}` alone run at {rates_of[k]}. The first three rows say "
     f"$|v| = {np.linalg.norm(v):.3f}$ m/s. The tool's origin moves at $|\\dot p| = {np.linalg.norm(p_dot):.3f}$ m/s, "
-    f"as "
-    f"the difference quotient of forward kinematics confirms. The two vectors are {apart:.3f} m/s apart."
+    f"as the difference quotient of forward kinematics confirms. The two vectors are {apart:.3f} m/s apart."
 )
 
 # %% [markdown]
@@ -201,8 +197,7 @@ guide.predict(
         "the joints *after* the column, $J^s$ on those before it."
         if alone
         else "Another joint follows the first one, so something does change. Were it alone, nothing would: whoever "
-        "sits "
-        "on the tool and looks back sees the same axes in the same places."
+        "sits on the tool and looks back sees the same axes in the same places."
     ),
 )
 
@@ -237,8 +232,7 @@ closed = [i for i in range(3) if missed[i] > 1e-6]
 guide.say(
     f"Let them run for a hundredth of a second: forward kinematics finds the tool {1000 * gone[best]:.3f} mm farther "
     f"along ${'xyz'[best]}$, of {1000 * dt * wishes[best][best]:.3f} mm that were wished. The next hundredth needs a "
-    f"new "
-    "Jacobian, for the axes have moved. "
+    f"new Jacobian, for the axes have moved. "
     + (
         f"Along {' and '.join(f'${chr(120 + i)}$' for i in closed)} this arm cannot go here as wished: the best rates "
         f"miss by {', '.join(f'{missed[i] * 1000:.1f}' for i in closed)} mm/s. The next lesson says why."
@@ -303,8 +297,8 @@ guide.say(
     f"$J^b$ has rank {6 - free} here. "
     + (
         (f"So {free} independent wrenches have" if free > 1 else "So one wrench, and its multiples, has")
-        + " $(J^b)^T F = 0$. No motor holds against it, because the structure carries it, and no motor can bring it "
-        "about."
+        + " $(J^b)^T F = 0$. No motor holds against such a wrench, because the structure carries it, and no motor can "
+        "bring one about."
         if free
         else "So every wrench asks something of some motor, and the motors together can exert any wrench."
     )

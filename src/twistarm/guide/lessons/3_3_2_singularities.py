@@ -120,8 +120,7 @@ for ax, bend in zip(axes, (90.0, 30.0, 0.0), strict=True):
 guide.figure(
     fig,
     "The two-link arm with its elbow bent by 90, by 30 and by 0 degrees; the ellipse at its tool gets thinner, and "
-    "is a "
-    "line, square to the arm, where the arm is straight",
+    "is a line, square to the arm, where the arm is straight",
     "The velocities of the tool that joint rates of length one reach, as the arm is stretched.",
 )
 
@@ -149,8 +148,7 @@ guide.say(
     f"direction{'s' if rank > 1 else ''}"
     + (
         f", the most that its joints allow; of the six, {6 - rank} {'are' if rank < 5 else 'is'} missing in *every* "
-        f"posture. That is not a "
-        f"singularity: it is what {arm.n} joint{'s' if arm.n > 1 else ''} can do."
+        f"posture. That is not a singularity: it is what {arm.n} joint{'s' if arm.n > 1 else ''} can do."
         if rank < 6
         else ", which is all that there are."
     )
@@ -247,8 +245,7 @@ verdict = (
 guide.say(
     f"{verdict} What the tool {'loses' if is_singular else 'does worst'} is for the most part "
     f"({100 * share:.0f} %) {words} ${guide.tex(axis, 2)}$ in its own axes. The joints that work against each other "
-    f"there: "
-    f"{', '.join(f'`{name}`' for name in against)}."
+    f"there: {', '.join(f'`{name}`' for name in against)}."
 )
 
 # %% tags=["hidden"]
@@ -354,8 +351,7 @@ ax.legend(frameon=False, fontsize=9, labelcolor=guide.INK, loc="upper left")
 guide.figure(
     fig,
     "The rates that the inverse asks for grow without bound towards the singular posture; those of damped least "
-    "squares "
-    f"stay below {1 / (2 * damping):.0f} and fall to zero there"
+    f"squares stay below {1 / (2 * damping):.0f} and fall to zero there"
     if is_singular
     else "The rates that the inverse and damped least squares ask for on the way to the worst posture",
     "The worst direction, on the way to the worst posture.",
@@ -382,11 +378,9 @@ at_right_angle = bent.T @ (100 * tool / np.linalg.norm(tool))
 assert np.isclose(stretched[0], 0, atol=1e-9)  # the force passes through the base
 guide.predict(
     "The two-link arm pulls outward with 100 N, along the line from its base. What torque must the elbow hold when "
-    "it is "
-    "bent by 90°, and what when it is bent by 1°?",
+    "it is bent by 90°, and what when it is bent by 1°?",
     f"{abs(at_right_angle[1]):.1f} N m at 90°, and {abs(stretched[1]):.2f} N m at 1°. The motor that could not move "
-    f"the "
-    "tool outward need not hold it there either.",
+    f"the tool outward need not hold it there either.",
 )
 
 # %% [markdown]

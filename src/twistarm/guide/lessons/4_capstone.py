@@ -118,8 +118,7 @@ guide.table(
 guide.predict(
     "All agree. What do you know now about the arm on the table?",
     "About the arm on the table: nothing yet. You know that the *file* has one meaning, and which. Whether the file "
-    "is the arm, no program can "
-    "tell: for that you need a tape measure, which is the next step.",
+    "is the arm, no program can tell: for that you need a tape measure, which is the next step.",
 )
 
 # %% [markdown]
@@ -195,7 +194,7 @@ assert arm.limits.contains(theta)
 # %% tags=["hidden"]
 kind = type(asked(arm, g_so)).__name__
 words = {"Pose": "the whole pose", "Approach": "the place and the direction", "Position": "the place alone"}[kind]
-way_off = 1000 * np.linalg.norm((reached - g_so)[:3, 3])
+way_off = 1e6 * np.linalg.norm((reached - g_so)[:3, 3])
 guide.table(
     ["joint", "from", "to"],
     [
@@ -204,7 +203,7 @@ guide.table(
     ],
     f"`{arm.name}` can move its tool in {freedoms_of(arm)} directions, so you ask it for {words} (`{kind}`).",
 )
-guide.say(f"Forward kinematics says that the tool is then {way_off:.4f} mm from where it should be.")
+guide.say(f"Forward kinematics says that the tool is then {way_off:.2f} µm from where it should be.")
 
 # %%
 far_away = g_so.copy()
@@ -253,7 +252,7 @@ def fetch(arm, g_object, length):
 
 
 def first_served(arm):
-    """A camera would report one place. Here: the first of forty to which the arm can go so; None if there is none."""
+    """In place of a camera: the first of forty places that the arm can serve, or None."""
     refusals = []
     for seed in range(40):
         g_object = arm.fk(0.6 * arm.ready + 0.4 * arm.random_theta(7 + seed))
@@ -264,7 +263,10 @@ def first_served(arm):
     return None
 
 
-arm = guide.arm_with("a place that it can reach in a straight line", lambda each: first_served(each) is not None)
+arm = guide.arm_with(
+    "a place that it can reach in a straight line",
+    lambda each: first_served(each) is not None,
+)
 g_so, motion, refusals = first_served(arm)
 
 # %% [markdown]
@@ -291,20 +293,20 @@ chord = g_so[:3, 3] - arm.fk(motion(begins))[:3, 3]
 off = np.linalg.norm(np.cross(on_the_line - on_the_line[0], chord / np.linalg.norm(chord)), axis=1).max()
 assert off < 2e-4
 guide.say(
-    f"{motion.duration:.2f} s in all. When the gripper closes, at {closing:.2f} s, the tool is {1000 * missed:.3f} mm "
-    f"from its place; on the way in it leaves the straight line by at most {1000 * off:.3f} mm. "
+    f"{motion.duration:.2f} s in all. When the gripper closes, at {closing:.2f} s, the tool is {1e6 * missed:.2f} µm "
+    f"from its place; on the way in it leaves the straight line by at most {1e6 * off:.2f} µm. "
     + (
         f"{len(refusals)} place{'s' if len(refusals) > 1 else ''} before this one the planner refused. The last time "
-        f"it "
-        f"said:\n\n> {refusals[-1]}"
+        f"it said:\n\n> {refusals[-1]}"
         if refusals
         else "The first place that was tried could be served."
     )
 )
 fig, (left, right) = guide.axes2(2, width=6.6, height=2.9, xlabel="t [s]")
 share = motion(t, 1) / velocity
+dashes = ("-", "--", ":", "-.", (0, (8, 2)), (0, (1, 4)), (0, (6, 2, 1, 2, 1, 2)))
 for k, name in enumerate(arm.joint_names):
-    left.plot(t, share[:, k], label=name)
+    left.plot(t, share[:, k], label=name, linestyle=dashes[k % len(dashes)])
 speed = np.linalg.norm(np.gradient(tool, t, axis=0), axis=1)
 right.plot(t, speed, color=guide.BLUE, linestyle="-")
 for ax in (left, right):
@@ -316,8 +318,7 @@ fig.legend(frameon=False, fontsize=7, labelcolor=guide.INK, ncols=4, loc="outsid
 guide.figure(
     fig,
     "Left, the rate of each joint as a share of its limit over time: none exceeds one. Right, the speed of the tool: "
-    "fast "
-    "on the free ways, slow and even on the two straight ones",
+    "fast on the free ways, slow and even on the two straight ones",
     "Fast where the way is free, slow where it is straight. Dotted: the gripper closes.",
 )
 
@@ -333,16 +334,16 @@ guide.figure(
 guide.scene(arm, arm.ready, motion, caption="Play it. The label says when the gripper closes.", screws=False)
 
 with TemporaryDirectory() as folder:
-    lines = motion.to_csv(Path(folder) / "motion.csv", dt=0.01).read_text(encoding="utf-8").splitlines()
+    file = motion.to_csv(Path(folder) / "motion.csv", dt=0.01)
+    lines = file.read_text(encoding="utf-8").splitlines()
 
 # %% tags=["hidden"]
 guide.say(
     f"The file for the robot has {len(lines) - 1} rows, one every hundredth of a second, with position, velocity and "
     f"acceleration of {arm.n} joint{'s' if arm.n > 1 else ''}. It begins with `{lines[0].split(',')[0]}, "
     f"{lines[0].split(',')[1]}`, …: every column says its unit. `twistarm follow` sends it to simulated joints, or "
-    f"to a "
-    "robot; `twistarm bake` writes the whole arm as a C++ header for a microcontroller, and `twistarm freeze` a golden "
-    "file, so that tomorrow `check --against` says whether somebody has moved an axis."
+    f"to a robot; `twistarm bake` writes the whole arm as a C++ header for a microcontroller, and `twistarm freeze` a "
+    f"golden file, so that tomorrow `check --against` says whether somebody has moved an axis."
 )
 
 # %% [markdown]
@@ -375,8 +376,7 @@ guide.table(
 )
 guide.say(
     f"One move with the limits as they are takes {quick.duration:.2f} s; with a tenth of them, {slow.duration:.2f} "
-    f"s. That "
-    "much patience is cheap."
+    f"s. That much patience is cheap."
 )
 
 # %% [markdown]
