@@ -16,8 +16,8 @@ INCLUDE = ROOT / "core" / "include" / "twistarm"
 
 OF_OTHER_ROOMS = {
     "actuators", "box", "chain", "conversion", "elementary", "frame", "instruction_set", "interval_limits",
-    "kinematics", "lanes", "ldl", "motion_limits", "path_velocity", "resolved_rates", "screw_axes", "servo",
-    "singular_directions",
+    "kinematics", "lanes", "ldl", "motion_limits", "path_velocity", "quasi_newton", "resolved_rates", "screw_axes",
+    "servo", "singular_directions", "spline_times",
 }  # fmt: skip
 """Headers that the page does not go into."""
 

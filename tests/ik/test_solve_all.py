@@ -198,7 +198,7 @@ def test_targets_that_leave_something_free(kind):
     ("given", "error", "says"),
     [
         ({"joint9": 0.0}, twistarm.UnknownNameError, "joint9"),
-        ({"joint1": 9.0}, twistarm.InputError, "outside the limits"),
+        ({"joint1": 9.0}, twistarm.InputError, "outside its limits"),
         ({"joint1": np.nan}, twistarm.InputError, "joint1"),
         ([1.0], twistarm.InputError, "mapping"),
     ],

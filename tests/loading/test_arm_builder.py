@@ -173,7 +173,7 @@ MISTAKES: dict[str, tuple[Callable[[], object], str]] = {
     "a bound at the wrong infinity": (lambda: started().prismatic("x", Z, lower=np.inf), "lower must not exceed upper"),
     "a bound in words": (
         lambda: started().prismatic("x", Z, upper="far"),  # type: ignore[arg-type]
-        "joint 'x': upper must be an array of real numbers",
+        "joint 'x': upper must be one number",
     ),
     "a bound that is a truth": (
         lambda: started().prismatic("x", Z, lower=True),
