@@ -74,7 +74,14 @@ def test_a_robot_that_goes_is_given_up(capsys: Capture, file: Path, monkeypatch:
     monkeypatch.setattr("twistarm.stream.following.cycle.PATIENCE", 0.8)
     listen = free_port()
     robot = Robot(listen, ["joint_1", "joint_2"], [0.3, 0.8])
-    leave = threading.Timer(0.3, robot.close)
+
+    def leaves_under_way() -> None:
+        end = time.monotonic() + 20.0
+        while not robot.heard and time.monotonic() < end:
+            time.sleep(0.02)
+        robot.close()
+
+    leave = threading.Thread(target=leaves_under_way)
     leave.start()
     assert run(follow(file, "--udp", robot.address, "--listen", f"127.0.0.1:{listen}", "--speed", "0.3")) == 1
     leave.join()
