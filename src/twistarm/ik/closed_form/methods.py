@@ -158,7 +158,7 @@ def family_for(arm: Arm, target: AnyTarget) -> ClosedForm | None:
 
 def _with_core(arm: Arm, target: AnyTarget, given: tuple[int, ...], method: Method) -> Method:
     """The method, with its family in the core where the axes are exact: slack for those that miss is not for it."""
-    if method.family is None or not method.exact:
+    if method.family is None or not method.exact or not method.family.order:  # with every joint given nothing is solved
         return method
     numbers = family_numbers(arm, method.chain, method.family, method.held, {*method.held} - {*given})
     return replace(method, numbers=numbers, compiled=compiled(arm, target.kind, numbers))
