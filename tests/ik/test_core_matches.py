@@ -171,7 +171,12 @@ def test_sampled_joints() -> None:
     assert 0 < found.hits <= found.starts
     assert len(found) > found.hits / 2
     assert np.all(found.position_error <= 1e-9)
-    assert any("joint7" in joint for joints in found.free for joint in joints)
+    batch = solve_ik_all_batch(arm, [found.target])
+    for k, theta in enumerate(found.theta[::5]):
+        null = np.linalg.svd(arm.body_jacobian(theta))[2][6:]
+        moving = {arm.joint_names[i] for i in np.flatnonzero(np.abs(null).max(axis=0) > 1e-6)}
+        assert {*found.free[5 * k]} == moving
+        np.testing.assert_array_equal(batch.free[0, 5 * k], [name in moving for name in arm.joint_names])
     assert np.abs(found.theta - arm.ready).max(axis=1).min() < SAME
 
 
@@ -264,3 +269,11 @@ def test_every_joint_given(name: str) -> None:
             found = solve_ik_all(arm, like, given=dict(zip(arm.joint_names, given.tolist(), strict=True)))
             assert (len(found), found.complete, found.free) == (count, True, ((),) * count)
             assert (found.theta == given).all()
+
+
+def test_joints_that_do_not_take_part_in_the_motion_left_are_not_free() -> None:
+    """A rover arm holds a point while shoulder, elbow and wrist move: its base, which alone moves sideways, stands."""
+    arm = load("rover_arm")
+    found = solve_ik_all(arm, Position(arm.fk(arm.ready)[:3, 3]))
+    assert len(found)
+    assert {*found.free} == {arm.joint_names[1:]}

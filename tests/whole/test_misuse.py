@@ -138,7 +138,9 @@ DOORS: dict[str, tuple[Callable[..., Any], dict[str, Any]]] = {
     "compare": (twistarm.compare, {"arm": ARM, "against": "golden.json"}),
     "solve_ik": (twistarm.solve_ik, {"target": G, **IK}),
     "solve_ik_batch": (twistarm.solve_ik_batch, {"targets": [G], "threads": 1, **IK}),
-    "solve_ik_all": (twistarm.solve_ik_all, {"target": G, "closed_form": False, **ALL}),
+    "solve_ik_all": (
+        twistarm.solve_ik_all, {"target": G, "closed_form": False, "max_time": None, "progress": None, **ALL},
+    ),
     "solve_ik_all_batch": (twistarm.solve_ik_all_batch, {"targets": [G], "threads": 1, **ALL}),
     "Pose": (twistarm.Pose, {"g": G}),
     "Position": (twistarm.Position, {"p": [0, 0, 1]}),

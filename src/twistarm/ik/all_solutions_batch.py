@@ -215,7 +215,7 @@ def _gathered(
     arm: Arm, targets: Array | tuple[AnyTarget, ...], theta0: Array, each: list[IKSolutions]
 ) -> IKSolutionsBatch:
     """Answers that were found one by one."""
-    rows = [part for found in each for part in configurations_in(found._row, arm.n)]
+    rows = [part for found in each for part in (found.rows_inside, configurations_in(found._row, arm.n)[1])]
     count = np.array([len(found) for found in each], dtype=np.int64)
     beyond = np.array([len(found.outside) for found in each], dtype=np.int64)
     all_rows = np.concatenate(rows) if rows else np.zeros((0, 2 * arm.n))
