@@ -119,7 +119,7 @@ def self_motion(
         step = np.zeros(arm.n)
         step[solved] = SIDESTEP * direction
         beside = corrected(arm, target, theta + step, held, DEPENDENT)
-        if met(arm, target, beside, tolerances) and np.abs(beside - theta).max() > 0.5 * SIDESTEP:
+        if met(arm, target, beside, tolerances) and np.linalg.norm(beside - theta) > 0.5 * SIDESTEP:
             moving |= set(np.flatnonzero(np.abs(beside - theta) > 1e-6).tolist())
     return tuple(sorted(moving))
 
