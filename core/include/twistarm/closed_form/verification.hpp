@@ -153,13 +153,13 @@ public:
             for (int j = 0; j < count_; ++j) beside[moving_[j]] += precision<T>::sidestep * X[j][i];
             if (!correct(beside, 3, precision<T>::dependent)) continue;
             std::uint32_t changed = 0;
-            T farthest = T(0);
+            T square = T(0);
             for (int j = 0; j < count_; ++j) {
                 const T away = absolute(beside[moving_[j]] - theta[moving_[j]]);
-                farthest = greatest(farthest, away);
+                square += away * away;
                 if (away > precision<T>::moved) changed |= std::uint32_t{1} << moving_[j];
             }
-            if (farthest > T(0.5) * precision<T>::sidestep) moving |= changed;
+            if (sqrt(square) > T(0.5) * precision<T>::sidestep) moving |= changed;
         }
         return moving;
     }
