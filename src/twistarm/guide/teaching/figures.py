@@ -11,7 +11,7 @@ from ...model.arm import Arm
 from ...support.checks import Array
 from ...theory import poe
 from ...theory.screws import to_screw
-from .style import AMBER, AXES, BLUE, COLOURS, DASHES, FAINT, GREEN, GREY, INK, ORANGE, PINK, SKY, settings
+from .style import AMBER, AXES, BLUE, COLOURS, DASHES, FAINT, GREEN, GREY, INK, ORANGE, PINK, SKY, use
 
 __all__ = ["AMBER", "BLUE", "COLOURS", "GREEN", "GREY", "INK", "ORANGE", "PINK", "SKY", "arm_points", "axes2", "axes3",
            "fit", "plot_arm", "plot_frame", "plot_point", "plot_screw", "plot_vector"]  # fmt: skip
@@ -41,13 +41,13 @@ def axes2(
     """
     from matplotlib.figure import Figure
 
-    with settings():
-        fig = Figure(figsize=(width, height), layout="constrained")
-        axes = fig.subplots(1, columns)
+    use()
+    fig = Figure(figsize=(width, height), layout="constrained")
+    axes = fig.subplots(1, columns)
     for ax in np.atleast_1d(axes):
         ax.set(xlabel=xlabel, ylabel=ylabel)
         if equal:
-            ax.set_aspect("equal", adjustable="datalim")
+            ax.set_aspect("equal")
     return fig, axes
 
 
@@ -77,9 +77,9 @@ def axes3(
     """
     from matplotlib.figure import Figure
 
-    with settings():
-        fig = Figure(figsize=(width, height), layout="constrained")
-        axes = [fig.add_subplot(1, columns, k + 1, projection="3d", computed_zorder=False) for k in range(columns)]
+    use()
+    fig = Figure(figsize=(width, height), layout="constrained")
+    axes = [fig.add_subplot(1, columns, k + 1, projection="3d", computed_zorder=False) for k in range(columns)]
     for ax in axes:
         ax.view_init(elev=elev, azim=azim)
         ax.set(xlabel="x [m]", ylabel="y [m]", zlabel="z [m]")
