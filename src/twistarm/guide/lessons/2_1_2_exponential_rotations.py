@@ -150,7 +150,7 @@ for k, name in ((0, "$q(0)$"), (50, "$q(t)$")):
     guide.plot_vector(ax, [0, 0, 0], orbit[k], "", guide.INK)
     ax.text(*(0.6 * orbit[k] + [0.12, 0, -0.1]), name, ha="center", va="center")
     guide.plot_vector(ax, orbit[k], 0.6 * np.cross(omega, orbit[k]), r"$\omega\times q$", guide.ORANGE)
-guide.fit(ax, [[-0.45, -0.5, 0.0], [0.65, 0.6, 0.9]])
+guide.fit(ax, [*orbit, [0, 0, 0], omega])
 guide.figure(
     fig,
     "A point on a circle around an axis omega, at two instants. An arrow along the circle is its velocity, omega cross "

@@ -101,7 +101,7 @@ guide.table(
 # for a ball, and infinite where a direction is lost.
 
 # %% tags=["hidden"]
-fig, axes = guide.axes2(3, width=6.6, height=2.6, equal=True)
+fig, axes = guide.axes2(3, width=6.6, height=2.6)
 turn = np.linspace(0, 2 * np.pi, 200)
 circle = np.array([np.cos(turn), np.sin(turn)])
 for ax, bend in zip(axes, (90.0, 30.0, 0.0), strict=True):
@@ -115,10 +115,7 @@ for ax, bend in zip(axes, (90.0, 30.0, 0.0), strict=True):
     ax.set_title(
         rf"$\theta_2 = {bend:.0f}°$" + "\ncondition " + (f"{number:.1f}" if number < 1e6 else "∞")
     )
-    ax.set_xlim(-0.35, 1.05)
-    ax.set_ylim(-0.3, 0.95)
-    ax.set_xticks([])
-    ax.set_yticks([])
+    ax.set(xlim=(-0.35, 1.05), ylim=(-0.3, 0.95), xticks=[], yticks=[], aspect="equal")
 guide.figure(
     fig,
     "The two-link arm with its elbow bent by 90, by 30 and by 0 degrees; the ellipse at its tool gets thinner, and "

@@ -34,7 +34,8 @@ def axes2(
         height: Of the figure [inches].
         xlabel: What the abscissa is, with its unit.
         ylabel: What the ordinate is, with its unit.
-        equal: Whether a length is as long along both axes.
+        equal: Whether a length is as long along both axes, whose limits grow for it; where you set the limits yourself,
+            have `aspect="equal"` set with them instead, and the axes shrink.
 
     Returns:
         The figure and its axes.
@@ -47,7 +48,7 @@ def axes2(
     for ax in np.atleast_1d(axes):
         ax.set(xlabel=xlabel, ylabel=ylabel)
         if equal:
-            ax.set_aspect("equal")
+            ax.set_aspect("equal", adjustable="datalim")
     return fig, axes
 
 
@@ -110,6 +111,9 @@ def fit(ax: Any, points: ArrayLike | None = None, margin: float = 0.05) -> None:
     for set_limits, centre in zip((ax.set_xlim3d, ax.set_ylim3d, ax.set_zlim3d), middle, strict=True):
         set_limits(centre - half, centre + half)
     ax.set_box_aspect((1, 1, 1), zoom=1.0 if ax.axison else 1.45)
+    if not ax.axison:  # nothing frames what is drawn, so nothing cuts it off
+        for artist in (*ax.lines, *ax.collections, *ax.texts):
+            artist.set(clip_on=False, in_layout=False)
 
 
 def plot_frame(ax: Any, g: ArrayLike, name: str | None = "", length: float = 1.0, alpha: float = 1.0) -> None:

@@ -31,7 +31,7 @@ def inline(markdown: str) -> str:
 
 def _together(html: str) -> str:
     """Keep a formula in a line with the punctuation around it, which a browser may part from it."""
-    alone = r'<span class="math inline">.*?</span>'
+    alone = r'<span class="math inline">(?:(?!</span>).)*</span>'
     return re.sub(
         rf"\({alone}[,.;:?!)]*|{alone}[,.;:?!)]+", r'<span class="together">\g<0></span>', html, flags=re.DOTALL
     )

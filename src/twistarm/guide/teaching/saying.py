@@ -127,6 +127,7 @@ def predict(question: str, answer: str) -> None:
 def _cell(value: object) -> str:
     if not isinstance(value, (float, np.floating)):
         return str(value)
-    if ROUNDING < abs(value) < 0.5e-4:
-        return f"${rough(value)}$"
-    return f"{value + 0.0:.4f}".replace("-0.0000", "0.0000").replace("-", "−")
+    number = float(value)
+    if ROUNDING < abs(number) < 0.5e-4:
+        return f"${rough(number)}$"
+    return f"{number + 0.0:.4f}".replace("-0.0000", "0.0000").replace("-", "−")

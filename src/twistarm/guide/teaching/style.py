@@ -55,4 +55,5 @@ def use() -> None:
     cycle = cycler(color=[BLUE, ORANGE, GREEN, PINK, SKY, AMBER]) + cycler(
         linestyle=["-", (0, (5, 1.5)), (0, (1.2, 1.2)), (0, (5, 1.5, 1.2, 1.5)), (0, (8, 2)), (0, (2, 2))]
     )
-    matplotlib.rcParams.update({**_SETTINGS, "axes.prop_cycle": cycle})
+    chosen: Any = {**_SETTINGS, "axes.prop_cycle": cycle}
+    matplotlib.rcParams.update(chosen)
