@@ -46,11 +46,11 @@ def test_what_is_drawn_later_has_the_style_too() -> None:
 
 
 def test_no_white_space_and_nothing_cut() -> None:
-    """A diagonal of a cube, and one that leaves it by far: without a box, the picture is as large as they are."""
+    """A line within a cube, and one that leaves it: without a box, the picture is as large as they are."""
     heights = []
     for length in (1.0, 1.4):
         fig, ax = guide.axes3(box=False)
-        ax.plot([0, length], [0, length], [0, length])
+        ax.plot([0.5, 0.5], [0.5, 0.5], [0, length])
         guide.fit(ax, [[0, 0, 0], [1, 1, 1]])
         heights.append(picture_height(svg.of(fig)))
     assert np.isclose(heights[1] / heights[0], 1.4, rtol=0.1)
