@@ -31,7 +31,8 @@ def _table(data: Data) -> str:
     lines = [data["head"], *data["rows"]]
     kinds = [' class="number"' if all(map(_is_number, column[1:])) else "" for column in zip(*lines, strict=True)]
     head, *rows = (list(zip(line, kinds, strict=True)) for line in lines)
-    titles = "".join(f'<th scope="col"{kind}>{inline(cell)}</th>' for cell, kind in head)
+    # An empty cell is the head of nothing.
+    titles = "".join(f'<th scope="col"{kind}>{inline(cell)}</th>' if cell else "<td></td>" for cell, kind in head)
     body = "".join("<tr>" + "".join(f"<td{kind}>{inline(cell)}</td>" for cell, kind in row) + "</tr>" for row in rows)
     caption = f"<caption>{inline(data['caption'])}</caption>" if data["caption"] else ""
     label = escape(data["caption"] or "Table")
