@@ -239,7 +239,9 @@ for words, orientation in (("waiting", waiting), ("on its way", R), ("pointing s
         conditions.append("fails" if number > 1e6 else f"{number:.1f}")
     rows.append([words, *conditions])
 guide.table(
-    ["tool", *orders], rows, "Condition numbers; 1 is best, and where the first and third axis coincide, it fails."
+    ["tool", *orders],
+    rows,
+    "Condition numbers; 1 is best, and where the first and third axis coincide, it fails.",
 )
 
 # %% [markdown]
