@@ -102,8 +102,9 @@ assert np.allclose(R.T @ there, ahead)
 # $$R_x(\theta) = \begin{bmatrix} 1 & 0 & 0 \\ 0 & \cos\theta & -\sin\theta \\ 0 & \sin\theta & \cos\theta
 # \end{bmatrix}, \quad
 # R_y(\theta) = \begin{bmatrix} \cos\theta & 0 & \sin\theta \\ 0 & 1 & 0 \\ -\sin\theta & 0 & \cos\theta
-# \end{bmatrix}, \quad
-# R_z(\theta) = \begin{bmatrix} \cos\theta & -\sin\theta & 0 \\ \sin\theta & \cos\theta & 0 \\ 0 & 0 & 1
+# \end{bmatrix}$$
+#
+# $$R_z(\theta) = \begin{bmatrix} \cos\theta & -\sin\theta & 0 \\ \sin\theta & \cos\theta & 0 \\ 0 & 0 & 1
 # \end{bmatrix}$$
 #
 # In $R_y$ the minus stands below, because $z$ turns towards $x$.

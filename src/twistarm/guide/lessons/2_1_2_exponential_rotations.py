@@ -41,20 +41,20 @@ guide.figure(
 # ## A group
 #
 # Do one turn after the other and you have a turn. A set with an operation of this kind is a *group* if four things
-# hold. For $A, B, C \in SO(3)$, the rotation matrices of lesson 2.1.1:
+# hold. For $R_1, R_2, R_3 \in SO(3)$, the rotation matrices of lesson 2.1.1:
 #
-# - closure: $AB$ is in $SO(3)$ too;
-# - identity: $IA = AI = A$;
-# - inverse: $A^T A = A A^T = I$, so that the transpose undoes the turn;
-# - associativity: $(AB)C = A(BC)$, as for all matrices.
+# - closure: $R_1 R_2$ is in $SO(3)$ too;
+# - identity: $I R_1 = R_1 I = R_1$;
+# - inverse: $R_1^T R_1 = R_1 R_1^T = I$, so that the transpose undoes the turn;
+# - associativity: $(R_1 R_2) R_3 = R_1 (R_2 R_3)$, as for all matrices.
 #
-# Source: MLS, section 2.2.1. Two things are missing from the list. One is the sum $A + B$. The other is $AB = BA$.
+# Source: MLS, section 2.2.1. Two things are missing from the list: the sum $R_1 + R_2$, and $R_1 R_2 = R_2 R_1$.
 
 # %%
 X, Y, Z = (rotations.exp(unit, np.pi / 2) for unit in np.eye(3))  # quarter turns
 halved = np.linalg.det((Z + np.eye(3)) / 2)
 quarters, halves = (
-    np.degrees(rotations.angle_between(A @ B, B @ A)) for A, B in ((X, Y), (X @ X, Y @ Y))
+    np.degrees(rotations.angle_between(R1 @ R2, R2 @ R1)) for R1, R2 in ((X, Y), (X @ X, Y @ Y))
 )
 guide.predict(
     "Is the mean of $I$ and a quarter turn about $z$ an eighth of a turn? And when does the order of two turns not "
@@ -78,7 +78,7 @@ assert np.isclose(halves, 0, atol=1e-5)
 #
 # The hat writes the cross product as a matrix. Its matrices are *skew-symmetric*, $\hat\omega^T = -\hat\omega$, and
 # their set is called $so(3)$. What we have is a linear differential equation with a constant matrix. Its solution is
-# the one that you know from numbers, where $\dot q = a q$ gives $q = e^{at} q(0)$:
+# the one that you know from numbers, where $\dot q = c q$ gives $q = e^{ct} q(0)$:
 #
 # $$q(t) = e^{\hat\omega t} q(0)$$
 #
@@ -98,13 +98,16 @@ rates = np.gradient(orbit, times, axis=0)[1:-1]
 assert np.abs(rates - np.cross(omega, orbit[1:-1])).max() < 1e-3
 
 # %% tags=["hidden"]
-fig, ax = guide.axes3(box=False, height=4.0, elev=35, azim=-100)
+fig, ax = guide.axes3(box=False, height=4.0, elev=35, azim=-45)
 ax.plot(*orbit.T, color=guide.GREY, linestyle="-")
 guide.plot_vector(ax, [0, 0, 0], 1.1 * omega, r"$\omega$", guide.PINK)
-for k, name in ((0, "$q(0)$"), (50, "$q(t)$")):
+for k, name in ((0, "$q(0)$"), (60, "$q(t)$")):
     guide.plot_vector(ax, [0, 0, 0], orbit[k], "", guide.INK)
-    ax.text(*(0.6 * orbit[k] + [0.12, 0, -0.1]), name, ha="center", va="center")
-    guide.plot_vector(ax, orbit[k], 0.6 * np.cross(omega, orbit[k]), r"$\omega\times q$", guide.ORANGE)
+    ax.text(*(0.6 * orbit[k] - [0.1, 0.1, 0.05]), name, color=guide.INK, ha="center", va="center")
+    velocity = 0.6 * np.cross(omega, orbit[k])
+    guide.plot_vector(ax, orbit[k], velocity, "", guide.ORANGE)
+    words = {"color": guide.ORANGE, "ha": "center", "va": "center"}
+    ax.text(*(orbit[k] + 1.35 * velocity), r"$\omega\times q$", **words)
 guide.fit(ax, [*orbit, [0, 0, 0], omega])
 guide.figure(
     fig,

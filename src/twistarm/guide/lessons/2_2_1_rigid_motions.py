@@ -91,7 +91,8 @@ for ax, motions, title in (
         colours = (guide.ORANGE, guide.GREEN) if k == 2 else (guide.GREY, guide.GREY)
         for axis, (letter, colour) in enumerate(zip("xy", colours, strict=True)):
             name = f"${letter}_{'ABD'[k]}$" if k != 1 else ""
-            guide.plot_vector(ax, g[:2, 3], 0.45 * g[:2, axis], name, colour)
+            guide.plot_vector(ax, g[:2, 3], 0.45 * g[:2, axis], "", colour)
+            ax.text(*(g[:2, 3] + 0.58 * g[:2, axis]), name, color=colour, ha="center", va="center")
     ax.set(title=title, xlim=(-0.7, 1.7), ylim=(-0.3, 1.6), xlabel="x", ylabel="y", aspect="equal")
 guide.figure(
     fig,
@@ -169,9 +170,10 @@ for g, name in ((np.eye(4), "s"), (g_sc, "c"), (g_st, "t")):
         *(g[:3, 3] - 0.06 * arm.reach * g[:3, :3].sum(axis=1)), f"${name}$", ha="center", va="center"
     )
 ax.plot(*np.array([g_st[:3, 3], tip]).T, color=guide.GREY, linestyle="-", linewidth=4.0)
-for start, name, colour in ((g_sc[:3, 3], "$q$", guide.PINK), (tip, "$d$", guide.AMBER)):
+for start, name, colour in ((g_sc[:3, 3], "q", guide.PINK), (tip, "d", guide.AMBER)):
     guide.plot_vector(ax, start, 0.96 * (q_s[:3] - start), "", colour)
-    ax.text(*(start + 0.5 * (q_s[:3] - start) + [0, 0, 0.06 * arm.reach]), name, color=colour)
+    side = {"q": "right", "d": "left"}[name]
+    ax.text(*(start + 0.6 * (q_s[:3] - start)), f"   ${name}$   ", color=colour, ha=side)
 guide.plot_point(ax, q_s[:3], "rock", guide.INK)
 guide.fit(ax)
 guide.figure(
