@@ -154,8 +154,8 @@ EXERCISES = (
             ),
             Slip(
                 "norm to the fourth",
-                "You divide by ‖Q‖⁴: the guide calls ‖Q‖ what is ‖Q‖² = Q Q*, and squares it once more. Divide by Q Q* "
-                "once; Q Q⁻¹ for (1, 2, 3, 4) is 1 then and not 1/30.",
+                "You divide by ‖Q‖⁴: Q Q* is the square of the length already. Divide by it once; Q Q⁻¹ for (1, 2, 3, "
+                "4) is 1 then and not 1/30.",
                 {"(Q @ Q)": "(Q @ Q) ** 2"},
             ),
             Slip(

@@ -190,7 +190,7 @@ EXERCISES = (
             ),
             Slip(
                 "about x in the middle",
-                "The second turn is about x: those are the ZXZ angles. The team's guide turns about y.",
+                "The second turn is about x: those are the ZXZ angles. ZYZ turns about y.",
                 {
                     "[[np.cos(a), 0.0, np.sin(a)], [0.0, 1.0, 0.0], [-np.sin(a), 0.0, np.cos(a)]]": "[[1.0, 0.0, 0.0], "
                     "[0.0, np.cos(a), -np.sin(a)], [0.0, np.sin(a), np.cos(a)]]"

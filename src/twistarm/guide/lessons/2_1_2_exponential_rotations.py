@@ -25,8 +25,16 @@ theta = 0.6 * arm.ready + 0.4 * arm.random_theta(3)
 R = arm.fk(theta)[:3, :3]
 guide.say(rf"The tool of `{arm.name}` on its way: $$R_{{ab}} = {guide.tex(R)}$$")
 
+
 # %% tags=["hidden"]
-fig, ax = guide.axes3(box=False)
+def towards_the_eye(azim, elev=22.0):
+    """How nearly an axis of A or B points at the eye, from 0 to 1."""
+    a, e = np.radians([azim, elev])
+    eye = [np.cos(e) * np.cos(a), np.cos(e) * np.sin(a), np.sin(e)]
+    return np.abs(np.vstack([np.eye(3), R.T]) @ eye).max()
+
+
+fig, ax = guide.axes3(box=False, azim=min(range(-55, 305, 10), key=towards_the_eye))
 guide.plot_frame(ax, np.eye(3), "A", alpha=0.5)
 guide.plot_frame(ax, R, "B")
 guide.fit(ax, [[-1.0] * 3, [1.0] * 3])

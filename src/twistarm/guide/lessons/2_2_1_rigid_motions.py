@@ -70,8 +70,8 @@ miss = np.linalg.norm((g_sf - swapped)[:3, 3])
 guide.predict(
     "Somebody writes $g_{tf}\\,g_{st}$ instead of $g_{st}\\,g_{tf}$. Does the tip come out in the same place? Why, or why "
     "not?",
-    f"It does not: the shift of the screwdriver is along the tool's axes, and the swapped product adds it along the "
-    f"base's. On `{arm.name}` the tip is at $({', '.join(f'{x:.3f}' for x in g_sf[:3, 3] + 0.0)})$ m, and the swapped "
+    f"It does not: the screwdriver lies along the tool's axes. The swapped product adds it along the base's, and tilts "
+    f"the place of the tool with it. On `{arm.name}` the tip is at $({', '.join(f'{x:.3f}' for x in g_sf[:3, 3] + 0.0)})$ m, and the swapped "
     f"product says $({', '.join(f'{x:.3f}' for x in swapped[:3, 3] + 0.0)})$ m, {100 * miss:.1f} cm away.",
 )
 
@@ -174,7 +174,8 @@ for start, name, colour in ((g_sc[:3, 3], "q", guide.PINK), (tip, "d", guide.AMB
     guide.plot_vector(ax, start, 0.96 * (q_s[:3] - start), "", colour)
     side = {"q": "right", "d": "left"}[name]
     ax.text(*(start + 0.6 * (q_s[:3] - start)), f"   ${name}$   ", color=colour, ha=side)
-guide.plot_point(ax, q_s[:3], "rock", guide.INK)
+guide.plot_point(ax, q_s[:3], "", guide.INK)
+ax.text(*q_s[:3], "\nrock", color=guide.INK, ha="center", va="top")
 guide.fit(ax)
 guide.figure(
     fig,
