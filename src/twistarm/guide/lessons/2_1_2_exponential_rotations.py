@@ -247,10 +247,12 @@ guide.table(
 #
 # ## The way back: the logarithm
 #
-# Every rotation is a turn about one axis: this is **Euler's theorem**. For
-# $\det(R - I) = \det(R - RR^T) = \det R\,\det(I - R)^T = -\det(R - I)$, so it is 0, and some direction stays where it
-# is. To find it, read Rodrigues' formula backwards. The trace holds the angle, and the differences of opposite entries
-# hold the axis:
+# Every rotation is a turn about one axis: this is **Euler's theorem**. For some direction stays where it is, because
+#
+# $$\det(R - I) = \det(R - RR^T) = \det R\,\det(I - R)^T = -\det(R - I)$$
+#
+# and so this determinant is 0. To find the axis, read Rodrigues' formula backwards. The trace holds the angle, and the
+# differences of opposite entries hold the axis:
 #
 # $$\theta = \cos^{-1}\frac{\mathrm{tr}\,R - 1}{2}, \qquad
 # \omega = \frac{1}{2\sin\theta}\begin{bmatrix} r_{32} - r_{23} \\ r_{13} - r_{31} \\ r_{21} - r_{12} \end{bmatrix}$$
@@ -284,7 +286,8 @@ guide.slider(
     "axis_angle",
     "Set a half turn, 180°. Then reverse the axis. What happens to the matrix? Try the same at 90°.",
     "At a half turn $\\omega$ and $-\\omega$ give the same matrix: there the logarithm has two values, and a program "
-    "has to choose one. At 90° the two turns are inverse to each other.",
+    "has to choose one. A controller that follows the axis sees a jump there. At 90° the two turns are inverse to "
+    "each other.",
     axis=(1, 0, 1),
     angle=180,
 )
@@ -368,20 +371,11 @@ lost = rotations.angle_between(
 guide.say(f"90 radians in place of 90° leave the tool {np.degrees(lost):.0f}° off.")
 
 # %% [markdown]
-# **An axis that is not a unit vector.** The matrix stretches: the tool grows or shrinks as the joint turns. Check
-# $\det R = 1$ once, where the axis enters your program.
-#
 # **Left and right.** A shaft seen from the base multiplies from the left, one seen from the tool from the right. The
 # slip does not show while all shafts are parallel; it does with the first that is not.
 #
-# **Rotations that are averaged or filtered entry by entry.** The result is no rotation. Filter the logarithms of small
-# differences, or quaternions with signs that agree.
-#
 # **A program that multiplies for hours.** Rounding carries the product out of $SO(3)$ slowly. Put it back now and
 # then, with `rotations.nearest`.
-#
-# **The half turn.** Near 180° the axis may flip to its negative from one instant to the next. This is no error of
-# yours, for both are right, but a controller that follows the axis sees a jump.
 #
 # ## Exercises
 
