@@ -114,6 +114,10 @@ def by_scipy(S: Any, x: Any) -> Any:
     return g
 
 
+def by_the_third_column(R: Any) -> list[float]:
+    return [atan2(R[1, 2], R[0, 2]), acos(max(-1.0, min(1.0, R[2, 2]))), atan2(R[2, 1], -R[2, 0])]
+
+
 def mixed_signs(l1: float, l2: float, x: float, y: float) -> list[list[float]]:
     r = sqrt(x * x + y * y)
     bend = pi - acos(max(-1.0, min(1.0, (l1**2 + l2**2 - r**2) / (2 * l1 * l2))))
@@ -137,6 +141,9 @@ WRITTEN_OTHERWISE: list[tuple[str, str, Callable[..., Any]]] = [
     ("zyz", "fixed for moved axes", lambda a, b, c: Rotation.from_euler("zyz", [a, b, c]).as_matrix()),
     ("zyz", "transposed", lambda a, b, c: Rotation.from_euler("ZYZ", [a, b, c]).inv().as_matrix()),
     ("zyz", "ZYX", lambda a, b, c: Rotation.from_euler("ZYX", [a, b, c]).as_matrix()),
+    ("zyz", "number by number", lambda a, b, c: turn("z", a) * turn("y", b) * turn("z", c)),
+    ("zyz_angles", "sin β = 0 forgotten", by_the_third_column),
+    ("zyz_angles", "from 0 to 2π", lambda R: np.mod(Rotation.from_matrix(R).as_euler("ZYZ"), 2 * pi)),
     ("multiply", "order reversed", lambda P, Q: EXERCISES["multiply"].reference(Q, P)),
     ("from_axis_angle", "xyzw", lambda w, t: Rotation.from_rotvec(w / np.linalg.norm(w) * t).as_quat()),
     ("rotate", "xyzw", lambda Q, p: Rotation.from_quat(Q).apply(p)),
@@ -146,10 +153,14 @@ WRITTEN_OTHERWISE: list[tuple[str, str, Callable[..., Any]]] = [
         "not normalised",
         lambda w, t: np.eye(3) + sin(t) * hat(w) + (1 - cos(t)) * (np.outer(w, w) - w @ w * np.eye(3)),
     ),
+    ("rotate", "norm not squared", lambda Q, p: Rotation.from_quat(np.roll(Q, -1)).apply(p) * sqrt(Q @ Q)),
+    ("rodrigues", "exponential of each number", lambda w, t: np.exp(hat(w) * t)),
     ("rotation_log", "transposed", lambda R: Rotation.from_matrix(R.T).as_rotvec()),
+    ("rotation_log", "half turn forgotten", lambda R: Rotation.from_matrix(R).as_rotvec() * np.any(R != R.T)),
     ("change_frame", "order reversed", lambda R_ab, R_bc, q: np.dot(R_bc, np.dot(R_ab, q))),
     ("inverse_pose", "only transposed", lambda g: np.transpose(g)),
     ("transform_points", "rows times R", lambda g, P: np.array([p @ g[:3, :3] + g[:3, 3] for p in P])),
+    ("transform_points", "rows as if they were columns", lambda g, P: g[:3, :3] @ P + g[:3, 3]),
     ("tool_point", "right for left", lambda g, h, q: (h @ (g @ [*q, 1.0]))[:3]),
     ("twist_of_screw", "angular first", lambda a, q, h: np.r_[a, np.cross(q, a) + h * a] / np.linalg.norm(a)),
     (
@@ -185,6 +196,7 @@ def hat_vee(g_dot: Any, g: Any) -> Any:
     return [S[2, 1], S[0, 2], S[1, 0]]
 
 
+@pytest.mark.filterwarnings("ignore:Gimbal lock")  # of SciPy, which chooses as the task does
 @pytest.mark.parametrize(
     ("name", "slip", "function"), WRITTEN_OTHERWISE, ids=lambda each: each if isinstance(each, str) else ""
 )
@@ -197,6 +209,8 @@ def test_a_slip_written_otherwise_is_named(name: str, slip: str, function: Calla
 RIGHT: list[tuple[str, Callable[..., Any]]] = [
     ("rotation_z", lambda a: ((cos(a), -sin(a), 0), (sin(a), cos(a), 0), (0, 0, 1))),
     ("zyz", lambda a, b, c: scipy.linalg.expm(hat([0, 0, a])) @ scipy.linalg.expm(hat([0, b, 0])) @ turn("z", c)),
+    ("zyz_angles", lambda R: Rotation.from_matrix(R).as_euler("ZYZ")),
+    ("rotation_log", lambda R: Rotation.from_matrix(R).as_rotvec() * (-1 if np.trace(R) < -0.999 else 1)),
     ("from_axis_angle", lambda w, t: -np.roll(Rotation.from_rotvec(w / np.linalg.norm(w) * t).as_quat(), 1)),
     ("rodrigues", lambda w, t: scipy.linalg.expm(hat(w) * t)),
     ("inverse_pose", np.linalg.inv),
@@ -217,6 +231,7 @@ RIGHT: list[tuple[str, Callable[..., Any]]] = [
 ]
 
 
+@pytest.mark.filterwarnings("ignore:Gimbal lock")  # of SciPy, which chooses as the task does
 @pytest.mark.parametrize(("name", "function"), RIGHT, ids=lambda each: each if isinstance(each, str) else "")
 def test_a_right_answer_written_otherwise_is_right(name: str, function: Callable[..., Any], rover: Arm) -> None:
     verdict = verdict_on(function, EXERCISES[name], rover)
