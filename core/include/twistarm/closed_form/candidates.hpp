@@ -99,21 +99,36 @@ void find_with(const fitted_family<T>& family, const frame<T>& G, const joint_va
         wanted[behind + i] = near[i];
     }
     const group<T> inner{family.axes + family.first, family.last - family.first, family.kept};
-    for (const placed<T>& beside : place(chain, before + behind, family.kept, moved(G, family.kept), wanted, slack)) {
+    const placings<T> outer = place(chain, before + behind, family.kept, moved(G, family.kept), wanted, slack);
+    constexpr int lanes = lanes_at_once<T, 4>;
+    using V = pack<T, lanes>;
+    for (int start = 0; start < outer.count; start += lanes) {
         // G E_R⁻¹ = (motions of the axes behind, seen through G)⁻¹ G, and E_L⁻¹ goes before it.
-        frame<T> E = G;
-        bool any = false;
+        const int count = least(lanes, outer.count - start);
+        frame<V> E = converted<V>(G);
+        V inner_slack = V(slack);
         for (int i = 0; i < behind + before; ++i) {
-            move_frame(chain[i], back(beside.x[i]), E);
-            any = any || beside.x[i].free;
+            joint_value<V> x;
+            for (int l = 0; l < lanes; ++l) {
+                const joint_value<T>& one = outer.items[start + (l < count ? l : 0)].x[i];
+                set_lane(x.cosine, l, one.cosine);
+                set_lane(x.sine, l, one.sine);
+                set_lane(x.length, l, one.length);
+                if (one.free) set_lane(inner_slack, l, nearest<T>);
+            }
+            move_frame(chain[i], back(x), E);
         }
-        for (const placed<T>& inside : within(inner, E, near + family.first, any ? nearest<T> : slack)) {
-            candidate<T> each;
-            for (int i = 0; i < before; ++i) each.x[i] = beside.x[behind + i];
-            for (int i = 0; i < inner.count; ++i) each.x[before + i] = inside.x[i];
-            for (int i = 0; i < behind; ++i) each.x[family.last + i] = beside.x[i];
-            if (!free || each.free(family.count) != 0) found.add(each);
-        }
+        const placings<V> inside = within(inner, E, near + family.first, inner_slack);
+        for (int l = 0; l < count; ++l)
+            for (int r = 0; r < inside.count; ++r) {
+                if ((bits(inside.there[r]) >> l & 1U) == 0) continue;
+                const placed<T>& beside = outer.items[start + l];
+                candidate<T> each;
+                for (int i = 0; i < before; ++i) each.x[i] = beside.x[behind + i];
+                for (int i = 0; i < inner.count; ++i) each.x[before + i] = lane(inside.items[r].x[i], l);
+                for (int i = 0; i < behind; ++i) each.x[family.last + i] = beside.x[i];
+                if (!free || each.free(family.count) != 0) found.add(each);
+            }
     }
 }
 }  // namespace detail

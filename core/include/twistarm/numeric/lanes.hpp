@@ -150,7 +150,17 @@ template <class T, int L> TWISTARM_INLINE mask<T, L> operator!(const mask<T, L>&
     return c;
 }
 
+/// What a comparison of such numbers gives: a mask, or of scalars a bool.
+template <class V> using mask_of = decltype(V{} < V{});
+
+/// The type in which numbers of both types are computed.
+template <class A, class B> using wider = decltype(A{} * B{});
+
 /// a where the mask holds, else b.
+template <class T, int L>
+TWISTARM_INLINE mask<T, L> select(const mask<T, L>& m, const mask<T, L>& a, const mask<T, L>& b) {
+    return (m & a) | ((!m) & b);
+}
 template <class T, int L>
 TWISTARM_INLINE pack<T, L> select(const mask<T, L>& m, const pack<T, L>& a, const pack<T, L>& b) {
     using floats = typename pack<T, L>::layout::floats;
@@ -198,6 +208,9 @@ template <class T, int L> struct number<pack<T, L>> {
     static constexpr int lanes = L;
 };
 template <class V> using scalar_of = typename number<V>::scalar;
+
+/// The same truth value in every lane.
+template <class V> TWISTARM_INLINE mask_of<V> in_every_lane(bool holds) { return V(scalar_of<V>(holds ? 1 : 0)) > V(scalar_of<V>(0)); }
 
 /// Whether the mask holds in any lane, in every lane.
 template <class M> TWISTARM_INLINE bool any(const M& m) { return bits(m) != 0U; }
