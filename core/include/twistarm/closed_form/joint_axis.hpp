@@ -8,7 +8,6 @@ TWISTARM_BEGIN
 
 namespace closed_form {
 
-using twistarm::lane;
 using twistarm::select;
 
 /// A few things, at most `Most` of them; of packs each is `there` in some lanes.
@@ -71,6 +70,11 @@ template <class T> joint_value<T> turned_by(T angle) {
 
 template <class T> joint_value<T> value_of(const joint_axis<T>& axis, T x) { return axis.slides ? slid(x) : turned_by(x); }
 
+/// x [rad or m], turns in [−π, π].
+template <class T, class V> TWISTARM_INLINE V coordinate_of(const joint_axis<T>& axis, const joint_value<V>& value) {
+    return axis.slides ? value.length : arctangent(value.sine, value.cosine);
+}
+
 template <class V> TWISTARM_INLINE joint_value<V> back(const joint_value<V>& value) {
     return {value.cosine, -value.sine, -value.length, value.free};
 }
@@ -85,11 +89,6 @@ TWISTARM_INLINE joint_value<wider<A, B>> operator+(const joint_value<A>& a, cons
 template <class T, int L, class V = pack<T, L>>
 TWISTARM_INLINE joint_value<V> select(const mask<T, L>& m, const joint_value<V>& a, const joint_value<V>& b) {
     return {select(m, a.cosine, b.cosine), select(m, a.sine, b.sine), select(m, a.length, b.length), select(m, a.free, b.free)};
-}
-
-/// One lane.
-template <class V> TWISTARM_INLINE joint_value<scalar_of<V>> lane(const joint_value<V>& x, int i) {
-    return {lane(x.cosine, i), lane(x.sine, i), lane(x.length, i), (bits(x.free) >> i & 1U) != 0};
 }
 
 /// A direction parted by a unit vector w: `along` w, `across` it, and w × `across`.
