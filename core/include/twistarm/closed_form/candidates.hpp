@@ -95,15 +95,9 @@ void find_behind(const fitted_family<T>& family, const group<T>& inner, const fr
     frame<V> E = converted<V>(G);
     for (int i = 0; i < behind + before; ++i) {
         const int at = i < behind ? family.last + i : i - behind;
-        joint_value<V> x;
-        for (int l = 0; l < lanes; ++l) {
-            const joint_value<T>& one = outer.items[start + (l < count ? l : 0)].x[i];
-            set_lane(x.cosine, l, one.cosine);
-            set_lane(x.sine, l, one.sine);
-            set_lane(x.length, l, one.length);
-            beside_free[l] |= static_cast<unsigned>(one.free) << at;
-            if (one.free) set_lane(inner_slack, l, nearest<T>);
-        }
+        const joint_value<V> x = in_lanes<V>([&](int l) { return outer.items[start + (l < count ? l : 0)].x[i]; });
+        for (unsigned any = bits(x.free), l = 0; any != 0; any >>= 1U, ++l) beside_free[l] |= (any & 1U) << at;
+        inner_slack = select(x.free, V(nearest<T>), inner_slack);
         move_frame(chain[i], back(x), E);
         each.x[at] = coordinate_of(family.axes[at], x);
     }

@@ -8,6 +8,7 @@ TWISTARM_BEGIN
 
 namespace closed_form {
 
+using twistarm::lane;
 using twistarm::select;
 
 /// A few things, at most `Most` of them; of packs each is `there` in some lanes.
@@ -89,6 +90,24 @@ TWISTARM_INLINE joint_value<wider<A, B>> operator+(const joint_value<A>& a, cons
 template <class T, int L, class V = pack<T, L>>
 TWISTARM_INLINE joint_value<V> select(const mask<T, L>& m, const joint_value<V>& a, const joint_value<V>& b) {
     return {select(m, a.cosine, b.cosine), select(m, a.sine, b.sine), select(m, a.length, b.length), select(m, a.free, b.free)};
+}
+
+/// One lane, and a pack of which lane l is one(l).
+template <class V> TWISTARM_INLINE joint_value<scalar_of<V>> lane(const joint_value<V>& x, int i) {
+    return {lane(x.cosine, i), lane(x.sine, i), lane(x.length, i), (bits(x.free) >> i & 1U) != 0};
+}
+template <class V, class One> TWISTARM_INLINE joint_value<V> in_lanes(const One& one) {
+    joint_value<V> x;
+    unsigned free = 0;
+    for (int l = 0; l < number<V>::lanes; ++l) {
+        const joint_value<scalar_of<V>>& value = one(l);
+        set_lane(x.cosine, l, value.cosine);
+        set_lane(x.sine, l, value.sine);
+        set_lane(x.length, l, value.length);
+        free |= static_cast<unsigned>(value.free) << l;
+    }
+    x.free = lanes_of<V>(free);
+    return x;
 }
 
 /// A direction parted by a unit vector w: `along` w, `across` it, and w × `across`.

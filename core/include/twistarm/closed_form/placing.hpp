@@ -152,9 +152,15 @@ void place_by_three(const joint_axis<T>* axes, const feature<T>& X, const featur
             last.A[i][k] = behind.A[i][k];
         }
     }
-    for (const pair<T>& each : two_conditions(first, last, e, slack)) {
-        const feature<T> from = moved(axes[2], each.y, X), to = moved(axes[0], back(each.x), Y);
-        found.add({{each.x, settle(axes[1], from, to, near[1]), each.y}});
+    constexpr int lanes = lanes_at_once<T, 4>;
+    using V = pack<T, lanes>;
+    const pairs<T> beside = two_conditions(first, last, e, slack);
+    for (int start = 0; start < beside.count; start += lanes) {
+        const int count = least(lanes, beside.count - start);
+        const auto at = [&](int l) { return beside.items[start + (l < count ? l : 0)]; };
+        const joint_value<V> x = in_lanes<V>([&](int l) { return at(l).x; }), y = in_lanes<V>([&](int l) { return at(l).y; });
+        const joint_value<V> middle = settle(axes[1], moved(axes[2], y, X), moved(axes[0], back(x), Y), near[1]);
+        for (int l = 0; l < count; ++l) found.add({{at(l).x, lane(middle, l), at(l).y}});
     }
 }
 }  // namespace detail

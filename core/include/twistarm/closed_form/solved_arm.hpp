@@ -53,6 +53,22 @@ template <class T> frame<T> any_pose(const target<T>& asked) {
     return g;
 }
 
+/// The values of the family's axes at θ.
+template <class T, int N> void values_at(const solved_arm<T, N>& arm, const T* theta, joint_value<T>* values) {
+    constexpr int lanes = lanes_at_once<T>;
+    pack<T, lanes> x, sine, cosine;
+    for (int start = 0; start < arm.family.count; start += lanes) {
+        const int count = least(lanes, arm.family.count - start);
+        for (int l = 0; l < lanes; ++l) {
+            const int k = l < count ? arm.joint[start + l] : -1;
+            set_lane(x, l, k < 0 ? T(0) : theta[k] * arm.rate[k]);
+        }
+        sincos(x, sine, cosine);
+        for (int l = 0; l < count; ++l)
+            values[start + l] = arm.family.axes[start + l].slides ? slid(lane(x, l)) : joint_value<T>(lane(cosine, l), lane(sine, l), T(0));
+    }
+}
+
 /// All candidates for θ (n,) by the values of the family's axes; what is free stands as in `near` (n,).
 template <class T, int N>
 void find_candidates(const solved_arm<T, N>& arm, const target<T>& asked, const T* near, const T* held_values, T slack,
@@ -61,10 +77,7 @@ void find_candidates(const solved_arm<T, N>& arm, const target<T>& asked, const 
     frame<T> behind;
     hold(arm, held_values, family, behind);
     joint_value<T> wanted[most_unknowns];
-    for (int i = 0; i < family.count; ++i) {
-        const int k = arm.joint[i];
-        wanted[i] = value_of(family.axes[i], k < 0 ? T(0) : near[k] * arm.rate[k]);
-    }
+    values_at(arm, near, wanted);
     const frame<T> G = product(product(any_pose(asked), inverse(arm.home)), behind);
     find_candidates(family, G, wanted, slack, found);
 }

@@ -87,13 +87,17 @@ public:
         residual_of<Kind, N>(g, columns, n, aims, T(1), missed);
         near = bits((missed.position_squared < V(far * far)) & (missed.rotation_squared < V(far * far)));
         V H[most_unknowns][most_unknowns], y[most_unknowns], trace = V(T(0)), longest = V(precision<T>::longest);
+        TWISTARM_UNROLL
         for (int i = 0; i < count_; ++i) {
             const V* const row = missed.J[moving_[i]];
             y[i] = V(T(0));
             for (int k = 0; k < rows; ++k) y[i] = y[i] - row[k] * missed.e[k];
+            TWISTARM_UNROLL
             for (int j = 0; j <= i; ++j) {
-                H[i][j] = V(T(0));
-                for (int k = 0; k < rows; ++k) H[i][j] = H[i][j] + row[k] * missed.J[moving_[j]][k];
+                const V* const other = missed.J[moving_[j]];
+                V sum = row[0] * other[0];
+                for (int k = 1; k < rows; ++k) sum = sum + row[k] * other[k];
+                H[i][j] = sum;
             }
             trace = trace + H[i][i];
         }

@@ -230,6 +230,14 @@ template <class T> TWISTARM_INLINE T lane(T a, int) { return a; }
 template <class T, int L> TWISTARM_INLINE void set_lane(pack<T, L>& a, int i, T value) { a.set(i, value); }
 template <class T> TWISTARM_INLINE void set_lane(T& a, int, T value) { a = value; }
 
+/// A truth value in each lane, from `bits`.
+template <class V> TWISTARM_INLINE mask_of<V> lanes_of(unsigned bits) {
+    if (bits == 0) return in_every_lane<V>(false);
+    V holds;
+    for (int l = 0; l < number<V>::lanes; ++l) set_lane(holds, l, scalar_of<V>(bits >> l & 1U));
+    return holds > V(scalar_of<V>(0));
+}
+
 /// Lane l from first[l · stride]; a scalar from first[0].
 template <class V> TWISTARM_INLINE V gathered(const scalar_of<V>* first, int stride) {
     alignas(64) scalar_of<V> values[number<V>::lanes];

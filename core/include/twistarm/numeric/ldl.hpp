@@ -38,11 +38,14 @@ template <int Capacity, class V> TWISTARM_INLINE void solve_ldl(V (&H)[Capacity]
 /// times that.
 template <int Capacity, class V> TWISTARM_INLINE V trace_of_inverse(const V (&H)[Capacity][Capacity], int size) {
     V trace = V(scalar_of<V>(0)), z[Capacity];
+    TWISTARM_UNROLL
     for (int j = 0; j < size; ++j) {
-        z[j] = V(scalar_of<V>(1));
-        for (int i = j; i < size; ++i) {
-            if (i > j) z[i] = V(scalar_of<V>(0));
-            for (int k = j; k < i; ++k) z[i] = z[i] - H[i][k] * z[k];
+        trace = trace + H[j][j];
+        TWISTARM_UNROLL
+        for (int i = j + 1; i < size; ++i) {
+            z[i] = -H[i][j];
+            TWISTARM_UNROLL
+            for (int k = j + 1; k < i; ++k) z[i] = z[i] - H[i][k] * z[k];
             trace = trace + z[i] * z[i] * H[i][i];
         }
     }
