@@ -64,19 +64,18 @@ bool bring_within(const Judge& judged, const ranges<T, N>& range, int n, const T
     return false;
 }
 
-/// What each joint's distance is a share of: its range, 2π or 1 m where it has none. As its inverse.
-template <class T, int N, int M> void inverse_spans(const chain<T, N, M>& arm, const ranges<T, N>& range, T* inverse) {
+/// What each joint's distance is a share of: its range, 2π or 1 m where it has none.
+template <class T, int N, int M> void find_spans(const chain<T, N, M>& arm, const ranges<T, N>& range, T* span) {
     for (int k = 0; k < arm.coordinates(); ++k) {
-        T span = range.upper[k] - range.lower[k];
-        if (!(span > T(0)) || span - span != T(0)) span = arm.links[k].turn == T(0) ? T(1) : T(whole_turn);
-        inverse[k] = T(1) / span;
+        span[k] = range.upper[k] - range.lower[k];
+        if (!(span[k] > T(0)) || span[k] - span[k] != T(0)) span[k] = arm.links[k].turn == T(0) ? T(1) : T(whole_turn);
     }
 }
 
 /// The largest joint difference, in shares.
-template <class V, class T> V distance(int n, const T* inverse_span, const V* theta, const T* near) {
+template <class V, class T> V distance(int n, const T* span, const V* theta, const T* near) {
     V largest = V(T(0));
-    for (int k = 0; k < n; ++k) largest = greatest(largest, absolute(theta[k] - near[k]) * inverse_span[k]);
+    for (int k = 0; k < n; ++k) largest = greatest(largest, absolute(theta[k] - near[k]) / span[k]);
     return largest;
 }
 
@@ -97,7 +96,7 @@ void to_lanes(const solved_arm<T, N>& solved, const T* held_values, const candid
 /// The different answers among the candidates, in the order of these, with their copies nearest to `near`.
 template <class Judge, class T, int N>
 int verify(const Judge& judged, const solved_arm<T, N>& solved, const ranges<T, N>& range, int n, const T* near,
-           const T* held_values, const T* inverse_span, const candidate_list<T>& candidates, configuration<T, N>* answers) {
+           const T* held_values, const T* span, const candidate_list<T>& candidates, configuration<T, N>* answers) {
     constexpr int lanes = lanes_at_once<T>;
     using V = pack<T, lanes>;
     const auto bit = [](unsigned all, int l) { return (all >> l & 1U) != 0; };
@@ -110,7 +109,7 @@ int verify(const Judge& judged, const solved_arm<T, N>& solved, const ranges<T, 
         judged.step(theta, done, hardly_missed);
         const unsigned inside = bits(nearest_copy(range, n, theta, near, precision<T>::at_limit, copy, cut));
         const unsigned by_itself = done & ~bits(cut);
-        const V away = distance(n, inverse_span, copy, near);
+        const V away = distance(n, span, copy, near);
         for (int other = 0; other < count; ++other) known |= judged.near_to(range, theta, answers[other].theta);
         for (int l = 0; l < lanes && first + l < candidates.count && count < most_configurations; ++l) {
             configuration<T, N>& one = answers[count];
@@ -127,7 +126,7 @@ int verify(const Judge& judged, const solved_arm<T, N>& solved, const ranges<T, 
             one.family = one.free != 0;
             one.free |= solved.idle;
             one.inside = bit(by_itself, l) ? bit(inside, l) : bring_within(judged, range, n, near, one.theta);
-            one.distance = bit(by_itself, l) ? lane(away, l) : distance(n, inverse_span, one.theta, near);
+            one.distance = bit(by_itself, l) ? lane(away, l) : distance(n, span, one.theta, near);
             known |= judged.near_to(range, theta, one.theta);
             ++count;
         }
@@ -169,10 +168,10 @@ void find_all(const chain<T, N, M>& arm, const solved_arm<T, N>& solved, const r
             closed_form::find_candidates(solved, asked, near, held_values, closed_form::default_slack<T>, candidates);
             if (candidates.count == 0) return;
             const closed_form::judge<kind(), T, N, M> judged(arm, solved, asked, position_tolerance, orientation_tolerance);
-            T inverse_span[capacity(N)];
-            closed_form::inverse_spans(arm, range, inverse_span);
+            T span[capacity(N)];
+            closed_form::find_spans(arm, range, span);
             configuration<T, N> answers[most_configurations];
-            const int count = closed_form::verify(judged, solved, range, arm.coordinates(), near, held_values, inverse_span,
+            const int count = closed_form::verify(judged, solved, range, arm.coordinates(), near, held_values, span,
                                                   candidates, answers);
             closed_form::arrange(answers, count, all);
         }
