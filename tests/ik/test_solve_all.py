@@ -64,6 +64,23 @@ def test_the_configuration_that_made_the_target_is_found(name):
         assert found.complete
 
 
+DELICATE = [
+    ("parallel 2-3-4", [-1.0, 0.4, 0.8, -0.3, 1e-8, 0.6]),  # beside regular answers
+    ("parallel 4-5-6", [np.pi - 1e-8, -1.1689, -np.pi + 1e-8, 2.68e-8, QUARTER - 1e-8, np.pi - 1e-8]),
+    ("P-RRR-R", [0.3, -0.4, np.pi - 1e-8, 1.2, -1.4]),  # folded: axes 2 and 4 are one but for 1e-8
+    ("R-RRR-R", [0.9, -QUARTER, np.pi - 5e-9, -1.0, np.pi - 5e-9]),
+]
+
+
+@pytest.mark.parametrize(("name", "posture"), DELICATE)
+def test_answers_at_particular_values_of_a_joint_that_seems_free(name, posture):
+    arm, theta = family_arm(name), np.array(posture)
+    for near in arm.random_theta(16, 3):
+        found = check(arm, theta, near)
+        assert found.complete
+        assert len(found) + len(found.outside) <= 12
+
+
 @pytest.mark.slow
 @pytest.mark.parametrize("half_turns", [1.0, 0.6])
 @pytest.mark.parametrize("name", CASES)

@@ -164,8 +164,12 @@ class _Task:
         found: list[Root] = []
         hits = 0
         for each in values:
-            candidates = method.candidates(self.arm, self.target, self.near, each)
-            new = roots(self.arm, self.target, candidates, self.tolerances, method.held)
+            new: list[Root] = []
+            for candidates in method.candidates(self.arm, self.target, self.near, each):
+                more = roots(self.arm, self.target, candidates, self.tolerances, method.held, new)
+                # Members of a continuous family that stand at the value at hand stand for the others.
+                families = {root.free for root in new if root.free}
+                new += [root for root in more if root.free not in families]
             for root in new:
                 free = {*root.free, *method.idle, *method.swept} - {*self.given}
                 found.append(replace(root, free=tuple(sorted(free))))
@@ -210,8 +214,7 @@ class _Task:
         batch = solve_ik_batch(self.arm, [self.target] * len(starts), starts, restarts=1)
         met = batch.theta[batch.converged]
         met = met[(np.abs(met[:, self.given] - self.near[list(self.given)]) <= ROUNDED_LIMIT).all(axis=1)]
-        everything = roots(self.arm, self.target, [*(root.theta for root in known), *met], self.tolerances, self.given)
-        return everything[len(known) :], len(met)
+        return roots(self.arm, self.target, met, self.tolerances, self.given, known), len(met)
 
     def brought_inside(self, found: list[Root], method: Method) -> tuple[list[Root], bool]:
         """The roots, and of each family that was met outside the limits alone the member inside that is nearest to it.

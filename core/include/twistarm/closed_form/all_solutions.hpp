@@ -93,14 +93,18 @@ void to_lanes(const solved_arm<T, N>& solved, const T* held_values, const candid
     }
 }
 
-/// The different answers among the candidates, in the order of these, with their copies nearest to `near`.
+/// How many answers there are with the different ones among the candidates behind the first `count`, each with its copy
+/// nearest to `near`.
+///
+/// Members of a continuous family are added only where none of the first moves the same joints: those at the value at hand
+/// stand for the others.
 template <class Judge, class T, int N>
 int verify(const Judge& judged, const solved_arm<T, N>& solved, const ranges<T, N>& range, int n, const T* near,
-           const T* held_values, const T* span, const candidate_list<T>& candidates, configuration<T, N>* answers) {
+           const T* held_values, const T* span, const candidate_list<T>& candidates, configuration<T, N>* answers, int count) {
     constexpr int lanes = lanes_at_once<T>;
     using V = pack<T, lanes>;
     const auto bit = [](unsigned all, int l) { return (all >> l & 1U) != 0; };
-    int count = 0;
+    const int before = count;
     for (int first = 0; first < candidates.count; first += lanes) {
         V theta[capacity(N)], copy[capacity(N)];
         mask_of<V> cut;
@@ -125,6 +129,9 @@ int verify(const Judge& judged, const solved_arm<T, N>& solved, const ranges<T, 
             one.free = regular ? 0 : judged.self_motion(one.theta);
             one.family = one.free != 0;
             one.free |= solved.idle;
+            for (int other = 0; other < before && one.family && !again; ++other)
+                again = answers[other].family && answers[other].free == one.free;
+            if (again) continue;
             one.inside = bit(by_itself, l) ? bit(inside, l) : bring_within(judged, range, n, near, one.theta);
             one.distance = bit(by_itself, l) ? lane(away, l) : distance(n, span, one.theta, near);
             known |= judged.near_to(range, theta, one.theta);
@@ -164,15 +171,19 @@ void find_all(const chain<T, N, M>& arm, const solved_arm<T, N>& solved, const r
     all.count = all.inside = 0;
     with_kind(asked, [&](auto kind) {
         if constexpr (kind() != target_kind::task) {
-            closed_form::candidate_list<T> candidates;
-            closed_form::find_candidates(solved, asked, near, held_values, closed_form::default_slack<T>, candidates);
-            if (candidates.count == 0) return;
             const closed_form::judge<kind(), T, N, M> judged(arm, solved, asked, position_tolerance, orientation_tolerance);
             T span[capacity(N)];
             closed_form::find_spans(arm, range, span);
             configuration<T, N> answers[most_configurations];
-            const int count = closed_form::verify(judged, solved, range, arm.coordinates(), near, held_values, span,
-                                                  candidates, answers);
+            int count = 0;
+            unsigned open = 0;
+            for (int nth = 0; nth == 0 || (open != 0 && nth < closed_form::values_tried); ++nth) {
+                closed_form::candidate_list<T> candidates;
+                closed_form::find_candidates(solved, asked, near, held_values, closed_form::default_slack<T>, open, nth,
+                                             candidates);
+                count = closed_form::verify(judged, solved, range, arm.coordinates(), near, held_values, span, candidates,
+                                            answers, count);
+            }
             closed_form::arrange(answers, count, all);
         }
     });

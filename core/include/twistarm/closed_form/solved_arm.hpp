@@ -64,22 +64,26 @@ template <class T, int N> void values_at(const solved_arm<T, N>& arm, const T* t
             set_lane(x, l, k < 0 ? T(0) : theta[k] * arm.rate[k]);
         }
         sincos(x, sine, cosine);
-        for (int l = 0; l < count; ++l)
-            values[start + l] = arm.family.axes[start + l].slides ? slid(lane(x, l)) : joint_value<T>(lane(cosine, l), lane(sine, l), T(0));
+        for (int l = 0; l < count; ++l) {
+            const joint_value<T> turn(lane(cosine, l), lane(sine, l), T(0));
+            values[start + l] = arm.family.axes[start + l].slides ? slid(lane(x, l)) : turn;
+        }
     }
 }
 
-/// All candidates for θ (n,) by the values of the family's axes; what is free stands as in `near` (n,).
+/// Candidates for θ (n,) by the values of the family's axes; what is free stands as in `near` (n,), or, where `nth` is not 0,
+/// those of them whose `open` joints stand at the nth other value.
 template <class T, int N>
 void find_candidates(const solved_arm<T, N>& arm, const target<T>& asked, const T* near, const T* held_values, T slack,
-                     candidate_list<T>& found) {
+                     unsigned& open, int nth, candidate_list<T>& found) {
     fitted_family<T> family;
     frame<T> behind;
     hold(arm, held_values, family, behind);
     joint_value<T> wanted[most_unknowns];
     values_at(arm, near, wanted);
     const frame<T> G = product(product(any_pose(asked), inverse(arm.home)), behind);
-    find_candidates(family, G, wanted, slack, found);
+    if (nth == 0) open = find_candidates(family, G, wanted, slack, found);
+    else find_elsewhere(family, G, wanted, slack, open, nth, found);
 }
 
 }  // namespace closed_form

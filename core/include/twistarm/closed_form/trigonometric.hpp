@@ -22,6 +22,9 @@ template <class T> constexpr T level = is_double<T> ? T(1e-7) : T(1e-4);
 /// The slack with which whatever misses has the root that comes nearest.
 template <class T> constexpr T nearest = T(is_double<T> ? 1e100 : 1e30F);
 
+/// A discriminant below this part of its size is rounding, and two roots are one.
+template <class T> constexpr T double_root = is_double<T> ? T(1e-13) : T(1e-6);
+
 /// Real roots; `any`: every value is one.
 template <class V, int Most> struct roots : few<joint_value<V>, Most, mask_of<V>> {
     mask_of<V> any = in_every_lane<V>(false);
@@ -44,9 +47,10 @@ template <class T, class V> roots<V, 2> harmonic(T a, T b, V c, T scale, V slack
     }
     const auto there = absolute(c) <= amplitude * (T(1) + slack) + nothing<T> * scale;
     if (!any(there)) return found;
-    const V opening = sqrt(greatest((amplitude - c) * (amplitude + c), V(0)));
+    const V square = (amplitude - c) * (amplitude + c), zero = V(0);
+    const V opening = sqrt(select(square > V(double_root<T> * amplitude * amplitude), square, zero));
     found.add(turned(a * c - b * opening, b * c + a * opening), there);
-    found.add(turned(a * c + b * opening, b * c - a * opening), there & (opening > V(0)));
+    found.add(turned(a * c + b * opening, b * c - a * opening), there & (opening > zero));
     return found;
 }
 
@@ -57,11 +61,12 @@ template <class T, class V> roots<V, 2> quadratic(T f, T b, V c, V slack) {
         if (b != T(0)) found.add(slid(-c / b), in_every_lane<V>(true));
         return found;
     }
-    const V discriminant = b * b - T(4) * f * c;
-    const auto there = discriminant >= -slack * (b * b + absolute(T(4) * f * c));
-    const V root = sqrt(greatest(discriminant, V(0))), q = T(-0.5) * (b + (b < T(0) ? -root : root));
+    const V discriminant = b * b - T(4) * f * c, size = b * b + absolute(T(4) * f * c), zero = V(0);
+    const auto there = discriminant >= -slack * size;
+    const V root = sqrt(select(discriminant > double_root<T> * size, discriminant, zero));
+    const V q = T(-0.5) * (b + (b < T(0) ? -root : root));
     found.add(slid(q / f), there);
-    found.add(slid(c / q), there & (root > V(0)) & (absolute(q) > V(0)));
+    found.add(slid(c / q), there & (root > zero) & (absolute(q) > zero));
     return found;
 }
 

@@ -74,8 +74,8 @@ public:
         return differences(range, theta, answer, apart);
     }
 
-    /// A register of configurations after one of Newton's steps, where one of them needs it; which of them miss by rounding alone, far from any
-    /// singularity, and which are so near before it that they may be answers.
+    /// A register of configurations after one of Newton's steps, where one of them needs it; which of them miss by rounding
+    /// alone, far from any singularity, and which are so near before it that they may be answers.
     template <class V> void step(V* theta, unsigned& done, unsigned& near) const {
         constexpr T far = precision<T>::near;
         const int n = arm_.coordinates();
@@ -155,13 +155,13 @@ public:
             for (int j = 0; j < count_; ++j) beside[moving_[j]] += precision<T>::sidestep * X[j][i];
             if (!correct(beside, 3, precision<T>::dependent)) continue;
             std::uint32_t changed = 0;
-            T farthest = T(0);
+            T square = T(0);
             for (int j = 0; j < count_; ++j) {
                 const T away = absolute(beside[moving_[j]] - theta[moving_[j]]);
-                farthest = greatest(farthest, away);
+                square += away * away;
                 if (away > precision<T>::moved) changed |= std::uint32_t{1} << moving_[j];
             }
-            if (farthest > T(0.5) * precision<T>::sidestep) moving |= changed;
+            if (sqrt(square) > T(0.5) * precision<T>::sidestep) moving |= changed;
         }
         return moving;
     }

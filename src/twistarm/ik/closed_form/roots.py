@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import itertools
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -81,16 +81,24 @@ def met(arm: Arm, target: AnyTarget, theta: Array, tolerances: Tolerances) -> bo
 
 
 def roots(
-    arm: Arm, target: AnyTarget, candidates: Iterable[Array], tolerances: Tolerances, held: tuple[int, ...] = ()
+    arm: Arm,
+    target: AnyTarget,
+    candidates: Iterable[Array],
+    tolerances: Tolerances,
+    held: tuple[int, ...] = (),
+    known: Sequence[Root] = (),
 ) -> list[Root]:
-    """The different answers among the candidates, each corrected and verified; `held` joints stay where they are."""
+    """The different answers among the candidates that are not `known` yet, each corrected and verified.
+
+    `held` joints stay where they are.
+    """
     found: list[Root] = []
     turns = joint_ranges(arm).periodic
     for candidate in candidates:
         theta = corrected(arm, target, np.array(candidate), held)
         if not met(arm, target, theta, tolerances):
             continue
-        if not any(_same(arm, target, theta, other.theta, turns) for other in found):
+        if not any(_same(arm, target, theta, other.theta, turns) for other in (*known, *found)):
             found.append(Root(theta, self_motion(arm, target, theta, tolerances, held)))
     return found
 
@@ -111,7 +119,7 @@ def self_motion(
         step = np.zeros(arm.n)
         step[solved] = SIDESTEP * direction
         beside = corrected(arm, target, theta + step, held, DEPENDENT)
-        if met(arm, target, beside, tolerances) and np.abs(beside - theta).max() > 0.5 * SIDESTEP:
+        if met(arm, target, beside, tolerances) and np.linalg.norm(beside - theta) > 0.5 * SIDESTEP:
             moving |= set(np.flatnonzero(np.abs(beside - theta) > 1e-6).tolist())
     return tuple(sorted(moving))
 
