@@ -56,17 +56,15 @@ template <class T> frame<T> any_pose(const target<T>& asked) {
 /// The values of the family's axes at θ.
 template <class T, int N> void values_at(const solved_arm<T, N>& arm, const T* theta, joint_value<T>* values) {
     constexpr int lanes = lanes_at_once<T>;
-    pack<T, lanes> x, sine, cosine;
-    for (int start = 0; start < arm.family.count; start += lanes) {
-        const int count = least(lanes, arm.family.count - start);
-        for (int l = 0; l < lanes; ++l) {
-            const int k = l < count ? arm.joint[start + l] : -1;
-            set_lane(x, l, k < 0 ? T(0) : theta[k] * arm.rate[k]);
-        }
+    for (int start = 0; start < most_unknowns; start += lanes) {
+        const int end = least(start + lanes, most_unknowns);
+        pack<T, lanes> x = T(0), sine, cosine;
+        for (int i = start; i < end; ++i)
+            if (i < arm.family.count && arm.joint[i] >= 0) set_lane(x, i - start, theta[arm.joint[i]] * arm.rate[arm.joint[i]]);
         sincos(x, sine, cosine);
-        for (int l = 0; l < count; ++l) {
-            const joint_value<T> turn(lane(cosine, l), lane(sine, l), T(0));
-            values[start + l] = arm.family.axes[start + l].slides ? slid(lane(x, l)) : turn;
+        for (int i = start; i < end; ++i) {
+            const joint_value<T> turn(lane(cosine, i - start), lane(sine, i - start), T(0));
+            if (i < arm.family.count) values[i] = arm.family.axes[i].slides ? slid(lane(x, i - start)) : turn;
         }
     }
 }
