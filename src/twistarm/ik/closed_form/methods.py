@@ -141,22 +141,27 @@ def method_for(arm: Arm, target: AnyTarget, given: tuple[int, ...] = ()) -> Meth
     return kept[key]
 
 
+def family_method(arm: Arm, target: AnyTarget) -> Method:
+    """The method for targets like this one by families alone: without elimination, which takes long to set up."""
+    key = "family", type(target), target.axis.tobytes() if isinstance(target, Approach) else None
+    kept = _KEPT.setdefault(arm, {})
+    if key not in kept:
+        kept[key] = _with_core(arm, target, (), _looked_for(arm, target, (), families_alone=True))
+    return kept[key]
+
+
 def family_for(arm: Arm, target: AnyTarget) -> ClosedForm | None:
     """The exact family for targets like this one in the core, where no joint has to be sampled; else None."""
     free = {Pose: 0, Approach: 1, Position: 3}.get(type(target), MOST_JOINTS)
     if arm.n + free > MOST_JOINTS:
         return None
-    key = "family", type(target), target.axis.tobytes() if isinstance(target, Approach) else None
-    kept = _KEPT.setdefault(arm, {})
-    if key not in kept:
-        kept[key] = _with_core(arm, target, (), _looked_for(arm, target, (), families_alone=True))
-    method = kept[key]
+    method = family_method(arm, target)
     return None if method.swept else method.compiled
 
 
 def _with_core(arm: Arm, target: AnyTarget, given: tuple[int, ...], method: Method) -> Method:
     """The method, with its family in the core where the axes are exact: slack for those that miss is not for it."""
-    if method.family is None or not method.exact:
+    if method.family is None or not method.exact or not method.family.order:  # with every joint given nothing is solved
         return method
     numbers = family_numbers(arm, method.chain, method.family, method.held, {*method.held} - {*given})
     return replace(method, numbers=numbers, compiled=compiled(arm, target.kind, numbers))

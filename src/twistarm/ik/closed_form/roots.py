@@ -108,12 +108,16 @@ def self_motion(
 ) -> tuple[int, ...]:
     """The joints, beside those `held`, that move while the target stays met: () for an answer that stands alone.
 
-    Where the rows of the Jacobian are dependent there is a direction that moves nothing at first. A step along it,
-    corrected, either comes back, or is another answer: then the two belong to a family.
+    Where more joints are left than there are rows, and these are independent, the null space is a family's tangent, and
+    all that it moves is free. Else a direction in it moves nothing at first. A step along it, corrected, either comes
+    back, or is another answer: then the two belong to a family.
     """
     solved = [i for i in range(arm.n) if i not in held]
-    _, size, Vt = np.linalg.svd(_error_and_rows(arm, target, theta)[1][:, solved])
+    J = _error_and_rows(arm, target, theta)[1][:, solved]
+    _, size, Vt = np.linalg.svd(J)
     rank = int((size > DEPENDENT * size.max(initial=1e-300)).sum())
+    if rank == len(J) and np.abs(Vt[rank:]).max(axis=0, initial=0.0).min(initial=1.0) > DEPENDENT:
+        return tuple(solved)
     moving: set[int] = set()
     for direction in Vt[rank:]:
         step = np.zeros(arm.n)
