@@ -23,9 +23,9 @@ arm = guide.arm_with("a joint that turns", lambda a: len(turning(a)) > 0)
 # ## Three small questions
 #
 # A joint that turns carries a point around a circle. Everything below is made of such circles. Let $\omega$ be the
-# direction of the joint's axis, a unit vector, and $r$ a point on the axis. Take two points $p$ and $q$, both as seen
-# from $r$, and split each into a part along the axis and a part across it. The matrix $I - \omega\omega^T$ takes the part
-# along the axis away:
+# direction of the joint's axis, a unit vector, and $r$ a point on the axis. Look at two points $p$ and $q$ from $r$, and
+# split what you see into a part along the axis and a part across it. The matrix $I - \omega\omega^T$ takes the part along
+# the axis away:
 #
 # $$u = p - r, \qquad v = q - r, \qquad u' = (I - \omega\omega^T)\, u, \qquad v' = (I - \omega\omega^T)\, v$$
 #
@@ -71,7 +71,7 @@ arm = guide.arm_with("a joint that turns", lambda a: len(turning(a)) > 0)
 # %%
 def turn_to(xi, p, q):
     """Subproblem 1, for a joint that turns."""
-    w, r = xi[3:], np.cross(xi[3:], xi[:3])  # ω, and the point of the axis nearest to the origin
+    w, r = xi[3:], np.cross(xi[3:], xi[:3])  # ω, and a point on the axis
     across = np.eye(3) - np.outer(w, w)
     u, v = across @ (p - r), across @ (q - r)
     return np.arctan2(w @ np.cross(u, v), u @ v)
@@ -447,7 +447,7 @@ else:
 #   elbows on the way.
 # - **Limits forgotten.** A closed form knows no limits. What it returns may be outside all of them.
 # - **A wrist that does not quite meet.** The closed form believes that three axes meet in a point. If the bracket holds
-#   one of them a little beside, the tool is off by about as much, and nobody reports an error.
+#   one of them a few millimetres away from it, the tool is off by about as much, and nobody reports an error.
 # - **Ways that are no number.** With two wrist axes on one line, one joint may turn forward and the other one back. With
 #   the wrist point on the axis of the base joint, that joint may stand anywhere. An answer with `free` joints says so.
 

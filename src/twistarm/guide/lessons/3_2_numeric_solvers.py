@@ -36,16 +36,23 @@ planar = guide.bundled("rr_planar")  # the two-link arm
 # computes it. [The lesson on the Jacobian](3_3_2_jacobian.html) shows how the columns come about.
 
 # %%
+l2 = np.linalg.norm(np.diff(guide.arm_points(planar, np.zeros(2))[2:], axis=0))
+
+
+def tip_jacobian(theta):
+    """The matrix J above, (2, 2)."""
+    x, y = planar.fk(theta)[:2, 3]
+    return np.array([[-y, -l2 * np.sin(theta.sum())], [x, l2 * np.cos(theta.sum())]])
+
+
 theta, h = np.radians([20.0, 60.0]), 1e-6
-l1, l2 = np.linalg.norm(np.diff(guide.arm_points(planar, theta)[1:], axis=0), axis=1)
-x, y = planar.fk(theta)[:2, 3]
-J = np.array([[-y, -l2 * np.sin(theta.sum())], [x, l2 * np.cos(theta.sum())]])
 for i, step in enumerate(h * np.eye(2)):  # a small turn of one joint after the other
     moved = planar.fk(theta + step)[:2, 3] - planar.fk(theta - step)[:2, 3]
-    assert np.allclose(moved / (2 * h), J[:, i])
+    assert np.allclose(moved / (2 * h), tip_jacobian(theta)[:, i])
 for i, step in enumerate(h * np.eye(arm.n)):
     motion = screws.inverse(arm.fk(arm.ready - step)) @ arm.fk(arm.ready + step)
-    assert np.allclose(screws.log(motion) / (2 * h), arm.body_jacobian(arm.ready)[:, i], atol=1e-5)
+    column = screws.log(motion) / (2 * h)
+    assert np.allclose(column, arm.body_jacobian(arm.ready)[:, i], atol=1e-5)
 
 # %% [markdown]
 # ## Newton's step
@@ -143,14 +150,14 @@ goal_2 = 0.9 * tip  # closer, on the same line
 
 def tip_gap(theta):
     """The gap of the tip (2,), and the Jacobian (2, 2) of the tip's place."""
-    return goal_2 - planar.fk(theta)[:2, 3], planar.hybrid_jacobian(theta)[:2]
+    return goal_2 - planar.fk(theta)[:2, 3], tip_jacobian(theta)
 
 
 e, J = tip_gap(stretched)
 leap = newton_step(J, e)
 sigma = np.linalg.svd(J, compute_uv=False)
 guide.predict(
-    f"The tip shall come {1000 * np.linalg.norm(e):.0f} mm closer, and the elbow is bent by 2°. How far does "
+    f"The tip is to come {1000 * np.linalg.norm(e):.0f} mm closer, and the elbow is bent by 2°. How far does "
     f"Newton turn "
     "the elbow in its first step?",
     f"By {np.degrees(leap[1]):.0f}°. The two singular values of the Jacobian are {sigma[0]:.3f} and {sigma[1]:.4f} m "
@@ -160,12 +167,12 @@ guide.predict(
 )
 straight = np.radians([20.0, 0.0])
 inward = -0.1 * planar.fk(straight)[:2, 3]
-assert np.allclose(newton_step(planar.hybrid_jacobian(straight)[:2], inward), 0.0, atol=1e-9)
+assert np.allclose(newton_step(tip_jacobian(straight), inward), 0.0, atol=1e-9)
 assert abs(np.degrees(leap[1])) > 180
 assert np.allclose(J @ leap, e)
 
 bends = np.radians(np.arange(1.0, 180.0))
-at_bends = planar.hybrid_jacobian(np.stack([0 * bends, bends], axis=-1))[:, :2]
+at_bends = np.array([tip_jacobian(np.array([0.0, bend])) for bend in bends])
 weaker = np.linalg.svd(at_bends, compute_uv=False)[:, 1]
 nimblest = np.degrees(bends[np.argmax(weaker)])
 guide.slider(
@@ -281,7 +288,7 @@ def gaps_beyond(step):
     for _ in range(40):
         e = too_far - planar.fk(theta)[:2, 3]
         gaps.append(np.linalg.norm(e))
-        theta = theta + step(planar.hybrid_jacobian(theta)[:2], e)
+        theta = theta + step(tip_jacobian(theta), e)
     return np.array(gaps)
 
 

@@ -119,7 +119,7 @@ ax.plot(*np.array([[0, 0], cross]).T, color=guide.GREY, linestyle="--", linewidt
 ax.text(*(0.45 * cross + [0.018, -0.018]), "$r$", color=guide.GREY, ha="center")
 links(ax, down, guide.ORANGE, (0, (5, 1.5)))
 elbow = links(ax, up, guide.BLUE, "-")
-ax.text(*(0.5 * elbow + [-0.03, 0.0]), "$l_1$", color=guide.BLUE, ha="center")
+ax.text(*(0.62 * elbow + [0.02, 0.0]), "$l_1$", color=guide.BLUE, ha="center")
 ax.text(*(0.5 * (elbow + cross) + [0.0, 0.022]), "$l_2$", color=guide.BLUE, ha="center")
 arc(ax, (0, 0), phi, up[0], 0.12, r"$\beta$", guide.BLUE)
 arc(ax, (0, 0), 0, phi, 0.07, r"$\varphi$", guide.INK)

@@ -55,8 +55,8 @@ guide.predict(
 )
 guide.say(
     rf"In numbers: let a joint go by $d = \theta_1 - \theta_0$. The steepest slope of $s(u)$ is {fastest:.1f}, so the "
-    rf"joint's greatest velocity is ${fastest:.1f}\, |d|/T$. The greatest curvature is {hardest:.0f}, so its greatest "
-    rf"acceleration is ${hardest:.0f}\, |d|/T^2$."
+    rf"joint's greatest velocity is ${fastest:.1f}\, \lvert d \rvert / T$. The greatest curvature is {hardest:.0f}, so "
+    rf"its greatest acceleration is ${hardest:.0f}\, \lvert d \rvert / T^2$."
 )
 
 # %% [markdown]
@@ -81,9 +81,9 @@ assert np.allclose(peaks["quintic"], [15 / 8, 10 / np.sqrt(3), 60], atol=1e-4)
 guide.table(
     [
         "law",
-        "greatest velocity, times $|d|/T$",
-        "acceleration, times $|d|/T^2$",
-        "jerk, times $|d|/T^3$",
+        r"greatest velocity, times $\lvert d \rvert/T$",
+        r"acceleration, times $\lvert d \rvert/T^2$",
+        r"jerk, times $\lvert d \rvert/T^3$",
     ],
     [[name, *(f"{peak:.2f}" for peak in each)] for name, each in peaks.items()],
     "What the same move in the same time asks for. **Jerk** is the rate at which the acceleration changes. The cubic's "
@@ -135,7 +135,8 @@ guide.slider(
 # Turn the peaks around. A joint with the distance $d$, the velocity limit $\dot\theta_{\max}$ and the acceleration
 # limit $\ddot\theta_{\max}$ needs at least
 #
-# $$T = \max\left(\frac{3}{2}\frac{|d|}{\dot\theta_{\max}},\ \sqrt{\frac{6\,|d|}{\ddot\theta_{\max}}}\right)$$
+# $$T = \max\left(\frac{3}{2} \frac{\lvert d \rvert}{\dot\theta_{\max}},\
+#   \sqrt{\frac{6\,\lvert d \rvert}{\ddot\theta_{\max}}}\right)$$
 #
 # All joints share one $s(t)$, so the slowest joint sets the time for all, and all arrive together.
 #
@@ -224,9 +225,9 @@ just_before, just_after = through(meeting - 1e-7, 2), through(meeting + 1e-7, 2)
 assert np.allclose(just_before, just_after, atol=1e-4 * acceleration.max())
 
 # %% tags=["hidden"]
-on_the_way = (via - start) * (goal - via) > 0  # joints that go on in the same direction
-shown = np.where(on_the_way, through.peak(1) / velocity, 0) if on_the_way.any() else through.peak(1)
-k = int(np.argmax(shown))
+first, second = via - start, goal - via
+going_on = np.where(first * second > 0, np.minimum(np.abs(first), np.abs(second)), 0) / velocity
+k = int(np.argmax(going_on))  # a joint that goes on in the same direction after the via point
 unit, factor = units[k]
 fig, (left, right) = guide.axes2(2, width=6.6, height=2.7, xlabel="t [s]")
 for way, words, style, colour in (
