@@ -349,18 +349,17 @@ held = ""
 if free:
     k = own.joint_names.index(free[0])
     held = f" once `{free[0]}` is held at {in_words(theta[k], own.units[k])}"
-    rolls = target.__class__ is Approach and np.allclose(
-        own.body_jacobian(theta)[:, k], [0, 0, 0, *own.tool_axis], atol=1e-6
-    )
+    roll = np.append([0, 0, 0], own.tool_axis)
+    rows = (np.eye(6) - np.outer(roll, roll)) / np.repeat([own.reach, 1.0], 3)
+    met = int(np.linalg.matrix_rank(rows @ own.body_jacobian(theta), tol=1e-6))
     guide.say(
         f"For `{own.name}` the ways are not a number but curves: "
         + " and ".join(f"`{name}`" for name in free)
         + " may move while the target stays met. "
         + (
-            "It turns the tool about the very direction whose roll was left free, so that it serves none of the five "
-            f"numbers. The other {own.n - 1} joints have to meet all of them, and can do so only for some targets, "
-            "such as this one, at which the arm already is. "
-            if rolls
+            f"It has five joints for the five numbers of an approach, but can change only {met} of these numbers "
+            "independently. It meets this target because it stands there already; most targets it cannot meet. "
+            if own.n == 5 and met < 5
             else ""
         )
         + "Hold that joint, and the ways are a number again."

@@ -337,24 +337,33 @@ targets = {
 answers = {words: solve_ik(few, target, waiting) for words, target in targets.items()}
 
 # %% tags=["hidden"]
+roll = np.append([0, 0, 0], few.tool_axis)
 samples = [
     few.body_jacobian(theta) / np.repeat([few.reach, 1.0], 3)[:, None]
     for theta in few.random_theta(0, 8)
 ]
-rank = max(int(np.linalg.matrix_rank(each, tol=1e-6)) for each in samples)
-roll = np.append([0, 0, 0], few.tool_axis)
+rank, without = (
+    max(int(np.linalg.matrix_rank(rows @ each, tol=1e-6)) for each in samples)
+    for rows in (np.eye(6), np.eye(6) - np.outer(roll, roll))
+)
 rolls = [  # joints that turn the tool about its own direction, and do nothing else
     name
-    for name, column in zip(few.joint_names, few.body_jacobian(waiting).T, strict=True)
+    for name, column in zip(few.joint_names, samples[0].T, strict=True)
     if np.allclose(column, (column @ roll) * roll, atol=1e-6) and abs(column @ roll) > 0.5
 ]
 guide.say(
-    f"`{few.name}` has {few.n} joints; the rank of its Jacobian is {rank} at best."
+    f"`{few.name}` has {few.n} joints; the rank of its Jacobian is {rank} at best. Without the row of the roll it is "
+    f"{without}."
     + (
-        f" But `{rolls[0]}` turns the tool about its own direction, and does nothing else. Of the five numbers of an "
-        f"approach it serves none, so that {few.n - 1} joints are left for them. Having five joints is not enough: "
-        "they must be the right five."
-        if rolls and few.n == 5
+        (
+            f" `{rolls[0]}` turns the tool about its own direction and does nothing else, so it serves none of the "
+            "five numbers of an approach."
+            if rolls
+            else ""
+        )
+        + " This arm meets an approach only where it happens to fit: five joints are not enough, they must be the "
+        "right five."
+        if few.n == 5 and without < 5
         else ""
     )
 )
@@ -379,8 +388,9 @@ elif approach.converged:
     guide.say("The approach is met, and the pose is not: the roll was all that stood in the way.")
 else:
     guide.say(
-        "Even the approach is not met: no joint of this arm turns the tool to that side while its place is held. "
-        "In the solver's words:\n\n```text\n" + approach.explain() + "\n```"
+        "Even the approach is not met here. The solver says why:\n\n```text\n"
+        + approach.explain()
+        + "\n```"
     )
 
 # %% [markdown]
