@@ -256,6 +256,18 @@ EXERCISES = (
                 {"1.5 * d": "d", "6 * d": "2 * d"},
             ),
             Slip(
+                "even motion",
+                "|d| / v is an even motion from the first instant to the last. The cubic starts and stops at rest: its "
+                "peaks give 1.5 |d| / v and √(6 |d| / a).",
+                {"max(1.5 * d / velocity, np.sqrt(6 * d / acceleration))": "d / velocity"},
+            ),
+            Slip(
+                "trapezoid",
+                "|d| / v + v / a is the duration of another law, with full acceleration, an even middle and full "
+                "braking. The cubic has the peaks 3/2 and 6: 1.5 |d| / v and √(6 |d| / a).",
+                {"max(1.5 * d / velocity, np.sqrt(6 * d / acceleration))": "d / velocity + velocity / acceleration"},
+            ),
+            Slip(
                 "half and half",
                 "2 √(|d| / a) is for full acceleration on the first half and full braking on the second. The cubic has "
                 "the peaks 3/2 and 6: 1.5 |d| / v and √(6 |d| / a).",
