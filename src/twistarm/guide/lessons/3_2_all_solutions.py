@@ -348,7 +348,7 @@ free = next((names for names in found.free if names), ())
 held = ""
 if free:
     k = own.joint_names.index(free[0])
-    held = f" once `{free[0]}` is held at {in_words(theta[k], own.units[k])}"
+    held = f", with `{free[0]}` held at {in_words(theta[k], own.units[k])}"
     roll = np.append([0, 0, 0], own.tool_axis)
     rows = (np.eye(6) - np.outer(roll, roll)) / np.repeat([own.reach, 1.0], 3)
     met = int(np.linalg.matrix_rank(rows @ own.body_jacobian(theta), tol=1e-6))
@@ -376,7 +376,7 @@ guide.predict(
     f"`{own.name}` has {own.n} joints. In how many ways does it reach {asked}"
     + (", with that joint held" if free else "")
     + "? And in how many, if its joints had no limits?",
-    f"In {len(found)} inside its limits, in {total} without them{held}"
+    f"In {len(found)} inside its limits and in {total} without them{held}"
     + (". There are no others" if found.complete else ". There may be more")
     + f". They were found by {found.method}: {found.family}.",
 )
@@ -475,7 +475,7 @@ guide.table(
             f"the elbow arm's tool is {1000 * off:.1f} mm off",
         ],
         *(
-            [words, "not a number: free are " + ", ".join(f"`{name}`" for name in names)]
+            [words, "curves, not a number; these may move: " + ", ".join(f"`{name}`" for name in names)]
             for words, names in zip(
                 ("first and last wrist axis on one line", "wrist point on the axis of the base joint"),
                 free_at,

@@ -132,10 +132,10 @@ guide.slider(
 # %% [markdown]
 # ## Limits: how long must it take?
 #
-# Turn the peaks around. A joint with the distance $d$, the velocity limit $\dot\theta_{\max}$ and the acceleration
+# Solve the peaks for $T$. A joint with the distance $d$, the velocity limit $\dot\theta_{\max}$ and the acceleration
 # limit $\ddot\theta_{\max}$ needs at least
 #
-# $$T = \max\left(\frac{3}{2} \frac{\lvert d \rvert}{\dot\theta_{\max}},\
+# $$T = \max\left(\frac{3}{2} \frac{\lvert d \rvert}{\dot\theta_{\max}},\;
 #   \sqrt{\frac{6\,\lvert d \rvert}{\ddot\theta_{\max}}}\right)$$
 #
 # All joints share one $s(t)$, so the slowest joint sets the time for all, and all arrive together.
