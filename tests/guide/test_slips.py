@@ -126,6 +126,14 @@ def mixed_signs(l1: float, l2: float, x: float, y: float) -> list[list[float]]:
     return [[wrap(atan2(y, x) + beta), bend], [wrap(atan2(y, x) - beta), -bend]]
 
 
+def by_triangle(l1: float, l2: float, x: float, y: float, sign: int) -> list[list[float]]:
+    """θ₂ = π ∓ α with θ₁ = φ ∓ sign β, as a lesson writes it, and not wrapped."""
+    r = sqrt(x * x + y * y)
+    alpha = acos(max(-1.0, min(1.0, (l1**2 + l2**2 - r**2) / (2 * l1 * l2))))
+    beta = sign * acos(max(-1.0, min(1.0, (r * r + l1**2 - l2**2) / (2 * l1 * r))))
+    return [[atan2(y, x) - beta, pi - alpha], [atan2(y, x) + beta, pi + alpha]]
+
+
 def unclamped(l1: float, l2: float, r: float) -> float:
     return acos((l1 * l1 + l2 * l2 - r * r) / (2 * l1 * l2))
 
@@ -177,6 +185,9 @@ WRITTEN_OTHERWISE: list[tuple[str, str, Callable[..., Any]]] = [
     ("product_of_exponentials", "degrees", lambda S, home, x: by_scipy(S, np.deg2rad(x)) @ home),
     ("product_of_exponentials", "angular first", lambda S, home, x: by_scipy(np.r_[S[3:], S[:3]], x) @ home),
     ("both_elbows", "mixed signs", mixed_signs),
+    ("both_elbows", "π + α not wrapped", lambda *a: by_triangle(*a, 1)),
+    ("both_elbows", "mixed signs, not wrapped", lambda *a: by_triangle(*a, -1)),
+    ("wrap", "unchanged", lambda angle: np.unwrap([angle])[0]),
     ("elbow", "acos not clamped", unclamped),
     ("wrap", "from 0 to 2π", lambda angle: angle - 2 * pi * np.floor(angle / (2 * pi))),
     ("two_link_determinant", "cosine for sine", lambda l1, l2, t1, t2: l1 * l2 * cos(t2)),
@@ -219,6 +230,9 @@ RIGHT: list[tuple[str, Callable[..., Any]]] = [
     ("adjoint", screws.adjoint),
     ("body_screws", lambda S, home: np.linalg.solve(screws.adjoint(home), S)),
     ("both_elbows", lambda *a: np.array(mixed_signs(*a))[[1, 0]] * [1, -1]),
+    ("wrap", lambda a: atan2(sin(a), cos(a))),
+    ("wrap", lambda a: np.angle(np.exp(1j * a))),
+    ("newton_step", lambda *a: np.angle(np.exp(1j * EXERCISES["newton_step"].reference(*a)))),
     ("damped_step", lambda J, e, k: np.linalg.solve(J.T @ J + k**2 * np.eye(J.shape[1]), J.T @ e)),
     ("pose_error", lambda g, h: pose_log(np.linalg.inv(g) @ h)),
     ("screw_between", lambda a, b, s: screws.exp(screws.log(b @ np.linalg.inv(a)), s) @ a),
