@@ -57,7 +57,9 @@ for ax, (name, xi) in zip(columns, kinds.items(), strict=True):
     ax.set_proj_type("ortho")
     path = screws.exp(xi, (0.08 if slides else 1.0) * amounts) @ [*p, 1]
     ax.plot(*path[:, :3].T, color=guide.INK, linestyle="-", linewidth=2.0)
-    guide.plot_screw(ax, xi, 0.9, "$v$" if slides else r"$\omega$", guide.ORANGE if slides else guide.PINK, near=q)
+    guide.plot_screw(
+        ax, xi, 0.9, "$v$" if slides else r"$\omega$", guide.ORANGE if slides else guide.PINK, near=q
+    )
     if not slides:
         guide.plot_point(ax, q, "$q$")
     guide.plot_point(ax, p, "")
@@ -115,7 +117,8 @@ guide.table(
 eps = 1e-6
 at_zero = np.zeros(arm.n)
 rates = [  # one coordinate moves, and the pose of the tool is compared a moment before and after
-    (arm.fk(eps * e) - arm.fk(-eps * e)) / (2 * eps) @ screws.inverse(arm.fk(at_zero)) for e in np.eye(arm.n)
+    (arm.fk(eps * e) - arm.fk(-eps * e)) / (2 * eps) @ screws.inverse(arm.fk(at_zero))
+    for e in np.eye(arm.n)
 ]
 twists = arm.spatial_jacobian(at_zero)
 assert np.allclose(rates, [screws.hat(xi) for xi in twists.T], atol=1e-7)
@@ -245,7 +248,9 @@ else:
     slide = 1000 * float(screw.pitch * screw.magnitude)
     way = "in the direction of its axis" if slide > 0 else "against the direction of its axis"
     words = f"it turns by **{np.degrees(screw.magnitude):.1f}°** about the line and " + (
-        f"slides by **{abs(slide):.1f} mm** along it, {way}" if abs(slide) > 0.05 else "does not slide along it"
+        f"slides by **{abs(slide):.1f} mm** along it, {way}"
+        if abs(slide) > 0.05
+        else "does not slide along it"
     )
     along = (places - screw.point) @ screw.axis
     radius = np.linalg.norm(places - screw.point - along[:, None] * screw.axis, axis=1)

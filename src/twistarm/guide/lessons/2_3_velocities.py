@@ -191,7 +191,8 @@ torques = arm.spatial_jacobian(theta).T @ F_s
 force = R @ F_t[:3]
 # How far does the point of the pull go along the force when one joint moves a little?
 work = [
-    (arm.fk(theta + eps * e) - arm.fk(theta - eps * e))[:3, 3] @ force / (2 * eps) for e in np.eye(arm.n)
+    (arm.fk(theta + eps * e) - arm.fk(theta - eps * e))[:3, 3] @ force / (2 * eps)
+    for e in np.eye(arm.n)
 ]
 assert np.allclose(torques, work, atol=1e-5)
 idle = [f"`{name}`" for name, t in zip(arm.joint_names, torques, strict=True) if abs(t) < 1e-6]

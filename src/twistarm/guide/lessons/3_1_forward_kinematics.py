@@ -92,7 +92,13 @@ for k, (xi, near) in enumerate(
     colour = guide.ORANGE if slides else guide.PINK
     guide.plot_screw(ax, xi, 0.4 * arm.reach, "", colour, near=near)
     centre = near if slides else screw.point + screw.axis * ((near - screw.point) @ screw.axis)
-    ax.text(*(centre - 0.26 * arm.reach * screw.axis), rf"$\xi_{{{k}}}$", color=colour, ha="center", va="center")
+    ax.text(
+        *(centre - 0.26 * arm.reach * screw.axis),
+        rf"$\xi_{{{k}}}$",
+        color=colour,
+        ha="center",
+        va="center",
+    )
 guide.fit(ax)
 guide.figure(
     fig,

@@ -316,7 +316,11 @@ if arm.n < 6:
         "dextrous workspace has the dimension $n - 3$ at most. "
         + (
             f"With {arm.n} joints it has "
-            + ("no point at all." if arm.n < 3 else f"{('single points', 'lines', 'surfaces')[arm.n - 3]} at most, ")
+            + (
+                "no point at all."
+                if arm.n < 3
+                else f"{('single points', 'lines', 'surfaces')[arm.n - 3]} at most, "
+            )
             + ("" if arm.n < 3 else "and often none; it never fills a region.")
         )
     )
