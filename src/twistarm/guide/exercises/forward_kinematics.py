@@ -28,9 +28,9 @@ def chain_of_frames(frames: Array) -> Array:
 def product_of_exponentials(twists: Array, home: Array, x: Array) -> Array:
     """The pose of the tool (4, 4), g_st = e^{ξ̂₁x₁} ⋯ e^{ξ̂ₘxₘ} g_st(0).
 
-    `twists` (6, m) has in each column the twist (v, ω) of a joint, seen from the base in the home posture; `home` (4, 4)
-    is the tool's pose there, g_st(0); `x` (m,) are the joints' values [rad, m]. Use your `twist_exp`, or `screws.exp`
-    after `from twistarm import screws`.
+    `twists` (6, m) has in each column the twist (v, ω) of a joint, seen from the base in the home posture; `home`
+    (4, 4) is the tool's pose there, g_st(0); `x` (m,) are the joints' values [rad, m]. Use your `twist_exp`, or
+    `screws.exp` after `from twistarm import screws`.
     """
     from twistarm import screws
 
@@ -179,16 +179,17 @@ EXERCISES = (
             ),
             Slip(
                 "axes carried along",
-                "You carry each twist to where the joints before it have brought the axis, and then multiply in the order "
-                "base to tip. The product of exponentials takes the twists as they are in the home posture.",
+                "You carry each twist to where the joints before it have brought the axis, and then multiply in the "
+                "order base to tip. The product of exponentials takes the twists as they are in the home posture.",
                 {"exp(twists[:, i]": "exp(screws.adjoint(g) @ twists[:, i]"},
             ),
             Slip(
                 "axes of the moment",
-                "You multiply the exponentials of the axes as they are now, moved by all joints before them. The product of "
-                "exponentials takes the twists as they are in the home posture.",
+                "You multiply the exponentials of the axes as they are now, moved by all joints before them. The "
+                "product of exponentials takes the twists as they are in the home posture.",
                 {
-                    "    g = np.eye(4)\n": "    from twistarm import poe\n    twists = poe.spatial_jacobian(twists, x)\n    g = np.eye(4)\n"
+                    "    g = np.eye(4)\n": "    from twistarm import poe\n    twists = "
+                    "poe.spatial_jacobian(twists, x)\n    g = np.eye(4)\n"
                 },
             ),
             Slip(
@@ -249,8 +250,8 @@ EXERCISES = (
         (
             Slip(
                 "home on the right",
-                "Your answer is the product with the home pose on the right, as for twists seen from the base. With body "
-                "twists it comes first, and the twists are taken as they are given.",
+                "Your answer is the product with the home pose on the right, as for twists seen from the base. With "
+                "body twists it comes first, and the twists are taken as they are given.",
                 {"    g = home\n": "    g = np.eye(4)\n", "return g": "return g @ home"},
             ),
             Slip(
@@ -260,7 +261,8 @@ EXERCISES = (
             ),
             Slip(
                 "order reversed",
-                "The joints are multiplied in the reverse order. Here too it is base to tip, the first joint next to the home pose.",
+                "The joints are multiplied in the reverse order. Here too it is base to tip, the first joint next to "
+                "the home pose.",
                 {"range(len(x))": "reversed(range(len(x)))"},
             ),
             Slip("degrees", DEGREES, {"x[i])": "np.radians(x[i]))"}),

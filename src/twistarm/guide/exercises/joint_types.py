@@ -100,13 +100,14 @@ EXERCISES = (
             ),
             Slip(
                 "slide about a point",
-                "Your prismatic joint is (0, axis): that is a turn, about an axis through the origin. A slide is (axis, 0).",
+                "Your prismatic joint is (0, axis): that is a turn, about an axis through the origin. A slide is "
+                "(axis, 0).",
                 {"[axis, np.zeros(3)]": "[np.zeros(3), axis]"},
             ),
             Slip(
                 "slide with a moment",
-                "Your prismatic joint has −ω × q in its v. A slide moves every point alike: (axis, 0), wherever the joint "
-                "stands.",
+                "Your prismatic joint has −ω × q in its v. A slide moves every point alike: (axis, 0), wherever the "
+                "joint stands.",
                 {"[axis, np.zeros(3)]": "[axis - np.cross(axis, point), np.zeros(3)]"},
             ),
             Slip(
@@ -136,7 +137,8 @@ EXERCISES = (
             ),
             Slip(
                 "lead for pitch",
-                "You divide the pitch by 2π, as if it were metres for a whole turn. It is metres for each radian already.",
+                "You divide the pitch by 2π, as if it were metres for a whole turn. It is metres for each radian "
+                "already.",
                 {"pitch * axis": "pitch * axis / (2 * np.pi)"},
             ),
             Slip(
@@ -146,7 +148,8 @@ EXERCISES = (
             ),
             Slip(
                 "pitch in ω",
-                "Your helical joint has pitch · axis for ω. It turns as a revolute one does, ω = axis; the pitch belongs to v.",
+                "Your helical joint has pitch · axis for ω. It turns as a revolute one does, ω = axis; the pitch "
+                "belongs to v.",
                 {"[v, axis]": '[v, pitch * axis if kind == "helical" else axis]'},
             ),
             Slip(
@@ -224,8 +227,8 @@ EXERCISES = (
             ),
             Slip(
                 "halves added",
-                "You add the ranks of v and of ω: a turn about a distant axis counts twice then. Take the rank of all six "
-                "rows at once.",
+                "You add the ranks of v and of ω: a turn about a distant axis counts twice then. Take the rank of all "
+                "six rows at once.",
                 {
                     "int(np.linalg.matrix_rank(twists, tol=1e-9))": "int(np.linalg.matrix_rank(twists[:3], tol=1e-9) + "
                     "np.linalg.matrix_rank(twists[3:], tol=1e-9))"

@@ -25,8 +25,8 @@ def twist_of_screw(axis: Array, point: Array, pitch: float) -> Array:
 
 
 def screw_of_twist(xi: Array) -> tuple[Array, Array, float]:
-    """The screw of a twist (v, ω) with ω ≠ 0: the unit vector along its axis, in the direction of ω (3,); a point of the
-    axis (3,), such as the one nearest to the origin; and its pitch [m/rad].
+    """The screw of a twist (v, ω) with ω ≠ 0: the unit vector along its axis, in the direction of ω (3,); a point of
+    the axis (3,), such as the one nearest to the origin; and its pitch [m/rad].
     """
     v, w = xi[:3], xi[3:]
     square = float(w @ w)
@@ -50,8 +50,8 @@ def twist_exp(xi: Array, theta: float) -> Array:
 
 
 def pose_log(g: Array) -> Array:
-    """The logarithm of a pose `g` (4, 4): the twist ξθ = (v, ω), (6,), with e^{ξ̂θ} = g. The length of ω is the angle; it
-    is less than a half turn here, and may be 0.
+    """The logarithm of a pose `g` (4, 4): the twist ξθ = (v, ω), (6,), with e^{ξ̂θ} = g. The length of ω is the angle;
+    it is less than a half turn here, and may be 0.
 
     For ω you may use `rotations.log(R)`, after `from twistarm import rotations`.
     """
@@ -148,8 +148,8 @@ EXERCISES = (
             ),
             Slip(
                 "axis not normalised in v",
-                "ω has the length 1, but the cross product of v has the axis as it was given: −ω × q takes the unit vector "
-                "too.",
+                "ω has the length 1, but the cross product of v has the axis as it was given: −ω × q takes the unit "
+                "vector too.",
                 {"-np.cross(w, point)": "-np.cross(axis, point)"},
             ),
             Slip(
@@ -169,7 +169,8 @@ EXERCISES = (
             ),
             Slip(
                 "lead for pitch",
-                "You divide the pitch by 2π, as if it were metres for a whole turn. It is metres for each radian already.",
+                "You divide the pitch by 2π, as if it were metres for a whole turn. It is metres for each radian "
+                "already.",
                 {"pitch * w": "pitch * w / (2 * np.pi)"},
             ),
             Slip(
@@ -293,7 +294,8 @@ EXERCISES = (
             ),
             Slip(
                 "slide as a number",
-                "ωᵀ v θ is a number, and NumPy adds it to each part of the shift. The slide is along the axis: ω (ωᵀ v) θ.",
+                "ωᵀ v θ is a number, and NumPy adds it to each part of the shift. The slide is along the axis: ω (ωᵀ "
+                "v) θ.",
                 {"w * (w @ v) * theta": "(w @ v) * theta"},
             ),
             Slip(
@@ -334,8 +336,8 @@ EXERCISES = (
             ),
             Slip(
                 "p for v",
-                "Your v is p. It is so where the body does not turn. Else p is G v, with G from the upper right corner of "
-                "e^{ξ̂θ}: solve for v.",
+                "Your v is p. It is so where the body does not turn. Else p is G v, with G from the upper right "
+                "corner of e^{ξ̂θ}: solve for v.",
                 {"np.linalg.solve(G, p) * theta": "p"},
             ),
             Slip(
@@ -375,11 +377,11 @@ EXERCISES = (
             ),
             Slip(
                 "number by number",
-                "np.log takes the logarithm of each number by itself. The logarithm of the matrix is scipy.linalg.logm, or "
-                "the formula of the lesson.",
+                "np.log takes the logarithm of each number by itself. The logarithm of the matrix is "
+                "scipy.linalg.logm, or the formula of the lesson.",
                 {
-                    "    R, p = g[:3, :3], g[:3, 3]\n": "    X = np.log(g)\n    return np.array([*X[:3, 3], X[2, 1], X[0, 2], "
-                    "X[1, 0]])\n    R, p = g[:3, :3], g[:3, 3]\n"
+                    "    R, p = g[:3, :3], g[:3, 3]\n": "    X = np.log(g)\n    return np.array([*X[:3, 3], "
+                    "X[2, 1], X[0, 2], X[1, 0]])\n    R, p = g[:3, :3], g[:3, 3]\n"
                 },
             ),
         ),

@@ -93,8 +93,9 @@ EXERCISES = (
             ),
             Slip(
                 "angular first",
-                "Your p̂R stands in the lower left corner. That is the Adjoint for twists (ω, v), as in Modern Robotics, or "
-                "Ad(g⁻¹)ᵀ, which takes wrenches from B to A. For (v, ω) the corner is the upper right one.",
+                "Your p̂R stands in the lower left corner. That is the Adjoint for twists (ω, v), as in Modern "
+                "Robotics, or Ad(g⁻¹)ᵀ, which takes wrenches from B to A. For (v, ω) the corner is the upper right "
+                "one.",
                 {"[[R, P @ R], [np.zeros((3, 3)), R]]": "[[R, np.zeros((3, 3))], [P @ R, R]]"},
             ),
             Slip(
@@ -110,8 +111,8 @@ EXERCISES = (
             ),
             Slip(
                 "both corners",
-                "p̂R stands in both corners of yours: how a body is shifted has no part in how fast it turns. The lower left "
-                "corner is 0.",
+                "p̂R stands in both corners of yours: how a body is shifted has no part in how fast it turns. The "
+                "lower left corner is 0.",
                 {"[np.zeros((3, 3)), R]": "[P @ R, R]"},
             ),
             Slip(
@@ -146,16 +147,16 @@ EXERCISES = (
             ),
             Slip(
                 "hybrid",
-                "You return ṗ and the angular velocity in the axes of space: the hybrid velocity. In the axes of the body "
-                "they are Rᵀṗ and Rᵀω.",
+                "You return ṗ and the angular velocity in the axes of space: the hybrid velocity. In the axes of the "
+                "body they are Rᵀṗ and Rᵀω.",
                 {"V = np.linalg.inv(g) @ g_dot\n": "V = g_dot @ np.linalg.inv(g)\n    V[:3, 3] = g_dot[:3, 3]\n"},
             ),
             Slip(
                 "ω in space",
                 "Your v is right. Your ω stands in the axes of space, ω̂ = ṘRᵀ; in those of the body it is ω̂ = RᵀṘ.",
                 {
-                    "V = np.linalg.inv(g) @ g_dot\n": "V = g_dot @ np.linalg.inv(g)\n    V[:3, 3] = g[:3, :3].T @ g_dot[:3, "
-                    "3]\n"
+                    "V = np.linalg.inv(g) @ g_dot\n": "V = g_dot @ np.linalg.inv(g)\n    V[:3, 3] = "
+                    "g[:3, :3].T @ g_dot[:3, 3]\n"
                 },
             ),
             Slip(
@@ -205,8 +206,8 @@ EXERCISES = (
             Slip("transposed", ADJOINT_TRANSPOSED, {"    w = R @": "    return adjoint(g).T @ V_b\n    w = R @"}),
             Slip(
                 "angular first",
-                "Your p × … stands in ω and not in v. Either your twist is (ω, v), as in Modern Robotics, or you carry it as "
-                "a wrench, by Ad(g⁻¹)ᵀ. For twists (v, ω) it is Ad = [R, p̂R; 0, R].",
+                "Your p × … stands in ω and not in v. Either your twist is (ω, v), as in Modern Robotics, or you "
+                "carry it as a wrench, by Ad(g⁻¹)ᵀ. For twists (v, ω) it is Ad = [R, p̂R; 0, R].",
                 {
                     "    R, p = g[:3, :3], g[:3, 3]\n": "    V_b = np.roll(V_b, 3)\n    R, p = g[:3, :3], g[:3, 3]\n",
                     "[R @ V_b[:3] + np.cross(p, w), w]": "[w, R @ V_b[:3] + np.cross(p, w)]",
@@ -221,8 +222,9 @@ EXERCISES = (
         (
             Slip(
                 "carried as a twist",
-                "Your p × … stands in f and not in τ. Either you carry the wrench by the Adjoint, as a twist, or your wrench "
-                "is (τ, f). Of a wrench the torque changes with the origin, not the force: f stays R f, and τ gets p × f.",
+                "Your p × … stands in f and not in τ. Either you carry the wrench by the Adjoint, as a twist, or your "
+                "wrench is (τ, f). Of a wrench the torque changes with the origin, not the force: f stays R f, and τ "
+                "gets p × f.",
                 {"[f, R @ F_b[3:] + np.cross(p, f)]": "[f + np.cross(p, R @ F_b[3:]), R @ F_b[3:]]"},
             ),
             Slip(

@@ -120,7 +120,8 @@ EXERCISES = (
             ),
             Slip(
                 "too much room",
-                "Points that lie a thousandth of a millimetre outside are called reachable: 1e-9 m are enough for rounding.",
+                "Points that lie a thousandth of a millimetre outside are called reachable: 1e-9 m are enough for "
+                "rounding.",
                 {"1e-9": "1e-3"},
             ),
             Slip(
@@ -155,26 +156,26 @@ EXERCISES = (
             ),
             Slip(
                 "outer alone",
-                "The outer edge is right; the inner one goes outwards by l3: where the hand points away from the base, the "
-                "wrist is nearest to the base, and must not be in the hole.",
+                "The outer edge is right; the inner one goes outwards by l3: where the hand points away from the "
+                "base, the wrist is nearest to the base, and must not be in the hole.",
                 {"[l1 - l2 + l3,": "[l1 - l2 - l3,"},
             ),
             Slip(
                 "inner alone",
-                "The inner edge is right; the outer one comes inwards by l3: where the hand points towards the base, the "
-                "wrist is farthest from the base, and must still be in reach.",
+                "The inner edge is right; the outer one comes inwards by l3: where the hand points towards the base, "
+                "the wrist is farthest from the base, and must still be in reach.",
                 {"l1 + l2 - l3]": "l1 + l2 + l3]"},
             ),
             Slip(
                 "hole of the wrist",
-                "The outer edge is right; the inner one is that of the hole for the wrist, l1 − l2. Where the hand points "
-                "away from the base, the wrist is nearer to it than the tip by l3.",
+                "The outer edge is right; the inner one is that of the hole for the wrist, l1 − l2. Where the hand "
+                "points away from the base, the wrist is nearer to it than the tip by l3.",
                 {"[l1 - l2 + l3,": "[l1 - l2,"},
             ),
             Slip(
                 "reach of the wrist",
-                "The inner edge is right; the outer one is the reach of the wrist, l1 + l2. Where the hand points towards "
-                "the base, the wrist is farther from it than the tip by l3.",
+                "The inner edge is right; the outer one is the reach of the wrist, l1 + l2. Where the hand points "
+                "towards the base, the wrist is farther from it than the tip by l3.",
                 {"l1 + l2 - l3]": "l1 + l2]"},
             ),
         ),

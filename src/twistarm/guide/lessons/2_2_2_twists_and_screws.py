@@ -265,7 +265,8 @@ a, b, c = np.array([[0.3, 0.9], [0.6, 0.9], [0.9, 0.3]])
 bent, shifted = (
     screws.to_screw(logarithm(planar.fk(to) @ screws.inverse(planar.fk(a)))) for to in (b, c)
 )
-assert np.isclose(bent.pitch, 0) and np.isinf(shifted.pitch)
+assert np.isclose(bent.pitch, 0)
+assert np.isinf(shifted.pitch)
 guide.predict(
     "The two-link arm moves in a plane. What do the screws of its motions look like? Is there a motion whose screw is of "
     "another kind?",
