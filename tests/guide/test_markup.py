@@ -67,7 +67,7 @@ def test_numbers_in_tex() -> None:
 def test_numbers_in_a_table() -> None:
     shown: list[Any] = []
     with outlet.installed(shown.append):
-        guide.table(["a", "b"], [["x", 0.25], ["y", -3.2e-7], ["z", -4e-17], ["none", ""]])
+        guide.table(["$a$", "b"], [["x", 0.25], ["y", -3.2e-7], ["z", -4e-17], ["none", ""]])
     assert [row[1] for row in shown[0].rows] == ["0.2500", r"$-3 \cdot 10^{-7}$", "0.0000", ""]
     html = html_of(shown[0].data(None))
     assert html.count('<td class="number">') == 4, "a column of numbers is one, with its title"

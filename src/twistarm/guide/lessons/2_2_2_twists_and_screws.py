@@ -108,7 +108,7 @@ for name, xi in zip(arm.moving_names, arm.screws.T, strict=True):
         assert np.isclose(screw.pitch, w @ v / (w @ w))
         assert np.allclose(screw.point, np.cross(w, v) / (w @ w))
     shown = [f"${guide.tex(each)}$" for each in (v, w, screw.point)]
-    rows.append([f"`{name}`", *shown, "∞" if np.isinf(screw.pitch) else f"{screw.pitch + 0.0:.3f}"])
+    rows.append([f"`{name}`", *shown, "∞" if np.isinf(screw.pitch) else screw.pitch])
 guide.table(
     ["joint", "$v$", r"$\omega$", "point $q$ [m]", "$h$ [m/rad]"], rows, f"The screws of `{arm.name}`."
 )

@@ -86,11 +86,7 @@ def _renderer() -> Any:
 
 
 def _fence(source: str, language: str, _: str) -> str:
-    return (
-        program(source)
-        if language == "python"
-        else f'<pre class="code" tabindex="0"><code>{escape(source)}</code></pre>'
-    )
+    return program(source) if language == "python" else f'<pre class="code words"><code>{escape(source)}</code></pre>'
 
 
 def _heading(renderer: Any, tokens: Any, index: int, options: Any, env: Any) -> str:

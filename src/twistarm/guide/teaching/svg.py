@@ -26,6 +26,11 @@ def _drawn(figure: Any) -> Any:
     beyond, fineness = 0.7, 50  # [inches] of the plane that are looked at around the figure; dots per inch
     width, height = figure.get_size_inches()
     plane = Bbox([[-beyond, -beyond], [width + beyond, height + beyond]])
+    figure.draw_without_rendering()
+    figure.set_layout_engine("none")  # it is laid out now
+    for legend in figure.legends:  # it stands on the edge of the figure, and not of the plane that is looked at
+        if legend.get_bbox_to_anchor() is figure.bbox:
+            legend.set_bbox_to_anchor((0, 0, 1, 1), figure.transFigure)
     dots = io.BytesIO()
     figure.savefig(dots, format="raw", dpi=fineness, bbox_inches=plane)
     shape = tuple(round(side * fineness) for side in (plane.height, plane.width))
