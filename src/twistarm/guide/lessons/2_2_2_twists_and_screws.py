@@ -72,8 +72,9 @@ for ax, (name, xi) in zip(columns, kinds.items(), strict=True):
     ax.set_title(name)
 guide.figure(
     fig,
-    "Three drawings side by side. Revolute: a point p goes round an axis through q on a circle. Prismatic: a point moves "
-    "along a straight line. Helical: a point goes round an axis and rises, on a helix. An arrow on each is its velocity.",
+    "Three drawings side by side. Revolute: a point p goes round an axis through q on a circle. "
+    "Prismatic: a point moves along a straight line. Helical: a point goes round an axis and rises, "
+    "on a helix. An arrow on each is its velocity.",
     "Revolute, prismatic and helical joint: the path of one point $p$, and its velocity at the start.",
 )
 
@@ -81,10 +82,11 @@ guide.figure(
 origin_rate = (screws.hat(kinds["revolute"]) @ [0, 0, 0, 1])[:3]
 assert np.allclose(origin_rate, kinds["revolute"][:3])
 guide.predict(
-    "The revolute joint of the table turns on the spot, and yet its $v$ is not zero. Which point moves with the "
-    "velocity $v$?",
-    "The point of the moving body that is now at the origin of the frame, if you imagine the body large enough to "
-    f"have one there: $\\hat\\xi\\,(0, 0, 0, 1)$ is $({', '.join(f'{x:.1f}' for x in origin_rate + 0.0)})$. It is "
+    "The revolute joint of the table turns on the spot, and yet its $v$ is not zero. Which point "
+    "moves with the velocity $v$?",
+    "The point of the moving body that is now at the origin of the frame, if you imagine the body "
+    "large enough to have one there: "
+    f"its velocity, the upper part of $\\hat\\xi\\,(0, 0, 0, 1)$, is ${guide.tex(origin_rate, 1)}$. It is "
     "neither the velocity of the joint nor that of the tool.",
 )
 
@@ -116,7 +118,8 @@ guide.table(
 # %%
 eps = 1e-6
 at_zero = np.zeros(arm.n)
-rates = [  # one coordinate moves, and the pose of the tool is compared a moment before and after
+# One coordinate moves, and the pose of the tool is compared a moment before and after.
+rates = [
     (arm.fk(eps * e) - arm.fk(-eps * e)) / (2 * eps) @ screws.inverse(arm.fk(at_zero))
     for e in np.eye(arm.n)
 ]
@@ -125,9 +128,10 @@ assert np.allclose(rates, [screws.hat(xi) for xi in twists.T], atol=1e-7)
 body = screws.adjoint(screws.inverse(arm.home)) @ twists
 apart = np.abs(body - twists).max()
 guide.say(
-    rf"Computed from small differences of $g$, $\dot g\,g^{{-1}} = \hat\xi$ for each coordinate of `{arm.name}`. A twist "
-    "of this kind is **spatial**: seen from the base. Some texts call it a *body* velocity, which is the same motion "
-    f"seen from the tool; those numbers differ from these by up to {apart:.2f}. The next lesson is about the difference."
+    rf"Computed from small differences of $g$, $\dot g\,g^{{-1}} = \hat\xi$ for each coordinate of "
+    f"`{arm.name}`. A twist of this kind is **spatial**: seen from the base. Some texts call it a "
+    "*body* velocity, which is the same motion seen from the tool; those numbers differ from these "
+    f"by up to {apart:.2f}. The next lesson is about the difference."
 )
 
 # %% [markdown]
@@ -143,10 +147,12 @@ guide.say(
 # Differentiate it, and you have $\dot p = \omega \times (p - q) + h\,\omega$, as it should be. Now insert
 # $q = \omega \times v$ and $h = \omega^T v$. What multiplies $p(0)$ is the rotation, and the rest is the shift:
 #
-# $$e^{\hat\xi\theta} = \begin{bmatrix} I & v\theta \\ 0 & 1 \end{bmatrix} \quad (\omega = 0), \qquad
-# e^{\hat\xi\theta} = \begin{bmatrix} e^{\hat\omega\theta} &
-# (I - e^{\hat\omega\theta})(\omega \times v) + \omega\omega^T v\,\theta \\ 0 & 1 \end{bmatrix}
-# \quad (\|\omega\| = 1)$$
+# $$e^{\hat\xi\theta} = \begin{bmatrix} e^{\hat\omega\theta} &
+# (I - e^{\hat\omega\theta})(\omega \times v) + \omega\omega^T v\,\theta \\ 0 & 1 \end{bmatrix}$$
+#
+# and for $\omega = 0$
+#
+# $$e^{\hat\xi\theta} = \begin{bmatrix} I & v\theta \\ 0 & 1 \end{bmatrix}$$
 #
 # Source: MLS, section 2.3.2, equations (2.32) and (2.36). Any other $\omega$ is brought to length one: only the product
 # $\xi\theta$ counts, so divide $\xi$ by $\|\omega\|$ and multiply $\theta$ by it.
@@ -178,18 +184,19 @@ if np.count_nonzero(arm.coupling.A[:, 0]) == 1:  # the first coordinate moves on
     assert np.allclose(moved, arm.fk(step * np.eye(arm.n)[0]))
 forgotten = np.linalg.norm((moved - screws.exp(first, step))[:3, 3])
 guide.say(
-    r"The exponential is a motion. It moves points *within one frame*, the base's: what was at $g(0)$ is then at "
-    r"$g(\theta) = e^{\hat\xi\theta}\,g(0)$. "
-    f"Without $g(0)$ you would look for the tool of `{arm.name}` {forgotten:.2f} m away from where it is."
+    "The exponential is a motion. It moves points *within one frame*, the base's: what was at $g(0)$ "
+    r"is then at $g(\theta) = e^{\hat\xi\theta}\,g(0)$. "
+    f"Without $g(0)$ you would look for the tool of `{arm.name}` {forgotten:.2f} m away from where it "
+    "is."
 )
 
 # %%
 guide.slider(
     "twist",
-    "Set the pitch to zero and move the point of the axis. Which part of $\\xi$ changes? Then raise the pitch: which "
-    "part changes now, and in which direction?",
-    "Moving the axis changes $v = -\\omega \\times q$ alone, at right angles to the axis. The pitch adds $h\\,\\omega$ "
-    "to $v$, along the axis. $\\omega$ is the same throughout.",
+    "Set the pitch to zero and move the point of the axis. Which part of $\\xi$ changes? Then raise "
+    "the pitch: which part changes now, and in which direction?",
+    "Moving the axis changes $v = -\\omega \\times q$ alone, at right angles to the axis. The pitch "
+    "adds $h\\,\\omega$ to $v$, along the axis. $\\omega$ is the same throughout.",
 )
 
 # %% [markdown]
@@ -256,7 +263,8 @@ else:
     radius = np.linalg.norm(places - screw.point - along[:, None] * screw.axis, axis=1)
     assert np.ptp(radius) < 1e-7  # the tool keeps its distance from the line
 guide.say(
-    f"The tool of `{arm.name}`: {words}. Its path is {length:.3f} m long, the straight line {straight:.3f} m."
+    f"The tool of `{arm.name}`: {words}. Its path is {length:.3f} m long, the straight line "
+    f"{straight:.3f} m."
 )
 
 # %%
@@ -268,12 +276,12 @@ bent, shifted = (
 assert np.isclose(bent.pitch, 0)
 assert np.isinf(shifted.pitch)
 guide.predict(
-    "The two-link arm moves in a plane. What do the screws of its motions look like? Is there a motion whose screw is of "
-    "another kind?",
-    "The axis is perpendicular to the plane and the slide is zero: every motion is a turn about one point of the plane, "
-    f"its *pole*. The exception is a motion that does not turn the hand. From ${guide.tex(a, 1)}$ to ${guide.tex(c, 1)}$ "
-    f"rad the two angles have the same sum: the hand is only shifted, by {shifted.magnitude:.3f} m, $h = \\infty$, and there "
-    "is no pole.",
+    "The two-link arm moves in a plane. What do the screws of its motions look like? Is there a "
+    "motion whose screw is of another kind?",
+    "The axis is perpendicular to the plane and the slide is zero: every motion is a turn about one "
+    "point of the plane, its *pole*. The exception is a motion that does not turn the hand. From "
+    f"${guide.tex(a, 1)}$ to ${guide.tex(c, 1)}$ rad the two angles have the same sum: the hand is "
+    f"only shifted, by {shifted.magnitude:.3f} m, $h = \\infty$, and there is no pole.",
 )
 
 # %% tags=["hidden"]
@@ -294,8 +302,8 @@ if np.linalg.norm(beside - places.mean(axis=0)) < 4 * arm.reach:
 guide.fit(ax)
 guide.figure(
     fig,
-    "The tool's frame at two poses, joined by an arc of a helix and by a dotted straight line. A dash-dotted line "
-    "beside them is the screw's axis.",
+    "The tool's frame at two poses, joined by an arc of a helix and by a dotted straight line. A "
+    "dash-dotted line beside them is the screw's axis.",
     "From pose 1 to pose 2 along the screw (solid) and straight (dotted).",
 )
 
@@ -318,7 +326,8 @@ guide.figure(
 # %%
 wrong = np.array([*np.cross(axis, q), *axis])
 guide.say(
-    f"With the sign wrong, the axis at $x = {q[0]}$ m is taken to be at $x = {screws.to_screw(wrong).point[0]:.1f}$ m."
+    f"With the sign wrong, the axis at $x = {q[0]}$ m is taken to be at $x = "
+    f"{screws.to_screw(wrong).point[0]:.1f}$ m."
 )
 
 # %% [markdown]

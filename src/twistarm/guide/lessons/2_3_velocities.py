@@ -59,26 +59,32 @@ speed = np.linalg.norm(g_dot[:3, 3])
 assert np.allclose(g[:3, :3] @ V_b[:3], g_dot[:3, 3], atol=1e-6)
 assert np.allclose(V_s[:3] + np.cross(V_s[3:], g[:3, 3]), g_dot[:3, 3], atol=1e-6)
 guide.predict(
-    "How fast does the tool move? In two of the three rows of the table the linear part has this length. Which row is "
-    "the other one, and the velocity of which point does it show?",
-    f"At {speed:.3f} m/s. $v^b$ is the velocity of the tool's origin, written in the tool's axes, and has this length. "
-    f"$v^s$, here of length {np.linalg.norm(V_s[:3]):.3f} m/s, is the velocity of the point of the moving body that "
-    r"is now at the *base's* origin. The tool's origin has $\dot p = v^s + \omega^s \times p$.",
+    "How fast does the tool move? In two of the three rows of the table the linear part has this "
+    "length. Which row is the other one, and the velocity of which point does it show?",
+    f"At {speed:.3f} m/s. $v^b$ is the velocity of the tool's origin, written in the tool's axes, and "
+    f"has this length. $v^s$, here of length {np.linalg.norm(V_s[:3]):.3f} m/s, is the velocity of "
+    r"the point of the moving body that is now at the *base's* origin. The tool's origin has $\dot p "
+    r"= v^s + \omega^s \times p$.",
 )
 
 # %% tags=["hidden"]
 fig, ax = guide.axes3(width=5.2, height=4.4)
 guide.plot_arm(ax, arm, theta, alpha=0.5, tool=False)
 scale = 0.3 * arm.reach / max(speed, np.linalg.norm(V_s[:3]), 1e-9)
-guide.plot_vector(ax, g[:3, 3], scale * g_dot[:3, 3], r"$\dot p$", guide.AMBER)
-guide.plot_vector(ax, [0, 0, 0], scale * V_s[:3], "$v^s$", guide.PINK)
+for start, vector, name, colour in (
+    (g[:3, 3], scale * g_dot[:3, 3], r"$\dot p$", guide.AMBER),
+    (np.zeros(3), scale * V_s[:3], "$v^s$", guide.PINK),
+):
+    guide.plot_vector(ax, start, vector, "", colour)
+    ax.text(*(start + 1.25 * vector), name, color=colour, ha="center", va="center")
 guide.fit(ax)
 guide.figure(
     fig,
-    f"{arm.name} with two arrows: one at the tool, the velocity of its origin, and one at the base's origin, the "
-    "linear part of the spatial velocity. They differ in length and direction.",
-    r"$\dot p$ is the velocity of the tool's origin. $v^s$ is that of the point of the tool's body which is now at the "
-    "base's origin; imagine the body large enough to reach there. Both arrows have the same scale.",
+    f"{arm.name} with two arrows: one at the tool, the velocity of its origin, and one at the base's "
+    "origin, the linear part of the spatial velocity. They differ in length and direction.",
+    r"$\dot p$ is the velocity of the tool's origin. $v^s$ is that of the point of the tool's body "
+    "which is now at the base's origin; imagine the body large enough to reach there. Both arrows "
+    "have the same scale.",
 )
 
 # %% [markdown]
@@ -106,8 +112,8 @@ assert np.allclose(np.linalg.inv(Ad), screws.adjoint(screws.inverse(g)))
 
 shorter = np.concatenate([R @ V_b[:3], R @ V_b[3:]])
 guide.say(
-    r"It is not enough to turn both halves with $R$: without the term $\hat p R$ the linear part of $V^s$ would be wrong "
-    f"by {np.linalg.norm((shorter - V_s)[:3]):.3f} m/s here."
+    r"It is not enough to turn both halves with $R$: without the term $\hat p R$ the linear part of "
+    f"$V^s$ would be wrong by {np.linalg.norm((shorter - V_s)[:3]):.3f} m/s here."
 )
 
 # %% [markdown]
@@ -125,9 +131,9 @@ assert np.allclose(other, screws.adjoint(screws.inverse(g_tn)) @ V_b, atol=1e-6)
 guide.predict(
     "You screw a longer tool to the flange and repeat the motion. Which of $V^s$ and $V^b$ changes?",
     f"$V^b$, by up to {np.abs(other - V_b).max():.3f}. $V^s$ changes by no more than "
-    f"${guide.rough(np.abs(same - V_s).max())}$, the error of the small differences: it does not depend on where on the "
-    "body you put the tool frame. In the same way $V^b$ does not depend on where you put the base. Therefore a driver "
-    "who looks through the gripper's camera commands $V^b$.",
+    f"${guide.rough(np.abs(same - V_s).max())}$, the error of the small differences: it does not "
+    "depend on where on the body you put the tool frame. In the same way $V^b$ does not depend on "
+    "where you put the base. Therefore a driver who looks through the gripper's camera commands $V^b$.",
 )
 
 # %% [markdown]

@@ -69,8 +69,8 @@ for ax, (name, columns) in zip(panels, one_each.items(), strict=True):
     guide.fit(ax, [[-0.12, -0.45, -0.45], [0.75, 0.45, 0.45]])
 guide.figure(
     fig,
-    "Three drawings of an axis and of a frame that is carried by it: along a circle, along a straight line without being "
-    "turned, and along a helix",
+    "Three drawings of an axis and of a frame that is carried by it: along a circle, along a straight "
+    "line without being turned, and along a helix",
     "A bearing, a rail and a threaded rod. Pale: the part at rest.",
 )
 
@@ -81,11 +81,12 @@ after_a_turn = screws.exp(joints.helical(axis, point, pitch)[:, 0], 2 * np.pi)
 assert np.allclose(after_a_turn[:3, 3], [0, 0, lead])
 assert np.allclose(after_a_turn[:3, :3], np.eye(3))
 guide.predict(
-    f"An M8 rod carries its nut {1000 * lead:.2f} mm for each whole turn. What is its pitch $h$, as a twist has it?",
-    f"{1000 * pitch:.3f} mm per radian, which is {pitch:.6f} m/rad. The workshop calls {1000 * lead:.2f} mm the pitch of "
-    "the thread. It is the **lead**, the advance in a whole turn. "
-    f"The pitch of a twist is the advance in a radian, {2 * np.pi:.2f} times less. If you put the lead in its place, the "
-    f"nut of your program moves {1000 * lead * 2 * np.pi:.1f} mm in one turn.",
+    f"An M8 rod carries its nut {1000 * lead:.2f} mm for each whole turn. What is its pitch $h$, as a "
+    "twist has it?",
+    f"{1000 * pitch:.3f} mm per radian, which is {pitch:.6f} m/rad. The workshop calls "
+    f"{1000 * lead:.2f} mm the pitch of the thread. It is the **lead**, the advance in a whole turn. "
+    f"The pitch of a twist is the advance in a radian, {2 * np.pi:.2f} times less. If you put the "
+    f"lead in its place, the nut of your program moves {1000 * lead * 2 * np.pi:.1f} mm in one turn.",
 )
 
 # %% [markdown]
@@ -126,10 +127,10 @@ for ax, (name, twists) in zip(panels, several.items(), strict=True):
     guide.fit(ax, np.asarray(point) + [[-0.42] * 3, [0.42] * 3])
 guide.figure(
     fig,
-    "Three drawings: a turn and a slide along one line; two slides at right angles and a turn about their normal; "
-    "three turns about axes that meet in one point",
-    "Slides are drawn as arrows (orange), turns as axes (pink). The slide of the cylindrical joint lies on the axis; it "
-    "is drawn beside it.",
+    "Three drawings: a turn and a slide along one line; two slides at right angles and a turn about "
+    "their normal; three turns about axes that meet in one point",
+    "Slides are drawn as arrows (orange), turns as axes (pink). The slide of the cylindrical joint "
+    "lies on the axis; it is drawn beside it.",
 )
 coordinates = {
     "revolute": "angle [rad]",
@@ -150,17 +151,18 @@ met = {
 guide.table(
     ["joint", "freedoms", "coordinates", "in the workshop"],
     [[f"**{name}**", str(freedoms[name]), coordinates[name], met[name]] for name in all_six],
-    "The six joints. The freedoms are counted as the independent ones among the twists: the rank of the matrix with "
-    "the twists in its columns.",
+    "The six joints. The freedoms are counted as the independent ones among the twists: the rank of "
+    "the matrix with the twists in its columns.",
 )
 
 # %%
 guide.slider(
     "joint",
-    "Choose each type in turn. Which one never turns the frame? Then take the spherical joint and set its middle turn, "
-    "about $y'$, to 90°. What do the other two sliders do to the frame now?",
-    "Only the prismatic joint never turns it. In the ball, at 90°, the two other sliders turn the frame about the same "
-    "line, in opposite directions. Move both up by the same angle, and the frame stands as it did.",
+    "Choose each type in turn. Which one never turns the frame? Then take the spherical joint and set "
+    "its middle turn, about $y'$, to 90°. What do the other two sliders do to the frame now?",
+    "Only the prismatic joint never turns it. In the ball, at 90°, the two other sliders turn the "
+    "frame about the same line, in opposite directions. Move both up by the same angle, and the frame "
+    "stands as it did.",
     type="spherical",
 )
 
@@ -185,11 +187,12 @@ by_order = [g[:3, 3] for g in carried(x_slide, plane_turn, 0.3, np.pi / 2)]
 apart = np.linalg.norm(by_order[0] - by_order[1])
 assert apart > 0.1
 guide.predict(
-    "For a rod in a bush, does it matter which of its two exponentials stands on the left? And for a block on a table that "
-    "slides 30 cm and turns by 90°?",
-    "Not for the rod: its two moves are about and along one line, and commute. The block ends in two places that are "
-    f"{100 * apart:.0f} cm apart: in one order the slide carries the axis of the turn along, in the other it does not. So "
-    "the coordinates of a planar joint have an order, $x$, $y$, angle, and so have those of a ball: $z$, $y$, $x$.",
+    "For a rod in a bush, does it matter which of its two exponentials stands on the left? And for a "
+    "block on a table that slides 30 cm and turns by 90°?",
+    "Not for the rod: its two moves are about and along one line, and commute. The block ends in two "
+    f"places that are {100 * apart:.0f} cm apart: in one order the slide carries the axis of the turn "
+    "along, in the other it does not. So the coordinates of a planar joint have an order, $x$, $y$, "
+    "angle, and so have those of a ball: $z$, $y$, $x$.",
 )
 
 # %% [markdown]
@@ -212,10 +215,10 @@ angles = (0.0, 1.0, np.pi / 2)
 ranks = [int(np.linalg.matrix_rank(axes_now(angle), tol=1e-9)) for angle in angles]
 assert ranks == [3, 3, 2]
 guide.say(
-    f"Of the three axes, {ranks[0]} are independent at 0°, {ranks[1]} at {np.degrees(1.0):.0f}° and {ranks[2]} at 90°. "
-    "The ball itself is as free there as anywhere; its coordinates have lost a direction. A wrist of three motors whose "
-    "axes meet in a point is such a product of three turns, and in this posture *it* loses the direction: it is singular, "
-    "as a later lesson calls it."
+    f"Of the three axes, {ranks[0]} are independent at 0°, {ranks[1]} at {np.degrees(1.0):.0f}° and "
+    f"{ranks[2]} at 90°. The ball itself is as free there as anywhere; its coordinates have lost a "
+    "direction. A wrist of three motors whose axes meet in a point is such a product of three turns, "
+    "and in this posture *it* loses the direction: it is singular, as a later lesson calls it."
 )
 
 # %% [markdown]
@@ -282,8 +285,9 @@ for pair in pairs:
         ]
     )
 guide.predict(
-    f"`{arm.name}` moves {len(arm.moving_names)} joints with {arm.n} coordinates. Into which of the six types do "
-    "they group, base to tip? In how many independent ways does the tool move in the ready posture?",
+    f"`{arm.name}` moves {len(arm.moving_names)} joints with {arm.n} coordinates. Into which of the "
+    "six types do they group, base to tip? In how many independent ways does the tool move in the "
+    "ready posture?",
     "As "
     + ", ".join(pair.kind for pair in pairs)
     + f". The tool moves in {spanned} independent ways: so many of its joints' twists are independent there. There cannot be "
@@ -292,7 +296,8 @@ guide.predict(
 guide.table(
     ["moving joints", "make a joint that is", "freedoms", "along, or about [x, y, z]"],
     rows,
-    f"The lower pairs of `{arm.name}`, all joints at zero. Joints that follow another have no freedom of their own.",
+    f"The lower pairs of `{arm.name}`, all joints at zero. Joints that follow another have no freedom "
+    "of their own.",
 )
 
 # %% tags=["hidden"]
@@ -305,8 +310,8 @@ for xi, near in zip(arm.screws.T, where, strict=True):
 guide.fit(ax)
 guide.figure(
     fig,
-    f"{arm.name} with all joints at zero: round marks and lines for joints that turn; square marks and arrows for joints "
-    "that slide",
+    f"{arm.name} with all joints at zero: round marks and lines for joints that turn; square marks "
+    "and arrows for joints that slide",
     f"What moves in `{arm.name}`. Circles and pink axes turn, squares and orange arrows slide.",
 )
 
@@ -339,7 +344,8 @@ guide.table(
     [
         [
             "lead for pitch",
-            f"after {turns} turns {1000 * with_lead:.0f} mm are computed, and {1000 * with_pitch:.0f} mm made",
+            f"after {turns} turns {1000 * with_lead:.0f} mm are computed, and {1000 * with_pitch:.0f} "
+            "mm made",
         ],
         [
             "a slide that turns",

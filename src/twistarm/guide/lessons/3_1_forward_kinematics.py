@@ -36,14 +36,16 @@ if arm.description is not None:
     for k, name in enumerate(arm.moving_names, start=1):
         pose = poses[arm.description.joints[name].child]
         guide.plot_frame(ax, pose, None, 0.09 * arm.reach)
-        ax.text(*(pose[:3, 3] + [0, 0, -0.08 * arm.reach]), str(k), ha="center", va="center")
+        beside = arm.reach * np.array([-0.05, -0.035, -0.045])
+        ax.text(*(pose[:3, 3] + beside), str(k), ha="center", va="center")
 guide.plot_frame(ax, np.eye(4), "s", 0.2 * arm.reach)
 guide.fit(ax)
 guide.figure(
     fig,
     f"The skeleton of {arm.name} from its base to its tool, with a numbered frame at each of its "
     f"{len(arm.moving_names)} moving links",
-    f"A frame on every moving link of `{arm.name}`, numbered: the chain from s, the base, to t, the tool.",
+    f"A frame on every moving link of `{arm.name}`, numbered: the chain from s, the base, to t, the "
+    "tool.",
 )
 
 # %% [markdown]
@@ -92,13 +94,9 @@ for k, (xi, near) in enumerate(
     colour = guide.ORANGE if slides else guide.PINK
     guide.plot_screw(ax, xi, 0.4 * arm.reach, "", colour, near=near)
     centre = near if slides else screw.point + screw.axis * ((near - screw.point) @ screw.axis)
-    ax.text(
-        *(centre - 0.26 * arm.reach * screw.axis),
-        rf"$\xi_{{{k}}}$",
-        color=colour,
-        ha="center",
-        va="center",
-    )
+    up = np.array([0, 0, 0.06 * arm.reach]) if abs(screw.axis[2]) < 0.9 else np.zeros(3)
+    end = centre - 0.26 * arm.reach * screw.axis + up
+    ax.text(*end, rf"$\xi_{{{k}}}$", color=colour, ha="center", va="center")
 guide.fit(ax)
 guide.figure(
     fig,
@@ -120,8 +118,8 @@ for xi, value in reversed(list(zip(arm.screws.T, values, strict=True))):
     g = screws.exp(xi, value) @ g  # the last joint first: each one moves what is there already
 
 guide.say(
-    rf"$$g_{{st}}(\theta) = {guide.tex(g)}$$ The tool stands at $x = {g[0, 3]:.3f}$, $y = {g[1, 3]:.3f}$, "
-    rf"$z = {g[2, 3]:.3f}$ m from the base."
+    rf"$$g_{{st}}(\theta) = {guide.tex(g)}$$ The tool stands at $x = {g[0, 3]:.3f}$, $y = "
+    f"{g[1, 3]:.3f}$, $z = {g[2, 3]:.3f}$ m from the base."
 )
 
 # %% [markdown]
@@ -135,8 +133,9 @@ by_pinocchio = (
 off = np.abs(g - by_pinocchio).max()
 assert off < 1e-9
 guide.say(
-    f"The largest of the sixteen differences between the two is ${guide.rough(off)}$, which is rounding. twistarm makes "
-    "this comparison whenever it loads an arm, and refuses the arm if they differ."
+    f"The largest of the sixteen differences between the two is ${guide.rough(off)}$, which is "
+    "rounding. twistarm makes this comparison whenever it loads an arm, and refuses the arm if they "
+    "differ."
 )
 
 # %% [markdown]
@@ -173,8 +172,8 @@ guide.scene(
 )
 guide.predict(
     "In this view, which axes move when the last joint moves, and which when the first one does?",
-    "With the last joint none: only what is beyond it moves, and that is the tool. With the first joint, which is nearest "
-    "to the base, all axes but its own.",
+    "With the last joint none: only what is beyond it moves, and that is the tool. With the first "
+    "joint, which is nearest to the base, all axes but its own.",
 )
 
 # %% [markdown]
@@ -216,11 +215,12 @@ y = l1 * np.sin(pair[0]) + l2 * np.sin(pair.sum())
 assert np.allclose(planar.fk(pair)[:2, 3] - q1[:2], [x, y])
 guide.slider(
     "two_link",
-    "Find two postures in which the tool is at the same place. (The angles $\\alpha$ and $\\beta$ and the mixed signs "
-    "belong to a later lesson.)",
-    r"Choose a posture; then tick *draw the other solution*. The elbow flips to the other side, and $\theta_2$ changes its "
-    r"sign. Where the arm is stretched out or folded, the two are one. Forward kinematics has one answer, but the way back "
-    "may have several: this is the matter of the lessons on inverse kinematics.",
+    "Find two postures in which the tool is at the same place. (The angles $\\alpha$ and $\\beta$ and "
+    "the mixed signs belong to a later lesson.)",
+    "Choose a posture; then tick *draw the other solution*. The elbow flips to the other side, and "
+    r"$\theta_2$ changes its sign. Where the arm is stretched out or folded, the two are one. Forward "
+    "kinematics has one answer, but the way back may have several: this is the matter of the lessons "
+    "on inverse kinematics.",
     l1=round(float(l1), 3),
     l2=round(float(l2), 3),
     theta1=25,

@@ -45,15 +45,15 @@ assert r.max() > 0.99 * (l1 + l2)
 guide.predict(
     f"The links are {l1:.2f} and {l2:.2f} m long. How large is the hole in the middle? You have "
     f"{l1 + l2:.2f} m of tube for both links: how would you cut it so that there is no hole?",
-    f"Its radius is the difference of the links, {abs(l1 - l2):.2f} m; the nearest of {len(r):,} random postures comes to "
-    f"{r.min():.3f} m. Cut two links of {(l1 + l2) / 2:.2f} m: folded, the tip lies on the shoulder. (That the arm then "
-    "runs into itself is another matter.)",
+    f"Its radius is the difference of the links, {abs(l1 - l2):.2f} m; the nearest of {len(r):,} "
+    f"random postures comes to {r.min():.3f} m. Cut two links of {(l1 + l2) / 2:.2f} m: folded, the "
+    "tip lies on the shoulder. (That the arm then runs into itself is another matter.)",
 )
 guide.slider(
     "two_link",
     r"Watch $r$. Which of the two sliders changes it? Find the smallest and the largest.",
-    rf"Only $\theta_2$. The largest is {l1 + l2:.2f} m at 0°, the smallest {abs(l1 - l2):.2f} m at 180°. Both are the "
-    "same for the elbow on either side.",
+    rf"Only $\theta_2$. The largest is {l1 + l2:.2f} m at 0°, the smallest {abs(l1 - l2):.2f} m at "
+    "180°. Both are the same for the elbow on either side.",
     l1=round(float(l1), 3),
     l2=round(float(l2), 3),
     theta1=40,
@@ -87,11 +87,10 @@ for ax, cloud, words in zip(panels, (tips, stopped), ("no stops", "with stops"),
     ax.set_title(words)
 guide.figure(
     fig,
-    "Two clouds of points in a ring between two circles: on the left they fill it all round, on the right only a "
-    "part of "
-    "its upper half and a piece below",
-    "The tip of the two-link arm in five hundred random postures. The circles have the radii $|l_1 - l_2|$ and "
-    "$l_1 + l_2$.",
+    "Two clouds of points in a ring between two circles: on the left they fill it all round, on the "
+    "right only a part of its upper half and a piece below",
+    "The tip of the two-link arm in five hundred random postures. The circles have the radii $|l_1 - "
+    "l_2|$ and $l_1 + l_2$.",
 )
 
 # %% [markdown]
@@ -128,12 +127,13 @@ for l3, share in shares.items():
 reach_of = {l3: l1 + l2 + l3 for l3 in hands}
 all_round = {l3: radii[share == 1] for l3, share in shares.items()}
 guide.predict(
-    f"A hand of {hands[0]:.2f} m, or one of {hands[1]:.2f} m: with which does the arm reach farther? With which are there "
-    "more places where the hand can have every direction?",
-    f"The long hand reaches farther, {reach_of[hands[1]]:.2f} m against {reach_of[hands[0]]:.2f} m. The short one has "
-    f"more dextrous places: the outermost is at {all_round[hands[0]].max():.2f} m, with the long hand at "
-    f"{all_round[hands[1]].max():.2f} m. With the long hand there is also a small disc of them about the shoulder: when "
-    "the tip is there, the wrist circles around the hole in the ring of the first two links.",
+    f"A hand of {hands[0]:.2f} m, or one of {hands[1]:.2f} m: with which does the arm reach farther? "
+    "With which are there more places where the hand can have every direction?",
+    f"The long hand reaches farther, {reach_of[hands[1]]:.2f} m against {reach_of[hands[0]]:.2f} m. "
+    f"The short one has more dextrous places: the outermost is at {all_round[hands[0]].max():.2f} m, "
+    f"with the long hand at {all_round[hands[1]].max():.2f} m. With the long hand there is also a "
+    "small disc of them about the shoulder: when the tip is there, the wrist circles around the hole "
+    "in the ring of the first two links.",
 )
 fig, ax = guide.axes2(
     xlabel="distance r of the tip from the shoulder [m]", ylabel="possible directions [%]", height=3.0
@@ -144,13 +144,11 @@ ax.legend(loc="upper right")
 ax.set_ylim(-3, 130)
 guide.figure(
     fig,
-    "The share of possible directions against the distance for two hands: the curve of the short hand is level at a "
-    "hundred percent over a wide range, that of the long one over a narrow range and near the shoulder; both "
-    "fall to zero "
-    "at full stretch",
-    f"Links of {l1:.2f} and {l2:.2f} m with either hand. Where a curve is at 100 % the place is dextrous. At "
-    f"full stretch "
-    "there is only one direction.",
+    "The share of possible directions against the distance for two hands: the curve of the short hand "
+    "is level at a hundred percent over a wide range, that of the long one over a narrow range and "
+    "near the shoulder; both fall to zero at full stretch",
+    f"Links of {l1:.2f} and {l2:.2f} m with either hand. Where a curve is at 100 % the place is "
+    "dextrous. At full stretch there is only one direction.",
 )
 
 # %% [markdown]
@@ -181,9 +179,8 @@ for ax, (i, j), words in zip(panels, ((0, 2), (0, 1)), ("from the side", "from a
     ax.set_title(words)
 guide.figure(
     fig,
-    f"The places that the tool of {arm.name} comes to, as a cloud of points, from the side and from above, with "
-    f"the arm "
-    "at its ready pose in it",
+    f"The places that the tool of {arm.name} comes to, as a cloud of points, from the side and from "
+    "above, with the arm at its ready pose in it",
     f"The reachable workspace of `{arm.name}` as a cloud of {len(drawn)} postures.",
 )
 
@@ -204,12 +201,12 @@ for k, axis in enumerate("xyz"):
 worst = max(short, key=lambda side: abs(short[side][0] - short[side][1]))
 (axis, sign), (end, seen) = worst, short[worst]
 guide.predict(
-    f"In the {len(drawn)} postures of the picture the tool has come out to ${axis} = {seen:.3f}$ m on the "
-    f"{'positive' if sign > 0 else 'negative'} side. Is that the edge of the workspace, to a millimetre, to a centimetre, "
-    "or worse?",
-    f"The tool comes to ${axis} = {end:.3f}$ m, {1000 * abs(end - seen):.0f} mm farther. The outermost places need one "
-    "particular posture, and chance does not find it. The cloud is dense where many postures lead; how dense it is says "
-    "nothing about where the arm can go.",
+    f"In the {len(drawn)} postures of the picture the tool has come out to ${axis} = {seen:.3f}$ m on "
+    f"the {'positive' if sign > 0 else 'negative'} side. Is that the edge of the workspace, to a "
+    "millimetre, to a centimetre, or worse?",
+    f"The tool comes to ${axis} = {end:.3f}$ m, {1000 * abs(end - seen):.0f} mm farther. The "
+    "outermost places need one particular posture, and chance does not find it. The cloud is dense "
+    "where many postures lead; how dense it is says nothing about where the arm can go.",
 )
 
 # %% [markdown]
@@ -252,8 +249,8 @@ if not also.any():
     down, words = arm.fk(arm.ready)[:3, :3] @ arm.tool_axis, "as it does at the ready pose"
     also = pointing(down)
     guide.say(
-        f"`{arm.name}` can point its tool straight down at none of them. The picture asks for the direction that the tool "
-        "has at the ready pose."
+        f"`{arm.name}` can point its tool straight down at none of them. The picture asks for the "
+        "direction that the tool has at the ready pose."
     )
 fig, ax = guide.axes2(
     width=5.0, height=4.2, xlabel=f"{'xyz'[i]} [m]", ylabel=f"{'xyz'[j]} [m]", equal=True
@@ -276,12 +273,10 @@ ax.plot(*at_ready[:, [i, j]].T, color=guide.INK, linestyle="-", linewidth=2.5)
 ax.legend(loc="upper center", bbox_to_anchor=(0.5, -0.16), ncols=3)
 guide.figure(
     fig,
-    f"A grid of {len(places)} points around {arm.name}: {int(there.sum())} are reached, and at {int(also.sum())} "
-    f"of them "
-    f"the tool can point {words}",
-    f"A section of the workspace of `{arm.name}`, where ${'xyz'[3 - i - j]} = {at_ready[-1, 3 - i - j]:.2f}$ m, "
-    f"with the arm "
-    "at its ready pose.",
+    f"A grid of {len(places)} points around {arm.name}: {int(there.sum())} are reached, and at "
+    f"{int(also.sum())} of them the tool can point {words}",
+    f"A section of the workspace of `{arm.name}`, where ${'xyz'[3 - i - j]} = "
+    f"{at_ready[-1, 3 - i - j]:.2f}$ m, with the arm at its ready pose.",
 )
 guide.predict(
     f"At what share of the places in this section that the tool reaches can it point {words}?",
@@ -312,8 +307,8 @@ guide.say(
 )
 if arm.n < 6:
     guide.say(
-        "A place and an orientation are six numbers, three and three. An arm of $n$ joints controls $n$ of them, and its "
-        "dextrous workspace has the dimension $n - 3$ at most. "
+        "A place and an orientation are six numbers, three and three. An arm of $n$ joints controls "
+        "$n$ of them, and its dextrous workspace has the dimension $n - 3$ at most. "
         + (
             f"With {arm.n} joints it has "
             + (
@@ -333,8 +328,8 @@ guide.scene(
 nearest = arm.random_theta(2, 20_000)[np.linalg.norm(cloud, axis=1).argmin()]
 guide.predict(
     "Where does the tool come nearest to the base? Look for the posture in the view.",
-    f"In the nearest of the {len(cloud):,} random postures it is {np.linalg.norm(cloud, axis=1).min():.2f} m from the "
-    "base's origin: "
+    f"In the nearest of the {len(cloud):,} random postures it is "
+    f"{np.linalg.norm(cloud, axis=1).min():.2f} m from the base's origin: "
     + ", ".join(
         f"`{name}` at " + (f"{x:.2f} m" if unit == "m" else f"{np.degrees(x):.0f}°").replace("-", "−")
         for name, x, unit in zip(arm.joint_names, nearest, arm.units, strict=True)
@@ -371,7 +366,8 @@ guide.table(
     f"`{arm.name}` in {len(cloud):,} random postures each.",
 )
 guide.say(
-    f"The stops of `{arm.name}` make a difference: without them {cells[1] - cells[0]} cells more seem to be reachable."
+    f"The stops of `{arm.name}` make a difference: without them {cells[1] - cells[0]} cells more seem "
+    "to be reachable."
     if cells[1] > 1.05 * cells[0]
     else f"The stops of `{arm.name}` forbid next to nothing; the two counts differ by chance."
 )
