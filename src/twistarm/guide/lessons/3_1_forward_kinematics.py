@@ -36,7 +36,7 @@ if arm.description is not None:
     for k, name in enumerate(arm.moving_names, start=1):
         pose = poses[arm.description.joints[name].child]
         guide.plot_frame(ax, pose, None, 0.09 * arm.reach)
-        beside = arm.reach * np.array([-0.05, -0.035, -0.045])
+        beside = arm.reach * np.array([-0.035, -0.025, -0.035])
         ax.text(*(pose[:3, 3] + beside), str(k), ha="center", va="center")
 guide.plot_frame(ax, np.eye(4), "s", 0.2 * arm.reach)
 guide.fit(ax)
@@ -86,16 +86,17 @@ guide.say(rf"The tool on the same photograph: $$g_{{st}}(0) = {guide.tex(arm.hom
 # %% tags=["hidden"]
 fig, ax = guide.axes3(width=5.0, height=4.2)
 guide.plot_arm(ax, arm, np.zeros(arm.n))
-for k, (xi, near) in enumerate(
-    zip(arm.screws.T, guide.arm_points(arm, np.zeros(arm.n))[1:-1], strict=True), start=1
-):
+at_home = guide.arm_points(arm, np.zeros(arm.n))
+along_the_arm = np.linspace(at_home[:-1], at_home[1:], 20).reshape(-1, 3)
+for k, (xi, near) in enumerate(zip(arm.screws.T, at_home[1:-1], strict=True), start=1):
     screw = screws.to_screw(xi)
     slides = np.isinf(screw.pitch)
     colour = guide.ORANGE if slides else guide.PINK
     guide.plot_screw(ax, xi, 0.4 * arm.reach, "", colour, near=near)
     centre = near if slides else screw.point + screw.axis * ((near - screw.point) @ screw.axis)
-    up = np.array([0, 0, 0.06 * arm.reach]) if abs(screw.axis[2]) < 0.9 else np.zeros(3)
-    end = centre - 0.26 * arm.reach * screw.axis + up
+    end = centre - 0.26 * arm.reach * screw.axis
+    if np.linalg.norm(along_the_arm - end, axis=1).min() < 0.05 * arm.reach:
+        end[2] += 0.14 * arm.reach  # its letter is not drawn on the arm
     ax.text(*end, rf"$\xi_{{{k}}}$", color=colour, ha="center", va="center")
 guide.fit(ax)
 guide.figure(

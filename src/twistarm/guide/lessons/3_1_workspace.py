@@ -147,7 +147,7 @@ guide.figure(
     "The share of possible directions against the distance for two hands: the curve of the short hand "
     "is level at a hundred percent over a wide range, that of the long one over a narrow range and "
     "near the shoulder; both fall to zero at full stretch",
-    f"Links of {l1:.2f} and {l2:.2f} m with either hand. Where a curve is at 100 % the place is "
+    f"Links of {l1:.2f} and {l2:.2f} m with either hand. Where a curve is at 100\u00a0% the place is "
     "dextrous. At full stretch there is only one direction.",
 )
 
@@ -281,7 +281,7 @@ guide.figure(
 guide.predict(
     f"At what share of the places in this section that the tool reaches can it point {words}?",
     f"At {int(also.sum())} of {int(there.sum())}"
-    + (f", {100 * also.sum() / there.sum():.0f} %." if there.any() else ".")
+    + (f", {100 * also.sum() / there.sum():.0f}\u00a0%." if there.any() else ".")
     + " Choose the height of the base by the squares, not by the circles.",
 )
 
