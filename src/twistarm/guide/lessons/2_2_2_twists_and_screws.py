@@ -115,25 +115,6 @@ guide.table(
     ["joint", "$v$", r"$\omega$", "point $q$ [m]", "$h$ [m/rad]"], rows, f"The screws of `{arm.name}`."
 )
 
-# %%
-eps = 1e-6
-at_zero = np.zeros(arm.n)
-# One coordinate moves, and the pose of the tool is compared a moment before and after.
-rates = [
-    (arm.fk(eps * e) - arm.fk(-eps * e)) / (2 * eps) @ screws.inverse(arm.fk(at_zero))
-    for e in np.eye(arm.n)
-]
-twists = arm.spatial_jacobian(at_zero)
-assert np.allclose(rates, [screws.hat(xi) for xi in twists.T], atol=1e-7)
-body = screws.adjoint(screws.inverse(arm.home)) @ twists
-apart = np.abs(body - twists).max()
-guide.say(
-    rf"Computed from small differences of $g$, $\dot g\,g^{{-1}} = \hat\xi$ for each coordinate of "
-    f"`{arm.name}`. A twist of this kind is **spatial**: seen from the base. Some texts call it a "
-    "*body* velocity, which is the same motion seen from the tool; those numbers differ from these "
-    f"by up to {apart:.2f}. The next lesson is about the difference."
-)
-
 # %% [markdown]
 # ## The exponential
 #
@@ -178,9 +159,11 @@ for xi in [*kinds.values(), *arm.screws.T]:
     assert np.allclose(exponential(xi, 0.7), screws.exp(xi, 0.7))
 
 step = 0.4
-first = twists[:, 0]
+first = (
+    arm.screws @ arm.coupling.A[:, 0]
+)  # the first coordinate; with it move its mimics, if it has any
 moved = screws.exp(first, step) @ arm.home
-if np.count_nonzero(arm.coupling.A[:, 0]) == 1:  # the first coordinate moves one joint, and no mimic
+if np.count_nonzero(arm.coupling.A[:, 0]) == 1:
     assert np.allclose(moved, arm.fk(step * np.eye(arm.n)[0]))
 forgotten = np.linalg.norm((moved - screws.exp(first, step))[:3, 3])
 guide.say(
@@ -203,8 +186,9 @@ guide.slider(
 # ## Back again: the logarithm, and Chasles' theorem
 #
 # Take any two poses of a body. There is a line about which it can turn and along which it can slide to get from the one
-# to the other. That is **Chasles' theorem**. In formulas: every $g = (p, R) \in SE(3)$ is $e^{\hat\xi\theta}$ for some
-# twist, and $\xi\theta$ is its *logarithm*. The proof is a way to compute it, in three cases:
+# to the other. That is **Chasles' theorem**. In formulas: every $g = (p, R) \in SE(3)$, which takes the point at the
+# origin to $p$, is $e^{\hat\xi\theta}$ for some twist, and $\xi\theta$ is its *logarithm*. The proof is a way to compute
+# it, in three cases:
 #
 # - $R = I$: the body is only shifted; $\omega = 0$ and $v\theta = p$.
 # - $0 < \theta < \pi$: $\omega\theta$ is the logarithm of $R$, from the lesson on exponentials of rotations. The upper right

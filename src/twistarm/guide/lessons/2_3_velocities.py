@@ -92,10 +92,10 @@ guide.figure(
 #
 # From the two definitions, $\hat V^s = g\,\hat V^b g^{-1}$. What does this do to the six numbers of a twist $(v, \omega)$?
 # A rotation carries a cross product along, $R(\omega \times x) = R\omega \times Rx$. As matrices,
-# $R\,\hat\omega R^T = \widehat{R\omega}$. Multiply out:
+# $R\,\hat\omega R^T = (R\omega)^{\wedge}$, where the hat stands behind a longer term. Multiply out:
 #
-# $$g\,\hat\xi\, g^{-1} = \begin{bmatrix} \widehat{R\omega} & Rv - \widehat{R\omega}\,p \\ 0 & 0 \end{bmatrix}
-# = \widehat{\mathrm{Ad}_g\,\xi}, \qquad
+# $$g\,\hat\xi\, g^{-1} = \begin{bmatrix} (R\omega)^{\wedge} & Rv - R\omega \times p \\ 0 & 0 \end{bmatrix}
+# = (\mathrm{Ad}_g\,\xi)^{\wedge}, \qquad
 # \mathrm{Ad}_g = \begin{bmatrix} R & \hat p R \\ 0 & R \end{bmatrix}$$
 #
 # for $-\,R\omega \times p = p \times R\omega$. So $V^s = \mathrm{Ad}_g V^b$. This matrix is the **Adjoint** of $g = (p, R)$.
@@ -150,7 +150,9 @@ for xi, value, rate in zip(arm.screws.T, values, speeds, strict=True):
 assert np.allclose(total, V_s, atol=1e-6)
 guide.say(
     f"The sum over the {len(values)} moving joints of `{arm.name}` differs from $V^s$ by "
-    f"${guide.rough(np.abs(total - V_s).max())}$."
+    f"${guide.rough(np.abs(total - V_s).max())}$. The twists $\\xi_i$ are spatial, seen from the "
+    "base. Some texts call them body velocities; the numbers of those, seen from the tool, differ "
+    f"from these by up to {np.abs(arm.body_screws - arm.screws).max():.2f}."
 )
 
 # %% [markdown]

@@ -185,7 +185,7 @@ guide.predict(
 #
 # $$g_{st}(\theta) = g_{st}(0)\, e^{\hat\xi^b_1\theta_1} \cdots e^{\hat\xi^b_n\theta_n}$$
 #
-# It is the same formula. You know $g\,\hat\xi\,g^{-1} = \widehat{\mathrm{Ad}_g\,\xi}$ from the lesson on velocities. The
+# It is the same formula. You know $g\,\hat\xi\,g^{-1} = (\mathrm{Ad}_g\,\xi)^{\wedge}$ from the lesson on velocities. The
 # same holds for each power of $\hat\xi$ and so for the series: $e^{\hat\xi_i\theta_i} g_{st}(0) =
 # g_{st}(0)\,e^{\hat\xi^b_i\theta_i}$. So the home pose can pass from the right end of the product to the left one. Some
 # texts say that the product of exponentials needs the Adjoint; only this form does.
