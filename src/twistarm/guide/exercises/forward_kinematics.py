@@ -169,12 +169,12 @@ EXERCISES = (
             ),
             Slip(
                 "last joint forgotten",
-                "The last joint is missing: range(len(x)) goes over all of them.",
+                "The last joint is missing: the loop ends one too early.",
                 {"range(len(x))": "range(len(x) - 1)"},
             ),
             Slip(
                 "first joint forgotten",
-                "The first joint is missing: begin the loop at 0 (Python counts from 0).",
+                "The first joint is missing: the loop begins one too late.",
                 {"range(len(x))": "range(1, len(x))"},
             ),
             Slip(

@@ -294,13 +294,12 @@ EXERCISES = (
             ),
             Slip(
                 "slide as a number",
-                "ωᵀ v θ is a number, and NumPy adds it to each part of the shift. The slide is along the axis: ω (ωᵀ "
-                "v) θ.",
+                "ωᵀ v θ is a number, and is added to each part of the shift. The slide is along the axis: ω (ωᵀ v) θ.",
                 {"w * (w @ v) * theta": "(w @ v) * theta"},
             ),
             Slip(
                 "θ outside",
-                "You multiply the exponential by θ. θ belongs into the exponent: e^{ξ̂θ}, not e^{ξ̂} θ.",
+                "You multiply the exponential by θ. θ belongs in the exponent: e^{ξ̂θ}, not e^{ξ̂} θ.",
                 {"    g = np.eye(4)\n": "    g = np.eye(4)\n    return expm(twist_matrix(xi)) * theta\n"},
             ),
             Slip(
@@ -315,8 +314,8 @@ EXERCISES = (
             ),
             Slip(
                 "number by number",
-                "np.exp takes the exponential of each number by itself. The matrix exponential is "
-                "scipy.linalg.expm, or Rodrigues' formula.",
+                "You take the exponential of each number by itself. That of a matrix is another function, expm "
+                "(scipy.linalg.expm in Python), or Rodrigues' formula.",
                 {
                     "    g = np.eye(4)\n": "    g = np.zeros((4, 4))\n    g[:3, :3] = np.cross(w, np.eye(3)).T\n"
                     "    g[:3, 3] = v\n    return np.exp(g * theta)\n"

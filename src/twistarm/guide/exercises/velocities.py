@@ -116,7 +116,9 @@ EXERCISES = (
                 {"[np.zeros((3, 3)), R]": "[P @ R, R]"},
             ),
             Slip(
-                "number by number", "You multiply p̂ and R number by number (`*`): matrices take @.", {"P @ R": "P * R"}
+                "number by number",
+                "You multiply p̂ and R number by number: it is the product of matrices.",
+                {"P @ R": "P * R"},
             ),
         ),
     ),
