@@ -21,7 +21,15 @@ from model_arms import REAL_ARMS
 from twistarm import Arm, load_arm, screws
 from twistarm.guide.exercises import LESSONS, every_exercise, exercises_of
 from twistarm.guide.exercises.exercise import Exercise, Slip
-from twistarm.guide.exercises.independent import body_columns, expm, pose_log, spatial_columns, tool, twist_matrix
+from twistarm.guide.exercises.independent import (
+    body_columns,
+    expm,
+    pose_log,
+    spatial_columns,
+    tool,
+    twist_matrix,
+    twist_of,
+)
 from twistarm.guide.exercises.instances import own_chain, pose
 from twistarm.guide.grading.answers import of_function
 from twistarm.guide.grading.verdict import Case, Verdict, cases_of, judged
@@ -176,14 +184,23 @@ WRITTEN_OTHERWISE: list[tuple[str, str, Callable[..., Any]]] = [
         "pitch inverted",
         lambda xi: (screws.to_screw(xi).axis, screws.to_screw(xi).point, 1 / screws.to_screw(xi).pitch),
     ),
-    ("pose_after", "right for left", lambda g, xi, t: g @ scipy.linalg.expm(twist_matrix(xi) * t)),
+    ("pose_log", "p for v", lambda g: np.r_[g[:3, 3], Rotation.from_matrix(g[:3, :3]).as_rotvec()]),
     ("adjoint", "no p̂R", lambda g: scipy.linalg.block_diag(g[:3, :3], g[:3, :3])),
     ("adjoint", "transposed", lambda g: screws.adjoint(g).T),
+    ("adjoint", "angular first", lambda g: screws.adjoint(screws.inverse(g)).T),
+    ("body_twist", "hybrid", lambda g, d: np.r_[d[:3, 3], hat_vee(d, g)]),
     ("body_twist", "spatial for body", lambda g, d: np.r_[(d @ np.linalg.inv(g))[:3, 3], hat_vee(d, g)]),
     ("spatial_twist", "body for spatial", lambda g, V: V.copy()),
     ("product_of_exponentials", "home forgotten", lambda S, home, x: by_scipy(S, x)),
     ("product_of_exponentials", "degrees", lambda S, home, x: by_scipy(S, np.deg2rad(x)) @ home),
     ("product_of_exponentials", "angular first", lambda S, home, x: by_scipy(np.r_[S[3:], S[:3]], x) @ home),
+    (
+        "product_of_exponentials",
+        "axes of the moment",
+        lambda S, home, x: by_scipy(spatial_columns(S, x), x) @ home,
+    ),
+    ("reachable", "no room for rounding", lambda a, b, x, y: (a - b) ** 2 <= x * x + y * y <= (a + b) ** 2),
+    ("reachable", "too much room", lambda a, b, x, y: abs(a - b) - 8e-3 <= sqrt(x * x + y * y) <= a + b + 8e-3),
     ("both_elbows", "mixed signs", mixed_signs),
     ("both_elbows", "π + α not wrapped", lambda *a: by_triangle(*a, 1)),
     ("both_elbows", "mixed signs, not wrapped", lambda *a: by_triangle(*a, -1)),
@@ -226,7 +243,12 @@ RIGHT: list[tuple[str, Callable[..., Any]]] = [
     ("rodrigues", lambda w, t: scipy.linalg.expm(hat(w) * t)),
     ("inverse_pose", np.linalg.inv),
     ("screw_of_twist", lambda xi: [screws.to_screw(xi).axis, screws.to_screw(xi).point, screws.to_screw(xi).pitch]),
+    (
+        "screw_of_twist",
+        lambda xi: [screws.to_screw(xi).axis, screws.to_screw(xi).point - 2 * xi[3:], screws.to_screw(xi).pitch],
+    ),
     ("twist_exp", lambda xi, t: scipy.linalg.expm(twist_matrix(xi) * t)),
+    ("pose_log", lambda g: twist_of(scipy.linalg.logm(g).real)),
     ("adjoint", screws.adjoint),
     ("body_screws", lambda S, home: np.linalg.solve(screws.adjoint(home), S)),
     ("both_elbows", lambda *a: np.array(mixed_signs(*a))[[1, 0]] * [1, -1]),
