@@ -13,6 +13,7 @@ import twistarm
 
 from ...model.arm import Arm
 from ..course import LESSONS, PARTS, SECTIONS, lessons
+from ..exercises.files import HERE
 from ..teaching.html import html_of
 from ..teaching.markup import block, inline
 
@@ -97,9 +98,9 @@ EXERCISES = f"""Each lesson ends with exercises: functions to write, which are g
 screws of your arm. A mistake that is known is named.
 
 ```sh
-twistarm guide exercises -o my_exercises
-twistarm guide check my_exercises/{LESSONS[0]}.py --arm my_arm.urdf
-twistarm guide progress my_exercises
+twistarm guide exercises -o {HERE}
+twistarm guide check {HERE}/{LESSONS[0]}.py --arm my_arm.urdf
+twistarm guide progress {HERE}
 ```
 
 The first writes the files to fill in, one for each lesson, and those for Octave and MATLAB; it never replaces one that
