@@ -121,7 +121,7 @@ def test_a_function_that_is_imported_is_nobody_s_answer(tmp_path: Path, capsys: 
     assert kept["adjoint"]["state"] == "unwritten"
     file.write_text(f"from twistarm.screws import exp\n{RIGHT}")
     assert run(["guide", "check", str(file)]) == 2
-    words = "it imports twistarm.screws, where no module is: write `from twistarm.theory.screws import …`"
+    words = "it imports twistarm.screws, where no module is: write `from twistarm import screws`"
     assert words in capsys.readouterr().out
 
 

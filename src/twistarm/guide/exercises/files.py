@@ -21,7 +21,7 @@ Fill in the functions, and have them graded:
     twistarm guide check {file}
 
 Angles are in radians, twists are (v, ω), poses are 4 × 4 arrays. What an earlier lesson had you write you may take
-from twistarm: `from twistarm.theory.screws import adjoint, exp`, say. A function counts that is defined in this file.
+from twistarm: `from twistarm import screws`, and then screws.exp, say. A function counts if it is defined in this file.
 """
 
 import numpy as np

@@ -17,7 +17,7 @@ from .answers import Answer, flat, form_of, in_words, of_function
 
 SEEN_DIGITS = 4
 
-THEORY = ("joints", "poe", "rotations", "screws")
+THEORY = ("screws", "poe", "rotations", "joints")
 """Modules of twistarm.theory that the lessons use."""
 
 LARGEST_SHOWN = 16
@@ -132,7 +132,9 @@ def _of_the_case(exercise: Exercise, case: Case, answer: Answer) -> tuple[str, s
     if answer.form == "None":
         return "wrong", f"It returns nothing (None) where {expected} is expected: is a `return` missing?"
     if answer.form != case.expected.form:
-        return "wrong", f"It returns {in_words(answer.form)} where {expected} is expected."
+        flat_is_right = answer.form in ((*case.expected.form, 1), (1, *case.expected.form))
+        how = ": a vector has one axis here, as .ravel() gives it" if flat_is_right else ""
+        return "wrong", f"It returns {in_words(answer.form)} where {expected} is expected{how}."
     bad = answer.numbers[~np.isfinite(answer.numbers)]
     if bad.size:
         what = "NaN (not a number)" if np.isnan(bad).any() else "infinity"
@@ -181,22 +183,27 @@ def _of_error(exercise: Exercise, error: Any, call: str) -> str:
 def _of_a_name_taken(exercise: Exercise, error: Any) -> str:
     """What is wrong where an argument is used as the module or the function of the same name; else nothing."""
     missing = re.fullmatch(r"'numpy.ndarray' object has no attribute '(\w+)'", error["text"])
-    taken = sorted(set(exercise.parameters) & set(THEORY))
-    if missing and taken and hasattr(import_module(f"twistarm.theory.{taken[0]}"), missing[1]):
+    meant = next((part for part in THEORY if missing and missing[1] in exported(part)), "")
+    if missing and meant:
         return (
-            f"{taken[0]} is the argument here, an array, and not the module of that name; write "
-            f"`from twistarm.theory.{taken[0]} import {missing[1]}`, and call {missing[1]} alone"
+            f"an array has no function {missing[1]}: where an argument has the name {meant}, it hides the module; "
+            "give the argument another name"
         )
     if "'numpy.ndarray' object is not callable" in error["text"]:
         return f"an argument ({', '.join(exercise.parameters)}) is called as a function: is yours of the same name?"
     return ""
 
 
+def exported(part: str) -> set[str]:
+    """The names of a module of twistarm.theory."""
+    return {name for name in vars(import_module(f"twistarm.theory.{part}")) if not name.startswith("_")}
+
+
 def why_no_module(name: str) -> str:
     """Why a module cannot be imported, and what to write instead."""
     _, _, part = name.partition("twistarm.")
     if part in THEORY:
-        return f"where no module is: write `from twistarm.theory.{part} import …`, or `from twistarm import {part}`"
+        return f"where no module is: write `from twistarm import {part}`, or `from twistarm.theory.{part} import …`"
     return "which is not installed: leave it out, or install it"
 
 
