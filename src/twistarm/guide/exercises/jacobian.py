@@ -117,8 +117,8 @@ EXERCISES = (
                 "Each column is carried along by all joints, also by those after it: a joint moves nothing that stands "
                 "before it.",
                 {
-                    "    for i in range(len(x)):\n": "    for i in range(len(x)):\n        g = g @ screws.exp(twists[:, i], "
-                    "x[i])\n    for i in range(len(x)):\n",
+                    "    for i in range(len(x)):\n": "    for i in range(len(x)):\n        g = g @ screws.exp("
+                    "twists[:, i], x[i])\n    for i in range(len(x)):\n",
                     "        J[:, i] = screws.adjoint(g) @ twists[:, i]\n        g = g @ "
                     "screws.exp(twists[:, i], x[i])\n": "        J[:, i] = screws.adjoint(g) @ twists[:, i]\n",
                 },
