@@ -37,7 +37,7 @@ class Page(HTMLParser):
 
 def test_pages_refer_to_what_is_there_and_to_nowhere_else(built: Built) -> None:
     pages = {path.name: Page(path.read_text("utf-8")) for path in built.folder.glob("*.html")}
-    assert set(pages) == {"index.html", "errata.html", f"{LESSON}.html"}
+    assert set(pages) == {"index.html", "before.html", "errata.html", f"{LESSON}.html"}
     for name, page in pages.items():
         assert len(set(page.names)) == len(page.names), f"{name} has a name twice"
         for target in page.refers:

@@ -86,12 +86,15 @@ def index_page(titles: Titles, arm: Arm, failed: Iterable[str]) -> str:
     return _page(kind="index", title="The guide", body=body, contents="", neighbours=onward, arm=arm, here="index")
 
 
-INTRODUCTION = """This course finishes the team's guide to manipulation. Its lessons are run, not written: every number
-on these pages was computed when they were built, on {arm}, an arm of {n}.
+INTRODUCTION = """This course teaches what the team's guide to manipulation begins, and finishes it; you need not know
+that guide. Its lessons are run, not written: every number on these pages was computed when they were built, on {arm},
+an arm of {n}.
+
+[Before you begin](before.html) lists what you should know, and the letters and words that the lessons use.
 
 A lesson takes ten to twenty minutes. It begins with a question that somebody has who builds an arm, states the law and
-where it comes from, and shows it on the arm. Where it asks you to **predict**, do so before you unfold the answer: what
-you got wrong is what you will remember. Work with a pencil, and with Python at hand."""
+where it comes from, and shows it on the arm. Where it asks you to **predict**, do so before you unfold the answer:
+what you got wrong is what you will remember. Work with a pencil, and with Python at hand."""
 
 
 EXERCISES = f"""Each lesson ends with exercises: functions to write, which are graded on random instances and on the
@@ -121,8 +124,15 @@ def errata_page(slips: Iterable[Mapping[str, str]], arm: Arm) -> str:
     )
 
 
-ERRATA = """Where the team's guide slips, in our words, and for each slip the number that shows it. Nothing here is
-typed by hand: the numbers were computed when this page was built."""
+def before_page(arm: Arm) -> str:
+    """What a reader knows before the first lesson, the letters and the words."""
+    body = f"<h1>Before you begin</h1>{html_of({'kind': 'text', 'markdown': site_text('before.md')})}"
+    return _page(kind="before", title="Before you begin", body=body, contents="", neighbours="", arm=arm, here="before")
+
+
+ERRATA = """For whoever has read the team's guide, the manual that this course finishes: where it slips, in our words,
+and for each slip the number that shows it. Nothing here is typed by hand: the numbers were computed when this page was
+built."""
 
 
 def _page(
@@ -151,6 +161,7 @@ def _page(
         script="".join(f'<script defer src="assets/{name}" nonce="{nonce}"></script>\n' for name in SCRIPTS if script),
         here=current if here == "index" else "",
         there=current if here == "errata" else "",
+        first=current if here == "before" else "",
     )
 
 

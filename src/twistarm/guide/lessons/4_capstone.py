@@ -336,7 +336,7 @@ guide.say(
     )
 )
 typed = " ".join(
-    f"{x + 0.0:.3f}" if unit == "m" else f"{np.degrees(x) + 0.0:.1f}"
+    f"{np.round(x, 3) + 0.0:.3f}" if unit == "m" else f"{np.round(np.degrees(x), 1) + 0.0:.1f}"
     for x, unit in zip(motion(closing), arm.units, strict=True)
 )
 guide.say(
