@@ -108,7 +108,11 @@ twistarm guide progress {HERE}
 
 The first writes the files to fill in, one for each lesson, and those for Octave and MATLAB; it never replaces one that
 is there. Without `--arm` the screws are those of the bundled rover arm. The last shows what is right and what is still
-to do."""
+to do.
+
+For Octave or MATLAB: fill in the functions in the folder `octave`, run a script there (`octave run_rotations.m`, or
+`run_rigid_motions.m`, `run_manipulator.m`), and have graded what it writes: `twistarm guide check
+{HERE}/octave/results_rotations.csv`."""
 
 
 def errata_page(slips: Iterable[Mapping[str, str]], arm: Arm) -> str:
