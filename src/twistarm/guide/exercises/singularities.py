@@ -142,11 +142,6 @@ EXERCISES = (
                 {"np.sqrt(np.linalg.det(J @ J.T))": "np.sqrt(np.linalg.det(J.T @ J))"},
             ),
             Slip(
-                "JᵀJ for JJᵀ, its size",
-                "You have det(JᵀJ), which is 0 where there are more joints than directions: it is J Jᵀ.",
-                {"np.sqrt(np.linalg.det(J @ J.T))": "np.sqrt(abs(np.linalg.det(J.T @ J)))"},
-            ),
-            Slip(
                 "trace for determinant",
                 "You have the trace of J Jᵀ, the sum of the squares of the singular values; the measure is their "
                 "product, by the determinant.",
