@@ -215,8 +215,28 @@ WRITTEN_OTHERWISE: list[tuple[str, str, Callable[..., Any]]] = [
     ("spatial_jacobian", "columns not moved", columns_at_rest),
     ("body_jacobian", "spatial for body", lambda S, home, x: spatial_columns(S, x)),
     ("screw_between", "numbers interpolated", lambda a, b, s: (1 - s) * a + s * b),
+    ("body_jacobian", "hybrid", lambda S, home, x: hybrid_columns(S, home, x)),
+    ("manipulability", "JᵀJ for JJᵀ", lambda J: sqrt(np.linalg.det(np.dot(J.T, J)))),
+    ("joint_torques", "not transposed", lambda J, F: np.dot(J, F)),
+    ("solve_pose", "one step", lambda S, home, x, g: x + np.linalg.pinv(body_columns(S, home, x)) @ off(S, home, x, g)),
+    ("setpoints", "cut for rounded", lambda a, b, T, dt: eased(np.linspace(0, 1, int(T / dt) + 1), a, b)),
+    ("setpoints", "np.arange to the end", lambda a, b, T, dt: eased(np.arange(0, T, dt) / T, a, b)),
     ("pregrasp", "left for right", lambda g, d: g - d * np.eye(4)[:, [2]] * [0, 0, 0, 1]),
 ]
+
+
+def hybrid_columns(S: Any, home: Any, x: Any) -> Any:
+    """(ṗ, ω) in base axes, by ṗ = v + ω × p."""
+    J = spatial_columns(S, x)
+    return np.vstack([J[:3] + np.cross(J[3:], tool(S, home, x)[:3, 3], axis=0), J[3:]])
+
+
+def off(S: Any, home: Any, x: Any, g: Any) -> Any:
+    return pose_log(np.linalg.inv(tool(S, home, x)) @ g)
+
+
+def eased(s: Any, a: Any, b: Any) -> Any:
+    return a + np.outer(s * s * (3 - 2 * s), b - a)
 
 
 def hat_vee(g_dot: Any, g: Any) -> Any:
@@ -259,7 +279,7 @@ RIGHT: list[tuple[str, Callable[..., Any]]] = [
     ("pose_error", lambda g, h: pose_log(np.linalg.inv(g) @ h)),
     ("screw_between", lambda a, b, s: screws.exp(screws.log(b @ np.linalg.inv(a)), s) @ a),
     ("manipulability", lambda J: np.prod(np.linalg.svd(J)[1])),
-    ("lost_direction", lambda J: -scipy.linalg.null_space(J.T)[:, 0]),
+    ("carried_wrench", lambda J: -scipy.linalg.null_space(J.T)[:, 0]),
     (
         "setpoints",
         lambda a, b, T, dt: [a + (b - a) * (t / T) ** 2 * (3 - 2 * t / T) for t in np.arange(0, T + dt / 2, dt)],
