@@ -163,7 +163,7 @@ EXERCISES = (
             ),
             Slip(
                 "number by number",
-                "You multiply number by number (`*`). Matrices are multiplied with `@` in Python, with `*` in Octave.",
+                "You multiply number by number (`*`). Matrices are multiplied with @.",
                 {"turn_z(alpha) @ turn_y(beta) @ turn_z(gamma)": "turn_z(alpha) * turn_y(beta) * turn_z(gamma)"},
             ),
             Slip(
