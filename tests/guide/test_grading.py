@@ -153,18 +153,26 @@ HARM = [
     ),
     (
         "results written by hand",
-        "import os\nfor fd in range(3, 20):\n    try: os.write(fd, b'nonsense\\n')\n    except OSError: pass\n" + RIGHT,
+        "import os\ndef rotation_z(a):\n    for fd in range(3, 1024):\n"
+        "        try: os.write(fd, b'{\"answers\": []}\\nx')\n        except OSError: pass\n    return a\n",
+        1,
+        "It returns one number where an array of shape (3, 3) is expected",
+    ),
+    (
+        "results by the grader's own hand",
+        "import sys\nsys._getframe(1).f_locals['tell'](loaded=5)\n" + RIGHT,
         2,
         "no result",
     ),
     (
-        "results of another kind",
-        "import os\nfor fd in range(3, 20):\n    try: os.write(fd, b'{\"loaded\": 5}\\n')\n    except OSError: pass\n"
-        + RIGHT,
-        2,
-        "no result",
+        "results that are none",
+        "import sys\ndef rotation_z(a):\n    sys._getframe(1).f_locals['tell'](answers=[])\n",
+        1,
+        "It gave fewer answers than it was asked for",
     ),
-    ("closed", "import os\nos.closerange(0, 50)\n" + RIGHT, 2, "ended"),
+    ("the job read again", "import os\nos.lseek(0, 0, 0)\nassert not os.read(0, 9)\n" + RIGHT, 0, "right"),
+    ("two processes", "import os\nos.fork()\n" + RIGHT, 0, "right"),
+    ("closed", "import os\nos.closerange(0, 1024)\n" + RIGHT, 2, "ended"),
     ("given the main guard", RIGHT + "\nif __name__ == '__main__':\n    1 / 0\n", 0, "right"),
     ("checks itself", RIGHT + "\nfrom twistarm import guide\nguide.check(rotation_z)\n", 0, "right"),
     ("a class", "class rotation_z:\n    def __init__(self, alpha): pass\n", 1, "It returns a value of type rotation_z"),

@@ -5,6 +5,7 @@ from __future__ import annotations
 import contextlib
 import json
 import os
+import secrets
 import signal
 import subprocess
 import sys
@@ -23,9 +24,13 @@ IN_SANDBOX = "TWISTARM_GUIDE_GRADING"
 
 @dataclass(frozen=True)
 class Process:
-    """A process that runs: where its results and its output are read, and `poll`, its exit code once it has ended."""
+    """A process that runs: where its results and its output are read, and `poll`, its exit code once it has ended.
+
+    `mark` begins every line of its results that the worker wrote: a secret, of this process alone.
+    """
 
     pid: int
+    mark: bytes
     results: int
     output: int
     poll: Callable[[], int | None]
@@ -34,11 +39,12 @@ class Process:
 @contextlib.contextmanager
 def program(job: Mapping[str, Any], folder: Path) -> Iterator[Process]:
     """The worker, on a job, in the reader's folder."""
+    mark = secrets.token_hex()
     results, their_results = os.pipe()
     output, their_output = os.pipe()
     environment = dict(os.environ) | {"OPENBLAS_NUM_THREADS": "1", "OMP_NUM_THREADS": "1", IN_SANDBOX: "1"}
     with tempfile.TemporaryFile() as stdin:
-        stdin.write(json.dumps(job).encode())
+        stdin.write(json.dumps({**job, "mark": mark}).encode())
         stdin.seek(0)
         try:
             started = subprocess.Popen(
@@ -58,7 +64,7 @@ def program(job: Mapping[str, Any], folder: Path) -> Iterator[Process]:
         finally:
             os.close(their_results)
             os.close(their_output)
-    process = Process(started.pid, results, output, started.poll)
+    process = Process(started.pid, mark.encode(), results, output, started.poll)
     try:
         yield process
     finally:
@@ -69,6 +75,7 @@ def program(job: Mapping[str, Any], folder: Path) -> Iterator[Process]:
 @contextlib.contextmanager
 def copy_of_this_process(function: Callable[..., Any], job: Mapping[str, Any], memory: int) -> Iterator[Process]:
     """A copy of this process that calls `function` on the instances of `job`, and does nothing else."""
+    mark = secrets.token_hex()
     results, their_results = os.pipe()
     output, their_output = os.pipe()
     with warnings.catch_warnings():
@@ -76,7 +83,7 @@ def copy_of_this_process(function: Callable[..., Any], job: Mapping[str, Any], m
         pid = os.fork()
     if pid == 0:
         try:
-            _in_the_copy(function, job, memory, their_results, their_output)
+            _in_the_copy(function, job, memory, mark, their_results, their_output)
         finally:
             os._exit(0)
     os.close(their_results)
@@ -89,7 +96,7 @@ def copy_of_this_process(function: Callable[..., Any], job: Mapping[str, Any], m
             code.extend([os.waitstatus_to_exitcode(status)] if done else [])
         return code[0] if code else None
 
-    process = Process(pid, results, output, poll)
+    process = Process(pid, mark.encode(), results, output, poll)
     try:
         yield process
     finally:
@@ -98,7 +105,9 @@ def copy_of_this_process(function: Callable[..., Any], job: Mapping[str, Any], m
             os.waitpid(pid, 0)
 
 
-def _in_the_copy(function: Callable[..., Any], job: Mapping[str, Any], memory: int, results: int, output: int) -> None:
+def _in_the_copy(
+    function: Callable[..., Any], job: Mapping[str, Any], memory: int, mark: str, results: int, output: int
+) -> None:
     from . import worker
 
     os.setsid()
@@ -111,7 +120,7 @@ def _in_the_copy(function: Callable[..., Any], job: Mapping[str, Any], memory: i
     os.environ[IN_SANDBOX] = "1"
     worker.limit(memory)
     for name, instances in job.items():
-        worker.answer(name, function, instances, function.__code__.co_filename, worker.teller(results))
+        worker.answer(name, function, instances, function.__code__.co_filename, worker.teller(results, mark))
     sys.stdout.flush()
 
 

@@ -103,7 +103,7 @@ def _followed(process: Process, exercises: Collection[str], done: Run, seconds: 
                 done.answers[at], at = event["answers"], None
             else:
                 done.take(event)
-    except (TypeError, KeyError, ValueError):  # events that the reader's code wrote
+    except (TypeError, KeyError, ValueError, RecursionError):  # events that the reader's code wrote with the mark
         end = FORGED
     end = end or _how_it_ended(process.poll())
     if at is not None:
@@ -125,6 +125,7 @@ def _how_it_ended(code: int | None) -> str:
 def _events(process: Process, seconds: float) -> Iterator[dict[str, Any] | str]:
     """What the worker tells, each line an event that gives it new time; a text where it is ended, and what it printed.
 
+    Lines without the worker's mark are what the reader's code wrote, to whatever descriptor: they count for nothing.
     Descriptors that a process of the reader's holds open do not keep this waiting: it ends with the worker itself.
     """
     told, printed, most = b"", b"", 0
@@ -148,12 +149,9 @@ def _events(process: Process, seconds: float) -> Iterator[dict[str, Any] | str]:
                     printed = (printed + part)[:OUTPUT]
             *lines, told = told.split(b"\n")
             for line in lines:
-                until = time.monotonic() + seconds
-                event = _event(line)
-                if event is None:
-                    yield FORGED
-                    return
-                yield event
+                if line.startswith(process.mark):
+                    until = time.monotonic() + seconds
+                    yield dict(json.loads(line.removeprefix(process.mark)))
             if time.monotonic() > until:
                 yield f"was not done after {seconds:g} s: does a loop or a recursion never end?"
                 break
@@ -172,11 +170,3 @@ def _part(descriptor: int) -> bytes | None:
         return None
     except OSError:
         return b""
-
-
-def _event(line: bytes) -> dict[str, Any] | None:
-    try:
-        event = json.loads(line)
-    except (ValueError, RecursionError):
-        return None
-    return event if isinstance(event, dict) else None

@@ -71,7 +71,7 @@ def judged(exercise: Exercise, cases: Sequence[Case], answers: Sequence[Answer])
     if any(each.error is not None and each.error["type"] == "NotImplementedError" for each in answers):
         return verdict("unwritten", "not written yet")
     if len(answers) < len(cases):
-        return verdict("unusable", "gave fewer answers than it was asked for")
+        return verdict("unusable", "It gave fewer answers than it was asked for")
     pairs = list(zip(cases, answers, strict=False))
     wrong = next((k for k, (case, answer) in enumerate(pairs) if not _right(exercise, case, answer)), None)
     if wrong is None:
