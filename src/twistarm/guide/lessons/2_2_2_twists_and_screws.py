@@ -111,7 +111,7 @@ for name, xi in zip(arm.moving_names, arm.screws.T, strict=True):
         assert np.isclose(screw.pitch, w @ v / (w @ w))
         assert np.allclose(screw.point, np.cross(w, v) / (w @ w))
     shown = [
-        ", ".join(f"{x:.3f}" for x in np.round(each, 3) + 0.0).replace("-", "−")
+        ", ".join(f"{x:g}" for x in np.round(each, 3) + 0.0).replace("-", "−")
         for each in (v, w, screw.point)
     ]
     rows.append([f"`{name}`", *shown, "∞" if np.isinf(screw.pitch) else screw.pitch])

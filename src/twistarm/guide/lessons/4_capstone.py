@@ -92,7 +92,7 @@ findings = diagnose(arm)
 # %% tags=["hidden"]
 if findings:
     guide.table(
-        ["", "where", "what is there", "what to do"],
+        ["kind", "where", "what is there", "what to do"],
         [
             [
                 each.severity,
