@@ -14,14 +14,14 @@ from ..support.caller_words import quantity
 from ..support.checks import Array, as_flag, as_number, as_whole
 from ..support.errors import InputError, NoClosedFormError, shown, unknown_name
 from .all_solutions import IKSolutions
-from .all_solutions_row import HITS, LEFT, TRIES, found_row, roots_in
+from .all_solutions_row import HITS, INSIDE, LEFT, TRIES, found_row, roots_in
 from .batch import solve_ik_batch
 from .closed_form.methods import Method, closest_miss_of, known_method, method_for
 from .closed_form.roots import ROUNDED_LIMIT, Root, inside, roots
 from .closed_form.roots import copies as copied
-from .ranges import joint_ranges
+from .ranges import holding, joint_ranges, standing
 from .request import checked
-from .solve import as_given
+from .solve import as_given, solve_ik
 from .targets import AnyTarget, Approach, Pose, TargetLike, checked_target
 from .task_space import Tolerances
 
@@ -102,16 +102,17 @@ def solve_ik_all(
         raise NoClosedFormError(_none(arm, asked, method))
     near = np.array(request.theta0)
     near[list(stands)] = list(stands.values())
-    task = _Task(arm, asked, near, request.tolerances, tuple(stands))
-    if method.compiled is not None:
-        row = task.compiled(method, count)
-        if not copies and not row[LEFT]:
-            return IKSolutions(arm, row, method, task.complete(method), asked)
-        found, starts, hits = [*roots_in(row, arm.n)], int(row[TRIES]), int(row[HITS])
-    else:
-        found, starts, hits = task.solved(method, count) if method.there else ([], 0, 0)
+    task = _Task(arm, asked, near, request.tolerances, method.given)
+    values = task.held_values(method, count)
+    row = None if method.compiled is None else task.compiled(method, values)
+    if row is not None and not copies and not row[LEFT] and (row[INSIDE] or not method.swept):
+        return IKSolutions(arm, row, method, task.complete(method), asked)
+    found, starts, hits = task.solved(method, values) if row is None else task.read(row)
+    if method.there and method.swept and all(task.inside(root) is None for root in found):
+        members, tried, met = task.solved(method, task.values_met(method))
+        found, starts, hits = found + members, starts + tried, hits + met
     missed = False
-    if (not method.exact or method.rooted is not None) and not method.swept:
+    if not method.there or ((not method.exact or method.rooted is not None) and not method.swept):
         more = BESIDE if method.there else STARTS
         beside, met = task.searched(more, found)
         missed = bool(beside)
@@ -145,10 +146,9 @@ class _Task:
     tolerances: Tolerances
     given: tuple[int, ...]
 
-    def compiled(self, method: Method, count: int) -> Array:
-        """What the core has found."""
+    def compiled(self, method: Method, values: Array) -> Array:
+        """What the core has found with the held joints at each of the values (k, h)."""
         assert method.compiled is not None
-        values = self._held_values(method, count)
         held, met = values if len(values) > 1 else None, self.tolerances
         row = method.compiled.solve(self.target.numbers, self.near, held, met.position, met.orientation)
         assert row is not None, "what was checked is plain"
@@ -156,28 +156,38 @@ class _Task:
 
     def complete(self, method: Method) -> bool:
         """Whether the method finds everything."""
-        return method.exact and not any(i not in self.given for i in method.swept)
+        return method.exact and not method.swept
 
-    def solved(self, method: Method, count: int) -> tuple[list[Root], int, int]:
-        """Roots by the method, for every value of the joints that are held; how many values, and how many had roots."""
-        values = self._held_values(method, count)
+    def read(self, row: Array) -> tuple[list[Root], int, int]:
+        """The same as of `solved` from what the core has found."""
+        return [*roots_in(row, self.arm.n)], int(row[TRIES]), int(row[HITS])
+
+    def solved(self, method: Method, values: Array) -> tuple[list[Root], int, int]:
+        """Roots with the held joints at each of the values (k, h); how many values, and how many had roots."""
         found: list[Root] = []
         hits = 0
-        for each in values:
+        for each in values if method.there else ():
             candidates = method.candidates(self.arm, self.target, self.near, each)
             new = roots(self.arm, self.target, candidates, self.tolerances, method.held)
-            for root in new:
-                free = {*root.free, *method.idle, *method.swept} - {*self.given}
-                found.append(replace(root, free=tuple(sorted(free))))
+            held = {*method.idle, *method.swept}
+            found += [replace(root, free=tuple(sorted({*root.free, *held}))) for root in new]
             hits += bool(new)
-        return (found, len(values), hits) if len(values) > 1 else (found, 0, 0)
+        return (found, len(values), hits) if method.swept else (found, 0, 0)
 
-    def _held_values(self, method: Method, count: int) -> Array:
+    def values_met(self, method: Method) -> Array:
+        """Values (k, h) of the joints held, k ≤ 1, in a configuration that a search has found: samples may miss all."""
+        met = self.tolerances
+        solution = solve_ik(
+            holding(self.arm, self.given, self.near), self.target, self.near,
+            position_tol=met.position, orientation_tol=met.orientation,
+        )  # fmt: skip
+        return solution.theta[None, list(method.held)] if solution.converged else np.zeros((0, len(method.held)))
+
+    def held_values(self, method: Method, count: int) -> Array:
         """Values (k, h) of the joints held: those given, theta0's of idle ones, and a grid of the others."""
-        swept = [i for i in method.swept if i not in self.given]
-        while count ** len(swept) > MOST_COMBINATIONS:
+        while count ** len(method.swept) > MOST_COMBINATIONS:
             count -= 1
-        grid = {i: self._with_near(i, self._spread(i, count)) for i in swept}
+        grid = {i: self._with_near(i, self._spread(i, count)) for i in method.swept}
         stand = np.clip(self.near, self.arm.limits.lower, self.arm.limits.upper)
         choices = [grid.get(i, np.array([stand[i]])) for i in method.held]
         combinations = list(product(*choices))
@@ -207,9 +217,9 @@ class _Task:
 
     def from_starts(self, starts: Array, known: list[Root]) -> tuple[list[Root], int]:
         """Roots from these starts (k, n) that are not known yet, and how many searches met the target."""
-        batch = solve_ik_batch(self.arm, [self.target] * len(starts), starts, restarts=1)
+        held = holding(self.arm, self.given, self.near)
+        batch = solve_ik_batch(held, [self.target] * len(starts), starts, restarts=1)
         met = batch.theta[batch.converged]
-        met = met[(np.abs(met[:, self.given] - self.near[list(self.given)]) <= ROUNDED_LIMIT).all(axis=1)]
         everything = roots(self.arm, self.target, [*(root.theta for root in known), *met], self.tolerances, self.given)
         return everything[len(known) :], len(met)
 
@@ -269,12 +279,12 @@ def distance(arm: Arm, theta: Array, near: Array) -> float:
 
 
 def given_joints(arm: Arm, given: Mapping[str, float] | None) -> dict[int, float]:
-    """{joint's index: value}, base to tip."""
+    """{joint's index: value}, base to tip, those among them whose limits are one value."""
+    stands = {i: float(arm.limits.lower[i]) for i in standing(arm)}
     if given is None:
-        return {}
+        return stands
     if not isinstance(given, Mapping):
         raise InputError(f"given must be a mapping such as {{'elbow': 0.3}}; got {shown(given)}")
-    stands = {}
     for name, value in given.items():
         if name not in arm.joint_names:
             raise unknown_name("joint", name, arm.joint_names, within=arm.name, listing="arm.joint_names")
