@@ -12,10 +12,10 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-import pinocchio as pin
 
 from .conductor import Worker, WorkerError
 from .environments import DEFAULT_FOLDER, NotInstalled, python_of
+from .judge import Judge
 from .robots import Robot, make_robot
 
 PEERS = ("twistarm", "eaik", "ik_geo", "ssik")
@@ -26,34 +26,20 @@ EXACT, SAME = 1e-9, 1e-5
 """What an answer may miss [m, rad], and below which two are one [rad]."""
 
 
-class Judge:
-    """Pinocchio, on the cut description."""
+def missed(judge: Judge, g: np.ndarray, answers: np.ndarray) -> np.ndarray:
+    """Position [m] or rotation error [rad], the greater, of answers (N, n) to one pose, (N,)."""
+    errors = judge.errors(answers, np.broadcast_to(g, (len(answers), 4, 4)))
+    return np.asarray(np.maximum(errors.position, errors.rotation))
 
-    def __init__(self, robot: Robot) -> None:
-        self.model = pin.buildModelFromUrdf(robot.urdf)
-        self.data = self.model.createData()
-        self.tip = self.model.getFrameId(robot.tip)
-        self.lower, self.upper = np.array(robot.lower), np.array(robot.upper)
 
-    def pose(self, theta: np.ndarray) -> np.ndarray:
-        pin.framesForwardKinematics(self.model, self.data, theta)
-        return np.array(self.data.oMf[self.tip].homogeneous)
-
-    def missed(self, g: np.ndarray, theta: np.ndarray) -> float:
-        """Position [m] or rotation error [rad], the greater."""
-        off = self.pose(theta) - g
-        return float(max(np.linalg.norm(off[:3, 3]), np.linalg.norm(off[:3, :3]) / np.sqrt(2)))
-
-    def distinct(self, g: np.ndarray, answers: np.ndarray) -> int:
-        """How many different ones are exact and inside the limits, whole turns left aside."""
-        kept: list[np.ndarray] = []
-        for theta in answers:
-            inside = ((theta >= self.lower - EXACT) & (theta <= self.upper + EXACT)).all()
-            if not inside or self.missed(g, theta) > EXACT:
-                continue
-            if all(np.abs((theta - other + np.pi) % (2 * np.pi) - np.pi).max() > SAME for other in kept):
-                kept.append(theta)
-        return len(kept)
+def distinct(judge: Judge, g: np.ndarray, answers: np.ndarray) -> int:
+    """How many different ones are exact and inside the limits, whole turns left aside."""
+    inside = ((answers >= judge.lower - EXACT) & (answers <= judge.upper + EXACT)).all(axis=1)
+    kept: list[np.ndarray] = []
+    for theta in answers[inside & (missed(judge, g, answers) <= EXACT)]:
+        if all(np.abs((theta - other + np.pi) % (2 * np.pi) - np.pi).max() > SAME for other in kept):
+            kept.append(theta)
+    return len(kept)
 
 
 def told(robot: Robot, judge: Judge, workers: dict[str, Worker], random: np.random.Generator, count: int) -> None:
@@ -65,7 +51,7 @@ def told(robot: Robot, judge: Judge, workers: dict[str, Worker], random: np.rand
     order = list(workers)
     for _ in range(count):
         theta = random.uniform(robot.lower, robot.upper)
-        g = judge.pose(theta)
+        g = judge.fk(theta[None])[0]
         order = order[1:] + order[:1]
         for name in order:
             if name in failed:
@@ -79,8 +65,8 @@ def told(robot: Robot, judge: Judge, workers: dict[str, Worker], random: np.rand
                 failed[name] = str(error)
                 continue
             found = np.array(answer["theta"]).reshape(-1, len(robot.joints))
-            worst = max((judge.missed(g, each) for each in found), default=0.0)
-            made[name].append((answer["ns"] / 1e3, judge.distinct(g, found), worst))
+            worst = float(missed(judge, g, found).max(initial=0.0))
+            made[name].append((answer["ns"] / 1e3, distinct(judge, g, found), worst))
     what = "" if held is None else f", {robot.joints[held]} held"
     print(f"\n{robot.name}{what}: {count} poses of random configurations")
     for name in workers:

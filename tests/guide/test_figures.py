@@ -34,6 +34,32 @@ def test_colours_follow_the_page_and_names_collide_with_none() -> None:
     assert one == figure("one"), "the same figure is the same text"
 
 
+def test_what_is_drawn_later_has_the_style_too() -> None:
+    """Legends, titles and words are made after the axes, and matplotlib asks for their style then."""
+    fig, ax = guide.axes2()
+    ax.plot([0, 1], [0, 1], label="a")
+    legend = ax.legend()
+    assert not legend.get_frame_on()
+    drawn = [*legend.get_texts(), ax.set_title("title"), ax.text(0, 0, "words")]
+    assert {text.get_color() for text in drawn} == {COLOURS["ink"]}
+    assert "#000000" not in svg.of(fig)
+
+
+def test_no_white_space_and_nothing_cut() -> None:
+    """A line within a cube, and one that leaves it: without a box, the picture is as large as they are."""
+    heights = []
+    for length in (1.0, 1.4):
+        fig, ax = guide.axes3(box=False)
+        ax.plot([0.5, 0.5], [0.5, 0.5], [0, length])
+        guide.fit(ax, [[0, 0, 0], [1, 1, 1]])
+        heights.append(picture_height(svg.of(fig)))
+    assert np.isclose(heights[1] / heights[0], 1.4, rtol=0.1)
+
+
+def picture_height(element: str) -> float:
+    return float(re.search(r'viewBox="0 0 [\d.]+ ([\d.]+)"', element)[1])  # type: ignore[index]
+
+
 def luminance(colour: str) -> float:
     parts = [int(colour[k : k + 2], 16) / 255 for k in (1, 3, 5)]
     linear = [x / 12.92 if x <= 0.04045 else ((x + 0.055) / 1.055) ** 2.4 for x in parts]

@@ -3,10 +3,12 @@
 from __future__ import annotations
 
 import re
+from typing import Any
 
 import pytest
 
-from twistarm import InputError
+from twistarm import InputError, guide
+from twistarm.guide.teaching import outlet
 from twistarm.guide.teaching.html import html_of
 from twistarm.guide.teaching.markup import block, formula, inline
 from twistarm.guide.teaching.tex import rough, tex
@@ -22,6 +24,18 @@ def test_formulae_are_mathml_that_says_itself_in_tex() -> None:
 
 def test_a_displayed_formula_may_stand_in_a_sentence() -> None:
     assert inline("So $$R = I$$ it is.").count('display="block"') == 1
+
+
+def test_a_function_and_its_power_are_one() -> None:
+    for text, last in ((r"\cos^{-1} x", "</mrow></msup>"), (r"\sin^2 x", "<mn>2</mn></msup>"), (r"\cos x", "cos</mi>")):
+        assert re.search(re.escape(last) + "<mspace[^>]*></mspace><mi>x</mi>", formula(text)), text
+        assert "<mspace" not in formula(text).partition("</msup>" if "^" in text else "<mi>")[0]
+
+
+def test_punctuation_stays_with_its_formula() -> None:
+    html = block("Be $a$ a number ($b$), and $c$.")
+    together = re.findall(r'<span class="together">(.)?.*?</math></span>(.*?)</span>', html)
+    assert together == [("(", "),"), ("<", ".")]
 
 
 @pytest.mark.parametrize("tex", ["x^", "{", r"\begin{bmatrix} 1", r"2 \nosuch"])
@@ -48,3 +62,13 @@ def test_numbers_in_tex() -> None:
     assert rough(0.0) == "0"
     with pytest.raises(InputError, match=r"shape \(1, 1, 1\)"):
         tex([[[1]]])
+
+
+def test_numbers_in_a_table() -> None:
+    shown: list[Any] = []
+    with outlet.installed(shown.append):
+        guide.table(["$a$", "b"], [["x", 0.25], ["y", -3.2e-7], ["z", -4e-17], ["none", ""]])
+    assert [row[1] for row in shown[0].rows] == ["0.2500", r"$-3 \cdot 10^{-7}$", "0.0000", ""]
+    html = html_of(shown[0].data(None))
+    assert html.count('<td class="number">') == 4, "a column of numbers is one, with its title"
+    assert html.count('<th scope="col" class="number">') == 1

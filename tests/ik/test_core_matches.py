@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 
 from catalogue import load
+from ik_targets import require_core
 from twistarm import Approach, Arm, Pose, Position, arm_from_screws
 from twistarm.ik import AnyTarget, IKSolutions, solve_ik_all, solve_ik_all_batch
 from twistarm.ik.closed_form import methods
@@ -16,9 +17,12 @@ from twistarm.ik.closed_form.families import DECOUPLED, PLANAR, SPHERICAL
 from twistarm.ik.closed_form.methods import Method
 from twistarm.ik.ranges import joint_ranges
 from twistarm.ik.targets import target_for
-from twistarm.model import engine
 
-pytestmark = pytest.mark.skipif(engine.core() is None, reason="there is no compiled core")
+
+@pytest.fixture(autouse=True)
+def core() -> None:
+    require_core(load("ur5"))
+
 
 SAME = 1e-6
 """[rad, m]: roots that stand alone."""
@@ -167,7 +171,12 @@ def test_sampled_joints() -> None:
     assert 0 < found.hits <= found.starts
     assert len(found) > found.hits / 2
     assert np.all(found.position_error <= 1e-9)
-    assert any("joint7" in joint for joints in found.free for joint in joints)
+    batch = solve_ik_all_batch(arm, [found.target])
+    for k, theta in enumerate(found.theta[::5]):
+        null = np.linalg.svd(arm.body_jacobian(theta))[2][6:]
+        moving = {arm.joint_names[i] for i in np.flatnonzero(np.abs(null).max(axis=0) > 1e-6)}
+        assert moving <= {*found.free[5 * k]}  # at a symmetric posture some joints move in second order alone
+        np.testing.assert_array_equal(batch.free[0, 5 * k], [name in found.free[5 * k] for name in arm.joint_names])
     assert np.abs(found.theta - arm.ready).max(axis=1).min() < SAME
 
 
@@ -248,3 +257,23 @@ def test_without_the_core(monkeypatch: pytest.MonkeyPatch) -> None:
     without = solve_ik_all_batch(arm, poses)
     np.testing.assert_array_equal(with_core.count, without.count)
     np.testing.assert_allclose(with_core.theta, without.theta, atol=SAME)
+
+
+@pytest.mark.parametrize("name", ["ur5", "rover_arm", "panda"])
+def test_every_joint_given(name: str) -> None:
+    """The configuration that is given is the one answer, or there is none."""
+    arm = load(name)
+    theta, other = arm.random_theta(15, 2)
+    for like in (Pose(arm.fk(theta)), Position(arm.fk(theta)[:3, 3])):
+        for given, count in ((theta, 1), (other, 0)):
+            found = solve_ik_all(arm, like, given=dict(zip(arm.joint_names, given.tolist(), strict=True)))
+            assert (len(found), found.complete, found.free) == (count, True, ((),) * count)
+            assert (found.theta == given).all()
+
+
+def test_joints_that_do_not_take_part_in_the_motion_left_are_not_free() -> None:
+    """A rover arm holds a point while shoulder, elbow and wrist move: its base, which alone moves sideways, stands."""
+    arm = load("rover_arm")
+    found = solve_ik_all(arm, Position(arm.fk(arm.ready)[:3, 3]))
+    assert len(found)
+    assert {*found.free} == {arm.joint_names[1:]}

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import time
+
 import numpy as np
 import pytest
 
@@ -48,6 +50,23 @@ def test_the_configuration_that_made_the_target_is_found(name):
     for i in range(2):
         found = check(arm, special(arm, rng) if i else arm.random_theta(rng), arm.random_theta(rng))
         assert found.complete
+
+
+DELICATE = [
+    ("parallel 2-3-4", [-1.0, 0.4, 0.8, -0.3, 1e-8, 0.6]),  # beside regular answers
+    ("parallel 4-5-6", [np.pi - 1e-8, -1.1689, -np.pi + 1e-8, 2.68e-8, QUARTER - 1e-8, np.pi - 1e-8]),
+    ("P-RRR-R", [0.3, -0.4, np.pi - 1e-8, 1.2, -1.4]),  # folded: axes 2 and 4 are one but for 1e-8
+    ("R-RRR-R", [0.9, -QUARTER, np.pi - 5e-9, -1.0, np.pi - 5e-9]),
+]
+
+
+@pytest.mark.parametrize(("name", "posture"), DELICATE)
+def test_answers_at_particular_values_of_a_joint_that_seems_free(name, posture):
+    arm, theta = family_arm(name), np.array(posture)
+    for near in arm.random_theta(16, 3):
+        found = check(arm, theta, near)
+        assert found.complete
+        assert len(found) + len(found.outside) <= 12
 
 
 @pytest.mark.slow
@@ -262,3 +281,28 @@ def test_arms_that_no_joint_makes_mobile_or_whose_axes_coincide():
     idle = solve_ik_all(twice, Position([0.0, 0.0, 0.0]))
     assert len(idle)
     assert not len(solve_ik_all(twice, Position([0.1, 0.0, 0.0])))
+
+
+@pytest.mark.parametrize(("count", "seconds"), [(6, 1e-9), (8, 0.3)])
+def test_time_is_kept(count, seconds):
+    """Eight joints that turn, two of them sampled, take half a minute; what is found by then is exact."""
+    rng = np.random.default_rng(1)
+    axes = [["R", rng.normal(size=3), rng.uniform(-0.5, 0.5, 3)] for _ in range(count)]
+    arm = twistarm.arm_from_screws(screws_of(axes), np.eye(4))
+    told = []
+    began = time.monotonic()
+    g = arm.fk(arm.random_theta(3))
+    found = solve_ik_all(arm, Pose(g), max_time=seconds, progress=lambda done, of: told.append(done / of))
+    assert time.monotonic() - began < seconds + 2.0
+    assert found.timed_out
+    assert not found.complete
+    assert "the time was up" in found.explain()
+    assert all(missed(arm, g, theta) <= EXACT for theta in found.theta)
+    assert told == sorted(told)
+    assert all(0.0 < share < 1.0 for share in told)
+
+
+def test_a_closed_form_needs_no_time():
+    found = solve_ik_all(load("ur5"), load("ur5").fk([0.3, -1.2, 1.4, -0.9, -1.1, 0.4]), max_time=1e-9)
+    assert found.complete
+    assert not found.timed_out

@@ -120,6 +120,8 @@ def of_the_drives() -> Iterator[tuple[str, Callable[..., Any], dict[str, Any]]]:
 
 IK = {"arm": ARM, "theta0": None, "position_tol": 1e-6, "orientation_tol": 1e-6, "restarts": 2, "max_time": None,
       "rng": 0, "posture": None}  # fmt: skip
+ALL = {"arm": ARM, "theta0": None, "given": None, "samples": 2, "copies": False, "position_tol": 1e-9,
+       "orientation_tol": 1e-9}  # fmt: skip
 LOADED = {"base": None, "tip": None, "package_dirs": (), "xacro_args": None, "limits": None, "locked": None,
           "srdf": None, "without": ()}  # fmt: skip
 SETTINGS = twistarm.ServoSettings()
@@ -136,6 +138,10 @@ DOORS: dict[str, tuple[Callable[..., Any], dict[str, Any]]] = {
     "compare": (twistarm.compare, {"arm": ARM, "against": "golden.json"}),
     "solve_ik": (twistarm.solve_ik, {"target": G, **IK}),
     "solve_ik_batch": (twistarm.solve_ik_batch, {"targets": [G], "threads": 1, **IK}),
+    "solve_ik_all": (
+        twistarm.solve_ik_all, {"target": G, "closed_form": False, "max_time": None, "progress": None, **ALL},
+    ),
+    "solve_ik_all_batch": (twistarm.solve_ik_all_batch, {"targets": [G], "threads": 1, **ALL}),
     "Pose": (twistarm.Pose, {"g": G}),
     "Position": (twistarm.Position, {"p": [0, 0, 1]}),
     "Approach": (twistarm.Approach, {"p": [0, 0, 1], "direction": [0, 0, 1], "tool_axis": None}),

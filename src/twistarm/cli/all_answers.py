@@ -44,7 +44,7 @@ def _table(solutions: IKSolutions, radians: bool) -> Grid:
 
 
 def _as_json(solutions: IKSolutions) -> dict[str, Any]:
-    fields = ("theta", "free", "outside", "complete", "method", "family", "starts", "hits")
+    fields = ("theta", "free", "outside", "complete", "timed_out", "method", "family", "starts", "hits")
     return {
         "arm": solutions.arm.name,
         "joint_names": solutions.arm.joint_names,

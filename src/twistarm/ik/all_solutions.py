@@ -13,10 +13,14 @@ from ..support.checks import Array, frozen
 from ..support.errors import printable
 from .all_solutions_row import FIRST, HITS, INSIDE, KIND, TRIES, configurations_in
 from .closed_form.methods import Method
+from .closed_form.roots import self_motion
 from .explain import reached, why_not
 from .ranges import holding, joint_ranges
 from .solve import solve_ik
 from .targets import AnyTarget, numbers_of_kind, target_of
+from .task_space import Tolerances
+
+EXACT = Tolerances(1e-9, 1e-9)
 
 
 class IKSolutions:
@@ -29,20 +33,29 @@ class IKSolutions:
     found; `given` chooses another.
     outside (m, n): configurations that meet the target beyond the position limits.
     complete: whether these are all there are, but for others of the same families. False where joints were sampled,
-    where the axes miss the family that was solved, and for a search.
+    where the axes miss the family that was solved, for a search, and where the time was up (`timed_out`).
     method: "closed form", "elimination" or "search from many starts"; `family`: which, in words.
     starts, hits: searches that were run, and how many of them met the target; values of sampled joints, and how many
     gave a configuration. 0 where there was nothing to sample.
     """
 
-    __slots__ = ("_arm", "_complete", "_method", "_row", "_target")
+    __slots__ = ("_arm", "_complete", "_method", "_row", "_target", "_timed_out")
 
-    def __init__(self, arm: Arm, row: Array, method: Method, complete: bool, target: AnyTarget | None = None) -> None:
+    def __init__(
+        self,
+        arm: Arm,
+        row: Array,
+        method: Method,
+        complete: bool,
+        target: AnyTarget | None = None,
+        timed_out: bool = False,
+    ) -> None:
         self._arm = arm
         self._row = row
         self._method = method
         self._complete = complete
         self._target = target
+        self._timed_out = timed_out
 
     @property
     def arm(self) -> Arm:
@@ -76,14 +89,30 @@ class IKSolutions:
     @property
     def free(self) -> tuple[tuple[str, ...], ...]:
         """For each of theta, the joints that may go on moving while the target stays met."""
-        moving = configurations_in(self._row, self._arm.n)[0][:, self._arm.n :]
         names = self._arm.joint_names
-        return tuple(tuple(names[i] for i in np.flatnonzero(each)) for each in moving)
+        return tuple(tuple(names[i] for i in np.flatnonzero(each)) for each in self.rows_inside[:, self._arm.n :])
+
+    @property
+    def rows_inside(self) -> Array:
+        """(k, 2 n): theta beside which joints may go on moving, as 0 and 1: with a sampled joint others move too."""
+        n = self._arm.n
+        rows = configurations_in(self._row, n)[0]
+        if self._method.swept:
+            rows = rows.copy()
+            for row in rows:
+                still = tuple(i for i in self._method.held if not row[n + i])
+                row[[n + i for i in self_motion(self._arm, self.target, row[:n], EXACT, still)]] = 1.0
+        return rows
 
     @property
     def complete(self) -> bool:
         """Whether these are all there are."""
         return self._complete
+
+    @property
+    def timed_out(self) -> bool:
+        """Whether the time was up before everything had been tried."""
+        return self._timed_out
 
     @property
     def method(self) -> str:
@@ -141,7 +170,8 @@ class IKSolutions:
         sampled = f", {self.hits} of {self.starts} tries met it" if self.starts else ""
         if not count and self.complete:
             return f"no configuration inside the limits{outside}: that is certain"
-        return f"{count} configuration{'s' * (count != 1)} inside the limits{outside}; {all_}{sampled}"
+        late = "; the time was up before everything had been tried" * self.timed_out
+        return f"{count} configuration{'s' * (count != 1)} inside the limits{outside}; {all_}{sampled}{late}"
 
     def __len__(self) -> int:
         return int(self._row[INSIDE])
@@ -157,10 +187,9 @@ class IKSolutions:
         return f"IKSolutions({self.arm.name}, {self._counted()}; {self.method})"
 
     def __reduce__(self) -> tuple[Any, ...]:
-        return _unpickled, (self._arm, self._row, self._method, self._complete, self._target)
+        return _unpickled, (self._arm, self._row, self._method, self._complete, self._target, self._timed_out)
 
 
-def _unpickled(arm: Arm, row: Array, method: Method, complete: bool, target: AnyTarget | None) -> IKSolutions:
+def _unpickled(arm: Arm, row: Array, *known: Any) -> IKSolutions:
     # An array is writeable again when it comes out of a pickle.
-    row.flags.writeable = False
-    return IKSolutions(arm, row, method, complete, target)
+    return IKSolutions(arm, frozen(row), *known)

@@ -168,6 +168,7 @@ def solve_ik_all_batch(
             return found.completed(one)
     asked = targets_for(arm, targets)
     request = checked(arm, theta0, None, *met, 1, 0, None, count=len(asked))
+    exact = request.tolerances
     workers = as_whole(threads, "threads", 1, MAX_THREADS)
     stands = given_joints(arm, given)
     near = np.array(request.theta0)
@@ -175,7 +176,7 @@ def solve_ik_all_batch(
     kinds = {(type(target), target.axis.tobytes() if isinstance(target, Approach) else b"") for target in asked}
     method = method_for(arm, asked[0] if asked else Pose(np.eye(4)), tuple(stands))
     if len(kinds) <= 1 and not copies and method.compiled is not None and not method.swept:
-        found = _by_core(arm, method, asked, near, (*met, workers))
+        found = _by_core(arm, method, asked, near, (exact.position, exact.orientation, workers))
         assert found is not None, "what was checked is plain"
         return found.completed(one)
     starts = np.broadcast_to(near, (len(asked), arm.n))
@@ -214,7 +215,7 @@ def _gathered(
     arm: Arm, targets: Array | tuple[AnyTarget, ...], theta0: Array, each: list[IKSolutions]
 ) -> IKSolutionsBatch:
     """Answers that were found one by one."""
-    rows = [part for found in each for part in configurations_in(found._row, arm.n)]
+    rows = [part for found in each for part in (found.rows_inside, configurations_in(found._row, arm.n)[1])]
     count = np.array([len(found) for found in each], dtype=np.int64)
     beyond = np.array([len(found.outside) for found in each], dtype=np.int64)
     all_rows = np.concatenate(rows) if rows else np.zeros((0, 2 * arm.n))

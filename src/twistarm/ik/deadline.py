@@ -4,7 +4,11 @@ from __future__ import annotations
 
 import math
 import time
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
+from typing import TypeVar
+
+T = TypeVar("T")
 
 
 @dataclass(frozen=True)
@@ -27,3 +31,10 @@ class Deadline:
     def left(self) -> float:
         """Seconds until then, none if it has come."""
         return max(0.0, self.moment - time.monotonic())
+
+    def until(self, items: Iterable[T]) -> Iterator[T]:
+        """The items, of which none follows once the moment has come."""
+        for item in items:
+            if self.passed:
+                return
+            yield item

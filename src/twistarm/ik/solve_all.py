@@ -2,23 +2,24 @@
 
 from __future__ import annotations
 
+import itertools
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
-from itertools import product
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from ..model.arm import Arm, require_arm
 from ..support.caller_words import quantity
-from ..support.checks import Array, as_flag, as_number, as_whole
+from ..support.checks import Array, as_flag, as_number, as_whole, require_callback
 from ..support.errors import InputError, NoClosedFormError, shown, unknown_name
 from .all_solutions import IKSolutions
 from .all_solutions_row import HITS, INSIDE, LEFT, TRIES, found_row, roots_in
-from .batch import solve_ik_batch
+from .batch import Progress, solve_ik_batch
 from .closed_form.methods import Method, closest_miss_of, known_method, method_for
 from .closed_form.roots import ROUNDED_LIMIT, Root, inside, roots
 from .closed_form.roots import copies as copied
+from .deadline import Deadline
 from .ranges import holding, joint_ranges, standing
 from .request import checked
 from .solve import as_given, solve_ik
@@ -51,6 +52,8 @@ def solve_ik_all(
     closed_form: bool = False,
     position_tol: float = 1e-9,
     orientation_tol: float = 1e-9,
+    max_time: float | None = None,
+    progress: Progress | None = None,
 ) -> IKSolutions:
     """Every configuration inside the limits that meets `target`, verified, nearest to `theta0` first.
 
@@ -77,9 +80,13 @@ def solve_ik_all(
         closed_form: Whether to raise NoClosedFormError rather than to search.
         position_tol: Greatest position error of an answer [m].
         orientation_tol: Greatest rotation error of an answer [rad].
+        max_time: Greatest time [s], of which a microsecond's closed form takes no notice; None for no limit.
+        progress: Called with how many of the values of sampled joints and of the searches are done, and of how many,
+            or None.
 
     Returns:
-        The `IKSolutions`: theta (k, n), k ≥ 0, and whether these are all.
+        The `IKSolutions`: theta (k, n), k ≥ 0, and whether these are all. Where the time was up before, what was found,
+        `complete` False and `timed_out` True.
 
     Raises:
         InputError: The target, theta0, a given value or a number cannot be used.
@@ -87,12 +94,14 @@ def solve_ik_all(
         NoClosedFormError: `closed_form` is set and the arm has none for such a target; the message says why.
     """
     # What is plainly right goes straight to the core; checking it here would cost more than solving it.
-    if given is None and samples is DEFAULT_SAMPLES and copies is False and type(closed_form) is bool:
+    usual = given is None and samples is DEFAULT_SAMPLES and copies is False and max_time is None and progress is None
+    if usual and type(closed_form) is bool:
         answer = _at_once(require_arm(arm), target, theta0, position_tol, orientation_tol)
         if answer is not None:
             return answer
     asked = checked_target(require_arm(arm), target)
-    request = checked(arm, theta0, None, position_tol, orientation_tol, 1, 0, None)
+    request = checked(arm, theta0, None, position_tol, orientation_tol, 1, 0, max_time)
+    require_callback(progress, "progress", "(done, count)")
     as_flag(copies, "copies")
     as_flag(closed_form, "closed_form")
     count = as_whole(samples, "samples", 1, 1000)
@@ -102,24 +111,32 @@ def solve_ik_all(
         raise NoClosedFormError(_none(arm, asked, method))
     near = np.array(request.theta0)
     near[list(stands)] = list(stands.values())
-    task = _Task(arm, asked, near, request.tolerances, method.given)
+    deadline = Deadline.after(request.max_time)
+    task = _Task(arm, asked, near, request.tolerances, method.given, deadline, progress)
     values = task.held_values(method, count)
     row = None if method.compiled is None else task.compiled(method, values)
     if row is not None and not copies and not row[LEFT] and (row[INSIDE] or not method.swept):
         return IKSolutions(arm, row, method, task.complete(method), asked)
     found, starts, hits = task.solved(method, values) if row is None else task.read(row)
-    if method.there and method.swept and all(task.inside(root) is None for root in found):
-        members, tried, met = task.solved(method, task.values_met(method))
+    if method.there and method.swept and all(task.inside(root) is None for root in found) and not deadline.passed:
+        members, tried, met = replace(task, progress=None).solved(method, task.values_met(method))
         found, starts, hits = found + members, starts + tried, hits + met
     missed = False
-    if not method.there or ((not method.exact or method.rooted is not None) and not method.swept):
-        more = BESIDE if method.there else STARTS
-        beside, met = task.searched(more, found)
+    more = _searches(method)
+    if more:
+        beside, run, met = task.searched(more, found, int(method.there))
         missed = bool(beside)
         if missed or not method.exact:
-            found, starts, hits = found + beside, starts + more, hits + met
+            found, starts, hits = found + beside, starts + run, hits + met
     found, all_seen = task.brought_inside(found, method)
     return task.told(method, found, copies, (starts, hits), all_seen and not missed)
+
+
+def _searches(method: Method) -> int:
+    """How many searches are made beside the method, or for want of one."""
+    if not method.there:
+        return STARTS
+    return BESIDE if not method.swept and (method.rooted is not None or not method.exact) else 0
 
 
 def _at_once(
@@ -138,13 +155,18 @@ def _at_once(
 
 @dataclass(frozen=True, eq=False)
 class _Task:
-    """What is asked: a target, near which configuration, how exactly, and which joints are given."""
+    """What is asked: a target, near which configuration, how exactly, which joints are given, and until when.
+
+    `progress` is told how many values and searches are done, and of how many.
+    """
 
     arm: Arm
     target: AnyTarget
     near: Array
     tolerances: Tolerances
     given: tuple[int, ...]
+    deadline: Deadline
+    progress: Progress | None
 
     def compiled(self, method: Method, values: Array) -> Array:
         """What the core has found with the held joints at each of the values (k, h)."""
@@ -165,23 +187,34 @@ class _Task:
     def solved(self, method: Method, values: Array) -> tuple[list[Root], int, int]:
         """Roots with the held joints at each of the values (k, h); how many values, and how many had roots."""
         found: list[Root] = []
-        hits = 0
-        for each in values if method.there else ():
-            candidates = method.candidates(self.arm, self.target, self.near, each)
-            new = roots(self.arm, self.target, candidates, self.tolerances, method.held)
+        tries = hits = 0
+        for each in self.deadline.until(values if method.there else ()):
+            new: list[Root] = []
+            for candidates in self.deadline.until(method.candidates(self.arm, self.target, self.near, each)):
+                more = roots(self.arm, self.target, self.deadline.until(candidates), self.tolerances, method.held, new)
+                # Members of a continuous family that stand at the value at hand stand for the others.
+                families = {root.free for root in new if root.free}
+                new += [root for root in more if root.free not in families]
             held = {*method.idle, *method.swept}
             found += [replace(root, free=tuple(sorted({*root.free, *held}))) for root in new]
             hits += bool(new)
-        return (found, len(values), hits) if method.swept else (found, 0, 0)
+            tries += 1
+            self.told_of(tries, len(values) + _searches(method))
+        return (found, tries, hits) if method.swept else (found, 0, 0)
 
     def values_met(self, method: Method) -> Array:
         """Values (k, h) of the joints held, k ≤ 1, in a configuration that a search has found: samples may miss all."""
-        met = self.tolerances
-        solution = solve_ik(
-            holding(self.arm, self.given, self.near), self.target, self.near,
-            position_tol=met.position, orientation_tol=met.orientation,
-        )  # fmt: skip
-        return solution.theta[None, list(method.held)] if solution.converged else np.zeros((0, len(method.held)))
+        arm, met = holding(self.arm, self.given, self.near), self.tolerances
+        left = None if np.isinf(self.deadline.moment) else max(self.deadline.left, 1e-6)
+        found = solve_ik(
+            arm, self.target, self.near, position_tol=met.position, orientation_tol=met.orientation, max_time=left
+        )
+        return found.theta[None, list(method.held)][: int(found.converged)]
+
+    def told_of(self, done: int, count: int) -> None:
+        """Whoever asked hears how far it is."""
+        if self.progress is not None:
+            self.progress(done, count)
 
     def held_values(self, method: Method, count: int) -> Array:
         """Values (k, h) of the joints held: those given, theta0's of idle ones, and a grid of the others."""
@@ -190,7 +223,7 @@ class _Task:
         grid = {i: self._with_near(i, self._spread(i, count)) for i in method.swept}
         stand = np.clip(self.near, self.arm.limits.lower, self.arm.limits.upper)
         choices = [grid.get(i, np.array([stand[i]])) for i in method.held]
-        combinations = list(product(*choices))
+        combinations = list(itertools.product(*choices))
         return np.array(combinations).reshape(len(combinations), len(method.held))
 
     def _spread(self, joint: int, count: int) -> Array:
@@ -210,18 +243,27 @@ class _Task:
             apart = (apart + np.pi) % (2.0 * np.pi) - np.pi
         return np.append(self.near[joint], values[np.abs(apart) > ROUNDED_LIMIT])
 
-    def searched(self, count: int, known: list[Root]) -> tuple[list[Root], int]:
-        """Roots from many starts that are not known yet, and how many searches met the target."""
-        starts = np.vstack([self.near, self.arm.random_theta(0, count - 1)])
-        return self.from_starts(starts, known)
+    def searched(self, count: int, known: list[Root], before: int) -> tuple[list[Root], int, int]:
+        """Roots from many starts that are not known yet, how many searches were run, and how many met the target.
 
-    def from_starts(self, starts: Array, known: list[Root]) -> tuple[list[Root], int]:
-        """Roots from these starts (k, n) that are not known yet, and how many searches met the target."""
-        held = holding(self.arm, self.given, self.near)
-        batch = solve_ik_batch(held, [self.target] * len(starts), starts, restarts=1)
+        `before`: how many values of `progress` are done.
+        """
+        starts = np.vstack([self.near, self.arm.random_theta(0, count - 1)])
+        return self.from_starts(starts, known, lambda done, _: self.told_of(before + done, before + count))
+
+    def from_starts(
+        self, starts: Array, known: list[Root], progress: Progress | None = None
+    ) -> tuple[list[Root], int, int]:
+        """The same from these starts (k, n)."""
+        if self.deadline.passed:
+            return [], 0, 0
+        left = None if np.isinf(self.deadline.moment) else max(self.deadline.left, 1e-6)
+        targets = [self.target] * len(starts)
+        arm = holding(self.arm, self.given, self.near)
+        batch = solve_ik_batch(arm, targets, starts, restarts=1, max_time=left, progress=progress)
         met = batch.theta[batch.converged]
-        everything = roots(self.arm, self.target, [*(root.theta for root in known), *met], self.tolerances, self.given)
-        return everything[len(known) :], len(met)
+        new = roots(self.arm, self.target, self.deadline.until(met), self.tolerances, self.given, known)
+        return new, int((batch.restarts > 0).sum()), len(met)
 
     def brought_inside(self, found: list[Root], method: Method) -> tuple[list[Root], bool]:
         """The roots, and of each family that was met outside the limits alone the member inside that is nearest to it.
@@ -268,7 +310,8 @@ class _Task:
             within = [np.append(theta, row[arm.n :]) for row in within for theta in copied(arm, row[: arm.n])]
         within.sort(key=lambda row: distance(arm, row[: arm.n], self.near))
         row = found_row(self.target, self.near, np.array(within), np.array(outside), tries)
-        return IKSolutions(arm, row, method, all_seen and self.complete(method), self.target)
+        late = self.deadline.passed
+        return IKSolutions(arm, row, method, all_seen and not late and self.complete(method), self.target, late)
 
 
 def distance(arm: Arm, theta: Array, near: Array) -> float:

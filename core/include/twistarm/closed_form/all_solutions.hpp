@@ -84,13 +84,16 @@ template <class T, int N> void put(configurations<T, N>& all, const configuratio
     all.found[at] = one;
 }
 
-/// The different answers among the candidates, in the order of these.
+/// How many answers there are with the different ones among the candidates behind the first `count`.
+///
+/// Members of a continuous family are added only where none of the first moves the same joints: those at the value at hand
+/// stand for the others.
 template <class Judge, class T, int N>
 int verify(const Judge& judged, const solved_arm<T, N>& solved, const ranges<T, N>& range, int n, const T* held_values,
-           const candidate_list<T>& candidates, T (*answers)[capacity(N)], std::uint32_t* moving) {
+           const candidate_list<T>& candidates, T (*answers)[capacity(N)], std::uint32_t* moving, int count) {
     constexpr int lanes = lanes_at_once<T>;
     using V = pack<T, lanes>;
-    int count = 0;
+    const int before = count;
     for (int first = 0; first < candidates.count; first += lanes) {
         V theta[capacity(N)];
         for (int h = 0; h < solved.held_count; ++h) theta[solved.held[h]] = V(held_values[h]);
@@ -119,7 +122,9 @@ int verify(const Judge& judged, const solved_arm<T, N>& solved, const ranges<T, 
             bool known = false;
             for (int other = 0; other < count && !known; ++other) known = judged.same(range, answer, answers[other]);
             if (known) continue;
-            moving[count++] = regular ? 0 : judged.self_motion(answer);
+            const std::uint32_t family = regular ? 0 : judged.self_motion(answer);
+            for (int other = 0; other < before && family != 0 && !known; ++other) known = moving[other] == family;
+            if (!known) moving[count++] = family;
         }
     }
     return count;
@@ -139,19 +144,23 @@ void find_all(const chain<T, N, M>& arm, const solved_arm<T, N>& solved, const r
     all.count = all.inside = 0;
     with_kind(asked, [&](auto kind) {
         if constexpr (kind() != target_kind::task) {
-            closed_form::candidate_list<T> candidates;
-            closed_form::find_candidates(solved, asked, near, held_values, closed_form::default_slack<T>, candidates);
-            if (candidates.count == 0) return;
             const closed_form::judge<kind(), T, N, M> judged(arm, solved, asked, position_tolerance, orientation_tolerance);
             const int n = arm.coordinates();
             T answers[most_configurations][capacity(N)];
-            std::uint32_t free[most_configurations];
-            const int count = closed_form::verify(judged, solved, range, n, held_values, candidates, answers, free);
+            std::uint32_t moving[most_configurations];
+            int count = 0;
+            unsigned open = 0;
+            for (int nth = 0; nth == 0 || (open != 0 && nth < closed_form::values_tried); ++nth) {
+                closed_form::candidate_list<T> candidates;
+                closed_form::find_candidates(solved, asked, near, held_values, closed_form::default_slack<T>, open, nth,
+                                             candidates);
+                count = closed_form::verify(judged, solved, range, n, held_values, candidates, answers, moving, count);
+            }
             for (int i = 0; i < count; ++i) {
                 configuration<T, N> one;
                 for (int k = 0; k < n; ++k) one.theta[k] = answers[i][k];
-                one.free = free[i] | solved.idle;
-                one.family = free[i] != 0;
+                one.free = moving[i] | solved.idle;
+                one.family = moving[i] != 0;
                 one.inside = closed_form::bring_within(judged, range, n, near, one.theta);
                 one.distance = closed_form::distance(arm, range, one.theta, near);
                 closed_form::put(all, one);

@@ -25,11 +25,11 @@ template <class T> struct fitted_family {
 namespace closed_form {
 
 /// A candidate that misses by less [m, or a rotation's numbers] is an answer but for rounding.
-template <class T> constexpr T nearly_met = is_double<T> ? T(1e-6) : T(1e-3);
+template <class T> constexpr T rounded = is_double<T> ? T(1e-12) : T(1e-5);
 
-/// How far apart [rad, m], and how often, joints are tried of which any value would do, where that at hand has no answer.
-constexpr double elsewhere_step = 0.9;
-constexpr int elsewhere = 6;
+/// Where nothing with the value at hand is an answer, a joint of which any would do is tried at so many values, evenly
+/// about a turn or a length of 2π m, the nearest to it first.
+constexpr int values_tried = 16;
 
 /// Values in the order of the family's axes.
 template <class T> struct candidate {
@@ -54,13 +54,13 @@ template <class T> bool is_met(const fitted_family<T>& family, const candidate<T
     for (int k = 0; k < 3; ++k)
         off = greatest(off, greatest(greatest(absolute(g.x[k] - G.x[k]), absolute(g.y[k] - G.y[k])),
                                      greatest(absolute(g.z[k] - G.z[k]), absolute(g.p[k] - G.p[k]))));
-    return off <= nearly_met<T>;
+    return off <= rounded<T>;
 }
 
 /// Of joints that turn, at most three in different directions, and at most three that slide, in whatever order, the rotation
 /// gives the former.
 template <class T>
-void find_decoupled(const fitted_family<T>& family, const frame<T>& G, const joint_value<T>* near, T slack, bool free,
+void find_decoupled(const fitted_family<T>& family, const frame<T>& G, const joint_value<T>* near, T slack, bool free_ones,
                     candidate_list<T>& found) {
     joint_axis<T> axes[3];
     joint_value<T> wanted[3];
@@ -78,15 +78,15 @@ void find_decoupled(const fitted_family<T>& family, const frame<T>& G, const joi
         for (int i = 0; i < family.count; ++i) one.x[i] = slid(T(0));
         for (int i = 0; i < count; ++i) one.x[turning[i]] = each.x[i];
         set_slides(family.axes, family.count, G, one.x);
-        if (!free || one.free(family.count) != 0) found.add(one);
+        if (!free_ones || one.free(family.count) != 0) found.add(one);
     }
 }
 
-/// The candidates where what is free stands at `near`, but those without anything free where only `free` ones are wanted.
+/// The candidates where what is free stands at `near`; where `free_ones` alone are wanted, not those without anything free.
 template <class T>
-void find_with(const fitted_family<T>& family, const frame<T>& G, const joint_value<T>* near, T slack, bool free,
+void find_with(const fitted_family<T>& family, const frame<T>& G, const joint_value<T>* near, T slack, bool free_ones,
                candidate_list<T>& found) {
-    if (family.keeps == keeps::nothing) return find_decoupled(family, G, near, slack, free, found);
+    if (family.keeps == keeps::nothing) return find_decoupled(family, G, near, slack, free_ones, found);
     const int before = family.first, behind = family.count - family.last;
     joint_axis<T> chain[3];
     joint_value<T> wanted[3];
@@ -112,7 +112,7 @@ void find_with(const fitted_family<T>& family, const frame<T>& G, const joint_va
             for (int i = 0; i < before; ++i) each.x[i] = beside.x[behind + i];
             for (int i = 0; i < inner.count; ++i) each.x[before + i] = inside.x[i];
             for (int i = 0; i < behind; ++i) each.x[family.last + i] = beside.x[i];
-            if (!free || each.free(family.count) != 0) found.add(each);
+            if (!free_ones || each.free(family.count) != 0) found.add(each);
         }
     }
 }
@@ -120,26 +120,27 @@ void find_with(const fitted_family<T>& family, const frame<T>& G, const joint_va
 
 /// Every x with E₁(x₁) ⋯ Eₖ(xₖ) = G, and some that only nearly do, or not: forward kinematics decides.
 ///
-/// Where any value of a joint would do it has that of `near`, in the family's order; where there is nothing with that, some
-/// elsewhere.
+/// Where any value of a joint would do it has that of `near`, in the family's order. Returns, as bits, the joints that
+/// are free in a candidate that is no answer with that value, but may be one with another.
 template <class T>
-void find_candidates(const fitted_family<T>& family, const frame<T>& G, const joint_value<T>* near, T slack,
-                     candidate_list<T>& found) {
+unsigned find_candidates(const fitted_family<T>& family, const frame<T>& G, const joint_value<T>* near, T slack,
+                         candidate_list<T>& found) {
     detail::find_with(family, G, near, slack, false, found);
-    unsigned free = 0;
-    bool met = false;
+    unsigned open = 0;
     for (const candidate<T>& each : found)
-        if (const unsigned joints = each.free(family.count); joints != 0) {
-            free |= joints;
-            met = met || detail::is_met(family, each, G);
-        }
+        if (const unsigned joints = each.free(family.count); joints != 0 && !detail::is_met(family, each, G)) open |= joints;
+    return open;
+}
+
+/// Those of them that have something free, where the `open` joints stand at the nth value of those that are tried.
+template <class T>
+void find_elsewhere(const fitted_family<T>& family, const frame<T>& G, const joint_value<T>* near, T slack, unsigned open,
+                    int nth, candidate_list<T>& found) {
+    const T away = T(whole_turn / values_tried * ((nth + 1) / 2) * (nth % 2 == 0 ? -1 : 1));
     joint_value<T> tried[most_unknowns];
-    for (int step = 1; step <= elsewhere && free != 0 && !met; ++step) {
-        const T away = T(elsewhere_step * step);
-        for (int i = 0; i < family.count; ++i)
-            tried[i] = (free >> i & 1U) == 0 ? near[i] : near[i] + value_of(family.axes[i], away);
-        detail::find_with(family, G, tried, slack, true, found);
-    }
+    for (int i = 0; i < family.count; ++i)
+        tried[i] = (open >> i & 1U) == 0 ? near[i] : near[i] + value_of(family.axes[i], away);
+    detail::find_with(family, G, tried, slack, true, found);
 }
 
 }  // namespace closed_form

@@ -13,8 +13,9 @@ TWISTARM_BEGIN
 
 namespace closed_form {
 
-/// What lies nearer to an axis than this [m], or points along it to so much, is not moved by a turn about it.
-template <class T> constexpr T on_axis = is_double<T> ? T(1e-12) : T(1e-6);
+/// What lies nearer to an axis than this [m], or points along it to so much, is hardly moved by a turn about it, and where a
+/// double root, which has half the digits, brought it there, by which is not known: any will do to begin with.
+template <class T> constexpr T on_axis = is_double<T> ? T(1e-7) : T(1e-4);
 
 /// Values of up to three joints.
 template <class T> struct placed {

@@ -55,10 +55,11 @@ template <class T> frame<T> any_pose(const target<T>& asked) {
     return g;
 }
 
-/// All candidates for θ (n,) by the values of the family's axes; what is free stands as in `near` (n,).
+/// Candidates for θ (n,) by the values of the family's axes; what is free stands as in `near` (n,), or, where `nth` is not 0,
+/// those of them whose `open` joints stand at the nth other value.
 template <class T, int N>
 void find_candidates(const solved_arm<T, N>& arm, const target<T>& asked, const T* near, const T* held_values, T slack,
-                     candidate_list<T>& found) {
+                     unsigned& open, int nth, candidate_list<T>& found) {
     fitted_family<T> family;
     frame<T> behind;
     hold(arm, held_values, family, behind);
@@ -68,7 +69,8 @@ void find_candidates(const solved_arm<T, N>& arm, const target<T>& asked, const 
         wanted[i] = value_of(family.axes[i], k < 0 ? T(0) : near[k] * arm.rate[k]);
     }
     const frame<T> G = product(product(any_pose(asked), inverse(arm.home)), behind);
-    find_candidates(family, G, wanted, slack, found);
+    if (nth == 0) open = find_candidates(family, G, wanted, slack, found);
+    else find_elsewhere(family, G, wanted, slack, open, nth, found);
 }
 
 }  // namespace closed_form

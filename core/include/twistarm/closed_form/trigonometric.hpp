@@ -22,6 +22,9 @@ template <class T> constexpr T level = is_double<T> ? T(1e-7) : T(1e-4);
 /// The slack with which whatever misses has the root that comes nearest.
 template <class T> constexpr T nearest = T(is_double<T> ? 1e100 : 1e30F);
 
+/// A discriminant below this part of its size is rounding, and two roots are one.
+template <class T> constexpr T double_root = is_double<T> ? T(1e-13) : T(1e-6);
+
 /// Real roots; `any`: every value is one.
 template <class T, int Most> struct roots : few<joint_value<T>, Most> {
     bool any = false;
@@ -43,7 +46,8 @@ template <class T> roots<T, 2> harmonic(T a, T b, T c, T scale, T slack) {
         return found;
     }
     if (absolute(c) > amplitude * (T(1) + slack) + nothing<T> * scale) return found;
-    const T opening = sqrt(greatest((amplitude - c) * (amplitude + c), T(0)));
+    const T square = (amplitude - c) * (amplitude + c);
+    const T opening = square > double_root<T> * amplitude * amplitude ? sqrt(square) : T(0);
     found.add(turned(a * c - b * opening, b * c + a * opening));
     if (opening > T(0)) found.add(turned(a * c + b * opening, b * c - a * opening));
     return found;
@@ -56,9 +60,10 @@ template <class T> roots<T, 2> quadratic(T f, T b, T c, T slack) {
         if (b != T(0)) found.add(slid(-c / b));
         return found;
     }
-    const T discriminant = b * b - T(4) * f * c;
-    if (discriminant < -slack * (b * b + absolute(T(4) * f * c))) return found;
-    const T root = sqrt(greatest(discriminant, T(0))), q = T(-0.5) * (b + (b < T(0) ? -root : root));
+    const T discriminant = b * b - T(4) * f * c, size = b * b + absolute(T(4) * f * c);
+    if (discriminant < -slack * size) return found;
+    const T root = discriminant > double_root<T> * size ? sqrt(discriminant) : T(0);
+    const T q = T(-0.5) * (b + (b < T(0) ? -root : root));
     if (q == T(0)) {
         found.add(slid(T(0)));
         return found;

@@ -15,7 +15,7 @@ namespace closed_form {
 
 /// Ratio of a matrix's singular values above which its two rows are two conditions; below the second they are one.
 template <class T> constexpr T clearly_two = is_double<T> ? T(1e-6) : T(1e-3);
-template <class T> constexpr T barely_two = is_double<T> ? T(1e-9) : T(1e-5);
+template <class T> constexpr T barely_two = is_double<T> ? T(1e-12) : T(1e-6);
 
 /// Below this a matrix is of rank 1 but for rounding.
 template <class T> constexpr T only_one = is_double<T> ? T(1e-12) : T(1e-6);

@@ -43,7 +43,10 @@ OrientationTolerance = Annotated[
         help="How far the tool may be turned off [°, or rad with --rad]; 1e-6 rad, with --all 1e-9 rad.",
     ),
 ]
-MaxTime = Annotated[float | None, typer.Option("--max-time", metavar="S", help="Give up after so many seconds.")]
+MaxTime = Annotated[
+    float | None,
+    typer.Option("--max-time", metavar="S", help="Give up after so many seconds; with --all what is found by then."),
+]
 All = Annotated[
     bool, typer.Option("--all", help="Every configuration that meets the target, the one nearest to --start first.")
 ]
@@ -92,7 +95,7 @@ def ik(
     _require_fitting(
         all_,
         {"--given": given, "--copies": copies},
-        {"--posture": posture, "--max-time": max_time, "--targets": targets},
+        {"--posture": posture, "--targets": targets},
     )
     outputs = outputs_of(output, {"csv": (".csv",)}, force=force, json=json)
     orientation = typed_orientation(rpy, quaternion, quaternion_xyzw, direction, axis, rad)
@@ -100,7 +103,16 @@ def ik(
     if all_:
         stands = None if given is None else parse_joints(arm, given, "--given", rad)
         target = orientation.at(parse_numbers(str(xyz), 3, "--xyz"))
-        solutions = solve_ik_all(arm, target, **how, given=stands, copies=copies)
+        with progress_bar("ik") as progress:
+            solutions = solve_ik_all(
+                arm,
+                target,
+                **how,
+                given=stands,
+                copies=copies,
+                max_time=max_time,
+                progress=lambda done, count: progress(done / count),
+            )
         return tell_all(solutions, outputs, radians=rad, json=json)
     how["posture"] = posture if posture in (None, *POSTURES) else parse_theta(arm, str(posture), rad)
     how["max_time"] = max_time

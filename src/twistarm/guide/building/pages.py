@@ -14,7 +14,7 @@ import twistarm
 from ...model.arm import Arm
 from ..course import LESSONS, PARTS, SECTIONS, lessons
 from ..teaching.html import html_of
-from ..teaching.markup import block
+from ..teaching.markup import block, inline
 
 POLICY = (
     "default-src 'none'; script-src 'nonce-{nonce}'; style-src-elem 'nonce-{nonce}'; style-src-attr 'unsafe-inline'; "
@@ -40,7 +40,7 @@ def site_text(name: str) -> str:
 
 def lesson_page(name: str, outcome: Mapping[str, Any], titles: Titles, arm: Arm) -> str:
     """A lesson as a page."""
-    items = "".join(f'<li><a href="#{anchor}">{escape(title)}</a></li>' for anchor, title in outcome["sections"])
+    items = "".join(f'<li><a href="#{anchor}">{inline(title)}</a></li>' for anchor, title in outcome["sections"])
     file = f'<p><a href="{name}.py" download>This lesson as a program</a></p>'
     contents = f'<nav class="contents" aria-label="In this lesson"><ol>{items}</ol>{file}</nav>'
     return _page(

@@ -62,7 +62,10 @@ guide.say(
 )
 guide.table(
     ["", "$q_0$", "$q_1$", "$q_2$", "$q_3$"],
-    [["scalar first, `wxyz`", *Q], ["half the angle, and the axis", np.cos(angle / 2), *(axis * np.sin(angle / 2))]],
+    [
+        ["scalar first, `wxyz`", *Q],
+        ["half the angle, and the axis", np.cos(angle / 2), *(axis * np.sin(angle / 2))],
+    ],
     "Two ways to the same four numbers.",
 )
 
@@ -233,7 +236,10 @@ assert np.abs(np.diff(mended, axis=0)).max() < 0.02 < 0.5 < np.abs(np.diff(logge
 assert np.allclose(rotations.from_quaternion_wxyz(mended), turned)
 
 fig, (left, right_ax) = guide.axes2(2, width=6.6, height=3.0, xlabel="tool turned [°]")
-for ax, curves, title in ((left, logged, "as logged"), (right_ax, mended, "each sign as its neighbour's")):
+for ax, curves, title in (
+    (left, logged, "as logged"),
+    (right_ax, mended, "each sign as its neighbour's"),
+):
     ax.plot(np.degrees(steps), curves, label=["$q_0$", "$q_1$", "$q_2$", "$q_3$"])
     ax.set(title=title, xticks=range(0, 361, 90), ylim=(-1.1, 1.1))
 fig.legend(*left.get_legend_handles_labels(), loc="outside lower center", ncols=4)
@@ -300,7 +306,10 @@ guide.say(
 
 # %%
 turns = {name: rotations.exp(unit, np.radians(60)) for name, unit in zip("xyz", np.eye(3), strict=True)}
-apart = {name: np.degrees(rotations.angle_between(turn @ there, there @ turn)) for name, turn in turns.items()}
+apart = {
+    name: np.degrees(rotations.angle_between(turn @ there, there @ turn))
+    for name, turn in turns.items()
+}
 worst = max(apart, key=apart.get)
 guide.say(
     f"At the second orientation above, a turn by 60° about the base's ${worst}$ axis and one about the tool's "

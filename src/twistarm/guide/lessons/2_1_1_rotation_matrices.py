@@ -139,7 +139,9 @@ for order, where in orders.items():
     angles = rotations.to_euler(order, R)
     assert np.allclose(rotations.from_euler(order, angles), R)
     rows.append([order, where, *(f"{angle:.2f}°".replace("-", "−") for angle in np.degrees(angles))])
-guide.table(["order", "used", "first", "second", "third"], rows, f"One orientation of `{arm.name}`, told twice.")
+guide.table(
+    ["order", "used", "first", "second", "third"], rows, f"One orientation of `{arm.name}`, told twice."
+)
 
 # %% [markdown]
 # ## Where they fail
@@ -177,7 +179,9 @@ beta = np.radians(np.linspace(1, 179, 179))
 B = rotations.euler_rate_map("ZYZ", np.stack([0 * beta, beta, 0 * beta], axis=-1))
 condition = np.linalg.cond(B)
 c = np.abs(np.cos(beta))
-assert np.allclose(condition, np.sqrt((1 + c) / (1 - c))), "two unit axes at the angle β, and one square to both"
+assert np.allclose(condition, np.sqrt((1 + c) / (1 - c))), (
+    "two unit axes at the angle β, and one square to both"
+)
 guide.predict(
     r"At $\beta = 90°$ the three axes stand square: condition 1. What is it at $\beta = 1°$?",
     rf"{condition[0]:.0f}. To turn the tool by one degree in the worst direction, $\alpha$ and $\gamma$ must change by "

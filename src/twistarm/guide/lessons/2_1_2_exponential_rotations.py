@@ -75,8 +75,12 @@ assert off_orthogonal(mirror) == 0
 guide.table(
     ["matrix", "largest entry of $M^\\top M - I$", "$\\det M$"],
     [
-        [name, float(off_orthogonal(M)), np.linalg.det(M)]
-        for name, M in (("$R$ of the tool", R), ("a mirror", mirror), ("one entry of $R$ changed", skewed))
+        [name, f"${guide.rough(off_orthogonal(M))}$", np.linalg.det(M)]
+        for name, M in (
+            ("$R$ of the tool", R),
+            ("a mirror", mirror),
+            ("one entry of $R$ changed", skewed),
+        )
     ],
     "Only the first is a rotation. The mirror makes a right hand a left one, and no arm does that.",
 )
@@ -131,7 +135,7 @@ guide.predict(
 omega = np.array([1.0, 0.5, 2.0]) / np.linalg.norm([1.0, 0.5, 2.0])
 q0 = np.array([0.8, -0.3, 0.4])
 times = np.linspace(0, 1.5 * np.pi, 100)
-orbit = np.array([expm(rotations.skew(omega) * t) @ q0 for t in times])  # SciPy's exponential of any matrix
+orbit = np.array([expm(rotations.skew(omega) * t) @ q0 for t in times])  # SciPy's, of any matrix
 
 assert np.allclose(rotations.skew(omega) @ q0, np.cross(omega, q0))
 assert np.allclose(orbit, rotations.exp(omega, times) @ q0)
@@ -146,7 +150,7 @@ for k, name in ((0, "$q(0)$"), (50, "$q(t)$")):
     guide.plot_vector(ax, [0, 0, 0], orbit[k], "", guide.INK)
     ax.text(*(0.6 * orbit[k] + [0.12, 0, -0.1]), name, ha="center", va="center")
     guide.plot_vector(ax, orbit[k], 0.6 * np.cross(omega, orbit[k]), r"$\omega\times q$", guide.ORANGE)
-guide.fit(ax, [[-0.45, -0.5, 0.0], [0.65, 0.6, 0.9]])
+guide.fit(ax, [*orbit, [0, 0, 0], omega])
 guide.figure(
     fig,
     "A point on a circle around an axis omega, at two instants. An arrow along the circle is its velocity, omega cross "
@@ -208,7 +212,7 @@ guide.predict(
 fig, ax = guide.axes2(xlabel="terms of the series", ylabel="largest error of an entry")
 for a in angles:
     ax.semilogy(counts, np.maximum(errors[a], 1e-17), label=f"{a:g} rad")
-ax.legend(frameon=False)
+ax.legend()
 guide.figure(
     fig,
     "The error of the series against the number of its terms, on a logarithmic scale. For half a radian it falls at "
@@ -248,7 +252,9 @@ guide.say(
 # shafts of your arm, as they stand now, it gives the rotation that each joint would add.
 
 # %%
-turning = guide.arm_with("a joint that turns", lambda a: bool(np.any(np.linalg.norm(a.screws[3:], axis=0) > 0.5)))
+turning = guide.arm_with(
+    "a joint that turns", lambda a: bool(np.any(np.linalg.norm(a.screws[3:], axis=0) > 0.5))
+)
 pose = turning.ready
 shafts = turning.spatial_jacobian(pose)[3:]
 rows, before, step = [], turning.fk(pose)[:3, :3], np.radians(40)
@@ -258,7 +264,9 @@ for name, shaft, unit in zip(turning.joint_names, shafts.T, np.eye(turning.n), s
     after = turning.fk(pose + step * unit)[:3, :3]
     assert np.allclose(rodrigues(shaft, step) @ before, after)
     assert np.allclose(rotations.skew(shaft) @ shaft, 0)
-    rows.append([f"`{name}`", *shaft, f"{np.abs(rodrigues(shaft, step) @ before - after).max():.0e}"])
+    rows.append(
+        [f"`{name}`", *shaft, f"${guide.rough(np.abs(rodrigues(shaft, step) @ before - after).max())}$"]
+    )
 guide.table(
     ["joint", "$\\omega_x$", "$\\omega_y$", "$\\omega_z$", "off from forward kinematics"],
     rows,
@@ -289,7 +297,9 @@ turn = np.linalg.norm(w)
 assert np.allclose(rotations.exp(w) @ start, end)
 assert np.isclose(turn, np.linalg.norm(Rotation.from_matrix(change).as_rotvec()))
 if 0.01 < turn < np.pi - 0.01:  # where the formula above may be used
-    vee = np.array([change[2, 1] - change[1, 2], change[0, 2] - change[2, 0], change[1, 0] - change[0, 1]])
+    vee = np.array(
+        [change[2, 1] - change[1, 2], change[0, 2] - change[2, 0], change[1, 0] - change[0, 1]]
+    )
     assert np.allclose(vee / (2 * np.sin(turn)) * np.arccos((np.trace(change) - 1) / 2), w)
 
 halfway = rotations.exp(w / 2) @ start
@@ -329,7 +339,7 @@ assert np.abs(by_log / sizes - 1).max() < 1e-6
 fig, ax = guide.axes2(xlabel="true angle [rad]", ylabel="relative error of the angle")
 ax.loglog(sizes, np.maximum(abs(by_cosine / sizes - 1), 1e-17), label="arc cosine of the trace")
 ax.loglog(sizes, np.maximum(abs(by_log / sizes - 1), 1e-17), label="twistarm's logarithm")
-ax.legend(frameon=False)
+ax.legend()
 guide.figure(
     fig,
     "The relative error of two ways to find a small angle. By the arc cosine of the trace all digits are lost below "
@@ -372,7 +382,9 @@ guide.table(
 # **Degrees.** `exp(axis, 90)` turns by 90 radians. The result is a rotation, so no check complains.
 
 # %%
-lost = rotations.angle_between(rotations.exp([0, 0, 1], 90.0), rotations.exp([0, 0, 1], np.radians(90.0)))
+lost = rotations.angle_between(
+    rotations.exp([0, 0, 1], 90.0), rotations.exp([0, 0, 1], np.radians(90.0))
+)
 guide.say(f"90 radians in place of 90° leave the tool {np.degrees(lost):.0f}° off.")
 
 # %% [markdown]

@@ -133,7 +133,7 @@ moving = [links[name].child for name in arm.moving_names if name in links]
 camera = moving[(len(moving) - 1) // 2] if moving else arm.base
 g_scam = arm.pose(theta, camera)
 tip = (g_st @ point)[:3]
-lies = tip + 0.3 * arm.reach * np.array([0.6, -0.8, 0.0])
+lies = tip + 0.4 * arm.reach * np.array([0.64, 0.48, -0.6])
 seen = np.round(screws.inverse(g_scam) @ [*lies, 1], 3)  # what the camera says, to the millimetre
 
 rock_s = g_scam @ seen
@@ -154,9 +154,12 @@ guide.table(
 
 # %% tags=["hidden"]
 fig, ax = guide.axes3(width=5.2, height=4.6)
-guide.plot_arm(ax, arm, theta, alpha=0.6)
-guide.plot_frame(ax, np.eye(4), "s", 0.18 * arm.reach)
-guide.plot_frame(ax, g_scam, "c", 0.16 * arm.reach)
+guide.plot_arm(ax, arm, theta, alpha=0.5, tool=False)
+for g, name in ((np.eye(4), "s"), (g_scam, "c"), (g_st, "t")):
+    guide.plot_frame(ax, g, None, 0.2 * arm.reach)
+    ax.text(
+        *(g[:3, 3] - 0.06 * arm.reach * g[:3, :3].sum(axis=1)), f"${name}$", ha="center", va="center"
+    )
 guide.plot_vector(ax, g_scam[:3, 3], (rock_s[:3] - g_scam[:3, 3]), "", guide.PINK)
 guide.plot_vector(ax, tip, rock_s[:3] - tip, "", guide.AMBER)
 guide.plot_point(ax, rock_s[:3], "rock", guide.INK)
@@ -165,12 +168,14 @@ guide.figure(
     fig,
     f"{arm.name} with the frames of its base, of a camera on one of its links and of its tool. One arrow goes from the "
     "camera to a rock, another from the tip of the tool to the same rock.",
-    "The camera's arrow is what is known, the tip's arrow is what is asked for.",
+    "Base $s$, camera $c$, tool $t$: the camera's arrow is what is known, the tip's arrow is what is asked for.",
 )
 
 # %%
 guide.scene(
-    arm, theta=theta, caption="Move a joint beyond the camera's link, then one before it: which moves its view?"
+    arm,
+    theta=theta,
+    caption="Move a joint beyond the camera's link, then one before it: which moves its view?",
 )
 
 # %% [markdown]
@@ -184,12 +189,16 @@ guide.scene(
 # **The 1 forgotten, or put under a direction.** With a 0 under a point every frame seems to sit at the base. With a 1
 # under a direction, the gripper approaches along a line that has the arm's own position added to it.
 #
-# **Millimetres.** CAD exports in mm, URDF means metres. The tip of a tool that is 12 cm long ends 120 m away, which
-# shows at once; a shift in inches does not.
-#
 # **The camera's axes.** Optical frames have $z$ ahead, $x$ right and $y$ down; frames of links mostly have $x$ ahead
 # and $z$ up. The turn between the two is a constant matrix, and it belongs in the chain.
-#
+
+# %%
+guide.say(
+    f"**Millimetres.** CAD exports in mm, URDF means metres. The tip of a tool that is {100 * point[2]:.0f} cm long "
+    f"ends {1000 * point[2]:.0f} m away, which shows at once; a shift in inches does not."
+)
+
+# %% [markdown]
 # ## Exercises
 
 # %%

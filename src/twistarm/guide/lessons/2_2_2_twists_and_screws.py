@@ -41,7 +41,8 @@ kinds = {
 }
 p = np.array([0.75, 0.0, 0.0])
 assert np.allclose(screws.hat(kinds["screw"]) @ [*p, 1], [*(np.cross(axis, p - q) + pitch * axis), 0])
-assert np.allclose(kinds["revolute"], joints.revolute(axis, q + 3 * axis)[:, 0])  # any point on the axis will do
+# any point on the axis will do
+assert np.allclose(kinds["revolute"], joints.revolute(axis, q + 3 * axis)[:, 0])
 guide.table(
     ["joint", "$v_x$", "$v_y$", "$v_z$", r"$\omega_x$", r"$\omega_y$", r"$\omega_z$"],
     [[name, *xi] for name, xi in kinds.items()],
@@ -54,12 +55,12 @@ amounts = np.linspace(0, 5, 80)
 for ax, (name, xi) in zip(columns, kinds.items(), strict=True):
     scale = 0.08 if name == "prismatic" else 1.0
     path = screws.exp(xi, scale * amounts) @ [*p, 1]
-    ax.plot(*path[:, :3].T, color=guide.GREY, linestyle="-")
+    ax.plot(*path[:, :3].T, color=guide.INK, linestyle="-", linewidth=2.0)
     guide.plot_screw(ax, xi if name != "prismatic" else joints.prismatic(axis)[:, 0], length=0.9)
     guide.plot_point(ax, p, "")
     rate = screws.hat(xi) @ [*p, 1]
     guide.plot_vector(ax, p, (0.3 if name == "prismatic" else 1.0) * rate[:3], "", guide.ORANGE)
-    guide.fit(ax, [[0.05, -0.35, -0.2], [0.75, 0.35, 0.5]])
+    guide.fit(ax, [[-0.05, -0.45, -0.45], [0.85, 0.45, 0.45]])
     ax.set_title(name)
 guide.figure(
     fig,
@@ -98,14 +99,18 @@ for name, xi in zip(arm.moving_names, arm.screws.T, strict=True):
     if np.linalg.norm(w) > 0.5:
         assert np.isclose(screw.pitch, w @ v / (w @ w))
         assert np.allclose(screw.point, np.cross(w, v) / (w @ w))
-    shown = [", ".join(f"{x + 0.0:.3f}" for x in np.round(each, 3)) for each in (v, w, screw.point)]
-    rows.append([f"`{name}`", *shown, "∞" if np.isinf(screw.pitch) else f"{screw.pitch + 0.0:.3f}"])
-guide.table(["joint", "$v$", r"$\omega$", "point $q$ [m]", "$h$ [m/rad]"], rows, f"The screws of `{arm.name}`.")
+    shown = [f"${guide.tex(each)}$" for each in (v, w, screw.point)]
+    rows.append([f"`{name}`", *shown, "∞" if np.isinf(screw.pitch) else screw.pitch])
+guide.table(
+    ["joint", "$v$", r"$\omega$", "point $q$ [m]", "$h$ [m/rad]"], rows, f"The screws of `{arm.name}`."
+)
 
 # %%
 h = 1e-6
 zero = np.zeros(arm.n)
-derivative = [(arm.fk(h * e) - arm.fk(-h * e)) / (2 * h) @ screws.inverse(arm.fk(zero)) for e in np.eye(arm.n)]
+derivative = [
+    (arm.fk(h * e) - arm.fk(-h * e)) / (2 * h) @ screws.inverse(arm.fk(zero)) for e in np.eye(arm.n)
+]
 twists = arm.spatial_jacobian(zero)
 assert np.allclose(derivative, [screws.hat(xi) for xi in twists.T], atol=1e-7)
 body = screws.adjoint(screws.inverse(arm.home)) @ twists
@@ -215,14 +220,16 @@ guide.say(
 fig, ax = guide.axes3(width=5.2, height=4.6)
 guide.plot_frame(ax, start, "1", 0.22 * arm.reach, alpha=0.5)
 guide.plot_frame(ax, end, "2", 0.22 * arm.reach)
-ax.plot(*places.T, color=guide.INK, linestyle="-", linewidth=1.4)
-ax.plot(*places[[0, -1]].T, color=guide.GREY, linestyle=":", linewidth=1.4)
+ax.plot(*places.T, color=guide.INK, linestyle="-", linewidth=2.4)
+ax.plot(*places[[0, -1]].T, color=guide.GREY, linestyle=":")
 # The part of the line that lies beside the tool is drawn.
 middle = 0.0 if np.isinf(screw.pitch) else float((places.mean(axis=0) - screw.point) @ screw.axis)
 beside = screw.point + middle * screw.axis
 if np.linalg.norm(beside - places.mean(axis=0)) < 4 * arm.reach:
     half = 0.4 * arm.reach * screw.axis
-    ax.plot(*np.array([beside - half, beside + half]).T, color=guide.PINK, linestyle=(0, (7, 2, 1.5, 2)))
+    ax.plot(
+        *np.array([beside - half, beside + half]).T, color=guide.PINK, linestyle=(0, (7, 2, 1.5, 2))
+    )
     ax.text(*(beside + 1.15 * half), r"$\xi$", color=guide.PINK, ha="center", va="center")
 guide.fit(ax)
 guide.figure(

@@ -57,7 +57,7 @@ guide.predict(
 
 # %% tags=["hidden"]
 fig, ax = guide.axes3(width=5.2, height=4.4)
-guide.plot_arm(ax, arm, theta, alpha=0.5)
+guide.plot_arm(ax, arm, theta, alpha=0.5, tool=False)
 scale = 0.3 * arm.reach / max(speed, np.linalg.norm(V_s[:3]), 1e-9)
 guide.plot_vector(ax, g[:3, 3], scale * g_dot[:3, 3], r"$\dot p$", guide.AMBER)
 guide.plot_vector(ax, [0, 0, 0], scale * V_s[:3], "$v^s$", guide.PINK)
@@ -111,7 +111,7 @@ assert np.allclose(other, screws.adjoint(screws.inverse(g_tn)) @ V_b, atol=1e-6)
 guide.predict(
     "You screw a longer tool to the flange and repeat the motion. Which of $V^s$ and $V^b$ changes?",
     f"$V^b$, by up to {np.abs(other - V_b).max():.3f}. $V^s$ changes by no more than "
-    f"{np.abs(same - V_s).max():.0e}, which is rounding and the differences' error.",
+    f"${guide.rough(np.abs(same - V_s).max())}$, which is rounding and the differences' error.",
 )
 
 # %% [markdown]
@@ -128,7 +128,7 @@ for xi, value, rate in zip(arm.screws.T, values, speeds, strict=True):
 assert np.allclose(total, V_s, atol=1e-6)
 guide.say(
     f"The sum over the {len(values)} moving joints of `{arm.name}` is off from $V^s$ by "
-    f"{np.abs(total - V_s).max():.0e}."
+    f"${guide.rough(np.abs(total - V_s).max())}$."
 )
 
 # %%

@@ -60,7 +60,9 @@ start[:3, 3] = [0.62, 0, -0.25]
 for ax, (name, columns) in zip(panels, one_each.items(), strict=True):
     xi = columns[:, 0]
     path = np.array([(screws.exp(xi, s) @ start)[:3, 3] for s in amounts[name]])
-    guide.plot_screw(ax, xi, 0.95, r"$\xi$", guide.ORANGE if name == "prismatic" else guide.PINK, near=point)
+    guide.plot_screw(
+        ax, xi, 0.95, r"$\xi$", guide.ORANGE if name == "prismatic" else guide.PINK, near=point
+    )
     ax.plot(*path.T, color=guide.GREY, linestyle="-", linewidth=1.2)
     guide.plot_frame(ax, start, None, 0.16, alpha=0.4)
     guide.plot_frame(ax, screws.exp(xi, amounts[name][-1]) @ start, None, 0.16)
@@ -116,7 +118,12 @@ for ax, (name, twists) in zip(panels, several.items(), strict=True):
         slides = np.linalg.norm(xi[3:]) < 0.5
         shift = np.array([0.12, 0, 0]) if slides and name == "cylindrical" else np.zeros(3)
         guide.plot_screw(
-            ax, xi, 0.8, rf"$\xi_{k}$", guide.ORANGE if slides else guide.PINK, near=np.asarray(point) + shift
+            ax,
+            xi,
+            0.8,
+            rf"$\xi_{k}$",
+            guide.ORANGE if slides else guide.PINK,
+            near=np.asarray(point) + shift,
         )
     guide.plot_point(ax, point)
     ax.set_title(name)
@@ -247,7 +254,9 @@ assert [one.n for one in arms.values()] == list(freedoms.values())
 rows = []
 for name, proof in proofs.items():
     worst = max(proof.worst("pinocchio"), 1e-16)
-    rows.append([name, ", ".join(f"`{each}`" for each in arms[name].joint_names), f"${guide.rough(worst)}$"])
+    rows.append(
+        [name, ", ".join(f"`{each}`" for each in arms[name].joint_names), f"${guide.rough(worst)}$"]
+    )
 guide.table(
     ["joint", "coordinates", "largest difference from Pinocchio"],
     rows,
@@ -273,7 +282,14 @@ spanned = np.linalg.matrix_rank(arm.spatial_jacobian(arm.ready) / lengths, tol=1
 rows = []
 for pair in pairs:
     names = ", ".join(f"`{arm.moving_names[row]}`" for row in sorted(pair.rows))
-    rows.append([names, pair.kind, str(len(pair.rows)), guide.tex(np.round(pair.frame[:3, 2], 3) + 0.0).join("$$")])
+    rows.append(
+        [
+            names,
+            pair.kind,
+            str(len(pair.rows)),
+            guide.tex(np.round(pair.frame[:3, 2], 3) + 0.0).join("$$"),
+        ]
+    )
 guide.predict(
     f"`{arm.name}` moves {len(arm.moving_names)} joints with {arm.n} coordinates. Into which of the six types do "
     "they group, base to tip? In how many independent ways does the tool move where the arm waits?",
@@ -320,7 +336,10 @@ guide.figure(
 turns = 40
 with_lead = screws.exp(joints.helical(axis, point, lead)[:, 0], 2 * np.pi * turns)[2, 3]
 with_pitch = screws.exp(joints.helical(axis, point, pitch)[:, 0], 2 * np.pi * turns)[2, 3]
-held, loose = screws.exp(joints.prismatic(axis)[:, 0], 0.05), screws.exp(joints.helical(axis, point, pitch)[:, 0], 2.0)
+held, loose = (
+    screws.exp(joints.prismatic(axis)[:, 0], 0.05),
+    screws.exp(joints.helical(axis, point, pitch)[:, 0], 2.0),
+)
 tool_of_held, tool_of_loose = (np.linalg.norm((g @ home)[:2, 3] - home[:2, 3]) for g in (held, loose))
 assert np.isclose(with_pitch, turns * lead)
 assert np.isclose(tool_of_held, 0)
@@ -331,7 +350,10 @@ guide.table(
             "lead for pitch",
             f"after {turns} turns {1000 * with_lead:.0f} mm are computed, and {1000 * with_pitch:.0f} mm made",
         ],
-        ["a slide that turns", f"two radians of the rod take a tool {1000 * tool_of_loose:.0f} mm to the side"],
+        [
+            "a slide that turns",
+            f"two radians of the rod take a tool {1000 * tool_of_loose:.0f} mm to the side",
+        ],
         ["a ball at 90°", f"rank {ranks[2]} where {ranks[0]} is expected"],
     ],
     "The slips, by their numbers.",

@@ -67,16 +67,22 @@ for name, xi in zip(arm.moving_names, arm.screws.T, strict=True):
     turns = np.isfinite(screw.pitch)
     point = "any" if not turns else ", ".join(f"{x + 0.0:.3f}" for x in np.round(screw.point, 3))
     axis = ", ".join(f"{x + 0.0:.2f}" for x in np.round(screw.axis, 2))
-    rows.append([f"`{name}`", "turns" if turns else "slides", axis.replace("-", "−"), point.replace("-", "−")])
+    rows.append(
+        [f"`{name}`", "turns" if turns else "slides", axis.replace("-", "−"), point.replace("-", "−")]
+    )
 guide.table(
-    ["joint", "it", "along", "through [m]"], rows, f"The axes of {arm.name}, all joints at zero, seen from its base."
+    ["joint", "it", "along", "through [m]"],
+    rows,
+    f"The axes of {arm.name}, all joints at zero, seen from its base.",
 )
 guide.say(rf"The tool on the same photograph: $$g_{{st}}(0) = {guide.tex(arm.home)}$$")
 
 # %% tags=["hidden"]
 fig, ax = guide.axes3(width=5.0, height=4.2)
 guide.plot_arm(ax, arm, np.zeros(arm.n))
-for k, (xi, point) in enumerate(zip(arm.screws.T, guide.arm_points(arm, np.zeros(arm.n))[1:-1], strict=True), start=1):
+for k, (xi, point) in enumerate(
+    zip(arm.screws.T, guide.arm_points(arm, np.zeros(arm.n))[1:-1], strict=True), start=1
+):
     guide.plot_screw(ax, xi, 0.5 * arm.reach, rf"$\xi_{{{k}}}$", near=point)
 guide.fit(ax)
 guide.figure(
@@ -106,7 +112,9 @@ guide.say(
 # Is it right? Ask somebody who has never heard of screws. Pinocchio reads your file by itself and goes link by link.
 
 # %%
-by_pinocchio = arm.by_pinocchio(theta)[0] if arm.description is not None else poe.fk(arm.screws, arm.home, values)
+by_pinocchio = (
+    arm.by_pinocchio(theta)[0] if arm.description is not None else poe.fk(arm.screws, arm.home, values)
+)
 off = np.abs(g - by_pinocchio).max()
 assert off < 1e-9
 guide.say(
@@ -121,7 +129,9 @@ guide.say(
 # Only one joint moves at a time in the next question; the others stay as on the photograph.
 
 # %% tags=["hidden"]
-turning = np.flatnonzero((np.linalg.norm(arm.screws[3:], axis=0) > 0.5) & (np.abs(arm.coupling.A).sum(axis=1) > 0))
+turning = np.flatnonzero(
+    (np.linalg.norm(arm.screws[3:], axis=0) > 0.5) & (np.abs(arm.coupling.A).sum(axis=1) > 0)
+)
 first = int(turning[0]) if len(turning) else 0
 screw = screws.to_screw(arm.screws[:, first])
 tool = arm.home[:3, 3]
@@ -211,7 +221,9 @@ for xi, value in zip(arm.screws.T, values, strict=True):
     wrong_order = screws.exp(xi, value) @ wrong_order
 without_home = g @ screws.inverse(arm.home)
 in_degrees = poe.fk(
-    arm.screws, arm.home, arm.coupling.A @ np.where(np.array(arm.units) == "rad", np.degrees(theta), theta)
+    arm.screws,
+    arm.home,
+    arm.coupling.A @ np.where(np.array(arm.units) == "rad", np.degrees(theta), theta),
 )
 rows = [
     [words, 1000 * float(np.linalg.norm((wrong - g)[:3, 3]))]
@@ -222,7 +234,9 @@ rows = [
     )
 ]
 guide.table(
-    ["slip", "the tool is off by [mm]"], [[words, f"{far:.0f}"] for words, far in rows], f"On {arm.name}, waiting."
+    ["slip", "the tool is off by [mm]"],
+    [[words, f"{far:.0f}"] for words, far in rows],
+    f"On {arm.name}, waiting.",
 )
 
 # %% [markdown]

@@ -77,7 +77,13 @@ turn = np.linspace(0, 2 * np.pi, 200)
 for ax, cloud, words in zip(panels, (tips, stopped), ("no stops", "with stops"), strict=True):
     ax.plot(*cloud[:500].T, ".", color=guide.BLUE, markersize=2)
     for radius in (abs(l1 - l2), l1 + l2):
-        ax.plot(radius * np.cos(turn), radius * np.sin(turn), color=guide.ORANGE, linestyle="-", linewidth=1.2)
+        ax.plot(
+            radius * np.cos(turn),
+            radius * np.sin(turn),
+            color=guide.ORANGE,
+            linestyle="-",
+            linewidth=1.2,
+        )
     ax.plot(0, 0, "^", color=guide.INK)
     ax.set_title(words)
 guide.figure(
@@ -137,7 +143,7 @@ fig, ax = guide.axes2(
 )
 for l3, share in shares.items():
     ax.plot(radii, 100 * share, label=f"hand of {l3:.2f} m")
-ax.legend(loc="upper right", frameon=False, labelcolor=guide.INK)
+ax.legend(loc="upper right")
 ax.set_ylim(-3, 130)
 guide.figure(
     fig,
@@ -159,6 +165,7 @@ guide.figure(
 # %%
 cloud = arm.fk(arm.random_theta(2, 20_000))[:, :3, 3]
 low, high = cloud.min(axis=0), cloud.max(axis=0)
+drawn = cloud[:700]  # those of the picture
 
 # %% tags=["hidden"]
 guide.table(
@@ -169,8 +176,10 @@ guide.table(
 at_ready = guide.arm_points(arm, arm.ready)
 fig, panels = guide.axes2(columns=2, width=6.4, height=3.3, equal=True)
 for ax, (i, j), words in zip(panels, ((0, 2), (0, 1)), ("from the side", "from above"), strict=True):
-    ax.plot(*cloud[:700][:, [i, j]].T, ".", color=guide.BLUE, markersize=1.8)
-    ax.plot(*at_ready[:, [i, j]].T, color=guide.INK, linestyle="-", linewidth=2.5, marker="o", markersize=4)
+    ax.plot(*drawn[:, [i, j]].T, ".", color=guide.BLUE, markersize=1.8)
+    ax.plot(
+        *at_ready[:, [i, j]].T, color=guide.INK, linestyle="-", linewidth=2.5, marker="o", markersize=4
+    )
     ax.set(xlabel=f"{'xyz'[i]} [m]", ylabel=f"{'xyz'[j]} [m]")
     ax.set_title(words)
 guide.figure(
@@ -178,7 +187,7 @@ guide.figure(
     f"The places that the tool of {arm.name} comes to, as a cloud of points, from the side and from above, with "
     f"the arm "
     "at its ready pose in it",
-    f"The reachable workspace of `{arm.name}` as a cloud of 700 postures.",
+    f"The reachable workspace of `{arm.name}` as a cloud of {len(drawn)} postures.",
 )
 
 # %% [markdown]
@@ -186,7 +195,6 @@ guide.figure(
 # with the nearest configuration that there is.
 
 # %%
-drawn = cloud[:700]  # those of the picture
 short = {}
 for k, axis in enumerate("xyz"):
     for sign in (1, -1):
@@ -215,19 +223,28 @@ guide.predict(
 
 # %% tags=["hidden"]
 size = high - low
-upright = size[2] > 0.3 * size.max()  # a section seen from the side, but for an arm that moves in a plane
+# a section seen from the side, but for an arm that moves in a plane
+upright = size[2] > 0.3 * size.max()
 i, j = (int(np.argmax(size[:2])), 2) if upright else (0, 1)
-grid_i, grid_j = (np.linspace(low[k] - 0.03 * arm.reach, high[k] + 0.03 * arm.reach, 13) for k in (i, j))
+grid_i, grid_j = (
+    np.linspace(low[k] - 0.03 * arm.reach, high[k] + 0.03 * arm.reach, 13) for k in (i, j)
+)
 places = np.tile(at_ready[-1], (13 * 13, 1))
 places[:, [i, j]] = np.array([[a, b] for a in grid_i for b in grid_j])
-there = solve_ik_batch(arm, [Position(p) for p in places], position_tol=1e-4, orientation_tol=1e-3).converged
+there = solve_ik_batch(
+    arm, [Position(p) for p in places], position_tol=1e-4, orientation_tol=1e-3
+).converged
 
 
 def pointing(direction):
     """At which of the places the tool can point that way."""
     found = there.copy()
     targets = [Approach(p, direction, arm.tool_axis) for p in places[there]]
-    found[there] = solve_ik_batch(arm, targets, position_tol=1e-4, orientation_tol=1e-3).converged if targets else []
+    found[there] = (
+        solve_ik_batch(arm, targets, position_tol=1e-4, orientation_tol=1e-3).converged
+        if targets
+        else []
+    )
     return found
 
 
@@ -241,16 +258,25 @@ if not also.any():
         f"it has at "
         "the ready pose."
     )
-fig, ax = guide.axes2(width=5.0, height=4.2, xlabel=f"{'xyz'[i]} [m]", ylabel=f"{'xyz'[j]} [m]", equal=True)
+fig, ax = guide.axes2(
+    width=5.0, height=4.2, xlabel=f"{'xyz'[i]} [m]", ylabel=f"{'xyz'[j]} [m]", equal=True
+)
 for which, marker, colour, label in (
     (~there, "x", guide.GREY, "not reached"),
     (there & ~also, "o", guide.BLUE, "reached"),
     (also, "s", guide.ORANGE, f"reached, pointing {words}"),
 ):
     face = colour if marker == "s" else "none"
-    ax.plot(*places[which][:, [i, j]].T, marker, color=colour, markerfacecolor=face, markersize=5, label=label)
+    ax.plot(
+        *places[which][:, [i, j]].T,
+        marker,
+        color=colour,
+        markerfacecolor=face,
+        markersize=5,
+        label=label,
+    )
 ax.plot(*at_ready[:, [i, j]].T, color=guide.INK, linestyle="-", linewidth=2.5)
-ax.legend(loc="upper center", bbox_to_anchor=(0.5, -0.16), ncols=3, frameon=False, labelcolor=guide.INK)
+ax.legend(loc="upper center", bbox_to_anchor=(0.5, -0.16), ncols=3)
 guide.figure(
     fig,
     f"A grid of {len(places)} points around {arm.name}: {int(there.sum())} are reached, and at {int(also.sum())} "
@@ -319,7 +345,9 @@ cell = 0.1 * arm.reach
 rows = []
 for words, points in size_of.items():
     cells = len(np.unique(np.floor(points / cell), axis=0))
-    rows.append([words, str(cells), f"{points[:, 2].min():.2f} to {points[:, 2].max():.2f}".replace("-", "−")])
+    rows.append(
+        [words, str(cells), f"{points[:, 2].min():.2f} to {points[:, 2].max():.2f}".replace("-", "−")]
+    )
 guide.table(
     ["turning joints", f"cells of {100 * cell:.0f} cm that are reached", "height $z$ [m]"],
     rows,

@@ -9,7 +9,17 @@
 # %%
 import numpy as np
 
-from twistarm import Approach, Pose, arm_from_screws, guide, poe, rotations, screws, solve_ik_all, subproblems
+from twistarm import (
+    Approach,
+    Pose,
+    arm_from_screws,
+    guide,
+    poe,
+    rotations,
+    screws,
+    solve_ik_all,
+    subproblems,
+)
 
 
 def turning(arm):
@@ -113,7 +123,9 @@ guide.plot_point(panels[1], q, "$q$", guide.ORANGE)
 handovers = subproblems.subproblem_2(about_z, about_x, p, q).values
 assert len(handovers) == 2
 for pair in handovers:
-    guide.plot_point(panels[1], (screws.exp(about_x, pair[1]) @ np.append(p, 1))[:3], "", guide.INK, "D")
+    guide.plot_point(
+        panels[1], (screws.exp(about_x, pair[1]) @ np.append(p, 1))[:3], "", guide.INK, "D"
+    )
 
 p, q, delta = np.array([0.75, 0.0, 0.2]), np.array([0.1, 0.7, 0.2]), 0.55
 guide.plot_screw(panels[2], about_z, 1.7, r"$\xi$")
@@ -246,7 +258,9 @@ SHADES = (guide.BLUE, guide.ORANGE, guide.GREEN, guide.PINK)
 
 def in_words(value, unit):
     """A joint's value for a table."""
-    return (f"{np.degrees(value) + 0.0:.0f}°" if unit == "rad" else f"{value + 0.0:.3f} m").replace("-", "−")
+    return (f"{np.degrees(value) + 0.0:.0f}°" if unit == "rad" else f"{value + 0.0:.3f} m").replace(
+        "-", "−"
+    )
 
 
 def draw_all(arm, configurations, words):
@@ -317,7 +331,9 @@ if not found.complete and any(found.free):
         f"stands at {in_words(theta[own.joint_names.index(held)], own.units[own.joint_names.index(held)])}."
     )
     found = solve_ik_all(own, target, theta, given={held: float(theta[own.joint_names.index(held)])})
-assert np.abs(found.theta - theta).max(axis=1).min() < 1e-4 if len(found) else False, "the posture itself is among them"
+assert np.abs(found.theta - theta).max(axis=1).min() < 1e-4 if len(found) else False, (
+    "the posture itself is among them"
+)
 assert (found.position_error < 1e-6).all()
 assert (found.orientation_error < 1e-6).all()
 asked = "the position and direction of its tool" if own.n == 5 else "the pose of its tool"
@@ -365,12 +381,23 @@ assert np.isclose(both[0, 2], -both[1, 2])  # the elbow bends to the other side 
 assert np.isclose(both[0, 1:4].sum(), both[1, 1:4].sum())  # the tool points the same way
 
 # %% tags=["hidden"]
-guide.table(
-    [f"`{name}`" for name in rover.joint_names],
-    [[in_words(v, u) for v, u in zip(each, rover.units, strict=True)] for each in both],
-    f"Both ways; {len(flips)} inside the limits.",
-)
-draw_all(rover, both, "`rover_arm`: elbow up and elbow down, with the tool in the same place and direction.")
+if own.name == rover.name:
+    guide.say(
+        f"It is the arm that you have just seen, with its {len(both)} ways. Where it waits, the elbow bends by "
+        f"{in_words(abs(both[0, 2]), 'rad')} to the one side or to the other, and the three pitches add up to the "
+        "same."
+    )
+else:
+    guide.table(
+        [f"`{name}`" for name in rover.joint_names],
+        [[in_words(v, u) for v, u in zip(each, rover.units, strict=True)] for each in both],
+        f"Both ways; {len(flips)} inside the limits.",
+    )
+    draw_all(
+        rover,
+        both,
+        "`rover_arm`: elbow up and elbow down, with the tool in the same place and direction.",
+    )
 
 # %% [markdown]
 # ## The eight of a UR5
@@ -436,7 +463,8 @@ guide.table(
         ],
         [
             "the first and last wrist axis in line",
-            f"{len(singular)} ways listed, with free joints: " + ", ".join(f"`{name}`" for name in nearest[0]),
+            f"{len(singular)} ways listed, with free joints: "
+            + ", ".join(f"`{name}`" for name in nearest[0]),
         ],
         [
             "a new elbow between two points of a path",

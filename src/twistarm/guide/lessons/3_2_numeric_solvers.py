@@ -56,7 +56,9 @@ def size(arm, gaps):
 
 def nimble(arm, theta):
     """The least singular value but for directions that the arm never has; lengths in shares of the reach."""
-    sigma = np.linalg.svd(arm.body_jacobian(theta) / np.repeat([arm.reach, 1.0], 3)[:, None], compute_uv=False)
+    sigma = np.linalg.svd(
+        arm.body_jacobian(theta) / np.repeat([arm.reach, 1.0], 3)[:, None], compute_uv=False
+    )
     return sigma[sigma > 1e-9][-1]
 
 
@@ -167,7 +169,10 @@ by_lstsq = np.linalg.lstsq(stacked, np.append(e, [0, 0]), rcond=None)[0]
 assert np.allclose(damped_step(J, e, 0.05), by_lstsq)
 
 
-def steps_to_arrive(damping, most=200):
+MOST = 200  # steps
+
+
+def steps_to_arrive(damping, most=MOST):
     """How many steps bring the two-link arm within a tenth of a millimetre, or None."""
     theta = stretched
     for count in range(most + 1):
@@ -209,7 +214,11 @@ guide.figure(
 guide.say(
     f"The best damping of the sweep, {dampings[best]:.3f} m/rad, needs {needed[best]} steps. With the largest, "
     f"{dampings[-1]:.0f} m/rad, "
-    + ("it takes " + str(needed[-1]) + "." if needed[-1] is not None else "200 steps are not enough.")
+    + (
+        "it takes " + str(needed[-1]) + "."
+        if needed[-1] is not None
+        else f"{MOST} steps are not enough."
+    )
 )
 assert best < len(dampings) - 1
 
@@ -246,7 +255,7 @@ fig, ax = guide.axes2(xlabel="step", ylabel="gap [m]", height=2.8)
 ax.plot(by_newton, label="Newton")
 ax.plot(by_damped, label="damped, λ = ‖e‖")
 ax.axhline(least, color=guide.INK, linewidth=1.0, linestyle=":", label="the least there is")
-ax.legend(loc="upper right", frameon=False, ncols=3, labelcolor=guide.INK)
+ax.legend(loc="upper right", ncols=3)
 ax.set_ylim(0, 1.25 * by_newton.max())
 guide.figure(
     fig,
@@ -278,13 +287,21 @@ targets = {
 answers = {words: solve_ik(few, target, waiting) for words, target in targets.items()}
 
 # %% tags=["hidden"]
-samples = [few.body_jacobian(theta) / np.repeat([few.reach, 1.0], 3)[:, None] for theta in few.random_theta(0, 8)]
+samples = [
+    few.body_jacobian(theta) / np.repeat([few.reach, 1.0], 3)[:, None]
+    for theta in few.random_theta(0, 8)
+]
 rank = max(int(np.linalg.matrix_rank(each, tol=1e-6)) for each in samples)
 guide.say(f"`{few.name}` has {few.n} joints; the rank of its Jacobian is {rank} at best.")
 guide.table(
     ["asked", "off by [mm]", "off by [°]", "the solver says"],
     [
-        [words, f"{1000 * each.position_error:.2f}", f"{np.degrees(each.orientation_error):.2f}", each.stop.value]
+        [
+            words,
+            f"{1000 * each.position_error:.2f}",
+            f"{np.degrees(each.orientation_error):.2f}",
+            each.stop.value,
+        ]
         for words, each in answers.items()
     ],
     "One wish, the tool turned a little where it stands, asked in three ways.",
@@ -360,7 +377,10 @@ def in_degrees(theta):
     e = screws.log(screws.inverse(arm.fk(theta)) @ g_d)
     factor = np.where(np.array(arm.units) == "rad", np.degrees(1.0), 1.0)
     return size(
-        arm, screws.log(screws.inverse(arm.fk(theta + factor * newton_step(arm.body_jacobian(theta), e))) @ g_d)
+        arm,
+        screws.log(
+            screws.inverse(arm.fk(theta + factor * newton_step(arm.body_jacobian(theta), e))) @ g_d
+        ),
     )
 
 

@@ -79,7 +79,11 @@ def arc(ax, centre, start, end, radius, name, colour):
     """An angle, drawn as an arc with its name."""
     at = np.linspace(start, end, 40)
     ax.plot(
-        centre[0] + radius * np.cos(at), centre[1] + radius * np.sin(at), color=colour, linestyle="-", linewidth=1.2
+        centre[0] + radius * np.cos(at),
+        centre[1] + radius * np.sin(at),
+        color=colour,
+        linestyle="-",
+        linewidth=1.2,
     )
     middle = at[20]
     ax.text(
@@ -96,7 +100,12 @@ def links(ax, theta, colour, style, alpha=1.0):
     """The two links."""
     elbow = l1 * np.array([np.cos(theta[0]), np.sin(theta[0])])
     ax.plot(
-        *np.array([[0, 0], elbow, tip(*theta)]).T, color=colour, linestyle=style, linewidth=3, marker="o", alpha=alpha
+        *np.array([[0, 0], elbow, tip(*theta)]).T,
+        color=colour,
+        linestyle=style,
+        linewidth=3,
+        marker="o",
+        alpha=alpha,
     )
     return elbow
 
@@ -120,7 +129,10 @@ guide.figure(
     "dashed; the angles alpha at the elbow, beta and phi at the shoulder",
     r"Solid: $(+,+)$, the elbow on the left. Dashed: $(-,-)$, its flip.",
 )
-rows = [[words, *map(degrees, theta), degrees(theta.sum())] for words, theta in (("$(+,+)$", up), ("$(-,-)$", down))]
+rows = [
+    [words, *map(degrees, theta), degrees(theta.sum())]
+    for words, theta in (("$(+,+)$", up), ("$(-,-)$", down))
+]
 guide.table(
     ["signs", r"$\theta_1$", r"$\theta_2$", r"the tip points along $\theta_1 + \theta_2$"],
     rows,
@@ -168,7 +180,9 @@ for s1, s2 in ((1, 1), (-1, -1), (-1, 1), (1, -1)):
     off = np.linalg.norm(tip(*theta) - cross)
     rows.append([signs, *map(degrees, wrap(theta)), f"{1000 * off:.1f}"])
 guide.table(
-    [r"signs of $\beta$ and $\alpha$", r"$\theta_1$", r"$\theta_2$", "off by [mm]"], rows, "Four pairs of signs."
+    [r"signs of $\beta$ and $\alpha$", r"$\theta_1$", r"$\theta_2$", "off by [mm]"],
+    rows,
+    "Four pairs of signs.",
 )
 guide.slider(
     "two_link",
@@ -220,7 +234,7 @@ for edge, words, side in ((l1 + l2, "stretched", "right"), (abs(l1 - l2), "folde
     ax.axvline(edge, color=guide.GREY, linewidth=0.8, linestyle=":")
     ax.text(edge, 205, words, color=guide.GREY, ha=side, va="bottom")
 ax.set_yticks(range(-180, 181, 60))
-ax.legend(loc="center", frameon=False, labelcolor=guide.INK)
+ax.legend(loc="center")
 guide.figure(
     fig,
     "The bend of the elbow against the distance of the target, for both answers: the two curves are each other's "
@@ -277,7 +291,9 @@ def two_links(arm):
     return None
 
 
-arm = guide.arm_with("two parallel turning joints, one after the other", lambda a: two_links(a) is not None)
+arm = guide.arm_with(
+    "two parallel turning joints, one after the other", lambda a: two_links(a) is not None
+)
 first = two_links(arm)
 
 
@@ -383,8 +399,14 @@ guide.table(
     ["slip", "how it shows"],
     [
         ["mixed signs", f"{1000 * miss:.0f} mm beside the cross"],
-        ["`atan(y / x)`, the cross behind the arm", f"{1000 * np.linalg.norm(tip(*by_atan) - behind):.0f} mm off"],
-        ["no wrap", rf"$\theta_2$ = {degrees(np.pi + alpha)} where {degrees(wrap(np.pi + alpha))} is meant"],
+        [
+            "`atan(y / x)`, the cross behind the arm",
+            f"{1000 * np.linalg.norm(tip(*by_atan) - behind):.0f} mm off",
+        ],
+        [
+            "no wrap",
+            rf"$\theta_2$ = {degrees(np.pi + alpha)} where {degrees(wrap(np.pi + alpha))} is meant",
+        ],
         ["flipping on the way", f"a joint jumps by {degrees(jump)}"],
     ],
     f"On `{planar.name}`, for the cross above.",

@@ -88,8 +88,8 @@ for ax, k, words in zip(panels, range(3), ("s", "velocity", "acceleration"), str
         t = np.array([-0.15, 0, *u, 1, 1.15])
         values = np.array([0, 0, *law.deriv(k)(u), 0, 0]) if k else np.array([0, 0, *law(u), 1, 1])
         ax.plot(t, values, color=colour, linestyle=style, label=name)
-    ax.set_title(words, fontsize=9)
-panels[0].legend(frameon=False, fontsize=8, labelcolor=guide.INK, loc="upper left")
+    ax.set_title(words)
+panels[0].legend(fontsize=8, loc="upper left")
 guide.figure(
     fig,
     "Position, velocity and acceleration of the cubic and the quintic over time: the acceleration of the cubic jumps "
@@ -166,7 +166,11 @@ guide.table(
 slowest = int(np.argmax(np.maximum(by_velocity, by_acceleration)))
 guide.say(
     f"`{arm.joint_names[slowest]}` is the slowest, with {shortest:.2f} s. `plan_joint` says {motion.duration:.2f} s"
-    + ("." if np.isclose(motion.duration, shortest) else ": the arm has limits of motors or of jerk besides.")
+    + (
+        "."
+        if np.isclose(motion.duration, shortest)
+        else ": the arm has limits of motors or of jerk besides."
+    )
     + " It looks for the extremes of the polynomials, not at samples of them; so nothing slips through between two."
 )
 quick = plan_joint(arm, [start, goal], kind="quintic", limits=limits).duration
@@ -211,12 +215,14 @@ for way, words, style, colour in (
     t = np.linspace(0, way.duration, 300)
     left.plot(t, factor * way(t)[:, k], linestyle=style, color=colour, label=words)
     right.plot(t, factor * way(t, 1)[:, k], linestyle=style, color=colour)
-    left.plot(way.times, factor * way.waypoints[:, k], "o", color=colour, markersize=5, linestyle="none")
+    left.plot(
+        way.times, factor * way.waypoints[:, k], "o", color=colour, markersize=5, linestyle="none"
+    )
 for sign in (1, -1):
     right.axhline(sign * factor * velocity[k], color=guide.GREY, linewidth=1, linestyle=":")
 left.set_ylabel(f"{arm.joint_names[k]} [{unit.strip()}]")
 right.set_ylabel(f"velocity [{unit.strip()}/s]")
-left.legend(frameon=False, fontsize=8, labelcolor=guide.INK)
+left.legend(fontsize=8)
 guide.figure(
     fig,
     f"The joint {arm.joint_names[k]} over time, through a via point and stopping there, and its velocity, with its "
@@ -321,7 +327,7 @@ for (name, way), colour, style in zip(
 size = 0.12 * arm.reach
 guide.plot_frame(ax, g0, None, size)
 guide.plot_frame(ax, g1, None, size)
-ax.legend(frameon=False, fontsize=9, labelcolor=guide.INK, loc="upper left")
+ax.legend(loc="upper left")
 guide.fit(ax)
 guide.figure(
     fig,
@@ -420,7 +426,11 @@ for dt in (0.01, 0.05, 0.2):
     assert np.all(off <= motion.peak(2) * dt**2 / 8 + 1e-9)
     far = np.linalg.norm((arm.fk(chords) - arm.fk(motion(fine)))[:, :3, 3], axis=1).max()
     rows.append([f"{1000 * dt:.0f} ms", f"{1000 * far:.3f} mm"])
-guide.table(["a setpoint every", "the tool is off by up to"], rows, f"The first move of this lesson on `{arm.name}`.")
+guide.table(
+    ["a setpoint every", "the tool is off by up to"],
+    rows,
+    f"The first move of this lesson on `{arm.name}`.",
+)
 
 # %% [markdown]
 # ## Exercises

@@ -47,7 +47,9 @@ J_s = axes_now @ arm.coupling.A  # joints that follow another are added to its c
 rates_of = ["1 m/s" if unit == "m" else "1 rad/s" for unit in arm.units]
 rows = [
     [row, *(f"{x + 0.0:.3f}".replace("-", "−") for x in np.round(numbers, 3))]
-    for row, numbers in zip(("$v_x$", "$v_y$", "$v_z$", r"$\omega_x$", r"$\omega_y$", r"$\omega_z$"), J_s, strict=True)
+    for row, numbers in zip(
+        ("$v_x$", "$v_y$", "$v_z$", r"$\omega_x$", r"$\omega_y$", r"$\omega_z$"), J_s, strict=True
+    )
 ]
 guide.table(
     ["", *(f"`{name}`" for name in arm.joint_names)],
@@ -84,7 +86,9 @@ hybrid = arm.hybrid_jacobian(theta)
 speeds = np.linalg.norm(hybrid[:3], axis=0)
 fig, (left, right) = guide.axes3(2, width=6.6, height=3.6, box=False)
 guide.plot_arm(left, arm, theta, tool=False)
-for k, (xi, point) in enumerate(zip(axes_now.T, guide.arm_points(arm, theta)[1:-1], strict=True), start=1):
+for k, (xi, point) in enumerate(
+    zip(axes_now.T, guide.arm_points(arm, theta)[1:-1], strict=True), start=1
+):
     guide.plot_screw(left, xi, 0.42 * arm.reach, near=point)
     end = point - 0.27 * arm.reach * screws.to_screw(xi).axis  # beside the end that has no arrow
     left.text(*end, f"{k}", color=guide.PINK, ha="center", va="center")
@@ -94,8 +98,8 @@ for k in np.argsort(-speeds, kind="stable"):
         arrow = 0.5 * arm.reach * hybrid[:3, k] / speeds.max()
         guide.plot_vector(right, p, arrow, colour=guide.BLUE)
         right.text(*(p + 1.14 * arrow + [0, 0, 0.02 * arm.reach]), f"{k + 1}", color=guide.BLUE)
-left.set_title("the axes, where they stand now", fontsize=9)
-right.set_title("the tool's velocity by each joint", fontsize=9)
+left.set_title("the axes, where they stand now")
+right.set_title("the tool's velocity by each joint")
 seen = np.array([left.get_w_lims(), right.get_w_lims()]).reshape(2, 3, 2)
 for ax in (left, right):
     guide.fit(ax, [seen[:, :, 0].min(axis=0), seen[:, :, 1].max(axis=0)], margin=0.1)
@@ -177,9 +181,21 @@ for i, step in enumerate(h * np.eye(arm.n)):
 guide.table(
     ["Jacobian", "$v$ is the velocity of", "in axes of", "in Pinocchio", r"$\lvert v \rvert$ [m/s]"],
     [
-        ["$J^s$, spatial", "the point at the base's origin", "the base", "`WORLD`", float(np.linalg.norm(J_s[:3, k]))],
+        [
+            "$J^s$, spatial",
+            "the point at the base's origin",
+            "the base",
+            "`WORLD`",
+            float(np.linalg.norm(J_s[:3, k])),
+        ],
         ["$J^b$, body", "the tool's origin", "the tool", "`LOCAL`", float(np.linalg.norm(J_b[:3, k]))],
-        ["hybrid", "the tool's origin", "the base", "`LOCAL_WORLD_ALIGNED`", float(np.linalg.norm(hybrid[:3, k]))],
+        [
+            "hybrid",
+            "the tool's origin",
+            "the base",
+            "`LOCAL_WORLD_ALIGNED`",
+            float(np.linalg.norm(hybrid[:3, k])),
+        ],
     ],
     f"One motion, `{arm.joint_names[k]}` at {rates_of[k]}, told three times.",
 )
@@ -278,7 +294,10 @@ guide.predict(
     "Which joint of your arm bears most of that kilogram, as it waits? And which bears nothing?",
     (
         f"Most: `{arm.joint_names[heaviest]}`, with {abs(torques[heaviest]):.2f} {unit}. Nothing: "
-        + (", ".join(f"`{n}`" for n, t in zip(arm.joint_names, torques, strict=True) if abs(t) < 1e-6) or "none")
+        + (
+            ", ".join(f"`{n}`" for n, t in zip(arm.joint_names, torques, strict=True) if abs(t) < 1e-6)
+            or "none"
+        )
         + ". About a level axis a joint bears the weight times the horizontal distance of the tool from "
         "the axis; about a vertical one, nothing."
         if abs(torques[heaviest]) > 1e-6
@@ -289,14 +308,26 @@ guide.predict(
 
 # %% tags=["hidden"]
 rows = []
-for name, torque, limit, unit in zip(arm.joint_names, torques, arm.limits.effort, arm.units, strict=True):
+for name, torque, limit, unit in zip(
+    arm.joint_names, torques, arm.limits.effort, arm.units, strict=True
+):
     share = f"{100 * abs(torque) / limit:.1f} %" if np.isfinite(limit) and limit > 0 else "not given"
-    rows.append([f"`{name}`", f"{torque + 0.0:.3f} {'N' if unit == 'm' else 'N m'}".replace("-", "−"), share])
-guide.table(["joint", "it holds", "of its limit"], rows, "One kilogram at the tool, the arm's own weight not counted.")
+    rows.append(
+        [f"`{name}`", f"{torque + 0.0:.3f} {'N' if unit == 'm' else 'N m'}".replace("-", "−"), share]
+    )
+guide.table(
+    ["joint", "it holds", "of its limit"],
+    rows,
+    "One kilogram at the tool, the arm's own weight not counted.",
+)
 guide.say(
     f"$J^b$ has rank {6 - free} here. "
     + (
-        (f"So {free} independent wrenches have" if free > 1 else "So one wrench, and its multiples, has")
+        (
+            f"So {free} independent wrenches have"
+            if free > 1
+            else "So one wrench, and its multiples, has"
+        )
         + " $(J^b)^T F = 0$. No motor holds against such a wrench, because the structure carries it, and no motor can "
         "bring one about."
         if free
@@ -333,7 +364,10 @@ slips = [
         "columns from the photograph",
         f"{1000 * np.linalg.norm(((arm.screws @ arm.coupling.A - J_s) @ test)[:3]):.0f} mm/s in $v$ of $V^s$",
     ],
-    ["the wrench in axes of the base", f"{np.abs(J_b.T @ np.append(f, np.zeros(3)) - torques).max():.2f} N m or N"],
+    [
+        "the wrench in axes of the base",
+        f"{np.abs(J_b.T @ np.append(f, np.zeros(3)) - torques).max():.2f} N m or N",
+    ],
     ["the torque first", f"{np.abs(J_b.T @ np.roll(F_t, 3) - torques).max():.2f} N m or N"],
     ["the sign", f"{np.abs(2 * torques).max():.2f} N m or N"],
 ]

@@ -101,7 +101,7 @@ guide.table(
 # for a ball, and infinite where a direction is lost.
 
 # %% tags=["hidden"]
-fig, axes = guide.axes2(3, width=6.6, height=2.6, equal=True)
+fig, axes = guide.axes2(3, width=6.6, height=2.6)
 turn = np.linspace(0, 2 * np.pi, 200)
 circle = np.array([np.cos(turn), np.sin(turn)])
 for ax, bend in zip(axes, (90.0, 30.0, 0.0), strict=True):
@@ -112,11 +112,10 @@ for ax, bend in zip(axes, (90.0, 30.0, 0.0), strict=True):
     ax.plot(*line[:-1].T, "o", color=guide.BLUE, markersize=6, linestyle="none")
     ax.plot(*ellipse, color=guide.ORANGE, linestyle="-")
     number = np.linalg.cond(planar.hybrid_jacobian(at)[:2])
-    ax.set_title(rf"$\theta_2 = {bend:.0f}°$" + "\ncondition " + (f"{number:.1f}" if number < 1e6 else "∞"), fontsize=9)
-    ax.set_xlim(-0.35, 1.05)
-    ax.set_ylim(-0.3, 0.95)
-    ax.set_xticks([])
-    ax.set_yticks([])
+    ax.set_title(
+        rf"$\theta_2 = {bend:.0f}°$" + "\ncondition " + (f"{number:.1f}" if number < 1e6 else "∞")
+    )
+    ax.set(xlim=(-0.35, 1.05), ylim=(-0.3, 0.95), xticks=[], yticks=[], aspect="equal")
 guide.figure(
     fig,
     "The two-link arm with its elbow bent by 90, by 30 and by 0 degrees; the ellipse at its tool gets thinner, and "
@@ -191,6 +190,12 @@ bounds = list(zip(low, high, strict=True))
 worst = postures[np.argsort(arm.manipulability(postures).singular_values[:, rank - 1])[:4]]
 found = [minimize(lambda x: least(x) ** 2, x, method="L-BFGS-B", bounds=bounds) for x in worst]
 singular = min((np.clip(each.x, low, high) for each in found), key=least)
+
+# The same posture may lie whole turns away: take it where the limits have it nearest to waiting.
+nearest = singular + 2 * np.pi * np.round((theta - singular) / (2 * np.pi)) * ~slides
+nearest = np.where((nearest >= low) & (nearest <= high), nearest, singular)
+if np.allclose(arm.fk(nearest), arm.fk(singular)):
+    singular = nearest
 
 gone = least(singular) / arm.manipulability(singular).singular_values[0]
 is_singular = gone < 1e-4
@@ -303,7 +308,9 @@ patterns = {
 ranks = {words: int(np.linalg.matrix_rank(each, tol=1e-9)) for words, each in patterns.items()}
 assert list(ranks.values()) == [6, 5, 5, 6, 5]
 guide.table(
-    ["six turning axes", "rank"], list(ranks.items()), "The columns of $J^s$ are the axes: put them together, count."
+    ["six turning axes", "rank"],
+    list(ranks.items()),
+    "The columns of $J^s$ are the axes: put them together, count.",
 )
 
 # %% [markdown]
@@ -341,13 +348,15 @@ guide.predict(
 )
 
 # %% tags=["hidden"]
-fig, ax = guide.axes2(xlabel="from waiting (0) to the worst posture (1)", ylabel="joint rates per unit of twist")
+fig, ax = guide.axes2(
+    xlabel="from waiting (0) to the worst posture (1)", ylabel="joint rates per unit of twist"
+)
 top = 30 / damping
 ax.semilogy(s, np.minimum(plain, 10 * top), label="inverse, 1/σ")
 ax.semilogy(s, damped, label=f"damped, λ = {damping}")
 ax.axhline(1 / (2 * damping), color=guide.GREY, linewidth=1.0, linestyle=":", label="1/(2λ)")
 ax.set_ylim(min(0.3 / damping / 10, plain.min() / 2, damped[0] / 2), top)
-ax.legend(frameon=False, fontsize=9, labelcolor=guide.INK, loc="upper left")
+ax.legend(loc="upper left")
 guide.figure(
     fig,
     "The rates that the inverse asks for grow without bound towards the singular posture; those of damped least "
@@ -397,10 +406,14 @@ guide.predict(
 #   badly.
 
 # %% tags=["hidden"]
-small_arm, large_arm = (float(np.linalg.det(planar.hybrid_jacobian([0.4, 1.2])[:2])) * f**2 for f in (0.1, 1.0))
+small_arm, large_arm = (
+    float(np.linalg.det(planar.hybrid_jacobian([0.4, 1.2])[:2])) * f**2 for f in (0.1, 1.0)
+)
 zero = arm.manipulability(np.zeros(arm.n))
 lowest = zero.singular_values[rank - 1] / zero.singular_values[0]
-same = [float(arm.manipulability(theta, length).condition_in(rank)) for length in (arm.reach, 1.0, 0.001)]
+same = [
+    float(arm.manipulability(theta, length).condition_in(rank)) for length in (arm.reach, 1.0, 0.001)
+]
 guide.table(
     ["what", "number"],
     [

@@ -47,13 +47,22 @@ def shown(x, unit, digits=1):
         return "none"
     value = np.degrees(x) if unit == "rad" else x
     mark = "°" if unit == "rad" else " m"
-    return f"{round(float(value), digits) + 0.0:.{digits if unit == 'rad' else digits + 2}f}{mark}".replace("-", "−")
+    return f"{round(float(value), digits) + 0.0:.{digits if unit == 'rad' else digits + 2}f}{mark}".replace(
+        "-", "−"
+    )
 
 
 guide.table(
     ["joint", "type", "lowest", "highest", "speed", "waiting"],
     [
-        [f"`{name}`", kind, shown(low, u), shown(high, u), speed if speed == "none" else f"{speed}/s", shown(x, u)]
+        [
+            f"`{name}`",
+            kind,
+            shown(low, u),
+            shown(high, u),
+            speed if speed == "none" else f"{speed}/s",
+            shown(x, u),
+        ]
         for name, kind, u, low, high, speed, x in zip(
             arm.joint_names,
             arm.joint_types,
@@ -108,7 +117,12 @@ assert agreement.ok
 guide.table(
     ["compared", "between", "worst difference", "allowed"],
     [
-        [row.quantity, " and ".join(row.engines), f"${guide.rough(row.worst)}$", f"${guide.rough(row.tolerance)}$"]
+        [
+            row.quantity,
+            " and ".join(row.engines),
+            f"${guide.rough(row.worst)}$",
+            f"${guide.rough(row.tolerance)}$",
+        ]
         for row in agreement.comparisons
         if not row.not_compared
     ],
@@ -138,8 +152,16 @@ names = ("forward", "left", "up"), ("back", "right", "down")
 
 
 def in_words(way):
-    parts = [f"{1000 * abs(x):.0f} mm {names[0 if x > 0 else 1][k]}" for k, x in enumerate(way) if 1000 * abs(x) >= 0.5]
-    return ", ".join(parts) or "stays where it is, and turns" if np.linalg.norm(way) < 5e-4 else ", ".join(parts)
+    parts = [
+        f"{1000 * abs(x):.0f} mm {names[0 if x > 0 else 1][k]}"
+        for k, x in enumerate(way)
+        if 1000 * abs(x) >= 0.5
+    ]
+    return (
+        ", ".join(parts) or "stays where it is, and turns"
+        if np.linalg.norm(way) < 5e-4
+        else ", ".join(parts)
+    )
 
 
 guide.say(
@@ -193,7 +215,11 @@ assert arm.limits.contains(theta)
 
 # %% tags=["hidden"]
 kind = type(asked(arm, g_so)).__name__
-words = {"Pose": "the whole pose", "Approach": "the place and the direction", "Position": "the place alone"}[kind]
+words = {
+    "Pose": "the whole pose",
+    "Approach": "the place and the direction",
+    "Position": "the place alone",
+}[kind]
 way_off = 1e6 * np.linalg.norm((reached - g_so)[:3, 3])
 guide.table(
     ["joint", "from", "to"],
@@ -290,7 +316,9 @@ assert np.allclose(motion(motion.duration), arm.ready)
 begins = motion.times[1]
 on_the_line = tool[(t >= begins) & (t <= closing)]
 chord = g_so[:3, 3] - arm.fk(motion(begins))[:3, 3]
-off = np.linalg.norm(np.cross(on_the_line - on_the_line[0], chord / np.linalg.norm(chord)), axis=1).max()
+off = np.linalg.norm(
+    np.cross(on_the_line - on_the_line[0], chord / np.linalg.norm(chord)), axis=1
+).max()
 assert off < 2e-4
 guide.say(
     f"{motion.duration:.2f} s in all. When the gripper closes, at {closing:.2f} s, the tool is {1e6 * missed:.2f} µm "
@@ -314,7 +342,7 @@ for ax in (left, right):
 left.set_ylabel("rate, share of its limit")
 left.set_ylim(-1.1, 1.1)
 right.set_ylabel("speed of the tool [m/s]")
-fig.legend(frameon=False, fontsize=7, labelcolor=guide.INK, ncols=4, loc="outside lower center")
+fig.legend(fontsize=7, ncols=4, loc="outside lower center")
 guide.figure(
     fig,
     "Left, the rate of each joint as a share of its limit over time: none exceeds one. Right, the speed of the tool: "
@@ -331,7 +359,9 @@ guide.figure(
 # planner has kept every limit, and it knows nothing of the table.
 
 # %%
-guide.scene(arm, arm.ready, motion, caption="Play it. The label says when the gripper closes.", screws=False)
+guide.scene(
+    arm, arm.ready, motion, caption="Play it. The label says when the gripper closes.", screws=False
+)
 
 with TemporaryDirectory() as folder:
     file = motion.to_csv(Path(folder) / "motion.csv", dt=0.01)

@@ -11,7 +11,7 @@ from ...model.arm import Arm
 from ...support.checks import Array
 from ...theory import poe
 from ...theory.screws import to_screw
-from .style import AMBER, AXES, BLUE, COLOURS, DASHES, FAINT, GREEN, GREY, INK, ORANGE, PINK, SKY, settings
+from .style import AMBER, AXES, BLUE, COLOURS, DASHES, FAINT, GREEN, GREY, INK, ORANGE, PINK, SKY, use
 
 __all__ = ["AMBER", "BLUE", "COLOURS", "GREEN", "GREY", "INK", "ORANGE", "PINK", "SKY", "arm_points", "axes2", "axes3",
            "fit", "plot_arm", "plot_frame", "plot_point", "plot_screw", "plot_vector"]  # fmt: skip
@@ -34,16 +34,17 @@ def axes2(
         height: Of the figure [inches].
         xlabel: What the abscissa is, with its unit.
         ylabel: What the ordinate is, with its unit.
-        equal: Whether a length is as long along both axes.
+        equal: Whether a length is as long along both axes, whose limits grow for it; where you set the limits yourself,
+            have `aspect="equal"` set with them instead, and the axes shrink.
 
     Returns:
         The figure and its axes.
     """
     from matplotlib.figure import Figure
 
-    with settings():
-        fig = Figure(figsize=(width, height), layout="constrained")
-        axes = fig.subplots(1, columns)
+    use()
+    fig = Figure(figsize=(width, height), layout="constrained")
+    axes = fig.subplots(1, columns)
     for ax in np.atleast_1d(axes):
         ax.set(xlabel=xlabel, ylabel=ylabel)
         if equal:
@@ -77,9 +78,9 @@ def axes3(
     """
     from matplotlib.figure import Figure
 
-    with settings():
-        fig = Figure(figsize=(width, height), layout="constrained")
-        axes = [fig.add_subplot(1, columns, k + 1, projection="3d", computed_zorder=False) for k in range(columns)]
+    use()
+    fig = Figure(figsize=(width, height), layout="constrained")
+    axes = [fig.add_subplot(1, columns, k + 1, projection="3d", computed_zorder=False) for k in range(columns)]
     for ax in axes:
         ax.view_init(elev=elev, azim=azim)
         ax.set(xlabel="x [m]", ylabel="y [m]", zlabel="z [m]")
@@ -110,6 +111,9 @@ def fit(ax: Any, points: ArrayLike | None = None, margin: float = 0.05) -> None:
     for set_limits, centre in zip((ax.set_xlim3d, ax.set_ylim3d, ax.set_zlim3d), middle, strict=True):
         set_limits(centre - half, centre + half)
     ax.set_box_aspect((1, 1, 1), zoom=1.0 if ax.axison else 1.45)
+    if not ax.axison:  # nothing frames what is drawn, so nothing cuts it off
+        for artist in (*ax.lines, *ax.collections, *ax.texts):
+            artist.set(clip_on=False, in_layout=False)
 
 
 def plot_frame(ax: Any, g: ArrayLike, name: str | None = "", length: float = 1.0, alpha: float = 1.0) -> None:

@@ -28,20 +28,32 @@ def _text(data: Data) -> str:
 
 
 def _table(data: Data) -> str:
-    head = "".join(f'<th scope="col">{inline(cell)}</th>' for cell in data["head"])
-    rows = "".join(
-        "<tr>" + "".join(f"<td{_aligned(cell)}>{inline(cell)}</td>" for cell in row) + "</tr>" for row in data["rows"]
-    )
+    lines = [data["head"], *data["rows"]]
+    kinds = [' class="number"' if all(map(_is_number, column[1:])) else "" for column in zip(*lines, strict=True)]
+    head, *rows = (list(zip(line, kinds, strict=True)) for line in lines)
+    titles = "".join(_title(cell, kind) for cell, kind in head)
+    body = "".join("<tr>" + "".join(f"<td{kind}>{inline(cell)}</td>" for cell, kind in row) + "</tr>" for row in rows)
     caption = f"<caption>{inline(data['caption'])}</caption>" if data["caption"] else ""
     label = escape(data["caption"] or "Table")
     return (
         f'<div class="wide" role="group" aria-label="{label}" tabindex="0"><table>{caption}'
-        f"<thead><tr>{head}</tr></thead><tbody>{rows}</tbody></table></div>"
+        f"<thead><tr>{titles}</tr></thead><tbody>{body}</tbody></table></div>"
     )
 
 
-def _aligned(cell: str) -> str:
-    return ' class="number"' if cell[:1].isdigit() or cell[:1] in "−+.∞" else ""
+def _title(cell: str, kind: str) -> str:
+    """The head of a column. An empty cell is the head of nothing; a formula alone is no text to some who listen."""
+    if not cell:
+        return "<td></td>"
+    title = inline(cell)
+    if cell.startswith("$") and cell.endswith("$"):
+        title = title.replace("<math ", f'<math aria-label="{escape(cell[1:-1])}" ', 1)
+    return f'<th scope="col"{kind}>{title}</th>'
+
+
+def _is_number(cell: str) -> bool:
+    """Whether a cell begins as a number does; an empty one may stand among numbers."""
+    return not cell or cell in ("∞", "none") or cell.lstrip("$−-+.")[:1].isdigit()
 
 
 def _picture(data: Data, svg: str) -> str:

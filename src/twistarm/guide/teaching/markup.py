@@ -14,17 +14,27 @@ LONG = 36
 
 THIN = '<mspace width="0.167em"></mspace>'
 
+FUNCTION = "<mi>(?:arc)?(?:sin|cos|tan|exp|log|ln)</mi>"
+
+POWER = r"(?:<m[in]>[^<]*</m[in]>|<mrow>(?:(?!</?mrow>).)*</mrow>)"
+
 
 def block(markdown: str) -> str:
     """Paragraphs, lists, tables, headings."""
-    html: str = _renderer().render(markdown)
-    return html
+    return _together(_renderer().render(markdown))
 
 
 def inline(markdown: str) -> str:
     """A line of text, without a paragraph around it."""
-    html: str = _renderer().renderInline(markdown)
-    return html
+    return _together(_renderer().renderInline(markdown))
+
+
+def _together(html: str) -> str:
+    """Keep a formula in a line with the punctuation around it, which a browser may part from it."""
+    alone = r'<span class="math inline">(?:(?!</span>).)*</span>'
+    return re.sub(
+        rf"\({alone}[,.;:?!)]*|{alone}[,.;:?!)]+", r'<span class="together">\g<0></span>', html, flags=re.DOTALL
+    )
 
 
 def formula(tex: str, *, display: bool = False) -> str:
@@ -38,10 +48,8 @@ def formula(tex: str, *, display: bool = False) -> str:
     if unknown := re.search(r"\\\w+", re.sub(r"<[^>]*>", " ", mathml)):
         raise InputError(f"the formula {tex!r} cannot be read: no MathML is known for {unknown[0]}")
     # cos θ, but cos(θ): a function's name is an operator, which that library writes as a letter.
-    mathml = re.sub(r"(<mi>(?:arc)?(?:sin|cos|tan|exp|log|ln)</mi>)(?=<m(?!o))", rf"\1{THIN}", mathml)
-    mathml = re.sub(
-        r"(</m(?:i|n|sub|sup|subsup|over|frac)>)(?=<mi>(?:arc)?(?:sin|cos|tan|exp|log|ln)<)", rf"\1{THIN}", mathml
-    )
+    mathml = re.sub(rf"((?<!<msup>){FUNCTION}|<msup>{FUNCTION}{POWER}</msup>)(?=<m(?!o))", rf"\1{THIN}", mathml)
+    mathml = re.sub(rf"(</m(?:i|n|sub|sup|subsup|over|frac)>)(?=(?:<msup>)?{FUNCTION})", rf"\1{THIN}", mathml)
     mathml = mathml.replace('<mo movablelimits="true">', '<mo movablelimits="true" lspace="0">')
     scrolls = 'tabindex="0" ' if display and len(tex) > LONG else ""
     return mathml.replace("<math ", f'<math {scrolls}alttext="{escape(tex)}" ', 1)
@@ -78,11 +86,7 @@ def _renderer() -> Any:
 
 
 def _fence(source: str, language: str, _: str) -> str:
-    return (
-        program(source)
-        if language == "python"
-        else f'<pre class="code" tabindex="0"><code>{escape(source)}</code></pre>'
-    )
+    return program(source) if language == "python" else f'<pre class="code words"><code>{escape(source)}</code></pre>'
 
 
 def _heading(renderer: Any, tokens: Any, index: int, options: Any, env: Any) -> str:

@@ -10,6 +10,7 @@ from numpy.typing import ArrayLike
 
 from ...support.errors import InputError, listed
 from .outlet import show
+from .tex import rough
 
 if TYPE_CHECKING:
     from ...model.arm import Arm
@@ -27,6 +28,10 @@ SLIDERS: dict[str, dict[str, Any]] = {
 """The sliders by name, and the numbers with which each begins: angles in degrees, lengths in metres, time in s."""
 
 
+ROUNDING = 1e-9
+"""What is smaller in a table of coordinates is rounding, and written as 0."""
+
+
 def say(markdown: str) -> None:
     """Show text of the lesson, markdown with formulae between dollars.
 
@@ -40,7 +45,10 @@ def say(markdown: str) -> None:
 
 
 def table(head: Sequence[str], rows: Sequence[Sequence[object]], caption: str = "") -> None:
-    """Show a table. Cells are markdown; a float has four digits, another object its own text.
+    """Show a table. Cells are markdown; another object than a float is its own text.
+
+    A float has four digits. One too small for them has its first digit and a power of ten, and one that only rounding
+    has made is 0; where rounding is what is shown, write it by `rough`.
 
     Args:
         head: Titles of the columns.
@@ -117,6 +125,9 @@ def predict(question: str, answer: str) -> None:
 
 
 def _cell(value: object) -> str:
-    if isinstance(value, (float, np.floating)):
-        return f"{value + 0.0:.4f}".replace("-0.0000", "0.0000").replace("-", "−")
-    return str(value)
+    if not isinstance(value, (float, np.floating)):
+        return str(value)
+    number = float(value)
+    if ROUNDING < abs(number) < 0.5e-4:
+        return f"${rough(number)}$"
+    return f"{number + 0.0:.4f}".replace("-0.0000", "0.0000").replace("-", "−")

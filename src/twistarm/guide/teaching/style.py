@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from contextlib import AbstractContextManager
 from typing import Any
 
 INK, GREY, FAINT = "#1b1f24", "#5b6470", "#c9ced6"
@@ -48,8 +47,8 @@ _SETTINGS: dict[str, Any] = {
 }
 
 
-def settings() -> AbstractContextManager[None]:
-    """Meanwhile, matplotlib draws in this style; it needs no screen."""
+def use() -> None:
+    """Have matplotlib draw in this style from now on: much of it is asked for only when something is drawn."""
     import matplotlib
     from cycler import cycler
 
@@ -57,4 +56,4 @@ def settings() -> AbstractContextManager[None]:
         linestyle=["-", (0, (5, 1.5)), (0, (1.2, 1.2)), (0, (5, 1.5, 1.2, 1.5)), (0, (8, 2)), (0, (2, 2))]
     )
     chosen: Any = {**_SETTINGS, "axes.prop_cycle": cycle}
-    return matplotlib.rc_context(chosen)
+    matplotlib.rcParams.update(chosen)

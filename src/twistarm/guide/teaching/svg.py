@@ -7,15 +7,39 @@ import io
 import re
 from typing import Any
 
-from .style import COLOURS, settings
+import numpy as np
+
+from .style import COLOURS
 
 
 def of(figure: Any) -> str:
     """The figure as one `<svg>` element, hidden from those who hear the page: its words stand beside it."""
     text = io.StringIO()
-    with settings():
-        figure.savefig(text, format="svg", bbox_inches="tight", pad_inches=0.05, metadata={"Date": None})
+    figure.savefig(text, format="svg", bbox_inches=_drawn(figure), metadata={"Date": None})
     return as_element(text.getvalue())
+
+
+def _drawn(figure: Any) -> Any:
+    """What of the figure's plane holds ink [inches]: axes in space leave room around them, or overstep their own."""
+    from matplotlib.transforms import Bbox
+
+    beyond, fineness = 0.7, 50  # [inches] of the plane that are looked at around the figure; dots per inch
+    width, height = figure.get_size_inches()
+    plane = Bbox([[-beyond, -beyond], [width + beyond, height + beyond]])
+    figure.draw_without_rendering()
+    figure.set_layout_engine("none")  # it is laid out now
+    for legend in figure.legends:  # it stands on the edge of the figure, and not of the plane that is looked at
+        if legend.get_bbox_to_anchor() is figure.bbox:
+            legend.set_bbox_to_anchor((0, 0, 1, 1), figure.transFigure)
+    dots = io.BytesIO()
+    figure.savefig(dots, format="raw", dpi=fineness, bbox_inches=plane)
+    shape = tuple(round(side * fineness) for side in (plane.height, plane.width))
+    ink = np.frombuffer(dots.getvalue(), np.uint8).reshape(*shape, 4)[..., 3]
+    rows, columns = (np.flatnonzero(ink.any(axis=axis)) for axis in (1, 0))
+    if not rows.size:
+        return plane
+    low, high = np.array([columns[0], shape[0] - 1 - rows[-1]]), np.array([columns[-1] + 1, shape[0] - rows[0]])
+    return Bbox(np.array([low, high]) / fineness - beyond).padded(0.05)
 
 
 def as_element(document: str) -> str:

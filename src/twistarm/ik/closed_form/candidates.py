@@ -22,11 +22,12 @@ from .trigonometric import NEAREST
 
 NO_ORIGIN = np.zeros(3)
 
-MET = 1e-6
+ROUNDED = 1e-12
 """A candidate that misses by less [m, or a rotation's numbers] is an answer but for rounding."""
 
-ELSEWHERE = tuple(0.9 * step for step in range(1, 7))
-"""How far from `near` [rad, m] joints are tried of which any value would do, where there is no answer with that one."""
+VALUES_TRIED = 16
+"""Where nothing with the value at hand is an answer, a joint of which any would do is tried at so many values, evenly
+about a turn or a length of 2π m, the nearest to it first."""
 
 
 class Candidate(NamedTuple):
@@ -36,21 +37,20 @@ class Candidate(NamedTuple):
     free: frozenset[int]
 
 
-def candidates(fitted: FittedFamily, G: Array, near: Array, slack: float) -> list[Candidate]:
+def candidates(fitted: FittedFamily, G: Array, near: Array, slack: float) -> Iterator[list[Candidate]]:
     """Every x (k,) with E₁(x₁) ⋯ Eₖ(xₖ) = G (4, 4), and some that only nearly do, or not: forward kinematics decides.
 
-    Where any value of a joint would do it has that of `near` (k,); where there is nothing with that, a nearby one.
+    Where any value of a joint would do it has that of `near` (k,). Such a candidate may be no answer with that value,
+    and one with another, or the others with whose help it would do are elsewhere: so further lists follow, of what has
+    anything free, where those joints stand at other values. Newton's method brings these to all answers nearby.
     """
-    found, free = [], frozenset[int]()
-    for candidate in _with(fitted, G, near, slack):
-        found.append(candidate)
-        free |= candidate.free
-    met = any(_miss(fitted, candidate, G) <= MET for candidate in found if candidate.free)
-    for turned in ELSEWHERE if free and not met else ():
+    found = list(_with(fitted, G, near, slack))
+    yield found
+    open_joints = {i for each in found if each.free and _miss(fitted, each, G) > ROUNDED for i in each.free}
+    for nth in range(1, VALUES_TRIED) if open_joints else ():
         elsewhere = np.array(near)
-        elsewhere[list(free)] += turned
-        found += [candidate for candidate in _with(fitted, G, elsewhere, slack) if candidate.free]
-    return found
+        elsewhere[list(open_joints)] += 2.0 * math.pi / VALUES_TRIED * ((nth + 1) // 2) * (-1 if nth % 2 == 0 else 1)
+        yield [candidate for candidate in _with(fitted, G, elsewhere, slack) if candidate.free]
 
 
 def _miss(fitted: FittedFamily, candidate: Candidate, G: Array) -> float:

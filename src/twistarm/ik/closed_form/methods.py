@@ -6,6 +6,7 @@ It follows from the axes alone, is looked for once for each arm and kind, and ke
 from __future__ import annotations
 
 import itertools
+from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import TYPE_CHECKING, Any
@@ -95,31 +96,33 @@ class Method:
         """The family with its axes, where no joint is held."""
         return self.family.fitted(self.chain.axes) if self.family is not None and not self.held else None
 
-    def candidates(self, arm: Arm, target: AnyTarget, near: Array, values: Array) -> list[Array]:
-        """Candidates theta (n,), held joints at `values` of theta; what is free stands as in `near` (n,)."""
+    def candidates(self, arm: Arm, target: AnyTarget, near: Array, values: Array) -> Iterator[list[Array]]:
+        """Lists of candidates theta (n,), held joints at `values` of theta; in the first, what is free as in `near`."""
         chain = self.chain
         rates = chain.rates[list(self.held)]
         axes, behind = chain.held(self.held, rates * values)
         G = goal(arm, target) @ behind
         solved = [i for i in range(chain.n) if i not in self.held]
-        found = []
-        for x in self._solved(axes, G, np.append((near * chain.rates)[solved], np.zeros(len(axes) - len(solved)))):
-            theta = np.empty(chain.n)
-            theta[solved] = x[: len(solved)] / chain.rates[solved]
-            theta[list(self.held)] = values
-            found.append(theta)
-        return found
+        start = np.append((near * chain.rates)[solved], np.zeros(len(axes) - len(solved)))
+        for found in self._solved(axes, G, start):
+            theta = np.empty((len(found), chain.n))
+            theta[:, list(self.held)] = values
+            for row, x in zip(theta, found, strict=True):
+                row[solved] = x[: len(solved)] / chain.rates[solved]
+            yield [*theta]
 
     def __getstate__(self) -> dict[str, Any]:
         return {**self.__dict__, "compiled": None}  # what is compiled belongs to this process
 
-    def _solved(self, axes: tuple[JointAxis, ...], G: Array, near: Array) -> list[Array]:
+    def _solved(self, axes: tuple[JointAxis, ...], G: Array, near: Array) -> Iterator[list[Array]]:
         if self.family is not None:
             fitted = self.fitted or self.family.fitted(axes)
             slack = SLACK if self.exact else SLACK_NEARLY
-            return [candidate.x for candidate in candidates(fitted, G, near, slack)]
+            for found in candidates(fitted, G, near, slack):
+                yield [candidate.x for candidate in found]
+            return
         assert self.rooted is not None
-        return eliminated(axes, self.rooted, G)
+        yield eliminated(axes, self.rooted, G)
 
 
 _KEPT: WeakKeyDictionary[Arm, dict[object, Method]] = WeakKeyDictionary()
@@ -144,22 +147,27 @@ def method_for(arm: Arm, target: AnyTarget, given: tuple[int, ...] = ()) -> Meth
     return kept[key]
 
 
-def family_for(arm: Arm, target: AnyTarget) -> ClosedForm | None:
-    """The exact family for targets like this one in the core, where no joint has to be sampled; else None."""
-    free, given = {Pose: 0, Approach: 1, Position: 3}.get(type(target), MOST_JOINTS), standing(arm)
-    if arm.n - len(given) + free > MOST_JOINTS:
-        return None
+def family_method(arm: Arm, target: AnyTarget) -> Method:
+    """The method for targets like this one by families alone: without elimination, which takes long to set up."""
     key = "family", type(target), target.axis.tobytes() if isinstance(target, Approach) else None
     kept = _KEPT.setdefault(arm, {})
     if key not in kept:
-        kept[key] = _with_core(arm, target, _looked_for(arm, target, given, families_alone=True))
-    method = kept[key]
+        kept[key] = _with_core(arm, target, _looked_for(arm, target, standing(arm), families_alone=True))
+    return kept[key]
+
+
+def family_for(arm: Arm, target: AnyTarget) -> ClosedForm | None:
+    """The exact family for targets like this one in the core, where no joint has to be sampled; else None."""
+    free = {Pose: 0, Approach: 1, Position: 3}.get(type(target), MOST_JOINTS)
+    if arm.n - len(standing(arm)) + free > MOST_JOINTS:
+        return None
+    method = family_method(arm, target)
     return None if method.swept else method.compiled
 
 
 def _with_core(arm: Arm, target: AnyTarget, method: Method) -> Method:
     """The method, with its family in the core where the axes are exact: slack for those that miss is not for it."""
-    if method.family is None or not method.exact:
+    if method.family is None or not method.exact or not method.family.order:  # with every joint given nothing is solved
         return method
     numbers = family_numbers(arm, method.chain, method.family, method.held, {*method.held} - {*method.given})
     return replace(method, numbers=numbers, compiled=compiled(arm, target.kind, numbers))

@@ -24,8 +24,9 @@ from .joint_axis import JointAxis, Plane, Point, across
 from .trigonometric import NOTHING
 from .two_conditions import Side, one_joint, two_conditions
 
-ON_AXIS = 1e-12
-"""What lies nearer to an axis than this [m], or points along it to so much, is not moved by a turn about it."""
+ON_AXIS = 1e-7
+"""What lies nearer to an axis than this [m], or points along it to so much, is hardly moved by a turn about it, and
+where a double root, which has half the digits, brought it there, by which is not known: any will do to begin with."""
 
 
 class Placed(NamedTuple):

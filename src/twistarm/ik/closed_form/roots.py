@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import itertools
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -44,13 +44,6 @@ LEAST_ROUNDED = 1e-11
 SIDESTEP = 0.05
 """How far [rad, m] along a singular direction an answer is looked for again: where there is one, a family begins."""
 
-GONE = 0.2
-"""What is left of the step, at least, where it does not come back: its direction may be one of a family and of a double
-root at once, and only the first part stays."""
-
-MOVED = 1e-4
-"""A joint that has moved by less [rad, m] has come back, to what dependent directions leave."""
-
 MOST_COPIES = 4096
 
 
@@ -88,16 +81,24 @@ def met(arm: Arm, target: AnyTarget, theta: Array, tolerances: Tolerances) -> bo
 
 
 def roots(
-    arm: Arm, target: AnyTarget, candidates: Iterable[Array], tolerances: Tolerances, held: tuple[int, ...] = ()
+    arm: Arm,
+    target: AnyTarget,
+    candidates: Iterable[Array],
+    tolerances: Tolerances,
+    held: tuple[int, ...] = (),
+    known: Sequence[Root] = (),
 ) -> list[Root]:
-    """The different answers among the candidates, each corrected and verified; `held` joints stay where they are."""
+    """The different answers among the candidates that are not `known` yet, each corrected and verified.
+
+    `held` joints stay where they are.
+    """
     found: list[Root] = []
     turns = joint_ranges(arm).periodic
     for candidate in candidates:
         theta = corrected(arm, target, np.array(candidate), held)
         if not met(arm, target, theta, tolerances):
             continue
-        if not any(_same(arm, target, theta, other.theta, turns) for other in found):
+        if not any(_same(arm, target, theta, other.theta, turns) for other in (*known, *found)):
             found.append(Root(theta, self_motion(arm, target, theta, tolerances, held)))
     return found
 
@@ -107,19 +108,23 @@ def self_motion(
 ) -> tuple[int, ...]:
     """The joints, beside those `held`, that move while the target stays met: () for an answer that stands alone.
 
-    Where the rows of the Jacobian are dependent there is a direction that moves nothing at first. A step along it,
-    corrected, either comes back, or is another answer: then the two belong to a family.
+    Where more joints are left than there are rows, and these are independent, the null space is a family's tangent, and
+    all that it moves is free. Else a direction in it moves nothing at first. A step along it, corrected, either comes
+    back, or is another answer: then the two belong to a family.
     """
     solved = [i for i in range(arm.n) if i not in held]
-    _, size, Vt = np.linalg.svd(_error_and_rows(arm, target, theta)[1][:, solved])
+    J = _error_and_rows(arm, target, theta)[1][:, solved]
+    _, size, Vt = np.linalg.svd(J)
     rank = int((size > DEPENDENT * size.max(initial=1e-300)).sum())
+    if rank == len(J) and np.abs(Vt[rank:]).max(axis=0, initial=0.0).min(initial=1.0) > DEPENDENT:
+        return tuple(solved)
     moving: set[int] = set()
     for direction in Vt[rank:]:
         step = np.zeros(arm.n)
         step[solved] = SIDESTEP * direction
         beside = corrected(arm, target, theta + step, held, DEPENDENT)
-        if met(arm, target, beside, tolerances) and np.linalg.norm(beside - theta) > GONE * SIDESTEP:
-            moving |= set(np.flatnonzero(np.abs(beside - theta) > MOVED).tolist())
+        if met(arm, target, beside, tolerances) and np.linalg.norm(beside - theta) > 0.5 * SIDESTEP:
+            moving |= set(np.flatnonzero(np.abs(beside - theta) > 1e-6).tolist())
     return tuple(sorted(moving))
 
 

@@ -22,6 +22,9 @@ NEAREST = 1e100
 LEVEL = 1e-7
 """What is left of the equation when all its coefficients are zero may be so much of its scale."""
 
+DOUBLE_ROOT = 1e-13
+"""A discriminant below this part of its size is rounding, and two roots are one."""
+
 OFFSETS = 0.7 * np.arange(8)
 """Zeros of the angle that are tried, so that no root lies at its half turn."""
 
@@ -39,7 +42,8 @@ def harmonic(a: float, b: float, c: float, scale: float, slack: float) -> list[f
         return None if abs(c) <= (LEVEL + slack) * scale else []
     if abs(c) > amplitude * (1.0 + slack) + NOTHING * scale:
         return []
-    middle, opening = math.atan2(b, a), math.sqrt(max(amplitude**2 - c**2, 0.0))
+    square = (amplitude - c) * (amplitude + c)
+    middle, opening = math.atan2(b, a), math.sqrt(square) if square > DOUBLE_ROOT * amplitude**2 else 0.0
     half = math.atan2(opening, c)
     return [middle + half] if opening == 0.0 else [middle + half, middle - half]
 
@@ -48,10 +52,10 @@ def quadratic(f: float, b: float, c: float, slack: float) -> list[float]:
     """Lengths x with f x² + b x + c = 0, without cancellation."""
     if abs(f) <= NOTHING * abs(b):
         return [] if b == 0.0 else [-c / b]
-    discriminant = b * b - 4.0 * f * c
-    if discriminant < -slack * (b * b + abs(4.0 * f * c)):
+    discriminant, size = b * b - 4.0 * f * c, b * b + abs(4.0 * f * c)
+    if discriminant < -slack * size:
         return []
-    root = math.sqrt(max(discriminant, 0.0))
+    root = math.sqrt(discriminant) if discriminant > DOUBLE_ROOT * size else 0.0
     q = -0.5 * (b + math.copysign(root, b))
     return [0.0] if q == 0.0 else [q / f, c / q] if root > 0.0 else [q / f]
 

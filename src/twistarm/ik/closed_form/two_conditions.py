@@ -22,7 +22,7 @@ from .trigonometric import NEAREST, NOTHING, harmonic, quadratic, second_harmoni
 CLEARLY_TWO = 1e-6
 """Ratio of a matrix's singular values above which its two rows are two conditions."""
 
-BARELY_TWO = 1e-9
+BARELY_TWO = 1e-12
 """Below this they are one."""
 
 WELL_CONDITIONED = 1e-3
@@ -103,10 +103,14 @@ def _two_linear(a: Side, b: Side, e: Array) -> list[Pair]:
     both = np.stack([a.matrix[:, 0], b.matrix[:, 0]], axis=1)
     if abs(np.linalg.det(both)) > NOTHING:
         return [Pair(*np.linalg.solve(both, e))]
-    (x, x_free), (y, y_free) = one_joint(a, e, 0.0)[0], one_joint(b, e, 0.0)[0]
+    first, second = one_joint(a, e, 0.0), one_joint(b, e, 0.0)
+    if not first or not second:  # squares that are nothing beside the conditions, but something beside these lengths
+        return []
+    (x, x_free), (y, y_free) = first[0], second[0]
     if x_free or y_free:
         return [Pair(x, y, x_free, y_free)]
-    return [Pair(one_joint(a, e - both[:, 1] * b.near, 0.0)[0][0], b.near, False, True)]
+    rest = one_joint(a, e - both[:, 1] * b.near, 0.0)
+    return [Pair(x, b.near, False, True) for x, _ in rest[:1]]
 
 
 def _angle_and_length(a: Side, b: Side, e: Array, slack: float) -> list[Pair]:

@@ -1,17 +1,22 @@
-"""Branches: the configurations in which an arm meets a target, from many starts."""
+"""Branches: the configurations in which an arm meets a target, by its closed form or from many starts."""
 
 from __future__ import annotations
 
 import numpy as np
 
+from ...ik.all_solutions_row import LEFT, configurations_in
 from ...ik.batch import solve_ik_batch
+from ...ik.closed_form.methods import family_method
 from ...ik.targets import AnyTarget
 from ...model.arm import Arm
 from ...support.checks import Array
 from .nodes import EXACT
 
-STARTS = 96
-"""Searches from random starts, beside the one from where the arm is."""
+MOST = 96
+"""Searches from random starts, beside the one from where the arm is; configurations of a closed form, at most."""
+
+TURNED = 12
+"""Values of joints of which each leaves the others as they are, the turn about an approach's axis."""
 
 APART = 0.02
 """Configurations nearer together than this [rad, m] in every joint are one; branches may come near each other."""
@@ -22,20 +27,66 @@ SEED = 0
 def branches(arm: Arm, target: AnyTarget, near: Array) -> Array:
     """Configurations (b, n) that meet the target, b ≥ 0, nearest to `near` (n,) first.
 
-    One search from `near`, others from random starts, each alone; of answers that are close together the nearest is
-    kept. Joints that may turn for more than a turn are given by the windings their limits allow.
+    By the closed form of the arm's family, at random values of the joints that the target leaves free; where there is
+    none, and where an answer is one of a continuous family, by searches from random starts. Of answers that are close
+    together the nearest is kept. Joints that may turn for more than a turn are given by the windings their limits
+    allow.
     """
-    starts = np.vstack([near, arm.random_theta(SEED, STARTS)])
+    starts = np.vstack([near, arm.random_theta(SEED, MOST)])
+    met, all_found = _by_closed_form(arm, target, starts)
+    if not all_found:
+        met = np.vstack([_nearest(arm, target, near), met, _by_searches(arm, target, starts)])
+    return _in_order(_windings(arm, _apart(_in_order(met, near))), near)
+
+
+def _by_closed_form(arm: Arm, target: AnyTarget, starts: Array) -> tuple[Array, bool]:
+    """Configurations (k, n), and whether nothing is left to search for.
+
+    Joints that are held stand where they do in some of the `starts`. Of more than `MOST` the nearest half of so many
+    are kept, and others evenly.
+    """
+    method = family_method(arm, target)
+    if method.compiled is None:
+        return starts[:0], False
+    held = list(method.held)
+    values = np.ascontiguousarray(starts[: None if method.swept else TURNED, held]) if held else None
+    row = method.compiled.solve(target.numbers, np.array(starts[0]), values, EXACT, EXACT)
+    assert row is not None, "what was checked is plain"
+    inside, _ = configurations_in(row, arm.n)
+    theta, moving = inside[:, : arm.n], inside[:, arm.n :] > 0.5
+    moving[:, held] = False
+    if len(theta) > MOST:
+        theta = theta[np.append(np.arange(MOST // 2), np.linspace(MOST // 2, len(theta) - 1, MOST // 2).astype(int))]
+    if held:
+        theta = np.vstack([_nearest(arm, target, starts[0]), theta])
+    return theta, not row[LEFT] and not moving.any()
+
+
+def _by_searches(arm: Arm, target: AnyTarget, starts: Array) -> Array:
+    """What a search from each of the starts finds, (k, n)."""
     found = solve_ik_batch(arm, [target] * len(starts), starts, position_tol=EXACT, orientation_tol=EXACT, restarts=1)
-    first = solve_ik_batch(arm, [target], near[None], position_tol=EXACT, orientation_tol=EXACT, posture="theta0")
-    met = np.vstack([first.theta[first.converged], found.theta[found.converged]])
-    met = _windings(arm, met)
-    left = met[np.argsort(np.linalg.norm(met - near, axis=1), kind="stable")]
+    return found.theta[found.converged]
+
+
+def _nearest(arm: Arm, target: AnyTarget, near: Array) -> Array:
+    """The configuration that is as near to `near` as the target leaves it, (1, n), or none."""
+    found = solve_ik_batch(arm, [target], near[None], position_tol=EXACT, orientation_tol=EXACT, posture="theta0")
+    return found.theta[found.converged]
+
+
+def _in_order(thetas: Array, near: Array) -> Array:
+    """The same, nearest first."""
+    return thetas[np.argsort(np.linalg.norm(thetas - near, axis=1), kind="stable")]
+
+
+def _apart(thetas: Array) -> Array:
+    """Of those that are close together the first."""
+    left = thetas
     kept: list[Array] = []
     while len(left):
         kept.append(left[0])
         left = left[np.abs(left - left[0]).max(axis=1) > APART]
-    return np.array(kept).reshape(-1, arm.n)
+    return np.array(kept).reshape(-1, thetas.shape[1])
 
 
 def _windings(arm: Arm, thetas: Array) -> Array:

@@ -8,7 +8,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...ik.batch import solve_ik_batch
-from ...ik.targets import Pose
+from ...ik.closed_form.methods import family_method
+from ...ik.targets import AnyTarget, Pose
 from ...limits.joint_limits import JointLimits
 from ...model.arm import Arm
 from ...support.checks import Array
@@ -31,8 +32,8 @@ def climb(arm: Arm, limits: JointLimits, roots: Sequence[Node]) -> list[Node] | 
     """The configurations at the ends of their curves that are reached from `roots`, least joint motion first, or how
     far any of them comes.
 
-    A rung is solved for from every configuration at the one before, all in one batch; where a joint would leap, or
-    there is no answer, halfway first.
+    A rung is solved for from every configuration at the one before, all in one batch, by the arm's closed form where
+    that needs no joint held; where a joint would leap, or there is no answer, halfway first.
     """
     climber = _Climber(arm, limits, Rungs(roots, FEWEST))
     nodes = list(roots)
@@ -80,16 +81,32 @@ class _Climber:
     def _solved(self, nodes: list[Node], s: float, k: int | None) -> tuple[Array, NDArray[np.bool_]]:
         """The answers (b, n) at s, sought where each node would be if it went on as it came, and which there are."""
         g = np.array([node.moving.curve(np.array(s)) for node in nodes]) if k is None else self.rungs.poses(nodes, k)
+        near = np.clip([_ahead(node, s) for node in nodes], self.arm.limits.lower, self.arm.limits.upper)
         pose = isinstance(nodes[0].moving.like, Pose)
-        answer = solve_ik_batch(
-            self.arm,
-            g if pose else [node.moving.like.at(each) for node, each in zip(nodes, g, strict=True)],
-            np.clip([_ahead(node, s) for node in nodes], self.arm.limits.lower, self.arm.limits.upper),
-            position_tol=EXACT,
-            orientation_tol=EXACT,
-            restarts=1,
-        )
+        targets = g if pose else [node.moving.like.at(each) for node, each in zip(nodes, g, strict=True)]
+        found = self._by_closed_form(nodes[0].moving.like, targets, near)
+        if found is not None:
+            return found
+        answer = solve_ik_batch(self.arm, targets, near, position_tol=EXACT, orientation_tol=EXACT, restarts=1)
         return answer.theta, answer.converged
+
+    def _by_closed_form(
+        self, like: AnyTarget, targets: Array | list[AnyTarget], near: Array
+    ) -> tuple[Array, NDArray[np.bool_]] | None:
+        """Of all answers to each target the nearest, where the arm's family gives all of them without a joint held."""
+        method = family_method(self.arm, like)
+        if method.compiled is None or method.swept:
+            return None
+        numbers = targets if isinstance(targets, np.ndarray) else np.array([each.numbers for each in targets])
+        found = method.compiled.solve_batch(numbers, near, EXACT, EXACT, 1)
+        if found is None:
+            return None
+        rows, count, inside, left = found
+        theta, met = near.copy(), inside > 0
+        if (left[~met] > 0).any():
+            return None
+        theta[met] = rows[(np.cumsum(count) - count).astype(np.intp)[met], : self.arm.n]
+        return theta, met
 
 
 def _ahead(node: Node, s: float) -> Array:

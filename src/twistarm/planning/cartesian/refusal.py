@@ -6,6 +6,7 @@ from dataclasses import replace
 
 import numpy as np
 
+from ...ik.solution import IKSolution
 from ...ik.solve import solve_ik
 from ...ik.stop_reason import StopReason
 from ...ik.targets import AnyTarget, Approach, Pose, Position
@@ -28,6 +29,9 @@ MORE_ROOM = 0.5
 
 SINGULAR = 0.05
 """A smaller least singular value, metres over the arm's reach, is that of a posture near a singular one."""
+
+CERTAIN = "; no configuration inside the limits meets it farther on, that is certain"
+"""What the closed form shows of some targets."""
 
 FEW = 2
 """Other configurations from which the path may be followed that are tried."""
@@ -74,9 +78,12 @@ class PathError(TwistarmError):
 def refusal(arm: Arm, limits: JointLimits, blocked: Blocked, *, others: bool) -> PathError:
     """The error for a path that is blocked; looks for what would help, with `others` in other configurations too."""
     moving = blocked.moving
-    reason, joint, why = _why(arm, blocked)
-    other = _other_start(arm, limits, blocked) if others else None
+    beyond = None if blocked.leap else solve_ik(arm, moving.at(blocked.ahead), blocked.theta)
+    nowhere = beyond is not None and beyond.certain
+    reason, joint, why = _why(arm, blocked, beyond)
+    other = _other_start(arm, limits, blocked) if others and not nowhere else None
     help_ = _help(arm, limits, blocked, other)
+    why += CERTAIN * nowhere
     return PathError(
         f"the tool follows the path for {_part(moving, blocked.share)} and no farther: {why}: {help_}",
         blocked.share,
@@ -95,8 +102,11 @@ def _part(moving: MovingTarget, share: float) -> str:
     return f"{so_far} of {all_} ({min(round(100.0 * share), 99)} %)"
 
 
-def _why(arm: Arm, blocked: Blocked) -> tuple[str, str | None, str]:
-    """Reason, joint and words. A joint's limit is the reason where the arm would go on if that joint had more room."""
+def _why(arm: Arm, blocked: Blocked, beyond: IKSolution | None) -> tuple[str, str | None, str]:
+    """Reason, joint and words. A joint's limit is the reason where the arm would go on if that joint had more room.
+
+    `beyond`: what is nearest to the target farther on, None where that is met.
+    """
     theta, limits = blocked.theta, arm.limits
     room = np.minimum(theta - limits.lower, limits.upper - theta)
     tight = [int(j) for j in np.argsort(room) if room[j] < AT_LIMIT]
@@ -106,8 +116,7 @@ def _why(arm: Arm, blocked: Blocked) -> tuple[str, str | None, str]:
             side = "lower" if theta[j] - limits.lower[j] < limits.upper[j] - theta[j] else "upper"
             limit = quantity(float(getattr(limits, side)[j]), arm.units[j])
             return "limit", arm.joint_names[j], f"joint {arm.joint_names[j]!r} comes to its {side} limit {limit}"
-    beyond = solve_ik(arm, blocked.moving.at(blocked.ahead), theta)
-    if not (blocked.leap or beyond.converged):
+    if not (beyond is None or beyond.converged):
         if beyond.stop is StopReason.BLOCKED_BY_LIMITS:
             return "limit", None, "the limits of the joints leave no configuration that meets it farther on"
         if beyond.stop is StopReason.IMPOSSIBLE_DIRECTION:
