@@ -161,6 +161,19 @@ def test_a_stretched_arm_has_one_answer():
     assert len(found) + len(found.outside) == 1
 
 
+def test_a_folded_scara_turns_about_the_point_it_reaches():
+    """Links of one length folded: the tool stands on the first axis, and any turn about that will do."""
+    axes = [["R", [0, 0, 1], [0.3 * i, 0, 0]] for i in range(3)] + [["P", [0, 0, -1], [0, 0, 0]]]
+    home = np.eye(4)
+    home[0, 3] = 0.6
+    bounds = {f"joint{i + 1}": bound for i, bound in enumerate([np.pi, np.pi, np.pi, 1.0])}
+    limits = {"lower": {name: -bound for name, bound in bounds.items()}, "upper": bounds}
+    arm, rng = twistarm.arm_from_screws(screws_of(axes), home, limits=limits), np.random.default_rng(3)
+    for theta in arm.random_theta(rng, 20):
+        theta[1] = np.pi
+        assert len(solve_ik_all(arm, Position(pose_of(arm, theta)[:3, 3])))
+
+
 def test_copies_by_whole_turns_are_counted_on_request():
     arm = family_arm("SCARA, slide last", half_turns=2.0)
     g = pose_of(arm, np.array([0.3, 0.8, -0.4, 0.2]))

@@ -34,7 +34,8 @@ template <class T> struct precision {
     static constexpr T at_limit = T(is_double<T> ? 1e-6 : 1e-4);      ///< an answer beyond by less is at the limit,
     static constexpr T on_limit = T(is_double<T> ? 1e-11 : 1e-6);     ///< and by so little meets the target there too
     static constexpr T sidestep = T(0.05);         ///< along a singular direction, where a family is looked for
-    static constexpr T moved = T(is_double<T> ? 1e-6 : 1e-3);
+    static constexpr T gone = T(0.2);              ///< what is left of it, at least, where it does not come back
+    static constexpr T moved = T(is_double<T> ? 1e-4 : 5e-3);         ///< by less, a joint has come back
 };
 
 /// Forward kinematics as the judge of one target: how far configurations miss it, and Newton's steps toward it.
@@ -159,7 +160,7 @@ public:
                 square += away * away;
                 if (away > precision<T>::moved) changed |= std::uint32_t{1} << moving_[j];
             }
-            if (sqrt(square) > T(0.5) * precision<T>::sidestep) moving |= changed;
+            if (sqrt(square) > precision<T>::gone * precision<T>::sidestep) moving |= changed;
         }
         return moving;
     }
