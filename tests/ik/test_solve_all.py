@@ -258,16 +258,6 @@ def test_a_slide_that_changes_places_across_a_given_joint():
     assert min(apart(arm, each, theta) for each in found) < 1e-6
 
 
-def test_a_stretched_arm_in_line_with_its_wrist_is_a_family():
-    """A double root and a continuous family at once: the elbow comes back from a step, the two turns do not."""
-    axes = [["R", [0, 0, 1], [0, 0, 0]], ["R", [0, 1, 0], [0, 0, 0.36]], ["R", [0, 0, 1], [0, 0, 0]]]
-    axes += [["R", [0, -1, 0], [0, 0, 0.78]], ["R", [0, 0, 1], [0, 0, 0]], ["R", [0, 1, 0], [0, 0, 1.18]]]
-    arm = twistarm.arm_from_screws(screws_of([*axes, ["R", [0, 0, 1], [0, 0, 0]]]), np.eye(4))
-    theta = np.array([0.0, 1.9, 0.9, 0.0, -0.4, QUARTER, -0.9])
-    found = solve_ik_all(arm, Pose(pose_of(arm, theta)), given={"joint1": 0.0})
-    assert ("joint3", "joint5") in found.free
-
-
 @pytest.mark.parametrize(
     ("given", "error", "says"),
     [

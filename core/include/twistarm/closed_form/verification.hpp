@@ -28,14 +28,13 @@ template <class T> struct precision {
     static constexpr T rounding = T(is_double<T> ? 1e-14 : 1e-6);     ///< of forward kinematics
     static constexpr T singular = T(is_double<T> ? 1e-9 : 1e-5);      ///< singular values below this part are none
     static constexpr T dependent = T(is_double<T> ? 1e-6 : 1e-3);     ///< and below this move nothing at first
-    static constexpr T regular = T(is_double<T> ? 1e8 : 1e4);         ///< pivots of JᵀJ above its trace over this
+    static constexpr T regular = T(is_double<T> ? 1e11 : 1e5);        ///< squares of singular values, the largest over the least
     static constexpr T same = T(is_double<T> ? 1e-5 : 3e-3);          ///< nearer together, two answers may be one
     static constexpr T halfway = T(is_double<T> ? 1e-13 : 3e-6);      ///< if halfway between the target is met so well
     static constexpr T at_limit = T(is_double<T> ? 1e-6 : 1e-4);      ///< an answer beyond by less is at the limit,
     static constexpr T on_limit = T(is_double<T> ? 1e-11 : 1e-6);     ///< and by so little meets the target there too
     static constexpr T sidestep = T(0.05);         ///< along a singular direction, where a family is looked for
-    static constexpr T gone = T(0.2);              ///< what is left of it, at least, where it does not come back
-    static constexpr T moved = T(is_double<T> ? 1e-4 : 5e-3);         ///< by less, a joint has come back
+    static constexpr T moved = T(is_double<T> ? 1e-6 : 1e-3);
 };
 
 /// Forward kinematics as the judge of one target: how far configurations miss it, and Newton's steps toward it.
@@ -62,20 +61,21 @@ public:
     /// Whether two answers are one: near together, but for whole turns, and the target is met as well
     /// halfway between them, or to rounding.
     bool same(const ranges<T, N>& range, const T* a, const T* b) const {
-        constexpr T turn = T(whole_turn);
-        T between[width];
-        for (int k = 0; k < arm_.coordinates(); ++k) {
-            T apart = a[k] - b[k];
-            if (range.periodic[k]) apart -= turn * static_cast<T>(__builtin_rint(static_cast<double>(apart / turn)));
-            if (!(absolute(apart) <= precision<T>::same)) return false;
-            between[k] = b[k] + T(0.5) * apart;
-        }
+        T apart[width], between[width];
+        if (!differences(range, a, b, apart)) return false;
+        for (int k = 0; k < arm_.coordinates(); ++k) between[k] = b[k] + T(0.5) * apart[k];
         const T most = greatest(greatest(precision<T>::halfway, T(2) * missed(a)), T(2) * missed(b));
         return missed(between) <= most;
     }
 
-    /// A register of configurations after one of Newton's steps, where one of them needs it; which of them miss by rounding alone, far from any
-    /// singularity, and which are so near before it that they may be answers.
+    /// In which lanes θ is so near an answer, whole turns left aside, that it may be the same.
+    template <class V> unsigned near_to(const ranges<T, N>& range, const V* theta, const T* answer) const {
+        V apart[width];
+        return differences(range, theta, answer, apart);
+    }
+
+    /// A register of configurations after one of Newton's steps, where one of them needs it; which of them miss by rounding
+    /// alone, far from any singularity, and which are so near before it that they may be answers.
     template <class V> void step(V* theta, unsigned& done, unsigned& near) const {
         constexpr T far = precision<T>::near;
         const int n = arm_.coordinates();
@@ -86,25 +86,26 @@ public:
         walk_with_columns(arm_, aims.base, aims.tip, theta, g, columns);
         residual_of<Kind, N>(g, columns, n, aims, T(1), missed);
         near = bits((missed.position_squared < V(far * far)) & (missed.rotation_squared < V(far * far)));
-        V H[most_unknowns][most_unknowns], y[most_unknowns], trace = V(T(0)), pivot = V(T(0)), longest = V(precision<T>::longest);
+        V H[most_unknowns][most_unknowns], y[most_unknowns], trace = V(T(0)), longest = V(precision<T>::longest);
+        TWISTARM_UNROLL
         for (int i = 0; i < count_; ++i) {
             const V* const row = missed.J[moving_[i]];
             y[i] = V(T(0));
             for (int k = 0; k < rows; ++k) y[i] = y[i] - row[k] * missed.e[k];
+            TWISTARM_UNROLL
             for (int j = 0; j <= i; ++j) {
-                H[i][j] = V(T(0));
-                for (int k = 0; k < rows; ++k) H[i][j] = H[i][j] + row[k] * missed.J[moving_[j]][k];
+                const V* const other = missed.J[moving_[j]];
+                V sum = row[0] * other[0];
+                for (int k = 1; k < rows; ++k) sum = sum + row[k] * other[k];
+                H[i][j] = sum;
             }
             trace = trace + H[i][i];
         }
         solve_ldl(H, y, count_);
-        for (int i = 0; i < count_; ++i) {
-            pivot = greatest(pivot, H[i][i]);
-            longest = greatest(longest, absolute(y[i]));
-        }
+        for (int i = 0; i < count_; ++i) longest = greatest(longest, absolute(y[i]));
         V worst = V(T(0));
         for (int k = 0; k < rows; ++k) worst = greatest(worst, absolute(missed.e[k]));
-        auto good = pivot * trace < V(precision<T>::regular);
+        auto good = trace_of_inverse(H, count_) * trace < V(precision<T>::regular);
         for (int i = 0; i < count_; ++i) good = good & (H[i][i] > V(T(0)));
         const V enough = V(T(10) * precision<T>::rounding);
         done = bits(good & (worst <= enough));
@@ -160,12 +161,24 @@ public:
                 square += away * away;
                 if (away > precision<T>::moved) changed |= std::uint32_t{1} << moving_[j];
             }
-            if (sqrt(square) > precision<T>::gone * precision<T>::sidestep) moving |= changed;
+            if (sqrt(square) > T(0.5) * precision<T>::sidestep) moving |= changed;
         }
         return moving;
     }
 
 private:
+    /// a − b less whole turns, and the lanes in which it is small, as bits; where there are none, not all of it is set.
+    template <class V> unsigned differences(const ranges<T, N>& range, const V* a, const T* b, V* apart) const {
+        auto near = in_every_lane<V>(true);
+        for (int k = 0; k < arm_.coordinates(); ++k) {
+            apart[k] = a[k] - b[k];
+            if (range.periodic[k]) apart[k] = apart[k] - T(whole_turn) * nearest_whole(apart[k] * T(1.0 / whole_turn));
+            near = near & (absolute(apart[k]) <= V(precision<T>::same));
+            if (!any(near)) return 0;
+        }
+        return bits(near);
+    }
+
     static bool meets(const residual<T, N, rows>& missed, T position, T chord) {
         return missed.position_squared <= position * position && missed.rotation_squared <= chord * chord;
     }

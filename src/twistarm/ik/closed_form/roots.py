@@ -44,13 +44,6 @@ LEAST_ROUNDED = 1e-11
 SIDESTEP = 0.05
 """How far [rad, m] along a singular direction an answer is looked for again: where there is one, a family begins."""
 
-GONE = 0.2
-"""What is left of the step, at least, where it does not come back: its direction may be one of a family and of a double
-root at once, and only the first part stays."""
-
-MOVED = 1e-4
-"""A joint that has moved by less [rad, m] has come back, to what dependent directions leave."""
-
 MOST_COPIES = 4096
 
 
@@ -130,8 +123,8 @@ def self_motion(
         step = np.zeros(arm.n)
         step[solved] = SIDESTEP * direction
         beside = corrected(arm, target, theta + step, held, DEPENDENT)
-        if met(arm, target, beside, tolerances) and np.linalg.norm(beside - theta) > GONE * SIDESTEP:
-            moving |= set(np.flatnonzero(np.abs(beside - theta) > MOVED).tolist())
+        if met(arm, target, beside, tolerances) and np.linalg.norm(beside - theta) > 0.5 * SIDESTEP:
+            moving |= set(np.flatnonzero(np.abs(beside - theta) > 1e-6).tolist())
     return tuple(sorted(moving))
 
 
