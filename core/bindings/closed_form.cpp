@@ -1,8 +1,13 @@
 #include "closed_form.hpp"
 
+#include <nanobind/ndarray.h>
+
 #include <algorithm>
+#include <cstdlib>
 #include <cstring>
+#include <mutex>
 #include <new>
+#include <utility>
 #include <vector>
 
 #include "questions.hpp"
@@ -75,34 +80,78 @@ private:
     std::vector<Place> inside_, outside_;
 };
 
+// Rows of blocks that end in any order, in the order of the blocks. What a batch gives back is memory that it touches once:
+// there is no time for a copy of it, nor for pages that are taken from the system twice.
+class OrderedRows {
+public:
+    explicit OrderedRows(std::size_t blocks) : waiting_(blocks), there_(blocks, false) {}
+    OrderedRows(const OrderedRows&) = delete;
+    OrderedRows& operator=(const OrderedRows&) = delete;
+    ~OrderedRows() { std::free(all_); }
+
+    void add(std::size_t block, const std::vector<double>& rows) {
+        const std::lock_guard<std::mutex> guard(mutex_);
+        if (block != next_) {
+            waiting_[block] = rows;
+            there_[block] = true;
+            return;
+        }
+        write(rows);
+        for (++next_; next_ < there_.size() && there_[next_]; ++next_) write(std::exchange(waiting_[next_], {}));
+    }
+
+    // An array (rows, width) that owns them.
+    nb::object array(std::size_t width) {
+        if (double* const fitting = static_cast<double*>(std::realloc(all_, std::max<std::size_t>(size_, 1) * sizeof(double))))
+            all_ = fitting;
+        const nb::capsule owner(all_, [](void* all) noexcept { std::free(all); });
+        double* const all = std::exchange(all_, nullptr);
+        return nb::cast(nb::ndarray<nb::numpy, double, nb::ndim<2>>(all, {size_ / width, width}, owner));
+    }
+
+private:
+    void write(const std::vector<double>& rows) {
+        if (size_ + rows.size() > room_) {
+            const std::size_t room = 2 * (size_ + rows.size());
+            double* const larger = static_cast<double*>(std::realloc(all_, room * sizeof(double)));
+            if (larger == nullptr) throw std::bad_alloc();
+            all_ = larger;
+            room_ = room;
+        }
+        std::copy(rows.begin(), rows.end(), all_ + size_);
+        size_ += rows.size();
+    }
+
+    std::mutex mutex_;
+    std::vector<std::vector<double>> waiting_;
+    std::vector<bool> there_;
+    std::size_t next_ = 0, size_ = 0, room_ = 0;
+    double* all_ = nullptr;
+};
+
 // A batch, in blocks that threads take.
 class Work final : public SharedWork {
 public:
     Work(const ClosedFormEngine& engine, const Questions& asked, const Met& met, std::size_t n,
          bool (*over)(const void* clock), const void* clock)
         : SharedWork(over, clock), engine_(engine), asked_(asked), met_(met), n_(n),
-          found_((asked.count + block - 1) / block), counts_(asked.count), inside_(asked.count), left_(asked.count) {}
+          blocks_((asked.count + block - 1) / block), found_(blocks_), counts_(asked.count), inside_(asked.count), left_(asked.count) {}
 
-    nb::object result() const {
-        std::size_t total = 0;
-        for (const std::vector<double>& some : found_) total += some.size() / (2 * n_);
-        nb::object rows = NumPy::get().empty(nb::make_tuple(total, 2 * n_));
+    nb::object result() {
         const auto each = [&](const std::vector<int>& values) {
             nb::object array = NumPy::get().empty(nb::make_tuple(asked_.count));
             std::copy(values.begin(), values.end(), Array(array).data());
             return array;
         };
-        double* into = Array(rows).data();
-        for (const std::vector<double>& some : found_) into = std::copy(some.begin(), some.end(), into);
-        return nb::make_tuple(rows, each(counts_), each(inside_), each(left_));
+        return nb::make_tuple(found_.array(2 * n_), each(counts_), each(inside_), each(left_));
     }
 
 private:
     void do_blocks() override {
         Configurations found;
-        for (std::size_t b; (b = next_.fetch_add(1)) < found_.size();) {
-            std::vector<double>& rows = found_[b];
-            rows.reserve(block * 16 * n_);
+        std::vector<double> rows;
+        for (std::size_t b; (b = next_.fetch_add(1)) < blocks_;) {
+            rows.clear();
             const std::size_t end = std::min((b + 1) * block, asked_.count);
             for (std::size_t t = b * block; t < end && !stopped(); ++t) {
                 const Question question = asked_.at(t);
@@ -112,6 +161,7 @@ private:
                 inside_[t] = found.inside;
                 left_[t] = found.left;
             }
+            found_.add(b, rows);
         }
     }
 
@@ -119,7 +169,8 @@ private:
     const Questions& asked_;
     Met met_;
     std::size_t n_;
-    std::vector<std::vector<double>> found_;
+    const std::size_t blocks_;
+    OrderedRows found_;
     std::vector<int> counts_, inside_, left_;
     std::atomic<std::size_t> next_{0};
 };

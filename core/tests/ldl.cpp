@@ -7,6 +7,25 @@
 using namespace twistarm;
 
 namespace {
+/// The trace of H⁻¹, by Gauss and Jordan's elimination.
+template <int Capacity> double inverse_trace(const double (&H)[Capacity][Capacity], int size) {
+    tests::real rows[Capacity][2 * Capacity] = {}, trace = 0;
+    for (int i = 0; i < size; ++i) {
+        for (int j = 0; j < size; ++j) rows[i][j] = static_cast<tests::real>(H[i][j]);
+        rows[i][size + i] = 1;
+    }
+    for (int p = 0; p < size; ++p) {
+        const tests::real pivot = rows[p][p];
+        for (int j = 0; j < 2 * size; ++j) rows[p][j] /= pivot;
+        for (int i = 0; i < size; ++i) {
+            const tests::real share = rows[i][p];
+            for (int j = 0; j < 2 * size && i != p; ++j) rows[i][j] -= share * rows[p][j];
+        }
+    }
+    for (int i = 0; i < size; ++i) trace += rows[i][size + i];
+    return static_cast<double>(trace);
+}
+
 /// H = B Bᵀ + λ I with B of `columns` columns, so that its condition is set by λ.
 template <class T, int Capacity> void test_size(tests::generator& random, int size, double lambda, double tolerance) {
     using V = pack<T, 8>;
@@ -28,6 +47,11 @@ template <class T, int Capacity> void test_size(tests::generator& random, int si
         }
     }
     solve_ldl(H, y, size);
+    const V trace = trace_of_inverse(H, size);
+    for (int l = 0; l < 8; ++l) {
+        const double wanted = inverse_trace(kept[l], size), missed = std::fabs(static_cast<double>(trace[l]) / wanted - 1);
+        CHECK(missed <= tolerance / lambda, "%d unknowns, lane %d: the inverse's trace misses by %g", size, l, missed);
+    }
     for (int l = 0; l < 8; ++l)
         for (int i = 0; i < size; ++i) {
             tests::real left = -right[l][i], scale = 1;

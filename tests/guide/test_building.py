@@ -13,6 +13,7 @@ from small_course import LESSON, ROVER
 from twistarm import InputError, TwistarmError
 from twistarm.guide.building import running
 from twistarm.guide.building.building import Built, as_keywords, build
+from twistarm.guide.building.printing import SOLUTION
 from twistarm.guide.building.site_folder import MARKER, SiteFolder
 from twistarm.guide.course import LESSONS, SECTIONS, lesson_named, lessons
 from twistarm.guide.exercises import exercises_of
@@ -37,7 +38,7 @@ class Page(HTMLParser):
 
 def test_pages_refer_to_what_is_there_and_to_nowhere_else(built: Built) -> None:
     pages = {path.name: Page(path.read_text("utf-8")) for path in built.folder.glob("*.html")}
-    assert set(pages) == {"index.html", "errata.html", f"{LESSON}.html"}
+    assert set(pages) == {"index.html", "before.html", "errata.html", f"{LESSON}.html"}
     for name, page in pages.items():
         assert len(set(page.names)) == len(page.names), f"{name} has a name twice"
         for target in page.refers:
@@ -55,9 +56,12 @@ def test_a_lesson_ends_with_its_exercises_and_the_contents_say_how_they_are_grad
     for exercise in exercises_of(LESSON):
         assert f'<h3 id="exercise-{exercise.name}">' in page
     assert page.count("<summary>Show a solution</summary>") == len(exercises_of(LESSON))
-    assert f"twistarm guide check {LESSON}.py" in page
+    assert f"twistarm guide check guide_exercises/{LESSON}.py" in page
+    sheet = re.sub(SOLUTION, "", page, flags=re.DOTALL)
+    assert "Show a solution" not in sheet
+    assert sheet.count('<h3 id="exercise-') == len(exercises_of(LESSON))
     index = (built.folder / "index.html").read_text("utf-8")
-    assert all(f"twistarm guide {command} " in index for command in ("exercises", "check", "progress"))
+    assert all(f"twistarm guide {command}" in index for command in ("exercises", "check", "progress"))
 
 
 def test_scenes_share_their_scripts_and_allow_no_others(built: Built) -> None:

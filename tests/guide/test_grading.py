@@ -119,7 +119,7 @@ HARM = [
         2,
         "it has none of the exercises: its functions are 'rotation_zz'; closest: 'rotation_z'",
     ),
-    ("empty", "", 2, "it has none of the exercises: it has no functions"),
+    ("empty", "", 2, "it has none of the exercises: it defines no functions"),
     ("null bytes", "def rotation_z(a): return 1\0", 2, "null bytes"),
     ("deep", "rotation_z = " + "(" * 5000 + ")" * 5000, 2, ""),
     (
@@ -277,6 +277,25 @@ def test_in_a_notebook(tmp_path: Path, rover: Arm, monkeypatch: pytest.MonkeyPat
         check(rotation_y)
     with pytest.raises(InputError, match="without a call"):
         check(rotation_z(0.1))  # type: ignore[arg-type]
+
+
+def test_of_a_large_answer_the_part_that_differs_is_shown(rover: Arm) -> None:
+    exercise = every_exercise()["adjoint"]
+    cases = cases_of(exercise, rover, 0)
+    wrong = [np.array(case.expected.value) for case in cases]
+    wrong[0][4, 2] += 1.0
+    verdict = judged(exercise, cases, [Answer(value) for value in wrong])
+    assert verdict.words.startswith("Column 3 of adjoint(g=[[")
+    assert verdict.words.count("[") == 5 + 2  # of the argument, and of both columns
+
+
+def test_an_argument_that_hides_a_module_is_named(tmp_path: Path, rover: Arm) -> None:
+    text = (
+        "from twistarm import screws\n"
+        "def product_of_exponentials(screws, home, x):\n    return screws.exp(screws[:, 0], x[0]) @ home\n"
+    )
+    (verdict,) = graded(tmp_path, text, rover).verdicts
+    assert "where an argument has the name screws, it hides the module" in verdict.words
 
 
 def test_a_changed_argument_is_named(rover: Arm) -> None:

@@ -8,7 +8,7 @@ from pathlib import Path
 import pytest
 
 from twistarm.cli.application import run
-from twistarm.guide.exercises import LESSONS
+from twistarm.guide.exercises import LESSONS, every_exercise
 from twistarm.guide.grading.progress import FORMAT, NAME
 
 RIGHT = """
@@ -74,7 +74,7 @@ def test_progress_fits_a_terminal_of_80_columns(
     assert "2_1_1_rotation_matrices" in lines[2]
     assert "0 of 3" in lines[2]
     assert "fixed for moved axes" in " ".join(lines)
-    assert lines[-1] == "0 of 59 exercises are right"
+    assert lines[-1] == f"0 of {len(every_exercise())} exercises are right"
 
 
 @pytest.mark.parametrize(
@@ -92,6 +92,37 @@ def test_a_progress_file_that_is_not_ours_is_left_alone(
     assert run(["guide", "check", str(tmp_path / "mine.py")]) == 0
     assert "warning: progress is not kept" in capsys.readouterr().err
     assert (tmp_path / NAME).read_text() == content
+
+
+def test_progress_of_nothing_is_said(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    assert run(["guide", "progress", str(tmp_path / "nowhere")]) == 2
+    assert "no such file; give the folder of your exercises" in capsys.readouterr().err
+    monkeypatch.chdir(tmp_path)
+    assert run(["guide", "progress"]) == 2
+    assert "holds no exercises (progress.json is missing)" in capsys.readouterr().err
+    assert run(["guide", "exercises"]) == 0
+    capsys.readouterr()
+    assert run(["guide", "progress"]) == 0  # beside the folder that `exercises` makes
+    assert "0 of " in capsys.readouterr().out
+
+
+def test_a_function_that_is_imported_is_nobody_s_answer(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    file = tmp_path / "2_3_velocities.py"
+    file.write_text("from twistarm.theory.screws import adjoint, exp\n")
+    assert run(["guide", "check", str(file)]) == 1
+    assert "… adjoint: it is imported, and counts where you define it" in capsys.readouterr().out
+    file = tmp_path / "mine.py"
+    file.write_text(f"from twistarm.theory.screws import adjoint\n{RIGHT}")
+    assert run(["guide", "check", str(file)]) == 0
+    assert "adjoint" not in capsys.readouterr().out
+    kept = json.loads((tmp_path / NAME).read_text())["exercises"]
+    assert kept["adjoint"]["state"] == "unwritten"
+    file.write_text(f"from twistarm.screws import exp\n{RIGHT}")
+    assert run(["guide", "check", str(file)]) == 2
+    words = "it imports twistarm.screws, where no module is: write `from twistarm import screws`"
+    assert words in capsys.readouterr().out
 
 
 def test_what_cannot_be_used(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:

@@ -22,6 +22,13 @@ def test_formulae_are_mathml_that_says_itself_in_tex() -> None:
     assert "$" not in html
 
 
+def test_a_number_at_the_start_of_a_line_is_no_list() -> None:
+    assert block("The condition is\n115. To turn") == "<p>The condition is\n115. To turn</p>\n"
+    assert block("115. To turn the tool") == "<p>115. To turn the tool</p>\n"
+    assert block("rates of length\n1. `J_b` (6, m)") == "<p>rates of length\n1. <code>J_b</code> (6, m)</p>\n"
+    assert block("1. one\n   more\n2. two\n").count("<li>") == 2
+
+
 def test_a_displayed_formula_may_stand_in_a_sentence() -> None:
     assert inline("So $$R = I$$ it is.").count('display="block"') == 1
 

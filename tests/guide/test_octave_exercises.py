@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 import shutil
 import subprocess
 from pathlib import Path
@@ -12,7 +13,7 @@ from twistarm import Arm
 from twistarm.guide.exercises import every_exercise
 from twistarm.guide.exercises.octave_files import MARK, SCRIPTS, octave_files, octave_solution, script_text, template
 from twistarm.guide.grading import check_file
-from twistarm.guide.grading.results import HEADER
+from twistarm.guide.grading.results import HEADER, in_octave
 from twistarm.support.errors import InputError, UnknownNameError
 
 needs_octave = pytest.mark.skipif(
@@ -128,6 +129,24 @@ def test_results_of_an_exercise_that_there_is_not(tmp_path: Path, rover: Arm) ->
     (tmp_path / "results.csv").write_text(f"{HEADER}\nrotation_y,1,argument,1,1,1,2\n")
     with pytest.raises(UnknownNameError, match="line 2: there is no exercise 'rotation_y'; closest: 'rotation_z'"):
         check_file(tmp_path / "results.csv", rover)
+
+
+def test_results_of_which_some_are_missing_are_not_right(tmp_path: Path, rover: Arm) -> None:
+    one = f"{HEADER}\n{ANSWER},1,0,0,0,1,0,0,0,1\n".replace("1,1,1,0.5", "1,1,1,0")
+    (tmp_path / "results.csv").write_text(one)
+    (verdict,) = check_file(tmp_path / "results.csv", rover).verdicts
+    assert (verdict.state, verdict.words.partition(",")[2]) == (
+        "unusable",
+        " in 1 case, but others are missing in results.csv: run the whole script again",
+    )
+    (tmp_path / "results.csv").write_text(f"{one}# 1 cases\n")
+    assert check_file(tmp_path / "results.csv", rover).ok
+
+
+def test_verdicts_on_results_speak_of_octave() -> None:
+    for name in (name for names in SCRIPTS.values() for name in names):
+        for slip in every_exercise()[name].slips:
+            assert not re.search(r"np\.|scipy|@|\.T\b|Python|\*\*", in_octave(slip.words)), slip.words
 
 
 @pytest.mark.parametrize(

@@ -32,6 +32,6 @@ def test_another_stands_in_and_it_is_said(monkeypatch: pytest.MonkeyPatch) -> No
         assert guide.arm_with("two joints", lambda arm: arm.n == 2).name == "rr_planar"
         assert said == []
         assert guide.arm_with("six joints", lambda arm: arm.n == 6).n == 6
-    assert said[0].startswith("Your arm, `rr_planar`, has not six joints.")
+    assert said[0].startswith("Your arm, `rr_planar`, does not have six joints.")
     with pytest.raises(InputError, match="no bundled arm has ninety joints"):
         guide.arm_with("ninety joints", lambda arm: arm.n == 90)

@@ -21,7 +21,15 @@ from model_arms import REAL_ARMS
 from twistarm import Arm, load_arm, screws
 from twistarm.guide.exercises import LESSONS, every_exercise, exercises_of
 from twistarm.guide.exercises.exercise import Exercise, Slip
-from twistarm.guide.exercises.independent import body_columns, expm, pose_log, spatial_columns, tool, twist_matrix
+from twistarm.guide.exercises.independent import (
+    body_columns,
+    expm,
+    pose_log,
+    spatial_columns,
+    tool,
+    twist_matrix,
+    twist_of,
+)
 from twistarm.guide.exercises.instances import own_chain, pose
 from twistarm.guide.grading.answers import of_function
 from twistarm.guide.grading.verdict import Case, Verdict, cases_of, judged
@@ -114,12 +122,24 @@ def by_scipy(S: Any, x: Any) -> Any:
     return g
 
 
+def by_the_third_column(R: Any) -> list[float]:
+    return [atan2(R[1, 2], R[0, 2]), acos(max(-1.0, min(1.0, R[2, 2]))), atan2(R[2, 1], -R[2, 0])]
+
+
 def mixed_signs(l1: float, l2: float, x: float, y: float) -> list[list[float]]:
     r = sqrt(x * x + y * y)
     bend = pi - acos(max(-1.0, min(1.0, (l1**2 + l2**2 - r**2) / (2 * l1 * l2))))
     beta = acos(max(-1.0, min(1.0, (r * r + l1**2 - l2**2) / (2 * l1 * r))))
     wrap = lambda a: atan2(sin(a), cos(a))  # noqa: E731
     return [[wrap(atan2(y, x) + beta), bend], [wrap(atan2(y, x) - beta), -bend]]
+
+
+def by_triangle(l1: float, l2: float, x: float, y: float, sign: int) -> list[list[float]]:
+    """θ₂ = π ∓ α with θ₁ = φ ∓ sign β, as a lesson writes it, and not wrapped."""
+    r = sqrt(x * x + y * y)
+    alpha = acos(max(-1.0, min(1.0, (l1**2 + l2**2 - r**2) / (2 * l1 * l2))))
+    beta = sign * acos(max(-1.0, min(1.0, (r * r + l1**2 - l2**2) / (2 * l1 * r))))
+    return [[atan2(y, x) - beta, pi - alpha], [atan2(y, x) + beta, pi + alpha]]
 
 
 def unclamped(l1: float, l2: float, r: float) -> float:
@@ -137,6 +157,9 @@ WRITTEN_OTHERWISE: list[tuple[str, str, Callable[..., Any]]] = [
     ("zyz", "fixed for moved axes", lambda a, b, c: Rotation.from_euler("zyz", [a, b, c]).as_matrix()),
     ("zyz", "transposed", lambda a, b, c: Rotation.from_euler("ZYZ", [a, b, c]).inv().as_matrix()),
     ("zyz", "ZYX", lambda a, b, c: Rotation.from_euler("ZYX", [a, b, c]).as_matrix()),
+    ("zyz", "number by number", lambda a, b, c: turn("z", a) * turn("y", b) * turn("z", c)),
+    ("zyz_angles", "sin β = 0 forgotten", by_the_third_column),
+    ("zyz_angles", "from 0 to 2π", lambda R: np.mod(Rotation.from_matrix(R).as_euler("ZYZ"), 2 * pi)),
     ("multiply", "order reversed", lambda P, Q: EXERCISES["multiply"].reference(Q, P)),
     ("from_axis_angle", "xyzw", lambda w, t: Rotation.from_rotvec(w / np.linalg.norm(w) * t).as_quat()),
     ("rotate", "xyzw", lambda Q, p: Rotation.from_quat(Q).apply(p)),
@@ -146,10 +169,14 @@ WRITTEN_OTHERWISE: list[tuple[str, str, Callable[..., Any]]] = [
         "not normalised",
         lambda w, t: np.eye(3) + sin(t) * hat(w) + (1 - cos(t)) * (np.outer(w, w) - w @ w * np.eye(3)),
     ),
+    ("rotate", "norm not squared", lambda Q, p: Rotation.from_quat(np.roll(Q, -1)).apply(p) * sqrt(Q @ Q)),
+    ("rodrigues", "exponential of each number", lambda w, t: np.exp(hat(w) * t)),
     ("rotation_log", "transposed", lambda R: Rotation.from_matrix(R.T).as_rotvec()),
+    ("rotation_log", "half turn forgotten", lambda R: Rotation.from_matrix(R).as_rotvec() * np.any(R != R.T)),
     ("change_frame", "order reversed", lambda R_ab, R_bc, q: np.dot(R_bc, np.dot(R_ab, q))),
     ("inverse_pose", "only transposed", lambda g: np.transpose(g)),
     ("transform_points", "rows times R", lambda g, P: np.array([p @ g[:3, :3] + g[:3, 3] for p in P])),
+    ("transform_points", "rows as if they were columns", lambda g, P: g[:3, :3] @ P + g[:3, 3]),
     ("tool_point", "right for left", lambda g, h, q: (h @ (g @ [*q, 1.0]))[:3]),
     ("twist_of_screw", "angular first", lambda a, q, h: np.r_[a, np.cross(q, a) + h * a] / np.linalg.norm(a)),
     (
@@ -157,15 +184,27 @@ WRITTEN_OTHERWISE: list[tuple[str, str, Callable[..., Any]]] = [
         "pitch inverted",
         lambda xi: (screws.to_screw(xi).axis, screws.to_screw(xi).point, 1 / screws.to_screw(xi).pitch),
     ),
-    ("pose_after", "right for left", lambda g, xi, t: g @ scipy.linalg.expm(twist_matrix(xi) * t)),
+    ("pose_log", "p for v", lambda g: np.r_[g[:3, 3], Rotation.from_matrix(g[:3, :3]).as_rotvec()]),
     ("adjoint", "no p̂R", lambda g: scipy.linalg.block_diag(g[:3, :3], g[:3, :3])),
     ("adjoint", "transposed", lambda g: screws.adjoint(g).T),
+    ("adjoint", "angular first", lambda g: screws.adjoint(screws.inverse(g)).T),
+    ("body_twist", "hybrid", lambda g, d: np.r_[d[:3, 3], hat_vee(d, g)]),
     ("body_twist", "spatial for body", lambda g, d: np.r_[(d @ np.linalg.inv(g))[:3, 3], hat_vee(d, g)]),
     ("spatial_twist", "body for spatial", lambda g, V: V.copy()),
     ("product_of_exponentials", "home forgotten", lambda S, home, x: by_scipy(S, x)),
     ("product_of_exponentials", "degrees", lambda S, home, x: by_scipy(S, np.deg2rad(x)) @ home),
     ("product_of_exponentials", "angular first", lambda S, home, x: by_scipy(np.r_[S[3:], S[:3]], x) @ home),
+    (
+        "product_of_exponentials",
+        "axes of the moment",
+        lambda S, home, x: by_scipy(spatial_columns(S, x), x) @ home,
+    ),
+    ("reachable", "no room for rounding", lambda a, b, x, y: (a - b) ** 2 <= x * x + y * y <= (a + b) ** 2),
+    ("reachable", "too much room", lambda a, b, x, y: abs(a - b) - 8e-3 <= sqrt(x * x + y * y) <= a + b + 8e-3),
     ("both_elbows", "mixed signs", mixed_signs),
+    ("both_elbows", "π + α not wrapped", lambda *a: by_triangle(*a, 1)),
+    ("both_elbows", "mixed signs, not wrapped", lambda *a: by_triangle(*a, -1)),
+    ("wrap", "unchanged", lambda angle: np.unwrap([angle])[0]),
     ("elbow", "acos not clamped", unclamped),
     ("wrap", "from 0 to 2π", lambda angle: angle - 2 * pi * np.floor(angle / (2 * pi))),
     ("two_link_determinant", "cosine for sine", lambda l1, l2, t1, t2: l1 * l2 * cos(t2)),
@@ -176,8 +215,28 @@ WRITTEN_OTHERWISE: list[tuple[str, str, Callable[..., Any]]] = [
     ("spatial_jacobian", "columns not moved", columns_at_rest),
     ("body_jacobian", "spatial for body", lambda S, home, x: spatial_columns(S, x)),
     ("screw_between", "numbers interpolated", lambda a, b, s: (1 - s) * a + s * b),
+    ("body_jacobian", "hybrid", lambda S, home, x: hybrid_columns(S, home, x)),
+    ("manipulability", "JᵀJ for JJᵀ", lambda J: sqrt(np.linalg.det(np.dot(J.T, J)))),
+    ("joint_torques", "not transposed", lambda J, F: np.dot(J, F)),
+    ("solve_pose", "one step", lambda S, home, x, g: x + np.linalg.pinv(body_columns(S, home, x)) @ off(S, home, x, g)),
+    ("setpoints", "cut for rounded", lambda a, b, T, dt: eased(np.linspace(0, 1, int(T / dt) + 1), a, b)),
+    ("setpoints", "np.arange to the end", lambda a, b, T, dt: eased(np.arange(0, T, dt) / T, a, b)),
     ("pregrasp", "left for right", lambda g, d: g - d * np.eye(4)[:, [2]] * [0, 0, 0, 1]),
 ]
+
+
+def hybrid_columns(S: Any, home: Any, x: Any) -> Any:
+    """(ṗ, ω) in base axes, by ṗ = v + ω × p."""
+    J = spatial_columns(S, x)
+    return np.vstack([J[:3] + np.cross(J[3:], tool(S, home, x)[:3, 3], axis=0), J[3:]])
+
+
+def off(S: Any, home: Any, x: Any, g: Any) -> Any:
+    return pose_log(np.linalg.inv(tool(S, home, x)) @ g)
+
+
+def eased(s: Any, a: Any, b: Any) -> Any:
+    return a + np.outer(s * s * (3 - 2 * s), b - a)
 
 
 def hat_vee(g_dot: Any, g: Any) -> Any:
@@ -185,6 +244,7 @@ def hat_vee(g_dot: Any, g: Any) -> Any:
     return [S[2, 1], S[0, 2], S[1, 0]]
 
 
+@pytest.mark.filterwarnings("ignore:Gimbal lock")  # of SciPy, which chooses as the task does
 @pytest.mark.parametrize(
     ("name", "slip", "function"), WRITTEN_OTHERWISE, ids=lambda each: each if isinstance(each, str) else ""
 )
@@ -197,19 +257,29 @@ def test_a_slip_written_otherwise_is_named(name: str, slip: str, function: Calla
 RIGHT: list[tuple[str, Callable[..., Any]]] = [
     ("rotation_z", lambda a: ((cos(a), -sin(a), 0), (sin(a), cos(a), 0), (0, 0, 1))),
     ("zyz", lambda a, b, c: scipy.linalg.expm(hat([0, 0, a])) @ scipy.linalg.expm(hat([0, b, 0])) @ turn("z", c)),
+    ("zyz_angles", lambda R: Rotation.from_matrix(R).as_euler("ZYZ")),
+    ("rotation_log", lambda R: Rotation.from_matrix(R).as_rotvec() * (-1 if np.trace(R) < -0.999 else 1)),
     ("from_axis_angle", lambda w, t: -np.roll(Rotation.from_rotvec(w / np.linalg.norm(w) * t).as_quat(), 1)),
     ("rodrigues", lambda w, t: scipy.linalg.expm(hat(w) * t)),
     ("inverse_pose", np.linalg.inv),
     ("screw_of_twist", lambda xi: [screws.to_screw(xi).axis, screws.to_screw(xi).point, screws.to_screw(xi).pitch]),
+    (
+        "screw_of_twist",
+        lambda xi: [screws.to_screw(xi).axis, screws.to_screw(xi).point - 2 * xi[3:], screws.to_screw(xi).pitch],
+    ),
     ("twist_exp", lambda xi, t: scipy.linalg.expm(twist_matrix(xi) * t)),
+    ("pose_log", lambda g: twist_of(scipy.linalg.logm(g).real)),
     ("adjoint", screws.adjoint),
     ("body_screws", lambda S, home: np.linalg.solve(screws.adjoint(home), S)),
     ("both_elbows", lambda *a: np.array(mixed_signs(*a))[[1, 0]] * [1, -1]),
+    ("wrap", lambda a: atan2(sin(a), cos(a))),
+    ("wrap", lambda a: np.angle(np.exp(1j * a))),
+    ("newton_step", lambda *a: np.angle(np.exp(1j * EXERCISES["newton_step"].reference(*a)))),
     ("damped_step", lambda J, e, k: np.linalg.solve(J.T @ J + k**2 * np.eye(J.shape[1]), J.T @ e)),
     ("pose_error", lambda g, h: pose_log(np.linalg.inv(g) @ h)),
     ("screw_between", lambda a, b, s: screws.exp(screws.log(b @ np.linalg.inv(a)), s) @ a),
     ("manipulability", lambda J: np.prod(np.linalg.svd(J)[1])),
-    ("lost_direction", lambda J: -scipy.linalg.null_space(J.T)[:, 0]),
+    ("carried_wrench", lambda J: -scipy.linalg.null_space(J.T)[:, 0]),
     (
         "setpoints",
         lambda a, b, T, dt: [a + (b - a) * (t / T) ** 2 * (3 - 2 * t / T) for t in np.arange(0, T + dt / 2, dt)],
@@ -217,6 +287,7 @@ RIGHT: list[tuple[str, Callable[..., Any]]] = [
 ]
 
 
+@pytest.mark.filterwarnings("ignore:Gimbal lock")  # of SciPy, which chooses as the task does
 @pytest.mark.parametrize(("name", "function"), RIGHT, ids=lambda each: each if isinstance(each, str) else "")
 def test_a_right_answer_written_otherwise_is_right(name: str, function: Callable[..., Any], rover: Arm) -> None:
     verdict = verdict_on(function, EXERCISES[name], rover)

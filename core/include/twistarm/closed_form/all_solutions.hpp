@@ -18,28 +18,32 @@ namespace closed_form {
 /// What misses a subproblem by less, in shares of its size, is rounding: a stretched arm.
 template <class T> constexpr T default_slack = is_double<T> ? T(1e-6) : T(2e-3);
 
-/// θ by whole turns as near to `near` as the limits allow, which it may pass by `slack` and is then brought to; false where
-/// it is farther outside.
-template <class T, int N>
-bool nearest_copy(const ranges<T, N>& range, int n, const T* theta, const T* near, T slack, T* copy, bool& cut) {
-    const auto turns = [](T x) { return static_cast<double>(x) * (1.0 / whole_turn); };
-    cut = false;
+/// θ by whole turns as near to `near` as the limits allow, which it may pass by `slack` and is then brought to, `cut`; false
+/// where it is farther outside.
+template <class V, class T, int N>
+mask_of<V> nearest_copy(const ranges<T, N>& range, int n, const V* theta, const T* near, T slack, V* copy, mask_of<V>& cut) {
+    constexpr T turn = T(whole_turn), rest = static_cast<T>(whole_turn - static_cast<double>(turn));
+    const auto turns = [](const V& x) { return x * T(1.0 / whole_turn); };
+    auto inside = in_every_lane<V>(true);
+    cut = in_every_lane<V>(false);
     for (int k = 0; k < n; ++k) {
-        const T lower = range.lower[k], upper = range.upper[k];
+        const V lower = V(range.lower[k]), upper = V(range.upper[k]);
         copy[k] = theta[k];
         if (range.periodic[k]) {
-            const double wanted = __builtin_rint(turns(near[k] - theta[k]));
-            const double least_count = __builtin_ceil(turns(lower - slack - theta[k]));
-            const double most_count = __builtin_floor(turns(upper + slack - theta[k]));
-            const double count = greatest(least(wanted, most_count), least_count);
-            copy[k] = static_cast<T>(static_cast<double>(theta[k]) + whole_turn * count);
+            const V wanted = nearest_whole(turns(near[k] - theta[k]));
+            const V least_turns = turns((lower - slack) - theta[k]), most_turns = turns((upper + slack) - theta[k]);
+            const V from = nearest_whole(least_turns), to = nearest_whole(most_turns);
+            const V least_count = select(from < least_turns, from + T(1), from);
+            const V most_count = select(to > most_turns, to - T(1), to);
+            const V count = greatest(least(wanted, most_count), least_count);
+            copy[k] = (theta[k] + count * turn) + count * rest;
         }
-        const T clipped = clamped(copy[k], lower, upper);
-        if (!(absolute(clipped - copy[k]) <= slack)) return false;
-        cut = cut || clipped != copy[k];
+        const V clipped = clamped(copy[k], lower, upper), beyond = absolute(clipped - copy[k]);
+        inside = inside & (beyond <= V(slack));
+        cut = cut | (beyond > V(T(0)));
         copy[k] = clipped;
     }
-    return true;
+    return inside;
 }
 
 /// θ by whole turns inside the limits, as near to `near` as they allow; false where it is outside, and then unchanged.
@@ -60,74 +64,97 @@ bool bring_within(const Judge& judged, const ranges<T, N>& range, int n, const T
     return false;
 }
 
-/// The largest joint difference, in shares of the joint's range, 2π or 1 m where it has none.
-template <class T, int N, int M>
-T distance(const chain<T, N, M>& arm, const ranges<T, N>& range, const T* theta, const T* near) {
-    T largest = T(0);
+/// What each joint's distance is a share of: its range, 2π or 1 m where it has none.
+template <class T, int N, int M> void find_spans(const chain<T, N, M>& arm, const ranges<T, N>& range, T* span) {
     for (int k = 0; k < arm.coordinates(); ++k) {
-        T span = range.upper[k] - range.lower[k];
-        if (!(span > T(0)) || span - span != T(0)) span = arm.links[k].turn == T(0) ? T(1) : T(whole_turn);
-        largest = greatest(largest, absolute(theta[k] - near[k]) / span);
+        span[k] = range.upper[k] - range.lower[k];
+        if (!(span[k] > T(0)) || span[k] - span[k] != T(0)) span[k] = arm.links[k].turn == T(0) ? T(1) : T(whole_turn);
     }
+}
+
+/// The largest joint difference, in shares.
+template <class V, class T> V distance(int n, const T* span, const V* theta, const T* near) {
+    V largest = V(T(0));
+    for (int k = 0; k < n; ++k) largest = greatest(largest, absolute(theta[k] - near[k]) / span[k]);
     return largest;
 }
 
-/// A configuration into its place: those inside before the others, and among them by distance.
-template <class T, int N> void put(configurations<T, N>& all, const configuration<T, N>& one) {
-    if (all.count == most_configurations) return;
-    int at = all.count++;
-    if (one.inside) {
-        int place = all.inside++;
-        for (; at > place; --at) all.found[at] = all.found[at - 1];
-        for (; at > 0 && one.distance < all.found[at - 1].distance; --at) all.found[at] = all.found[at - 1];
+/// Some of the candidates side by side, from `first` on; the last of a register are the first again.
+template <class V, class T, int N>
+void to_lanes(const solved_arm<T, N>& solved, const T* held_values, const candidate_list<T>& candidates, int first, V* theta) {
+    for (int h = 0; h < solved.held_count; ++h) theta[solved.held[h]] = V(held_values[h]);
+    for (int i = 0; i < solved.family.count; ++i) {
+        const int k = solved.joint[i];
+        if (k < 0) continue;
+        V x;
+        for (int l = 0; l < number<V>::lanes; ++l)
+            set_lane(x, l, candidates.items[first + l < candidates.count ? first + l : first].x[i]);
+        theta[k] = x * (T(1) / solved.rate[k]);
     }
-    all.found[at] = one;
 }
 
-/// How many answers there are with the different ones among the candidates behind the first `count`.
+/// How many answers there are with the different ones among the candidates behind the first `count`, each with its copy
+/// nearest to `near`.
 ///
 /// Members of a continuous family are added only where none of the first moves the same joints: those at the value at hand
 /// stand for the others.
 template <class Judge, class T, int N>
-int verify(const Judge& judged, const solved_arm<T, N>& solved, const ranges<T, N>& range, int n, const T* held_values,
-           const candidate_list<T>& candidates, T (*answers)[capacity(N)], std::uint32_t* moving, int count) {
+int verify(const Judge& judged, const solved_arm<T, N>& solved, const ranges<T, N>& range, int n, const T* near,
+           const T* held_values, const T* span, const candidate_list<T>& candidates, configuration<T, N>* answers, int count) {
     constexpr int lanes = lanes_at_once<T>;
     using V = pack<T, lanes>;
+    const auto bit = [](unsigned all, int l) { return (all >> l & 1U) != 0; };
     const int before = count;
     for (int first = 0; first < candidates.count; first += lanes) {
-        V theta[capacity(N)];
-        for (int h = 0; h < solved.held_count; ++h) theta[solved.held[h]] = V(held_values[h]);
-        for (int i = 0; i < solved.family.count; ++i) {
-            const int k = solved.joint[i];
-            if (k < 0) continue;
-            V cosine, sine, length;
-            for (int l = 0; l < lanes; ++l) {
-                const int c = first + l < candidates.count ? first + l : first;
-                const joint_value<T>& x = candidates.items[c].x[i];
-                set_lane(cosine, l, x.cosine);
-                set_lane(sine, l, x.sine);
-                set_lane(length, l, x.length);
-            }
-            theta[k] = (solved.family.axes[i].slides ? length : arctangent(sine, cosine)) / solved.rate[k];
-        }
-        unsigned done = 0, near = 0;
-        judged.step(theta, done, near);
+        V theta[capacity(N)], copy[capacity(N)];
+        mask_of<V> cut;
+        to_lanes(solved, held_values, candidates, first, theta);
+        unsigned done = 0, hardly_missed = 0, known = 0;
+        judged.step(theta, done, hardly_missed);
+        const unsigned inside = bits(nearest_copy(range, n, theta, near, precision<T>::at_limit, copy, cut));
+        const unsigned by_itself = done & ~bits(cut);
+        const V away = distance(n, span, copy, near);
+        for (int other = 0; other < count; ++other) known |= judged.near_to(range, theta, answers[other].theta);
         for (int l = 0; l < lanes && first + l < candidates.count && count < most_configurations; ++l) {
-            T* const answer = answers[count];
-            const bool regular = (done >> l & 1U) != 0, free_to_move = candidates.items[first + l].free(solved.family.count) != 0;
+            configuration<T, N>& one = answers[count];
+            const bool regular = bit(done, l), free_to_move = candidates.items[first + l].free != 0;
             // With a joint at a value at hand the others may be far from where Newton's method takes them all.
-            if (!regular && !free_to_move && (near >> l & 1U) == 0) continue;
-            for (int k = 0; k < n; ++k) answer[k] = lane(theta[k], l);
-            if (!regular && !judged.correct(answer, free_to_move ? precision<T>::steps : 3)) continue;
-            bool known = false;
-            for (int other = 0; other < count && !known; ++other) known = judged.same(range, answer, answers[other]);
-            if (known) continue;
-            const std::uint32_t family = regular ? 0 : judged.self_motion(answer);
-            for (int other = 0; other < before && family != 0 && !known; ++other) known = moving[other] == family;
-            if (!known) moving[count++] = family;
+            if (!regular && !free_to_move && !bit(hardly_missed, l)) continue;
+            for (int k = 0; k < n; ++k) one.theta[k] = lane(bit(by_itself, l) ? copy[k] : theta[k], l);
+            if (!regular && !judged.correct(one.theta, free_to_move ? precision<T>::steps : 3)) continue;
+            bool again = false;
+            for (int other = 0; other < count && !again && (!regular || bit(known, l)); ++other)
+                again = judged.same(range, one.theta, answers[other].theta);
+            if (again) continue;
+            one.free = regular ? 0 : judged.self_motion(one.theta);
+            one.family = one.free != 0;
+            one.free |= solved.idle;
+            for (int other = 0; other < before && one.family && !again; ++other)
+                again = answers[other].family && answers[other].free == one.free;
+            if (again) continue;
+            one.inside = bit(by_itself, l) ? bit(inside, l) : bring_within(judged, range, n, near, one.theta);
+            one.distance = bit(by_itself, l) ? lane(away, l) : distance(n, span, one.theta, near);
+            known |= judged.near_to(range, theta, one.theta);
+            ++count;
         }
     }
     return count;
+}
+
+/// The answers in their order: those inside before the others, and among them by distance.
+template <class T, int N> void arrange(const configuration<T, N>* answers, int count, configurations<T, N>& all) {
+    int order[most_configurations];
+    all.count = all.inside = 0;
+    for (int i = 0; i < count; ++i) {
+        int at = all.count++;
+        if (answers[i].inside) {
+            const int place = all.inside++;
+            for (; at > place; --at) order[at] = order[at - 1];
+            for (; at > 0 && answers[i].distance < answers[order[at - 1]].distance; --at) order[at] = order[at - 1];
+        }
+        order[at] = i;
+    }
+    for (int i = 0; i < count; ++i) all.found[i] = answers[order[i]];
 }
 
 }  // namespace closed_form
@@ -145,26 +172,19 @@ void find_all(const chain<T, N, M>& arm, const solved_arm<T, N>& solved, const r
     with_kind(asked, [&](auto kind) {
         if constexpr (kind() != target_kind::task) {
             const closed_form::judge<kind(), T, N, M> judged(arm, solved, asked, position_tolerance, orientation_tolerance);
-            const int n = arm.coordinates();
-            T answers[most_configurations][capacity(N)];
-            std::uint32_t moving[most_configurations];
+            T span[capacity(N)];
+            closed_form::find_spans(arm, range, span);
+            configuration<T, N> answers[most_configurations];
             int count = 0;
             unsigned open = 0;
             for (int nth = 0; nth == 0 || (open != 0 && nth < closed_form::values_tried); ++nth) {
                 closed_form::candidate_list<T> candidates;
                 closed_form::find_candidates(solved, asked, near, held_values, closed_form::default_slack<T>, open, nth,
                                              candidates);
-                count = closed_form::verify(judged, solved, range, n, held_values, candidates, answers, moving, count);
+                count = closed_form::verify(judged, solved, range, arm.coordinates(), near, held_values, span, candidates,
+                                            answers, count);
             }
-            for (int i = 0; i < count; ++i) {
-                configuration<T, N> one;
-                for (int k = 0; k < n; ++k) one.theta[k] = answers[i][k];
-                one.free = moving[i] | solved.idle;
-                one.family = moving[i] != 0;
-                one.inside = closed_form::bring_within(judged, range, n, near, one.theta);
-                one.distance = closed_form::distance(arm, range, one.theta, near);
-                closed_form::put(all, one);
-            }
+            closed_form::arrange(answers, count, all);
         }
     });
 }

@@ -31,15 +31,10 @@ template <class T> constexpr T rounded = is_double<T> ? T(1e-12) : T(1e-5);
 /// about a turn or a length of 2π m, the nearest to it first.
 constexpr int values_tried = 16;
 
-/// Values in the order of the family's axes.
+/// x [rad, m] in the order of the family's axes, and which of them are free, as bits.
 template <class T> struct candidate {
-    joint_value<T> x[most_unknowns];
-
-    unsigned free(int count) const {
-        unsigned joints = 0;
-        for (int i = 0; i < count; ++i) joints |= static_cast<unsigned>(x[i].free) << i;
-        return joints;
-    }
+    T x[most_unknowns];
+    unsigned free;
 };
 
 constexpr int most_candidates = 64;
@@ -49,7 +44,7 @@ namespace detail {
 /// Whether E₁(x₁) ⋯ Eₖ(xₖ) is G.
 template <class T> bool is_met(const fitted_family<T>& family, const candidate<T>& each, const frame<T>& G) {
     frame<T> g = identity_frame<T>();
-    for (int i = family.count - 1; i >= 0; --i) move_frame(family.axes[i], each.x[i], g);
+    for (int i = family.count - 1; i >= 0; --i) move_frame(family.axes[i], value_of(family.axes[i], each.x[i]), g);
     T off = T(0);
     for (int k = 0; k < 3; ++k)
         off = greatest(off, greatest(greatest(absolute(g.x[k] - G.x[k]), absolute(g.y[k] - G.y[k])),
@@ -74,11 +69,55 @@ void find_decoupled(const fitted_family<T>& family, const frame<T>& G, const joi
     placings<T> turns;
     rotating(group<T>{axes, count, family.kept}, G, wanted, slack, turns);
     for (const placed<T>& each : turns) {
-        candidate<T> one;
-        for (int i = 0; i < family.count; ++i) one.x[i] = slid(T(0));
-        for (int i = 0; i < count; ++i) one.x[turning[i]] = each.x[i];
-        set_slides(family.axes, family.count, G, one.x);
-        if (!free_ones || one.free(family.count) != 0) found.add(one);
+        joint_value<T> x[most_unknowns];
+        for (int i = 0; i < family.count; ++i) x[i] = slid(T(0));
+        for (int i = 0; i < count; ++i) x[turning[i]] = each.x[i];
+        set_slides(family.axes, family.count, G, x);
+        candidate<T> one{{}, 0};
+        for (int i = 0; i < family.count; ++i) {
+            one.x[i] = coordinate_of(family.axes[i], x[i]);
+            one.free |= static_cast<unsigned>(x[i].free) << i;
+        }
+        if (!free_ones || one.free != 0) found.add(one);
+    }
+}
+
+/// The candidates of some placings of what the group keeps, from `start` on, side by side in the lanes of V.
+template <class V, class T>
+void find_behind(const fitted_family<T>& family, const group<T>& inner, const frame<T>& G, const joint_axis<T>* chain,
+                 const placings<T>& outer, int start, const joint_value<T>* near, T slack, bool free_ones,
+                 candidate_list<T>& found) {
+    constexpr int lanes = number<V>::lanes;
+    const int before = family.first, behind = family.count - family.last, count = least(lanes, outer.count - start);
+    candidate<V> each;
+    unsigned beside_free[lanes] = {}, inside_free[lanes];
+    V inner_slack = V(slack);
+    // G E_R⁻¹ = (motions of the axes behind, seen through G)⁻¹ G, and E_L⁻¹ goes before it.
+    frame<V> E = converted<V>(G);
+    for (int i = 0; i < behind + before; ++i) {
+        const int at = i < behind ? family.last + i : i - behind;
+        const joint_value<V> x = in_lanes<V>([&](int l) { return outer.items[start + (l < count ? l : 0)].x[i]; });
+        for (unsigned any = bits(x.free), l = 0; any != 0; any >>= 1U, ++l) beside_free[l] |= (any & 1U) << at;
+        inner_slack = select(x.free, V(nearest<T>), inner_slack);
+        move_frame(chain[i], back(x), E);
+        each.x[at] = coordinate_of(family.axes[at], x);
+    }
+    const placings<V> inside = within(inner, E, near + family.first, inner_slack);
+    for (int r = 0; r < inside.count; ++r) {
+        const placed<V>& more = inside.items[r];
+        for (int l = 0; l < lanes; ++l) inside_free[l] = beside_free[l];
+        for (int i = 0; i < inner.count; ++i) {
+            each.x[before + i] = coordinate_of(inner.axes[i], more.x[i]);
+            for (unsigned all = bits(more.x[i].free), l = 0; all != 0; all >>= 1U, ++l)
+                inside_free[l] |= (all & 1U) << (before + i);
+        }
+        for (int l = 0; l < count; ++l) {
+            if ((bits(inside.there[r]) >> l & 1U) == 0 || (free_ones && inside_free[l] == 0)) continue;
+            candidate<T> one;
+            for (int i = 0; i < family.count; ++i) one.x[i] = lane(each.x[i], l);
+            one.free = inside_free[l];
+            found.add(one);
+        }
     }
 }
 
@@ -99,22 +138,10 @@ void find_with(const fitted_family<T>& family, const frame<T>& G, const joint_va
         wanted[behind + i] = near[i];
     }
     const group<T> inner{family.axes + family.first, family.last - family.first, family.kept};
-    for (const placed<T>& beside : place(chain, before + behind, family.kept, moved(G, family.kept), wanted, slack)) {
-        // G E_R⁻¹ = (motions of the axes behind, seen through G)⁻¹ G, and E_L⁻¹ goes before it.
-        frame<T> E = G;
-        bool any = false;
-        for (int i = 0; i < behind + before; ++i) {
-            move_frame(chain[i], back(beside.x[i]), E);
-            any = any || beside.x[i].free;
-        }
-        for (const placed<T>& inside : within(inner, E, near + family.first, any ? nearest<T> : slack)) {
-            candidate<T> each;
-            for (int i = 0; i < before; ++i) each.x[i] = beside.x[behind + i];
-            for (int i = 0; i < inner.count; ++i) each.x[before + i] = inside.x[i];
-            for (int i = 0; i < behind; ++i) each.x[family.last + i] = beside.x[i];
-            if (!free_ones || each.free(family.count) != 0) found.add(each);
-        }
-    }
+    const placings<T> outer = place(chain, before + behind, family.kept, moved(G, family.kept), wanted, slack);
+    constexpr int lanes = lanes_at_once<T, 4>;
+    for (int start = 0; start < outer.count; start += lanes)
+        find_behind<pack<T, lanes>>(family, inner, G, chain, outer, start, near, slack, free_ones, found);
 }
 }  // namespace detail
 
@@ -128,7 +155,7 @@ unsigned find_candidates(const fitted_family<T>& family, const frame<T>& G, cons
     detail::find_with(family, G, near, slack, false, found);
     unsigned open = 0;
     for (const candidate<T>& each : found)
-        if (const unsigned joints = each.free(family.count); joints != 0 && !detail::is_met(family, each, G)) open |= joints;
+        if (each.free != 0 && !detail::is_met(family, each, G)) open |= each.free;
     return open;
 }
 

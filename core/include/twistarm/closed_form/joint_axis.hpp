@@ -8,14 +8,21 @@ TWISTARM_BEGIN
 
 namespace closed_form {
 
-/// A few things, at most `Most` of them.
-template <class Item, int Most> struct few {
+using twistarm::lane;
+using twistarm::select;
+
+/// A few things, at most `Most` of them; of packs each is `there` in some lanes.
+template <class Item, int Most, class Mask = bool> struct few {
     Item items[Most];
+    Mask there[Most];
     int count = 0;
 
-    void add(const Item& item) {
-        if (count < Most) items[count++] = item;
+    void add(const Item& item, const Mask& where) {
+        if (count == Most || !any(where)) return;
+        there[count] = where;
+        items[count++] = item;
     }
+    void add(const Item& item) { add(item, true); }
     const Item* begin() const { return items; }
     const Item* end() const { return items + count; }
 };
@@ -27,28 +34,33 @@ template <class T> struct joint_axis {
 };
 
 /// Where a joint stands: a turn by its cosine and sine, a slide by its length [m]; the other is that of 0. `free`: any other
-/// value would do as well, with others for the rest.
-template <class T> struct joint_value {
-    T cosine, sine, length;
-    bool free;
+/// value would do as well, with others for the rest. Of packs, one joint in several configurations.
+template <class V> struct joint_value {
+    V cosine, sine, length;
+    mask_of<V> free;
 
     joint_value() = default;
-    constexpr joint_value(T c, T s, T l, bool any = false) : cosine(c), sine(s), length(l), free(any) {}
+    TWISTARM_INLINE joint_value(V c, V s, V l) : joint_value(c, s, l, in_every_lane<V>(false)) {}
+    TWISTARM_INLINE joint_value(V c, V s, V l, mask_of<V> any) : cosine(c), sine(s), length(l), free(any) {}
+    /// The same in every lane.
+    template <class T>
+    TWISTARM_INLINE explicit joint_value(const joint_value<T>& one)
+        : joint_value(V(one.cosine), V(one.sine), V(one.length), in_every_lane<V>(one.free)) {}
 };
 
-template <class T> joint_value<T> set_free(joint_value<T> value) {
-    value.free = true;
+template <class V> joint_value<V> set_free(joint_value<V> value) {
+    value.free = in_every_lane<V>(true);
     return value;
 }
 
-template <class T> joint_value<T> slid(T length) { return {T(1), T(0), length}; }
+template <class V> TWISTARM_INLINE joint_value<V> slid(V length) { return {V(1), V(0), length}; }
 
 /// The turn of which cosine and sine are known but for a common factor; both 0 are the turn 0.
-template <class T> TWISTARM_INLINE joint_value<T> turned(T cosine, T sine) {
-    const T square = cosine * cosine + sine * sine;
-    if (!(square > T(0))) return {T(1), T(0), T(0)};
-    const T scale = T(1) / sqrt(square);
-    return {cosine * scale, sine * scale, T(0)};
+template <class V> TWISTARM_INLINE joint_value<V> turned(V cosine, V sine) {
+    const V zero = V(0), one = V(1), square = cosine * cosine + sine * sine;
+    const auto turns = square > zero;
+    const V scale = one / sqrt(select(turns, square, one));
+    return {select(turns, cosine * scale, one), select(turns, sine * scale, zero), zero};
 }
 
 template <class T> joint_value<T> turned_by(T angle) {
@@ -59,19 +71,51 @@ template <class T> joint_value<T> turned_by(T angle) {
 
 template <class T> joint_value<T> value_of(const joint_axis<T>& axis, T x) { return axis.slides ? slid(x) : turned_by(x); }
 
-template <class T> joint_value<T> back(const joint_value<T>& value) { return {value.cosine, -value.sine, -value.length, value.free}; }
+/// x [rad or m], turns in [−π, π].
+template <class T, class V> TWISTARM_INLINE V coordinate_of(const joint_axis<T>& axis, const joint_value<V>& value) {
+    return axis.slides ? value.length : arctangent(value.sine, value.cosine);
+}
+
+template <class V> TWISTARM_INLINE joint_value<V> back(const joint_value<V>& value) {
+    return {value.cosine, -value.sine, -value.length, value.free};
+}
 
 /// One turn after another.
-template <class T> joint_value<T> operator+(const joint_value<T>& a, const joint_value<T>& b) {
+template <class A, class B>
+TWISTARM_INLINE joint_value<wider<A, B>> operator+(const joint_value<A>& a, const joint_value<B>& b) {
     return {a.cosine * b.cosine - a.sine * b.sine, a.sine * b.cosine + a.cosine * b.sine, a.length + b.length};
 }
 
-/// A direction parted by a unit vector w: `along` w, `across` it, and w × `across`.
-template <class T> struct parted {
-    T along[3], across[3], turned[3];
+/// a where the mask holds, else b.
+template <class T, int L, class V = pack<T, L>>
+TWISTARM_INLINE joint_value<V> select(const mask<T, L>& m, const joint_value<V>& a, const joint_value<V>& b) {
+    return {select(m, a.cosine, b.cosine), select(m, a.sine, b.sine), select(m, a.length, b.length), select(m, a.free, b.free)};
+}
 
-    TWISTARM_INLINE parted(const T w[3], const T v[3]) {
-        const T share = dot(w, v);
+/// One lane, and a pack of which lane l is one(l).
+template <class V> TWISTARM_INLINE joint_value<scalar_of<V>> lane(const joint_value<V>& x, int i) {
+    return {lane(x.cosine, i), lane(x.sine, i), lane(x.length, i), (bits(x.free) >> i & 1U) != 0};
+}
+template <class V, class One> TWISTARM_INLINE joint_value<V> in_lanes(const One& one) {
+    joint_value<V> x;
+    unsigned free = 0;
+    for (int l = 0; l < number<V>::lanes; ++l) {
+        const joint_value<scalar_of<V>>& value = one(l);
+        set_lane(x.cosine, l, value.cosine);
+        set_lane(x.sine, l, value.sine);
+        set_lane(x.length, l, value.length);
+        free |= static_cast<unsigned>(value.free) << l;
+    }
+    x.free = lanes_of<V>(free);
+    return x;
+}
+
+/// A direction parted by a unit vector w: `along` w, `across` it, and w × `across`.
+template <class V> struct parted {
+    V along[3], across[3], turned[3];
+
+    template <class T> TWISTARM_INLINE parted(const T w[3], const V v[3]) {
+        const V share = dot(w, v);
         for (int k = 0; k < 3; ++k) {
             along[k] = share * w[k];
             across[k] = v[k] - along[k];
@@ -81,25 +125,25 @@ template <class T> struct parted {
 };
 
 /// v ← e^{ŵx} v: Rodrigues' formula. MLS §2.2.1, eq. 2.14.
-template <class T> TWISTARM_INLINE void move_direction(const joint_axis<T>& axis, const joint_value<T>& x, T v[3]) {
+template <class T, class V> TWISTARM_INLINE void move_direction(const joint_axis<T>& axis, const joint_value<V>& x, V v[3]) {
     if (axis.slides) return;
-    const parted<T> parts(axis.w, v);
+    const parted<V> parts(axis.w, v);
     for (int k = 0; k < 3; ++k) v[k] = parts.along[k] + x.cosine * parts.across[k] + x.sine * parts.turned[k];
 }
 
 /// p ← E(x) p.
-template <class T> TWISTARM_INLINE void move_point(const joint_axis<T>& axis, const joint_value<T>& x, T p[3]) {
+template <class T, class V> TWISTARM_INLINE void move_point(const joint_axis<T>& axis, const joint_value<V>& x, V p[3]) {
     if (axis.slides) {
-        for (int k = 0; k < 3; ++k) p[k] += x.length * axis.w[k];
+        for (int k = 0; k < 3; ++k) p[k] = p[k] + x.length * axis.w[k];
         return;
     }
-    for (int k = 0; k < 3; ++k) p[k] -= axis.o[k];
+    for (int k = 0; k < 3; ++k) p[k] = p[k] - axis.o[k];
     move_direction(axis, x, p);
-    for (int k = 0; k < 3; ++k) p[k] += axis.o[k];
+    for (int k = 0; k < 3; ++k) p[k] = p[k] + axis.o[k];
 }
 
 /// g ← E(x) g.
-template <class T> void move_frame(const joint_axis<T>& axis, const joint_value<T>& x, frame<T>& g) {
+template <class T, class V> void move_frame(const joint_axis<T>& axis, const joint_value<V>& x, frame<V>& g) {
     if (!axis.slides) {
         move_direction(axis, x, g.x);
         move_direction(axis, x, g.y);
@@ -133,32 +177,33 @@ template <class T> joint_axis<T> seen(const joint_axis<T>& axis, const frame<T>&
 enum class keeps { nothing, point, plane };
 
 /// A point v [m], or the plane of the points x with v · x = d, v a unit vector; turned round it is another plane.
-template <class T> struct feature {
+template <class V> struct feature {
     bool plane;
-    T v[3], d;
+    V v[3], d;
 };
 
 template <class T> feature<T> point_at(const T p[3]) { return {false, {p[0], p[1], p[2]}, T(0)}; }
 
 /// g X: n' = R n, d' = d + n' · p for a plane.
-template <class T> feature<T> moved(const frame<T>& g, const feature<T>& X) {
-    feature<T> Y = X;
+template <class V, class T> feature<V> moved(const frame<V>& g, const feature<T>& X) {
+    feature<V> Y{X.plane, {}, V(X.d)};
     rotate(g, X.v, Y.v);
     if (X.plane) Y.d = X.d + dot(Y.v, g.p);
-    for (int k = 0; k < 3 && !X.plane; ++k) Y.v[k] += g.p[k];
+    for (int k = 0; k < 3 && !X.plane; ++k) Y.v[k] = Y.v[k] + g.p[k];
     return Y;
 }
 
 /// E(x) X.
-template <class T> feature<T> moved(const joint_axis<T>& axis, const joint_value<T>& x, const feature<T>& X) {
-    feature<T> Y = X;
+template <class T, class V, class A>
+feature<V> moved(const joint_axis<T>& axis, const joint_value<V>& x, const feature<A>& X) {
+    feature<V> Y{X.plane, {V(X.v[0]), V(X.v[1]), V(X.v[2])}, V(X.d)};
     if (!X.plane) {
         move_point(axis, x, Y.v);
     } else if (axis.slides) {
-        Y.d += x.length * dot(axis.w, X.v);
+        Y.d = X.d + x.length * dot(axis.w, X.v);
     } else {
         move_direction(axis, x, Y.v);
-        Y.d += dot(Y.v, axis.o) - dot(X.v, axis.o);
+        Y.d = X.d + (dot(Y.v, axis.o) - dot(X.v, axis.o));
     }
     return Y;
 }

@@ -18,41 +18,45 @@ namespace closed_form {
 template <class T> constexpr T on_axis = is_double<T> ? T(1e-7) : T(1e-4);
 
 /// Values of up to three joints.
-template <class T> struct placed {
-    joint_value<T> x[3];
+template <class V> struct placed {
+    joint_value<V> x[3];
 };
 
-template <class T> using placings = few<placed<T>, 8>;
+template <class V> using placings = few<placed<V>, 8, mask_of<V>>;
 
 /// x with E(x) X = Y as near as can be; `near`, free, where any would do. Subproblem 1, MLS §3.3.2, for planes and slides too.
-template <class T>
-joint_value<T> settle(const joint_axis<T>& axis, const feature<T>& X, const feature<T>& Y, const joint_value<T>& near) {
+template <class T, class A, class B>
+joint_value<wider<A, B>> settle(const joint_axis<T>& axis, const feature<A>& X, const feature<B>& Y, const joint_value<T>& near) {
+    using V = wider<A, B>;
+    const joint_value<V> any_value(set_free(near));
     if (axis.slides && X.plane) {
-        const T share = dot(axis.w, X.v);
-        return absolute(share) < nothing<T> ? set_free(near) : slid((Y.d - X.d) / share);
+        const V share = V(dot(axis.w, X.v));
+        return select(absolute(share) < V(nothing<T>), any_value, slid((Y.d - X.d) / share));
     }
-    T a[3], b[3], turned_a[3];
     if (axis.slides) {
-        for (int k = 0; k < 3; ++k) a[k] = Y.v[k] - X.v[k];
-        return slid(dot(axis.w, a));
+        const V away[3] = {Y.v[0] - X.v[0], Y.v[1] - X.v[1], Y.v[2] - X.v[2]};
+        return slid(dot(axis.w, away));
     }
+    A a[3], turned_a[3];
+    B b[3];
     for (int k = 0; k < 3; ++k) {
         a[k] = X.plane ? X.v[k] : X.v[k] - axis.o[k];
         b[k] = Y.plane ? Y.v[k] : Y.v[k] - axis.o[k];
     }
-    const T along_a = dot(axis.w, a), along_b = dot(axis.w, b);
+    const A along_a = dot(axis.w, a);
+    const B along_b = dot(axis.w, b);
     for (int k = 0; k < 3; ++k) {
-        a[k] -= along_a * axis.w[k];
-        b[k] -= along_b * axis.w[k];
+        a[k] = a[k] - along_a * axis.w[k];
+        b[k] = b[k] - along_b * axis.w[k];
     }
-    if (dot(a, a) < on_axis<T> * on_axis<T> || dot(b, b) < on_axis<T> * on_axis<T>) return set_free(near);
+    const V shorter = least(V(dot(a, a)), V(dot(b, b)));
     cross(axis.w, a, turned_a);
-    return turned(dot(a, b), dot(turned_a, b));
+    return select(shorter < V(on_axis<T> * on_axis<T>), any_value, turned(dot(a, b), dot(turned_a, b)));
 }
 
 namespace detail {
 /// The two numbers of X that moving along the middle joint does not change.
-template <class T> void kept_numbers(const joint_axis<T>& middle, const feature<T>& X, T kept[2]) {
+template <class T, class V> void kept_numbers(const joint_axis<T>& middle, const feature<V>& X, V kept[2]) {
     if (middle.slides) {
         T u[3], v[3];
         across(middle.w, u, v);
@@ -62,7 +66,7 @@ template <class T> void kept_numbers(const joint_axis<T>& middle, const feature<
         kept[0] = dot(middle.w, X.v);
         kept[1] = X.d - dot(X.v, middle.o);
     } else {
-        const T away[3] = {X.v[0] - middle.o[0], X.v[1] - middle.o[1], X.v[2] - middle.o[2]};
+        const V away[3] = {X.v[0] - middle.o[0], X.v[1] - middle.o[1], X.v[2] - middle.o[2]};
         kept[0] = dot(middle.w, away);
         kept[1] = dot(away, away);
     }
@@ -120,19 +124,20 @@ private:
 };
 
 /// The first joint is the middle one: nothing stands before it.
-template <class T>
-void place_by_two(const joint_axis<T>* axes, const feature<T>& X, const feature<T>& Y, const joint_value<T>* near,
-                  T slack, placings<T>& found) {
+template <class T, class V>
+void place_by_two(const joint_axis<T>* axes, const feature<T>& X, const feature<V>& Y, const joint_value<T>* near,
+                  V slack, placings<V>& found) {
     const kept_along<T> along(axes[0], axes[1], X, T(1));
-    T e[2];
+    V e[2];
     kept_numbers(axes[0], Y, e);
     side<T> last{{}, axes[1].slides, near[1]};
     for (int i = 0; i < 2; ++i) {
-        e[i] -= along.constant[i];
+        e[i] = e[i] - along.constant[i];
         for (int k = 0; k < 2; ++k) last.A[i][k] = along.A[i][k];
     }
-    for (const joint_value<T>& y : one_joint(last, e, slack))
-        found.add({{settle(axes[0], moved(axes[1], y, X), Y, near[0]), y, {}}});
+    const roots<V, 4> y = one_joint(last, e, slack);
+    for (int r = 0; r < y.count; ++r)
+        found.add({{settle(axes[0], moved(axes[1], y.items[r], X), Y, near[0]), y.items[r], {}}}, y.there[r]);
 }
 
 template <class T>
@@ -148,24 +153,33 @@ void place_by_three(const joint_axis<T>* axes, const feature<T>& X, const featur
             last.A[i][k] = behind.A[i][k];
         }
     }
-    for (const pair<T>& each : two_conditions(first, last, e, slack)) {
-        const feature<T> from = moved(axes[2], each.y, X), to = moved(axes[0], back(each.x), Y);
-        found.add({{each.x, settle(axes[1], from, to, near[1]), each.y}});
+    constexpr int lanes = lanes_at_once<T, 4>;
+    using V = pack<T, lanes>;
+    const pairs<T> beside = two_conditions(first, last, e, slack);
+    for (int start = 0; start < beside.count; start += lanes) {
+        const int count = least(lanes, beside.count - start);
+        const auto at = [&](int l) { return beside.items[start + (l < count ? l : 0)]; };
+        const joint_value<V> x = in_lanes<V>([&](int l) { return at(l).x; }), y = in_lanes<V>([&](int l) { return at(l).y; });
+        const joint_value<V> middle = settle(axes[1], moved(axes[2], y, X), moved(axes[0], back(x), Y), near[1]);
+        for (int l = 0; l < count; ++l) found.add({{at(l).x, lane(middle, l), at(l).y}});
     }
 }
 }  // namespace detail
 
 /// All x with E₁(x₁) ⋯ Eₖ(xₖ) X = Y, k ≤ 3, in the sense of least squares where there are too few joints.
 ///
-/// Where any value would do, a joint takes that of `near`. What just misses by `slack` counts.
-template <class T>
-placings<T> place(const joint_axis<T>* axes, int count, const feature<T>& X, const feature<T>& Y,
-                  const joint_value<T>* near, T slack) {
-    placings<T> found;
-    if (count == 0) found.add({});
-    if (count == 1) found.add({{settle(axes[0], X, Y, near[0]), {}, {}}});
+/// Where any value would do, a joint takes that of `near`. What just misses by `slack` counts. In the lanes of a pack Y is
+/// at several places, for at most two joints.
+template <class T, class V>
+placings<V> place(const joint_axis<T>* axes, int count, const feature<T>& X, const feature<V>& Y,
+                  const joint_value<T>* near, V slack) {
+    placings<V> found;
+    const auto always = in_every_lane<V>(true);
+    if (count == 0) found.add({}, always);
+    if (count == 1) found.add({{settle(axes[0], X, Y, near[0]), {}, {}}}, always);
     if (count == 2) detail::place_by_two(axes, X, Y, near, slack, found);
-    if (count == 3) detail::place_by_three(axes, X, Y, near, slack, found);
+    if constexpr (number<V>::lanes == 1)
+        if (count == 3) detail::place_by_three(axes, X, Y, near, slack, found);
     return found;
 }
 

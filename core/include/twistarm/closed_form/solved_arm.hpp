@@ -55,6 +55,22 @@ template <class T> frame<T> any_pose(const target<T>& asked) {
     return g;
 }
 
+/// The values of the family's axes at θ.
+template <class T, int N> void values_at(const solved_arm<T, N>& arm, const T* theta, joint_value<T>* values) {
+    constexpr int lanes = lanes_at_once<T>;
+    for (int start = 0; start < most_unknowns; start += lanes) {
+        const int end = least(start + lanes, most_unknowns);
+        pack<T, lanes> x = T(0), sine, cosine;
+        for (int i = start; i < end; ++i)
+            if (i < arm.family.count && arm.joint[i] >= 0) set_lane(x, i - start, theta[arm.joint[i]] * arm.rate[arm.joint[i]]);
+        sincos(x, sine, cosine);
+        for (int i = start; i < end; ++i) {
+            const joint_value<T> turn(lane(cosine, i - start), lane(sine, i - start), T(0));
+            if (i < arm.family.count) values[i] = arm.family.axes[i].slides ? slid(lane(x, i - start)) : turn;
+        }
+    }
+}
+
 /// Candidates for θ (n,) by the values of the family's axes; what is free stands as in `near` (n,), or, where `nth` is not 0,
 /// those of them whose `open` joints stand at the nth other value.
 template <class T, int N>
@@ -64,10 +80,7 @@ void find_candidates(const solved_arm<T, N>& arm, const target<T>& asked, const 
     frame<T> behind;
     hold(arm, held_values, family, behind);
     joint_value<T> wanted[most_unknowns];
-    for (int i = 0; i < family.count; ++i) {
-        const int k = arm.joint[i];
-        wanted[i] = value_of(family.axes[i], k < 0 ? T(0) : near[k] * arm.rate[k]);
-    }
+    values_at(arm, near, wanted);
     const frame<T> G = product(product(any_pose(asked), inverse(arm.home)), behind);
     if (nth == 0) open = find_candidates(family, G, wanted, slack, found);
     else find_elsewhere(family, G, wanted, slack, open, nth, found);

@@ -26,50 +26,47 @@ template <class T> constexpr T nearest = T(is_double<T> ? 1e100 : 1e30F);
 template <class T> constexpr T double_root = is_double<T> ? T(1e-13) : T(1e-6);
 
 /// Real roots; `any`: every value is one.
-template <class T, int Most> struct roots : few<joint_value<T>, Most> {
-    bool any = false;
+template <class V, int Most> struct roots : few<joint_value<V>, Most, mask_of<V>> {
+    mask_of<V> any = in_every_lane<V>(false);
 
     /// Those roots, or, where every value is one, the one at hand.
-    roots or_near(const joint_value<T>& near) const {
+    roots or_near(const joint_value<scalar_of<V>>& near) const {
         roots found = *this;
-        if (any) found.add(set_free(near));
+        found.add(joint_value<V>(set_free(near)), any);
         return found;
     }
 };
 
 /// Angles x with a cos x + b sin x = c: atan2(b, a) ± acos(c / √(a² + b²)); `scale`, of the equation's other coefficients.
-template <class T> roots<T, 2> harmonic(T a, T b, T c, T scale, T slack) {
-    roots<T, 2> found;
+template <class T, class V> roots<V, 2> harmonic(T a, T b, V c, T scale, V slack) {
+    roots<V, 2> found;
     const T amplitude = sqrt(a * a + b * b);
     if (amplitude <= nothing<T> * scale) {
         found.any = absolute(c) <= (level<T> + slack) * scale;
         return found;
     }
-    if (absolute(c) > amplitude * (T(1) + slack) + nothing<T> * scale) return found;
-    const T square = (amplitude - c) * (amplitude + c);
-    const T opening = square > double_root<T> * amplitude * amplitude ? sqrt(square) : T(0);
-    found.add(turned(a * c - b * opening, b * c + a * opening));
-    if (opening > T(0)) found.add(turned(a * c + b * opening, b * c - a * opening));
+    const auto there = absolute(c) <= amplitude * (T(1) + slack) + nothing<T> * scale;
+    if (!any(there)) return found;
+    const V square = (amplitude - c) * (amplitude + c), zero = V(0);
+    const V opening = sqrt(select(square > V(double_root<T> * amplitude * amplitude), square, zero));
+    found.add(turned(a * c - b * opening, b * c + a * opening), there);
+    found.add(turned(a * c + b * opening, b * c - a * opening), there & (opening > zero));
     return found;
 }
 
 /// Lengths x with f x² + b x + c = 0, without cancellation.
-template <class T> roots<T, 2> quadratic(T f, T b, T c, T slack) {
-    roots<T, 2> found;
+template <class T, class V> roots<V, 2> quadratic(T f, T b, V c, V slack) {
+    roots<V, 2> found;
     if (absolute(f) <= nothing<T> * absolute(b)) {
-        if (b != T(0)) found.add(slid(-c / b));
+        if (b != T(0)) found.add(slid(-c / b), in_every_lane<V>(true));
         return found;
     }
-    const T discriminant = b * b - T(4) * f * c, size = b * b + absolute(T(4) * f * c);
-    if (discriminant < -slack * size) return found;
-    const T root = discriminant > double_root<T> * size ? sqrt(discriminant) : T(0);
-    const T q = T(-0.5) * (b + (b < T(0) ? -root : root));
-    if (q == T(0)) {
-        found.add(slid(T(0)));
-        return found;
-    }
-    found.add(slid(q / f));
-    if (root > T(0)) found.add(slid(c / q));
+    const V discriminant = b * b - T(4) * f * c, size = b * b + absolute(T(4) * f * c), zero = V(0);
+    const auto there = discriminant >= -slack * size;
+    const V root = sqrt(select(discriminant > double_root<T> * size, discriminant, zero));
+    const V q = T(-0.5) * (b + (b < T(0) ? -root : root));
+    found.add(slid(q / f), there);
+    found.add(slid(c / q), there & (root > zero) & (absolute(q) > zero));
     return found;
 }
 

@@ -68,39 +68,42 @@ template <class T> struct two_by_two {
 };
 
 /// A⁻¹ e.
-template <class T> void solve_two(const T A[2][2], const T e[2], T x[2]) {
+template <class T, class V> void solve_two(const T A[2][2], const V e[2], V x[2]) {
     const T determinant = A[0][0] * A[1][1] - A[0][1] * A[1][0];
     x[0] = (e[0] * A[1][1] - A[0][1] * e[1]) / determinant;
     x[1] = (A[0][0] * e[1] - e[0] * A[1][0]) / determinant;
 }
 
 /// All x with A u(x) = e: two conditions, of which one will do.
-template <class T> roots<T, 4> one_joint(const side<T>& a, const T e[2], T slack) {
-    roots<T, 4> found;
+template <class T, class V> roots<V, 4> one_joint(const side<T>& a, const V e[2], V slack) {
+    roots<V, 4> found;
+    const auto always = in_every_lane<V>(true);
+    const auto add_all = [&](const roots<V, 2>& some) {
+        for (int r = 0; r < some.count; ++r) found.add(some.items[r], some.there[r]);
+    };
+    const joint_value<V> any_value(set_free(a.near));
     if (a.slides && a.size_of_column(1) <= nothing<T> * a.largest()) {
         const T square = a.A[0][0] * a.A[0][0] + a.A[1][0] * a.A[1][0];
-        found.add(square > T(0) ? slid((a.A[0][0] * e[0] + a.A[1][0] * e[1]) / square) : set_free(a.near));
+        found.add(square > T(0) ? slid((a.A[0][0] * e[0] + a.A[1][0] * e[1]) / square) : any_value, always);
         return found;
     }
     if (a.slides) {
         for (int i = 0; i < 2; ++i)
-            if (a.size(i) > T(0))
-                for (const joint_value<T>& x : quadratic(a.A[i][1], a.A[i][0], -e[i], slack)) found.add(x);
+            if (a.size(i) > T(0)) add_all(quadratic(a.A[i][1], a.A[i][0], -e[i], slack));
         return found;
     }
     const two_by_two<T> size(a.A);
     if (size.larger <= nothing<T>) {
-        found.add(set_free(a.near));
+        found.add(any_value, always);
     } else if (size.smaller > well_conditioned<T> * size.larger) {
-        T both[2];
+        V both[2];
         solve_two(a.A, e, both);
-        found.add(turned(both[0], both[1]));
+        found.add(turned(both[0], both[1]), always);
     } else {
         const T cosine = size.row[0] * a.A[0][0] + size.row[1] * a.A[1][0];
         const T sine = size.row[0] * a.A[0][1] + size.row[1] * a.A[1][1];
-        const T wanted = size.row[0] * e[0] + size.row[1] * e[1];
-        for (const joint_value<T>& x : harmonic(cosine, sine, wanted, size.larger, greatest(slack, clearly_two<T>)))
-            found.add(x);
+        const V wanted = size.row[0] * e[0] + size.row[1] * e[1];
+        add_all(harmonic(cosine, sine, wanted, size.larger, greatest(slack, V(clearly_two<T>))));
     }
     return found;
 }

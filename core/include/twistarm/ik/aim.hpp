@@ -65,7 +65,9 @@ template <class V, class T> TWISTARM_INLINE void set_lane(aim<V>& aims, int i, c
 
 /// The same aim in every lane.
 template <class V, class T> TWISTARM_INLINE aim<V> aim_in_every_lane(const aim<T>& value) {
-    aim<V> aims{converted<V>(value.base), converted<V>(value.tip), {}};
+    aim<V> aims;
+    aims.base = converted<V>(value.base);
+    aims.tip = converted<V>(value.tip);
     for (int k = 0; k < 6; ++k) aims.tolerance[k] = V(value.tolerance[k]);
     return aims;
 }

@@ -10,17 +10,17 @@ template <class V> struct frame {
     V x[3], y[3], z[3], p[3];
 };
 
-template <class V> TWISTARM_INLINE V dot(const V a[3], const V b[3]) { return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]; }
+template <class A, class B> TWISTARM_INLINE wider<A, B> dot(const A a[3], const B b[3]) { return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]; }
 
 /// c = a × b.
-template <class V> TWISTARM_INLINE void cross(const V a[3], const V b[3], V c[3]) {
+template <class A, class B> TWISTARM_INLINE void cross(const A a[3], const B b[3], wider<A, B> c[3]) {
     c[0] = a[1] * b[2] - a[2] * b[1];
     c[1] = a[2] * b[0] - a[0] * b[2];
     c[2] = a[0] * b[1] - a[1] * b[0];
 }
 
 /// out = R v, R the rotation of g.
-template <class V> TWISTARM_INLINE void rotate(const frame<V>& g, const V v[3], V out[3]) {
+template <class V, class A> TWISTARM_INLINE void rotate(const frame<V>& g, const A v[3], V out[3]) {
     V turned[3];
     for (int k = 0; k < 3; ++k) turned[k] = g.x[k] * v[0] + g.y[k] * v[1] + g.z[k] * v[2];
     for (int k = 0; k < 3; ++k) out[k] = turned[k];

@@ -60,6 +60,12 @@ template <class V> __attribute__((noinline, cold)) void far_sincos(const V& x, V
 }
 }  // namespace detail
 
+/// The nearest whole number, for |x| < 2⁵¹ (float: 2²²).
+template <class V> TWISTARM_INLINE V nearest_whole(const V& x) {
+    constexpr auto rounding = detail::trigonometry<scalar_of<V>>::rounding;
+    return (x + rounding) - rounding;
+}
+
 /// sin x and cos x, x [rad]: within 2.5 ulp for double and |x| < `far_angle`, the C library's beyond; NaN for ∓inf.
 ///
 /// x = k π/2 + r with |r| ≤ π/4; k mod 4 says which polynomial and which sign. In float the reduction leaves 1e-7
@@ -102,15 +108,15 @@ template <class V> TWISTARM_INLINE V arcsine(const V& x) {
 
 /// The angle of (x, y) in [−π, π], within 4 ulp for double; 0 for (0, 0). Source: the rational approximation of Cephes, atan.c.
 ///
-/// With t = min(|x|, |y|) / max(|x|, |y|): arctan t = t + t³ P(t²) / Q(t²) up to tan(π/8), and π/4 + arctan((t − 1)/(t + 1))
-/// above.
+/// With t = s/l, s = min(|x|, |y|), l = max(|x|, |y|): arctan t = t + t³ P(t²) / Q(t²) up to tan(π/8), and above
+/// π/4 + arctan((s − l)/(s + l)).
 template <class V> TWISTARM_INLINE V arctangent(const V& y, const V& x) {
     using T = scalar_of<V>;
     const V across = absolute(y), along = absolute(x), zero = V(T(0));
     const V larger = greatest(across, along), smaller = least(across, along);
-    const V ratio = smaller / select(larger > zero, larger, V(T(1)));
-    const auto middle = ratio > V(T(0.41421356237309504880));
-    const V t = select(middle, (ratio - T(1)) / (ratio + T(1)), ratio), z = t * t;
+    const auto middle = smaller > larger * T(0.41421356237309504880);
+    const V below = select(middle, smaller + larger, larger);
+    const V t = select(middle, smaller - larger, smaller) / select(below > zero, below, V(T(1))), z = t * t;
     V p = z * T(-8.750608600031904122785e-1) + T(-1.615753718733365076637e1);
     p = p * z + T(-7.500855792314704667340e1);
     p = p * z + T(-1.228866684490136173410e2);

@@ -150,7 +150,17 @@ template <class T, int L> TWISTARM_INLINE mask<T, L> operator!(const mask<T, L>&
     return c;
 }
 
+/// What a comparison of such numbers gives: a mask, or of scalars a bool.
+template <class V> using mask_of = decltype(V{} < V{});
+
+/// The type in which numbers of both types are computed.
+template <class A, class B> using wider = decltype(A{} * B{});
+
 /// a where the mask holds, else b.
+template <class T, int L>
+TWISTARM_INLINE mask<T, L> select(const mask<T, L>& m, const mask<T, L>& a, const mask<T, L>& b) {
+    return (m & a) | ((!m) & b);
+}
 template <class T, int L>
 TWISTARM_INLINE pack<T, L> select(const mask<T, L>& m, const pack<T, L>& a, const pack<T, L>& b) {
     using floats = typename pack<T, L>::layout::floats;
@@ -199,6 +209,9 @@ template <class T, int L> struct number<pack<T, L>> {
 };
 template <class V> using scalar_of = typename number<V>::scalar;
 
+/// The same truth value in every lane.
+template <class V> TWISTARM_INLINE mask_of<V> in_every_lane(bool holds) { return V(scalar_of<V>(holds ? 1 : 0)) > V(scalar_of<V>(0)); }
+
 /// Whether the mask holds in any lane, in every lane.
 template <class M> TWISTARM_INLINE bool any(const M& m) { return bits(m) != 0U; }
 template <class T, int L> TWISTARM_INLINE bool all(const mask<T, L>& m) { return bits(m) == (1U << L) - 1U; }
@@ -216,6 +229,14 @@ template <class T, int L> TWISTARM_INLINE T lane(const pack<T, L>& a, int i) { r
 template <class T> TWISTARM_INLINE T lane(T a, int) { return a; }
 template <class T, int L> TWISTARM_INLINE void set_lane(pack<T, L>& a, int i, T value) { a.set(i, value); }
 template <class T> TWISTARM_INLINE void set_lane(T& a, int, T value) { a = value; }
+
+/// A truth value in each lane, from `bits`.
+template <class V> TWISTARM_INLINE mask_of<V> lanes_of(unsigned bits) {
+    if (bits == 0) return in_every_lane<V>(false);
+    V holds;
+    for (int l = 0; l < number<V>::lanes; ++l) set_lane(holds, l, scalar_of<V>(bits >> l & 1U));
+    return holds > V(scalar_of<V>(0));
+}
 
 /// Lane l from first[l · stride]; a scalar from first[0].
 template <class V> TWISTARM_INLINE V gathered(const scalar_of<V>* first, int stride) {

@@ -34,4 +34,22 @@ template <int Capacity, class V> TWISTARM_INLINE void solve_ldl(V (&H)[Capacity]
     }
 }
 
+/// The trace of H⁻¹ = L⁻ᵀ D⁻¹ L⁻¹, H as solve_ldl leaves it: at least the inverse of H's least eigenvalue, and at most `size`
+/// times that.
+template <int Capacity, class V> TWISTARM_INLINE V trace_of_inverse(const V (&H)[Capacity][Capacity], int size) {
+    V trace = V(scalar_of<V>(0)), z[Capacity];
+    TWISTARM_UNROLL
+    for (int j = 0; j < size; ++j) {
+        trace = trace + H[j][j];
+        TWISTARM_UNROLL
+        for (int i = j + 1; i < size; ++i) {
+            z[i] = -H[i][j];
+            TWISTARM_UNROLL
+            for (int k = j + 1; k < i; ++k) z[i] = z[i] - H[i][k] * z[k];
+            trace = trace + z[i] * z[i] * H[i][i];
+        }
+    }
+    return trace;
+}
+
 TWISTARM_END

@@ -82,13 +82,16 @@ def print_lesson(
     load: dict[str, Any],
     lesson: Lesson,
     output: Annotated[str, typer.Option("--output", "-o", metavar="FILE", help="Where to write it, *.pdf.")],
+    solutions: Annotated[
+        bool, typer.Option("--solutions/--without-solutions", help="Whether the exercises have their solutions.")
+    ] = True,
     force: Force = False,
 ) -> None:
     """Print one lesson as a PDF, its answers unfolded; needs Chromium, Chrome or Edge."""
     outputs = outputs_of(output, {"pdf": (".pdf",)}, force=force)
     name = lesson_named(lesson)
     built = _built(source, load, None, [name])
-    outputs.say(outputs.write({"pdf": lambda: pdf_of(built.folder, name)}))
+    outputs.say(outputs.write({"pdf": lambda: pdf_of(built.folder, name, solutions)}))
     raise typer.Exit(bool(built.failed))
 
 

@@ -8,9 +8,9 @@ from typing import Annotated, Any
 import typer
 
 from ...guide.exercises import LESSONS, exercises_of
-from ...guide.exercises.files import write_exercises
+from ...guide.exercises.files import HERE, write_exercises
 from ...guide.grading import Report, check_file
-from ...guide.grading.progress import begun, folder_of, kept, read_progress
+from ...guide.grading.progress import begun, folder_of, folder_with_progress, kept, read_progress
 from ...guide.grading.report import SIGNS
 from ...guide.teaching.arm import arm as arm_of_the_lessons
 from ...loading.load import load_arm
@@ -18,8 +18,6 @@ from ...model.arm import Arm
 from ...support.files import as_path
 from ..options import Json, takes_arm_option
 from ..output import console, print_json, say, table, warn
-
-HERE = Path("guide_exercises")
 
 
 @takes_arm_option
@@ -51,7 +49,7 @@ def progress(
     json: Json = False,
 ) -> None:
     """Show which exercises are done, and what was said of the others."""
-    found = read_progress(as_path(folder))
+    found = read_progress(folder_with_progress(as_path(folder), HERE))
     if json:
         print_json({lesson: _of_lesson(lesson, found) for lesson in LESSONS})
         return

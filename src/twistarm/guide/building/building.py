@@ -19,7 +19,7 @@ from ...viewer.server.watching import loaded
 from ..course import lesson_file, lessons
 from .cells import cells_of, title_of
 from .errata import slips
-from .pages import SCRIPTS, STYLE, errata_page, index_page, lesson_page, site_text
+from .pages import SCRIPTS, STYLE, before_page, errata_page, index_page, lesson_page, site_text
 from .running import TIMEOUT, run_lessons
 from .site_folder import SiteFolder
 
@@ -92,6 +92,7 @@ def build(
             *ASSETS,
             "index.html",
             "errata.html",
+            "before.html",
             *(f"{name}{ending}" for name in wanted for ending in (".html", ".py")),
             *scenes,
         }
@@ -104,6 +105,7 @@ def _around(site: SiteFolder, titles: Mapping[str, str], arm: Arm, failed: Seque
     for name, source in ASSETS.items():
         site.write(name, site_text(source))
     site.write("index.html", index_page(titles, arm, failed))
+    site.write("before.html", before_page(arm))
     site.write("errata.html", errata_page([slip._asdict() for slip in slips()], arm))
 
 

@@ -59,7 +59,8 @@ def _moved_axes() -> Slip:
     fixed = rotations.exp([0, 1, 0], b) @ rotations.exp([0, 0, 1], a)
     return Slip(
         "From which frame to which, and about which axes (2.1.1)",
-        "The rotation that is said to take B to B takes A to B. The Euler angles turn about the axes as the turns "
+        "The rotation that is said to take B to B takes A to B. ZYZ angles are named in the order "
+        "α, β, γ. The Euler angles turn about the axes as the turns "
         "before "
         "have left them, so that each new factor stands on the right.",
         f"$R_z(40°)R_y(30°)$ and $R_y(30°)R_z(40°)$ differ by {_angle(moved, fixed):.1f}°.",
@@ -140,13 +141,14 @@ def _unit_axis() -> Slip:
     careful = np.eye(3) + W / size * np.sin(size * theta) + W @ W / size**2 * (1 - np.cos(size * theta))
     return Slip(
         "Rodrigues' formula needs a unit axis (2.1.2)",
+        r"The formula is Rodrigues', with an s. "
         r"$e^{\hat\omega\theta} = I + \hat\omega \sin\theta + \hat\omega^2 (1 - \cos\theta)$ holds for $\|\omega\| = "
         r"1$. "
         r"Otherwise: $I + \frac{\hat\omega}{\|\omega\|} \sin(\|\omega\|\theta) + \frac{\hat\omega^2}{\|\omega\|^2} "
         r"(1 - \cos(\|\omega\|\theta))$.",
         f"For $\\omega = (0, 0, 2)$ and 30° the short formula gives a matrix of determinant "
         f"{np.linalg.det(careless):.3f}, no rotation; the long one is within "
-        f"${rough(_far(careful, rotations.exp(w, theta)))}$ "
+        f"${rough(max(_far(careful, rotations.exp(w, theta)), 1e-16))}$ "
         "of the exponential.",
     )
 
@@ -173,7 +175,7 @@ def _screw_motion() -> Slip:
         "Chasles, and what a twist is (2.2.2)",
         "The theorem is Chasles': every rigid motion is a screw motion. A twist is not the time derivative of one, "
         "but the "
-        "infinitesimal screw motion: what the motion is at its very beginning, before it has moved anything.",
+        "infinitesimal screw motion: the motion at its first instant.",
         f"At $t = 0$ the derivative of $e^{{\\hat\\xi t}}$ is $\\hat\\xi$ (found ${rough(off)}$ apart by "
         f"differences); at "
         f"$t = 1$ it is another matrix, {np.abs(screws.hat(xi) @ screws.exp(xi, 1.0) - screws.hat(xi)).max():.2f} "
@@ -207,7 +209,7 @@ def _spatial_twist() -> Slip:
         r"$g^{-1}\dot g$.",
         f"For a joint 0.4 m from the origin: spatial $v = ({_numbers(xi[:3])})$, body $v = ({_numbers(body[:3])})$ "
         f"m/s. "
-        f"Taken for each other they are {np.linalg.norm(xi - body):.2f} apart.",
+        f"Taken for each other they are {np.linalg.norm((xi - body)[:3]):.2f} m/s apart.",
     )
 
 
@@ -278,7 +280,7 @@ def _one_solution() -> Slip:
         r"$r = 0$ with equal links $\theta_1$ is free. At an edge rounding takes the cosine past one: clamp it. And "
         r"$\pi + \alpha$ wants wrapping.",
         f"Stretched out, the two solutions are ${rough(apart)}$ apart. A nanometre further the cosine is "
-        f"$-1 {cosine + 1:+.0e}$, whose arc cosine is not a number.",
+        f"$-1 - {rough(-1 - cosine)}$, whose arc cosine is not a number.",
     )
 
 

@@ -13,6 +13,7 @@ import twistarm
 
 from ...model.arm import Arm
 from ..course import LESSONS, PARTS, SECTIONS, lessons
+from ..exercises.files import HERE
 from ..teaching.html import html_of
 from ..teaching.markup import block, inline
 
@@ -85,26 +86,33 @@ def index_page(titles: Titles, arm: Arm, failed: Iterable[str]) -> str:
     return _page(kind="index", title="The guide", body=body, contents="", neighbours=onward, arm=arm, here="index")
 
 
-INTRODUCTION = """This course finishes the team's guide to manipulation. Its lessons are run, not written: every number
-on these pages was computed when they were built, on {arm}, an arm of {n}.
+INTRODUCTION = """This course teaches what the team's guide to manipulation begins, and finishes it; you need not know
+that guide. Its lessons are run, not written: every number on these pages was computed when they were built, on {arm},
+an arm of {n}.
+
+[Before you begin](before.html) lists what you should know, and the letters and words that the lessons use.
 
 A lesson takes ten to twenty minutes. It begins with a question that somebody has who builds an arm, states the law and
-where it comes from, and shows it on the arm. Where it asks you to **predict**, do so before you unfold the answer: what
-you got wrong is what you will remember. Work with a pencil, and with Python at hand."""
+where it comes from, and shows it on the arm. Where it asks you to **predict**, do so before you unfold the answer:
+what you got wrong is what you will remember. Work with a pencil, and with Python at hand."""
 
 
 EXERCISES = f"""Each lesson ends with exercises: functions to write, which are graded on random instances and on the
 screws of your arm. A mistake that is known is named.
 
 ```sh
-twistarm guide exercises -o my_exercises
-twistarm guide check my_exercises/{LESSONS[0]}.py --arm my_arm.urdf
-twistarm guide progress my_exercises
+twistarm guide exercises -o {HERE}
+twistarm guide check {HERE}/{LESSONS[0]}.py --arm my_arm.urdf
+twistarm guide progress {HERE}
 ```
 
 The first writes the files to fill in, one for each lesson, and those for Octave and MATLAB; it never replaces one that
 is there. Without `--arm` the screws are those of the bundled rover arm. The last shows what is right and what is still
-to do."""
+to do.
+
+For Octave or MATLAB: fill in the functions in the folder `octave`, run a script there (`octave run_rotations.m`, or
+`run_rigid_motions.m`, `run_manipulator.m`), and have graded what it writes: `twistarm guide check
+{HERE}/octave/results_rotations.csv`."""
 
 
 def errata_page(slips: Iterable[Mapping[str, str]], arm: Arm) -> str:
@@ -120,8 +128,15 @@ def errata_page(slips: Iterable[Mapping[str, str]], arm: Arm) -> str:
     )
 
 
-ERRATA = """Where the team's guide slips, in our words, and for each slip the number that shows it. Nothing here is
-typed by hand: the numbers were computed when this page was built."""
+def before_page(arm: Arm) -> str:
+    """What a reader knows before the first lesson, the letters and the words."""
+    body = f"<h1>Before you begin</h1>{html_of({'kind': 'text', 'markdown': site_text('before.md')})}"
+    return _page(kind="before", title="Before you begin", body=body, contents="", neighbours="", arm=arm, here="before")
+
+
+ERRATA = """For whoever has read the team's guide, the manual that this course finishes: where it slips, in our words,
+and for each slip the number that shows it. Nothing here is typed by hand: the numbers were computed when this page was
+built."""
 
 
 def _page(
@@ -150,6 +165,7 @@ def _page(
         script="".join(f'<script defer src="assets/{name}" nonce="{nonce}"></script>\n' for name in SCRIPTS if script),
         here=current if here == "index" else "",
         there=current if here == "errata" else "",
+        first=current if here == "before" else "",
     )
 
 

@@ -11,9 +11,13 @@ from ...support.errors import TwistarmError
 from ...viewer.files.browsers import find_browser, is_snap
 from ...viewer.files.headless import printed
 
+SOLUTION = r"<details[^>]*><summary>Show a solution</summary>.*?</details>"
+"""The model solution of an exercise in a page."""
 
-def pdf_of(site: Path, lesson: str) -> bytes:
-    """The PDF of a lesson of the site that was built in `site`, with all that is folded unfolded.
+
+def pdf_of(site: Path, lesson: str, solutions: bool = True) -> bytes:
+    """The PDF of a lesson of the site that was built in `site`, with all that is folded unfolded; a sheet for a class
+    where the `solutions` of the exercises are left out.
 
     TwistarmError where there is no browser, or where it prints nothing.
     """
@@ -25,6 +29,8 @@ def pdf_of(site: Path, lesson: str) -> bytes:
             page = Path(folder, f"{lesson}.html")
             shutil.copytree(site / "assets", Path(folder, "assets"))
             text = (site / page.name).read_text("utf-8")
+            if not solutions:
+                text = re.sub(SOLUTION, "", text, flags=re.DOTALL)
             # On paper nothing can be unfolded, tried or opened.
             text = re.sub(r"<iframe .*?</iframe>", "", text.replace("<details", "<details open"), flags=re.DOTALL)
             page.write_text(re.sub(r"<script .*?</script>", "", text, flags=re.DOTALL), "utf-8")

@@ -24,22 +24,21 @@ def pregrasp(g_object: Array, distance: float) -> Array:
     return g
 
 
-def solve_pose(screws: Array, home: Array, x0: Array, target: Array) -> Array:
+def solve_pose(twists: Array, home: Array, x0: Array, target: Array) -> Array:
     """Joint values (m,) [rad, m] that bring the tool to `target` (4, 4), searched from `x0` (m,), which is near.
 
-    `screws` (6, m) and `home` (4, 4) are the arm's. Repeat: the error g⁻¹ g_target as a twist, a damped step of the
-    body Jacobian. `fk` and `body_jacobian` of twistarm.theory.poe, `inverse` and `log` of twistarm.theory.screws, or
-    your own.
+    `twists` (6, m) and `home` (4, 4) are the arm's. Repeat: the error g⁻¹ g_target as a twist, a damped step of the
+    body Jacobian. Use your own functions, or, after `from twistarm import poe, screws`, `poe.fk`, `poe.body_jacobian`,
+    `screws.inverse` and `screws.log`.
     """
-    from twistarm.theory.poe import body_jacobian, fk
-    from twistarm.theory.screws import inverse, log
+    from twistarm import poe, screws
 
     x = x0.copy()
     for _ in range(100):
-        error = log(inverse(fk(screws, home, x)) @ target)
+        error = screws.log(screws.inverse(poe.fk(twists, home, x)) @ target)
         if np.abs(error).max() < 1e-10:
             break
-        J = body_jacobian(screws, home, x)
+        J = poe.body_jacobian(twists, home, x)
         x = x + J.T @ np.linalg.solve(J @ J.T + 1e-8 * np.eye(6), error)
     return x
 
@@ -61,29 +60,31 @@ def _grasps(rng: np.random.Generator, arm: Arm) -> Iterator[tuple[Any, ...]]:
 def _tasks(rng: np.random.Generator, arm: Arm) -> Iterator[tuple[Any, ...]]:
     """Targets that are met, for the joints' values come first."""
     for k in range(5):
-        screws, home, x = chain(rng) if k < 3 else own_chain(rng, arm)
-        yield screws, home, x + rng.uniform(-0.15, 0.15, len(x)), tool(screws, home, x)
+        twists, home, x = chain(rng) if k < 3 else own_chain(rng, arm)
+        yield twists, home, x + rng.uniform(-0.15, 0.15, len(x)), tool(twists, home, x)
 
 
 def _courses(rng: np.random.Generator, arm: Arm) -> Iterator[tuple[Any, ...]]:
+    for duration, period in ((0.7, 0.1), (0.9, 0.3)):  # which rounding divides to a hair below, and above
+        yield rng.normal(size=2), rng.normal(size=2), duration, period
     for n in (1, 3, 5, 6, arm.n):
         period = float(rng.choice([0.1, 0.25, 0.05]))
         yield rng.normal(size=n), rng.normal(size=n), period * int(rng.integers(7, 20)), period
 
 
-def _solved(screws: Array, home: Array, x0: Array, target: Array) -> Array:
+def _solved(twists: Array, home: Array, x0: Array, target: Array) -> Array:
     """By SciPy's least squares on the numbers of the matrices."""
     from scipy.optimize import least_squares
 
     def off(x: Array) -> Array:
-        return np.asarray((tool(screws, home, x) - target)[:3].ravel())
+        return np.asarray((tool(twists, home, x) - target)[:3].ravel())
 
     return np.asarray(least_squares(off, x0, xtol=1e-12, ftol=1e-12, gtol=1e-12).x)
 
 
-def _reached(x: Array, screws: Array, home: Array, x0: Array, target: Array) -> Array:
+def _reached(x: Array, twists: Array, home: Array, x0: Array, target: Array) -> Array:
     """Where the tool is at those joint values: several may be right."""
-    return tool(screws, home, x)
+    return tool(twists, home, x)
 
 
 def _course(x0: Array, x1: Array, duration: float, period: float) -> Array:
@@ -125,6 +126,11 @@ EXERCISES = (
                 {"back[2, 3]": "back[3, 2]"},
             ),
             Slip(
+                "row of the rotation",
+                "You go along the third row of the rotation: the axes stand in its columns, and z is g[:3, 2].",
+                {"g_object @ back": "g_object.copy()\n    g[:3, 3] -= distance * g_object[2, :3]"},
+            ),
+            Slip(
                 "grasp forgotten",
                 "You return the way back alone: multiply the grasp's pose by it.",
                 {"g_object @ back": "back"},
@@ -136,6 +142,24 @@ EXERCISES = (
         _solved,
         _tasks,
         (
+            Slip(
+                "one step",
+                "You make one step. That is near, and no more: compute error and Jacobian again from there, until the "
+                "error is small.",
+                {"range(100)": "range(1)"},
+            ),
+            Slip(
+                "error reversed",
+                "The error is reversed, so that every step leads away: it is g⁻¹ g_target, from where the tool is to "
+                "where it should be.",
+                {"inverse(poe.fk(twists, home, x)) @ target": "inverse(target) @ poe.fk(twists, home, x)"},
+            ),
+            Slip(
+                "error seen from the base",
+                "Your error is g_target g⁻¹, seen from the base, and your Jacobian is the body's, seen from the tool. "
+                "Take g⁻¹ g_target with J^b.",
+                {"screws.inverse(poe.fk(twists, home, x)) @ target": "target @ np.linalg.inv(poe.fk(twists, home, x))"},
+            ),
             Slip(
                 "degrees",
                 "Your joint values are in degrees: leave np.degrees out.",
@@ -154,7 +178,7 @@ EXERCISES = (
             Slip(
                 "pose returned",
                 "You return the pose that was reached; asked for are the joint values.",
-                {"return x": "return fk(screws, home, x)"},
+                {"return x": "return poe.fk(twists, home, x)"},
             ),
         ),
         tolerance=1e-5,
@@ -185,6 +209,21 @@ EXERCISES = (
                 "a column each",
                 "Your setpoints stand in columns; a row for each moment is asked for, (N, m).",
                 {"return x0 + (3 * s**2 - 2 * s**3) * (x1 - x0)": "return (x0 + (3 * s**2 - 2 * s**3) * (x1 - x0)).T"},
+            ),
+            Slip(
+                "np.arange to the end",
+                "np.arange(0, duration, period) leaves its end out (or not, as rounding has it): count the moments, "
+                "N = round(duration / period) + 1.",
+                {
+                    "    N = round(duration / period) + 1\n": "",
+                    "np.linspace(0.0, 1.0, N)": "(np.arange(0.0, duration, period) / duration)",
+                },
+            ),
+            Slip(
+                "cut for rounded",
+                "int cuts what comes after the point, and 0.7 / 0.1 is a hair below 7: the last setpoint is missing "
+                "then. Use round.",
+                {"round(duration / period)": "int(duration / period)"},
             ),
             Slip(
                 "one too few, spread",

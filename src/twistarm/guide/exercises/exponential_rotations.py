@@ -15,20 +15,21 @@ from .instances import TIMES, angle, rotation, unit
 from .words import ACOS, DEGREES
 
 
-def skew(w: Array) -> Array:
-    """The matrix ŵ (3, 3) of the cross product with `w` (3,): ŵ q = w × q for every q."""
-    return np.array([[0.0, -w[2], w[1]], [w[2], 0.0, -w[0]], [-w[1], w[0], 0.0]])
+def skew(omega: Array) -> Array:
+    """The matrix ω̂ (3, 3) of the cross product with `omega` (3,): ω̂ q = ω × q for every q."""
+    x, y, z = omega
+    return np.array([[0.0, -z, y], [z, 0.0, -x], [-y, x, 0.0]])
 
 
-def rodrigues(w: Array, theta: float) -> Array:
-    """The rotation e^{ŵ θ} (3, 3), by Rodrigues' formula. `w` (3,) may have any length, 0 too: then it is the identity.
+def rodrigues(omega: Array, theta: float) -> Array:
+    """The rotation e^{ω̂θ} (3, 3), by Rodrigues' formula. `omega` (3,) may have any length, 0 too.
 
-    The angle of the turn is ‖w‖ θ [rad].
+    The angle of the turn is ‖ω‖ θ [rad]: the length of `omega` is a part of it. Where it is 0, that is the identity.
     """
-    length = np.linalg.norm(w)
+    length = np.linalg.norm(omega)
     if length < 1e-12:
         return np.eye(3)
-    x, y, z = w / length
+    x, y, z = omega / length
     W = np.array([[0.0, -z, y], [z, 0.0, -x], [-y, x, 0.0]])
     turn = length * theta
     R: Array = np.eye(3) + W * np.sin(turn) + W @ W * (1.0 - np.cos(turn))
@@ -36,14 +37,18 @@ def rodrigues(w: Array, theta: float) -> Array:
 
 
 def rotation_log(R: Array) -> Array:
-    """The rotation vector w (3,) with e^ŵ = R: its direction is the axis, its length the angle [rad], from 0 to below
-    π.
+    """The rotation vector ωθ (3,) of a rotation `R` (3, 3): its direction is the axis, its length the angle [rad], from
+    0 to π.
 
-    `R` comes out of a computer: its trace may be a hair above 3.
+    Take an angle below 1e-6 as 0, and one above π − 1e-6 as a half turn, whose axis may point either way. `R` comes out
+    of a computer: its trace may be a hair above 3, or below −1.
     """
     theta = np.arccos(np.clip((np.trace(R) - 1.0) / 2.0, -1.0, 1.0))
     if theta < 1e-6:
         return np.zeros(3)
+    if theta > np.pi - 1e-6:
+        column = (R + np.eye(3))[:, np.argmax(np.diag(R))]
+        return np.pi * column / np.linalg.norm(column)
     w = np.array([R[2, 1] - R[1, 2], R[0, 2] - R[2, 0], R[1, 0] - R[0, 1]])
     scaled: Array = theta * w / (2.0 * np.sin(theta))
     return scaled
@@ -69,6 +74,15 @@ def _rotations(rng: np.random.Generator, arm: Arm) -> Iterator[tuple[Any, ...]]:
     yield from ((expm(crossing(unit(rng) * rng.uniform(0.2, 2.9))),) for _ in range(TIMES))
     yield (np.diag([1.0, 1.0, 1.0 + 4e-16]),)
     yield (np.eye(3),)
+    yield (np.diag([-1.0, -1.0, 1.0]),)
+    yield (np.diag([1.0, -1.0, -1.0]),)
+    for _ in range(2):
+        w = unit(rng)
+        yield (2.0 * np.outer(w, w) - np.eye(3),)
+
+
+def _up_to_sign_at_a_half_turn(w: Array, R: Array) -> Array:
+    return np.outer(w, w) if np.trace(R) < -1.0 + 1e-12 else w
 
 
 def _frames(rng: np.random.Generator, arm: Arm) -> Iterator[tuple[Any, ...]]:
@@ -78,74 +92,99 @@ def _frames(rng: np.random.Generator, arm: Arm) -> Iterator[tuple[Any, ...]]:
 EXERCISES = (
     Exercise(
         skew,
-        lambda w: np.column_stack([np.cross(w, e) for e in np.eye(3)]),
+        lambda omega: np.column_stack([np.cross(omega, e) for e in np.eye(3)]),
         _vectors,
         (
             Slip(
                 "transposed",
-                "All signs are reversed: this matrix gives q × w. The first row is (0, −w₃, w₂).",
-                {
-                    "[[0.0, -w[2], w[1]], [w[2], 0.0, -w[0]], "
-                    "[-w[1], w[0], 0.0]]": "[[0.0, w[2], -w[1]], [-w[2], 0.0, w[0]], [w[1], -w[0], 0.0]]"
-                },
+                "All signs are reversed: this matrix gives q × ω. The first row is (0, −ω₃, ω₂).",
+                {"[[0.0, -z, y], [z, 0.0, -x], [-y, x, 0.0]]": "[[0.0, z, -y], [-z, 0.0, x], [y, -x, 0.0]]"},
             ),
             Slip(
                 "symmetric",
-                "The matrix is symmetric; a cross product makes it skew: ŵᵀ = −ŵ, each number once with a minus.",
-                {"-w[": "w["},
+                "The matrix is symmetric; a cross product makes it skew: ω̂ᵀ = −ω̂, each number once with a minus.",
+                {"-z": "z", "-x": "x", "-y": "y"},
             ),
             Slip(
                 "normalised",
-                "You divide by the length of w: then the cross product has lost it. ŵ takes w as it is.",
-                {"return np.array(": "w = w / np.linalg.norm(w)\n    return np.array("},
+                "You divide by the length of ω: then the cross product has lost it. ω̂ takes ω as it is.",
+                {"x, y, z = omega": "x, y, z = omega / np.linalg.norm(omega)"},
+            ),
+            Slip(
+                "outer product",
+                "This is the matrix ωωᵀ of the products of all pairs. ω̂ holds each number of ω twice, once with a "
+                "minus.",
+                {
+                    "[[0.0, -z, y], [z, 0.0, -x], [-y, x, 0.0]]": "[[x * x, x * y, x * z], [x * y, y * y, y * z], "
+                    "[x * z, y * z, z * z]]"
+                },
             ),
         ),
     ),
     Exercise(
         rodrigues,
-        lambda w, theta: expm(crossing(w) * theta),
+        lambda omega, theta: expm(crossing(omega) * theta),
         _axes,
         (
             Slip(
                 "not normalised",
-                "The formula as it stands in the guide holds for ‖w‖ = 1. Here w has another length, and "
-                "the answer is no rotation: divide w by its length, and multiply the angle by it.",
-                {"x, y, z = w / length": "x, y, z = w", "turn = length * theta": "turn = theta"},
+                "Rodrigues' formula holds for ‖ω‖ = 1. Here ω has another length, and the answer is no rotation: "
+                "divide ω by its length, and multiply the angle by it.",
+                {"x, y, z = omega / length": "x, y, z = omega", "turn = length * theta": "turn = theta"},
             ),
             Slip(
                 "angle not scaled",
-                "You divide w by its length but turn by θ: the length of w is part of the angle, ‖w‖ θ.",
+                "You divide ω by its length but turn by θ: the length of ω is a part of the angle, ‖ω‖ θ.",
                 {"turn = length * theta": "turn = theta"},
             ),
             Slip("degrees", DEGREES, {"turn = length * theta": "turn = length * np.radians(theta)"}),
             Slip(
                 "transposed",
-                "This is the transpose, a turn by −θ: look at the signs of ŵ, whose first row is (0, −w₃, w₂).",
+                "This is the transpose, a turn by −θ: look at the signs of ω̂, whose first row is (0, −ω₃, ω₂).",
                 {"return R": "return R.T"},
             ),
             Slip(
                 "number by number",
-                "You square ŵ number by number (`*` or `**`). The formula has the matrix product: W @ W.",
+                "You square ω̂ number by number (`*` or `**`). The formula has the matrix product: W @ W.",
                 {"W @ W": "W * W"},
             ),
             Slip(
+                "exponential of each number",
+                "You take the exponential of each number by itself (np.exp). That of a matrix is the series I + X + "
+                "X²/2! + …, which Rodrigues' formula sums (scipy.linalg.expm, or expm in Octave, does as well).",
+                {
+                    "        return np.eye(3)\n": "        return np.ones((3, 3))\n",
+                    "np.eye(3) + W * np.sin(turn) + W @ W * (1.0 - np.cos(turn))": "np.exp(W * turn)",
+                },
+            ),
+            Slip(
+                "ωωᵀ for ω̂²",
+                "You have ωωᵀ where ω̂² stands: ω̂² = ωωᵀ − I for a unit vector. The square of ω̂ is the product W @ W.",
+                {"W @ W": "np.outer([x, y, z], [x, y, z])"},
+            ),
+            Slip(
+                "one plus cosine",
+                "The last term is ω̂² (1 − cos θ), yours has 1 + cos θ: at θ = 0 nothing may be left of it.",
+                {"(1.0 - np.cos(turn))": "(1.0 + np.cos(turn))"},
+            ),
+            Slip(
                 "no second term",
-                "The term ŵ² (1 − cos θ) is missing: without it the answer is right for small angles alone.",
+                "The term ω̂² (1 − cos θ) is missing: without it the answer is right for small angles alone.",
                 {" + W @ W * (1.0 - np.cos(turn))": ""},
             ),
             Slip(
                 "cosine alone",
-                "The last term is ŵ² (1 − cos θ), yours ŵ² cos θ: at θ = 0 nothing may be left of it.",
+                "The last term is ω̂² (1 − cos θ), yours ω̂² cos θ: at θ = 0 nothing may be left of it.",
                 {"(1.0 - np.cos(turn))": "np.cos(turn)"},
             ),
             Slip(
                 "sine for cosine",
-                "Sine and cosine have changed places: I + ŵ sin θ + ŵ² (1 − cos θ).",
+                "Sine and cosine have changed places: I + ω̂ sin θ + ω̂² (1 − cos θ).",
                 {"W * np.sin(turn) + W @ W * (1.0 - np.cos(turn))": "W * np.cos(turn) + W @ W * (1.0 - np.sin(turn))"},
             ),
             Slip(
                 "zero divided by zero",
-                "For w = 0 you divide by its length, 0, and get NaN. No axis means no turn: return the identity there.",
+                "For ω = 0 you divide by its length, 0, and get NaN. No axis means no turn: return the identity there.",
                 {"    if length < 1e-12:\n        return np.eye(3)\n": ""},
             ),
         ),
@@ -161,7 +200,7 @@ EXERCISES = (
             Slip(
                 "unit axis",
                 "You return the axis alone. The logarithm is axis times angle: multiply by θ.",
-                {"theta * w / (2.0 * np.sin(theta))": "w / (2.0 * np.sin(theta))"},
+                {"theta * w / (2.0 * np.sin(theta))": "w / (2.0 * np.sin(theta))", "np.pi * column": "column"},
             ),
             Slip(
                 "half forgotten",
@@ -175,6 +214,36 @@ EXERCISES = (
                 {"theta * w": "-theta * w"},
             ),
             Slip(
+                "half turn forgotten",
+                "At a half turn sin θ is 0 and so are all differences: nothing is left of the axis. Take it from R + "
+                "I = 2ωωᵀ: a column of it that is not 0, divided by its length, times π.",
+                {"    if theta > np.pi - 1e-6:\n": "    if False:\n"},
+            ),
+            Slip(
+                "column of zeros",
+                "At a half turn you always take the same column of R + I. It is 0 where the axis has no such part, and "
+                "0/0 is NaN: take the longest column, the one with the largest number on the diagonal.",
+                {"np.argmax(np.diag(R))": "0"},
+            ),
+            Slip(
+                "sign of the middle number",
+                "The middle number of the axis is R13 − R31, yours R31 − R13: in ω̂ the middle one has its minus below.",
+                {"R[0, 2] - R[2, 0]": "R[2, 0] - R[0, 2]"},
+            ),
+            Slip(
+                "trace not less one",
+                "The cosine is (tr R − 1)/2: the trace of a rotation is 1 + 2 cos θ. You forgot the 1.",
+                {"(np.trace(R) - 1.0)": "np.trace(R)"},
+            ),
+            Slip(
+                "arcsine for the angle",
+                "The arcsine never gives an angle above π/2, and θ goes up to π: take the arccos of (tr R − 1)/2.",
+                {
+                    "np.arccos(np.clip((np.trace(R) - 1.0) / 2.0, -1.0, 1.0))": "np.arcsin(min(1.0, np.linalg.norm("
+                    "[R[2, 1] - R[1, 2], R[0, 2] - R[2, 0], R[1, 0] - R[0, 1]]) / 2.0))"
+                },
+            ),
+            Slip(
                 "zero divided by zero",
                 "At the identity sin θ is 0 and the quotient NaN: there the rotation vector is 0.",
                 {"    if theta < 1e-6:\n        return np.zeros(3)\n": ""},
@@ -182,9 +251,10 @@ EXERCISES = (
             Slip(
                 "degrees",
                 "The length of your vector is in degrees; it is to be in radians.",
-                {"theta * w": "np.degrees(theta) * w"},
+                {"theta * w": "np.degrees(theta) * w", "np.pi * column": "180.0 * column"},
             ),
         ),
+        seen=_up_to_sign_at_a_half_turn,
     ),
     Exercise(
         change_frame,
@@ -199,7 +269,8 @@ EXERCISES = (
             ),
             Slip(
                 "transposed",
-                "You use the transposes, which take coordinates of A to C. From C to A it is R_ab R_bc itself.",
+                "You use the transposes (a row times R is Rᵀ times the column), which take coordinates of A to C. "
+                "From C to A it is R_ab R_bc itself.",
                 {"R_ab @ R_bc @ q_c": "(R_ab @ R_bc).T @ q_c"},
             ),
             Slip(

@@ -11,13 +11,17 @@ from ...support.files import write_whole
 from . import LESSONS, exercises_of
 from .octave_files import octave_files
 
+HERE = Path("guide_exercises")
+"""The folder where nobody names another."""
+
 HEAD = '''"""Exercises of the lesson {lesson}.
 
 Fill in the functions, and have them graded:
 
     twistarm guide check {file}
 
-Angles are in radians, twists are (v, ω), poses are 4 × 4 arrays.
+Angles are in radians, twists are (v, ω), poses are 4 × 4 arrays. What an earlier lesson had you write you may take
+from twistarm: `from twistarm import screws`, and then screws.exp, say. A function counts if it is defined in this file.
 """
 
 import numpy as np
@@ -29,7 +33,7 @@ Array = NDArray[np.float64]
 
 def python_text(lesson: str) -> str:
     """The Python file of a lesson, its functions to be filled in."""
-    head = HEAD.format(lesson=lesson, file=f"{lesson}.py")
+    head = HEAD.format(lesson=lesson, file=HERE / f"{lesson}.py")
     return "\n\n".join([head, *(exercise.template for exercise in exercises_of(lesson))])
 
 

@@ -25,40 +25,41 @@ def chain_of_frames(frames: Array) -> Array:
     return g
 
 
-def product_of_exponentials(screws: Array, home: Array, x: Array) -> Array:
+def product_of_exponentials(twists: Array, home: Array, x: Array) -> Array:
     """The pose of the tool (4, 4), g_st = e^{ξ̂₁x₁} ⋯ e^{ξ̂ₘxₘ} g_st(0).
 
-    `screws` (6, m) has a joint's twist (v, ω) in each column, seen from the base where all joints are at 0; `home` (4,
-    4) is the tool there; `x` (m,) are the joints' values [rad, m]. Use your `twist_exp`, or `screws.exp` of twistarm.
+    `twists` (6, m) has in each column the twist (v, ω) of a joint, seen from the base in the home posture; `home`
+    (4, 4) is the tool's pose there, g_st(0); `x` (m,) are the joints' values [rad, m]. Use your `twist_exp`, or
+    `screws.exp` after `from twistarm import screws`.
     """
-    from twistarm.theory.screws import exp
+    from twistarm import screws
 
     g = np.eye(4)
     for i in range(len(x)):
-        g = g @ exp(screws[:, i], x[i])
+        g = g @ screws.exp(twists[:, i], x[i])
     return g @ home
 
 
-def body_screws(screws: Array, home: Array) -> Array:
-    """The same joints' twists seen from the tool at rest: (6, m), B_i = Ad(g_st(0)⁻¹) ξ_i.
+def body_screws(twists: Array, home: Array) -> Array:
+    """The same joints' twists seen from the tool in the home posture: (6, m), ξᵢᵇ = Ad(g_st(0)⁻¹) ξᵢ.
 
-    Use your `adjoint`, or that of twistarm.screws.
+    Use your `adjoint`, or `screws.adjoint` after `from twistarm import screws`.
     """
-    from twistarm.theory.screws import adjoint
+    from twistarm import screws
 
-    B: Array = adjoint(np.linalg.inv(home)) @ screws
+    B: Array = screws.adjoint(np.linalg.inv(home)) @ twists
     return B
 
 
-def body_product(body_screws: Array, home: Array, x: Array) -> Array:
-    """The pose of the tool (4, 4) from twists seen from the tool at rest, `body_screws` (6, m):
-    g_st = g_st(0) e^{B̂₁x₁} ⋯ e^{B̂ₘxₘ}.
+def body_product(body_twists: Array, home: Array, x: Array) -> Array:
+    """The pose of the tool (4, 4) from twists ξᵢᵇ seen from the tool in the home posture, the columns of `body_twists`
+    (6, m): g_st = g_st(0) e^{ξ̂₁ᵇx₁} ⋯ e^{ξ̂ₘᵇxₘ}. Use `screws.exp` after `from twistarm import screws`.
     """
-    from twistarm.theory.screws import exp
+    from twistarm import screws
 
     g = home
     for i in range(len(x)):
-        g = g @ exp(body_screws[:, i], x[i])
+        g = g @ screws.exp(body_twists[:, i], x[i])
     return g
 
 
@@ -145,7 +146,7 @@ EXERCISES = (
                 "order reversed",
                 "The joints are multiplied from tip to base: base first, e^{ξ̂₁x₁} stands on the left, "
                 "for the first joint moves all the others.",
-                {"g = g @ exp(screws[:, i], x[i])": "g = exp(screws[:, i], x[i]) @ g"},
+                {"g = g @ screws.exp(twists[:, i], x[i])": "g = screws.exp(twists[:, i], x[i]) @ g"},
             ),
             Slip(
                 "degrees",
@@ -155,18 +156,56 @@ EXERCISES = (
             Slip(
                 "angular first",
                 ANGULAR_FIRST,
-                {"exp(screws[:, i]": "exp(np.roll(screws[:, i], 3)"},
+                {"exp(twists[:, i]": "exp(np.roll(twists[:, i], 3)"},
             ),
             Slip(
                 "one exponential",
                 "You add the twists and take one exponential. e^A e^B is e^{A+B} only for joints that "
                 "commute: multiply one exponential for each joint.",
-                {"    for i in range(len(x)):\n        g = g @ exp(screws[:, i], x[i])\n": "    g = exp(screws @ x)\n"},
+                {
+                    "    for i in range(len(x)):\n        g = g @ screws.exp(twists[:, i], x[i])\n": "    g = "
+                    "screws.exp(twists @ x)\n"
+                },
             ),
             Slip(
                 "last joint forgotten",
-                "The last joint is missing: range(len(x)) goes over all of them.",
+                "The last joint is missing: the loop ends one too early.",
                 {"range(len(x))": "range(len(x) - 1)"},
+            ),
+            Slip(
+                "first joint forgotten",
+                "The first joint is missing: the loop begins one too late.",
+                {"range(len(x))": "range(1, len(x))"},
+            ),
+            Slip(
+                "axes carried along",
+                "You carry each twist to where the joints before it have brought the axis, and then multiply in the "
+                "order base to tip. The product of exponentials takes the twists as they are in the home posture.",
+                {"exp(twists[:, i]": "exp(screws.adjoint(g) @ twists[:, i]"},
+            ),
+            Slip(
+                "axes of the moment",
+                "You multiply the exponentials of the axes as they are now, moved by all joints before them. The "
+                "product of exponentials takes the twists as they are in the home posture.",
+                {
+                    "    g = np.eye(4)\n": "    from twistarm import poe\n    twists = "
+                    "poe.spatial_jacobian(twists, x)\n    g = np.eye(4)\n"
+                },
+            ),
+            Slip(
+                "home inverted",
+                "You multiply by the inverse of the home pose: it is `home` itself, the tool seen from the base.",
+                {"g @ home": "g @ np.linalg.inv(home)"},
+            ),
+            Slip(
+                "values negated",
+                "Your joints turn the other way: e^{ξ̂ᵢxᵢ}, without a minus.",
+                {"x[i])": "-x[i])"},
+            ),
+            Slip(
+                "base seen from the tool",
+                "You return the inverse: the pose of the base seen from the tool, g_ts.",
+                {"return g @ home": "return np.linalg.inv(g @ home)"},
             ),
         ),
     ),
@@ -190,12 +229,17 @@ EXERCISES = (
             Slip(
                 "no p̂R",
                 NO_CROSS_TERM,
-                {"adjoint(np.linalg.inv(home))": "np.kron(np.eye(2), home[:3, :3].T)"},
+                {"screws.adjoint(np.linalg.inv(home))": "np.kron(np.eye(2), home[:3, :3].T)"},
             ),
             Slip(
                 "unchanged",
                 "The twists come back as they were, seen from the base: carry them by Ad(g_st(0)⁻¹).",
-                {"adjoint(np.linalg.inv(home)) @ screws": "screws"},
+                {"screws.adjoint(np.linalg.inv(home)) @ twists": "twists"},
+            ),
+            Slip(
+                "ω not turned",
+                "Your v is right, but ω is as it was, in the axes of the base: in those of the tool it is Rᵀω.",
+                {"    return B\n": "    B[3:] = twists[3:]\n    return B\n"},
             ),
         ),
     ),
@@ -206,8 +250,8 @@ EXERCISES = (
         (
             Slip(
                 "home on the right",
-                "The home pose stands on the right in yours: that is right for twists seen from the "
-                "base. With body twists it comes first.",
+                "Your answer is the product with the home pose on the right, as for twists seen from the base. With "
+                "body twists it comes first, and the twists are taken as they are given.",
                 {"    g = home\n": "    g = np.eye(4)\n", "return g": "return g @ home"},
             ),
             Slip(
@@ -217,11 +261,12 @@ EXERCISES = (
             ),
             Slip(
                 "order reversed",
-                "The joints are multiplied in the reverse order. Here too it is base to tip, B₁ next to the home pose.",
+                "The joints are multiplied in the reverse order. Here too it is base to tip, the first joint next to "
+                "the home pose.",
                 {"range(len(x))": "reversed(range(len(x)))"},
             ),
             Slip("degrees", DEGREES, {"x[i])": "np.radians(x[i]))"}),
-            Slip("angular first", ANGULAR_FIRST, {"exp(body_screws[:, i]": "exp(np.roll(body_screws[:, i], 3)"}),
+            Slip("angular first", ANGULAR_FIRST, {"exp(body_twists[:, i]": "exp(np.roll(body_twists[:, i], 3)"}),
         ),
     ),
 )

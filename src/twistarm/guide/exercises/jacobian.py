@@ -12,37 +12,38 @@ from ...support.checks import Array
 from .exercise import Exercise, Slip
 from .independent import body_columns, motion_of, spatial_columns, tool
 from .instances import TIMES, chain, chains, own_chain
-from .words import ADJOINT_TRANSPOSED, ANGULAR_FIRST, NO_CROSS_TERM
+from .words import ADJOINT_TRANSPOSED, ANGULAR_FIRST, DEGREES, NO_CROSS_TERM
 
 
-def spatial_jacobian(screws: Array, x: Array) -> Array:
+def spatial_jacobian(twists: Array, x: Array) -> Array:
     """The spatial Jacobian (6, m): column i is the twist of joint i where the joints before it have brought it,
     Ad(e^{ξ̂₁x₁} ⋯ e^{ξ̂ᵢ₋₁xᵢ₋₁}) ξᵢ.
 
-    `screws` (6, m) holds the twists (v, ω) at rest, `x` (m,) the joints' values [rad, m].
+    `twists` (6, m) holds the twists (v, ω) at rest, `x` (m,) the joints' values [rad, m]. Use your `adjoint` and
+    `twist_exp`, or `screws.adjoint` and `screws.exp` after `from twistarm import screws`.
     """
-    from twistarm.theory.screws import adjoint, exp
+    from twistarm import screws
 
-    J = np.zeros(screws.shape)
+    J = np.zeros(twists.shape)
     g = np.eye(4)
     for i in range(len(x)):
-        J[:, i] = adjoint(g) @ screws[:, i]
-        g = g @ exp(screws[:, i], x[i])
+        J[:, i] = screws.adjoint(g) @ twists[:, i]
+        g = g @ screws.exp(twists[:, i], x[i])
     return J
 
 
-def body_jacobian(screws: Array, home: Array, x: Array) -> Array:
+def body_jacobian(twists: Array, home: Array, x: Array) -> Array:
     """The body Jacobian (6, m): the spatial one seen from the tool, J^b = Ad(g_st⁻¹) J^s. `home` (4, 4) is the tool's
     pose at rest.
     """
-    from twistarm.theory.screws import adjoint, exp
+    from twistarm import screws
 
-    J = np.zeros(screws.shape)
+    J = np.zeros(twists.shape)
     g = np.eye(4)
     for i in range(len(x)):
-        J[:, i] = adjoint(g) @ screws[:, i]
-        g = g @ exp(screws[:, i], x[i])
-    J_b: Array = adjoint(np.linalg.inv(g @ home)) @ J
+        J[:, i] = screws.adjoint(g) @ twists[:, i]
+        g = g @ screws.exp(twists[:, i], x[i])
+    J_b: Array = screws.adjoint(np.linalg.inv(g @ home)) @ J
     return J_b
 
 
@@ -64,8 +65,8 @@ def tool_velocity(J_s: Array, p: Array, rates: Array) -> Array:
 
 
 def _postures(rng: np.random.Generator, arm: Arm) -> Iterator[tuple[Any, ...]]:
-    for screws, _, x in chains(rng, arm):
-        yield screws, x
+    for twists, _, x in chains(rng, arm):
+        yield twists, x
 
 
 def _pushing(rng: np.random.Generator, arm: Arm) -> Iterator[tuple[Any, ...]]:
@@ -76,14 +77,14 @@ def _pushing(rng: np.random.Generator, arm: Arm) -> Iterator[tuple[Any, ...]]:
 
 def _of_six(rng: np.random.Generator) -> tuple[Array, Array, Array]:
     while True:
-        screws, home, x = chain(rng)
+        twists, home, x = chain(rng)
         if len(x) >= 6:
-            return screws[:, :6], home, x[:6]
+            return twists[:, :6], home, x[:6]
 
 
 def _moving(rng: np.random.Generator, arm: Arm) -> Iterator[tuple[Any, ...]]:
-    for screws, home, x in [*(chain(rng) for _ in range(TIMES)), own_chain(rng, arm)]:
-        yield spatial_columns(screws, x), tool(screws, home, x)[:3, 3], rng.normal(size=len(x))
+    for twists, home, x in [*(chain(rng) for _ in range(TIMES)), own_chain(rng, arm)]:
+        yield spatial_columns(twists, x), tool(twists, home, x)[:3, 3], rng.normal(size=len(x))
 
 
 def _by_power(J_b: Array, F_t: Array) -> Array:
@@ -109,38 +110,41 @@ EXERCISES = (
                 "columns not moved",
                 "Your columns are the twists at rest: the joints before it have carried each of them "
                 "along. Column i is Ad(e^{ξ̂₁x₁} ⋯ e^{ξ̂ᵢ₋₁xᵢ₋₁}) ξᵢ.",
-                {"adjoint(g) @ screws[:, i]": "screws[:, i]"},
+                {"screws.adjoint(g) @ twists[:, i]": "twists[:, i]"},
             ),
             Slip(
                 "moved by all joints",
                 "Each column is carried along by all joints, also by those after it: a joint moves nothing that stands "
                 "before it.",
                 {
-                    "    for i in range(len(x)):\n": "    for i in range(len(x)):\n        g = g @ exp(screws[:, i], "
-                    "x[i])\n    for i in range(len(x)):\n",
-                    "        J[:, i] = adjoint(g) @ screws[:, i]\n        g = g @ "
-                    "exp(screws[:, i], x[i])\n": "        J[:, i] = adjoint(g) @ screws[:, i]\n",
+                    "    for i in range(len(x)):\n": "    for i in range(len(x)):\n        g = g @ screws.exp("
+                    "twists[:, i], x[i])\n    for i in range(len(x)):\n",
+                    "        J[:, i] = screws.adjoint(g) @ twists[:, i]\n        g = g @ "
+                    "screws.exp(twists[:, i], x[i])\n": "        J[:, i] = screws.adjoint(g) @ twists[:, i]\n",
                 },
             ),
             Slip(
                 "order reversed",
                 "The motions of the joints are multiplied in the reverse order: e^{ξ̂₁x₁} stands on the left.",
-                {"g = g @ exp(screws[:, i], x[i])": "g = exp(screws[:, i], x[i]) @ g"},
+                {"g = g @ screws.exp(twists[:, i], x[i])": "g = screws.exp(twists[:, i], x[i]) @ g"},
             ),
-            Slip("no p̂R", NO_CROSS_TERM, {"adjoint(g) @ screws": "np.kron(np.eye(2), g[:3, :3]) @ screws"}),
-            Slip("Adjoint transposed", ADJOINT_TRANSPOSED, {"adjoint(g) @ screws": "adjoint(g).T @ screws"}),
+            Slip("no p̂R", NO_CROSS_TERM, {"screws.adjoint(g) @ twists": "np.kron(np.eye(2), g[:3, :3]) @ twists"}),
+            Slip(
+                "Adjoint transposed", ADJOINT_TRANSPOSED, {"screws.adjoint(g) @ twists": "screws.adjoint(g).T @ twists"}
+            ),
             Slip(
                 "Adjoint inverted",
                 "The columns are carried backwards: it is the Adjoint of the motion, not of its inverse.",
-                {"adjoint(g) @ screws": "adjoint(np.linalg.inv(g)) @ screws"},
+                {"screws.adjoint(g) @ twists": "screws.adjoint(np.linalg.inv(g)) @ twists"},
             ),
             Slip(
                 "only by the joint before",
                 "Each column is carried along by the one joint before it alone: all before it do so. "
                 "Multiply the motions.",
-                {"g = g @ exp": "g = exp"},
+                {"g = g @ screws.exp": "g = screws.exp"},
             ),
             Slip("angular first", ANGULAR_FIRST, {"return J": "return np.roll(J, 3, axis=0)"}),
+            Slip("degrees", DEGREES, {"x[i])": "np.radians(x[i]))"}),
         ),
     ),
     Exercise(
@@ -151,7 +155,7 @@ EXERCISES = (
             Slip(
                 "spatial for body",
                 "This is the spatial Jacobian. Seen from the tool it is Ad(g_st⁻¹) J^s.",
-                {"adjoint(np.linalg.inv(g @ home)) @ J": "J"},
+                {"screws.adjoint(np.linalg.inv(g @ home)) @ J": "J"},
             ),
             Slip(
                 "home forgotten",
@@ -168,19 +172,34 @@ EXERCISES = (
             Slip(
                 "transposed for inverse",
                 "The transpose of an Adjoint is not its inverse: Ad(g)⁻¹ = Ad(g⁻¹).",
-                {"adjoint(np.linalg.inv(g @ home))": "adjoint(g @ home).T"},
+                {"screws.adjoint(np.linalg.inv(g @ home))": "screws.adjoint(g @ home).T"},
             ),
             Slip(
                 "columns not moved",
                 "The columns are the twists at rest, carried to the tool: the joints before each must move it first.",
-                {"J[:, i] = adjoint(g) @ screws[:, i]": "J[:, i] = screws[:, i]"},
+                {"J[:, i] = screws.adjoint(g) @ twists[:, i]": "J[:, i] = twists[:, i]"},
             ),
             Slip(
                 "only turned",
                 "You only turn the columns into the tool's axes: without −Rᵀp̂ v is that of the point at the base.",
-                {"adjoint(np.linalg.inv(g @ home))": "np.kron(np.eye(2), (g @ home)[:3, :3].T)"},
+                {"screws.adjoint(np.linalg.inv(g @ home))": "np.kron(np.eye(2), (g @ home)[:3, :3].T)"},
             ),
             Slip("angular first", ANGULAR_FIRST, {"return J_b": "return np.roll(J_b, 3, axis=0)"}),
+            Slip(
+                "hybrid",
+                "This is the hybrid Jacobian: v is right, the velocity of the tool's origin, but all is in the axes of "
+                "the base. Turn both halves into the tool's by Rᵀ.",
+                {
+                    "return J_b": "R = (g @ home)[:3, :3]\n    return np.kron(np.eye(2), R) @ J_b",
+                },
+            ),
+            Slip(
+                "seen from where the tool was",
+                "You use Ad(g_st(0)⁻¹), of the tool's pose at rest: the tool has moved since. It is Ad(g_st⁻¹) of the "
+                "pose where it is now.",
+                {"np.linalg.inv(g @ home)": "np.linalg.inv(home)"},
+            ),
+            Slip("degrees", DEGREES, {"x[i])": "np.radians(x[i]))"}),
         ),
     ),
     Exercise(
@@ -208,6 +227,17 @@ EXERCISES = (
                 "force alone",
                 "The torque of the wrench is left out: all six numbers count.",
                 {"J_b.T @ F_t": "J_b[:3].T @ F_t[:3]"},
+            ),
+            Slip(
+                "torque alone",
+                "The force of the wrench is left out: all six numbers count.",
+                {"J_b.T @ F_t": "J_b[3:].T @ F_t[3:]"},
+            ),
+            Slip(
+                "not transposed",
+                "You multiply by J itself: that takes joint rates to a twist, and fits only where there are six "
+                "joints. Torques are Jᵀ F.",
+                {"J_b.T @ F_t": "J_b @ F_t"},
             ),
         ),
     ),

@@ -36,11 +36,11 @@ def ball_joint(point: Array) -> Array:
     return np.column_stack([np.concatenate([-np.cross(w, point), w]) for w in np.eye(3)[::-1]])
 
 
-def degrees_of_freedom(screws: Array) -> int:
-    """In how many independent ways joints move what they carry: of the twists in the columns of `screws` (6, m), those
-    that are not made up of the others. Numbers below 1e-9 are rounding.
+def degrees_of_freedom(twists: Array) -> int:
+    """In how many independent ways joints move what they carry: how many of the columns of `twists` (6, m) are linearly
+    independent. Numbers below 1e-9 are rounding.
     """
-    return int(np.linalg.matrix_rank(screws, tol=1e-9))
+    return int(np.linalg.matrix_rank(twists, tol=1e-9))
 
 
 def _kinds(rng: np.random.Generator, arm: Arm) -> Iterator[tuple[Any, ...]]:
@@ -100,8 +100,20 @@ EXERCISES = (
             ),
             Slip(
                 "slide about a point",
-                "Your prismatic joint is (0, axis) or has −ω × q: a slide is (axis, 0), wherever the joint stands.",
+                "Your prismatic joint is (0, axis): that is a turn, about an axis through the origin. A slide is "
+                "(axis, 0).",
                 {"[axis, np.zeros(3)]": "[np.zeros(3), axis]"},
+            ),
+            Slip(
+                "slide with a moment",
+                "Your prismatic joint has −ω × q in its v. A slide moves every point alike: (axis, 0), wherever the "
+                "joint stands.",
+                {"[axis, np.zeros(3)]": "[axis - np.cross(axis, point), np.zeros(3)]"},
+            ),
+            Slip(
+                "slide as a turn",
+                "Your prismatic joint turns about the axis, as the revolute one does. A slide is (axis, 0).",
+                {'if kind == "prismatic":': "if False:"},
             ),
             Slip(
                 "sign of the moment",
@@ -110,7 +122,7 @@ EXERCISES = (
             ),
             Slip(
                 "pitch forgotten",
-                "Your helical joint slides not: add pitch · axis to v.",
+                "Your helical joint does not slide: add pitch · axis to v.",
                 {"v = v + pitch * axis": "v = v + 0.0 * axis"},
             ),
             Slip(
@@ -122,6 +134,23 @@ EXERCISES = (
                 "pitch inverted",
                 "You divide by the pitch; it is metres for each radian, so v gets pitch · axis.",
                 {"pitch * axis": "axis / pitch"},
+            ),
+            Slip(
+                "lead for pitch",
+                "You divide the pitch by 2π, as if it were metres for a whole turn. It is metres for each radian "
+                "already.",
+                {"pitch * axis": "pitch * axis / (2 * np.pi)"},
+            ),
+            Slip(
+                "pitch without direction",
+                "You add the number `pitch` to each part of v. The slide is along the axis: pitch · axis.",
+                {"pitch * axis": "pitch"},
+            ),
+            Slip(
+                "pitch in ω",
+                "Your helical joint has pitch · axis for ω. It turns as a revolute one does, ω = axis; the pitch "
+                "belongs to v.",
+                {"[v, axis]": '[v, pitch * axis if kind == "helical" else axis]'},
             ),
             Slip(
                 "angular first",
@@ -162,6 +191,11 @@ EXERCISES = (
                 {"-np.cross(w, point)": "np.cross(w, point)"},
             ),
             Slip("angular first", ANGULAR_FIRST, {"[-np.cross(w, point), w]": "[w, -np.cross(w, point)]"}),
+            Slip(
+                "point for velocity",
+                "You put the centre where v belongs. v is a velocity, −ω × q for each of the turns.",
+                {"-np.cross(w, point)": "point"},
+            ),
         ),
     ),
     Exercise(
@@ -173,23 +207,37 @@ EXERCISES = (
                 "joints counted",
                 "You count the joints. Four turns about one point move a body in three ways: count the "
                 "columns that are independent, the rank.",
-                {"int(np.linalg.matrix_rank(screws, tol=1e-9))": "screws.shape[1]"},
+                {"int(np.linalg.matrix_rank(twists, tol=1e-9))": "twists.shape[1]"},
             ),
             Slip(
                 "six at most",
                 "You take the smaller of six and the number of joints: joints that repeat what others do count as well "
                 "then. It is the rank.",
-                {"int(np.linalg.matrix_rank(screws, tol=1e-9))": "min(screws.shape)"},
+                {"int(np.linalg.matrix_rank(twists, tol=1e-9))": "min(twists.shape)"},
             ),
             Slip(
                 "turns alone",
                 "You look at ω alone: slides move a body too. Take the rank of all six rows.",
-                {"matrix_rank(screws,": "matrix_rank(screws[3:],"},
+                {"matrix_rank(twists,": "matrix_rank(twists[3:],"},
             ),
             Slip(
                 "velocities alone",
                 "You look at v alone: take the rank of all six rows.",
-                {"matrix_rank(screws,": "matrix_rank(screws[:3],"},
+                {"matrix_rank(twists,": "matrix_rank(twists[:3],"},
+            ),
+            Slip(
+                "halves added",
+                "You add the ranks of v and of ω: a turn about a distant axis counts twice then. Take the rank of all "
+                "six rows at once.",
+                {
+                    "int(np.linalg.matrix_rank(twists, tol=1e-9))": "int(np.linalg.matrix_rank(twists[:3], tol=1e-9) + "
+                    "np.linalg.matrix_rank(twists[3:], tol=1e-9))"
+                },
+            ),
+            Slip(
+                "what is missing",
+                "You count the directions that are missing, 6 less the rank. Asked for are those that there are.",
+                {"int(np.linalg.matrix_rank(twists, tol=1e-9))": "6 - int(np.linalg.matrix_rank(twists, tol=1e-9))"},
             ),
         ),
     ),

@@ -17,16 +17,16 @@ from .words import ANGULAR_FIRST
 
 def pose_error(g: Array, target: Array) -> Array:
     """How the tool at `g` (4, 4) gets to `target` (4, 4), as a twist (v, ω), (6,), seen from the tool: the logarithm of
-    g⁻¹ g_target. `log` of twistarm.theory.screws takes it.
+    g⁻¹ g_target. `screws.log` takes it, after `from twistarm import screws`.
     """
-    from twistarm.theory.screws import inverse, log
+    from twistarm import screws
 
-    return log(inverse(g) @ target)
+    return screws.log(screws.inverse(g) @ target)
 
 
 def newton_step(l1: float, l2: float, theta: Array, target: Array) -> Array:
     """The configuration (2,) of the two-link arm after one step of Newton's method from `theta` (2,) [rad] towards the
-    tip position `target` (2,) [m].
+    tip position `target` (2,) [m]. `theta[1]` is measured from the first link. Whole turns do not count.
     """
     t1, t12 = theta[0], theta[0] + theta[1]
     tip = np.array([l1 * np.cos(t1) + l2 * np.cos(t12), l1 * np.sin(t1) + l2 * np.sin(t12)])
@@ -104,6 +104,11 @@ def _stacked(J: Array, error: Array, damping: float) -> Array:
     return np.array(np.linalg.lstsq(rows, np.concatenate([error, np.zeros(n)]), rcond=None)[0])
 
 
+def _turned_to(theta: Array, *_: Any) -> Array:
+    """The directions of the joints: whole turns make no difference."""
+    return np.array([np.cos(theta), np.sin(theta)])
+
+
 def _error(g: Array, target: Array) -> Array:
     return pose_log(inverted(g) @ target)
 
@@ -117,35 +122,52 @@ EXERCISES = (
             Slip(
                 "reversed",
                 "You have the way from the target to the tool: g_target⁻¹ g. The arm would move away from its target.",
-                {"inverse(g) @ target": "inverse(target) @ g"},
+                {"screws.inverse(g) @ target": "screws.inverse(target) @ g"},
             ),
             Slip(
                 "spatial for body",
                 "This is the error seen from the base, g_target g⁻¹. Seen from the tool, as the body "
                 "Jacobian needs it, the inverse stands on the left: g⁻¹ g_target.",
-                {"inverse(g) @ target": "target @ inverse(g)"},
+                {"screws.inverse(g) @ target": "target @ screws.inverse(g)"},
             ),
             Slip(
                 "angular first",
                 ANGULAR_FIRST,
-                {"return log(inverse(g) @ target)": "return np.roll(log(inverse(g) @ target), 3)"},
+                {
+                    "screws.log(": "np.roll(screws.log(",
+                    "@ target)": "@ target), 3)",
+                },
             ),
             Slip(
                 "difference for v",
                 "Your v is the difference of the positions in the tool's axes. The logarithm's v is that "
                 "of a screw that turns on its way: take the logarithm of the whole pose.",
                 {
-                    "return log(inverse(g) @ target)": "h = inverse(g) @ target\n    return np.concatenate([h[:3, 3], "
-                    "log(h)[3:]])"
+                    "return screws.log(screws.inverse(g) @ target)": "h = screws.inverse(g) @ target\n    return "
+                    "np.concatenate([h[:3, 3], screws.log(h)[3:]])"
                 },
             ),
             Slip(
                 "difference in space",
                 "Your v is the difference of the positions in the base's axes: the body Jacobian speaks of the tool's.",
                 {
-                    "return log(inverse(g) @ target)": "return np.concatenate([target[:3, 3] - g[:3, "
-                    "3], log(inverse(g) @ target)[3:]])"
+                    "return screws.log(screws.inverse(g) @ target)": "return np.concatenate([target[:3, 3] - g[:3, "
+                    "3], screws.log(screws.inverse(g) @ target)[3:]])"
                 },
+            ),
+            Slip(
+                "all in base axes",
+                "Your error is the difference of the positions and the turn, both in the base's axes: that goes with "
+                "the hybrid Jacobian. The body Jacobian needs log(g⁻¹ g_target), whose turn is in the tool's axes.",
+                {
+                    "return screws.log(screws.inverse(g) @ target)": "return np.concatenate([target[:3, 3] - g[:3, "
+                    "3], screws.log(target @ screws.inverse(g))[3:]])"
+                },
+            ),
+            Slip(
+                "matrix",
+                "This is the motion itself, a pose: take its logarithm, the twist (6,).",
+                {"screws.log(screws.inverse(g) @ target)": "screws.inverse(g) @ target"},
             ),
         ),
         tolerance=1e-5,
@@ -181,12 +203,30 @@ EXERCISES = (
                 {"theta + np.linalg": "np.linalg"},
             ),
             Slip(
+                "half a step",
+                "You go half of the way: Newton's step is Δ itself.",
+                {"theta + np.linalg": "theta + 0.5 * np.linalg"},
+            ),
+            Slip(
+                "degrees in the step",
+                "The step is turned into degrees before it is added. The Jacobian is per radian, so that Δ is in "
+                "radians, as theta is.",
+                {"theta + np.linalg": "theta + 180 / np.pi * np.linalg"},
+            ),
+            Slip(
+                "second angle from the x axis",
+                "Your second link points at theta[1]; it is measured from the first link, so it points at "
+                "theta[0] + theta[1].",
+                {"theta[0] + theta[1]": "theta[1]", "[-tip[1],": "[-l1 * np.sin(t1),", "[tip[0],": "[l1 * np.cos(t1),"},
+            ),
+            Slip(
                 "first column without the second link",
                 "The first joint moves the whole arm: its column holds the derivative of both links, "
                 "(−y, x) of the tip.",
                 {"[-tip[1], -l2": "[-l1 * np.sin(t1), -l2", "[tip[0], l2 *": "[l1 * np.cos(t1), l2 *"},
             ),
         ),
+        seen=_turned_to,
     ),
     Exercise(
         damped_step,
@@ -197,6 +237,11 @@ EXERCISES = (
                 "damping not squared",
                 "You add the damping itself. What is made least has damping² ‖Δ‖², so that λ² stands in the matrix.",
                 {"damping**2": "damping"},
+            ),
+            Slip(
+                "identity forgotten",
+                "You add the number λ² to every entry of J Jᵀ. It belongs on the diagonal alone: λ² np.eye(6).",
+                {"damping**2 * np.eye(6)": "damping**2"},
             ),
             Slip(
                 "damping missing",
@@ -236,6 +281,18 @@ EXERCISES = (
                 "All six rows are still there: an arm with five joints cannot meet them, and gives up a little of "
                 "everything. Leave out ω_z, the last row.",
                 {"J_b[:5]": "J_b", "error[:5]": "error"},
+            ),
+            Slip(
+                "v_x left out",
+                "You leave out v_x, the first row; what is left free is the turn about the tool's z axis, ω_z, the "
+                "last row.",
+                {"J_b[:5]": "J_b[1:]", "error[:5]": "error[1:]"},
+            ),
+            Slip(
+                "column left out",
+                "You leave out a column of J_b, which is a joint. What need not be met is a number of the error: "
+                "leave out a row.",
+                {"np.linalg.pinv(J_b[:5]) @ error[:5]": "np.linalg.pinv(J_b[:, :5]) @ error"},
             ),
             Slip(
                 "v_z left out",

@@ -42,6 +42,7 @@ cases = {{ ...
 }};
 
 lines = {{'# twistarm guide results 1'}};
+stopped = false;
 for k = 1:numel(cases)
     name = cases{{k}}{{1}};
     given = cases{{k}}{{2}};
@@ -51,20 +52,29 @@ for k = 1:numel(cases)
     end
     try
         answer = feval(name, given{{:}});
+        if ischar(answer)
+            lines{{end + 1}} = sprintf('%s,%d,error,0,0,0,%s', name, k, answer);
+            continue
+        end
         if ~(isnumeric(answer) || islogical(answer)) || ~isreal(answer) || ndims(answer) > 2
             error('it returns no matrix of real numbers');
         end
         head = sprintf('%s,%d,answer,0,%d,%d', name, k, size(answer, 1), size(answer, 2));
         lines{{end + 1}} = [head, sprintf(',%.17g', double(answer))];
     catch problem
+        stopped = true;
         words = strrep(strrep(problem.message, char(10), ' '), char(13), ' ');
         lines{{end + 1}} = sprintf('%s,%d,error,0,0,0,%s', name, k, words);
     end
 end
+lines{{end + 1}} = sprintf('# %d cases', numel(cases));
 file = fopen('results_{name}.csv', 'w');
 fprintf(file, '%s\\n', lines{{:}});
 fclose(file);
 disp('written: results_{name}.csv; now: twistarm guide check results_{name}.csv');
+if stopped && exist('OCTAVE_VERSION', 'builtin')
+    disp('A function stopped with an error. If Octave ends with "error: ignoring ...", it speaks of that one.');
+end
 """
 
 
@@ -84,7 +94,9 @@ def octave_solution(name: str) -> str:
 def template(solution: str) -> str:
     """The function of a model solution with its own part left out."""
     head, mark, _ = solution.partition(MARK)
-    return f"{head}{mark}    error('not written yet');\nend\n"
+    answer = head.split()[1]
+    # No error: Octave tells of one that was caught when it ends.
+    return f"{head}{mark}    {answer} = 'not written yet';\nend\n"
 
 
 def script_text(script: str, arm: Arm, seed: int = 0) -> str:

@@ -15,15 +15,15 @@ from .instances import TIMES, angle, unit
 from .words import DEGREES
 
 XYZW = (
-    "Your quaternion has its scalar part last, (x, y, z, w), as SciPy, ROS and Pinocchio have it. In the guide w comes "
-    "first."
+    "Your quaternion has its scalar part last, (x, y, z, w), as SciPy, ROS and Pinocchio have it. In the course w "
+    "comes first."
 )
 
 
-def multiply(P: Array, Q: Array) -> Array:
-    """The product P Q of two quaternions (w, x, y, z), (4,): i i = j j = k k = −1, i j = k, j k = i, k i = j."""
-    p, q = P[1:], Q[1:]
-    return np.array([P[0] * Q[0] - p @ q, *(P[0] * q + Q[0] * p + np.cross(p, q))])
+def multiply(Q1: Array, Q2: Array) -> Array:
+    """The product Q₁ Q₂ of two quaternions (w, x, y, z), (4,): i i = j j = k k = −1, i j = k, j k = i, k i = j."""
+    v1, v2 = Q1[1:], Q2[1:]
+    return np.array([Q1[0] * Q2[0] - v1 @ v2, *(Q1[0] * v2 + Q2[0] * v1 + np.cross(v1, v2))])
 
 
 def inverse_quaternion(Q: Array) -> Array:
@@ -32,12 +32,13 @@ def inverse_quaternion(Q: Array) -> Array:
     return conjugate / (Q @ Q)
 
 
-def from_axis_angle(w: Array, theta: float) -> Array:
-    """The unit quaternion (w, x, y, z) of the turn by `theta` [rad] about the axis `w` (3,), which has any length.
+def from_axis_angle(axis: Array, theta: float) -> Array:
+    """The unit quaternion (w, x, y, z) of the turn by `theta` [rad] about `axis` (3,).
 
-    Q and −Q are the same rotation: either is right.
+    The axis may have any length but 0: only its direction counts, and the angle is `theta` whatever it is. Q and −Q are
+    the same rotation: either is right.
     """
-    u = w / np.linalg.norm(w)
+    u = axis / np.linalg.norm(axis)
     return np.array([np.cos(theta / 2), *(np.sin(theta / 2) * u)])
 
 
@@ -47,9 +48,9 @@ def rotate(Q: Array, p: Array) -> Array:
     `Q` need not have the length 1.
     """
     Q = Q / np.linalg.norm(Q)
-    q = Q[1:]
-    t = 2.0 * np.cross(q, p)
-    turned: Array = p + Q[0] * t + np.cross(q, t)
+    v = Q[1:]
+    t = 2.0 * np.cross(v, p)
+    turned: Array = p + Q[0] * t + np.cross(v, t)
     return turned
 
 
@@ -97,38 +98,41 @@ def _up_to_sign(Q: Array, *_: Any) -> Array:
 EXERCISES = (
     Exercise(
         multiply,
-        lambda P, Q: _left(P) @ Q,
+        lambda Q1, Q2: _left(Q1) @ Q2,
         _two,
         (
             Slip(
                 "order reversed",
-                "This is Q P. Quaternions do not commute: the order shows in the cross product, which is p × q.",
-                {"np.cross(p, q)": "np.cross(q, p)"},
+                "This is Q₂ Q₁. Quaternions do not commute: the order shows in the cross product, which is v₁ × v₂.",
+                {"np.cross(v1, v2)": "np.cross(v2, v1)"},
             ),
             Slip(
                 "no cross product",
-                "The cross product p × q is missing in the vector part: i j = k comes from it.",
-                {" + np.cross(p, q)": ""},
+                "The cross product v₁ × v₂ is missing in the vector part: i j = k comes from it.",
+                {" + np.cross(v1, v2)": ""},
             ),
             Slip(
                 "sign of the scalar part",
-                "The scalar part is w₁w₂ − p · q: i i = −1 makes the minus.",
-                {"P[0] * Q[0] - p @ q": "P[0] * Q[0] + p @ q"},
+                "The scalar part is w₁w₂ − v₁ · v₂: i i = −1 makes the minus.",
+                {"Q1[0] * Q2[0] - v1 @ v2": "Q1[0] * Q2[0] + v1 @ v2"},
             ),
             Slip(
                 "xyzw",
                 XYZW,
                 {
-                    "p, q = P[1:], Q[1:]": "p, q = P[:3], Q[:3]",
-                    "[P[0] * Q[0] - p @ q, *(P[0] * q + Q[0] * p + "
-                    "np.cross(p, q))]": "[*(P[3] * q + Q[3] * p + np.cross(p, q)), P[3] * Q[3] - p @ q]",
+                    "v1, v2 = Q1[1:], Q2[1:]": "v1, v2 = Q1[:3], Q2[:3]",
+                    "[Q1[0] * Q2[0] - v1 @ v2, *(Q1[0] * v2 + Q2[0] * v1 + "
+                    "np.cross(v1, v2))]": "[*(Q1[3] * v2 + Q2[3] * v1 + np.cross(v1, v2)), Q1[3] * Q2[3] - v1 @ v2]",
                 },
             ),
             Slip(
                 "number by number",
-                "You multiply number by number (P * Q). The product of quaternions follows i j = k: scalar part "
-                "w₁w₂ − p · q, vector part w₁q + w₂p + p × q.",
-                {"return np.array([P[0] * Q[0] - p @ q, *(P[0] * q + Q[0] * p + np.cross(p, q))])": "return P * Q"},
+                "You multiply number by number (Q1 * Q2). The product of quaternions follows i j = k: scalar part "
+                "w₁w₂ − v₁ · v₂, vector part w₁v₂ + w₂v₁ + v₁ × v₂.",
+                {
+                    "return np.array([Q1[0] * Q2[0] - v1 @ v2, "
+                    "*(Q1[0] * v2 + Q2[0] * v1 + np.cross(v1, v2))])": "return Q1 * Q2"
+                },
             ),
         ),
     ),
@@ -150,8 +154,8 @@ EXERCISES = (
             ),
             Slip(
                 "norm to the fourth",
-                "You divide by ‖Q‖⁴: the guide calls ‖Q‖ what is ‖Q‖² = Q Q*, and squares it once more. Divide by Q Q* "
-                "once; Q Q⁻¹ for (1, 2, 3, 4) is 1 then and not 1/30.",
+                "You divide by ‖Q‖⁴: Q Q* is the square of the length already. Divide by it once; Q Q⁻¹ for (1, 2, 3, "
+                "4) is 1 then and not 1/30.",
                 {"(Q @ Q)": "(Q @ Q) ** 2"},
             ),
             Slip(
@@ -161,6 +165,16 @@ EXERCISES = (
             ),
             Slip("xyzw", XYZW, {"[Q[0], -Q[1], -Q[2], -Q[3]]": "[-Q[0], -Q[1], -Q[2], Q[3]]"}),
             Slip(
+                "not conjugated",
+                "You divide by ‖Q‖² and keep the signs: the vector part of the inverse is negated, Q* / ‖Q‖².",
+                {"[Q[0], -Q[1], -Q[2], -Q[3]]": "[Q[0], Q[1], Q[2], Q[3]]"},
+            ),
+            Slip(
+                "all negated",
+                "You negate all four numbers. The conjugate keeps the scalar part and negates the vector part alone.",
+                {"[Q[0], -Q[1], -Q[2], -Q[3]]": "[-Q[0], -Q[1], -Q[2], -Q[3]]"},
+            ),
+            Slip(
                 "number by number",
                 "You invert each number by itself (1 / Q): the inverse is Q* / ‖Q‖².",
                 {"conjugate / (Q @ Q)": "1.0 / Q"},
@@ -169,21 +183,44 @@ EXERCISES = (
     ),
     Exercise(
         from_axis_angle,
-        lambda w, theta: np.roll(scipy_rotation().from_rotvec(w / np.sqrt(w @ w) * theta).as_quat(), 1),
+        lambda axis, theta: np.roll(scipy_rotation().from_rotvec(axis / np.sqrt(axis @ axis) * theta).as_quat(), 1),
         _axis_and_angle,
         (
             Slip(
                 "whole angle",
                 "You take the cosine and sine of θ; a quaternion has those of θ/2, because it stands on "
-                "both sides of the point, Q p Q⁻¹. Yours turns twice as far.",
+                "both sides of the point, Q (0, p) Q⁻¹. Yours turns twice as far.",
                 {"theta / 2": "theta"},
             ),
             Slip(
                 "axis not normalised",
                 "The axis has another length than 1 here, and so has your quaternion. Divide by its length before.",
-                {"w / np.linalg.norm(w)": "w"},
+                {"axis / np.linalg.norm(axis)": "axis"},
             ),
             Slip("degrees", DEGREES, {"theta / 2": "np.radians(theta) / 2"}),
+            Slip(
+                "length taken for a part of the angle",
+                "You turn by θ times the length of the axis, as `rodrigues` of the next lesson does. Here only the "
+                "direction of the axis counts: turn by θ.",
+                {"theta / 2": "theta * np.linalg.norm(axis) / 2"},
+            ),
+            Slip(
+                "all four divided",
+                "You divide the whole quaternion by its length, (cos θ/2, ω sin θ/2) with ω as it comes: its length "
+                "is 1 then, but the angle is another. Divide the axis by its length before.",
+                {
+                    "u = axis / np.linalg.norm(axis)": "u = axis",
+                    "return np.array([np.cos(theta / 2), *(np.sin(theta / 2) * u)])": "Q = "
+                    "np.array([np.cos(theta / 2), *(np.sin(theta / 2) * u)])\n"
+                    "    return Q / np.linalg.norm(Q)",
+                },
+            ),
+            Slip(
+                "whole angle, xyzw",
+                "Two slips: you take θ where a quaternion has θ/2, and your scalar part stands last, (x, y, z, w). In "
+                "the course w comes first.",
+                {"[np.cos(theta / 2), *(np.sin(theta / 2) * u)]": "[*(np.sin(theta) * u), np.cos(theta)]"},
+            ),
             Slip(
                 "xyzw",
                 XYZW,
@@ -207,12 +244,12 @@ EXERCISES = (
         lambda Q, p: _scipy_of(Q).apply(p),
         _and_point,
         (
-            Slip("xyzw", XYZW, {"q = Q[1:]": "q = Q[:3]", "Q[0] * t": "Q[3] * t"}),
+            Slip("xyzw", XYZW, {"v = Q[1:]": "v = Q[:3]", "Q[0] * t": "Q[3] * t"}),
             Slip(
                 "inverse rotation",
                 "The point is turned the other way: Q stands on the left and Q⁻¹ on the right, Q (0, p) Q⁻¹. Yours is "
                 "Q⁻¹ (0, p) Q.",
-                {"q = Q[1:]": "q = -Q[1:]"},
+                {"v = Q[1:]": "v = -Q[1:]"},
             ),
             Slip(
                 "not normalised",
@@ -220,7 +257,7 @@ EXERCISES = (
                 "‖Q‖², not Q* alone; or normalise Q first.",
                 {
                     "    Q = Q / np.linalg.norm(Q)\n": "",
-                    "p + Q[0] * t + np.cross(q, t)": "(Q[0] ** 2 - q @ q) * p + 2.0 * (q @ p) * q + Q[0] * t",
+                    "p + Q[0] * t + np.cross(v, t)": "(Q[0] ** 2 - v @ v) * p + 2.0 * (v @ p) * v + Q[0] * t",
                 },
             ),
             Slip(
@@ -232,7 +269,22 @@ EXERCISES = (
                 "only one side",
                 "You take the vector part of Q (0, p) alone, which is no rotation. Multiply by Q⁻¹ on "
                 "the right as well.",
-                {"turned: Array = p + Q[0] * t + np.cross(q, t)": "turned: Array = Q[0] * p + np.cross(q, p)"},
+                {"turned: Array = p + Q[0] * t + np.cross(v, t)": "turned: Array = Q[0] * p + np.cross(v, p)"},
+            ),
+            Slip(
+                "norm not squared",
+                "The point grows by ‖Q‖: your inverse is Q* / ‖Q‖, and it takes the square, Q* / ‖Q‖².",
+                {
+                    "Q = Q / np.linalg.norm(Q)": "length = np.linalg.norm(Q)\n    Q = Q / length",
+                    "turned: Array = p + Q[0] * t + np.cross(v, t)": "turned: Array = length * "
+                    "(p + Q[0] * t + np.cross(v, t))",
+                },
+            ),
+            Slip(
+                "scalar part left",
+                "The numbers are right, but the scalar part of Q (0, p) Q⁻¹, which is 0, still stands before them: "
+                "leave it out, as in Q[1:].",
+                {"return turned": "return np.array([0.0, *turned])"},
             ),
         ),
     ),

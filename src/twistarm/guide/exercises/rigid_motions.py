@@ -23,7 +23,7 @@ def homogeneous(R: Array, p: Array) -> Array:
 
 
 def inverse_pose(g: Array) -> Array:
-    """The inverse (4, 4) of a pose `g` (4, 4), by the formula with Rᵀ, without np.linalg.inv."""
+    """The inverse (4, 4) of a pose `g` (4, 4). The formula with Rᵀ takes no elimination; np.linalg.inv is right too."""
     R, p = g[:3, :3], g[:3, 3]
     back = np.eye(4)
     back[:3, :3] = R.T
@@ -88,6 +88,11 @@ EXERCISES = (
                 {"g[:3, 3] = p": "g[:3, 3] = -p"},
             ),
             Slip(
+                "origin turned",
+                "The last column is R p in yours. The origin p is seen from A already: it stands there as it is.",
+                {"g[:3, 3] = p": "g[:3, 3] = R @ p"},
+            ),
+            Slip(
                 "no 1 in the corner",
                 "The last row is 0 0 0 1: without the 1 in the corner no translation survives a product.",
                 {"g = np.eye(4)": "g = np.zeros((4, 4))"},
@@ -140,6 +145,12 @@ EXERCISES = (
                 {"points_b @ R.T": "points_b @ R"},
             ),
             Slip(
+                "rows as if they were columns",
+                "R @ points_b takes each column of points_b for a point, which for three points gives wrong numbers "
+                "and for other numbers of them an error. The points are rows: `points_b @ R.T`.",
+                {"points_b @ R.T + p": "R @ points_b + p"},
+            ),
+            Slip(
                 "origin forgotten",
                 "The points are turned but not moved: add the origin p of frame B.",
                 {" + p": ""},
@@ -181,6 +192,21 @@ EXERCISES = (
                 "direction for point",
                 "The homogeneous coordinate is 0: that carries directions, which no translation moves. A point has 1.",
                 {"np.append(q_c, 1.0)": "np.append(q_c, 0.0)"},
+            ),
+            Slip(
+                "camera's origin not turned",
+                "The two origins are added as they are. That of the camera is seen from the tool, so g_st turns it "
+                "too: R_st (R_tc q_c + p_tc) + p_st.",
+                {
+                    "(g_st @ g_tc @ np.append(q_c, 1.0))[:3]": "g_st[:3, :3] @ g_tc[:3, :3] @ q_c + g_tc[:3, 3] + "
+                    "g_st[:3, 3]"
+                },
+            ),
+            Slip(
+                "tool inverted",
+                "You use the inverse of g_st, which takes coordinates of the base to the tool. The point is to be "
+                "seen from the base: g_st itself.",
+                {"g_st @ g_tc": "np.linalg.inv(g_st) @ g_tc"},
             ),
             Slip(
                 "camera forgotten",

@@ -40,14 +40,14 @@ def zyz(alpha: float, beta: float, gamma: float) -> Array:
 
 
 def zyz_angles(R: Array) -> Array:
-    """The ZYZ Euler angles (alpha, beta, gamma) [rad] of a rotation, (3,), with beta from 0 to π.
+    """The ZYZ Euler angles (alpha, beta, gamma) [rad] of a rotation, (3,): beta from 0 to π, the others from −π to π.
 
-    Where beta is 0 (take less than 1e-6 as that) only alpha + gamma is determined: let gamma be 0 then. `R` comes out
-    of a computer: its corner may be a hair above 1.
+    Where beta is 0 only alpha + gamma is determined, and where it is π only alpha − gamma: let gamma be 0 in both cases
+    (take a sin beta below 1e-6 as 0). `R` comes out of a computer: its corner may be a hair above 1.
     """
     beta = np.arccos(np.clip(R[2, 2], -1.0, 1.0))
-    if beta < 1e-6:
-        return np.array([np.arctan2(R[1, 0], R[0, 0]), 0.0, 0.0])
+    if np.sin(beta) < 1e-6:
+        return np.array([np.arctan2(-R[0, 1], R[1, 1]), beta, 0.0])
     return np.array([np.arctan2(R[1, 2], R[0, 2]), beta, np.arctan2(R[2, 1], -R[2, 0])])
 
 
@@ -69,6 +69,8 @@ def _rotations(rng: np.random.Generator, arm: Arm) -> Iterator[tuple[Any, ...]]:
         above_one = _by_scipy(turn, 0.0, 0.0)
         above_one[2, 2] = 1.0 + 4e-16
         yield (above_one,)
+        c, s = np.cos(turn), np.sin(turn)
+        yield (np.array([[c, s, 0.0], [s, -c, 0.0], [0.0, 0.0, -1.0]]),)  # straight down, typed by hand
 
 
 def _by_scipy(alpha: float, beta: float, gamma: float) -> Array:
@@ -80,8 +82,9 @@ def _angles_by_the_columns(R: Array) -> Array:
     """The third column points where alpha and beta say; what is left after these turns is gamma."""
     x, y, z = R[:, 2]
     beta = np.arctan2(np.hypot(x, y), z)
-    if beta < 1e-6:
-        return np.array([float(scipy_rotation().from_matrix(R).as_rotvec()[2]), 0.0, 0.0])
+    if min(beta, np.pi - beta) < 1e-6:
+        turned = scipy_rotation().from_matrix(R @ _by_scipy(0.0, beta, 0.0).T)
+        return np.array([float(turned.as_rotvec()[2]), beta, 0.0])
     alpha = np.arctan2(y, x)
     gamma = scipy_rotation().from_matrix(_by_scipy(alpha, beta, 0.0).T @ R).as_rotvec()[2]
     return np.array([alpha, beta, gamma])
@@ -122,6 +125,17 @@ EXERCISES = (
                 "For z that is the third.",
                 {"[[c, -s, 0.0], [s, c, 0.0], [0.0, 0.0, 1.0]]": "[[1.0, 0.0, 0.0], [0.0, c, -s], [0.0, s, c]]"},
             ),
+            Slip(
+                "about y",
+                "This turns about y: the axis of the turn is the one whose row and column have the 1. "
+                "For z that is the third.",
+                {"[[c, -s, 0.0], [s, c, 0.0], [0.0, 0.0, 1.0]]": "[[c, 0.0, s], [0.0, 1.0, 0.0], [-s, 0.0, c]]"},
+            ),
+            Slip(
+                "no 1 in the corner",
+                "The 1 in the last corner is missing: the z axis stays where it is, and its column is (0, 0, 1).",
+                {"[0.0, 0.0, 1.0]": "[0.0, 0.0, 0.0]"},
+            ),
         ),
     ),
     Exercise(
@@ -142,6 +156,22 @@ EXERCISES = (
                 {"return R": "return R.T"},
             ),
             Slip(
+                "each transposed",
+                "Each of the three matrices is transposed: the angles come out negative, in the right order. Look at "
+                "the signs of the sines: in R_z the minus stands in the first row, in R_y in the last.",
+                {"turn_z(alpha) @ turn_y(beta) @ turn_z(gamma)": "turn_z(alpha).T @ turn_y(beta).T @ turn_z(gamma).T"},
+            ),
+            Slip(
+                "number by number",
+                "You multiply number by number (`*`). Matrices are multiplied with `@` in Python, with `*` in Octave.",
+                {"turn_z(alpha) @ turn_y(beta) @ turn_z(gamma)": "turn_z(alpha) * turn_y(beta) * turn_z(gamma)"},
+            ),
+            Slip(
+                "YZY",
+                "Your turns are about y, z and y: the letters of ZYZ are the axes, in this order.",
+                {"turn_z(alpha) @ turn_y(beta) @ turn_z(gamma)": "turn_y(alpha) @ turn_z(beta) @ turn_y(gamma)"},
+            ),
+            Slip(
                 "sign in R_y",
                 "The sine of your R_y has its minus in the first row. There it is the other way round "
                 "than in R_z: z turns towards x, and the minus stands in the third row.",
@@ -160,7 +190,7 @@ EXERCISES = (
             ),
             Slip(
                 "about x in the middle",
-                "The second turn is about x: those are the ZXZ angles. The team's guide turns about y.",
+                "The second turn is about x: those are the ZXZ angles. ZYZ turns about y.",
                 {
                     "[[np.cos(a), 0.0, np.sin(a)], [0.0, 1.0, 0.0], [-np.sin(a), 0.0, np.cos(a)]]": "[[1.0, 0.0, 0.0], "
                     "[0.0, np.cos(a), -np.sin(a)], [0.0, np.sin(a), np.cos(a)]]"
@@ -194,7 +224,7 @@ EXERCISES = (
                 },
             ),
             Slip(
-                "atan for atan2",
+                "arctan for arctan2",
                 "The arctangent of a quotient does not know in which quadrant the angle is: half of the "
                 "angles are off by π. Use np.arctan2(y, x), which gets both numbers.",
                 {
@@ -208,11 +238,67 @@ EXERCISES = (
                 {"-R[2, 0]": "R[2, 0]"},
             ),
             Slip(
+                "beta = π forgotten",
+                "You treat beta = 0, and beta = π has the same trouble: sin β is 0, and the third column holds "
+                "nothing but zeros or rounding. Read alpha from the upper left corner, which is R_z(α − γ) R_y(π) "
+                "there.",
+                {"if np.sin(beta) < 1e-6:": "if beta < 1e-6:"},
+            ),
+            Slip(
                 "beta = 0 forgotten",
-                "Where beta is 0, sin β is 0 too and nothing is left to read alpha and gamma from: they "
-                "come out as 0 (or as rounding). Read alpha from the upper left corner there, which is "
-                "R_z(α + γ), and let gamma be 0.",
-                {"if beta < 1e-6:": "if beta < 1e-6:\n        return np.array([0.0, 0.0, 0.0])\n    if beta < 1e-6:"},
+                "You treat beta = π, and beta = 0 has the same trouble: sin β is 0, and the third column holds "
+                "nothing but zeros or rounding. Read alpha from the upper left corner, which is R_z(α + γ) there.",
+                {"if np.sin(beta) < 1e-6:": "if beta > 3.0:"},
+            ),
+            Slip(
+                "sin β = 0 forgotten",
+                "Where beta is 0 or π, sin β is 0, and the third column and row hold nothing to read alpha and gamma "
+                "from but zeros or rounding. Read alpha from the upper left corner there, and let gamma be 0.",
+                {"if np.sin(beta) < 1e-6:": "if False:"},
+            ),
+            Slip(
+                "gamma for alpha",
+                "Where only alpha + gamma or alpha − gamma is determined, you let alpha be 0. These angles are of the "
+                "same rotation, but the task wants gamma to be 0: one convention, so that answers can be compared.",
+                {
+                    "np.array([np.arctan2(-R[0, 1], R[1, 1]), beta, 0.0])": "np.array([0.0, beta, "
+                    "np.arctan2(R[1, 0], R[1, 1])])"
+                },
+            ),
+            Slip(
+                "negative beta",
+                "Your angles are another triple of the same rotation: (α ± π, −β, γ ± π). The task wants beta from 0 "
+                "to π, as arccos gives it.",
+                {
+                    "[np.arctan2(R[1, 2], R[0, 2]), beta, "
+                    "np.arctan2(R[2, 1], -R[2, 0])]": "[np.arctan2(-R[1, 2], -R[0, 2]), -beta, "
+                    "np.arctan2(-R[2, 1], R[2, 0])]"
+                },
+            ),
+            Slip(
+                "from 0 to 2π",
+                "Your alpha and gamma run from 0 to 2π: angles of the same rotation, but the task wants them from −π "
+                "to π, as arctan2 gives them.",
+                {
+                    "np.arctan2(-R[0, 1], R[1, 1])": "np.arctan2(-R[0, 1], R[1, 1]) % (2 * np.pi)",
+                    "np.arctan2(R[1, 2], R[0, 2])": "np.arctan2(R[1, 2], R[0, 2]) % (2 * np.pi)",
+                    "np.arctan2(R[2, 1], -R[2, 0])": "np.arctan2(R[2, 1], -R[2, 0]) % (2 * np.pi)",
+                },
+            ),
+            Slip(
+                "arguments of arctan2 swapped",
+                "The arguments of arctan2 have changed places: the sine comes first, arctan2(y, x).",
+                {
+                    "np.arctan2(-R[0, 1], R[1, 1])": "np.arctan2(R[1, 1], -R[0, 1])",
+                    "np.arctan2(R[1, 2], R[0, 2])": "np.arctan2(R[0, 2], R[1, 2])",
+                    "np.arctan2(R[2, 1], -R[2, 0])": "np.arctan2(-R[2, 0], R[2, 1])",
+                },
+            ),
+            Slip(
+                "arcsine for beta",
+                "The arcsine never gives a beta above π/2, and beta goes up to π: the corner R33 is cos β, and arccos "
+                "tells the two halves apart.",
+                {"np.arccos(np.clip(R[2, 2], -1.0, 1.0))": "np.arcsin(min(1.0, np.hypot(R[0, 2], R[1, 2])))"},
             ),
             Slip(
                 "degrees",

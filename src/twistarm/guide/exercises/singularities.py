@@ -32,9 +32,9 @@ def semi_axes(J_b: Array) -> Array:
     return lengths  # type: ignore[return-value]
 
 
-def lost_direction(J: Array) -> Array:
-    """The unit twist (6,) that the tool cannot make, at a singular configuration with the Jacobian `J` (6, m):
-    orthogonal to all its columns, which have rank 5. Either sign is right.
+def carried_wrench(J: Array) -> Array:
+    """The wrench F = (f, τ), (6,), of norm 1 that asks nothing of any joint: Jᵀ F = 0. The arm is singular, its
+    Jacobian `J` (6, m) has rank 5. Either sign is right.
     """
     return np.linalg.svd(J)[0][:, -1]
 
@@ -137,9 +137,21 @@ EXERCISES = (
             ),
             Slip(
                 "JᵀJ for JJᵀ",
-                "You have det(JᵀJ), which is 0 (or NaN after the root) where there are more joints than "
-                "directions: J Jᵀ.",
-                {"np.sqrt(np.linalg.det(J @ J.T))": "np.sqrt(abs(np.linalg.det(J.T @ J)))"},
+                "You have det(JᵀJ), which is 0 where there are more joints than directions; rounding brings it below "
+                "0, and its root is NaN. It is J Jᵀ.",
+                {"np.sqrt(np.linalg.det(J @ J.T))": "np.sqrt(np.linalg.det(J.T @ J))"},
+            ),
+            Slip(
+                "trace for determinant",
+                "You have the trace of J Jᵀ, the sum of the squares of the singular values; the measure is their "
+                "product, by the determinant.",
+                {"np.linalg.det": "np.trace"},
+            ),
+            Slip(
+                "condition inverted",
+                "This is 1 over the condition number, the shortest half axis by the longest; the measure is the "
+                "product of all.",
+                {"np.sqrt(np.linalg.det(J @ J.T))": "1.0 / np.linalg.cond(J)"},
             ),
             Slip(
                 "least singular value",
@@ -187,7 +199,7 @@ EXERCISES = (
         tolerance=1e-6,
     ),
     Exercise(
-        lost_direction,
+        carried_wrench,
         _left_over,
         _singular,
         (
@@ -198,15 +210,20 @@ EXERCISES = (
             ),
             Slip(
                 "joint rates",
-                "This is the last right singular vector: the joints' rates that move nothing, not what "
-                "the tool has lost.",
+                "This is the last right singular vector: the joints' rates that move nothing. The wrench is a left "
+                "one: a column of U.",
                 {"[0][:, -1]": "[2][-1]"},
             ),
             Slip(
                 "easiest direction",
-                "This is the direction in which the arm moves most; the lost one belongs to the least "
+                "This is the wrench that the joints feel most; the one that they do not feel belongs to the least "
                 "singular value, the last.",
                 {"[:, -1]": "[:, 0]"},
+            ),
+            Slip(
+                "torque first",
+                "Your wrench is (τ, f); here the force comes first, (f, τ), as v does in twists.",
+                {"return np.linalg.svd(J)[0][:, -1]": "return np.roll(np.linalg.svd(J)[0][:, -1], 3)"},
             ),
         ),
         seen=_up_to_sign,

@@ -14,26 +14,26 @@ from .independent import expm, pose_log, twist_matrix
 from .instances import TIMES, own_chain, pose
 
 
-def cubic(t: float, T: float, q0: float, q1: float) -> float:
-    """The joint's value at the time `t`, on the cubic that starts at `q0` at 0, ends at `q1` at `T` [s], and is at
-    rest at both ends.
+def cubic(t: float, T: float, theta0: float, theta1: float) -> float:
+    """The joint's value at the time `t`, on the cubic that starts at `theta0` at 0, ends at `theta1` at `T` [s], and is
+    at rest at both ends.
     """
-    s = t / T
-    return q0 + (3 * s**2 - 2 * s**3) * (q1 - q0)
+    u = t / T
+    return theta0 + (3 * u**2 - 2 * u**3) * (theta1 - theta0)
 
 
-def quintic_velocity(t: float, T: float, q0: float, q1: float) -> float:
-    """The joint's velocity at the time `t`, on the quintic from `q0` at 0 to `q1` at `T` [s], at rest and without
-    acceleration at both ends: q = q0 + (10 s³ − 15 s⁴ + 6 s⁵)(q1 − q0) with s = t/T.
+def quintic_velocity(t: float, T: float, theta0: float, theta1: float) -> float:
+    """The joint's velocity at the time `t`, on the quintic from `theta0` at 0 to `theta1` at `T` [s], at rest and
+    without acceleration at both ends: θ = θ₀ + (10 u³ − 15 u⁴ + 6 u⁵)(θ₁ − θ₀) with u = t/T.
     """
-    s = t / T
-    return (30 * s**2 - 60 * s**3 + 30 * s**4) * (q1 - q0) / T
+    u = t / T
+    return (30 * u**2 - 60 * u**3 + 30 * u**4) * (theta1 - theta0) / T
 
 
 def shortest_time(distance: float, velocity: float, acceleration: float) -> float:
     """The least duration [s] of a cubic from rest to rest over `distance` (of either sign) that keeps to both limits.
 
-    The cubic 3 s² − 2 s³ has the greatest slope 3/2 and the greatest curvature 6.
+    Over u = t/T, the cubic 3 u² − 2 u³ has the greatest slope 3/2 and the greatest curvature 6.
     """
     d = abs(distance)
     return float(max(1.5 * d / velocity, np.sqrt(6 * d / acceleration)))
@@ -42,11 +42,12 @@ def shortest_time(distance: float, velocity: float, acceleration: float) -> floa
 def screw_between(g0: Array, g1: Array, s: float) -> Array:
     """The pose (4, 4) at the share `s`, from 0 to 1, of the screw motion from `g0` to `g1` (4, 4).
 
-    `exp` and `log` of twistarm.theory.screws are the exponential and the logarithm of poses.
+    `screws.exp(xi, s)` and `screws.log(g)` are the exponential and the logarithm of poses, after `from twistarm import
+    screws`.
     """
-    from twistarm.theory.screws import exp, inverse, log
+    from twistarm import screws
 
-    g: Array = g0 @ exp(log(inverse(g0) @ g1), s)
+    g: Array = g0 @ screws.exp(screws.log(screws.inverse(g0) @ g1), s)
     return g
 
 
@@ -61,6 +62,8 @@ def _moments(rng: np.random.Generator, arm: Arm) -> Iterator[tuple[Any, ...]]:
 def _limits(rng: np.random.Generator, arm: Arm) -> Iterator[tuple[Any, ...]]:
     for acceleration in (0.3, 50.0) * (TIMES // 2):
         yield float(rng.uniform(0.3, 3.0) * rng.choice([-1, 1])), float(rng.uniform(0.5, 2.0)), acceleration
+    yield 0.4, 2.0, 0.3
+    yield -0.4, 2.0, 0.3
 
 
 def _motions(rng: np.random.Generator, arm: Arm) -> Iterator[tuple[Any, ...]]:
@@ -112,29 +115,44 @@ EXERCISES = (
         (
             Slip(
                 "not divided by T",
-                "You put the time itself into the polynomial; it goes from 0 to 1: s = t / T.",
-                {"s = t / T": "s = t"},
+                "You put the time itself into the polynomial; it goes from 0 to 1: u = t / T.",
+                {"u = t / T": "u = t"},
             ),
             Slip(
                 "straight line",
-                "This is a straight line: it starts and stops with a jerk. The cubic is 3 s² − 2 s³.",
-                {"(3 * s**2 - 2 * s**3)": "s"},
+                "This is a straight line: it starts and stops with a jerk. The cubic is 3 u² − 2 u³.",
+                {"(3 * u**2 - 2 * u**3)": "u"},
             ),
             Slip(
                 "quintic",
-                "This is the quintic; the cubic from rest to rest is 3 s² − 2 s³.",
-                {"(3 * s**2 - 2 * s**3)": "(10 * s**3 - 15 * s**4 + 6 * s**5)"},
+                "This is the quintic; the cubic from rest to rest is 3 u² − 2 u³.",
+                {"(3 * u**2 - 2 * u**3)": "(10 * u**3 - 15 * u**4 + 6 * u**5)"},
             ),
-            Slip("start forgotten", "The way is right, but it begins at q0: add it.", {"q0 + (3": "(3"}),
+            Slip("start forgotten", "The way is right, but it begins at theta0: add it.", {"theta0 + (3": "(3"}),
             Slip(
                 "end for way",
-                "You multiply by q1; the way is q1 − q0.",
-                {"(q1 - q0)": "q1"},
+                "You multiply by theta1; the way is theta1 − theta0.",
+                {"(theta1 - theta0)": "theta1"},
             ),
             Slip(
                 "coefficients swapped",
-                "The coefficients are swapped: 3 s² − 2 s³ is 1 at s = 1 and flat at both ends.",
-                {"3 * s**2 - 2 * s**3": "3 * s**3 - 2 * s**2"},
+                "The coefficients are swapped: 3 u² − 2 u³ is 1 at u = 1 and flat at both ends.",
+                {"3 * u**2 - 2 * u**3": "3 * u**3 - 2 * u**2"},
+            ),
+            Slip(
+                "way forgotten",
+                "Your joint always goes by 1: multiply the polynomial by the way, theta1 − theta0.",
+                {" * (theta1 - theta0)": ""},
+            ),
+            Slip(
+                "plus for minus",
+                "The second term is taken away: 3 u² − 2 u³ is 1 at u = 1, and flat there.",
+                {"- 2 * u**3": "+ 2 * u**3"},
+            ),
+            Slip(
+                "backwards",
+                "Your joint goes from theta1 to theta0.",
+                {"theta0 + (": "theta1 + (", "(theta1 - theta0)": "(theta0 - theta1)"},
             ),
         ),
     ),
@@ -146,38 +164,53 @@ EXERCISES = (
             Slip(
                 "not divided by T",
                 "The derivative is by s; by the time it is 1/T of that (the chain rule): divide by T.",
-                {"* (q1 - q0) / T": "* (q1 - q0)"},
+                {"* (theta1 - theta0) / T": "* (theta1 - theta0)"},
             ),
             Slip(
                 "time not scaled",
-                "You put the time itself into the polynomial; it goes from 0 to 1: s = t / T.",
-                {"s = t / T": "s = t"},
+                "You put the time itself into the polynomial; it goes from 0 to 1: u = t / T.",
+                {"u = t / T": "u = t"},
             ),
             Slip(
                 "position",
                 "This is the position: differentiate it.",
                 {
-                    "return (30 * s**2 - 60 * s**3 + 30 * s**4) * "
-                    "(q1 - q0) / T": "return q0 + (10 * s**3 - 15 * s**4 + 6 * s**5) * (q1 - q0)"
+                    "return (30 * u**2 - 60 * u**3 + 30 * u**4) * "
+                    "(theta1 - theta0) / T": "return theta0 + (10 * u**3 - 15 * u**4 + 6 * u**5) * (theta1 - theta0)"
                 },
             ),
             Slip(
                 "acceleration",
                 "This is the acceleration: differentiate once only.",
                 {
-                    "(30 * s**2 - 60 * s**3 + 30 * s**4) * (q1 - q0) / T": "(60 * s - 180 * s**2 + 120 * s**3) * (q1 - "
-                    "q0) / T**2"
+                    "30 * u**2 - 60 * u**3 + 30 * u**4": "60 * u - 180 * u**2 + 120 * u**3",
+                    "/ T\n": "/ T**2\n",
                 },
             ),
             Slip(
                 "divided twice",
                 "You divide by T²: that is for the acceleration. The velocity has 1/T.",
-                {"(q1 - q0) / T": "(q1 - q0) / T**2"},
+                {"(theta1 - theta0) / T": "(theta1 - theta0) / T**2"},
             ),
             Slip(
                 "start added",
-                "q0 does not move: it is no part of the velocity.",
-                {"return (30": "return q0 + (30"},
+                "theta0 does not move: it is no part of the velocity.",
+                {"return (30": "return theta0 + (30"},
+            ),
+            Slip(
+                "backwards",
+                "The sign is wrong: the way is theta1 − theta0, from the start to the end.",
+                {"(theta1 - theta0)": "(theta0 - theta1)"},
+            ),
+            Slip(
+                "end for way",
+                "You multiply by theta1; the way is theta1 − theta0.",
+                {"(theta1 - theta0)": "theta1"},
+            ),
+            Slip(
+                "cubic",
+                "This is the velocity of the cubic; the quintic is 10 u³ − 15 u⁴ + 6 u⁵.",
+                {"30 * u**2 - 60 * u**3 + 30 * u**4": "6 * u - 6 * u**2"},
             ),
         ),
     ),
@@ -200,6 +233,45 @@ EXERCISES = (
                 "root forgotten",
                 "The acceleration goes with 1/T²: take the root of 6 |d| / a.",
                 {"np.sqrt(6 * d / acceleration)": "6 * d / acceleration"},
+            ),
+            Slip(
+                "sum of both",
+                "You add the two durations. Both limits hold at the same time: the greater one is enough.",
+                {"max(1.5 * d / velocity, np": "(1.5 * d / velocity + np"},
+            ),
+            Slip(
+                "quintic",
+                "15/8 and 10/√3 are the peaks of the quintic; the cubic has 3/2 and 6.",
+                {"1.5 * d": "1.875 * d", "6 * d": "10 / np.sqrt(3) * d"},
+            ),
+            Slip(
+                "six forgotten",
+                "The greatest acceleration of the cubic is 6 |d| / T²: the 6 stands below the root.",
+                {"6 * d": "d"},
+            ),
+            Slip(
+                "constant acceleration",
+                "|d| / v and √(2 |d| / a) belong to constant velocity and to constant acceleration. The cubic has the "
+                "peaks 3/2 and 6: 1.5 |d| / v and √(6 |d| / a).",
+                {"1.5 * d": "d", "6 * d": "2 * d"},
+            ),
+            Slip(
+                "even motion",
+                "|d| / v is an even motion from the first instant to the last. The cubic starts and stops at rest: its "
+                "peaks give 1.5 |d| / v and √(6 |d| / a).",
+                {"max(1.5 * d / velocity, np.sqrt(6 * d / acceleration))": "d / velocity"},
+            ),
+            Slip(
+                "trapezoid",
+                "|d| / v + v / a is the duration of another law, with full acceleration, an even middle and full "
+                "braking. The cubic has the peaks 3/2 and 6: 1.5 |d| / v and √(6 |d| / a).",
+                {"max(1.5 * d / velocity, np.sqrt(6 * d / acceleration))": "d / velocity + velocity / acceleration"},
+            ),
+            Slip(
+                "half and half",
+                "2 √(|d| / a) is for full acceleration on the first half and full braking on the second. The cubic has "
+                "the peaks 3/2 and 6: 1.5 |d| / v and √(6 |d| / a).",
+                {"1.5 * d": "d", "6 * d": "4 * d"},
             ),
             Slip(
                 "sign of the way",
@@ -227,7 +299,38 @@ EXERCISES = (
                 "right for left",
                 "You multiply by the start on the wrong side: the logarithm of g0⁻¹ g1 is seen from the body, and is "
                 "multiplied from the right, g0 e^{s …}.",
-                {"g0 @ exp(log(inverse(g0) @ g1), s)": "exp(log(inverse(g0) @ g1), s) @ g0"},
+                {
+                    "g0 @ screws.exp(": "screws.exp(",
+                    "@ g1), s)": "@ g1), s) @ g0",
+                },
+            ),
+            Slip(
+                "mixed sides",
+                "The logarithm of g1 g0⁻¹ is seen from the base, and g0 stands on its left. Seen from the base it is "
+                "e^{s …} g0; with g0 on the left it is g0 e^{s log(g0⁻¹ g1)}.",
+                {"screws.inverse(g0) @ g1": "g1 @ screws.inverse(g0)"},
+            ),
+            Slip(
+                "start forgotten, seen from the base",
+                "This is the motion, seen from the base, and not yet the pose: multiply it by g0 on the right.",
+                {
+                    "g0 @ screws.exp(": "screws.exp(",
+                    "screws.inverse(g0) @ g1": "g1 @ screws.inverse(g0)",
+                },
+            ),
+            Slip(
+                "from the other end",
+                "At s = 0 yours is at g1, at s = 1 at g0: the share counts from g0.",
+                {"@ g1), s)": "@ g1), 1 - s)"},
+            ),
+            Slip(
+                "logarithms blended",
+                "You blend the logarithms of the two poses: that is no screw motion. The screw is the logarithm of the "
+                "way between them, g0⁻¹ g1.",
+                {
+                    "g0 @ screws.exp(": "screws.exp(",
+                    "screws.log(screws.inverse(g0) @ g1), s)": "(1 - s) * screws.log(g0) + s * screws.log(g1))",
+                },
             ),
             Slip(
                 "line for screw",
@@ -242,17 +345,17 @@ EXERCISES = (
             Slip(
                 "numbers interpolated",
                 "You interpolate the numbers of the matrices: between two rotations lies no rotation then.",
-                {"g0 @ exp(log(inverse(g0) @ g1), s)": "g0 + s * (g1 - g0)"},
+                {"g0 @ screws.exp(screws.log(screws.inverse(g0) @ g1), s)": "g0 + s * (g1 - g0)"},
             ),
             Slip(
                 "start forgotten",
                 "The motion is right, but it begins at g0: multiply by it.",
-                {"g0 @ exp": "exp"},
+                {"g0 @ screws.exp": "screws.exp"},
             ),
             Slip(
                 "backwards",
                 "The motion goes away from g1: the logarithm is that of g0⁻¹ g1.",
-                {"inverse(g0) @ g1": "inverse(g1) @ g0"},
+                {"screws.inverse(g0) @ g1": "screws.inverse(g1) @ g0"},
             ),
         ),
         tolerance=1e-5,

@@ -9,9 +9,10 @@ import numpy as np
 
 from ...model.arm import Arm
 from ...support.checks import Array
+from . import independent
 from .exercise import Exercise, Slip
 from .independent import expm, twist_matrix
-from .instances import TIMES, angle, column, own_chain, pose, unit
+from .instances import TIMES, angle, column, own_chain, unit
 from .words import ANGULAR_FIRST, DEGREES
 
 
@@ -24,8 +25,8 @@ def twist_of_screw(axis: Array, point: Array, pitch: float) -> Array:
 
 
 def screw_of_twist(xi: Array) -> tuple[Array, Array, float]:
-    """The screw of a twist (v, ω) with ω ≠ 0: the unit vector along its axis (3,), the point of the axis nearest to the
-    origin (3,), and its pitch [m/rad].
+    """The screw of a twist (v, ω) with ω ≠ 0: the unit vector along its axis, in the direction of ω (3,); a point of
+    the axis (3,), such as the one nearest to the origin; and its pitch [m/rad].
     """
     v, w = xi[:3], xi[3:]
     square = float(w @ w)
@@ -48,15 +49,23 @@ def twist_exp(xi: Array, theta: float) -> Array:
     return g
 
 
-def pose_after(g0: Array, xi: Array, theta: float) -> Array:
-    """Where a body is, (4, 4), that was at `g0` (4, 4) and has moved along the twist `xi` = (v, ω) by `theta`.
+def pose_log(g: Array) -> Array:
+    """The logarithm of a pose `g` (4, 4): the twist ξθ = (v, ω), (6,), with e^{ξ̂θ} = g. The length of ω is the angle;
+    it is less than a half turn here, and may be 0.
 
-    The twist is seen from the space frame, as `g0` is. `screws.exp(xi, theta)` is the motion.
+    For ω you may use `rotations.log(R)`, after `from twistarm import rotations`.
     """
-    from twistarm import screws
+    from twistarm import rotations
 
-    g: Array = screws.exp(xi, theta) @ g0
-    return g
+    R, p = g[:3, :3], g[:3, 3]
+    w = rotations.log(R)
+    theta = np.linalg.norm(w)
+    if theta < 1e-9:
+        return np.concatenate([p, w])
+    u = w / theta
+    U = np.array([[0.0, -u[2], u[1]], [u[2], 0.0, -u[0]], [-u[1], u[0], 0.0]])
+    G = (np.eye(3) - R) @ U + np.outer(u, u) * theta
+    return np.concatenate([np.linalg.solve(G, p) * theta, w])
 
 
 def _screws(rng: np.random.Generator, arm: Arm) -> Iterator[tuple[Any, ...]]:
@@ -77,11 +86,11 @@ def _motions(rng: np.random.Generator, arm: Arm) -> Iterator[tuple[Any, ...]]:
     yield from ((xi, angle(rng)) for xi in S.T)
 
 
-def _moved(rng: np.random.Generator, arm: Arm) -> Iterator[tuple[Any, ...]]:
-    for kind in ["turn", "thread"] * 4:
-        yield pose(rng), column(rng, kind), angle(rng)
-    S, home, _ = own_chain(rng, arm)
-    yield from ((home, xi, angle(rng)) for xi in S.T)
+def _displacements(rng: np.random.Generator, arm: Arm) -> Iterator[tuple[Any, ...]]:
+    for kind in ["thread", "turn", "slide"] * 3:
+        yield (expm(twist_matrix(column(rng, kind)) * angle(rng)),)
+    S, _, _ = own_chain(rng, arm)
+    yield from ((expm(twist_matrix(xi) * angle(rng)),) for xi in S.T)
 
 
 def _velocity_at_points(axis: Array, point: Array, pitch: float) -> Array:
@@ -95,6 +104,13 @@ def _screw_by_solving(xi: Array) -> tuple[Array, Array, float]:
     W = twist_matrix(np.concatenate([np.zeros(3), xi[3:]]))[:3, :3]
     solution = np.linalg.lstsq(np.column_stack([-W, xi[3:]]), xi[:3], rcond=None)[0]
     return xi[3:] / np.sqrt(np.sum(xi[3:] ** 2)), np.array(solution[:3], float), float(solution[3])
+
+
+def _at_any_point(answer: Any, xi: Array) -> Any:
+    """A screw, with the point of its axis that lies nearest to the origin for the one that is given."""
+    axis, point, pitch = answer
+    u = xi[3:] / np.sqrt(np.sum(xi[3:] ** 2))
+    return [axis, point - (u @ point) * u, pitch]
 
 
 EXERCISES = (
@@ -131,9 +147,36 @@ EXERCISES = (
                 {"axis / np.linalg.norm(axis)": "axis"},
             ),
             Slip(
+                "axis not normalised in v",
+                "ω has the length 1, but the cross product of v has the axis as it was given: −ω × q takes the unit "
+                "vector too.",
+                {"-np.cross(w, point)": "-np.cross(axis, point)"},
+            ),
+            Slip(
                 "point for velocity",
                 "You put the point of the axis where v belongs. v is a velocity, −ω × q + hω.",
                 {"-np.cross(w, point) + pitch * w": "point"},
+            ),
+            Slip(
+                "point for moment",
+                "You have q + hω: what belongs there is the velocity of the point at the origin, −ω × q + hω.",
+                {"-np.cross(w, point)": "point"},
+            ),
+            Slip(
+                "pitch without direction",
+                "You add the number h to each part of v. The slide is along the axis: h times ω.",
+                {" + pitch * w": " + pitch"},
+            ),
+            Slip(
+                "lead for pitch",
+                "You divide the pitch by 2π, as if it were metres for a whole turn. It is metres for each radian "
+                "already.",
+                {"pitch * w": "pitch * w / (2 * np.pi)"},
+            ),
+            Slip(
+                "sign of the pitch",
+                "Your slide runs against the axis: v = −ω × q + hω, with a plus.",
+                {" + pitch * w": " - pitch * w"},
             ),
         ),
     ),
@@ -150,7 +193,7 @@ EXERCISES = (
             ),
             Slip(
                 "sign of the point",
-                "Your point has v × ω; it is ω × v / ‖ω‖², on the other side of the origin.",
+                "Your point has v × ω, and lies on the other side of the origin: it is ω × v / ‖ω‖².",
                 {"np.cross(w, v)": "np.cross(v, w)"},
             ),
             Slip(
@@ -169,7 +212,33 @@ EXERCISES = (
                 "Your axis is ω itself: divide it by its length.",
                 {"w / np.sqrt(square)": "w"},
             ),
+            Slip(
+                "axis reversed",
+                "Your axis points against ω. By the right-hand rule a turn is about the direction of ω.",
+                {"w / np.sqrt(square)": "-w / np.sqrt(square)"},
+            ),
+            Slip(
+                "velocity for point",
+                "Your point is v, which is a velocity. A point of the axis is ω × v / ‖ω‖².",
+                {"np.cross(w, v) / square": "v"},
+            ),
+            Slip(
+                "sign of the pitch",
+                "Your pitch has the wrong sign: it is positive where v and ω point to the same side, ωᵀv / ‖ω‖².",
+                {"float(w @ v / square)": "float(-(w @ v) / square)"},
+            ),
+            Slip(
+                "all of v for the pitch",
+                "You take the whole length of v for the slide. Only its part along ω is one: ωᵀv / ‖ω‖².",
+                {"float(w @ v / square)": "float(np.linalg.norm(v) / np.sqrt(square))"},
+            ),
+            Slip(
+                "lead for pitch",
+                "You give the slide for a whole turn, the lead. The pitch is for each radian: leave out the 2π.",
+                {"float(w @ v / square)": "float(2 * np.pi * (w @ v) / square)"},
+            ),
         ),
+        seen=_at_any_point,
     ),
     Exercise(
         twist_exp,
@@ -200,7 +269,7 @@ EXERCISES = (
             ),
             Slip(
                 "cross product reversed",
-                "You have v × ω where the formula has ω × v: (I − R)(ω × v).",
+                "You have v × ω for ω × v, or R − I for I − R: the formula is (I − R)(ω × v).",
                 {"np.cross(w, v)": "np.cross(v, w)"},
             ),
             Slip(
@@ -209,9 +278,44 @@ EXERCISES = (
                 {"    v, w = xi[:3], xi[3:]\n": "    v, w = xi[:3], xi[3:]\n    theta = np.radians(theta)\n"},
             ),
             Slip(
+                "θ missing in the slide",
+                "The slide along the axis does not grow with θ: the last term is ω ωᵀ v θ.",
+                {"w * (w @ v) * theta": "w * (w @ v)"},
+            ),
+            Slip(
+                "θ missing in the translation",
+                "For ω = 0 your shift does not grow with θ: it is v θ.",
+                {"g[:3, 3] = v * theta": "g[:3, 3] = v"},
+            ),
+            Slip(
+                "θ missing in both shifts",
+                "Neither v nor ω ωᵀ v is multiplied by θ: the translation is v θ, and the slide of a turn is ω ωᵀ v θ.",
+                {"w * (w @ v) * theta": "w * (w @ v)", "g[:3, 3] = v * theta": "g[:3, 3] = v"},
+            ),
+            Slip(
+                "slide as a number",
+                "ωᵀ v θ is a number, and is added to each part of the shift. The slide is along the axis: ω (ωᵀ v) θ.",
+                {"w * (w @ v) * theta": "(w @ v) * theta"},
+            ),
+            Slip(
+                "θ outside",
+                "You multiply the exponential by θ. θ belongs in the exponent: e^{ξ̂θ}, not e^{ξ̂} θ.",
+                {"    g = np.eye(4)\n": "    g = np.eye(4)\n    return expm(twist_matrix(xi)) * theta\n"},
+            ),
+            Slip(
+                "first order",
+                "I + ξ̂θ is the beginning of the series, and good for small θ only.",
+                {"    g = np.eye(4)\n": "    g = np.eye(4)\n    return g + twist_matrix(xi) * theta\n"},
+            ),
+            Slip(
+                "backwards",
+                "Your motion is the inverse: it goes the other way. Where has a sign been lost, in ω̂ or before θ?",
+                {"    v, w = xi[:3], xi[3:]\n": "    v, w = xi[:3], xi[3:]\n    theta = -theta\n"},
+            ),
+            Slip(
                 "number by number",
-                "np.exp takes the exponential of each number by itself. The matrix exponential is "
-                "scipy.linalg.expm, or Rodrigues' formula.",
+                "You take the exponential of each number by itself. That of a matrix is another function, expm "
+                "(scipy.linalg.expm in Python), or Rodrigues' formula.",
                 {
                     "    g = np.eye(4)\n": "    g = np.zeros((4, 4))\n    g[:3, :3] = np.cross(w, np.eye(3)).T\n"
                     "    g[:3, 3] = v\n    return np.exp(g * theta)\n"
@@ -220,31 +324,64 @@ EXERCISES = (
         ),
     ),
     Exercise(
-        pose_after,
-        lambda g0, xi, theta: expm(twist_matrix(xi) * theta) @ g0,
-        _moved,
+        pose_log,
+        independent.pose_log,
+        _displacements,
         (
-            Slip(
-                "right for left",
-                "You multiply from the right: that moves along the twist as seen from the body. A twist "
-                "seen from space is multiplied from the left, e^{ξ̂θ} g(0).",
-                {"screws.exp(xi, theta) @ g0": "g0 @ screws.exp(xi, theta)"},
-            ),
-            Slip(
-                "start forgotten",
-                "You return the motion alone; the body began at g(0): e^{ξ̂θ} g(0).",
-                {" @ g0": ""},
-            ),
             Slip(
                 "angular first",
                 ANGULAR_FIRST,
-                {"screws.exp(xi, theta)": "screws.exp(np.roll(xi, 3), theta)"},
+                {"np.linalg.solve(G, p) * theta, w]": "w, np.linalg.solve(G, p) * theta]"},
             ),
-            Slip("degrees", DEGREES, {"(xi, theta)": "(xi, np.radians(theta))"}),
+            Slip(
+                "p for v",
+                "Your v is p. It is so where the body does not turn. Else p is G v, with G from the upper right "
+                "corner of e^{ξ̂θ}: solve for v.",
+                {"np.linalg.solve(G, p) * theta": "p"},
+            ),
+            Slip(
+                "multiplied by G",
+                "You multiply p by G. It is G v that is p: solve for v, np.linalg.solve(G, p).",
+                {"np.linalg.solve(G, p) * theta": "G @ p * theta"},
+            ),
+            Slip(
+                "v not multiplied by the angle",
+                "ω has the length of the angle, but v is the one of a unit ω: asked for is ξθ, so multiply v by θ too.",
+                {"np.linalg.solve(G, p) * theta": "np.linalg.solve(G, p)"},
+            ),
+            Slip(
+                "without the angle",
+                "You return ξ with ‖ω‖ = 1. Asked for is ξθ, whose exponential is g: multiply both halves by θ.",
+                {"np.linalg.solve(G, p) * theta, w]": "np.linalg.solve(G, p), u]"},
+            ),
+            Slip(
+                "θ missing in G",
+                "In G the term ω ωᵀ is multiplied by θ: the slide grows with the angle.",
+                {"np.outer(u, u) * theta": "np.outer(u, u)"},
+            ),
+            Slip(
+                "ω not of length one in G",
+                "G has the unit vector along the axis. You have put ω in, whose length is the angle.",
+                {"u = w / theta": "u = w"},
+            ),
+            Slip(
+                "pure translation forgotten",
+                "Where R = I there is no axis to divide by: the twist is (p, 0).",
+                {"if theta < 1e-9:": "if False:"},
+            ),
             Slip(
                 "backwards",
-                "The body has moved the other way: e^{ξ̂θ}, without a minus or an inverse.",
-                {"(xi, theta)": "(xi, -theta)"},
+                "This is the logarithm of the inverse: both halves have the wrong sign.",
+                {"    R, p = g[:3, :3], g[:3, 3]\n": "    g = np.linalg.inv(g)\n    R, p = g[:3, :3], g[:3, 3]\n"},
+            ),
+            Slip(
+                "number by number",
+                "np.log takes the logarithm of each number by itself. The logarithm of the matrix is "
+                "scipy.linalg.logm, or the formula of the lesson.",
+                {
+                    "    R, p = g[:3, :3], g[:3, 3]\n": "    X = np.log(g)\n    return np.array([*X[:3, 3], "
+                    "X[2, 1], X[0, 2], X[1, 0]])\n    R, p = g[:3, :3], g[:3, 3]\n"
+                },
             ),
         ),
     ),

@@ -16,7 +16,7 @@ from .words import ACOS, DEGREES
 
 
 def wrap(angle: float) -> float:
-    """The same direction as an angle in (−π, π] [rad]."""
+    """The same direction as an angle in (−π, π] [rad]. At a half turn, where rounding decides, −π counts as π."""
     return float(np.pi - (np.pi - angle) % (2 * np.pi))
 
 
@@ -52,7 +52,7 @@ def both_elbows(l1: float, l2: float, x: float, y: float) -> Array:
 
 def _angles(rng: np.random.Generator, arm: Arm) -> Iterator[tuple[Any, ...]]:
     yield from ((float(value),) for value in rng.uniform(-12.0, 12.0, TIMES))
-    yield from ((value,) for value in (0.0, 1.0, -1.0, 4.0, -4.0, np.pi, -np.pi, 3 * np.pi))
+    yield from ((value,) for value in (0.0, 1.0, -1.0, 4.0, -4.0, np.pi, -np.pi, 3 * np.pi, 200.5, -301.5))
 
 
 def _configurations(rng: np.random.Generator, arm: Arm) -> Iterator[tuple[Any, ...]]:
@@ -111,9 +111,9 @@ def _both(l1: float, l2: float, x: float, y: float) -> Array:
     return np.array(wrapped(np.array(rows)))
 
 
-def _directions(rows: Array, *_: Any) -> Array:
+def _directions(angles: Any, *_: Any) -> Array:
     """Angles that count as they are; within 1e-5 of a half turn −π and π are one, as rounding decides between them."""
-    return np.where(rows < -np.pi + 1e-5, rows + 2 * np.pi, rows)
+    return np.where(np.abs(np.add(angles, np.pi)) < 1e-5, np.pi, angles)
 
 
 EXERCISES = (
@@ -128,9 +128,9 @@ EXERCISES = (
                 {"np.pi - (np.pi - angle) % (2 * np.pi)": "angle % (2 * np.pi)"},
             ),
             Slip(
-                "half turn",
-                "At a half turn your answer is −π: the interval (−π, π] has π in it and not −π.",
-                {"np.pi - (np.pi - angle) % (2 * np.pi)": "(angle + np.pi) % (2 * np.pi) - np.pi"},
+                "unchanged",
+                "You return the angle as it came, or with whole turns still in it: the answer lies in (−π, π].",
+                {"return float(np.pi - (np.pi - angle) % (2 * np.pi))": "return angle"},
             ),
             Slip(
                 "once only",
@@ -152,6 +152,7 @@ EXERCISES = (
                 {"% (2 * np.pi)": "% np.pi"},
             ),
         ),
+        seen=_directions,
     ),
     Exercise(
         tip,
@@ -163,6 +164,18 @@ EXERCISES = (
                 "The second link is drawn at theta2; it is measured from the first link, so it points at "
                 "theta1 + theta2.",
                 {"theta1 + theta2": "theta2"},
+            ),
+            Slip(
+                "inner angle",
+                "You take theta2 for the angle between the links at the elbow. It is measured from the direction of "
+                "the first link: at theta2 = 0 the arm is stretched.",
+                {"theta1 + theta2": "theta1 + np.pi - theta2"},
+            ),
+            Slip(
+                "folded at zero",
+                "Your arm is folded at theta2 = 0: the second link points back, by half a turn too much. At theta2 = 0 "
+                "it goes on in the direction of the first.",
+                {"theta1 + theta2": "theta1 + theta2 + np.pi"},
             ),
             Slip(
                 "sine for cosine",
@@ -212,6 +225,17 @@ EXERCISES = (
                 {"l1**2 + l2**2 - r**2": "r**2 - l1**2 - l2**2"},
             ),
             Slip(
+                "distance not squared",
+                "The law of cosines has the squares of all three sides: r², not r.",
+                {"r**2": "r"},
+            ),
+            Slip(
+                "the angle at the base",
+                "This is the angle at the base, between the first link and the line to the tip. The elbow lies "
+                "opposite r: l1² + l2² − r², over 2 l1 l2.",
+                {"(l1**2 + l2**2 - r**2) / (2 * l1 * l2)": "(r**2 + l1**2 - l2**2) / (2 * l1 * r)"},
+            ),
+            Slip(
                 "two forgotten",
                 "The law of cosines has 2 l1 l2 below the line.",
                 {"(2 * l1 * l2)": "(l1 * l2)"},
@@ -244,6 +268,33 @@ EXERCISES = (
                 "not wrapped",
                 "Some of your angles lie outside (−π, π]: φ ± β may pass a half turn. Wrap them at the end.",
                 {"return np.pi - (np.pi - rows) % (2 * np.pi)": "return rows"},
+            ),
+            Slip(
+                "π + α not wrapped",
+                "Both configurations are right, but some angles lie outside (−π, π]: π + α is more than half a turn, "
+                "and φ ± β may be. Wrap all of them at the end.",
+                {"return np.pi - (np.pi - rows) % (2 * np.pi)": "return rows", "-theta2]": "2 * np.pi - theta2]"},
+            ),
+            Slip(
+                "mixed signs, not wrapped",
+                "Two things: your signs are mixed, for θ₂ = π + α goes with θ₁ = φ + β and π − α with φ − β; and some "
+                "angles lie outside (−π, π]: wrap them at the end.",
+                {
+                    "return np.pi - (np.pi - rows) % (2 * np.pi)": "return rows",
+                    "[phi - beta, theta2], [phi + beta, -theta2]": "[phi + beta, theta2], "
+                    "[phi - beta, 2 * np.pi - theta2]",
+                },
+            ),
+            Slip(
+                "from 0 to 2π",
+                "Your angles go from 0 to 2π; asked for is (−π, π], so that −0.1 stays −0.1.",
+                {"np.pi - (np.pi - rows) % (2 * np.pi)": "rows % (2 * np.pi)"},
+            ),
+            Slip(
+                "columns for rows",
+                "A configuration stands in a row: [[theta1, theta2], [theta1, theta2]]. Yours stand in the columns: "
+                "transpose.",
+                {"return np.pi - (np.pi - rows) % (2 * np.pi)": "return (np.pi - (np.pi - rows) % (2 * np.pi)).T"},
             ),
             Slip(
                 "acos not clamped",

@@ -93,8 +93,9 @@ EXERCISES = (
             ),
             Slip(
                 "angular first",
-                "This is the Adjoint for twists (ω, v), as in Modern Robotics: [R, 0; p̂R, R]. With v "
-                "first, p̂R stands in the upper right corner.",
+                "Your p̂R stands in the lower left corner. That is the Adjoint for twists (ω, v), as in Modern "
+                "Robotics, or Ad(g⁻¹)ᵀ, which takes wrenches from B to A. For (v, ω) the corner is the upper right "
+                "one.",
                 {"[[R, P @ R], [np.zeros((3, 3)), R]]": "[[R, np.zeros((3, 3))], [P @ R, R]]"},
             ),
             Slip(
@@ -103,6 +104,22 @@ EXERCISES = (
                 {"    R, p = g[:3, :3], g[:3, 3]\n": "    g = np.linalg.inv(g)\n    R, p = g[:3, :3], g[:3, 3]\n"},
             ),
             Slip("p̂ alone", "The corner is p̂R; yours is p̂ alone, without the rotation.", {"P @ R": "P"}),
+            Slip(
+                "sign of p̂",
+                "Your corner is −p̂R. In p̂ the number p₁ stands in row 3, column 2, and −p₁ in row 2, column 3.",
+                {"P @ R": "-P @ R"},
+            ),
+            Slip(
+                "both corners",
+                "p̂R stands in both corners of yours: how a body is shifted has no part in how fast it turns. The "
+                "lower left corner is 0.",
+                {"[np.zeros((3, 3)), R]": "[P @ R, R]"},
+            ),
+            Slip(
+                "number by number",
+                "You multiply p̂ and R number by number: it is the product of matrices.",
+                {"P @ R": "P * R"},
+            ),
         ),
     ),
     Exercise(
@@ -129,6 +146,25 @@ EXERCISES = (
                 "velocity in space",
                 "Your v is ṗ, the origin's velocity in the axes of space. Seen from the body it is Rᵀṗ.",
                 {"*V[:3, 3]": "*g_dot[:3, 3]"},
+            ),
+            Slip(
+                "hybrid",
+                "You return ṗ and the angular velocity in the axes of space: the hybrid velocity. In the axes of the "
+                "body they are Rᵀṗ and Rᵀω.",
+                {"V = np.linalg.inv(g) @ g_dot\n": "V = g_dot @ np.linalg.inv(g)\n    V[:3, 3] = g_dot[:3, 3]\n"},
+            ),
+            Slip(
+                "ω in space",
+                "Your v is right. Your ω stands in the axes of space, ω̂ = ṘRᵀ; in those of the body it is ω̂ = RᵀṘ.",
+                {
+                    "V = np.linalg.inv(g) @ g_dot\n": "V = g_dot @ np.linalg.inv(g)\n    V[:3, 3] = "
+                    "g[:3, :3].T @ g_dot[:3, 3]\n"
+                },
+            ),
+            Slip(
+                "rate for twist",
+                "You read the numbers off ġ itself. The twist stands in g⁻¹ ġ.",
+                {"np.linalg.inv(g) @ g_dot": "g_dot"},
             ),
         ),
     ),
@@ -165,8 +201,15 @@ EXERCISES = (
                 {"np.cross(p, w)": "np.cross(p, V_b[3:])"},
             ),
             Slip(
+                "ω not turned",
+                "Your ω is the body's, as it was given. Seen from space it is R ω.",
+                {"np.cross(p, w), w]": "np.cross(p, w), V_b[3:]]"},
+            ),
+            Slip("transposed", ADJOINT_TRANSPOSED, {"    w = R @": "    return adjoint(g).T @ V_b\n    w = R @"}),
+            Slip(
                 "angular first",
-                ANGULAR_FIRST,
+                "Your p × … stands in ω and not in v. Either your twist is (ω, v), as in Modern Robotics, or you "
+                "carry it as a wrench, by Ad(g⁻¹)ᵀ. For twists (v, ω) it is Ad = [R, p̂R; 0, R].",
                 {
                     "    R, p = g[:3, :3], g[:3, 3]\n": "    V_b = np.roll(V_b, 3)\n    R, p = g[:3, :3], g[:3, 3]\n",
                     "[R @ V_b[:3] + np.cross(p, w), w]": "[w, R @ V_b[:3] + np.cross(p, w)]",
@@ -181,8 +224,9 @@ EXERCISES = (
         (
             Slip(
                 "carried as a twist",
-                "You carry the wrench by the Adjoint, as a twist. Of a wrench the torque changes with "
-                "the origin, not the force: f stays R f, and τ gets p × f.",
+                "Your p × … stands in f and not in τ. Either you carry the wrench by the Adjoint, as a twist, or your "
+                "wrench is (τ, f). Of a wrench the torque changes with the origin, not the force: f stays R f, and τ "
+                "gets p × f.",
                 {"[f, R @ F_b[3:] + np.cross(p, f)]": "[f + np.cross(p, R @ F_b[3:]), R @ F_b[3:]]"},
             ),
             Slip(
@@ -208,6 +252,21 @@ EXERCISES = (
                 "force not turned",
                 "In p × f you use the force in the axes of B: turn it into those of A first.",
                 {"np.cross(p, f)": "np.cross(p, F_b[:3])"},
+            ),
+            Slip(
+                "not turned",
+                "Force and torque keep the numbers that they have in the axes of B: turn both by R.",
+                {"f = R @ F_b[:3]": "f = F_b[:3]", "R @ F_b[3:]": "F_b[3:]"},
+            ),
+            Slip(
+                "unchanged",
+                "You return the wrench as it is seen from B: turn both halves by R, and add p × f to the torque.",
+                {"    f = R @": "    return F_b\n    f = R @"},
+            ),
+            Slip(
+                "inverse of the Adjoint",
+                "You use Ad(g_ab)⁻¹, which takes twists from A to B. A wrench takes its transpose, Ad(g_ab⁻¹)ᵀ.",
+                {"    f = R @": "    return np.linalg.inv(adjoint(g_ab)) @ F_b\n    f = R @"},
             ),
         ),
     ),

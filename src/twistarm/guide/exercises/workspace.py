@@ -25,23 +25,23 @@ def reachable(l1: float, l2: float, x: float, y: float) -> bool:
 
 
 def dextrous(l1: float, l2: float, l3: float) -> Array:
-    """The least and the greatest distance from the base, (2,) [m], where the tip of a planar arm of three links can be
-    in *every* direction, wherever the third link points. Here l1 ≥ l2 + l3 and l2 ≥ l3.
+    """The least and the greatest distance from the base, (2,) [m], at which the tip of a planar arm of three links can
+    point in *every* direction. The third link is the hand, and it ends at the tip. Here l1 ≥ l2 + l3 and l2 ≥ l3.
     """
     return np.array([l1 - l2 + l3, l1 + l2 - l3])
 
 
-def cloud(screws: Array, home: Array, postures: Array) -> Array:
-    """Where the tool's origin is, (N, 3) [m], at N postures (N, m) [rad, m] of an arm with twists `screws` (6, m) and
-    home pose `home` (4, 4).
+def cloud(twists: Array, home: Array, postures: Array) -> Array:
+    """Where the tool's origin is, (N, 3) [m], at N postures (N, m) [rad, m] of an arm with the joints' twists `twists`
+    (6, m), seen from the base, and the home pose `home` (4, 4). Use `screws.exp` after `from twistarm import screws`.
     """
-    from twistarm.theory.screws import exp
+    from twistarm import screws
 
     points = []
     for x in postures:
         g = np.eye(4)
-        for xi, value in zip(screws.T, x, strict=True):
-            g = g @ exp(xi, value)
+        for xi, value in zip(twists.T, x, strict=True):
+            g = g @ screws.exp(xi, value)
         points.append((g @ home)[:3, 3])
     return np.array(points)
 
@@ -51,6 +51,10 @@ def _targets(rng: np.random.Generator, arm: Arm) -> Iterator[tuple[Any, ...]]:
         for r in (0.05, 0.15, 0.25, 0.35, 0.7, 0.79, 0.85):
             turn = rng.uniform(-np.pi, np.pi)
             yield l1, l2, float(r * np.cos(turn)), float(r * np.sin(turn))
+        for edge, outwards in ((l1 + l2, 1.0), (abs(l1 - l2), -1.0)):
+            if edge > 0:
+                yield l1, l2, edge + outwards * 1e-10, 0.0  # as far as rounding
+                yield l1, l2, 0.0, edge + outwards * 1e-6  # and farther
     yield 2.0, 3.0, 3.0, 4.0
     yield 3.0, 8.0, -3.0, 4.0
     yield 0.4, 0.4, 0.0, 0.0
@@ -110,6 +114,17 @@ EXERCISES = (
                 {"- 1e-9 <= r <= l1 + l2 + 1e-9": "+ 1e-9 < r < l1 + l2 - 1e-9"},
             ),
             Slip(
+                "no room for rounding",
+                "At an edge rounding may bring r a hair outside, and your answer is False there: allow 1e-9 m.",
+                {"- 1e-9 <= r <= l1 + l2 + 1e-9": "<= r <= l1 + l2"},
+            ),
+            Slip(
+                "too much room",
+                "Points that lie a thousandth of a millimetre outside are called reachable: 1e-9 m are enough for "
+                "rounding.",
+                {"1e-9": "1e-3"},
+            ),
+            Slip(
                 "outer edge forgotten",
                 "Points farther than l1 + l2 are called reachable.",
                 {" <= l1 + l2 + 1e-9": ""},
@@ -141,15 +156,27 @@ EXERCISES = (
             ),
             Slip(
                 "outer alone",
-                "The outer edge is right; the inner one goes outwards by l3: even with the third link "
-                "towards the base the wrist must not be in the hole.",
+                "The outer edge is right; the inner one goes outwards by l3: where the hand points away from the "
+                "base, the wrist is nearest to the base, and must not be in the hole.",
                 {"[l1 - l2 + l3,": "[l1 - l2 - l3,"},
             ),
             Slip(
                 "inner alone",
-                "The inner edge is right; the outer one comes inwards by l3: even with the third link "
-                "away from the base the wrist must be in reach.",
+                "The inner edge is right; the outer one comes inwards by l3: where the hand points towards the base, "
+                "the wrist is farthest from the base, and must still be in reach.",
                 {"l1 + l2 - l3]": "l1 + l2 + l3]"},
+            ),
+            Slip(
+                "hole of the wrist",
+                "The outer edge is right; the inner one is that of the hole for the wrist, l1 − l2. Where the hand "
+                "points away from the base, the wrist is nearer to it than the tip by l3.",
+                {"[l1 - l2 + l3,": "[l1 - l2,"},
+            ),
+            Slip(
+                "reach of the wrist",
+                "The inner edge is right; the outer one is the reach of the wrist, l1 + l2. Where the hand points "
+                "towards the base, the wrist is farther from it than the tip by l3.",
+                {"l1 + l2 - l3]": "l1 + l2]"},
             ),
         ),
         tolerance=5e-5,

@@ -14,9 +14,9 @@ from ..exercises import LESSONS, Exercise, every_exercise, exercises_of
 from .answers import of_worker
 from .progress import kept
 from .report import Report
-from .results import HEADER, read_results
+from .results import HEADER, verdicts_on
 from .sandbox import SECONDS, Run, run, run_function
-from .verdict import Case, Verdict, cases_of, judged
+from .verdict import Case, Verdict, cases_of, judged, why_no_module
 
 LARGEST_FILE = 2**24
 """Bytes of a reader's file or of a results file."""
@@ -40,6 +40,8 @@ def check(function: Callable[..., Any], arm: Arm, seed: int = 0) -> Report:
     if not callable(function) or not hasattr(function, "__code__"):
         raise InputError(f"check takes a function, as in check(rotation_z), without a call; got {shown(function)}")
     name = function.__name__
+    if function.__module__.startswith("twistarm."):
+        raise InputError(f"{name} is that of {function.__module__}: check takes the one that you have written")
     exercises = every_exercise()
     if name not in exercises:
         raise UnknownNameError(f"there is no exercise {name!r}{closest(name, exercises)}")
@@ -71,7 +73,7 @@ def check_file(path: Path, arm: Arm, seed: int = 0, seconds: float = SECONDS) ->
     """
     text = _text(path)
     if text.startswith(HEADER):
-        return Report(path.name, tuple(judged(*each) for each in read_results(text, path)))
+        return Report(path.name, tuple(verdicts_on(text, path)))
     expected, mentioned = _exercises_in(text, path)
     cases = {name: cases_of(each, arm, seed) for name, each in mentioned.items()}
     instances = {name: [case.arguments for case in rows] for name, rows in cases.items()}
@@ -79,12 +81,12 @@ def check_file(path: Path, arm: Arm, seed: int = 0, seconds: float = SECONDS) ->
     if problem := _problem(done):
         return Report(path.name, problem=problem, excerpt=_excerpt(done), printed=done.printed)
     verdicts = [
-        _verdict(mentioned[name], cases[name], done.answers[name]) if name in done.answers else _missing(each, done)
+        _verdict(each, cases[name], done.answers[name]) if name in done.answers else _missing(each, done)
         for name, each in mentioned.items()
         if name in done.answers or name in expected
     ]
     if not verdicts:
-        there = f"its functions are {listed(done.own)}" if done.own else "it has no functions"
+        there = f"its functions are {listed(done.own)}" if done.own else "it defines no functions"
         near = next((words for name in done.own if (words := closest(name, every_exercise()))), "")
         problem = f"it has none of the exercises: {there}{near}; `twistarm guide exercises` writes files to fill in"
         return Report(path.name, problem=problem, printed=done.printed)
@@ -125,7 +127,7 @@ def _problem(done: Run) -> str:
     error = done.failed
     where = f"line {error['line']}: " if error.get("line") else ""
     if error.get("module") and error["type"] == "ModuleNotFoundError":
-        return f"{where}it imports {error['module']}, which is not installed: leave it out, or install it"
+        return f"{where}it imports {error['module']}, {why_no_module(error['module'])}"
     if error["type"] == "SystemExit":
         return f"{where}it ends the program (sys.exit): leave that out"
     if error["type"] == "EOFError":
@@ -146,6 +148,9 @@ def _excerpt(done: Run) -> tuple[str, ...]:
 
 
 def _missing(exercise: Exercise, done: Run) -> Verdict:
+    if exercise.name in done.functions:
+        words = "it is imported, and counts where you define it: write it in this file"
+        return Verdict(exercise.name, exercise.lesson, "unwritten", words)
     others = [name for name in done.own if name not in every_exercise()]
     near = closest(exercise.name, others)
     words = f"there is no function {exercise.name}" + (

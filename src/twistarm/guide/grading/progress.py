@@ -36,6 +36,23 @@ def read_progress(folder: Path) -> dict[str, dict[str, Any]]:
     return exercises
 
 
+def folder_with_progress(given: Path, usual: Path) -> Path:
+    """The folder whose progress is asked for: the given one; where that is the present one, also the usual one in it.
+
+    Raises:
+        InputError: It is no folder, or holds no progress.
+    """
+    if not given.is_dir():
+        raise InputError(f"{given}: {why_no_file(given) or 'a file'}; give the folder of your exercises")
+    for each in (given, given / usual):
+        if why_no_file(each / NAME) != NO_SUCH_FILE:
+            return each
+    raise InputError(
+        f"{given} holds no exercises ({NAME} is missing): give their folder, or write them by "
+        "`twistarm guide exercises -o DIR`"
+    )
+
+
 def folder_of(path: Path) -> Path:
     """The folder whose progress a graded file belongs to: its own, or the one above where that alone has a file."""
     own = path.absolute().parent

@@ -1,12 +1,13 @@
 """The results file of the Octave and MATLAB exercises: what their functions were given and what they answered, as CSV.
 
 A line is `exercise,case,argument,k,rows,columns,numbers…` or `exercise,case,answer,0,rows,columns,numbers…`, numbers
-column by column, or `exercise,case,error,0,0,0,text`.
+column by column, or `exercise,case,error,0,0,0,text`. The last line, `# N cases`, says how many were run.
 """
 
 from __future__ import annotations
 
 from collections.abc import Iterator
+from dataclasses import replace
 from functools import cache
 from pathlib import Path
 from typing import Any
@@ -17,12 +18,56 @@ from ...model.arm import Arm
 from ...support.errors import InputError, UnknownNameError, closest, one_line
 from ..exercises import Exercise, every_exercise
 from .answers import Answer, form_of, plain
-from .verdict import Case, of_function_checked
+from .verdict import Case, Verdict, judged, of_function_checked
 
 HEADER = "# twistarm guide results 1"
 """The first line of such a file."""
 
+IN_OCTAVE = (
+    ("You convert the angle with np.radians", "You convert the angle, or take its sine by sind"),
+    ("leave np.degrees out", "leave rad2deg out"),
+    ("np.clip(…, -1.0, 1.0)", "max(-1, min(1, …))"),
+    ("np.exp takes the exponential", "exp takes the exponential"),
+    ("scipy.linalg.expm", "expm"),
+    ("np.linalg.", ""),
+    ("np.arctan2", "atan2"),
+    ("np.", ""),
+    ("(`*` or `**`)", "(`.*` or `.^`)"),
+    ("(`*`)", "(`.*`)"),
+    ("multiplied with @", "multiplied with *"),
+    (" @ ", " * "),
+    (".T", "'"),
+    ("Python counts from 0", "Indices begin with 1"),
+    ("get NaN", "get NaN or a singular matrix"),
+    ("nothing (None)", "nothing"),
+    ("`return`", "value for the output"),
+)
+"""What words of the verdicts are called in Octave and MATLAB."""
+
 Rows = dict[tuple[str, int], dict[str, Any]]
+
+
+def verdicts_on(text: str, path: Path) -> Iterator[Verdict]:
+    """A verdict for each exercise of a results file, in words of Octave and MATLAB; right only where nothing of the
+    script's is missing.
+    """
+    lines = text.splitlines()
+    ran = {tuple(line.split(",")[:2]) for line in lines[1:] if line.strip() and not line.startswith("#")}
+    whole = f"# {len(ran)} cases" in lines
+    for exercise, cases, answers in read_results(text, path):
+        verdict = judged(exercise, cases, answers)
+        words = in_octave(verdict.words)
+        if verdict.ok and not whole:
+            words = f"{words}, but others are missing in {path.name}: run the whole script again"
+            verdict = replace(verdict, state="unusable")
+        yield replace(verdict, words=words)
+
+
+def in_octave(words: str) -> str:
+    """The words of a verdict as somebody who writes for Octave or MATLAB says them."""
+    for python, octave in IN_OCTAVE:
+        words = words.replace(python, octave)
+    return words
 
 
 def read_results(text: str, path: Path) -> Iterator[tuple[Exercise, list[Case], list[Answer]]]:
@@ -34,7 +79,7 @@ def read_results(text: str, path: Path) -> Iterator[tuple[Exercise, list[Case], 
     """
     rows: Rows = {}
     for number, line in enumerate(text.splitlines()[1:], 2):
-        if line.strip():
+        if line.strip() and not line.startswith("#"):
             _read(line, rows, f"{path}, line {number}")
     if not rows:
         raise InputError(f"{path} holds no results: run the script again")

@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Sequence
 from dataclasses import dataclass
+from importlib import import_module
 from typing import Any
 
 import numpy as np
@@ -14,6 +16,12 @@ from ..exercises.exercise import Exercise, whole
 from .answers import Answer, flat, form_of, in_words, of_function
 
 SEEN_DIGITS = 4
+
+THEORY = ("screws", "poe", "rotations", "joints")
+"""Modules of twistarm.theory that the lessons use."""
+
+LARGEST_SHOWN = 16
+"""Numbers of an array that a sentence can show."""
 
 
 @dataclass(frozen=True)
@@ -67,7 +75,9 @@ def judged(exercise: Exercise, cases: Sequence[Case], answers: Sequence[Answer])
     pairs = list(zip(cases, answers, strict=False))
     wrong = next((k for k, (case, answer) in enumerate(pairs) if not _right(exercise, case, answer)), None)
     if wrong is None:
-        return _unless_changed(exercise, verdict("right", f"right, in {len(cases)} cases"), answers)
+        return _unless_changed(
+            exercise, verdict("right", f"right, in {len(cases)} case{'s' * (len(cases) != 1)}"), answers
+        )
     for slip in exercise.slips:
         function = exercise.wrong(slip)
         if all(_alike(exercise, case, answer, of_function(function, case.arguments)) for case, answer in pairs):
@@ -91,7 +101,8 @@ def _seen(exercise: Exercise, case: Case, answer: Answer) -> Any:
     """What counts of an answer of the right form, as numbers in a row."""
     if answer.form != case.expected.form or not np.isfinite(answer.numbers).all():
         return answer.numbers
-    return flat(exercise.seen(answer.value, *case.arguments))
+    with np.errstate(all="ignore"):  # of an answer that is far away
+        return flat(exercise.seen(answer.value, *case.arguments))
 
 
 def _right(exercise: Exercise, case: Case, answer: Answer) -> bool:
@@ -122,13 +133,31 @@ def _of_the_case(exercise: Exercise, case: Case, answer: Answer) -> tuple[str, s
     if answer.form == "None":
         return "wrong", f"It returns nothing (None) where {expected} is expected: is a `return` missing?"
     if answer.form != case.expected.form:
-        return "wrong", f"It returns {in_words(answer.form)} where {expected} is expected."
+        flat_is_right = answer.form in ((*case.expected.form, 1), (1, *case.expected.form))
+        how = ": a vector has one axis here, as .ravel() gives it" if flat_is_right else ""
+        return "wrong", f"It returns {in_words(answer.form)} where {expected} is expected{how}."
     bad = answer.numbers[~np.isfinite(answer.numbers)]
     if bad.size:
         what = "NaN (not a number)" if np.isnan(bad).any() else "infinity"
         return "wrong", f"It returns {what} for {call}: a division by 0, or a root, acos or logarithm out of its range."
     known = "is" if exercise.seen is whole else "may be"
-    return "wrong", f"{call} {known} {_shown(case.expected.value)}, and yours gives {_shown(answer.value)}."
+    where, right, yours = _part_that_differs(exercise, case.expected.value, answer.value)
+    return "wrong", f"{where}{call} {known} {_shown(right)}, and yours gives {_shown(yours)}."
+
+
+def _part_that_differs(exercise: Exercise, right: Any, yours: Any) -> tuple[str, Any, Any]:
+    """Of arrays that are too large for a line the first column, row or number that differs, and which it is."""
+    if isinstance(right, list) or np.size(right) <= LARGEST_SHOWN:
+        return "", right, yours
+    scale = max(1.0, float(np.abs(right).max()))
+    apart = np.argwhere(~np.isclose(right, yours, rtol=0.0, atol=exercise.tolerance * scale))
+    first = tuple(apart[0]) if len(apart) else (0,) * np.ndim(right)
+    if np.ndim(right) == 2 and len(right) <= LARGEST_SHOWN:
+        k = int(apart[:, 1].min()) if len(apart) else 0
+        return f"Column {k + 1} of ", right[:, k], yours[:, k]
+    if np.ndim(right) == 2 and np.shape(right)[1] <= LARGEST_SHOWN:
+        return f"Row {first[0] + 1} of ", right[first[0]], yours[first[0]]
+    return f"Number {', '.join(str(k + 1) for k in first)} of ", right[first], yours[first]
 
 
 def _of_error(exercise: Exercise, error: Any, call: str) -> str:
@@ -145,9 +174,38 @@ def _of_error(exercise: Exercise, error: Any, call: str) -> str:
     if error["type"] == "RecursionError":
         return f"It calls itself without end{where}."
     if error["type"] in ("ModuleNotFoundError", "ImportError") and error.get("module"):
-        return f"It imports {error['module']}{where}, which cannot be imported here."
+        return f"It imports {error['module']}{where}, {why_no_module(error['module'])}."
+    if error["type"] in ("AttributeError", "TypeError") and (words := _of_a_name_taken(exercise, error)):
+        return f"It stops{where}: {words}."
     text = one_line(f"{error['type']}: {error['text']}".rstrip(": "), 200)
     return f"It stops{where} with {text}; it was asked for {call}."
+
+
+def _of_a_name_taken(exercise: Exercise, error: Any) -> str:
+    """What is wrong where an argument is used as the module or the function of the same name; else nothing."""
+    missing = re.fullmatch(r"'numpy.ndarray' object has no attribute '(\w+)'", error["text"])
+    meant = next((part for part in THEORY if missing and missing[1] in exported(part)), "")
+    if missing and meant:
+        return (
+            f"an array has no function {missing[1]}: where an argument has the name {meant}, it hides the module; "
+            "give the argument another name"
+        )
+    if "'numpy.ndarray' object is not callable" in error["text"]:
+        return f"an argument ({', '.join(exercise.parameters)}) is called as a function: is yours of the same name?"
+    return ""
+
+
+def exported(part: str) -> set[str]:
+    """The names of a module of twistarm.theory."""
+    return {name for name in vars(import_module(f"twistarm.theory.{part}")) if not name.startswith("_")}
+
+
+def why_no_module(name: str) -> str:
+    """Why a module cannot be imported, and what to write instead."""
+    _, _, part = name.partition("twistarm.")
+    if part in THEORY:
+        return f"where no module is: write `from twistarm import {part}`, or `from twistarm.theory.{part} import …`"
+    return "which is not installed: leave it out, or install it"
 
 
 def _shown_arguments(exercise: Exercise, case: Case) -> str:
@@ -163,7 +221,7 @@ def _shown(value: Any) -> str:
         return f"({', '.join(map(_shown, value))})"
     if np.ndim(value) == 0:
         return f"{float(value):.6g}"
-    if np.size(value) > 16:
+    if np.size(value) > LARGEST_SHOWN:
         return f"an array of shape {np.shape(value)}"
     text = np.array2string(np.asarray(value, float) + 0.0, precision=SEEN_DIGITS, suppress_small=True, separator=", ")
     return " ".join(text.split())

@@ -32,6 +32,7 @@ encode, write, leave, extract, new_module = (
     traceback.extract_tb,
     types.ModuleType,
 )
+FUNCTIONS = (types.FunctionType, types.BuiltinFunctionType, type)
 asarray, NDARRAY, NUMBERS = np.asarray, np.ndarray, (int, float, np.integer, np.floating, np.bool_)
 whole_builtins, kept_builtins = vars(builtins), dict(vars(builtins))
 
@@ -47,7 +48,7 @@ def main() -> None:
         module = _loaded(job, tell)
         if module is not None:
             for name, instances in job["exercises"].items():
-                if callable(vars(module).get(name)):
+                if callable(vars(module).get(name)) and not imported(vars(module)[name], module):
                     answer(name, vars(module)[name], instances, job["name"], tell)
         sys.stdout.flush()
     finally:  # whatever was changed so that not even this goes on
@@ -109,9 +110,15 @@ def _loaded(job: dict[str, Any], tell: Callable[..., None]) -> types.ModuleType 
         return None
     whole_builtins.update(kept_builtins)
     functions = [each for each, value in list(vars(module).items()) if callable(value) and not each.startswith("_")]
-    own = [each for each in functions if getattr(vars(module)[each], "__module__", "") == module.__name__]
+    own = [each for each in functions if not imported(vars(module)[each], module)]
     tell(loaded=functions, own=own)
     return module
+
+
+def imported(function: Callable[..., Any], module: types.ModuleType) -> bool:
+    """Whether a function or a class comes from another module, and so is none of the reader's own in this file."""
+    whence = getattr(function, "__module__", None)
+    return isinstance(function, FUNCTIONS) and whence not in (None, module.__name__)
 
 
 def answer(

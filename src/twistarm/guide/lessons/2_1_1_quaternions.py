@@ -11,28 +11,28 @@
 # ## From the plane to space
 #
 # In the plane you know such numbers. A complex number of length one, $\cos\theta + i\sin\theta$, turns every other
-# complex number by $\theta$ when you multiply the two. A quaternion does the same in space. It has a scalar part $q_0$
-# and a vector part $q$ of three components, which we write as a pair:
+# complex number by $\theta$ when you multiply the two. A quaternion does the same in space. It has a scalar part $w$
+# and a vector part $v$ of three components, which we write as a pair:
 #
-# $$Q = q_0 + q_1\,\mathbf{i} + q_2\,\mathbf{j} + q_3\,\mathbf{k} = (q_0, q)$$
+# $$Q = w + x\,\mathbf{i} + y\,\mathbf{j} + z\,\mathbf{k} = (w, v), \qquad v = (x, y, z)$$
 #
 # The rules $\mathbf{i}^2 = \mathbf{j}^2 = \mathbf{k}^2 = -1$, $\mathbf{i}\mathbf{j} = \mathbf{k}$,
-# $\mathbf{j}\mathbf{k} = \mathbf{i}$ and $\mathbf{k}\mathbf{i} = \mathbf{j}$, each with its sign changed when the
-# factors change places, give the product of any two:
+# $\mathbf{j}\mathbf{k} = \mathbf{i}$ and $\mathbf{k}\mathbf{i} = \mathbf{j}$, where two different factors that change
+# places change the sign, give the product of any two:
 #
-# $$P\,Q = (p_0 q_0 - p \cdot q,\;\; p_0\,q + q_0\,p + p \times q)$$
+# $$Q_1\,Q_2 = (w_1 w_2 - v_1 \cdot v_2,\;\; w_1\,v_2 + w_2\,v_1 + v_1 \times v_2)$$
 #
-# The cross product is what makes the order of the factors matter. The *conjugate* is $Q^* = (q_0, -q)$.
+# The cross product is what makes the order of the factors matter. The *conjugate* is $Q^* = (w, -v)$.
 #
 # ## The law
 #
-# A turn by the angle $\theta$ about the unit axis $\omega$ is the unit quaternion
+# A turn by the angle $\theta$ about the unit vector $\omega$ is the unit quaternion
 #
 # $$Q = \left(\cos\tfrac{\theta}{2},\; \omega \sin\tfrac{\theta}{2}\right)$$
 #
-# and it moves the point $x$ to $x'$ by
+# and it moves the point $p$ to $p'$ by
 #
-# $$(0, x') = Q\,(0, x)\,Q^*$$
+# $$(0, p') = Q\,(0, p)\,Q^*$$
 #
 # Turns follow each other as matrices do: $Q_{ac} = Q_{ab}\,Q_{bc}$. Source: MLS, section 2.2.3.
 #
@@ -48,7 +48,7 @@ from scipy.spatial.transform import Rotation
 from twistarm import guide, rotations
 
 arm = guide.arm()
-R = arm.fk(arm.ready)[:3, :3]
+R = arm.fk(arm.ready)[:3, :3]  # of the tool, seen from the base
 Q = rotations.to_quaternion_wxyz(R)
 axis, angle = rotations.to_axis_angle(R)
 
@@ -61,7 +61,7 @@ guide.say(
     rf"$({', '.join(f'{a:.3f}' for a in axis + 0.0)})$, seen from the base."
 )
 guide.table(
-    ["", "$q_0$", "$q_1$", "$q_2$", "$q_3$"],
+    ["", "$w$", "$x$", "$y$", "$z$"],
     [
         ["scalar first, `wxyz`", *Q],
         ["half the angle, and the axis", np.cos(angle / 2), *(axis * np.sin(angle / 2))],
@@ -74,10 +74,10 @@ guide.table(
 
 
 # %%
-def product(P, Q):
-    """P Q of two quaternions, scalar first."""
-    (p0, p), (q0, q) = (P[0], np.array(P[1:])), (Q[0], np.array(Q[1:]))
-    return np.array([p0 * q0 - p @ q, *(p0 * q + q0 * p + np.cross(p, q))])
+def product(Q1, Q2):
+    """Q1 Q2 of two quaternions (w, x, y, z)."""
+    (w1, v1), (w2, v2) = (Q1[0], np.array(Q1[1:])), (Q2[0], np.array(Q2[1:]))
+    return np.array([w1 * w2 - v1 @ v2, *(w1 * v2 + w2 * v1 + np.cross(v1, v2))])
 
 
 def conjugate(Q):
@@ -85,22 +85,29 @@ def conjugate(Q):
     return Q * [1, -1, -1, -1]
 
 
-x = np.array([0.10, 0.0, 0.05])  # a point of the gripper, in the tool's axes [m]
-moved = product(product(Q, [0, *x]), conjugate(Q))
-assert np.allclose(moved, [0, *(R @ x)])
+p = np.array([0.10, 0.0, 0.05])  # a point of the gripper, in the tool's axes [m]
+moved = product(product(Q, [0, *p]), conjugate(Q))
+assert np.allclose(moved, [0, *(R @ p)])
 assert np.allclose(product(Q, by_scipy), rotations.quaternion_product_wxyz(Q, by_scipy))
 
 guide.table(
     ["", "scalar", "$x$ [m]", "$y$ [m]", "$z$ [m]"],
-    [["$Q\\,(0, x)\\,Q^*$", *moved], ["$R\\,x$", "", *(R @ x)]],
+    [["$Q\\,(0, p)\\,Q^*$", *moved], ["$R\\,p$", "", *(R @ p)]],
     "The same point moved by the quaternion and by the matrix.",
 )
 
 # %% [markdown]
 # ## Why half the angle
 #
-# $Q$ stands on both sides of the point, once as it is and once conjugated. Each side brings half of the turn. This has
-# a consequence that no matrix has.
+# $Q$ stands on both sides of the point, once as it is and once conjugated, and each side brings half of the turn. Try
+# it with the axis $\mathbf{k}$, $Q = \cos\frac{\theta}{2} + \mathbf{k}\sin\frac{\theta}{2}$. For a point on the axis
+# the two sides cancel: $Q\,\mathbf{k}\,Q^* = \mathbf{k}\,Q\,Q^* = \mathbf{k}$. For one beside it they add up, because
+# $\mathbf{i}\,Q^* = Q\,\mathbf{i}$:
+#
+# $$Q\,\mathbf{i}\,Q^* = Q\,Q\,\mathbf{i} = (\cos\theta + \mathbf{k}\sin\theta)\,\mathbf{i}
+# = \mathbf{i}\cos\theta + \mathbf{j}\sin\theta$$
+#
+# The half angle has a consequence that no matrix has.
 
 # %%
 once_round = np.array([np.cos(np.pi), 0, 0, np.sin(np.pi)])
@@ -114,8 +121,8 @@ guide.predict(
 # %% tags=["hidden"]
 turn = np.radians(np.linspace(0, 720, 241))
 fig, ax = guide.axes2(xlabel="angle turned [°]")
-ax.plot(np.degrees(turn), np.cos(turn), label=r"$\cos\theta$, an entry of $R$")
-ax.plot(np.degrees(turn), np.cos(turn / 2), label=r"$q_0 = \cos\,\theta/2$")
+ax.plot(np.degrees(turn), np.cos(turn), label=r"$\cos\,\theta$, an entry of $R$")
+ax.plot(np.degrees(turn), np.cos(turn / 2), label=r"$w = \cos(\theta/2)$")
 for full in (360, 720):
     ax.axvline(full, color=guide.GREY, linewidth=0.8, linestyle=":")
 ax.set_xticks(range(0, 721, 90))
@@ -129,22 +136,21 @@ guide.figure(
 )
 
 # %% [markdown]
-# So $Q$ and $-Q$ are the same rotation: the sign occurs twice in $Q\,(0, x)\,Q^*$ and cancels. Unit quaternions are the
+# So $Q$ and $-Q$ are the same rotation: the sign occurs twice in $Q\,(0, p)\,Q^*$ and cancels. Unit quaternions are the
 # points of a sphere in four dimensions, and opposite points of this sphere mean the same. Mathematicians say that they
 # cover the rotations twice.
 #
-# You may find them called a *global parametrisation* of rotations, and their set written $\mathbb{Q}$. They are written
-# $\mathbb{H}$, after Hamilton ($\mathbb{Q}$ are the fractions), and they are better than a parametrisation by angles,
-# because they fail nowhere. But they are no one-to-one list of the rotations: each stands in it twice.
+# This is the price for failing nowhere. The set of rotations closes upon itself in a way that no part of space does, so
+# no three numbers can list each rotation once without a seam. Four numbers have no seam, but they list each twice.
 
 # %%
 assert np.allclose(rotations.from_quaternion_wxyz(Q), rotations.from_quaternion_wxyz(-Q))
 guide.slider(
     "axis_angle",
-    "Leave the axis alone and move the angle. At which angle is $q_0 = 0$? And which two settings of the slider show "
+    "Leave the axis alone and move the angle. At which angle is $w = 0$? And which two settings of the slider show "
     "the same matrix and opposite quaternions?",
     f"At {np.degrees(2 * np.arccos(0)):.0f}°, a half turn: $\\cos(\\theta/2) = 0$ there, and the vector part is the "
-    "axis itself. Angles that differ by 360° show the same matrix and opposite quaternions.",
+    "unit vector of the axis itself. Angles that differ by 360° show the same matrix and opposite quaternions.",
     axis=(1, 1, 1),
     angle=90,
 )
@@ -152,16 +158,18 @@ guide.slider(
 # %% [markdown]
 # ## Your arm as a product of quaternions
 #
-# Every joint that turns has a unit axis $\omega_i$, seen from the base where all joints stand at zero. Joint $i$ at
-# $\theta_i$ is the quaternion $Q_i = (\cos\frac{\theta_i}{2}, \omega_i\sin\frac{\theta_i}{2})$. A joint that slides
-# turns nothing and is $(1, 0)$. The orientation of the tool is their product, from the base to the tip, times the
-# orientation $Q_{st}(0)$ that the tool has at zero:
+# From here on, S is the frame of the base and T that of the tool; S is for *space*. Let the arm stand where all its
+# joints are at zero, with the tool at $Q_{st}(0)$, and let $\omega_i$ be the unit vector along the axis of joint $i$,
+# seen from S. Joint $i$ at the angle $\theta_i$ is the quaternion $Q_i = (\cos\frac{\theta_i}{2},
+# \omega_i\sin\frac{\theta_i}{2})$; a joint that slides turns nothing and is $(1, 0)$. The orientation of the tool is
+# the product of all, from the base to the tip:
 #
 # $$Q_{st}(\theta) = Q_1\,Q_2 \cdots Q_n\,Q_{st}(0)$$
 #
-# The program knows nothing of your arm but its axes. Its answer is compared with forward kinematics.
+# A program that knows nothing of your arm but these axes is compared with twistarm's own answer. That the product may
+# use the axes as they stand at zero, though all joints move, is proved in lesson 3.1.
 
-# %%
+# %% tags=["hidden"]
 values = arm.coupling.A @ arm.ready  # of each moving joint, those that mimic others too
 whole = np.array([1.0, 0, 0, 0])
 for omega, value in zip(arm.screws[3:].T, values, strict=True):
@@ -173,49 +181,50 @@ off = np.degrees(rotations.angle_between(rotations.from_quaternion_wxyz(whole), 
 assert off < 1e-5
 assert np.isclose(abs(whole @ Q), 1)
 guide.table(
-    ["", "$q_0$", "$q_1$", "$q_2$", "$q_3$"],
-    [["product of the joints", *whole], ["forward kinematics", *Q]],
+    ["", "$w$", "$x$", "$y$", "$z$"],
+    [["product of the joints", *whole], ["twistarm", *Q]],
     f"{len(values)} joints of `{arm.name}`, multiplied. Where all four signs differ, the rotation is the same.",
 )
 
 # %% [markdown]
 # ## The norm, and the inverse
 #
-# The norm of a quaternion is its length, $\|Q\| = \sqrt{q_0^2 + q_1^2 + q_2^2 + q_3^2}$. Work out $Q\,Q^*$ with the
+# The norm of a quaternion is its length, $\|Q\| = \sqrt{w^2 + x^2 + y^2 + z^2}$. Work out $Q\,Q^*$ with the
 # product above: the vector part cancels and the scalar part is the sum of the squares. Therefore
 #
 # $$\|Q\|^2 = Q\,Q^*, \qquad Q^{-1} = \frac{Q^*}{\|Q\|^2}$$
 #
-# You may find $\|Q\| = Q\,Q^*$ written, without the square, together with this inverse. Take both at their word, and
-# you divide by the fourth power of the length.
+# The square is easily lost. Whoever takes $Q\,Q^*$ for the norm itself, and squares it once more for the inverse,
+# divides by the fourth power of the length.
 
 # %%
-P = np.array([1.0, 2.0, 3.0, 4.0])
-square = product(P, conjugate(P))[0]
-literal = product(P, conjugate(P) / square**2)[0]
-right = product(P, conjugate(P) / square)
+four = np.array([1.0, 2.0, 3.0, 4.0])
+square = product(four, conjugate(four))[0]
+literal = product(four, conjugate(four) / square**2)[0]
+right = product(four, conjugate(four) / square)
 assert np.allclose(right, [1, 0, 0, 0])
 assert np.isclose(literal, 1 / 30)
-assert np.allclose(rotations.quaternion_inverse_wxyz(P), conjugate(P) / square)
+assert np.allclose(rotations.quaternion_inverse_wxyz(four), conjugate(four) / square)
 
 guide.predict(
-    "For $Q = (1, 2, 3, 4)$: what is $Q\\,Q^{-1}$ if $\\|Q\\|$ is taken to be $Q\\,Q^*$? And for a unit quaternion?",
+    "For $Q = (1, 2, 3, 4)$: what is $Q\\,Q^{-1}$ if $\\|Q\\|$ is taken to be $Q\\,Q^*$? What is it for a unit "
+    "quaternion?",
     f"$Q\\,Q^* = {square:.0f}$, and $Q\\,Q^{{-1}}$ comes out as $1/{1 / literal:.0f}$ where it has to be "
     f"${right[0]:.0f}$. For a unit quaternion it comes out right, because $1 = 1^2$. So a test that tries unit "
     "quaternions alone lets the slip pass.",
 )
 
 # %% [markdown]
-# A quaternion that has lost its unit length is no rotation any more: $Q\,(0, x)\,Q^*$ stretches every point by
+# A quaternion that has lost its unit length is no rotation any more: $Q\,(0, p)\,Q^*$ stretches every point by
 # $\|Q\|^2$. The remedy costs one division, $Q/\|Q\|$. A matrix that has lost its right angles costs more to mend. This,
 # and that four numbers are fewer than nine, is why filters and logs use quaternions.
 
 # %%
-stretched = product(product(1.05 * Q, [0, *x]), conjugate(1.05 * Q))
-growth = np.linalg.norm(stretched) / np.linalg.norm(x)
+stretched = product(product(1.05 * Q, [0, *p]), conjugate(1.05 * Q))
+growth = np.linalg.norm(stretched) / np.linalg.norm(p)
 assert np.isclose(growth, 1.05**2)
 guide.say(
-    f"A quaternion that is 5 percent too long makes the gripper {100 * (growth - 1):.1f} percent larger than it is."
+    f"A quaternion that is 5 % too long makes the gripper {100 * (growth - 1):.1f} % larger than it is."
 )
 
 # %% [markdown]
@@ -223,7 +232,7 @@ guide.say(
 #
 # The arm has moved to a second orientation, and somebody turns the tool once about its own axis while you record. The
 # program that turns matrices into quaternions has to choose between $Q$ and $-Q$, and like most of its kind it takes
-# the one with $q_0 \geq 0$. Look at what this does.
+# the one with $w \geq 0$. Look at what this does.
 
 # %% tags=["hidden"]
 there = arm.fk(0.5 * arm.ready + 0.5 * arm.random_theta(3))[:3, :3] @ rotations.exp(arm.tool_axis, 0.6)
@@ -235,12 +244,14 @@ mended = logged * np.cumprod([1.0, *agrees])[:, None]
 assert np.abs(np.diff(mended, axis=0)).max() < 0.02 < 0.5 < np.abs(np.diff(logged, axis=0)).max()
 assert np.allclose(rotations.from_quaternion_wxyz(mended), turned)
 
-fig, (left, right_ax) = guide.axes2(2, width=6.6, height=3.0, xlabel="tool turned [°]")
+fig, (left, right_ax) = guide.axes2(
+    2, width=6.6, height=3.0, xlabel="tool turned [°]", ylabel="component of Q"
+)
 for ax, curves, title in (
     (left, logged, "as logged"),
     (right_ax, mended, "each sign as its neighbour's"),
 ):
-    ax.plot(np.degrees(steps), curves, label=["$q_0$", "$q_1$", "$q_2$", "$q_3$"])
+    ax.plot(np.degrees(steps), curves, label=["$w$", "$x$", "$y$", "$z$"])
     ax.set(title=title, xticks=range(0, 361, 90), ylim=(-1.1, 1.1))
 fig.legend(*left.get_legend_handles_labels(), loc="outside lower center", ncols=4)
 guide.figure(
@@ -279,15 +290,15 @@ And the mean of $Q$ and $-Q$, two records of one orientation, has the length {ha
 # ## What goes wrong in practice
 #
 # **The order of the four.** Some programs put the scalar first (`wxyz`: Eigen's constructor, MuJoCo), others put it
-# last (`xyzw`: the messages of ROS, SciPy, Pinocchio's configurations). Nothing fails when you mix them up, for the
-# numbers are a unit quaternion in either order. In twistarm the order is in the name of the function.
+# last (`xyzw`: the messages of ROS, SciPy, Pinocchio's configurations). No program complains when you mix them up, for
+# the numbers are a unit quaternion in either order. In twistarm the order is in the name of the function.
 
 # %%
-misread = rotations.from_quaternion_wxyz(np.roll(Q, -1))
+misread = rotations.from_quaternion_wxyz(np.roll(Q2, -1))
 guide.say(
-    f"The tool of `{arm.name}` at ready, written scalar last and read scalar first, is off by "
-    f"**{np.degrees(rotations.angle_between(R, misread)):.0f}°**. Check with the identity: its scalar is the one that "
-    "is 1."
+    f"The second orientation above, written scalar last and read scalar first, is off by "
+    f"**{np.degrees(rotations.angle_between(there, misread)):.0f}°**. Check with the identity: its scalar is the one "
+    "that is 1."
 )
 
 # %% [markdown]

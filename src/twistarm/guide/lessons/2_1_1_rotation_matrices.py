@@ -5,7 +5,7 @@
 # numbers say. But which way does it point, and how far is it rolled? You will need an answer that a program can
 # multiply, compare and send to a motor, and that does not break in the one posture in which you pick things up.
 #
-# This lesson has two answers. Nine numbers that never fail, and three that do.
+# This lesson has two answers: nine numbers that never fail, and three that do.
 
 # %%
 import numpy as np
@@ -13,7 +13,8 @@ import numpy as np
 from twistarm import guide, rotations
 
 arm = guide.arm()
-g = arm.fk(arm.ready)  # the tool seen from the base, in the pose that the arm waits in
+theta = 0.6 * arm.ready + 0.4 * arm.random_theta(3)  # on its way from one place to another
+g = arm.fk(theta)  # the tool seen from the base
 R = g[:3, :3]
 
 # %% [markdown]
@@ -24,16 +25,16 @@ R = g[:3, :3]
 # $$R_{ab} = \begin{bmatrix} x_{ab} & y_{ab} & z_{ab} \end{bmatrix}$$
 #
 # That is the **rotation matrix** (MLS, section 2.2.1). Read it by columns: the third one says where the tool's $z$ axis
-# points.
+# points. Here it is for your arm, stopped on its way.
 
 # %%
-guide.say(rf"Your arm, `{arm.name}`, waiting: $$R_{{ab}} = {guide.tex(R)}$$")
+guide.say(rf"The tool of `{arm.name}`: $$R_{{ab}} = {guide.tex(R)}$$")
 
 # %% tags=["hidden"]
 fig, ax = guide.axes3(width=4.8, height=4.0)
 size = 0.3 * arm.reach
+guide.plot_arm(ax, arm, theta, alpha=0.45, tool=False)
 guide.plot_frame(ax, np.eye(4), "A", size)
-guide.plot_arm(ax, arm, tool=False)
 guide.plot_frame(ax, g, "B", size)
 guide.fit(ax)
 nearest = "xyz"[int(np.argmax(np.abs(R[:, 2])))]
@@ -41,23 +42,26 @@ guide.figure(
     fig,
     f"The skeleton of {arm.name} with frame A at its base and frame B at its tool; the tool's z axis lies nearest to "
     f"the {nearest} axis of the base",
-    r"Frame A at the base, frame B at the tool. The columns of $R_{ab}$ are the axes of B, seen from A.",
+    r"Frame A at the base, frame B at the tool. The columns of $R_{ab}$ are the axes of B, seen from A. Circles are "
+    "joints that turn, squares joints that slide, the triangle is the base.",
 )
 
 # %% [markdown]
 # ## What makes nine numbers a rotation
 #
-# The axes have length one and stand square on each other, and they make a right hand:
+# The axes have length one, stand at right angles to each other, and make a right hand:
 #
 # $$R^T R = I, \qquad \det R = +1$$
 #
-# The first law is six equations for nine numbers, so that three are left to choose. The second chooses one of two
-# halves. All matrices that obey both are called $SO(3)$.
+# $R^T R$ is symmetric, so that the first law is six equations for nine numbers and leaves three to choose. It allows
+# $\det R = \pm 1$; the second law takes one of the two. The set of all matrices that obey both is called $SO(3)$, the
+# *special orthogonal group*.
 
 # %%
 off = np.abs(R.T @ R - np.eye(3)).max()
 guide.say(
-    rf"For your tool: the largest entry of $R^T R - I$ is ${guide.rough(off)}$, and $\det R = {np.linalg.det(R):.6f}$."
+    rf"For your tool: no entry of $R^T R - I$ is above ${guide.rough(max(off, np.finfo(float).eps))}$, "
+    rf"and $\det R = {np.linalg.det(R):.6f}$."
 )
 assert off < 1e-12
 assert np.isclose(np.linalg.det(R), 1.0)
@@ -67,16 +71,15 @@ assert np.allclose(mirror.T @ mirror, np.eye(3))
 guide.predict(
     r"A camera hands you $M = \mathrm{diag}(1, -1, 1)$. It has $M^T M = I$. Can the tool be made to point so?",
     rf"No. $\det M = {np.linalg.det(mirror):.0f}$: it is a mirror, which makes a right-handed gripper a left-handed "
-    rf"one. "
-    "No motor can do that. Whenever a matrix comes from outside, look at its determinant too.",
+    "one. No motor can do that. Whenever a matrix comes from outside, look at its determinant too.",
 )
 
 # %% [markdown]
 # ## What it does
 #
-# A point with coordinates $q_b$ on the tool has the coordinates $q_a = R_{ab}\, q_b$ in directions of the base.
-# Frames are chained by multiplying, and indices that meet cancel; the way back is the transpose, for which nothing
-# has to be solved:
+# An arrow with the coordinates $q_b$ along the tool's axes has the coordinates $q_a = R_{ab}\, q_b$ along those of the
+# base. Frames are chained by multiplying, and indices that meet cancel; the way back is the transpose, for which no
+# equation has to be solved:
 #
 # $$R_{ac} = R_{ab} R_{bc}, \qquad R_{ba} = R_{ab}^{-1} = R_{ab}^T$$
 
@@ -85,17 +88,30 @@ ahead = np.array([0.0, 0.0, 0.1])  # ten centimetres along the tool's own z axis
 there = R @ ahead
 guide.say(
     rf"Ten centimetres along the tool's own $z$ axis are ${guide.tex(ahead)}$ on the tool and ${guide.tex(there)}$ "
-    rf"seen "
-    "from the base. Still ten centimetres: a rotation keeps lengths and angles."
+    "seen from the base [m]. They are still ten centimetres: a rotation keeps lengths and angles."
 )
 assert np.isclose(np.linalg.norm(there), np.linalg.norm(ahead))
 assert np.allclose(R.T @ there, ahead)
 
 # %% [markdown]
-# ## The order matters
+# ## Three turns to build from
 #
-# Take a book. Turn it by 90° about the vertical axis, then by 90° about the axis that points away from you. Begin
-# again, and do the two in the other order.
+# Turn a frame about one of its own axes by an angle. That axis stays, and the columns for the other two follow from
+# the sine and the cosine:
+#
+# $$R_x(\theta) = \begin{bmatrix} 1 & 0 & 0 \\ 0 & \cos\theta & -\sin\theta \\ 0 & \sin\theta & \cos\theta
+# \end{bmatrix}, \quad
+# R_y(\theta) = \begin{bmatrix} \cos\theta & 0 & \sin\theta \\ 0 & 1 & 0 \\ -\sin\theta & 0 & \cos\theta
+# \end{bmatrix}$$
+#
+# $$R_z(\theta) = \begin{bmatrix} \cos\theta & -\sin\theta & 0 \\ \sin\theta & \cos\theta & 0 \\ 0 & 0 & 1
+# \end{bmatrix}$$
+#
+# In $R_y$ the minus stands below, because $z$ turns towards $x$.
+#
+# Their order matters. Take a book. Turn it by 90° about the vertical axis $z$, then by 90° about the axis $x$ that
+# points away from you. Begin again, and do the two in the other order. (Any two orientations differ by one turn about
+# one axis, as lesson 2.1.2 shows; its angle says how far apart they are.)
 
 # %%
 quarter = np.pi / 2
@@ -103,19 +119,18 @@ Rx, Rz = rotations.exp([1, 0, 0], quarter), rotations.exp([0, 0, 1], quarter)
 apart = np.degrees(rotations.angle_between(Rx @ Rz, Rz @ Rx))
 guide.predict(
     r"$R_x(90°) R_z(90°)$ or $R_z(90°) R_x(90°)$: by what angle do the two outcomes differ?",
-    rf"By {apart:.0f}°. Read a product of rotations from the left and each factor turns about the axes as the ones "
-    rf"before "
-    "it have left them; read it from the right, and each turns about the axes that stand still. Both readings give the "
-    "same matrix, and neither lets you swap two factors.",
+    rf"They differ by {apart:.0f}°. Read a product of rotations from the left, and each factor turns about the axes as "
+    "the factors before have left them; read it from the right, and each turns about the axes that stand still. Both "
+    "readings give the same matrix, and neither lets you swap two factors.",
 )
 
 # %% tags=["hidden"]
 fig, panels = guide.axes3(columns=2, width=6.4, height=3.2, box=False)
 for ax, product, words in zip(panels, (Rx @ Rz, Rz @ Rx), ("$R_x R_z$", "$R_z R_x$"), strict=True):
-    guide.plot_frame(ax, np.eye(3), "A", 1.0, alpha=0.35)
-    guide.plot_frame(ax, product, "B", 0.8)
-    ax.set_title(words)
-    guide.fit(ax, [[-0.9] * 3, [0.9] * 3])
+    guide.plot_frame(ax, np.eye(3), "A", 1.0, alpha=0.5)
+    guide.plot_frame(ax, product, "B", 0.65)
+    ax.set_title(words, pad=0)
+    guide.fit(ax, [[-0.9, -0.9, -0.7], [0.9, 0.9, 1.1]])
 guide.figure(
     fig,
     "Two frames, turned by the same two quarter turns in either order: they point in different directions",
@@ -125,15 +140,20 @@ guide.figure(
 # %% [markdown]
 # ## Three numbers: Euler angles
 #
-# Nine numbers under six laws: three should do. Turn about $z$ by $\alpha$, about the *new* $y$ by $\beta$, about the
-# *newest* $z$ by $\gamma$ (MLS, section 2.2.3):
+# Nine numbers under six equations: three should do. Turn about $z$ by $\alpha$, about the *new* $y$ by $\beta$, about
+# the *newest* $z$ by $\gamma$ (MLS, section 2.2.3). Each later turn is about an axis that the earlier ones have moved,
+# so each factor is written to the right:
 #
-# $$R = R_z(\alpha)\, R_y(\beta)\, R_z(\gamma)$$
+# $$R = R_z(\alpha)\, R_y(\beta)\, R_z(\gamma) = \begin{bmatrix}
+# r_{11} & r_{12} & \cos\alpha \sin\beta \\ r_{21} & r_{22} & \sin\alpha \sin\beta \\
+# -\sin\beta \cos\gamma & \sin\beta \sin\gamma & \cos\beta \end{bmatrix}$$
 #
-# Each later turn is about an axis that the earlier ones have moved; so each factor is written to the right.
+# The way back is in the same matrix: the corner holds $\beta$, and as long as $\sin\beta$ is not 0, the third column
+# holds $\alpha$ and the third row $\gamma$. Other triples are in use too, and a file that says "Euler angles" has to
+# say which. *URDF*, the format in which arms are described, calls its own three `rpy`: roll, pitch and yaw.
 
 # %% tags=["hidden"]
-orders = {"ZYZ": "as in MLS", "ZYX": "yaw, pitch, roll; URDF's rpy is the same three, listed backwards"}
+orders = {"ZYZ": "in MLS", "ZYX": "yaw, pitch, roll; `rpy` is the same three, listed backwards"}
 rows = []
 for order, where in orders.items():
     angles = rotations.to_euler(order, R)
@@ -157,8 +177,8 @@ guide.slider(
     r"Set $\beta$ to 0. Now move $\alpha$ up and $\gamma$ down by as much. What happens to the frame, and to the nine "
     "numbers?",
     r"Nothing at all. At $\beta = 0$ the matrix is $R_z(\alpha + \gamma)$: only the sum matters, and the difference is "
-    r"lost. Endlessly many triples are the same orientation, and an orientation a little beside it needs $\alpha$ and "
-    r"$\gamma$ to jump. At $\beta = 180°$ it is the sum that is lost.",
+    r"lost. Infinitely many triples are the same orientation, and for an orientation very close to it $\alpha$ and "
+    r"$\gamma$ may have to jump. At $\beta = 180°$ it is the other way round: only the difference matters.",
     order="ZYZ",
     alpha=50,
     beta=40,
@@ -167,31 +187,33 @@ guide.slider(
 
 # %% [markdown]
 # It does not fail only *at* that point. Nearby, a small turn of the tool asks for large changes of the angles. Let the
-# tool turn with angular velocity $\omega$; the angles then change by
+# tool turn, and let $\omega$ be its **angular velocity**: the vector along the axis about which it turns at this
+# instant, as long as the rate in rad/s, seen from the base. With a dot for the rate of an angle,
 #
-# $$\omega = B(\alpha, \beta, \gamma) (\dot\alpha, \dot\beta, \dot\gamma)^T$$
+# $$\omega = E(\alpha, \beta, \gamma)\, (\dot\alpha, \dot\beta, \dot\gamma)^T$$
 #
-# where the columns of $B$ are the three axes, as they stand. The **condition number** of $B$ says how much harder the
-# worst turn is for the angles than the easiest.
+# The columns of $E$ are the axes of the three turns, as they stand at this instant. Its **condition number** compares
+# the worst direction of $\omega$ with the best: how many times faster must the angles change for the same rate of the
+# tool?
 
 # %%
 beta = np.radians(np.linspace(1, 179, 179))
-B = rotations.euler_rate_map("ZYZ", np.stack([0 * beta, beta, 0 * beta], axis=-1))
-condition = np.linalg.cond(B)
+E = rotations.euler_rate_map("ZYZ", np.stack([0 * beta, beta, 0 * beta], axis=-1))
+condition = np.linalg.cond(E)
 c = np.abs(np.cos(beta))
-assert np.allclose(condition, np.sqrt((1 + c) / (1 - c))), (
-    "two unit axes at the angle β, and one square to both"
-)
+assert np.allclose(condition, np.sqrt((1 + c) / (1 - c))), "the first and third axis make the angle β"
+rates = np.linalg.inv(E[0])  # at β = 1°: the rates of the angles for each ω
+fastest = np.linalg.norm(rates, 2) / np.sqrt(2)  # of α and of γ, which share the worst rate evenly
+assert np.isclose(fastest, 1 / (2 * np.sin(beta[0] / 2)))
 guide.predict(
-    r"At $\beta = 90°$ the three axes stand square: condition 1. What is it at $\beta = 1°$?",
-    rf"{condition[0]:.0f}. To turn the tool by one degree in the worst direction, $\alpha$ and $\gamma$ must change by "
-    rf"some {1 / np.sqrt(2) / np.tan(beta[0]):.0f}° each, in opposite senses. A controller that runs on Euler angles "
-    rf"there "
-    "asks the motors for what they cannot do.",
+    r"At $\beta = 90°$ the three axes are at right angles: the condition number is 1. What is it at $\beta = 1°$?",
+    rf"It is {condition[0]:.0f}. To turn the tool at one degree per second in the worst direction, $\alpha$ and "
+    rf"$\gamma$ must run at {fastest:.0f}° per second each, in opposite senses. A controller that works in Euler angles "
+    "asks the motors there for what they cannot do.",
 )
 
 # %% tags=["hidden"]
-fig, ax = guide.axes2(xlabel="β [°]", ylabel="condition of B")
+fig, ax = guide.axes2(xlabel="β [°]", ylabel="condition number of E")
 ax.semilogy(np.degrees(beta), condition)
 ax.set_xticks(range(0, 181, 30))
 guide.figure(
@@ -203,49 +225,50 @@ guide.figure(
 # %% [markdown]
 # ## On your arm
 #
-# Whether that hurts depends on where your tool points when it works. Here it is as the arm waits, and as if it pointed
-# straight down to pick something up.
+# Whether that hurts depends on where your tool points when it works. Here are the condition numbers where the arm
+# waits, on its way as above, and with the tool pointing straight down to pick something up.
 
 # %% tags=["hidden"]
 down = rotations.exp([1, 0, 0], np.pi)
 rows = []
-for words, orientation in (("waiting", R), ("pointing straight down", down)):
+waiting = arm.fk(arm.ready)[:3, :3]
+for words, orientation in (("waiting", waiting), ("on its way", R), ("pointing straight down", down)):
     conditions = []
     for order in orders:
         angles = rotations.to_euler(order, orientation)
         number = np.linalg.cond(rotations.euler_rate_map(order, angles))
         conditions.append("fails" if number > 1e6 else f"{number:.1f}")
     rows.append([words, *conditions])
-guide.table(["tool", *orders], rows, "Condition of the angles; 1 is best.")
-guide.say(
-    "Every choice of three angles fails somewhere: three numbers cannot go around all orientations without a seam, "
-    "as no "
-    "flat map shows the whole globe. So compute with matrices (or with quaternions, in the next lesson), and use "
-    "angles "
-    "to talk to people."
+guide.table(
+    ["tool", *orders],
+    rows,
+    "Condition numbers; 1 is best, and where the first and third axis coincide, it fails.",
 )
+
+# %% [markdown]
+# Every choice of three angles fails somewhere: three numbers cannot cover all orientations without a seam, as no flat
+# map shows the whole globe. So compute with matrices, or with the quaternions of the next lesson, and use angles to talk
+# to people.
 
 # %% [markdown]
 # ## What goes wrong in practice
 #
-# - **Transposed.** $R_{ab}$ for $R_{ba}$: everything works at the pose where the tool is not turned, and nothing
-#   elsewhere. Name matrices with both frames, and let the indices cancel.
-# - **Degrees.** `sin(90)` is about the angle 90 radians.
-# - **Fixed or moving axes.** URDF's `rpy` turns about fixed axes, first $x$, then $y$, then $z$. That is the moving
-#   order
-#   $z, y, x$ backwards, and another rotation than moving $x, y, z$.
-# - **Not quite a rotation.** Typed with three decimals, or multiplied a million times, a matrix leaves $SO(3)$.
+# - **Transposed.** $R_{ab}$ in the place of $R_{ba}$: everything works where the tool is not turned, and nothing
+#   elsewhere. Name matrices by both frames, and let the indices cancel.
+# - **Degrees.** `sin(90)` is the sine of 90 radians.
+# - **Fixed or moving axes.** URDF's `rpy` turns about fixed axes, first $x$, then $y$, then $z$. This is the same as
+#   turning about moving axes in the order $z, y, x$, and another rotation than about moving $x, y, z$.
+# - **Not quite a rotation.** Typed with few decimals, or multiplied a million times, a matrix leaves $SO(3)$.
 
 # %% tags=["hidden"]
-typed = np.round(R @ rotations.exp([0.3, -0.5, 0.2]), 2)
+typed = np.round(R, 2)
 mended = rotations.nearest(typed)
 guide.say(
-    rf"Rounded to two decimals, an orientation of your tool is off by "
-    rf"{np.abs(typed.T @ typed - np.eye(3)).max():.4f} in "
-    rf"$R^TR = I$. The nearest rotation (`rotations.nearest`) is off by "
-    rf"${guide.rough(np.abs(mended.T @ mended - np.eye(3)).max())}$, and "
-    rf"{np.degrees(rotations.angle_between(mended, R @ rotations.exp([0.3, -0.5, 0.2]))):.2f}° from what was meant."
+    rf"Rounded to two decimals, the orientation of your tool misses $R^TR = I$ by up to "
+    rf"{np.abs(typed.T @ typed - np.eye(3)).max():.4f}. The rotation that is nearest to it (`rotations.nearest`) is one "
+    rf"to all digits, and {np.degrees(rotations.angle_between(mended, R)):.2f}° from what was meant."
 )
+assert np.allclose(mended.T @ mended, np.eye(3), atol=1e-12)
 
 # %% [markdown]
 # ## Exercises

@@ -6,16 +6,10 @@
 # orientation to another; about which axis do you turn it, and how far?
 #
 # Both questions have one answer, the exponential of a matrix and its inverse, the logarithm. All that follows in this
-# course is built of it.
+# course is built on it.
 #
-# ## What the columns are
-#
-# Write down the unit vectors along the axes of a frame B, in the coordinates of a frame A. Put them side by side:
-#
-# $$R_{ab} = \begin{bmatrix} x_{ab} & y_{ab} & z_{ab} \end{bmatrix}$$
-#
-# That is the rotation matrix. Here A is the base of your arm and B its tool, moved to the base's origin so that you
-# see the turn alone.
+# Here again are two frames: A is the base of your arm and B its tool, moved to the base's origin so that you see the
+# turn alone. The columns of $R_{ab}$ are the axes of B, seen from A.
 
 # %%
 from math import factorial
@@ -29,17 +23,21 @@ from twistarm import guide, rotations
 arm = guide.arm()
 theta = 0.6 * arm.ready + 0.4 * arm.random_theta(3)
 R = arm.fk(theta)[:3, :3]
-guide.table(
-    ["", "$x_{ab}$", "$y_{ab}$", "$z_{ab}$"],
-    [[f"along ${axis}$ of the base", *row] for axis, row in zip("xyz", R, strict=True)],
-    f"The tool's axes of `{arm.name}`, seen from the base: each column is one of them.",
-)
+guide.say(rf"The tool of `{arm.name}` on its way: $$R_{{ab}} = {guide.tex(R)}$$")
+
 
 # %% tags=["hidden"]
-fig, ax = guide.axes3(box=False)
-guide.plot_frame(ax, np.eye(3), "A", alpha=0.45)
+def towards_the_eye(azim, elev=22.0):
+    """How nearly an axis of A or B points at the eye, from 0 to 1."""
+    a, e = np.radians([azim, elev])
+    eye = [np.cos(e) * np.cos(a), np.cos(e) * np.sin(a), np.sin(e)]
+    return np.abs(np.vstack([np.eye(3), R.T]) @ eye).max()
+
+
+fig, ax = guide.axes3(box=False, azim=min(range(-55, 305, 10), key=towards_the_eye))
+guide.plot_frame(ax, np.eye(3), "A", alpha=0.5)
 guide.plot_frame(ax, R, "B")
-guide.fit(ax, [[-0.6] * 3, [0.6] * 3])
+guide.fit(ax, [[-1.0] * 3, [1.0] * 3])
 guide.figure(
     fig,
     "Two frames with one origin. A, faint, has the axes of the base. B has the axes of the tool; the tip of each is a "
@@ -48,82 +46,47 @@ guide.figure(
 )
 
 # %% [markdown]
-# The columns have length one and stand at right angles. All nine of their dot products together are one equation:
-#
-# $$R^\top R = I$$
-#
-# The columns are also right-handed, $x \times y = z$, which is the same as $\det R = +1$. Matrices with both properties
-# are called *special orthogonal*, and their set is $SO(3) \subset \mathbb{R}^{3\times 3}$. Source: MLS, section 2.2.1.
-#
-# You may find $R^\top R = 1$ written, or all $n\times n$ matrices called $SO(n)$. The first property gives
-# $\det R = \pm 1$ only, and most matrices have neither.
-
-# %%
-mirror = np.diag([1.0, 1.0, -1.0])
-mean = (R + np.eye(3)) / 2
-skewed = R + [[0, 0.1, 0], [0, 0, 0], [0, 0, 0]]
-
-
-def off_orthogonal(M):
-    """The largest entry of Mᵀ M − I."""
-    return np.abs(M.T @ M - np.eye(3)).max()
-
-
-assert off_orthogonal(R) < 1e-9
-assert np.isclose(np.linalg.det(R), 1)
-assert off_orthogonal(mirror) == 0
-guide.table(
-    ["matrix", "largest entry of $M^\\top M - I$", "$\\det M$"],
-    [
-        [name, f"${guide.rough(off_orthogonal(M))}$", np.linalg.det(M)]
-        for name, M in (
-            ("$R$ of the tool", R),
-            ("a mirror", mirror),
-            ("one entry of $R$ changed", skewed),
-        )
-    ],
-    "Only the first is a rotation. The mirror makes a right hand a left one, and no arm does that.",
-)
-
-# %% [markdown]
 # ## A group
 #
 # Do one turn after the other and you have a turn. A set with an operation of this kind is a *group* if four things
-# hold. For $A, B \in SO(3)$:
+# hold. For $R_1, R_2, R_3 \in SO(3)$, the rotation matrices of lesson 2.1.1:
 #
-# - closure: $AB$ is in $SO(3)$ too;
-# - identity: $IR = RI = R$;
-# - inverse: $R^\top R = R R^\top = I$, so that the transpose undoes the turn;
-# - associativity: $(AB)C = A(BC)$, as for all matrices.
+# - closure: $R_1 R_2$ is in $SO(3)$ too;
+# - identity: $I R_1 = R_1 I = R_1$;
+# - inverse: $R_1^T R_1 = R_1 R_1^T = I$, so that the transpose undoes the turn;
+# - associativity: $(R_1 R_2) R_3 = R_1 (R_2 R_3)$, as for all matrices.
 #
-# Two things are missing from the list. One is $AB = BA$. The other is the sum.
+# Source: MLS, section 2.2.1. Two things are missing from the list: the sum $R_1 + R_2$, and $R_1 R_2 = R_2 R_1$.
 
 # %%
-A, B = rotations.exp([1, 0, 0], np.pi / 2), rotations.exp([0, 1, 0], np.pi / 2)
-apart = np.degrees(rotations.angle_between(A @ B, B @ A))
-half = rotations.exp([0, 0, 1], np.pi / 2)
-halved = np.linalg.det((half + np.eye(3)) / 2)
-assert off_orthogonal(A @ B) < 1e-12
-guide.predict(
-    "Take a quarter turn about $x$ and a quarter turn about $y$. How far apart are the two orders? And is the mean of "
-    "$I$ and a quarter turn about $z$ the eighth of a turn between them?",
-    f"The orders are {apart:.0f}° apart. The mean has determinant {halved:.2f}: it is no rotation, it shrinks things. "
-    "Rotations are multiplied. What can be added and halved is their logarithm, at the end of this lesson.",
+X, Y, Z = (rotations.exp(unit, np.pi / 2) for unit in np.eye(3))  # quarter turns
+halved = np.linalg.det((Z + np.eye(3)) / 2)
+quarters, halves = (
+    np.degrees(rotations.angle_between(R1 @ R2, R2 @ R1)) for R1, R2 in ((X, Y), (X @ X, Y @ Y))
 )
+guide.predict(
+    "Is the mean of $I$ and a quarter turn about $z$ an eighth of a turn? And when does the order of two turns not "
+    "matter: for turns about one axis, quarter turns about $x$ and $y$, half turns about $x$ and $y$?",
+    f"The mean is no rotation: its determinant is {halved:.2f}, so it shrinks things. Rotations are multiplied; what can "
+    "be added and halved is their logarithm, at the end of this lesson. Turns about one axis may change places, for "
+    f"their angles add up. The two quarter turns come out {quarters:.0f}° apart, the two half turns {halves:.0f}°: half "
+    "turns about axes at right angles are the only other pair that commutes.",
+)
+assert np.isclose(halves, 0, atol=1e-5)
 
 # %% [markdown]
 # ## A point goes round
 #
-# Fix a unit vector $\omega$, the shaft, and let a body turn about it at one radian per second. A point $q$ of the body
-# moves at right angles to the shaft and to itself:
+# Fix a unit vector $\omega$, the shaft, and let a body turn about it at one radian per second. A point $q$ of the body,
+# seen from a point of the shaft, moves at right angles to the shaft and to $q$:
 #
 # $$\dot q(t) = \omega \times q(t) = \hat\omega\, q(t), \qquad
 # \hat\omega = \begin{bmatrix} 0 & -\omega_3 & \omega_2 \\ \omega_3 & 0 & -\omega_1 \\
 # -\omega_2 & \omega_1 & 0 \end{bmatrix}$$
 #
-# The hat writes the cross product as a matrix. Its matrices are *skew-symmetric*, $\hat\omega^\top = -\hat\omega$, and
+# The hat writes the cross product as a matrix. Its matrices are *skew-symmetric*, $\hat\omega^T = -\hat\omega$, and
 # their set is called $so(3)$. What we have is a linear differential equation with a constant matrix. Its solution is
-# the one that you know from numbers, where $\dot q = a q$ gives $q = e^{at} q(0)$:
+# the one that you know from numbers, where $\dot q = c q$ gives $q = e^{ct} q(0)$:
 #
 # $$q(t) = e^{\hat\omega t} q(0)$$
 #
@@ -143,13 +106,16 @@ rates = np.gradient(orbit, times, axis=0)[1:-1]
 assert np.abs(rates - np.cross(omega, orbit[1:-1])).max() < 1e-3
 
 # %% tags=["hidden"]
-fig, ax = guide.axes3(box=False, height=4.0, elev=35, azim=-100)
+fig, ax = guide.axes3(box=False, height=4.0, elev=35, azim=-45)
 ax.plot(*orbit.T, color=guide.GREY, linestyle="-")
 guide.plot_vector(ax, [0, 0, 0], 1.1 * omega, r"$\omega$", guide.PINK)
-for k, name in ((0, "$q(0)$"), (50, "$q(t)$")):
+for k, name in ((0, "$q(0)$"), (60, "$q(t)$")):
     guide.plot_vector(ax, [0, 0, 0], orbit[k], "", guide.INK)
-    ax.text(*(0.6 * orbit[k] + [0.12, 0, -0.1]), name, ha="center", va="center")
-    guide.plot_vector(ax, orbit[k], 0.6 * np.cross(omega, orbit[k]), r"$\omega\times q$", guide.ORANGE)
+    ax.text(*(0.6 * orbit[k] - [0.1, 0.1, 0.05]), name, color=guide.INK, ha="center", va="center")
+    velocity = 0.6 * np.cross(omega, orbit[k])
+    guide.plot_vector(ax, orbit[k], velocity, "", guide.ORANGE)
+    words = {"color": guide.ORANGE, "ha": "center", "va": "center"}
+    ax.text(*(orbit[k] + 1.35 * velocity), r"$\omega\times q$", **words)
 guide.fit(ax, [*orbit, [0, 0, 0], omega])
 guide.figure(
     fig,
@@ -166,16 +132,19 @@ guide.figure(
 # $$e^{\hat\omega\theta} = I + \hat\omega\theta + \frac{(\hat\omega\theta)^2}{2!}
 # + \frac{(\hat\omega\theta)^3}{3!} + \cdots$$
 #
-# For a unit vector the powers repeat: $\hat\omega^3 = -\hat\omega$. Sort the terms by $\hat\omega$ and $\hat\omega^2$:
+# The powers repeat. For any $a$, the rule for a double cross product says $\hat a^2 = a a^T - \|a\|^2 I$, and because
+# $\hat a a = a \times a = 0$ it follows that $\hat a^3 = -\|a\|^2\,\hat a$ (MLS, lemma 2.3). For the unit vector
+# $\omega$ this is $\hat\omega^3 = -\hat\omega$. Sort the terms by $\hat\omega$ and $\hat\omega^2$:
 #
 # $$e^{\hat\omega\theta} = I + \left(\theta - \frac{\theta^3}{3!} + \frac{\theta^5}{5!} - \cdots\right)\hat\omega
 # + \left(\frac{\theta^2}{2!} - \frac{\theta^4}{4!} + \frac{\theta^6}{6!} - \cdots\right)\hat\omega^2$$
 #
-# The brackets are the sine and one minus the cosine. This is **Rodrigues' formula**:
+# The first bracket is the sine, the second one minus the cosine. This is **Rodrigues' formula**:
 #
 # $$e^{\hat\omega\theta} = I + \hat\omega\sin\theta + \hat\omega^2(1 - \cos\theta), \qquad \|\omega\| = 1$$
 #
-# Source: MLS, section 2.2.2, equation (2.14).
+# Source: MLS, section 2.2.2, equation (2.14). It always gives a rotation: the transpose of $e^{\hat\omega\theta}$ is
+# $e^{-\hat\omega\theta}$, its inverse, and the determinant, which is 1 at $\theta = 0$, cannot jump to $-1$ on the way.
 
 
 # %%
@@ -189,6 +158,7 @@ angle = 2.1
 assert np.allclose(rodrigues(omega, angle), Rotation.from_rotvec(omega * angle).as_matrix())
 assert np.allclose(rodrigues(omega, angle), expm(rotations.skew(omega) * angle))
 assert np.allclose(np.linalg.matrix_power(rotations.skew(omega), 3), -rotations.skew(omega))
+assert np.allclose(np.linalg.matrix_power(rotations.skew(omega), 2), np.outer(omega, omega) - np.eye(3))
 
 
 def series(omega, theta, terms):
@@ -204,8 +174,8 @@ enough = {a: counts[np.argmax(np.array(e) < 5e-10)] for a, e in errors.items()}
 guide.predict(
     "How many terms of the series do you need for nine correct decimals, at half a radian and at six radians, nearly "
     "a full turn? And at which angle is the series cheaper than the formula?",
-    f"{enough[0.5]} at half a radian, {enough[6.0]} at six radians. It is cheaper nowhere: the formula needs one "
-    "sine, one cosine and the square of one matrix, whatever the angle.",
+    f"It takes {enough[0.5]} terms at half a radian and {enough[6.0]} at six radians. It is cheaper nowhere: the formula "
+    "needs one sine, one cosine and the square of one matrix, whatever the angle.",
 )
 
 # %% tags=["hidden"]
@@ -221,9 +191,6 @@ guide.figure(
 )
 
 # %% [markdown]
-# You may find $\omega^4/4!$ and $\omega^6/6!$ in this series, and the axis said to turn "for $\omega$ units of time".
-# The angle $\theta$ belongs there: $\omega$ is a vector, and its fourth power means nothing.
-#
 # ### The condition that is easily lost
 #
 # Rodrigues' formula holds for a **unit** vector. For any other, divide first:
@@ -231,32 +198,34 @@ guide.figure(
 # $$e^{\hat\omega\theta} = I + \frac{\hat\omega}{\|\omega\|}\sin(\|\omega\|\theta)
 # + \frac{\hat\omega^2}{\|\omega\|^2}\,(1 - \cos(\|\omega\|\theta))$$
 #
-# An axis out of a CAD file or a URDF may well have another length.
+# An axis from a CAD file or a URDF may well have another length.
 
-# %% tags=["reveal"]
+# %%
 long_axis = np.array([0.0, 0.0, 2.0])
 careless = rodrigues(long_axis, np.radians(30))
 careful = rodrigues(long_axis / 2, 2 * np.radians(30))
 assert np.allclose(careful, expm(rotations.skew(long_axis) * np.radians(30)))
-guide.say(
-    f"For $\\omega = (0, 0, {long_axis[2]:.0f})$ and $\\theta = 30°$ the short formula gives a matrix of determinant "
-    f"**{np.linalg.det(careless):.3f}**, which is no rotation. The long one gives a turn by "
-    f"{np.degrees(rotations.angle_between(np.eye(3), careful)):.0f}°, because such a shaft turns at two radians per "
-    "second."
+guide.predict(
+    f"Take $\\omega = (0, 0, {long_axis[2]:.0f})$ and $\\theta = 30°$. What is the determinant of the matrix that the "
+    "short formula gives? And by which angle does the matrix of the long one turn?",
+    f"The short formula gives a determinant of {np.linalg.det(careless):.3f}, so it is no rotation. The long one turns "
+    f"by {np.degrees(rotations.angle_between(np.eye(3), careful)):.0f}°, because such a shaft turns at two radians per "
+    "second.",
 )
 
 # %% [markdown]
 # ## The shafts of your arm
 #
-# For $\omega$ along x, y or z Rodrigues' formula gives the three elementary matrices of the first lesson. For the
-# shafts of your arm, as they stand now, it gives the rotation that each joint would add.
+# For $\omega$ along $x$, $y$ or $z$ Rodrigues' formula gives $R_x$, $R_y$ and $R_z$ of the first lesson. For the shafts
+# of your arm, as they stand where it waits, it gives the rotation that each joint would add. Here each joint was moved
+# alone, and $e^{\hat\omega\theta}R$ was compared with the orientation that the tool then had.
 
-# %%
+# %% tags=["hidden"]
 turning = guide.arm_with(
     "a joint that turns", lambda a: bool(np.any(np.linalg.norm(a.screws[3:], axis=0) > 0.5))
 )
 pose = turning.ready
-shafts = turning.spatial_jacobian(pose)[3:]
+shafts = turning.spatial_jacobian(pose)[3:]  # the axes of the joints, as lesson 3.3.2 shows
 rows, before, step = [], turning.fk(pose)[:3, :3], np.radians(40)
 for name, shaft, unit in zip(turning.joint_names, shafts.T, np.eye(turning.n), strict=True):
     if not np.isclose(np.linalg.norm(shaft), 1):
@@ -264,14 +233,12 @@ for name, shaft, unit in zip(turning.joint_names, shafts.T, np.eye(turning.n), s
     after = turning.fk(pose + step * unit)[:3, :3]
     assert np.allclose(rodrigues(shaft, step) @ before, after)
     assert np.allclose(rotations.skew(shaft) @ shaft, 0)
-    rows.append(
-        [f"`{name}`", *shaft, f"${guide.rough(np.abs(rodrigues(shaft, step) @ before - after).max())}$"]
-    )
+    off = max(np.abs(rodrigues(shaft, step) @ before - after).max(), np.finfo(float).eps)
+    rows.append([f"`{name}`", *shaft, f"${guide.rough(off)}$"])
 guide.table(
-    ["joint", "$\\omega_x$", "$\\omega_y$", "$\\omega_z$", "off from forward kinematics"],
+    ["joint", "$\\omega_x$", "$\\omega_y$", "$\\omega_z$", "off by at most"],
     rows,
-    f"Shafts of `{turning.name}` at ready, seen from the base. Each joint was moved by {np.degrees(step):.0f}°; "
-    r"$e^{\hat\omega\theta}R$ was compared with the tool's new orientation.",
+    f"Shafts of `{turning.name}`, seen from the base. Each joint was moved by {np.degrees(step):.0f}°.",
 )
 
 # %% [markdown]
@@ -280,17 +247,21 @@ guide.table(
 #
 # ## The way back: the logarithm
 #
-# Every rotation is a turn about one axis. To find it, read Rodrigues' formula backwards. The trace holds the angle, and
-# the difference of opposite entries holds the axis:
+# Every rotation is a turn about one axis: this is **Euler's theorem**. For some direction stays where it is, because
+#
+# $$\det(R - I) = \det(R - RR^T) = \det R\,\det(I - R)^T = -\det(R - I)$$
+#
+# and so this determinant is 0. To find the axis, read Rodrigues' formula backwards. The trace holds the angle, and the
+# differences of opposite entries hold the axis:
 #
 # $$\theta = \cos^{-1}\frac{\mathrm{tr}\,R - 1}{2}, \qquad
 # \omega = \frac{1}{2\sin\theta}\begin{bmatrix} r_{32} - r_{23} \\ r_{13} - r_{31} \\ r_{21} - r_{12} \end{bmatrix}$$
 #
-# Source: MLS, section 2.2.2. The product $\omega\theta$ is the *logarithm* of $R$, three numbers that are called its
+# Source: MLS, section 2.2.2. The product $\omega\theta$ is the *logarithm* of $R$; its three numbers are also called the
 # exponential coordinates. So one turn takes the tool from one orientation to another, however many joints moved.
 
 # %%
-start, end = arm.fk(arm.ready)[:3, :3], R
+start, end = arm.fk(arm.ready)[:3, :3], R  # from where the arm waits to where it is on its way
 change = end @ start.T  # seen from the base: change · start = end
 w = rotations.log(change)
 turn = np.linalg.norm(w)
@@ -304,7 +275,7 @@ if 0.01 < turn < np.pi - 0.01:  # where the formula above may be used
 
 halfway = rotations.exp(w / 2) @ start
 guide.say(
-    f"From ready to the orientation of the first table, `{arm.name}` turns its tool by **{np.degrees(turn):.1f}°** "
+    f"From where it waits to the orientation of the first picture, `{arm.name}` turns its tool by **{np.degrees(turn):.1f}°** "
     f"about $({', '.join(f'{x:.3f}' for x in (w / turn if turn else w) + 0.0)})$, seen from the base. Half the "
     f"logarithm is half the way: {np.degrees(rotations.angle_between(start, halfway)):.1f}° from the one and "
     f"{np.degrees(rotations.angle_between(halfway, end)):.1f}° from the other."
@@ -315,7 +286,8 @@ guide.slider(
     "axis_angle",
     "Set a half turn, 180°. Then reverse the axis. What happens to the matrix? Try the same at 90°.",
     "At a half turn $\\omega$ and $-\\omega$ give the same matrix: there the logarithm has two values, and a program "
-    "has to choose one. At 90° the two turns are inverse to each other.",
+    "has to choose one. A controller that follows the axis sees a jump there. At 90° the two turns are inverse to "
+    "each other.",
     axis=(1, 0, 1),
     angle=180,
 )
@@ -323,9 +295,17 @@ guide.slider(
 # %% [markdown]
 # ### Where the formula for the logarithm fails
 #
-# At $\theta = 0$ there is no axis to find, and at a half turn $\sin\theta = 0$ leaves nothing to divide by. Near both
-# ends rounding is magnified, because the cosine is flat there. A turn by a few billionths of a radian is no rarity: it
-# is what an iteration sees just before it ends.
+# At $\theta = 0$ there is no axis to find, and the logarithm is $0$. At a half turn $\sin\theta = 0$ leaves nothing to
+# divide by, but the axis is still there. Rodrigues' formula with $\theta = \pi$, and $\hat\omega^2 = \omega\omega^T - I$
+# from above, give
+#
+# $$R + I = 2\,\omega\,\omega^T$$
+#
+# Every column of this matrix is a multiple of $\omega$. Take the longest, divide it by its length, and you have
+# $\omega$ or $-\omega$: both are right (Lynch & Park, section 3.2.3.3).
+#
+# Near both ends rounding is magnified, because the cosine is flat there. A turn by a few billionths of a radian is no
+# rarity: it is what an iteration sees just before it ends.
 
 # %% tags=["hidden"]
 sizes = np.logspace(-10, 0, 21)
@@ -344,20 +324,23 @@ guide.figure(
     fig,
     "The relative error of two ways to find a small angle. By the arc cosine of the trace all digits are lost below "
     "ten to the minus eight radians. The careful logarithm keeps them.",
-    f"Below {1e-8:g} rad the arc cosine returns nothing but zero or noise.",
+    f"Below some ${guide.rough(sizes[abs(by_cosine / sizes - 1) > 0.5].max())}$ rad the arc cosine returns nothing but "
+    "zero or noise.",
 )
 
 # %% [markdown]
-# `rotations.log` goes by the quaternion of the lesson before, which is sensitive at both ends. Use it, or SciPy's
-# `Rotation.as_rotvec`, and keep the formula for the blackboard.
+# `rotations.log` goes by the quaternion of the lesson before, which is accurate at both ends; so does SciPy's
+# `Rotation.as_rotvec`. Write the formula once yourself, in the exercise below, and use one of these from then on.
 #
 # ## In use: which way is down?
 #
-# A gripper with an accelerometer feels gravity in its own axes. You know gravity in the axes of the base. The matrix
-# $R_{st}$ takes tool coordinates to base coordinates, $f_s = R_{st} f_t$, so what the sensor reads is the other
-# direction:
+# You know gravity in the axes of the base, $g_s$, and your gripper needs it in its own, $g_t$: to keep a bottle upright,
+# say. The matrix $R_{st}$ takes coordinates of the tool T to coordinates of the base S, $g_s = R_{st}\,
+# g_t$, so the way asked for is the other one:
 #
-# $$f_t = R_{st}^\top f_s$$
+# $$g_t = R_{st}^T\,g_s$$
+#
+# (An accelerometer in the gripper, at rest, reads $-g_t$: it feels what holds it up, not what pulls it down.)
 
 # %%
 g_s = np.array([0.0, 0.0, -9.81])  # downward, the base standing upright [m/s²]
@@ -368,12 +351,12 @@ assert np.allclose(g_t, Rotation.from_matrix(R).inv().apply(g_s))
 wrong = np.degrees(np.arccos(np.clip(g_t @ back / (g_t @ g_t), -1, 1)))
 guide.table(
     ["", "$x$", "$y$", "$z$"],
-    [["gravity in base axes", *g_s], ["in tool axes, $R^\\top g$", *g_t], ["the slip, $R\\,g$", *back]],
-    f"Gravity [m/s²] as the tool of `{arm.name}` feels it. With the transpose forgotten, down is {wrong:.0f}° wrong.",
+    [["gravity in base axes", *g_s], ["in tool axes, $R^T g$", *g_t], ["the slip, $R\\,g$", *back]],
+    f"Gravity [m/s²] seen from the tool of `{arm.name}`. With the transpose forgotten, down is {wrong:.0f}° wrong.",
 )
 
 # %% [markdown]
-# Two habits keep you from the slip. Write the indices, and let the inner ones meet: $f_s = R_{st} f_t$. And test with
+# Two habits keep you from the slip. Write the indices, and let the inner ones meet: $g_s = R_{st}\, g_t$. And test with
 # a turn whose answer you know, about an axis that is not the one in question: a turn about the vertical leaves gravity
 # as it is, and would hide the slip.
 #
@@ -388,20 +371,11 @@ lost = rotations.angle_between(
 guide.say(f"90 radians in place of 90° leave the tool {np.degrees(lost):.0f}° off.")
 
 # %% [markdown]
-# **An axis that is not a unit vector.** The matrix stretches: the tool grows or shrinks as the joint turns. Check
-# $\det R = 1$ once, where the axis enters your program.
-#
 # **Left and right.** A shaft seen from the base multiplies from the left, one seen from the tool from the right. The
-# slip does not show while all shafts are parallel, and does with the first that is not.
-#
-# **Rotations that are averaged or filtered entry by entry.** The result is no rotation. Filter the logarithms of small
-# differences, or quaternions with signs that agree.
+# slip does not show while all shafts are parallel; it does with the first that is not.
 #
 # **A program that multiplies for hours.** Rounding carries the product out of $SO(3)$ slowly. Put it back now and
 # then, with `rotations.nearest`.
-#
-# **The half turn.** Near 180° the axis may flip to its negative from one instant to the next. It is no error of yours:
-# both are right. A controller that follows the axis sees a jump.
 #
 # ## Exercises
 

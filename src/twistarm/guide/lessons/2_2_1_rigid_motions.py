@@ -3,15 +3,16 @@
 #
 # A camera on a link of your arm sees a rock and says where it lies: so much to the right, so much ahead, all of it
 # measured from the lens. You want the tip of the screwdriver that the gripper holds to touch the rock. Where is the
-# rock for the base? Where is the tip? And how far has the one to go to meet the other?
+# rock, seen from the base? Where is the tip? And how far does the tip have to go to touch the rock?
 #
 # Frames that have moved and turned lie between the questions and their answers. This lesson puts a turn and a shift
 # into one matrix, so that passing from frame to frame becomes a product.
 #
 # ## The law
 #
-# Let $R_{ab}$ be the orientation of frame B seen from A, and $p_{ab}$ the place of its origin. A point with coordinates
-# $q_b$ in B has in A the coordinates
+# A **rigid motion** keeps every distance, and it keeps a right hand a right hand. Every such motion of space is a turn
+# and a shift (MLS, section 2.1). Let $R_{ab}$ be the orientation of frame B seen from A, and $p_{ab}$ the place of its
+# origin. A point with coordinates $q_b$ in B has in A the coordinates
 #
 # $$q_a = R_{ab}\,q_b + p_{ab}$$
 #
@@ -20,16 +21,19 @@
 # $$\bar q_a = \begin{bmatrix} q_a \\ 1 \end{bmatrix}
 # = \begin{bmatrix} R_{ab} & p_{ab} \\ 0 & 1 \end{bmatrix} \begin{bmatrix} q_b \\ 1 \end{bmatrix} = g_{ab}\,\bar q_b$$
 #
-# The pairs $(p, R)$ are the rigid motions; their set is called $SE(3)$. Source: MLS, section 2.3.1.
+# The matrix $g_{ab}$ is called the **pose** of B seen from A. The set of all of them, with $p \in \mathbb{R}^3$ and
+# $R \in SO(3)$, is called $SE(3)$, the *special Euclidean group*. Source: MLS, section 2.3.1.
 #
 # A **vector** is the difference of two points, so it carries a 0 underneath. The shift then drops out, as it should: a
-# direction or a speed does not change when the origin moves.
+# direction does not change when the origin moves.
+#
+# Four frames on your arm: S is the base, T the tool, F the tip of a screwdriver in the gripper, and C a camera.
 
 # %%
 import numpy as np
-import pinocchio as pin
+import pinocchio  # another library for robots, which computes the same by itself
 
-from twistarm import guide, screws
+from twistarm import guide, rotations, screws
 
 arm = guide.arm()
 theta = 0.6 * arm.ready + 0.4 * arm.random_theta(5)
@@ -47,29 +51,28 @@ guide.table(
 # %% [markdown]
 # ## Frames in a row
 #
-# Frame C seen from B, and B seen from A, give C seen from A:
+# Frame D seen from B, and B seen from A, give D seen from A:
 #
-# $$g_{ac} = g_{ab}\,g_{bc} = \begin{bmatrix} R_{ab}R_{bc} & R_{ab}\,p_{bc} + p_{ab} \\ 0 & 1 \end{bmatrix}$$
+# $$g_{ad} = g_{ab}\,g_{bd} = \begin{bmatrix} R_{ab}R_{bd} & R_{ab}\,p_{bd} + p_{ab} \\ 0 & 1 \end{bmatrix}$$
 #
-# The letters that meet in the middle cancel. You may find "$g_{ab}$, $g_{ac}$ are given" written here; it is $g_{ab}$
-# and $g_{bc}$ that must be given, and $g_{ac}$ is what you get. Check each product by its letters and you will not go
-# wrong.
+# The letters that meet in the middle cancel. Check each product by its letters and you will not go wrong.
 #
-# On your arm: C is a screwdriver's tip frame, which is shifted along the tool's $z$ axis and tilted.
+# On your arm, frame F at the tip of the screwdriver is shifted along the tool's $z$ axis and tilted about its $x$ axis.
 
 # %%
-g_tc = screws.exp([0, 0, 0, 0.5, 0, 0])
-g_tc[:3, 3] = point[:3]
-g_sc, swapped = g_st @ g_tc, g_tc @ g_st
-assert np.allclose(g_sc[:3, 3], (g_st @ point)[:3])
-assert np.allclose(g_sc, (pin.SE3(g_st) * pin.SE3(g_tc)).homogeneous)
-assert np.allclose(arm.with_tool(g_tc, "screwdriver").fk(theta), g_sc)
-miss = np.linalg.norm((g_sc - swapped)[:3, 3])
+g_tf = np.eye(4)
+g_tf[:3, :3], g_tf[:3, 3] = rotations.exp([1, 0, 0], 0.5), point[:3]
+g_sf, swapped = g_st @ g_tf, g_tf @ g_st
+assert np.allclose(g_sf[:3, 3], (g_st @ point)[:3])
+assert np.allclose(g_sf, (pinocchio.SE3(g_st) * pinocchio.SE3(g_tf)).homogeneous)
+assert np.allclose(arm.with_tool(g_tf, "screwdriver").fk(theta), g_sf)
+miss = np.linalg.norm((g_sf - swapped)[:3, 3])
 guide.predict(
-    "How far from the screwdriver's true tip do you look for it if you write $g_{tc}\\,g_{st}$ instead of "
-    "$g_{st}\\,g_{tc}$?",
-    f"On `{arm.name}`, {100 * miss:.1f} cm. The tip is at $({', '.join(f'{x:.3f}' for x in g_sc[:3, 3] + 0.0)})$ m; "
-    f"the swapped product says $({', '.join(f'{x:.3f}' for x in swapped[:3, 3] + 0.0)})$ m.",
+    "Somebody writes $g_{tf}\\,g_{st}$ instead of $g_{st}\\,g_{tf}$. Does the tip come out in the same place? Why, or why "
+    "not?",
+    f"It does not: the screwdriver lies along the tool's axes. The swapped product adds it along the base's, and tilts "
+    f"the place of the tool with it. On `{arm.name}` the tip is at $({', '.join(f'{x:.3f}' for x in g_sf[:3, 3] + 0.0)})$ m, and the swapped "
+    f"product says $({', '.join(f'{x:.3f}' for x in swapped[:3, 3] + 0.0)})$ m, {100 * miss:.1f} cm away.",
 )
 
 # %% [markdown]
@@ -77,7 +80,8 @@ guide.predict(
 # the axes that the motions before have left.
 
 # %% tags=["hidden"]
-turn, shift = screws.exp([0, 0, 0, 0, 0, 1], np.pi / 3), screws.exp([1.0, 0, 0, 0, 0, 0])
+turn, shift = np.eye(4), np.eye(4)
+turn[:3, :3], shift[:3, 3] = rotations.exp([0, 0, 1], np.pi / 3), [1.0, 0.0, 0.0]
 fig, columns = guide.axes2(2, width=6.4, height=3.0, equal=False)
 for ax, motions, title in (
     (columns[0], [turn, turn @ shift], "first turn, then shift"),
@@ -86,8 +90,9 @@ for ax, motions, title in (
     for k, g in enumerate([np.eye(4), *motions]):
         colours = (guide.ORANGE, guide.GREEN) if k == 2 else (guide.GREY, guide.GREY)
         for axis, (letter, colour) in enumerate(zip("xy", colours, strict=True)):
-            name = f"${letter}_{'ABC'[k]}$" if k != 1 else ""
-            guide.plot_vector(ax, g[:2, 3], 0.45 * g[:2, axis], name, colour)
+            name = f"${letter}_{'ABD'[k]}$" if k != 1 else ""
+            guide.plot_vector(ax, g[:2, 3], 0.45 * g[:2, axis], "", colour)
+            ax.text(*(g[:2, 3] + 0.58 * g[:2, axis]), name, color=colour, ha="center", va="center")
     ax.set(title=title, xlim=(-0.7, 1.7), ylim=(-0.3, 1.6), xlabel="x", ylabel="y", aspect="equal")
 guide.figure(
     fig,
@@ -101,7 +106,7 @@ guide.figure(
 #
 # The motion that undoes $g_{ab}$ is B's view of A:
 #
-# $$g_{ba} = g_{ab}^{-1} = \begin{bmatrix} R_{ab}^\top & -R_{ab}^\top p_{ab} \\ 0 & 1 \end{bmatrix}$$
+# $$g_{ba} = g_{ab}^{-1} = \begin{bmatrix} R_{ab}^T & -R_{ab}^T p_{ab} \\ 0 & 1 \end{bmatrix}$$
 #
 # The shift is not $-p$ alone: seen from B, the origin of A lies in the direction $-p$ *turned into B's axes*.
 
@@ -112,7 +117,7 @@ careless[:3, :3], careless[:3, 3] = g_st[:3, :3].T, -g_st[:3, 3]
 assert np.allclose(g_ts @ g_st, np.eye(4))
 assert np.allclose(g_ts, np.linalg.inv(g_st))
 guide.say(
-    f"With $-p$ in place of $-R^\\top p$, `{arm.name}` believes its base to be "
+    f"With $-p$ in place of $-R^T p$, `{arm.name}` believes its base to be "
     f"{100 * np.linalg.norm((careless - g_ts)[:3, 3]):.1f} cm from where its tool would see it."
 )
 
@@ -122,61 +127,74 @@ guide.say(
 #
 # ## In use: the camera and the rock
 #
-# The camera sits on a link of your arm, half way along the chain where the description has links. The rock is where the
-# camera says. Three products answer the questions of the beginning:
+# Camera C sits on a link of your arm, half way along the chain where the description has links. The rock is where the
+# camera says, at $q_c$. Three lines answer the questions of the beginning; $p_{tf}$ is the tip, seen from the tool:
 #
-# $$\bar q_s = g_{sc}\,\bar q_c, \qquad \bar q_t = g_{st}^{-1}\,\bar q_s, \qquad d = q_t - p_{\text{tip}}$$
+# $$\bar q_s = g_{sc}\,\bar q_c, \qquad \bar q_t = g_{st}^{-1}\,\bar q_s, \qquad d_t = q_t - p_{tf}$$
 
-# %%
+# %% tags=["hidden"]
 links = arm.description.joints if arm.description else {}
 moving = [links[name].child for name in arm.moving_names if name in links]
 camera = moving[(len(moving) - 1) // 2] if moving else arm.base
-g_scam = arm.pose(theta, camera)
+g_sc = arm.pose(theta, camera)
 tip = (g_st @ point)[:3]
-lies = tip + 0.4 * arm.reach * np.array([0.64, 0.48, -0.6])
-seen = np.round(screws.inverse(g_scam) @ [*lies, 1], 3)  # what the camera says, to the millimetre
+eye = np.array([0.52, -0.77, 0.37])  # from where the picture below is seen
+beside = np.cross(eye, tip - g_sc[:3, 3])
+beside /= np.linalg.norm(beside) or 1.0
+rock = tip + 0.35 * arm.reach * (beside if beside[2] < 0 else -beside)
+q_c = np.round(screws.inverse(g_sc) @ [*rock, 1], 3)  # what the camera says, to the millimetre
 
-rock_s = g_scam @ seen
-rock_t = screws.inverse(g_st) @ rock_s
-way = rock_t - point
-assert np.allclose(g_st @ (point + way), rock_s)
-assert np.isclose(np.linalg.norm(way), np.linalg.norm(rock_s - g_st @ point))
+# %%
+q_s = g_sc @ q_c
+q_t = screws.inverse(g_st) @ q_s
+d_t = q_t - point
+assert np.allclose(g_st @ (point + d_t), q_s)
+assert np.isclose(np.linalg.norm(d_t), np.linalg.norm(q_s - g_st @ point))
 guide.table(
-    ["seen from", "$x$ [m]", "$y$ [m]", "$z$ [m]"],
+    ["", "$x$ [m]", "$y$ [m]", "$z$ [m]"],
     [
-        [f"the camera, on `{camera}`", *seen[:3]],
-        ["the base", *rock_s[:3]],
-        ["the tool", *rock_t[:3]],
-        ["the tip (tool's axes)", *way[:3]],
+        [f"$q_c$, seen from the camera on `{camera}`", *q_c[:3]],
+        ["$q_s$, seen from the base", *q_s[:3]],
+        ["$q_t$, seen from the tool", *q_t[:3]],
+        ["$d_t$, from the tip, in the tool's axes", *d_t[:3]],
     ],
-    f"One rock, four views. From the tip of the screwdriver it is {100 * np.linalg.norm(way):.1f} cm away.",
+    f"One rock, four views. From the tip of the screwdriver it is {100 * np.linalg.norm(d_t):.1f} cm away.",
 )
 
 # %% tags=["hidden"]
 fig, ax = guide.axes3(width=5.2, height=4.6)
-guide.plot_arm(ax, arm, theta, alpha=0.5, tool=False)
-for g, name in ((np.eye(4), "s"), (g_scam, "c"), (g_st, "t")):
-    guide.plot_frame(ax, g, None, 0.2 * arm.reach)
+guide.plot_arm(ax, arm, theta, alpha=0.4, tool=False)
+for g, name in ((np.eye(4), "s"), (g_sc, "c"), (g_st, "t")):
+    guide.plot_frame(ax, g, None, 0.16 * arm.reach)
     ax.text(
         *(g[:3, 3] - 0.06 * arm.reach * g[:3, :3].sum(axis=1)), f"${name}$", ha="center", va="center"
     )
-guide.plot_vector(ax, g_scam[:3, 3], (rock_s[:3] - g_scam[:3, 3]), "", guide.PINK)
-guide.plot_vector(ax, tip, rock_s[:3] - tip, "", guide.AMBER)
-guide.plot_point(ax, rock_s[:3], "rock", guide.INK)
+ax.plot(*np.array([g_st[:3, 3], tip]).T, color=guide.GREY, linestyle="-", linewidth=4.0)
+for start, name, colour in ((g_sc[:3, 3], "q", guide.PINK), (tip, "d", guide.AMBER)):
+    guide.plot_vector(ax, start, 0.96 * (q_s[:3] - start), "", colour)
+    side = {"q": "right", "d": "left"}[name]
+    ax.text(*(start + 0.6 * (q_s[:3] - start)), f"   ${name}$   ", color=colour, ha=side)
+guide.plot_point(ax, q_s[:3], "", guide.INK)
+ax.text(*q_s[:3], "\nrock", color=guide.INK, ha="center", va="top")
 guide.fit(ax)
 guide.figure(
     fig,
-    f"{arm.name} with the frames of its base, of a camera on one of its links and of its tool. One arrow goes from the "
-    "camera to a rock, another from the tip of the tool to the same rock.",
-    "Base $s$, camera $c$, tool $t$: the camera's arrow is what is known, the tip's arrow is what is asked for.",
+    f"{arm.name} with the frames of its base, of a camera on one of its links and of its tool, which holds a "
+    "screwdriver. One arrow goes from the camera to a rock, another from the tip of the screwdriver to the same rock.",
+    "Base $s$, camera $c$, tool $t$ with the screwdriver, grey. What is known is the arrow $q$ from the camera to the "
+    "rock; what is asked for is the arrow $d$ from the tip.",
 )
 
 # %%
-guide.scene(
-    arm,
-    theta=theta,
-    caption="Move a joint beyond the camera's link, then one before it: which moves its view?",
+moved = {name: theta + 0.1 * unit for name, unit in zip(arm.joint_names, np.eye(arm.n), strict=True)}
+carrying = [f"`{name}`" for name, x in moved.items() if not np.allclose(arm.pose(x, camera), g_sc)]
+assert not any(np.allclose(arm.fk(x), g_st) for x in moved.values())
+guide.predict(
+    f"The camera sits on `{camera}`. Which joints change $g_{{sc}}$, and which change $g_{{st}}$?",
+    f"Those before the camera change $g_{{sc}}$: {', '.join(carrying) or 'here there are none'}. Every joint changes "
+    "$g_{st}$. Move them in the view below, and watch the link of the camera and the tool.",
 )
+guide.scene(arm, theta=theta, caption="The arm as in the picture above.")
 
 # %% [markdown]
 # ## What goes wrong in practice
@@ -187,7 +205,7 @@ guide.scene(
 # **The inverse by changing signs.** It works while nothing is turned, and fails on the first day that something is.
 #
 # **The 1 forgotten, or put under a direction.** With a 0 under a point every frame seems to sit at the base. With a 1
-# under a direction, the gripper approaches along a line that has the arm's own position added to it.
+# under a direction, the place of the frame is added to it, and the gripper approaches from the wrong side.
 #
 # **The camera's axes.** Optical frames have $z$ ahead, $x$ right and $y$ down; frames of links mostly have $x$ ahead
 # and $z$ up. The turn between the two is a constant matrix, and it belongs in the chain.

@@ -1,24 +1,24 @@
 # %% [markdown]
 # # Twists and screws
 #
-# The driver moves all joints at once, and the gripper goes from one pose to another. Is there a description of what it
-# did that is shorter than a dozen numbers? There is: it turned about **one line** and slid along it, as a nut does on
-# its bolt. And one joint of your arm, whichever type it is: what does it do to everything beyond it? The same.
+# The driver moves all joints at once, and the gripper goes from one pose to another. Can you say in one sentence what
+# it did? You can: it turned about **one line** and slid along it, as a nut does on its bolt. A single joint of your
+# arm, whatever its type, does the same to everything beyond it.
 #
 # ## What a joint does to a point
 #
 # Let $\omega$ be the unit vector along a joint's axis, $q$ any point on that axis, and $p$ a point of the link beyond
-# it. A joint that turns, at one radian per second, gives
+# it. A revolute joint, which turns, gives this point at one radian per second the velocity
 #
 # $$\dot p = \omega \times (p - q)$$
 #
-# That is a pure rotation. You may find it given for a joint that is "translating and rotating": then the slide along
-# the axis is missing. A screw joint slides by $h$ metres for each radian, and $h$ is called its *pitch*. A prismatic
-# joint only slides, along a unit vector $v$:
+# This is rotation alone. (Some texts give the formula for a joint that translates and rotates; the slide is then
+# missing.) A helical joint, a nut on a threaded rod, also slides by $h$ metres for each radian. The number $h$ is its
+# *pitch*. A prismatic joint only slides, along a unit vector $v$:
 #
 # $$\dot p = \omega \times (p - q) + h\,\omega, \qquad\qquad \dot p = v$$
 #
-# All three can be written with one pair of vectors. Put $v = -\omega \times q + h\,\omega$, and
+# One pair of vectors serves for all three. With $v = -\omega \times q + h\,\omega$,
 #
 # $$\begin{bmatrix} \dot p \\ 0 \end{bmatrix}
 # = \begin{bmatrix} \hat\omega & v \\ 0 & 0 \end{bmatrix} \begin{bmatrix} p \\ 1 \end{bmatrix} = \hat\xi\,\bar p,
@@ -31,16 +31,16 @@ import numpy as np
 import pinocchio as pin
 from scipy.linalg import expm
 
-from twistarm import guide, joints, screws
+from twistarm import guide, joints, rotations, screws
 
 axis, q, pitch = np.array([0.0, 0.0, 1.0]), np.array([0.4, 0.0, 0.0]), 0.08
 kinds = {
     "revolute": joints.revolute(axis, q)[:, 0],
     "prismatic": joints.prismatic(axis)[:, 0],
-    "screw": joints.helical(axis, q, pitch)[:, 0],
+    "helical": joints.helical(axis, q, pitch)[:, 0],
 }
 p = np.array([0.75, 0.0, 0.0])
-assert np.allclose(screws.hat(kinds["screw"]) @ [*p, 1], [*(np.cross(axis, p - q) + pitch * axis), 0])
+assert np.allclose(screws.hat(kinds["helical"]) @ [*p, 1], [*(np.cross(axis, p - q) + pitch * axis), 0])
 # any point on the axis will do
 assert np.allclose(kinds["revolute"], joints.revolute(axis, q + 3 * axis)[:, 0])
 guide.table(
@@ -53,42 +53,52 @@ guide.table(
 fig, columns = guide.axes3(3, width=6.6, height=3.0, box=False)
 amounts = np.linspace(0, 5, 80)
 for ax, (name, xi) in zip(columns, kinds.items(), strict=True):
-    scale = 0.08 if name == "prismatic" else 1.0
-    path = screws.exp(xi, scale * amounts) @ [*p, 1]
+    slides = name == "prismatic"
+    ax.set_proj_type("ortho")
+    path = screws.exp(xi, (0.08 if slides else 1.0) * amounts) @ [*p, 1]
     ax.plot(*path[:, :3].T, color=guide.INK, linestyle="-", linewidth=2.0)
-    guide.plot_screw(ax, xi if name != "prismatic" else joints.prismatic(axis)[:, 0], length=0.9)
+    guide.plot_screw(
+        ax, xi, 0.9, "$v$" if slides else r"$\omega$", guide.ORANGE if slides else guide.PINK, near=q
+    )
+    if not slides:
+        guide.plot_point(ax, q, "$q$")
     guide.plot_point(ax, p, "")
-    rate = screws.hat(xi) @ [*p, 1]
-    guide.plot_vector(ax, p, (0.3 if name == "prismatic" else 1.0) * rate[:3], "", guide.ORANGE)
+    ax.text(*(p + [0, 0, -0.1]), "$p$", ha="center", va="center")
+    rate = (screws.hat(xi) @ [*p, 1])[:3]
+    arrow = (0.3 if slides else 0.8) * rate
+    guide.plot_vector(ax, p, arrow, "", guide.AMBER)
+    ax.text(*(p + arrow + [0.08, 0, 0.03]), r"$\dot p$", color=guide.AMBER, ha="center", va="center")
     guide.fit(ax, [[-0.05, -0.45, -0.45], [0.85, 0.45, 0.45]])
     ax.set_title(name)
 guide.figure(
     fig,
-    "Three drawings side by side. Revolute: a point goes round an axis on a circle. Prismatic: a point moves along a "
-    "straight line. Screw: a point goes round an axis and rises, on a helix. An arrow on each is the velocity.",
-    "Revolute, prismatic and screw joint: the path of one point, and its velocity at the start.",
+    "Three drawings side by side. Revolute: a point p goes round an axis through q on a circle. "
+    "Prismatic: a point moves along a straight line. Helical: a point goes round an axis and rises, "
+    "on a helix. An arrow on each is its velocity.",
+    "Revolute, prismatic and helical joint: the path of one point $p$, and its velocity at the start.",
 )
 
 # %%
 origin_rate = (screws.hat(kinds["revolute"]) @ [0, 0, 0, 1])[:3]
 assert np.allclose(origin_rate, kinds["revolute"][:3])
 guide.predict(
-    "The revolute joint of the table turns on the spot, and yet its $v$ is not zero. Which point moves with the "
-    "velocity $v$?",
-    "The point of the moving body (think of it as large enough) that is just at the origin of the frame: "
-    f"$\\hat\\xi\\,(0, 0, 0, 1)$ is $({', '.join(f'{x:.1f}' for x in origin_rate + 0.0)})$. It is neither the velocity "
-    "of the joint nor that of the tool.",
+    "The revolute joint of the table turns on the spot, and yet its $v$ is not zero. Which point "
+    "moves with the velocity $v$?",
+    "The point of the moving body that is now at the origin of the frame, if you imagine the body "
+    "large enough to have one there: "
+    f"its velocity, the upper part of $\\hat\\xi\\,(0, 0, 0, 1)$, is ${guide.tex(origin_rate, 1)}$. It is "
+    "neither the velocity of the joint nor that of the tool.",
 )
 
 # %% [markdown]
 # ## The twists of your arm
 #
-# For each moving joint: its twist seen from the base where all joints stand at zero, and the screw that the twist
-# describes. To read the screw off a twist with $\omega \neq 0$:
+# The table shows the twist of each moving joint, seen from the base while all joints stand at zero, and the screw that
+# the twist describes. Axis point and pitch are read off a twist with $\omega \neq 0$ by
 #
-# $$h = \frac{\omega^\top v}{\|\omega\|^2}, \qquad q = \frac{\omega \times v}{\|\omega\|^2}, \qquad M = \|\omega\|$$
+# $$h = \frac{\omega^T v}{\|\omega\|^2}, \qquad q = \frac{\omega \times v}{\|\omega\|^2}, \qquad M = \|\omega\|$$
 #
-# $M$ is the *magnitude*. A twist with $\omega = 0$ has $h = \infty$ and $M = \|v\|$. Source: MLS, section 2.3.3.
+# where $q$ is the point of the axis nearest to the origin, and $M$ is the *magnitude*. A twist with $\omega = 0$ has $h = \infty$ and $M = \|v\|$. Source: MLS, section 2.3.3.
 
 # %%
 arm = guide.arm()
@@ -105,36 +115,28 @@ guide.table(
     ["joint", "$v$", r"$\omega$", "point $q$ [m]", "$h$ [m/rad]"], rows, f"The screws of `{arm.name}`."
 )
 
-# %%
-h = 1e-6
-zero = np.zeros(arm.n)
-derivative = [
-    (arm.fk(h * e) - arm.fk(-h * e)) / (2 * h) @ screws.inverse(arm.fk(zero)) for e in np.eye(arm.n)
-]
-twists = arm.spatial_jacobian(zero)
-assert np.allclose(derivative, [screws.hat(xi) for xi in twists.T], atol=1e-7)
-body = screws.adjoint(screws.inverse(arm.home)) @ twists
-apart = np.abs(body - twists).max()
-guide.say(
-    rf"By differences, $\dot g\,g^{{-1}} = \hat\xi$ for each coordinate of `{arm.name}`. You may find $\xi$ called a "
-    "*body* velocity. It is the **spatial** one, seen from the base; seen from the tool its numbers differ by up to "
-    f"{apart:.2f}. The lesson after this one is about the difference."
-)
-
 # %% [markdown]
 # ## The exponential
 #
-# $\dot{\bar p} = \hat\xi\,\bar p$ is again a linear differential equation, and so
-# $\bar p(\theta) = e^{\hat\xi\theta}\,\bar p(0)$. The series has a closed form. For a slide, $\omega = 0$:
+# What does a joint do that moves on, by $\theta$ radians? $\dot{\bar p} = \hat\xi\,\bar p$ is again a linear
+# differential equation, and so $\bar p(\theta) = e^{\hat\xi\theta}\,\bar p(0)$. You can see what this matrix must do.
+# With $\omega = 0$ every point is shifted by $v\theta$. With $\|\omega\| = 1$ a point turns about the axis, which passes
+# through $q$, and slides along it:
+#
+# $$p(\theta) = q + e^{\hat\omega\theta}\,(p(0) - q) + h\,\theta\,\omega$$
+#
+# Differentiate it, and you have $\dot p = \omega \times (p - q) + h\,\omega$, as it should be. Now insert
+# $q = \omega \times v$ and $h = \omega^T v$. What multiplies $p(0)$ is the rotation, and the rest is the shift:
+#
+# $$e^{\hat\xi\theta} = \begin{bmatrix} e^{\hat\omega\theta} &
+# (I - e^{\hat\omega\theta})(\omega \times v) + \omega\omega^T v\,\theta \\ 0 & 1 \end{bmatrix}$$
+#
+# and for $\omega = 0$
 #
 # $$e^{\hat\xi\theta} = \begin{bmatrix} I & v\theta \\ 0 & 1 \end{bmatrix}$$
 #
-# and for $\|\omega\| = 1$:
-#
-# $$e^{\hat\xi\theta} = \begin{bmatrix} e^{\hat\omega\theta} &
-# (I - e^{\hat\omega\theta})(\omega \times v) + \omega\omega^\top v\,\theta \\ 0 & 1 \end{bmatrix}$$
-#
-# Source: MLS, section 2.3.2, equations (2.32) and (2.36).
+# Source: MLS, section 2.3.2, equations (2.32) and (2.36). Any other $\omega$ is brought to length one: only the product
+# $\xi\theta$ counts, so divide $\xi$ by $\|\omega\|$ and multiply $\theta$ by it.
 
 
 # %%
@@ -157,39 +159,70 @@ for xi in [*kinds.values(), *arm.screws.T]:
     assert np.allclose(exponential(xi, 0.7), screws.exp(xi, 0.7))
 
 step = 0.4
-first = twists[:, 0]
+first = (
+    arm.screws @ arm.coupling.A[:, 0]
+)  # the first coordinate; with it move its mimics, if it has any
 moved = screws.exp(first, step) @ arm.home
-if np.count_nonzero(arm.coupling.A[:, 0]) == 1:  # the first coordinate moves one joint, and no mimic
+if np.count_nonzero(arm.coupling.A[:, 0]) == 1:
     assert np.allclose(moved, arm.fk(step * np.eye(arm.n)[0]))
 forgotten = np.linalg.norm((moved - screws.exp(first, step))[:3, 3])
 guide.say(
-    r"The exponential moves points *within one frame*, the base's. What was at $g(0)$ is then at "
-    r"$g(\theta) = e^{\hat\xi\theta}\,g(0)$. "
-    f"Whoever forgets $g(0)$ looks for the tool of `{arm.name}` in a place that is {forgotten:.2f} m from it."
+    "The exponential is a motion. It moves points *within one frame*, the base's: what was at $g(0)$ "
+    r"is then at $g(\theta) = e^{\hat\xi\theta}\,g(0)$. "
+    f"Without $g(0)$ you would look for the tool of `{arm.name}` {forgotten:.2f} m away from where it "
+    "is."
 )
 
 # %%
 guide.slider(
     "twist",
-    "Set the pitch to zero and move the point of the axis. Which part of $\\xi$ changes? Then raise the pitch: which "
-    "part changes now, and in which direction?",
-    "Moving the axis changes $v = -\\omega \\times q$ alone, at right angles to the axis. The pitch adds $h\\,\\omega$ "
-    "to $v$, along the axis. $\\omega$ is the same throughout.",
+    "Set the pitch to zero and move the point of the axis. Which part of $\\xi$ changes? Then raise "
+    "the pitch: which part changes now, and in which direction?",
+    "Moving the axis changes $v = -\\omega \\times q$ alone, at right angles to the axis. The pitch "
+    "adds $h\\,\\omega$ to $v$, along the axis. $\\omega$ is the same throughout.",
 )
 
 # %% [markdown]
-# ## Chasles: every motion is a screw motion
+# ## Back again: the logarithm, and Chasles' theorem
 #
 # Take any two poses of a body. There is a line about which it can turn and along which it can slide to get from the one
-# to the other. That is **Chasles' theorem** (you may find the name misspelt). In formulas: every $g \in SE(3)$ is
-# $e^{\hat\xi\theta}$ for some twist. The twist is the *logarithm* of $g$. Sources: MLS, sections 2.3.2 and 2.3.3.
+# to the other. That is **Chasles' theorem**. In formulas: every $g = (p, R) \in SE(3)$, which takes the point at the
+# origin to $p$, is $e^{\hat\xi\theta}$ for some twist, and $\xi\theta$ is its *logarithm*. The proof is a way to compute
+# it, in three cases:
 #
+# - $R = I$: the body is only shifted; $\omega = 0$ and $v\theta = p$.
+# - $0 < \theta < \pi$: $\omega\theta$ is the logarithm of $R$, from the lesson on exponentials of rotations. The upper right
+#   corner of $e^{\hat\xi\theta}$ must be $p$. It is linear in $v$, a matrix $G$ times $v$, because
+#   $\omega \times v = \hat\omega v$. Solve for $v$:
+#
+# $$G\,v = p, \qquad G = (I - e^{\hat\omega\theta})\,\hat\omega + \omega\omega^T\theta$$
+#
+# - $\theta = \pi$: the same $G$, but $\omega$ comes from $R + I = 2\,\omega\omega^T$, and $-\omega$ does as well as $\omega$.
+#
+# $G$ can be inverted for $0 < \theta < 2\pi$. Sources: MLS, section 2.3.2 (proposition 2.9) and 2.3.3.
+
+
+# %%
+def logarithm(g):
+    """The twist (v, w) whose exponential is g; w has the length of the angle."""
+    R, p = g[:3, :3], g[:3, 3]
+    turned = rotations.log(R)
+    theta = np.linalg.norm(turned)
+    if theta < 1e-9:
+        return np.concatenate([p, np.zeros(3)])
+    w = turned / theta
+    G = (np.eye(3) - R) @ screws.hat(w) + np.outer(w, w) * theta
+    return np.concatenate([np.linalg.solve(G, p) * theta, turned])
+
+
+# %% [markdown]
 # Your arm goes from ready to another pose. All joints move. Here is the one screw that takes the tool there.
 
 # %%
 start = arm.fk(arm.ready)
 end = arm.fk(0.6 * arm.ready + 0.4 * arm.random_theta(7))
-xi = screws.log(end @ screws.inverse(start))  # seen from the base: e^ξ · start = end
+xi = logarithm(end @ screws.inverse(start))  # seen from the base: e^ξ · start = end
+assert np.allclose(xi, screws.log(end @ screws.inverse(start)))
 screw = screws.to_screw(xi)
 path = screws.exp(xi, np.linspace(0, 1, 60)) @ start
 assert np.allclose(path[-1], end)
@@ -203,17 +236,36 @@ assert length > straight - 1e-9
 if np.isinf(screw.pitch):
     words = f"it slides by **{screw.magnitude:.3f} m** and turns nothing"
 else:
-    words = (
-        f"it turns by **{np.degrees(screw.magnitude):.1f}°** about the line and slides by "
-        f"**{1000 * screw.pitch * screw.magnitude + 0.0:.1f} mm** along it"
+    slide = 1000 * float(screw.pitch * screw.magnitude)
+    way = "in the direction of its axis" if slide > 0 else "against the direction of its axis"
+    words = f"it turns by **{np.degrees(screw.magnitude):.1f}°** about the line and " + (
+        f"slides by **{abs(slide):.1f} mm** along it, {way}"
+        if abs(slide) > 0.05
+        else "does not slide along it"
     )
     along = (places - screw.point) @ screw.axis
     radius = np.linalg.norm(places - screw.point - along[:, None] * screw.axis, axis=1)
     assert np.ptp(radius) < 1e-7  # the tool keeps its distance from the line
 guide.say(
-    f"The tool of `{arm.name}`: {words}. The helix on which it moves is {length:.3f} m long, the straight line "
-    f"{straight:.3f} m. An arm that moves in a plane always has the slide zero, and the line is then a point of the "
-    "plane, the pole."
+    f"The tool of `{arm.name}`: {words}. Its path is {length:.3f} m long, the straight line "
+    f"{straight:.3f} m."
+)
+
+# %%
+planar = guide.bundled("rr_planar")
+a, b, c = np.array([[0.3, 0.9], [0.6, 0.9], [0.9, 0.3]])
+bent, shifted = (
+    screws.to_screw(logarithm(planar.fk(to) @ screws.inverse(planar.fk(a)))) for to in (b, c)
+)
+assert np.isclose(bent.pitch, 0)
+assert np.isinf(shifted.pitch)
+guide.predict(
+    "The two-link arm moves in a plane. What do the screws of its motions look like? Is there a "
+    "motion whose screw is of another kind?",
+    "The axis is perpendicular to the plane and the slide is zero: every motion is a turn about one "
+    "point of the plane, its *pole*. The exception is a motion that does not turn the hand. From "
+    f"${guide.tex(a, 1)}$ to ${guide.tex(c, 1)}$ rad the two angles have the same sum: the hand is "
+    f"only shifted, by {shifted.magnitude:.3f} m, $h = \\infty$, and there is no pole.",
 )
 
 # %% tags=["hidden"]
@@ -234,42 +286,43 @@ if np.linalg.norm(beside - places.mean(axis=0)) < 4 * arm.reach:
 guide.fit(ax)
 guide.figure(
     fig,
-    "The tool's frame at two poses, joined by an arc of a helix and by a dotted straight line. A dash-dotted line "
-    "beside them is the screw's axis.",
+    "The tool's frame at two poses, joined by an arc of a helix and by a dotted straight line. A "
+    "dash-dotted line beside them is the screw's axis.",
     "From pose 1 to pose 2 along the screw (solid) and straight (dotted).",
 )
 
 # %% [markdown]
-# You may find a twist called the time derivative of a screw motion. It is that only at the beginning: a twist is the
-# *infinitesimal* screw motion, the velocity, and the screw motion is what becomes of it when it lasts.
+# A twist is a velocity: the screw motion of one instant. Let it go on unchanged for a while, and you have the screw
+# motion itself. (Some texts call the twist the time derivative of the screw motion. It is that at the start only.)
 #
-# The logarithm is not unique. Another full turn about the same line brings the tool to the same orientation, at a
-# different slide for each turn; and at a half turn the line may be taken in either direction. `screws.log` takes the
-# turn of at most half a circle.
+# The logarithm is not unique. A full turn more about the same line, with the same slide in all, leads to the same pose:
+# the turn is $\theta + 2\pi$, so the pitch is less. At a half turn the line may be taken in either direction.
+# `screws.log` takes the turn of at most half a circle.
 #
 # ## What goes wrong in practice
 #
 # **The order of the six.** MLS and Pinocchio write $(v, \omega)$; Lynch & Park, *Modern Robotics*, write $(\omega, v)$.
-# Nothing fails when you mix them: a turn becomes a slide.
+# No program complains when you mix them: a turn becomes a slide.
 #
 # **The sign of $v$.** It is $-\omega \times q$, which is $q \times \omega$. With the other sign each joint turns
-# about a mirror image of its axis. A joint through the origin does not show it.
+# about the parallel line on the other side of the origin, through $-q$. A joint through the origin does not show it.
 
 # %%
 wrong = np.array([*np.cross(axis, q), *axis])
 guide.say(
-    f"With the sign wrong, the axis at $x = {q[0]}$ m is taken to be at $x = {screws.to_screw(wrong).point[0]:.1f}$ m."
+    f"With the sign wrong, the axis at $x = {q[0]}$ m is taken to be at $x = "
+    f"{screws.to_screw(wrong).point[0]:.1f}$ m."
 )
 
 # %% [markdown]
 # **$v$ taken for the speed of the joint or of the tool.** It belongs to the point at the origin. A joint far from the
-# base has a large $v$, and nothing about it is fast.
+# origin has a large $v$, even if it turns slowly.
 #
 # **A pitch per turn.** Lead screws are sold by millimetres per turn. The pitch $h$ here is per radian: divide by
 # $2\pi$, and the carriage moves as the data sheet says.
 #
-# **The home pose forgotten.** $e^{\hat\xi\theta}$ is a motion, not a pose. A tool that sits at the origin while all
-# joints are at zero is a sign.
+# **The start forgotten.** $e^{\hat\xi\theta}$ is a motion, not a pose. If the computed tool sits at the origin while all
+# joints are at zero, the factor $g(0)$ is missing.
 #
 # ## Exercises
 

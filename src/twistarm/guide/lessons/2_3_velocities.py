@@ -5,20 +5,31 @@
 # pushes the stick forward: forward of the rover, or forward of the gripper? And when the gripper pulls at a drawer,
 # what does the shoulder feel of it?
 #
-# A velocity is a motion *and* the frame in which its numbers are written. One $6 \times 6$ matrix passes from frame to
-# frame, for velocities and, transposed, for forces.
+# A velocity is a motion *and* the frame from which it is seen. One $6 \times 6$ matrix leads from frame to frame, for
+# velocities and, transposed, for forces.
+#
+# ## Angular velocity
+#
+# The tool turns, $R(t)$. Differentiate $R R^T = I$, and you have $\dot R R^T + (\dot R R^T)^T = 0$: the matrix
+# $\dot R R^T$ is skew-symmetric, that is, $\hat\omega$ of some vector $\omega$. So is $R^T \dot R$.
+#
+# $$\hat\omega^s = \dot R R^T, \qquad \hat\omega^b = R^T \dot R, \qquad \omega^s = R\,\omega^b$$
+#
+# The two are one vector, the **angular velocity**, written in the axes of the base ($s$, for *space*) and in those of
+# the tool ($b$, for *body*). Source: MLS, section 2.4.1.
 #
 # ## Two velocities of one motion
 #
-# The tool moves, $g(t) = g_{st}(\theta(t))$. Multiply $\dot g$ by $g^{-1}$, on one side or on the other. Both products
-# have the form $\hat V$ of a twist:
+# The tool also moves, $g(t) = (p(t), R(t))$. Multiply $\dot g$ by $g^{-1}$, from one side or from the other. Both
+# products are the matrix $\hat V$ of a twist:
 #
-# $$\hat V^s = \dot g\, g^{-1}, \qquad \hat V^b = g^{-1}\,\dot g$$
+# $$\hat V^s = \dot g\, g^{-1} = \begin{bmatrix} \dot R R^T & \dot p - \dot R R^T p \\ 0 & 0 \end{bmatrix}, \qquad
+# \hat V^b = g^{-1}\,\dot g = \begin{bmatrix} R^T \dot R & R^T \dot p \\ 0 & 0 \end{bmatrix}$$
 #
-# $V^s = (v^s, \omega^s)$ is the **spatial** velocity, with its numbers in the axes of the base. $V^b = (v^b, \omega^b)$
-# is the **body** velocity, with its numbers in the axes of the tool. Source: MLS, section 2.4.2.
+# $V^s = (v^s, \omega^s)$ is the **spatial** velocity and $V^b = (v^b, \omega^b)$ the **body** velocity. Read the linear
+# parts off the corners: $v^s = \dot p - \omega^s \times p$ and $v^b = R^T \dot p$. Source: MLS, section 2.4.2.
 #
-# On your arm all joints move at once; $\dot g$ comes from two positions a moment apart, and nothing else.
+# On your arm all joints move at once. Here $\dot g$ comes from two positions a moment apart, and from nothing else.
 
 # %%
 import numpy as np
@@ -31,8 +42,8 @@ theta = 0.7 * arm.ready + 0.3 * arm.random_theta(2)
 rates = 0.5 * np.cos(np.arange(arm.n))  # some rates [rad/s, m/s]
 g = arm.fk(theta)
 
-h = 1e-6
-g_dot = (arm.fk(theta + h * rates) - arm.fk(theta - h * rates)) / (2 * h)
+eps = 1e-6
+g_dot = (arm.fk(theta + eps * rates) - arm.fk(theta - eps * rates)) / (2 * eps)
 V_s = screws.vee(g_dot @ np.linalg.inv(g))
 V_b = screws.vee(np.linalg.inv(g) @ g_dot)
 assert np.allclose(V_s, arm.spatial_jacobian(theta) @ rates, atol=1e-6)
@@ -48,36 +59,47 @@ speed = np.linalg.norm(g_dot[:3, 3])
 assert np.allclose(g[:3, :3] @ V_b[:3], g_dot[:3, 3], atol=1e-6)
 assert np.allclose(V_s[:3] + np.cross(V_s[3:], g[:3, 3]), g_dot[:3, 3], atol=1e-6)
 guide.predict(
-    "How fast does the tool move? Two of the three rows of the table have a linear part of this length. Which one has "
-    "not, in general, and what does it say?",
-    f"At {speed:.3f} m/s. $v^b$ is the velocity of the tool's origin, written in the tool's axes, and has this length. "
-    f"$v^s$, here of length {np.linalg.norm(V_s[:3]):.3f} m/s, is the velocity of the point of the moving body that "
-    r"is just at the *base's* origin. The tool's own is $\dot p = v^s + \omega^s \times p$.",
+    "How fast does the tool move? In two of the three rows of the table the linear part has this "
+    "length. Which row is the other one, and the velocity of which point does it show?",
+    f"At {speed:.3f} m/s. $v^b$ is the velocity of the tool's origin, written in the tool's axes, and "
+    f"has this length. $v^s$, here of length {np.linalg.norm(V_s[:3]):.3f} m/s, is the velocity of "
+    r"the point of the moving body that is now at the *base's* origin. The tool's origin has $\dot p "
+    r"= v^s + \omega^s \times p$.",
 )
 
 # %% tags=["hidden"]
 fig, ax = guide.axes3(width=5.2, height=4.4)
 guide.plot_arm(ax, arm, theta, alpha=0.5, tool=False)
 scale = 0.3 * arm.reach / max(speed, np.linalg.norm(V_s[:3]), 1e-9)
-guide.plot_vector(ax, g[:3, 3], scale * g_dot[:3, 3], r"$\dot p$", guide.AMBER)
-guide.plot_vector(ax, [0, 0, 0], scale * V_s[:3], "$v^s$", guide.PINK)
+for start, vector, name, colour in (
+    (g[:3, 3], scale * g_dot[:3, 3], r"$\dot p$", guide.AMBER),
+    (np.zeros(3), scale * V_s[:3], "$v^s$", guide.PINK),
+):
+    guide.plot_vector(ax, start, vector, "", colour)
+    ax.text(*(start + 1.25 * vector), name, color=colour, ha="center", va="center")
 guide.fit(ax)
 guide.figure(
     fig,
-    f"{arm.name} with two arrows: one at the tool, the velocity of its origin, and one at the base's origin, the "
-    "linear part of the spatial velocity. They differ in length and direction.",
-    r"$\dot p$ moves the tool. $v^s$ belongs to the point of the tool's body, thought large, that passes the base.",
+    f"{arm.name} with two arrows: one at the tool, the velocity of its origin, and one at the base's "
+    "origin, the linear part of the spatial velocity. They differ in length and direction.",
+    r"$\dot p$ is the velocity of the tool's origin. $v^s$ is that of the point of the tool's body "
+    "which is now at the base's origin; imagine the body large enough to reach there. Both arrows "
+    "have the same scale.",
 )
 
 # %% [markdown]
 # ## The Adjoint
 #
-# From the two definitions, $\hat V^s = g\,\hat V^b g^{-1}$. Written for the six numbers:
+# From the two definitions, $\hat V^s = g\,\hat V^b g^{-1}$. What does this do to the six numbers of a twist $(v, \omega)$?
+# A rotation carries a cross product along, $R(\omega \times x) = R\omega \times Rx$. As matrices,
+# $R\,\hat\omega R^T = (R\omega)^{\wedge}$, where the hat stands behind a longer term. Multiply out:
 #
-# $$V^s = \mathrm{Ad}_g\, V^b, \qquad
+# $$g\,\hat\xi\, g^{-1} = \begin{bmatrix} (R\omega)^{\wedge} & Rv - R\omega \times p \\ 0 & 0 \end{bmatrix}
+# = (\mathrm{Ad}_g\,\xi)^{\wedge}, \qquad
 # \mathrm{Ad}_g = \begin{bmatrix} R & \hat p R \\ 0 & R \end{bmatrix}$$
 #
-# This is the **Adjoint** of $g = (p, R)$. It takes a twist seen from B to the same twist seen from A, if $g = g_{ab}$.
+# for $-\,R\omega \times p = p \times R\omega$. So $V^s = \mathrm{Ad}_g V^b$. This matrix is the **Adjoint** of $g = (p, R)$.
+# It takes a twist seen from B to the same twist seen from A, if $g = g_{ab}$.
 # It follows the product, $\mathrm{Ad}_{g_1 g_2} = \mathrm{Ad}_{g_1}\mathrm{Ad}_{g_2}$, and the inverse,
 # $(\mathrm{Ad}_g)^{-1} = \mathrm{Ad}_{g^{-1}}$. Source: MLS, section 2.4.2.
 
@@ -90,16 +112,14 @@ assert np.allclose(np.linalg.inv(Ad), screws.adjoint(screws.inverse(g)))
 
 shorter = np.concatenate([R @ V_b[:3], R @ V_b[3:]])
 guide.say(
-    r"Turning both halves with $R$ alone is not enough: without the term $\hat p R$ the linear part of $V^s$ is "
-    f"{np.linalg.norm((shorter - V_s)[:3]):.3f} m/s off here."
+    r"It is not enough to turn both halves with $R$: without the term $\hat p R$ the linear part of "
+    f"$V^s$ would be wrong by {np.linalg.norm((shorter - V_s)[:3]):.3f} m/s here."
 )
 
 # %% [markdown]
 # ## Who sees what
 #
-# The body velocity does not depend on where you have put the base; the spatial one does not depend on where on the
-# body you have put the tool frame. You can use this to test a program, and to choose: a driver who looks through the
-# gripper's camera commands $V^b$.
+# Which of the two velocities depends on where you put a frame? You can find out without a formula.
 
 # %%
 g_tn = screws.exp([0.1, 0, 0.2, 0, 0.4, 0])  # a longer tool, shifted and tilted
@@ -111,13 +131,15 @@ assert np.allclose(other, screws.adjoint(screws.inverse(g_tn)) @ V_b, atol=1e-6)
 guide.predict(
     "You screw a longer tool to the flange and repeat the motion. Which of $V^s$ and $V^b$ changes?",
     f"$V^b$, by up to {np.abs(other - V_b).max():.3f}. $V^s$ changes by no more than "
-    f"${guide.rough(np.abs(same - V_s).max())}$, which is rounding and the differences' error.",
+    f"${guide.rough(np.abs(same - V_s).max())}$, the error of the small differences: it does not "
+    "depend on where on the body you put the tool frame. In the same way $V^b$ does not depend on "
+    "where you put the base. Therefore a driver who looks through the gripper's camera commands $V^b$.",
 )
 
 # %% [markdown]
-# Velocities that are seen from **one** frame add. That is how an arm's come about: each joint turns about its axis
-# where the joints before it have carried the axis, and $V^s$ is the sum. A twist $\xi_i$ that was seen at zero is
-# carried by the Adjoint of the motions before it. (MLS, section 2.4.4.)
+# Velocities that are seen from **one** frame add. The velocity of an arm's tool is such a sum: each joint turns about
+# its axis, which the joints before it have carried to another place. Their motion $g$ carries the twist $\xi_i$ that
+# the joint had at zero to $\xi_i' = \mathrm{Ad}_g\,\xi_i$. (MLS, section 2.4.4.)
 
 # %%
 total, before = np.zeros(6), np.eye(4)
@@ -127,17 +149,10 @@ for xi, value, rate in zip(arm.screws.T, values, speeds, strict=True):
     before = before @ screws.exp(xi, value)
 assert np.allclose(total, V_s, atol=1e-6)
 guide.say(
-    f"The sum over the {len(values)} moving joints of `{arm.name}` is off from $V^s$ by "
-    f"${guide.rough(np.abs(total - V_s).max())}$."
-)
-
-# %%
-guide.slider(
-    "twist",
-    "Let the body turn about $z$ and move the axis away from the origin. What becomes of $v$, and what of $\\omega$?",
-    "$\\omega$ stays as it is, $v$ grows with the distance: the point of the body that is at the origin has further to "
-    "go. This is $\\hat p R\\,\\omega$, the upper right block of the Adjoint.",
-    pitch=0.0,
+    f"The sum over the {len(values)} moving joints of `{arm.name}` differs from $V^s$ by "
+    f"${guide.rough(np.abs(total - V_s).max())}$. The twists $\\xi_i$ are spatial, seen from the "
+    "base. Some texts call them body velocities; the numbers of those, seen from the tool, differ "
+    f"from these by up to {np.abs(arm.body_screws - arm.screws).max():.2f}."
 )
 
 # %% [markdown]
@@ -146,14 +161,15 @@ guide.slider(
 # A force $f$ and a torque $\tau$ together are a **wrench**, $F = (f, \tau)$. Force times velocity plus torque times
 # angular velocity is power, and power does not depend on the frame:
 #
-# $$F_a^\top V_a = F_b^\top V_b$$
+# $$F_a^T V_a = F_b^T V_b$$
 #
-# With $V_a = \mathrm{Ad}_{g_{ab}} V_b$ this leaves one way for wrenches to pass from A to B:
+# With $V_a = \mathrm{Ad}_{g_{ab}} V_b$ for every $V_b$, this leaves one law for wrenches:
 #
-# $$F_b = \mathrm{Ad}_{g_{ab}}^\top F_a$$
+# $$F_b = \mathrm{Ad}_{g_{ab}}^T F_a$$
 #
-# It runs the other way than velocities do. Source: MLS, section 2.5.1. The tool pulls at a drawer, along its own $z$
-# axis. Seen from the base the same wrench has a torque, force times lever arm.
+# The matrix that takes velocities from B to A takes wrenches, transposed, from A to B. Source: MLS, section 2.5.1. The
+# tool exerts a force on a drawer, along its own $z$ axis. Seen from the base the same wrench also has a torque, force
+# times lever arm.
 
 # %%
 pull = 20.0  # [N]
@@ -165,47 +181,57 @@ assert np.allclose(pin.SE3(g).act(pin.Force(F_t)).vector, F_s)
 wrong = screws.adjoint(g) @ F_t
 guide.table(
     ["", "$f_x$", "$f_y$", "$f_z$", r"$\tau_x$", r"$\tau_y$", r"$\tau_z$"],
-    [["seen from the tool", *F_t], ["seen from the base", *F_s], ["the slip, as if a twist", *wrong]],
+    [["seen from the tool", *F_t], ["seen from the base", *F_s], ["wrong: carried as a twist", *wrong]],
     f"A pull of {pull:.0f} N [N, N m]. The power is {F_t @ V_b:.3f} W by the first row and "
     f"{F_s @ V_s:.3f} W by the second.",
 )
 
 # %% [markdown]
-# What each joint has to hold is the power that a unit of its rate would bring, $\tau_i = \xi_i'^\top F_s$, with
-# $\xi_i'$ the joint's twist where it stands now. The Jacobian lessons make a law of it. Here it is checked by the
-# principle of virtual work: move one joint a little and see how far the point of the pull goes along the force.
+# A wrench has a screw, as a twist has: a force along a line, and a torque about this line (Poinsot; MLS, section 2.5.2).
+# The product $F_s^T\xi_i'$ is the power that joint $i$ delivers at a rate of one, so it is the torque that its motor
+# must hold, or the force of a slide. Where it is zero, twist and wrench are called **reciprocal** (MLS, section 2.5.3):
+# the bearing carries the whole load, as a door's hinges carry the door. Which joints of your arm hold this pull without
+# their motors? Look for axes that the line of the force meets, or runs parallel to, and for slides at right angles to
+# it.
 
 # %% tags=["reveal"]
 torques = arm.spatial_jacobian(theta).T @ F_s
 force = R @ F_t[:3]
-work = [(arm.fk(theta + h * e) - arm.fk(theta - h * e))[:3, 3] @ force / (2 * h) for e in np.eye(arm.n)]
+# How far does the point of the pull go along the force when one joint moves a little?
+work = [
+    (arm.fk(theta + eps * e) - arm.fk(theta - eps * e))[:3, 3] @ force / (2 * eps)
+    for e in np.eye(arm.n)
+]
 assert np.allclose(torques, work, atol=1e-5)
+idle = [f"`{name}`" for name, t in zip(arm.joint_names, torques, strict=True) if abs(t) < 1e-6]
+guide.say(("Without a motor: " + ", ".join(idle) if idle else "None of them does here") + ".")
 guide.table(
     ["joint", "holds", ""],
     [
         [f"`{name}`", float(t), "N" if u == "m" else "N m"]
         for name, t, u in zip(arm.joint_names, torques, arm.units, strict=True)
     ],
-    f"What the joints of `{arm.name}` hold against the pull, gravity left out.",
+    f"What the motors of `{arm.name}` hold against the pull, gravity left out.",
 )
 
 # %% [markdown]
 # ## What goes wrong in practice
 #
 # **$v^s$ taken for the tool's speed.** A controller that limits its length slows down joints whose axes pass far from
-# the base's origin, and lets a joint whose axis passes through the origin turn as fast as it likes. Limit $v^b$.
+# the base's origin, and lets a joint whose axis passes through the origin turn at any speed. Limit $v^b$.
 #
 # **$(v, \omega)$ or $(\omega, v)$.** Lynch & Park write the second, and their Adjoint has its $\hat p R$ at the lower
-# left. A program from one book with a matrix from the other runs without complaint.
+# left. A program from one book with a matrix from the other gives no error, only wrong numbers.
 #
-# **$\mathrm{Ad}_g$ for a wrench.** It takes the transpose of the inverse. With $\mathrm{Ad}_g$ the pull of the table
-# keeps its force and loses its torque about the base. Where $p = 0$ the slip does not show, so test with a lever arm.
+# **$\mathrm{Ad}_g$ for a wrench.** From tool to base a wrench needs the transpose of the inverse. With $\mathrm{Ad}_g$
+# the pull of the table keeps its force and loses its torque about the base. Where $p = 0$ the mistake does not show, so
+# test with a lever arm.
 #
 # **Adding twists of different frames.** The gyro's reading and the base's velocity are six numbers each, and their sum
 # means nothing until one of them has passed through an Adjoint.
 #
-# **The stick in the wrong frame.** If the gripper moves sideways when it is rolled by a quarter turn, the command was
-# read in the tool's axes and meant in the base's, or the other way round.
+# **The stick in the wrong frame.** Roll the gripper by a quarter turn. If the same push of the stick now moves it
+# another way, its command is read in the tool's axes; if you meant the base's, that is the mistake.
 #
 # ## Exercises
 

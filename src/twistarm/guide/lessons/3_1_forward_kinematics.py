@@ -2,9 +2,9 @@
 # # Where is the tool?
 #
 # You have bolted the arm together, and its encoders report an angle for every joint that turns and a length for every
-# joint that slides. Before you can reach for anything you need one function: from those numbers to where the tool is
-# and how it stands. This is **forward kinematics**. It always has exactly one answer, and there are two ways to write
-# it down. Both are short.
+# joint that slides. Before you can reach for anything you need one function: from those numbers to the pose of the tool.
+# This is **forward kinematics**. It always has exactly one answer, and there are two ways to write it down. Both are
+# short.
 
 # %%
 import numpy as np
@@ -12,53 +12,59 @@ import numpy as np
 from twistarm import guide, poe, screws
 
 arm = guide.arm()
-theta = arm.ready  # the pose that the arm waits in
+theta = arm.ready  # the posture in which the arm waits
 
 # %% [markdown]
 # ## Link by link
 #
-# The file that describes your arm says, for each joint, where it sits on the link before it, $g_0$, and about which
-# axis it turns or slides, $\xi$. Moved by $\theta$, it takes its link to $g_0\, e^{\hat\xi\theta}$. Go from base to
-# tip and multiply, and the indices cancel as they did for rotations:
+# The file that describes your arm says, for each joint, where its frame sits on the link before it, $g_0$, and about or
+# along which axis of this frame it moves: a twist $\eta$ in the joint's own frame. At $\theta$ the pose of its link, seen
+# from the link before, is $g_0\, e^{\hat\eta\theta}$. Go from base to tip and multiply, and the indices cancel as they
+# did for rotations:
 #
 # $$g_{st} = g_{s1}\, g_{12} \cdots g_{nt}$$
 #
-# Nothing to remember and no table of letters to get wrong. But there are as many frames as links, and each was
-# somebody's choice.
+# There are as many frames as links, and somebody has chosen each. Many books write each factor by four numbers, the
+# Denavit–Hartenberg parameters, for which the frames must be placed by rules. Your file needs no such rules, and the
+# second way needs no frames on the links at all.
 
 # %% tags=["hidden"]
 fig, ax = guide.axes3(width=5.0, height=4.2)
 guide.plot_arm(ax, arm, theta)
 if arm.description is not None:
     poses = arm.poses(theta)
-    for name in arm.moving_names:
-        guide.plot_frame(ax, poses[arm.description.joints[name].child], None, 0.09 * arm.reach)
+    for k, name in enumerate(arm.moving_names, start=1):
+        pose = poses[arm.description.joints[name].child]
+        guide.plot_frame(ax, pose, None, 0.09 * arm.reach)
+        beside = arm.reach * np.array([-0.035, -0.025, -0.035])
+        ax.text(*(pose[:3, 3] + beside), str(k), ha="center", va="center")
 guide.plot_frame(ax, np.eye(4), "s", 0.2 * arm.reach)
 guide.fit(ax)
 guide.figure(
     fig,
-    f"The skeleton of {arm.name} from its base to its tool, with a frame at each of its {len(arm.moving_names)} "
-    f"moving links",
-    f"A frame on every moving link of `{arm.name}`: the chain from s, the base, to t, the tool.",
+    f"The skeleton of {arm.name} from its base to its tool, with a numbered frame at each of its "
+    f"{len(arm.moving_names)} moving links",
+    f"A frame on every moving link of `{arm.name}`, numbered: the chain from s, the base, to t, the "
+    "tool.",
 )
 
 # %% [markdown]
 # ## Two frames and the axes: the product of exponentials
 #
-# Put every joint to zero and take two photographs. One shows the tool: its pose $g_{st}(0)$. The other shows the axes
-# of the joints, all seen from the base: their twists $\xi_1, \dots, \xi_n$. For a joint that turns about a line
+# Put every joint to zero, which is called the **home** posture, and take two photographs. One shows the tool: its pose
+# $g_{st}(0)$. The other shows the axes of the joints, all seen from the base: their twists $\xi_1, \dots, \xi_n$. For a joint that turns about a line
 # through $q$ along the unit vector $\omega$, and for one that slides along $v$:
 #
 # $$\xi = \begin{bmatrix} -\omega \times q \\ \omega \end{bmatrix}, \qquad \xi = \begin{bmatrix} v \\ 0 \end{bmatrix}$$
 #
-# Now move the joints one after the other, **the last one first**. The last one moves the tool and nothing else; when
-# its turn comes, no axis before it has moved. The one before it moves the last link with all that hangs on it, and so
-# on down to the base:
+# Now move the joints one after the other, **the last one first**. It moves the tool: $e^{\hat\xi_n\theta_n} g_{st}(0)$. It
+# does not move the axes before it, so the next joint still finds its own axis where the photograph shows it. This one
+# moves all that is beyond it, and so on down to the base:
 #
 # $$g_{st}(\theta) = e^{\hat\xi_1\theta_1}\, e^{\hat\xi_2\theta_2} \cdots e^{\hat\xi_n\theta_n}\, g_{st}(0)$$
 #
-# This is the product of exponentials (MLS, section 3.2.2). Each axis is used as it stood on the photograph, and that is
-# why it is allowed.
+# This is the **product of exponentials** (MLS, section 3.2.2; Lynch & Park, section 4.1, who write $M$ for
+# $g_{st}(0)$). Each twist may be taken from the photograph, because in this order no axis has moved before it is used.
 
 # %% tags=["hidden"]
 rows = []
@@ -73,29 +79,38 @@ for name, xi in zip(arm.moving_names, arm.screws.T, strict=True):
 guide.table(
     ["joint", "it", "along", "through [m]"],
     rows,
-    f"The axes of {arm.name}, all joints at zero, seen from its base.",
+    f"The axes of `{arm.name}`, all joints at zero, seen from its base.",
 )
 guide.say(rf"The tool on the same photograph: $$g_{{st}}(0) = {guide.tex(arm.home)}$$")
 
 # %% tags=["hidden"]
 fig, ax = guide.axes3(width=5.0, height=4.2)
 guide.plot_arm(ax, arm, np.zeros(arm.n))
-for k, (xi, point) in enumerate(
-    zip(arm.screws.T, guide.arm_points(arm, np.zeros(arm.n))[1:-1], strict=True), start=1
-):
-    guide.plot_screw(ax, xi, 0.5 * arm.reach, rf"$\xi_{{{k}}}$", near=point)
+at_home = guide.arm_points(arm, np.zeros(arm.n))
+along_the_arm = np.linspace(at_home[:-1], at_home[1:], 20).reshape(-1, 3)
+for k, (xi, near) in enumerate(zip(arm.screws.T, at_home[1:-1], strict=True), start=1):
+    screw = screws.to_screw(xi)
+    slides = np.isinf(screw.pitch)
+    colour = guide.ORANGE if slides else guide.PINK
+    guide.plot_screw(ax, xi, 0.4 * arm.reach, "", colour, near=near)
+    centre = near if slides else screw.point + screw.axis * ((near - screw.point) @ screw.axis)
+    end = centre - 0.26 * arm.reach * screw.axis
+    if np.linalg.norm(along_the_arm - end, axis=1).min() < 0.05 * arm.reach:
+        end[2] += 0.14 * arm.reach  # its letter is not drawn on the arm
+    ax.text(*end, rf"$\xi_{{{k}}}$", color=colour, ha="center", va="center")
 guide.fit(ax)
 guide.figure(
     fig,
     f"{arm.name} with all joints at zero and the axis of each of its joints",
-    "The second photograph: the axes, all joints at zero.",
+    "The second photograph: the axes, all joints at zero. Arrows slide, lines turn.",
 )
 
 # %% [markdown]
 # ## The formula at work
 #
-# It takes three lines, and no library but one that knows $e^{\hat\xi\theta}$. Joints that follow another one (mimic
-# joints) have an axis but no coordinate of their own: `coupling` turns the coordinates into one value for each axis.
+# It takes a short loop, and a library that knows $e^{\hat\xi\theta}$. A joint that follows another one (a mimic joint) has
+# an axis but no coordinate of its own: the matrix `coupling.A` turns the coordinates $\theta$ into one value $x$ for each
+# axis. Without mimics $x = \theta$.
 
 # %%
 values = arm.coupling.A @ theta
@@ -104,12 +119,13 @@ for xi, value in reversed(list(zip(arm.screws.T, values, strict=True))):
     g = screws.exp(xi, value) @ g  # the last joint first: each one moves what is there already
 
 guide.say(
-    rf"$$g_{{st}}(\theta) = {guide.tex(g)}$$ The tool stands at $x = {g[0, 3]:.3f}$, $y = {g[1, 3]:.3f}$, "
-    rf"$z = {g[2, 3]:.3f}$ m from the base."
+    rf"$$g_{{st}}(\theta) = {guide.tex(g)}$$ The tool stands at $x = {g[0, 3]:.3f}$, $y = "
+    f"{g[1, 3]:.3f}$, $z = {g[2, 3]:.3f}$ m from the base."
 )
 
 # %% [markdown]
-# Is it right? Ask somebody who has never heard of screws. Pinocchio reads your file by itself and goes link by link.
+# Is it right? Ask somebody who does it the other way: the library Pinocchio reads your file by itself and goes link by
+# link.
 
 # %%
 by_pinocchio = (
@@ -118,9 +134,9 @@ by_pinocchio = (
 off = np.abs(g - by_pinocchio).max()
 assert off < 1e-9
 guide.say(
-    f"The largest of the sixteen differences between the two is ${guide.rough(off)}$: rounding. twistarm makes this "
-    f"comparison every "
-    "time it loads an arm, and refuses the arm if they differ."
+    f"The largest of the sixteen differences between the two is ${guide.rough(off)}$, which is "
+    "rounding. twistarm makes this comparison whenever it loads an arm, and refuses the arm if they "
+    "differ."
 )
 
 # %% [markdown]
@@ -153,19 +169,26 @@ guide.predict(
 guide.scene(
     arm,
     np.zeros(arm.n),
-    caption="Every joint at zero. Move the last joint alone, then the first alone: which axes come along?",
+    caption="Every joint at zero. Move the last joint alone, then the first alone.",
+)
+guide.predict(
+    "In this view, which axes move when the last joint moves, and which when the first one does?",
+    "With the last joint none: only what is beyond it moves, and that is the tool. With the first "
+    "joint, which is nearest to the base, all axes but its own.",
 )
 
 # %% [markdown]
 # ## The same from the tool's side
 #
-# You may look at the axes from the tool instead. Their twists are then $\xi^b_i = \mathrm{Ad}_{g_{st}(0)}^{-1}\,
-# \xi_i$, and the home pose stands in front:
+# You may look at the axes from the tool instead. Their twists are then $\xi^b_i = \mathrm{Ad}_{g_{st}(0)}^{-1}\,\xi_i$
+# (Lynch & Park write $B_i$), and the home pose stands in front:
 #
 # $$g_{st}(\theta) = g_{st}(0)\, e^{\hat\xi^b_1\theta_1} \cdots e^{\hat\xi^b_n\theta_n}$$
 #
-# It is the same formula, for $M e^{A} = e^{MAM^{-1}} M$. The guide says that the product of exponentials needs an
-# Adjoint transformation: this form does, the other one does not.
+# It is the same formula. You know $g\,\hat\xi\,g^{-1} = (\mathrm{Ad}_g\,\xi)^{\wedge}$ from the lesson on velocities. The
+# same holds for each power of $\hat\xi$ and so for the series: $e^{\hat\xi_i\theta_i} g_{st}(0) =
+# g_{st}(0)\,e^{\hat\xi^b_i\theta_i}$. So the home pose can pass from the right end of the product to the left one. Some
+# texts say that the product of exponentials needs the Adjoint; only this form does.
 
 # %%
 body = screws.adjoint(screws.inverse(arm.home)) @ arm.screws
@@ -174,7 +197,7 @@ for xi, value in zip(body.T, values, strict=True):
     from_the_tool = from_the_tool @ screws.exp(xi, value)
 assert np.allclose(from_the_tool, g)
 assert np.allclose(body, arm.body_screws)
-guide.say(f"On your arm the two forms differ by ${guide.rough(np.abs(from_the_tool - g).max())}$.")
+guide.say(f"On `{arm.name}` the two forms differ by ${guide.rough(np.abs(from_the_tool - g).max())}$.")
 
 # %% [markdown]
 # ## By hand, once in your life
@@ -193,12 +216,12 @@ y = l1 * np.sin(pair[0]) + l2 * np.sin(pair.sum())
 assert np.allclose(planar.fk(pair)[:2, 3] - q1[:2], [x, y])
 guide.slider(
     "two_link",
-    "Find two postures in which the tool is at the same place.",
-    r"Move until you like the place; then tick *draw the other solution*. The elbow flips to the other side, "
-    r"$\theta_2$ "
-    r"changes its sign. Stretched out or folded, the two become one. That forward kinematics has one answer does not "
-    r"mean "
-    "that the way back has: it is the matter of the lessons on inverse kinematics.",
+    "Find two postures in which the tool is at the same place. (The angles $\\alpha$ and $\\beta$ and "
+    "the mixed signs belong to a later lesson.)",
+    "Choose a posture; then tick *draw the other solution*. The elbow flips to the other side, and "
+    r"$\theta_2$ changes its sign. Where the arm is stretched out or folded, the two are one. Forward "
+    "kinematics has one answer, but the way back may have several: this is the matter of the lessons "
+    "on inverse kinematics.",
     l1=round(float(l1), 3),
     l2=round(float(l2), 3),
     theta1=25,
@@ -211,8 +234,8 @@ guide.slider(
 # - **No home pose.** Without $g_{st}(0)$ at its end the product says how the tool has *moved*, not where it is.
 # - **Axes in the wrong order.** Base to tip, from left to right. Written the other way, each axis is used after
 #   something has moved it.
-# - **Zero is somewhere else.** The formula is right about the zero of the *file*. If the motor's zero is another,
-#   subtract it first: a joint that is off by 5° puts the tool as far off as its lever says.
+# - **Zero is somewhere else.** The formula counts from the zero of the *file*. If the motor's zero is another one,
+#   subtract it first. An error of the angle moves the tool by lever times angle, as in the question above.
 # - **Degrees.** An angle of 30 is almost five full turns.
 
 # %% tags=["hidden"]
@@ -234,9 +257,9 @@ rows = [
     )
 ]
 guide.table(
-    ["slip", "the tool is off by [mm]"],
+    ["mistake", "the tool is computed wrong by [mm]"],
     [[words, f"{far:.0f}"] for words, far in rows],
-    f"On {arm.name}, waiting.",
+    f"On `{arm.name}`, in its ready posture.",
 )
 
 # %% [markdown]

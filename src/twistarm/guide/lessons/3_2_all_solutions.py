@@ -2,24 +2,14 @@
 # # How many ways are there?
 #
 # The gripper is where it should be, and the forearm leans against the camera mast. Is there another posture that holds
-# the gripper in exactly the same pose? For two links in a plane the answer was the flip. For a whole arm the answer is
-# a number, at most sixteen for six joints that turn. This lesson takes the question apart into three small ones, puts
-# them together again for an arm with a wrist, and then counts the ways of your own arm.
+# the gripper in exactly the same pose? For two links in a plane the answer was the flip. For a whole arm of six joints
+# that turn it is, as a rule, a number, sixteen at most. This lesson takes the question apart into three small ones,
+# puts them together again for an arm with a wrist, and then counts the ways of your own arm.
 
 # %%
 import numpy as np
 
-from twistarm import (
-    Approach,
-    Pose,
-    arm_from_screws,
-    guide,
-    poe,
-    rotations,
-    screws,
-    solve_ik_all,
-    subproblems,
-)
+from twistarm import Approach, Pose, guide, poe, rotations, screws, solve_ik_all, subproblems
 
 
 def turning(arm):
@@ -32,36 +22,56 @@ arm = guide.arm_with("a joint that turns", lambda a: len(turning(a)) > 0)
 # %% [markdown]
 # ## Three small questions
 #
-# One joint carries a point around a circle. Everything below is made of circles.
+# A joint that turns carries a point around a circle. Everything below is made of such circles. Let $\omega$ be the
+# direction of the joint's axis, a unit vector, and $r$ a point on the axis. Look at two points $p$ and $q$ from $r$, and
+# split what you see into a part along the axis and a part across it. The matrix $I - \omega\omega^T$ takes the part along
+# the axis away:
 #
-# **Subproblem 1.** The point $p$ is to come to $q$. By which angle? Take a point $r$ on the axis and keep what lies
-# across the axis: $u' = (I - \omega\omega^T)(p - r)$ and $v' = (I - \omega\omega^T)(q - r)$. Then
+# $$u = p - r, \qquad v = q - r, \qquad u' = (I - \omega\omega^T)\, u, \qquad v' = (I - \omega\omega^T)\, v$$
+#
+# The three questions carry the names of Paden and Kahan (MLS, section 3.3.2).
+#
+# **Subproblem 1.** By which angle does the joint bring $p$ to $q$? By the angle from $u'$ to $v'$:
 #
 # $$e^{\hat\xi\theta}\, p = q \quad\Rightarrow\quad
-#   \theta = \mathrm{atan2}\big(\omega \cdot (u' \times v'),\; u' \cdot v'\big)$$
+#   \theta = \mathrm{atan2}\big(\omega^T (u' \times v'),\; u'^T v'\big)$$
 #
-# There is an answer only if $p$ and $q$ are equally far from the axis, and equally far along it.
+# There is an answer only if $p$ and $q$ are equally far from the axis and equally far along it. If $p$ lies on the axis,
+# $u' = 0$, the joint does not move it, and every angle will do.
 #
-# **Subproblem 2.** Two joints, one after the other, are to bring $p$ to $q$:
-# $e^{\hat\xi_1\theta_1} e^{\hat\xi_2\theta_2}\, p = q$. The second joint moves $p$ along a circle. The first one, run
-# backwards, moves $q$ along another. Where the circles cross, they can hand over. Two circles about axes that meet
-# cross in two points, in one, or not at all.
+# **Subproblem 2.** Two joints whose axes meet in $r$ bring $p$ to $q$:
+# $e^{\hat\xi_1\theta_1} e^{\hat\xi_2\theta_2}\, p = q$. The second joint moves $p$ along a circle about its axis. The
+# first one must arrive at $q$, so it can only start from the circle through $q$ about *its* axis. Where the circles cross
+# lies a point $c$: the second joint takes $p$ to $c$, the first one takes $c$ to $q$. Each of the two is subproblem 1.
+# Write
 #
-# **Subproblem 3.** The point $p$ is to come to the distance $\delta$ from $q$:
-# $\|e^{\hat\xi\theta} p - q\| = \delta$. A circle meets a sphere in two points, in one, or not at all. This is the
-# elbow of the lesson before, and the law of cosines answers it. Along the axis nothing changes, so that
-# $\delta'^2 = \delta^2 - (\omega \cdot (p - q))^2$ is left to be met across it. With $\theta_0$ for the angle from
+# $$c = r + \alpha\,\omega_1 + \beta\,\omega_2 + \gamma\,(\omega_1 \times \omega_2)$$
+#
+# The first joint keeps $c$ as far along $\omega_1$ as $q$, the second keeps it as far along $\omega_2$ as $p$, and neither
+# changes the distance from $r$:
+#
+# $$\alpha + \beta\,\omega_1^T\omega_2 = \omega_1^T v, \qquad \alpha\,\omega_1^T\omega_2 + \beta = \omega_2^T u$$
+#
+# $$\gamma^2 = \frac{\|u\|^2 - \alpha^2 - \beta^2 - 2\alpha\beta\,\omega_1^T\omega_2}{\|\omega_1 \times \omega_2\|^2}$$
+#
+# The sign of $\gamma^2$ decides: two crossings, one, or none. If both axes are one line, there is no answer for
+# $\alpha$ and $\beta$: the two joints are then one joint, and only the sum (or difference) of their angles counts.
+#
+# **Subproblem 3.** By which angle does the joint bring $p$ to the distance $\delta$ from $q$,
+# $\|e^{\hat\xi\theta} p - q\| = \delta$? A circle meets a sphere in two points, in one, or not at all. This is the elbow of
+# the lesson before, and the law of cosines answers it. Along the axis nothing changes, so that
+# $\delta'^2 = \delta^2 - (\omega^T (p - q))^2$ is left to be met across it. With $\theta_0$ for the angle from
 # $u'$ to $v'$ of subproblem 1:
 #
 # $$\theta = \theta_0 \pm \arccos \frac{\|u'\|^2 + \|v'\|^2 - \delta'^2}{2\, \|u'\|\, \|v'\|}$$
 #
-# They carry the names of Paden and Kahan (MLS, section 3.3.2).
+# If $p$ or $q$ lies on the axis, the distance never changes: every angle will do, or none.
 
 
 # %%
 def turn_to(xi, p, q):
     """Subproblem 1, for a joint that turns."""
-    w, r = xi[3:], np.cross(xi[3:], xi[:3])  # the axis' direction, and a point of it
+    w, r = xi[3:], np.cross(xi[3:], xi[:3])  # ω, and a point on the axis
     across = np.eye(3) - np.outer(w, w)
     u, v = across @ (p - r), across @ (q - r)
     return np.arctan2(w @ np.cross(u, v), u @ v)
@@ -120,12 +130,19 @@ panels[1].plot(*circle(about_x, p).T, color=guide.BLUE, linestyle="-", linewidth
 panels[1].plot(*circle(about_z, q).T, color=guide.ORANGE, linestyle="--", linewidth=1.2)
 guide.plot_point(panels[1], p, "$p$", guide.BLUE)
 guide.plot_point(panels[1], q, "$q$", guide.ORANGE)
-handovers = subproblems.subproblem_2(about_z, about_x, p, q).values
-assert len(handovers) == 2
-for pair in handovers:
-    guide.plot_point(
-        panels[1], (screws.exp(about_x, pair[1]) @ np.append(p, 1))[:3], "", guide.INK, "D"
-    )
+w1, w2 = about_z[3:], about_x[3:]  # both axes pass through the origin, r = 0
+mixed = w1 @ w2
+a, b = np.linalg.solve([[1, mixed], [mixed, 1]], [w1 @ q, w2 @ p])
+normal = np.cross(w1, w2)
+c = np.sqrt((p @ p - a**2 - b**2 - 2 * a * b * mixed) / (normal @ normal))
+crossings = [a * w1 + b * w2 + sign * c * normal for sign in (1, -1)]
+by_library = subproblems.subproblem_2(about_z, about_x, p, q).values
+assert len(by_library) == 2
+for crossing in crossings:
+    pair = [turn_to(about_z, crossing, q), turn_to(about_x, p, crossing)]
+    assert np.abs(by_library - pair).max(axis=1).min() < 1e-9
+    guide.plot_point(panels[1], crossing, "", guide.INK, "D")
+guide.plot_point(panels[1], crossings[0], "$c$", guide.INK, "D")
 
 p, q, delta = np.array([0.75, 0.0, 0.2]), np.array([0.1, 0.7, 0.2]), 0.55
 guide.plot_screw(panels[2], about_z, 1.7, r"$\xi$")
@@ -146,29 +163,30 @@ guide.figure(
     fig,
     "Three drawings: a circle about an axis from p to q; two circles about two axes that cross in two marked points; a "
     "circle that meets a sphere about q in two marked points",
-    "The three subproblems. Diamonds mark the answers where there are two.",
+    "The three subproblems. Diamonds: the places where $p$ can be, two in subproblems 2 and 3.",
 )
 
 # %% [markdown]
 # ## A wrist divides the question
 #
-# Now six joints, the elbow arm of MLS: two axes that meet in the shoulder, an elbow, and a wrist of three axes that
-# meet in one point $q_w$. All six together are to bring the tool to $g_d$. Move the home pose to the other side:
+# Now six joints, the elbow arm of MLS: two axes that meet in the shoulder point $r_b$, an elbow, and a wrist of three
+# axes that meet in one point $r_w$. All six together are to bring the tool to $g_d$. Bring the home pose to the other
+# side, and call what stands there $g_1$:
 #
-# $$e^{\hat\xi_1\theta_1} \cdots e^{\hat\xi_6\theta_6} = g_d\, g_{st}(0)^{-1} =: g_1$$
+# $$e^{\hat\xi_1\theta_1} \cdots e^{\hat\xi_6\theta_6} = g_1, \qquad g_1 = g_d\, g_{st}(0)^{-1}$$
 #
 # A point on an axis stays where it is when that joint turns. That is the whole trick, used four times:
 #
-# 1. $q_w$ lies on the last three axes. Apply both sides to it and these three are gone:
-#    $e^{\hat\xi_1\theta_1} e^{\hat\xi_2\theta_2} e^{\hat\xi_3\theta_3}\, q_w = g_1\, q_w$.
-# 2. The shoulder point $q_b$ lies on the first two. They do not change a distance from it, so that
-#    $\|e^{\hat\xi_3\theta_3} q_w - q_b \| = \|g_1 q_w - q_b \|$: subproblem 3 for $\theta_3$.
+# 1. $r_w$ lies on the last three axes. Apply both sides to it, and these three are gone:
+#    $e^{\hat\xi_1\theta_1} e^{\hat\xi_2\theta_2} e^{\hat\xi_3\theta_3}\, r_w = g_1\, r_w$.
+# 2. $r_b$ lies on the first two. These joints do not change a distance from it, so that
+#    $\|e^{\hat\xi_3\theta_3} r_w - r_b \| = \|g_1 r_w - r_b \|$: subproblem 3 for $\theta_3$.
 # 3. With $\theta_3$ known, subproblem 2 gives $\theta_1$ and $\theta_2$.
 # 4. With all three known, the wrist has to do the rest. A point on the last axis alone gives $\theta_4$ and $\theta_5$
 #    (subproblem 2). A point beside it gives $\theta_6$ (subproblem 1).
 #
-# Two answers in step 2, two in step 3, two in step 4. This is the method of MLS, section 3.3.3; that three axes which
-# meet are enough was shown by Pieper in 1968.
+# Two answers in step 2, two in step 3, two in step 4. This is the method of MLS, section 3.3.3. Pieper showed in 1968
+# that three axes which meet are enough.
 
 # %%
 elbow_arm = guide.bundled("elbow")
@@ -188,18 +206,18 @@ def apply(g, p):
     return g[:3, :3] @ p + g[:3, 3]
 
 
-q_b, q_w = meeting_point(xi[0], xi[1]), meeting_point(xi[3], xi[4], xi[5])
-on_6, beside = q_w + xi[5, 3:], q_w + xi[4, 3:]
+r_b, r_w = meeting_point(xi[0], xi[1]), meeting_point(xi[3], xi[4], xi[5])
+on_6, beside = r_w + xi[5, 3:], r_w + xi[4, 3:]
 
 
 def ways(g_d):
     """All configurations of the elbow arm with its tool at g_d, by subproblems."""
     g_1 = g_d @ screws.inverse(elbow_arm.home)
-    there = apply(g_1, q_w)
-    far = np.linalg.norm(there - q_b)
-    for t3 in subproblems.subproblem_3(xi[2], q_w, q_b, far).values:
+    there = apply(g_1, r_w)
+    far = np.linalg.norm(there - r_b)
+    for t3 in subproblems.subproblem_3(xi[2], r_w, r_b, far).values:
         e_3 = screws.exp(xi[2], t3)
-        wrist = apply(e_3, q_w)
+        wrist = apply(e_3, r_w)
         for t1, t2 in subproblems.subproblem_2(xi[0], xi[1], wrist, there).values:
             before = screws.exp(xi[0], t1) @ screws.exp(xi[1], t2) @ e_3
             g_2 = screws.inverse(before) @ g_1  # what the wrist has to do
@@ -245,7 +263,7 @@ for theta in eight:
 # turn by half a turn to make up for it. For a wrist with axes $z$, $y$, $z$ these are the ZYZ angles of your first
 # lesson, told in two ways:
 #
-# $$R_z(\alpha)\, R_y(\beta)\, R_z(\gamma) = R_z(\alpha + \pi)\, R_y(-\beta)\, R_z(\gamma + \pi)$$
+# $$R_z(\theta_4)\, R_y(\theta_5)\, R_z(\theta_6) = R_z(\theta_4 + \pi)\, R_y(-\theta_5)\, R_z(\theta_6 + \pi)$$
 
 # %%
 zyz = np.array([0.5, 0.8, -0.3])
@@ -274,43 +292,46 @@ def draw_all(arm, configurations, words):
                 break
         else:
             shapes.append((points, [theta]))
-    columns = min(4, len(shapes))
     everywhere = np.vstack([points for points, _ in shapes])
-    tool = everywhere[len(shapes[0][0]) - 1]
-    across = float(np.degrees(np.arctan2(tool[1], tool[0]))) - 70.0  # looked at from the side
-    fig, panels = guide.axes3(
-        columns=columns, width=6.6 if columns > 1 else 4.0, height=3.0, box=False, elev=15, azim=across
-    )
-    for j, ax in enumerate(np.atleast_1d(panels)):
-        group = shapes[j::columns]
-        for i, (_, same) in enumerate(group):
-            guide.plot_arm(ax, arm, same[0], SHADES[(j + i) % 4], 1.0 if i == 0 else 0.45, tool=i == 0)
-        count = sum(len(same) for _, same in group)
-        ax.set_title(f"{count} way{'s' * (count > 1)}")
-        guide.fit(ax, everywhere)
-    guide.figure(
-        fig,
-        f"{arm.name} with its tool at one and the same pose, drawn for {len(configurations)} different configurations "
-        f"on {columns} panels",
-        words,
-    )
+    tool = arm.fk(configurations[0])
+    axes = (
+        tool[:3, 3] + 0.25 * arm.reach * tool[:3, :3].T
+    )  # the ends of the tool's axes are to be seen, too
+    across = float(np.degrees(np.arctan2(tool[1, 3], tool[0, 3]))) - 70.0  # looked at from the side
+    groups = [shapes[j::4] for j in range(min(4, len(shapes)))]
+    for first in range(0, len(groups), 2):
+        row = groups[first : first + 2]
+        ways = [sum(len(same) for _, same in group) for group in row]
+        width = 6.6 if len(row) > 1 else 4.0
+        fig, panels = guide.axes3(len(row), width=width, height=3.2, box=False, elev=15, azim=across)
+        for j, (ax, group) in enumerate(zip(np.atleast_1d(panels), row, strict=True)):
+            for i, (_, same) in enumerate(group):
+                shade = SHADES[(first + j + i) % 4]
+                guide.plot_arm(ax, arm, same[0], shade, 1.0 if i == 0 else 0.45, tool=i == 0)
+            ax.set_title(f"{ways[j]} way{'s' * (ways[j] > 1)}")
+            guide.fit(ax, [*everywhere, *axes])
+        guide.figure(
+            fig,
+            f"{arm.name} with its tool at one and the same place, in {sum(ways)} of its configurations, on "
+            f"{len(row)} panel{'s' * (len(row) > 1)}",
+            words if first == 0 else "The other ways.",
+        )
 
 
 draw_all(
     elbow_arm,
     eight,
-    "The eight ways of the elbow arm, four on each panel. Those four have their links in the same places: the "
-    "shoulder may "
-    "be turned round and bend over backwards, and the wrist may be turned round too.",
+    "All eight ways of the elbow arm. The four of a panel cannot be told apart in a drawing, for their links lie in the "
+    "same places: the shoulder may be turned round and bend over backwards, and the wrist may be flipped.",
 )
 
 # %% [markdown]
 # ## Your arm
 #
 # What can be asked of an arm depends on how many joints it has. Six joints can be asked for a **pose**. Five cannot
-# meet every pose; they can be asked for a position and the direction in which the tool points, with the roll about that
-# direction left free. That is an **approach**. Fewer joints meet only the poses that they happen to make. So let us
-# take a posture of your arm, look where its tool is, and ask for all ways to bring it there.
+# meet every pose. They are asked for an **approach**: a position and the direction in which the tool points, five
+# numbers, with the roll about that direction left free. Fewer joints meet only the poses that they happen to make. So
+# let us take a posture of your arm, look where its tool is, and ask for all ways to bring it there.
 
 # %%
 own = guide.arm()
@@ -321,16 +342,29 @@ g = own.fk(theta)
 target = Approach(g[:3, 3], g[:3, :3] @ own.tool_axis) if own.n == 5 else Pose(g)
 found = solve_ik_all(own, target, theta)
 
+free = next((names for names in found.free if names), ())
+
 # %% tags=["hidden"]
-if not found.complete and any(found.free):
-    held = found.free[0][0]
+held = ""
+if free:
+    k = own.joint_names.index(free[0])
+    held = f", with `{free[0]}` held at {in_words(theta[k], own.units[k])}"
+    roll = np.append([0, 0, 0], own.tool_axis)
+    rows = (np.eye(6) - np.outer(roll, roll)) / np.repeat([own.reach, 1.0], 3)
+    met = int(np.linalg.matrix_rank(rows @ own.body_jacobian(theta), tol=1e-6))
     guide.say(
-        f"`{own.name}` has {own.n} joints, more than the target fixes: the ways are not a number but curves, and "
-        f"the arm "
-        f"can move along each while the tool stands still. Hold one joint, and they are a number again. Here `{held}` "
-        f"stands at {in_words(theta[own.joint_names.index(held)], own.units[own.joint_names.index(held)])}."
+        f"For `{own.name}` the ways are not a number but curves: "
+        + " and ".join(f"`{name}`" for name in free)
+        + " may move while the target stays met. "
+        + (
+            f"It has five joints for the five numbers of an approach, but can change only {met} of these numbers "
+            "independently. It meets this target because it stands there already; most targets it cannot meet. "
+            if own.n == 5 and met < 5
+            else ""
+        )
+        + "Hold that joint, and the ways are a number again."
     )
-    found = solve_ik_all(own, target, theta, given={held: float(theta[own.joint_names.index(held)])})
+    found = solve_ik_all(own, target, theta, given={free[0]: float(theta[k])})
 assert np.abs(found.theta - theta).max(axis=1).min() < 1e-4 if len(found) else False, (
     "the posture itself is among them"
 )
@@ -339,10 +373,11 @@ assert (found.orientation_error < 1e-6).all()
 asked = "the position and direction of its tool" if own.n == 5 else "the pose of its tool"
 total = len(found) + len(found.outside)
 guide.predict(
-    f"`{own.name}` has {own.n} joints. In how many ways does it reach {asked}? And in how many, if its joints had no "
-    "limits?",
-    f"In {len(found)} inside its limits, in {total} without them"
-    + (", and there are no others" if found.complete else "; there may be more")
+    f"`{own.name}` has {own.n} joints. In how many ways does it reach {asked}"
+    + (", with that joint held" if free else "")
+    + "? And in how many, if its joints had no limits?",
+    f"In {len(found)} inside its limits and in {total} without them{held}"
+    + (". There are no others" if found.complete else ". There may be more")
     + f". They were found by {found.method}: {found.family}.",
 )
 
@@ -360,20 +395,23 @@ draw_all(own, [each for each, _ in listed[:16]], f"`{own.name}`, every way from 
 guide.say("What the solver says of itself:\n\n```text\n" + found.explain() + "\n```")
 
 # %% [markdown]
-# The solver says *which* group of axes made it easy: axes that meet in a point leave the point alone, and parallel axes
-# leave every plane across them alone. Both let you drop three unknowns at once. Six joints that turn with neither are
-# solved by elimination, an eigenvalue problem, and may have sixteen ways (MLS, section 3.3.4).
+# The solver says *which* group of axes made it easy. Axes that meet in a point leave the point alone, and parallel axes
+# leave every plane across them alone: either way three unknowns are gone at once. That is how a UR5 has its eight ways
+# without a wrist whose axes meet. Six turning joints that have neither take heavier algebra, which ends in the
+# eigenvalues of a matrix, and may have sixteen ways (MLS, section 3.3.4).
 #
 # ## The flips of a rover arm
 #
 # The bundled rover arm has a slide, three parallel pitches and a roll. Its slide alone settles where the tool is across
-# the plane of the pitches. The roll settles nothing that an approach asks. There remain three parallel joints in a
-# plane, for a point and a direction: the two-link arm, with a third link that points where it must.
+# the plane of the pitches. The roll turns the tool about its own direction, and settles nothing that an approach asks.
+# There remain three parallel joints in a plane, for a point and a direction: the two-link arm, with a third link that
+# points where it must.
 
 # %%
 rover = guide.bundled("rover_arm")
 g = rover.fk(rover.ready)
-flips = solve_ik_all(rover, Approach(g[:3, 3], g[:3, :3] @ rover.tool_axis), rover.ready)
+same_place = Approach(g[:3, 3], g[:3, :3] @ rover.tool_axis)
+flips = solve_ik_all(rover, same_place, rover.ready, given={"wrist_roll": rover.ready[4]})
 both = np.array([*flips, *flips.outside])
 assert flips.complete
 assert len(both) == 2
@@ -383,15 +421,15 @@ assert np.isclose(both[0, 1:4].sum(), both[1, 1:4].sum())  # the tool points the
 # %% tags=["hidden"]
 if own.name == rover.name:
     guide.say(
-        f"It is the arm that you have just seen, with its {len(both)} ways. Where it waits, the elbow bends by "
-        f"{in_words(abs(both[0, 2]), 'rad')} to the one side or to the other, and the three pitches add up to the "
-        "same."
+        f"It is the arm that you have just seen. Where it waits it has {len(both)} ways as well, `wrist_roll` held: the "
+        f"elbow bends by {in_words(abs(both[0, 2]), 'rad')} to the one side or to the other, and the three pitches add "
+        "up to the same."
     )
 else:
     guide.table(
         [f"`{name}`" for name in rover.joint_names],
         [[in_words(v, u) for v, u in zip(each, rover.units, strict=True)] for each in both],
-        f"Both ways; {len(flips)} inside the limits.",
+        f"Both ways, `wrist_roll` held; {len(flips)} inside the limits.",
     )
     draw_all(
         rover,
@@ -400,48 +438,17 @@ else:
     )
 
 # %% [markdown]
-# ## The eight of a UR5
-#
-# A UR5 has no wrist whose axes meet. Its second, third and fourth axes are parallel, and that does as well. The six
-# lengths below are the maker's; they are all that is needed.
-
-# %%
-d1, a2, a3, d4, d5, d6 = 0.089159, 0.425, 0.39225, 0.10915, 0.09465, 0.0823  # [m]
-x, y, z = np.eye(3)
-axes = [(z, 0 * x), (y, d1 * z), (y, a2 * x + d1 * z), (y, (a2 + a3) * x + d1 * z),
-        (-z, (a2 + a3) * x + d4 * y), (y, (a2 + a3) * x + (d1 - d5) * z)]  # fmt: skip
-home = np.eye(4)
-home[:3, :3] = np.column_stack([-x, z, y])
-home[:3, 3] = (a2 + a3) * x + (d4 + d6) * y + (d1 - d5) * z
-twists = np.column_stack([np.append(-np.cross(w, q), w) for w, q in axes])
-ur5 = arm_from_screws(twists, home, name="ur5")
-
-standing = np.radians([20.0, -70.0, 95.0, -60.0, -80.0, 30.0])
-g = ur5.fk(standing)
-eight = solve_ik_all(ur5, g, standing)
-assert eight.complete
-assert len(eight) == 8
-
-# %% tags=["hidden"]
-guide.table(
-    ["way", *(f"$\\theta_{i}$" for i in range(1, 7))],
-    [[str(i), *(in_words(wrap(v), "rad") for v in each)] for i, each in enumerate(eight, start=1)],
-    "All configurations of a UR5 for one pose: left or right shoulder, elbow up or down, wrist flipped or not.",
-)
-draw_all(ur5, list(eight), "The eight ways of a UR5, two on each panel.")
-
-# %% [markdown]
 # ## What goes wrong in practice
 #
 # - **Whole turns counted as ways.** 190° and −170° are one posture. Wrap before you compare. But for the cable they are
 #   not the same: `solve_ik_all(…, copies=True)` lists both.
 # - **The first of the list, every time.** Along a path, take the answer nearest to the last one, or the arm changes
 #   elbows on the way.
-# - **Solving first, limits last.** A closed form knows no limits. What it returns may be outside all of them.
+# - **Limits forgotten.** A closed form knows no limits. What it returns may be outside all of them.
 # - **A wrist that does not quite meet.** The closed form believes that three axes meet in a point. If the bracket holds
-#   one of them a little beside, the tool is off by about as much, and nobody reports an error.
-# - **Singular.** With two wrist axes in line the ways are no longer separate: a joint may turn forward and another one
-#   back. An answer with `free` joints says so.
+#   one of them a few millimetres away from it, the tool is off by about as much, and nobody reports an error.
+# - **Ways that are no number.** With two wrist axes on one line, one joint may turn forward and the other one back. With
+#   the wrist point on the axis of the base joint, that joint may stand anywhere. An answer with `free` joints says so.
 
 # %% tags=["hidden"]
 bracket = 0.003  # [m]
@@ -451,9 +458,15 @@ off_axes[:3, 4] -= np.cross(off_axes[3:, 4], shift)
 off = np.linalg.norm(poe.fk(off_axes, elbow_arm.home, meant)[:3, 3] - g_d[:3, 3])
 in_line = meant.copy()
 in_line[4] = np.pi / 2  # the last axis lies along the fourth
-singular = solve_ik_all(elbow_arm, elbow_arm.fk(in_line), in_line)
-nearest = [names for names in singular.free if names]
-assert nearest, "a wrist in line leaves two joints free against each other"
+above = meant.copy()  # joint 2 brings the wrist point onto the axis of joint 1
+elbowed = apply(screws.exp(xi[2], meant[2]), r_w)
+above[1] = turn_to(xi[1], elbowed, r_b + np.linalg.norm(elbowed - r_b) * xi[0, 3:])
+free_at = []
+for posture in (in_line, above):
+    ways_there = solve_ik_all(elbow_arm, elbow_arm.fk(posture), posture)
+    free_at.append(next((names for names in ways_there.free if names), ()))
+assert {"joint_4", "joint_6"} <= set(free_at[0]), "two joints turn against each other"
+assert "joint_1" in free_at[1], "the base joint may stand anywhere"
 guide.table(
     ["slip", "how it shows"],
     [
@@ -461,11 +474,14 @@ guide.table(
             f"the middle wrist axis is {1000 * bracket:.0f} mm beside the others",
             f"the elbow arm's tool is {1000 * off:.1f} mm off",
         ],
-        [
-            "the first and last wrist axis in line",
-            f"{len(singular)} ways listed, with free joints: "
-            + ", ".join(f"`{name}`" for name in nearest[0]),
-        ],
+        *(
+            [words, "curves, not a number; these may move: " + ", ".join(f"`{name}`" for name in names)]
+            for words, names in zip(
+                ("first and last wrist axis on one line", "wrist point on the axis of the base joint"),
+                free_at,
+                strict=True,
+            )
+        ),
         [
             "a new elbow between two points of a path",
             f"a joint jumps by {in_words(np.abs(both[0] - both[1]).max(), 'rad')}",

@@ -14,21 +14,60 @@ import numpy as np
 from twistarm import Approach, Pose, Position, guide, screws, solve_ik
 
 arm = guide.arm()
+planar = guide.bundled("rr_planar")  # the two-link arm
+
+# %% [markdown]
+# ## What a small turn of each joint does
+#
+# Take the two-link arm first. Its tip is at
+#
+# $$x = l_1 \cos\theta_1 + l_2 \cos(\theta_1 + \theta_2), \qquad y = l_1 \sin\theta_1 + l_2 \sin(\theta_1 + \theta_2)$$
+#
+# Turn the joints by the small angles $\Delta_1$ and $\Delta_2$. The tip then moves by the derivatives times these angles:
+#
+# $$\begin{bmatrix} \Delta x \\ \Delta y \end{bmatrix} \approx J \begin{bmatrix} \Delta_1 \\ \Delta_2 \end{bmatrix}, \qquad
+#   J = \begin{bmatrix} -y & -l_2 \sin(\theta_1 + \theta_2) \\ x & l_2 \cos(\theta_1 + \theta_2) \end{bmatrix}$$
+#
+# Such a matrix is called a **Jacobian**. It has a column for each joint: what that joint does alone, at a rate of one.
+#
+# For a whole arm the columns are twists. Column $i$ of the **body Jacobian** $J^b(\theta)$ is the twist $(v, \omega)$ of
+# joint $i$ as it is seen from the tool in that posture, and all rates together give the body twist of the tool:
+# $V^b = J^b(\theta)\,\dot\theta$ (MLS, section 3.4.1). This is all that you need of it here, and `arm.body_jacobian`
+# computes it. [The lesson on the Jacobian](3_3_2_jacobian.html) shows how the columns come about.
+
+# %%
+l2 = np.linalg.norm(np.diff(guide.arm_points(planar, np.zeros(2))[2:], axis=0))
+
+
+def tip_jacobian(theta):
+    """The matrix J above, (2, 2)."""
+    x, y = planar.fk(theta)[:2, 3]
+    return np.array([[-y, -l2 * np.sin(theta.sum())], [x, l2 * np.cos(theta.sum())]])
+
+
+theta, h = np.radians([20.0, 60.0]), 1e-6
+for i, step in enumerate(h * np.eye(2)):  # a small turn of one joint after the other
+    moved = planar.fk(theta + step)[:2, 3] - planar.fk(theta - step)[:2, 3]
+    assert np.allclose(moved / (2 * h), tip_jacobian(theta)[:, i])
+for i, step in enumerate(h * np.eye(arm.n)):
+    motion = screws.inverse(arm.fk(arm.ready - step)) @ arm.fk(arm.ready + step)
+    column = screws.log(motion) / (2 * h)
+    assert np.allclose(column, arm.body_jacobian(arm.ready)[:, i], atol=1e-5)
 
 # %% [markdown]
 # ## Newton's step
 #
-# The tool is at $g$ and should be at $g_d$. How it gets there, seen from the tool, is a twist: the logarithm of the
-# motion between the two. What the joints do to the tool, seen from the tool, is the body Jacobian:
+# The tool is at $g$ and should be at $g_d$. How it gets there, seen from the tool, is a screw motion, and its logarithm
+# is a twist. The sign $\vee$ is the opposite of the hat: it takes the six numbers $(v, \omega)$ out of the matrix.
 #
-# $$e = \big(\log(g^{-1} g_d)\big)^\vee, \qquad V^b = J^b(\theta)\,\dot\theta$$
+# $$e = \big(\log(g^{-1} g_d)\big)^\vee$$
 #
-# So ask for the step $\Delta$ that closes the gap, as if the Jacobian stayed what it is:
+# So ask for the step $\Delta$ that closes the gap $e$, as if the Jacobian stayed what it is:
 #
 # $$J^b(\theta)\,\Delta = e, \qquad \theta \leftarrow \theta + \Delta$$
 #
-# That is Newton's method (Lynch & Park, section 6.2; the body Jacobian is that of MLS, section 3.4.1). With fewer or
-# more joints than six, take the $\Delta$ that comes nearest, and of those the shortest: least squares.
+# That is Newton's method (Lynch & Park, section 6.2). With fewer or more joints than six, take the $\Delta$ that comes
+# nearest, and of those the shortest: least squares.
 
 
 # %%
@@ -97,10 +136,13 @@ guide.predict(
 #
 # Take the two-link arm, almost stretched out, and ask its tip to come a little closer. In this posture hardly any
 # motion of the joints moves the tip along the arm. Newton wants that motion and gets it, from the one combination of
-# joints that does it at all, by asking for very much of it.
+# joints that makes it at all, by asking for very much of it.
+#
+# How much each direction costs, the **singular values** of $J$ tell. Let the pair of joint rates go round a circle of
+# radius one. $J$ carries this circle to an ellipse of tip velocities. The half-axes of the ellipse are the singular
+# values $\sigma_1 \ge \sigma_2$: the most and the least that joint rates of that size do. `np.linalg.svd` computes them.
 
 # %%
-planar = guide.bundled("rr_planar")
 stretched = np.radians([20.0, 2.0])
 tip = planar.fk(stretched)[:2, 3]
 goal_2 = 0.9 * tip  # closer, on the same line
@@ -108,32 +150,35 @@ goal_2 = 0.9 * tip  # closer, on the same line
 
 def tip_gap(theta):
     """The gap of the tip (2,), and the Jacobian (2, 2) of the tip's place."""
-    return goal_2 - planar.fk(theta)[:2, 3], planar.hybrid_jacobian(theta)[:2]
+    return goal_2 - planar.fk(theta)[:2, 3], tip_jacobian(theta)
 
 
 e, J = tip_gap(stretched)
 leap = newton_step(J, e)
 sigma = np.linalg.svd(J, compute_uv=False)
 guide.predict(
-    f"The tip shall come {1000 * np.linalg.norm(e):.0f} mm closer, and the elbow is bent by 2°. How far does "
+    f"The tip is to come {1000 * np.linalg.norm(e):.0f} mm closer, and the elbow is bent by 2°. How far does "
     f"Newton turn "
     "the elbow in its first step?",
-    f"By {np.degrees(leap[1]):.0f}°. The two singular values of the Jacobian are {sigma[0]:.3f} and "
-    f"{sigma[1]:.4f} m/rad. "
-    f"Along the weak direction a step is the gap divided by {sigma[1]:.4f}. At an elbow of 0° it would be without end.",
+    f"By {np.degrees(leap[1]):.0f}°. The two singular values of the Jacobian are {sigma[0]:.3f} and {sigma[1]:.4f} m "
+    f"per radian. Along the weak direction the step is the gap divided by {sigma[1]:.4f}, and it grows without bound as "
+    "the elbow comes nearer to 0°. *At* 0° nothing moves the tip along the arm, least squares asks for nothing, and the "
+    "arm is stuck: the step is zero.",
 )
+straight = np.radians([20.0, 0.0])
+inward = -0.1 * planar.fk(straight)[:2, 3]
+assert np.allclose(newton_step(tip_jacobian(straight), inward), 0.0, atol=1e-9)
 assert abs(np.degrees(leap[1])) > 180
 assert np.allclose(J @ leap, e)
 
 bends = np.radians(np.arange(1.0, 180.0))
-at_bends = planar.hybrid_jacobian(np.stack([0 * bends, bends], axis=-1))[:, :2]
+at_bends = np.array([tip_jacobian(np.array([0.0, bend])) for bend in bends])
 weaker = np.linalg.svd(at_bends, compute_uv=False)[:, 1]
 nimblest = np.degrees(bends[np.argmax(weaker)])
 guide.slider(
     "ellipsoid",
-    r"The half-axes of the ellipse are the singular values: how fast the tip moves, at best and at worst, if the "
-    r"joints "
-    r"turn with rates of norm one. Where is the smaller one largest?",
+    r"This is the ellipse of the tip's velocities for $\dot\theta_1^2 + \dot\theta_2^2 = 1$. Where is the smaller "
+    r"singular value $\sigma_2$ largest?",
     rf"At $\theta_2 = {nimblest:.0f}°$, with the tool drawn well in. At 0° and 180° the ellipse is a line: "
     r"$\det J = l_1 l_2 \sin\theta_2 = 0$.",
     l1=0.4,
@@ -150,12 +195,14 @@ guide.slider(
 #
 # $$\min_\Delta\; \|J\Delta - e\|^2 + \lambda^2 \|\Delta\|^2$$
 #
-# $$\Delta = J^T (J J^T + \lambda^2 I)^{-1} e$$
+# Where that is least, its derivative is zero: $J^T (J\Delta - e) + \lambda^2 \Delta = 0$. Solved for the step:
+#
+# $$\Delta = (J^T J + \lambda^2 I)^{-1} J^T e = J^T (J J^T + \lambda^2 I)^{-1} e$$
 #
 # Along a direction with the singular value $\sigma$ Newton multiplies the gap by $1/\sigma$. This step multiplies it by
 # $\sigma / (\sigma^2 + \lambda^2)$, which is never more than $1/(2\lambda)$. It is called **damped least squares**
 # (Nakamura & Hanafusa 1986, Wampler 1986). The price has a unit: $\lambda$ is compared with $\sigma$, so here it is in
-# metres per radian.
+# metres (per radian).
 
 
 # %%
@@ -167,6 +214,7 @@ def damped_step(J, e, damping):
 stacked = np.vstack([J, 0.05 * np.eye(2)])  # the same, one least-squares problem
 by_lstsq = np.linalg.lstsq(stacked, np.append(e, [0, 0]), rcond=None)[0]
 assert np.allclose(damped_step(J, e, 0.05), by_lstsq)
+assert np.allclose(np.linalg.solve(J.T @ J + 0.05**2 * np.eye(2), J.T @ e), by_lstsq)
 
 
 MOST = 200  # steps
@@ -191,7 +239,7 @@ left = np.array([np.linalg.norm(tip_gap(stretched + step)[0]) for step in first]
 needed = [steps_to_arrive(d) for d in dampings]
 arrived = np.array([np.nan if count is None else count for count in needed])
 best = int(np.nanargmin(arrived))
-fig, panels = guide.axes2(columns=3, width=6.6, height=2.7, xlabel="damping λ [m/rad]")
+fig, panels = guide.axes2(columns=3, width=6.6, height=2.7, xlabel="damping λ [m]")
 panels[0].loglog(dampings, np.degrees(np.linalg.norm(first, axis=1)))
 panels[0].axhline(180, color=guide.GREY, linewidth=0.8, linestyle=":")
 panels[0].set_title("size of the first step [°]")
@@ -212,8 +260,8 @@ guide.figure(
     "leaps anywhere, too much crawls.",
 )
 guide.say(
-    f"The best damping of the sweep, {dampings[best]:.3f} m/rad, needs {needed[best]} steps. With the largest, "
-    f"{dampings[-1]:.0f} m/rad, "
+    f"The best damping of the sweep, {dampings[best]:.3f} m, needs {needed[best]} steps. With the largest, "
+    f"{dampings[-1]:.0f} m, "
     + (
         "it takes " + str(needed[-1]) + "."
         if needed[-1] is not None
@@ -240,7 +288,7 @@ def gaps_beyond(step):
     for _ in range(40):
         e = too_far - planar.fk(theta)[:2, 3]
         gaps.append(np.linalg.norm(e))
-        theta = theta + step(planar.hybrid_jacobian(theta)[:2], e)
+        theta = theta + step(tip_jacobian(theta), e)
     return np.array(gaps)
 
 
@@ -267,10 +315,12 @@ guide.figure(
 # %% [markdown]
 # ## Five joints
 #
-# A pose is six numbers, and five joints can meet five of them at best. The rank of the Jacobian says how many. What is
-# missing has a direction: a twist of the tool that no joint can contribute to. So with five joints ask for less. A
-# **position** asks for three numbers. An **approach** asks for five: the position, and where the tool points, with the
-# roll about that direction left free. Leaving a number free means leaving its row out of $J$ and $e$.
+# A pose is six numbers, and five joints can meet five of them at best. The rank of the Jacobian, the number of its
+# independent columns, says how many. So with five joints ask for less. A **position** asks for three numbers. An
+# **approach** asks for five: the position, and where the tool points, with the roll about that direction left free.
+#
+# Leaving a number free means leaving its row out of $J$ and $e$. For that the rows must be written in axes of which one
+# is the free direction. Seen from a tool that points along its own $z$ axis, the roll is $\omega_z$, the last row.
 
 # %%
 few = guide.arm_with("three to five joints", lambda a: 3 <= a.n <= 5)
@@ -287,12 +337,36 @@ targets = {
 answers = {words: solve_ik(few, target, waiting) for words, target in targets.items()}
 
 # %% tags=["hidden"]
+roll = np.append([0, 0, 0], few.tool_axis)
 samples = [
     few.body_jacobian(theta) / np.repeat([few.reach, 1.0], 3)[:, None]
     for theta in few.random_theta(0, 8)
 ]
-rank = max(int(np.linalg.matrix_rank(each, tol=1e-6)) for each in samples)
-guide.say(f"`{few.name}` has {few.n} joints; the rank of its Jacobian is {rank} at best.")
+rank, without = (
+    max(int(np.linalg.matrix_rank(rows @ each, tol=1e-6)) for each in samples)
+    for rows in (np.eye(6), np.eye(6) - np.outer(roll, roll))
+)
+rolls = [  # joints that turn the tool about its own direction, and do nothing else
+    name
+    for name, column in zip(few.joint_names, samples[0].T, strict=True)
+    if np.allclose(column, (column @ roll) * roll, atol=1e-6) and abs(column @ roll) > 0.5
+]
+guide.say(
+    f"`{few.name}` has {few.n} joints; the rank of its Jacobian is {rank} at best. Without the row of the roll it is "
+    f"{without}."
+    + (
+        (
+            f" `{rolls[0]}` turns the tool about its own direction and does nothing else, so it serves none of the "
+            "five numbers of an approach."
+            if rolls
+            else ""
+        )
+        + " This arm meets an approach only where it happens to fit: five joints are not enough, they must be the "
+        "right five."
+        if few.n == 5 and without < 5
+        else ""
+    )
+)
 guide.table(
     ["asked", "off by [mm]", "off by [°]", "the solver says"],
     [
@@ -306,26 +380,30 @@ guide.table(
     ],
     "One wish, the tool turned a little where it stands, asked in three ways.",
 )
-position = answers["`Position`, 3 numbers"]
-assert position.converged
-assert not answers["`Pose`, 6 numbers"].converged
-guide.say(
-    "An approach is met as well: its roll was all that stood in the way."
-    if answers["`Approach`, 5 numbers"].converged
-    else "Even the approach is not met: no joint of this arm turns the tool to that side while its place is held. "
-    "In the solver's words:\n\n```text\n" + answers["`Approach`, 5 numbers"].explain() + "\n```"
-)
+assert answers["`Position`, 3 numbers"].converged
+pose, approach = answers["`Pose`, 6 numbers"], answers["`Approach`, 5 numbers"]
+if pose.converged:
+    guide.say("This arm meets even the pose.")
+elif approach.converged:
+    guide.say("The approach is met, and the pose is not: the roll was all that stood in the way.")
+else:
+    guide.say(
+        "Even the approach is not met here. The solver says why:\n\n```text\n"
+        + approach.explain()
+        + "\n```"
+    )
 
 # %% [markdown]
 # ## What solve_ik says when it cannot
 #
 # `solve_ik` is such a damped walk, from many starts, inside the limits. It never answers with nothing. Where a target
-# cannot be met it returns the nearest configuration, position first, and says why:
+# cannot be met it returns the configuration that comes nearest to it (the position counts first), and says why:
 
 # %% tags=["hidden"]
 beyond = arm.fk(arm.ready).copy()
 beyond[:3, 3] += np.array([3.0, 0.5, 0.2]) * arm.reach
-cases = [("a place far outside", solve_ik(arm, Position(beyond[:3, 3])))]
+far = solve_ik(arm, Position(beyond[:3, 3]))
+cases = [] if far.converged else [("a place far outside", far)]  # slides without limits reach it
 for k in np.flatnonzero(np.isfinite(arm.limits.upper)):
     over = arm.ready.copy()
     over[k] = arm.limits.upper[k] + (0.4 if arm.units[k] == "rad" else 0.2 * arm.reach)
@@ -337,7 +415,7 @@ turned = arm.fk(goal) @ screws.exp(np.array([0, 0, 0, 0.3, 0.2, 0.1]), 1.0)
 if arm.n < 6:
     cases.append(("the tool turned where the arm cannot turn it", solve_ik(arm, Pose(turned), goal)))
 cases.append(("the pose of a posture of its own", solve_ik(arm, Pose(g_d))))
-assert cases[0][1].stop.name in ("OUT_OF_REACH", "BLOCKED_BY_LIMITS")
+assert far.converged or far.stop.name in ("OUT_OF_REACH", "BLOCKED_BY_LIMITS")
 assert cases[-1][1].converged
 assert all(arm.limits.contains(each.theta) for _, each in cases)
 guide.table(
@@ -355,6 +433,8 @@ guide.say("And `explain()` of the first:\n\n```text\n" + cases[0][1].explain() +
 #
 # - **The gap and the Jacobian seen from different frames.** A gap in base axes with the body Jacobian. Each step is
 #   then turned by the tool's own rotation; the walk may still creep in, or never.
+# - **A start that is exactly singular.** Stretched out at zero, an arm asked to come straight in gets a zero step, with
+#   damping or without. Bend it a little first.
 # - **Degrees in the step.** The Jacobian is per radian.
 # - **Metres against radians.** One number for both needs a length. Damping that is right in metres is a thousand times
 #   too weak in millimetres.

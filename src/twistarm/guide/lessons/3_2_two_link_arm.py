@@ -29,6 +29,10 @@ cross = np.array([0.30, 0.35])  # where the cross is [m], seen from the shoulder
 #
 # $$r = \sqrt{x^2 + y^2}, \qquad \varphi = \mathrm{atan2}(y, x)$$
 #
+# The joints count otherwise. $\theta_1$ is the direction of the first link. $\theta_2$ is how far the second link is
+# turned from *that* direction: 0 where the arm is stretched, while $\alpha$ is $\pi$ there. So $\theta_2$ is
+# $\pi - \alpha$ to the one side, and as much to the other: $\alpha - \pi$, which is the same direction as $\pi + \alpha$.
+#
 # The triangle may lie on either side of the line from the shoulder to the cross. So there are two answers, and each is
 # called the **flip** of the other:
 #
@@ -115,19 +119,26 @@ ax.plot(*np.array([[0, 0], cross]).T, color=guide.GREY, linestyle="--", linewidt
 ax.text(*(0.45 * cross + [0.018, -0.018]), "$r$", color=guide.GREY, ha="center")
 links(ax, down, guide.ORANGE, (0, (5, 1.5)))
 elbow = links(ax, up, guide.BLUE, "-")
-ax.text(*(0.5 * elbow + [-0.03, 0.0]), "$l_1$", color=guide.BLUE, ha="center")
+ax.text(*(0.62 * elbow + [0.02, 0.0]), "$l_1$", color=guide.BLUE, ha="center")
 ax.text(*(0.5 * (elbow + cross) + [0.0, 0.022]), "$l_2$", color=guide.BLUE, ha="center")
 arc(ax, (0, 0), phi, up[0], 0.12, r"$\beta$", guide.BLUE)
 arc(ax, (0, 0), 0, phi, 0.07, r"$\varphi$", guide.INK)
+arc(ax, (0, 0), 0, down[0], 0.25, r"$\theta_1$", guide.ORANGE)
+joint = l1 * np.array([np.cos(down[0]), np.sin(down[0])])
+onward = 1.24 * joint
+ax.plot(*np.array([joint, onward]).T, color=guide.GREY, linestyle=":", linewidth=1.2)
+arc(ax, joint, down[0], down.sum(), 0.06, r"$\theta_2$", guide.ORANGE)
 to_base, to_tip = np.arctan2(*-elbow[::-1]), np.arctan2(*(cross - elbow)[::-1])
 arc(ax, elbow, to_base, to_base + wrap(to_tip - to_base), 0.05, r"$\alpha$", guide.BLUE)
 ax.plot(*cross, "x", color=guide.INK, markersize=10, markeredgewidth=2)
-ax.plot([0, 0.2], [0, 0], color=guide.GREY, linewidth=0.8, linestyle="-")
+ax.plot([0, 0.36], [0, 0], color=guide.GREY, linewidth=0.8, linestyle="-")
 guide.figure(
     fig,
     "Two triangles on the line from the shoulder to a cross: the same two links on either side of it, one solid, one "
-    "dashed; the angles alpha at the elbow, beta and phi at the shoulder",
-    r"Solid: $(+,+)$, the elbow on the left. Dashed: $(-,-)$, its flip.",
+    "dashed; the angles alpha, beta and phi of the triangle, and at the dashed links theta 1 from the x axis and theta "
+    "2 from the direction of the first link",
+    r"Solid: $(+,+)$, the elbow on the left, with the angles of its triangle. Dashed: $(-,-)$, its flip, with the "
+    r"angles of its joints.",
 )
 rows = [
     [words, *map(degrees, theta), degrees(theta.sum())]
@@ -154,8 +165,8 @@ guide.say("twistarm finds these two, and knows that there are no others.")
 # %% [markdown]
 # ## The signs go together
 #
-# You may find the two answers written in one line, $\theta_2 = \pi \pm \alpha$ and $\theta_1 = \varphi \pm \beta$. As
-# it stands it allows four pairs of signs.
+# It is tempting to write both answers in one line, $\theta_2 = \pi \pm \alpha$ and $\theta_1 = \varphi \pm \beta$. Read
+# so, there are four pairs of signs.
 
 # %%
 mixed = np.array([phi - beta, np.pi + alpha])
@@ -266,9 +277,10 @@ guide.say(
 #
 # Two joints whose axes are parallel, one after the other, are a two-link arm wherever they stand and wherever the maker
 # has put their zeros. The first link goes from the one axis to the other, the second from there to what the two carry:
-# the next joint, or the tool. To flip it you need no formula for $\theta$ at all. Measure the two signed angles in the
-# posture that the arm has, $\beta$ from the line of sight to the first link and $\theta_2$ from the first link to the
-# second, and turn the shoulder by $-2\beta$ and the elbow by $-2\theta_2$.
+# the next joint, or the tool. To flip it you need no formula for $\theta$ at all. Take the posture that the arm has, and
+# measure two signed angles: $\beta$, from the line between the shoulder and what is carried to the first link, and
+# $\theta_2$, from the direction of the first link to the second. Then turn the shoulder by $-2\beta$ and the elbow by
+# $-2\theta_2$: the triangle is mirrored in that line.
 
 
 # %% tags=["hidden"]
@@ -297,7 +309,6 @@ arm = guide.arm_with(
 first = two_links(arm)
 
 
-# %%
 def flipped(arm, theta, i):
     """The posture with the other elbow: moving joints i and i + 1 have parallel axes."""
     values = arm.coupling.A @ theta

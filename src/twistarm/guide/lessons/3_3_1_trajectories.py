@@ -5,8 +5,7 @@
 # at once. The arm bangs, the battery's fuse blows, and the rover has moved by a hand's width. Nothing was wrong with
 # the angles. What you did not say is how to get there.
 #
-# This lesson fills the guide's section on spline trajectories, which is empty. You need two things: a **path**, which
-# says where, and a **time law**, which says when.
+# You need two things: a **path**, which says where, and a **time law**, which says when.
 
 # %%
 import numpy as np
@@ -22,13 +21,13 @@ goal = start + 0.4 * (arm.random_theta(7) - start)  # some posture inside the li
 # ## The straight path, and its clock
 #
 # The simplest path goes straight in joint space: every joint from its first value to its last, all in proportion. One
-# number $s$ runs from 0 to 1:
+# number $s$ runs from 0 to 1, the share of the way that is done:
 #
 # $$\theta(t) = \theta_0 + s(t)\,(\theta_1 - \theta_0)$$
 #
 # Everything else is the choice of $s(t)$. It begins at 0 and ends at 1, at the time $T$; and the arm stands still
 # at both ends. These are four conditions, and a polynomial with four coefficients meets them: the **cubic**. With
-# $u = t/T$,
+# $u = t/T$, the share of the time,
 #
 # $$s = 3u^2 - 2u^3$$
 #
@@ -49,11 +48,15 @@ assert np.allclose(cubic.coeffs, [-2.0, 3.0, 0.0, 0.0])
 u = np.linspace(0, 1, 1001)
 fastest, hardest = np.abs(cubic.deriv()(u)).max(), np.abs(cubic.deriv(2)(u)).max()
 guide.predict(
-    "You halve the time $T$ of the same move. What becomes of the greatest velocity, and what of the greatest "
-    "acceleration?",
-    rf"Velocity doubles, acceleration becomes four times as large. With $d$ the distance, the cubic needs "
-    rf"${fastest:.1f}\, d/T$ and ${hardest:.0f}\, d/T^2$. Motors are asked for torque by the acceleration: haste costs "
-    "by the square.",
+    "You halve the time $T$ of the same move. By which factors do the greatest velocity and the greatest acceleration "
+    "grow?",
+    "The velocity doubles, and the acceleration becomes four times as large. It is the acceleration that asks the "
+    "motors for torque: haste costs by the square.",
+)
+guide.say(
+    rf"In numbers: let a joint go by $d = \theta_1 - \theta_0$. The steepest slope of $s(u)$ is {fastest:.1f}, so the "
+    rf"joint's greatest velocity is ${fastest:.1f}\, \lvert d \rvert / T$. The greatest curvature is {hardest:.0f}, so "
+    rf"its greatest acceleration is ${hardest:.0f}\, \lvert d \rvert / T^2$."
 )
 
 # %% [markdown]
@@ -76,10 +79,15 @@ assert np.allclose(peaks["quintic"], [15 / 8, 10 / np.sqrt(3), 60], atol=1e-4)
 
 # %% tags=["hidden"]
 guide.table(
-    ["law", "greatest velocity, times $d/T$", "acceleration, times $d/T^2$", "jerk, times $d/T^3$"],
+    [
+        "law",
+        r"greatest velocity, times $\lvert d \rvert/T$",
+        r"acceleration, times $\lvert d \rvert/T^2$",
+        r"jerk, times $\lvert d \rvert/T^3$",
+    ],
     [[name, *(f"{peak:.2f}" for peak in each)] for name, each in peaks.items()],
-    "What the same move in the same time asks for. The cubic's jerk counts only inside: at its ends the acceleration "
-    "jumps.",
+    "What the same move in the same time asks for. **Jerk** is the rate at which the acceleration changes. The cubic's "
+    "is given for the time between its ends: at the ends the acceleration jumps.",
 )
 fig, panels = guide.axes2(3, width=6.6, height=2.5, xlabel="t / T")
 for ax, k, words in zip(panels, range(3), ("s", "velocity", "acceleration"), strict=True):
@@ -96,14 +104,23 @@ guide.figure(
     "at both ends, that of the quintic begins and ends at zero",
     "From rest to rest. The cubic is the gentler in the middle, the quintic at the ends.",
 )
+
+
+def with_end_velocity(velocity):
+    """The greatest velocity of the cubic by 90° in 2 s, from rest to that velocity [°/s]."""
+    slopes = CubicSpline([0, 2], [0, 90], bc_type=((1, 0.0), (1, velocity)))
+    return float(np.abs(slopes(np.linspace(0, 2, 1001), 1)).max())
+
+
+at_rest, going_on, coming_back = map(with_end_velocity, (0.0, 45.0, -60.0))
 guide.slider(
     "spline",
-    "Give the cubic a velocity at its end other than zero, as if it had to go on. How does its greatest velocity "
-    "change? And which two velocities, at the start and at the end, make the acceleration vanish?",
-    r"A cubic may begin and end at any velocity: there are four coefficients, so four numbers can be chosen. If both "
-    r"ends have the mean velocity $d/T$, it is a straight line, and the acceleration is zero throughout. A *negative* "
-    r"end "
-    "velocity makes it overshoot first.",
+    "Give the cubic a velocity at its end other than zero, as if it had to go on, and then a negative one. How does its "
+    "greatest velocity change? And which two velocities, at the start and at the end, make the acceleration vanish?",
+    f"From rest to rest it is {at_rest:.1f} °/s. If the joint ends with +45 °/s, on the way on, it is less: "
+    f"{going_on:.1f} °/s. If it ends with −60 °/s, it has to overshoot and come back, and the greatest velocity grows "
+    f"to {coming_back:.1f} °/s. The acceleration vanishes if both ends have the mean velocity $d/T$: the cubic is then a "
+    "straight line.",
     kind="cubic",
     start=0,
     end=90,
@@ -115,15 +132,17 @@ guide.slider(
 # %% [markdown]
 # ## Limits: how long must it take?
 #
-# Turn the peaks around. A joint with the distance $d$, the velocity limit $\dot\theta_{\max}$ and the acceleration
+# Solve the peaks for $T$. A joint with the distance $d$, the velocity limit $\dot\theta_{\max}$ and the acceleration
 # limit $\ddot\theta_{\max}$ needs at least
 #
-# $$T = \max\left(\frac{3}{2}\frac{|d|}{\dot\theta_{\max}},\ \sqrt{\frac{6\,|d|}{\ddot\theta_{\max}}}\right)$$
+# $$T = \max\left(\frac{3}{2} \frac{\lvert d \rvert}{\dot\theta_{\max}},\;
+#   \sqrt{\frac{6\,\lvert d \rvert}{\ddot\theta_{\max}}}\right)$$
 #
 # All joints share one $s(t)$, so the slowest joint sets the time for all, and all arrive together.
 #
 # A URDF may hold velocity limits, but it has no place for a limit of acceleration. Where your arm's files give none,
-# this lesson supposes full speed within half a second; and where no speed is given, one radian or one metre a second.
+# this lesson takes an acceleration that reaches full speed in half a second. Where they give no velocity limit either,
+# it takes one radian or one metre a second.
 
 # %%
 given = arm.limits
@@ -169,9 +188,9 @@ guide.say(
     + (
         "."
         if np.isclose(motion.duration, shortest)
-        else ": the arm has limits of motors or of jerk besides."
+        else ": this arm has limits of its motors or of jerk besides."
     )
-    + " It looks for the extremes of the polynomials, not at samples of them; so nothing slips through between two."
+    + " It finds the peaks of the polynomials themselves, and not of samples of them, so that no peak is missed."
 )
 quick = plan_joint(arm, [start, goal], kind="quintic", limits=limits).duration
 curve = plan_joint(arm, [start, goal], kind="s_curve", limits=limits).duration
@@ -179,8 +198,9 @@ guide.predict(
     "Will the quintic need more time than the cubic, or less?",
     f"It depends on what is scarce. Where velocity is, the quintic is slower (15/8 against 3/2). Where acceleration "
     f"is, it "
-    rf"is a trace faster ($10/\sqrt 3$ against 6). Here: {quick:.2f} s against {motion.duration:.2f} s. The law that "
-    f"drives at the limits and rounds only the corners (`s_curve`) takes {curve:.2f} s.",
+    rf"is faster by a little ($10/\sqrt 3 = {10 / np.sqrt(3):.2f}$ against 6). Here: {quick:.2f} s against "
+    f"{motion.duration:.2f} s. A law that drives at the limits and rounds only the corners (`s_curve`) takes "
+    f"{curve:.2f} s.",
 )
 
 # %% [markdown]
@@ -205,7 +225,9 @@ just_before, just_after = through(meeting - 1e-7, 2), through(meeting + 1e-7, 2)
 assert np.allclose(just_before, just_after, atol=1e-4 * acceleration.max())
 
 # %% tags=["hidden"]
-k = int(np.argmax(through.peak(1) / velocity))
+first, second = via - start, goal - via
+going_on = np.where(first * second > 0, np.minimum(np.abs(first), np.abs(second)), 0) / velocity
+k = int(np.argmax(going_on))  # a joint that goes on in the same direction after the via point
 unit, factor = units[k]
 fig, (left, right) = guide.axes2(2, width=6.6, height=2.7, xlabel="t [s]")
 for way, words, style, colour in (
@@ -235,7 +257,7 @@ beyond = np.maximum(inner - high, low - inner).max(axis=0)
 worst = int(np.argmax(beyond * np.array([f for _, f in units])))
 guide.predict(
     "Is passing through always faster than stopping? And does the spline stay between the postures that you gave?",
-    f"Here it takes {through.duration:.2f} s, and with a stop {stopping.duration:.2f} s. Usually passing is the "
+    f"Here it takes {through.duration:.2f} s, and with a stop {stopping.duration:.2f} s. Passing through is usually "
     f"faster; where a path turns back on itself it need not be. Nothing keeps a spline between its postures: "
     + (
         f"here `{arm.joint_names[worst]}` swings {beyond[worst] * units[worst][1]:.2f}{units[worst][0]} beyond the "
@@ -252,12 +274,13 @@ guide.predict(
 # A path that is straight in joint space is not straight in the room. For a push, a plug or a drawer you want the *tool*
 # to go straight, and there are two ways to say so. Let $g_0$ and $g_1$ be the poses at both ends.
 #
-# - **Line**: the tool's origin goes straight, and the rotation turns about one fixed axis, both in proportion.
-# - **Screw**: Chasles found that one screw leads from $g_0$ to $g_1$. Go along it:
+# - **Line**: the tool's origin goes straight, and the rotation turns about one fixed axis, both in proportion. Place and
+#   rotation are treated as two things, and another point of the tool in the place of its origin gives another motion.
+# - **Screw**: by Chasles' theorem one screw motion leads from $g_0$ to $g_1$. Go along it:
 #
 # $$g(s) = e^{\hat\xi s}\, g_0, \qquad \hat\xi = \log(g_1 g_0^{-1})$$
 #
-# (MLS, section 2.3.3.)
+# (MLS, section 2.3.3.) It is the same motion whichever point of the tool you choose.
 
 # %%
 g0, g1 = arm.fk(start), arm.fk(goal)
@@ -350,13 +373,15 @@ guide.predict(
 )
 
 # %% [markdown]
-# Take the line for a push and a cut. Take the screw where the task has an axis: a cap, a door, a latch. Take the joints
-# for everything else: that path always exists inside the limits, and it knows no singularity.
+# Take the line for a push and a cut. Take the screw where the task has an axis: a cap, a door, a latch. Take the path
+# that is straight in the joints for everything else: it always stays inside the joint limits, and no singularity can
+# stop it.
 #
 # ## Let the planner do it
 #
 # Whether the arm *can* follow a line is another question: the limits end somewhere, and there are singularities.
-# `plan` solves inverse kinematics along the way, stays in one branch, and then finds the time law within all limits.
+# `plan` solves inverse kinematics along the way, keeps to one of its answers (the elbow never flips on the way), and then
+# finds the time law within all limits.
 
 
 # %%
@@ -384,23 +409,40 @@ assert np.isclose(length_of(tool), length, atol=1e-3 * pusher.reach)
 far = LineMove.by(12 * length * direction, frame="base", constrain="position")
 try:
     plan(pusher, far, limits={"velocity": 1.0, "acceleration": 2.0})
-    refused = ""
+    refused = ""  # slides without limits go anywhere
 except PathError as error:
     refused = str(error)
-assert refused
 
 # %% tags=["hidden"]
 axis = ("+" if direction.sum() > 0 else "−") + "xyz"[int(np.argmax(np.abs(direction)))]
 guide.say(
     f"{length:.3f} m along ${axis}$ of the base take {straight.duration:.2f} s. Forward kinematics at {len(t)} "
-    f"instants: the tool leaves the line by at most {1e6 * off_the_chord(tool):.1f} µm. Ask for twelve times as far, "
-    f"and `plan` answers:\n\n> {refused}"
+    f"instants: the tool leaves the line by at most {1e6 * off_the_chord(tool):.1f} µm. "
+    + (f"Ask for twelve times as far, and `plan` answers:\n\n> {refused}" if refused else "")
 )
 guide.scene(
     pusher,
     pusher.ready,
     straight,
-    caption="The push. Play it, and watch which joints must hurry so that the tool goes straight.",
+    caption="The push. Play it, and watch which joint comes nearest to its velocity limit, so that the tool goes "
+    "straight.",
+)
+share_of_limit = straight.peak(1) / np.where(
+    np.isfinite(pusher.limits.velocity), pusher.limits.velocity, 1.0
+)
+busiest = int(np.argmax(share_of_limit))
+per_metre = straight(t, 1)[:, busiest] / np.linalg.norm(np.gradient(tool, t, axis=0), axis=1)
+per_metre = np.abs(per_metre[50:-50])  # without both ends, where the tool hardly moves
+unit = pusher.units[busiest]
+guide.predict(
+    "Which joint is the busiest on the push? And does each metre of the line ask the same of it?",
+    f"`{pusher.joint_names[busiest]}`: it reaches {100 * share_of_limit[busiest]:.0f} % of its velocity limit. "
+    + (
+        f"Each metre of the line asks the same of it, {per_metre.mean():.2f} {unit}."
+        if np.ptp(per_metre) < 0.01 * per_metre.max()
+        else f"A metre of the line asks it for {per_metre.min():.2f} to {per_metre.max():.2f} {unit}, depending on the "
+        "posture: where the tool moves evenly, the joint does not."
+    ),
 )
 
 # %% [markdown]
@@ -410,11 +452,12 @@ guide.scene(
 #   between them. Add via points, or use a line.
 # - **A full turn.** From 350° to 10° is 20° to you and 340° back to a program that subtracts. Wrap the difference where
 #   the joint has no limits; never where it has a cable.
-# - **Too few setpoints.** Between two setpoints a simple drive goes straight. With acceleration $a$ it is off by up to
-#   $a\,\Delta t^2/8$.
+# - **Too few setpoints.** Between two setpoints a simple drive goes straight, where the law bends by the acceleration
+#   $a$. In the middle it is off by up to $a\,\Delta t^2/8$: half of $a\,(\Delta t/2)^2$, how far the acceleration leads in
+#   half the interval.
 # - **Only samples are checked.** The velocity at every hundredth of a second was fine, and the peak lay between.
-# - **The limit of the joint is not that of the motor.** Behind a differential both motors work for one joint.
-#   `[actuators]` in `arm.toml` says so.
+# - **The limit of the joint is not that of the motor.** In a differential, two motors move two joints together, and one
+#   joint may need both. The section `[actuators]` of `arm.toml` tells twistarm so.
 
 # %% tags=["hidden"]
 rows = []

@@ -67,6 +67,9 @@ if arm.description is not None:
 else:
     by_pinocchio = poe.spatial_jacobian(arm.screws, values) @ arm.coupling.A
 
+hybrid = arm.hybrid_jacobian(theta)  # the velocity of the tool's origin and ω, both in axes of the base
+speeds = np.linalg.norm(hybrid[:3], axis=0)
+
 h, by_difference = 1e-5, np.zeros((6, arm.n))
 for i, step in enumerate(h * np.eye(arm.n)):
     g_dot = (arm.fk(theta + step) - arm.fk(theta - step)) / (2 * h)
@@ -78,12 +81,10 @@ assert off < 1e-9
 assert off_difference < 1e-7
 guide.say(
     rf"The largest difference from Pinocchio is ${guide.rough(off)}$; from the difference quotient of $\dot g "
-    rf"g^{{-1}}$, ${guide.rough(off_difference)}$, which is what a quotient is worth."
+    rf"g^{{-1}}$ it is ${guide.rough(off_difference)}$: a quotient is no more exact than that."
 )
 
 # %% tags=["hidden"]
-hybrid = arm.hybrid_jacobian(theta)
-speeds = np.linalg.norm(hybrid[:3], axis=0)
 fig, (left, right) = guide.axes3(2, width=6.6, height=3.6, box=False)
 guide.plot_arm(left, arm, theta, tool=False)
 for k, (xi, point) in enumerate(
@@ -108,7 +109,8 @@ guide.figure(
     f"Left, {arm.name} as it waits with the axis of each joint where it stands now; right, at its tool, an arrow for "
     "each joint that moves its origin: the velocity that this joint alone gives it",
     "Left, the columns of $J^s$ are the twists of these axes. Right, what each joint alone, at a rate of one, does "
-    "to the tool's origin.",
+    "to the tool's origin; the longest arrow is "
+    f"{speeds.max():.2f} m/s. A joint without an arrow does not move the origin.",
 )
 
 # %%
@@ -138,8 +140,9 @@ guide.predict(
 # %% [markdown]
 # ## Read the first three rows with care
 #
-# The linear part $v$ of $V^s$ is **not** the velocity of the tool. It is the velocity of that point of the tool's body,
-# thought of as very large, which is just passing the origin of the base. The tool's origin, at $p$, has the velocity
+# The linear part $v$ of $V^s$ is **not** the velocity of the tool. Imagine the tool's body so large that it reaches the
+# origin of the base: $v$ is the velocity of the point of it that is just there. The tool's origin, at $p$, has the
+# velocity
 #
 # $$\dot p = v + \omega \times p$$
 
@@ -222,7 +225,8 @@ guide.predict(
 #
 # Now the question from the beginning. The tool's origin is to go along one axis of the base at five centimetres a
 # second. Those are three equations, and the unknowns are the rates of the joints. `np.linalg.lstsq` gives the rates
-# that come nearest to the wish, and of several solutions the smallest.
+# that come nearest to the wish, and of several solutions the one with the smallest sum of squares (m/s and rad/s
+# counted alike).
 
 # %%
 wishes = 0.05 * np.eye(3)
@@ -313,13 +317,26 @@ for name, torque, limit, unit in zip(
 ):
     share = f"{100 * abs(torque) / limit:.1f} %" if np.isfinite(limit) and limit > 0 else "not given"
     rows.append(
-        [f"`{name}`", f"{torque + 0.0:.3f} {'N' if unit == 'm' else 'N m'}".replace("-", "−"), share]
+        [
+            f"`{name}`",
+            f"{np.round(torque, 3) + 0.0:.3f} {'N' if unit == 'm' else 'N m'}".replace("-", "−"),
+            share,
+        ]
     )
 guide.table(
     ["joint", "it holds", "of its limit"],
     rows,
-    "One kilogram at the tool, the arm's own weight not counted.",
+    "One kilogram at the tool, the arm's own weight not counted. The sign says which way the joint pushes.",
 )
+over = [
+    name
+    for name, torque, limit in zip(arm.joint_names, torques, arm.limits.effort, strict=True)
+    if limit > 0 and abs(torque) > limit
+]
+if over:
+    guide.say(
+        f"More than 100 % for {', '.join(f'`{name}`' for name in over)}: by its file this arm cannot hold that stone."
+    )
 guide.say(
     f"$J^b$ has rank {6 - free} here. "
     + (
@@ -340,6 +357,11 @@ guide.scene(
     arm,
     theta,
     caption="The axes are the columns of the spatial Jacobian. Move a joint: which axes come along, which stay?",
+)
+guide.predict(
+    "Which axes came along?",
+    "Those of the joints after it, and the tool. Its own axis stays, and so do those before it: column $i$ depends on "
+    "the joints before $i$ alone.",
 )
 
 # %% [markdown]

@@ -41,17 +41,16 @@ assert np.allclose(np.linalg.det(J), l1 * l2 * np.sin(bends))
 # %%
 guide.predict(
     r"For which angles is that arm singular? And what does $\theta_1$ have to do with it?",
-    r"At $\theta_2 = 0$, stretched, and at $\theta_2 = 180°$, folded. Nothing: $\theta_1$ turns the whole picture. "
-    r"Being "
-    "singular is a matter of the posture of the axes to each other, and the first joint never changes that.",
+    r"At $\theta_2 = 0$, stretched, and at $\theta_2 = 180°$, folded. $\theta_1$ has nothing to do with it: it turns the "
+    "whole picture. Whether an arm is singular depends on how its axes stand to one another, and the first joint never "
+    "changes that.",
 )
 guide.slider(
     "ellipsoid",
-    r"The ellipse shows where the tool can be sent by joint rates of length one. Bring $\theta_2$ to 0. What becomes "
-    r"of "
-    "the ellipse, and which way can the tool no longer go?",
-    r"It becomes a line, square to the arm: $\sigma_2 = 0$. Along the arm the tool cannot move at all, neither out nor "
-    "in. Both joints can only swing it sideways. The way in is lost too, although there is room.",
+    r"The ellipse holds the velocities that the tool gets from joint rates with $|\dot\theta| = 1$. Bring $\theta_2$ to "
+    "0. What becomes of the ellipse, and which way can the tool no longer go?",
+    r"It becomes a line, at a right angle to the arm: $\sigma_2 = 0$. Along the arm the tool cannot move at all, neither "
+    "out nor in. Both joints can only swing it sideways. The way in is lost too, although there is room.",
     l1=round(l1, 3),
     l2=round(l2, 3),
     theta1=25,
@@ -88,16 +87,17 @@ guide.table(
 # %% [markdown]
 # ## How far from singular: the ellipsoid
 #
-# A rank is a yes or a no. A builder wants to know how near. Take all joint rates of length one: a ball. $J$ maps it to
-# an ellipsoid, the **manipulability ellipsoid** (MLS, section 3.4.4, measures it). The singular value decomposition
-# $J = U \Sigma V^T$ describes it whole:
+# A rank is a yes or a no. A builder wants to know how near. Take all joint rates with $|\dot\theta| = 1$: they form a
+# ball. $J$ maps it to an ellipsoid, the **manipulability ellipsoid** (MLS, section 3.4.4, measures it). The singular
+# value decomposition $J = U \Sigma V^T$ describes it whole:
 #
 # - its half axes have the lengths $\sigma_1 \ge \sigma_2 \ge \dots$, the singular values;
 # - they point along the columns of $U$, directions of the tool;
 # - the columns of $V$ are the joint rates that lead there.
 #
 # A long axis means fast, and weak: by $\tau = J^T F$, a unit of joint torque balances the force $1/\sigma$ there. A
-# short axis means slow, and strong. The ratio $\sigma_{\max}/\sigma_{\min}$ is the **condition number**. It is one
+# short axis means slow, and strong. Their product, $\sqrt{\det JJ^T}$, is
+# Yoshikawa's **manipulability**; the ratio $\sigma_{\max}/\sigma_{\min}$ is the **condition number**. It is one
 # for a ball, and infinite where a direction is lost.
 
 # %% tags=["hidden"]
@@ -119,8 +119,8 @@ for ax, bend in zip(axes, (90.0, 30.0, 0.0), strict=True):
 guide.figure(
     fig,
     "The two-link arm with its elbow bent by 90, by 30 and by 0 degrees; the ellipse at its tool gets thinner, and "
-    "is a line, square to the arm, where the arm is straight",
-    "The velocities of the tool that joint rates of length one reach, as the arm is stretched.",
+    "is a line, at a right angle to the arm, where the arm is straight",
+    "The velocities of the tool that joint rates with $|\\dot\\theta| = 1$ give, as the arm is stretched.",
 )
 
 # %% [markdown]
@@ -174,7 +174,7 @@ shape = {3: "an ellipsoid", 2: "a flat ellipse", 1: "a line", 0: "a point"}[flat
 guide.figure(
     fig,
     f"{arm.name} as it waits, and at its tool {shape} with its half axes: long where joint rates move the tool far",
-    f"Where joint rates of length one send the tool's origin: {shape}, its half axes in the ratio "
+    f"What joint rates with $|\\dot\\theta| = 1$ make of the tool's velocity: {shape}, its half axes in the ratio "
     f"{' : '.join(f'{s / sigma[0]:.2f}' for s in sigma[:flat])}.",
 )
 
@@ -201,9 +201,11 @@ gone = least(singular) / arm.manipulability(singular).singular_values[0]
 is_singular = gone < 1e-4
 
 # %% [markdown]
-# Two directions have a name there. One is of the tool: the column of $U$ that is lost. The other is of the joints: the
-# column of $V$ beside it, rates that cancel each other so that the tool stands still while motors run. Read both just
-# beside the posture, for in it any rounding would choose among all that is missing.
+# Two columns tell what has happened. The last column of $V$ holds rates of the joints that cancel each other: the motors
+# run, and the tool stands still. The last column $u$ of $U$ belongs to the tool, and it is best read as a **wrench**
+# $F$, for it has $F^T J = 0$: no motor feels it, and $F$ is the same, up to a factor, in metres and in millimetres. It
+# is said to be *reciprocal* to every joint (MLS, section 2.5.3). Every motion $V$ with $F^T V \ne 0$ is lost. Both are
+# read just beside the posture: in it, where several columns may be missing, rounding would mix them.
 
 # %%
 lengths = np.where(slides, arm.reach, 1.0)  # slides are counted in units of the reach, too
@@ -218,8 +220,10 @@ weights = np.abs(Vt[rank - 1])
 against = [name for name, w in zip(arm.joint_names, weights, strict=True) if w > 0.15 * weights.max()]
 turns = float(np.linalg.norm(lost[3:]))
 way = lost[3:] if turns > np.sqrt(0.5) else lost[:3]
-words = "a turn about" if turns > np.sqrt(0.5) else "a shift along"
+words = "a torque about" if turns > np.sqrt(0.5) else "a force along"
 share = max(turns**2, 1 - turns**2)
+felt = J.T @ lost
+assert np.isclose(np.linalg.norm(felt), sigma[rank - 1])  # as little as the arm can feel
 axis = way / np.linalg.norm(way)
 axis = axis * (1.0 if axis[np.argmax(np.abs(axis))] > 0 else -1.0)
 
@@ -248,8 +252,9 @@ verdict = (
     "keeps what it can do. That is as it should be, and not every arm has it."
 )
 guide.say(
-    f"{verdict} What the tool {'loses' if is_singular else 'does worst'} is for the most part "
-    f"({100 * share:.0f} %) {words} ${guide.tex(axis, 2)}$ in its own axes. The joints that work against each other "
+    f"{verdict} The wrench that the motors feel {'not at all' if is_singular else 'least'} is for the most part "
+    f"({100 * share:.0f} %, with lengths in units of the reach) {words} ${guide.tex(axis, 2)}$ in the tool's axes: "
+    f"that is how the tool {'cannot' if is_singular else 'can hardly'} move. The joints that work against each other "
     f"there: {', '.join(f'`{name}`' for name in against)}."
 )
 
@@ -316,15 +321,16 @@ guide.table(
 # %% [markdown]
 # ## Driving through
 #
-# Walk from the posture in which the arm waits to the worst one, every joint in proportion. On the way, ask at each step
-# what the joints must do for the tool to make the twist of size one that suits them least: $1/\sigma$.
+# Move from the posture in which the arm waits to the worst one, every joint in proportion. At each step, take the twist
+# of size one that suits the joints least, and ask how large their rates must be for it: $1/\sigma$.
 #
 # A controller that inverts $J$ sends these rates to the motors. **Damped least squares** does not:
 #
 # $$\dot\theta = J^T (J J^T + \lambda^2 I)^{-1} V$$
 #
 # It puts $\sigma/(\sigma^2 + \lambda^2)$ in the place of $1/\sigma$. That is never more than $1/(2\lambda)$. The
-# price is that the tool does only the share $\sigma^2/(\sigma^2 + \lambda^2)$ of what was asked.
+# price is that the tool does only the share $\sigma^2/(\sigma^2 + \lambda^2)$ of what was asked. Here $\sigma$ and
+# $\lambda$ have no unit, for lengths are counted in units of the reach.
 
 # %%
 damping = 0.05
@@ -334,7 +340,8 @@ small = np.maximum(arm.manipulability(on_the_way).singular_values[:, rank - 1], 
 plain, damped = 1 / small, small / (small**2 + damping**2)
 assert np.all(damped <= 1 / (2 * damping) + 1e-9)
 
-V = lost  # checked on the whole matrix, not on the formula for one singular value
+# The twist that suits the joints least has the numbers of that wrench. Checked on the whole matrix:
+V = lost
 whole = J.T @ np.linalg.solve(J @ J.T + damping**2 * np.eye(6), V)
 assert np.isclose(np.linalg.norm(whole), sigma[rank - 1] / (sigma[rank - 1] ** 2 + damping**2))
 
@@ -373,8 +380,8 @@ guide.figure(
 #
 # ## What is lost for motion is won for force
 #
-# In the lost direction $u$ you have $u^T J = 0$. By $\tau = J^T F$ a wrench along it asks nothing of any motor: the
-# structure carries it. So you hold a suitcase with your arm straight.
+# The wrench $F$ with $F^T J = 0$ asks nothing of any motor, by $\tau = J^T F$: the structure carries it. So you hold a
+# suitcase with your arm straight.
 
 # %%
 straight = np.array([0.4, np.radians(1.0)])

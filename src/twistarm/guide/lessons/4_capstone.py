@@ -92,8 +92,16 @@ findings = diagnose(arm)
 # %% tags=["hidden"]
 if findings:
     guide.table(
-        ["", "what is there", "what to do"],
-        [[each.severity, each.what, each.remedy] for each in findings[:8]],
+        ["", "where", "what is there", "what to do"],
+        [
+            [
+                each.severity,
+                f"{each.place.element} `{each.place.name}`" if each.place.name else each.place.element,
+                each.what,
+                each.remedy,
+            ]
+            for each in findings[:8]
+        ],
         f"The doctor on `{arm.name}`: {len(findings)} finding{'s' if len(findings) > 1 else ''}"
         + (", of which these are the gravest." if len(findings) > 8 else "."),
     )
@@ -114,6 +122,8 @@ agreement = crosscheck(arm, samples=100)
 assert agreement.ok
 
 # %% tags=["hidden"]
+compared = [row for row in agreement.comparisons if not row.not_compared]
+worst = {row.quantity: row for row in sorted(compared, key=lambda row: row.worst / row.tolerance)}
 guide.table(
     ["compared", "between", "worst difference", "allowed"],
     [
@@ -123,11 +133,10 @@ guide.table(
             f"${guide.rough(row.worst)}$",
             f"${guide.rough(row.tolerance)}$",
         ]
-        for row in agreement.comparisons
-        if not row.not_compared
+        for row in worst.values()
     ],
-    f"`{arm.name}` at random postures, in metres and radians. *poe* is the product of exponentials, *core* the same in "
-    "compiled code, *walk* goes link by link.",
+    f"`{arm.name}` at random postures, in metres and radians: of each quantity the two engines that differ most. *poe* "
+    "is the product of exponentials, *core* the same in compiled code, *walk* goes link by link.",
 )
 guide.predict(
     "All agree. What do you know now about the arm on the table?",
@@ -157,11 +166,7 @@ def in_words(way):
         for k, x in enumerate(way)
         if 1000 * abs(x) >= 0.5
     ]
-    return (
-        ", ".join(parts) or "stays where it is, and turns"
-        if np.linalg.norm(way) < 5e-4
-        else ", ".join(parts)
-    )
+    return ", ".join(parts) or "stays where it is (within half a millimetre)"
 
 
 guide.say(
@@ -182,8 +187,6 @@ guide.table(
 # ratios from such a log by itself; see *motors* in the documentation.
 #
 # ## 5. Can it get there?
-#
-# `twistarm ik my_arm.urdf.xacro --xyz …`
 #
 # A camera reports where the tool in the rack is, $g_{so}$. How much of that pose you may ask for depends on your
 # joints: six directions need six joints. With five you give up the turn about the tool's axis (`Approach`), with
@@ -229,7 +232,11 @@ guide.table(
     ],
     f"`{arm.name}` can move its tool in {freedoms_of(arm)} directions, so you ask it for {words} (`{kind}`).",
 )
-guide.say(f"Forward kinematics says that the tool is then {way_off:.2f} µm from where it should be.")
+x, y, z = reached[:3, 3]
+guide.say(
+    f"Forward kinematics says that the tool is then {way_off:.2f} µm from where it should be. As a command, for the "
+    f"place alone: `twistarm ik my_arm.urdf.xacro --xyz {x:.3f} {y:.3f} {z:.3f}`."
+)
 
 # %%
 far_away = g_so.copy()
@@ -244,8 +251,6 @@ guide.predict(
 
 # %% [markdown]
 # ## 6. How does it get there?
-#
-# `twistarm plan my_arm.urdf.xacro --to … -o motion.csv`
 #
 # A tool is not grasped from any side. From a **pre-grasp**, drawn back along the way in, go straight; close the
 # gripper; come straight out again. Only these two pieces are lines. All the rest is free, so let the joints choose.
@@ -330,11 +335,20 @@ guide.say(
         else "The first place that was tried could be served."
     )
 )
+typed = " ".join(
+    f"{np.round(x, 3) + 0.0:.3f}" if unit == "m" else f"{np.round(np.degrees(x), 1) + 0.0:.1f}"
+    for x, unit in zip(motion(closing), arm.units, strict=True)
+)
+guide.say(
+    f'As a command, without the straight line: `twistarm plan my_arm.urdf.xacro --to "{typed}" -o motion.csv`. Lines '
+    "and grippers are written into a file, which `twistarm init --motion` begins for you."
+)
 fig, (left, right) = guide.axes2(2, width=6.6, height=2.9, xlabel="t [s]")
 share = motion(t, 1) / velocity
 dashes = ("-", "--", ":", "-.", (0, (8, 2)), (0, (1, 4)), (0, (6, 2, 1, 2, 1, 2)))
+colours = (guide.BLUE, guide.ORANGE, guide.GREEN, guide.PINK, guide.AMBER, guide.SKY, guide.INK)
 for k, name in enumerate(arm.joint_names):
-    left.plot(t, share[:, k], label=name, linestyle=dashes[k % len(dashes)])
+    left.plot(t, share[:, k], label=name, linestyle=dashes[k % 7], color=colours[k % 7])
 speed = np.linalg.norm(np.gradient(tool, t, axis=0), axis=1)
 right.plot(t, speed, color=guide.BLUE, linestyle="-")
 for ax in (left, right):
@@ -360,7 +374,16 @@ guide.figure(
 
 # %%
 guide.scene(
-    arm, arm.ready, motion, caption="Play it. The label says when the gripper closes.", screws=False
+    arm,
+    arm.ready,
+    motion,
+    caption=f"Play it. The gripper closes at {closing:.2f} s: put the scrubber there. Where is the tool?",
+    screws=False,
+)
+guide.predict(
+    "What do you see there, at the end of the straight way in?",
+    f"The tool stands still for half a second, at the end of the drawn path, {1e6 * missed:.2f} µm from the object. "
+    f"It came along the axis of the tool, and it leaves by the same line.",
 )
 
 with TemporaryDirectory() as folder:

@@ -40,7 +40,7 @@ def arm_with(what: str, fits: Callable[[Arm], bool]) -> Arm:
     """The reader's arm where it fits, else the first bundled arm that does, with a sentence that says so.
 
     Args:
-        what: What the lesson needs, as the end of "has not …": "three joints that turn".
+        what: What the lesson needs, as the end of "does not have …": "three joints that turn".
         fits: Whether an arm has it.
 
     Returns:
@@ -55,7 +55,7 @@ def arm_with(what: str, fits: Callable[[Arm], bool]) -> Arm:
     for name in BUNDLED:
         if fits(bundled(name)):
             say(
-                f"Your arm, `{own.name}`, has not {what}. This part of the lesson shows it on `{name}`, "
+                f"Your arm, `{own.name}`, does not have {what}. This part of the lesson shows it on `{name}`, "
                 "an arm that comes with twistarm."
             )
             return bundled(name)

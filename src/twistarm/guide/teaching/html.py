@@ -109,8 +109,9 @@ def _exercises(data: Data) -> str:
     return f'<div class="exercises">{block(HOW_TO_CHECK.format(lesson=data["lesson"]))}{entries}</div>'
 
 
-HOW_TO_CHECK = """Write each function in `{lesson}.py`, one of the files that `twistarm guide exercises` writes, and
-have it graded by `twistarm guide check {lesson}.py`, or in a notebook by `guide.check`. A known mistake is named."""
+HOW_TO_CHECK = """`twistarm guide exercises` writes a file for each lesson. Fill in the functions of this one, and have
+them graded by `twistarm guide check guide_exercises/{lesson}.py`, or in a notebook by `guide.check`. A known mistake is
+named."""
 
 
 def _report(data: Data) -> str:

@@ -82,7 +82,24 @@ def _renderer() -> Any:
         renderer, double_inline=True, renderer=lambda tex, options: formula(tex, display=options["display_mode"])
     )
     renderer.add_render_rule("heading_open", _heading)
+    renderer.block.ruler.at("list", _list, {"alt": ["paragraph", "reference", "blockquote"]})
     return renderer
+
+
+def _list(state: Any, first: int, last: int, silent: bool) -> bool:
+    """A list as markdown has it, but a number that a line of a sentence happens to begin with is none.
+
+    A numbered list begins a paragraph, with 1, and has a second entry.
+    """
+    from markdown_it.rules_block import list_block
+
+    lines = [state.src[state.bMarks[k] : state.eMarks[k]] for k in range(first, last)]
+    number = re.match(r"\s*(\d+)[.)](?:\s|$)", lines[0])
+    next_entry = silent and state.sCount[first] < state.blkIndent
+    alone = number and (silent or number[1] != "1" or not any(re.match(r"\s*2[.)]\s", line) for line in lines))
+    if alone and not next_entry:
+        return False
+    return bool(list_block(state, first, last, silent))
 
 
 def _fence(source: str, language: str, _: str) -> str:

@@ -34,5 +34,8 @@ def saved(scene: Scene, folder: Path) -> list[str]:
 
 def _snapshot(scene: Scene) -> SceneSnapshot:
     shown = of_arm(scene.arm, scene.trajectory, scene.theta)
+    if shown.playback is not None and scene.trajectory is not None:
+        # Nobody looks yet: the reader plays it, from its beginning.
+        shown = replace(shown, playback=replace(shown.playback, running=False), theta=scene.trajectory(0.0))
     # The doctor has its own page: here nobody asked for it.
     return replace(shown, visible={**shown.visible, "screws": scene.screws}, findings=loaded(scene.arm))

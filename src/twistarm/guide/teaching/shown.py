@@ -141,7 +141,7 @@ class Exercises:
             f"Exercise {k}: {entry['name']}\n\n{entry['prompt']}\n\n{entry['signature']}\n"
             for k, entry in enumerate(self.entries, start=1)
         ]
-        return "\n".join([*texts, f"To check: twistarm guide check {self.lesson}.py"])
+        return "\n".join([*texts, f"To check: twistarm guide check guide_exercises/{self.lesson}.py"])
 
     def data(self, folder: Path | None) -> dict[str, Any]:
         """The entries."""

@@ -62,20 +62,21 @@
     spline(stage, n) {
       const bench = new Bench(stage, function ({ kind, T, v0, v1 }) {
         const h = n.end - n.start;
-        // In the share s = t/T; a quintic begins and ends without acceleration.
+        // In the share of the time, u = t/T; a quintic begins and ends without acceleration.
         const c = kind === "cubic"
           ? [n.start, v0 * T, 3 * h - (2 * v0 + v1) * T, -2 * h + (v0 + v1) * T]
           : [n.start, v0 * T, 0, 10 * h - (6 * v0 + 4 * v1) * T, -15 * h + (8 * v0 + 7 * v1) * T, 6 * h - 3 * (v0 + v1) * T];
         const derived = (p) => p.slice(1).map((x, i) => (x * (i + 1)) / T);
-        const value = (p, s) => p.reduceRight((sum, x) => sum * s + x, 0);
+        const value = (p, u) => p.reduceRight((sum, x) => sum * u + x, 0);
         const lanes = [["θ [°]", c, "blue", ""], ["θ̇ [°/s]", derived(c), "orange", "7 3"], ["θ̈ [°/s²]", derived(derived(c)), "green", "2 3"]];
         const peaks = lanes.map(([name, p, colour, dash], k) => {
           const points = Array.from({ length: 201 }, (_, i) => value(p, i / 200));
           const [low, high] = [min(0, ...points), max(0, ...points)];
           const place = (y) => -125 + 84 * k + 70 * (1 - (y - low) / (high - low || 1)) + 4;
-          this.line([[-100, place(0)], [140, place(0)]], "faint", { "stroke-width": 1 });
-          this.line(points.map((y, i) => [-100 + 1.2 * i, place(y)]), colour, { "stroke-dasharray": dash });
+          this.line([[-78, place(0)], [142, place(0)]], "faint", { "stroke-width": 1 });
+          this.line(points.map((y, i) => [-78 + 1.1 * i, place(y)]), colour, { "stroke-dasharray": dash });
           this.say([-125, -125 + 84 * k + 40], name, colour);
+          for (const y of [low, high]) if (y) this.say([-100, place(y)], y.toFixed(0).replace("-", "−"), "grey");
           return max(...points.map(abs));
         });
         const numbers = [`${T.toFixed(1)} s for ${h}°`, "", `fastest ${text(peaks[1], 1)} °/s`, `hardest ${text(peaks[2], 1)} °/s²`, "", `a(0) ${text(lanes[2][1][0] ?? 0, 1)} °/s²`].join("\n");
