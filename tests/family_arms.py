@@ -8,7 +8,7 @@ from pathlib import Path
 import numpy as np
 from scipy.linalg import expm
 
-from twistarm import arm_from_screws
+from twistarm import Pose, arm_from_screws, solve_ik_all
 
 CASES = json.loads((Path(__file__).parent / "data" / "ik_families.json").read_text(encoding="utf-8"))["arms"]
 
@@ -61,3 +61,17 @@ def apart(arm, a, b):
     """The largest difference of two configurations, angles modulo whole turns."""
     turns = np.array(arm.units) != "m"
     return np.abs(np.where(turns, (a - b + np.pi) % (2 * np.pi) - np.pi, a - b)).max()
+
+
+def holds(arm, g, theta, found, deeper=3):
+    """Whether theta is an answer, or lies in a family that was reported: then a free joint is given theta's value."""
+    everything = [*found.theta, *found.outside]
+    near = min(everything, key=lambda each: apart(arm, each, theta), default=None)
+    if near is not None and apart(arm, near, theta) < 1e-5:
+        return True
+    names = {name for joints in found.free for name in joints}
+    for name in sorted(names) if deeper else ():
+        value = float(theta[arm.joint_names.index(name)])
+        if holds(arm, g, theta, solve_ik_all(arm, Pose(g), theta, given={name: value}), deeper - 1):
+            return True
+    return False

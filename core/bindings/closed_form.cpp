@@ -81,7 +81,8 @@ private:
 };
 
 // Rows of blocks that end in any order, in the order of the blocks. What a batch gives back is memory that it touches once:
-// there is no time for a copy of it, nor for pages that are taken from the system twice.
+// there is no time for a copy of it, nor for pages that are taken from the system twice. So there is room for what the blocks
+// so far let expect, and it is not cut to size: the allocator uses a freed piece again for a batch that needs no more.
 class OrderedRows {
 public:
     explicit OrderedRows(std::size_t blocks) : waiting_(blocks), there_(blocks, false) {}
@@ -102,8 +103,7 @@ public:
 
     // An array (rows, width) that owns them.
     nb::object array(std::size_t width) {
-        if (double* const fitting = static_cast<double*>(std::realloc(all_, std::max<std::size_t>(size_, 1) * sizeof(double))))
-            all_ = fitting;
+        if (all_ == nullptr) make_room(1);
         const nb::capsule owner(all_, [](void* all) noexcept { std::free(all); });
         double* const all = std::exchange(all_, nullptr);
         return nb::cast(nb::ndarray<nb::numpy, double, nb::ndim<2>>(all, {size_ / width, width}, owner));
@@ -111,15 +111,17 @@ public:
 
 private:
     void write(const std::vector<double>& rows) {
-        if (size_ + rows.size() > room_) {
-            const std::size_t room = 2 * (size_ + rows.size());
-            double* const larger = static_cast<double*>(std::realloc(all_, room * sizeof(double)));
-            if (larger == nullptr) throw std::bad_alloc();
-            all_ = larger;
-            room_ = room;
-        }
+        const std::size_t size = size_ + rows.size();
+        if (size > room_) make_room(size * there_.size() / (next_ + 1) * 9 / 8);
         std::copy(rows.begin(), rows.end(), all_ + size_);
-        size_ += rows.size();
+        size_ = size;
+    }
+
+    void make_room(std::size_t room) {
+        double* const larger = static_cast<double*>(std::realloc(all_, room * sizeof(double)));
+        if (larger == nullptr) throw std::bad_alloc();
+        all_ = larger;
+        room_ = room;
     }
 
     std::mutex mutex_;

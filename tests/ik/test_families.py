@@ -62,7 +62,8 @@ def test_seven_joints_have_a_family_with_one_given():
     arm = load("panda")
     method = method_for(arm, Pose(arm.fk(arm.ready)), (6,))
     assert method.exact
-    assert method.swept == (6,)
+    assert method.held == (6,)
+    assert method.swept == ()
     assert method_for(arm, Pose(arm.fk(arm.ready))).swept != ()
 
 

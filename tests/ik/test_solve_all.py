@@ -9,26 +9,12 @@ import pytest
 
 import twistarm
 from catalogue import load
-from family_arms import CASES, apart, family_arm, missed, pose_of, screws_of
+from family_arms import CASES, apart, family_arm, holds, missed, pose_of, screws_of
 from ik_targets import pinocchio_fk
 from twistarm import Approach, Pose, Position, solve_ik_all
 
 EXACT = 1e-9
 QUARTER = np.pi / 2
-
-
-def holds(arm, g, theta, found, deeper=3):
-    """Whether theta is an answer, or lies in a family that was reported: then a free joint is given theta's value."""
-    everything = [*found.theta, *found.outside]
-    near = min(everything, key=lambda each: apart(arm, each, theta), default=None)
-    if near is not None and apart(arm, near, theta) < 1e-5:
-        return True
-    names = {name for joints in found.free for name in joints}
-    for name in sorted(names) if deeper else ():
-        value = float(theta[arm.joint_names.index(name)])
-        if holds(arm, g, theta, solve_ik_all(arm, Pose(g), theta, given={name: value}), deeper - 1):
-            return True
-    return False
 
 
 def check(arm, theta, near):
@@ -175,6 +161,19 @@ def test_a_stretched_arm_has_one_answer():
     assert len(found) + len(found.outside) == 1
 
 
+def test_a_folded_scara_turns_about_the_point_it_reaches():
+    """Links of one length folded: the tool stands on the first axis, and any turn about that will do."""
+    axes = [["R", [0, 0, 1], [0.3 * i, 0, 0]] for i in range(3)] + [["P", [0, 0, -1], [0, 0, 0]]]
+    home = np.eye(4)
+    home[0, 3] = 0.6
+    bounds = {f"joint{i + 1}": bound for i, bound in enumerate([np.pi, np.pi, np.pi, 1.0])}
+    limits = {"lower": {name: -bound for name, bound in bounds.items()}, "upper": bounds}
+    arm, rng = twistarm.arm_from_screws(screws_of(axes), home, limits=limits), np.random.default_rng(3)
+    for theta in arm.random_theta(rng, 20):
+        theta[1] = np.pi
+        assert len(solve_ik_all(arm, Position(pose_of(arm, theta)[:3, 3])))
+
+
 def test_copies_by_whole_turns_are_counted_on_request():
     arm = family_arm("SCARA, slide last", half_turns=2.0)
     g = pose_of(arm, np.array([0.3, 0.8, -0.4, 0.2]))
@@ -211,6 +210,52 @@ def test_targets_that_leave_something_free(kind):
     assert len(found)
     for each in found:
         assert np.linalg.norm(pose_of(arm, each)[:3, 3] - g[:3, 3]) < EXACT
+
+
+def test_a_search_keeps_the_joints_that_are_given():
+    """Six joints with a slide that have no family: what is given stands, whatever the search begins with."""
+    skew = [["R", [0, 0, 1], [0, 0, 0]], ["R", [0.4, 1, 0], [0.1, 0, 0.2]], ["P", [1, 0.2, 0.6], [0, 0, 0]]]
+    skew += [
+        ["R", [0.1, 1, 0.3], [0.3, 0.1, 0.2]],
+        ["R", [0.5, 0, 1], [0.5, 0.1, 0]],
+        ["R", [1, 0.7, 0.1], [0.6, 0, 0.2]],
+    ]
+    arm = twistarm.arm_from_screws(screws_of([["R", [1, 0.2, 0.1], [0, 0.2, 0]], *skew]), np.eye(4))
+    theta = np.array([0.2, -0.4, 0.3, 0.1, 0.8, -0.5, 0.6])
+    found = solve_ik_all(arm, Pose(pose_of(arm, theta)), given={"joint1": 0.2})
+    assert found.method == "search from many starts"
+    assert min(apart(arm, each, theta) for each in found) < 1e-6
+    assert (found.theta[:, 0] == 0.2).all()
+    everything = dict(zip(arm.joint_names, theta.tolist(), strict=True))
+    assert len(solve_ik_all(arm, Pose(pose_of(arm, theta)), given=everything)) == 1
+
+
+def test_a_joint_without_a_range_stands_and_is_not_sampled():
+    limits = {"lower": {"joint2": 0.3}, "upper": {"joint2": 0.3}}
+    axes = [["R", [0, 0, 1], [0.2 * i, 0, 0]] for i in range(4)]
+    arm = twistarm.arm_from_screws(screws_of(axes), np.eye(4), limits=limits)
+    theta = np.array([0.4, 0.3, -0.7, 1.1])
+    found = solve_ik_all(arm, Pose(pose_of(arm, theta)))
+    assert found.complete
+    assert min(apart(arm, each, theta) for each in found) < 1e-6
+    assert len(twistarm.solve_ik_all_batch(arm, pose_of(arm, theta)[None])[0]) == len(found)
+
+
+def test_samples_that_all_miss_are_helped_by_a_search():
+    """A narrow range of the joints that are not sampled: few values of the one that is give an answer inside."""
+    arm = load("panda")
+    for theta in arm.random_theta(5, 20):
+        assert len(solve_ik_all(arm, Pose(pose_of(arm, theta)), samples=1))
+
+
+def test_a_slide_that_changes_places_across_a_given_joint():
+    """The slide along parallel axes stands in the group behind a joint that is given: the plane turns with that one."""
+    axes = [["P", [0, 0, -1], [0, 0, 0]], ["R", [0, 0, -1], [0, 0.25, 0]], ["R", [0, 0, 1], [0, -0.3, 0]]]
+    axes += [["R", [0, 0, -1], [0, 0, 0]], ["R", [-1, 0, 0], [0, 0, -0.1]], ["R", [1, 0, 0], [0, 0.55, -0.2]]]
+    arm = twistarm.arm_from_screws(screws_of([*axes, ["R", [-1, 0, 0], [0, -0.45, 0.45]]]), np.eye(4))
+    theta = np.array([0.026, -0.933, 1.474, -2.486, -2.761, -1.172, -2.58])
+    found = solve_ik_all(arm, Pose(pose_of(arm, theta)), given={"joint4": -2.486, "joint6": -1.172})
+    assert min(apart(arm, each, theta) for each in found) < 1e-6
 
 
 @pytest.mark.parametrize(

@@ -15,7 +15,7 @@ from .all_solutions_row import FIRST, HITS, INSIDE, KIND, TRIES, configurations_
 from .closed_form.methods import Method
 from .closed_form.roots import self_motion
 from .explain import reached, why_not
-from .ranges import joint_ranges
+from .ranges import holding, joint_ranges
 from .solve import solve_ik
 from .targets import AnyTarget, numbers_of_kind, target_of
 from .task_space import Tolerances
@@ -157,7 +157,8 @@ class IKSolutions:
             for joints in families
         ]
         if not len(self):
-            nearest = solve_ik(self.arm, self.target, self.theta0)
+            held = holding(self.arm, self._method.given, self.theta0)
+            nearest = solve_ik(held, self.target, self.theta0)
             lines.append(f"the nearest configuration: {reached(nearest)}")
             lines += [] if nearest.converged else why_not(nearest)
         return "\n".join(map(printable, lines))

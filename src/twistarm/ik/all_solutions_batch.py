@@ -175,7 +175,7 @@ def solve_ik_all_batch(
     near[..., list(stands)] = list(stands.values())
     kinds = {(type(target), target.axis.tobytes() if isinstance(target, Approach) else b"") for target in asked}
     method = method_for(arm, asked[0] if asked else Pose(np.eye(4)), tuple(stands))
-    if len(kinds) <= 1 and not copies and method.compiled is not None and {*stands}.issuperset(method.swept):
+    if len(kinds) <= 1 and not copies and method.compiled is not None and not method.swept:
         found = _by_core(arm, method, asked, near, (exact.position, exact.orientation, workers))
         assert found is not None, "what was checked is plain"
         return found.completed(one)

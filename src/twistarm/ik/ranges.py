@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -75,6 +75,18 @@ class JointRanges:
 def joint_ranges(arm: Arm) -> JointRanges:
     """The ranges of an arm's joints."""
     return JointRanges(arm.limits.lower, arm.limits.upper, periodic(arm.screws, arm.coupling.A))
+
+
+def standing(arm: Arm) -> tuple[int, ...]:
+    """The joints whose limits are one value, at which they stand."""
+    return tuple(np.flatnonzero(arm.limits.lower == arm.limits.upper).tolist())
+
+
+def holding(arm: Arm, joints: tuple[int, ...], theta: Array) -> Arm:
+    """The arm with these joints where they stand in theta (n,), or at the limit beyond which that is."""
+    there = np.clip(theta, arm.limits.lower, arm.limits.upper)
+    values = {arm.joint_names[i]: float(there[i]) for i in joints}
+    return replace(arm, limits=arm.limits.with_({"lower": values, "upper": values}, arm.joint_names)) if joints else arm
 
 
 def periodic(screws: Array, A: Array) -> Mask:

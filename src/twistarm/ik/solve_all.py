@@ -14,15 +14,15 @@ from ..support.caller_words import quantity
 from ..support.checks import Array, as_flag, as_number, as_whole, require_callback
 from ..support.errors import InputError, NoClosedFormError, shown, unknown_name
 from .all_solutions import IKSolutions
-from .all_solutions_row import HITS, LEFT, TRIES, found_row, roots_in
+from .all_solutions_row import HITS, INSIDE, LEFT, TRIES, found_row, roots_in
 from .batch import Progress, solve_ik_batch
 from .closed_form.methods import Method, closest_miss_of, known_method, method_for
 from .closed_form.roots import ROUNDED_LIMIT, Root, inside, roots
 from .closed_form.roots import copies as copied
 from .deadline import Deadline
-from .ranges import joint_ranges
+from .ranges import holding, joint_ranges, standing
 from .request import checked
-from .solve import as_given
+from .solve import as_given, solve_ik
 from .targets import AnyTarget, Approach, Pose, TargetLike, checked_target
 from .task_space import Tolerances
 
@@ -112,14 +112,15 @@ def solve_ik_all(
     near = np.array(request.theta0)
     near[list(stands)] = list(stands.values())
     deadline = Deadline.after(request.max_time)
-    task = _Task(arm, asked, near, request.tolerances, tuple(stands), deadline, progress)
-    if method.compiled is not None:
-        row = task.compiled(method, count)
-        if not copies and not row[LEFT]:
-            return IKSolutions(arm, row, method, task.complete(method), asked)
-        found, starts, hits = [*roots_in(row, arm.n)], int(row[TRIES]), int(row[HITS])
-    else:
-        found, starts, hits = task.solved(method, count) if method.there else ([], 0, 0)
+    task = _Task(arm, asked, near, request.tolerances, method.given, deadline, progress)
+    values = task.held_values(method, count)
+    row = None if method.compiled is None else task.compiled(method, values)
+    if row is not None and not copies and not row[LEFT] and (row[INSIDE] or not method.swept):
+        return IKSolutions(arm, row, method, task.complete(method), asked)
+    found, starts, hits = task.solved(method, values) if row is None else task.read(row)
+    if method.there and method.swept and all(task.inside(root) is None for root in found) and not deadline.passed:
+        members, tried, met = replace(task, progress=None).solved(method, task.values_met(method))
+        found, starts, hits = found + members, starts + tried, hits + met
     missed = False
     more = _searches(method)
     if more:
@@ -133,9 +134,9 @@ def solve_ik_all(
 
 def _searches(method: Method) -> int:
     """How many searches are made beside the method, or for want of one."""
-    if method.swept or (method.exact and method.rooted is None):
-        return 0
-    return BESIDE if method.there else STARTS
+    if not method.there:
+        return STARTS
+    return BESIDE if not method.swept and (method.rooted is not None or not method.exact) else 0
 
 
 def _at_once(
@@ -167,10 +168,9 @@ class _Task:
     deadline: Deadline
     progress: Progress | None
 
-    def compiled(self, method: Method, count: int) -> Array:
-        """What the core has found."""
+    def compiled(self, method: Method, values: Array) -> Array:
+        """What the core has found with the held joints at each of the values (k, h)."""
         assert method.compiled is not None
-        values = self._held_values(method, count)
         held, met = values if len(values) > 1 else None, self.tolerances
         row = method.compiled.solve(self.target.numbers, self.near, held, met.position, met.orientation)
         assert row is not None, "what was checked is plain"
@@ -178,39 +178,49 @@ class _Task:
 
     def complete(self, method: Method) -> bool:
         """Whether the method finds everything."""
-        return method.exact and not any(i not in self.given for i in method.swept)
+        return method.exact and not method.swept
 
-    def solved(self, method: Method, count: int) -> tuple[list[Root], int, int]:
-        """Roots by the method, for every value of the joints that are held; how many values, and how many had roots."""
-        values = self._held_values(method, count)
+    def read(self, row: Array) -> tuple[list[Root], int, int]:
+        """The same as of `solved` from what the core has found."""
+        return [*roots_in(row, self.arm.n)], int(row[TRIES]), int(row[HITS])
+
+    def solved(self, method: Method, values: Array) -> tuple[list[Root], int, int]:
+        """Roots with the held joints at each of the values (k, h); how many values, and how many had roots."""
         found: list[Root] = []
         tries = hits = 0
-        for each in self.deadline.until(values):
+        for each in self.deadline.until(values if method.there else ()):
             new: list[Root] = []
             for candidates in self.deadline.until(method.candidates(self.arm, self.target, self.near, each)):
                 more = roots(self.arm, self.target, self.deadline.until(candidates), self.tolerances, method.held, new)
                 # Members of a continuous family that stand at the value at hand stand for the others.
                 families = {root.free for root in new if root.free}
                 new += [root for root in more if root.free not in families]
-            for root in new:
-                free = {*root.free, *method.idle, *method.swept} - {*self.given}
-                found.append(replace(root, free=tuple(sorted(free))))
+            held = {*method.idle, *method.swept}
+            found += [replace(root, free=tuple(sorted({*root.free, *held}))) for root in new]
             hits += bool(new)
             tries += 1
             self.told_of(tries, len(values) + _searches(method))
-        return (found, tries, hits) if len(values) > 1 else (found, 0, 0)
+        return (found, tries, hits) if method.swept else (found, 0, 0)
+
+    def values_met(self, method: Method) -> Array:
+        """Values (k, h) of the joints held, k ≤ 1, in a configuration that a search has found: samples may miss all."""
+        arm, met = holding(self.arm, self.given, self.near), self.tolerances
+        left = None if np.isinf(self.deadline.moment) else max(self.deadline.left, 1e-6)
+        found = solve_ik(
+            arm, self.target, self.near, position_tol=met.position, orientation_tol=met.orientation, max_time=left
+        )
+        return found.theta[None, list(method.held)][: int(found.converged)]
 
     def told_of(self, done: int, count: int) -> None:
         """Whoever asked hears how far it is."""
         if self.progress is not None:
             self.progress(done, count)
 
-    def _held_values(self, method: Method, count: int) -> Array:
+    def held_values(self, method: Method, count: int) -> Array:
         """Values (k, h) of the joints held: those given, theta0's of idle ones, and a grid of the others."""
-        swept = [i for i in method.swept if i not in self.given]
-        while count ** len(swept) > MOST_COMBINATIONS:
+        while count ** len(method.swept) > MOST_COMBINATIONS:
             count -= 1
-        grid = {i: self._with_near(i, self._spread(i, count)) for i in swept}
+        grid = {i: self._with_near(i, self._spread(i, count)) for i in method.swept}
         stand = np.clip(self.near, self.arm.limits.lower, self.arm.limits.upper)
         choices = [grid.get(i, np.array([stand[i]])) for i in method.held]
         combinations = list(itertools.product(*choices))
@@ -247,11 +257,11 @@ class _Task:
         """The same from these starts (k, n)."""
         if self.deadline.passed:
             return [], 0, 0
-        left = None if np.isinf(self.deadline.moment) else self.deadline.left
+        left = None if np.isinf(self.deadline.moment) else max(self.deadline.left, 1e-6)
         targets = [self.target] * len(starts)
-        batch = solve_ik_batch(self.arm, targets, starts, restarts=1, max_time=left, progress=progress)
+        arm = holding(self.arm, self.given, self.near)
+        batch = solve_ik_batch(arm, targets, starts, restarts=1, max_time=left, progress=progress)
         met = batch.theta[batch.converged]
-        met = met[(np.abs(met[:, self.given] - self.near[list(self.given)]) <= ROUNDED_LIMIT).all(axis=1)]
         new = roots(self.arm, self.target, self.deadline.until(met), self.tolerances, self.given, known)
         return new, int((batch.restarts > 0).sum()), len(met)
 
@@ -312,12 +322,12 @@ def distance(arm: Arm, theta: Array, near: Array) -> float:
 
 
 def given_joints(arm: Arm, given: Mapping[str, float] | None) -> dict[int, float]:
-    """{joint's index: value}, base to tip."""
+    """{joint's index: value}, base to tip, those among them whose limits are one value."""
+    stands = {i: float(arm.limits.lower[i]) for i in standing(arm)}
     if given is None:
-        return {}
+        return stands
     if not isinstance(given, Mapping):
         raise InputError(f"given must be a mapping such as {{'elbow': 0.3}}; got {shown(given)}")
-    stands = {}
     for name, value in given.items():
         if name not in arm.joint_names:
             raise unknown_name("joint", name, arm.joint_names, within=arm.name, listing="arm.joint_names")

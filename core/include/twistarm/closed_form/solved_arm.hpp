@@ -34,12 +34,14 @@ void hold(const solved_arm<T, N>& arm, const T* values, fitted_family<T>& family
         behind = product(behind, motion(arm.held_axes[h], value_of(arm.held_axes[h], arm.rate[arm.held[h]] * values[h])));
         carried[h] = behind;
     }
+    int carrier = family.first;  // a slide of the group may stand elsewhere among the joints; what turns carries the normal
+    while (carrier + 1 < family.last && family.axes[carrier].slides) ++carrier;
     for (int i = 0; i < family.count; ++i) {
         int h = -1;
         while (h + 1 < arm.held_count && (arm.joint[i] < 0 || arm.held[h + 1] < arm.joint[i])) ++h;
         if (h < 0) continue;
         family.axes[i] = seen(family.axes[i], carried[h]);
-        if (i == family.first) family.kept = moved(carried[h], family.kept);
+        if (i == carrier) family.kept = moved(carried[h], family.kept);
     }
     behind = inverse(behind);
 }

@@ -85,9 +85,14 @@ template <class T> struct second_harmonic {
     }
 
     /// The zeros, at most four: a quartic in t = tan((x − x₀)/2), x₀ chosen so that its leading coefficient is large.
-    roots<T, 4> zeros(T slack) const {
+    /// terms: the size of what the coefficients are sums of; where they all cancel but for rounding every x is a root.
+    roots<T, 4> zeros(T slack, T terms = T(0)) const {
         roots<T, 4> found;
         const T size = scale();
+        if (!(size > nothing<T> * terms)) {
+            found.any = true;
+            return found;
+        }
         const joint_value<T> start = beginning();
         T p[5];
         in_half_tangent(start, p);

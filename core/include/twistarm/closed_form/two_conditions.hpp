@@ -177,7 +177,8 @@ template <class T> void angle_and_length(const side<T>& a, const side<T>& b, con
         const second_harmonic<T> equation{{g * p + f * p * p - e[1], A[1][0] + (g + T(2) * f * p) * q[0],
                                            A[1][1] + (g + T(2) * f * p) * q[1], f * q[0] * q[0], T(2) * f * q[0] * q[1],
                                            f * q[1] * q[1]}};
-        for (const joint_value<T>& x : equation.zeros(slack).or_near(a.near))
+        const T terms = greatest(greatest(absolute(g * p), absolute(f * p * p)), absolute(e[1]));
+        for (const joint_value<T>& x : equation.zeros(slack, terms).or_near(a.near))
             found.add({x, slid(p + q[0] * x.cosine + q[1] * x.sine)});
         return;
     }

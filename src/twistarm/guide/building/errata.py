@@ -161,7 +161,7 @@ def _composition() -> Slip:
         r"Where $g_{ac}$ is said to be given, twice, $g_{ab}$ and $g_{bc}$ are meant: $g_{ac} = g_{ab}\, g_{bc}$. "
         r"Indices "
         "that meet in the middle cancel; written the other way round they do not.",
-        f"With two poses of half a turn's size, $g_{{ab}}\\,g_{{bc}}$ and $g_{{bc}}\\,g_{{ab}}$ put the origin "
+        f"With two poses, turned by 0.5 and by 0.7 rad, $g_{{ab}}\\,g_{{bc}}$ and $g_{{bc}}\\,g_{{ab}}$ put the origin "
         f"{off:.3f} m apart.",
     )
 

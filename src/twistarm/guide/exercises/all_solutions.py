@@ -112,7 +112,7 @@ def _around(omega: Array, r: Array, p: Array, value: Callable[[Array], Any]) -> 
 
 
 def _roots(m: float, c: float, s: float) -> Array:
-    """Both θ with m + c cos θ + s sin θ = 0: a quadratic in e^{iθ}."""
+    """Both θ with m + c cos θ + s sin θ = 0: a quadratic in exp(iθ)."""
     return np.array(np.angle(np.roots([(c - 1j * s) / 2, m, (c + 1j * s) / 2])))
 
 

@@ -157,7 +157,7 @@ EXERCISES = (
             Slip(
                 "error seen from the base",
                 "Your error is g_target g⁻¹, seen from the base, and your Jacobian is the body's, seen from the tool. "
-                "Take g⁻¹ g_target with J^b.",
+                "Take g⁻¹ g_target with Jᵇ.",
                 {"screws.inverse(poe.fk(twists, home, x)) @ target": "target @ np.linalg.inv(poe.fk(twists, home, x))"},
             ),
             Slip(

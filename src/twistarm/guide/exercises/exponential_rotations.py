@@ -22,7 +22,7 @@ def skew(omega: Array) -> Array:
 
 
 def rodrigues(omega: Array, theta: float) -> Array:
-    """The rotation e^{ω̂θ} (3, 3), by Rodrigues' formula. `omega` (3,) may have any length, 0 too.
+    """The rotation exp(ω̂θ) (3, 3), by Rodrigues' formula. `omega` (3,) may have any length, 0 too.
 
     The angle of the turn is ‖ω‖ θ [rad]: the length of `omega` is a part of it. Where it is 0, that is the identity.
     """

@@ -26,7 +26,7 @@ def chain_of_frames(frames: Array) -> Array:
 
 
 def product_of_exponentials(twists: Array, home: Array, x: Array) -> Array:
-    """The pose of the tool (4, 4), g_st = e^{ξ̂₁x₁} ⋯ e^{ξ̂ₘxₘ} g_st(0).
+    """The pose of the tool (4, 4), g_st = exp(ξ̂₁x₁) ⋯ exp(ξ̂ₘxₘ) g_st(0).
 
     `twists` (6, m) has in each column the twist (v, ω) of a joint, seen from the base in the home posture; `home`
     (4, 4) is the tool's pose there, g_st(0); `x` (m,) are the joints' values [rad, m]. Use your `twist_exp`, or
@@ -53,7 +53,7 @@ def body_screws(twists: Array, home: Array) -> Array:
 
 def body_product(body_twists: Array, home: Array, x: Array) -> Array:
     """The pose of the tool (4, 4) from twists ξᵢᵇ seen from the tool in the home posture, the columns of `body_twists`
-    (6, m): g_st = g_st(0) e^{ξ̂₁ᵇx₁} ⋯ e^{ξ̂ₘᵇxₘ}. Use `screws.exp` after `from twistarm import screws`.
+    (6, m): g_st = g_st(0) exp(ξ̂₁ᵇx₁) ⋯ exp(ξ̂ₘᵇxₘ). Use `screws.exp` after `from twistarm import screws`.
     """
     from twistarm import screws
 
@@ -144,7 +144,7 @@ EXERCISES = (
             ),
             Slip(
                 "order reversed",
-                "The joints are multiplied from tip to base: base first, e^{ξ̂₁x₁} stands on the left, "
+                "The joints are multiplied from tip to base: base first, exp(ξ̂₁x₁) stands on the left, "
                 "for the first joint moves all the others.",
                 {"g = g @ screws.exp(twists[:, i], x[i])": "g = screws.exp(twists[:, i], x[i]) @ g"},
             ),
@@ -160,7 +160,7 @@ EXERCISES = (
             ),
             Slip(
                 "one exponential",
-                "You add the twists and take one exponential. e^A e^B is e^{A+B} only for joints that "
+                "You add the twists and take one exponential. exp(A) exp(B) is exp(A + B) only for joints that "
                 "commute: multiply one exponential for each joint.",
                 {
                     "    for i in range(len(x)):\n        g = g @ screws.exp(twists[:, i], x[i])\n": "    g = "
@@ -199,7 +199,7 @@ EXERCISES = (
             ),
             Slip(
                 "values negated",
-                "Your joints turn the other way: e^{ξ̂ᵢxᵢ}, without a minus.",
+                "Your joints turn the other way: exp(ξ̂ᵢxᵢ), without a minus.",
                 {"x[i])": "-x[i])"},
             ),
             Slip(

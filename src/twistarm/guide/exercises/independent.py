@@ -26,7 +26,7 @@ def expm(matrix: Array) -> Array:
 
 
 def pose_log(g: Array) -> Array:
-    """The twist (v, ω) of a pose: ω is SciPy's rotation vector, and p = (∫₀¹ e^{ω̂s} ds) v is solved for v.
+    """The twist (v, ω) of a pose: ω is SciPy's rotation vector, and p = (∫₀¹ exp(ω̂s) ds) v is solved for v.
 
     The integral is a corner of the exponential of [ω̂, I; 0, 0].
     """
@@ -69,7 +69,7 @@ def conjugated(g: Array, xi: Array) -> Array:
 
 
 def motion_of(screws: Array, x: Array) -> Array:
-    """e^{ξ̂₁x₁} ⋯ e^{ξ̂ₘxₘ} (4, 4), by the power series."""
+    """exp(ξ̂₁x₁) ⋯ exp(ξ̂ₘxₘ) (4, 4), by the power series."""
     g = np.eye(4)
     for xi, value in zip(screws.T, x, strict=True):
         g = g @ expm(twist_matrix(xi) * value)
@@ -82,13 +82,13 @@ def tool(screws: Array, home: Array, x: Array) -> Array:
 
 
 def spatial_columns(screws: Array, x: Array) -> Array:
-    """J^s (6, m): each joint's screw where the joints before it have brought it."""
+    """Jˢ (6, m): each joint's screw where the joints before it have brought it."""
     columns = [conjugated(motion_of(screws[:, :i], x[:i]), screws[:, i]) for i in range(len(x))]
     return np.column_stack(columns)
 
 
 def body_columns(screws: Array, home: Array, x: Array) -> Array:
-    """J^b (6, m): the same screws seen from the tool."""
+    """Jᵇ (6, m): the same screws seen from the tool."""
     back = inverted(tool(screws, home, x))
     return np.column_stack([conjugated(back, column) for column in spatial_columns(screws, x).T])
 

@@ -17,7 +17,7 @@ from .words import ADJOINT_TRANSPOSED, ANGULAR_FIRST, DEGREES, NO_CROSS_TERM
 
 def spatial_jacobian(twists: Array, x: Array) -> Array:
     """The spatial Jacobian (6, m): column i is the twist of joint i where the joints before it have brought it,
-    Ad(e^{ξ̂₁x₁} ⋯ e^{ξ̂ᵢ₋₁xᵢ₋₁}) ξᵢ.
+    Ad(exp(ξ̂₁x₁) ⋯ exp(ξ̂ᵢ₋₁xᵢ₋₁)) ξᵢ.
 
     `twists` (6, m) holds the twists (v, ω) at rest, `x` (m,) the joints' values [rad, m]. Use your `adjoint` and
     `twist_exp`, or `screws.adjoint` and `screws.exp` after `from twistarm import screws`.
@@ -33,7 +33,7 @@ def spatial_jacobian(twists: Array, x: Array) -> Array:
 
 
 def body_jacobian(twists: Array, home: Array, x: Array) -> Array:
-    """The body Jacobian (6, m): the spatial one seen from the tool, J^b = Ad(g_st⁻¹) J^s. `home` (4, 4) is the tool's
+    """The body Jacobian (6, m): the spatial one seen from the tool, Jᵇ = Ad(g_st⁻¹) Jˢ. `home` (4, 4) is the tool's
     pose at rest.
     """
     from twistarm import screws
@@ -109,7 +109,7 @@ EXERCISES = (
             Slip(
                 "columns not moved",
                 "Your columns are the twists at rest: the joints before it have carried each of them "
-                "along. Column i is Ad(e^{ξ̂₁x₁} ⋯ e^{ξ̂ᵢ₋₁xᵢ₋₁}) ξᵢ.",
+                "along. Column i is Ad(exp(ξ̂₁x₁) ⋯ exp(ξ̂ᵢ₋₁xᵢ₋₁)) ξᵢ.",
                 {"screws.adjoint(g) @ twists[:, i]": "twists[:, i]"},
             ),
             Slip(
@@ -125,7 +125,7 @@ EXERCISES = (
             ),
             Slip(
                 "order reversed",
-                "The motions of the joints are multiplied in the reverse order: e^{ξ̂₁x₁} stands on the left.",
+                "The motions of the joints are multiplied in the reverse order: exp(ξ̂₁x₁) stands on the left.",
                 {"g = g @ screws.exp(twists[:, i], x[i])": "g = screws.exp(twists[:, i], x[i]) @ g"},
             ),
             Slip("no p̂R", NO_CROSS_TERM, {"screws.adjoint(g) @ twists": "np.kron(np.eye(2), g[:3, :3]) @ twists"}),
@@ -154,13 +154,13 @@ EXERCISES = (
         (
             Slip(
                 "spatial for body",
-                "This is the spatial Jacobian. Seen from the tool it is Ad(g_st⁻¹) J^s.",
+                "This is the spatial Jacobian. Seen from the tool it is Ad(g_st⁻¹) Jˢ.",
                 {"screws.adjoint(np.linalg.inv(g @ home)) @ J": "J"},
             ),
             Slip(
                 "home forgotten",
                 "You carry the columns to where the tool has moved from the base, without its home pose: "
-                "the tool is at e^{…} g_st(0).",
+                "the tool is at exp(…) g_st(0).",
                 {"(g @ home)": "(g)"},
             ),
             Slip(

@@ -102,7 +102,7 @@ def _by_trying(distance: float, velocity: float, acceleration: float) -> float:
 
 
 def _screw(g0: Array, g1: Array, s: float) -> Array:
-    """The same motion seen from space: e^{s log(g1 g0⁻¹)} g0."""
+    """The same motion seen from space: exp(s log(g1 g0⁻¹)) g0."""
     made: Array = expm(s * twist_matrix(pose_log(g1 @ np.linalg.inv(g0)))) @ g0
     return made
 
@@ -298,7 +298,7 @@ EXERCISES = (
             Slip(
                 "right for left",
                 "You multiply by the start on the wrong side: the logarithm of g0⁻¹ g1 is seen from the body, and is "
-                "multiplied from the right, g0 e^{s …}.",
+                "multiplied from the right, g0 exp(s …).",
                 {
                     "g0 @ screws.exp(": "screws.exp(",
                     "@ g1), s)": "@ g1), s) @ g0",
@@ -307,7 +307,7 @@ EXERCISES = (
             Slip(
                 "mixed sides",
                 "The logarithm of g1 g0⁻¹ is seen from the base, and g0 stands on its left. Seen from the base it is "
-                "e^{s …} g0; with g0 on the left it is g0 e^{s log(g0⁻¹ g1)}.",
+                "exp(s …) g0; with g0 on the left it is g0 exp(s log(g0⁻¹ g1)).",
                 {"screws.inverse(g0) @ g1": "g1 @ screws.inverse(g0)"},
             ),
             Slip(

@@ -34,7 +34,7 @@ def screw_of_twist(xi: Array) -> tuple[Array, Array, float]:
 
 
 def twist_exp(xi: Array, theta: float) -> Array:
-    """The motion e^{ξ̂ θ} (4, 4) of the twist `xi` = (v, ω), whose ω has the length 1, or is 0: then it is the
+    """The motion exp(ξ̂ θ) (4, 4) of the twist `xi` = (v, ω), whose ω has the length 1, or is 0: then it is the
     translation by v θ. Write it with Rodrigues' formula, or with scipy.linalg.expm.
     """
     v, w = xi[:3], xi[3:]
@@ -50,7 +50,7 @@ def twist_exp(xi: Array, theta: float) -> Array:
 
 
 def pose_log(g: Array) -> Array:
-    """The logarithm of a pose `g` (4, 4): the twist ξθ = (v, ω), (6,), with e^{ξ̂θ} = g. The length of ω is the angle;
+    """The logarithm of a pose `g` (4, 4): the twist ξθ = (v, ω), (6,), with exp(ξ̂θ) = g. The length of ω is the angle;
     it is less than a half turn here, and may be 0.
 
     For ω you may use `rotations.log(R)`, after `from twistarm import rotations`.
@@ -299,7 +299,7 @@ EXERCISES = (
             ),
             Slip(
                 "θ outside",
-                "You multiply the exponential by θ. θ belongs in the exponent: e^{ξ̂θ}, not e^{ξ̂} θ.",
+                "You multiply the exponential by θ. θ belongs in the exponent: exp(ξ̂θ), not exp(ξ̂) θ.",
                 {"    g = np.eye(4)\n": "    g = np.eye(4)\n    return expm(twist_matrix(xi)) * theta\n"},
             ),
             Slip(
@@ -336,7 +336,7 @@ EXERCISES = (
             Slip(
                 "p for v",
                 "Your v is p. It is so where the body does not turn. Else p is G v, with G from the upper right "
-                "corner of e^{ξ̂θ}: solve for v.",
+                "corner of exp(ξ̂θ): solve for v.",
                 {"np.linalg.solve(G, p) * theta": "p"},
             ),
             Slip(

@@ -87,7 +87,7 @@ def _wrapped(value: float) -> float:
 
 
 def _tip(l1: float, l2: float, theta1: float, theta2: float) -> Array:
-    """By complex numbers: each link is turned by e^{iθ}."""
+    """By complex numbers: each link is turned by exp(iθ)."""
     z = np.exp(1j * theta1) * (l1 + np.exp(1j * theta2) * l2)
     return np.array([z.real, z.imag])
 

@@ -38,8 +38,8 @@
 #
 # ## Your tool in four numbers
 #
-# Here is the orientation of the tool where the arm stands ready, as a matrix, as an axis with an angle, and as a
-# quaternion. SciPy computes the quaternion once more, from the same matrix.
+# Here is the orientation of the tool where the arm stands ready, as an axis with an angle and as a quaternion. Both come
+# from its matrix; SciPy computes the quaternion once more, from the same matrix.
 
 # %%
 import numpy as np
@@ -92,7 +92,7 @@ assert np.allclose(product(Q, by_scipy), rotations.quaternion_product_wxyz(Q, by
 
 guide.table(
     ["", "scalar", "$x$ [m]", "$y$ [m]", "$z$ [m]"],
-    [["$Q\\,(0, p)\\,Q^*$", *moved], ["$R\\,p$", "", *(R @ p)]],
+    [["$Q\\,(0, p)\\,Q^*$", *moved], ["$R\\,p$", "none", *(R @ p)]],
     "The same point moved by the quaternion and by the matrix.",
 )
 

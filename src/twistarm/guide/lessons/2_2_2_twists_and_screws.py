@@ -98,7 +98,8 @@ guide.predict(
 #
 # $$h = \frac{\omega^T v}{\|\omega\|^2}, \qquad q = \frac{\omega \times v}{\|\omega\|^2}, \qquad M = \|\omega\|$$
 #
-# where $q$ is the point of the axis nearest to the origin, and $M$ is the *magnitude*. A twist with $\omega = 0$ has $h = \infty$ and $M = \|v\|$. Source: MLS, section 2.3.3.
+# where $q$ is the point of the axis nearest to the origin, and $M$ is the *magnitude*. A twist with $\omega = 0$ has
+# $h = \infty$ and $M = \|v\|$. Source: MLS, section 2.3.3.
 
 # %%
 arm = guide.arm()
@@ -109,7 +110,10 @@ for name, xi in zip(arm.moving_names, arm.screws.T, strict=True):
     if np.linalg.norm(w) > 0.5:
         assert np.isclose(screw.pitch, w @ v / (w @ w))
         assert np.allclose(screw.point, np.cross(w, v) / (w @ w))
-    shown = [f"${guide.tex(each)}$" for each in (v, w, screw.point)]
+    shown = [
+        ", ".join(f"{x:g}" for x in np.round(each, 3) + 0.0).replace("-", "−")
+        for each in (v, w, screw.point)
+    ]
     rows.append([f"`{name}`", *shown, "∞" if np.isinf(screw.pitch) else screw.pitch])
 guide.table(
     ["joint", "$v$", r"$\omega$", "point $q$ [m]", "$h$ [m/rad]"], rows, f"The screws of `{arm.name}`."

@@ -50,7 +50,7 @@ assert np.allclose(V_s, arm.spatial_jacobian(theta) @ rates, atol=1e-6)
 assert np.allclose(V_b, arm.body_jacobian(theta) @ rates, atol=1e-6)
 guide.table(
     ["", "$v_x$", "$v_y$", "$v_z$", r"$\omega_x$", r"$\omega_y$", r"$\omega_z$"],
-    [["$V^s$", *V_s], ["$V^b$", *V_b], ["tool's origin, base axes", *g_dot[:3, 3], "", "", ""]],
+    [["$V^s$", *V_s], ["$V^b$", *V_b], ["tool's origin, base axes", *g_dot[:3, 3], "–", "–", "–"]],
     f"One motion of `{arm.name}` [m/s, rad/s].",
 )
 

@@ -267,7 +267,7 @@ lost = int((np.abs(cosine) > 1).sum())
 assert 0 < lost < len(many)
 assert np.isfinite(np.arccos(np.clip(cosine, -1, 1))).all()
 guide.say(
-    f"Of {len(many):,} two-link arms with random lengths, {lost:,} have a cosine such as {cosine.min():.16f} at "
+    f"Of {len(many):,} two-link arms with random lengths, {lost:,} have a cosine such as −{-cosine.min():.16f} at "
     f"their own "
     "full stretch, and `nan` for an angle. With `np.clip(cosine, -1, 1)` none has."
 )

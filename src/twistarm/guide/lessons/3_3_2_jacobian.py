@@ -165,7 +165,7 @@ guide.say(
 # %% [markdown]
 # ## The same from the tool's side
 #
-# Look at the axes from the tool instead, and you have the **body Jacobian**:
+# Look at the axes from the tool instead, and you have the **body Jacobian**, with which the solver walked to its target:
 #
 # $$V^b = J^b(\theta)\, \dot\theta, \qquad J^b = \mathrm{Ad}_{g_{st}}^{-1} J^s$$
 #

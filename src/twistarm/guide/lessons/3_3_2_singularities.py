@@ -47,8 +47,8 @@ guide.predict(
 )
 guide.slider(
     "ellipsoid",
-    r"The ellipse holds the velocities that the tool gets from joint rates with $|\dot\theta| = 1$. Bring $\theta_2$ to "
-    "0. What becomes of the ellipse, and which way can the tool no longer go?",
+    r"You met this ellipse in *Walking to the target*: the velocities that the tool gets from joint rates with "
+    r"$|\dot\theta| = 1$. Bring $\theta_2$ to 0. What becomes of it, and which way can the tool no longer go?",
     r"It becomes a line, at a right angle to the arm: $\sigma_2 = 0$. Along the arm the tool cannot move at all, neither "
     "out nor in. Both joints can only swing it sideways. The way in is lost too, although there is room.",
     l1=round(l1, 3),
@@ -87,18 +87,19 @@ guide.table(
 # %% [markdown]
 # ## How far from singular: the ellipsoid
 #
-# A rank is a yes or a no. A builder wants to know how near. Take all joint rates with $|\dot\theta| = 1$: they form a
-# ball. $J$ maps it to an ellipsoid, the **manipulability ellipsoid** (MLS, section 3.4.4, measures it). The singular
-# value decomposition $J = U \Sigma V^T$ describes it whole:
+# A rank is a yes or a no. A builder wants to know how near. The ellipse answers this, and for more joints and directions
+# it becomes the **manipulability ellipsoid**: what $J$ makes of all joint rates with $|\dot\theta| = 1$ (MLS, section
+# 3.4.4, measures it). The *singular value decomposition* $J = U \Sigma W^T$, in which $U$ and $W$ have columns of length
+# one at right angles to each other, describes it whole:
 #
-# - its half axes have the lengths $\sigma_1 \ge \sigma_2 \ge \dots$, the singular values;
+# - its half axes have the lengths $\sigma_1 \ge \sigma_2 \ge \dots$, the singular values, which $\Sigma$ holds;
 # - they point along the columns of $U$, directions of the tool;
-# - the columns of $V$ are the joint rates that lead there.
+# - the columns of $W$ are the joint rates that lead there. (Most books write $V$, which is a velocity here.)
 #
 # A long axis means fast, and weak: by $\tau = J^T F$, a unit of joint torque balances the force $1/\sigma$ there. A
 # short axis means slow, and strong. Their product, $\sqrt{\det JJ^T}$, is
 # Yoshikawa's **manipulability**; the ratio $\sigma_{\max}/\sigma_{\min}$ is the **condition number**. It is one
-# for a ball, and infinite where a direction is lost.
+# for a sphere, and infinite where a direction is lost.
 
 # %% tags=["hidden"]
 fig, axes = guide.axes2(3, width=6.6, height=2.6)
@@ -201,7 +202,7 @@ gone = least(singular) / arm.manipulability(singular).singular_values[0]
 is_singular = gone < 1e-4
 
 # %% [markdown]
-# Two columns tell what has happened. The last column of $V$ holds rates of the joints that cancel each other: the motors
+# Two columns tell what has happened. The last column of $W$ holds rates of the joints that cancel each other: the motors
 # run, and the tool stands still. The last column $u$ of $U$ belongs to the tool, and it is best read as a **wrench**
 # $F$, for it has $F^T J = 0$: no motor feels it, and $F$ is the same, up to a factor, in metres and in millimetres. It
 # is said to be *reciprocal* to every joint (MLS, section 2.5.3). Every motion $V$ with $F^T V \ne 0$ is lost. Both are
@@ -211,12 +212,12 @@ is_singular = gone < 1e-4
 lengths = np.where(slides, arm.reach, 1.0)  # slides are counted in units of the reach, too
 beside = singular + 0.02 * (theta - singular)
 J = arm.body_jacobian(beside) * np.array([1 / arm.reach] * 3 + [1.0] * 3)[:, None] * lengths
-U, sigma, Vt = np.linalg.svd(J, full_matrices=False)
+U, sigma, Wt = np.linalg.svd(J, full_matrices=False)
 assert np.allclose(sigma, arm.manipulability(beside).singular_values)
-lost, idle = U[:, rank - 1], Vt[rank - 1] * lengths
+lost, idle = U[:, rank - 1], Wt[rank - 1] * lengths
 
 # %% tags=["hidden"]
-weights = np.abs(Vt[rank - 1])
+weights = np.abs(Wt[rank - 1])
 against = [name for name, w in zip(arm.joint_names, weights, strict=True) if w > 0.15 * weights.max()]
 turns = float(np.linalg.norm(lost[3:]))
 way = lost[3:] if turns > np.sqrt(0.5) else lost[:3]
@@ -324,12 +325,12 @@ guide.table(
 # Move from the posture in which the arm waits to the worst one, every joint in proportion. At each step, take the twist
 # of size one that suits the joints least, and ask how large their rates must be for it: $1/\sigma$.
 #
-# A controller that inverts $J$ sends these rates to the motors. **Damped least squares** does not:
+# A controller that inverts $J$ sends these rates to the motors. **Damped least squares** does not. It is the mended step
+# of the numeric solver, with the wanted twist $V$ in the place of the gap, and rates in the place of the step:
 #
 # $$\dot\theta = J^T (J J^T + \lambda^2 I)^{-1} V$$
 #
-# It puts $\sigma/(\sigma^2 + \lambda^2)$ in the place of $1/\sigma$. That is never more than $1/(2\lambda)$. The
-# price is that the tool does only the share $\sigma^2/(\sigma^2 + \lambda^2)$ of what was asked. Here $\sigma$ and
+# As there, it puts $\sigma/(\sigma^2 + \lambda^2)$ in the place of $1/\sigma$, never more than $1/(2\lambda)$. The price is that the tool does only the share $\sigma^2/(\sigma^2 + \lambda^2)$ of what was asked. Here $\sigma$ and
 # $\lambda$ have no unit, for lengths are counted in units of the reach.
 
 # %%
@@ -409,7 +410,7 @@ guide.predict(
 # - **Metres beside radians.** In millimetres the same posture has another condition. Say what length is worth a radian.
 # - **A hard switch.** A pseudo-inverse that cuts off small singular values jumps when one crosses the threshold, and
 #   the motors knock. Damping is smooth.
-# - **Ready is singular.** Many descriptions stretch the arm out at zero: there Newton's method and joysticks begin
+# - **Zero is singular.** Many descriptions stretch the arm out at zero: there Newton's method and joysticks begin
 #   badly.
 
 # %% tags=["hidden"]

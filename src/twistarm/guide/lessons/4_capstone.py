@@ -92,11 +92,13 @@ findings = diagnose(arm)
 # %% tags=["hidden"]
 if findings:
     guide.table(
-        ["", "where", "what is there", "what to do"],
+        ["kind", "where", "what is there", "what to do"],
         [
             [
                 each.severity,
-                f"{each.place.element} `{each.place.name}`" if each.place.name else each.place.element,
+                f"{each.place.element} `{each.place.name}`"
+                if each.place.name
+                else each.place.element or "the arm",
                 each.what,
                 each.remedy,
             ]
@@ -128,7 +130,9 @@ guide.table(
     ["compared", "between", "worst difference", "allowed"],
     [
         [
-            row.quantity,
+            row.quantity.replace("J^s", "$J^s$")
+            .replace("J^b", "$J^b$")
+            .replace("Ad ", "$\\mathrm{Ad}$ "),
             " and ".join(row.engines),
             f"${guide.rough(row.worst)}$",
             f"${guide.rough(row.tolerance)}$",
@@ -190,7 +194,8 @@ guide.table(
 #
 # A camera reports where the tool in the rack is, $g_{so}$. How much of that pose you may ask for depends on your
 # joints: six directions need six joints. With five you give up the turn about the tool's axis (`Approach`), with
-# fewer the whole orientation (`Position`). Never ask for what the arm does not have; the solver would tell you so,
+# fewer the whole orientation (`Position`). If the fifth joint does nothing but roll the tool, as on the rover arm, four
+# are left for the five numbers of an approach, and it fits at some places only. Never ask for what the arm does not have; the solver would tell you so,
 # kindly, and fail.
 
 
@@ -356,7 +361,7 @@ for ax in (left, right):
 left.set_ylabel("rate, share of its limit")
 left.set_ylim(-1.1, 1.1)
 right.set_ylabel("speed of the tool [m/s]")
-fig.legend(fontsize=7, ncols=4, loc="outside lower center")
+fig.legend(fontsize=7, ncols=min(arm.n, 5), handlelength=3.5, loc="outside lower center")
 guide.figure(
     fig,
     "Left, the rate of each joint as a share of its limit over time: none exceeds one. Right, the speed of the tool: "
@@ -406,7 +411,8 @@ guide.say(
 #   `arm.toml`, beside the file, and freeze.
 # - **The tool is the flange.** The tip link ends at the last motor, and the gripper is 15 cm longer. Forward kinematics
 #   is right, and every grasp is 15 cm off. Give the tool a frame.
-# - **Six wishes, five joints.** The solver fails at almost every pose, and is blamed. Ask with `Approach`.
+# - **Six wishes, five joints.** The solver fails at almost every pose, and is blamed. Ask with `Approach`, or
+#   with `Position`.
 # - **The first run at full speed.** Send the motion with a tenth of the limits first, with a hand on the switch.
 # - **Zero has moved.** A belt skips a tooth, and every number is off by the same angle. Repeat step 4 each morning: it
 #   takes five minutes.

@@ -37,5 +37,6 @@ def _snapshot(scene: Scene) -> SceneSnapshot:
     if shown.playback is not None and scene.trajectory is not None:
         # Nobody looks yet: the reader plays it, from its beginning.
         shown = replace(shown, playback=replace(shown.playback, running=False), theta=scene.trajectory(0.0))
-    # The doctor has its own page: here nobody asked for it.
-    return replace(shown, visible={**shown.visible, "screws": scene.screws}, findings=loaded(scene.arm))
+    # No doctor is going to look, so nothing is said of one; where loading noted nothing, the page shows no findings.
+    findings = {**loaded(scene.arm), "note": ""}
+    return replace(shown, visible={**shown.visible, "screws": scene.screws}, findings=findings)

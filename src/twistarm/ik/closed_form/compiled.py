@@ -49,7 +49,9 @@ def family_numbers(arm: Arm, chain: Chain, family: Family, held: tuple[int, ...]
     joints = [left[i] for i in family.order]
     back = [inverse(_carried(chain, held, joint)) for joint in joints]
     at_zero = [axis.seen(g) for axis, g in zip(fitted.axes, back, strict=True)]
-    keeps, kept = _kept(None if fitted.kept is None else fitted.kept.moved(back[family.first]))
+    # A slide of the group may stand elsewhere among the joints; what turns carries the normal.
+    carrier = next((i for i in range(family.first, family.last) if not fitted.axes[i].slides), family.first)
+    keeps, kept = _kept(None if fitted.kept is None else fitted.kept.moved(back[carrier]))
     return FamilyNumbers(
         family.first, family.last, keeps, _numbers(at_zero),
         np.array([joint if joint < arm.n else -1 for joint in joints], dtype=np.float64),

@@ -17,6 +17,7 @@ import numpy as np
 from ...model.arm import Arm
 from ...support.checks import Array
 from ...support.errors import InputError
+from ..ranges import standing
 from ..targets import AnyTarget, Approach, Pose, Position
 from . import elimination
 from .candidates import candidates
@@ -43,13 +44,14 @@ CLOSED_FORM, ELIMINATION, SEARCH = "closed form", "elimination", "search from ma
 class Method:
     """How: by a `family`, or by elimination as it is `rooted`; with neither, `reason` says why there is none.
 
-    `held`: joints of the arm that are given or sampled, beyond what the target determines; `idle`, those of them that
+    `held`: joints of the arm that are `given` or sampled, beyond what the target determines; `idle`, those of them that
     do nothing that the target does not leave free, so that one value stands for all. `numbers` and
     `compiled`: the family for the core and in it, where it is exact.
     """
 
     chain: Chain
     held: tuple[int, ...]
+    given: tuple[int, ...]
     idle: tuple[int, ...]
     family: Family | None = None
     rooted: Rooted | None = None
@@ -86,8 +88,8 @@ class Method:
 
     @cached_property
     def swept(self) -> tuple[int, ...]:
-        """Held joints of which each value gives other configurations."""
-        return tuple(i for i in self.held if i not in self.idle)
+        """Held joints, beside those given, of which each value gives other configurations."""
+        return tuple(i for i in self.held if i not in self.idle and i not in self.given)
 
     @cached_property
     def fitted(self) -> FittedFamily | None:
@@ -133,11 +135,15 @@ def known_method(arm: Arm, like: type[AnyTarget], axis: bytes | None) -> Method 
 
 
 def method_for(arm: Arm, target: AnyTarget, given: tuple[int, ...] = ()) -> Method:
-    """The method for targets like this one, with the joints `given` held, and others where there are still too many."""
+    """The method for targets like this one, with the joints `given` held, and others where there are still too many.
+
+    A joint whose limits are one value is given.
+    """
+    given = tuple(sorted({*given, *standing(arm)}))
     key = type(target), given, target.axis.tobytes() if isinstance(target, Approach) else None
     kept = _KEPT.setdefault(arm, {})
     if key not in kept:
-        kept[key] = _with_core(arm, target, given, _looked_for(arm, target, given))
+        kept[key] = _with_core(arm, target, _looked_for(arm, target, given))
     return kept[key]
 
 
@@ -146,24 +152,24 @@ def family_method(arm: Arm, target: AnyTarget) -> Method:
     key = "family", type(target), target.axis.tobytes() if isinstance(target, Approach) else None
     kept = _KEPT.setdefault(arm, {})
     if key not in kept:
-        kept[key] = _with_core(arm, target, (), _looked_for(arm, target, (), families_alone=True))
+        kept[key] = _with_core(arm, target, _looked_for(arm, target, standing(arm), families_alone=True))
     return kept[key]
 
 
 def family_for(arm: Arm, target: AnyTarget) -> ClosedForm | None:
     """The exact family for targets like this one in the core, where no joint has to be sampled; else None."""
     free = {Pose: 0, Approach: 1, Position: 3}.get(type(target), MOST_JOINTS)
-    if arm.n + free > MOST_JOINTS:
+    if arm.n - len(standing(arm)) + free > MOST_JOINTS:
         return None
     method = family_method(arm, target)
     return None if method.swept else method.compiled
 
 
-def _with_core(arm: Arm, target: AnyTarget, given: tuple[int, ...], method: Method) -> Method:
+def _with_core(arm: Arm, target: AnyTarget, method: Method) -> Method:
     """The method, with its family in the core where the axes are exact: slack for those that miss is not for it."""
     if method.family is None or not method.exact or not method.family.order:  # with every joint given nothing is solved
         return method
-    numbers = family_numbers(arm, method.chain, method.family, method.held, {*method.held} - {*given})
+    numbers = family_numbers(arm, method.chain, method.family, method.held, {*method.held} - {*method.given})
     return replace(method, numbers=numbers, compiled=compiled(arm, target.kind, numbers))
 
 
@@ -171,20 +177,22 @@ def _looked_for(arm: Arm, target: AnyTarget, given: tuple[int, ...], *, families
     try:
         chain = chain_for(arm, target)
     except InputError as error:
-        return Method(Chain((), np.ones(arm.n), arm.reach), given, (), reason=str(error))
+        return Method(Chain((), np.ones(arm.n), arm.reach), given, given, (), reason=str(error))
     idle = tuple(i for i in range(arm.n) if i not in given and chain.idle(i))
     surplus = chain.surplus(given)
     rest = [i for i in range(arm.n) if i not in idle and i not in given]
     first = (*given, *idle[:surplus])
     more = itertools.combinations(rest[::-1], max(surplus - len(idle), 0))
     ways = [tuple(sorted((*first, *each))) for each in more]
-    found = _by_family(arm, chain, ways, idle)
+    found = _by_family(arm, chain, ways, given, idle)
     if families_alone or (found is not None and found.exact):
-        return found or Method(chain, given, idle)
-    return found or _by_elimination(arm, chain, ways, idle)
+        return found or Method(chain, given, given, idle)
+    return found or _by_elimination(arm, chain, ways, given, idle)
 
 
-def _by_family(arm: Arm, chain: Chain, ways: list[tuple[int, ...]], idle: tuple[int, ...]) -> Method | None:
+def _by_family(
+    arm: Arm, chain: Chain, ways: list[tuple[int, ...]], given: tuple[int, ...], idle: tuple[int, ...]
+) -> Method | None:
     """Of the ways to hold joints the one whose axes are nearest to a family, or the first of those that are exact."""
     best: Method | None = None
     for held in ways:
@@ -194,18 +202,20 @@ def _by_family(arm: Arm, chain: Chain, ways: list[tuple[int, ...]], idle: tuple[
         for fitted in families(axes, arm.reach)[:1]:
             off = fitted.off_share(arm.reach)
             if best is None or off < best.off - EXACT:
-                best = Method(chain, held, tuple(i for i in idle if i in held), fitted.family, off=off)
+                best = Method(chain, held, given, tuple(i for i in idle if i in held), fitted.family, off=off)
     return best
 
 
-def _by_elimination(arm: Arm, chain: Chain, ways: list[tuple[int, ...]], idle: tuple[int, ...]) -> Method:
+def _by_elimination(
+    arm: Arm, chain: Chain, ways: list[tuple[int, ...]], given: tuple[int, ...], idle: tuple[int, ...]
+) -> Method:
     """Of the ways to hold joints the first that leaves axes for elimination; the reason where none does."""
     for held in ways:
         axes, _ = chain.held(held, np.full(len(held), SAMPLE))
         way = elimination.rooted(axes, arm.reach)
         if way is not None:
-            return Method(chain, held, tuple(i for i in idle if i in held), rooted=way)
-    return Method(chain, ways[0] if ways else (), idle, reason=_why_not(arm, chain, ways))
+            return Method(chain, held, given, tuple(i for i in idle if i in held), rooted=way)
+    return Method(chain, ways[0] if ways else (), given, idle, reason=_why_not(arm, chain, ways))
 
 
 def _why_not(arm: Arm, chain: Chain, ways: list[tuple[int, ...]]) -> str:

@@ -60,13 +60,14 @@ def quadratic(f: float, b: float, c: float, slack: float) -> list[float]:
     return [0.0] if q == 0.0 else [q / f, c / q] if root > 0.0 else [q / f]
 
 
-def second_harmonic(k: Array, slack: float) -> list[float] | None:
+def second_harmonic(k: Array, slack: float, terms: float = 0.0) -> list[float] | None:
     """Angles x with k₀ + k₁ c + k₂ s + k₃ c² + k₄ c s + k₅ s² = 0, c = cos x and s = sin x: at most four.
 
-    A quartic in tan((x − x₀)/2), with x₀ chosen so that its leading coefficient is large.
+    A quartic in tan((x − x₀)/2), with x₀ chosen so that its leading coefficient is large. `terms`: the size of what the
+    coefficients are sums of; where they all cancel but for rounding every x is a root.
     """
     scale = float(np.abs(k).max())
-    if scale == 0.0:
+    if scale <= NOTHING * terms:
         return None
     offset = max(OFFSETS, key=lambda start: abs(_value(k, start + math.pi)))
     polynomial = _in_half_tangent(k, float(offset))

@@ -130,7 +130,8 @@ def _angle_and_length(a: Side, b: Side, e: Array, slack: float) -> list[Pair]:
         f, g = square[1], linear[1]
         first = A[1] + (g + 2.0 * f * p) * q
         k = np.array([g * p + f * p * p - e[1], *first, f * q[0] ** 2, 2.0 * f * q[0] * q[1], f * q[1] ** 2])
-        return [Pair(x, float(p + q @ _u(x)), free) for x, free in _or_any(second_harmonic(k, slack), a.near)]
+        roots = second_harmonic(k, slack, max(abs(g * p), abs(f * p * p), abs(e[1])))
+        return [Pair(x, float(p + q @ _u(x)), free) for x, free in _or_any(roots, a.near)]
     roots = harmonic(A[0, 0], A[0, 1], e[0], scale, slack)
     return [
         Pair(x, y, free)

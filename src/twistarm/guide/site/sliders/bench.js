@@ -75,7 +75,7 @@
 
     // The eye goes round by its own slider, and by dragging the drawing.
     turns() {
-      const label = this.number("eye", "eye", -180, 180, 5, "°", this.eye);
+      const label = this.number("eye", "seen from", -180, 180, 5, "°", this.eye);
       const input = label.querySelector("input");
       this.svg.classList.add("turns");
       let last = null;
