@@ -196,7 +196,7 @@ def test_a_finger_drags_as_a_mouse_does(rover: Desk) -> None:
     finger.send("Input.dispatchTouchEvent", {"type": "touchEnd", "touchPoints": []})
     assert rover.answered()["met"]
     assert_allclose(rover.drawn()[:3, 3], before + [0, 0, 0.05], atol=2 * pixel)
-    assert rover.page.evaluate("twistarm.view.viewer.camera.position.toArray()") == camera
+    assert rover.page.evaluate("twistarm.view.viewer.camera.position.toArray()") == pytest.approx(camera, abs=1e-9)
 
 
 def test_snap_moves_by_whole_centimetres_and_shift_does_the_opposite(rover: Desk) -> None:
