@@ -17,6 +17,8 @@ MAX_NODES = 50_000
 MAX_NUMBER = 400
 """Characters of a number: YAML has numbers in base 60, of which each digit multiplies all before."""
 
+ENDLESS = "it nests without end"
+
 UNITS = {"!degrees": np.pi / 180.0, "!radians": 1.0, "!meters": 1.0, "!millimeters": 0.001}
 """Tags that xacro and the descriptions of ROS put before a number, in rad or m."""
 
@@ -40,12 +42,13 @@ def parse_yaml(text: str, file: Path, most: int = MAX_NODES) -> Any:
         place = Place(str(file), mark.line + 1 if mark else None)
         raise refusal("limits-unusable", place, f"not usable YAML: {_words(error)}") from error
     except (RecursionError, ValueError, OverflowError) as error:
-        what = "it nests without end" if isinstance(error, RecursionError) else str(error)
+        what = ENDLESS if isinstance(error, RecursionError) else str(error)
         raise refusal("limits-unusable", Place(str(file)), f"not usable YAML: {what}") from error
 
 
 def _words(error: Any) -> str:
-    return " ".join(str(getattr(error, "problem", None) or error).split())
+    words = " ".join(str(getattr(error, "problem", None) or error).split())
+    return ENDLESS if "nesting depth" in words else words  # newer libyamls have a limit of their own
 
 
 def _bad_number(node: Any) -> str:
