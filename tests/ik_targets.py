@@ -17,6 +17,7 @@ TASK_TOLERANCE = (0.0, 0.0, 0.01, 0.1, np.inf, 0.0)
 """Exact, banded and free components of position and rotation at once."""
 
 STRICT = 1e-6
+ROUNDED = np.array([5e-5, 1e-4])
 """The success that is counted: position [m] and rotation [rad]."""
 
 JUDGE_SLACK = 1e-9
@@ -64,10 +65,16 @@ def errors(target, g):
 
 
 def judged(arm, target, solution):
-    """Whether Pinocchio finds the target met to `STRICT`, and the limits kept."""
+    """Whether Pinocchio finds the target met to `STRICT`, by rounded axes to `ROUNDED`, and the limits kept."""
     lower, upper = arm.limits.lower - JUDGE_SLACK, arm.limits.upper + JUDGE_SLACK
     inside = (solution.theta >= lower).all() and (solution.theta <= upper).all()
-    return inside and max(errors(target, pinocchio_fk(arm, solution.theta))) <= STRICT + JUDGE_SLACK
+    return inside and is_met(arm, *errors(target, pinocchio_fk(arm, solution.theta)))
+
+
+def is_met(arm, position, orientation):
+    """Whether errors [m], [rad] count as met, one or arrays."""
+    allowed = np.maximum(ROUNDED * any(arm.rounding), STRICT) + JUDGE_SLACK
+    return (position <= allowed[0]) & (orientation <= allowed[1])
 
 
 def pinocchio_poses(arm, theta):
@@ -88,10 +95,10 @@ def judged_batch(arm, targets, batch):
     if isinstance(targets, np.ndarray):
         position = np.linalg.norm(reached[:, :3, 3] - targets[:, :3, 3], axis=1)
         chord = np.linalg.norm(reached[:, :3, :3] - targets[:, :3, :3], axis=(1, 2)) / np.sqrt(8)
-        missed = np.maximum(position, 2 * np.arcsin(np.minimum(chord, 1)))
+        missed = position, 2 * np.arcsin(np.minimum(chord, 1))
     else:
-        missed = np.array([max(errors(target, g)) for target, g in zip(targets, reached, strict=True)])
-    return inside.all(1) & (missed <= STRICT + JUDGE_SLACK)
+        missed = np.array([errors(target, g) for target, g in zip(targets, reached, strict=True)]).reshape(-1, 2).T
+    return inside.all(1) & is_met(arm, *missed)
 
 
 def require_core(arm):

@@ -107,14 +107,6 @@ inline target<double> target_from(int kind, const double* numbers) {
     return pose_target(frame_from_rows<double>(numbers));
 }
 
-inline search_settings<double> settings_of(const Query& query) {
-    search_settings<double> settings;
-    settings.position_tolerance = query.position_tolerance;
-    settings.orientation_tolerance = query.orientation_tolerance;
-    settings.searches = query.searches;
-    return settings;
-}
-
 // When the time is up, for good.
 struct Clock {
     const Query& query;
@@ -147,20 +139,31 @@ template <int N> void copy(const solution<double, N>& found, int n, Answer& answ
 // What comes after the searches. It is rare, so that one copy for chains of any size does for all.
 class Conclusion {
 public:
-    Conclusion(const general_chain& arm, const ranges<double, dynamic>& range, double reach)
-        : arm_(arm), range_(range), reach_(reach) {}
+    Conclusion(const general_chain& arm, const ranges<double, dynamic>& range, const ArmNumbers& numbers)
+        : arm_(arm), range_(range), reach_(numbers.reach), position_rounding_(numbers.position_rounding),
+          orientation_rounding_(numbers.orientation_rounding) {}
+
+    search_settings<double> settings(const Query& query) const {
+        search_settings<double> settings;
+        settings.position_tolerance = query.position_tolerance;
+        settings.orientation_tolerance = query.orientation_tolerance;
+        settings.position_rounding = position_rounding_;
+        settings.orientation_rounding = orientation_rounding_;
+        settings.searches = query.searches;
+        return settings;
+    }
 
     // The answer where `found` is all of it; else what it takes to make it so. `ends` as in `conclude`.
     template <int N>
-    void operator()(const Query& query, const Question& question, const solution<double, N>& found, const double* ends,
-                    Clock& stopped, Answer& answer) const {
+    void operator()(const Query& query, const Question& question, const ranges<double, N>& within,
+                    const solution<double, N>& found, const double* ends, Clock& stopped, Answer& answer) const {
         const int n = arm_.coordinates();
-        double start[most_joints];
+        double start[most_joints] = {};
         for (int k = 0; k < n; ++k) start[k] = question.theta0[k];
         bring_inside(range_, n, start);
         answer.start_moved = false;
         for (int k = 0; k < n; ++k) answer.start_moved = answer.start_moved || start[k] != question.theta0[k];
-        if (question.posture == nullptr && !is_open(found, settings_of(query), start, n)) return copy(found, n, answer);
+        if (question.posture == nullptr && !is_open(found, within, settings(query), start, n)) return copy(found, n, answer);
         make(query, question, resized<N, dynamic>(found, n), ends, stopped, answer);
     }
 
@@ -170,7 +173,7 @@ private:
 
     const general_chain& arm_;
     const ranges<double, dynamic>& range_;
-    double reach_;
+    double reach_, position_rounding_, orientation_rounding_;
 };
 
 // Memory for a while.
@@ -187,6 +190,7 @@ template <int N> struct Job {
     const Query& query;
     const Batch& batch;
     const Conclusion& conclusion;
+    const ranges<double, N>& range;
     std::size_t begin, end;
     int n;
     Clock clock;
@@ -203,7 +207,7 @@ template <int N> struct Job {
     double* ends(int lane) { return room.first + static_cast<std::size_t>(lane * n) * most_ends; }
     void store(std::int64_t t, const solution<double, N>& found, const double* ends) {
         Answer answer;
-        conclusion(query, question(t), found, ends, clock, answer);
+        conclusion(query, question(t), range, found, ends, clock, answer);
         batch.store(batch.owner, at(t), answer);
     }
     bool goes_on(std::int64_t) const { return batch.goes_on(batch.owner); }
@@ -221,9 +225,9 @@ private:
 template <target_kind Kind, int N>
 void solve_targets(const chain<double, N, N>& arm, const ranges<double, N>& range, const Conclusion& conclusion,
                    const Query& query, const Batch& batch, std::size_t begin, std::size_t end) {
-    Job<N> job{query, batch, conclusion, begin, end, arm.coordinates(), {query},
+    Job<N> job{query, batch, conclusion, range, begin, end, arm.coordinates(), {query},
                Room(static_cast<std::size_t>(lanes_at_once<double> * arm.coordinates()) * most_ends)};
-    solve_batch<Kind>(arm, range, settings_of(query), job);
+    solve_batch<Kind>(arm, range, conclusion.settings(query), job);
 }
 
 template <target_kind Kind, int N>
@@ -232,9 +236,9 @@ void solve_target(const chain<double, N, N>& arm, const ranges<double, N>& range
     solution<double, N> found{};
     double ends[most_ends * capacity(N)];
     Clock clock{query};
-    solve_kind<Kind>(arm, range, settings_of(query), target_from(query.kind, question.numbers), question.theta0,
+    solve_kind<Kind>(arm, range, conclusion.settings(query), target_from(query.kind, question.numbers), question.theta0,
                      query.seed, found, ends, most_ends, clock);
-    conclusion(query, question, found, ends, clock, answer);
+    conclusion(query, question, range, found, ends, clock, answer);
 }
 
 // -- every configuration ---------------------------------------------------------------------------------------------

@@ -11,7 +11,7 @@ namespace engines {
 void Conclusion::make(const Query& query, const Question& question, const solution<double, dynamic>& found,
                       const double* ends, Clock& stopped, Answer& answer) const {
     twistarm::answer<double, dynamic> whole;
-    conclude(arm_, range_, settings_of(query), target_from(query.kind, question.numbers), question.theta0, query.seed,
+    conclude(arm_, range_, settings(query), target_from(query.kind, question.numbers), question.theta0, query.seed,
              reach_, question.posture, stopped, found, ends, found.restarts, whole);
     const int n = arm_.coordinates();
     copy(whole.found, n, answer);
@@ -24,7 +24,7 @@ void Conclusion::make(const Query& query, const Question& question, const soluti
 
 GeneralEngine::GeneralEngine(const general_chain& arm, const ArmNumbers& numbers)
     : arm_(arm), range_(ranges_of(arm, numbers.lower, numbers.upper, numbers.start_lower, numbers.start_upper)),
-      conclusion_(arm_, range_, numbers.reach) {}
+      conclusion_(arm_, range_, numbers) {}
 
 void GeneralEngine::constants(Constants& out) const {
     out.joints = arm_.joints();

@@ -13,6 +13,7 @@ struct ArmNumbers {
     int joints, coordinates;
     const double *screws, *home, *coupling, *lower, *upper, *start_lower, *start_upper;
     double reach;
+    double position_rounding, orientation_rounding;  // what rounded axes may miss a target by [m], [rad]; else 0
 };
 
 // Kinds of targets, in the order of twistarm::target_kind, and how many numbers each is written with:

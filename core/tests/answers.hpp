@@ -122,10 +122,10 @@ inline bool excludes(stop_reason reason) {
            reason == stop_reason::blocked_by_limits;
 }
 
-/// Whether an answer stands on another branch than θ₀, by the definition: for a target within 1 cm and 1° of there.
+/// Whether an answer stands on another branch than θ₀, by the definition: for a target within 2 cm and 3° of there.
 inline bool on_another_branch(const setting& with, int t, const whole& out) {
     const misses off = missed(with.given.asked[t], with.source.fk(with.theta0(t)));
-    const bool near = off.position <= 0.01L && off.orientation <= 0.01745329251994329577L;
+    const bool near = off.position <= 0.02L && off.orientation <= 0.05235987755982988731L;
     return near && most_apart(out.found.theta, with.theta0(t), with.given.n) > 0.2;
 }
 }  // namespace tests

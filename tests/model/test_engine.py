@@ -65,6 +65,8 @@ def made(core: ModuleType, arm: twistarm.Arm, name: str = "", **change: Any) -> 
         "start_lower": lower,
         "start_upper": upper,
         "reach": arm.reach,
+        "position_rounding": arm.rounding[0],
+        "orientation_rounding": arm.rounding[1],
     }
     return core.Chain(**(arguments | change), instruction_set=name)
 
@@ -121,7 +123,7 @@ def test_coupling_and_more_than_eight_joints(core: ModuleType) -> None:
     spatial, body = poe.spatial_jacobian(screws, x) @ A, poe.body_jacobian(screws, home, x) @ A
     scale = np.abs(spatial).max()
     for name in core.instruction_sets():
-        coupled = core.Chain(screws, home, A, -bound, bound, -bound, bound, 1.0, name)
+        coupled = core.Chain(screws, home, A, -bound, bound, -bound, bound, 1.0, instruction_set=name)
         assert np.abs(coupled.fk(theta) - poe.fk(screws, home, x)).max() < TOL * scale
         assert np.abs(coupled.spatial_jacobian(theta) - spatial).max() < 10 * TOL * scale
         assert np.abs(coupled.body_jacobian(theta) - body).max() < 10 * TOL * scale

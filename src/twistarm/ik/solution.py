@@ -6,6 +6,7 @@ from typing import Any
 
 import numpy as np
 
+from ..model.almost_exact import angle_in_words, length_in_words
 from ..model.arm import Arm
 from ..support.checks import Array, frozen
 from ..support.display import told
@@ -17,6 +18,15 @@ from .ranges import joint_ranges
 from .stop_reason import CLOSED_FORM, DAMPED, NEAREST, STOPS, StopReason
 from .targets import AnyTarget, numbers_of_kind, target_of
 from .task_space import Tolerances
+
+
+def but_for_rounding(position_error: float, orientation_error: float) -> str:
+    """The note on a target that rounded axes miss by these errors [m], [rad]."""
+    return (
+        f"met but for the rounding of the arm's axes, by which it is missed by {length_in_words(position_error)} and "
+        f"{angle_in_words(orientation_error)}: the doctor's finding axes-almost-exact names them"
+    )
+
 
 ANOTHER_BRANCH = "the target is near the pose of theta0, but the answer is not near theta0"
 NEAREST_ELSEWHERE = "the nearest configuration is not near theta0, where the arm stays farther from the target"
@@ -59,7 +69,7 @@ class IKSolution:
 
     @property
     def tolerances(self) -> Tolerances:
-        """What counted as met."""
+        """What was to count as met; `rounded` answers miss it by no more than the arm's `rounding`."""
         return Tolerances(float(self._row[answer.POSITION_TOL]), float(self._row[answer.ORIENTATION_TOL]))
 
     @property
@@ -120,10 +130,16 @@ class IKSolution:
         return bool(self._row[answer.STOP] == 0)
 
     @property
+    def rounded(self) -> bool:
+        """Whether the target is met but for the rounding of the arm's axes: `notes` says by how much it is missed."""
+        return self.converged and not self.tolerances.met(self.position_error, self.orientation_error)
+
+    @property
     def notes(self) -> tuple[str, ...]:
-        """What the caller should know: joints of theta0 brought inside, another branch taken, no core to go on."""
+        """What the caller should know: rounded axes, joints of theta0 brought inside, another branch, no core."""
         notes = self._moved_starts() if self._says(answer.START_MOVED) else []
         notes += [self._other_branch()] if self._says(answer.OTHER_BRANCH) else []
+        notes += [but_for_rounding(self.position_error, self.orientation_error)] if self.rounded else []
         return tuple(notes if self.converged or self._arm._compiled is not None else [*notes, WITHOUT_CORE])
 
     def explain(self) -> str:

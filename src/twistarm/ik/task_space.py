@@ -24,6 +24,10 @@ class Tolerances:
         """Whether both errors are within the tolerances."""
         return position_error <= self.position and orientation_error <= self.orientation
 
+    def or_rounding(self, rounding: tuple[float, float]) -> Tolerances:
+        """These, or what the rounding of an arm's axes may make it miss a target by, whichever is more."""
+        return Tolerances(max(self.position, rounding[0]), max(self.orientation, rounding[1]))
+
 
 class Target(Protocol):
     """A target reduced to the components it constrains.

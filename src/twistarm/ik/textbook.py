@@ -31,7 +31,7 @@ ITERATIONS = 30
 PROGRESS, STALLS = 0.8, 4
 """An iteration that leaves E above PROGRESS times the best so far is a stall; so many of them end a search."""
 
-NEAR_POSITION, NEAR_ORIENTATION = 0.01, math.radians(1.0)
+NEAR_POSITION, NEAR_ORIENTATION = 0.02, math.radians(3.0)
 """Up to here [m, rad] a target is near the pose of theta0, ..."""
 
 OTHER_BRANCH = 0.2
@@ -124,7 +124,7 @@ def search(problem: Problem, theta: Array, near: Array) -> Search:
     theta = problem.ranges.wrapped(theta, near)
     g = problem.arm.fk(theta)
     errors = problem.target.position_error(g), problem.target.orientation_error(g)
-    return Search(theta, errors, iterations, problem.tolerances.met(*errors))
+    return Search(theta, errors, iterations, problem.tolerances.or_rounding(problem.arm.rounding).met(*errors))
 
 
 def toward_posture(problem: Problem, found: Search, posture: Array, deadline: Deadline) -> Search:

@@ -43,6 +43,7 @@ from ..theory.lower_pairs import lower_pairs
 from ..theory.manipulability import Manipulability, manipulability_of
 from ..theory.screws import adjoint, inverse
 from . import engine
+from .almost_exact import ORIENTATION_ROUNDING, POSITION_ROUNDING, almost_exact
 from .baking import Baked, write_baked
 from .configurations import Configurations
 from .pinocchio_model import PinocchioModel
@@ -50,7 +51,8 @@ from .ready_pose import Bodies, Mechanism, Overlapping, computed_ready, named_re
 from .roll_axis import roll_axis
 
 _MADE_WHEN_ASKED = (
-    "_compiled", "pinocchio", "ready", "computed_ready", "middle", "tool_axis", "usual_half", "_tool_action",
+    "_compiled", "rounding", "pinocchio", "ready", "computed_ready", "middle", "tool_axis", "usual_half",
+    "_tool_action",
 )  # fmt: skip
 
 
@@ -213,6 +215,15 @@ class Arm:
         return frozen(self.limits.middle())
 
     @cached_property
+    def rounding(self) -> tuple[float, float]:
+        """What the arm may miss a target by and still meet it [m], [rad]: (0, 0) for exact axes.
+
+        (5e-5, 1e-4) where axes are parallel, square or meeting but for a little, as CAD exports round them.
+        """
+        found = almost_exact(self.screws, self.home, self.moving_names, self.reach)
+        return (POSITION_ROUNDING, ORIENTATION_ROUNDING) if found else (0.0, 0.0)
+
+    @cached_property
     def pinocchio(self) -> PinocchioModel:
         """Pinocchio's model and data (per thread) of the whole description; TwistarmError for an arm without one."""
         if self.description is None:
@@ -223,7 +234,8 @@ class Arm:
     def _compiled(self) -> engine.Chain | None:
         """The arm in the compiled core; None where there is none (`engine.why_not()`), or for more than 32 joints."""
         bounds = self.limits.lower, self.limits.upper
-        return engine.chain_of(self.screws, self.home, self.coupling.A, bounds, self.sampling_bounds, self.reach)
+        numbers = self.screws, self.home, self.coupling.A
+        return engine.chain_of(*numbers, bounds, self.sampling_bounds, self.reach, self.rounding)
 
     def by_pinocchio(self, theta: ArrayLike) -> tuple[Array, Array, Array]:
         """g_st (..., 4, 4), J^s and J^b (..., 6, n) by Pinocchio, whatever engine answers `fk`: what proofs compare."""

@@ -14,7 +14,7 @@ if TYPE_CHECKING:
     from .._core import Chain as Chain
     from .._core import Servo as Servo
 
-INTERFACE = 10
+INTERFACE = 11
 """Of the compiled core that this Python speaks to; one more whenever the meaning of a call changes."""
 
 MOST_JOINTS = 32
@@ -43,12 +43,19 @@ def instruction_set() -> str:
 
 
 def chain_of(
-    screws: Array, home: Array, A: Array, limits: tuple[Array, Array], starts: tuple[Array, Array], reach: float
+    screws: Array,
+    home: Array,
+    A: Array,
+    limits: tuple[Array, Array],
+    starts: tuple[Array, Array],
+    reach: float,
+    rounding: tuple[float, float],
 ) -> Chain | None:
     """The chain of screws (6, m), home and A (m, n) in the core; None where there is no core, or more than it holds.
 
     `limits` are the lower and upper bounds (n,), `starts` those of random starts, finite; `reach` [m] compares metres
-    with radians where a rank is asked for.
+    with radians where a rank is asked for. `rounding` [m], [rad]: what rounded axes may miss a
+    target by.
     """
     module = core()
     if module is None:
@@ -57,7 +64,7 @@ def chain_of(
     if max(A.shape) > MOST_JOINTS:
         _LOG.warning("%d joints are more than the compiled core holds (%d)", max(A.shape), MOST_JOINTS)
         return None
-    chain: Chain = module.Chain(screws, home, A, *limits, *starts, reach)
+    chain: Chain = module.Chain(screws, home, A, *limits, *starts, reach, *rounding)
     return chain
 
 

@@ -86,20 +86,39 @@ void explain(const chain<T, N, M>& arm, const ranges<T, N>& range, const search_
                                                       : stop_reason::exhausted;
 }
 
+/// The errors of an answer that is met but for the rounding of the axes made as small as the arm allows from there: the
+/// position's first.
+template <class T, int N, int M, class Stopped>
+void sharpen(const chain<T, N, M>& arm, const ranges<T, N>& range, const search_settings<T>& settings,
+             const target<T>& asked, Stopped& stopped, solution<T, N>& found) {
+    using V = pack<T, searches_in_group>;
+    const two_levels<V, T, N, M> objective{arm, asked.kind, aim_in_every_lane<V>(aim_at(arm, asked))};
+    descent_lanes<V, N> lanes;
+    for (int k = 0; k < arm.coordinates(); ++k) lanes.theta[k] = V(found.theta[k]);
+    lanes.epsilon = V(drawn_from<T>);
+    descend(objective, without_turning(range, arm.coordinates()), letting_go<T>, lanes, stopped);
+    solution<T, N> moved = found;
+    for (int k = 0; k < arm.coordinates(); ++k) moved.theta[k] = lane(lanes.theta[k], 0);
+    if (judge(arm, range, settings, asked, found.theta, moved)) found = moved;
+}
+
 template <class T, int N> void begin(answer<T, N>& out) {
     out.stop = stop_reason::converged;
     out.nearest = out.has_unlimited = out.other_branch = false;
 }
 }  // namespace detail
 
-/// Whether an answer may need more than `solve` has done: it is none, or the target is near the tool at θ₀, and the
-/// answer not near θ₀.
+/// Whether an answer may need more than `solve` has done: it is none, or met but for the rounding of the axes, or not
+/// near θ₀, though some configuration near θ₀ may meet the target.
 template <class T, int N>
-bool is_open(const solution<T, N>& found, const search_settings<T>& settings, const T* theta0, int n) {
-    const T position = detail::near_position<T>, orientation = detail::near_orientation<T>;
-    const T near = position * position + settings.rotation_weight * orientation * orientation;
-    return !found.converged || (found.start_error <= near && detail::largest_difference(found.theta, theta0, n) >
-                                                                 detail::other_branch<T>);
+bool is_open(const solution<T, N>& found, const ranges<T, N>& range, const search_settings<T>& settings,
+             const T* theta0, int n) {
+    if (!found.converged || !is_met(found, settings)) return true;
+    const T half = detail::other_branch<T>;
+    const T position = greatest(half * range.most_speed, detail::near_position<T>);
+    const T turned = greatest(half * range.most_turning, detail::near_orientation<T>);
+    return found.start_error <= position * position + settings.rotation_weight * turned * turned &&
+           detail::largest_difference(found.theta, theta0, n) > half;
 }
 
 template <class T, int N, int M, class Stopped>
@@ -133,11 +152,13 @@ void conclude(const chain<T, N, M>& arm, const ranges<T, N>& range, const search
         for (int k = 0; k < n && found.restarts > most_ends; ++k) field.theta[k] = found.theta[k];
         detail::explain(arm, range, settings, asked, start, seed, reach, stopped, field, out);
         if (!out.found.converged) {
+            keep_near(arm, range, settings, asked, start, stopped, out.found);
             out.other_branch = lies_elsewhere(arm, settings, asked, start, out.found);
             return;
         }
     }
     out.other_branch = keep_branch(arm, range, settings, asked, start, stopped, out.found);
+    if (!is_met(out.found, settings)) detail::sharpen(arm, range, settings, asked, stopped, out.found);
     if (posture != nullptr) approach_posture(arm, range, settings, asked, posture, stopped, out.found);
 }
 

@@ -30,6 +30,8 @@ template <class V, class T, int N, int M, class Job> struct batch_of_targets fin
     target<T> asked[lane_count]{};
     T theta0[lane_count][capacity(N)]{};
     solution<T, N> found[lane_count]{};
+    solution<T, N> rounded[lane_count]{};  ///< met but for the rounding of the axes, where that is `converged`
+    int most[lane_count]{};                ///< searches in all
 
     batch_of_targets(const chain<T, N, M>& chain, const ranges<T, N>& within, const search_settings<T>& how, Job& work)
         : search_owner<V, T, N>(aim_in_every_lane<V>(aim<T>{})), arm(chain), range(within), settings(how), job(work) {}
@@ -51,6 +53,8 @@ template <class V, class T, int N, int M, class Job> struct batch_of_targets fin
         set_lane(this->aims, i, aim_at(arm, asked[i]));
         search[i] = 0;
         found[i].iterations = 0;
+        rounded[i].converged = false;
+        most[i] = settings.searches;
         least_error[i] = static_cast<T>(__builtin_inf());
         put(starts, i);
     }
@@ -66,6 +70,12 @@ template <class V, class T, int N, int M, class Job> struct batch_of_targets fin
         solution<T, N> candidate = found[i];
         if (!accept(lanes, i, range, arm.coordinates(), asked[i].kind, theta0[i], candidate)) return false;
         if (search[i] == 0) candidate.start_error = lane(lanes.first_error, i);
+        if (!is_met(candidate, settings)) {
+            if (rounded[i].converged) return false;
+            rounded[i] = candidate;
+            most[i] = most[i] < search[i] + searches_past_rounded ? most[i] : search[i] + searches_past_rounded;
+            return false;
+        }
         found[i] = candidate;
         return true;
     }
@@ -81,11 +91,16 @@ template <class V, class T, int N, int M, class Job> struct batch_of_targets fin
             least_error[i] = error;
             for (int k = 0; k < arm.coordinates(); ++k) found[i].theta[k] = lane(lanes.theta[k], i);
         }
-        if (++search[i] < settings.searches) {
+        if (++search[i] < most[i]) {
             put(starts, i);
             return;
         }
         --search[i];
+        if (rounded[i].converged) {
+            rounded[i].start_error = found[i].start_error;
+            found[i] = rounded[i];
+            return hand_over(starts, i);
+        }
         judge(arm, range, settings, asked[i], theta0[i], found[i]);
         found[i].converged = false;
         hand_over(starts, i);

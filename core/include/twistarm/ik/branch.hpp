@@ -1,20 +1,22 @@
-// Branch of solutions on which the arm stands, kept where a target is a small step away.
+// Branch of solutions on which the arm stands, kept where some configuration near θ₀ meets the target.
 #pragma once
 
-#include "descent.hpp"
-#include "searches.hpp"
+#include "unlimited.hpp"
 
 TWISTARM_BEGIN
 
 namespace detail {
-/// A target this near to the tool at θ₀ [m, rad] is a step of a motion, not a place to jump to.
-template <class T> constexpr T near_position = T(0.01);
-template <class T> constexpr T near_orientation = T(0.01745329251994329577);
-/// An answer that moves a coordinate by more than this [rad, m] for such a step stands on another branch.
+/// A target this near to the tool at θ₀ [m, rad] is a step of a motion: its nearest branch is looked for.
+template <class T> constexpr T near_position = T(0.02);
+template <class T> constexpr T near_orientation = T(0.05235987755982988731);
+/// An answer that moves a coordinate by more than this [rad, m] is not near θ₀.
 template <class T> constexpr T other_branch = T(0.2);
-/// Steps so short that a search does not leave the branch on which it begins.
-template <class T>
-constexpr descent_settings<T> careful = {T(0), T(sizeof(T) == 8 ? 1e-7 : 1e-4), 60, true, T(0.05)};
+/// The box about θ₀ that is searched grows by this, from `other_branch` on.
+template <class T> constexpr T box_growth = T(1.3);
+/// Iterations and stalls of a search in a box: many coordinates stand at its sides.
+constexpr int iterations_in_box = 40, stalls_in_box = 8;
+/// Searches in a box wider than the first, which holds as many as there are lanes.
+constexpr int starts_in_wide_box = 48;
 
 /// The ranges with every coordinate held to its limits: past them it would come back by a turn.
 template <class T, int N> ranges<T, N> without_turning(ranges<T, N> range, int n) {
@@ -23,15 +25,75 @@ template <class T, int N> ranges<T, N> without_turning(ranges<T, N> range, int n
     return range;
 }
 
+/// What of the ranges is no farther than `half` [rad, m] from θ₀ (n,), which lies in them.
+template <class T, int N> ranges<T, N> box_about(const ranges<T, N>& range, int n, const T* theta0, T half) {
+    ranges<T, N> box = without_turning(range, n);
+    for (int k = 0; k < n; ++k) {
+        box.periodic[k] = false;
+        box.lower[k] = box.start_lower[k] = greatest(range.lower[k], theta0[k] - half);
+        box.upper[k] = box.start_upper[k] = least(range.upper[k], theta0[k] + half);
+    }
+    return box;
+}
+
 template <class T> T largest_difference(const T* a, const T* b, int n) {
     T largest = T(0);
     for (int k = 0; k < n; ++k) largest = greatest(largest, absolute(a[k] - b[k]));
     return largest;
 }
+
+/// Whether the tool may come from θ₀ to the target while no coordinate moves by more than `other_branch`: a bound from
+/// the joints' velocities at θ₀, whose radii grow while the joints beside turn.
+template <class T, int N, int M>
+bool may_be_met_near(const chain<T, N, M>& arm, const search_settings<T>& settings, const T* theta0,
+                     const target_errors<T>& errors) {
+    frame<T> g;
+    column<T> J[capacity(N)];
+    walk_with_columns(arm, arm.base, arm.tip, theta0, g, J);
+    T speed = T(0), turning = T(0);
+    for (int k = 0; k < arm.coordinates(); ++k) {
+        speed += sqrt(dot(J[k].v, J[k].v));
+        turning += sqrt(dot(J[k].w, J[k].w));
+    }
+    const T half = other_branch<T>;
+    return errors.orientation <= half * turning + settings.orientation_tolerance &&
+           errors.position <= half * speed * (T(1) + T(0.5) * half * turning) + settings.position_tolerance;
+}
+
+/// The configuration nearest to θ₀ (n,) that searches in the box of this half width find, from θ₀ and from points of
+/// the box; one that is met but for the rounding of the axes only if no other is. False for none.
+template <class T, int N, int M, class Stopped>
+bool meet_in_box(const chain<T, N, M>& arm, const ranges<T, N>& range, search_settings<T> settings,
+                 const target<T>& asked, const T* theta0, T half, Stopped& stopped, solution<T, N>& found) {
+    const int n = arm.coordinates();
+    const ranges<T, N> box = box_about(range, n, theta0, half);
+    settings.iterations = iterations_in_box;
+    settings.stalls = stalls_in_box;
+    searched<T, N> set;
+    set.count = half > other_branch<T> ? starts_in_wide_box : searches_in_group;
+    for (int k = 0; k < n; ++k) set.theta[k] = theta0[k];
+    for (int i = 1; i < set.count; ++i) random_start(box, n, 0, i, set.theta + i * n);
+    const int count = search_from_each(arm, box, settings, asked, set.count, stopped, set);
+    solution<T, N> best = found, next = found;
+    T least_difference = static_cast<T>(__builtin_inf());
+    bool met = false;
+    for (int r = 0; r < count; ++r) {
+        for (int k = 0; k < n; ++k) next.theta[k] = set.theta[r * n + k];
+        if (!judge(arm, box, settings, asked, theta0, next)) continue;
+        const T difference = largest_difference(next.theta, theta0, n);
+        const bool better = is_met(next, settings);
+        if (met > better || (met == better && difference >= least_difference)) continue;
+        met = better;
+        least_difference = difference;
+        best = next;
+    }
+    if (least_difference < largest_difference(found.theta, theta0, n)) found = best;
+    return count > 0;
+}
 }  // namespace detail
 
 /// Whether the nearest configuration to a target lies elsewhere than θ₀ (n,), though the tool is hardly farther from the
-/// target at θ₀: within 1 cm of the position, and where the position is met within 1° of the rotation.
+/// target at θ₀: within 2 cm of the position, and where the position is met within 3° of the rotation.
 template <class T, int N, int M>
 bool lies_elsewhere(const chain<T, N, M>& arm, const search_settings<T>& settings, const target<T>& asked,
                     const T* theta0, const solution<T, N>& nearest) {
@@ -42,27 +104,24 @@ bool lies_elsewhere(const chain<T, N, M>& arm, const search_settings<T>& setting
            errors.orientation <= nearest.orientation_error + detail::near_orientation<T>;
 }
 
-/// Brings an answer back to the branch of θ₀ (n,), inside the limits, if the target is near there and the answer is
-/// not. Returns whether the answer still stands on another.
+/// Brings an answer that is not near θ₀ (n,), which lies inside the limits, to a configuration that is, if one meets the
+/// target. For a target near the tool at θ₀ ever wider boxes are searched, up to the answer: the nearest branch. Returns
+/// whether the target is near and the answer is not.
 template <class T, int N, int M, class Stopped>
 bool keep_branch(const chain<T, N, M>& arm, const ranges<T, N>& range, const search_settings<T>& settings,
                  const target<T>& asked, const T* theta0, Stopped& stopped, solution<T, N>& found) {
-    using V = pack<T, searches_in_group>;
     const int n = arm.coordinates();
     if (detail::largest_difference(found.theta, theta0, n) <= detail::other_branch<T>) return false;
     const target_errors<T> errors = errors_at(asked, forward(arm, theta0));
-    if (errors.position > detail::near_position<T> || errors.orientation > detail::near_orientation<T>) return false;
-    const two_levels<V, T, N, M> objective{arm, asked.kind, aim_in_every_lane<V>(aim_at(arm, asked)), levels::met};
-    descent_lanes<V, N> lanes;
-    for (int k = 0; k < n; ++k) lanes.theta[k] = V(theta0[k]);
-    lanes.epsilon = V(T(0));
-    descend(objective, detail::without_turning(range, n), detail::careful<T>, lanes, stopped);
-    solution<T, N> moved = found;
-    for (int k = 0; k < n; ++k) moved.theta[k] = lane(lanes.theta[k], 0);
-    if (judge(arm, range, settings, asked, theta0, moved) && detail::largest_difference(moved.theta, theta0, n) <
-                                                                 detail::largest_difference(found.theta, theta0, n))
-        found = moved;
-    return detail::largest_difference(found.theta, theta0, n) > detail::other_branch<T>;
+    const bool near = errors.position <= detail::near_position<T> + settings.position_tolerance &&
+                      errors.orientation <= detail::near_orientation<T> + settings.orientation_tolerance;
+    if (!near && !detail::may_be_met_near(arm, settings, theta0, errors)) return false;
+    T half = detail::other_branch<T>;
+    while (!detail::meet_in_box(arm, range, settings, asked, theta0, half, stopped, found) && near && !stopped()) {
+        half *= detail::box_growth<T>;
+        if (half >= detail::largest_difference(found.theta, theta0, n)) break;
+    }
+    return near && detail::largest_difference(found.theta, theta0, n) > detail::other_branch<T>;
 }
 
 TWISTARM_END

@@ -27,7 +27,7 @@ template <class T, int N, int M> bool slides_far(const chain<T, N, M>& arm, cons
 template <class T, int N, int M>
 bool bring_slides_near(const chain<T, N, M>& arm, const target<T>& asked, ranges<T, N>& range, T* theta) {
     const int n = arm.coordinates();
-    const two_levels<T, T, N, M> objective{arm, asked.kind, aim_at(arm, asked), levels::nearest};
+    const two_levels<T, T, N, M> objective{arm, asked.kind, aim_at(arm, asked)};
     local_errors<T, M> at;
     objective.look(theta, at);
     if (!(T(2) * at.position > detail::far_away<T> * detail::far_away<T>)) return false;

@@ -15,8 +15,7 @@ void nearest_from(const chain<T, N, M>& arm, const ranges<T, N>& range, const se
                   const target<T>& asked, const T* theta0, detail::field_of_starts<T, N>& field, Stopped& stopped,
                   nearest_configuration<T, N>& found) {
     static_assert(detail::most_finalists == number<V>::lanes, "The finalists go side by side.");
-    const two_levels<V, T, N, M> objective{arm, asked.kind, aim_in_every_lane<V>(aim_at(arm, asked)),
-                                           levels::nearest};
+    const two_levels<V, T, N, M> objective{arm, asked.kind, aim_in_every_lane<V>(aim_at(arm, asked))};
     const int n = arm.coordinates();
     int all[detail::most_starts], chosen[detail::most_followed], last[detail::most_finalists];
     detail::spread_out(range, n, field);

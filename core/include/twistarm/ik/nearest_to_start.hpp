@@ -21,6 +21,10 @@ template <class T> constexpr descent_settings<T> letting_go = {last_epsilon<T>, 
 /// Of the starts only those are drawn to θ₀ that came this near: their f₁ over the least, and more by so much [m²].
 template <class T> constexpr T drawn_share = T(1.2);
 template <class T> constexpr T drawn_excess = T(1e-4);
+/// Where the nearest lies elsewhere, what is this much farther [rad] is as near, and is looked for in boxes about θ₀ that
+/// grow by this.
+template <class T> constexpr T as_near = T(1e-4);
+template <class T> constexpr T nearest_box_growth = T(3);
 /// Of the position's tolerance what may be given for the rotation between one minimum and another.
 template <class T> constexpr T given_for_rotation = T(0.1);
 
@@ -117,5 +121,43 @@ const minimum<T, N>& nearest_to(const chain<T, N, M>& arm, const ranges<T, N>& r
     return minima[best];
 }
 }  // namespace detail
+
+/// Replaces a nearest configuration that is not near θ₀ (n,) by one in a box about θ₀ that is as near to the target,
+/// within the position's tolerance and `as_near` of the rotation, if descents from θ₀ and from points of the box find one.
+template <class T, int N, int M, class Stopped>
+void keep_near(const chain<T, N, M>& arm, const ranges<T, N>& range, const search_settings<T>& settings,
+               const target<T>& asked, const T* theta0, Stopped& stopped, solution<T, N>& found) {
+    using V = pack<T, searches_in_group>;
+    const int n = arm.coordinates();
+    two_levels<V, T, N, M> objective{arm, asked.kind, aim_in_every_lane<V>(aim_at(arm, asked))};
+    for (T half = detail::other_branch<T>; half < detail::largest_difference(found.theta, theta0, n) && !stopped();
+         half *= detail::nearest_box_growth<T>) {
+        const ranges<T, N> box = detail::box_about(range, n, theta0, half);
+        descent_lanes<V, N> lanes;
+        for (int k = 0; k < n; ++k) lanes.theta[k] = V(theta0[k]);
+        for (int l = 1; l < searches_in_group; ++l) {
+            T start[capacity(N)];
+            random_start(box, n, 0, l, start);
+            for (int k = 0; k < n; ++k) set_lane(lanes.theta[k], l, start[k]);
+        }
+        objective.near = theta0;
+        objective.nu = asked.kind != target_kind::position ? detail::departure_beside_rotation<T>
+                                                           : detail::departure_alone<T>;
+        lanes.epsilon = V(detail::drawn_from<T>);
+        descend(objective, box, detail::drawing<T>, lanes, stopped);
+        objective.near = nullptr;
+        descend(objective, box, detail::letting_go<T>, lanes, stopped);
+        const solution<T, N> nearest = found;
+        for (int l = 0; l < searches_in_group; ++l) {
+            solution<T, N> drawn = nearest;
+            for (int k = 0; k < n; ++k) drawn.theta[k] = lane(lanes.theta[k], l);
+            judge(arm, box, settings, asked, theta0, drawn);
+            if (drawn.position_error <= nearest.position_error + settings.position_tolerance &&
+                drawn.orientation_error <= nearest.orientation_error + detail::as_near<T> &&
+                detail::largest_difference(drawn.theta, theta0, n) < detail::largest_difference(found.theta, theta0, n))
+                found = drawn;
+        }
+    }
+}
 
 TWISTARM_END

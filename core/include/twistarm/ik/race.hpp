@@ -36,13 +36,15 @@ template <class V, class T, int N, int M, class Starts, class Stopped> struct ra
     int begun = 0, iterations = 0, winner = none, looks = 0;
     T least_error = static_cast<T>(__builtin_inf()), start_error = static_cast<T>(__builtin_inf());
     bool over = false;
+    int most, rounded = none;  ///< searches in all; the best of those that met the target but for the rounding
+    solution<T, N> rounded_answer{};
 
     race_of_one(const chain<T, N, M>& chain, const ranges<T, N>& within, const search_settings<T>& how,
                 const target<T>& what, const Starts& from, const T* start, solution<T, N>& into, T* failed_ends,
                 int failed_room, Stopped& time_is_up)
         : search_owner<V, T, N>(aim_in_every_lane<V>(aim_at(chain, what))), arm(chain), range(within), settings(how),
           asked(what), begins(from), theta0(start), found(into), ends(failed_ends), room(failed_room),
-          stopped(time_is_up) {}
+          stopped(time_is_up), most(how.searches) {}
 
     static constexpr int round_of(int k) { return k / searches_in_round; }
     bool in_head_start(int k, int steps) const { return k == 0 && steps <= settings.head_start; }
@@ -57,7 +59,7 @@ template <class V, class T, int N, int M, class Starts, class Stopped> struct ra
 
     void begin(lane_starts<T, N, lane_count>& starts, int i) {
         search[i] = none;
-        if (begun >= settings.searches || !beats(begun, 0)) return;
+        if (begun >= most || !beats(begun, 0)) return;
         search[i] = begun++;
         begins(search[i], &starts.theta[0][i], lane_count);
         starts.waiting |= 1U << i;
@@ -78,9 +80,21 @@ template <class V, class T, int N, int M, class Starts, class Stopped> struct ra
     bool converged(const lane_searches<V, N>& lanes, int i) {
         solution<T, N> candidate{};
         if (!accept(lanes, i, range, arm.coordinates(), asked.kind, theta0, candidate)) return false;
+        if (!is_met(candidate, settings)) {
+            keep_rounded(candidate, search[i]);
+            return false;
+        }
         found = candidate;
         winner = search[i];
         return true;
+    }
+
+    /// The first search that has met the target but for the rounding answers, if none of some more does better.
+    void keep_rounded(const solution<T, N>& candidate, int which) {
+        if (rounded != none && rounded <= which) return;
+        if (rounded == none) most = most < begun + searches_past_rounded ? most : begun + searches_past_rounded;
+        rounded = which;
+        rounded_answer = candidate;
     }
 
     void settle(const lane_searches<V, N>& lanes, lane_starts<T, N, lane_count>& starts, unsigned ended,
@@ -133,6 +147,10 @@ bool race_to(const chain<T, N, M>& arm, const ranges<T, N>& range, const search_
     lane_starts<T, N, number<V>::lanes> starts;
     for (int i = 0; i < number<V>::lanes; ++i) race.begin(starts, i);
     run_searches<V, Kind, T, N, M>(arm, range, settings, lanes, starts, race);
+    if (race.winner == race.none && race.rounded != race.none) {
+        found = race.rounded_answer;
+        race.winner = race.rounded;
+    }
     found.restarts = race.winner == 0 ? 1 : race.begun;
     found.start_error = race.start_error;
     if (race.winner == race.none) found.iterations = race.iterations;

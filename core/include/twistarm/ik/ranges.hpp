@@ -15,6 +15,7 @@ template <class T, int N> struct ranges {
     std::uint64_t start_stride[capacity(N)];
     bool periodic[capacity(N)], turns[capacity(N)];
     bool all_turn;
+    T most_speed, most_turning;  ///< bounds of the tool's velocities [m/s], [rad/s] while no coordinate is faster than 1
 };
 
 constexpr double whole_turn = 6.28318530717958647693;
@@ -54,6 +55,27 @@ template <class T, int N, int M> void find_periodic(const chain<T, N, M>& arm, b
     }
 }
 
+namespace detail {
+/// Bounds of the tool's speed and angular velocity while no coordinate is faster than 1: a joint turns the tool on a
+/// radius of at most the links between, and slides stand no farther out than random starts go.
+template <class T, int N, int M> void find_most_velocity(const chain<T, N, M>& arm, ranges<T, N>& found) {
+    found.most_speed = found.most_turning = T(0);
+    T radius = sqrt(dot(arm.tip.p, arm.tip.p));
+    for (int i = arm.joints() - 1; i >= 0; --i) {
+        const link<T>& joint = arm.links[i];
+        T rate = T(0), stroke = T(0);
+        for (int k = 0; k < arm.coordinates(); ++k) {
+            const T share = absolute(arm.coupling[i][k]);
+            rate += share;
+            stroke += share * greatest(absolute(found.start_lower[k]), absolute(found.start_upper[k]));
+        }
+        found.most_speed += rate * (absolute(joint.turn) * radius + absolute(joint.slide));
+        found.most_turning += rate * absolute(joint.turn);
+        radius += absolute(joint.slide) * stroke + (i > 0 ? sqrt(dot(joint.offset, joint.offset)) : T(0));
+    }
+}
+}  // namespace detail
+
 /// The ranges of a chain; each array (N,), random starts in [start_lower, start_upper].
 template <class T, int N, int M>
 ranges<T, N> ranges_of(const chain<T, N, M>& arm, const double* lower, const double* upper, const double* start_lower,
@@ -70,6 +92,7 @@ ranges<T, N> ranges_of(const chain<T, N, M>& arm, const double* lower, const dou
         found.turns[k] = found.periodic[k] && upper[k] - lower[k] >= whole_turn;
         found.all_turn = found.all_turn && found.turns[k];
     }
+    detail::find_most_velocity(arm, found);
     return found;
 }
 

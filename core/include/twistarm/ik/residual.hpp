@@ -15,6 +15,9 @@ template <class V, int N, int K> struct residual {
 };
 
 namespace detail {
+/// Keeps the length of an error of zero from dividing by zero [m²].
+template <class T> constexpr T least_length = T(sizeof(T) == 8 ? 1e-30 : 1e-20);
+
 /// Below this 1 + trace, R − Rᵀ has lost half of its digits, and the axis is read from R + Rᵀ.
 template <class T> constexpr T near_half_turn = T(sizeof(T) == 8 ? 1e-6 : 1e-2);
 
@@ -168,6 +171,33 @@ TWISTARM_INLINE void residual_of(const frame<V>& g, const column<V>* columns, in
             }
         }
     }
+}
+
+/// Takes out of an error what a tolerance allows, and out of its rows what that leaves free.
+///
+/// Of rows first to last with r = ‖e‖ beyond the radius ρ there is left (1 − ρ/r) e, with the derivative
+/// (1 − ρ/r) J + (ρ/r) u uᵀ J, u = e/r; within ρ nothing is left. Returns the square of what is left.
+template <class V, int N, int K>
+TWISTARM_INLINE V allow(residual<V, N, K>& at, int first, int last, scalar_of<V> radius, int n) {
+    using T = scalar_of<V>;
+    const V zero = V(T(0));
+    V squared = zero;
+    for (int k = first; k < last; ++k) squared = squared + at.e[k] * at.e[k];
+    const V length = sqrt(greatest(squared, V(radius * radius + detail::least_length<T>)));
+    const V kept = greatest(T(1) - radius / length, zero);
+    const auto outside = squared > V(radius * radius);
+    V u[K];
+    for (int k = first; k < last; ++k) {
+        u[k] = at.e[k] / length;
+        at.e[k] = select(outside, kept * at.e[k], zero);
+    }
+    for (int i = 0; i < n; ++i) {
+        V along = zero;
+        for (int k = first; k < last; ++k) along = along + u[k] * at.J[i][k];
+        for (int k = first; k < last; ++k)
+            at.J[i][k] = select(outside, kept * at.J[i][k] + (T(1) - kept) * along * u[k], zero);
+    }
+    return select(outside, kept * kept * squared, zero);
 }
 
 TWISTARM_END

@@ -29,16 +29,25 @@ template <class T, int N> void shake_into(const ranges<T, N>& range, int n, int 
     }
 }
 
+/// E of errors: the squared position error and the rotation's by its weight, of loose tolerances only what is beyond.
+template <class T> T error_of(const search_settings<T>& settings, T position, T orientation) {
+    if (is_loose(settings)) {
+        position = greatest(position - settings.position_tolerance, T(0));
+        orientation = greatest(orientation - settings.orientation_tolerance, T(0));
+    }
+    return position * position + settings.rotation_weight * orientation * orientation;
+}
+
 /// The ends with the least E, eight of them, the nearest first; where there are fewer, the nearest is shaken.
 template <class T, int N, int M>
-void take_nearest(const chain<T, N, M>& arm, const ranges<T, N>& range, const target<T>& asked, T weight, const T* ends,
-                  int count, resumed_ends<T, N>& starts) {
+void take_nearest(const chain<T, N, M>& arm, const ranges<T, N>& range, const search_settings<T>& settings, const target<T>& asked,
+                  const T* ends, int count, resumed_ends<T, N>& starts) {
     T least[resumed];
     int which[resumed];
     int kept = 0;
     for (int e = 0; e < count; ++e) {
         const target_errors<T> errors = errors_at(asked, forward(arm, ends + e * arm.coordinates()));
-        const T error = errors.position * errors.position + weight * errors.orientation * errors.orientation;
+        const T error = error_of(settings, errors.position, errors.orientation);
         int at = kept < resumed ? kept++ : resumed;
         for (; at > 0 && error < least[at - 1]; --at)
             if (at < resumed) {
@@ -63,7 +72,7 @@ void resume_as(const chain<T, N, M>& arm, const ranges<T, N>& range, const searc
     patient.iterations = patient.stalls = patience;
     patient.head_start = 0;
     resumed_ends<T, N> starts;
-    take_nearest(arm, range, asked, settings.rotation_weight, ends, count, starts);
+    take_nearest(arm, range, settings, asked, ends, count, starts);
     const auto begins = [&](int search, T* theta, int stride) {
         for (int k = 0; k < arm.coordinates(); ++k) theta[k * stride] = starts.theta[search][k];
     };
@@ -82,9 +91,7 @@ void resume_as(const chain<T, N, M>& arm, const ranges<T, N>& range, const searc
 template <int Lanes = 0, class T, int N, int M, class Target, class Stopped>
 void resume(const chain<T, N, M>& arm, const ranges<T, N>& range, const search_settings<T>& settings,
             const Target& asked, const T* theta0, const T* ends, int count, Stopped& stopped, solution<T, N>& found) {
-    const T error = found.position_error * found.position_error +
-                    settings.rotation_weight * found.orientation_error * found.orientation_error;
-    if (!(error < detail::on_its_way<T>)) return;
+    if (!(detail::error_of(settings, found.position_error, found.orientation_error) < detail::on_its_way<T>)) return;
     with_kind(asked, [&](auto kind) {
         detail::resume_as<kind(), Lanes>(arm, range, settings, asked, theta0, ends, count, stopped, found);
     });

@@ -27,6 +27,9 @@ template <class T, int N> void find_nothing(const T* theta0, int n, solution<T, 
     found.position_error = found.orientation_error = found.start_error = static_cast<T>(__builtin_inf());
 }
 
+/// After a search has met its target but for the rounding of the axes, so many more may still meet it.
+constexpr int searches_past_rounded = 24;
+
 /// How many ends of failed searches are kept, at most, for what comes after them.
 constexpr int most_ends = 96;
 
@@ -54,18 +57,33 @@ template <class T, int N, int Lanes> struct lane_starts {
 namespace detail {
 /// A search goes this much below the tolerances, so that the rounding of wrapped angles cannot undo its verdict.
 constexpr double margin = 0.9;
+/// Of a loose tolerance that rounding is next to nothing. A search takes errors below the share `allowed` for none, so
+/// that it gets below the margin.
+constexpr double loose_margin = 0.9999, allowed = 0.999;
 
 /// Squared errors below which a search has met its target; the rotation's as a chord, 2 sin(φ/2), or an angle.
 template <class T> struct thresholds {
     T position, rotation;
 };
 
-template <class T> thresholds<T> thresholds_of(const search_settings<T>& settings, target_kind kind) {
-    const double position = margin * static_cast<double>(settings.position_tolerance);
-    double angle = margin * static_cast<double>(settings.orientation_tolerance);
+/// A tolerance [m, rad] up to here is met by a search for zero error, which is quicker.
+constexpr double loose = 1e-5;
+
+/// An angle as a target of this kind measures its error: the chord 2 sin(φ/2), or the angle itself.
+inline double measured(double angle, target_kind kind) {
     if (angle > 3.14159265358979323846) angle = 3.14159265358979323846;
-    const double rotation = kind == target_kind::task ? angle : 2.0 * __builtin_sin(0.5 * angle);
+    return kind == target_kind::task ? angle : 2.0 * __builtin_sin(0.5 * angle);
+}
+
+template <class T>
+thresholds<T> thresholds_of(T position_tolerance, T orientation_tolerance, double share, target_kind kind) {
+    const double position = share * static_cast<double>(position_tolerance);
+    const double rotation = measured(share * static_cast<double>(orientation_tolerance), kind);
     return {static_cast<T>(position * position), static_cast<T>(rotation * rotation)};
+}
+
+template <class T> bool is_loose(const search_settings<T>& settings) {
+    return greatest(settings.position_tolerance, settings.orientation_tolerance) > static_cast<T>(loose);
 }
 
 template <class V, class T, int N>
@@ -96,14 +114,24 @@ protected:
     ~search_owner() = default;
 };
 
-/// Runs searches until `owner` has what it wants. E = ‖position error‖² + rotation_weight ‖rotation error‖².
+/// Runs searches until `owner` has what it wants. E = ‖position error‖² + rotation_weight ‖rotation error‖², of loose
+/// tolerances only what is beyond them. A search that comes to rest within the rounding has met its target too.
 template <class V, target_kind Kind, class T, int N, int M>
 void run_searches(const chain<T, N, M>& arm, const ranges<T, N>& range, const search_settings<T>& settings,
                   lane_searches<V, N>& lanes, lane_starts<T, N, number<V>::lanes>& starts,
                   search_owner<V, T, N>& owner) {
     const int n = arm.coordinates();
-    const detail::thresholds<T> enough = detail::thresholds_of(settings, Kind);
+    const bool loose = detail::is_loose(settings), rounds = settings.position_rounding > T(0);
+    const double share = loose ? detail::loose_margin : detail::margin;
+    const detail::thresholds<T> enough =
+        detail::thresholds_of(settings.position_tolerance, settings.orientation_tolerance, share, Kind);
+    const detail::thresholds<T> rounded =
+        detail::thresholds_of(greatest(settings.position_rounding, settings.position_tolerance),
+                              greatest(settings.orientation_rounding, settings.orientation_tolerance), share, Kind);
     const T rotation_scale = sqrt(settings.rotation_weight);
+    const T radius = static_cast<T>(detail::allowed) * settings.position_tolerance;
+    const T turned = rotation_scale * static_cast<T>(detail::measured(
+                                          detail::allowed * static_cast<double>(settings.orientation_tolerance), Kind));
     residual<V, N, rows_of(Kind)> at;
     column<V> columns[capacity(N)];
     detail::begin_waiting(lanes, starts, n);
@@ -114,6 +142,11 @@ void run_searches(const chain<T, N, M>& arm, const ranges<T, N>& range, const se
         lanes.position_squared = at.position_squared;
         lanes.rotation_squared = at.rotation_squared;
         lanes.error = at.position_squared + settings.rotation_weight * at.rotation_squared;
+        if (loose) {
+            lanes.error = allow(at, 0, 3, radius, n);
+            if constexpr (Kind != target_kind::position)
+                lanes.error = lanes.error + allow(at, 3, rows_of(Kind), turned, n);
+        }
         const auto met = (at.position_squared <= V(enough.position)) & (at.rotation_squared <= V(enough.rotation));
         lanes.stalls = lanes.stalls + select(lanes.best * settings.progress < lanes.error, V(T(1)), V(T(0)));
         lanes.best = least(lanes.best, lanes.error);
@@ -121,7 +154,11 @@ void run_searches(const chain<T, N, M>& arm, const ranges<T, N>& range, const se
         const auto over = met | (lanes.stalls >= V(static_cast<T>(settings.stalls))) |
                           (lanes.iterations >= V(static_cast<T>(settings.iterations)));
         const unsigned ended = bits(over);
-        if (ended != 0U) owner.settle(lanes, starts, ended, bits(met));
+        if (ended != 0U) {
+            unsigned there = bits(met);
+            if (rounds) there |= bits((at.position_squared <= V(rounded.position)) & (at.rotation_squared <= V(rounded.rotation)));
+            owner.settle(lanes, starts, ended, there);
+        }
         if (owner.finished(lanes)) return;
         const V lambda = settings.damping * lanes.error + settings.least_damping;
         bounded_step(range, lambda, n, at, lanes.theta);
@@ -145,6 +182,12 @@ inline bool accept(const lane_searches<V, N>& lanes, int i, const ranges<T, N>& 
     return found.converged;
 }
 
+/// Whether errors are within the tolerances, without the rounding.
+template <class T, int N> bool is_met(const solution<T, N>& found, const search_settings<T>& settings) {
+    return found.position_error <= settings.position_tolerance &&
+           found.orientation_error <= settings.orientation_tolerance;
+}
+
 /// θ wrapped near `near` and judged anew by forward kinematics in scalars: whether it is an answer.
 template <class T, int N, int M>
 inline bool judge(const chain<T, N, M>& arm, const ranges<T, N>& range, const search_settings<T>& settings,
@@ -154,8 +197,9 @@ inline bool judge(const chain<T, N, M>& arm, const ranges<T, N>& range, const se
     const target_errors<T> errors = errors_at(asked, forward(arm, found.theta));
     found.position_error = errors.position;
     found.orientation_error = errors.orientation;
-    found.converged = errors.position <= settings.position_tolerance &&
-                      errors.orientation <= settings.orientation_tolerance && is_inside(range, n, found.theta);
+    found.converged = errors.position <= greatest(settings.position_tolerance, settings.position_rounding) &&
+                      errors.orientation <= greatest(settings.orientation_tolerance, settings.orientation_rounding) &&
+                      is_inside(range, n, found.theta);
     return found.converged;
 }
 

@@ -1,0 +1,110 @@
+"""Axes of an arm that are parallel, square or meeting but for a little: CAD exports round.
+
+The angle and the distance between neighbouring axes are constants of the arm. Closed forms of inverse kinematics need
+them exact: an arm with rpy="1.5708" has none of the special geometries it was drawn with.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from itertools import pairwise
+
+import numpy as np
+
+from ..support.checks import Array
+
+EXACT_ANGLE, EXACT_DISTANCE = 1e-9, 1e-9
+"""[rad], [m]: numbers written in full are nearer."""
+
+ALMOST_ANGLE, ALMOST_DISTANCE = math.radians(0.5), 2e-3
+"""[rad], [m]: further apart is on purpose."""
+
+POSITION_ROUNDING, ORIENTATION_ROUNDING = 5e-5, 1e-4
+"""[m], [rad]: an arm with such axes meets a target that it misses by no more."""
+
+
+@dataclass(frozen=True)
+class Near:
+    """Something that almost holds for some joints: what, by how much, and how far that moves the tool [m], roughly.
+
+    `apart`: it is a distance that misses, not an angle.
+    """
+
+    joints: str
+    what: str
+    moves: float
+    apart: bool = False
+
+
+def almost_exact(screws: Array, home: Array, joints: Sequence[str], reach: float) -> list[Near]:
+    """What almost holds for the axes of screws (6, m): neighbours base to tip, the wrist, then base and tool frame.
+
+    The first axis is compared with the axes of the base, the last one with those of the tool in `home` (4, 4).
+    """
+    v, w = screws[:3].T, screws[3:].T
+    turning = np.linalg.norm(w, axis=1) > 0.5
+    axes = np.where(turning[:, None], w, v)
+    points = np.cross(w, v)
+    found: list[Near] = []
+    for i, j in pairwise(range(len(axes))):
+        both = bool(turning[i] and turning[j])
+        names = f"{joints[i]}–{joints[j]}"
+        near = _pair(axes[i], axes[j], points[j] - points[i] if both else None, reach)
+        found += [Near(names, *one) for one in near]
+    first, last = _among(axes[0], np.eye(3), reach), _among(axes[-1], home[:3, :3].T, reach)
+    found += _wrist(joints, axes, points, turning)
+    found += [Near(f"base–{joints[0]}", *one) for one in first]
+    return found + [Near(f"{joints[-1]}–tool", *one) for one in last]
+
+
+def _among(axis: Array, frame: Array, reach: float) -> list[tuple[str, float, bool]]:
+    """What almost holds for an axis and those of a frame (3, 3), row by row: parallel to one, else square to some."""
+    along = int(np.abs(frame @ axis).argmax())
+    if np.linalg.norm(np.cross(axis, frame[along])) < ALMOST_ANGLE:
+        return [*_pair(axis, frame[along], None, reach)]
+    return [one for other in frame for one in _pair(axis, other, None, reach)]
+
+
+def _pair(a: Array, b: Array, offset: Array | None, reach: float) -> Iterator[tuple[str, float, bool]]:
+    """What almost holds for two axes, how far off the tool is if it is meant, and whether it is a distance.
+
+    `offset` lies between turning ones.
+    """
+    sine, cosine = float(np.linalg.norm(np.cross(a, b))), abs(float(a @ b))
+    for what, angle in (("parallel", math.atan2(sine, cosine)), ("square", math.atan2(cosine, sine))):
+        if EXACT_ANGLE < angle < ALMOST_ANGLE:
+            yield f"are {what} but for {angle_in_words(angle)}", angle * reach, False
+    if offset is None:
+        return
+    parallel = math.atan2(sine, cosine) < ALMOST_ANGLE
+    distance = float(np.linalg.norm(np.cross(offset, a))) if parallel else abs(float(offset @ np.cross(a, b))) / sine
+    if EXACT_DISTANCE < distance < ALMOST_DISTANCE:
+        yield f"{'coincide' if parallel else 'meet'} but for {length_in_words(distance)}", distance, True
+
+
+def _wrist(joints: Sequence[str], axes: Array, points: Array, turning: Array) -> list[Near]:
+    """Whether the last three axes, all turning, meet in almost one point while each neighbouring pair meets exactly."""
+    if len(axes) < 3 or not turning[-3:].all():
+        return []
+    across = np.eye(3) - axes[-3:, :, None] * axes[-3:, None, :]
+    total = across.sum(axis=0)
+    if np.linalg.eigvalsh(total)[0] < ALMOST_ANGLE**2:
+        return []
+    centre = np.linalg.solve(total, np.einsum("kij,kj->i", across, points[-3:]))
+    distance = float(np.linalg.norm(np.einsum("kij,kj->ki", across, centre - points[-3:]), axis=1).max())
+    if not EXACT_DISTANCE < distance < ALMOST_DISTANCE:
+        return []
+    what = f"are a spherical wrist but for {length_in_words(distance)}"
+    return [Near("–".join(joints[-3:]), what, distance, apart=True)]
+
+
+def angle_in_words(radians: float) -> str:
+    """In degrees, or a tiny one in rad."""
+    return f"{math.degrees(radians):.2g}°" if radians > 1e-4 else f"{radians:.1e} rad"
+
+
+def length_in_words(metres: float) -> str:
+    """In mm, or a tiny one in µm."""
+    return f"{1e3 * metres:.2g} mm" if metres >= 1e-5 else f"{1e6 * metres:.2g} µm" if metres >= 1e-8 else "nothing"

@@ -1,0 +1,154 @@
+"""Tolerances of inverse kinematics: rounded axes, tolerances that are used, answers near the start."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from scipy.spatial.transform import Rotation
+
+from catalogue import load
+from ik_targets import KINDS, errors, judged, pinocchio_fk, require_core, target_from
+from twistarm import Approach, Pose, load_arm, solve_ik, solve_ik_batch
+from twistarm.ik import StopReason
+from urdf_text import joint, robot, write
+
+HALF = 0.2
+"""How far [rad, m] from the start an answer is near."""
+
+
+@pytest.fixture(autouse=True)
+def _core():
+    require_core(load("rover_arm"))
+
+
+# rounded axes -----------------------------------------------------------------------------------------------------
+
+QUARTER = {4: "1.5708", 5: "1.57080", 6: "1.570796", 16: "1.5707963267948966"}
+"""A quarter turn as exports write it."""
+
+
+def five_joints(digits):
+    """Yaw, three pitches and a roll, whose frames are turned by quarter turns of so many digits."""
+    q = QUARTER[digits]
+    origins = [("0 0 0.1", "0 0 0"), ("0.05 0 0.1", f"{q} 0 0"), ("0.3 0 0", "0 0 0"), ("0 0.28 0", f"0 0 {q}")]
+    origins.append(("0.06 0 0.01", f"0 {q} 0"))
+    limit = '<limit lower="-2.6" upper="2.6" velocity="2" effort="3"/>'
+    links = ("base", *(f"link{k}" for k in range(5)))
+    parts = [
+        joint(f"j{k}", links[k], links[k + 1], inside=limit, xyz=xyz, rpy=rpy) for k, (xyz, rpy) in enumerate(origins)
+    ]
+    return robot(*parts, links=links)
+
+
+def test_a_rounded_arm_meets_what_the_exact_one_meets(tmp_path):
+    exact = load_arm(write(tmp_path, five_joints(16), "exact.urdf"))
+    rng = np.random.default_rng(5)
+    axis = exact.tool_axis
+    targets = [Approach(g[:3, 3], g[:3, :3] @ axis, axis) for g in map(exact.fk, exact.random_theta(rng, 60))]
+    for digits in (4, 5, 6):
+        arm = load_arm(write(tmp_path, five_joints(digits), f"rounded{digits}.urdf"))
+        batch = solve_ik_batch(arm, targets)
+        for target, one in zip(targets, batch, strict=True):
+            for solution in (solve_ik(arm, target), one):
+                position, angle = errors(target, pinocchio_fk(arm, solution.theta))
+                if position > 5e-5 or angle > 1e-4:  # the limits of another arm may be passed by a hair
+                    assert not solution.converged
+                    continue
+                assert solution.converged, solution
+                assert solution.rounded == (max(position, angle) > 1e-6)
+                assert solution.rounded == any("axes-almost-exact" in note for note in solution.notes)
+        assert batch.converged.mean() > 0.95
+    assert all(solve_ik(exact, target).converged and not solve_ik(exact, target).rounded for target in targets)
+
+
+def test_an_exact_arm_keeps_its_tolerance(tmp_path):
+    """A direction 2e-5 rad out of the arm's plane is impossible for exact axes."""
+    arm = load_arm(write(tmp_path, five_joints(16)))
+    g = pinocchio_fk(arm, [0.0, 0.6, -1.0, 0.4, 0.0])
+    out = Rotation.from_rotvec([2e-5 * c for c in np.cross(g[:3, :3] @ arm.tool_axis, [0.0, 1.0, 0.0])]).as_matrix()
+    target = Approach(g[:3, 3], out @ g[:3, :3] @ arm.tool_axis)
+    assert not solve_ik(arm, target).converged
+    assert solve_ik(arm, target, orientation_tol=3e-5).converged
+
+
+@pytest.mark.parametrize("name", ["so101", "so100", "xarm7"])
+def test_rounded_axes_cost_no_exactness_that_the_arm_has(name):
+    """Of poses of the arm itself nearly all are met to the tolerance."""
+    arm, rng = load(name), np.random.default_rng(7)
+    batch = solve_ik_batch(arm, arm.fk(arm.random_theta(rng, 400)))
+    assert batch.converged.all()
+    assert (np.maximum(batch.position_error, batch.orientation_error) <= 1e-6).mean() > 0.99
+
+
+# tolerances are used ----------------------------------------------------------------------------------------------
+
+
+def inside_tolerance(rng, g, position, orientation):
+    """A pose that g (4, 4) misses by no more than the tolerances."""
+    there, step = g.copy(), rng.normal(size=3)
+    there[:3, 3] += position * rng.uniform() ** (1 / 3) * step / np.linalg.norm(step)
+    axis = rng.normal(size=3)
+    turn = Rotation.from_rotvec(orientation * rng.uniform() * axis / np.linalg.norm(axis))
+    there[:3, :3] = turn.as_matrix() @ g[:3, :3]
+    return there
+
+
+@pytest.mark.parametrize("name", ["so101", "so100", "rover_arm", "ur5", "panda"])
+@pytest.mark.parametrize("tolerances", [(0.01, 1e-3), (5e-3, 1e-4), (1e-4, 0.02)])
+def test_whatever_has_a_configuration_within_both_tolerances_is_met(name, tolerances):
+    arm, rng = load(name), np.random.default_rng(8)
+    poses = [inside_tolerance(rng, pinocchio_fk(arm, theta), *tolerances) for theta in arm.random_theta(rng, 300)]
+    batch = solve_ik_batch(arm, np.array(poses), position_tol=tolerances[0], orientation_tol=tolerances[1])
+    assert batch.converged.all()
+    for g, theta in zip(poses, batch.theta, strict=True):
+        position, angle = errors(Pose(g), pinocchio_fk(arm, theta))
+        assert position <= tolerances[0] + 1e-9
+        assert angle <= tolerances[1] + 1e-9
+        assert arm.limits.contains(theta)
+
+
+# near the start ---------------------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("kind", KINDS)
+@pytest.mark.parametrize("name", ["panda", "ur5", "kinova", "so101", "rover_arm_6dof"])
+def test_an_answer_is_near_the_start_where_one_is(name, kind):
+    """Targets that some configuration within 0.2 of theta0 meets, however far the tool has to go."""
+    arm, rng = load(name), np.random.default_rng([33, KINDS.index(kind)])
+    for theta in arm.random_theta(rng, 60):
+        theta0 = np.clip(theta + rng.uniform(-HALF, HALF, arm.n), arm.limits.lower, arm.limits.upper)
+        target = target_from(kind, pinocchio_fk(arm, theta), rng)
+        solution = solve_ik(arm, target, theta0)
+        assert judged(arm, target, solution)
+        assert np.abs(solution.theta - theta0).max() <= HALF + 1e-9
+        assert not any("another branch" in note for note in solution.notes)
+
+
+@pytest.mark.parametrize("name", ["so101", "rover_arm", "ur5"])
+def test_a_loose_direction_is_followed_without_a_leap(name):
+    """The direction of a configuration nearby but for half a degree, which the tolerance allows."""
+    arm, rng = load(name), np.random.default_rng(34)
+    for theta in arm.random_theta(rng, 60):
+        theta0 = np.clip(theta + rng.uniform(-HALF, HALF, arm.n), arm.limits.lower, arm.limits.upper)
+        g = inside_tolerance(rng, pinocchio_fk(arm, theta), 0.0, 9e-3)
+        target = Approach(g[:3, 3], g[:3, :3] @ arm.tool_axis)
+        solution = solve_ik(arm, target, theta0, orientation_tol=1e-2)
+        assert solution.stop is StopReason.CONVERGED
+        assert np.abs(solution.theta - theta0).max() <= HALF + 1e-9
+
+
+@pytest.mark.parametrize("name", ["ur5", "panda", "rover_arm_6dof", "stanford"])
+def test_a_small_step_is_answered_on_the_nearest_branch(name):
+    """Steps of up to 2 cm and 3°; the branches by many searches of one start each."""
+    arm, rng = load(name), np.random.default_rng(35)
+    for theta0 in arm.random_theta(rng, 50):
+        target = Pose(inside_tolerance(rng, pinocchio_fk(arm, theta0), 0.02, np.radians(3.0)))
+        solution = solve_ik(arm, target, theta0)
+        moved = np.abs(solution.theta - theta0).max()
+        if not solution.converged or moved <= HALF:
+            continue
+        assert any("another branch" in note for note in solution.notes)
+        starts = theta0 + rng.normal(size=(100, arm.n)) * rng.uniform(0.05, 1.0, (100, 1))
+        others = solve_ik_batch(arm, [target] * 100, starts, restarts=1)
+        nearest = np.abs(others.theta[others.converged] - theta0).max(axis=1).min(initial=np.inf)
+        assert moved <= 1.3 * nearest + 0.1, (moved, nearest)
