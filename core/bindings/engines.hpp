@@ -163,7 +163,7 @@ public:
         bring_inside(range_, n, start);
         answer.start_moved = false;
         for (int k = 0; k < n; ++k) answer.start_moved = answer.start_moved || start[k] != question.theta0[k];
-        if (question.posture == nullptr && !is_open(found, within, settings(query), start, n)) return copy(found, n, answer);
+        if (question.posture == nullptr && !is_open(found, within, settings(query), static_cast<target_kind>(query.kind), start, n)) return copy(found, n, answer);
         make(query, question, resized<N, dynamic>(found, n), ends, stopped, answer);
     }
 

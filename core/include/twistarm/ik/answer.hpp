@@ -112,12 +112,12 @@ template <class T, int N> void begin(answer<T, N>& out) {
 /// near θ₀, though some configuration near θ₀ may meet the target.
 template <class T, int N>
 bool is_open(const solution<T, N>& found, const ranges<T, N>& range, const search_settings<T>& settings,
-             const T* theta0, int n) {
+             target_kind kind, const T* theta0, int n) {
     if (!found.converged || !is_met(found, settings)) return true;
     const T half = detail::other_branch<T>;
     const T position = greatest(half * range.most_speed, detail::near_position<T>);
     const T turned = greatest(half * range.most_turning, detail::near_orientation<T>);
-    return found.start_error <= position * position + settings.rotation_weight * turned * turned &&
+    return detail::begins_within(found, settings, kind, position, turned) &&
            detail::largest_difference(found.theta, theta0, n) > half;
 }
 

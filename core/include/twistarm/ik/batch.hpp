@@ -69,7 +69,7 @@ template <class V, class T, int N, int M, class Job> struct batch_of_targets fin
     bool converged(const lane_searches<V, N>& lanes, int i) {
         solution<T, N> candidate = found[i];
         if (!accept(lanes, i, range, arm.coordinates(), asked[i].kind, theta0[i], candidate)) return false;
-        if (search[i] == 0) candidate.start_error = lane(lanes.first_error, i);
+        if (search[i] == 0) candidate.start_error = lane_of<T>(lanes.first.position, lanes.first.rotation, i);
         if (!is_met(candidate, settings)) {
             if (rounded[i].converged) return false;
             rounded[i] = candidate;
@@ -85,7 +85,7 @@ template <class V, class T, int N, int M, class Job> struct batch_of_targets fin
         T* ends = search[i] < most_ends ? job.ends(i) : nullptr;
         for (int k = 0; ends != nullptr && k < arm.coordinates(); ++k)
             ends[search[i] * arm.coordinates() + k] = lane(lanes.theta[k], i);
-        if (search[i] == 0) found[i].start_error = lane(lanes.first_error, i);
+        if (search[i] == 0) found[i].start_error = lane_of<T>(lanes.first.position, lanes.first.rotation, i);
         const T error = lane(lanes.error, i);
         if (search[i] == 0 || error < least_error[i]) {
             least_error[i] = error;

@@ -13,6 +13,8 @@ template <class T> constexpr T near_orientation = T(0.05235987755982988731);
 template <class T> constexpr T other_branch = T(0.2);
 /// The box about θ₀ that is searched grows by this, from `other_branch` on.
 template <class T> constexpr T box_growth = T(1.3);
+/// Where a first step is longer than this [rad, m], no box about θ₀ of `other_branch` is searched.
+template <class T> constexpr T far_step = T(0.6);
 /// Iterations and stalls of a search in a box: many coordinates stand at its sides.
 constexpr int iterations_in_box = 40, stalls_in_box = 8;
 /// Searches in a box wider than the first, which holds as many as there are lanes.
@@ -42,22 +44,36 @@ template <class T> T largest_difference(const T* a, const T* b, int n) {
     return largest;
 }
 
-/// Whether the tool may come from θ₀ to the target while no coordinate moves by more than `other_branch`: a bound from
-/// the joints' velocities at θ₀, whose radii grow while the joints beside turn.
-template <class T, int N, int M>
-bool may_be_met_near(const chain<T, N, M>& arm, const search_settings<T>& settings, const T* theta0,
-                     const target_errors<T>& errors) {
+/// Whether the tool at θ₀ is within a distance [m], an angle [rad] and the tolerances of the target.
+template <class T, int N>
+bool begins_within(const solution<T, N>& found, const search_settings<T>& settings, target_kind kind, T distance,
+                   T angle) {
+    distance += settings.position_tolerance;
+    angle += settings.orientation_tolerance;
+    // A chord is (2 sin(φ/2))² ≤ φ² (1 − φ²/12 + φ⁴/360).
+    const T squared = angle * angle;
+    const T chord = kind == target_kind::task ? T(1) : T(1) - squared / T(12) + squared * squared / T(360);
+    return found.start_error.position <= distance * distance &&
+           (angle >= T(3.14159265358979323846) || found.start_error.rotation <= squared * chord);
+}
+
+/// Whether a damped step from θ₀ toward the target is short enough for the target to be met in the box of
+/// `other_branch` about θ₀.
+template <target_kind Kind, class T, int N, int M>
+bool may_be_met_near(const chain<T, N, M>& arm, const search_settings<T>& settings, const target<T>& asked,
+                     const T* theta0) {
+    const int n = arm.coordinates();
+    const aim<T> aims = aim_at(arm, asked);
     frame<T> g;
-    column<T> J[capacity(N)];
-    walk_with_columns(arm, arm.base, arm.tip, theta0, g, J);
-    T speed = T(0), turning = T(0);
-    for (int k = 0; k < arm.coordinates(); ++k) {
-        speed += sqrt(dot(J[k].v, J[k].v));
-        turning += sqrt(dot(J[k].w, J[k].w));
-    }
-    const T half = other_branch<T>;
-    return errors.orientation <= half * turning + settings.orientation_tolerance &&
-           errors.position <= half * speed * (T(1) + T(0.5) * half * turning) + settings.position_tolerance;
+    column<T> columns[capacity(N)];
+    residual<T, N, rows_of(Kind)> at;
+    walk_with_columns(arm, aims.base, aims.tip, theta0, g, columns);
+    residual_of<Kind, N>(g, columns, n, aims, sqrt(settings.rotation_weight), at);
+    T error = at.position_squared + settings.rotation_weight * at.rotation_squared, d[capacity(N)];
+    free_step(at, settings.damping * error + settings.least_damping, n, d);
+    T longest = T(0);
+    for (int k = 0; k < n; ++k) longest = greatest(longest, absolute(d[k]));
+    return longest <= far_step<T>;
 }
 
 /// The configuration nearest to θ₀ (n,) that searches in the box of this half width find, from θ₀ and from points of
@@ -112,10 +128,13 @@ bool keep_branch(const chain<T, N, M>& arm, const ranges<T, N>& range, const sea
                  const target<T>& asked, const T* theta0, Stopped& stopped, solution<T, N>& found) {
     const int n = arm.coordinates();
     if (detail::largest_difference(found.theta, theta0, n) <= detail::other_branch<T>) return false;
-    const target_errors<T> errors = errors_at(asked, forward(arm, theta0));
-    const bool near = errors.position <= detail::near_position<T> + settings.position_tolerance &&
-                      errors.orientation <= detail::near_orientation<T> + settings.orientation_tolerance;
-    if (!near && !detail::may_be_met_near(arm, settings, theta0, errors)) return false;
+    const bool near = detail::begins_within(found, settings, asked.kind, detail::near_position<T>,
+                                            detail::near_orientation<T>);
+    bool may_be = near;
+    with_kind(asked, [&](auto kind) {
+        may_be = may_be || detail::may_be_met_near<kind()>(arm, settings, asked, theta0);
+    });
+    if (!may_be) return false;
     T half = detail::other_branch<T>;
     while (!detail::meet_in_box(arm, range, settings, asked, theta0, half, stopped, found) && near && !stopped()) {
         half *= detail::box_growth<T>;

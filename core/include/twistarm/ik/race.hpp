@@ -34,7 +34,8 @@ template <class V, class T, int N, int M, class Starts, class Stopped> struct ra
     int search[lane_count] = {};
     unsigned fresh = 0;  ///< lanes whose search has not been looked at yet: their iterations are another's
     int begun = 0, iterations = 0, winner = none, looks = 0;
-    T least_error = static_cast<T>(__builtin_inf()), start_error = static_cast<T>(__builtin_inf());
+    T least_error = static_cast<T>(__builtin_inf());
+    squared_errors<T> start_error = {least_error, least_error};
     bool over = false;
     int most, rounded = none;  ///< searches in all; the best of those that met the target but for the rounding
     solution<T, N> rounded_answer{};
@@ -126,7 +127,7 @@ template <class V, class T, int N, int M, class Starts, class Stopped> struct ra
     bool finished(const lane_searches<V, N>& lanes) override {
         const unsigned unseen = fresh;
         fresh = 0U;
-        if (looks == 0) start_error = lane(lanes.error, 0);
+        if (looks == 0) start_error = lane_of<T>(lanes.position_squared, lanes.rotation_squared, 0);
         if (++looks % looks_for_a_clock == 0 && stopped()) cut_short(lanes);
         if (winner == none || over) return over;
         if (begun < settings.searches && beats(begun, 0)) return false;

@@ -10,6 +10,11 @@ struct never {
     constexpr bool operator()() const { return false; }
 };
 
+/// Squared errors of a configuration: [m²], and the rotation's as its target measures it, chord² or [rad²].
+template <class V> struct squared_errors {
+    V position, rotation;
+};
+
 /// An answer: θ inside the limits, and what it was checked to be.
 template <class T, int N> struct solution {
     T theta[capacity(N)];
@@ -17,14 +22,15 @@ template <class T, int N> struct solution {
     int iterations;  ///< of the search that won; of all of them where none did
     int restarts;    ///< searches begun; 1 where the first one won
     bool converged;
-    T start_error;  ///< E (`run_searches`) at θ₀, inside the limits
+    squared_errors<T> start_error;  ///< at θ₀, inside the limits
 };
 
 /// What is found of a target that cannot be used (`is_usable`): θ₀ as it is, infinitely far, no search begun.
 template <class T, int N> void find_nothing(const T* theta0, int n, solution<T, N>& found) {
     found = {};
     for (int k = 0; k < n; ++k) found.theta[k] = theta0[k];
-    found.position_error = found.orientation_error = found.start_error = static_cast<T>(__builtin_inf());
+    found.position_error = found.orientation_error = static_cast<T>(__builtin_inf());
+    found.start_error = {found.position_error, found.position_error};
 }
 
 /// After a search has met its target but for the rounding of the axes, so many more may still meet it.
@@ -35,7 +41,8 @@ constexpr int most_ends = 96;
 
 /// One search in each lane. Everything of a lane is its own.
 template <class V, int N> struct lane_searches {
-    V theta[capacity(N)], position_squared, rotation_squared, error, first_error, best, stalls, iterations;
+    V theta[capacity(N)], position_squared, rotation_squared, error, best, stalls, iterations;
+    squared_errors<V> first;
 };
 
 /// Lanes in which nothing runs yet; what stands there is worked on all the same, and never looked at.
@@ -43,7 +50,7 @@ template <class V, int N> TWISTARM_INLINE lane_searches<V, N> searches_at_rest()
     const V zero = V(scalar_of<V>(0));
     lane_searches<V, N> lanes;
     for (V& coordinate : lanes.theta) coordinate = zero;
-    lanes.position_squared = lanes.rotation_squared = lanes.error = lanes.first_error = zero;
+    lanes.position_squared = lanes.rotation_squared = lanes.error = lanes.first.position = lanes.first.rotation = zero;
     lanes.best = lanes.stalls = lanes.iterations = zero;
     return lanes;
 }
@@ -125,13 +132,18 @@ void run_searches(const chain<T, N, M>& arm, const ranges<T, N>& range, const se
     const double share = loose ? detail::loose_margin : detail::margin;
     const detail::thresholds<T> enough =
         detail::thresholds_of(settings.position_tolerance, settings.orientation_tolerance, share, Kind);
-    const detail::thresholds<T> rounded =
-        detail::thresholds_of(greatest(settings.position_rounding, settings.position_tolerance),
-                              greatest(settings.orientation_rounding, settings.orientation_tolerance), share, Kind);
+    detail::thresholds<T> rounded = enough;
+    if (rounds)
+        rounded = detail::thresholds_of(greatest(settings.position_rounding, settings.position_tolerance),
+                                        greatest(settings.orientation_rounding, settings.orientation_tolerance), share,
+                                        Kind);
     const T rotation_scale = sqrt(settings.rotation_weight);
-    const T radius = static_cast<T>(detail::allowed) * settings.position_tolerance;
-    const T turned = rotation_scale * static_cast<T>(detail::measured(
-                                          detail::allowed * static_cast<double>(settings.orientation_tolerance), Kind));
+    T radius = T(0), turned = T(0);
+    if (loose) {
+        const double angle = detail::allowed * static_cast<double>(settings.orientation_tolerance);
+        radius = static_cast<T>(detail::allowed) * settings.position_tolerance;
+        turned = rotation_scale * static_cast<T>(detail::measured(angle, Kind));
+    }
     residual<V, N, rows_of(Kind)> at;
     column<V> columns[capacity(N)];
     detail::begin_waiting(lanes, starts, n);
@@ -150,7 +162,9 @@ void run_searches(const chain<T, N, M>& arm, const ranges<T, N>& range, const se
         const auto met = (at.position_squared <= V(enough.position)) & (at.rotation_squared <= V(enough.rotation));
         lanes.stalls = lanes.stalls + select(lanes.best * settings.progress < lanes.error, V(T(1)), V(T(0)));
         lanes.best = least(lanes.best, lanes.error);
-        lanes.first_error = select(lanes.iterations < V(T(1)), lanes.error, lanes.first_error);
+        const auto begins = lanes.iterations < V(T(1));
+        lanes.first.position = select(begins, at.position_squared, lanes.first.position);
+        lanes.first.rotation = select(begins, at.rotation_squared, lanes.first.rotation);
         const auto over = met | (lanes.stalls >= V(static_cast<T>(settings.stalls))) |
                           (lanes.iterations >= V(static_cast<T>(settings.iterations)));
         const unsigned ended = bits(over);
@@ -165,6 +179,11 @@ void run_searches(const chain<T, N, M>& arm, const ranges<T, N>& range, const se
         lanes.iterations = lanes.iterations + T(1);
         if (starts.waiting != 0U) detail::begin_waiting(lanes, starts, n);
     }
+}
+
+/// The squared errors in a lane.
+template <class T, class V> TWISTARM_INLINE squared_errors<T> lane_of(const V& position, const V& rotation, int i) {
+    return {lane(position, i), lane(rotation, i)};
 }
 
 /// The answer in a lane that has met its target: θ wrapped near `near`, and the errors of the evaluation at θ, which
