@@ -108,7 +108,7 @@ REFUSED = {
     ),
     "xacro without its namespace": (
         two_joints(inside="<xacro:thing/>"),
-        "a tag's prefix is not declared: add xmlns:xacro=",
+        "the prefix of 'xacro:thing' is not declared; add xmlns:xacro=",
     ),
     "a floating joint in the chain": (
         robot(joint("a", "base_link", "upper", kind="floating"), joint("b", "upper", "tool0")),

@@ -3,20 +3,24 @@
 from __future__ import annotations
 
 import os
+import re
 import xml.etree.ElementTree as ET
 from collections.abc import Iterable, Mapping
 from dataclasses import replace
+from functools import partial
+from pathlib import Path
+from typing import Any
 
 import numpy as np
 
 from ..support.caller_words import package_folder
 from ..support.checks import Array, frozen
-from ..support.errors import DescriptionError, closest
+from ..support.errors import DescriptionError, closest, listed
 from ..support.files import as_path, why_no_file
 from .axis import read_axis
 from .catalog import models_share
 from .document import Reading, parse_xml, read_text
-from .expansion.expand import expand_xacro, is_xacro
+from .expansion.expand import expand_xacro, is_xacro, xacro_own_text
 from .expansion.left_out import blaming, not_used
 from .findings import Place, refusal
 from .geometry import Geometries, floats, number, read_origin
@@ -37,6 +41,8 @@ LIMIT_NAMES = ("lower", "upper", "velocity", "effort")
 MOVING_ALONE = ("revolute", "continuous", "prismatic")
 Rates = dict[str, dict[str, float]]
 """The numbers of each joint's `<limit>`, by joint name, as they were written."""
+
+_MACRO = re.compile(r"<xacro:macro\s[^>]*?\bname\s*=\s*[\"']([^\"']+)")
 
 _JOINT_TYPES: tuple[JointType, ...] = ("revolute", "continuous", "prismatic", "fixed", "planar", "floating")
 
@@ -62,8 +68,11 @@ def read_description(
         raise refusal("file-not-found", Place(str(file)), why, remedy)
     file = file.resolve()
     packages = package_index(file, package_dirs, mesh_dirs)
+    own_text, wishes = None, (dict(xacro_args or {}), tuple(without), tuple(env))
     if is_xacro(file):
-        text, noted = expand_xacro(file, packages, xacro_args, without, env)
+        text, noted = expand_xacro(file, packages, *wishes)
+        _require_links(text, file)
+        own_text = partial(_own_text, file, packages.user_dirs, packages.mesh_dirs, *wishes)
         reading = Reading(file, packages, show_lines=False)
     elif xacro_args:
         what = f"it is plain URDF and takes no xacro arguments ({', '.join(xacro_args)})"
@@ -73,7 +82,20 @@ def read_description(
         text, reading = read_text(file), Reading(file, packages)
     reading.findings.take(noted)
     with blaming(noted):
-        return build_description(text, reading)
+        return replace(build_description(text, reading), own_text=own_text)
+
+
+def _require_links(text: str, file: Path) -> None:
+    """A file of macros alone expands to a robot of nothing."""
+    macros = list(dict.fromkeys(_MACRO.findall(read_text(file))))
+    if macros and "<link" not in text:
+        what = f"it has no links: it defines macros ({listed(macros)}) and calls none that makes one"
+        remedy = f"load the file that calls them, or call one: <xacro:{macros[0]} …/>"
+        raise refusal("no-robot", Place(str(file)), what, remedy)
+
+
+def _own_text(file: Path, user_dirs: tuple[Path, ...], mesh_dirs: tuple[Path, ...], *wishes: Any) -> str:
+    return xacro_own_text(file, package_index(file, user_dirs, mesh_dirs), *wishes)
 
 
 def build_description(text: str, reading: Reading) -> Description:
