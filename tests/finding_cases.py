@@ -106,6 +106,7 @@ CASES: dict[str, Case] = {
     "document-type-refused": urdf('<!DOCTYPE robot [<!ENTITY x "y">]><robot name="r"/>'),
     "no-robot": urdf('<robot name="empty"/>'),
     # the tree
+    "version-unknown": urdf(two_joints().replace('<robot ', '<robot version="3.0" ')),
     "name-missing": urdf(two_joints().replace('<link name="upper"/>', '<link name="upper"/><link/>')),
     "name-duplicate": urdf(robot(joint("a", "base_link", "upper"), joint("a", "upper", "tool0"))),
     "end-missing": urdf(two_joints().replace('<child link="upper"/>', "")),

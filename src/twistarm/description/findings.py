@@ -29,6 +29,7 @@ CODES: dict[str, Code] = {
     "no-robot": Code("error", "the file describes no robot: another root element, or no links"),
     # the tree
     "robot-unnamed": Code("warning", "the robot has no name, which other readers refuse"),
+    "version-unknown": Code("warning", "the robot has a version of URDF that is not known; read as the newest"),
     "name-missing": Code("error", "a link or joint has no name"),
     "name-duplicate": Code("error", "two links or two joints share a name"),
     "end-missing": Code("error", "a joint does not say which links it joins"),

@@ -16,7 +16,7 @@ from ..support.checks import Array
 from ..support.errors import listed
 from ..support.files import is_file
 from ..support.path_redaction import without_places
-from ..theory.rotations import from_rpy
+from ..theory.rotations import from_rpy, from_xyzw
 from .document import Reading
 from .packages import PackageIndex
 from .tree import Geometry
@@ -140,9 +140,19 @@ def read_origin(element: ET.Element) -> Array:
     g = np.eye(4)
     origin = element.find("origin")
     if origin is not None:
-        g[:3, :3] = from_rpy(floats(origin.get("rpy", "0 0 0"), 3))
+        g[:3, :3] = _rotation(origin)
         g[:3, 3] = floats(origin.get("xyz", "0 0 0"), 3)
     return g
+
+
+def _rotation(origin: ET.Element) -> Array:
+    """R (3, 3) from rpy, or from the quaternion that URDF has from version 1.1 on, whatever its length."""
+    quaternion = origin.get("quat_xyzw")
+    if quaternion is None:
+        return from_rpy(floats(origin.get("rpy", "0 0 0"), 3))
+    if "rpy" in origin.attrib:
+        raise ValueError("it has both rpy and quat_xyzw")
+    return from_xyzw(floats(quaternion, 4))
 
 
 def mesh_scale(text: str | None) -> tuple[float, ...]:

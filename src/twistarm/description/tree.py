@@ -58,6 +58,7 @@ class Mimic:
 class Joint:
     """A joint of the tree: `axis` a unit vector, `axis_length` its length as written; limits ∓inf where not given.
 
+    `acceleration` is the smaller one where URDF 1.2 gives a deceleration too.
     `line` is where it stands in a file that was not expanded from xacro; `part_of` the planar joint it was split from.
     """
 
@@ -71,6 +72,8 @@ class Joint:
     upper: float = np.inf
     velocity: float = np.inf
     effort: float = np.inf
+    acceleration: float = np.inf
+    jerk: float = np.inf
     mimic: Mimic | None = None
     axis_length: float = 1.0
     line: int | None = None

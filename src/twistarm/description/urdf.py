@@ -30,6 +30,7 @@ from .planar import split_planar_joints
 from .spelling import note_unread_words
 from .structure import check_structure, root_link
 from .tree import Description, Joint, JointType, Link, Mimic
+from .version import settle_version
 
 WIDE = 1e300
 """Stands for "no limit" in what Pinocchio reads, whose parser refuses infinity; so it, or more, is read by us."""
@@ -38,6 +39,7 @@ MOST_TURNED = 6.3
 """A whole turn [rad], generously rounded."""
 
 LIMIT_NAMES = ("lower", "upper", "velocity", "effort")
+LATER_NAMES = ("acceleration", "deceleration", "jerk")
 MOVING_ALONE = ("revolute", "continuous", "prismatic")
 Rates = dict[str, dict[str, float]]
 """The numbers of each joint's `<limit>`, by joint name, as they were written."""
@@ -107,6 +109,7 @@ def build_description(text: str, reading: Reading) -> Description:
         )
     _name_robot(robot, reading)
     check_structure(robot, reading)
+    settle_version(robot, reading)
     note_unread_words(robot, reading)
     parts = split_planar_joints(robot, reading)
     geometries = Geometries(robot, reading)
@@ -185,7 +188,8 @@ def _read_joint(element: ET.Element, reading: Reading, rates: Rates) -> Joint:
     try:
         origin = read_origin(element)
     except ValueError as error:
-        what, remedy = f"its <origin> is malformed: {error}", "give xyz and rpy as three numbers each"
+        what = f"its <origin> is malformed: {error}"
+        remedy = "give xyz and rpy as three numbers each, or in the place of rpy quat_xyzw as four"
         raise reading.error(element, "origin-malformed", what, remedy) from error
     _note_degrees(element, reading)
     axis, axis_length = read_axis(element, kind, reading)
@@ -204,6 +208,8 @@ def _read_joint(element: ET.Element, reading: Reading, rates: Rates) -> Joint:
         upper=upper,
         velocity=_rate(numbers.get("velocity")),
         effort=_rate(numbers.get("effort")),
+        acceleration=min(_rate(numbers.get("acceleration")), _rate(numbers.get("deceleration"))),
+        jerk=_rate(numbers.get("jerk")),
         mimic=_read_mimic(element, reading),
         axis_length=axis_length,
         line=reading.line(element),
@@ -225,7 +231,8 @@ def _limit_numbers(element: ET.Element, reading: Reading) -> dict[str, float]:
     """The numbers in the joint's `<limit>`, those that are there."""
     limit = element.find("limit")
     given = {} if limit is None else limit.attrib
-    return {name: _limit_number(element, name, given[name], reading) for name in LIMIT_NAMES if name in given}
+    names = (name for name in (*LIMIT_NAMES, *LATER_NAMES) if name in given)
+    return {name: _limit_number(element, name, given[name], reading) for name in names}
 
 
 def _read_bounds(element: ET.Element, kind: str, given: Mapping[str, float], reading: Reading) -> tuple[float, float]:
@@ -333,12 +340,12 @@ def _only(element: ET.Element, tag: str) -> ET.Element:
 
 
 _KEPT = {
-    "robot": ("name",),
+    "robot": ("name", "version"),
     "link": ("name",),
     "joint": ("name", "type"),
     "parent": ("link",),
     "child": ("link",),
-    "origin": ("xyz", "rpy"),
+    "origin": ("xyz", "rpy", "quat_xyzw"),
     "axis": ("xyz",),
     "limit": LIMIT_NAMES,
     "inertial": (),

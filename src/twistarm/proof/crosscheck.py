@@ -401,6 +401,8 @@ def _beyond_yourdfpy(arm: Arm) -> str:
         return f"yourdfpy takes long for a text of {tags:,} tags"
     if sum(depth**3 for depth in _depths(arm.description)) > YOURDFPY_CUBES:
         return f"yourdfpy takes minutes for a chain of {max(_depths(arm.description))} joints"
+    if "quat_xyzw=" in arm.description.repaired:
+        return "yourdfpy does not read quat_xyzw"
     for joint in joints.values():
         if joint.part_of:
             return f"yourdfpy takes the planar joint {joint.part_of!r} as fixed"
