@@ -231,6 +231,22 @@ def test_defaults_of_parameters_are_read_as_by_xacro(params: str, values: dict[s
     assert f'<x y="{"|".join(values.values())}"/>' in plain
 
 
+def test_backslashes_and_two_slashes_lead_where_slashes_do(tmp_path: Path) -> None:
+    package(tmp_path / "parts", "parts", {"a.xacro": f'<robot {XMLNS}><link name="one"/></robot>'})
+    for name in (r"..\parts\a.xacro", "$(find parts)//a.xacro", r"$(find parts)\a.xacro"):
+        own = package(tmp_path, "own", {"arm.xacro": as_xacro(f'<xacro:include filename="{name}"/>')})
+        (own / "arm").mkdir(exist_ok=True)
+        path = (own / "arm.xacro").rename(own / "arm" / "arm.xacro")
+        assert 'name="one"' in expand_xacro(path, package_index(path))[0]
+
+
+def test_a_package_that_is_nearly_named_is_offered(tmp_path: Path) -> None:
+    package(tmp_path / "parts", "my_parts")
+    path = write(tmp_path, as_xacro('<xacro:include filename="$(find My_Parts)/a.xacro"/>'), "arm.xacro")
+    with pytest.raises(DescriptionError, match="correct the name; closest: 'my_parts', or pass package_dirs="):
+        load_arm(path)
+
+
 def test_an_unknown_package_matters_only_where_a_file_of_it_is_opened(tmp_path: Path) -> None:
     path = write(tmp_path, as_xacro("<gazebo><a>$(find absent)/config.yaml</a></gazebo>"), "arm.xacro")
     arm = load_arm(path)

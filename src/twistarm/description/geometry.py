@@ -2,23 +2,18 @@
 
 from __future__ import annotations
 
-import os
-import re
 import xml.etree.ElementTree as ET
 from collections.abc import Callable
 from pathlib import Path
-from urllib.parse import unquote
 
 import numpy as np
 
-from ..support.caller_words import package_folder
 from ..support.checks import Array
 from ..support.errors import listed
-from ..support.files import is_file
 from ..support.path_redaction import without_places
 from ..theory.rotations import from_rpy, from_xyzw
 from .document import Reading
-from .packages import PackageIndex
+from .mesh_paths import resolve_uri, why_missing
 from .tree import Geometry
 
 LARGEST = 1e9
@@ -28,8 +23,6 @@ MAX_NUMBER = 400
 """Characters of a number."""
 
 Colour = tuple[float, float, float, float]
-_FIND = re.compile(r"^\$\(find\s+([^)\s]+)\)/?(.*)$")
-_PACKAGE = re.compile(r"^(?:package|model)://([^/]+)/?(.*)$")
 
 
 class Geometries:
@@ -49,16 +42,19 @@ class Geometries:
         return tuple(shape for element in link.findall(kind) if (shape := self._read(link, element)) is not None)
 
     def note_missing(self) -> None:
-        """One finding for all meshes that were not found."""
-        if not self._missing:
-            return
-        names = [without_places(uri, Path(uri.removeprefix("file://"))) for uri in dict.fromkeys(self._missing)]
-        self._reading.note(
-            "mesh-missing",
-            None,
-            f"{len(names)} mesh file{'s' * (len(names) > 1)} not found: {listed(names, 2)}; the kinematics is whole",
-            f"pass {package_folder('the package')}, or restore the files; simple shapes are drawn instead",
-        )
+        """A finding for all meshes that were not found, or one for each remedy."""
+        causes: dict[tuple[str, str], list[str]] = {}
+        for uri in dict.fromkeys(self._missing):
+            cause = why_missing(uri, self._reading.path, self._reading.packages)
+            causes.setdefault(cause, []).append(without_places(uri, Path(uri.removeprefix("file://"))))
+        for (why, remedy), names in causes.items():
+            self._reading.note(
+                "mesh-missing",
+                None,
+                f"{len(names)} mesh file{'s' * (len(names) > 1)} not found: {listed(names, 2)}; {why}; "
+                "the kinematics is whole",
+                f"{remedy}; simple shapes are drawn instead",
+            )
 
     def _read(self, link: ET.Element, element: ET.Element) -> Geometry | None:
         geometry = element.find("geometry")
@@ -95,7 +91,7 @@ class Geometries:
 
     def _mesh(self, uri: str) -> Path | None:
         path = resolve_uri(uri, self._reading.path, self._reading.packages)
-        if path is None or not is_file(path):
+        if path is None:
             self._missing.append(uri)
             return None
         return path
@@ -115,24 +111,6 @@ class Geometries:
         except ValueError:
             return None
         return float(r), float(g), float(b), float(a)
-
-
-def resolve_uri(uri: str, file: Path, packages: PackageIndex) -> Path | None:
-    """Absolute path of a mesh URI: `package://`, `model://`, `file://`, `$(find p)/…`, absolute, or beside the file."""
-    uri = uri.strip()
-    match = _PACKAGE.match(uri) or _FIND.match(uri)
-    if match:
-        folder = packages.find_for_mesh(match.group(1))
-        return None if folder is None else _real(folder / unquote(match.group(2)))
-    if uri.startswith("file://"):
-        path = Path(unquote(uri[len("file://") :]).replace("localhost/", "/", 1))
-        return path if path.is_absolute() else file.parent / path
-    return _real(file.parent / uri) if uri and "\0" not in uri else None
-
-
-def _real(path: Path) -> Path:
-    """The path with links followed; as far as they lead anywhere, where they go round in circles."""
-    return Path(os.path.realpath(path))
 
 
 def read_origin(element: ET.Element) -> Array:

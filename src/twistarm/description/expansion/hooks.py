@@ -195,6 +195,7 @@ class Expansion:
         return lambda text: self._evaluation.number(text) * factor
 
     def _absolute(self, name: str) -> str:
+        name = name.replace("\\", "/")
         if name.startswith(PACKAGE):
             package, _, rest = name[len(PACKAGE) :].partition("/")
             return f"{self._folder(package)}/{rest}"
