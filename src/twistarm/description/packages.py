@@ -39,7 +39,7 @@ SOURCES = "src"
 """Where a workspace keeps its packages."""
 
 INSTALLED, SHARE = "install", "share"
-"""Where colcon installs them: `install/NAME/share/NAME`, or all in `install/share`."""
+"""Where colcon installs them, and the folder between."""
 
 
 @dataclass(frozen=True)
@@ -141,12 +141,11 @@ class PackageIndex:
             yield from walk.through(folder, MAX_DEPTH)
         walk = self._walk("the folders above")
         for parent in list(self.file.parents)[:MAX_PARENTS]:
-            here = list(walk.through(parent, 1))
-            yield from here
+            yield from walk.through(parent, 1)
             yield from walk.children(parent / SOURCES)
-            yield from walk.children(parent / INSTALLED / SHARE)
-            prefixes = (*here, *walk.children(parent / INSTALLED))
-            yield from (home for prefix in prefixes if os.path.isdir(home := prefix / SHARE / prefix.name))
+            yield from walk.installed(parent / INSTALLED)
+            if parent.name == SHARE:
+                yield from walk.installed(parent.parent.parent)
 
     def _walk(self, where: str) -> Walk:
         """A walk that says in `searched` where it has ended early."""
@@ -192,6 +191,12 @@ class Walk:
         if self.left <= 0:
             self.ended()
         return [folder / name for name in sorted(found)]
+
+    def installed(self, folder: Path) -> Iterator[Path]:
+        """What colcon has installed there: `NAME/share/NAME`, or all in `share`."""
+        homes = (prefix / SHARE / prefix.name for prefix in self.children(folder))
+        yield from filter(os.path.isdir, homes)
+        yield from self.children(folder / SHARE)
 
     def _leads_on(self, entry: os.DirEntry[str]) -> bool:
         """Whether it is a folder, and if by a link, one that was not met before."""

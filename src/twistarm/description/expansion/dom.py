@@ -32,19 +32,21 @@ def _append(parent: Any, source: ET.Element, known: Namespaces, document: Any, r
     declared = {n[len(_DECLARATION) :]: address for n, address in source.attrib.items() if n.startswith(_DECLARATION)}
     known = {**known, **declared} if declared else known
     for name in (source.tag, *source.attrib):
-        prefix, colon, _ = name.partition(":")
-        if colon and prefix not in known:
+        if ":" in name and name.partition(":")[0] not in known:
+            prefix = name.partition(":")[0]
             address = XACRO if prefix == "xacro" else "…"
             what = f"the prefix of {name!r} is not declared"
             raise reading.error(source, "xml-malformed", what, f'add xmlns:{prefix}="{address}" to <robot>')
     element = document.createElement(source.tag)
+    prefixed = False
     for name, value in source.attrib.items():
         # minidom holds attributes by namespace and local name: without one, cad:xyz would take the place of xyz.
         if ":" in name:
             element.setAttributeNS(known[name.partition(":")[0]], name, value)
+            prefixed = True
         else:
             element.setAttribute(name, value)
-    if len(element.attributes) != len(source.attrib):
+    if prefixed and len(element.attributes) != len(source.attrib):
         what = "an attribute is given twice, by two prefixes of one namespace"
         raise reading.error(source, "xml-malformed", what, "keep one of them")
     parent.appendChild(element)
