@@ -83,6 +83,13 @@ def limits_file(inside: str = "a: {has_velocity_limits: true, max_velocity: 1.0}
     return f"{extra}\njoint_limits:\n  {inside}\n"
 
 
+def coloured(name: str, *rgba: str) -> str:
+    """Boxes on the link `upper`, each with a material of these colours."""
+    box = '<geometry><box size="1 1 1"/></geometry>'
+    shapes = "".join(f'<visual>{box}<material {name}><color rgba="{one}"/></material></visual>' for one in rgba)
+    return two_joints().replace('<link name="upper"/>', f'<link name="upper">{shapes}</link>')
+
+
 PLANAR = joint("p", "base_link", "upper", kind="planar", inside='<limit velocity="1" effort="1"/>')
 LOOSE = joint("b", "upper", "tool0")
 POINTER = "version https://git-lfs.github.com/spec/v1\noid sha256:0\nsize 9\n"
@@ -205,6 +212,8 @@ CASES: dict[str, Case] = {
             '<link name="upper"/>', '<link name="upper"><visual><geometry><sphere/></geometry></visual></link>'
         )
     ),
+    "material-twice": urdf(coloured('name="m"', "1 0 0 1", "0 0 1 1")),
+    "bad-colour": urdf(coloured('name="m"', "255 128 0 1")),
     "inertial-unusable": with_body(mass="1kg"),
     # packages and xacro
     "package-not-found": xacro('<gazebo file="$(find nowhere)/x"/>'),

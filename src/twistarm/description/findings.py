@@ -93,6 +93,8 @@ CODES: dict[str, Code] = {
     # what hangs on the links
     "mesh-missing": Code("warning", "mesh files were not found; simple shapes are drawn instead"),
     "bad-geometry": Code("warning", "a shape has no usable size or place; it is not drawn"),
+    "material-twice": Code("warning", "a material's name has several colours; the first counts, as in urdfdom"),
+    "bad-colour": Code("warning", "a colour is not four numbers from 0 to 1"),
     "inertial-unusable": Code("warning", "a mass or inertia cannot be read; the link counts as massless"),
     # packages and xacro
     "package-not-found": Code("warning", "a package was not found, but nothing the kinematics needs uses it"),

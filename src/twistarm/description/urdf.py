@@ -23,8 +23,9 @@ from .document import Reading, parse_xml, read_text
 from .expansion.expand import expand_xacro, is_xacro, xacro_own_text
 from .expansion.left_out import blaming, not_used
 from .findings import Place, refusal
-from .geometry import Geometries, floats, number, read_origin
+from .geometry import Geometries, read_origin
 from .inertial import INERTIA, drop_unusable_inertials
+from .numerals import floats, number
 from .packages import package_index
 from .planar import split_planar_joints
 from .spelling import note_unread_words
@@ -114,7 +115,7 @@ def build_description(text: str, reading: Reading) -> Description:
     parts = split_planar_joints(robot, reading)
     geometries = Geometries(robot, reading)
     links = {element.get("name", ""): _read_link(element, geometries, reading) for element in robot.findall("link")}
-    geometries.note_missing()
+    geometries.note_odd()
     _note_copies(reading)
     rates: Rates = {}
     joints = _read_joints(robot, reading, rates)

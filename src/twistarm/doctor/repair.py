@@ -17,9 +17,9 @@ from urllib.parse import unquote
 import numpy as np
 
 from ..description.document import Reading
-from ..description.geometry import floats
 from ..description.inertial import inertial_problem
 from ..description.mesh_paths import plain
+from ..description.numerals import floats
 from ..description.packages import package_index, package_name
 from ..description.tree import Description, Joint
 from ..description.urdf import build_description

@@ -14,7 +14,7 @@ from numpy.typing import ArrayLike
 
 from ..description.companions.arm_file import ArmSpecification
 from ..description.document import Reading
-from ..description.geometry import LARGEST
+from ..description.numerals import LARGEST
 from ..description.packages import PackageIndex
 from ..description.planar import coordinate_names
 from ..description.urdf import WIDE, build_description
