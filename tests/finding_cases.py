@@ -96,6 +96,7 @@ POINTER = "version https://git-lfs.github.com/spec/v1\noid sha256:0\nsize 9\n"
 STATES = '<group name="g"><chain base_link="base_link" tip_link="tool0"/></group><group_state name="s" group="g">'
 FOUR = chain("0 0 1", "0 1 0", "0 1 0", "1 0 0")
 PLACEHOLDER = '<inertial><mass value="1"/><inertia ixx="1" iyy="1" izz="1" ixy="0" ixz="0" iyz="0"/></inertial>'
+SOFT = '<safety_controller soft_lower_limit="{}" soft_upper_limit="{}" k_velocity="10"/>'
 MIMIC = '<mimic joint="a" multiplier="{}"/>'
 
 
@@ -140,6 +141,8 @@ CASES: dict[str, Case] = {
     "limit-malformed": urdf(two_joints(inside='<limit lower="pi" upper="1" velocity="1" effort="1"/>')),
     "limits-swapped": limited("1", "-1"),
     "limit-incomplete": urdf(two_joints(inside='<limit lower="-1" velocity="1" effort="1"/>')),
+    "soft-limits": urdf(two_joints(inside=SOFT.format(-0.5, 0.5))),
+    "soft-limits-unusable": urdf(two_joints(inside=SOFT.format(2, 3))),
     "limit-zero-range": limited("0.5", "0.5"),
     "velocity-not-given": limited("-1", "1", velocity="0"),
     "effort-not-given": urdf(two_joints(inside='<limit lower="-1" upper="1" velocity="1" effort="-1"/>')),

@@ -58,6 +58,7 @@ class Mimic:
 class Joint:
     """A joint of the tree: `axis` a unit vector, `axis_length` its length as written; limits ∓inf where not given.
 
+    `lower` and `upper` lie inside the soft limits of a `<safety_controller>`; `hard` are those of `<limit>` alone.
     `acceleration` is the smaller one where URDF 1.2 gives a deceleration too.
     `line` is where it stands in a file that was not expanded from xacro; `part_of` the planar joint it was split from.
     """
@@ -70,6 +71,7 @@ class Joint:
     axis: Array
     lower: float = -np.inf
     upper: float = np.inf
+    hard: tuple[float, float] = (-np.inf, np.inf)
     velocity: float = np.inf
     effort: float = np.inf
     acceleration: float = np.inf

@@ -18,6 +18,7 @@ from ..support.checks import Array, frozen
 from ..support.errors import DescriptionError, closest, listed
 from ..support.files import as_path, why_no_file
 from .axis import read_axis
+from .bounds import LIMIT_NAMES, WIDE, limit_numbers, note_softened, rate, read_bounds, softened
 from .catalog import models_share
 from .document import Reading, parse_xml, read_text
 from .expansion.expand import expand_xacro, is_xacro, xacro_own_text
@@ -25,7 +26,7 @@ from .expansion.left_out import blaming, not_used
 from .findings import Place, refusal
 from .geometry import Geometries, read_origin
 from .inertial import INERTIA, drop_unusable_inertials
-from .numerals import floats, number
+from .numerals import floats
 from .packages import package_index
 from .planar import split_planar_joints
 from .spelling import note_unread_words
@@ -33,14 +34,9 @@ from .structure import check_structure, root_link
 from .tree import Description, Joint, JointType, Link, Mimic
 from .version import settle_version
 
-WIDE = 1e300
-"""Stands for "no limit" in what Pinocchio reads, whose parser refuses infinity; so it, or more, is read by us."""
-
 MOST_TURNED = 6.3
 """A whole turn [rad], generously rounded."""
 
-LIMIT_NAMES = ("lower", "upper", "velocity", "effort")
-LATER_NAMES = ("acceleration", "deceleration", "jerk")
 MOVING_ALONE = ("revolute", "continuous", "prismatic")
 Rates = dict[str, dict[str, float]]
 """The numbers of each joint's `<limit>`, by joint name, as they were written."""
@@ -120,6 +116,7 @@ def build_description(text: str, reading: Reading) -> Description:
     rates: Rates = {}
     joints = _read_joints(robot, reading, rates)
     joints |= {name: replace(joints[name], part_of=whole) for name, whole in parts.items()}
+    note_softened(joints.values(), reading)
     _note_missing_rates(joints.values(), rates, reading)
     drop_unusable_inertials(robot, reading)
     _strip_to_kinematics(robot)
@@ -194,10 +191,11 @@ def _read_joint(element: ET.Element, reading: Reading, rates: Rates) -> Joint:
         raise reading.error(element, "origin-malformed", what, remedy) from error
     _note_degrees(element, reading)
     axis, axis_length = read_axis(element, kind, reading)
-    numbers = _limit_numbers(element, reading)
-    lower, upper = _read_bounds(element, kind, numbers, reading)
+    numbers = limit_numbers(element, reading)
+    written = read_bounds(element, kind, numbers, reading)
+    lower, upper = softened(element, kind, written, reading)
     rates[element.get("name", "")] = numbers
-    _make_loadable(element, axis, (lower, upper))
+    _make_loadable(element, axis, written)
     return Joint(
         name=element.get("name", ""),
         type=kind,
@@ -207,10 +205,11 @@ def _read_joint(element: ET.Element, reading: Reading, rates: Rates) -> Joint:
         axis=frozen(axis),
         lower=lower,
         upper=upper,
-        velocity=_rate(numbers.get("velocity")),
-        effort=_rate(numbers.get("effort")),
-        acceleration=min(_rate(numbers.get("acceleration")), _rate(numbers.get("deceleration"))),
-        jerk=_rate(numbers.get("jerk")),
+        hard=written,
+        velocity=rate(numbers.get("velocity")),
+        effort=rate(numbers.get("effort")),
+        acceleration=min(rate(numbers.get("acceleration")), rate(numbers.get("deceleration"))),
+        jerk=rate(numbers.get("jerk")),
         mimic=_read_mimic(element, reading),
         axis_length=axis_length,
         line=reading.line(element),
@@ -226,61 +225,6 @@ def _note_degrees(element: ET.Element, reading: Reading) -> None:
         typed = " ".join(f"{angle:g}" for angle in angles)
         what = f'its rpy="{typed}" rad goes beyond a whole turn; it looks like degrees'
         reading.note("origin-looks-like-degrees", element, what, f'if so, write rpy="{radians}"')
-
-
-def _limit_numbers(element: ET.Element, reading: Reading) -> dict[str, float]:
-    """The numbers in the joint's `<limit>`, those that are there."""
-    limit = element.find("limit")
-    given = {} if limit is None else limit.attrib
-    names = (name for name in (*LIMIT_NAMES, *LATER_NAMES) if name in given)
-    return {name: _limit_number(element, name, given[name], reading) for name in names}
-
-
-def _read_bounds(element: ET.Element, kind: str, given: Mapping[str, float], reading: Reading) -> tuple[float, float]:
-    """lower, upper; infinite where not given, with a finding where they were due."""
-    if kind not in ("revolute", "prismatic"):
-        return -np.inf, np.inf
-    missing = [name for name in ("lower", "upper") if name not in given]
-    if missing:
-        what = "no <limit>" if element.find("limit") is None else f"a <limit> without {' and '.join(missing)}"
-        reading.note(
-            "limit-incomplete",
-            element,
-            f"{what}; taken as unbounded {'both ways' if len(missing) == 2 else 'there'}",
-            f"write lower and upper in the URDF, or limits.{element.get('name')} in arm.toml",
-            repaired=True,
-        )
-    lower, upper = given.get("lower", -np.inf), given.get("upper", np.inf)
-    if lower >= WIDE or upper <= -WIDE:
-        what = f"its limits lower {lower:g}, upper {upper:g} leave no place to stand"
-        raise reading.error(element, "limit-malformed", what, "give finite bounds")
-    if lower > upper:
-        what = f"its limits are swapped: lower {lower:g} > upper {upper:g}"
-        raise reading.error(element, "limits-swapped", what, "exchange them")
-    if lower == upper:
-        reading.note(
-            "limit-zero-range",
-            element,
-            f"lower and upper are both {lower:g}: the joint cannot move",
-            f"give its range as limits.{element.get('name')} in arm.toml",
-        )
-    return (lower if lower > -WIDE else -np.inf), (upper if upper < WIDE else np.inf)
-
-
-def _limit_number(element: ET.Element, name: str, text: str, reading: Reading) -> float:
-    try:
-        value = number(text)
-    except ValueError:
-        value = float("nan")
-    if np.isnan(value):
-        what = f"its limit {name}={text[:60]!r} is not a number"
-        raise reading.error(element, "limit-malformed", what, "write it in digits, with a point")
-    return value
-
-
-def _rate(value: float | None) -> float:
-    """A velocity or effort limit; absent, zero and negative ones mean "not given"."""
-    return value if value is not None and 0 < value < WIDE else np.inf
 
 
 def _read_mimic(element: ET.Element, reading: Reading) -> Mimic | None:

@@ -11,8 +11,8 @@ from typing import Any
 
 import numpy as np
 
+from ..description.bounds import WIDE
 from ..description.tree import Description
-from ..description.urdf import WIDE
 from ..limits.joint_units import slides
 from ..model import engine
 from ..model.arm import Arm, require_arm
@@ -307,9 +307,9 @@ def _as_written(arm: Arm, theta: Array) -> list[EngineComparison]:
     rows = [_compared("all links", ("walk", AS_WRITTEN), difference, theta, tolerance)]
     joints = {name: arm.description.joints[name] for name in written.bounds() if name in arm.description.joints}
     bounds = [
-        (np.clip((joint.lower, joint.upper), -WIDE, WIDE) - written.bounds()[name]).tolist()
+        (np.clip(joint.hard, -WIDE, WIDE) - written.bounds()[name]).tolist()
         for name, joint in joints.items()
-        if joint.type != "continuous" and (joint.lower, joint.upper) != (-np.inf, np.inf)
+        if joint.type != "continuous" and joint.hard != (-np.inf, np.inf)
     ]
     if bounds:
         rows.append(_compared("limits", ("tree", AS_WRITTEN), np.array([bounds]), theta[:1], tolerance))
