@@ -83,12 +83,20 @@ def limits_file(inside: str = "a: {has_velocity_limits: true, max_velocity: 1.0}
     return f"{extra}\njoint_limits:\n  {inside}\n"
 
 
+def coloured(name: str, *rgba: str) -> str:
+    """Boxes on the link `upper`, each with a material of these colours."""
+    box = '<geometry><box size="1 1 1"/></geometry>'
+    shapes = "".join(f'<visual>{box}<material {name}><color rgba="{one}"/></material></visual>' for one in rgba)
+    return two_joints().replace('<link name="upper"/>', f'<link name="upper">{shapes}</link>')
+
+
 PLANAR = joint("p", "base_link", "upper", kind="planar", inside='<limit velocity="1" effort="1"/>')
 LOOSE = joint("b", "upper", "tool0")
 POINTER = "version https://git-lfs.github.com/spec/v1\noid sha256:0\nsize 9\n"
 STATES = '<group name="g"><chain base_link="base_link" tip_link="tool0"/></group><group_state name="s" group="g">'
 FOUR = chain("0 0 1", "0 1 0", "0 1 0", "1 0 0")
 PLACEHOLDER = '<inertial><mass value="1"/><inertia ixx="1" iyy="1" izz="1" ixy="0" ixz="0" iyz="0"/></inertial>'
+SOFT = '<safety_controller soft_lower_limit="{}" soft_upper_limit="{}" k_velocity="10"/>'
 MIMIC = '<mimic joint="a" multiplier="{}"/>'
 
 
@@ -106,6 +114,7 @@ CASES: dict[str, Case] = {
     "document-type-refused": urdf('<!DOCTYPE robot [<!ENTITY x "y">]><robot name="r"/>'),
     "no-robot": urdf('<robot name="empty"/>'),
     # the tree
+    "version-unknown": urdf(two_joints().replace('<robot ', '<robot version="3.0" ')),
     "name-missing": urdf(two_joints().replace('<link name="upper"/>', '<link name="upper"/><link/>')),
     "name-duplicate": urdf(robot(joint("a", "base_link", "upper"), joint("a", "upper", "tool0"))),
     "end-missing": urdf(two_joints().replace('<child link="upper"/>', "")),
@@ -132,6 +141,8 @@ CASES: dict[str, Case] = {
     "limit-malformed": urdf(two_joints(inside='<limit lower="pi" upper="1" velocity="1" effort="1"/>')),
     "limits-swapped": limited("1", "-1"),
     "limit-incomplete": urdf(two_joints(inside='<limit lower="-1" velocity="1" effort="1"/>')),
+    "soft-limits": urdf(two_joints(inside=SOFT.format(-0.5, 0.5))),
+    "soft-limits-unusable": urdf(two_joints(inside=SOFT.format(2, 3))),
     "limit-zero-range": limited("0.5", "0.5"),
     "velocity-not-given": limited("-1", "1", velocity="0"),
     "effort-not-given": urdf(two_joints(inside='<limit lower="-1" upper="1" velocity="1" effort="-1"/>')),
@@ -204,6 +215,8 @@ CASES: dict[str, Case] = {
             '<link name="upper"/>', '<link name="upper"><visual><geometry><sphere/></geometry></visual></link>'
         )
     ),
+    "material-twice": urdf(coloured('name="m"', "1 0 0 1", "0 0 1 1")),
+    "bad-colour": urdf(coloured('name="m"', "255 128 0 1")),
     "inertial-unusable": with_body(mass="1kg"),
     # packages and xacro
     "package-not-found": xacro('<gazebo file="$(find nowhere)/x"/>'),

@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 import os
+import re
 import signal
 import subprocess
 import sys
 import time
 from pathlib import Path
 
+import numpy as np
 import pytest
 import trimesh
 
@@ -59,6 +61,79 @@ def test_every_format_that_is_read_comes_to_the_same_box(tmp_path: Path, ending:
         (part,) = meshes.parts(path)
         assert len(part.faces) == 12
         assert meshes.length(path) == pytest.approx(0.3)
+
+
+BOX = trimesh.creation.box((0.1, 0.2, 0.3))
+BINARY, TEXT = BOX.export(file_type="stl"), BOX.export(file_type="stl_ascii").encode()
+HEADED = b"solid of an exporter".ljust(80, b"\0") + BINARY[80:]
+AS_A_BOX = {
+    "bytes behind the last facet": BINARY + b"\n\0trailing",
+    "bytes behind it, and a head as of text": HEADED + b"\n",
+    "a text without its end": TEXT[: TEXT.rindex(b"endsolid")],
+    "a text in capitals without its end": TEXT[: TEXT.rindex(b"endsolid")].upper(),
+    "a text with space before it": b"\n \n" + TEXT,
+}
+
+
+@pytest.mark.parametrize("case", AS_A_BOX)
+def test_an_stl_that_others_read_is_read(case: str, tmp_path: Path) -> None:
+    (tmp_path / "a.stl").write_bytes(AS_A_BOX[case])
+    with MeshReader() as meshes:
+        (part,) = meshes.parts(tmp_path / "a.stl")
+    assert len(part.faces) == 12
+    np.testing.assert_allclose(np.ptp(part.vertices, axis=0), [0.1, 0.2, 0.3], rtol=1e-6)
+
+
+AS_NOTHING = {
+    "nothing": (b"", "it is empty"),
+    "space": (b" \n\n", "it is empty"),
+    "a text of nothing": (b"solid a\nendsolid a\n", "it holds no triangles"),
+    "a text of nothing without its end": (b"solid a\n", "it holds no triangles"),
+    "no facets": (bytes(84), "it holds no triangles"),
+    "half a head": (BINARY[:60], "it is cut short"),
+    "half of the facets": (BINARY[: 84 + 6 * 50 + 7], "it is cut short: 12 triangles are announced and 6 are there"),
+    "half of a text": (TEXT[: TEXT.rindex(b"vertex")], "it is cut short in the middle of a facet"),
+    "half of a number": (TEXT[: TEXT.rindex(b"vertex") + 12], "it is cut short in the middle of a facet"),
+}
+
+
+@pytest.mark.parametrize("case", AS_NOTHING)
+def test_an_stl_that_is_none_is_named_for_what_it_is(case: str, tmp_path: Path) -> None:
+    data, reason = AS_NOTHING[case]
+    (tmp_path / "a.stl").write_bytes(data)
+    with MeshReader() as meshes, pytest.raises(UnreadableMeshError) as caught:
+        meshes.parts(tmp_path / "a.stl")
+    assert caught.value.reason == reason
+
+
+GREY = 0.212671 * 0.2 + 0.715160 * 0.4 + 0.072169 * 0.8
+TRANSPARENT = '<transparent opaque="{}"><color>0.2 0.4 0.8 0.3</color></transparent>'
+OPACITY = {
+    "": 1.0,
+    "<transparency><float>0.4</float></transparency>": 0.4,
+    TRANSPARENT.replace(' opaque="{}"', ""): 0.3,
+    TRANSPARENT.format("A_ONE"): 0.3,
+    TRANSPARENT.format("A_ZERO"): 0.7,
+    TRANSPARENT.format("RGB_ONE"): GREY,
+    TRANSPARENT.format("RGB_ZERO"): 1 - GREY,
+    TRANSPARENT.format("A_ONE") + "<transparency><float>0.5</float></transparency>": 0.15,
+    TRANSPARENT.format("A_ZERO") + "<transparency><float>0.5</float></transparency>": 0.85,
+    TRANSPARENT.format("RGB_ZERO") + "<transparency><float>0.5</float></transparency>": 1 - GREY / 2,
+}
+
+
+@pytest.mark.parametrize("transparent", OPACITY)
+@pytest.mark.parametrize("alpha", ["1", "0", "0.25"])
+def test_collada_s_opacity_is_that_of_its_mode(transparent: str, alpha: str, tmp_path: Path) -> None:
+    """COLLADA 1.5, transparent: opaque by alpha or luminance, of one or zero. The alpha of diffuse means nothing."""
+    text = BOX.export(file_type="dae").decode()
+    diffuse = f"<diffuse><color>0.8 0.4 0.2 {alpha}</color></diffuse>{transparent}"
+    text, count = re.subn(r"<(phong|lambert|blinn)>.*?</\1>", rf"<\1>{diffuse}</\1>", text, flags=re.DOTALL)
+    assert count == 1
+    (tmp_path / "a.dae").write_text(text)
+    with MeshReader() as meshes:
+        (part,) = meshes.parts(tmp_path / "a.dae")
+    np.testing.assert_allclose(part.colour, [0.8, 0.4, 0.2, OPACITY[transparent]], atol=0.5 / 255)
 
 
 def test_one_process_reads_all_meshes_until_it_breaks_a_limit(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:

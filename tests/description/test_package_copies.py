@@ -41,6 +41,8 @@ def said(arm: Arm) -> str:
         ("arm/config/arm.xacro", "arm/parts"),
         ("ws/arm/urdf/arm.xacro", "ws/src/parts"),
         ("ws/robots/arm.xacro", "src/parts"),
+        ("arm-main/urdf/arm.xacro", "parts-main"),
+        ("ws/install/arm/share/arm/urdf/arm.xacro", "ws/install/parts/share/parts"),
     ],
 )
 def test_a_folder_of_the_name_above_or_beside_the_file(arm: str, part: str, tmp_path: Path) -> None:

@@ -11,7 +11,7 @@ from urdf_text import joint, robot, write
 
 UNREAD = {
     '<origin xzy="0 0 1"/>': "xzy= in its <origin> means nothing and is not read (its attributes are 'xyz', 'rpy'",
-    '<origin quat_xyzw="0 0 0 1"/>': "quat_xyzw= in its <origin> means nothing",
+    '<origin quat_xyzw="0 0 0 1"/>': "quat_xyzw= in 1 <origin> is not read: URDF 1.0 does not have it",
     '<orgin xyz="0 0 1"/>': "its <orgin> means nothing and is not read (correct the name; closest: 'origin')",
     '<mimic joint="b" multiplyer="-2"/>': "closest: 'multiplier'",
     "<axis/>": "its <axis> has no xyz=; taken as 1 0 0",

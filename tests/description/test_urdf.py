@@ -6,6 +6,7 @@ import time
 from pathlib import Path
 
 import numpy as np
+import pinocchio
 import pytest
 
 from twistarm import diagnose, load_arm
@@ -74,13 +75,21 @@ REFUSED = {
         two_joints(inside='<limit lower="1" upper="-1" velocity="1" effort="1"/>'),
         "joint 'a': its limits are swapped: lower 1 > upper -1; exchange them",
     ),
+    "one bound beyond 0": (
+        two_joints(inside='<limit lower="1" velocity="1" effort="1"/>'),
+        "joint 'a': its limits are swapped: lower 1 > upper 0; upper is not written, which is 0; write both",
+    ),
+    "a soft limit in words": (
+        two_joints(inside='<safety_controller soft_lower_limit="low" k_velocity="1"/>'),
+        "joint 'a': its limit soft_lower_limit='low' is not a number",
+    ),
     "an unknown joint type": (
         robot(joint("a", "base_link", "upper", kind="hinge"), joint("b", "upper", "tool0")),
         "joint 'a': joint type 'hinge' is unknown; URDF has revolute, continuous, prismatic, fixed, planar, floating",
     ),
     "a bound beyond all places": (
         two_joints(inside='<limit lower="inf" velocity="1" effort="1"/>'),
-        "joint 'a': its limits lower inf, upper inf leave no place to stand; give finite bounds",
+        "joint 'a': its limits lower inf, upper 0 leave no place to stand; give finite bounds",
     ),
     "a mimic of nothing": (
         two_joints(inside='<mimic joint="bb"/>'),
@@ -108,7 +117,7 @@ REFUSED = {
     ),
     "xacro without its namespace": (
         two_joints(inside="<xacro:thing/>"),
-        "a tag's prefix is not declared: add xmlns:xacro=",
+        "the prefix of 'xacro:thing' is not declared; add xmlns:xacro=",
     ),
     "a floating joint in the chain": (
         robot(joint("a", "base_link", "upper", kind="floating"), joint("b", "upper", "tool0")),
@@ -162,6 +171,17 @@ def test_an_incomplete_limit_is_unbounded_and_said(tmp_path: Path) -> None:
         "joint 'a': a <limit> without lower and upper; taken as unbounded both ways"
         in findings(path)["limit-incomplete"]
     )
+
+
+@pytest.mark.parametrize("given", ['lower="-1"', 'upper="0.7"', 'lower="0"', 'upper="0"'])
+@pytest.mark.parametrize("kind", ["revolute", "prismatic"])
+def test_one_bound_alone_has_0_for_the_other(given: str, kind: str, tmp_path: Path) -> None:
+    path = write(tmp_path, two_joints(kind=kind, inside=f'<limit {given} velocity="1" effort="1"/>'))
+    model = pinocchio.buildModelFromXML(path.read_text())
+    limits = load_arm(path).limits
+    assert (limits.lower[0], limits.upper[0]) == (model.lowerPositionLimit[0], model.upperPositionLimit[0])
+    absent = "upper" if "lower" in given else "lower"
+    assert f"a <limit> without {absent}; URDF reads it as 0" in findings(path)["limit-incomplete"]
 
 
 def test_zero_and_negative_rates_mean_not_given(tmp_path: Path) -> None:

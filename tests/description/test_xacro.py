@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import os
 from pathlib import Path
+from xml.etree.ElementTree import canonicalize
 
 import pytest
 import xacro.substitution_args
@@ -49,7 +50,19 @@ FAILS = {
     ),
     "no namespace": (
         ARM.replace("</robot>", '<xacro:property name="a" value="1"/></robot>'),
-        "a tag's prefix is not declared: add xmlns:xacro=",
+        "the prefix of 'xacro:property' is not declared; add xmlns:xacro=\"http://www.ros.org/wiki/xacro\" to <robot>",
+    ),
+    "another prefix": (
+        as_xacro("<gazebo><sim:thing/></gazebo>"),
+        "the prefix of 'sim:thing' is not declared; add xmlns:sim=\"…\" to <robot>",
+    ),
+    "an attribute twice, by two prefixes of one namespace": (
+        as_xacro("<gazebo xmlns:p='urn:x' xmlns:q='urn:x' p:a='1' q:a='2'/>"),
+        "an attribute is given twice, by two prefixes of one namespace; keep one of them",
+    ),
+    "macros that nobody calls": (
+        f'<robot name="m" {XMLNS}><xacro:macro name="arm"><link name="l"/></xacro:macro></robot>',
+        "it has no links: it defines macros ('arm') and calls none that makes one; load the file that calls them",
     ),
     "not XML": ("<robot", "not well-formed XML"),
     "an unknown macro": (
@@ -98,6 +111,28 @@ def test_fails_in_one_line(case: str, tmp_path: Path) -> None:
     assert message in str(caught.value)
     assert "\n" not in str(caught.value)
     assert "arm.urdf.xacro" in str(caught.value)
+
+
+PREFIXED = {
+    "an attribute behind its namesake": '<link name="l" cad:name="x"/>',
+    "an attribute before its namesake": '<link cad:name="x" name="l"/>',
+    "one of another namespace": '<link name="l" cad:name="x" sim:name="y"/>',
+    "a made element with attributes": '<xacro:element xacro:name="link" name="l"/>',
+    "a made element of a prefix": '<xacro:element xacro:name="cad:part" name="p" xacro:on="1"/>',
+    "a made attribute": '<link><xacro:attribute name="name" value="l"/></link>',
+    "a made attribute beside its namesake": '<link cad:name="x"><xacro:attribute name="name" value="l"/></link>',
+    "a made attribute of a prefix": '<link name="l"><xacro:attribute name="cad:name" value="x"/></link>',
+    "a namespace declared inside": '<link xmlns:own="urn:own" own:name="x" name="l"/>',
+    "one of a macro": '<xacro:macro name="m" xmlns:o="urn:o"><link o:name="x" name="l"/></xacro:macro><xacro:m/>',
+}
+
+
+@pytest.mark.parametrize("case", PREFIXED)
+def test_prefixed_names_come_out_as_from_xacro(case: str, tmp_path: Path) -> None:
+    text = f'<robot name="r" {XMLNS} xmlns:cad="urn:cad" xmlns:sim="urn:sim">{PREFIXED[case]}</robot>'
+    path = write(tmp_path, text, "arm.xacro")
+    ours, _ = expand_xacro(path, package_index(path))
+    assert canonicalize(ours) == canonicalize(xacro.process_file(str(path)).documentElement.toxml())
 
 
 def test_an_argument_is_missed_where_it_is_used(tmp_path: Path) -> None:
@@ -194,6 +229,22 @@ def test_defaults_of_parameters_are_read_as_by_xacro(params: str, values: dict[s
     assert f'<x y="{"|".join(values.values())}"/>' in place.expand(inside)
     plain = xacro.process_file(str(place.folder / "arm" / "arm.xacro"), verbosity=0).toxml()
     assert f'<x y="{"|".join(values.values())}"/>' in plain
+
+
+def test_backslashes_and_two_slashes_lead_where_slashes_do(tmp_path: Path) -> None:
+    package(tmp_path / "parts", "parts", {"a.xacro": f'<robot {XMLNS}><link name="one"/></robot>'})
+    for name in (r"..\parts\a.xacro", "$(find parts)//a.xacro", r"$(find parts)\a.xacro"):
+        own = package(tmp_path, "own", {"arm.xacro": as_xacro(f'<xacro:include filename="{name}"/>')})
+        (own / "arm").mkdir(exist_ok=True)
+        path = (own / "arm.xacro").rename(own / "arm" / "arm.xacro")
+        assert 'name="one"' in expand_xacro(path, package_index(path))[0]
+
+
+def test_a_package_that_is_nearly_named_is_offered(tmp_path: Path) -> None:
+    package(tmp_path / "parts", "my_parts")
+    path = write(tmp_path, as_xacro('<xacro:include filename="$(find My_Parts)/a.xacro"/>'), "arm.xacro")
+    with pytest.raises(DescriptionError, match="correct the name; closest: 'my_parts', or pass package_dirs="):
+        load_arm(path)
 
 
 def test_an_unknown_package_matters_only_where_a_file_of_it_is_opened(tmp_path: Path) -> None:

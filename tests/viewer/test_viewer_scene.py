@@ -346,7 +346,7 @@ def test_a_mesh_whose_colour_cannot_be_told_is_drawn_without(tmp_path: Path, mon
     box = trimesh.creation.box((0.1, 0.1, 0.1))
     box.visual = trimesh.visual.TextureVisuals(material=trimesh.visual.material.MultiMaterial())
     monkeypatch.setattr(trimesh, "load_scene", lambda file, **kind: trimesh.Scene(box))
-    (tmp_path / "box.obj").touch()
+    (tmp_path / "box.obj").write_text("o box")
     ((corners, colour),) = pieces_of(mesh_file(tmp_path / "box.obj"))
     assert colour is None
     assert len(corners) == 12

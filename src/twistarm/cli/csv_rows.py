@@ -12,7 +12,7 @@ from typing import Annotated, TypeVar
 import numpy as np
 import typer
 
-from ..description.geometry import number
+from ..description.numerals import number
 from ..support.checks import Array
 from ..support.csv_lines import Bounds, csv_lines, lines_in, name_in
 from ..support.errors import InputError, listed, shown

@@ -8,7 +8,7 @@ import numpy as np
 
 from ..support.checks import Array
 from .document import Reading
-from .geometry import floats
+from .numerals import floats
 
 AXIS_TOL = 1e-3
 """A longer or shorter axis than this is worth a word: no rounding of a CAD export is that coarse."""

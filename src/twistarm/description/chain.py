@@ -111,13 +111,12 @@ def _coordinate_type(joint: Joint) -> CoordinateType:
 
 
 def _limits(masters: list[Joint]) -> JointLimits:
-    n = len(masters)
     return JointLimits(
         lower=np.array([joint.lower for joint in masters]),
         upper=np.array([joint.upper for joint in masters]),
         velocity=np.array([joint.velocity for joint in masters]),
-        acceleration=np.full(n, np.inf),
-        jerk=np.full(n, np.inf),
+        acceleration=np.array([joint.acceleration for joint in masters]),
+        jerk=np.array([joint.jerk for joint in masters]),
         effort=np.array([joint.effort for joint in masters]),
     )
 

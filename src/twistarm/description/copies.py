@@ -3,24 +3,40 @@
 from __future__ import annotations
 
 import os
+import re
 from collections.abc import Iterable
 from pathlib import Path
 
 MARKS = ("urdf", "xacro", "robots", "meshes", "models", "launch", "worlds", "config")
 """Folders of which a package of a robot holds one, or else a xacro or URDF file."""
 
+_OF_ZIP = re.compile(
+    r"(?:-(?:main|master|trunk|dev\w*|ros\d?|v?\d[\w.]*|[0-9a-f]{7,40}|[a-z]+-devel|noetic|foxy|humble|jazzy|rolling))?"
+    r"(?: ?\(\d+\))?"
+)
+"""What the folder of an archive has behind the name: a branch, a version, and a number where it was loaded again."""
+
 
 def find_copy(package: str, folders: Iterable[Path], file: Path, *, marked: bool) -> Path | None:
     """The first of `folders` that may stand for `package`: it has that name and is the folder itself, no link to one.
+
+    Or that name with a branch or a version behind it, as the folder of a ZIP has; above `file`, with anything.
 
     The home folder and those that hold it never do, and beside them (`/etc`) only what `file` lies in. `marked`: it
     must hold what packages of robots hold, because what is found is opened and may be quoted.
     """
     if package.startswith("."):
         return None
-    named = (folder for folder in folders if folder.name == package and os.path.realpath(folder) == str(folder))
+    bearing = (folder for folder in folders if _bears(folder.name, package, above=folder in file.parents))
+    nearest = sorted(bearing, key=lambda folder: (folder.name != package, folder not in file.parents))
+    named = (folder for folder in nearest if os.path.realpath(folder) == str(folder))
     fitting = (folder for folder in named if not is_too_wide(folder) and (folder in file.parents or _is_own(folder)))
     return next((folder for folder in fitting if not marked or _is_marked(folder)), None)
+
+
+def _bears(name: str, package: str, *, above: bool) -> bool:
+    rest = name[len(package) :] if name.startswith(package) else "/"
+    return not rest or bool(_OF_ZIP.fullmatch(rest)) or (above and rest[0] in "-_ ")
 
 
 def is_too_wide(folder: Path) -> bool:

@@ -29,6 +29,7 @@ CODES: dict[str, Code] = {
     "no-robot": Code("error", "the file describes no robot: another root element, or no links"),
     # the tree
     "robot-unnamed": Code("warning", "the robot has no name, which other readers refuse"),
+    "version-unknown": Code("warning", "the robot has a version of URDF that is not known; read as the newest"),
     "name-missing": Code("error", "a link or joint has no name"),
     "name-duplicate": Code("error", "two links or two joints share a name"),
     "end-missing": Code("error", "a joint does not say which links it joins"),
@@ -50,7 +51,9 @@ CODES: dict[str, Code] = {
     "axis-not-unit": Code("warning", "a joint's axis is no unit vector; its direction is used"),
     "limit-malformed": Code("error", "a joint limit is no number"),
     "limits-swapped": Code("error", "a joint's lower limit lies above its upper one"),
-    "limit-incomplete": Code("warning", "a joint lacks a bound; it is taken as unbounded there"),
+    "limit-incomplete": Code("warning", "a joint lacks a bound, which is read as 0, or both, which is unbounded"),
+    "soft-limits": Code("info", "the soft limits of a safety_controller are kept, inside the joint's own"),
+    "soft-limits-unusable": Code("warning", "the soft limits of a safety_controller leave the joint no room"),
     "limit-zero-range": Code("warning", "a joint's bounds are equal; it cannot move"),
     "velocity-not-given": Code("warning", "a velocity limit is absent, zero or negative; planning will ask for it"),
     "effort-not-given": Code("warning", "an effort limit is absent, zero or negative"),
@@ -92,6 +95,8 @@ CODES: dict[str, Code] = {
     # what hangs on the links
     "mesh-missing": Code("warning", "mesh files were not found; simple shapes are drawn instead"),
     "bad-geometry": Code("warning", "a shape has no usable size or place; it is not drawn"),
+    "material-twice": Code("warning", "a material's name has several colours; the first counts, as in urdfdom"),
+    "bad-colour": Code("warning", "a colour is not four numbers from 0 to 1"),
     "inertial-unusable": Code("warning", "a mass or inertia cannot be read; the link counts as massless"),
     # packages and xacro
     "package-not-found": Code("warning", "a package was not found, but nothing the kinematics needs uses it"),

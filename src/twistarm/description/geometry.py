@@ -2,34 +2,21 @@
 
 from __future__ import annotations
 
-import os
-import re
 import xml.etree.ElementTree as ET
 from collections.abc import Callable
 from pathlib import Path
-from urllib.parse import unquote
 
 import numpy as np
 
-from ..support.caller_words import package_folder
 from ..support.checks import Array
 from ..support.errors import listed
-from ..support.files import is_file
 from ..support.path_redaction import without_places
-from ..theory.rotations import from_rpy
+from ..theory.rotations import from_rpy, from_xyzw
 from .document import Reading
-from .packages import PackageIndex
+from .materials import Colour, Materials
+from .mesh_paths import resolve_uri, why_missing
+from .numerals import floats, number
 from .tree import Geometry
-
-LARGEST = 1e9
-"""No length, angle, mass or multiplier of a robot comes near; beyond it products overflow."""
-
-MAX_NUMBER = 400
-"""Characters of a number."""
-
-Colour = tuple[float, float, float, float]
-_FIND = re.compile(r"^\$\(find\s+([^)\s]+)\)/?(.*)$")
-_PACKAGE = re.compile(r"^(?:package|model)://([^/]+)/?(.*)$")
 
 
 class Geometries:
@@ -38,35 +25,35 @@ class Geometries:
     def __init__(self, robot: ET.Element, reading: Reading) -> None:
         self._reading = reading
         self._missing: list[str] = []
-        self._materials = {
-            name: colour
-            for material in robot.iter("material")
-            if (name := material.get("name")) and (colour := self._colour(material))
-        }
+        self._materials = Materials(robot, reading)
 
     def of(self, link: ET.Element, kind: str) -> tuple[Geometry, ...]:
         """The link's shapes; `kind` is "visual" or "collision". One that makes no sense is noted and left out."""
         return tuple(shape for element in link.findall(kind) if (shape := self._read(link, element)) is not None)
 
-    def note_missing(self) -> None:
-        """One finding for all meshes that were not found."""
-        if not self._missing:
-            return
-        names = [without_places(uri, Path(uri.removeprefix("file://"))) for uri in dict.fromkeys(self._missing)]
-        self._reading.note(
-            "mesh-missing",
-            None,
-            f"{len(names)} mesh file{'s' * (len(names) > 1)} not found: {listed(names, 2)}; the kinematics is whole",
-            f"pass {package_folder('the package')}, or restore the files; simple shapes are drawn instead",
-        )
+    def note_odd(self) -> None:
+        """What is odd about colours, and a finding for all meshes that were not found, or one for each remedy."""
+        self._materials.note_odd()
+        causes: dict[tuple[str, str], list[str]] = {}
+        for uri in dict.fromkeys(self._missing):
+            cause = why_missing(uri, self._reading.path, self._reading.packages)
+            causes.setdefault(cause, []).append(without_places(uri, Path(uri.removeprefix("file://"))))
+        for (why, remedy), names in causes.items():
+            self._reading.note(
+                "mesh-missing",
+                None,
+                f"{len(names)} mesh file{'s' * (len(names) > 1)} not found: {listed(names, 2)}; {why}; "
+                "the kinematics is whole",
+                f"{remedy}; simple shapes are drawn instead",
+            )
 
     def _read(self, link: ET.Element, element: ET.Element) -> Geometry | None:
         geometry = element.find("geometry")
         if geometry is None or len(geometry) == 0:
             return None
-        shape = geometry[0]
+        shape, material = geometry[0], element.find("material") if element.tag == "visual" else None
         try:
-            return self._shape(shape, read_origin(element), self._material(element))
+            return self._shape(link, shape, read_origin(element), self._materials.colour(material))
         except ValueError:
             self._reading.note(
                 "bad-geometry",
@@ -77,7 +64,7 @@ class Geometries:
             )
             return None
 
-    def _shape(self, shape: ET.Element, origin: Array, colour: Colour | None) -> Geometry | None:
+    def _shape(self, link: ET.Element, shape: ET.Element, origin: Array, colour: Colour | None) -> Geometry | None:
         def sizes(*names: str) -> tuple[float, ...]:
             return tuple(floats(shape.get(name, ""), 1)[0] for name in names)
 
@@ -90,49 +77,31 @@ class Geometries:
         }
         if shape.tag not in readers:
             raise ValueError(shape.tag)
-        mesh = self._mesh(shape.get("filename", "")) if shape.tag == "mesh" else None
-        return Geometry(shape.tag, origin, readers[shape.tag](), mesh, colour)  # type: ignore[arg-type]
+        size = readers[shape.tag]()
+        if shape.tag == "mesh":
+            return Geometry("mesh", origin, size, self._mesh(shape.get("filename", "")), colour)
+        if not self._seen(link, shape.tag, size):
+            return None
+        return Geometry(shape.tag, origin, tuple(map(abs, size)), None, colour)  # type: ignore[arg-type]
+
+    def _seen(self, link: ET.Element, shape: str, size: tuple[float, ...]) -> bool:
+        """Whether anything of a shape is to be seen: a box may be flat, a cylinder a disc, a capsule a ball."""
+        if min(size) > 0.0:
+            return True
+        numbers = " ".join(f"{x:g}" for x in size)
+        seen = np.count_nonzero(size) >= 2 if shape == "box" else size[0] != 0.0
+        if min(size) < 0.0 or not seen:
+            drawn = "the size without its sign is drawn" if seen else "nothing of it is to be seen"
+            what = f"its <{shape}> has the size {numbers}; {drawn}"
+            self._reading.note("bad-geometry", link, what, "give sizes above 0", repaired=True)
+        return bool(seen)
 
     def _mesh(self, uri: str) -> Path | None:
         path = resolve_uri(uri, self._reading.path, self._reading.packages)
-        if path is None or not is_file(path):
+        if path is None:
             self._missing.append(uri)
             return None
         return path
-
-    def _material(self, element: ET.Element) -> Colour | None:
-        material = element.find("material")
-        if material is None:
-            return None
-        return self._colour(material) or self._materials.get(material.get("name", ""))
-
-    def _colour(self, material: ET.Element) -> Colour | None:
-        colour = material.find("color")
-        if colour is None:
-            return None
-        try:
-            r, g, b, a = np.clip(floats(colour.get("rgba", ""), 4), 0.0, 1.0)
-        except ValueError:
-            return None
-        return float(r), float(g), float(b), float(a)
-
-
-def resolve_uri(uri: str, file: Path, packages: PackageIndex) -> Path | None:
-    """Absolute path of a mesh URI: `package://`, `model://`, `file://`, `$(find p)/…`, absolute, or beside the file."""
-    uri = uri.strip()
-    match = _PACKAGE.match(uri) or _FIND.match(uri)
-    if match:
-        folder = packages.find_for_mesh(match.group(1))
-        return None if folder is None else _real(folder / unquote(match.group(2)))
-    if uri.startswith("file://"):
-        path = Path(unquote(uri[len("file://") :]).replace("localhost/", "/", 1))
-        return path if path.is_absolute() else file.parent / path
-    return _real(file.parent / uri) if uri and "\0" not in uri else None
-
-
-def _real(path: Path) -> Path:
-    """The path with links followed; as far as they lead anywhere, where they go round in circles."""
-    return Path(os.path.realpath(path))
 
 
 def read_origin(element: ET.Element) -> Array:
@@ -140,28 +109,22 @@ def read_origin(element: ET.Element) -> Array:
     g = np.eye(4)
     origin = element.find("origin")
     if origin is not None:
-        g[:3, :3] = from_rpy(floats(origin.get("rpy", "0 0 0"), 3))
+        g[:3, :3] = _rotation(origin)
         g[:3, 3] = floats(origin.get("xyz", "0 0 0"), 3)
     return g
+
+
+def _rotation(origin: ET.Element) -> Array:
+    """R (3, 3) from rpy, or from the quaternion that URDF has from version 1.1 on, whatever its length."""
+    quaternion = origin.get("quat_xyzw")
+    if quaternion is None:
+        return from_rpy(floats(origin.get("rpy", "0 0 0"), 3))
+    if "rpy" in origin.attrib:
+        raise ValueError("it has both rpy and quat_xyzw")
+    return from_xyzw(floats(quaternion, 4))
 
 
 def mesh_scale(text: str | None) -> tuple[float, ...]:
     """The mesh scale: three numbers, or one for all three."""
     values = [number(word) for word in (text or "1 1 1").split()]
     return tuple(floats(text or "1 1 1", 3)) if len(values) != 1 else (values[0],) * 3
-
-
-def floats(text: str, count: int) -> list[float]:
-    """Exactly `count` numbers of a size that robots have, or ValueError."""
-    words = text.split(maxsplit=count)
-    values = [number(word) for word in words] if text.isascii() and len(words) == count else []
-    if len(values) != count or not (np.abs(values) <= LARGEST).all():
-        raise ValueError(f"{count} finite numbers expected, none beyond {LARGEST:g}; got {text[:60]!r}")
-    return values
-
-
-def number(word: str) -> float:
-    """A number as every reader of URDF takes it: not Python's 1_000, nor digits of another script."""
-    if not word.isascii() or "_" in word or len(word) > MAX_NUMBER:
-        raise ValueError(f"no number: {word[:60]!r}")
-    return float(word)

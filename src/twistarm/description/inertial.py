@@ -5,7 +5,8 @@ from __future__ import annotations
 import xml.etree.ElementTree as ET
 
 from .document import Reading
-from .geometry import floats, read_origin
+from .geometry import read_origin
+from .numerals import floats
 
 INERTIA = ("ixx", "ixy", "ixz", "iyy", "iyz", "izz")
 

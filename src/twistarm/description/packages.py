@@ -38,14 +38,18 @@ _VARIABLE = re.compile(r"[A-Za-z_]\w*", re.ASCII)
 SOURCES = "src"
 """Where a workspace keeps its packages."""
 
+INSTALLED, SHARE = "install", "share"
+"""Where colcon installs them, and the folder between."""
+
 
 @dataclass(frozen=True)
 class PackageIndex:
     """Packages found near a description, by the `<name>` in their package.xml (folder names may differ).
 
-    Searched in this order: the folders the user names, each parent of the description with its children and those of
-    its `src`, `<prefix>/share/*` of AMENT_PREFIX_PATH, and ROS_PACKAGE_PATH. Where no package.xml has the name, a copy
-    in the first two places may bear it (`find_copy`). `mesh_dirs`, last, hold packages for meshes alone.
+    Searched in this order: the folders the user names, each parent of the description with its children, those of its
+    `src` and what is installed below it, `<prefix>/share/*` of AMENT_PREFIX_PATH, and ROS_PACKAGE_PATH. Where no
+    package.xml has the name, a copy in the first two places may bear it (`find_copy`). `mesh_dirs`, last, hold packages
+    for meshes alone.
     """
 
     file: Path
@@ -79,7 +83,12 @@ class PackageIndex:
 
     def is_copy(self, folder: Path) -> bool:
         """Whether `find` has answered with that folder, which no package.xml names."""
-        return self._copies.get((folder.name, True)) == folder
+        return any(found == folder for (_, marked), found in self._copies.items() if marked)
+
+    def names(self) -> list[str]:
+        """The names of all packages that can be found."""
+        self._by_manifest("")
+        return [name for name, folder in self._found.items() if folder is not None]
 
     def copies(self) -> dict[str, Path]:
         """The folders that were taken for a package by their own name alone."""
@@ -98,7 +107,8 @@ class PackageIndex:
         """Asked for after every folder near was looked through for a package.xml."""
         key = package, marked
         if key not in self._copies:
-            self._copies[key] = find_copy(package, self._by_name.get(package, ()), self.file, marked=marked)
+            folders = [folder for name, those in self._by_name.items() if name.startswith(package) for folder in those]
+            self._copies[key] = find_copy(package, folders, self.file, marked=marked)
         return self._copies[key]
 
     def searched(self) -> str:
@@ -133,6 +143,9 @@ class PackageIndex:
         for parent in list(self.file.parents)[:MAX_PARENTS]:
             yield from walk.through(parent, 1)
             yield from walk.children(parent / SOURCES)
+            yield from walk.installed(parent / INSTALLED)
+            if parent.name == SHARE:
+                yield from walk.installed(parent.parent.parent)
 
     def _walk(self, where: str) -> Walk:
         """A walk that says in `searched` where it has ended early."""
@@ -178,6 +191,12 @@ class Walk:
         if self.left <= 0:
             self.ended()
         return [folder / name for name in sorted(found)]
+
+    def installed(self, folder: Path) -> Iterator[Path]:
+        """What colcon has installed there: `NAME/share/NAME`, or all in `share`."""
+        homes = (prefix / SHARE / prefix.name for prefix in self.children(folder))
+        yield from filter(os.path.isdir, homes)
+        yield from self.children(folder / SHARE)
 
     def _leads_on(self, entry: os.DirEntry[str]) -> bool:
         """Whether it is a folder, and if by a link, one that was not met before."""

@@ -10,7 +10,7 @@ from ..support.errors import closest, listed
 from .document import Reading
 
 ATTRIBUTES = {
-    "origin": ("xyz", "rpy"),
+    "origin": ("xyz", "rpy", "quat_xyzw"),
     "axis": ("xyz",),
     "limit": ("lower", "upper", "velocity", "effort", "acceleration", "deceleration", "jerk"),
     "mimic": ("joint", "multiplier", "offset"),

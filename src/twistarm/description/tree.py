@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Literal
@@ -58,6 +58,8 @@ class Mimic:
 class Joint:
     """A joint of the tree: `axis` a unit vector, `axis_length` its length as written; limits ∓inf where not given.
 
+    `lower` and `upper` lie inside the soft limits of a `<safety_controller>`; `hard` are those of `<limit>` alone.
+    `acceleration` is the smaller one where URDF 1.2 gives a deceleration too.
     `line` is where it stands in a file that was not expanded from xacro; `part_of` the planar joint it was split from.
     """
 
@@ -69,8 +71,11 @@ class Joint:
     axis: Array
     lower: float = -np.inf
     upper: float = np.inf
+    hard: tuple[float, float] = (-np.inf, np.inf)
     velocity: float = np.inf
     effort: float = np.inf
+    acceleration: float = np.inf
+    jerk: float = np.inf
     mimic: Mimic | None = None
     axis_length: float = 1.0
     line: int | None = None
@@ -98,7 +103,8 @@ class Description:
     """Links and joints as read, repaired, with the findings of the reading.
 
     `text` is the expanded description as it was written, `repaired` the same with every repair made and mesh paths
-    absolute: the first goes to the engine that checks us, the second to Pinocchio.
+    absolute: the first goes to the engines that check us, the second to Pinocchio. `own_text`, of a xacro file, reads
+    it again and gives what xacro writes when it handles its documents by itself.
     """
 
     name: str
@@ -109,6 +115,7 @@ class Description:
     text: str = field(repr=False)
     repaired: str = field(repr=False)
     findings: tuple[Finding, ...] = ()
+    own_text: Callable[[], str] | None = field(default=None, repr=False, compare=False)
 
     def __repr__(self) -> str:
         source = f" from {self.path.name}" if self.path else ""

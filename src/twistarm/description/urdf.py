@@ -3,40 +3,45 @@
 from __future__ import annotations
 
 import os
+import re
 import xml.etree.ElementTree as ET
 from collections.abc import Iterable, Mapping
 from dataclasses import replace
+from functools import partial
+from pathlib import Path
+from typing import Any
 
 import numpy as np
 
 from ..support.caller_words import package_folder
 from ..support.checks import Array, frozen
-from ..support.errors import DescriptionError, closest
+from ..support.errors import DescriptionError, closest, listed
 from ..support.files import as_path, why_no_file
 from .axis import read_axis
+from .bounds import LIMIT_NAMES, WIDE, limit_numbers, note_softened, rate, read_bounds, softened
 from .catalog import models_share
 from .document import Reading, parse_xml, read_text
-from .expansion.expand import expand_xacro, is_xacro
+from .expansion.expand import expand_xacro, is_xacro, xacro_own_text
 from .expansion.left_out import blaming, not_used
 from .findings import Place, refusal
-from .geometry import Geometries, floats, number, read_origin
+from .geometry import Geometries, read_origin
 from .inertial import INERTIA, drop_unusable_inertials
+from .numerals import floats
 from .packages import package_index
 from .planar import split_planar_joints
 from .spelling import note_unread_words
 from .structure import check_structure, root_link
 from .tree import Description, Joint, JointType, Link, Mimic
-
-WIDE = 1e300
-"""Stands for "no limit" in what Pinocchio reads, whose parser refuses infinity; so it, or more, is read by us."""
+from .version import settle_version
 
 MOST_TURNED = 6.3
 """A whole turn [rad], generously rounded."""
 
-LIMIT_NAMES = ("lower", "upper", "velocity", "effort")
 MOVING_ALONE = ("revolute", "continuous", "prismatic")
 Rates = dict[str, dict[str, float]]
 """The numbers of each joint's `<limit>`, by joint name, as they were written."""
+
+_MACRO = re.compile(r"<xacro:macro\s[^>]*?\bname\s*=\s*[\"']([^\"']+)")
 
 _JOINT_TYPES: tuple[JointType, ...] = ("revolute", "continuous", "prismatic", "fixed", "planar", "floating")
 
@@ -62,8 +67,11 @@ def read_description(
         raise refusal("file-not-found", Place(str(file)), why, remedy)
     file = file.resolve()
     packages = package_index(file, package_dirs, mesh_dirs)
+    own_text, wishes = None, (dict(xacro_args or {}), tuple(without), tuple(env))
     if is_xacro(file):
-        text, noted = expand_xacro(file, packages, xacro_args, without, env)
+        text, noted = expand_xacro(file, packages, *wishes)
+        _require_links(text, file)
+        own_text = partial(_own_text, file, packages.user_dirs, packages.mesh_dirs, *wishes)
         reading = Reading(file, packages, show_lines=False)
     elif xacro_args:
         what = f"it is plain URDF and takes no xacro arguments ({', '.join(xacro_args)})"
@@ -73,7 +81,20 @@ def read_description(
         text, reading = read_text(file), Reading(file, packages)
     reading.findings.take(noted)
     with blaming(noted):
-        return build_description(text, reading)
+        return replace(build_description(text, reading), own_text=own_text)
+
+
+def _require_links(text: str, file: Path) -> None:
+    """A file of macros alone expands to a robot of nothing."""
+    macros = list(dict.fromkeys(_MACRO.findall(read_text(file))))
+    if macros and "<link" not in text:
+        what = f"it has no links: it defines macros ({listed(macros)}) and calls none that makes one"
+        remedy = f"load the file that calls them, or call one: <xacro:{macros[0]} …/>"
+        raise refusal("no-robot", Place(str(file)), what, remedy)
+
+
+def _own_text(file: Path, user_dirs: tuple[Path, ...], mesh_dirs: tuple[Path, ...], *wishes: Any) -> str:
+    return xacro_own_text(file, package_index(file, user_dirs, mesh_dirs), *wishes)
 
 
 def build_description(text: str, reading: Reading) -> Description:
@@ -85,15 +106,17 @@ def build_description(text: str, reading: Reading) -> Description:
         )
     _name_robot(robot, reading)
     check_structure(robot, reading)
+    settle_version(robot, reading)
     note_unread_words(robot, reading)
     parts = split_planar_joints(robot, reading)
     geometries = Geometries(robot, reading)
     links = {element.get("name", ""): _read_link(element, geometries, reading) for element in robot.findall("link")}
-    geometries.note_missing()
+    geometries.note_odd()
     _note_copies(reading)
     rates: Rates = {}
     joints = _read_joints(robot, reading, rates)
     joints |= {name: replace(joints[name], part_of=whole) for name, whole in parts.items()}
+    note_softened(joints.values(), reading)
     _note_missing_rates(joints.values(), rates, reading)
     drop_unusable_inertials(robot, reading)
     _strip_to_kinematics(robot)
@@ -163,14 +186,16 @@ def _read_joint(element: ET.Element, reading: Reading, rates: Rates) -> Joint:
     try:
         origin = read_origin(element)
     except ValueError as error:
-        what, remedy = f"its <origin> is malformed: {error}", "give xyz and rpy as three numbers each"
+        what = f"its <origin> is malformed: {error}"
+        remedy = "give xyz and rpy as three numbers each, or in the place of rpy quat_xyzw as four"
         raise reading.error(element, "origin-malformed", what, remedy) from error
     _note_degrees(element, reading)
     axis, axis_length = read_axis(element, kind, reading)
-    numbers = _limit_numbers(element, reading)
-    lower, upper = _read_bounds(element, kind, numbers, reading)
+    numbers = limit_numbers(element, reading)
+    written = read_bounds(element, kind, numbers, reading)
+    lower, upper = softened(element, kind, written, reading)
     rates[element.get("name", "")] = numbers
-    _make_loadable(element, axis, (lower, upper))
+    _make_loadable(element, axis, written)
     return Joint(
         name=element.get("name", ""),
         type=kind,
@@ -180,8 +205,11 @@ def _read_joint(element: ET.Element, reading: Reading, rates: Rates) -> Joint:
         axis=frozen(axis),
         lower=lower,
         upper=upper,
-        velocity=_rate(numbers.get("velocity")),
-        effort=_rate(numbers.get("effort")),
+        hard=written,
+        velocity=rate(numbers.get("velocity")),
+        effort=rate(numbers.get("effort")),
+        acceleration=min(rate(numbers.get("acceleration")), rate(numbers.get("deceleration"))),
+        jerk=rate(numbers.get("jerk")),
         mimic=_read_mimic(element, reading),
         axis_length=axis_length,
         line=reading.line(element),
@@ -197,60 +225,6 @@ def _note_degrees(element: ET.Element, reading: Reading) -> None:
         typed = " ".join(f"{angle:g}" for angle in angles)
         what = f'its rpy="{typed}" rad goes beyond a whole turn; it looks like degrees'
         reading.note("origin-looks-like-degrees", element, what, f'if so, write rpy="{radians}"')
-
-
-def _limit_numbers(element: ET.Element, reading: Reading) -> dict[str, float]:
-    """The numbers in the joint's `<limit>`, those that are there."""
-    limit = element.find("limit")
-    given = {} if limit is None else limit.attrib
-    return {name: _limit_number(element, name, given[name], reading) for name in LIMIT_NAMES if name in given}
-
-
-def _read_bounds(element: ET.Element, kind: str, given: Mapping[str, float], reading: Reading) -> tuple[float, float]:
-    """lower, upper; infinite where not given, with a finding where they were due."""
-    if kind not in ("revolute", "prismatic"):
-        return -np.inf, np.inf
-    missing = [name for name in ("lower", "upper") if name not in given]
-    if missing:
-        what = "no <limit>" if element.find("limit") is None else f"a <limit> without {' and '.join(missing)}"
-        reading.note(
-            "limit-incomplete",
-            element,
-            f"{what}; taken as unbounded {'both ways' if len(missing) == 2 else 'there'}",
-            f"write lower and upper in the URDF, or limits.{element.get('name')} in arm.toml",
-            repaired=True,
-        )
-    lower, upper = given.get("lower", -np.inf), given.get("upper", np.inf)
-    if lower >= WIDE or upper <= -WIDE:
-        what = f"its limits lower {lower:g}, upper {upper:g} leave no place to stand"
-        raise reading.error(element, "limit-malformed", what, "give finite bounds")
-    if lower > upper:
-        what = f"its limits are swapped: lower {lower:g} > upper {upper:g}"
-        raise reading.error(element, "limits-swapped", what, "exchange them")
-    if lower == upper:
-        reading.note(
-            "limit-zero-range",
-            element,
-            f"lower and upper are both {lower:g}: the joint cannot move",
-            f"give its range as limits.{element.get('name')} in arm.toml",
-        )
-    return (lower if lower > -WIDE else -np.inf), (upper if upper < WIDE else np.inf)
-
-
-def _limit_number(element: ET.Element, name: str, text: str, reading: Reading) -> float:
-    try:
-        value = number(text)
-    except ValueError:
-        value = float("nan")
-    if np.isnan(value):
-        what = f"its limit {name}={text[:60]!r} is not a number"
-        raise reading.error(element, "limit-malformed", what, "write it in digits, with a point")
-    return value
-
-
-def _rate(value: float | None) -> float:
-    """A velocity or effort limit; absent, zero and negative ones mean "not given"."""
-    return value if value is not None and 0 < value < WIDE else np.inf
 
 
 def _read_mimic(element: ET.Element, reading: Reading) -> Mimic | None:
@@ -311,12 +285,12 @@ def _only(element: ET.Element, tag: str) -> ET.Element:
 
 
 _KEPT = {
-    "robot": ("name",),
+    "robot": ("name", "version"),
     "link": ("name",),
     "joint": ("name", "type"),
     "parent": ("link",),
     "child": ("link",),
-    "origin": ("xyz", "rpy"),
+    "origin": ("xyz", "rpy", "quat_xyzw"),
     "axis": ("xyz",),
     "limit": LIMIT_NAMES,
     "inertial": (),

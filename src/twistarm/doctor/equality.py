@@ -33,7 +33,7 @@ def difference(one: Description, other: Description) -> str:
 
 def _joint_difference(one: Joint, other: Joint) -> str:
     """The field in which two joints differ; a turning joint without bounds is one kind, whatever it is called."""
-    names = ("parent", "child", "lower", "upper", "velocity", "effort", "mimic")
+    names = ("parent", "child", "lower", "upper", "velocity", "effort", "acceleration", "jerk", "mimic")
     for name in names:
         if getattr(one, name) != getattr(other, name):
             return name

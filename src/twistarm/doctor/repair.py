@@ -17,8 +17,9 @@ from urllib.parse import unquote
 import numpy as np
 
 from ..description.document import Reading
-from ..description.geometry import floats
 from ..description.inertial import inertial_problem
+from ..description.mesh_paths import plain
+from ..description.numerals import floats
 from ..description.packages import package_index, package_name
 from ..description.tree import Description, Joint
 from ..description.urdf import build_description
@@ -124,11 +125,12 @@ def _inertials(source: SourceText, link: ET.Element) -> Iterator[str]:
 
 def _mesh(source: SourceText, mesh: ET.Element, description: Description, folder: Path) -> Iterator[str]:
     changes: dict[str, str | None] = {}
-    uri, scale = mesh.get("filename", "").strip(), (mesh.get("scale") or "1 1 1").split()
+    written = mesh.get("filename", "").strip()
+    uri, scale = plain(written), (mesh.get("scale") or "1 1 1").split()
     moved = _moved_uri(uri, description, folder)
-    if moved != uri:
+    if moved != written:
         changes["filename"] = moved
-        yield f"mesh path {uri!r} made {moved!r}"
+        yield f"mesh path {written!r} made {moved!r}"
     if len(scale) == 1:
         changes["scale"] = " ".join(scale * 3)
         yield f"mesh scale {scale[0]!r} made {changes['scale']!r}"

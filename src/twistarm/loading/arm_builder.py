@@ -12,12 +12,13 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
+from ..description.bounds import WIDE
 from ..description.companions.arm_file import ArmSpecification
 from ..description.document import Reading
-from ..description.geometry import LARGEST
+from ..description.numerals import LARGEST
 from ..description.packages import PackageIndex
 from ..description.planar import coordinate_names
-from ..description.urdf import WIDE, build_description
+from ..description.urdf import build_description
 from ..limits.joint_limits import JointLimits
 from ..model.arm import Arm
 from ..support.checks import Array, as_number, as_pose, as_rotation, frozen

@@ -163,7 +163,13 @@ def import_pinocchio() -> Any:
 
 def complaint_about(text: str) -> str:
     """What Pinocchio's own parser says to a URDF text as it is; empty if it reads it."""
-    return _parsed(import_pinocchio(), text)[1]
+    return model_of(text)[2]
+
+
+def model_of(text: str) -> tuple[Any, Any, str]:
+    """The module, its model of a URDF text as it is, and nothing; or None and its parser's complaint."""
+    pin = import_pinocchio()
+    return pin, *_parsed(pin, text)
 
 
 def _parsed(pin: Any, text: str) -> tuple[Any, str]:

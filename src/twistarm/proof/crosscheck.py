@@ -11,6 +11,7 @@ from typing import Any
 
 import numpy as np
 
+from ..description.bounds import WIDE
 from ..description.tree import Description
 from ..limits.joint_units import slides
 from ..model import engine
@@ -21,10 +22,17 @@ from ..support.errors import ComparisonError, InputError, MissingExtraError, mis
 from ..theory import poe
 from ..theory.lower_pairs import LowerPair, lower_pairs
 from ..theory.screws import adjoint, inverse
+from .as_written import AsWritten, text_as_written
 from .native_joints import Ball, NativeChain
 
 POSE_TOL = 1e-12
 """Product of exponentials against Pinocchio: both in double precision, some ten multiplications long."""
+
+AS_WRITTEN = "pinocchio as written"
+"""The engine that gets the text which nothing of ours has changed."""
+
+WRITTEN_TOL, WRITTEN_SAMPLES = 1e-10, 100
+"""Its parser rounds an axis near x, y or z, and walks all links in Python: of so many postures."""
 
 YOURDFPY_TOL = 1e-7
 """yourdfpy's scene graph takes a joint's pose within 1e-8 of the identity, or of the one before, for the same."""
@@ -125,9 +133,11 @@ def crosscheck(
     core, whose answers are the arm's, and against a chain
     of its own joint models, one per lower pair, which an arm made from screws has too (a spherical joint both by Euler
     angles and by a quaternion); J^s = Ad(g) J^b; J^b against fourth-order central differences of Pinocchio's pose;
-    every link's pose by our walk against Pinocchio, and against yourdfpy, which reads the expanded but unrepaired
-    text. What an engine cannot do is "not compared", with the reason. Absolute errors, in metres and radians (entries
-    of R); allowed are `POSE_TOL` times the arm's size where that exceeds 1 m.
+    every link's pose by our walk against Pinocchio. Pinocchio and yourdfpy also read the text as it is written, without
+    a repair: the file's, or what xacro writes when it handles its documents by itself. Both give every link's pose,
+    Pinocchio the position limits too; masses are not compared. What an engine cannot do is "not compared", with the
+    reason. Absolute errors, in metres and radians (entries of R); allowed are `POSE_TOL` times the arm's size where
+    that exceeds 1 m, and more for the text as it is written.
 
     Args:
         arm: The arm.
@@ -149,6 +159,7 @@ def crosscheck(
         lambda: _native_joints(arm, theta),
         lambda: _differences(arm, theta),
         lambda: _links(arm, theta),
+        lambda: _as_written(arm, theta),
         lambda: _yourdfpy(arm, theta),
     ]
     rows: list[EngineComparison] = []
@@ -279,6 +290,32 @@ def _links(arm: Arm, theta: Array) -> list[EngineComparison]:
     return [_compared("all links", ("walk", "pinocchio"), difference, theta, POSE_TOL * _size(arm))]
 
 
+def _as_written(arm: Arm, theta: Array) -> list[EngineComparison]:
+    """Against Pinocchio's own reading of the text that nothing of ours has changed."""
+    if arm.description is None:
+        return []
+    theta = _fewer(theta[:WRITTEN_SAMPLES], len(arm.description.links), USUAL_LINKS)
+    links = tuple(arm.description.links)
+    try:
+        written = AsWritten(arm.description)
+        theirs = written.link_poses(_joint_values(arm, theta), links, arm.base)
+    except InputError as error:
+        return [_skipped("all links", AS_WRITTEN, str(error))]
+    ours = _walked_poses(arm, theta)
+    difference = np.stack([ours[link] for link in links], axis=1) - theirs
+    tolerance = WRITTEN_TOL * _size(arm)
+    rows = [_compared("all links", ("walk", AS_WRITTEN), difference, theta, tolerance)]
+    joints = {name: arm.description.joints[name] for name in written.bounds() if name in arm.description.joints}
+    bounds = [
+        (np.clip(joint.hard, -WIDE, WIDE) - written.bounds()[name]).tolist()
+        for name, joint in joints.items()
+        if joint.type != "continuous" and joint.hard != (-np.inf, np.inf)
+    ]
+    if bounds:
+        rows.append(_compared("limits", ("tree", AS_WRITTEN), np.array([bounds]), theta[:1], tolerance))
+    return rows
+
+
 def _walked_poses(arm: Arm, theta: Array) -> dict[str, Array]:
     """Every link's pose in the base frame by our own walk of the description."""
     assert arm.description is not None
@@ -343,7 +380,7 @@ def _our_poses(arm: Arm, theta: Array) -> Array:
 def _yourdfpy_poses(arm: Arm, theta: Array) -> Array:
     """Every link's pose (samples, links, 4, 4) by yourdfpy."""
     assert arm.description is not None
-    robot = _load_yourdfpy(arm.description.text)
+    robot = _load_yourdfpy(text_as_written(arm.description))
     values = _joint_values(arm, theta)
     links = list(arm.description.links)
     poses = np.empty((len(theta), len(links), 4, 4))
@@ -364,6 +401,8 @@ def _beyond_yourdfpy(arm: Arm) -> str:
         return f"yourdfpy takes long for a text of {tags:,} tags"
     if sum(depth**3 for depth in _depths(arm.description)) > YOURDFPY_CUBES:
         return f"yourdfpy takes minutes for a chain of {max(_depths(arm.description))} joints"
+    if "quat_xyzw=" in arm.description.repaired:
+        return "yourdfpy does not read quat_xyzw"
     for joint in joints.values():
         if joint.part_of:
             return f"yourdfpy takes the planar joint {joint.part_of!r} as fixed"

@@ -11,7 +11,7 @@ from typing import Any
 
 import numpy as np
 
-from ..description.geometry import number
+from ..description.numerals import number
 from ..limits.actuators import Actuators
 from ..support.checks import Array, as_floats, as_pose, frozen, require
 from ..support.csv_lines import Bounds, csv_lines, name_in

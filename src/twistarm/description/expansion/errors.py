@@ -61,6 +61,8 @@ def _missing_package(package: str, wanted: Path, expansion: Expansion, place: Pl
         f"pass {package_folder('it')}, or where the arm can do without it "
         f"(a sensor's, a gripper's, a simulator's) {argument('without', [package])}"
     )
+    if near_names := closest(package, expansion.packages.names()):
+        remedy = f"correct the name{near_names}, or {remedy}"
     if far := expansion.packages.find_for_mesh_alone(package):
         what = (
             f"package {package!r} stands in {far}, which the arm.toml alone names: of packages that far from it meshes "

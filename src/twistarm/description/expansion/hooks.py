@@ -10,6 +10,7 @@ import re
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from pathlib import Path
 from typing import Any
+from xml.dom import minidom
 
 from ...support.errors import one_line
 from ..document import Reading, note_file, parse_xml
@@ -59,6 +60,7 @@ _KEPT = (
     "handle_macro_call",
     "eval_all",
     "grab_property",
+    "replace_node",
 )
 """Functions of xacro that go on working behind ours."""
 
@@ -66,7 +68,10 @@ _WILDCARD = re.compile(r"[*?[]")
 
 
 class Expansion:
-    """One expansion: what it has opened, declared and asked for, and the functions that xacro gets for it."""
+    """One expansion: what it has opened, declared and asked for, and the functions that xacro gets for it.
+
+    `own_dom`: xacro reads and changes its documents by itself, which takes longer; files and work stay confined.
+    """
 
     def __init__(
         self,
@@ -76,8 +81,11 @@ class Expansion:
         arguments: Mapping[str, str],
         without: Iterable[str] = (),
         env: Iterable[str] = (),
+        *,
+        own_dom: bool = False,
     ) -> None:
         self.path = path
+        self._own_dom = own_dom
         self.packages = packages
         self.given = dict(arguments)
         self.left_out = LeftOut(tuple(without), path)
@@ -96,7 +104,6 @@ class Expansion:
         """Values for the module `xacro`."""
         return {
             "_global_symbols": self._evaluation.symbols,
-            "remove_previous_comments": say_nothing,  # no comment comes so far
             "substitution_args_context": {"arg": {}},
             "filestack": None,
             "macrostack": None,
@@ -111,6 +118,7 @@ class Expansion:
             "resolve_macro": self.resolve_macro,
             "replace_node": self.replace_node,
             **dict.fromkeys(("message", "warning", "error", "print_location"), say_nothing),
+            **({} if self._own_dom else {"remove_previous_comments": say_nothing}),  # no comment comes so far
             **(self._leaving_out() if self.left_out.packages else {}),
         }
 
@@ -143,7 +151,7 @@ class Expansion:
         reading = Reading(path, self.packages)
         root = parse_xml(text, reading)
         self.found.look_through(root, path)
-        return xacro_document(root, reading)
+        return minidom.parseString(_without_declaration(text)) if self._own_dom else xacro_document(root, reading)
 
     def include_files(self, pattern: str, symbols: Any) -> Iterator[str]:
         """The files that an include names, one or those that its wildcards match."""
@@ -187,6 +195,7 @@ class Expansion:
         return lambda text: self._evaluation.number(text) * factor
 
     def _absolute(self, name: str) -> str:
+        name = name.replace("\\", "/")
         if name.startswith(PACKAGE):
             package, _, rest = name[len(PACKAGE) :].partition("/")
             return f"{self._folder(package)}/{rest}"
@@ -316,13 +325,23 @@ class Expansion:
         new = by if isinstance(by, list) else [by] if by is not None else []
         size = sum(map(_size, [node, *new])) * (ELEMENT_COST if node.nodeName == "xacro:insert_block" else 1)
         moved = sum(len(part.childNodes) if content_only else 1 for part in new)
-        self.work.charge(CHANGE_COST + size + moved + len(node.parentNode.childNodes) // SIBLINGS_PER_UNIT)
-        replace(node, new, content_only)
+        siblings = len(node.parentNode.childNodes)
+        changes = moved if self._own_dom else 1
+        self.work.charge(CHANGE_COST + size + moved + changes * siblings // SIBLINGS_PER_UNIT)
+        if self._own_dom:
+            self._original["replace_node"](node, by, content_only)
+        else:
+            replace(node, new, content_only)
 
     def macro_parameter(self, text: str) -> Any:
         """xacro's own, counted: it copies the rest of the parameters each time."""
         self.work.charge(1 + len(text) // CHARACTERS_PER_UNIT)
         return self._original["parse_macro_arg"](text)
+
+
+def _without_declaration(text: str) -> str:
+    """The text without the encoding that its file had."""
+    return re.sub(r"^\s*<\?xml[^>]*\?>", "", text)
 
 
 def _size(node: Any) -> int:

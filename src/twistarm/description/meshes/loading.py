@@ -12,6 +12,7 @@ import numpy as np
 
 from ...support.checks import Array
 from .limits import LONGEST, PARTS, TRIANGLES
+from .mending import mended
 from .mesh_file import MeshFile, RefusedError
 from .part import Colour, Part
 from .references import References
@@ -67,10 +68,11 @@ def _pieces(file: MeshFile) -> Iterator[Piece]:
     references: Any = References(file)
     if file.kind == "dae":
         _require_plain_xml(file.data)
+    data = mended(file)
     if file.kind in ("gltf", "glb") and any(word in file.data for word in COMPRESSED):
         raise RefusedError("it is compressed by Draco or meshopt, which is not read here")
     # What it would merge is welded here.
-    scene = trimesh.load_scene(io.BytesIO(file.data), file_type=file.kind, resolver=references, process=False)
+    scene = trimesh.load_scene(io.BytesIO(data), file_type=file.kind, resolver=references, process=False)
     if references.refused:
         raise references.refused
     metres = trimesh.units.unit_conversion(scene.units, "meters") if scene.units else 1.0

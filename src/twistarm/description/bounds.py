@@ -1,0 +1,120 @@
+"""The limits of one joint as its description writes them: `<limit>`, and inside it the soft ones of a controller."""
+
+from __future__ import annotations
+
+import xml.etree.ElementTree as ET
+from collections.abc import Iterable, Mapping
+
+import numpy as np
+
+from .document import Reading
+from .numerals import number
+from .tree import Joint
+
+WIDE = 1e300
+"""Stands for "no limit" in what Pinocchio reads, whose parser refuses infinity; so it, or more, is read by us."""
+
+LIMIT_NAMES = ("lower", "upper", "velocity", "effort")
+LATER_NAMES = ("acceleration", "deceleration", "jerk")
+SOFT_NAMES = ("soft_lower_limit", "soft_upper_limit")
+
+MOST_SHOWN = 12
+"""Joints in one finding."""
+
+Bounds = tuple[float, float]
+
+
+def limit_numbers(element: ET.Element, reading: Reading) -> dict[str, float]:
+    """The numbers in the joint's `<limit>`, those that are there."""
+    return _numbers(element, "limit", (*LIMIT_NAMES, *LATER_NAMES), reading)
+
+
+def read_bounds(element: ET.Element, kind: str, given: Mapping[str, float], reading: Reading) -> Bounds:
+    """lower, upper, with a finding where one was due: of one alone the other is 0, without any they are infinite.
+
+    URDF 1.0 and 1.1 have 0 for a bound that is not written; 1.2 wants both.
+    """
+    if kind not in ("revolute", "prismatic"):
+        return -np.inf, np.inf
+    missing = [name for name in ("lower", "upper") if name not in given]
+    if missing:
+        what = "no <limit>" if element.find("limit") is None else f"a <limit> without {' and '.join(missing)}"
+        reading.note(
+            "limit-incomplete",
+            element,
+            f"{what}; {'taken as unbounded both ways' if len(missing) == 2 else 'URDF reads it as 0'}",
+            f"write lower and upper in the URDF, or limits.{element.get('name')} in arm.toml",
+            repaired=True,
+        )
+    both = len(missing) == 2
+    lower, upper = given.get("lower", -np.inf if both else 0.0), given.get("upper", np.inf if both else 0.0)
+    if lower >= WIDE or upper <= -WIDE:
+        what = f"its limits lower {lower:g}, upper {upper:g} leave no place to stand"
+        raise reading.error(element, "limit-malformed", what, "give finite bounds")
+    if lower > upper:
+        unwritten = f"; {missing[0]} is not written, which is 0" if missing else ""
+        what = f"its limits are swapped: lower {lower:g} > upper {upper:g}{unwritten}"
+        raise reading.error(element, "limits-swapped", what, "write both" if missing else "exchange them")
+    if lower == upper:
+        reading.note(
+            "limit-zero-range",
+            element,
+            f"lower and upper are both {lower:g}: the joint cannot move",
+            f"give its range as limits.{element.get('name')} in arm.toml",
+        )
+    return (lower if lower > -WIDE else -np.inf), (upper if upper < WIDE else np.inf)
+
+
+def softened(element: ET.Element, kind: str, hard: Bounds, reading: Reading) -> Bounds:
+    """The bounds inside those of the joint's `<safety_controller>`, as MoveIt and ros_control keep them.
+
+    A soft bound that is not written is 0. Two that are equal, as where neither is written, mean "not given".
+    """
+    if kind not in ("revolute", "prismatic"):
+        return hard
+    given = _numbers(element, "safety_controller", SOFT_NAMES, reading)
+    soft_lower, soft_upper = (given.get(name, 0.0) for name in SOFT_NAMES)
+    if soft_lower == soft_upper:
+        return hard
+    lower, upper = max(hard[0], soft_lower), min(hard[1], soft_upper)
+    if lower < upper or (lower == upper == hard[0] == hard[1]):
+        return lower, upper
+    what = f"its soft limits [{soft_lower:g}, {soft_upper:g}] leave no room in [{hard[0]:g}, {hard[1]:g}]; not kept"
+    reading.note("soft-limits-unusable", element, what, "correct its <safety_controller>, or take it out")
+    return hard
+
+
+def note_softened(joints: Iterable[Joint], reading: Reading) -> None:
+    """One finding for all joints whose range is that of a controller."""
+    narrower = [joint for joint in joints if (joint.lower, joint.upper) != joint.hard]
+    if narrower:
+        shown = [f"{one.name} [{one.lower:g}, {one.upper:g}]" for one in narrower[:MOST_SHOWN]]
+        more = f" and {len(narrower) - MOST_SHOWN} more" if len(narrower) > MOST_SHOWN else ""
+        reading.note(
+            "soft-limits",
+            None,
+            f"the soft limits of <safety_controller> are kept, inside those of <limit>: {', '.join(shown)}{more}",
+            "give lower and upper in arm.toml for other limits",
+        )
+
+
+def rate(value: float | None) -> float:
+    """A limit of a rate; absent, zero and negative ones mean "not given"."""
+    return value if value is not None and 0 < value < WIDE else np.inf
+
+
+def _numbers(joint: ET.Element, tag: str, names: Iterable[str], reading: Reading) -> dict[str, float]:
+    element = joint.find(tag)
+    given = {} if element is None else element.attrib
+    return {name: _number(joint, name, given[name], reading) for name in names if name in given}
+
+
+def _number(joint: ET.Element, name: str, text: str, reading: Reading) -> float:
+    try:
+        value = number(text)
+    except ValueError:
+        value = float("nan")
+    if np.isnan(value):
+        what = f"its limit {name}={text[:60]!r} is not a number"
+        raise reading.error(joint, "limit-malformed", what, "write it in digits, with a point")
+    return value

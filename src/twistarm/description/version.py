@@ -1,0 +1,48 @@
+"""URDF's versions: what a newer one adds counts from there on, as urdfdom reads it; in an older one it is told."""
+
+from __future__ import annotations
+
+import re
+import xml.etree.ElementTree as ET
+
+from .document import Reading
+
+KNOWN = ((1, 0), (1, 1), (1, 2))
+
+ADDED = {
+    "quat_xyzw": ("origin", (1, 1)),
+    "acceleration": ("limit", (1, 2)),
+    "deceleration": ("limit", (1, 2)),
+    "jerk": ("limit", (1, 2)),
+}
+"""Attributes that came later: their element, and the version."""
+
+
+def settle_version(robot: ET.Element, reading: Reading) -> None:
+    """Take out the attributes that the robot's version does not have, and its version where Pinocchio needs none.
+
+    A version that is not known is read as the newest, which has everything.
+    """
+    written = robot.attrib.pop("version", "1.0")
+    version = _known(written, reading)
+    for name, (tag, since) in ADDED.items():
+        those = [element for element in robot.iter(tag) if name in element.attrib]
+        least = "{}.{}".format(*since)
+        if those and version < since:
+            what = f"{name}= in {len(those)} <{tag}> is not read: URDF {written} does not have it"
+            reading.note("word-unread", None, what, f'write <robot version="{least}"> if it is meant')
+            for element in those:
+                del element.attrib[name]
+        elif those and tag == "origin":
+            robot.set("version", least)
+
+
+def _known(written: str, reading: Reading) -> tuple[int, int]:
+    found = re.fullmatch(r"([0-9]{1,3})\.([0-9]{1,3})", written)
+    version = (int(found[1]), int(found[2])) if found else None
+    if version in KNOWN:
+        return version
+    known = ", ".join("{}.{}".format(*one) for one in KNOWN)
+    what = f"URDF version {written!r} is not known here; it is read as the newest, and other readers refuse it"
+    reading.note("version-unknown", None, what, f"write one of {known}")
+    return KNOWN[-1]
