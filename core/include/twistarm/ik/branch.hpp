@@ -14,7 +14,9 @@ template <class T> constexpr T other_branch = T(0.2);
 /// The box about θ₀ that is searched grows by this, from `other_branch` on.
 template <class T> constexpr T box_growth = T(1.3);
 /// Where a first step is longer than this [rad, m], no box about θ₀ of `other_branch` is searched.
-template <class T> constexpr T far_step = T(0.6);
+template <class T> constexpr T far_step = T(0.5);
+/// Added to that step's λ: near a singular posture the target may be met without the long way that J asks for.
+template <class T> constexpr T damping_of_first_step = T(1e-3);
 /// Iterations and stalls of a search in a box: many coordinates stand at its sides.
 constexpr int iterations_in_box = 40, stalls_in_box = 8;
 /// Searches in a box wider than the first, which holds as many as there are lanes.
@@ -70,7 +72,7 @@ bool may_be_met_near(const chain<T, N, M>& arm, const search_settings<T>& settin
     walk_with_columns(arm, aims.base, aims.tip, theta0, g, columns);
     residual_of<Kind, N>(g, columns, n, aims, sqrt(settings.rotation_weight), at);
     T error = at.position_squared + settings.rotation_weight * at.rotation_squared, d[capacity(N)];
-    free_step(at, settings.damping * error + settings.least_damping, n, d);
+    free_step(at, settings.damping * error + damping_of_first_step<T>, n, d);
     T longest = T(0);
     for (int k = 0; k < n; ++k) longest = greatest(longest, absolute(d[k]));
     return longest <= far_step<T>;
@@ -89,7 +91,7 @@ bool meet_in_box(const chain<T, N, M>& arm, const ranges<T, N>& range, search_se
     set.count = half > other_branch<T> ? starts_in_wide_box : searches_in_group;
     for (int k = 0; k < n; ++k) set.theta[k] = theta0[k];
     for (int i = 1; i < set.count; ++i) random_start(box, n, 0, i, set.theta + i * n);
-    const int count = search_from_each(arm, box, settings, asked, set.count, stopped, set);
+    const int count = search_from_each(arm, box, settings, asked, searches_in_group, stopped, set);
     solution<T, N> best = found, next = found;
     T least_difference = static_cast<T>(__builtin_inf());
     bool met = false;
