@@ -156,3 +156,61 @@ def test_without_trimesh_it_is_said_what_was_not_looked_at(tmp_path: Path, monke
     said = only(with_mesh(triangle(300.0)), tmp_path, "mesh-not-looked-at")
     assert "1 mesh files, whose size was not looked at: that needs trimesh" in said.what
     assert said.remedy == "pip install 'twistarm[view]'"
+
+
+# -- a whole description in another unit --------------------------------------------------------------------------
+
+IN_METRES = (0.4064, 0.4191, 0.3048)
+"""16, 16.5 and 12 inches."""
+
+
+def of_lengths(metres: float, lengths: tuple[float, ...] = IN_METRES, slide: float = 0.6096) -> str:
+    """A rail and an arm, each length written in a unit of so many metres."""
+    limit = f'<limit lower="0" upper="{slide / metres:.6g}" velocity="{0.5 / metres:.6g}" effort="1"/>'
+    links = ("base_link", "rail", *(f"l{i}" for i in range(len(lengths))))
+    parts = [joint("slide", "base_link", "rail", kind="prismatic", inside=limit, xyz="0 0 0")]
+    for i, length in enumerate(lengths):
+        axis = f'<axis xyz="0 {i % 2} {(i + 1) % 2}"/>'
+        parts.append(joint(f"j{i}", links[i + 1], links[i + 2], inside=axis, xyz=f"0 0 {length / metres:.8g}"))
+    return robot(*parts, links=links)
+
+
+@pytest.mark.parametrize(
+    ("unit", "metres", "lengths"),
+    [
+        ("inches", 0.0254, IN_METRES),
+        ("inches", 0.0254, (0.12, 0.43, 0.35, 0.26)),  # a metric arm, exported in inches
+        ("inches", 0.0254, (0.1, 0.08, 0.05)),
+        ("millimetres", 0.001, (0.1625, 0.425, 0.392)),
+        ("millimetres", 0.001, (0.06, 0.08, 0.11)),
+        ("centimetres", 0.01, (0.123, 0.242, 0.357)),
+    ],
+)
+def test_a_description_in_another_unit_is_recognised(
+    unit: str, metres: float, lengths: tuple[float, ...], tmp_path: Path
+) -> None:
+    said = {one.code: one for one in diagnose(write(tmp_path, of_lengths(metres, lengths)))}
+    reach = said["reach-implausible"]
+    assert f"lengths in {unit} look like that" in reach.what
+    assert reach.remedy.startswith(f"write every <origin xyz> in metres: multiply by {metres:g}")
+    slide = said["limits-look-like-millimetres"]
+    assert slide.what.endswith(f"look like {unit}")
+    assert slide.remedy == 'write lower="0" upper="0.6096"'
+    assert said["velocity-implausible"].remedy.startswith('write velocity="0.5" if it is in')
+
+
+def test_a_long_arm_in_metres_is_in_metres(tmp_path: Path) -> None:
+    text = of_lengths(1.0, (7.11, 6.9, 1.5), slide=3.0)
+    assert not {one.code for one in diagnose(write(tmp_path, text))} & {
+        "reach-implausible",
+        "limits-look-like-millimetres",
+        "velocity-implausible",
+    }
+
+
+def test_meshes_in_metres_on_an_arm_in_inches_are_not_to_be_scaled(tmp_path: Path) -> None:
+    case = with_mesh(triangle(0.3))
+    text = case.files["arm.urdf"].replace('xyz="0 0 0.5"', 'xyz="0 0 24"')
+    (tmp_path / "part.stl").write_text(case.files["part.stl"])
+    (said,) = [one for one in diagnose(write(tmp_path, text)) if one.code == "mesh-too-small"]
+    assert said.remedy == "write those in metres first"

@@ -94,6 +94,73 @@ def test_a_changed_arm_is_told_in_words(case: str, golden: Path, tmp_path: Path)
         difference.require()
 
 
+INERTIAL = (
+    '<inertial><origin xyz="{com}" rpy="{rpy}"/><mass value="{mass}"/>'
+    '<inertia ixx="{ixx}" iyy="{iyy}" izz="0.003" ixy="0" ixz="0" iyz="0"/></inertial>'
+)
+USUAL_BODY = {"com": "0.1 0 0", "rpy": "0 0 0", "mass": "0.099", "ixx": "0.001", "iyy": "0.002"}
+
+
+def weighing(folder: Path, name: str, **changes: str) -> Arm:
+    """The arm, its link `fore` with a mass; none where the mass is empty."""
+    path = build(folder)
+    body = INERTIAL.format(**{**USUAL_BODY, **changes}) if changes.get("mass") != "" else ""
+    text = path.read_text().replace('<link name="fore"/>', f'<link name="fore">{body}</link>')
+    return load_arm(write(folder, text, name))
+
+
+BODIES = {
+    "a mass": ({"mass": "99"}, ("mass of link fore raised: 0.099 to 99 kg",)),
+    "a smaller mass": ({"mass": "0.098"}, ("mass of link fore lowered: 0.099 to 0.098 kg",)),
+    "a centre": ({"com": "0.103 0.004 0"}, ("centre of mass of link fore moved 5 mm",)),
+    "an inertia": ({"ixx": "0.0013"}, ("inertia of link fore changed by 10 % of its largest moment",)),
+    "turned axes of it": (
+        {"rpy": "0 0 1.5707963267948966"},
+        ("inertia of link fore changed by 33.3 % of its",),
+    ),
+    "no mass": ({"mass": ""}, ("the mass of link fore is gone",)),
+    "the same, turned": ({"rpy": "0 0 1.5707963267948966", "ixx": "0.002", "iyy": "0.001"}, ()),
+    "the same, rounded": ({"mass": "0.0990000004", "com": "0.1000004 0 0"}, ()),
+}
+
+
+@pytest.mark.parametrize("case", BODIES)
+def test_a_changed_body_is_told_in_words(case: str, tmp_path: Path) -> None:
+    changes, expected = BODIES[case]
+    freeze(weighing(tmp_path, "old.urdf"), tmp_path / "g.json")
+    difference = compare(weighing(tmp_path, "new.urdf", **changes), tmp_path / "g.json")
+    assert len(difference.changes) == len(expected)
+    assert all(told.startswith(begin) for told, begin in zip(difference.changes, expected, strict=True))
+    back = compare(load_arm(tmp_path / "old.urdf"), tmp_path / "new.urdf")
+    assert back.same == difference.same
+
+
+def test_a_golden_file_says_what_it_does_not_cover(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    arm, path = weighing(tmp_path, "arm.urdf"), tmp_path / "g.json"
+    assert run(["freeze", str(tmp_path / "arm.urdf"), "-o", str(path)]) == 0
+    content = json.loads(path.read_text())
+    assert f"not covered: {', '.join(content['not_covered'])}\n" in capsys.readouterr().out
+    assert content["bodies"]["fore"]["mass"] == 0.099
+    for missing in ("gone", None):
+        content["bodies"] = missing
+        if missing == "gone":
+            del content["bodies"]
+        path.write_text(json.dumps(content))
+        difference = compare(arm, path)
+        assert difference.same
+        assert [note.partition(":")[0] for note in difference.notes] == ["masses were not compared"]
+    assert compare(load_arm(build(tmp_path)), path).notes == (), "an arm without masses"
+
+
+@pytest.mark.parametrize("body", [{}, {"mass": "1"}, {"mass": 1, "centre": [0, 0], "inertia": [[0] * 3] * 3}, 3])
+def test_a_damaged_body_is_refused(body: object, tmp_path: Path) -> None:
+    arm, path = weighing(tmp_path, "arm.urdf"), tmp_path / "g.json"
+    freeze(arm, path)
+    path.write_text(json.dumps(json.loads(path.read_text()) | {"bodies": {"fore": body}}))
+    with pytest.raises(DescriptionError, match="damaged golden file"):
+        compare(arm, path)
+
+
 def test_an_unchanged_arm_is_the_same(golden: Path, tmp_path: Path) -> None:
     difference = compare(load_arm(build(tmp_path)), golden).require()
     assert difference.same

@@ -120,8 +120,8 @@ CODES: dict[str, Code] = {
     "limits-look-like-degrees": Code("warning", "a joint turns many times round; its limits may be in degrees"),
     "limits-look-like-millimetres": Code("warning", "a slide is longer than any arm's; its limits may be in mm"),
     "limit-range-tiny": Code("warning", "a joint's bounds leave it next to no room"),
-    "velocity-implausible": Code("warning", "a velocity limit is beyond any arm's; it may be in degrees or mm"),
-    "reach-implausible": Code("warning", "the arm is longer than any; its lengths may be in millimetres"),
+    "velocity-implausible": Code("warning", "a velocity limit is beyond any arm's; it may be in degrees, mm or inches"),
+    "reach-implausible": Code("warning", "the arm is longer than any; its lengths may be in millimetres or inches"),
     # postures
     "zero-outside-limits": Code("info", "the arm cannot stand at zero, where many programs start"),
     "home-singular": Code("info", "at zero, or at home, the tool cannot move in every direction that the arm has"),

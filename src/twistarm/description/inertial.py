@@ -3,12 +3,45 @@
 from __future__ import annotations
 
 import xml.etree.ElementTree as ET
+from dataclasses import dataclass
 
+import numpy as np
+
+from ..support.checks import Array
 from .document import Reading
 from .geometry import read_origin
 from .numerals import floats
+from .tree import Description
+
+
+@dataclass(frozen=True)
+class Body:
+    """A link's mass [kg], its centre (3,) [m] in the link's frame, and its inertia (3, 3) [kg m²] about the centre in
+    the link's axes.
+    """
+
+    mass: float
+    centre: Array
+    inertia: Array
+
 
 INERTIA = ("ixx", "ixy", "ixz", "iyy", "iyz", "izz")
+
+
+def bodies(description: Description) -> dict[str, Body]:
+    """Every link with a mass or an inertia, from the text in which the unusable ones are gone."""
+    robot = ET.fromstring(description.repaired)
+    inertials = {link.get("name", ""): link.find("inertial") for link in robot.findall("link")}
+    read = {name: _body(inertial) for name, inertial in inertials.items() if inertial is not None}
+    return {name: body for name, body in read.items() if body.mass > 0 or body.inertia.any()}
+
+
+def _body(inertial: ET.Element) -> Body:
+    mass, inertia = inertial.find("mass"), inertial.find("inertia")
+    xx, xy, xz, yy, yz, zz = (0.0 if inertia is None else float(inertia.get(name, "0")) for name in INERTIA)
+    g = read_origin(inertial)
+    about = g[:3, :3] @ np.array([[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]]) @ g[:3, :3].T
+    return Body(0.0 if mass is None else float(mass.get("value", "0")), g[:3, 3], about)
 
 
 def drop_unusable_inertials(robot: ET.Element, reading: Reading) -> None:

@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-import xml.etree.ElementTree as ET
 from collections.abc import Iterator
 from dataclasses import dataclass
 
 import numpy as np
 
 from ..description.findings import Finding
+from ..description.inertial import bodies
 from ..description.tree import Description, Link
 from ..support.checks import Array
 from .wording import grouped
@@ -110,25 +110,9 @@ def _same(body: Body, other: Body) -> bool:
 
 
 def _bodies(description: Description) -> list[Body]:
-    """Every link with a mass or an inertia, from the text in which the unusable ones are gone."""
-    robot = ET.fromstring(description.repaired)
-    read = [
-        _body(description.links[link.get("name", "")], inertial)
-        for link in robot.findall("link")
-        for inertial in link.findall("inertial")
-    ]
-    return [body for body in read if body.mass > 0 or body.moments.any()]
+    read = ((description.links[name], body) for name, body in bodies(description).items())
+    return [Body(link, body.mass, float(np.linalg.norm(body.centre)), _moments(body.inertia)) for link, body in read]
 
 
-def _body(link: Link, inertial: ET.Element) -> Body:
-    mass, inertia, origin = inertial.find("mass"), inertial.find("inertia"), inertial.find("origin")
-    xx, xy, xz, yy, yz, zz = (
-        0.0 if inertia is None else float(inertia.get(name, "0")) for name in ("ixx", "ixy", "ixz", "iyy", "iyz", "izz")
-    )
-    xyz = "0 0 0" if origin is None else origin.get("xyz", "0 0 0")
-    return Body(
-        link=link,
-        mass=0.0 if mass is None else float(mass.get("value", "0")),
-        centre=float(np.linalg.norm([float(word) for word in xyz.split()])),
-        moments=np.linalg.eigvalsh(np.array([[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]], dtype=np.float64)),
-    )
+def _moments(inertia: Array) -> Array:
+    return np.asarray(np.linalg.eigvalsh(inertia), dtype=np.float64)

@@ -15,6 +15,7 @@ from ..description.tree import Description, Joint
 from ..limits.joint_limits import AS_GOOD_AS_UNBOUNDED
 from ..limits.joint_units import unit_of
 from ..model.arm import Arm
+from .units import LONGEST_REACH, UNITS, likely_units
 from .wording import SHOWN, grouped, place_of
 
 TOO_WIDE = 13.0
@@ -32,21 +33,21 @@ FASTEST = {"rad": 50.0, "m": 10.0}
 TINY = {"rad": 0.01, "m": 1e-4}
 """Half a degree, and a tenth of a millimetre: less is no motion."""
 
-LONGEST_REACH = 20.0
-"""[m]; in millimetres every arm is longer."""
-
 
 def check_limits(description: Description, arm: Arm | None) -> Iterator[Finding]:
     """What each joint's limits look like, those given beside the description included."""
     joints = [joint for joint in _with_given(description, arm) if joint.scalar]
+    reach = description.extent if arm is None else arm.reach
+    unit = next(iter(likely_units(description, reach)), "millimetres")
     for joint in joints:
-        yield from _range(description, joint, _given_in(description, arm, joint, ("lower", "upper")))
+        yield from _range(description, joint, _given_in(description, arm, joint, ("lower", "upper")), unit)
     own = [joint for joint in joints if joint.mimic is None]
     beside = [_given_in(description, arm, joint, ("velocity",)) for joint in own]
-    yield from _velocities(description, [joint for joint, given in zip(own, beside, strict=True) if given is None])
+    written = [joint for joint, given in zip(own, beside, strict=True) if given is None]
+    yield from _velocities(description, written, unit)
     for joint, given in zip(own, beside, strict=True):
         if given is not None:
-            yield from _given_velocity(joint, given)
+            yield from _given_velocity(joint, given, unit)
 
 
 def check_zero(arm: Arm) -> Iterator[Finding]:
@@ -68,12 +69,15 @@ def check_zero(arm: Arm) -> Iterator[Finding]:
 
 def check_reach(arm: Arm) -> Iterator[Finding]:
     """Whether the arm's lengths can be metres."""
-    if arm.reach > LONGEST_REACH:
+    units = () if arm.description is None else likely_units(arm.description, arm.reach)
+    if units or arm.reach > LONGEST_REACH:
+        unit, *others = units or ["millimetres"]
+        also = " or ".join(f"by {UNITS[other]:g} for {other}" for other in others)
         yield finding(
             "reach-implausible",
             place_of(arm.description, arm.name),
-            f"its reach is {arm.reach:.4g} m: lengths in millimetres look like that",
-            "write every <origin xyz> in metres",
+            f"its reach is {arm.reach:.4g} m: lengths in {unit} look like that",
+            f"write every <origin xyz> in metres: multiply by {UNITS[unit]:g}" + (f" (or {also})" if also else ""),
         )
 
 
@@ -100,7 +104,8 @@ def _given_in(description: Description, arm: Arm | None, joint: Joint, fields: t
     return Place(Path(arm.source).name, element="joint", name=joint.name)
 
 
-def _range(description: Description, joint: Joint, given: Place | None) -> Iterator[Finding]:
+def _range(description: Description, joint: Joint, given: Place | None, lengths: str) -> Iterator[Finding]:
+    """`lengths`: the unit of those that cannot be metres."""
     unit = _unit(joint)
     place = given or description.place(joint)
     bounds = [bound for bound in (joint.lower, joint.upper) if abs(bound) < AS_GOOD_AS_UNBOUNDED]
@@ -117,8 +122,8 @@ def _range(description: Description, joint: Joint, given: Place | None) -> Itera
         yield finding(
             "limits-look-like-millimetres",
             place,
-            f"{shown} look like millimetres",
-            _bounds_remedy(joint, given, np.array([joint.lower, joint.upper]) / 1e3),
+            f"{shown} look like {lengths}",
+            _bounds_remedy(joint, given, np.array([joint.lower, joint.upper]) * UNITS[lengths]),
         )
     elif 0.0 < joint.upper - joint.lower < TINY[unit]:
         yield finding(
@@ -153,28 +158,28 @@ def _unit(joint: Joint) -> str:
     return unit_of(joint.type)
 
 
-def _velocities(description: Description, joints: list[Joint]) -> Iterator[Finding]:
+def _velocities(description: Description, joints: list[Joint], lengths: str) -> Iterator[Finding]:
     """One finding for all joints with the same impossible velocity."""
     fast: dict[tuple[str, float], list[Joint]] = {}
     for joint in filter(_too_fast, joints):
         fast.setdefault((_unit(joint), joint.velocity), []).append(joint)
     for those in fast.values():
-        yield grouped("velocity-implausible", description, those, *_fast_words(those[0], None))
+        yield grouped("velocity-implausible", description, those, *_fast_words(those[0], None, lengths))
 
 
-def _given_velocity(joint: Joint, given: Place) -> Iterator[Finding]:
+def _given_velocity(joint: Joint, given: Place, lengths: str) -> Iterator[Finding]:
     if _too_fast(joint):
-        yield finding("velocity-implausible", given, *_fast_words(joint, given))
+        yield finding("velocity-implausible", given, *_fast_words(joint, given, lengths))
 
 
 def _too_fast(joint: Joint) -> bool:
     return FASTEST[_unit(joint)] < joint.velocity < AS_GOOD_AS_UNBOUNDED
 
 
-def _fast_words(joint: Joint, given: Place | None) -> tuple[str, str]:
+def _fast_words(joint: Joint, given: Place | None, lengths: str) -> tuple[str, str]:
     """What is wrong with an impossible velocity, and the remedy."""
     unit, velocity = _unit(joint), joint.velocity
-    converted, small = (velocity / 1e3, "mm") if unit == "m" else (math.radians(velocity), "degrees")
+    converted, small = (velocity * UNITS[lengths], lengths) if unit == "m" else (math.radians(velocity), "degrees")
     remedy = _remedy(joint, given, {"velocity": float(f"{converted:.4g}")})
     return (
         f"a velocity limit of {velocity:g} {unit}/s, faster than any arm's joint; planning takes it at its word",

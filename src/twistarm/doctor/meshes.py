@@ -14,6 +14,7 @@ from ..description.tree import Description
 from ..support.checks import Array
 from ..support.errors import MissingExtraError, TwistarmError, listed
 from ..support.files import is_file, open_regular
+from .units import LONGEST_REACH, UNITS
 
 TOO_LARGE = 20.0
 """Times the arm's own size: no link is as long."""
@@ -23,9 +24,6 @@ TOO_SMALL = 1.0 / 50.0
 
 SHOWN = 3
 """File names in one finding."""
-
-UNITS = {"inches": 0.0254, "centimetres": 0.01, "millimetres": 0.001}
-"""[m], the largest first: what meshes are exported in."""
 
 _POINTER = b"version https://git-lfs"
 
@@ -103,12 +101,14 @@ def _out_of_scale(description: Description, lengths: dict[Use, float]) -> Iterat
             _rescaled(list(large), UNITS[unit]) + check,
         )
     elif lengths and max(lengths.values()) < TOO_SMALL * size:
+        odd = size > LONGEST_REACH
         yield _mesh_finding(
             "mesh-too-small",
             description,
             [use.path for use in lengths],
-            f"{max(lengths.values()):.2g} m long at most, on an arm of {size:.3g} m: scaled down twice",
-            _rescaled([max(lengths, key=lambda use: lengths[use])], 1e3),
+            f"{max(lengths.values()):.2g} m long at most, on an arm of {size:.3g} m: "
+            + ("the arm's own lengths are in another unit" if odd else "scaled down twice"),
+            "write those in metres first" if odd else _rescaled([max(lengths, key=lambda use: lengths[use])], 1e3),
         )
 
 

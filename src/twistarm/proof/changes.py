@@ -1,19 +1,24 @@
-"""Changes of limits and of motors between two arms, in words, one sentence each."""
+"""Changes of limits, motors and masses between two arms, in words, one sentence each."""
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 
 import numpy as np
 
+from ..description.inertial import Body
 from ..limits.actuators import Actuators
 from ..limits.joint_limits import RATES, JointLimits
+from ..support.checks import Array
 
 SAME_TOL = 1e-6
 """Smaller differences, below 1 µm and 1e-6 rad, come from rounding in an export, not from a changed description."""
 
 SAME_RATIO_TOL = 1e-9
 """Relative: ratios and ticks are written by hand, and a ratio of 1e-4 m per rad is a usual one."""
+
+SAME_MASS_TOL = 1e-5
+"""Relative, of masses and inertias: exports write six digits."""
 
 
 def name_changes(kind: str, before: Sequence[str], now: Sequence[str]) -> list[str]:
@@ -36,6 +41,29 @@ def limit_changes(name: str, unit: str, then: JointLimits, i: int, now: JointLim
         old, new = float(getattr(then, rate)[i]), float(getattr(now, rate)[j])
         if not _same(old, new):
             yield f"{rate} limit of {name} {'lowered' if new < old else 'raised'}: {' to '.join(_pair(old, new))}"
+
+
+def mass_changes(then: Mapping[str, Body], now: Mapping[str, Body]) -> Iterator[str]:
+    """How the masses of the links have changed, their centres and their inertias."""
+    for link in {**then, **now}:
+        if link not in now or link not in then:
+            yield f"the mass of link {link} is {'new' if link in now else 'gone'}"
+            continue
+        before, after = then[link], now[link]
+        if not _same_share(before.mass, after.mass, max(before.mass, after.mass)):
+            word = "lowered" if after.mass < before.mass else "raised"
+            yield f"mass of link {link} {word}: {' to '.join(_pair(before.mass, after.mass))} kg"
+        shift = float(np.linalg.norm(after.centre - before.centre))
+        if shift > SAME_TOL:
+            yield f"centre of mass of link {link} moved {1e3 * shift:.4g} mm"
+        largest = max(float(np.abs(body.inertia).max()) for body in (before, after))
+        if not _same_share(before.inertia, after.inertia, largest):
+            share = float(np.abs(after.inertia - before.inertia).max()) / largest
+            yield f"inertia of link {link} changed by {100 * share:.3g} % of its largest moment"
+
+
+def _same_share(before: Array | float, after: Array | float, whole: float) -> bool:
+    return bool(np.abs(np.subtract(after, before)).max() <= SAME_MASS_TOL * whole)
 
 
 def motor_changes(then: Actuators | None, now: Actuators | None) -> list[str]:

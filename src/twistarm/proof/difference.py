@@ -8,17 +8,19 @@ from typing import Any
 
 import numpy as np
 
+from ..description.inertial import bodies
 from ..loading.load import load_arm
 from ..model.arm import Arm, require_arm
 from ..support.errors import ComparisonError, InputError
 from ..support.files import as_path
-from .changes import SAME_TOL, limit_changes, motor_changes, name_changes
+from .changes import SAME_TOL, limit_changes, mass_changes, motor_changes, name_changes
 from .crosscheck import by_exponentials
 from .geometry_changes import geometry_changes
 from .golden_file import golden_content, read_golden
 
+NO_MASSES = "masses were not compared: what it is compared with holds none; a golden file that is written now does"
 NO_MOTORS = "the golden file knows nothing of the motors, which were not compared: freeze the arm again"
-"""Of a file that was written before motors were frozen."""
+"""Of a file that was written before these were frozen, or of an arm without a description."""
 
 
 @dataclass(frozen=True)
@@ -55,7 +57,8 @@ def compare(arm: Arm, against: Arm | str | os.PathLike[str]) -> Difference:
             takes (two designs side by side). A description is loaded as it stands, without options.
 
     Returns:
-        The `Difference`: names, types, limits, motors, axes and tool. Numbers that differ by less than 1 µm or
+        The `Difference`: names, types, limits, motors, axes, tool, and the mass, centre and
+        inertia of each link. What is not compared stands in `NOT_COVERED`. Numbers that differ by less than 1 µm or
         1e-6 rad are the same: that much comes from rounding in an export.
 
     Raises:
@@ -87,6 +90,11 @@ def _compare(arm: Arm, golden: dict[str, Any]) -> Difference:
         changes += motor_changes(golden["actuators"], arm.actuators)
     elif arm.actuators is not None:
         notes = (NO_MOTORS,)
+    now = {} if arm.description is None else bodies(arm.description)
+    if golden["bodies"] is None and now:
+        notes = (*notes, NO_MASSES)
+    elif golden["bodies"] is not None and arm.description is not None:
+        changes += mass_changes(golden["bodies"], now)
     then = [joint["name"] for joint in golden["joints"]]
     if then != list(arm.joint_names) or golden["screws"].shape != arm.screws.shape:
         return Difference(arm.name, tuple(changes or ["the joints that follow others are different ones"]), notes=notes)

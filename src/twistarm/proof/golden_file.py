@@ -10,6 +10,7 @@ from typing import Any
 import numpy as np
 
 from ..description.document import read_text
+from ..description.inertial import Body, bodies
 from ..limits.joint_limits import FIELDS
 from ..model.arm import Arm, require_arm
 from ..model.baking import FORMAT as BAKED
@@ -27,12 +28,23 @@ MAX_BYTES = 10_000_000
 
 SAMPLES = 100
 
+NOT_COVERED = (
+    "shapes and meshes",
+    "named poses and the SRDF",
+    "limits of joints beside the chain",
+    "damping and friction",
+)
+"""What a golden file says nothing of."""
+
 _FREEZE = "twistarm freeze writes one"
 
 
 def freeze(arm: Arm, path: str | os.PathLike[str]) -> None:
-    """Write the arm as numbers (JSON, SI): names, screws, home, limits, motors, and FK and Jacobians at 100 seeded
-    postures.
+    """Write the arm as numbers (JSON, SI): names, screws, home, limits, motors, each link's mass, centre and inertia,
+    and FK and Jacobians at 100 seeded postures.
+
+    Shapes and meshes, named poses, the SRDF, limits of joints beside the chain, damping and friction are not covered;
+    the file says so itself.
 
     All of it comes from the product of exponentials, so that the file depends on no engine. The file is written whole
     or not at all.
@@ -64,6 +76,13 @@ def golden_text(arm: Arm) -> str:
         "screws": arm.screws.tolist(),
         "home": arm.home.tolist(),
         "coupling": {"A": arm.coupling.A.tolist(), "b": arm.coupling.b.tolist()},
+        "bodies": None
+        if arm.description is None
+        else {
+            link: {"mass": body.mass, "centre": body.centre.tolist(), "inertia": body.inertia.tolist()}
+            for link, body in bodies(arm.description).items()
+        },
+        "not_covered": NOT_COVERED,
         "actuators": None if arm.actuators is None else actuators_entry(arm.actuators),
         "theta": theta.tolist(),
         "fk": g.tolist(),
@@ -124,9 +143,18 @@ def _checked(content: dict[str, Any]) -> dict[str, Any]:
     if not all(isinstance(content[key], str) for key in ("base", "tip")):
         raise ValueError("no base or no tip")
     read: dict[str, Any] = {"limits": read_limits({field: [joint[field] for joint in joints] for field in FIELDS})}
+    written = content.get("bodies")
+    read["bodies"] = None if written is None else {link: _body(body, link) for link, body in written.items()}
     if "actuators" in content:
         read["actuators"] = read_actuators(content["actuators"], tuple(joint["name"] for joint in joints))
     return arrays | read
+
+
+def _body(written: dict[str, Any], link: str) -> Body:
+    centre, inertia = (as_floats(written[name], name) for name in ("centre", "inertia"))
+    if centre.shape != (3,) or inertia.shape != (3, 3):
+        raise ValueError(f"the body of {link} has no centre (3,) or no inertia (3, 3)")
+    return Body(float(as_floats(written["mass"], "mass")), centre, inertia)
 
 
 def _finite(value: float) -> float | None:

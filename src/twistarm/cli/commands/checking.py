@@ -12,7 +12,7 @@ from ...loading.load import load_arm
 from ...model.arm import Arm
 from ...proof.crosscheck import CrossCheck, crosscheck
 from ...proof.difference import Difference, compare
-from ...proof.golden_file import golden_text
+from ...proof.golden_file import NOT_COVERED, golden_text
 from ...support.errors import DescriptionError, InputError
 from ...support.path_redaction import without_places
 from ..folders import PART, Line, refused, walk
@@ -91,12 +91,13 @@ def _line(path: Path, load: dict[str, Any], samples: int) -> Line:
 
 @takes_arm
 def freeze(arm: Arm, output: Output = None, force: Force = False) -> None:
-    """Write a golden file: names, screws, home, limits, motors, FK and Jacobians at 100 seeded configurations."""
+    """Write a golden file: names, screws, home, limits, motors, masses, FK and Jacobians at 100 configurations."""
     outputs = outputs_of(output or f"{Path(arm.name).name}.golden.json", {"json": (".json",)}, force=force)
     for name in outputs.write({"json": lambda: golden_text(arm)}):
         if name != STDOUT:
             later = f"later, with the same ARM and options: twistarm check … --against {name}"
             say(f"{name}: {arm.name} frozen; {later}", file=outputs.words)
+            say(f"not covered: {', '.join(NOT_COVERED)}", file=outputs.words)
 
 
 def check_table(result: CrossCheck) -> Any:
@@ -127,6 +128,7 @@ def _as_json(result: CrossCheck, difference: Difference | None) -> dict[str, Any
             "unchanged": difference.same,
             "changes": difference.changes,
             "notes": difference.notes,
+            "not_covered": NOT_COVERED,
             "pose_error": difference.pose_error,
             "jacobian_error": difference.jacobian_error,
         }
