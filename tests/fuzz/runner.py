@@ -26,8 +26,9 @@ from .sources import Source
 LIMIT = 5.0
 """Seconds of the worker's own computing for one mutant, loading and judging together: others use the machine too."""
 
-PATIENCE = 60.0
-"""Seconds on the clock for one mutant, and for a new worker to start: what waits for something computes nothing."""
+PATIENCE = 600.0
+"""Seconds on the clock for one mutant, and for a new worker to start: what waits for something computes nothing, and
+does so on an idle machine too."""
 
 
 @dataclass(frozen=True)
@@ -178,10 +179,8 @@ class Worker:
         return process
 
 
-def campaign(
-    sources: Sequence[Source], count: int, folder: Path, *, seed: int = 0, workers: int = 1, seconds: float = 600.0
-) -> Campaign:
-    """`count` mutants of the sources in turn, or as many as fit into `seconds`."""
+def campaign(sources: Sequence[Source], count: int, folder: Path, *, seed: int = 0, workers: int = 1) -> Campaign:
+    """`count` mutants of the sources in turn; each has its own bounds of time."""
     result, lock = Campaign(), threading.Lock()
     numbers: queue.SimpleQueue[int] = queue.SimpleQueue()
     for number in range(count):
@@ -190,7 +189,7 @@ def campaign(
 
     def work(worker: Worker) -> None:
         try:
-            while time.perf_counter() - start < seconds:
+            while True:
                 case = one(worker, sources, numbers.get_nowait(), seed)
                 with lock:
                     result.add(case)

@@ -16,9 +16,6 @@ SAME = 1e-4
 
 SLIDES = ServoSettings()
 
-SAME_WHERE_SINGULAR = 0.03
-"""Where two directions are missing at once, any two in their plane are."""
-
 ARMS = ("rover_arm", "so101", "scara", "rr_planar", "rover_arm_6dof", "ur5", "panda", "stanford")
 
 
@@ -28,17 +25,17 @@ def _compiled():
         pytest.skip("no compiled core; tests/model/test_engine.py says whether there should be one")
 
 
-def same(arm, bounds, state, command, close=SAME):
+def same(arm, bounds, state, command):
     """The compiled step's answer, once it is seen to be the readable one's."""
     ours, theirs = _answer(arm, bounds, state, command, 0.01), readable.step(arm, bounds, state, command, 0.01)
     assert ours.cause == theirs.cause
     assert ours.row == theirs.row
     assert ours.halted == theirs.halted
-    assert ours.scale == pytest.approx(theirs.scale, abs=10 * close)
+    assert ours.scale == pytest.approx(theirs.scale, abs=10 * SAME)
     for name in ("theta", "theta_dot", "remaining"):
-        np.testing.assert_allclose(getattr(ours, name), getattr(theirs, name), atol=close, err_msg=name)
+        np.testing.assert_allclose(getattr(ours, name), getattr(theirs, name), atol=SAME, err_msg=name)
     # What is lost is told at full speed: rates divided by the share of it that they are for.
-    np.testing.assert_allclose(ours.lost, theirs.lost, atol=10 * close)
+    np.testing.assert_allclose(ours.lost, theirs.lost, atol=10 * SAME)
     assert (ours.held is None) == (theirs.held is None)
     return ours
 
@@ -78,4 +75,4 @@ def test_the_same_where_the_arm_is_exactly_singular(name):
     command = None
     for _ in range(20):
         command = next_command(rng, arm, command)
-        same(arm, bounds, state, command, SAME_WHERE_SINGULAR)
+        same(arm, bounds, state, command)

@@ -37,6 +37,16 @@ def test_a_jog_goes_on_for_the_time_and_ends_at_rest(rover, clock, robot, stream
     assert robot.theta[elbow] - rover.ready[elbow] == pytest.approx(-0.4 * 2.0, abs=0.4 * PERIOD)
 
 
+@pytest.mark.parametrize("late", [0.0, 0.004, 0.03, 0.3, 3.0])
+def test_no_step_is_over_more_time_than_passed_however_late_its_cycle(rover, clock, robot, stream, late):
+    clock.late = dict.fromkeys(range(180, 400), late)  # the last of the motion, and the way to rest
+    report = stream()
+    assert within_limits(rover, robot)
+    assert np.abs(robot.rates).max() == pytest.approx(0.4)
+    assert not robot.rates[-1].any()
+    assert report.at_rest
+
+
 def test_it_starts_where_the_arm_is(rover, clock, stream):
     away = rover.ready + [0.05, 0.1, -0.2, 0.3, -0.4]
     robot = Robot(away, clock)

@@ -77,6 +77,7 @@ application.program()
 """
 
 
+@pytest.mark.usefixtures("hangups")
 @pytest.mark.parametrize("sent", ["SIGINT", "SIGTERM", "SIGHUP"])
 def test_the_cursor_comes_back_whatever_ends_it(sent: str, tmp_path: Path) -> None:
     (tmp_path / "arm.urdf").write_text("<robot/>")
@@ -125,6 +126,7 @@ signal.raise_signal(signal.{sent})
 """
 
 
+@pytest.mark.usefixtures("hangups")
 @pytest.mark.parametrize("sent", ["SIGTERM", "SIGHUP"])
 def test_a_stream_ends_at_rest_by_a_signal_which_then_has_its_usual_effect(sent: str) -> None:
     done = streamed(STREAM.format(sent=sent, prepare="", options=""))

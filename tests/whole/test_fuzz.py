@@ -21,15 +21,12 @@ from urdf_text import joint, robot, two_joints, write
 QUICK, LONG, REAL = 80, 10_000, 3_000
 """Mutants in `make test`, and in `make test-all` of what is at hand everywhere and of real models."""
 
-PATIENCE = 600.0
-"""Seconds for a campaign; on two cores it takes a fifth of that."""
-
 
 def run(sources: list[Source], count: int, folder: Path, workers: int) -> Campaign:
-    result = campaign(sources, count, folder / "workers", workers=workers, seconds=PATIENCE)
+    result = campaign(sources, count, folder / "workers", workers=workers)
     print(f"\n{result}")
     assert not result.failed, result.report(folder / "failed")
-    assert result.total == count, f"only {result.total} mutants in {PATIENCE:g} s"
+    assert result.total == count
     assert result.outcomes["loaded"] > count / 10, "mutants that nobody can load prove little"
     return result
 

@@ -7,6 +7,7 @@ import re
 import signal
 import subprocess
 import sys
+import threading
 import time
 from pathlib import Path
 
@@ -26,8 +27,8 @@ SAMPLE = (
     *("200 manifests of 1 MB, the name at the end", "links in circles"),
 )
 
-PROMPT = 0.5
-"""Seconds within which Ctrl-C ends a command."""
+PROMPT, HANGS = 0.5, 60.0
+"""Seconds of the processor within which Ctrl-C ends a command; those on the clock after which it counts as stuck."""
 
 
 def judged(case: Case, code: int | None, errors: str) -> str:
@@ -89,11 +90,14 @@ def test_ctrl_c_ends_it_at_any_moment(command: str, name: str, tmp_path: Path) -
     arguments = (command, *CASES[name].write(tmp_path))
     whole = attempt(*arguments, folder=tmp_path).seconds
     for share in (0.5, 0.65, 0.8, 0.95):
-        assert min(_interrupted(arguments, tmp_path, share * whole) for _ in range(3)) < PROMPT
+        assert any(_interrupted(arguments, tmp_path, share * whole) < PROMPT for _ in range(3)), share
 
 
 def _interrupted(arguments: tuple[str, ...], folder: Path, after: float) -> float:
-    """Seconds from a Ctrl-C to the end of `twistarm arguments`; 0 where that came first."""
+    """Seconds that it computes from a Ctrl-C to the end of `twistarm arguments`; 0 where that came first.
+
+    Those of the clock, which count other programs too, where the system does not tell.
+    """
     process = subprocess.Popen(
         [sys.executable, "-m", "twistarm", *arguments],
         cwd=folder,
@@ -103,7 +107,21 @@ def _interrupted(arguments: tuple[str, ...], folder: Path, after: float) -> floa
         env={**os.environ, "COLUMNS": "80"},
     )
     time.sleep(after)
-    began = time.monotonic()
+    began, clock = _computed(process.pid), time.monotonic()
     process.send_signal(signal.SIGINT)
-    process.wait(60)
-    return time.monotonic() - began
+    stuck = threading.Timer(HANGS, process.kill)
+    stuck.start()
+    os.waitid(os.P_PID, process.pid, os.WEXITED | os.WNOWAIT)  # its times are still there
+    stuck.cancel()
+    took = _computed(process.pid) - began
+    assert process.wait() != -signal.SIGKILL, f"not ended {HANGS:g} s after Ctrl-C"
+    return took if began > 0.0 else time.monotonic() - clock
+
+
+def _computed(pid: int) -> float:
+    """The seconds of the processor that a process took until now; 0 where no /proc tells."""
+    try:
+        fields = Path(f"/proc/{pid}/stat").read_text().rpartition(")")[2].split()
+    except OSError:
+        return 0.0
+    return (int(fields[11]) + int(fields[12])) / os.sysconf("SC_CLK_TCK")

@@ -16,6 +16,7 @@ import pytest
 import yaml
 
 import ros_stand_ins as msg
+from stream_stand_ins import FakeClock
 
 PACKAGE = Path(__file__).parents[2] / "examples" / "ros2" / "twistarm_servo"
 
@@ -44,7 +45,10 @@ class Drive:
         self.said = msg.install(monkeypatch, self.spin_once)
         overrides = {**VELOCITIES, **parameters}
         monkeypatch.setattr(msg.Node, "overrides", overrides)
-        self.main = package("node").main
+        node = package("node")
+        self.clock = FakeClock()  # the system's
+        monkeypatch.setattr(node, "MonotonicClock", lambda: self.clock)
+        self.main = node.main
         self.node, self.cycle, self.each = None, 0, lambda drive: None
         self.joints, self.ends = lambda drive: drive.follow(), KeyboardInterrupt
         self.theta = theta.copy()
@@ -83,6 +87,7 @@ class Drive:
             raise self.ends
         self.cycle += 1
         node.get_clock().seconds += PERIOD
+        self.clock.time += PERIOD
         if self.node.streaming is not None:
             self.joints(self)
         self.each(self)
@@ -132,6 +137,7 @@ def test_twists_become_rates_and_the_arm_is_left_at_rest(drive, rover):
     assert values.keys() >= {"status", "scale", "interlock", "frame", "hold"}
 
 
+@pytest.mark.usefixtures("hangups")
 @pytest.mark.parametrize("number", [signal.SIGTERM, signal.SIGHUP])
 def test_signals_end_it_as_ctrl_c_does(drive, number):
     it = drive()
@@ -316,6 +322,28 @@ def test_a_simulation_that_is_set_back_or_jumps_stops_the_arm_and_goes_on(drive,
     assert np.abs(np.diff(it.rates, axis=0)).max() <= it.arm.limits.acceleration.max() * PERIOD * 1.001
     assert not it.rates[55].any()
     assert np.abs(it.rates[80]).max() > 0.01
+
+
+@pytest.mark.parametrize("system", [-1000.0, 999.99, 1000.0, 1000.02, 1000.05, 1e6])
+@pytest.mark.parametrize("late", [{}, {1: 0.0004, 2: 0.03, 4: 0.2}], ids=["in time", "late"])
+def test_no_step_to_rest_is_over_more_time_than_passed(drive, system, late):
+    """The node drives on the simulation's clock, from 1000 s on, and comes to rest on the system's."""
+    it, told = drive(), []
+    it.clock.time, it.clock.late = system, late
+
+    def each(it):
+        it.twist()
+        if not told:
+            sink, told[:] = it.node.streaming.sink, [(it.clock.now(), np.zeros(5))]
+            write = sink.write
+            sink.write = lambda setpoint: (told.append((it.clock.now(), setpoint.theta_dot)), write(setpoint))
+
+    it.each = each
+    it.run(20)
+    times, rates = map(np.array, zip(*told[1:], strict=True))
+    assert np.abs(rates[18]).max() > 0.01
+    assert not rates[-1].any()
+    assert (np.abs(np.diff(rates, axis=0)) <= np.outer(np.diff(times), it.arm.limits.acceleration) + 1e-12).all()
 
 
 def test_services_stop_and_enable(drive):

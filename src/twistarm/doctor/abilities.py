@@ -14,6 +14,7 @@ import numpy as np
 from ..limits.joint_units import slides
 from ..model.arm import Arm
 from ..support.checks import Array
+from ..support.directions import nearest_axes
 from ..theory.manipulability import scaled_jacobian
 
 SAMPLES = 32
@@ -110,7 +111,7 @@ def _common(spans: Array) -> Array:
 
 
 def _smallest(gram: Array) -> Array:
-    """Eigenvectors (j, 3) of a Gram matrix to eigenvalues that are zero, being squares."""
+    """Eigenvectors (j, 3) of a Gram matrix to eigenvalues that are zero, being squares: those nearest to an axis."""
     values, vectors = np.linalg.eigh(gram)
-    directions: Array = vectors[:, values <= TOL**2].T
-    return directions
+    zero = vectors[:, values <= TOL**2]
+    return nearest_axes(zero @ zero.T, zero.shape[1]).T

@@ -10,6 +10,7 @@ import numpy as np
 
 from ..model.arm import Arm
 from ..support.checks import Array
+from ..support.directions import nearest_axes
 from .targets import Approach, Pose
 from .task_space import Target
 
@@ -151,11 +152,10 @@ def _holding_position(target: Target, g: Array, J_b: Array) -> Array:
 
 
 def _across(columns: Array) -> Array:
-    """Unit vectors (k, m) across every one of the columns (m, n)."""
+    """Unit vectors (k, m) across every one of the columns (m, n): those that are nearest to an axis."""
     U, size, _ = np.linalg.svd(columns)
-    rank = int((size > RANK_TOL).sum())
-    across: Array = U[:, rank:].T
-    return across
+    left = U[:, int((size > RANK_TOL).sum()) :]
+    return nearest_axes(left @ left.T, left.shape[1]).T
 
 
 def _norm(vector: Array) -> float:

@@ -360,7 +360,11 @@ class Arm:
         scale = self.reach if length is None else as_number(length, "length")
         if not scale > 0:
             raise InputError(f"length must be positive, in metres; got {scale:g}")
-        return manipulability_of(self.body_jacobian(theta), self._prismatic, scale)
+        x, unit = np.asarray(theta, dtype=np.float64), np.where(self._prismatic, scale, 1.0)
+        return manipulability_of(
+            self.body_jacobian(theta), self._prismatic, scale,
+            lambda index, steps: self.body_jacobian(x[index] + steps * unit),
+        )  # fmt: skip
 
     def _fk_and_body_jacobian(self, theta: Array) -> tuple[Array, Array]:
         """g_st (4, 4) and J^b (6, n) of one configuration in one pass, unchecked: for solvers' inner loops."""

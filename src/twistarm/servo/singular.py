@@ -9,6 +9,7 @@ from typing import NamedTuple
 import numpy as np
 
 from ..support.checks import Array
+from ..support.directions import leading
 from .resolved_rates import PRECEDENCE, RateTask
 
 BESIDE = 0.02
@@ -19,6 +20,9 @@ NOTHING = 1e-12
 
 NO_MOTION = 1e-9
 """Singular values below this are none at all."""
+
+NO_WAY = 1e-5
+"""Of the rows beside a posture: singular values below this show no way out."""
 
 RISE = 0.05
 """dσ per scaled radian, times the share of the twist: from here on a motion leaves a singularity entirely."""
@@ -82,11 +86,12 @@ class Singular(NamedTuple):
     def part(self, lost: Array, below: float) -> tuple[float, int]:
         """Of what is lost (6,) the square of the part along singular directions, and the joint that moves most there.
 
-        The joint is −1 where nothing is lost along them.
+        Of joints that move alike the first counts. The joint is −1 where nothing is lost along them, or none moves.
         """
         parts = np.where(self.sigma < below, ((1.0 - self.leaving) * (self.U.T @ lost)) ** 2, 0.0)
         gravest = int(np.argmax(parts))
-        joint = int(np.argmax(np.abs(self.V[:, gravest]))) if parts[gravest] > 0.0 else -1
+        moved = np.abs(self.V[:, gravest])
+        joint = leading(moved) if parts[gravest] > 0.0 and moved.any() else -1
         return float(parts.sum()), joint
 
 
@@ -122,7 +127,10 @@ def singular(
 
 
 def _decomposed(J: Array, count: int, beside: Callable[[], Array]) -> tuple[Array, Array, Array]:
-    """σ (k,), U (6, k), V (n, k) of the first `count` rows; k as many as random postures have."""
+    """σ (k,), U (6, k), V (n, k) of the first `count` rows; k as many as random postures have.
+
+    v = 0 where the posture beside shows nothing of a direction either: what stands there is rounding.
+    """
     rows, rank = np.where(np.arange(6)[:, None] < count, J, 0.0), min(count, J.shape[1])
     U, sigma, Vt = np.linalg.svd(rows)
     strong = int((sigma[:rank] > NO_MOTION).sum())
@@ -130,8 +138,10 @@ def _decomposed(J: Array, count: int, beside: Callable[[], Array]) -> tuple[Arra
     weak, U, V = U[:, strong:], U[:, :rank].copy(), Vt[:rank].T.copy()
     if strong < rank:
         free = np.eye(J.shape[1]) - V[:, :strong] @ V[:, :strong].T
-        Y, _, Zt = np.linalg.svd(weak[:count].T @ beside()[:count] @ free)
+        Y, size, Zt = np.linalg.svd(weak[:count].T @ beside()[:count] @ free)
+        shown = int((size > NO_WAY).sum())
         U[:, strong:], V[:, strong:] = (weak @ Y)[:, : rank - strong], Zt[: rank - strong].T
+        V[:, strong + shown :] = 0.0
     return sigma, U, V
 
 

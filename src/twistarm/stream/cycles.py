@@ -131,6 +131,14 @@ class Cycles(ABC, Generic[C]):
                 self._start_at(self.state.theta, now)
         return self.at_rest
 
+    def change_clock(self, now: float) -> None:
+        """Take times from another clock from here on: the next step is over what passes from this moment.
+
+        Args:
+            now: The other clock's time [s].
+        """
+        self._stepped = now
+
     def halt(self, now: float) -> None:
         """Rates of 0 where the commanded arm is, at once; nothing where no joint state ever arrived."""
         if self.state is None:

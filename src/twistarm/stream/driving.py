@@ -51,6 +51,8 @@ def drive(
 def come_to_rest(cycles: Cycles[C], metronome: Metronome, clock: Clock) -> bool:
     """Brake cycle by cycle, then rates of 0, written even when Ctrl-C cuts the braking short.
 
+    A clock that leaps ahead ends the braking no sooner: the cycles that it takes in time are made in any case.
+
     Args:
         cycles: The loop.
         metronome: The cycles' times.
@@ -60,12 +62,13 @@ def come_to_rest(cycles: Cycles[C], metronome: Metronome, clock: Clock) -> bool:
         Whether the arm is at rest.
     """
     try:
-        latest = clock.now() + cycles.longest_braking
-        while not cycles.at_rest and clock.now() < latest:
-            _wait(clock, metronome, latest)
+        latest, left = clock.now() + cycles.longest_braking, cycles.longest_braking / cycles.period
+        while not cycles.at_rest and (left > 0.0 or clock.now() < latest):
+            _wait(clock, metronome, inf)
             now = clock.now()
             metronome.tick(now)
             cycles.brake(now)
+            left -= 1.0
     except KeyboardInterrupt:
         pass
     finally:

@@ -7,6 +7,7 @@ import math
 import numpy as np
 
 from .checks import Array
+from .directions import leading
 
 ALONG_AXIS = 0.995
 """Cosine from which on a direction goes by the name of an axis, 5.7° from it."""
@@ -14,7 +15,7 @@ ALONG_AXIS = 0.995
 
 def axis_in_words(axis: Array, frame: str) -> str:
     """The line of a unit vector (3,) by the name of the axis it lies along, of the "base" or the "tool", or numbers."""
-    return direction_in_words(axis * np.sign(axis[np.argmax(np.abs(axis))]), frame)
+    return direction_in_words(axis * np.sign(axis[leading(np.abs(axis))]), frame)
 
 
 def direction_in_words(direction: Array, frame: str) -> str:
@@ -23,7 +24,7 @@ def direction_in_words(direction: Array, frame: str) -> str:
     if abs(direction[largest]) >= ALONG_AXIS:
         owner = "its" if frame == "tool" else "the base's"
         return f"{owner} {'−' * int(direction[largest] < 0)}{'xyz'[largest]} axis"
-    components = ", ".join(f"{value + 0.0:.2f}" for value in direction)
+    components = ", ".join(f"{value:.2f}" for value in np.round(direction, 2) + 0.0)
     return f"({components}) in {frame} axes"
 
 

@@ -2,15 +2,23 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
 
 from ..support.checks import Array
+from ..support.directions import nearest_axes, signed
 from ..support.display import Brief
 
 NO_MOTION = 1e-9
 """A singular value this small beside the largest is the rounding of 0."""
+
+BESIDE = 1e-4
+"""How far beside a singular posture one looks for the motions that it lacks [scaled rad]."""
+
+SEEN = 1e-3
+"""Of that distance: a singular value which is larger there is not the square of it."""
 
 
 @dataclass(frozen=True, repr=False)
@@ -20,6 +28,11 @@ class Manipulability(Brief):
     The linear rows are divided by `length`, the columns of prismatic joints multiplied by it, so that every number
     is rad per rad. `singular_values` (..., k), descending, k = min(6, n); `axes` (..., 6, k): the tool twists (v, w)
     they belong to, linear part again in units of `length`.
+
+    Singular vectors are unique up to the sign, and for equal values up to a rotation. Here the largest component is
+    positive. The axes of equal values are those in their span that are nearest to the tool's axes: translations along
+    x, y, z count before rotations about x, y, z. The axes of a value 0 are first those motions that postures beside
+    this one have, to first order, then those that they lack too.
     """
 
     singular_values: Array
@@ -55,7 +68,33 @@ def scaled_jacobian(J: Array, prismatic: Array, length: float) -> Array:
     return scaled
 
 
-def manipulability_of(J: Array, prismatic: Array, length: float) -> Manipulability:
-    """The measure for body Jacobians `J` (..., 6, n)."""
-    U, s, _ = np.linalg.svd(scaled_jacobian(J, prismatic, length), full_matrices=False)
+def manipulability_of(
+    J: Array, prismatic: Array, length: float, beside: Callable[[tuple[int, ...], Array], Array]
+) -> Manipulability:
+    """The measure for body Jacobians `J` (..., 6, n).
+
+    beside: the body Jacobians (m, 6, n) at the posture of an index, moved by the scaled steps (m, n).
+    """
+    U, s, Vt = np.linalg.svd(scaled_jacobian(J, prismatic, length), full_matrices=False)
+    if s.shape[-1]:
+        U = signed(U)
+    equal = np.diff(s, append=0.0) >= -NO_MOTION * s[..., :1]  # to the next one
+    for index in map(tuple, np.argwhere(equal.any(axis=-1))):
+        first, axes = 0, U[index]
+        for last in np.flatnonzero(~equal[index]) + 1:
+            axes[:, first:last] = nearest_axes(axes[:, first:last] @ axes[:, first:last].T, last - first)
+            first = last
+        if lost := len(s[index]) - first:
+            rows = scaled_jacobian(beside(index, BESIDE * np.eye(J.shape[-1])), prismatic, length)
+            axes[:, first:] = _lacking(axes[:, :first], Vt[index][:first], rows, lost)
     return Manipulability(s, U, length)
+
+
+def _lacking(U: Array, Vt: Array, beside: Array, count: int) -> Array:
+    """Axes (6, count) across the columns of U (6, r): first those that rows (m, 6, n) beside have across Vt (r, n)."""
+    P = np.eye(6) - U @ U.T
+    free = np.eye(Vt.shape[1]) - Vt.T @ Vt
+    Q, size, _ = np.linalg.svd(np.hstack(list(P @ beside @ free)))
+    Q = Q[:, : int((size > SEEN * BESIDE).sum())]
+    seen = nearest_axes(Q @ Q.T, min(Q.shape[1], count))
+    return np.hstack([seen, nearest_axes(P - Q @ Q.T, count - seen.shape[1])])

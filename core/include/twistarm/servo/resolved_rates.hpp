@@ -57,6 +57,8 @@ template <class T> constexpr T nothing = T(sizeof(T) == 8 ? 1e-12 : 1e-6);   // 
 template <class T> constexpr T rounded_off = T(sizeof(T) == 8 ? 1e-4 : 1e-3);   // of the twist: a norm's tip
 template <class T> constexpr T settled = T(sizeof(T) == 8 ? 1e-6 : 1e-4);    // of the rates: a smaller change is none
 template <class T> constexpr T left_behind = T(0.055);        // what a singular value on its way up counts as: √(τ V) for V = 0.1
+template <class T> constexpr T no_way = T(1e-5);              // of the rows beside a posture: what is shorter is none
+template <class T> constexpr T equally = T(1e-6);             // of a unit motion: joints that move so nearly alike move alike
 constexpr int most_rounds = 50;
 constexpr int five = 5;  // joints from which on singularities are the whole twist's
 
@@ -127,7 +129,8 @@ template <class T, int N, int M> struct rate_solver {
     }
 
     /// The directions that the arm's tool has, the strongest first. Those that this very posture lacks are read off one a
-    /// little beside: no rates move the tool along them here, but some bend the arm so that they will.
+    /// little beside: no rates move the tool along them here, but some bend the arm so that they will. Where nothing is
+    /// seen of them there either, v = 0.
     void decompose(int count) {
         six_rows<T, N> rows;
         T X[6][6];
@@ -175,8 +178,8 @@ template <class T, int N, int M> struct rate_solver {
             taken[widest] = true;
             direction<T, N>& next = found[strong];
             next.sigma = T(0);
-            const T size = greatest(norm(rest[widest], n()), nothing<T>);
-            for (int k = 0; k < n(); ++k) next.v[k] = rest[widest][k] / size;
+            const T size = norm(rest[widest], n());
+            for (int k = 0; k < n(); ++k) next.v[k] = size > no_way<T> ? rest[widest][k] / size : T(0);
             for (int j = 0; j < 6; ++j) {
                 next.u[j] = T(0);
                 for (int i = 0; i < weak; ++i) next.u[j] += X[j][order[6 - weak + i]] * Y[i][widest];
@@ -258,7 +261,8 @@ template <class T, int N, int M> struct rate_solver {
                     led[i][k] += found[d].leaving * (found[d].edge - found[d].sigma) * found[d].u[i] * found[d].v[k];
     }
 
-    /// Of what is lost (6,) the square of the part along singular directions, and the joint that moves most along them.
+    /// Of what is lost (6,) the square of the part along singular directions, and the first of the joints that move most
+    /// along them, −1 where none does.
     T singular_part(const T* lost, int& joint) const {
         T sum = T(0), gravest = T(0);
         for (int d = 0; d < rank; ++d) {
@@ -268,9 +272,13 @@ template <class T, int N, int M> struct rate_solver {
             sum += part * part;
             if (!(part * part > gravest)) continue;
             gravest = part * part;
-            joint = 0;
-            for (int k = 1; k < n(); ++k)
-                if (absolute(found[d].v[k]) > absolute(found[d].v[joint])) joint = k;
+            joint = -1;
+            T farthest = T(0);
+            for (int k = 0; k < n(); ++k) {
+                if (!(absolute(found[d].v[k]) > farthest + equally<T>)) continue;
+                farthest = absolute(found[d].v[k]);
+                joint = k;
+            }
         }
         return sum;
     }

@@ -75,8 +75,12 @@ class ServoNode(Node):
 
     def stop(self) -> None:
         """Bring the arm to rest, then rates of 0; on the system's clock, for a simulation's may stand still."""
-        if self.streaming is not None:
-            come_to_rest(self.streaming, Metronome(self.streaming.period), MonotonicClock())
+        if self.streaming is None:
+            return
+        clock, metronome = MonotonicClock(), Metronome(self.streaming.period)
+        metronome.tick(clock.now())  # the first step is a period from here: nobody knows how long ago the last one was
+        self.streaming.change_clock(clock.now())
+        come_to_rest(self.streaming, metronome, clock)
 
 
 def drive() -> int:

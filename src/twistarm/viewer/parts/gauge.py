@@ -14,6 +14,7 @@ from ...servo import ServoSettings
 from ...servo.bounds import bounds_of
 from ...servo.singular import JOINTS_TO_POINT
 from ...support.checks import Array
+from ...support.directions import leading, nearest_axes
 from ...theory.manipulability import scaled_jacobian
 from ..protocol.message_cache import Message
 from .part import Part, Show
@@ -39,7 +40,10 @@ SILENT: dict[str, Any] = {
 
 
 class Least(NamedTuple):
-    """The smallest singular value, and the direction u (6,) in base axes that it belongs to, metres in `length`."""
+    """The smallest singular value, and the direction u (6,) in base axes that it belongs to, metres in `length`.
+
+    Of equal ones u is the direction in their span that is nearest to an axis.
+    """
 
     sigma: float
     u: Array
@@ -84,7 +88,7 @@ class Measure:
     def words(self, theta: Array) -> dict[str, Any]:
         """The fields of the message at theta (n,)."""
         sigma, u = self.least(theta)
-        lacks = DIRECTIONS[int(np.argmax(np.abs(u)))] if u.any() else None
+        lacks = DIRECTIONS[leading(np.abs(u))] if u.any() else None
         return {"sigma": round(sigma, 5), "below": self.bounds.singular_below, "lacks": lacks, **self.room(theta)}
 
     def least(self, theta: Array) -> Least:
@@ -98,7 +102,8 @@ class Measure:
             if len(sigma) < rank:
                 return Least(0.0, np.zeros(6))
             if rank and sigma[-1] < found.sigma:
-                found = Least(float(sigma[-1]), U[:, -1])
+                equal = U[:, sigma <= sigma[-1] + NO_MOTION]
+                found = Least(float(sigma[-1]), nearest_axes(equal @ equal.T, 1)[:, 0])
         return found
 
     def room(self, theta: Array) -> dict[str, Any]:

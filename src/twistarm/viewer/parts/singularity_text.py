@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from ...support.checks import Array
+from ...support.directions import leading
 from ...theory.manipulability import Manipulability
 
 SLIGHT = 0.05
@@ -40,7 +41,7 @@ def _motion(direction: Array) -> str:
 def _direction(vector: Array) -> str:
     """`its x`, or three numbers."""
     unit = vector / np.linalg.norm(vector)
-    largest = int(np.argmax(np.abs(unit)))
+    largest = leading(np.abs(unit))
     if abs(unit[largest]) > 1.0 - SLIGHT**2:
         return f"its {'xyz'[largest]}"
     x, y, z = np.round(unit, 2) + 0.0  # no minus before 0

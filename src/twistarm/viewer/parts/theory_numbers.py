@@ -11,7 +11,6 @@ from ...model.arm import Arm
 from ...servo.settings import ServoSettings
 from ...support.checks import Array
 from ...theory import poe
-from ...theory.manipulability import manipulability_of
 from ...theory.screws import to_screw
 from ..scene.ellipsoids import ellipsoids
 from .singularity_text import standing
@@ -39,7 +38,7 @@ def numbers(arm: Arm, theta: Array, rates: Array | None = None) -> dict[str, Any
         "hybrid": hybrid.tolist(),
         "axes": None if _uncoupled(arm) else _screws(poe.spatial_jacobian(arm.screws, arm.coupling.A @ theta)),
         **_columns_and_motion(J_s, hybrid, rates),
-        **_singularity(arm, J_b, lengths),
+        **_singularity(arm, theta),
         **_ellipsoids(arm, hybrid, lengths),
     }
 
@@ -57,8 +56,8 @@ def _columns_and_motion(J_s: Array, hybrid: Array, rates: Array | None) -> dict[
     return {"columns": {name: each[:n] for name, each in screws.items()}, "motion": motion}
 
 
-def _singularity(arm: Arm, J_b: Array, lengths: Array) -> dict[str, Any]:
-    found = manipulability_of(J_b, lengths, arm.reach)
+def _singularity(arm: Arm, theta: Array) -> dict[str, Any]:
+    found = arm.manipulability(theta)
     values, rank = found.singular_values.tolist(), int(found.rank) if arm.n else 0
     return {
         "singular_values": values,
