@@ -81,7 +81,7 @@ def binding_limits(
     if not isinstance(motion, Trajectory) or motion.joint_names != arm.joint_names:
         raise InputError(f"motion must be a Trajectory of the arm's joints; got {shown(motion)}")
     none = isinstance(segments, Sequence) and not segments
-    moves = [] if none else as_segments(segments, None, None)
+    moves = [] if none else as_segments(segments)
     if moves and len(moves) + 1 != len(motion.times):
         raise InputError(
             f"a motion of {len(moves)} segments has {len(moves) + 1} waypoints; this one has {len(motion.times)}"

@@ -12,6 +12,7 @@ from ..ik.explain import in_one_line
 from ..ik.solve import solve_ik
 from ..ik.targets import KINDS as TARGETS
 from ..ik.targets import TargetLike
+from ..ik.task_space import Tolerances
 from ..limits.joint_limits import JointLimits
 from ..model.arm import Arm, require_arm
 from ..support.checks import Array, RealArray, Row, as_flag, as_floats, as_reals, require_callback, require_choice
@@ -20,6 +21,7 @@ from . import spline, timing
 from .pulling_in import pulled_in
 from .spans import LONGEST, SHORTEST, Progress
 from .time_laws import PathBounds
+from .tolerances import decided
 from .trajectory import Trajectory
 from .waypoint_laws import Motion, double_s_rests, fastest_along_spline, fastest_rests
 from .within import require_rates, require_waypoints
@@ -59,6 +61,8 @@ def plan_joint(
     limits: JointLimits | Mapping[str, Any] | None = None,
     times: ArrayLike | None = None,
     stop_at_waypoints: bool = False,
+    position_tol: float | None = None,
+    orientation_tol: float | None = None,
     progress: Progress | None = None,
 ) -> Trajectory:
     """A motion through `waypoints`, at rest at the first and the last, that keeps the joint limits everywhere.
@@ -106,6 +110,8 @@ def plan_joint(
             {"velocity": 1.0, "acceleration": {"elbow": 2.0}} [rad/s, m/s and so on].
         times: Times of the waypoints (k,) [s], increasing from 0; None for a motion as short as the limits allow.
         stop_at_waypoints: Whether the motion rests at every waypoint.
+        position_tol: How far off a target [m] a waypoint still meets it; 1e-6 by default.
+        orientation_tol: The same of its rotation [rad].
         progress: Called with the fraction done, in (0, 1], or None.
 
     Returns:
@@ -121,7 +127,7 @@ def plan_joint(
     require_choice(kind, KINDS, "kind")
     as_flag(stop_at_waypoints, "stop_at_waypoints")
     require_callback(progress, "progress", "(fraction)")
-    points = as_waypoints(require_arm(arm), waypoints)
+    points = as_waypoints(require_arm(arm), waypoints, decided(arm, position_tol, orientation_tol))
     bounds = as_limits(arm, limits)
     require_waypoints(points, bounds, arm.joint_names, arm.units)
     inside = PathBounds(bounds, arm.actuators)
@@ -136,13 +142,13 @@ def plan_joint(
     return motion
 
 
-def as_waypoints(arm: Arm, waypoints: Waypoints) -> Array:
+def as_waypoints(arm: Arm, waypoints: Waypoints, met: Tolerances) -> Array:
     """Waypoints (k, n), k ≥ 1, from arrays, {joint: value} mappings and names of states."""
     if isinstance(waypoints, str | Mapping) or not np.iterable(waypoints):
         raise InputError(f"waypoints must be a sequence of configurations; got {shown(waypoints)}")
     points: list[Array] = []
     for i, waypoint in enumerate(waypoints):
-        points.append(_waypoint(arm, waypoint, i, points[-1] if points else arm.ready))
+        points.append(_waypoint(arm, waypoint, i, points[-1] if points else arm.ready, met))
     if not points:
         raise InputError("waypoints must be at least one configuration; got none")
     return np.array(points)
@@ -161,10 +167,10 @@ def as_limits(arm: Arm, limits: JointLimits | Mapping[str, Any] | None) -> Joint
     return limits
 
 
-def _waypoint(arm: Arm, waypoint: Any, index: int, near: Array) -> Array:
+def _waypoint(arm: Arm, waypoint: Any, index: int, near: Array, met: Tolerances) -> Array:
     """The configuration (n,) of a waypoint, for a target the nearest found to `near` (n,)."""
     if isinstance(waypoint, TARGETS) or _is_pose(waypoint):
-        solution = solve_ik(arm, waypoint, near, posture="theta0")
+        solution = solve_ik(arm, waypoint, near, **met.keywords, posture="theta0")
         if not solution.converged:
             raise NotConvergedError(f"waypoint {index} (counted from 0): {in_one_line(solution)}", solution)
         return np.array(solution.theta)

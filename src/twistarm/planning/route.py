@@ -87,11 +87,11 @@ class Router:
         if not isinstance(segment, JointMove):
             return self._run(range(i, end), theta[None], theta)[1]
         if isinstance(segment.to, KINDS) and end > i + 1:
-            starts = branches(self.arm, target_for(self.arm, segment.to), theta)
+            starts = branches(self.arm, target_for(self.arm, segment.to), theta, self.goals.tolerances(segment))
             if len(starts):
                 start, legs = self._run(range(i + 1, end), starts, theta)
                 return [self._straight(i, theta, start), *legs]
-        return [self._straight(i, theta, self.goals.configuration(segment.to, theta, self._place(i)))]
+        return [self._straight(i, theta, self.goals.configuration(segment, theta, self._place(i)))]
 
     def _straight(self, i: int, start: Array, end: Array) -> Leg:
         if not np.abs(end - start).any():

@@ -24,7 +24,7 @@ from ..asked_motion import Asked, capped, typed_targets
 from ..options import Json, Radians, takes_arm
 from ..output import console, note, number, print_json, progress_bar, say, shown, table, theta_values, units
 from ..outputs import STDOUT, Force, Format, outputs_of
-from ..targets import Axis
+from ..targets import Axis, OrientationTol, PositionTol, typed_tolerances
 from ..typed import POSE, RPY, XYZ
 
 MOST_STRETCHES = 8
@@ -127,6 +127,8 @@ def plan(
     line: Line = False,
     blend: Blend = None,
     tool_speed: ToolSpeed = None,
+    position_tol: PositionTol = None,
+    orientation_tol: OrientationTol = None,
     start: Start = None,
     kind: Annotated[Kind | None, HOW] = None,
     velocity: Rate = None,
@@ -144,7 +146,8 @@ def plan(
     if [motion is not None, bool(to), bool(xyz)].count(True) != 1:
         raise InputError("give poses by --to, positions by --xyz, or a motion.toml")
     as_positive(dt, "--dt")
-    asked = Asked(arm, start, rad, line, stop, blend, tool_speed, None if kind is None else kind.value)
+    met = typed_tolerances(position_tol, orientation_tol, rad)
+    asked = Asked(arm, start, rad, line, stop, blend, tool_speed, None if kind is None else kind.value, met)
     asked.require_fitting(by_file=motion is not None, by_joints=not (xyz or line), goals=len(to or xyz or ()))
     targets = typed_targets(xyz or (), rpy or (), direction or (), axis, rad)
     file = None if motion is None else load_motion(motion, arm)
