@@ -18,6 +18,7 @@ from twistarm import (
     Position,
     ScrewMove,
     Trajectory,
+    binding_limits,
     load_arm,
     plan,
     rotations,
@@ -77,6 +78,16 @@ def test_a_tour_keeps_every_limit_and_ends_at_rest(kind):
     v = (ARM.body_jacobian(motion(t)) @ motion(t, 1)[..., None])[:, :3, 0]
     assert np.linalg.norm(v, axis=1).max() <= 0.1
     assert np.abs(motion(dense(motion), 1)[:, 0] / ARM.limits.velocity[0]).max() <= 1.0
+
+
+def test_usual_limits_stand_in_for_missing_ones_and_are_named():
+    free, move = load_arm("rover_arm", limits={"acceleration": np.inf}), LineMove.by([0.0, 0.0, 0.05])
+    usual = {"acceleration": [{"m": 1.0, "rad": 3.0}[unit] for unit in free.units]}
+    motion, told = plan(free, move), plan(free, move, limits=usual)
+    assert motion.duration == told.duration
+    assert told.notes == ()
+    assert "acceleration 3 rad/s²" in motion.notes[0]
+    assert binding_limits(free, motion) == binding_limits(free, motion, limits=usual)
 
 
 def test_a_line_is_straight_and_turns_in_proportion():
@@ -248,7 +259,6 @@ def test_what_lies_beyond_the_end_of_a_path_says_why_it_ends():
         ([JointMove("ready"), JointMove("redy")], {}, UnknownNameError, "^segment 2 .JointMove.: no pose 'redy'"),
         ([JointMove({"elbw": 1.0})], {}, UnknownNameError, "^segment 1 .JointMove.: no joint 'elbw'"),
         ([JointMove([1.0, 2.0])], {}, InputError, "^segment 1 .JointMove.: its goal must have shape"),
-        ([JointMove("ready")], {"limits": {"velocity": np.inf}}, LimitError, "no velocity limit"),
         ([JointMove("ready")], {"kind": "fast"}, InputError, "kind must be"),
         ([JointMove("ready")], {"tool_speed": -1.0}, InputError, "tool_speed must be a positive"),
         ([ArcMove(G[:3, 3] + [0.0, 0.05, 0.0], moved([0.0, 0.1, 0.0]))], {}, InputError, "do not lie on a line"),

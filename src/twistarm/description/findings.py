@@ -52,7 +52,7 @@ CODES: dict[str, Code] = {
     "limits-swapped": Code("error", "a joint's lower limit lies above its upper one"),
     "limit-incomplete": Code("warning", "a joint lacks a bound; it is taken as unbounded there"),
     "limit-zero-range": Code("warning", "a joint's bounds are equal; it cannot move"),
-    "velocity-not-given": Code("warning", "a velocity limit is absent, zero or negative; planning will ask for it"),
+    "velocity-not-given": Code("warning", "a velocity limit is absent, zero or negative; planning assumes one"),
     "effort-not-given": Code("warning", "an effort limit is absent, zero or negative"),
     "mimic-malformed": Code("error", "a mimic's multiplier or offset is no number"),
     "mimic-master-missing": Code("error", "a joint mimics one that is not there"),

@@ -15,6 +15,7 @@ from ..ik.targets import TargetLike
 from ..ik.task_space import Tolerances
 from ..limits.joint_limits import JointLimits
 from ..model.arm import Arm, require_arm
+from ..model.usual_limits import defaults_line, with_defaults
 from ..support.checks import Array, RealArray, Row, as_flag, as_floats, as_reals, require_callback, require_choice
 from ..support.errors import InputError, NotConvergedError, shown
 from . import spline, timing
@@ -91,12 +92,13 @@ def plan_joint(
     straight from one to the next; without it a spline may swing beyond the range of its waypoints, inside the limits.
 
     Without `times` the motion is as short as its kind was found to allow: one velocity, acceleration or (where
-    given, for cubic and quintic) jerk limit is met exactly, none is exceeded, and velocity and acceleration limits
-    must be there for every joint. For segments that stop that is the minimum. The proportions of a spline's
-    segments are searched: within 1 % of the minimum, but where a spline was pulled in typically within 2 % for
-    cubic and 15 % for quintic. Either may be slower than stopping where a path turns back. Consecutive waypoints
-    nearer than 1e-6 are merged; if none other remains, the motion has duration 0. With `times` (k,) [s], increasing
-    from 0, the motion passes waypoint i at times[i], and limits that are missing are not checked.
+    given, for cubic and quintic) jerk limit is met exactly, and none is exceeded. Where a joint has no velocity or
+    acceleration limit, the usual one counts (1 rad/s, 0.25 m/s, 3 rad/s², 1 m/s²), and `notes` say so. For segments
+    that stop that is the minimum. The proportions of a spline's segments are searched: within 1 % of the minimum, but
+    where a spline was pulled in typically within 2 % for cubic and 15 % for quintic. Either may be slower than stopping
+    where a path turns back. Consecutive waypoints nearer than 1e-6 are merged; if none other remains, the motion has
+    duration 0. With `times` (k,) [s], increasing from 0, the motion passes waypoint i at times[i], and limits that are
+    missing are not checked.
 
     The extremes of the polynomials are checked, not samples (to 1e-9). Source: Lynch & Park, Modern Robotics, §9.2 and
     §9.3.
@@ -118,8 +120,8 @@ def plan_joint(
         The `Trajectory`, a piecewise polynomial in time.
 
     Raises:
-        LimitError: A waypoint lies outside the position limits, the times are too short, or a needed limit is missing;
-            the message gives joint, limit, value and place.
+        LimitError: A waypoint lies outside the position limits, or the times are too short; the message gives joint,
+            limit, value and place.
         InputError: An argument does not fit the arm.
         UnknownNameError: No such pose or joint.
         NotConvergedError: A target is not met; the message names the waypoint and explains why.
@@ -128,11 +130,12 @@ def plan_joint(
     as_flag(stop_at_waypoints, "stop_at_waypoints")
     require_callback(progress, "progress", "(fraction)")
     points = as_waypoints(require_arm(arm), waypoints, decided(arm, position_tol, orientation_tol))
-    bounds = as_limits(arm, limits)
+    free = times is None or kind == "s_curve"
+    bounds, notes = completed(arm, limits) if free else (as_limits(arm, limits), ())
     require_waypoints(points, bounds, arm.joint_names, arm.units)
     inside = PathBounds(bounds, arm.actuators)
-    when, breakpoints, coefficients = _timed(points, kind, stop_at_waypoints, times, inside, arm.joint_names, progress)
-    motion = Trajectory(arm.joint_names, arm.units, points, when, breakpoints, coefficients, arm.actuators)
+    timed = _timed(points, kind, stop_at_waypoints, times, inside, progress)
+    motion = Trajectory(arm.joint_names, arm.units, points, *timed, arm.actuators, notes=notes)
     if times is not None and kind not in BY_LAW:
         require_rates(motion, bounds)
         if arm.actuators is not None:
@@ -165,6 +168,13 @@ def as_limits(arm: Arm, limits: JointLimits | Mapping[str, Any] | None) -> Joint
             f"limits must be JointLimits of {arm.n} joints or a mapping such as dict(velocity=1.0); got {shown(limits)}"
         )
     return limits
+
+
+def completed(arm: Arm, limits: JointLimits | Mapping[str, Any] | None) -> tuple[JointLimits, tuple[str, ...]]:
+    """The limits that a motion is timed by, the usual ones where none are given, and what is said of these."""
+    given = as_limits(arm, limits)
+    said = defaults_line(arm, given)
+    return with_defaults(arm, given), (said,) if said else ()
 
 
 def _waypoint(arm: Arm, waypoint: Any, index: int, near: Array, met: Tolerances) -> Array:
@@ -231,7 +241,6 @@ def _timed(
     stop: bool,
     times: ArrayLike | None,
     bounds: PathBounds,
-    names: Sequence[str],
     progress: Progress | None,
 ) -> Motion:
     """Times of the waypoints, breakpoints and coefficients: at the times given, else as short as was found."""
@@ -241,8 +250,6 @@ def _timed(
         when = _as_times(times, len(points))
         if kind != "s_curve" or len(points) == 1:
             return when, *_at_times(points, kind, stop, when, bounds)
-    if times is None or kind == "s_curve":
-        bounds.limits.require(("velocity", "acceleration"), names)
     if times is not None:
         return double_s_rests(points, bounds, when)
     kept, owner = _distinct(points)

@@ -14,7 +14,7 @@ from ..model.arm import Arm, require_arm
 from ..support.checks import Array, Row, as_positive, require_callback, require_choice
 from ..support.errors import InputError, shown
 from .joint_path import JointPath
-from .joint_space import as_limits
+from .joint_space import completed
 from .route import Leg, Router
 from .segments import SEGMENTS, Dwell, Move, Segment, place
 from .spans import Progress
@@ -78,10 +78,11 @@ def plan(
 
     Returns:
         The `Trajectory`; its waypoints are the start and the end of every segment, its labels those of the segments.
+        Its `notes` name the usual limits that stand in for missing ones.
 
     Raises:
         PathError: A curve cannot be followed; the message says how far it can, why not farther and what would help.
-        LimitError: A goal lies outside the position limits, or a needed limit is missing.
+        LimitError: A goal lies outside the position limits.
         NotConvergedError: The target of a joint move cannot be met; the message says why.
         InputError: An argument does not fit the arm, a curve ends where it begins, or a blend is too large.
         UnknownNameError: No such configuration or joint.
@@ -89,8 +90,7 @@ def plan(
     require_choice(kind, tuple(LAWS), "kind")
     require_callback(progress, "progress", "(fraction)")
     moves = as_segments(segments, tool_speed, turn_speed, position_tol, orientation_tol)
-    bounds = as_limits(require_arm(arm), limits)
-    bounds.require(("velocity", "acceleration"), arm.joint_names)
+    bounds, notes = completed(require_arm(arm), limits)
     planned = _with_ranges(arm, bounds)
     origin = planned.ready if start is None else planned.theta_from(start, name="start")
     if origin.shape != (arm.n,):
@@ -103,7 +103,7 @@ def plan(
 
     legs = Router(planned, moves, bounds, told).legs(origin)
     timed = [stretch for run in runs(legs) for stretch in _fastest(planned, run, bounds, kind)]
-    motion = _assembled(arm, origin, legs, timed)
+    motion = replace(_assembled(arm, origin, legs, timed), notes=notes)
     if progress is not None:
         progress(1.0)
     return motion
