@@ -127,6 +127,34 @@ def test_an_arc_goes_through_its_via_point():
     np.testing.assert_allclose(np.linalg.norm(p - (G[:3, 3] + [0.0, 0.05, 0.0]), axis=1), 0.05, atol=1e-4)
 
 
+@pytest.mark.parametrize("off", [0.0, 1e-9, 1e-7, 1e-5])
+def test_no_arc_is_planned_whose_plane_rounding_chooses(off):
+    start, end = G[:3, 3], moved([0.0, 0.1, 0.0])
+    near = moved([off, 0.0, 0.0])
+    for arc in (
+        ArcMove(start + [off, 0.0, 0.0], end),
+        ArcMove(end.g[:3, 3] + [0.0, 0.0, off], end),
+        ArcMove(start + [0.0, 0.05, off], end),
+        ArcMove(start + [0.0, 0.05, 0.05], near),
+    ):
+        with pytest.raises(InputError, match="do not lie on a line"):
+            plan(ARM, arc)
+
+
+def test_a_circle_may_be_given_twice_and_a_gentle_arc_is_one():
+    """A circle of two arcs through points 5 cm from its centre, and an arc of 1 mm on 10 cm."""
+    way = [
+        ArcMove(G[:3, 3] + [0, 0.05, 0.05], moved([0, 0.1, 0])),
+        ArcMove(G[:3, 3] + [0, 0.05, -0.05], moved([0, 0, 0])),
+    ]
+    motion = plan(ARM, way * 2)
+    p = ARM.fk(motion(dense(motion)))[:, :3, 3]
+    np.testing.assert_allclose(np.linalg.norm(p - (G[:3, 3] + [0, 0.05, 0]), axis=1), 0.05, atol=1e-4)
+    assert motion.times[2] == pytest.approx(0.5 * motion.duration, rel=1e-3)
+    gentle = plan(ARM, ArcMove(G[:3, 3] + [0, 0.05, 1e-3], moved([0, 0.1, 0])))
+    assert np.abs(ARM.fk(gentle(dense(gentle)))[:, 2, 3] - G[2, 3]).max() == pytest.approx(1e-3, abs=1e-4)
+
+
 def test_a_blend_stays_in_its_ball_and_does_not_stop():
     corner = moved([0.0, 0.0, 0.08])
     end = moved([0.0, 0.08, 0.08])

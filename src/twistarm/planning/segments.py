@@ -203,8 +203,9 @@ class ScrewMove(Move):
 class ArcMove(Move):
     """The tool's origin along the circular arc from where it is through `via` to the goal, rotation by slerp.
 
-    `via` (3,) [m] in base axes, or a target of which the position counts. To a goal that leaves rotation free, it is
-    left free on the way, as by `LineMove`.
+    `via` (3,) [m] in base axes, or a target of which the position counts. The three points must not lie on a line, nor
+    two of them be one, within 20 µm and 1e-5 rad: nothing but rounding would choose the plane. To a goal that leaves
+    rotation free, it is left free on the way, as by `LineMove`.
 
     Raises InputError for a goal, a blend, a speed or a label that cannot be used.
     """
