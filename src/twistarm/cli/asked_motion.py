@@ -43,6 +43,7 @@ class Asked:
     tool_speed: float | None = None
     kind: str | None = None
     tolerances: Mapping[str, Any] = field(default_factory=dict)
+    unwrap: bool = False
 
     def require_fitting(self, *, by_file: bool, by_joints: bool, goals: int) -> None:
         """InputError for an option that the others leave nothing to say: none is ignored."""
@@ -85,7 +86,8 @@ class Asked:
         speed = content.tool_speed if self.tool_speed is None else self.tool_speed
         met = {"position_tol": content.position_tol, "orientation_tol": content.orientation_tol, **self.tolerances}
         segments = as_segments(content.segments, speed, content.turn_speed, **met)
-        return self._planned(segments, start, self.kind or content.kind, limits, progress)
+        unwrap = self.unwrap or content.unwrap
+        return self._planned(segments, start, self.kind or content.kind, limits, progress, unwrap)
 
     def through(self, goals: Sequence[Any], limits: JointLimits, progress: Progress) -> Planned:
         """A motion by the same kind of move to each goal."""
@@ -95,13 +97,19 @@ class Asked:
             move(goal, tool_speed=self.tool_speed, blend=blend, **self.tolerances)
             for goal, blend in zip(goals, blends, strict=True)
         ]
-        return self._planned(segments, self.poses(())[0], self.kind, limits, progress)
+        return self._planned(segments, self.poses(())[0], self.kind, limits, progress, self.unwrap)
 
     def _planned(
-        self, segments: list[Segment], start: Any, kind: str | None, limits: JointLimits, progress: Progress
+        self,
+        segments: list[Segment],
+        start: Any,
+        kind: str | None,
+        limits: JointLimits,
+        progress: Progress,
+        unwrap: bool,
     ) -> Planned:
-        law: Any = kind or "s_curve"
-        return plan_segments(self.arm, segments, start=start, limits=limits, kind=law, progress=progress), segments
+        how: dict[str, Any] = {"kind": kind or "s_curve", "limits": limits, "unwrap": unwrap}
+        return plan_segments(self.arm, segments, start=start, progress=progress, **how), segments
 
 
 def typed_targets(

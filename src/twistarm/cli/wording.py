@@ -22,6 +22,7 @@ _OPTIONS = {
     "package_dirs": ("--package-dir", "FOLDER"),
     "stop_at_waypoints": ("--stop", ""),
     "approach": ("--approach", ""),
+    "unwrap": ("--unwrap", ""),
     "position_tol": ("--position-tol", "M"),
     "orientation_tol": ("--orientation-tol", "ANGLE"),
 }

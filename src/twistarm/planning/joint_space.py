@@ -24,6 +24,7 @@ from .spans import LONGEST, SHORTEST, Progress
 from .time_laws import PathBounds
 from .tolerances import decided
 from .trajectory import Trajectory
+from .unwrapping import unwrapped
 from .waypoint_laws import Motion, double_s_rests, fastest_along_spline, fastest_rests
 from .within import require_rates, require_waypoints
 
@@ -64,14 +65,16 @@ def plan_joint(
     stop_at_waypoints: bool = False,
     position_tol: float | None = None,
     orientation_tol: float | None = None,
+    unwrap: bool = False,
     progress: Progress | None = None,
 ) -> Trajectory:
     """A motion through `waypoints`, at rest at the first and the last, that keeps the joint limits everywhere.
 
     Waypoints (k, n) [rad, m], one (a motion of duration 0) or more: arrays, mappings {joint: value} or names of poses
-    (`arm.configurations`). No angle is wrapped, not even of a continuous joint: from 0 to 2π is a full turn. A target
-    of the tool (`Pose`, `Position`, `Approach`, `Task` or a pose (4, 4)) stands for the configuration that `solve_ik`
-    finds from the waypoint before it (`arm.ready` for the first).
+    (`arm.configurations`). A target of the tool (`Pose`, `Position`, `Approach`, `Task` or a pose (4, 4)) stands for
+    the configuration that `solve_ik` finds from the waypoint before it (`arm.ready` for the first). Joints that turn
+    without end come to a target by the shorter way; to a configuration they go as it says, from 0 to 2π by a full turn.
+    With `unwrap` they take the shorter way there too: from 3.1 to −3.1 by 0.08 rad, to 3.18. `notes` name such joints.
 
     - `cubic`: the C² spline; acceleration jumps at the start and the end only.
     - `quintic`: the C⁴ spline, acceleration zero at both ends; smoother, and it swings wider between waypoints.
@@ -114,6 +117,7 @@ def plan_joint(
         stop_at_waypoints: Whether the motion rests at every waypoint.
         position_tol: How far off a target [m] a waypoint still meets it; 1e-6 by default.
         orientation_tol: The same of its rotation [rad].
+        unwrap: Whether joints of which a whole turn moves nothing go to configurations by the shorter way too.
         progress: Called with the fraction done, in (0, 1], or None.
 
     Returns:
@@ -129,13 +133,14 @@ def plan_joint(
     require_choice(kind, KINDS, "kind")
     as_flag(stop_at_waypoints, "stop_at_waypoints")
     require_callback(progress, "progress", "(fraction)")
-    points = as_waypoints(require_arm(arm), waypoints, decided(arm, position_tol, orientation_tol))
+    as_flag(unwrap, "unwrap")
+    points, turned = as_waypoints(require_arm(arm), waypoints, decided(arm, position_tol, orientation_tol), unwrap)
     free = times is None or kind == "s_curve"
     bounds, notes = completed(arm, limits) if free else (as_limits(arm, limits), ())
     require_waypoints(points, bounds, arm.joint_names, arm.units)
     inside = PathBounds(bounds, arm.actuators)
     timed = _timed(points, kind, stop_at_waypoints, times, inside, progress)
-    motion = Trajectory(arm.joint_names, arm.units, points, *timed, arm.actuators, notes=notes)
+    motion = Trajectory(arm.joint_names, arm.units, points, *timed, arm.actuators, notes=(*notes, *turned))
     if times is not None and kind not in BY_LAW:
         require_rates(motion, bounds)
         if arm.actuators is not None:
@@ -145,16 +150,21 @@ def plan_joint(
     return motion
 
 
-def as_waypoints(arm: Arm, waypoints: Waypoints, met: Tolerances) -> Array:
-    """Waypoints (k, n), k ≥ 1, from arrays, {joint: value} mappings and names of states."""
+def as_waypoints(arm: Arm, waypoints: Waypoints, met: Tolerances, unwrap: bool) -> tuple[Array, list[str]]:
+    """Waypoints (k, n), k ≥ 1, from arrays, {joint: value} mappings, names and targets; and what is said of them."""
     if isinstance(waypoints, str | Mapping) or not np.iterable(waypoints):
         raise InputError(f"waypoints must be a sequence of configurations; got {shown(waypoints)}")
     points: list[Array] = []
+    notes: list[str] = []
     for i, waypoint in enumerate(waypoints):
-        points.append(_waypoint(arm, waypoint, i, points[-1] if points else arm.ready, met))
+        theta = _waypoint(arm, waypoint, i, points[-1] if points else arm.ready, met)
+        if points:
+            theta, said = unwrapped(arm, theta, points[-1], f"waypoint {i} (counted from 0)", unwrap)
+            notes += said
+        points.append(theta)
     if not points:
         raise InputError("waypoints must be at least one configuration; got none")
-    return np.array(points)
+    return np.array(points), notes
 
 
 def as_limits(arm: Arm, limits: JointLimits | Mapping[str, Any] | None) -> JointLimits:

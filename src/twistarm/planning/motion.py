@@ -11,7 +11,7 @@ import numpy as np
 
 from ..limits.joint_limits import JointLimits
 from ..model.arm import Arm, require_arm
-from ..support.checks import Array, Row, as_positive, require_callback, require_choice
+from ..support.checks import Array, Row, as_flag, as_positive, require_callback, require_choice
 from ..support.errors import InputError, shown
 from .joint_path import JointPath
 from .joint_space import completed
@@ -47,6 +47,7 @@ def plan(
     turn_speed: float | None = None,
     position_tol: float | None = None,
     orientation_tol: float | None = None,
+    unwrap: bool = False,
     progress: Progress | None = None,
 ) -> Trajectory:
     """A motion through `segments`, from rest to rest, that keeps the limits of joints and motors everywhere.
@@ -74,11 +75,13 @@ def plan(
         turn_speed: Greatest angular speed of the tool [rad/s] where a segment gives none.
         position_tol: How far off a target [m] the tool still meets it, where a segment gives none; 1e-6 by default.
         orientation_tol: The same of its rotation [rad].
+        unwrap: Whether joints of which a whole turn moves nothing go to configurations by the shorter way, from 3.1 to
+            −3.1 by 0.08 rad; to targets they do anyway.
         progress: Called with the fraction done, in (0, 1], or None.
 
     Returns:
         The `Trajectory`; its waypoints are the start and the end of every segment, its labels those of the segments.
-        Its `notes` name the usual limits that stand in for missing ones.
+        Its `notes` name the usual limits that stand in for missing ones, and joints that whole turns bring nearer.
 
     Raises:
         PathError: A curve cannot be followed; the message says how far it can, why not farther and what would help.
@@ -101,9 +104,10 @@ def plan(
         if progress is not None:
             progress(0.9 * done / len(moves))
 
-    legs = Router(planned, moves, bounds, told).legs(origin)
+    router = Router(planned, moves, bounds, told, as_flag(unwrap, "unwrap"))
+    legs = router.legs(origin)
     timed = [stretch for run in runs(legs) for stretch in _fastest(planned, run, bounds, kind)]
-    motion = replace(_assembled(arm, origin, legs, timed), notes=notes)
+    motion = replace(_assembled(arm, origin, legs, timed), notes=(*notes, *router.notes))
     if progress is not None:
         progress(1.0)
     return motion

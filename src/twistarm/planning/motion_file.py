@@ -35,7 +35,7 @@ from .segments import ArcMove, Dwell, Goal, JointMove, LineMove, ScrewMove, Segm
 WHOLE = ("tool_speed", "turn_speed", "position_tol", "orientation_tol")
 """What holds for every segment that does not say it itself."""
 
-TOP = ("start", "kind", "degrees", *WHOLE, "limits", "segment")
+TOP = ("start", "kind", "degrees", *WHOLE, "unwrap", "limits", "segment")
 KINDS = ("joint", "line", "screw", "arc", "dwell")
 OPTIONS = ("blend", "speed", *WHOLE, "label")
 GOAL = ("xyz", "rpy", "quaternion_wxyz", "direction", "tool_axis", "tolerance", "frame")
@@ -56,6 +56,7 @@ class MotionFile:
     turn_speed: float | None = None
     position_tol: float | None = None
     orientation_tol: float | None = None
+    unwrap: bool = False
 
 
 def load_motion(path: str | os.PathLike[str], arm: Arm) -> MotionFile:
@@ -96,6 +97,7 @@ class _Reader:
             whole = {
                 name: as_positive(self._number(self.content, name), name) for name in WHOLE if name in self.content
             }
+            unwrap = as_flag(self.content.get("unwrap", False), "unwrap")
             entries = self.content.get("segment", [])
             if not isinstance(entries, list) or not entries:
                 raise InputError("there is no segment: write [[segment]] and under it joint, line, screw, arc or dwell")
@@ -103,7 +105,7 @@ class _Reader:
         for i, entry in enumerate(entries):
             with self._at(f"segment {i + 1}"):
                 segments.append(self._segment(entry))
-        return MotionFile(tuple(segments), start, kind, limits, **whole)
+        return MotionFile(tuple(segments), start, kind, limits, **whole, unwrap=unwrap)
 
     @contextmanager
     def _at(self, place: str) -> Iterator[None]:

@@ -22,6 +22,7 @@ from .cartesian.wide_ladder import climb_wide
 from .goals import CURVED, Goals
 from .joint_path import JointPath
 from .segments import Dwell, JointMove, Segment, place
+from .unwrapping import unwrapped
 
 NEAREST = 8
 """Of the configurations in which a run of curves may begin so many, the nearest, are tried before all others."""
@@ -61,9 +62,15 @@ class Router:
     """Finds the legs of a motion. `done(k)` is told how many segments have theirs."""
 
     def __init__(
-        self, arm: Arm, segments: Sequence[Segment], limits: JointLimits, done: Callable[[int], object]
+        self,
+        arm: Arm,
+        segments: Sequence[Segment],
+        limits: JointLimits,
+        done: Callable[[int], object],
+        unwrap: bool = False,
     ) -> None:
-        self.arm, self.segments, self.limits, self.done = arm, segments, limits, done
+        self.arm, self.segments, self.limits, self.done, self.unwrap = arm, segments, limits, done, unwrap
+        self.notes: list[str] = []
         self.goals = Goals(arm, limits)
 
     def legs(self, origin: Array) -> list[Leg]:
@@ -79,19 +86,22 @@ class Router:
     def _next(self, i: int, theta: Array) -> list[Leg]:
         """The leg of segment i, or those of a run: a joint move to a target, and the curves and dwells after it."""
         segment = self.segments[i]
-        end = i + 1
-        while end < len(self.segments) and not isinstance(self.segments[end], JointMove):
-            end += 1
+        after = i + 1
+        while after < len(self.segments) and not isinstance(self.segments[after], JointMove):
+            after += 1
         if isinstance(segment, Dwell):
             return [Leg(i, segment, theta, None)]
         if not isinstance(segment, JointMove):
-            return self._run(range(i, end), theta[None], theta)[1]
-        if isinstance(segment.to, KINDS) and end > i + 1:
+            return self._run(range(i, after), theta[None], theta)[1]
+        if isinstance(segment.to, KINDS) and after > i + 1:
             starts = branches(self.arm, target_for(self.arm, segment.to), theta, self.goals.tolerances(segment))
             if len(starts):
-                start, legs = self._run(range(i + 1, end), starts, theta)
+                start, legs = self._run(range(i + 1, after), starts, theta)
                 return [self._straight(i, theta, start), *legs]
-        return [self._straight(i, theta, self.goals.configuration(segment, theta, self._place(i)))]
+        end = self.goals.configuration(segment, theta, self._place(i))
+        end, said = unwrapped(self.arm, end, theta, self._place(i), self.unwrap)
+        self.notes += said
+        return [self._straight(i, theta, end)]
 
     def _straight(self, i: int, start: Array, end: Array) -> Leg:
         if not np.abs(end - start).any():

@@ -109,6 +109,12 @@ Output = Annotated[
         "standard output; repeat it.",
     ),
 ]
+Unwrap = Annotated[
+    bool,
+    typer.Option(
+        "--unwrap", help="Continuous joints go to poses by the shorter way, by whole turns; to --xyz they always do."
+    ),
+]
 Counts = Annotated[
     bool, typer.Option("--counts", help="Write what the motors' drives count alone, for firmware that knows no joints.")
 ]
@@ -134,6 +140,7 @@ def plan(
     velocity: Rate = None,
     acceleration: Rate = None,
     stop: Annotated[bool, typer.Option("--stop", help="Come to rest at every pose.")] = False,
+    unwrap: Unwrap = False,
     output: Output = None,
     form: Format = None,
     force: Force = False,
@@ -147,7 +154,7 @@ def plan(
         raise InputError("give poses by --to, positions by --xyz, or a motion.toml")
     as_positive(dt, "--dt")
     met = typed_tolerances(position_tol, orientation_tol, rad)
-    asked = Asked(arm, start, rad, line, stop, blend, tool_speed, None if kind is None else kind.value, met)
+    asked = Asked(arm, start, rad, line, stop, blend, tool_speed, None if kind is None else kind.value, met, unwrap)
     asked.require_fitting(by_file=motion is not None, by_joints=not (xyz or line), goals=len(to or xyz or ()))
     targets = typed_targets(xyz or (), rpy or (), direction or (), axis, rad)
     file = None if motion is None else load_motion(motion, arm)
@@ -169,13 +176,14 @@ def plan(
             planned, segments = asked.through(targets or asked.poses(to)[1:], limits, progress)
         else:
             how: Any = asked.kind or "cubic"
-            planned = plan_joint(
-                arm, asked.poses(to), kind=how, limits=limits, stop_at_waypoints=stop, progress=progress
-            )
+            through: dict[str, Any] = {"kind": how, "limits": limits, "stop_at_waypoints": stop, "unwrap": unwrap}
+            planned = plan_joint(arm, asked.poses(to), **through, progress=progress)
             segments = []
     origin = asked.origin(file)
     if origin is None:
         note(_start(arm, rad))
+    for each in planned.notes:
+        note(each)
     header = next((name for kind, name in outputs.files if kind == "header" and name != STDOUT), "motion.h")
     written = outputs.write(
         {
@@ -244,5 +252,6 @@ def _as_json(arm: Arm, planned: Trajectory, written: list[str]) -> dict[str, Any
         "waypoints": planned.waypoints,
         "peak_velocity": planned.peak(1),
         "peak_acceleration": planned.peak(2),
+        "notes": planned.notes,
         "written": written,
     }

@@ -7,6 +7,7 @@ import numpy as np
 from ...ik.all_solutions_row import LEFT, configurations_in
 from ...ik.batch import solve_ik_batch
 from ...ik.closed_form.methods import family_method
+from ...ik.ranges import joint_ranges
 from ...ik.targets import AnyTarget
 from ...ik.task_space import Tolerances
 from ...model.arm import Arm
@@ -40,6 +41,7 @@ def branches(arm: Arm, target: AnyTarget, near: Array, tolerances: Tolerances = 
         met = np.vstack([_nearest(arm, target, near), met, _by_searches(arm, target, starts, ALL_BUT_EXACT)])
     if not len(met) or leeway(tolerances):
         met = np.vstack([met, _by_searches(arm, target, starts, tolerances)])
+    met = joint_ranges(arm).wrapped(met, near)
     return _in_order(_windings(arm, _apart(_in_order(met, near))), near)
 
 
