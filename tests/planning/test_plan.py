@@ -127,6 +127,18 @@ def test_an_arc_goes_through_its_via_point():
     np.testing.assert_allclose(np.linalg.norm(p - (G[:3, 3] + [0.0, 0.05, 0.0]), axis=1), 0.05, atol=1e-4)
 
 
+def test_segments_that_go_nowhere_are_told_and_the_motion_goes_on():
+    there, on = moved([0.0, 0.05, 0.0]), moved([0.0, 0.05, 0.05])
+    here, way = LineMove(moved([0, 0, 0])), [LineMove(there), LineMove(on)]
+    twice = [here, LineMove(there, blend=0.01), LineMove(there, blend=0.01), LineMove(on), LineMove(on)]
+    motion = plan(ARM, twice)
+    assert motion.duration == pytest.approx(plan(ARM, way).duration)
+    assert [note.split(":")[0] for note in motion.notes] == [f"segment {i} (LineMove)" for i in (1, 3, 5)]
+    np.testing.assert_allclose(ARM.fk(motion(motion.duration)), on.g, atol=1e-6)
+    assert plan(ARM, [LineMove(moved([0, 0, 0])), JointMove(there), LineMove(there)]).duration > 0.0
+    assert plan(ARM, LineMove(moved([0, 0, 0]))).duration == 0.0
+
+
 @pytest.mark.parametrize("off", [0.0, 1e-9, 1e-7, 1e-5])
 def test_no_arc_is_planned_whose_plane_rounding_chooses(off):
     start, end = G[:3, 3], moved([0.0, 0.1, 0.0])
@@ -279,7 +291,6 @@ def test_what_lies_beyond_the_end_of_a_path_says_why_it_ends():
     [
         ([], {}, InputError, "one or more of JointMove"),
         ([JointMove(np.zeros(6)), 3], {}, InputError, "segment 2 must be"),
-        ([LineMove(Pose(G))], {}, InputError, "segment 1 .LineMove.: it ends where it begins"),
         ([LineMove(moved([0.0, 0.0, 0.01]), blend=0.2), LineMove(moved([0.0, 0.1, 0.0]))], {}, InputError, "blend of"),
         ([LineMove(moved([0.0, 0.0, 0.01]), blend=0.2)], {}, InputError, "segment 1 .*cannot blend"),
         ([JointMove(np.full(6, 50.0))], {}, LimitError, "segment 1 .JointMove. puts joint"),

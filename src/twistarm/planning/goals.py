@@ -59,7 +59,7 @@ class Goals:
         return end
 
     def moving(self, move: Curved, start: Array, where: str) -> list[MovingTarget]:
-        """What is to be followed from start (n,): of several the first that can be."""
+        """What is to be followed from start (n,): of several the first that can be; nothing where it ends there."""
         g0, met = self.arm.fk(start), self.tolerances(move)
         if move.to is None:
             found = [MovingTarget(_free_curve(move, g0), like, met) for like in self._likes(move.constrain, g0)]
@@ -69,10 +69,7 @@ class Goals:
                 found = [MovingTarget(_curve_to(move, g0, g1), like, met) for like in likes]
             except InputError as error:
                 raise InputError(f"{where}: {error}") from error
-        moving = [each for each in found if not each.is_still]
-        if not moving:
-            raise InputError(f"{where}: it ends where it begins: leave it out, or give it another goal")
-        return moving
+        return [each for each in found if not each.is_still]
 
     def _goal_pose(self, move: Curved, g0: Array, start: Array, where: str) -> tuple[list[AnyTarget], Array]:
         """What the goal constrains, and the pose at the end: what it leaves free turns no more than it must."""

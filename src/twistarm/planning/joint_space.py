@@ -16,7 +16,17 @@ from ..ik.task_space import Tolerances
 from ..limits.joint_limits import JointLimits
 from ..model.arm import Arm, require_arm
 from ..model.usual_limits import defaults_line, with_defaults
-from ..support.checks import Array, RealArray, Row, as_flag, as_floats, as_reals, require_callback, require_choice
+from ..support.checks import (
+    Array,
+    RealArray,
+    Row,
+    as_flag,
+    as_floats,
+    as_positive,
+    as_reals,
+    require_callback,
+    require_choice,
+)
 from ..support.errors import InputError, NotConvergedError, shown
 from . import spline, timing
 from .pulling_in import pulled_in
@@ -26,6 +36,7 @@ from .tolerances import decided
 from .trajectory import Trajectory
 from .unwrapping import unwrapped
 from .waypoint_laws import Motion, double_s_rests, fastest_along_spline, fastest_rests
+from .waypoint_smoothing import smoothed
 from .within import require_rates, require_waypoints
 
 Kind = Literal["cubic", "quintic", "trapezoid", "time_optimal", "s_curve"]
@@ -36,6 +47,9 @@ BY_LAW = ("time_optimal", "s_curve")
 
 MERGE_TOL = 1e-6
 """Consecutive waypoints nearer than this [rad, m] in every joint are one: IK answers no finer."""
+
+MOST_NAMED = 12
+"""Of waypoints that are merged so many are named."""
 
 LEAST_SEGMENT = 1e-7
 """Given times are nearer together than this part of the whole by mistake, and no spline could be computed."""
@@ -66,6 +80,7 @@ def plan_joint(
     position_tol: float | None = None,
     orientation_tol: float | None = None,
     unwrap: bool = False,
+    smooth: float | None = None,
     progress: Progress | None = None,
 ) -> Trajectory:
     """A motion through `waypoints`, at rest at the first and the last, that keeps the joint limits everywhere.
@@ -99,9 +114,12 @@ def plan_joint(
     acceleration limit, the usual one counts (1 rad/s, 0.25 m/s, 3 rad/s², 1 m/s²), and `notes` say so. For segments
     that stop that is the minimum. The proportions of a spline's segments are searched: within 1 % of the minimum, but
     where a spline was pulled in typically within 2 % for cubic and 15 % for quintic. Either may be slower than stopping
-    where a path turns back. Consecutive waypoints nearer than 1e-6 are merged; if none other remains, the motion has
-    duration 0. With `times` (k,) [s], increasing from 0, the motion passes waypoint i at times[i], and limits that are
-    missing are not checked.
+    where a path turns back. Consecutive waypoints nearer than 1e-6 are merged, and `notes` name them; if none other
+    remains, the motion has duration 0. With `times` (k,) [s], increasing from 0, the motion passes waypoint i at
+    times[i], and limits that are missing are not checked.
+
+    Recorded waypoints are rounded or noisy, and a path through each of them is slow. `smooth` is how far it may leave
+    them, such as 0.01 for values with two decimals: each joint then has the smallest third differences within that.
 
     The extremes of the polynomials are checked, not samples (to 1e-9). Source: Lynch & Park, Modern Robotics, §9.2 and
     §9.3.
@@ -118,6 +136,8 @@ def plan_joint(
         position_tol: How far off a target [m] a waypoint still meets it; 1e-6 by default.
         orientation_tol: The same of its rotation [rad].
         unwrap: Whether joints of which a whole turn moves nothing go to configurations by the shorter way too.
+        smooth: How far [rad, m] each joint may leave the waypoints between the first and the last, to pass them as
+            smoothly as can be; None: it passes them exactly.
         progress: Called with the fraction done, in (0, 1], or None.
 
     Returns:
@@ -138,9 +158,10 @@ def plan_joint(
     free = times is None or kind == "s_curve"
     bounds, notes = completed(arm, limits) if free else (as_limits(arm, limits), ())
     require_waypoints(points, bounds, arm.joint_names, arm.units)
+    points, merged = _prepared(points, None if smooth is None else as_positive(smooth, "smooth"), bounds, times is None)
     inside = PathBounds(bounds, arm.actuators)
     timed = _timed(points, kind, stop_at_waypoints, times, inside, progress)
-    motion = Trajectory(arm.joint_names, arm.units, points, *timed, arm.actuators, notes=(*notes, *turned))
+    motion = Trajectory(arm.joint_names, arm.units, points, *timed, arm.actuators, notes=(*notes, *turned, *merged))
     if times is not None and kind not in BY_LAW:
         require_rates(motion, bounds)
         if arm.actuators is not None:
@@ -234,6 +255,18 @@ def _distinct(points: Array) -> tuple[Array, Array]:
         owner.append(len(kept) - 1)
     kept[-1] = len(points) - 1
     return points[kept], np.array(owner)
+
+
+def _prepared(points: Array, smooth: float | None, limits: JointLimits, merge: bool) -> tuple[Array, list[str]]:
+    """The waypoints (k, n) that are led through, and which of those given are no places of their own."""
+    kept, owner = _distinct(points)
+    doubled = np.flatnonzero(np.diff(owner) == 0) + 1
+    if smooth is not None:
+        points = np.clip(smoothed(kept, smooth), limits.lower, limits.upper)[owner]
+    if not merge or not len(doubled):
+        return points, []
+    which = ", ".join(map(str, doubled[:MOST_NAMED])) + ", …" * (len(doubled) > MOST_NAMED)
+    return points, [f"merged with the waypoint before, which is at the same place: {which} (counted from 0)"]
 
 
 def _at_times(points: Array, kind: Kind, stop: bool, times: Array, bounds: PathBounds) -> tuple[Array, Array]:

@@ -81,13 +81,14 @@ def plan(
 
     Returns:
         The `Trajectory`; its waypoints are the start and the end of every segment, its labels those of the segments.
-        Its `notes` name the usual limits that stand in for missing ones, and joints that whole turns bring nearer.
+        Its `notes` name the usual limits that stand in for missing ones, and joints that whole turns bring nearer,
+        and curves that end where they begin: there the arm stays.
 
     Raises:
         PathError: A curve cannot be followed; the message says how far it can, why not farther and what would help.
         LimitError: A goal lies outside the position limits.
         NotConvergedError: The target of a joint move cannot be met; the message says why.
-        InputError: An argument does not fit the arm, a curve ends where it begins, or a blend is too large.
+        InputError: An argument does not fit the arm, or a blend is too large.
         UnknownNameError: No such configuration or joint.
     """
     require_choice(kind, tuple(LAWS), "kind")

@@ -81,6 +81,8 @@ class Router:
             legs += self._next(len(legs), theta)
             theta = legs[-1].end
             self.done(len(legs))
+        still = (leg.index for leg in legs if leg.path is None and isinstance(leg.segment, CURVED))
+        self.notes += [f"{self._place(i)}: it ends where it begins, and the arm stays" for i in still]
         return legs
 
     def _next(self, i: int, theta: Array) -> list[Leg]:
@@ -153,12 +155,15 @@ class Router:
         for k in run:
             if isinstance(self.segments[k], Dwell):
                 continue
-            roots, more[k] = self._roots(k, ends, options[k])
+            roots, has_more = self._roots(k, ends, options[k])
+            if not roots:
+                continue
+            more[k] = has_more
             nodes = (climb_wide if wide else climb)(self.arm, self.limits, roots)
             if isinstance(nodes, Blocked):
                 raise _BlockedError(k, nodes, more[k])
             ends = [(node.theta, node.cost, node) for node in nodes]
-        ways = (self._followed(run, node, wide, more) for _, _, node in ends[:FOLLOWED])
+        ways = (self._followed(run, theta, node, wide, more) for theta, _, node in ends[:FOLLOWED])
         errors = []
         for found in ways:
             if not isinstance(found, _BlockedError):
@@ -174,21 +179,26 @@ class Router:
         roots: list[Node] = []
         for theta, cost, parent in ends:
             movings = self.goals.moving(segment, theta, self._place(k))
+            if not movings:
+                continue
             moving = movings[min(option, len(movings) - 1)]
             same = next((each for each in known if each.same(moving)), None)
             known += [moving] if same is None else []
             roots.append(Node(moving if same is None else same, 0.0, theta, cost, parent))
-        return roots, option + 1 < len(movings)
+        return roots, bool(roots) and option + 1 < len(movings)
 
     def _followed(
-        self, run: range, last: Node | None, even: bool, more: dict[int, bool]
+        self, run: range, end: Array, last: Node | None, even: bool, more: dict[int, bool]
     ) -> tuple[Array, list[Leg]] | _BlockedError:
-        """The start and the legs of a run whose last curve ends at that node, or where it is blocked after all."""
+        """The start and the legs of a run that ends at theta (n,), its last curve at that node, or where it is blocked.
+
+        A curve that is not among `more` ends where it begins.
+        """
         curves = [list(nodes) for _, nodes in groupby(way(last), key=lambda node: id(node.moving))]
-        start = theta = curves[0][0].theta
+        start = theta = curves[0][0].theta if curves else end
         legs: list[Leg] = []
         for k in run:
-            if isinstance(self.segments[k], Dwell):
+            if k not in more:
                 legs.append(Leg(k, self.segments[k], theta, None))
                 continue
             result = follow(self.arm, curves.pop(0), even=even)

@@ -115,6 +115,14 @@ Unwrap = Annotated[
         "--unwrap", help="Continuous joints go to poses by the shorter way, by whole turns; to --xyz they always do."
     ),
 ]
+Smooth = Annotated[
+    float | None,
+    typer.Option(
+        metavar="ANGLE",
+        help="How far the path may leave the poses of --to, recorded ones with noise, to be smooth [°, or rad with "
+        "--rad; a slide by as many m as rad].",
+    ),
+]
 Counts = Annotated[
     bool, typer.Option("--counts", help="Write what the motors' drives count alone, for firmware that knows no joints.")
 ]
@@ -141,6 +149,7 @@ def plan(
     acceleration: Rate = None,
     stop: Annotated[bool, typer.Option("--stop", help="Come to rest at every pose.")] = False,
     unwrap: Unwrap = False,
+    smooth: Smooth = None,
     output: Output = None,
     form: Format = None,
     force: Force = False,
@@ -153,6 +162,8 @@ def plan(
     if [motion is not None, bool(to), bool(xyz)].count(True) != 1:
         raise InputError("give poses by --to, positions by --xyz, or a motion.toml")
     as_positive(dt, "--dt")
+    if smooth is not None and (line or not to):
+        raise InputError("--smooth is about poses that a motion passes: it goes with --to alone")
     met = typed_tolerances(position_tol, orientation_tol, rad)
     asked = Asked(arm, start, rad, line, stop, blend, tool_speed, None if kind is None else kind.value, met, unwrap)
     asked.require_fitting(by_file=motion is not None, by_joints=not (xyz or line), goals=len(to or xyz or ()))
@@ -177,6 +188,9 @@ def plan(
         else:
             how: Any = asked.kind or "cubic"
             through: dict[str, Any] = {"kind": how, "limits": limits, "stop_at_waypoints": stop, "unwrap": unwrap}
+            if smooth is not None:
+                angle = as_positive(smooth, "--smooth")
+                through["smooth"] = angle if rad else float(np.radians(angle))
             planned = plan_joint(arm, asked.poses(to), **through, progress=progress)
             segments = []
     origin = asked.origin(file)
