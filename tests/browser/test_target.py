@@ -299,3 +299,18 @@ def test_g_takes_the_handles_and_a_servo_takes_them_away(rover: Desk) -> None:
     assert rover.page.get_by_role("spinbutton", name="tool x, metres").is_disabled()
     rover.viewer.show_servo(None)
     until(rover.page, shown)
+
+
+def test_tolerances_are_typed_beside_the_target_and_hold_at_once(rover: Desk) -> None:
+    rover.reset("position")
+    p = rover.drawn()[:3, 3]
+    rover.page.evaluate("([x, y, z]) => twistarm.parts.target.type([x + 0.4, y, z, 0, 0, 0])", p.tolist())
+    assert not rover.answered()["met"]
+    rover.page.locator("#target-position-tol").fill("500")
+    rover.page.locator("#target-position-tol").press("Enter")
+    until(rover.page, "twistarm.parts.target.given?.met")
+    end = rover.arm.by_pinocchio(rover.viewer.theta)[0][:3, 3]
+    assert 1e-3 < np.linalg.norm(end - p - [0.4, 0, 0]) <= 0.5
+    rover.page.locator("#target-position-tol").fill("")
+    rover.page.locator("#target-position-tol").press("Enter")
+    until(rover.page, "twistarm.parts.target.given?.met === false")

@@ -106,7 +106,7 @@ BAD = {
     "a posture": (["--all", "--xyz", "1 0 0", "--posture", "middle"], "--all takes no --posture"),
     "a file": (["--all", "--targets", "t.csv"], "--all takes no --targets"),
     "no target": (["--all"], "--xyz"),
-    "a tolerance of nothing": (["--all", "--xyz", "1 0 0", "--position-tolerance", "0"], "--position-tolerance"),
+    "a tolerance of nothing": (["--all", "--xyz", "1 0 0", "--position-tol", "0"], "--position-tol"),
 }
 
 

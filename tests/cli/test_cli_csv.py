@@ -160,8 +160,8 @@ def test_an_orientation_is_typed_in_three_ways(typed: str, capsys: Capture) -> N
 def test_tolerances_are_what_is_typed(capsys: Capture) -> None:
     """The angle in degrees, or in radians with --rad: a search that may stop earlier does."""
     for typed, within in (
-        (["--position-tolerance", "0.02", "--orientation-tolerance", "3"], np.radians(3)),
-        (["--position-tolerance", "0.02", "--orientation-tolerance", "0.05", "--rad"], 0.05),
+        (["--position-tol", "0.02", "--orientation-tol", "3"], np.radians(3)),
+        (["--position-tol", "0.02", "--orientation-tol", "0.05", "--rad"], 0.05),
     ):
         assert run(["ik", "ur5", "--xyz", "0.4 0.1 0.3", "--quaternion", "0 1 0 0", *typed, "--json"]) == 0
         content = json.loads(capsys.readouterr().out)

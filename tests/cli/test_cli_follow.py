@@ -38,7 +38,7 @@ def test_simulated_joints_follow_it_to_its_end(capsys: Capture, file: Path) -> N
     out, err = capsys.readouterr()
     answer = json.loads(out)
     assert (answer["completed"], answer["ending"], answer["at"]) == (True, "ARRIVED", answer["duration"])
-    assert set(answer["largest_error"]) == {"joint_1", "joint_2"}
+    assert set(answer["largest_error"]) == set(answer["largest_lag"]) == {"joint_1", "joint_2"}
     assert answer["loop"]["at_rest"]
     assert "rr_planar at http://" in err
     assert "s: close gripper" in err

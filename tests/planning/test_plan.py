@@ -18,6 +18,7 @@ from twistarm import (
     Position,
     ScrewMove,
     Trajectory,
+    binding_limits,
     load_arm,
     plan,
     rotations,
@@ -79,6 +80,16 @@ def test_a_tour_keeps_every_limit_and_ends_at_rest(kind):
     assert np.abs(motion(dense(motion), 1)[:, 0] / ARM.limits.velocity[0]).max() <= 1.0
 
 
+def test_usual_limits_stand_in_for_missing_ones_and_are_named():
+    free, move = load_arm("rover_arm", limits={"acceleration": np.inf}), LineMove.by([0.0, 0.0, 0.05])
+    usual = {"acceleration": [{"m": 1.0, "rad": 3.0}[unit] for unit in free.units]}
+    motion, told = plan(free, move), plan(free, move, limits=usual)
+    assert motion.duration == told.duration
+    assert told.notes == ()
+    assert "acceleration 3 rad/s²" in motion.notes[0]
+    assert binding_limits(free, motion) == binding_limits(free, motion, limits=usual)
+
+
 def test_a_line_is_straight_and_turns_in_proportion():
     goal = moved([0.1, -0.08, 0.05], [0.2, -0.3, 0.1])
     motion = plan(ARM, LineMove(goal))
@@ -114,6 +125,46 @@ def test_an_arc_goes_through_its_via_point():
     p = ARM.fk(motion(dense(motion, 50)))[:, :3, 3]
     assert np.linalg.norm(p - via, axis=1).min() <= 3e-4
     np.testing.assert_allclose(np.linalg.norm(p - (G[:3, 3] + [0.0, 0.05, 0.0]), axis=1), 0.05, atol=1e-4)
+
+
+def test_segments_that_go_nowhere_are_told_and_the_motion_goes_on():
+    there, on = moved([0.0, 0.05, 0.0]), moved([0.0, 0.05, 0.05])
+    here, way = LineMove(moved([0, 0, 0])), [LineMove(there), LineMove(on)]
+    twice = [here, LineMove(there, blend=0.01), LineMove(there, blend=0.01), LineMove(on), LineMove(on)]
+    motion = plan(ARM, twice)
+    assert motion.duration == pytest.approx(plan(ARM, way).duration)
+    assert [note.split(":")[0] for note in motion.notes] == [f"segment {i} (LineMove)" for i in (1, 3, 5)]
+    np.testing.assert_allclose(ARM.fk(motion(motion.duration)), on.g, atol=1e-6)
+    assert plan(ARM, [LineMove(moved([0, 0, 0])), JointMove(there), LineMove(there)]).duration > 0.0
+    assert plan(ARM, LineMove(moved([0, 0, 0]))).duration == 0.0
+
+
+@pytest.mark.parametrize("off", [0.0, 1e-9, 1e-7, 1e-5])
+def test_no_arc_is_planned_whose_plane_rounding_chooses(off):
+    start, end = G[:3, 3], moved([0.0, 0.1, 0.0])
+    near = moved([off, 0.0, 0.0])
+    for arc in (
+        ArcMove(start + [off, 0.0, 0.0], end),
+        ArcMove(end.g[:3, 3] + [0.0, 0.0, off], end),
+        ArcMove(start + [0.0, 0.05, off], end),
+        ArcMove(start + [0.0, 0.05, 0.05], near),
+    ):
+        with pytest.raises(InputError, match="do not lie on a line"):
+            plan(ARM, arc)
+
+
+def test_a_circle_may_be_given_twice_and_a_gentle_arc_is_one():
+    """A circle of two arcs through points 5 cm from its centre, and an arc of 1 mm on 10 cm."""
+    way = [
+        ArcMove(G[:3, 3] + [0, 0.05, 0.05], moved([0, 0.1, 0])),
+        ArcMove(G[:3, 3] + [0, 0.05, -0.05], moved([0, 0, 0])),
+    ]
+    motion = plan(ARM, way * 2)
+    p = ARM.fk(motion(dense(motion)))[:, :3, 3]
+    np.testing.assert_allclose(np.linalg.norm(p - (G[:3, 3] + [0, 0.05, 0]), axis=1), 0.05, atol=1e-4)
+    assert motion.times[2] == pytest.approx(0.5 * motion.duration, rel=1e-3)
+    gentle = plan(ARM, ArcMove(G[:3, 3] + [0, 0.05, 1e-3], moved([0, 0.1, 0])))
+    assert np.abs(ARM.fk(gentle(dense(gentle)))[:, 2, 3] - G[2, 3]).max() == pytest.approx(1e-3, abs=1e-4)
 
 
 def test_a_blend_stays_in_its_ball_and_does_not_stop():
@@ -240,7 +291,6 @@ def test_what_lies_beyond_the_end_of_a_path_says_why_it_ends():
     [
         ([], {}, InputError, "one or more of JointMove"),
         ([JointMove(np.zeros(6)), 3], {}, InputError, "segment 2 must be"),
-        ([LineMove(Pose(G))], {}, InputError, "segment 1 .LineMove.: it ends where it begins"),
         ([LineMove(moved([0.0, 0.0, 0.01]), blend=0.2), LineMove(moved([0.0, 0.1, 0.0]))], {}, InputError, "blend of"),
         ([LineMove(moved([0.0, 0.0, 0.01]), blend=0.2)], {}, InputError, "segment 1 .*cannot blend"),
         ([JointMove(np.full(6, 50.0))], {}, LimitError, "segment 1 .JointMove. puts joint"),
@@ -248,7 +298,6 @@ def test_what_lies_beyond_the_end_of_a_path_says_why_it_ends():
         ([JointMove("ready"), JointMove("redy")], {}, UnknownNameError, "^segment 2 .JointMove.: no pose 'redy'"),
         ([JointMove({"elbw": 1.0})], {}, UnknownNameError, "^segment 1 .JointMove.: no joint 'elbw'"),
         ([JointMove([1.0, 2.0])], {}, InputError, "^segment 1 .JointMove.: its goal must have shape"),
-        ([JointMove("ready")], {"limits": {"velocity": np.inf}}, LimitError, "no velocity limit"),
         ([JointMove("ready")], {"kind": "fast"}, InputError, "kind must be"),
         ([JointMove("ready")], {"tool_speed": -1.0}, InputError, "tool_speed must be a positive"),
         ([ArcMove(G[:3, 3] + [0.0, 0.05, 0.0], moved([0.0, 0.1, 0.0]))], {}, InputError, "do not lie on a line"),

@@ -159,9 +159,18 @@ def test_a_joint_that_does_not_follow_ends_it_and_is_named(rover, motion, robot,
 
 
 def test_drives_that_are_late_are_no_error(rover, motion, clock):
-    joints = SimulatedJoints(rover, rover.ready, latency=0.08, clock=clock)
-    report = follow(rover, motion, joints, joints, clock=clock, tolerance=0.02)
+    joints, measured = SimulatedJoints(rover, rover.ready, latency=0.08, clock=clock), []
+    report = follow(rover, motion, joints, joints, clock=clock, tolerance=0.02, on_cycle=measured.append)
     assert report.ok
+    # A late drive lags by its delay times its rate: the report must not hide that behind its window.
+    t = np.array([cycle.at for cycle in measured if cycle.theta is not None and cycle.rate > 0.99])
+    theta = np.array([cycle.theta for cycle in measured if cycle.theta is not None and cycle.rate > 0.99])
+    true = np.abs(motion(np.clip(t - PERIOD, 0.0, motion.duration)) - theta).max(axis=0)
+    assert true.max() > 0.05
+    np.testing.assert_allclose(report.largest_lag, true, atol=0.005)
+    np.testing.assert_allclose(np.max([c.lag for c in measured if c.lag is not None], axis=0), report.largest_lag)
+    assert (report.largest_error < 0.02).all()
+    assert report.largest_lag.max() > 4 * report.largest_error.max()
     np.testing.assert_allclose(joints.theta, motion.waypoints[-1], atol=0.01)
 
 

@@ -106,6 +106,21 @@ def test_out_of_reach_the_nearest_is_shown_and_the_reason_told() -> None:
     assert distance < min(closer)
 
 
+def test_tolerances_hold_for_targets_until_others_are_chosen() -> None:
+    stage = Stage(ROVER)
+    position, quaternion = near(ROVER, (0.4, 0.0, 0.0))
+    assert not ask(stage, "position", position, quaternion)["met"]
+    for tolerance, met in ((0.5, True), (1e-4, False), (0.0, False)):
+        assert stage.handle(parse(text("tolerances", position=tolerance, orientation=0.0)), 0.0) is None
+        (said,) = [message for message in stage.messages() if message["type"] == "tolerances"]
+        assert said == {"type": "tolerances", "position": tolerance, "orientation": 0.0}
+        assert ask(stage, "position", position, quaternion)["met"] is met
+        g, _, _ = ROVER.by_pinocchio(stage.theta)
+        assert (np.linalg.norm(g[:3, 3] - position) <= max(tolerance, 1e-6)) == met
+    with pytest.raises(InputError, match="position"):
+        stage.handle(parse(text("tolerances", position=-1.0, orientation=0.0)), 0.0)
+
+
 def rngs(count: int) -> list[np.random.Generator]:
     return [np.random.default_rng(seed) for seed in range(count)]
 

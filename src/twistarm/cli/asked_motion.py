@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any
 
@@ -42,6 +42,8 @@ class Asked:
     blend: float | None = None
     tool_speed: float | None = None
     kind: str | None = None
+    tolerances: Mapping[str, Any] = field(default_factory=dict)
+    unwrap: bool = False
 
     def require_fitting(self, *, by_file: bool, by_joints: bool, goals: int) -> None:
         """InputError for an option that the others leave nothing to say: none is ignored."""
@@ -55,9 +57,11 @@ class Asked:
             raise InputError(f"a motion.toml says itself how it goes to each goal: leave out {' and '.join(idle)}")
         if self.stop and self.blend is not None:
             raise InputError("--stop comes to rest at every pose, --blend rounds the corners there: give one of them")
-        if not by_file and by_joints and (self.blend is not None or self.tool_speed is not None):
-            option = "--tool-speed" if self.blend is None else "--blend"
-            raise InputError(f"{option} is about the way of the tool: add --line, or give positions by --xyz")
+        tool = {"--blend": self.blend is not None, "--tool-speed": self.tool_speed is not None}
+        tool |= {f"--{name.replace('_', '-')}": True for name in self.tolerances}
+        about_tool = [option for option, is_typed in tool.items() if is_typed]
+        if not by_file and by_joints and about_tool:
+            raise InputError(f"{about_tool[0]} is about the way of the tool: add --line, or give positions by --xyz")
         if self.blend is not None and goals < 2:
             raise InputError("--blend rounds the corners between goals: give two of them, or leave it out")
         if self.kind is not None and self.kind not in LAWS and (by_file or not by_joints):
@@ -80,23 +84,32 @@ class Asked:
         """The motion of a motion.toml; what is typed beside it goes before what it says."""
         start: Any = content.start if self.start is None else self.poses(())[0]
         speed = content.tool_speed if self.tool_speed is None else self.tool_speed
-        segments = as_segments(content.segments, speed, content.turn_speed)
-        return self._planned(segments, start, self.kind or content.kind, limits, progress)
+        met = {"position_tol": content.position_tol, "orientation_tol": content.orientation_tol, **self.tolerances}
+        segments = as_segments(content.segments, speed, content.turn_speed, **met)
+        unwrap = self.unwrap or content.unwrap
+        return self._planned(segments, start, self.kind or content.kind, limits, progress, unwrap)
 
     def through(self, goals: Sequence[Any], limits: JointLimits, progress: Progress) -> Planned:
         """A motion by the same kind of move to each goal."""
         move = LineMove if self.line else JointMove
         blends = [self.blend or 0.0] * (len(goals) - 1) + [0.0]
         segments: list[Segment] = [
-            move(goal, tool_speed=self.tool_speed, blend=blend) for goal, blend in zip(goals, blends, strict=True)
+            move(goal, tool_speed=self.tool_speed, blend=blend, **self.tolerances)
+            for goal, blend in zip(goals, blends, strict=True)
         ]
-        return self._planned(segments, self.poses(())[0], self.kind, limits, progress)
+        return self._planned(segments, self.poses(())[0], self.kind, limits, progress, self.unwrap)
 
     def _planned(
-        self, segments: list[Segment], start: Any, kind: str | None, limits: JointLimits, progress: Progress
+        self,
+        segments: list[Segment],
+        start: Any,
+        kind: str | None,
+        limits: JointLimits,
+        progress: Progress,
+        unwrap: bool,
     ) -> Planned:
-        law: Any = kind or "s_curve"
-        return plan_segments(self.arm, segments, start=start, limits=limits, kind=law, progress=progress), segments
+        how: dict[str, Any] = {"kind": kind or "s_curve", "limits": limits, "unwrap": unwrap}
+        return plan_segments(self.arm, segments, start=start, progress=progress, **how), segments
 
 
 def typed_targets(

@@ -25,11 +25,13 @@ def report_table(arm: Arm, report: StreamReport) -> Grid:
 
 def follow_json(arm: Arm, report: FollowReport) -> dict[str, Any]:
     """How far a motion came, and what the loop did, for programs."""
-    errors = dict(zip(report.joint_names, report.largest_error.tolist(), strict=True))
+    lags, errors = (
+        dict(zip(report.joint_names, off.tolist(), strict=True)) for off in (report.largest_lag, report.largest_error)
+    )
     return {
         "arm": arm.name, "ok": report.ok, "completed": report.completed, "ending": report.stream.ending.name,
         "reason": report.stream.reason, "at": report.at, "duration": report.duration, "speed": report.speed,
-        "largest_error": errors, "loop": report_json(arm, report.stream),
+        "largest_lag": lags, "largest_error": errors, "loop": report_json(arm, report.stream),
     }  # fmt: skip
 
 

@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Annotated
+from typing import Annotated, Any
 
 import numpy as np
 import typer
 
 from ..ik import Approach, Pose, Position
-from ..support.checks import Array
+from ..support.checks import Array, as_positive
 from ..support.errors import InputError
 from ..theory.rotations import from_rpy, from_xyzw
 from .csv_rows import Sheet, no_column
@@ -38,6 +38,16 @@ Axis = Annotated[
         metavar=AXIS,
         help="The tool's axis that --direction points: x, -y, … or three numbers; unless given, the one about which "
         "the last joint rolls the tool.",
+    ),
+]
+PositionTol = Annotated[
+    float | None, typer.Option(metavar="M", help="How far off a position is still met; 1e-6 m, with ik --all 1e-9 m.")
+]
+OrientationTol = Annotated[
+    float | None,
+    typer.Option(
+        metavar="ANGLE",
+        help="How far the tool may be turned off [°, or rad with --rad]; 1e-6 rad, with ik --all 1e-9 rad.",
     ),
 ]
 
@@ -118,6 +128,17 @@ def typed_orientation(
         scalar_last = option == "--quaternion-xyzw"
         return Orientation(rotation=_rotation(np.roll(parse_numbers(text, 4, option), 0 if scalar_last else -1)))
     return Orientation(axis=tool_axis)
+
+
+def typed_tolerances(position: float | None, orientation: float | None, radians: bool) -> dict[str, Any]:
+    """The tolerances that were typed [m, rad], as solvers and planners take them."""
+    typed: dict[str, Any] = {}
+    if position is not None:
+        typed["position_tol"] = as_positive(position, "--position-tol")
+    if orientation is not None:
+        angle = as_positive(orientation, "--orientation-tol")
+        typed["orientation_tol"] = angle if radians else float(np.radians(angle))
+    return typed
 
 
 def _axis(text: str) -> Array:

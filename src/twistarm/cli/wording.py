@@ -22,6 +22,9 @@ _OPTIONS = {
     "package_dirs": ("--package-dir", "FOLDER"),
     "stop_at_waypoints": ("--stop", ""),
     "approach": ("--approach", ""),
+    "unwrap": ("--unwrap", ""),
+    "position_tol": ("--position-tol", "M"),
+    "orientation_tol": ("--orientation-tol", "ANGLE"),
 }
 """The option of each argument that messages name, and how its value is called in `--help`."""
 
@@ -49,6 +52,8 @@ class CommandLineWords(CallerWords):
         if isinstance(value, Placeholder):
             kind = f" (the one {value.removeprefix('folder ')})" if value.startswith("folder ") else ""
             return f"{option} {metavar}{kind}"
+        if argument == "orientation_tol" and self._degrees:
+            value = float(f"{math.degrees(value):.2g}")
         return option if value is True else f"{option} {shlex.quote(str(value))}"
 
     def expression(self, python: str) -> str:

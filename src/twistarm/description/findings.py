@@ -55,7 +55,7 @@ CODES: dict[str, Code] = {
     "soft-limits": Code("info", "the soft limits of a safety_controller are kept, inside the joint's own"),
     "soft-limits-unusable": Code("warning", "the soft limits of a safety_controller leave the joint no room"),
     "limit-zero-range": Code("warning", "a joint's bounds are equal; it cannot move"),
-    "velocity-not-given": Code("warning", "a velocity limit is absent, zero or negative; planning will ask for it"),
+    "velocity-not-given": Code("warning", "a velocity limit is absent, zero or negative; planning assumes one"),
     "effort-not-given": Code("warning", "an effort limit is absent, zero or negative"),
     "mimic-malformed": Code("error", "a mimic's multiplier or offset is no number"),
     "mimic-master-missing": Code("error", "a joint mimics one that is not there"),

@@ -78,7 +78,7 @@ def checked(
         theta0=start,
         posture=_posture(arm, posture, start, count),
         tolerances=Tolerances(
-            _tolerance(position_tol, "position_tol [m]"), _tolerance(orientation_tol, "orientation_tol [rad]")
+            as_tolerance(position_tol, "position_tol [m]"), as_tolerance(orientation_tol, "orientation_tol [rad]")
         ),
         restarts=searches,
         seed=as_seed(rng),
@@ -123,7 +123,8 @@ def _posture(arm: Arm, posture: ArrayLike | str | None, start: Array, count: int
     )
 
 
-def _tolerance(value: float, name: str) -> float:
+def as_tolerance(value: float, name: str) -> float:
+    """A tolerance; InputError for what is no number or too small."""
     number = as_floats(value, name)
     if number.ndim or not number >= LEAST_TOLERANCE:
         raise InputError(f"{name} must be one number, at least {LEAST_TOLERANCE:g}; got {shown(value)}")

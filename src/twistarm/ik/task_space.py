@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Protocol
+from typing import Any, Protocol
 
 import numpy as np
 
@@ -19,6 +19,11 @@ class Tolerances:
 
     position: float
     orientation: float
+
+    @property
+    def keywords(self) -> dict[str, Any]:
+        """As `solve_ik` and its like take them."""
+        return {"position_tol": self.position, "orientation_tol": self.orientation}
 
     def met(self, position_error: float, orientation_error: float) -> bool:
         """Whether both errors are within the tolerances."""

@@ -11,7 +11,7 @@ from numpy.typing import ArrayLike
 
 from ..support.checks import Array, as_reals, as_theta, frozen, require_names
 from ..support.display import told
-from ..support.errors import InputError, LimitError, shown, unknown_name
+from ..support.errors import InputError, shown, unknown_name
 from .joint_units import slides
 
 FIELDS = ("lower", "upper", "velocity", "acceleration", "jerk", "effort")
@@ -123,26 +123,6 @@ class JointLimits:
             if lower > upper:
                 raise InputError(f"limits of {name} are swapped or disjoint: lower {lower:g} > upper {upper:g}")
         return replace(self, **updated)
-
-    def require(self, fields: Sequence[str], names: Sequence[str]) -> None:
-        """Raise LimitError naming the joints and the argument where a needed limit was not given.
-
-        Args:
-            fields: Names of the needed limits, such as "velocity".
-            names: The n joint names, base to tip.
-
-        Raises:
-            LimitError: One of them was not given for some joint.
-        """
-        for field in fields:
-            given = np.isfinite(getattr(self, field))
-            if not given.all():
-                missing = [name for name, known in zip(names, given, strict=True) if not known]
-                raise LimitError(
-                    f"no {field} limit for {', '.join(missing)}: give it as "
-                    f"limits={{'{field}': {{'{missing[0]}': …}}}}, one number for every joint as "
-                    f"limits={{'{field}': …}}, or in the arm's arm.toml"
-                )
 
 
 def usual_half(kind: str) -> float:

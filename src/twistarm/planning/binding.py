@@ -13,7 +13,7 @@ from ..limits.joint_limits import JointLimits
 from ..model.arm import Arm, require_arm
 from ..support.checks import Array
 from ..support.errors import InputError, shown
-from .joint_space import as_limits
+from .joint_space import completed
 from .motion import as_segments
 from .segments import Move, Segment
 from .time_laws.bounds import PathBounds
@@ -68,7 +68,7 @@ def binding_limits(
     Args:
         arm: The arm, whose motors' limits count too.
         motion: The motion of its joints.
-        limits: As they were given to `plan` or `plan_joint`.
+        limits: As they were given to `plan` or `plan_joint`; the usual ones stand in for missing ones here too.
         segments: Those given to `plan`: their shares of the joints' velocities and speeds of the tool count.
 
     Returns:
@@ -81,12 +81,12 @@ def binding_limits(
     if not isinstance(motion, Trajectory) or motion.joint_names != arm.joint_names:
         raise InputError(f"motion must be a Trajectory of the arm's joints; got {shown(motion)}")
     none = isinstance(segments, Sequence) and not segments
-    moves = [] if none else as_segments(segments, None, None)
+    moves = [] if none else as_segments(segments)
     if moves and len(moves) + 1 != len(motion.times):
         raise InputError(
             f"a motion of {len(moves)} segments has {len(moves) + 1} waypoints; this one has {len(motion.times)}"
         )
-    bounds = PathBounds(as_limits(arm, limits), arm.actuators)
+    bounds = PathBounds(completed(arm, limits)[0], arm.actuators)
     t, between = _instants(motion)
     shares = np.concatenate([_of_joints(motion, bounds, moves, t), _of_tool(arm, motion, moves, t)], axis=1)
     rows = _rows(arm, bounds)

@@ -11,6 +11,7 @@ import numpy as np
 from ..ik.explain import in_one_line
 from ..ik.solve import solve_ik
 from ..ik.targets import KINDS, AnyTarget, Approach, Pose, Position, target_for
+from ..ik.task_space import Tolerances
 from ..limits.joint_limits import JointLimits
 from ..model.arm import Arm
 from ..support.checks import Array
@@ -18,7 +19,8 @@ from ..support.errors import InputError, NotConvergedError, UnknownNameError
 from ..theory import rotations, screws
 from .cartesian.curves import Arc, Curve, Line, Screw
 from .cartesian.moving_target import MovingTarget
-from .segments import CONSTRAINED, ArcMove, Constrained, Goal, LineMove, ScrewMove
+from .segments import CONSTRAINED, ArcMove, Constrained, JointMove, LineMove, ScrewMove
+from .tolerances import decided
 from .within import require_waypoints
 
 Curved = LineMove | ScrewMove | ArcMove
@@ -32,10 +34,16 @@ class Goals:
     arm: Arm
     limits: JointLimits
 
-    def configuration(self, goal: Goal, theta: Array, where: str) -> Array:
-        """Where a joint move goes from theta (n,); joints that a mapping leaves out stay."""
+    def tolerances(self, move: JointMove | Curved) -> Tolerances:
+        """How far off the targets of a move still count as met."""
+        return decided(self.arm, move.position_tol, move.orientation_tol)
+
+    def configuration(self, move: JointMove | Curved, theta: Array, where: str) -> Array:
+        """Where a move ends that begins at theta (n,); joints that a mapping leaves out stay."""
+        goal: Any = move.to
+        met = self.tolerances(move)
         if isinstance(goal, KINDS):
-            solution = solve_ik(self.arm, goal, theta, posture="theta0")
+            solution = solve_ik(self.arm, goal, theta, **met.keywords, posture="theta0")
             if not solution.converged:
                 raise NotConvergedError(f"{where}: {in_one_line(solution)}", solution)
             return solution.theta
@@ -51,27 +59,24 @@ class Goals:
         return end
 
     def moving(self, move: Curved, start: Array, where: str) -> list[MovingTarget]:
-        """What is to be followed from start (n,): of several the first that can be."""
-        g0 = self.arm.fk(start)
+        """What is to be followed from start (n,): of several the first that can be; nothing where it ends there."""
+        g0, met = self.arm.fk(start), self.tolerances(move)
         if move.to is None:
-            found = [MovingTarget(_free_curve(move, g0), like) for like in self._likes(move.constrain, g0)]
+            found = [MovingTarget(_free_curve(move, g0), like, met) for like in self._likes(move.constrain, g0)]
         else:
-            likes, g1 = self._goal_pose(move.to, g0, start, where)
+            likes, g1 = self._goal_pose(move, g0, start, where)
             try:
-                found = [MovingTarget(_curve_to(move, g0, g1), like) for like in likes]
+                found = [MovingTarget(_curve_to(move, g0, g1), like, met) for like in likes]
             except InputError as error:
                 raise InputError(f"{where}: {error}") from error
-        moving = [each for each in found if not each.is_still]
-        if not moving:
-            raise InputError(f"{where}: it ends where it begins: leave it out, or give it another goal")
-        return moving
+        return [each for each in found if not each.is_still]
 
-    def _goal_pose(self, goal: Goal, g0: Array, start: Array, where: str) -> tuple[list[AnyTarget], Array]:
+    def _goal_pose(self, move: Curved, g0: Array, start: Array, where: str) -> tuple[list[AnyTarget], Array]:
         """What the goal constrains, and the pose at the end: what it leaves free turns no more than it must."""
-        if not isinstance(goal, KINDS):
-            g1 = self.arm.fk(self.configuration(goal, start, where))
+        if not isinstance(move.to, KINDS):
+            g1 = self.arm.fk(self.configuration(move, start, where))
             return self._likes(None, g1), g1
-        target = target_for(self.arm, goal)
+        target = target_for(self.arm, move.to)
         if isinstance(target, Position):
             return [target], _with_position(g0, target.p)
         if isinstance(target, Approach):

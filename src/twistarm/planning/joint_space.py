@@ -12,16 +12,31 @@ from ..ik.explain import in_one_line
 from ..ik.solve import solve_ik
 from ..ik.targets import KINDS as TARGETS
 from ..ik.targets import TargetLike
+from ..ik.task_space import Tolerances
 from ..limits.joint_limits import JointLimits
 from ..model.arm import Arm, require_arm
-from ..support.checks import Array, RealArray, Row, as_flag, as_floats, as_reals, require_callback, require_choice
+from ..model.usual_limits import defaults_line, with_defaults
+from ..support.checks import (
+    Array,
+    RealArray,
+    Row,
+    as_flag,
+    as_floats,
+    as_positive,
+    as_reals,
+    require_callback,
+    require_choice,
+)
 from ..support.errors import InputError, NotConvergedError, shown
 from . import spline, timing
 from .pulling_in import pulled_in
 from .spans import LONGEST, SHORTEST, Progress
 from .time_laws import PathBounds
+from .tolerances import decided
 from .trajectory import Trajectory
+from .unwrapping import unwrapped
 from .waypoint_laws import Motion, double_s_rests, fastest_along_spline, fastest_rests
+from .waypoint_smoothing import smoothed
 from .within import require_rates, require_waypoints
 
 Kind = Literal["cubic", "quintic", "trapezoid", "time_optimal", "s_curve"]
@@ -32,6 +47,9 @@ BY_LAW = ("time_optimal", "s_curve")
 
 MERGE_TOL = 1e-6
 """Consecutive waypoints nearer than this [rad, m] in every joint are one: IK answers no finer."""
+
+MOST_NAMED = 12
+"""Of waypoints that are merged so many are named."""
 
 LEAST_SEGMENT = 1e-7
 """Given times are nearer together than this part of the whole by mistake, and no spline could be computed."""
@@ -59,14 +77,19 @@ def plan_joint(
     limits: JointLimits | Mapping[str, Any] | None = None,
     times: ArrayLike | None = None,
     stop_at_waypoints: bool = False,
+    position_tol: float | None = None,
+    orientation_tol: float | None = None,
+    unwrap: bool = False,
+    smooth: float | None = None,
     progress: Progress | None = None,
 ) -> Trajectory:
     """A motion through `waypoints`, at rest at the first and the last, that keeps the joint limits everywhere.
 
     Waypoints (k, n) [rad, m], one (a motion of duration 0) or more: arrays, mappings {joint: value} or names of poses
-    (`arm.configurations`). No angle is wrapped, not even of a continuous joint: from 0 to 2π is a full turn. A target
-    of the tool (`Pose`, `Position`, `Approach`, `Task` or a pose (4, 4)) stands for the configuration that `solve_ik`
-    finds from the waypoint before it (`arm.ready` for the first).
+    (`arm.configurations`). A target of the tool (`Pose`, `Position`, `Approach`, `Task` or a pose (4, 4)) stands for
+    the configuration that `solve_ik` finds from the waypoint before it (`arm.ready` for the first). Joints that turn
+    without end come to a target by the shorter way; to a configuration they go as it says, from 0 to 2π by a full turn.
+    With `unwrap` they take the shorter way there too: from 3.1 to −3.1 by 0.08 rad, to 3.18. `notes` name such joints.
 
     - `cubic`: the C² spline; acceleration jumps at the start and the end only.
     - `quintic`: the C⁴ spline, acceleration zero at both ends; smoother, and it swings wider between waypoints.
@@ -87,12 +110,16 @@ def plan_joint(
     straight from one to the next; without it a spline may swing beyond the range of its waypoints, inside the limits.
 
     Without `times` the motion is as short as its kind was found to allow: one velocity, acceleration or (where
-    given, for cubic and quintic) jerk limit is met exactly, none is exceeded, and velocity and acceleration limits
-    must be there for every joint. For segments that stop that is the minimum. The proportions of a spline's
-    segments are searched: within 1 % of the minimum, but where a spline was pulled in typically within 2 % for
-    cubic and 15 % for quintic. Either may be slower than stopping where a path turns back. Consecutive waypoints
-    nearer than 1e-6 are merged; if none other remains, the motion has duration 0. With `times` (k,) [s], increasing
-    from 0, the motion passes waypoint i at times[i], and limits that are missing are not checked.
+    given, for cubic and quintic) jerk limit is met exactly, and none is exceeded. Where a joint has no velocity or
+    acceleration limit, the usual one counts (1 rad/s, 0.25 m/s, 3 rad/s², 1 m/s²), and `notes` say so. For segments
+    that stop that is the minimum. The proportions of a spline's segments are searched: within 1 % of the minimum, but
+    where a spline was pulled in typically within 2 % for cubic and 15 % for quintic. Either may be slower than stopping
+    where a path turns back. Consecutive waypoints nearer than 1e-6 are merged, and `notes` name them; if none other
+    remains, the motion has duration 0. With `times` (k,) [s], increasing from 0, the motion passes waypoint i at
+    times[i], and limits that are missing are not checked.
+
+    Recorded waypoints are rounded or noisy, and a path through each of them is slow. `smooth` is how far it may leave
+    them, such as 0.01 for values with two decimals: each joint then has the smallest third differences within that.
 
     The extremes of the polynomials are checked, not samples (to 1e-9). Source: Lynch & Park, Modern Robotics, §9.2 and
     §9.3.
@@ -106,14 +133,19 @@ def plan_joint(
             {"velocity": 1.0, "acceleration": {"elbow": 2.0}} [rad/s, m/s and so on].
         times: Times of the waypoints (k,) [s], increasing from 0; None for a motion as short as the limits allow.
         stop_at_waypoints: Whether the motion rests at every waypoint.
+        position_tol: How far off a target [m] a waypoint still meets it; 1e-6 by default.
+        orientation_tol: The same of its rotation [rad].
+        unwrap: Whether joints of which a whole turn moves nothing go to configurations by the shorter way too.
+        smooth: How far [rad, m] each joint may leave the waypoints between the first and the last, to pass them as
+            smoothly as can be; None: it passes them exactly.
         progress: Called with the fraction done, in (0, 1], or None.
 
     Returns:
         The `Trajectory`, a piecewise polynomial in time.
 
     Raises:
-        LimitError: A waypoint lies outside the position limits, the times are too short, or a needed limit is missing;
-            the message gives joint, limit, value and place.
+        LimitError: A waypoint lies outside the position limits, or the times are too short; the message gives joint,
+            limit, value and place.
         InputError: An argument does not fit the arm.
         UnknownNameError: No such pose or joint.
         NotConvergedError: A target is not met; the message names the waypoint and explains why.
@@ -121,12 +153,15 @@ def plan_joint(
     require_choice(kind, KINDS, "kind")
     as_flag(stop_at_waypoints, "stop_at_waypoints")
     require_callback(progress, "progress", "(fraction)")
-    points = as_waypoints(require_arm(arm), waypoints)
-    bounds = as_limits(arm, limits)
+    as_flag(unwrap, "unwrap")
+    points, turned = as_waypoints(require_arm(arm), waypoints, decided(arm, position_tol, orientation_tol), unwrap)
+    free = times is None or kind == "s_curve"
+    bounds, notes = completed(arm, limits) if free else (as_limits(arm, limits), ())
     require_waypoints(points, bounds, arm.joint_names, arm.units)
+    points, merged = _prepared(points, None if smooth is None else as_positive(smooth, "smooth"), bounds, times is None)
     inside = PathBounds(bounds, arm.actuators)
-    when, breakpoints, coefficients = _timed(points, kind, stop_at_waypoints, times, inside, arm.joint_names, progress)
-    motion = Trajectory(arm.joint_names, arm.units, points, when, breakpoints, coefficients, arm.actuators)
+    timed = _timed(points, kind, stop_at_waypoints, times, inside, progress)
+    motion = Trajectory(arm.joint_names, arm.units, points, *timed, arm.actuators, notes=(*notes, *turned, *merged))
     if times is not None and kind not in BY_LAW:
         require_rates(motion, bounds)
         if arm.actuators is not None:
@@ -136,16 +171,21 @@ def plan_joint(
     return motion
 
 
-def as_waypoints(arm: Arm, waypoints: Waypoints) -> Array:
-    """Waypoints (k, n), k ≥ 1, from arrays, {joint: value} mappings and names of states."""
+def as_waypoints(arm: Arm, waypoints: Waypoints, met: Tolerances, unwrap: bool) -> tuple[Array, list[str]]:
+    """Waypoints (k, n), k ≥ 1, from arrays, {joint: value} mappings, names and targets; and what is said of them."""
     if isinstance(waypoints, str | Mapping) or not np.iterable(waypoints):
         raise InputError(f"waypoints must be a sequence of configurations; got {shown(waypoints)}")
     points: list[Array] = []
+    notes: list[str] = []
     for i, waypoint in enumerate(waypoints):
-        points.append(_waypoint(arm, waypoint, i, points[-1] if points else arm.ready))
+        theta = _waypoint(arm, waypoint, i, points[-1] if points else arm.ready, met)
+        if points:
+            theta, said = unwrapped(arm, theta, points[-1], f"waypoint {i} (counted from 0)", unwrap)
+            notes += said
+        points.append(theta)
     if not points:
         raise InputError("waypoints must be at least one configuration; got none")
-    return np.array(points)
+    return np.array(points), notes
 
 
 def as_limits(arm: Arm, limits: JointLimits | Mapping[str, Any] | None) -> JointLimits:
@@ -161,10 +201,17 @@ def as_limits(arm: Arm, limits: JointLimits | Mapping[str, Any] | None) -> Joint
     return limits
 
 
-def _waypoint(arm: Arm, waypoint: Any, index: int, near: Array) -> Array:
+def completed(arm: Arm, limits: JointLimits | Mapping[str, Any] | None) -> tuple[JointLimits, tuple[str, ...]]:
+    """The limits that a motion is timed by, the usual ones where none are given, and what is said of these."""
+    given = as_limits(arm, limits)
+    said = defaults_line(arm, given)
+    return with_defaults(arm, given), (said,) if said else ()
+
+
+def _waypoint(arm: Arm, waypoint: Any, index: int, near: Array, met: Tolerances) -> Array:
     """The configuration (n,) of a waypoint, for a target the nearest found to `near` (n,)."""
     if isinstance(waypoint, TARGETS) or _is_pose(waypoint):
-        solution = solve_ik(arm, waypoint, near, posture="theta0")
+        solution = solve_ik(arm, waypoint, near, **met.keywords, posture="theta0")
         if not solution.converged:
             raise NotConvergedError(f"waypoint {index} (counted from 0): {in_one_line(solution)}", solution)
         return np.array(solution.theta)
@@ -210,6 +257,18 @@ def _distinct(points: Array) -> tuple[Array, Array]:
     return points[kept], np.array(owner)
 
 
+def _prepared(points: Array, smooth: float | None, limits: JointLimits, merge: bool) -> tuple[Array, list[str]]:
+    """The waypoints (k, n) that are led through, and which of those given are no places of their own."""
+    kept, owner = _distinct(points)
+    doubled = np.flatnonzero(np.diff(owner) == 0) + 1
+    if smooth is not None:
+        points = np.clip(smoothed(kept, smooth), limits.lower, limits.upper)[owner]
+    if not merge or not len(doubled):
+        return points, []
+    which = ", ".join(map(str, doubled[:MOST_NAMED])) + ", …" * (len(doubled) > MOST_NAMED)
+    return points, [f"merged with the waypoint before, which is at the same place: {which} (counted from 0)"]
+
+
 def _at_times(points: Array, kind: Kind, stop: bool, times: Array, bounds: PathBounds) -> tuple[Array, Array]:
     """Breakpoints and coefficients of a motion that passes each waypoint at its time."""
     if len(points) == 1:
@@ -225,7 +284,6 @@ def _timed(
     stop: bool,
     times: ArrayLike | None,
     bounds: PathBounds,
-    names: Sequence[str],
     progress: Progress | None,
 ) -> Motion:
     """Times of the waypoints, breakpoints and coefficients: at the times given, else as short as was found."""
@@ -235,8 +293,6 @@ def _timed(
         when = _as_times(times, len(points))
         if kind != "s_curve" or len(points) == 1:
             return when, *_at_times(points, kind, stop, when, bounds)
-    if times is None or kind == "s_curve":
-        bounds.limits.require(("velocity", "acceleration"), names)
     if times is not None:
         return double_s_rests(points, bounds, when)
     kept, owner = _distinct(points)

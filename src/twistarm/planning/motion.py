@@ -11,10 +11,10 @@ import numpy as np
 
 from ..limits.joint_limits import JointLimits
 from ..model.arm import Arm, require_arm
-from ..support.checks import Array, Row, as_positive, require_callback, require_choice
+from ..support.checks import Array, Row, as_flag, as_positive, require_callback, require_choice
 from ..support.errors import InputError, shown
 from .joint_path import JointPath
-from .joint_space import as_limits
+from .joint_space import completed
 from .route import Leg, Router
 from .segments import SEGMENTS, Dwell, Move, Segment, place
 from .spans import Progress
@@ -45,14 +45,18 @@ def plan(
     kind: MotionKind = "s_curve",
     tool_speed: float | None = None,
     turn_speed: float | None = None,
+    position_tol: float | None = None,
+    orientation_tol: float | None = None,
+    unwrap: bool = False,
     progress: Progress | None = None,
 ) -> Trajectory:
     """A motion through `segments`, from rest to rest, that keeps the limits of joints and motors everywhere.
 
     Joint moves go straight in joint space; lines, screws and arcs keep the tool within 0.1 mm and 0.05° of the ideal
-    everywhere, in what their goals constrain. Where a joint move to a target leads to such curves, the branch of
-    inverse kinematics is chosen that can follow all of them with the least joint motion. The arm stops between two
-    moves, or rounds the corner inside the ball of radius `blend`, where stopping there is not sooner done.
+    everywhere, or within wider tolerances, in what their goals constrain. Where a joint move to a target leads to such
+    curves, the branch of inverse kinematics is chosen that can follow all of them with the least joint motion. The arm
+    stops between two moves, or rounds the corner inside the ball of radius `blend`, where stopping there is not sooner
+    done.
 
     - `s_curve`: acceleration is continuous and jerk within its limits; a joint without a jerk limit takes 0.1 s to its
       acceleration limit. A joint move that stops at both ends is the shortest possible.
@@ -69,23 +73,28 @@ def plan(
         kind: "s_curve", "time_optimal" or "quintic".
         tool_speed: Greatest speed of the tool's origin [m/s] where a segment gives none.
         turn_speed: Greatest angular speed of the tool [rad/s] where a segment gives none.
+        position_tol: How far off a target [m] the tool still meets it, where a segment gives none; 1e-6 by default.
+        orientation_tol: The same of its rotation [rad].
+        unwrap: Whether joints of which a whole turn moves nothing go to configurations by the shorter way, from 3.1 to
+            −3.1 by 0.08 rad; to targets they do anyway.
         progress: Called with the fraction done, in (0, 1], or None.
 
     Returns:
         The `Trajectory`; its waypoints are the start and the end of every segment, its labels those of the segments.
+        Its `notes` name the usual limits that stand in for missing ones, and joints that whole turns bring nearer,
+        and curves that end where they begin: there the arm stays.
 
     Raises:
         PathError: A curve cannot be followed; the message says how far it can, why not farther and what would help.
-        LimitError: A goal lies outside the position limits, or a needed limit is missing.
+        LimitError: A goal lies outside the position limits.
         NotConvergedError: The target of a joint move cannot be met; the message says why.
-        InputError: An argument does not fit the arm, a curve ends where it begins, or a blend is too large.
+        InputError: An argument does not fit the arm, or a blend is too large.
         UnknownNameError: No such configuration or joint.
     """
     require_choice(kind, tuple(LAWS), "kind")
     require_callback(progress, "progress", "(fraction)")
-    moves = as_segments(segments, tool_speed, turn_speed)
-    bounds = as_limits(require_arm(arm), limits)
-    bounds.require(("velocity", "acceleration"), arm.joint_names)
+    moves = as_segments(segments, tool_speed, turn_speed, position_tol, orientation_tol)
+    bounds, notes = completed(require_arm(arm), limits)
     planned = _with_ranges(arm, bounds)
     origin = planned.ready if start is None else planned.theta_from(start, name="start")
     if origin.shape != (arm.n,):
@@ -96,9 +105,10 @@ def plan(
         if progress is not None:
             progress(0.9 * done / len(moves))
 
-    legs = Router(planned, moves, bounds, told).legs(origin)
+    router = Router(planned, moves, bounds, told, as_flag(unwrap, "unwrap"))
+    legs = router.legs(origin)
     timed = [stretch for run in runs(legs) for stretch in _fastest(planned, run, bounds, kind)]
-    motion = _assembled(arm, origin, legs, timed)
+    motion = replace(_assembled(arm, origin, legs, timed), notes=(*notes, *router.notes))
     if progress is not None:
         progress(1.0)
     return motion
@@ -110,23 +120,31 @@ def _with_ranges(arm: Arm, limits: JointLimits) -> Arm:
     return arm if same else replace(arm, limits=limits)
 
 
-def as_segments(segments: Any, tool_speed: float | None, turn_speed: float | None) -> list[Segment]:
-    """The segments; moves that give no speed of the tool have the one of the whole."""
+def as_segments(
+    segments: Any,
+    tool_speed: float | None = None,
+    turn_speed: float | None = None,
+    position_tol: float | None = None,
+    orientation_tol: float | None = None,
+) -> list[Segment]:
+    """The segments; moves that give no speed of the tool, or no tolerance, have the one of the whole."""
+    whole: dict[str, Any] = {
+        "tool_speed": None if tool_speed is None else as_positive(tool_speed, "tool_speed"),
+        "turn_speed": None if turn_speed is None else as_positive(turn_speed, "turn_speed"),
+        "position_tol": position_tol,
+        "orientation_tol": orientation_tol,
+    }
     given = [segments] if isinstance(segments, SEGMENTS) else list(segments) if np.iterable(segments) else None
     if not given or isinstance(segments, str):
         raise InputError(f"segments must be one or more of JointMove, LineMove, …, Dwell; got {shown(segments)}")
-    for name, value in (("tool_speed", tool_speed), ("turn_speed", turn_speed)):
-        if value is not None:
-            as_positive(value, name)
     for i, segment in enumerate(given):
         if not isinstance(segment, SEGMENTS):
             raise InputError(
                 f"segment {i + 1} must be a JointMove, LineMove, ScrewMove, ArcMove or Dwell; got {shown(segment)}"
             )
         if isinstance(segment, Move):
-            linear = segment.tool_speed if segment.tool_speed is not None else tool_speed
-            angular = segment.turn_speed if segment.turn_speed is not None else turn_speed
-            given[i] = replace(segment, tool_speed=linear, turn_speed=angular)
+            taken = {name: value for name, value in whole.items() if getattr(segment, name) is None}
+            given[i] = replace(segment, **taken)
             if segment.blend and (i + 1 == len(given) or isinstance(given[i + 1], Dwell)):
                 raise InputError(f"{place(i, segment)} cannot blend: the arm stops at its end; leave blend out")
     return given

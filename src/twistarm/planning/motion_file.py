@@ -32,13 +32,15 @@ from ..theory.rotations import from_quaternion_wxyz, from_rpy
 from .motion import LAWS
 from .segments import ArcMove, Dwell, Goal, JointMove, LineMove, ScrewMove, Segment
 
-SPEEDS = ("tool_speed", "turn_speed")
-TOP = ("start", "kind", "degrees", *SPEEDS, "limits", "segment")
+WHOLE = ("tool_speed", "turn_speed", "position_tol", "orientation_tol")
+"""What holds for every segment that does not say it itself."""
+
+TOP = ("start", "kind", "degrees", *WHOLE, "unwrap", "limits", "segment")
 KINDS = ("joint", "line", "screw", "arc", "dwell")
-OPTIONS = ("blend", "speed", *SPEEDS, "label")
+OPTIONS = ("blend", "speed", *WHOLE, "label")
 GOAL = ("xyz", "rpy", "quaternion_wxyz", "direction", "tool_axis", "tolerance", "frame")
 
-ANGLES = ("rpy", "angle", "turn_speed")
+ANGLES = ("rpy", "angle", "turn_speed", "orientation_tol")
 """Entries in degrees where the file says so."""
 
 
@@ -52,6 +54,9 @@ class MotionFile:
     limits: Mapping[str, Any] = field(default_factory=dict)
     tool_speed: float | None = None
     turn_speed: float | None = None
+    position_tol: float | None = None
+    orientation_tol: float | None = None
+    unwrap: bool = False
 
 
 def load_motion(path: str | os.PathLike[str], arm: Arm) -> MotionFile:
@@ -89,9 +94,10 @@ class _Reader:
             self.arm.limits.with_(limits, self.arm.joint_names)  # says what is wrong with them
             kind = require_choice(self.content["kind"], LAWS, "kind") if "kind" in self.content else None
             start = self._start(self.content["start"]) if "start" in self.content else None
-            speeds = {
-                name: as_positive(self._number(self.content, name), name) for name in SPEEDS if name in self.content
+            whole = {
+                name: as_positive(self._number(self.content, name), name) for name in WHOLE if name in self.content
             }
+            unwrap = as_flag(self.content.get("unwrap", False), "unwrap")
             entries = self.content.get("segment", [])
             if not isinstance(entries, list) or not entries:
                 raise InputError("there is no segment: write [[segment]] and under it joint, line, screw, arc or dwell")
@@ -99,7 +105,7 @@ class _Reader:
         for i, entry in enumerate(entries):
             with self._at(f"segment {i + 1}"):
                 segments.append(self._segment(entry))
-        return MotionFile(tuple(segments), start, kind, limits, **speeds)
+        return MotionFile(tuple(segments), start, kind, limits, **whole, unwrap=unwrap)
 
     @contextmanager
     def _at(self, place: str) -> Iterator[None]:

@@ -22,6 +22,7 @@ from .cartesian.wide_ladder import climb_wide
 from .goals import CURVED, Goals
 from .joint_path import JointPath
 from .segments import Dwell, JointMove, Segment, place
+from .unwrapping import unwrapped
 
 NEAREST = 8
 """Of the configurations in which a run of curves may begin so many, the nearest, are tried before all others."""
@@ -61,9 +62,15 @@ class Router:
     """Finds the legs of a motion. `done(k)` is told how many segments have theirs."""
 
     def __init__(
-        self, arm: Arm, segments: Sequence[Segment], limits: JointLimits, done: Callable[[int], object]
+        self,
+        arm: Arm,
+        segments: Sequence[Segment],
+        limits: JointLimits,
+        done: Callable[[int], object],
+        unwrap: bool = False,
     ) -> None:
-        self.arm, self.segments, self.limits, self.done = arm, segments, limits, done
+        self.arm, self.segments, self.limits, self.done, self.unwrap = arm, segments, limits, done, unwrap
+        self.notes: list[str] = []
         self.goals = Goals(arm, limits)
 
     def legs(self, origin: Array) -> list[Leg]:
@@ -74,24 +81,29 @@ class Router:
             legs += self._next(len(legs), theta)
             theta = legs[-1].end
             self.done(len(legs))
+        still = (leg.index for leg in legs if leg.path is None and isinstance(leg.segment, CURVED))
+        self.notes += [f"{self._place(i)}: it ends where it begins, and the arm stays" for i in still]
         return legs
 
     def _next(self, i: int, theta: Array) -> list[Leg]:
         """The leg of segment i, or those of a run: a joint move to a target, and the curves and dwells after it."""
         segment = self.segments[i]
-        end = i + 1
-        while end < len(self.segments) and not isinstance(self.segments[end], JointMove):
-            end += 1
+        after = i + 1
+        while after < len(self.segments) and not isinstance(self.segments[after], JointMove):
+            after += 1
         if isinstance(segment, Dwell):
             return [Leg(i, segment, theta, None)]
         if not isinstance(segment, JointMove):
-            return self._run(range(i, end), theta[None], theta)[1]
-        if isinstance(segment.to, KINDS) and end > i + 1:
-            starts = branches(self.arm, target_for(self.arm, segment.to), theta)
+            return self._run(range(i, after), theta[None], theta)[1]
+        if isinstance(segment.to, KINDS) and after > i + 1:
+            starts = branches(self.arm, target_for(self.arm, segment.to), theta, self.goals.tolerances(segment))
             if len(starts):
-                start, legs = self._run(range(i + 1, end), starts, theta)
+                start, legs = self._run(range(i + 1, after), starts, theta)
                 return [self._straight(i, theta, start), *legs]
-        return [self._straight(i, theta, self.goals.configuration(segment.to, theta, self._place(i)))]
+        end = self.goals.configuration(segment, theta, self._place(i))
+        end, said = unwrapped(self.arm, end, theta, self._place(i), self.unwrap)
+        self.notes += said
+        return [self._straight(i, theta, end)]
 
     def _straight(self, i: int, start: Array, end: Array) -> Leg:
         if not np.abs(end - start).any():
@@ -143,12 +155,15 @@ class Router:
         for k in run:
             if isinstance(self.segments[k], Dwell):
                 continue
-            roots, more[k] = self._roots(k, ends, options[k])
+            roots, has_more = self._roots(k, ends, options[k])
+            if not roots:
+                continue
+            more[k] = has_more
             nodes = (climb_wide if wide else climb)(self.arm, self.limits, roots)
             if isinstance(nodes, Blocked):
                 raise _BlockedError(k, nodes, more[k])
             ends = [(node.theta, node.cost, node) for node in nodes]
-        ways = (self._followed(run, node, wide, more) for _, _, node in ends[:FOLLOWED])
+        ways = (self._followed(run, theta, node, wide, more) for theta, _, node in ends[:FOLLOWED])
         errors = []
         for found in ways:
             if not isinstance(found, _BlockedError):
@@ -164,21 +179,26 @@ class Router:
         roots: list[Node] = []
         for theta, cost, parent in ends:
             movings = self.goals.moving(segment, theta, self._place(k))
+            if not movings:
+                continue
             moving = movings[min(option, len(movings) - 1)]
             same = next((each for each in known if each.same(moving)), None)
             known += [moving] if same is None else []
             roots.append(Node(moving if same is None else same, 0.0, theta, cost, parent))
-        return roots, option + 1 < len(movings)
+        return roots, bool(roots) and option + 1 < len(movings)
 
     def _followed(
-        self, run: range, last: Node | None, even: bool, more: dict[int, bool]
+        self, run: range, end: Array, last: Node | None, even: bool, more: dict[int, bool]
     ) -> tuple[Array, list[Leg]] | _BlockedError:
-        """The start and the legs of a run whose last curve ends at that node, or where it is blocked after all."""
+        """The start and the legs of a run that ends at theta (n,), its last curve at that node, or where it is blocked.
+
+        A curve that is not among `more` ends where it begins.
+        """
         curves = [list(nodes) for _, nodes in groupby(way(last), key=lambda node: id(node.moving))]
-        start = theta = curves[0][0].theta
+        start = theta = curves[0][0].theta if curves else end
         legs: list[Leg] = []
         for k in run:
-            if isinstance(self.segments[k], Dwell):
+            if k not in more:
                 legs.append(Leg(k, self.segments[k], theta, None))
                 continue
             result = follow(self.arm, curves.pop(0), even=even)

@@ -9,6 +9,7 @@ from typing import Any, Literal
 import numpy as np
 from numpy.typing import ArrayLike
 
+from ..ik.request import as_tolerance
 from ..ik.targets import KINDS, AnyTarget, Pose
 from ..support.checks import (
     Array,
@@ -41,14 +42,17 @@ class Move(Brief):
 
     blend: radius [m] of the ball about the end of this move in which the tool may leave the path and round the corner
     to the next; 0: it stops there. speed: the greatest share, in (0, 1], of the joints' velocity limits. tool_speed,
-    turn_speed: the greatest speed [m/s] of the tool's origin, and of its rotation [rad/s]. label: an action that is due
-    at the end of the move, such as "close gripper", carried into files.
+    turn_speed: the greatest speed [m/s] of the tool's origin, and of its rotation [rad/s]. position_tol,
+    orientation_tol: how far off the target [m, rad] the tool still meets it, at the goal and along a curve. label: an
+    action that is due at the end of the move, such as "close gripper", carried into files.
     """
 
     blend: float = 0.0
     speed: float = 1.0
     tool_speed: float | None = None
     turn_speed: float | None = None
+    position_tol: float | None = None
+    orientation_tol: float | None = None
     label: str = ""
 
     def __post_init__(self) -> None:
@@ -62,6 +66,9 @@ class Move(Brief):
         for name in ("tool_speed", "turn_speed"):
             value = getattr(self, name)
             kept[name] = None if value is None else as_positive(value, name)
+        for name, unit in (("position_tol", "m"), ("orientation_tol", "rad")):
+            value = getattr(self, name)
+            kept[name] = None if value is None else as_tolerance(value, f"{name} [{unit}]")
         for name, value in kept.items():
             object.__setattr__(self, name, value)
 
@@ -123,7 +130,7 @@ class LineMove(Move):
             frame: Whose axes: "tool" or "base".
             constrain: What of the pose is kept: "pose", "approach" or "position"; None: the pose, and by arms of fewer
                 than six joints the first of the three that they can.
-            **options: As for every move: blend, speed, tool_speed, turn_speed, label.
+            **options: As for every move: blend, speed, tool_speed, turn_speed, position_tol, orientation_tol, label.
 
         Returns:
             The `LineMove`.
@@ -179,7 +186,7 @@ class ScrewMove(Move):
             pitch: Advance along the axis per angle [m/rad].
             constrain: What of the pose is followed: "pose", "approach" (all but turning about the tool axis) or
                 "position"; None: the pose, and by arms of fewer than six joints the first of the three that they can.
-            **options: As for every move: blend, speed, tool_speed, turn_speed, label.
+            **options: As for every move: blend, speed, tool_speed, turn_speed, position_tol, orientation_tol, label.
 
         Returns:
             The `ScrewMove`.
@@ -196,8 +203,9 @@ class ScrewMove(Move):
 class ArcMove(Move):
     """The tool's origin along the circular arc from where it is through `via` to the goal, rotation by slerp.
 
-    `via` (3,) [m] in base axes, or a target of which the position counts. To a goal that leaves rotation free, it is
-    left free on the way, as by `LineMove`.
+    `via` (3,) [m] in base axes, or a target of which the position counts. The three points must not lie on a line, nor
+    two of them be one, within 20 µm and 1e-5 rad: nothing but rounding would choose the plane. To a goal that leaves
+    rotation free, it is left free on the way, as by `LineMove`.
 
     Raises InputError for a goal, a blend, a speed or a label that cannot be used.
     """
@@ -240,7 +248,7 @@ class ArcMove(Move):
             turn: Whether the tool turns with the arc, as a hand on a door's handle does, or keeps its rotation.
             constrain: What of the pose is followed: "pose", "approach" (all but turning about the tool axis) or
                 "position"; None: the pose, and by arms of fewer than six joints the first of the three that they can.
-            **options: As for every move: blend, speed, tool_speed, turn_speed, label.
+            **options: As for every move: blend, speed, tool_speed, turn_speed, position_tol, orientation_tol, label.
 
         Returns:
             The `ArcMove`.

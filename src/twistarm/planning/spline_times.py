@@ -21,8 +21,8 @@ from .piecewise import derivative, evaluate
 LOOKS = 17
 """Places in each segment at which rates are looked at."""
 
-NORMS = (2.0**5, 2.0**8)
-"""Powers: the first leads near, the last is within a quarter per cent of the largest."""
+NORMS = (2.0**6, 2.0**10)
+"""Powers: the first leads near, the last comes within a per cent of the largest of very many."""
 
 STEPS, GAIN = 30, 2e-5
 """Of the search with each norm: at most so many, until one gains less than this part."""

@@ -41,11 +41,13 @@ class Stretch:
 
 
 def runs(legs: list[Leg]) -> Iterator[list[Leg]]:
-    """The legs from one stop that was asked for to the next, in order."""
+    """The legs from one stop that was asked for to the next, in order; about one that goes nowhere the arm stops."""
     i = 0
     while i < len(legs):
         run = [legs[i]]
-        while isinstance(run[-1].segment, Move) and run[-1].segment.blend:
+        while isinstance(run[-1].segment, Move) and run[-1].segment.blend and run[-1].path is not None:
+            if legs[i + len(run)].path is None:
+                break
             run.append(legs[i + len(run)])
         yield run
         i += len(run)

@@ -13,6 +13,7 @@ from .pulling_in import pulled_in
 from .spans import LONGEST, MARGIN, SHORTEST, Progress
 from .spline_times import shortest_spline
 from .time_laws.bounds import PathBounds
+from .waypoint_laws import fastest_along_spline
 from .within import RATE_TOL, slowed_by, stretch_needed, stretch_sampled
 
 Fit = Callable[[Array, Array], Array]
@@ -29,6 +30,12 @@ LEAST_PART = 1e-5
 ROUNDING = 1e-14
 """No ramp at given times is shorter than this part of the whole."""
 
+FEW = 60
+"""Through no more waypoints than that both starts are tried."""
+
+EASING, EASED_LOOKS = 3.0, 4
+"""Segments over which a quintic's first times are averaged, and instants looked at for each."""
+
 DIVERGED = 1.2
 """A search that is longer than its best by this factor does not come back."""
 
@@ -39,21 +46,58 @@ def fastest_spline(
     """Times (k,), breakpoints and coefficients of `fit` through the waypoints, its worst rate just meeting its limit.
 
     Stretching the whole motion by one factor makes it meet its limits exactly, whatever the proportions of its
-    segments. The proportions are searched (`spline_times`). Where that spline leaves the position limits it is pulled
-    in, and shortened further: of what is pulled in, segments that stay below their limits are shortened, those that
-    set the factor lengthened, and the shortest motion is taken.
+    segments. The proportions are searched (`spline_times`), from those of the fastest motion along a path through the
+    waypoints, and, through few, from what each segment would take alone. Where that spline leaves the position limits
+    it is pulled in, and shortened further: of what is pulled in, segments that stay below their limits are shortened,
+    those that set the factor lengthened, and the shortest motion is taken.
     """
     least = np.diff(_accumulated(_least_durations(waypoints, bounds)))
     way = np.ascontiguousarray(np.diff(waypoints, axis=0) @ bounds.C.T)
-    times = _accumulated(shortest_spline(way, degree, bounds.rates, least))
+    starts = _starts(waypoints, degree, bounds, least)
+    found = [_accumulated(shortest_spline(way, degree, bounds.rates, start)) for start in starts]
+    times = min(found, key=lambda each: _needed(fit, waypoints, each, bounds))
     best = times, *pulled_in(fit(waypoints, times), times, waypoints, bounds.limits)
     if len(best[1]) > len(times):
         # Pulled in, those are not always the best to begin with: evened out ones are shorter now and then.
-        starts = np.diff(times), np.sqrt(least)
-        best = min(_searches(waypoints, fit, bounds, starts, progress), key=lambda motion: float(motion[0][-1]))
+        others = np.diff(times), np.sqrt(least)
+        best = min(_searches(waypoints, fit, bounds, others, progress), key=lambda motion: float(motion[0][-1]))
     times, breakpoints, coefficients = best
     factor = slowed_by(coefficients @ bounds.C.T, np.diff(breakpoints), bounds.rates) * (1.0 + MARGIN)
     return times * factor, breakpoints * factor, stretched(coefficients, factor)
+
+
+def _starts(waypoints: Array, degree: int, bounds: PathBounds, least: Array) -> list[Array]:
+    """Durations (k − 1,) that searches begin with."""
+    times = _accumulated(np.diff(fastest_along_spline(waypoints, bounds)[0]))
+    along = np.diff(times if degree == 3 else _accumulated(np.diff(_eased(times))))
+    return [along, least] if len(waypoints) <= FEW else [along]
+
+
+def _eased(times: Array) -> Array:
+    """Times (k,) of the same way with its speed averaged over `EASING` mean segments: no jump of the acceleration.
+
+    The way is counted in waypoints, i(t); its average is the difference of ∫ i dt over that span.
+    """
+    count, index = len(times), np.arange(float(len(times)))
+    span = EASING * float(times[-1]) / count
+    areas = np.concatenate([[0.0], np.cumsum(0.5 * (index[1:] + index[:-1]) * np.diff(times))])
+
+    def area(t: Array) -> Array:
+        inside = np.clip(t, 0.0, times[-1])
+        i = np.clip(np.searchsorted(times, inside, side="right") - 1, 0, count - 2)
+        tau = inside - times[i]
+        within: Array = areas[i] + (i + 0.5 * tau / np.diff(times)[i]) * tau
+        within += (count - 1) * np.maximum(t - times[-1], 0.0)
+        return within
+
+    t = np.linspace(0.0, float(times[-1]) + span, EASED_LOOKS * count)
+    eased: Array = np.interp(index, (area(t) - area(t - span)) / span, t)
+    return eased
+
+
+def _needed(fit: Fit, waypoints: Array, times: Array, bounds: PathBounds) -> float:
+    """How long the motion takes at these times once it is slowed to its limits."""
+    return float(times[-1]) * slowed_by(fit(waypoints, times) @ bounds.C.T, np.diff(times), bounds.rates)
 
 
 def fastest_rests(waypoints: Array, fit: Fit, bounds: PathBounds) -> Array:

@@ -54,7 +54,8 @@ class Trajectory:
     was planned through and `times` (k,) [s] when it passes them: equal for waypoints that were merged into one.
     A motion from a point to itself has duration 0 and one piece of no length. `actuators` are the motors of the arm
     that it was planned for, if it has any: files say them too. `labels` are what else happens on the way, such as
-    (1.5, "close gripper"): pairs of time [s] and a line of text, in the order of time; every file carries them.
+    (1.5, "close gripper"): pairs of time [s] and a line of text, in the order of time; every file carries them. `notes`
+    are what whoever asked for the motion should know, such as limits that were assumed; no file carries them.
     """
 
     joint_names: tuple[str, ...]
@@ -65,6 +66,7 @@ class Trajectory:
     coefficients: Array
     actuators: Actuators | None = None
     labels: tuple[tuple[float, str], ...] = ()
+    notes: tuple[str, ...] = ()
 
     def __post_init__(self) -> None:
         for name in ("waypoints", "times", "breakpoints", "coefficients"):

@@ -63,6 +63,7 @@ class Stage:
         self.extra_joints = extra_joints(arm)
         self.others = {name: rest(joint) for name, joint in self.extra_joints.items()}
         self.visible = dict(LAYERS)
+        self.tolerances: Mapping[str, Any] = {}
         self.path: Message = {"type": "path", **NO_PATH}
         self.findings = loaded(arm)
         self.player = Player()

@@ -305,8 +305,8 @@ private:
 };
 
 namespace detail {
-/// Powers of the norm, as numbers of squarings: the first leads near, the last is within a quarter per cent of the largest.
-constexpr int spline_norms[] = {5, 8};
+/// Powers of the norm, as numbers of squarings: the first leads near, the last comes within a per cent of the largest of very many.
+constexpr int spline_norms[] = {6, 10};
 constexpr int most_spline_steps = 30;
 template <class T> constexpr T least_spline_gain = T(2e-5);
 }  // namespace detail

@@ -5,12 +5,10 @@ from __future__ import annotations
 import os
 from typing import Annotated, Any
 
-import numpy as np
 import typer
 
 from ...ik import POSTURES, IKSolution, solve_ik, solve_ik_all, solve_ik_batch
 from ...model.arm import Arm
-from ...support.checks import as_positive
 from ...support.errors import InputError
 from ..all_answers import tell_all
 from ..answers import answers_csv, tell_answers
@@ -18,7 +16,19 @@ from ..csv_rows import Columns, read_sheet
 from ..options import Json, Radians, Theta, takes_arm
 from ..output import console, pose_json, print_json, progress_bar, say, shown, table, theta_typed, units
 from ..outputs import Force, Output, outputs_of
-from ..targets import COLUMNS, Axis, Direction, Quaternion, QuaternionXyzw, Rpy, targets_in, typed_orientation
+from ..targets import (
+    COLUMNS,
+    Axis,
+    Direction,
+    OrientationTol,
+    PositionTol,
+    Quaternion,
+    QuaternionXyzw,
+    Rpy,
+    targets_in,
+    typed_orientation,
+    typed_tolerances,
+)
 from ..typed import VALUES, XYZ, parse_joints, parse_numbers, parse_theta
 
 Xyz = Annotated[str | None, typer.Option(metavar=XYZ, help="Position of the tool in the base frame, in metres.")]
@@ -31,16 +41,6 @@ Posture = Annotated[
         metavar=VALUES,
         help="Where a redundant arm stands while it meets the target: near theta0 (the start), middle (of the limits), "
         "a pose or values.",
-    ),
-]
-PositionTolerance = Annotated[
-    float | None, typer.Option(metavar="M", help="How far off a position is still met; 1e-6 m, with --all 1e-9 m.")
-]
-OrientationTolerance = Annotated[
-    float | None,
-    typer.Option(
-        metavar="ANGLE",
-        help="How far the tool may be turned off [°, or rad with --rad]; 1e-6 rad, with --all 1e-9 rad.",
     ),
 ]
 MaxTime = Annotated[
@@ -79,8 +79,8 @@ def ik(
     given: Given = None,
     copies: Copies = False,
     posture: Posture = None,
-    position_tolerance: PositionTolerance = None,
-    orientation_tolerance: OrientationTolerance = None,
+    position_tol: PositionTol = None,
+    orientation_tol: OrientationTol = None,
     max_time: MaxTime = None,
     output: Output = None,
     force: Force = False,
@@ -99,7 +99,7 @@ def ik(
     )
     outputs = outputs_of(output, {"csv": (".csv",)}, force=force, json=json)
     orientation = typed_orientation(rpy, quaternion, quaternion_xyzw, direction, axis, rad)
-    how = {"theta0": parse_theta(arm, start, rad), **_tolerances(position_tolerance, orientation_tolerance, rad)}
+    how = {"theta0": parse_theta(arm, start, rad), **typed_tolerances(position_tol, orientation_tol, rad)}
     if all_:
         stands = None if given is None else parse_joints(arm, given, "--given", rad)
         target = orientation.at(parse_numbers(str(xyz), 3, "--xyz"))
@@ -143,17 +143,6 @@ def _require_fitting(all_: bool, alone: dict[str, Any], never: dict[str, Any]) -
     for option, value in never.items():
         if value is not None and all_:
             raise InputError(f"--all takes no {option}: it gives every configuration for the one target of --xyz")
-
-
-def _tolerances(position: float | None, orientation: float | None, radians: bool) -> dict[str, Any]:
-    """The tolerances that were typed [m, rad]."""
-    typed: dict[str, Any] = {}
-    if position is not None:
-        typed["position_tol"] = as_positive(position, "--position-tolerance")
-    if orientation is not None:
-        angle = as_positive(orientation, "--orientation-tolerance")
-        typed["orientation_tol"] = angle if radians else float(np.radians(angle))
-    return typed
 
 
 def solution_table(arm: Arm, solution: IKSolution, radians: bool) -> Any:

@@ -24,7 +24,7 @@ from ..asked_motion import Asked, capped, typed_targets
 from ..options import Json, Radians, takes_arm
 from ..output import console, note, number, print_json, progress_bar, say, shown, table, theta_values, units
 from ..outputs import STDOUT, Force, Format, outputs_of
-from ..targets import Axis
+from ..targets import Axis, OrientationTol, PositionTol, typed_tolerances
 from ..typed import POSE, RPY, XYZ
 
 MOST_STRETCHES = 8
@@ -109,6 +109,20 @@ Output = Annotated[
         "standard output; repeat it.",
     ),
 ]
+Unwrap = Annotated[
+    bool,
+    typer.Option(
+        "--unwrap", help="Continuous joints go to poses by the shorter way, by whole turns; to --xyz they always do."
+    ),
+]
+Smooth = Annotated[
+    float | None,
+    typer.Option(
+        metavar="ANGLE",
+        help="How far the path may leave the poses of --to, recorded ones with noise, to be smooth [°, or rad with "
+        "--rad; a slide by as many m as rad].",
+    ),
+]
 Counts = Annotated[
     bool, typer.Option("--counts", help="Write what the motors' drives count alone, for firmware that knows no joints.")
 ]
@@ -127,11 +141,15 @@ def plan(
     line: Line = False,
     blend: Blend = None,
     tool_speed: ToolSpeed = None,
+    position_tol: PositionTol = None,
+    orientation_tol: OrientationTol = None,
     start: Start = None,
     kind: Annotated[Kind | None, HOW] = None,
     velocity: Rate = None,
     acceleration: Rate = None,
     stop: Annotated[bool, typer.Option("--stop", help="Come to rest at every pose.")] = False,
+    unwrap: Unwrap = False,
+    smooth: Smooth = None,
     output: Output = None,
     form: Format = None,
     force: Force = False,
@@ -144,7 +162,10 @@ def plan(
     if [motion is not None, bool(to), bool(xyz)].count(True) != 1:
         raise InputError("give poses by --to, positions by --xyz, or a motion.toml")
     as_positive(dt, "--dt")
-    asked = Asked(arm, start, rad, line, stop, blend, tool_speed, None if kind is None else kind.value)
+    if smooth is not None and (line or not to):
+        raise InputError("--smooth is about poses that a motion passes: it goes with --to alone")
+    met = typed_tolerances(position_tol, orientation_tol, rad)
+    asked = Asked(arm, start, rad, line, stop, blend, tool_speed, None if kind is None else kind.value, met, unwrap)
     asked.require_fitting(by_file=motion is not None, by_joints=not (xyz or line), goals=len(to or xyz or ()))
     targets = typed_targets(xyz or (), rpy or (), direction or (), axis, rad)
     file = None if motion is None else load_motion(motion, arm)
@@ -166,13 +187,17 @@ def plan(
             planned, segments = asked.through(targets or asked.poses(to)[1:], limits, progress)
         else:
             how: Any = asked.kind or "cubic"
-            planned = plan_joint(
-                arm, asked.poses(to), kind=how, limits=limits, stop_at_waypoints=stop, progress=progress
-            )
+            through: dict[str, Any] = {"kind": how, "limits": limits, "stop_at_waypoints": stop, "unwrap": unwrap}
+            if smooth is not None:
+                angle = as_positive(smooth, "--smooth")
+                through["smooth"] = angle if rad else float(np.radians(angle))
+            planned = plan_joint(arm, asked.poses(to), **through, progress=progress)
             segments = []
     origin = asked.origin(file)
     if origin is None:
         note(_start(arm, rad))
+    for each in planned.notes:
+        note(each)
     header = next((name for kind, name in outputs.files if kind == "header" and name != STDOUT), "motion.h")
     written = outputs.write(
         {
@@ -241,5 +266,6 @@ def _as_json(arm: Arm, planned: Trajectory, written: list[str]) -> dict[str, Any
         "waypoints": planned.waypoints,
         "peak_velocity": planned.peak(1),
         "peak_acceleration": planned.peak(2),
+        "notes": planned.notes,
         "written": written,
     }

@@ -7,10 +7,13 @@ import numpy as np
 from ...ik.all_solutions_row import LEFT, configurations_in
 from ...ik.batch import solve_ik_batch
 from ...ik.closed_form.methods import family_method
+from ...ik.ranges import joint_ranges
 from ...ik.targets import AnyTarget
+from ...ik.task_space import Tolerances
 from ...model.arm import Arm
 from ...support.checks import Array
-from .nodes import EXACT
+from ..tolerances import USUAL, leeway
+from .nodes import ALL_BUT_EXACT, EXACT
 
 MOST = 96
 """Searches from random starts, beside the one from where the arm is; configurations of a closed form, at most."""
@@ -24,18 +27,21 @@ APART = 0.02
 SEED = 0
 
 
-def branches(arm: Arm, target: AnyTarget, near: Array) -> Array:
+def branches(arm: Arm, target: AnyTarget, near: Array, tolerances: Tolerances = USUAL) -> Array:
     """Configurations (b, n) that meet the target, b ≥ 0, nearest to `near` (n,) first.
 
     By the closed form of the arm's family, at random values of the joints that the target leaves free; where there is
     none, and where an answer is one of a continuous family, by searches from random starts. Of answers that are close
     together the nearest is kept. Joints that may turn for more than a turn are given by the windings their limits
-    allow.
+    allow. What meets it within the tolerances counts where nothing does exactly, or where they are wide.
     """
     starts = np.vstack([near, arm.random_theta(SEED, MOST)])
     met, all_found = _by_closed_form(arm, target, starts)
     if not all_found:
-        met = np.vstack([_nearest(arm, target, near), met, _by_searches(arm, target, starts)])
+        met = np.vstack([_nearest(arm, target, near), met, _by_searches(arm, target, starts, ALL_BUT_EXACT)])
+    if not len(met) or leeway(tolerances):
+        met = np.vstack([met, _by_searches(arm, target, starts, tolerances)])
+    met = joint_ranges(arm).wrapped(met, near)
     return _in_order(_windings(arm, _apart(_in_order(met, near))), near)
 
 
@@ -62,15 +68,15 @@ def _by_closed_form(arm: Arm, target: AnyTarget, starts: Array) -> tuple[Array, 
     return theta, not row[LEFT] and not moving.any()
 
 
-def _by_searches(arm: Arm, target: AnyTarget, starts: Array) -> Array:
+def _by_searches(arm: Arm, target: AnyTarget, starts: Array, met: Tolerances) -> Array:
     """What a search from each of the starts finds, (k, n)."""
-    found = solve_ik_batch(arm, [target] * len(starts), starts, position_tol=EXACT, orientation_tol=EXACT, restarts=1)
+    found = solve_ik_batch(arm, [target] * len(starts), starts, **met.keywords, restarts=1)
     return found.theta[found.converged]
 
 
 def _nearest(arm: Arm, target: AnyTarget, near: Array) -> Array:
     """The configuration that is as near to `near` as the target leaves it, (1, n), or none."""
-    found = solve_ik_batch(arm, [target], near[None], position_tol=EXACT, orientation_tol=EXACT, posture="theta0")
+    found = solve_ik_batch(arm, [target], near[None], **ALL_BUT_EXACT.keywords, posture="theta0")
     return found.theta[found.converged]
 
 

@@ -11,8 +11,10 @@ from ...support.checks import Array
 from ...support.errors import InputError
 from ...theory import rotations, screws
 
-STRAIGHT = 1e-9
-"""Three points whose triangle has less height than this part of its longest side lie on a line."""
+FLAT, LOW = 1e-5, 2e-5
+"""Three points lie on a line if their triangle is lower than this part of its longest side, or than so many metres:
+where it is, the rounding of a configuration would choose the plane of a circle through them.
+"""
 
 
 @dataclass(frozen=True)
@@ -129,13 +131,13 @@ class Arc:
         """The arc from g0 through the point via (3,) to g1.
 
         The centre lies on both perpendicular bisectors in the plane of the three points. Raises InputError where they
-        lie on a line, or the ends are one point.
+        lie on a line, or two of them are one point, within 20 µm and 1e-5 rad.
         """
         p0, p1 = g0[:3, 3], g1[:3, 3]
         a, b = via - p0, p1 - p0
         normal = np.cross(a, b)
-        longest = max(np.linalg.norm(a), np.linalg.norm(b), np.linalg.norm(p1 - via))
-        if np.linalg.norm(normal) <= STRAIGHT * longest**2:
+        longest = float(max(np.linalg.norm(a), np.linalg.norm(b), np.linalg.norm(p1 - via)))
+        if np.linalg.norm(normal) <= longest * max(FLAT * longest, LOW):
             raise InputError(
                 "start, via and end of an arc must be three points that do not lie on a line: use a LineMove, or "
                 "ArcMove.about(axis, centre, angle) for a full circle"

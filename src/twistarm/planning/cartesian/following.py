@@ -8,14 +8,15 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from ...ik.batch import IKBatch, solve_ik_batch
 from ...model.arm import Arm
 from ...support.checks import Array
 from ..bernstein import bernstein
 from ..joint_path import JointPath
 from ..piecewise import extremes
+from ..tolerances import leeway
 from ..within import POSITION_TOL as ROUNDING
 from .curvature import deviation_bend
+from .meeting import met_near
 from .moving_target import MovingTarget
 from .nodes import EXACT, LONGEST_JUMP, Blocked, Node
 from .projection import projected
@@ -23,7 +24,10 @@ from .projection import projected
 Flags = NDArray[np.bool_]
 
 POSITION_TOL, ANGLE_TOL = 1e-4, np.radians(0.05)
-"""How far the tool may be from the curve [m, rad], between samples too."""
+"""How far the tool may be from the curve [m, rad], between samples too, where its tolerances are narrower."""
+
+WELL = 0.95
+"""A path whose error is no greater a part of a wide tolerance is looked at more closely, and not led elsewhere."""
 
 MOST_SAMPLES = 4096
 
@@ -51,8 +55,9 @@ def follow(arm: Arm, samples: Sequence[Node], *, even: bool = False) -> Followed
     """The joint path through samples of one curve, from its beginning to its end, or where it leaps.
 
     A cubic spline, C², goes through them, and intervals are halved in which the tool may be farther from the curve than
-    `POSITION_TOL` and `ANGLE_TOL`: at check points that is measured, and between them it is bounded by the curvature of
-    the tool's path. `even`: samples of an arm that is left free are evened out first.
+    `POSITION_TOL` and `ANGLE_TOL`, or than its tolerances where these are wider: at check points that is measured, and
+    between them it is bounded by the curvature of the tool's path. `even`: samples of an arm that is left free are
+    evened out first.
     """
     moving = samples[0].moving
     s, theta = np.array([node.s for node in samples]), np.array([node.theta for node in samples])
@@ -61,21 +66,32 @@ def follow(arm: Arm, samples: Sequence[Node], *, even: bool = False) -> Followed
     for _ in range(ROUNDS):
         path = spline(s, theta)
         off, position, angle = _deviation(arm, moving, path)
-        off |= _outside(arm, path)
+        outside = _outside(arm, path)
+        off |= outside
         if not off.any():
             return Followed(path, position, angle)
         if len(s) > MOST_SAMPLES:
             break
         between = 0.5 * (s[:-1] + s[1:])[off]
-        answer = _solved(arm, moving, between, path(between))
-        if not answer.converged.all():
-            unmet = int(np.flatnonzero(~answer.converged)[0])
+        found = path(between)
+        met = _well_within(arm, moving, between, found) & ~outside[off]
+        found[~met], met[~met] = met_near(arm, moving, moving.curve(between[~met]), found[~met])
+        if not met.all():
+            unmet = int(np.flatnonzero(~met)[0])
             return _blocked(samples[0], s, theta, float(between[unmet]), leap=False)
-        s, theta = np.concatenate([s, between]), np.concatenate([theta, answer.theta])
+        s, theta = np.concatenate([s, between]), np.concatenate([theta, found])
         order = np.argsort(s, kind="stable")
         s, theta = s[order], theta[order]
     worst = int(np.flatnonzero(off)[0])
     return _blocked(samples[0], s, theta, float(s[worst + 1]), leap=True)
+
+
+def _well_within(arm: Arm, moving: MovingTarget, s: Array, theta: Array) -> Flags:
+    """Which configurations (k, n) at s (k,) are well within wide tolerances: one more sample only proves it."""
+    if leeway(moving.tolerances) is None:
+        return np.zeros(len(s), dtype=bool)
+    position, angle = moving.errors(s, arm.fk(theta))
+    return (position <= WELL * moving.tolerances.position) & (angle <= WELL * moving.tolerances.orientation)
 
 
 def _evened(arm: Arm, moving: MovingTarget, s: Array, theta: Array) -> Array:
@@ -85,7 +101,7 @@ def _evened(arm: Arm, moving: MovingTarget, s: Array, theta: Array) -> Array:
     theta = theta.copy()
     for _ in range(EVENINGS):
         between = theta[:-2] + share * (theta[2:] - theta[:-2])
-        found, met = projected(arm, moving.like, ideal, between, EXACT)
+        found, met = projected(arm, moving.like, ideal, between, EXACT, leeway(moving.tolerances))
         met &= np.abs(found - theta[1:-1]).max(axis=1) <= LONGEST_JUMP
         theta[1:-1][met] = found[met]
     return theta
@@ -102,10 +118,6 @@ def _constant(theta: Array) -> Array:
     return np.stack([np.zeros_like(theta)] * 3 + [theta])[:, None]
 
 
-def _solved(arm: Arm, moving: MovingTarget, s: Array, near: Array) -> IKBatch:
-    return solve_ik_batch(arm, moving.targets(s), near, position_tol=EXACT, orientation_tol=EXACT, restarts=1)
-
-
 def _blocked(root: Node, s: Array, theta: Array, ahead: float, *, leap: bool) -> Blocked:
     last = int(np.searchsorted(s, ahead, side="left")) - 1
     return Blocked(Node(root.moving, float(s[last]), theta[last], root.cost, root), ahead, leap)
@@ -119,7 +131,7 @@ def _deviation(arm: Arm, moving: MovingTarget, path: JointPath) -> tuple[Flags, 
     """
     h = np.diff(path.breakpoints)
     bend = deviation_bend(arm, moving, path)
-    tolerance = np.array([POSITION_TOL, ANGLE_TOL])
+    tolerance = np.maximum([POSITION_TOL, ANGLE_TOL], [moving.tolerances.position, moving.tolerances.orientation])
     part = min(float((4.0 * tolerance / np.maximum(bend.max(axis=0), 1e-12)).min()) ** 0.5, 1.0)
     each = np.clip(np.ceil(h / part), 2, max(2, MOST_CHECKS // len(h))).astype(np.int64)
     piece = np.repeat(np.arange(len(h)), each)
@@ -131,7 +143,7 @@ def _deviation(arm: Arm, moving: MovingTarget, path: JointPath) -> tuple[Flags, 
         np.maximum.reduceat(np.maximum(error[:-1], error[1:]), np.cumsum(each) - each) + slack * bend[:, i]
         for i, error in enumerate((position, angle))
     ]
-    off = (greatest[0] > POSITION_TOL) | (greatest[1] > ANGLE_TOL)
+    off = (greatest[0] > tolerance[0]) | (greatest[1] > tolerance[1])
     return off, float(greatest[0].max()), float(greatest[1].max())
 
 

@@ -5,14 +5,13 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 import numpy as np
-from numpy.typing import NDArray
 
-from ...ik.batch import solve_ik_batch
 from ...ik.closed_form.methods import family_method
-from ...ik.targets import AnyTarget, Pose
 from ...limits.joint_limits import JointLimits
 from ...model.arm import Arm
 from ...support.checks import Array
+from .meeting import Met, met_near, targets_at
+from .moving_target import MovingTarget
 from .nodes import EXACT, LONGEST_JUMP, Blocked, Node, Rungs, cheapest_first, efforts
 
 FEWEST = 4
@@ -78,25 +77,18 @@ class _Climber:
                 self.farthest = Blocked(node, s, bool(met[i]))
         return found, halved
 
-    def _solved(self, nodes: list[Node], s: float, k: int | None) -> tuple[Array, NDArray[np.bool_]]:
+    def _solved(self, nodes: list[Node], s: float, k: int | None) -> Met:
         """The answers (b, n) at s, sought where each node would be if it went on as it came, and which there are."""
         g = np.array([node.moving.curve(np.array(s)) for node in nodes]) if k is None else self.rungs.poses(nodes, k)
         near = np.clip([_ahead(node, s) for node in nodes], self.arm.limits.lower, self.arm.limits.upper)
-        pose = isinstance(nodes[0].moving.like, Pose)
-        targets = g if pose else [node.moving.like.at(each) for node, each in zip(nodes, g, strict=True)]
-        found = self._by_closed_form(nodes[0].moving.like, targets, near)
-        if found is not None:
-            return found
-        answer = solve_ik_batch(self.arm, targets, near, position_tol=EXACT, orientation_tol=EXACT, restarts=1)
-        return answer.theta, answer.converged
+        return met_near(self.arm, nodes[0].moving, g, near, self._by_closed_form)
 
-    def _by_closed_form(
-        self, like: AnyTarget, targets: Array | list[AnyTarget], near: Array
-    ) -> tuple[Array, NDArray[np.bool_]] | None:
+    def _by_closed_form(self, moving: MovingTarget, ideal: Array, near: Array) -> Met | None:
         """Of all answers to each target the nearest, where the arm's family gives all of them without a joint held."""
-        method = family_method(self.arm, like)
+        method = family_method(self.arm, moving.like)
         if method.compiled is None or method.swept:
             return None
+        targets = targets_at(moving.like, ideal)
         numbers = targets if isinstance(targets, np.ndarray) else np.array([each.numbers for each in targets])
         found = method.compiled.solve_batch(numbers, near, EXACT, EXACT, 1)
         if found is None:

@@ -7,7 +7,9 @@ from dataclasses import dataclass
 import numpy as np
 
 from ...ik.targets import AnyTarget, Approach, Pose, Position, Task
+from ...ik.task_space import Tolerances
 from ...support.checks import Array
+from ..tolerances import USUAL
 from .curves import Curve
 
 NO_WAY = 1e-9
@@ -22,19 +24,18 @@ SAME = 1e-8
 
 @dataclass(frozen=True)
 class MovingTarget:
-    """`curve` is followed as far as `like`, a target of any kind, constrains a pose: `like.at(g(s))` at every s."""
+    """`curve` is followed as far as `like`, a target of any kind, constrains a pose: `like.at(g(s))` at every s.
+
+    `tolerances`: how far off the tool still meets it.
+    """
 
     curve: Curve
     like: AnyTarget
+    tolerances: Tolerances = USUAL
 
     def at(self, s: float) -> AnyTarget:
         """The target at s."""
         return self.like.at(self.curve(np.array(s)))
-
-    def targets(self, s: Array) -> Array | list[AnyTarget]:
-        """The targets at s (k,), as `solve_ik_batch` takes them: those of poses are an array (k, 4, 4)."""
-        g = self.curve(s)
-        return g if isinstance(self.like, Pose) else [self.like.at(each) for each in g]
 
     def freedom(self, n: int) -> int:
         """How many of n joints the targets leave free; those of a `Task` that are within tolerances count as free."""
@@ -62,21 +63,24 @@ class MovingTarget:
 
     def errors(self, s: Array, g: Array) -> tuple[Array, Array]:
         """How far poses g (k, 4, 4) are from the targets at s (k,): [m] and [rad], of what is constrained."""
-        ideal = self.curve(s)
-        if isinstance(self.like, Task):
-            both = [
-                (t.position_error(one), t.orientation_error(one))
-                for t, one in zip(map(self.like.at, ideal), g, strict=True)
-            ]
-            return np.array([p for p, _ in both]), np.array([r for _, r in both])
-        position: Array = np.linalg.norm(g[:, :3, 3] - ideal[:, :3, 3], axis=-1)
-        if isinstance(self.like, Pose):
-            return position, _angles(np.swapaxes(ideal[:, :3, :3], -1, -2) @ g[:, :3, :3])
-        if isinstance(self.like, Approach):
-            axis, wanted = g[:, :3, :3] @ self.like.axis, ideal[:, :3, :3] @ self.like.axis
-            sine = np.linalg.norm(np.cross(axis, wanted), axis=-1)
-            return position, np.arctan2(sine, (axis * wanted).sum(axis=-1))
-        return position, np.zeros(len(s))
+        return errors_from(self.like, self.curve(s), g)
+
+
+def errors_from(like: AnyTarget, ideal: Array, g: Array) -> tuple[Array, Array]:
+    """How far poses g (k, 4, 4) are from targets like that one at `ideal` (k, 4, 4): [m] and [rad], (k,) each."""
+    if isinstance(like, Task):
+        both = [
+            (t.position_error(one), t.orientation_error(one)) for t, one in zip(map(like.at, ideal), g, strict=True)
+        ]
+        return np.array([p for p, _ in both]), np.array([r for _, r in both])
+    position: Array = np.linalg.norm(g[:, :3, 3] - ideal[:, :3, 3], axis=-1)
+    if isinstance(like, Pose):
+        return position, _angles(np.swapaxes(ideal[:, :3, :3], -1, -2) @ g[:, :3, :3])
+    if isinstance(like, Approach):
+        axis, wanted = g[:, :3, :3] @ like.axis, ideal[:, :3, :3] @ like.axis
+        sine = np.linalg.norm(np.cross(axis, wanted), axis=-1)
+        return position, np.arctan2(sine, (axis * wanted).sum(axis=-1))
+    return position, np.zeros(len(g))
 
 
 def _angles(R: Array) -> Array:

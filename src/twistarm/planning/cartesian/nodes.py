@@ -7,6 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from ...ik.task_space import Tolerances
 from ...support.checks import Array
 from .moving_target import MovingTarget
 
@@ -17,6 +18,8 @@ MOST_RUNGS = 2048
 
 EXACT = 1e-9
 """Configurations meet the curve to this [m, rad], so that the spline through them is smooth."""
+
+ALL_BUT_EXACT = Tolerances(EXACT, EXACT)
 
 LONGEST_JUMP = 0.5
 """A joint that moves farther [rad, m] from rung to rung leaps."""

@@ -6,39 +6,78 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...ik.targets import AnyTarget, Approach, Pose, Task
+from ...ik.task_space import Tolerances
 from ...model.arm import Arm
 from ...support.checks import Array
 from ...theory import rotations
+from .moving_target import errors_from
 
 STEPS = 12
 
 DAMPING, LEAST_DAMPING = 0.05, 1e-12
 """Of a step, as part of the squared error and at least: far from targets and near singular postures it is short."""
 
+CALM = 1e-6
+"""Least damping within tolerances: no joint turns far for what an axis that is off by rounding misses."""
+
+GROWTH, MOST_GROWTH = 10.0, 1e8
+"""So much the least damping within tolerances grows where a step makes errors greater, and at most."""
+
+MOST_WEIGHT = 1e3
+"""By so much at most an error with a narrow tolerance counts more than one with a wide tolerance."""
+
 LIMIT = 1e-12
 """A joint this near to a limit [rad, m] is at it."""
 
 
-def projected(arm: Arm, like: AnyTarget, ideal: Array, theta: Array, exact: float) -> tuple[Array, NDArray[np.bool_]]:
+def projected(
+    arm: Arm, like: AnyTarget, ideal: Array, theta: Array, exact: float, within: Tolerances | None = None
+) -> tuple[Array, NDArray[np.bool_]]:
     """Configurations near theta (k, n) that meet targets like that one at the poses `ideal` (k, 4, 4); which do.
 
     Damped Gauss-Newton: θ ← θ − Jᵀ (J Jᵀ + λ 1)⁻¹ e, of all steps the shortest, so that what a target leaves free stays
-    (Nakamura & Hanafusa 1986). Joints at a limit that would go on out of it are held. Met to `exact` [m, rad].
+    (Nakamura & Hanafusa 1986). Joints at a limit that would go on out of it are held. Met to `exact` [m, rad], or
+    `within` tolerances: errors as shares of their tolerances are then made least, λ grows where they do not shrink.
     """
     lower, upper = arm.limits.lower, arm.limits.upper
     theta = np.clip(theta, lower, upper)
+    more, best, kept = np.ones(len(theta)), np.full(len(theta), np.inf), theta
     for _ in range(STEPS):
         e, J = errors_and_rows(like, ideal, arm.fk(theta), arm.body_jacobian(theta))
         met: NDArray[np.bool_] = np.abs(e).max(axis=1) <= 0.5 * exact
         if met.all():
             break
-        damping = (DAMPING * (e**2).sum(axis=1) + LEAST_DAMPING)[:, None, None] * np.eye(e.shape[1])
-        step = _shortest(e, J, damping)
+        if within is None:
+            damping = DAMPING * (e**2).sum(axis=1) + LEAST_DAMPING
+        else:
+            weights = _weights(within, e.shape[1])
+            e, J = e * weights, J * weights[:, None]
+            size = (e**2).sum(axis=1)
+            less = size < best
+            more = np.clip(np.where(less, more / GROWTH, more * GROWTH), 1.0, MOST_GROWTH)
+            kept, best = np.where(less[:, None], theta, kept), np.minimum(size, best)
+            if not less.all():
+                theta = kept
+                e, J = errors_and_rows(like, ideal, arm.fk(theta), arm.body_jacobian(theta))
+                e, J = e * weights, J * weights[:, None]
+            damping = DAMPING * best + CALM * more
+        damped = damping[:, None, None] * np.eye(e.shape[1])
+        step = _shortest(e, J, damped)
         held = ((theta <= lower + LIMIT) & (step < 0.0)) | ((theta >= upper - LIMIT) & (step > 0.0))
         if held.any():
-            step = _shortest(e, J * ~held[:, None], damping)
+            step = _shortest(e, J * ~held[:, None], damped)
         theta = np.where(met[:, None], theta, np.clip(theta + step, lower, upper))
+    if within is not None:
+        position, angle = errors_from(like, ideal, arm.fk(theta))
+        met = (position <= within.position) & (angle <= within.orientation)
     return theta, met
+
+
+def _weights(within: Tolerances, count: int) -> Array:
+    """Weights (r,) of the rows of an error: 1 for the wider tolerance, more for the narrower one."""
+    tolerances = np.array([within.position] * 3 + [within.orientation] * (count - 3))
+    weights: Array = np.minimum(max(within.position, within.orientation) / tolerances, MOST_WEIGHT)
+    return weights
 
 
 def _shortest(e: Array, J: Array, damping: Array) -> Array:

@@ -10,9 +10,10 @@ from ...ik.solution import IKSolution
 from ...ik.solve import solve_ik
 from ...ik.stop_reason import StopReason
 from ...ik.targets import AnyTarget, Approach, Pose, Position
+from ...ik.task_space import Tolerances
 from ...limits.joint_limits import JointLimits
 from ...model.arm import Arm
-from ...support.caller_words import posture, quantity
+from ...support.caller_words import argument, posture, quantity
 from ...support.checks import Array
 from ...support.errors import TwistarmError
 from .branches import branches
@@ -32,6 +33,9 @@ SINGULAR = 0.05
 
 CERTAIN = "; no configuration inside the limits meets it farther on, that is certain"
 """What the closed form shows of some targets."""
+
+NEAR_MISS = 10.0
+"""Where the tool misses a path by less than so many tolerances, wider ones are named."""
 
 FEW = 2
 """Other configurations from which the path may be followed that are tried."""
@@ -78,7 +82,8 @@ class PathError(TwistarmError):
 def refusal(arm: Arm, limits: JointLimits, blocked: Blocked, *, others: bool) -> PathError:
     """The error for a path that is blocked; looks for what would help, with `others` in other configurations too."""
     moving = blocked.moving
-    beyond = None if blocked.leap else solve_ik(arm, moving.at(blocked.ahead), blocked.theta)
+    met = moving.tolerances
+    beyond = None if blocked.leap else solve_ik(arm, moving.at(blocked.ahead), blocked.theta, **met.keywords)
     nowhere = beyond is not None and beyond.certain
     reason, joint, why = _why(arm, blocked, beyond)
     other = _other_start(arm, limits, blocked) if others and not nowhere else None
@@ -133,14 +138,15 @@ def _goes_on(arm: Arm, blocked: Blocked, joints: list[int]) -> bool:
     lower[joints] -= MORE_ROOM
     upper[joints] += MORE_ROOM
     roomy = replace(arm, limits=replace(arm.limits, lower=lower, upper=upper))
-    beyond = solve_ik(roomy, blocked.moving.at(blocked.ahead), blocked.theta, restarts=1)
+    moving = blocked.moving
+    beyond = solve_ik(roomy, moving.at(blocked.ahead), blocked.theta, **moving.tolerances.keywords, restarts=1)
     return beyond.converged and float(np.abs(beyond.theta - blocked.theta).max()) <= LONGEST_JUMP
 
 
 def _other_start(arm: Arm, limits: JointLimits, blocked: Blocked) -> Array | None:
     """Another configuration at the beginning of the path from which all of it can be followed."""
     moving, start = blocked.moving, blocked.start
-    roots = [Node(moving, 0.0, theta, 0.0) for theta in branches(arm, moving.at(0.0), start)]
+    roots = [Node(moving, 0.0, theta, 0.0) for theta in branches(arm, moving.at(0.0), start, moving.tolerances)]
     found = climb(arm, limits, roots) if roots else []
     for node in [] if isinstance(found, Blocked) else found[:FEW]:
         if isinstance(follow(arm, way(node)), Followed):
@@ -153,6 +159,8 @@ def _help(arm: Arm, limits: JointLimits, blocked: Blocked, other: Array | None) 
         begin = posture(other.tolist(), arm.units)
         return f"begin it in another configuration, {begin}, from which all of it can be followed"
     moving = blocked.moving
+    if loose := _loose_enough(arm, limits, blocked):
+        return loose
     if isinstance(moving.like, Pose):
         g, axis = moving.like.g, arm.tool_axis
         freer: dict[str, AnyTarget] = {
@@ -160,8 +168,29 @@ def _help(arm: Arm, limits: JointLimits, blocked: Blocked, other: Array | None) 
             "the rotation": Position(g[:3, 3]),
         }
         for what, like in freer.items():
-            freed = replace(moving, like=like)
-            nodes = [] if freed.is_still else climb(arm, limits, [Node(freed, 0.0, blocked.start, 0.0)])
-            if isinstance(nodes, list) and nodes and isinstance(follow(arm, way(nodes[0])), Followed):
+            if _followed(arm, limits, replace(moving, like=like), blocked.start):
                 return f"with {what} left free the arm can follow it (an Approach or a Position as goal)"
     return "make it shorter, or move its ends"
+
+
+def _loose_enough(arm: Arm, limits: JointLimits, blocked: Blocked) -> str:
+    """The tolerances with which all of the path can be followed; "" where ten times those asked for do not do."""
+    moving, met = blocked.moving, blocked.moving.tolerances
+    looser = replace(moving, tolerances=Tolerances(NEAR_MISS * met.position, NEAR_MISS * met.orientation))
+    nodes = _followed(arm, limits, looser, blocked.start)
+    if not nodes:
+        return ""
+    s, theta = np.array([node.s for node in nodes]), np.array([node.theta for node in nodes])
+    position, angle = (float(each.max()) for each in moving.errors(s, arm.fk(theta)))
+    missed = [(position, "m", "position_tol")] * (position > met.position)
+    missed += [(angle, "rad", "orientation_tol")] * (angle > met.orientation)
+    by = " and ".join(quantity(float(f"{miss:.2g}"), unit) for miss, unit, _ in missed)
+    wider = " and ".join(argument(name, float(f"{1.1 * miss:.2g}")) for miss, _, name in missed)
+    return f"the rest of it is missed by {by} at most: with {wider} the arm can follow it"
+
+
+def _followed(arm: Arm, limits: JointLimits, moving: MovingTarget, start: Array) -> list[Node]:
+    """The nodes on the way from there to the end of a path, none where it cannot be followed."""
+    nodes = [] if moving.is_still else climb(arm, limits, [Node(moving, 0.0, start, 0.0)])
+    found = way(nodes[0]) if isinstance(nodes, list) and nodes else []
+    return found if found and isinstance(follow(arm, found), Followed) else []

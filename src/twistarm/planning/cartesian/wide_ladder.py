@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 from ...limits.joint_limits import JointLimits
 from ...model.arm import Arm
 from ...support.checks import Array
+from ..tolerances import leeway
 from .nodes import EXACT, LONGEST_JUMP, Blocked, Node, Rungs, cheapest_first, efforts
 from .projection import projected
 
@@ -64,7 +65,7 @@ def _spread(
     arm: Arm, rungs: Rungs, k: int, nodes: list[Node], rng: np.random.Generator
 ) -> tuple[Array, NDArray[np.intp]]:
     """What follows the nodes at rung k, (c, n), and which node each follows (c,)."""
-    here = np.array([node.theta for node in nodes])
+    here, moving = np.array([node.theta for node in nodes]), nodes[0].moving
     drawn = PULL * (arm.limits.middle() - here)
     drawn *= np.minimum(1.0, LONGEST_PULL / np.maximum(np.abs(drawn).max(axis=1, keepdims=True), LONGEST_PULL))
     each = -(-SOUGHT // len(nodes))
@@ -72,7 +73,7 @@ def _spread(
     sought = np.concatenate([here, here + drawn, *(here + kicks)])
     parents = np.tile(np.arange(len(nodes)), 2 + each)
     ideal = np.tile(rungs.poses(nodes, k), (2 + each, 1, 1))
-    theta, good = projected(arm, nodes[0].moving.like, ideal, sought, EXACT)
+    theta, good = projected(arm, moving.like, ideal, sought, EXACT, leeway(moving.tolerances))
     good &= np.abs(theta - here[parents]).max(axis=1) <= LONGEST_JUMP
     return theta[good], parents[good]
 
@@ -84,7 +85,8 @@ def _continuous(arm: Arm, nodes: list[Node], parents: NDArray[np.intp], s: float
     poses = {id(node.moving): node.moving.curve(middle) for node in nodes}
     ideal = np.array([poses[id(nodes[i].moving)] for i in parents])
     halfway = 0.5 * (before + theta)
-    found, met = projected(arm, nodes[0].moving.like, ideal, halfway, EXACT)
+    moving = nodes[0].moving
+    found, met = projected(arm, moving.like, ideal, halfway, EXACT, leeway(moving.tolerances))
     off, step = (np.linalg.norm(each, axis=1) for each in (found - halfway, theta - before))
     near: NDArray[np.bool_] = met & (off <= HALFWAY * (step + CELL))
     return near

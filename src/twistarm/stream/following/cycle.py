@@ -46,22 +46,23 @@ class FollowCycle(Cycle):
 
     at: where it is on its own time [s], below 0 on the way to its start, by as much as is left of that; `duration` its
     length [s]; rate: how fast its time runs, 0 … 1. error (n,): how far each joint is from all that was commanded
-    within the last `feedback_timeout` [rad, m], None where it is not known. labels: those of the trajectory that were
-    passed in this cycle, such as "close gripper".
+    within the last `feedback_timeout` [rad, m], lag (n,): how far from the setpoint that holds now; both None where it
+    is not known. labels: those of the trajectory that were passed in this cycle, such as "close gripper".
     """
 
     at: float = 0.0
     duration: float = 0.0
     rate: float = 0.0
     error: Array | None = None
+    lag: Array | None = None
     labels: tuple[str, ...] = ()
 
 
 class Following(Cycles[FollowCycle]):
     """A trajectory that is followed cycle by cycle, for loops that have a timer of their own; `follow` has its own.
 
-    The arguments are those of `follow`. `largest_error` (n,) how far each joint was from what was commanded at most
-    [rad, m].
+    The arguments are those of `follow`. `largest_error` (n,): how far each joint was at most from all that was
+    commanded within the last `feedback_timeout`; `largest_lag` (n,): how far from the setpoint that held then [rad, m].
     """
 
     def __init__(
@@ -93,7 +94,7 @@ class Following(Cycles[FollowCycle]):
         if self.speed > 1.0:
             raise InputError(f"speed is a share of the trajectory's own, above 0 and at most 1; got {shown(speed)}")
         self.approach = as_flag(approach, "approach")
-        self.largest_error = np.zeros(self.arm.n)
+        self.largest_error, self.largest_lag = np.zeros(self.arm.n), np.zeros(self.arm.n)
         self._near = _tolerance_of(start_tolerance, self.arm.n)
         self._clock = MotionClock(0.0, 0.0)
         self._astray = False
@@ -130,6 +131,7 @@ class Following(Cycles[FollowCycle]):
         if self.state is None:
             self.tally.waited += 1
             return self._told(now, None, None, blind)
+        lag = None if theta is None else frozen(np.abs(theta - self.state.theta))
         strayed = "" if theta is None else self._watch.deviation(theta)
         barrier = self._barrier()
         self._astray = bool(strayed) or self.interlock.word == EMERGENCY_STOP
@@ -140,7 +142,7 @@ class Following(Cycles[FollowCycle]):
         undelivered = self._send(setpoint)
         ending, why = self._ending(strayed, theta, now)
         reason = why or "; ".join(filter(None, (reason, undelivered)))
-        return self._told(now, theta, setpoint, reason, ending)
+        return self._told(now, theta, setpoint, reason, ending, lag)
 
     def _failed(self, now: float, reason: str, ending: Ending) -> FollowCycle:
         return self._told(now, None, None, reason, ending)
@@ -225,14 +227,23 @@ class Following(Cycles[FollowCycle]):
         return f"at {self.at:.2f} s of {self.motion.duration:.2f} s"
 
     def _told(
-        self, now: float, theta: Array | None, setpoint: Setpoint | None, reason: str, ending: Ending | None = None
+        self,
+        now: float,
+        theta: Array | None,
+        setpoint: Setpoint | None,
+        reason: str,
+        ending: Ending | None = None,
+        lag: Array | None = None,
     ) -> FollowCycle:
         error = None if theta is None or setpoint is None else self._watch.error(theta)
         if error is not None:
             self.largest_error = np.maximum(self.largest_error, error)
+        if lag is not None:
+            self.largest_lag = np.maximum(self.largest_lag, lag)
         return FollowCycle(
             now, None, theta, setpoint, reason, ending, self.tally.delivered, self.interlock.word,
-            at=self.at, duration=self.motion.duration, rate=self._clock.rate, error=error, labels=self._passed(),
+            at=self.at, duration=self.motion.duration, rate=self._clock.rate, error=error, lag=lag,
+            labels=self._passed(),
         )  # fmt: skip
 
 

@@ -88,5 +88,5 @@ def follow(
         velocity_mode=velocity_mode, control=control, interlock=interlock,
     )  # fmt: skip
     report = drive(following, clock=clock, handle_signals=handle_signals, on_cycle=on_cycle)
-    motion, errors = following.motion, following.largest_error
-    return FollowReport(report, following.at, motion.duration, following.pace, errors, motion.joint_names, motion.units)
+    motion, off = following.motion, (following.largest_lag, following.largest_error)
+    return FollowReport(report, following.at, motion.duration, following.pace, *off, motion.joint_names, motion.units)

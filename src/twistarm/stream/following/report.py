@@ -21,14 +21,17 @@ class FollowReport(Brief):
 
     stream: the loop's own report, with how it ended and why. at: how far the motion came on its own time [s], below 0
     where it ended on the way to the start; duration: its length [s]. speed: at which share of its own speed it was
-    followed, less than was asked for where the arm's limits did not allow more. largest_error (n,): how far each joint
-    was at most from all that it was commanded within the last `feedback_timeout` [rad, m].
+    followed, less than was asked for where the arm's limits did not allow more. largest_lag (n,): how far each measured
+    joint was at most from the setpoint that held then [rad, m]: drives that are late lag by their delay times their
+    rate. largest_error (n,): how far it was at most from all that it was commanded within the last `feedback_timeout`,
+    which `tolerance` bounds and a delay does not count in.
     """
 
     stream: StreamReport
     at: float
     duration: float
     speed: float
+    largest_lag: Array
     largest_error: Array
     joint_names: tuple[str, ...]
     units: tuple[str, ...]
@@ -52,10 +55,13 @@ class FollowReport(Brief):
         if not self.stream.started:
             return ["followed: nothing"]
         way = "on the way to where it begins" if self.at < 0.0 else f"{self.at:.2f} s of {self.duration:.2f} s"
-        j = int(np.argmax(self.largest_error))
-        farthest = float(f"{self.largest_error[j]:.3g}")
         slower = f", at {100.0 * self.speed:.3g} % of its speed" if self.speed < AS_PLANNED else ""
         return [
             f"followed: {way}{slower}",
-            f"farthest from what was commanded: joint {self.joint_names[j]}, {quantity(farthest, self.units[j])}",
+            f"farthest from the setpoint of its time: {self._farthest(self.largest_lag)}",
+            f"farthest from all setpoints of the last timeout: {self._farthest(self.largest_error)}",
         ]
+
+    def _farthest(self, off: Array) -> str:
+        j = int(np.argmax(off))
+        return f"joint {self.joint_names[j]}, {quantity(float(f'{off[j]:.3g}'), self.units[j])}"

@@ -5,6 +5,7 @@ import { Gizmo } from "./gizmo.js";
 import { takesKeys } from "./keys.js";
 import { PoseBoxes } from "./pose_boxes.js";
 import { describes, numbersOf, poseOf, same, standing, turned } from "./target_pose.js";
+import { Tolerances } from "./tolerances.js";
 import { Verdict } from "./verdict.js";
 import { THREE } from "./view.js";
 
@@ -42,8 +43,10 @@ export class Target {
       settle: (box) => page.panel.settle(box),
     });
     this.verdict = new Verdict();
+    this.tolerances = new Tolerances(page, () => this.again());
     this.messages = {
       target: (message) => this.show(message),
+      tolerances: (message) => this.tolerances.show(message),
       servo: ({ driven }) => this.drive(driven),
       error: () => this.settle(),
     };
@@ -166,8 +169,13 @@ export class Target {
   }
 
   choose() {
-    if (this.given) this.ask(standing(this.given, this.tool));
+    this.again();
     this.arrange();
+  }
+
+  // The target that is given, asked for once more.
+  again() {
+    if (this.given && !this.driven) this.ask(standing(this.given, this.tool));
   }
 
   ask(pose) {
@@ -199,6 +207,7 @@ export class Target {
     for (const id of ["drag-tool", "target-kind", "target-axes", "target-snap"]) $(id).disabled = this.driven;
     $("target-release").hidden = !this.given || this.driven;
     $("target-hint").textContent = $("drag-tool").checked && this.kind === this.begun ? (HINTS[this.kind] ?? "") : "";
+    this.tolerances.disable(this.driven);
     this.boxes.disable(this.driven, this.kind === "position");
     if (this.tool !== null) this.put();
   }

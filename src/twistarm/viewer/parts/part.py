@@ -33,6 +33,7 @@ class Show(Protocol):
     others: dict[str, float]
     visible: dict[str, bool]
     driven: bool
+    tolerances: Mapping[str, Any]
 
     @property
     def moving(self) -> bool:

@@ -134,7 +134,7 @@ class Program:
                 f"a {asked.kind} leads through joint moves alone, and knows no limit of the tool's speed: choose "
                 "s-curve, time-optimal or quintic"
             )
-        work = partial(_planned, show.arm, poses, asked, self.limits, dict(show.others))
+        work = partial(_planned, show.arm, poses, asked, self.limits, dict(show.others), show.tolerances)
         return Job("plan", "planning the motion", work, partial(self._finish, show, poses, asked))
 
     def _finish(
@@ -163,12 +163,13 @@ def _planned(
     asked: Asked,
     limits: JointLimits,
     others: Mapping[str, float],
+    met: Mapping[str, Any],
     progress: Progress,
 ) -> tuple[Trajectory | PathError, dict[str, Any]]:
     """In a thread: the motion or why there is none, and the way of the tool."""
     beside = {"ideal": ideal_way(arm, poses), "waypoints": _ghosts(arm, poses, others)}
     try:
-        motion = _motion(arm, poses, asked, limits, progress)
+        motion = _motion(arm, poses, asked, limits, met, progress)
     except PathError as error:
         return error, {**tool_path(arm, poses[0].theta[None]), **beside, "stopped": _stop(arm, error, others)}
     return motion, {**tool_path(arm, motion), **beside}
@@ -185,7 +186,12 @@ def _stop(arm: Arm, error: PathError, others: Mapping[str, float]) -> dict[str, 
 
 
 def _motion(
-    arm: Arm, poses: Sequence[RecordedPose], asked: Asked, limits: JointLimits, progress: Progress
+    arm: Arm,
+    poses: Sequence[RecordedPose],
+    asked: Asked,
+    limits: JointLimits,
+    met: Mapping[str, Any],
+    progress: Progress,
 ) -> Trajectory:
     if asked.through_joints(poses):
         points = np.array([pose.theta for pose in poses])
@@ -204,6 +210,7 @@ def _motion(
         limits=limits,
         kind=asked.kind,
         tool_speed=asked.tool_speed or None,
+        **met,
         progress=progress,
     )
 

@@ -72,7 +72,7 @@ class Solutions:
         show.require_free()
         target, start = target_asked(show.arm, fields), show.seen().theta
         self._number += 1
-        find = partial(_found, show.arm, target, start, dict(show.others))
+        find = partial(_found, show.arm, target, start, dict(show.others), show.tolerances)
         finish = partial(self._finish, show, start, self._number)
         return Job("solutions", "looking for all configurations", lambda _: find(), finish)
 
@@ -102,10 +102,10 @@ class Solutions:
         self._answer = self._at = self._stands = self._where = None
 
 
-def _found(arm: Arm, target: AnyTarget, start: Array, others: Mapping[str, float]) -> Answer:
+def _found(arm: Arm, target: AnyTarget, start: Array, others: Mapping[str, float], met: Mapping[str, Any]) -> Answer:
     """All configurations; joints that the target does not determine stay where they are."""
     held = {name: float(start[arm.joint_names.index(name)]) for name in closed_form_of(arm, target).held}
-    return answer_of(solve_ik_all(arm, target, start, given=held), others, _held_in_words(arm, held))
+    return answer_of(solve_ik_all(arm, target, start, given=held, **met), others, _held_in_words(arm, held))
 
 
 def answer_of(solutions: IKSolutions, others: Mapping[str, float], more: Sequence[str] = ()) -> Answer:

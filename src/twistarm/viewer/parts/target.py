@@ -11,6 +11,7 @@ from typing import Any
 import numpy as np
 
 from ...ik import Approach, IKSolution, Pose, Position, solve_ik
+from ...ik.request import as_tolerance
 from ...model.arm import Arm
 from ...support.checks import Array
 from ...support.errors import InputError
@@ -30,6 +31,10 @@ AT_ONCE = 0.2e-3
 LENGTH_TOL = 1e-3
 """How far from 1 the length of a quaternion may be: decimal text, not another quantity."""
 
+TOLERANCES = {"position": "m", "orientation": "rad"}
+
+NONE: Mapping[str, Any] = {}
+
 NOTHING: Message = {
     "type": "target",
     "given": None,
@@ -46,7 +51,7 @@ Answer = tuple[Array, Message]
 class TargetPart:
     """Holds at most one target. It is let go once the arm is moved by anything else."""
 
-    requests = frozenset({"target", "release"})
+    requests = frozenset({"target", "release", "tolerances"})
 
     def __init__(self) -> None:
         self._status = NOTHING
@@ -62,22 +67,26 @@ class TargetPart:
         if request.kind == "release":
             self._release()
             return None
+        if request.kind == "tolerances":
+            show.tolerances = tolerances_asked(request.fields)
+            return None
         target, given = target_asked(show.arm, request.fields), dict(request.fields)
         show.show(show.theta)  # a running trajectory stops
         self._number += 1
         self._wanted = True
         finish = partial(self._finish, show, show.theta, self._number)
-        solution = solved_at_once(show.arm, target, show.theta)
+        solution = solved_at_once(show.arm, target, show.theta, show.tolerances)
         if solution is not None:
             finish((solution.theta, _status(given, solution)))
             return None
-        solve = partial(_solved, show.arm, target, given, show.theta, show.others)
+        solve = partial(_solved, show.arm, target, given, show.theta, show.others, show.tolerances)
         return Job("target", "solving for the target", lambda _: solve(), finish)
 
     def messages(self, show: Show) -> Iterator[Message]:
         """The target given, whether it is met, and the words of its solution."""
         if self._shown is not None and show.theta is not self._shown:
             self._release()
+        yield {"type": "tolerances", **{word: show.tolerances.get(f"{word}_tol", 0.0) for word in TOLERANCES}}
         yield self._status
 
     def _finish(self, show: Show, start: Array, number: int, answer: Answer) -> None:
@@ -109,7 +118,18 @@ def target_asked(arm: Arm, fields: Mapping[str, Any]) -> Pose | Position | Appro
     return Pose(g)
 
 
-def solved_at_once(arm: Arm, target: Pose | Position | Approach, start: Array) -> IKSolution | None:
+def tolerances_asked(fields: Mapping[str, float]) -> dict[str, float]:
+    """The tolerances that a page asked for, as solvers and planners take them; 0 is the usual one."""
+    return {
+        f"{word}_tol": as_tolerance(fields[word], f"{word} [{unit}]")
+        for word, unit in TOLERANCES.items()
+        if fields[word] != 0.0
+    }
+
+
+def solved_at_once(
+    arm: Arm, target: Pose | Position | Approach, start: Array, met: Mapping[str, Any] = NONE
+) -> IKSolution | None:
     """The solution of the first search from `start`, where it meets the target within AT_ONCE; else None.
 
     It is what a search with all its time would answer, bit by bit: the first search that converges wins, and none of
@@ -118,7 +138,7 @@ def solved_at_once(arm: Arm, target: Pose | Position | Approach, start: Array) -
     if arm._compiled is None:
         return None
     begin = time.perf_counter()
-    solution = solve_ik(arm, target, start, restarts=1, posture="theta0", max_time=AT_ONCE)
+    solution = solve_ik(arm, target, start, restarts=1, posture="theta0", max_time=AT_ONCE, **met)
     in_time = time.perf_counter() - begin < AT_ONCE
     return solution if solution.converged and in_time else None
 
@@ -129,8 +149,9 @@ def _solved(
     given: dict[str, Any],
     start: Array,
     others: Mapping[str, float],
+    met: Mapping[str, Any],
 ) -> Answer:
-    solution = solve_ik(arm, target, start, posture="theta0", max_time=MAX_TIME)
+    solution = solve_ik(arm, target, start, posture="theta0", max_time=MAX_TIME, **met)
     return solution.theta, {**_status(given, solution), "ghost": ghost(solution, others)}
 
 

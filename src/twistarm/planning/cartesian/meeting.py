@@ -1,0 +1,68 @@
+"""Meeting: the configurations nearest to others that meet the poses of a curve."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ...ik.batch import solve_ik_batch
+from ...ik.targets import AnyTarget, Pose
+from ...ik.task_space import Tolerances
+from ...model.arm import Arm
+from ...support.checks import Array
+from ..tolerances import leeway
+from .moving_target import MovingTarget
+from .nodes import ALL_BUT_EXACT, EXACT, LONGEST_JUMP
+from .projection import projected
+
+Met = tuple[Array, NDArray[np.bool_]]
+"""Configurations (k, n), and which of them meet their targets (k,)."""
+
+
+def met_near(
+    arm: Arm,
+    moving: MovingTarget,
+    ideal: Array,
+    near: Array,
+    closed_form: Callable[[MovingTarget, Array, Array], Met | None] | None = None,
+) -> Met:
+    """Configurations near `near` (k, n) that meet the targets at the poses `ideal` (k, 4, 4), and which do.
+
+    They meet them exactly where they can, so that a spline through them is smooth. Where the tolerances are wide, the
+    nearest configuration within them comes first. What a search finds within them comes last. `closed_form` takes the
+    place of a search for exact configurations where it gives them.
+    """
+
+    def exactly(arm: Arm, moving: MovingTarget, ideal: Array, near: Array) -> Met:
+        found = None if closed_form is None else closed_form(moving, ideal, near)
+        return _searched(arm, moving, ideal, near, ALL_BUT_EXACT) if found is None else found
+
+    theta, met = near.copy(), np.zeros(len(near), dtype=bool)
+    for solve in (*([_calmly] if leeway(moving.tolerances) else []), exactly, _within):
+        left = np.flatnonzero(~met)
+        found, good = solve(arm, moving, ideal[left], near[left])
+        theta[left[good]], met[left[good]] = found[good], True
+        if met.all():
+            break
+    return theta, met
+
+
+def _calmly(arm: Arm, moving: MovingTarget, ideal: Array, near: Array) -> Met:
+    theta, met = projected(arm, moving.like, ideal, near, EXACT, moving.tolerances)
+    return theta, met & (np.abs(theta - near).max(axis=1) <= LONGEST_JUMP)
+
+
+def _within(arm: Arm, moving: MovingTarget, ideal: Array, near: Array) -> Met:
+    return _searched(arm, moving, ideal, near, moving.tolerances)
+
+
+def _searched(arm: Arm, moving: MovingTarget, ideal: Array, near: Array, met: Tolerances) -> Met:
+    answer = solve_ik_batch(arm, targets_at(moving.like, ideal), near, **met.keywords, restarts=1)
+    return answer.theta, answer.converged
+
+
+def targets_at(like: AnyTarget, ideal: Array) -> Array | list[AnyTarget]:
+    """The targets like that one at poses (k, 4, 4), as `solve_ik_batch` takes them: those of poses are an array."""
+    return ideal if isinstance(like, Pose) else [like.at(each) for each in ideal]

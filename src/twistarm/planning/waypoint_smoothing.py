@@ -1,0 +1,81 @@
+"""Smoothing: recorded waypoints moved within a tolerance, so that rounding and noise do not slow a motion down."""
+
+from __future__ import annotations
+
+from math import comb
+
+import numpy as np
+
+from ..support.checks import Array
+from ..support.errors import missing_extra
+
+ORDER = 3
+"""Of the differences that are made small: those of a path of constant curvature are 0."""
+
+SHARPER, STAGES, STEPS = 20.0, 14, 10
+"""By so much roughness counts more from stage to stage; stages, and Newton's steps of each, at most."""
+
+SETTLED, GAP = 1e-3, 1e-2
+"""A stage ends below this decrement; the search, where the roughness is within this part of the least."""
+
+INSIDE = 0.95
+"""Of the way to the edge of the tolerance that a step may go."""
+
+PINNED = 1e12
+"""Curvature that holds the first and the last waypoint."""
+
+
+def smoothed(points: Array, tolerance: float) -> Array:
+    """Waypoints (k, n) as smooth as can be within `tolerance` [rad, m] of the given ones, the first and the last kept.
+
+    Each joint's z makes Σ (Δ³z_i)² least under |z_i − y_i| ≤ tolerance: a quadratic program, solved by a logarithmic
+    barrier and Newton's method (Boyd & Vandenberghe 2004, §11.3) on banded systems. Fewer than five waypoints stay.
+    """
+    if len(points) <= ORDER + 1:
+        return points
+    return np.stack([_column(each, tolerance) for each in points.T], axis=1)
+
+
+def _column(y: Array, tolerance: float) -> Array:
+    """One joint's values (k,): u = (z − y) / tolerance makes weight/2 Σ (Δ³z)² − Σ log(1 − u²) least."""
+    try:
+        from scipy.linalg import solveh_banded
+    except ImportError as error:
+        raise missing_extra("planning", "SciPy", "plan") from error
+    rough = float((np.diff(y, ORDER) ** 2).sum())
+    if rough == 0.0:
+        return y
+    u, weight, bands = np.zeros(len(y)), 1.0 / rough, tolerance**2 * _bands(len(y))
+    for _ in range(STAGES):
+        for _ in range(STEPS):
+            slope = weight * tolerance * _turned_back(np.diff(y + tolerance * u, ORDER)) + 2.0 * u / (1.0 - u**2)
+            matrix = weight * bands
+            matrix[-1] += 2.0 * (1.0 + u**2) / (1.0 - u**2) ** 2
+            matrix[-1, [0, -1]] += PINNED * matrix[-1].max()
+            step = -solveh_banded(matrix, slope)
+            step[[0, -1]] = 0.0
+            with np.errstate(divide="ignore"):
+                room = float(np.min((1.0 - np.sign(step) * u) / np.abs(step)))
+            u = u + min(1.0, INSIDE * room) * step
+            if -float(slope[1:-1] @ step[1:-1]) < SETTLED:
+                break
+        rough = float((np.diff(y + tolerance * u, ORDER) ** 2).sum())
+        if len(y) / weight < GAP * rough or rough == 0.0:
+            break
+        weight *= SHARPER
+    return y + tolerance * u
+
+
+def _bands(k: int) -> Array:
+    """The upper bands (4, k) of the matrix of Σ (Δ³z_i)²."""
+    row = [(-1.0) ** (ORDER - i) * comb(ORDER, i) for i in range(ORDER + 1)]
+    bands = np.zeros((ORDER + 1, k))
+    for i in range(ORDER + 1):
+        for j in range(i, ORDER + 1):
+            bands[ORDER - (j - i), j : k - ORDER + j] += row[i] * row[j]
+    return bands
+
+
+def _turned_back(differences: Array) -> Array:
+    """The transpose of Δ³ times (k − 3,)."""
+    return (-1.0) ** ORDER * np.diff(np.pad(differences, ORDER), ORDER)

@@ -1,0 +1,119 @@
+"""Recorded waypoints: many of one path, rounded, noisy, repeated, beside the time-optimal motion along that path."""
+
+from __future__ import annotations
+
+import json
+
+import numpy as np
+import pytest
+from scipy.interpolate import CubicSpline
+
+from twistarm import Arm, arm_from_screws, plan_joint
+from twistarm.cli.application import run
+from twistarm.support.errors import InputError
+
+JOINTS = 6
+SPEED, ACCELERATION = 1.5, 4.0
+LIMITS = {"velocity": SPEED, "acceleration": ACCELERATION}
+ARM: Arm = arm_from_screws(np.eye(6)[:, [5] * JOINTS], np.eye(4), limits=LIMITS)
+KEYS = np.cumsum(np.random.default_rng(2).uniform(-0.6, 0.6, (6, JOINTS)), axis=0)
+PATH = CubicSpline(np.arange(6.0), KEYS, bc_type="natural")
+
+
+def fastest(count: int = 3000) -> float:
+    """The least time along PATH [s]: ṡ² by a backward and a forward pass over a grid (Bobrow 1985), not twistarm's."""
+    s = np.linspace(0.0, 5.0, count + 1)
+    bends, ways = PATH(s, 2), PATH(s, 1)
+    step, most = s[1], ((SPEED / np.abs(ways)) ** 2).min(axis=1)
+
+    def slopes(i: int, x: float) -> tuple[float, float]:
+        ends = np.sort((np.array([[-1.0], [1.0]]) * ACCELERATION - bends[i] * x) / ways[i], axis=0)
+        return float(ends[0].max()), float(ends[1].min())
+
+    for i in range(count + 1):
+        low, high = 0.0, float(most[i])
+        for _ in range(30):
+            middle = 0.5 * (low + high)
+            low, high = (middle, high) if np.less_equal(*slopes(i, middle)) else (low, middle)
+        most[i] = low
+    x = most.copy()
+    x[0] = x[-1] = 0.0
+    for i in range(count - 1, -1, -1):
+        x[i] = min(x[i], max(0.0, x[i + 1] - 2.0 * step * slopes(i + 1, x[i + 1])[0]))
+    for i in range(count):
+        x[i + 1] = min(x[i + 1], max(0.0, x[i] + 2.0 * step * slopes(i, x[i])[1]))
+    rates = np.sqrt(x)
+    return float((2.0 * step / (rates[1:] + rates[:-1])).sum())
+
+
+@pytest.fixture(scope="module")
+def least() -> float:
+    return fastest()
+
+
+def recorded(count: int) -> np.ndarray:
+    return PATH(np.linspace(0.0, 5.0, count))
+
+
+def require_limits(motion, points: np.ndarray, within: float) -> None:
+    assert motion.peak(1).max() <= SPEED * (1 + 1e-9)
+    assert motion.peak(2).max() <= ACCELERATION * (1 + 1e-9)
+    assert np.abs(motion(motion.times) - points).max() <= within * (1 + 1e-9) + 1e-12
+
+
+@pytest.mark.parametrize(("kind", "most"), [("cubic", 1.02), ("quintic", 1.03)])
+@pytest.mark.parametrize("count", [100, 400, 1000])
+def test_many_waypoints_of_a_path_take_no_longer_than_the_path(kind, most, count, least):
+    motion = plan_joint(ARM, recorded(count), kind=kind)
+    assert 0.99 * least < motion.duration < most * least
+    require_limits(motion, recorded(count), 0.0)
+
+
+@pytest.mark.parametrize("kind", ["cubic", "quintic", "time_optimal"])
+def test_rounded_and_noisy_waypoints_are_passed_smoothly_within_a_tolerance(kind, least):
+    points = recorded(400)
+    for told, smooth in (
+        (np.round(points, 2), 0.01),
+        (points + np.random.default_rng(3).normal(0.0, 1e-3, points.shape), 3e-3),
+    ):
+        motion = plan_joint(ARM, told, kind=kind, smooth=smooth)
+        assert motion.duration < 1.05 * least
+        require_limits(motion, told, smooth)
+        np.testing.assert_array_equal(motion.waypoints[[0, -1]], told[[0, -1]])
+        assert plan_joint(ARM, told, kind=kind).duration > 2 * motion.duration  # it was worth it
+
+
+def test_smoothing_keeps_inside_the_limits_of_joints():
+    points = recorded(100)
+    top = np.round(points, 2).max()
+    limits = {"upper": float(top), "lower": -4.0}
+    motion = plan_joint(ARM, np.round(points, 2), limits=limits, smooth=0.05)
+    assert motion(np.linspace(0.0, motion.duration, 5000)).max() <= top + 1e-9
+
+
+def test_a_stay_in_a_recording_is_told_and_costs_nothing(least):
+    points = recorded(100)
+    stays = np.concatenate([points[:50], np.repeat(points[49:50], 30, axis=0), points[50:]])
+    motion = plan_joint(ARM, stays)
+    assert motion.duration == plan_joint(ARM, points).duration
+    assert "50, 51, 52" in motion.notes[0]
+    assert len(motion.times) == len(stays)
+    timed = plan_joint(ARM, stays, times=np.linspace(0.0, 20 * least, len(stays)))
+    assert timed.notes == ()  # at times given it is a stay
+
+
+def test_the_command_line_smooths_in_degrees(capsys):
+    u = np.linspace(0.0, 2.0, 30)
+    way = [f"0 {a:.0f} {b:.0f} 0 0" for a, b in np.stack([30 * np.sin(u), 20 * u**2], axis=1)]
+    durations = []
+    for more in ([], ["--smooth", "0.6"]):
+        assert run(["plan", "rover_arm", *(f"--to={each}" for each in way), "--json", *more]) == 0
+        durations.append(json.loads(capsys.readouterr().out)["duration"])
+    assert durations[1] < 0.8 * durations[0]
+    assert run(["plan", "rover_arm", "--xyz", "0.8 0 0.6", "--smooth", "1"]) == 2
+
+
+@pytest.mark.parametrize("bad", [0.0, -0.1, float("nan"), "much"])
+def test_what_is_no_tolerance_is_refused(bad):
+    with pytest.raises(InputError, match="smooth"):
+        plan_joint(ARM, recorded(10), smooth=bad)

@@ -1,0 +1,120 @@
+"""Tolerances of motions: rounded axes, paths a little beyond the reach, files, and the command line."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from ik_targets import pinocchio_fk
+from twistarm import (
+    Approach,
+    Arm,
+    ArmBuilder,
+    JointMove,
+    LineMove,
+    NotConvergedError,
+    PathError,
+    Position,
+    Trajectory,
+    load_arm,
+    load_motion,
+    plan,
+    plan_joint,
+)
+from twistarm.cli.application import run
+from twistarm.support.errors import InputError
+
+RATES = {"velocity": 1.0, "acceleration": 3.0}
+DOWN = np.array([0.0, 0.0, -1.0])
+
+
+def rounded_arm(by: float) -> Arm:
+    """Yaw, three pitches and a roll, of which one pitch axis is off by an angle [rad], as CAD programs export them."""
+    builder = ArmBuilder("rounded").revolute("yaw", [0, 0, 1], [0, 0, 0], lower=-2, upper=2)
+    builder = builder.revolute("shoulder", [0, 1, 0], [0, 0, 0.1], lower=-2, upper=2)
+    builder = builder.revolute("elbow", [by, 1, 0], [0, 0, 0.4], lower=-2.5, upper=2.5)
+    builder = builder.revolute("wrist", [0, 1, 0], [0.3, 0, 0.4], lower=-2.5, upper=2.5)
+    builder = builder.revolute("roll", [1, 0, 0], [0.35, 0, 0.4], lower=-3, upper=3)
+    g = np.eye(4)
+    g[:3, 3] = [0.4, 0.0, 0.4]
+    g[:3, :3] = [[0, 0, 1], [0, 1, 0], [-1, 0, 0]]  # the tool's z axis is the roll's
+    return builder.tool(g).build()
+
+
+def off(arm: Arm, motion: Trajectory, begin: float, goal: np.ndarray, direction: np.ndarray) -> tuple[float, float]:
+    """How far the tool is from the line to the goal [m], and its z axis from the direction [rad], by Pinocchio."""
+    g = np.array([pinocchio_fk(arm, theta) for theta in motion(np.linspace(begin, motion.duration, 300))])
+    p, way = g[:, :3, 3], goal - g[0, :3, 3]
+    s = np.clip((p - p[0]) @ way / (way @ way), 0.0, 1.0)
+    beside = np.linalg.norm(p - p[0] - s[:, None] * way, axis=1)
+    return float(beside.max()), float(np.linalg.norm(np.cross(g[:, :3, 2], direction), axis=1).max())
+
+
+@pytest.mark.parametrize("by", [5e-6, 5e-5, 5e-4])
+def test_a_line_that_is_missed_by_the_rounding_of_an_axis_is_planned_within_tolerances(by: float) -> None:
+    arm, goal = rounded_arm(by), np.array([0.25, 0.12, 0.15])
+    tour = [JointMove(Approach([0.3, -0.1, 0.12], DOWN)), LineMove(Approach(goal, DOWN))]
+    with pytest.raises((PathError, NotConvergedError)):
+        plan(arm, tour, limits=RATES)
+    motion = plan(arm, tour, limits=RATES, orientation_tol=2 * by)
+    beside, turned = off(arm, motion, motion.times[1], goal, DOWN)
+    assert beside <= 1e-4
+    assert turned <= max(2 * by, np.radians(0.05))
+    assert np.abs(np.diff(motion(np.linspace(0, motion.duration, 500)), axis=0)).max() < 0.05  # and without a leap
+    each = [JointMove(move.to, orientation_tol=2 * by) for move in tour]
+    assert plan_joint(arm, [move.to for move in tour], limits=RATES, orientation_tol=2 * by).duration > 0
+    assert plan(arm, [each[0], LineMove(tour[1].to, orientation_tol=2 * by)], limits=RATES).duration == motion.duration
+
+
+def stretched() -> tuple[Arm, np.ndarray]:
+    """Two links of 1 m in a plane, and a goal 2 mm beyond their reach."""
+    arm = ArmBuilder("two").revolute("a", [0, 0, 1], [0, 0, 0], lower=-3, upper=3)
+    g = np.eye(4)
+    g[0, 3] = 2.0
+    built = arm.revolute("b", [0, 0, 1], [1, 0, 0], lower=-3, upper=3).tool(g).build()
+    return built, np.array([2.002 * np.cos(0.3), 2.002 * np.sin(0.3), 0.0])
+
+
+def test_a_refusal_by_less_than_ten_tolerances_names_what_would_do() -> None:
+    arm, goal = stretched()
+    move = LineMove(Position(goal))
+    for tol, named in ((1e-4, False), (4e-4, True)):
+        with pytest.raises(PathError) as refused:
+            plan(arm, move, start=[0.3, 0.8], limits=RATES, position_tol=tol)
+        assert ("position_tol=" in str(refused.value)) == named
+    wide = float(str(refused.value).split("position_tol=")[1].split()[0])
+    motion = plan(arm, move, start=[0.3, 0.8], limits=RATES, position_tol=wide)
+    # Two links of 1 m come no nearer than 2 mm to 2.002 m.
+    assert 2e-3 <= wide < 3e-3
+    end = pinocchio_fk(arm, motion(motion.duration))[:3, 3]
+    assert 2e-3 <= np.linalg.norm(end - goal) <= wide
+
+
+def test_tolerances_stand_in_a_motion_file_and_on_the_command_line(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    arm = load_arm("rover_arm", limits=RATES)
+    file = tmp_path / "m.toml"
+    text = "degrees = true\nposition_tol = 0.01\n[[segment]]\nline = {{ xyz = {} }}\norientation_tol = 2\n"
+    far = (arm.fk(arm.ready)[:3, 3] + [0.31, 0.0, 0.0]).tolist()
+    file.write_text(text.format(far), "utf-8")
+    read = load_motion(file, arm)
+    assert read.position_tol == 0.01
+    assert read.segments[0].orientation_tol == pytest.approx(np.radians(2))
+    how = ["--line", "--xyz", " ".join(map(str, far)), "--acceleration", "3", "--velocity", "1", "--json"]
+    assert run(["plan", "rover_arm", *how]) == 1
+    assert run(["plan", "rover_arm", *how, "--position-tol", "0.02"]) == 0
+    end = json.loads(capsys.readouterr().out)["waypoints"][-1]
+    assert np.linalg.norm(pinocchio_fk(arm, np.array(end))[:3, 3] - far) <= 0.02
+    assert run(["plan", "rover_arm", *how, "--position-tol", "-1"]) == 2
+    assert run(["plan", "rover_arm", "--to", "zero", "--orientation-tol", "1"]) == 2
+
+
+@pytest.mark.parametrize("bad", [0.0, -1e-6, float("nan"), "much"])
+def test_what_is_no_tolerance_is_refused(bad: object) -> None:
+    with pytest.raises(InputError, match="position_tol"):
+        LineMove(Position([0.5, 0.0, 0.5]), position_tol=bad)  # type: ignore[arg-type]
