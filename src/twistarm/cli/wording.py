@@ -22,6 +22,8 @@ _OPTIONS = {
     "package_dirs": ("--package-dir", "FOLDER"),
     "stop_at_waypoints": ("--stop", ""),
     "approach": ("--approach", ""),
+    "position_tol": ("--position-tol", "M"),
+    "orientation_tol": ("--orientation-tol", "ANGLE"),
 }
 """The option of each argument that messages name, and how its value is called in `--help`."""
 
