@@ -5,6 +5,7 @@ from __future__ import annotations
 import re
 import time
 from collections import Counter
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -12,9 +13,13 @@ from scipy.spatial.transform import Rotation
 
 import reason_targets
 from catalogue import load
-from ik_targets import at_some_limits, judged, judged_batch, pinocchio_fk, require_core
+from ik_targets import at_some_limits, errors, judged, judged_batch, pinocchio_fk, require_core, target_from
 from reason_targets import CASES, arms_of, draw
+from twistarm import ArmBuilder, NotConvergedError
+from twistarm.cli.wording import CommandLineWords
 from twistarm.ik import Approach, Pose, Position, StopReason, Task, solve_ik, solve_ik_batch
+from twistarm.ik.abilities import short_of, split_rotation
+from twistarm.support.caller_words import speaking
 
 WRONG = 0.01
 """The share of targets of a case and an arm that may be given another reason."""
@@ -161,6 +166,150 @@ def test_an_approach_no_joint_turns(name):
     for g in draw(reason_targets.impossible_direction, arm, rng, FEW):
         solution = solve_ik(arm, Approach(g[:3, 3], g[:3, :3] @ axis, axis))
         assert solution.stop is StopReason.IMPOSSIBLE_DIRECTION, solution
+
+
+UPPER, FORE, HAND, SHOULDER = 0.4, 0.3, 0.2, 0.15
+
+
+def pan_pitch_roll(roll=True, bound=3.0):
+    """An arm that turns about the vertical and then in a plane through it: three pitches, and a roll about the hand."""
+    pitch, reach = [0, -1, 0], UPPER + FORE
+    builder = ArmBuilder("planar").revolute("pan", [0, 0, 1], [0, 0, 0], lower=-bound, upper=bound)
+    for name, x in (("shoulder", 0.0), ("elbow", UPPER), ("wrist", reach)):
+        builder = builder.revolute(name, pitch, [x, 0, SHOULDER], lower=-bound, upper=bound)
+    if roll:
+        builder = builder.revolute("roll", [1, 0, 0], [reach, 0, SHOULDER], lower=-bound, upper=bound)
+    home = np.eye(4)
+    home[:3, :3] = [[0, 0, 1], [0, 1, 0], [-1, 0, 0]]
+    home[:3, 3] = [reach + HAND, 0, SHOULDER]
+    return builder.tool(home).build()
+
+
+def in_the_plane(azimuth, r, z):
+    """The vector of horizontal length r and height z at an azimuth."""
+    return np.array([r * np.cos(azimuth), r * np.sin(azimuth), z])
+
+
+@pytest.mark.parametrize("roll", [True, False])
+def test_beyond_the_reach_for_a_direction_is_out_of_reach(roll):
+    """The wrist stands `HAND` behind the tool: it comes no farther than `UPPER + FORE` from the shoulder.
+
+    The position itself is reached, by another direction, and the direction nearer to the arm.
+    """
+    arm, rng = pan_pitch_roll(roll), np.random.default_rng(3)
+    for _ in range(20):
+        azimuth, up, along = rng.uniform(-2.5, 2.5), rng.uniform(-0.9, 0.9), rng.uniform(1.8, 2.6)
+        beyond = rng.uniform(0.02, 0.1)
+        wrist = (UPPER + FORE + beyond) * np.array([np.cos(up), np.sin(up)])
+        direction = in_the_plane(azimuth, np.cos(up + along), np.sin(up + along))
+        p = in_the_plane(azimuth, wrist[0], wrist[1] + SHOULDER) + HAND * direction
+        solution = solve_ik(arm, Approach(p, direction, [0, 0, 1]))
+        assert solution.position_error < 1e-6
+        assert solution.stop is StopReason.OUT_OF_REACH, solution
+        assert short_of(arm, solution.target, solution.theta) == pytest.approx(beyond, abs=1e-5)
+        assert split_rotation(arm, solution.target, solution.theta).impossible < 1e-3
+        nearer = p - in_the_plane(azimuth, *(wrist * (beyond + 1e-3) / np.linalg.norm(wrist)))
+        assert solve_ik(arm, Approach(nearer, direction, [0, 0, 1])).converged
+
+
+def test_a_direction_out_of_the_arms_plane_is_impossible_wherever_it_is_asked_for():
+    arm, rng = pan_pitch_roll(), np.random.default_rng(4)
+    for _ in range(20):
+        azimuth, r, z = rng.uniform(-2.5, 2.5), rng.uniform(0.3, 0.6), rng.uniform(0.0, 0.4)
+        across, angle = in_the_plane(azimuth + np.pi / 2, 1, 0), rng.uniform(0.1, 1.4)
+        direction = np.cos(angle) * in_the_plane(azimuth, *np.array([np.cos(z), np.sin(z)])) + np.sin(angle) * across
+        solution = solve_ik(arm, Approach(in_the_plane(azimuth, r, z), direction, [0, 0, 1]))
+        assert solution.stop is StopReason.IMPOSSIBLE_DIRECTION, solution
+        assert split_rotation(arm, solution.target, solution.theta).impossible == pytest.approx(angle, abs=0.01)
+
+
+def test_the_largest_cause_comes_first():
+    """Beyond the reach by much, out of the plane by little: the one has a line before the other, or none."""
+    arm = pan_pitch_roll()
+    direction = np.array([-1.0, 0.02, 0.0])
+    solution = solve_ik(arm, Approach([UPPER + FORE - 0.05, 0, SHOULDER], direction, [0, 0, 1]))
+    split = split_rotation(arm, solution.target, solution.theta)
+    assert split.prevented > 10 * split.impossible > 0.01
+    assert solution.stop is StopReason.OUT_OF_REACH
+    lines = solution.explain().split("\n")
+    prevented = next(i for i, line in enumerate(lines) if "prevented" in line)
+    assert not any("no joint turns" in line for line in lines[:prevented])
+
+
+CORNERS = [("z1", "Approach"), ("panda", "Pose"), ("so101", "Pose"), ("ur5", "Approach")]
+
+
+@pytest.mark.parametrize(("name", "kind"), CORNERS)
+def test_corners_of_the_limits_are_met(name, kind):
+    """Every joint at a bound, and most: the race alone misses one in a thousand of the six joints' approaches."""
+    arm, rng = load(name), np.random.default_rng(10)
+    theta = at_some_limits(arm, rng, 5000)
+    bounds = np.array(arm.sampling_bounds)
+    corner = bounds[rng.integers(2, size=theta.shape), np.arange(arm.n)]
+    theta[::2] = corner[::2]
+    g = arm.fk(theta)
+    targets = g if kind == "Pose" else [target_from(kind, each, rng) for each in g]
+    assert solve_ik_batch(arm, targets, arm.random_theta(rng, len(theta))).converged.all()
+
+
+def test_an_answer_that_is_certain_is_so_to_the_tolerances_asked():
+    """A configuration inside the limits that misses a target by little refutes certainty for tolerances as wide."""
+    arm, rng = load("ur5"), np.random.default_rng(13)
+    narrow = replace(arm, limits=replace(arm.limits, lower=np.full(6, -1.0), upper=np.full(6, 1.0)), named_states={})
+    said = Counter()
+    for theta in rng.uniform(-1, 1, (100, 6)):
+        theta[rng.integers(6)] = rng.choice([-1.0, 1.0])
+        g = narrow.fk(theta + rng.choice([0.0, 1e-3, 0.1, 1.0]) * rng.normal(size=6))
+        for target in (Pose(g), Position(g[:3, 3]), Approach(g[:3, 3], g[:3, 2], [0, 0, 1])):
+            for tolerance in (1e-6, 1e-3, 0.1):
+                solution = solve_ik(narrow, target, position_tol=tolerance, orientation_tol=tolerance)
+                missed = errors(target, pinocchio_fk(arm, theta))
+                assert not (solution.certain and max(missed) <= tolerance)
+                said[solution.certain, tolerance] += 1
+    assert said[True, 1e-6] > 20
+    assert not said[True, 0.1]
+
+
+def test_an_approach_of_four_joints_that_limits_alone_prevent_is_blocked():
+    """Poses of configurations outside the limits: without them each is met where it was made."""
+    arm, rng = pan_pitch_roll(roll=False, bound=0.6), np.random.default_rng(14)
+    theta = rng.uniform(-3, 3, (2000, 4))
+    targets = [Approach(g[:3, 3], g[:3, 2], [0, 0, 1]) for g in arm.fk(theta)]
+    batch = solve_ik_batch(arm, targets)
+    assert set(batch.stop) <= {StopReason.CONVERGED, StopReason.BLOCKED_BY_LIMITS}
+
+
+def test_what_is_hardly_missed_names_the_tolerance_and_what_widens_it():
+    arm = load("ur5")
+    g = arm.fk(arm.ready)
+    far = Position(g[:3, 3] * 3.0)
+    off = solve_ik(arm, far).position_error
+    near = solve_ik(arm, far, position_tol=off / 5)
+    assert "position_tol=" in near.explain()
+    with pytest.raises(NotConvergedError, match="position_tol="):
+        near.require()
+    assert "position_tol=" not in solve_ik(arm, far, position_tol=off / 20).explain()
+    planar = pan_pitch_roll()
+    aside = Approach([0.5, 0.0, 0.3], [1.0, 0.05, 0.0], [0, 0, 1])
+    turned = solve_ik(planar, aside).orientation_error
+    assert "orientation_tol=" in solve_ik(planar, aside, orientation_tol=turned / 5).explain()
+    with speaking(CommandLineWords(True)):
+        assert "--orientation-tol" in solve_ik(planar, aside, orientation_tol=turned / 5).explain()
+
+
+def test_arms_of_many_joints_are_said_to_come_nearer_perhaps():
+    builder = ArmBuilder("snake")
+    for i in range(17):
+        axis = [[0, 0, 1], [0, 1, 0]][i % 2]
+        builder = builder.revolute(f"j{i}", axis, [0.2 * i, 0, 0], lower=-0.5, upper=0.5)
+    home = np.eye(4)
+    home[0, 3] = 3.4
+    arm = builder.tool(home).build()
+    missed = solve_ik(arm, Position([0.0, -6.0, 0.0]))
+    assert not missed.converged
+    assert any("nearer" in note for note in missed.notes)
+    assert not any("nearer" in note for note in solve_ik(arm, Position(arm.fk(arm.middle)[:3, 3])).notes)
+    assert not any("nearer" in note for note in solve_ik(load("ur5"), Position([9.0, 0, 0])).notes)
 
 
 @pytest.mark.slow

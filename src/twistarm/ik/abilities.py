@@ -20,6 +20,30 @@ RANK_SAMPLES = 16
 RANK_TOL = 1e-6
 """Singular values below this, relative to the largest, are directions the arm cannot move in."""
 
+BESIDE = 0.1
+"""How far [rad, m] beside a posture one looks for the directions that it lacks by itself."""
+
+HERE_ALONE = 0.9
+"""Where postures beside this one lack less than this part of what it lacks, the posture is to blame."""
+
+NO_MOTION = 1e-3
+"""Motions below this [rad for a rad], positions over the reach, are none; ik/reason.hpp in the core has both."""
+
+HELD_WEIGHT = 100.0
+"""What a radian counts beside a metre where the rotation is held."""
+
+OTHER_STARTS = 5
+"""Random starts, beside the nearest configuration, of the search for the position that a rotation allows."""
+
+MOST_STEPS = 100
+"""Its steps, at most."""
+
+SETTLED = 1e-7
+"""The step [rad, m] after which there are no more."""
+
+ROTATION_MET = 1e-3
+"""What [rad] the pull of a position beyond the reach may leave of a rotation that is held by `HELD_WEIGHT`."""
+
 SIDESTEP = 0.2
 """How far [rad, m] along the arm's freedom a plane is looked at again, to see whether it is one."""
 
@@ -58,16 +82,67 @@ class ApproachPlane:
 def split_rotation(arm: Arm, target: Target, theta: Array) -> Split:
     """The rotation error at theta (n,) in two: what no joint can undo with the position held, and what could be undone.
 
-    Rotation rows times the null space of the position rows span what can be undone; across it lies what cannot.
+    Rotation rows times the null space of the position rows span what can be undone; across it lies what cannot. Where
+    the reach for a rotation ends, a posture lacks what those beside it have: then the least over these is lacking.
     """
     g, J_b = arm._fk_and_body_jacobian(theta)
-    error, rows = target.rotation_rows(g, J_b)
-    impossible = _across(rows @ _holding_position(target, g, J_b))
-    part = impossible.T @ (impossible @ error)
+    error = target.rotation_rows(g, J_b)[0]
+    steps = np.vstack([np.zeros(arm.n), BESIDE * np.eye(arm.n), -BESIDE * np.eye(arm.n)])
+    parts = [_impossible_part(arm, target, theta + step, error) for step in steps]
+    beside = min(parts, key=_norm)
+    part = beside if _norm(beside) < HERE_ALONE * _norm(parts[0]) else parts[0]
     # The rows for the body's angular velocity itself turn a component of the error into an axis of the tool.
     axis = part @ target.rotation_rows(g, np.vstack([np.zeros((3, 3)), np.eye(3)]))[1]
     angle = target.orientation_error(g) / max(_norm(error), 1e-300)
     return Split(angle * _norm(part), axis / max(_norm(axis), 1e-300), angle * _norm(error - part))
+
+
+def _impossible_part(arm: Arm, target: Target, theta: Array, error: Array) -> Array:
+    """What remains of a rotation error (k,) if the joints may turn the tool as at theta, the position held."""
+    g, J_b = arm._fk_and_body_jacobian(theta)
+    scaled = np.vstack([target.position_rows(g, J_b)[1] / arm.reach, target.rotation_rows(g, J_b)[1]])
+    count = len(scaled) - len(error)
+    _, size, Vt = np.linalg.svd(scaled[:count])
+    across = _across(scaled[count:] @ Vt[int((size > NO_MOTION).sum()) :].T, NO_MOTION)
+    part: Array = across.T @ (across @ error)
+    return part
+
+
+def short_of(arm: Arm, target: Target, theta: Array) -> float | None:
+    """The least position error [m] inside the limits with the rotation met, None where it is met nowhere.
+
+    It is looked for from theta (n,), the nearest configuration, and from random ones.
+    """
+    starts = [theta, *arm.random_theta(0, OTHER_STARTS)]
+    return min((found for start in starts if (found := _with_rotation(arm, target, start)) is not None), default=None)
+
+
+def _with_rotation(arm: Arm, target: Target, theta: Array) -> float | None:
+    """The same from one start: Levenberg and Marquardt's steps, joints at a bound that are pulled outward at rest."""
+    lower, upper = arm.limits.lower, arm.limits.upper
+
+    def look(theta: Array) -> tuple[Array, Array]:
+        (p, J_p), (r, J_r) = (
+            rows(*arm._fk_and_body_jacobian(theta)) for rows in (target.position_rows, target.rotation_rows)
+        )
+        return np.concatenate([p, HELD_WEIGHT * r]), np.vstack([J_p, HELD_WEIGHT * J_r])
+
+    damping, (e, J) = 1e-2, look(theta)
+    for _ in range(MOST_STEPS):
+        pull = e @ J
+        rests = ((theta <= lower) & (pull > 0)) | ((theta >= upper) & (pull < 0))
+        H = np.where(rests, 0.0, J).T @ np.where(rests, 0.0, J) + damping * np.eye(arm.n)
+        moved = np.clip(theta - np.linalg.solve(H, np.where(rests, 0.0, pull)), lower, upper)
+        there = look(moved)
+        if there[0] @ there[0] < e @ e:
+            settled = np.abs(moved - theta).max() < SETTLED
+            theta, (e, J), damping = moved, there, max(0.1 * damping, 1e-9)
+            if settled:
+                break
+        elif (damping := 10.0 * damping) > 1e6:
+            break
+    g = arm.fk(theta)
+    return target.position_error(g) if target.orientation_error(g) < ROTATION_MET else None
 
 
 def out_of_surface(arm: Arm, target: Target, theta: Array) -> Array:
@@ -151,10 +226,10 @@ def _holding_position(target: Target, g: Array, J_b: Array) -> Array:
     return motions
 
 
-def _across(columns: Array) -> Array:
+def _across(columns: Array, tolerance: float = RANK_TOL) -> Array:
     """Unit vectors (k, m) across every one of the columns (m, n): those that are nearest to an axis."""
     U, size, _ = np.linalg.svd(columns)
-    left = U[:, int((size > RANK_TOL).sum()) :]
+    left = U[:, int((size > tolerance).sum()) :]
     return nearest_axes(left @ left.T, left.shape[1]).T
 
 

@@ -8,9 +8,10 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from ..model.inability import cannot_move, cannot_turn, position_limit
+from ..support.caller_words import name_of, quantity
 from ..support.errors import printable
 from ..support.vector_words import axis_in_words, value_in_words
-from .abilities import Split, approach_plane, out_of_surface, split_rotation
+from .abilities import approach_plane, out_of_surface, short_of, split_rotation
 from .ranges import joint_ranges
 from .stop_reason import NEAREST, StopReason
 from .targets import Approach, Pose, Task
@@ -30,6 +31,12 @@ AT_BOUND = 1e-6
 
 NEGLIGIBLE = math.radians(0.005)
 """Angles [rad] that would be printed as 0.00°."""
+
+SMALL_PART = 0.05
+"""A smaller part of the rotation error than this is not worth a line beside the other; ik/reason.hpp has the same."""
+
+HARDLY = 10.0
+"""A target that is missed by fewer tolerances may have been asked for too exactly."""
 
 
 def explain(solution: IKSolution) -> str:
@@ -63,15 +70,23 @@ def reached(solution: IKSolution) -> str:
     """The two errors in words."""
     if math.isinf(solution.position_error):
         return "nothing yet"
-    parts = []
+    parts, met = [], solution.tolerances
     if len(solution.target.position_tolerance):
-        off = solution.position_error > solution.tolerances.position
-        parts.append(f"position {_length(solution.position_error)} off" if off else "position met")
+        off = f"{_length(solution.position_error)} off"
+        off += _hardly(solution.position_error, met.position, "position_tol", "m")
+        parts.append(f"position {off}" if solution.position_error > met.position else "position met")
     if len(solution.target.rotation_tolerance):
-        off = solution.orientation_error > solution.tolerances.orientation
-        how = OFF_BY[type(solution.target)]
-        parts.append(f"orientation {_degrees(solution.orientation_error)} off, {how}" if off else "orientation met")
+        off = f"{_degrees(solution.orientation_error)} off, {OFF_BY[type(solution.target)]}"
+        off += _hardly(solution.orientation_error, met.orientation, "orientation_tol", "rad")
+        parts.append(f"orientation {off}" if solution.orientation_error > met.orientation else "orientation met")
     return ", ".join(parts)
+
+
+def _hardly(error: float, tolerance: float, argument: str, unit: str) -> str:
+    """The tolerance and what widens it, where an error is little more than that."""
+    if error >= HARDLY * tolerance:
+        return ""
+    return f" (the tolerance is {quantity(tolerance, unit)}; {name_of(argument)} widens it)"
 
 
 def _why(solution: IKSolution) -> list[str]:
@@ -129,28 +144,33 @@ def _missing(solution: IKSolution) -> list[str]:
         lines = [f"the nearest position the arm reaches inside its limits is {_length(solution.position_error)} away"]
         missed = out_of_surface(solution.arm, solution.target, solution.theta)
         return lines + [cannot_move(axis, "base") for axis in missed]
-    # Where the arm has every direction almost everywhere, as the core has found, none is impossible at one posture.
-    if solution.stop is not StopReason.IMPOSSIBLE_DIRECTION:
-        return _missing_rotation(solution, Split(0.0, np.zeros(3), solution.orientation_error))
-    return _missing_rotation(solution, split_rotation(solution.arm, solution.target, solution.theta))
+    return _missing_rotation(solution)
 
 
-def _missing_rotation(solution: IKSolution, split: Split) -> list[str]:
-    lines = []
-    if split.impossible > NEGLIGIBLE:
-        held = "the position" if len(solution.target.position_tolerance) else ""
-        lines.append(
+def _missing_rotation(solution: IKSolution) -> list[str]:
+    """What is missing of the rotation and why, the larger part first; how far the position is out of reach for it."""
+    arm, target, theta = solution.arm, solution.target, solution.theta
+    split = split_rotation(arm, target, theta)
+    impossible, prevented, parts = [], [], split.impossible + split.prevented
+    if split.impossible > max(NEGLIGIBLE, SMALL_PART * parts):
+        held = "the position" if len(target.position_tolerance) else ""
+        impossible.append(
             f"{cannot_turn(split.axis, 'tool', held)}; {_degrees(split.impossible)} of the rotation are missing"
         )
-    plane = approach_plane(solution.arm, solution.target, solution.theta)
-    if plane is not None and plane.angle > NEGLIGIBLE:
-        lines.append(
-            f"the approach is {_degrees(plane.angle)} out of the arm's plane, "
-            f"whose normal is {axis_in_words(plane.normal, 'base')}"
-        )
-    if split.prevented > NEGLIGIBLE:
-        lines.append(f"{_degrees(split.prevented)} of the rotation are prevented by limits or reach")
-    return lines or [f"{_degrees(solution.orientation_error)} of the rotation are missing"]
+        plane = approach_plane(arm, target, theta)
+        if plane is not None and plane.angle > NEGLIGIBLE:
+            impossible.append(
+                f"the approach is {_degrees(plane.angle)} out of the arm's plane, "
+                f"whose normal is {axis_in_words(plane.normal, 'base')}"
+            )
+    if split.prevented > max(NEGLIGIBLE, SMALL_PART * parts):
+        prevented.append(f"{_degrees(split.prevented)} of the rotation are prevented by limits or reach")
+    short = None if impossible or not len(target.position_tolerance) else short_of(arm, target, theta)
+    if short is not None and short > solution.tolerances.position:
+        what = "pointing so" if isinstance(target, Approach) else "turned so"
+        prevented.append(f"{what}, the nearest position the arm reaches inside its limits is {_length(short)} away")
+    first, then = (prevented, impossible) if split.prevented > split.impossible else (impossible, prevented)
+    return [*first, *then] or [f"{_degrees(solution.orientation_error)} of the rotation are missing"]
 
 
 def _length(metres: float) -> str:

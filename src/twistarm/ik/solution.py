@@ -31,6 +31,11 @@ def but_for_rounding(position_error: float, orientation_error: float) -> str:
 ANOTHER_BRANCH = "the target is near the pose of theta0, but the answer is not near theta0"
 NEAREST_ELSEWHERE = "the nearest configuration is not near theta0, where the arm stays farther from the target"
 
+MANY_JOINTS = 16
+"""Of arms of more joints the search for the nearest configuration finds one minimum of very many."""
+
+PERHAPS_NEARER = "an arm of so many joints may come nearer: try another rng or theta0"
+
 WITHOUT_CORE = (
     "this is the best configuration found: the nearest one, and the reason, need the compiled core, "
     "and `twistarm info` says why there is none"
@@ -140,6 +145,8 @@ class IKSolution:
         notes = self._moved_starts() if self._says(answer.START_MOVED) else []
         notes += [self._other_branch()] if self._says(answer.OTHER_BRANCH) else []
         notes += [but_for_rounding(self.position_error, self.orientation_error)] if self.rounded else []
+        if self._says(answer.NEAREST) and not self.converged and self._arm.n > MANY_JOINTS:
+            notes.append(PERHAPS_NEARER)
         return tuple(notes if self.converged or self._arm._compiled is not None else [*notes, WITHOUT_CORE])
 
     def explain(self) -> str:

@@ -15,7 +15,7 @@ class StopReason(Enum):
     Where the position is missed, the position alone decides, so that the reason does not hang on the kind of target:
     BLOCKED_BY_LIMITS if the arm reaches it without its position limits, else OUT_OF_REACH. Where the position is met
     and the rotation is missed: BLOCKED_BY_LIMITS if the whole target is met without limits; else IMPOSSIBLE_DIRECTION
-    if the arm lacks a motion that almost every such target needs; else OUT_OF_REACH.
+    if some of what is missing is a turn that this posture lacks, and those beside it lack too; else OUT_OF_REACH.
     """
 
     CONVERGED = "the target is met"

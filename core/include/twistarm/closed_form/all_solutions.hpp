@@ -18,8 +18,8 @@ namespace closed_form {
 /// What misses a subproblem by less, in shares of its size, is rounding: a stretched arm.
 template <class T> constexpr T default_slack = is_double<T> ? T(1e-6) : T(2e-3);
 
-/// θ by whole turns as near to `near` as the limits allow, which it may pass by `slack` and is then brought to, `cut`; false
-/// where it is farther outside.
+/// θ by whole turns as near to `near` as the limits allow, which it may pass by `slack`, `cut`; false where it is farther
+/// outside.
 template <class V, class T, int N>
 mask_of<V> nearest_copy(const ranges<T, N>& range, int n, const V* theta, const T* near, T slack, V* copy, mask_of<V>& cut) {
     constexpr T turn = T(whole_turn), rest = static_cast<T>(whole_turn - static_cast<double>(turn));
@@ -41,15 +41,14 @@ mask_of<V> nearest_copy(const ranges<T, N>& range, int n, const V* theta, const 
         const V clipped = clamped(copy[k], lower, upper), beyond = absolute(clipped - copy[k]);
         inside = inside & (beyond <= V(slack));
         cut = cut | (beyond > V(T(0)));
-        copy[k] = clipped;
     }
     return inside;
 }
 
 /// θ by whole turns inside the limits, as near to `near` as they allow; false where it is outside, and then unchanged.
 ///
-/// A copy that passes a limit by rounding is brought to the limit, if the target is met there too; if it is not, other
-/// copies are left.
+/// A copy that passes a limit by no more than a multiple root may be wrong is brought to the limit, if the target is met
+/// there too, by what the other joints can do; if it is not, other copies are left.
 template <class Judge, class T, int N>
 bool bring_within(const Judge& judged, const ranges<T, N>& range, int n, const T* near, T* theta) {
     T copy[capacity(N)];
@@ -57,7 +56,7 @@ bool bring_within(const Judge& judged, const ranges<T, N>& range, int n, const T
     for (const T slack : slacks) {
         bool cut = false;
         if (!nearest_copy(range, n, theta, near, slack, copy, cut)) return false;
-        if (cut && !judged.meets(copy)) continue;
+        if (cut && !judged.meet_at_limits(range, copy)) continue;
         for (int k = 0; k < n; ++k) theta[k] = copy[k];
         return true;
     }

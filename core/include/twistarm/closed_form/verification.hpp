@@ -31,7 +31,8 @@ template <class T> struct precision {
     static constexpr T regular = T(is_double<T> ? 1e11 : 1e5);        ///< squares of singular values, the largest over the least
     static constexpr T same = T(is_double<T> ? 1e-5 : 3e-3);          ///< nearer together, two answers may be one
     static constexpr T halfway = T(is_double<T> ? 1e-13 : 3e-6);      ///< if halfway between the target is met so well
-    static constexpr T at_limit = T(is_double<T> ? 1e-6 : 1e-4);      ///< an answer beyond by less is at the limit,
+    static constexpr T at_limit = T(is_double<T> ? 1e-5 : 3e-3);      ///< an answer beyond by less may be at the limit:
+                                                                     ///< a multiple root is known no better,
     static constexpr T on_limit = T(is_double<T> ? 1e-11 : 1e-6);     ///< and by so little meets the target there too
     static constexpr T sidestep = T(0.05);         ///< along a singular direction, where a family is looked for
     static constexpr T moved = T(is_double<T> ? 1e-6 : 1e-3);
@@ -120,8 +121,8 @@ public:
     }
 
     /// θ after some of Newton's steps of least length, −J⁺ e, of which so many may gain little; whether it meets the target.
-    /// singular: singular values below this part of the largest are none.
-    bool correct(T* theta, int patience = 3, T singular = precision<T>::singular) const {
+    /// singular: singular values below this part of the largest are none. still: the coordinates, as bits, that stay.
+    bool correct(T* theta, int patience = 3, T singular = precision<T>::singular, std::uint32_t still = 0) const {
         residual<T, N, rows> missed;
         T best = static_cast<T>(__builtin_inf());
         int in_vain = 0;
@@ -131,11 +132,30 @@ public:
             if (!(worst > precision<T>::rounding)) break;
             if (worst > T(0.9) * best && ++in_vain > patience) break;
             best = least(best, worst);
+            for (int i = 0; i < count_; ++i)
+                for (int k = 0; k < rows && (still >> moving_[i] & 1U) != 0U; ++k) missed.J[moving_[i]][k] = T(0);
             T move[most_unknowns];
             pseudo_inverse_step(missed, singular, move);
             for (int i = 0; i < count_; ++i) theta[moving_[i]] += move[i];
         }
         return meets(theta);
+    }
+
+    /// Whether the target is met inside the limits, with the coordinates of θ that lie beyond one at it; θ is that then.
+    bool meet_at_limits(const ranges<T, N>& range, T* theta) const {
+        std::uint32_t still = 0;
+        for (int pass = 0; pass <= arm_.coordinates(); ++pass) {
+            const std::uint32_t before = still;
+            for (int k = 0; k < arm_.coordinates(); ++k) {
+                const T there = clamped(theta[k], range.lower[k], range.upper[k]);
+                if (there < theta[k] || there > theta[k]) still |= std::uint32_t{1} << k;
+                theta[k] = there;
+            }
+            if (meets(theta)) return true;
+            if (pass > 0 && still == before) return false;
+            correct(theta, 3, precision<T>::singular, still);
+        }
+        return false;
     }
 
     /// The coordinates that move while the target stays met.

@@ -82,7 +82,7 @@ void explain(const chain<T, N, M>& arm, const ranges<T, N>& range, const search_
     if (found.converged || out.has_unlimited || stopped()) return;
     // How far a position is out of reach does not hang on the rotation there.
     const bool decided = nearest.rotation_stationary || found.position_error > settings.position_tolerance;
-    out.stop = nearest.position_stationary && decided ? reason_for(arm, range, settings, asked, reach, found)
+    out.stop = nearest.position_stationary && decided ? reason_for(arm, settings, asked, reach, found)
                                                       : stop_reason::exhausted;
 }
 

@@ -3,6 +3,7 @@
 
 #include "../numeric/definite.hpp"
 #include "../kinematics/kinematics.hpp"
+#include "ranges.hpp"
 #include "turning.hpp"
 
 TWISTARM_BEGIN
@@ -14,17 +15,19 @@ template <class V, int M> struct local_errors {
     V away[3], held[3];  ///< p beyond its tolerance [m], and 1 for components that are held
     V position;          ///< ½ ‖away‖²
     turning<V> turned;
-    V off[capacity(M)];  ///< θ − θ_near, where that counts
-    V departure;         ///< f₃ = ½ ‖θ − θ_near‖²
+    V off[capacity(M)];  ///< θ − θ_near, or what of θ lies outside its limits, where that counts
+    V departure;         ///< f₃ = ½ ‖off‖²
 };
 
-/// F = f₁ + ε (f₂ + ν f₃) for one target; f₃ = ½ ‖θ − θ_near‖² counts where θ_near (n,) is given.
+/// F = f₁ + ε (f₂ + ν f₃) for one target; f₃ = ½ ‖θ − θ_near‖² counts where θ_near (n,) is given, and
+/// f₃ = ½ ‖θ − θ brought inside‖² where limits are.
 template <class V, class T, int N, int M> struct two_levels {
     const chain<T, N, M>& arm;
     target_kind kind;
     aim<V> aims;
     const T* near = nullptr;  ///< θ_near
     T nu = T(0);
+    const ranges<T, N>* limits = nullptr;
 
     /// The errors at θ.
     TWISTARM_INLINE void look(const V* theta, local_errors<V, M>& at) const {
@@ -40,9 +43,10 @@ template <class V, class T, int N, int M> struct two_levels {
         at.position = T(0.5) * dot(at.away, at.away);
         turning_at(kind, g, aims, at.turned);
         at.departure = V(T(0));
-        if (near == nullptr) return;
+        if (!departs()) return;
         for (int i = 0; i < arm.coordinates(); ++i) {
-            at.off[i] = theta[i] - near[i];
+            at.off[i] = theta[i] - (limits == nullptr ? V(near[i])
+                                                      : clamped(theta[i], V(limits->lower[i]), V(limits->upper[i])));
             at.departure = at.departure + T(0.5) * at.off[i] * at.off[i];
         }
     }
@@ -77,10 +81,13 @@ template <class V, class T, int N, int M> struct two_levels {
     TWISTARM_INLINE void slopes(const local_errors<V, M>& at, const V& epsilon, const V* pull, V* g, V* H) const {
         if (N == M && arm.identity) by_joints(at, epsilon, pull, g, H);
         else by_coordinates(at, epsilon, pull, g, H);
-        if (near == nullptr) return;
+        if (!departs()) return;
+        const V zero = V(T(0));
         for (int i = 0; i < arm.coordinates(); ++i) {
             g[i] = g[i] + epsilon * nu * at.off[i];
-            H[in_triangle(i, i)] = H[in_triangle(i, i)] + epsilon * nu;
+            const auto flat = (at.off[i] >= zero) & (at.off[i] <= zero);
+            const V curvature = limits == nullptr ? V(nu) : select(flat, zero, V(nu));
+            H[in_triangle(i, i)] = H[in_triangle(i, i)] + epsilon * curvature;
         }
     }
 
@@ -95,6 +102,8 @@ template <class V, class T, int N, int M> struct two_levels {
     }
 
   private:
+    bool departs() const { return near != nullptr || limits != nullptr; }
+
     TWISTARM_INLINE void by_joints(const local_errors<V, M>& at, const V& epsilon, const V* pull, V* g, V* H) const {
         const int joints = arm.joints();
         TWISTARM_UNROLL

@@ -11,19 +11,15 @@ enum class stop_reason {
 };
 
 namespace detail {
-/// Random configurations among which the rank of a task is the largest; almost every one has it.
-constexpr int rank_samples = 16;
-/// Squared lengths below this, relative to the largest, are directions the arm cannot move in: 1e-6 of a length.
-template <class T> constexpr T rank_tolerance = T(sizeof(T) == 8 ? 1e-12 : 1e-6);
+/// How far beside a configuration [rad, m] one looks for what it lacks by itself: where a reach ends, all joints that turn
+/// the tool one way may stand still at first.
+constexpr double beside = 0.1;
+/// Lengths below this [rad for a rad], positions over the reach, are of directions the arm cannot move in: descriptions
+/// write 1.57 for a right angle, and mean it.
+constexpr double lacking_below = 1e-3;
+/// A smaller part of the rotation error than this is no reason beside the rest of it.
+constexpr double lacking_share = 0.05;
 }  // namespace detail
-
-/// How many components a target constrains.
-template <class T> int constrained(const target<T>& asked) {
-    if (asked.kind != target_kind::task) return rows_of(asked.kind);
-    int count = 0;
-    for (const T tolerance : asked.tolerance) count += tolerance < static_cast<T>(__builtin_inf()) ? 1 : 0;
-    return count;
-}
 
 /// Whether a target constrains more than the tool's position.
 template <class T> bool has_rotation(const target<T>& asked) {
@@ -42,83 +38,92 @@ template <class T> target<T> position_of(const target<T>& asked) {
 }
 
 namespace detail {
-/// Columns (n,) of the Jacobian along the axes in which a target that is met at θ constrains its components: the
-/// tool's, for an approach with z along its axis, or the base's.
-template <class T, int N, int M>
-void columns_where_met(const chain<T, N, M>& arm, const target<T>& asked, const T* theta, column<T>* J) {
-    if (asked.kind == target_kind::task && asked.base_axes) {
-        frame<T> g;
-        walk_with_columns(arm, arm.base, arm.tip, theta, g, J);
-        return;
-    }
-    forward_with_body_jacobian(arm, theta, J);
-    if (asked.kind != target_kind::approach) return;
-    const frame<T> turned = rotation_onto(asked.tool_axis);
-    for (int i = 0; i < arm.coordinates(); ++i) rotate_back(turned, J[i].w, J[i].w);
-}
-
-/// The rank of a positive semidefinite G (size, size), which is used up: how many pivots of its LDLᵀ with interchanges
-/// are above `rank_tolerance` of the first. Source: G. Golub & C. Van Loan, Matrix Computations, 4th ed., §4.2.8.
-template <class T> int rank_of(T (&G)[6][6], int size) {
-    T first = T(0);
-    for (int rank = 0; rank < size; ++rank) {
-        int pivot = rank;
-        for (int i = rank + 1; i < size; ++i)
-            if (G[i][i] > G[pivot][pivot]) pivot = i;
-        for (int k = 0; k < size; ++k) exchange(G[rank][k], G[pivot][k]);
-        for (int k = 0; k < size; ++k) exchange(G[k][rank], G[k][pivot]);
-        if (rank == 0) first = G[0][0];
-        if (!(G[rank][rank] > rank_tolerance<T> * first)) return rank;
-        for (int i = rank + 1; i < size; ++i)
-            for (int j = rank + 1; j < size; ++j) G[i][j] -= G[i][rank] * (G[rank][j] / G[rank][rank]);
-    }
-    return size;
-}
-
-/// The rank at θ of the rows that a target met there constrains, positions over `reach` [m].
-template <class T, int N, int M>
-int rank_where_met(const chain<T, N, M>& arm, const target<T>& asked, const T* theta, T reach) {
-    column<T> J[capacity(N)];
-    columns_where_met(arm, asked, theta, J);
-    T rows[6][capacity(N)], G[6][6];
-    int count = 0;
-    for (int r = 0; r < rows_of(asked.kind); ++r) {
-        if (asked.kind == target_kind::task && !(asked.tolerance[r] < static_cast<T>(__builtin_inf()))) continue;
-        const bool linear = r < 3;
-        for (int k = 0; k < arm.coordinates(); ++k) rows[count][k] = linear ? J[k].v[r % 3] / reach : J[k].w[r % 3];
-        ++count;
-    }
-    for (int a = 0; a < count; ++a)
-        for (int b = 0; b < count; ++b) {
-            G[a][b] = T(0);
-            for (int k = 0; k < arm.coordinates(); ++k) G[a][b] += rows[a][k] * rows[b][k];
+/// Takes what lies along the first `spanning` of the vectors (count, size) out of all of them, as far as those are longer
+/// than `lacking_below`: Gram-Schmidt, the longest first.
+template <class T, int Size> void take_out(T (*vectors)[Size], int spanning, int count, int size) {
+    for (int taken = 0; taken < spanning; ++taken) {
+        T longest = static_cast<T>(lacking_below * lacking_below), unit[Size];
+        int which = -1;
+        for (int i = 0; i < spanning; ++i) {
+            T square = T(0);
+            for (int k = 0; k < size; ++k) square += vectors[i][k] * vectors[i][k];
+            if (!(square > longest)) continue;
+            longest = square;
+            which = i;
         }
-    return rank_of(G, count);
+        if (which < 0) return;
+        for (int k = 0; k < size; ++k) unit[k] = vectors[which][k] / sqrt(longest);
+        for (int i = 0; i < count; ++i) {
+            T share = T(0);
+            for (int k = 0; k < size; ++k) share += unit[k] * vectors[i][k];
+            for (int k = 0; k < size; ++k) vectors[i][k] -= share * unit[k];
+        }
+    }
+}
+
+/// Error and rows of a target at θ.
+template <target_kind Kind, class T, int N, int M>
+void look_from(const chain<T, N, M>& arm, const aim<T>& aimed, const T* theta, residual<T, N, rows_of(Kind)>& at) {
+    frame<T> g;
+    column<T> columns[capacity(N)];
+    walk_with_columns(arm, aimed.base, aimed.tip, theta, g, columns);
+    residual_of<Kind, N>(g, columns, arm.coordinates(), aimed, T(1), at);
+}
+
+/// The square of what remains of a rotation error, `here.e`, if the joints may turn the tool as at `there`, with what of
+/// the position is held `here` held: metres over `reach` [m].
+template <target_kind Kind, class T, int N>
+T left_of_rotation(const residual<T, N, rows_of(Kind)>& here, const residual<T, N, rows_of(Kind)>& there, int n,
+                   T reach) {
+    constexpr int rows = rows_of(Kind);
+    T J[rows][capacity(N)], turns[capacity(N) + 1][3] = {};
+    for (int r = 0; r < rows; ++r)
+        for (int k = 0; k < n; ++k) J[r][k] = r < 3 ? there.J[k][r] / reach : there.J[k][r];
+    for (int r = 0; r < 3 && Kind == target_kind::task; ++r) {
+        bool held = false;
+        for (int k = 0; k < n; ++k) held = held || here.J[k][r] != T(0);
+        for (int k = 0; k < n && !held; ++k) J[r][k] = T(0);
+    }
+    take_out(J, 3, rows, n);
+    for (int r = 3; r < rows; ++r) {
+        for (int k = 0; k < n; ++k) turns[k][r - 3] = J[r][k];
+        turns[n][r - 3] = here.e[r];
+    }
+    take_out(turns, n, n + 1, 3);
+    return dot(turns[n], turns[n]);
+}
+
+/// Whether a part of the rotation error at θ is about directions in which no joint turns the tool, the position held, at θ
+/// or beside it.
+template <target_kind Kind, class T, int N, int M>
+bool lacks_direction(const chain<T, N, M>& arm, const target<T>& asked, const T* theta, T reach) {
+    const aim<T> aimed = aim_at(arm, asked);
+    residual<T, N, rows_of(Kind)> here, there;
+    look_from<Kind>(arm, aimed, theta, here);
+    T least_left = left_of_rotation<Kind>(here, here, arm.coordinates(), reach), moved[capacity(N)];
+    for (int k = 0; k < arm.coordinates(); ++k) moved[k] = theta[k];
+    for (int way = 0; way < 2 * arm.coordinates(); ++way) {
+        const int k = way / 2;
+        moved[k] = theta[k] + static_cast<T>(way % 2 == 0 ? beside : -beside);
+        look_from<Kind>(arm, aimed, moved, there);
+        least_left = least(least_left, left_of_rotation<Kind>(here, there, arm.coordinates(), reach));
+        moved[k] = theta[k];
+    }
+    return least_left > static_cast<T>(lacking_share * lacking_share) * here.rotation_squared;
 }
 }  // namespace detail
 
-/// In how many of the target's components the arm can move its tool, in almost every configuration that meets it: the
-/// largest rank over random configurations.
-template <class T, int N, int M>
-int task_rank(const chain<T, N, M>& arm, const ranges<T, N>& range, const target<T>& asked, T reach) {
-    int largest = 0;
-    for (int k = 0; k < detail::rank_samples; ++k) {
-        T theta[capacity(N)];
-        random_start(range, arm.coordinates(), 0, k, theta);
-        largest = greatest(largest, detail::rank_where_met(arm, asked, theta, reach));
-        if (largest == constrained(asked)) break;
-    }
-    return largest;
-}
-
 /// Why the nearest configuration, with these errors, is no answer, though the limits are not to blame.
 template <class T, int N, int M>
-stop_reason reason_for(const chain<T, N, M>& arm, const ranges<T, N>& range, const search_settings<T>& settings,
+stop_reason reason_for(const chain<T, N, M>& arm, const search_settings<T>& settings,
                        const target<T>& asked, T reach, const solution<T, N>& nearest) {
-    const bool impossible = nearest.position_error <= settings.position_tolerance &&
-                            nearest.orientation_error > settings.orientation_tolerance;
-    const bool missing = impossible && task_rank(arm, range, asked, reach) < constrained(asked);
-    return missing ? stop_reason::impossible_direction : stop_reason::out_of_reach;
+    bool lacking = false;
+    if (nearest.position_error <= settings.position_tolerance)
+        with_kind(asked, [&](auto kind) {
+            if constexpr (kind() != target_kind::position)
+                lacking = detail::lacks_direction<kind()>(arm, asked, nearest.theta, reach);
+        });
+    return lacking ? stop_reason::impossible_direction : stop_reason::out_of_reach;
 }
 
 TWISTARM_END

@@ -1,6 +1,7 @@
 // Answer without limits, and the part of it that the limits leave after all.
 #pragma once
 
+#include "descent.hpp"
 #include "race.hpp"
 #include "resume.hpp"
 
@@ -9,7 +10,7 @@ TWISTARM_BEGIN
 namespace detail {
 /// Searches without limits before the limits are found not to be the reason, and roots after which no more are begun:
 /// six joints reach a pose in 16 ways at most.
-constexpr int searches_without_limits = 48, enough_roots = 24;
+constexpr int searches_without_limits = 48, most_searches_without_limits = 96, enough_roots = 48;
 /// They are given more patience: a helical joint takes many turns to where it is wanted.
 constexpr int iterations_without_limits = 60;
 template <class T> constexpr T progress_without_limits = T(0.95);
@@ -57,7 +58,7 @@ template <class T, int N> void bring_toward(const ranges<T, N>& range, int coord
 
 /// Configurations: where searches begin, then where they have ended.
 template <class T, int N> struct searched {
-    static constexpr int most = detail::searches_without_limits;
+    static constexpr int most = detail::most_searches_without_limits;
 
     T theta[most * capacity(N)];  ///< (count, n)
     bool met[most];               ///< whether the search has met its target
@@ -81,7 +82,8 @@ template <class V, class T, int N, class Stopped> struct searches_from_each fina
     }
 
     void begin(lane_starts<T, N, lane_count>& starts, int i) {
-        search[i] = begun < set.count && met < enough ? begun++ : none;
+        const int most = met > 0 ? set.count : least(set.count, searches_without_limits);
+        search[i] = begun < most && met < enough ? begun++ : none;
         if (search[i] == none) return;
         ++running;
         for (int k = 0; k < n; ++k) starts.theta[k][i] = set.theta[search[i] * n + k];
@@ -184,8 +186,40 @@ void meet_without_limits(const chain<T, N, M>& arm, const ranges<T, N>& range, s
     detail::sort_by_distance_outside(range, n, roots);
 }
 
-/// Tries inside the limits what meets the target without them: the first root as it is, then searches from where the
-/// limits are nearest to each. `found` is replaced by the answer, if there is one.
+namespace detail {
+/// What a squared radian or metre outside the limits counts beside a squared metre while a root is drawn inside.
+template <class T> constexpr T outside_beside_position = T(0.1);
+/// The weight ε that it is written with: without a second level it says no more than when a descent has arrived.
+template <class T> constexpr T drawn_inside_with = T(sizeof(T) == 8 ? 1e-6 : 1e-3);
+template <class T> constexpr descent_settings<T> drawing_inside = {drawn_inside_with<T>, T(0), 20, false};
+
+/// Draws each root along the configurations that meet the target toward the limits, which are left open on the way: least
+/// squares of both, so that a corner of the limits is met where the target leaves no more than that.
+template <class T, int N, int M, class Stopped>
+void draw_inside(const chain<T, N, M>& arm, const ranges<T, N>& range, const target<T>& asked, Stopped& stopped,
+                 searched<T, N>& roots) {
+    using V = pack<T, searches_in_group>;
+    const int n = arm.coordinates();
+    const ranges<T, N> free = without_limits(arm, range);
+    two_levels<V, T, N, M> objective{arm, asked.kind, aim_in_every_lane<V>(aim_at(arm, asked)), levels::met};
+    objective.limits = &range;
+    objective.nu = outside_beside_position<T> / drawn_inside_with<T>;
+    for (int first = 0; first < roots.count && !stopped(); first += searches_in_group) {
+        descent_lanes<V, N> lanes;
+        lanes.epsilon = V(drawn_inside_with<T>);
+        const auto root = [&](int l) { return roots.theta + (first + l < roots.count ? first + l : first) * n; };
+        for (int l = 0; l < searches_in_group; ++l)
+            for (int k = 0; k < n; ++k) set_lane(lanes.theta[k], l, root(l)[k]);
+        descend(objective, free, drawing_inside<T>, lanes, stopped);
+        for (int l = 0; l < searches_in_group; ++l)
+            for (int k = 0; k < n; ++k) root(l)[k] = lane(lanes.theta[k], l);
+    }
+    sort_by_distance_outside(range, n, roots);
+}
+}  // namespace detail
+
+/// Tries inside the limits what meets the target without them: the first root as it is, then all of them drawn to the
+/// limits, and searches from the nearest of these. `found` is replaced by the answer, if there is one.
 template <class T, int N, int M, class Stopped>
 void meet_inside(const chain<T, N, M>& arm, const ranges<T, N>& range, const search_settings<T>& settings,
                  const target<T>& asked, const T* theta0, searched<T, N> roots, Stopped& stopped,
@@ -198,6 +232,7 @@ void meet_inside(const chain<T, N, M>& arm, const ranges<T, N>& range, const sea
         return inside.converged;
     };
     if (roots.count == 0 || is_answer()) return;
+    detail::draw_inside(arm, range, asked, stopped, roots);
     roots.count = roots.count < searches_in_group ? roots.count : searches_in_group;
     for (int r = 0; r < roots.count; ++r) bring_inside(range, n, roots.theta + r * n);
     if (detail::search_from_each(arm, range, settings, asked, 1, stopped, roots) > 0) is_answer();

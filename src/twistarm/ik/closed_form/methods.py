@@ -6,7 +6,7 @@ It follows from the axes alone, is looked for once for each arm and kind, and ke
 from __future__ import annotations
 
 import itertools
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import TYPE_CHECKING, Any
@@ -149,25 +149,37 @@ def method_for(arm: Arm, target: AnyTarget, given: tuple[int, ...] = ()) -> Meth
 
 def family_method(arm: Arm, target: AnyTarget) -> Method:
     """The method for targets like this one by families alone: without elimination, which takes long to set up."""
-    key = "family", type(target), target.axis.tobytes() if isinstance(target, Approach) else None
+    return _kept_family(arm, target, "family", _with_core)
+
+
+def family_for(arm: Arm, target: AnyTarget) -> Method | None:
+    """The family for targets like this one in the core, where at most one joint has to be sampled; else None.
+
+    Of an arm whose axes miss their family by a little it is that of the nearest exact arm: `Method.exact` says so.
+    """
+    free = {Pose: 0, Approach: 1, Position: 3}.get(type(target), MOST_JOINTS)
+    if arm.n - len(standing(arm)) + free > MOST_JOINTS + 1:
+        return None
+    method = _kept_family(arm, target, "nearest family", _in_core)
+    return method if method.compiled is not None and len(method.swept) <= 1 else None
+
+
+def _kept_family(arm: Arm, target: AnyTarget, what: str, in_core: Callable[[Arm, AnyTarget, Method], Method]) -> Method:
+    key = what, type(target), target.axis.tobytes() if isinstance(target, Approach) else None
     kept = _KEPT.setdefault(arm, {})
     if key not in kept:
-        kept[key] = _with_core(arm, target, _looked_for(arm, target, standing(arm), families_alone=True))
+        kept[key] = in_core(arm, target, _looked_for(arm, target, standing(arm), families_alone=True))
     return kept[key]
-
-
-def family_for(arm: Arm, target: AnyTarget) -> ClosedForm | None:
-    """The exact family for targets like this one in the core, where no joint has to be sampled; else None."""
-    free = {Pose: 0, Approach: 1, Position: 3}.get(type(target), MOST_JOINTS)
-    if arm.n - len(standing(arm)) + free > MOST_JOINTS:
-        return None
-    method = family_method(arm, target)
-    return None if method.swept else method.compiled
 
 
 def _with_core(arm: Arm, target: AnyTarget, method: Method) -> Method:
     """The method, with its family in the core where the axes are exact: slack for those that miss is not for it."""
-    if method.family is None or not method.exact or not method.family.order:  # with every joint given nothing is solved
+    return _in_core(arm, target, method) if method.exact else method
+
+
+def _in_core(arm: Arm, target: AnyTarget, method: Method) -> Method:
+    """The method, with its family in the core."""
+    if method.family is None or not method.family.order:  # with every joint given nothing is solved
         return method
     numbers = family_numbers(arm, method.chain, method.family, method.held, {*method.held} - {*method.given})
     return replace(method, numbers=numbers, compiled=compiled(arm, target.kind, numbers))

@@ -35,8 +35,8 @@ SAME = 1e-5
 HALFWAY = 1e-13
 """Or to so much [m, rad]."""
 
-ROUNDED_LIMIT = 1e-6
-"""An answer that passes a limit by less [rad, m] is at the limit, if the target is met there too."""
+ROUNDED_LIMIT = 1e-5
+"""An answer that passes a limit by less [rad, m] may be at the limit: a multiple root is known no better."""
 
 LEAST_ROUNDED = 1e-11
 """By so little [rad, m] that the target is met at the limit as well."""
@@ -131,15 +131,21 @@ def self_motion(
 def inside(arm: Arm, target: AnyTarget, theta: Array, near: Array, tolerances: Tolerances) -> Array | None:
     """theta (n,) by whole turns inside the limits, as near to `near` (n,) as they allow; None where it is outside.
 
-    A copy that passes a limit by rounding is brought to the limit, if the target is met there too; if it is not, other
-    copies are left.
+    A copy that passes a limit by no more than a multiple root may be wrong is brought to the limit, if the target is
+    met there too, by what the other joints can do; if it is not, other copies are left.
     """
+    lower, upper = arm.limits.lower, arm.limits.upper
     for slack in (ROUNDED_LIMIT, LEAST_ROUNDED):
         moved = _nearest_copy(arm, theta, near, slack)
-        clipped = np.clip(moved, arm.limits.lower, arm.limits.upper)
+        clipped = np.clip(moved, lower, upper)
         if np.abs(clipped - moved).max(initial=0.0) > slack:
             return None
-        if (clipped == moved).all() or met(arm, target, clipped, tolerances):
+        still, before = clipped != moved, np.zeros(arm.n, dtype=np.bool_)
+        while still.any() and not met(arm, target, clipped, tolerances) and not np.array_equal(still, before):
+            before, moved = still, corrected(arm, target, clipped, tuple(np.flatnonzero(still).tolist()))
+            clipped = np.clip(moved, lower, upper)
+            still = still | (clipped != moved)
+        if not still.any() or met(arm, target, clipped, tolerances):
             return clipped
     return None
 
