@@ -294,9 +294,7 @@ public:
         found.left = found.families = 0;
         for (int i = 0; i < all.count; ++i) {
             found.families += all.found[i].family;
-            if (i >= all.inside) found.left += all.found[i].family;
-        }
-        for (int i = 0; i < all.count; ++i) {
+            found.left += i >= all.inside && all.found[i].family;
             double* const row = found.rows + i * 2 * n;
             found.distance[i] = all.found[i].distance;
             for (int k = 0; k < n; ++k) {

@@ -361,7 +361,7 @@ class _Task:
         own = [i for i in free if i not in self.motions.still]
         there.sort(key=lambda theta: (-self.at_start(theta, own), self.distance(theta)))
         first = there[0] if there else members[0].theta
-        if swept:
+        if swept and not self.deadline.passed:
             free |= {*self_motion(self.arm, self.target, first, self.tolerances, self.motions.still)}
         moving = np.array([float(i in free) for i in range(self.arm.n)])
         return Entry(first, moving, there, self.distance(first))

@@ -162,7 +162,8 @@ template <class T, int N> void arrange(const configuration<T, N>* answers, int c
 }
 
 /// The same without those that are twins of one before them, which may move as they may.
-template <class Judge, class T, int N> void drop_twins(const Judge& judged, const ranges<T, N>& range, configurations<T, N>& all) {
+template <class Judge, class T, int N>
+__attribute__((noinline, cold)) void drop_twins(const Judge& judged, const ranges<T, N>& range, configurations<T, N>& all) {
     int kept = 0, inside = 0;
     for (int i = 0; i < all.count; ++i) {
         int twin = 0;

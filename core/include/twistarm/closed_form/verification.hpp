@@ -66,7 +66,7 @@ public:
 
     /// Whether two answers are one: near together, but for whole turns, and the target is met as well
     /// halfway between them, or to rounding. They are twins where it is met there to the tolerances.
-    relation compare(const ranges<T, N>& range, const T* a, const T* b) const {
+    __attribute__((noinline, cold)) relation compare(const ranges<T, N>& range, const T* a, const T* b) const {
         T apart[width], between[width], farthest = T(0);
         if (!differences(range, a, b, apart)) return relation::apart;
         for (int k = 0; k < arm_.coordinates(); ++k) {
