@@ -54,12 +54,14 @@ public:
         }
         hits_ += found.count > 0;
         left_ += static_cast<std::size_t>(found.left);
+        families_ += static_cast<std::size_t>(found.families);
     }
 
     std::size_t count() const { return inside_.size() + outside_.size(); }
     std::size_t inside() const { return inside_.size(); }
     std::size_t hits() const { return hits_; }
     std::size_t left() const { return left_; }
+    std::size_t families() const { return families_; }
 
     void write(double* into) {
         std::stable_sort(inside_.begin(), inside_.end(), [](const Place& a, const Place& b) { return a.distance < b.distance; });
@@ -75,7 +77,7 @@ private:
         double distance;
         std::size_t at;
     };
-    std::size_t n_, hits_ = 0, left_ = 0;
+    std::size_t n_, hits_ = 0, left_ = 0, families_ = 0;
     std::vector<double> rows_;
     std::vector<Place> inside_, outside_;
 };
@@ -137,7 +139,7 @@ public:
     Work(const ClosedFormEngine& engine, const Questions& asked, const Met& met, std::size_t n,
          bool (*over)(const void* clock), const void* clock)
         : SharedWork(over, clock), engine_(engine), asked_(asked), met_(met), n_(n),
-          blocks_((asked.count + block - 1) / block), found_(blocks_), counts_(asked.count), inside_(asked.count), left_(asked.count) {}
+          blocks_((asked.count + block - 1) / block), found_(blocks_), counts_(asked.count), inside_(asked.count), families_(asked.count) {}
 
     nb::object result() {
         const auto each = [&](const std::vector<int>& values) {
@@ -145,7 +147,7 @@ public:
             std::copy(values.begin(), values.end(), Array(array).data());
             return array;
         };
-        return nb::make_tuple(found_.array(2 * n_), each(counts_), each(inside_), each(left_));
+        return nb::make_tuple(found_.array(2 * n_), each(counts_), each(inside_), each(families_));
     }
 
 private:
@@ -161,7 +163,7 @@ private:
                 rows.insert(rows.end(), found.rows, found.rows + static_cast<std::size_t>(found.count) * 2 * n_);
                 counts_[t] = found.count;
                 inside_[t] = found.inside;
-                left_[t] = found.left;
+                families_[t] = found.families;
             }
             found_.add(b, rows);
         }
@@ -173,7 +175,7 @@ private:
     std::size_t n_;
     const std::size_t blocks_;
     OrderedRows found_;
-    std::vector<int> counts_, inside_, left_;
+    std::vector<int> counts_, inside_, families_;
     std::atomic<std::size_t> next_{0};
 };
 
@@ -223,8 +225,9 @@ nb::object ClosedForm::solve(nb::handle numbers, nb::handle theta0, nb::handle h
         !row(theta0, n_, start) || !is_start(start, n_))
         return not_plain();
     Configurations found;
-    const std::size_t width = 2 * n_, numbers_there = numbers_of_kind[kind_], first = 6 + n_ + numbers_there;
-    const auto answer = [&](std::size_t inside, std::size_t count, std::size_t starts, std::size_t hits, std::size_t left) {
+    const std::size_t width = 2 * n_, numbers_there = numbers_of_kind[kind_], first = 7 + n_ + numbers_there;
+    const auto answer = [&](std::size_t inside, std::size_t count, std::size_t starts, std::size_t hits, std::size_t left,
+                            std::size_t families) {
         nb::object array = NumPy::get().empty(nb::int_(first + count * width));
         double* const into = Array(array).data();
         into[0] = static_cast<double>(inside);
@@ -233,14 +236,15 @@ nb::object ClosedForm::solve(nb::handle numbers, nb::handle theta0, nb::handle h
         into[3] = static_cast<double>(hits);
         into[4] = kind_;
         into[5] = static_cast<double>(left);
-        std::memcpy(into + 6, start, n_ * sizeof(double));
-        std::memcpy(into + 6 + n_, asked, numbers_there * sizeof(double));
+        into[6] = static_cast<double>(families);
+        std::memcpy(into + 7, start, n_ * sizeof(double));
+        std::memcpy(into + 7 + n_, asked, numbers_there * sizeof(double));
         return array;
     };
     if (held.is_none()) {
         engine_->solve(asked, start, nullptr, met.position, met.orientation, found);
         nb::object array = answer(static_cast<std::size_t>(found.inside), static_cast<std::size_t>(found.count), 0, 0,
-                                  static_cast<std::size_t>(found.left));
+                                  static_cast<std::size_t>(found.left), static_cast<std::size_t>(found.families));
         std::memcpy(Array(array).data() + first, found.rows, static_cast<std::size_t>(found.count) * width * sizeof(double));
         make_read_only(array);
         return array;
@@ -256,7 +260,7 @@ nb::object ClosedForm::solve(nb::handle numbers, nb::handle theta0, nb::handle h
             all.add(found);
         }
     });
-    nb::object array = answer(all.inside(), all.count(), tries, all.hits(), all.left());
+    nb::object array = answer(all.inside(), all.count(), tries, all.hits(), all.left(), all.families());
     all.write(Array(array).data() + first);
     make_read_only(array);
     return array;

@@ -19,7 +19,7 @@ public:
     // tried.
     nb::object solve(nb::handle numbers, nb::handle theta0, nb::handle held, nb::handle position_tolerance,
                      nb::handle orientation_tolerance) const;
-    // None, or (rows (r, 2 n), count (N,), inside (N,), left (N,)): each target's configurations behind those of the one before.
+    // None, or (rows (r, 2 n), count (N,), inside (N,), families (N,)): each target's configurations behind those of the one before.
     nb::object solve_batch(nb::handle numbers, nb::handle theta0, nb::handle position_tolerance,
                            nb::handle orientation_tolerance, nb::handle threads) const;
 

@@ -295,9 +295,10 @@ public:
                  orientation_tolerance, all);
         found.count = all.count;
         found.inside = all.inside;
-        found.left = 0;
-        for (int i = all.inside; i < all.count; ++i) found.left += all.found[i].family;
+        found.left = found.families = 0;
         for (int i = 0; i < all.count; ++i) {
+            found.families += all.found[i].family;
+            found.left += i >= all.inside && all.found[i].family;
             double* const row = found.rows + i * 2 * n;
             found.distance[i] = all.found[i].distance;
             for (int k = 0; k < n; ++k) {

@@ -82,7 +82,7 @@ constexpr int most_configurations = 32;
 // Every configuration for one target: theta (n) and, as 0 and 1, which coordinates may move (n), row by row.
 struct Configurations {
     double rows[most_configurations * 2 * most_joints], distance[most_configurations];
-    int count, inside, left;  // left: of a continuous family, and outside
+    int count, inside, left, families;  // families: of a continuous family; left: those of them outside
 };
 
 // The closed form of one arm's family.

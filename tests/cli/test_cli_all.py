@@ -45,7 +45,7 @@ def test_it_is_a_table_that_can_be_pasted(capsys: Capture, monkeypatch: pytest.M
     lines = said(capsys, *ROVER).splitlines()
     assert lines[0] == "rover_arm: 2 configurations, nearest first"
     assert max(map(len, lines[1:6])) <= 80
-    assert "2 configurations inside the limits; all there are" in lines
+    assert "2 configurations inside the limits, each with wrist_roll free; all there are" in lines
     typed = next(line for line in lines if line.startswith("--theta")).removeprefix("--theta ").strip('"')
     pose = json.loads(said(capsys, "fk", "rover_arm", "--theta", typed, "--json"))
     assert np.allclose(pose["position"], [0.8, 0.1, 0.7], atol=1e-6)
@@ -73,7 +73,7 @@ def test_csv_has_those_outside_the_limits_too(tmp_path: Path, capsys: Capture) -
     out = tmp_path / "all.csv"
     pose = ["--xyz", "0.2", "0.1", "0.7", "--direction", "-1", "0", "0"]
     words = said(capsys, "ik", "rover_arm", "--all", *pose, "-o", str(out))
-    assert "1 configuration inside the limits, 1 more outside; all there are" in words
+    assert "1 configuration inside the limits, with wrist_roll free, 1 more outside; all there are" in words
     with out.open(encoding="utf-8") as file:
         rows = list(csv.DictReader(file))
     assert [row["within_limits"] for row in rows] == ["yes", "no"]
@@ -83,6 +83,21 @@ def test_csv_has_those_outside_the_limits_too(tmp_path: Path, capsys: Capture) -
         g, _, _ = arm.by_pinocchio(theta)
         assert np.allclose(g[:3, 3], [0.2, 0.1, 0.7], atol=1e-9)
         assert arm.limits.contains(theta) == (row["within_limits"] == "yes")
+
+
+def test_a_position_is_a_family_whose_samples_are_in_the_csv(tmp_path: Path, capsys: Capture) -> None:
+    out = tmp_path / "all.csv"
+    where = ["ik", "rover_arm", "--all", "--xyz", "0.8", "0.1", "0.7", "-o", str(out), "--json"]
+    told = json.loads(said(capsys, *where))
+    with out.open(encoding="utf-8") as file:
+        rows = [row for row in csv.DictReader(file) if row["within_limits"] == "yes"]
+    assert len(rows) > 10 > len(told["theta"])
+    assert {int(row["number"]) for row in rows} == {*range(1, len(told["theta"]) + 1)}
+    assert all("wrist_roll" in free for free in told["free"])
+    arm = load_arm("rover_arm")
+    for row in rows[::5]:
+        g, _, _ = arm.by_pinocchio([float(row[f"{n} [{u}]"]) for n, u in zip(arm.joint_names, arm.units, strict=True)])
+        assert np.allclose(g[:3, 3], [0.8, 0.1, 0.7], atol=1e-9)
 
 
 def test_none_is_an_answer_with_exit_code_1(capsys: Capture) -> None:

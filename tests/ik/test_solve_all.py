@@ -9,7 +9,7 @@ import pytest
 
 import twistarm
 from catalogue import load
-from family_arms import CASES, apart, family_arm, holds, missed, pose_of, screws_of
+from family_arms import CASES, apart, family_arm, holds, missed, one, pose_of, screws_of
 from ik_targets import pinocchio_fk
 from twistarm import Approach, Pose, Position, solve_ik_all
 
@@ -23,7 +23,7 @@ def check(arm, theta, near):
     found = solve_ik_all(arm, Pose(g), near)
     everything = [*found.theta, *found.outside]
     assert all(missed(arm, g, each) <= EXACT for each in everything)
-    twice = [(i, j) for i, a in enumerate(everything) for j in range(i) if apart(arm, a, everything[j]) < 1e-8]
+    twice = [(i, j) for i, a in enumerate(everything) for j in range(i) if one(arm, g, a, everything[j], 0.5 * EXACT)]
     assert not twice
     assert holds(arm, g, theta, found), theta
     lower, upper = arm.limits.lower, arm.limits.upper

@@ -4,8 +4,6 @@ from __future__ import annotations
 
 from typing import Any
 
-import numpy as np
-
 from ..ik import IKSolutions
 from ..support.csv_lines import csv_text
 from .csv_rows import ROWS_SHOWN
@@ -56,13 +54,17 @@ def _as_json(solutions: IKSolutions) -> dict[str, Any]:
 
 
 def all_csv(solutions: IKSolutions) -> str:
-    """All configurations as CSV, those outside the limits too: theta, which joints may go on moving, within or not."""
+    """All configurations as CSV, those outside the limits too: theta, which joints may go on moving, within or not.
+
+    Members of one family have one number.
+    """
     arm = solutions.arm
     joints = [f"{name} [{unit}]" for name, unit in zip(arm.joint_names, arm.units, strict=True)]
     free = (*solutions.free, *((),) * len(solutions.outside))
-    theta = np.vstack([solutions.theta, solutions.outside])
+    families = (*solutions.members, *solutions.outside[:, None])
     rows = (
         [i + 1, *each.tolist(), " ".join(moving), "no" if i >= len(solutions) else "yes"]
-        for i, (each, moving) in enumerate(zip(theta, free, strict=True))
+        for i, (members, moving) in enumerate(zip(families, free, strict=True))
+        for each in members
     )
     return csv_text(["number", *joints, "free", "within_limits"], rows)

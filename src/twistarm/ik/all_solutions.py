@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import operator
+from collections import Counter
 from collections.abc import Iterator
 from typing import Any
 
@@ -13,14 +14,10 @@ from ..support.checks import Array, frozen
 from ..support.errors import printable
 from .all_solutions_row import FIRST, HITS, INSIDE, KIND, TRIES, configurations_in
 from .closed_form.methods import Method
-from .closed_form.roots import self_motion
 from .explain import reached, why_not
 from .ranges import holding, joint_ranges
 from .solve import solve_ik
 from .targets import AnyTarget, numbers_of_kind, target_of
-from .task_space import Tolerances
-
-EXACT = Tolerances(1e-9, 1e-9)
 
 
 class IKSolutions:
@@ -29,8 +26,9 @@ class IKSolutions:
     theta (k, n) [rad, m], read-only: nearest to theta0 first, by the largest joint difference in shares of the joint's
     range (2π or 1 m where it has none). `solutions[i]` is theta[i].
     free: for each of them, the joints that may go on moving while the target stays met, () where it stands alone. Where
-    a wrist is singular, or an arm redundant, theta is one of a continuous family, the one nearest to theta0 that was
-    found; `given` chooses another.
+    a wrist is singular, or an arm redundant, configurations form continuous families. A family counts once: theta is
+    the member that keeps a free joint at theta0's value, or else the nearest found; `given` chooses another.
+    members: for each of them (m, n), those of its family that were found inside the limits, itself first.
     outside (m, n): configurations that meet the target beyond the position limits.
     complete: whether these are all there are, but for others of the same families. False where joints were sampled,
     where the axes miss the family that was solved, for a search, and where the time was up (`timed_out`).
@@ -39,12 +37,13 @@ class IKSolutions:
     gave a configuration. 0 where there was nothing to sample.
     """
 
-    __slots__ = ("_arm", "_complete", "_method", "_row", "_target", "_timed_out")
+    __slots__ = ("_arm", "_complete", "_members", "_method", "_row", "_target", "_timed_out")
 
     def __init__(
         self,
         arm: Arm,
         row: Array,
+        members: tuple[Array, ...],
         method: Method,
         complete: bool,
         target: AnyTarget | None = None,
@@ -56,6 +55,7 @@ class IKSolutions:
         self._complete = complete
         self._target = target
         self._timed_out = timed_out
+        self._members = members
 
     @property
     def arm(self) -> Arm:
@@ -90,19 +90,13 @@ class IKSolutions:
     def free(self) -> tuple[tuple[str, ...], ...]:
         """For each of theta, the joints that may go on moving while the target stays met."""
         names = self._arm.joint_names
-        return tuple(tuple(names[i] for i in np.flatnonzero(each)) for each in self.rows_inside[:, self._arm.n :])
+        moving = configurations_in(self._row, self._arm.n)[0][:, self._arm.n :]
+        return tuple(tuple(names[i] for i in np.flatnonzero(each)) for each in moving)
 
     @property
-    def rows_inside(self) -> Array:
-        """(k, 2 n): theta beside which joints may go on moving, as 0 and 1: with a sampled joint others move too."""
-        n = self._arm.n
-        rows = configurations_in(self._row, n)[0]
-        if self._method.swept:
-            rows = rows.copy()
-            for row in rows:
-                still = tuple(i for i in self._method.held if not row[n + i])
-                row[[n + i for i in self_motion(self._arm, self.target, row[:n], EXACT, still)]] = 1.0
-        return rows
+    def members(self) -> tuple[Array, ...]:
+        """For each of theta, the configurations (m, n) of its family that were found inside the limits."""
+        return self._members or tuple(self.theta[:, None])
 
     @property
     def complete(self) -> bool:
@@ -151,11 +145,6 @@ class IKSolutions:
             self._counted(),
             f"{'found' if len(self) else 'looked for'} by {self.method}: {self.family}",
         ]
-        families = sorted({joints for joints in self.free if joints})
-        lines += [
-            f"one of a continuous family: {', '.join(joints)} may move while the target stays met"
-            for joints in families
-        ]
         if not len(self):
             held = holding(self.arm, self._method.given, self.theta0)
             nearest = solve_ik(held, self.target, self.theta0)
@@ -171,7 +160,17 @@ class IKSolutions:
         if not count and self.complete:
             return f"no configuration inside the limits{outside}: that is certain"
         late = "; the time was up before everything had been tried" * self.timed_out
-        return f"{count} configuration{'s' * (count != 1)} inside the limits{outside}; {all_}{sampled}{late}"
+        what = f"{count} configuration{'s' * (count != 1)} inside the limits"
+        return f"{what}{self._families(count)}{outside}; {all_}{sampled}{late}"
+
+    def _families(self, count: int) -> str:
+        """How many of them stand for a continuous family, and what moves in it."""
+        parts = []
+        for joints, times in Counter(joints for joints in self.free if joints).items():
+            which = f"{times} of them " if times < count else "each " if count > 1 else ""
+            what = "every joint" if len(joints) == self.arm.n else " and ".join(joints)
+            parts.append(f", {which}with {what} free")
+        return "".join(parts)
 
     def __len__(self) -> int:
         return int(self._row[INSIDE])
@@ -187,9 +186,10 @@ class IKSolutions:
         return f"IKSolutions({self.arm.name}, {self._counted()}; {self.method})"
 
     def __reduce__(self) -> tuple[Any, ...]:
-        return _unpickled, (self._arm, self._row, self._method, self._complete, self._target, self._timed_out)
+        known = self._members, self._method, self._complete, self._target, self._timed_out
+        return _unpickled, (self._arm, self._row, *known)
 
 
-def _unpickled(arm: Arm, row: Array, *known: Any) -> IKSolutions:
+def _unpickled(arm: Arm, row: Array, members: tuple[Array, ...], *known: Any) -> IKSolutions:
     # An array is writeable again when it comes out of a pickle.
-    return IKSolutions(arm, frozen(row), *known)
+    return IKSolutions(arm, frozen(row), tuple(map(frozen, members)), *known)

@@ -108,7 +108,7 @@ class IKSolutionsBatch:
         start = self.theta0 if self.theta0.ndim == 1 else self.theta0[i]
         target = Pose(self.targets[i]) if isinstance(self.targets, np.ndarray) else self.targets[i]
         method, complete = self.known[i % len(self.known)]
-        return IKSolutions(self.arm, found_row(target, start, inside, outside, (0, 0)), method, complete, target)
+        return IKSolutions(self.arm, found_row(target, start, inside, outside, (0, 0)), (), method, complete, target)
 
 
 def solve_ik_all_batch(
@@ -215,7 +215,7 @@ def _gathered(
     arm: Arm, targets: Array | tuple[AnyTarget, ...], theta0: Array, each: list[IKSolutions]
 ) -> IKSolutionsBatch:
     """Answers that were found one by one."""
-    rows = [part for found in each for part in (found.rows_inside, configurations_in(found._row, arm.n)[1])]
+    rows = [part for found in each for part in configurations_in(found._row, arm.n)]
     count = np.array([len(found) for found in each], dtype=np.int64)
     beyond = np.array([len(found.outside) for found in each], dtype=np.int64)
     all_rows = np.concatenate(rows) if rows else np.zeros((0, 2 * arm.n))

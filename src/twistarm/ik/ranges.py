@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass, replace
+from weakref import WeakKeyDictionary
 
 import numpy as np
 from numpy.typing import NDArray
@@ -72,9 +73,14 @@ class JointRanges:
         return turned
 
 
+_KEPT: WeakKeyDictionary[Arm, JointRanges] = WeakKeyDictionary()
+
+
 def joint_ranges(arm: Arm) -> JointRanges:
-    """The ranges of an arm's joints."""
-    return JointRanges(arm.limits.lower, arm.limits.upper, periodic(arm.screws, arm.coupling.A))
+    """The ranges of an arm's joints, kept with the arm."""
+    if arm not in _KEPT:
+        _KEPT[arm] = JointRanges(arm.limits.lower, arm.limits.upper, periodic(arm.screws, arm.coupling.A))
+    return _KEPT[arm]
 
 
 def standing(arm: Arm) -> tuple[int, ...]:

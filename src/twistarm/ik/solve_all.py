@@ -3,25 +3,27 @@
 from __future__ import annotations
 
 import itertools
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from ..model.arm import Arm, require_arm
 from ..support.caller_words import quantity
-from ..support.checks import Array, as_flag, as_number, as_whole, require_callback
+from ..support.checks import Array, as_flag, as_number, as_whole, frozen, require_callback
 from ..support.errors import InputError, NoClosedFormError, shown, unknown_name
 from .all_solutions import IKSolutions
-from .all_solutions_row import HITS, INSIDE, LEFT, TRIES, found_row, roots_in
+from .all_solutions_row import FAMILIES, HITS, TRIES, found_row, roots_in
 from .batch import Progress, solve_ik_batch
 from .closed_form.methods import Method, closest_miss_of, known_method, method_for
-from .closed_form.roots import ROUNDED_LIMIT, Root, inside, roots
+from .closed_form.roots import DEPENDENT, ROUNDED_LIMIT, Root, corrected, inside, met, roots, self_motion, twin
 from .closed_form.roots import copies as copied
 from .deadline import Deadline
 from .ranges import holding, joint_ranges, standing
 from .request import checked
+from .self_motions import SelfMotions
 from .solve import as_given, solve_ik
 from .targets import AnyTarget, Approach, Pose, TargetLike, checked_target
 from .task_space import Tolerances
@@ -34,6 +36,9 @@ BESIDE = 64
 
 IN_FAMILY = 32
 """Searches along a continuous family whose configuration nearest to theta0 lies outside the limits."""
+
+KEPT = 1e-9
+"""A joint nearer than this [rad, m] to theta0's value has it."""
 
 DEFAULT_SAMPLES = 32
 
@@ -57,6 +62,8 @@ def solve_ik_all(
 ) -> IKSolutions:
     """Every configuration inside the limits that meets `target`, verified, nearest to `theta0` first.
 
+    Nearest by the largest joint difference, in shares of the joint's range (2π or 1 m where it has none).
+
     By the closed form of the arm's family (a group of joints whose axes meet in a point or are parallel, at most three
     joints beside it), or, for five or six joints that turn, by elimination (an eigenvalue problem, for whatever axes);
     each answer is corrected by Newton's method until forward kinematics meets the target to rounding, and kept only if
@@ -65,8 +72,9 @@ def solve_ik_all(
     A `Pose` takes arms of up to six joints, an `Approach` of up to five, a `Position` of up to three. Arms with fewer
     meet the targets that fit them; `explain()` says how far off another is. Where there are more joints than the target
     determines, `given` holds some at values of your own; else they are held at `samples` values over their range. A
-    joint that only rolls the tool about an `Approach`'s axis keeps theta0's value. Two answers are one where halfway
-    between them the target is met too; that of a stretched arm is one.
+    joint that only rolls the tool about an `Approach`'s axis keeps theta0's value. Two answers less than 0.01 rad or m
+    apart are one where halfway between them the target is met too; that of a stretched arm is one. What lies on one
+    connected self-motion is one answer, which keeps a free joint at theta0's value where it can.
 
     Sources: MLS §3.3; Pieper 1968; Elias & Wen, IK-Geo, 2022; Raghavan & Roth 1993.
 
@@ -112,24 +120,29 @@ def solve_ik_all(
     near = np.array(request.theta0)
     near[list(stands)] = list(stands.values())
     deadline = Deadline.after(request.max_time)
-    task = _Task(arm, asked, near, request.tolerances, method.given, deadline, progress)
+    task = _Task(arm, asked, near, request.tolerances, method.given, method.idle, deadline, progress)
     values = task.held_values(method, count)
     row = None if method.compiled is None else task.compiled(method, values)
-    if row is not None and not copies and not row[LEFT] and (row[INSIDE] or not method.swept):
-        return IKSolutions(arm, row, method, task.complete(method), asked)
+    if row is not None and not method.swept:
+        if row[FAMILIES]:
+            row = None  # the core keeps one of all families that move the same joints
+        elif not copies:
+            return IKSolutions(arm, row, (), method, task.complete(method), asked)
     found, starts, hits = task.solved(method, values) if row is None else task.read(row)
     if method.there and method.swept and all(task.inside(root) is None for root in found) and not deadline.passed:
         members, tried, met = replace(task, progress=None).solved(method, task.values_met(method))
         found, starts, hits = found + members, starts + tried, hits + met
+    families = task.families(found)
     missed = False
     more = _searches(method)
     if more:
         beside, run, met = task.searched(more, found, int(method.there))
-        missed = bool(beside)
+        known, families = len(families), task.families(found + beside) if beside else families
+        missed = len(families) > known
         if missed or not method.exact:
-            found, starts, hits = found + beside, starts + run, hits + met
-    found, all_seen = task.brought_inside(found, method)
-    return task.told(method, found, copies, (starts, hits), all_seen and not missed)
+            starts, hits = starts + run, hits + met
+    all_seen = task.brought_inside(families, method.held)
+    return task.told(method, families, copies, (starts, hits), all_seen and not missed)
 
 
 def _searches(method: Method) -> int:
@@ -150,7 +163,7 @@ def _at_once(
         return None
     start = arm.ready if theta0 is None else theta0
     row = method.compiled.solve(numbers, start, None, position_tol, orientation_tol)
-    return None if row is None or row[LEFT] else IKSolutions(arm, row, method, True, asked)
+    return None if row is None or row[FAMILIES] else IKSolutions(arm, row, (), method, True, asked)
 
 
 @dataclass(frozen=True, eq=False)
@@ -165,6 +178,7 @@ class _Task:
     near: Array
     tolerances: Tolerances
     given: tuple[int, ...]
+    idle: tuple[int, ...]
     deadline: Deadline
     progress: Progress | None
 
@@ -192,9 +206,7 @@ class _Task:
             new: list[Root] = []
             for candidates in self.deadline.until(method.candidates(self.arm, self.target, self.near, each)):
                 more = roots(self.arm, self.target, self.deadline.until(candidates), self.tolerances, method.held, new)
-                # Members of a continuous family that stand at the value at hand stand for the others.
-                families = {root.free for root in new if root.free}
-                new += [root for root in more if root.free not in families]
+                new += more
             held = {*method.idle, *method.swept}
             found += [replace(root, free=tuple(sorted({*root.free, *held}))) for root in new]
             hits += bool(new)
@@ -221,8 +233,7 @@ class _Task:
         while count ** len(method.swept) > MOST_COMBINATIONS:
             count -= 1
         grid = {i: self._with_near(i, self._spread(i, count)) for i in method.swept}
-        stand = np.clip(self.near, self.arm.limits.lower, self.arm.limits.upper)
-        choices = [grid.get(i, np.array([stand[i]])) for i in method.held]
+        choices = [grid.get(i, np.array([self.stand[i]])) for i in method.held]
         combinations = list(itertools.product(*choices))
         return np.array(combinations).reshape(len(combinations), len(method.held))
 
@@ -265,22 +276,67 @@ class _Task:
         new = roots(self.arm, self.target, self.deadline.until(met), self.tolerances, self.given, known)
         return new, int((batch.restarts > 0).sum()), len(met)
 
-    def brought_inside(self, found: list[Root], method: Method) -> tuple[list[Root], bool]:
-        """The roots, and of each family that was met outside the limits alone the member inside that is nearest to it.
+    @cached_property
+    def stand(self) -> Array:
+        """theta0's values (n,), or the limits beyond which these are."""
+        return np.clip(self.near, self.arm.limits.lower, self.arm.limits.upper)
 
-        Also whether every family was met inside: where searches along it find nothing, there may be something yet.
+    @cached_property
+    def motions(self) -> SelfMotions:
+        """Along which answers may move; what an idle joint does tells none apart."""
+        return SelfMotions(self.arm, self.target, (*self.given, *self.idle), self.tolerances, self.deadline)
+
+    def alone(self, root: Root) -> bool:
+        """Whether it belongs to no continuous family, but for what idle joints do."""
+        return {*self.motions.still}.issuperset(root.free)
+
+    def families(self, found: list[Root]) -> list[list[Root]]:
+        """The roots, those together that lie on one self-motion."""
+        moving = [root for root in found if not self.alone(root)]
+        places = self.motions.families([root.theta for root in moving])
+        return [[root] for root in found if self.alone(root)] + [[moving[i] for i in each] for each in places]
+
+    def brought_inside(self, families: list[list[Root]], held: tuple[int, ...]) -> bool:
+        """Add a member that keeps a joint at theta0's value to each family, and one inside where none is yet.
+
+        Whether every family was met inside: where searches along it find nothing, there may be something yet.
         """
-        members: list[Root] = []
         all_seen = True
-        for root in found:
-            if not {*method.held}.issuperset(root.free) and self.inside(root) is None:
-                known = [*found, *members]
-                along = [each for each in self.along(root, known) if each.free and self.inside(each) is not None]
-                members += sorted(along, key=lambda each: float(np.abs(each.theta - root.theta).max()))[:1]
-                all_seen = all_seen and (
-                    bool(along) or any(o.free == root.free and self.inside(o) is not None for o in known)
-                )
-        return found + members, all_seen
+        for members in families:
+            if self.alone(members[0]) or self.deadline.passed:
+                continue
+            if not {*held}.issuperset(members[0].free) and all(self.inside(root) is None for root in members):
+                along = [root for root in self.along(members[0], members) if self.inside(root) is not None]
+                passed = self.motions.passed(members[0].theta, [root.theta for root in along])
+                members += [along[i] for i in passed]
+                all_seen = all_seen and self.inside(members[-1]) is not None
+            members += self.keeping(members)
+        return all_seen
+
+    def keeping(self, members: list[Root]) -> list[Root]:
+        """Of a family a member with a free joint at theta0's value, the first that can; none where there is one."""
+        free = [i for i in members[0].free if i not in self.motions.still]
+        there = [theta for root in members if (theta := self.inside(root)) is not None]
+        if any(self.at_start(theta, free) for theta in there):
+            return []
+        known = np.array(there or [members[0].theta])
+        for i in free:
+            begin = known[int(np.argmin(np.abs(known[:, i] - self.stand[i])))]
+            theta = np.array(begin)
+            theta[i] = self.stand[i]
+            theta = corrected(self.arm, self.target, theta, (*self.motions.still, i), DEPENDENT)
+            root = Root(theta, members[0].free)
+            if (
+                met(self.arm, self.target, theta, self.tolerances)
+                and self.inside(root) is not None
+                and self.motions.together(theta, begin)
+            ):
+                return [root]
+        return []
+
+    def at_start(self, theta: Array, joints: Sequence[int]) -> int:
+        """How many of the joints stand at theta0's value."""
+        return int((np.abs(theta - self.stand)[list(joints)] <= KEPT).sum())
 
     def along(self, root: Root, known: list[Root]) -> list[Root]:
         """New roots from starts that differ from this one in the joints that are free."""
@@ -294,24 +350,67 @@ class _Task:
         """The root inside the limits, if it is there."""
         return inside(self.arm, self.target, root.theta, self.near, self.tolerances)
 
+    def distance(self, theta: Array) -> float:
+        """From theta0."""
+        return distance(self.arm, theta, self.near)
+
+    def entry(self, members: list[Root], swept: bool) -> Entry:
+        """One answer, or one family by the member that keeps most joints at theta0's value, the nearest of these."""
+        there = [theta for root in members if (theta := self.inside(root)) is not None]
+        free = {i for root in members for i in root.free}
+        own = [i for i in free if i not in self.motions.still]
+        there.sort(key=lambda theta: (-self.at_start(theta, own), self.distance(theta)))
+        first = there[0] if there else members[0].theta
+        if swept and not self.deadline.passed:
+            free |= {*self_motion(self.arm, self.target, first, self.tolerances, self.motions.still)}
+        moving = np.array([float(i in free) for i in range(self.arm.n)])
+        return Entry(first, moving, there, self.distance(first))
+
     def told(
-        self, method: Method, found: list[Root], copies: bool, tries: tuple[int, int], all_seen: bool
+        self, method: Method, families: list[list[Root]], copies: bool, tries: tuple[int, int], all_seen: bool
     ) -> IKSolutions:
-        """The roots inside the limits, nearest first, and those outside."""
-        arm = self.arm
-        within: list[Array] = []
-        outside: list[Array] = []
-        for root in found:
-            theta = self.inside(root)
-            moving = np.array([float(i in root.free) for i in range(arm.n)])
-            rows = outside if theta is None else within
-            rows.append(np.append(root.theta if theta is None else theta, moving))
+        """The answers inside the limits, nearest first, and those outside; twins are one."""
+        arm, kept = self.arm, list[Entry]()
+        entries = [self.entry(members, bool(method.swept)) for members in families]
+        for each in sorted(entries, key=lambda entry: (not entry.inside, entry.distance)):
+            i = twin(arm, self.target, each.theta, [other.theta for other in kept], self.tolerances)
+            if i is None:
+                kept.append(each)
+            else:
+                kept[i].take(each)
+        within = [entry for entry in kept if entry.inside]
         if copies:
-            within = [np.append(theta, row[arm.n :]) for row in within for theta in copied(arm, row[: arm.n])]
-        within.sort(key=lambda row: distance(arm, row[: arm.n], self.near))
-        row = found_row(self.target, self.near, np.array(within), np.array(outside), tries)
+            more = [(theta, entry) for entry in within for theta in copied(arm, entry.theta)]
+            within = [Entry(theta, entry.moving, [theta], self.distance(theta)) for theta, entry in more]
+            within.sort(key=lambda entry: entry.distance)
+        beyond = [entry.row for entry in kept if not entry.inside]
+        row = found_row(self.target, self.near, np.array([entry.row for entry in within]), np.array(beyond), tries)
         late = self.deadline.passed
-        return IKSolutions(arm, row, method, all_seen and not late and self.complete(method), self.target, late)
+        members = tuple(frozen(np.array(entry.inside)) for entry in within)
+        return IKSolutions(
+            arm, row, members, method,
+            all_seen and not late and self.complete(method), self.target, late,
+        )  # fmt: skip
+
+
+@dataclass(frozen=True, eq=False)
+class Entry:
+    """An answer theta (n,), which joints may move (n,) as 0 and 1, and the members of its family inside the limits."""
+
+    theta: Array
+    moving: Array
+    inside: list[Array]
+    distance: float
+
+    @property
+    def row(self) -> Array:
+        """Both, as a row of `found_row`."""
+        return np.append(self.theta, self.moving)
+
+    def take(self, other: Entry) -> None:
+        """Make the other one with this."""
+        np.maximum(self.moving, other.moving, out=self.moving)
+        self.inside.extend(other.inside)
 
 
 def distance(arm: Arm, theta: Array, near: Array) -> float:

@@ -96,10 +96,11 @@ void to_lanes(const solved_arm<T, N>& solved, const T* held_values, const candid
 /// nearest to `near`.
 ///
 /// Members of a continuous family are added only where none of the first moves the same joints: those at the value at hand
-/// stand for the others.
+/// stand for the others. `twins` is set where two are one to the tolerances.
 template <class Judge, class T, int N>
 int verify(const Judge& judged, const solved_arm<T, N>& solved, const ranges<T, N>& range, int n, const T* near,
-           const T* held_values, const T* span, const candidate_list<T>& candidates, configuration<T, N>* answers, int count) {
+           const T* held_values, const T* span, const candidate_list<T>& candidates, configuration<T, N>* answers, int count,
+           bool& twins) {
     constexpr int lanes = lanes_at_once<T>;
     using V = pack<T, lanes>;
     const auto bit = [](unsigned all, int l) { return (all >> l & 1U) != 0; };
@@ -120,10 +121,13 @@ int verify(const Judge& judged, const solved_arm<T, N>& solved, const ranges<T, 
             // With a joint at a value at hand the others may be far from where Newton's method takes them all.
             if (!regular && !free_to_move && !bit(hardly_missed, l)) continue;
             for (int k = 0; k < n; ++k) one.theta[k] = lane(bit(by_itself, l) ? copy[k] : theta[k], l);
-            if (!regular && !judged.correct(one.theta, free_to_move ? precision<T>::steps : 3)) continue;
+            if (!regular && !judged.correct(one.theta, free_to_move ? precision<T>::steps : precision<T>::patience)) continue;
             bool again = false;
-            for (int other = 0; other < count && !again && (!regular || bit(known, l)); ++other)
-                again = judged.same(range, one.theta, answers[other].theta);
+            for (int other = 0; other < count && !again && (!regular || bit(known, l)); ++other) {
+                const relation both = judged.compare(range, one.theta, answers[other].theta);
+                again = both == relation::same;
+                twins = twins || both == relation::twins;
+            }
             if (again) continue;
             one.free = regular ? 0 : judged.self_motion(one.theta);
             one.family = one.free != 0;
@@ -156,6 +160,25 @@ template <class T, int N> void arrange(const configuration<T, N>* answers, int c
     for (int i = 0; i < count; ++i) all.found[i] = answers[order[i]];
 }
 
+/// The same without those that are twins of one before them, which may move as they may.
+template <class Judge, class T, int N>
+__attribute__((noinline, cold)) void drop_twins(const Judge& judged, const ranges<T, N>& range, configurations<T, N>& all) {
+    int kept = 0, inside = 0;
+    for (int i = 0; i < all.count; ++i) {
+        int twin = 0;
+        while (twin < kept && judged.compare(range, all.found[i].theta, all.found[twin].theta) == relation::apart) ++twin;
+        if (twin < kept) {
+            all.found[twin].free |= all.found[i].free;
+            all.found[twin].family = all.found[twin].family || all.found[i].family;
+            continue;
+        }
+        inside += i < all.inside;
+        all.found[kept++] = all.found[i];
+    }
+    all.count = kept;
+    all.inside = inside;
+}
+
 }  // namespace closed_form
 
 /// Every configuration that meets the target, and, where an answer is one of a continuous family, the one at hand.
@@ -176,14 +199,16 @@ void find_all(const chain<T, N, M>& arm, const solved_arm<T, N>& solved, const r
             configuration<T, N> answers[most_configurations];
             int count = 0;
             unsigned open = 0;
+            bool twins = false;
             for (int nth = 0; nth == 0 || (open != 0 && nth < closed_form::values_tried); ++nth) {
                 closed_form::candidate_list<T> candidates;
                 closed_form::find_candidates(solved, asked, near, held_values, closed_form::default_slack<T>, open, nth,
                                              candidates);
                 count = closed_form::verify(judged, solved, range, arm.coordinates(), near, held_values, span, candidates,
-                                            answers, count);
+                                            answers, count, twins);
             }
             closed_form::arrange(answers, count, all);
+            if (twins) closed_form::drop_twins(judged, range, all);
         }
     });
 }

@@ -23,20 +23,26 @@ namespace closed_form {
 /// What counts as nothing, in m and rad; src/twistarm/ik/closed_form/roots.py has the same for double.
 template <class T> struct precision {
     static constexpr int steps = 30;               ///< of Newton's, for a candidate
+    static constexpr int patience = 8;             ///< for steps that gain little, along a direction that hardly moves the tool
     static constexpr T longest = T(0.3);           ///< step: a candidate is near its answer or none
     static constexpr T near = T(0.05);             ///< so far a candidate of an exact family misses, at most
     static constexpr T rounding = T(is_double<T> ? 1e-14 : 1e-6);     ///< of forward kinematics
-    static constexpr T singular = T(is_double<T> ? 1e-9 : 1e-5);      ///< singular values below this part are none
+    static constexpr T singular = T(is_double<T> ? 1e-12 : 1e-5);      ///< singular values below this part are none
     static constexpr T dependent = T(is_double<T> ? 1e-6 : 1e-3);     ///< and below this move nothing at first
     static constexpr T regular = T(is_double<T> ? 1e11 : 1e5);        ///< squares of singular values, the largest over the least
     static constexpr T same = T(is_double<T> ? 1e-5 : 3e-3);          ///< nearer together, two answers may be one
-    static constexpr T halfway = T(is_double<T> ? 1e-13 : 3e-6);      ///< if halfway between the target is met so well
+    static constexpr T halfway = T(is_double<T> ? 1e-13 : 3e-6);      ///< if halfway between the target is met so well,
+    static constexpr T twins = T(1e-2);            ///< and so near if it is met to the tolerances there
     static constexpr T at_limit = T(is_double<T> ? 1e-5 : 3e-3);      ///< an answer beyond by less may be at the limit:
                                                                      ///< a multiple root is known no better,
     static constexpr T on_limit = T(is_double<T> ? 1e-11 : 1e-6);     ///< and by so little meets the target there too
     static constexpr T sidestep = T(0.05);         ///< along a singular direction, where a family is looked for
+    static constexpr T alike = T(is_double<T> ? 1e-12 : 1e-5);        ///< members of a family miss by less,
+    static constexpr T hardly = T(is_double<T> ? 1e-10 : 1e-4);       ///< or by so much at most where the first does too
     static constexpr T moved = T(is_double<T> ? 1e-6 : 1e-3);
 };
+
+enum class relation { apart, twins, same };
 
 /// Forward kinematics as the judge of one target: how far configurations miss it, and Newton's steps toward it.
 template <target_kind Kind, class T, int N, int M> class judge {
@@ -60,13 +66,17 @@ public:
     bool meets(const T* theta) const { return meets(theta, position_, chord_); }
 
     /// Whether two answers are one: near together, but for whole turns, and the target is met as well
-    /// halfway between them, or to rounding.
-    bool same(const ranges<T, N>& range, const T* a, const T* b) const {
-        T apart[width], between[width];
-        if (!differences(range, a, b, apart)) return false;
-        for (int k = 0; k < arm_.coordinates(); ++k) between[k] = b[k] + T(0.5) * apart[k];
+    /// halfway between them, or to rounding. They are twins where it is met there to the tolerances.
+    __attribute__((noinline, cold)) relation compare(const ranges<T, N>& range, const T* a, const T* b) const {
+        T apart[width], between[width], farthest = T(0);
+        if (!differences(range, a, b, apart)) return relation::apart;
+        for (int k = 0; k < arm_.coordinates(); ++k) {
+            between[k] = b[k] + T(0.5) * apart[k];
+            farthest = greatest(farthest, absolute(apart[k]));
+        }
         const T most = greatest(greatest(precision<T>::halfway, T(2) * missed(a)), T(2) * missed(b));
-        return missed(between) <= most;
+        if (farthest <= precision<T>::same && missed(between) <= most) return relation::same;
+        return meets(between) ? relation::twins : relation::apart;
     }
 
     /// In which lanes θ is so near an answer, whole turns left aside, that it may be the same.
@@ -122,7 +132,8 @@ public:
 
     /// θ after some of Newton's steps of least length, −J⁺ e, of which so many may gain little; whether it meets the target.
     /// singular: singular values below this part of the largest are none. still: the coordinates, as bits, that stay.
-    bool correct(T* theta, int patience = 3, T singular = precision<T>::singular, std::uint32_t still = 0) const {
+    bool correct(T* theta, int patience = precision<T>::patience, T singular = precision<T>::singular,
+                 std::uint32_t still = 0) const {
         residual<T, N, rows> missed;
         T best = static_cast<T>(__builtin_inf());
         int in_vain = 0;
@@ -161,19 +172,23 @@ public:
     /// The coordinates that move while the target stays met.
     ///
     /// Where the rows of the Jacobian are dependent there is a direction that moves nothing at first. A step along it,
-    /// corrected, either comes back, or is another answer: then the two belong to a family.
+    /// corrected, either comes back, or is another answer, as exact, or so exact that a whole turn would stay within the
+    /// tolerances: then the two belong to a family.
     std::uint32_t self_motion(const T* theta) const {
         residual<T, N, rows> missed;
         six_rows<T, most_unknowns> columns;
         T X[6][6], size[6], beside[width];
         with_rows(theta, missed);
         const T most = decompose(missed, columns, X, size);
+        const T alike = greatest(precision<T>::alike, least(T(2) * this->missed(theta), precision<T>::hardly));
+        const T turned = T(0.5) * precision<T>::sidestep;
         std::uint32_t moving = 0;
         for (int i = 0; i < count_; ++i) {
             if (size[i] > precision<T>::dependent * most) continue;
             for (int k = 0; k < arm_.coordinates(); ++k) beside[k] = theta[k];
             for (int j = 0; j < count_; ++j) beside[moving_[j]] += precision<T>::sidestep * X[j][i];
-            if (!correct(beside, 3, precision<T>::dependent)) continue;
+            if (!correct(beside, precision<T>::patience, precision<T>::dependent)) continue;
+            if (this->missed(beside) > alike && !meets(beside, turned * position_, turned * chord_)) continue;
             std::uint32_t changed = 0;
             T square = T(0);
             for (int j = 0; j < count_; ++j) {
@@ -193,7 +208,7 @@ private:
         for (int k = 0; k < arm_.coordinates(); ++k) {
             apart[k] = a[k] - b[k];
             if (range.periodic[k]) apart[k] = apart[k] - T(whole_turn) * nearest_whole(apart[k] * T(1.0 / whole_turn));
-            near = near & (absolute(apart[k]) <= V(precision<T>::same));
+            near = near & (absolute(apart[k]) <= V(precision<T>::twins));
             if (!any(near)) return 0;
         }
         return bits(near);

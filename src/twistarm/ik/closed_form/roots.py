@@ -10,7 +10,7 @@ import numpy as np
 
 from ...model.arm import Arm
 from ...support.checks import Array
-from ..ranges import TURN, Mask, joint_ranges
+from ..ranges import TURN, joint_ranges
 from ..targets import AnyTarget
 from ..task_space import Tolerances
 
@@ -23,14 +23,17 @@ LONGEST_STEP = 0.3
 ROUNDING = 1e-14
 """Errors [m, rad] below this are those of forward kinematics itself."""
 
-SINGULAR = 1e-9
+SINGULAR = 1e-12
 """Singular values below this part of the largest are none: Newton's step leaves those directions alone."""
 
 DEPENDENT = 1e-6
 """Singular values below this part of the largest are those of directions that move nothing at first."""
 
 SAME = 1e-5
-"""Two answers nearer together than this [rad, m] are one if the target is met as well halfway between them."""
+"""Two candidates nearer together than this [rad, m] are one if the target is met as well halfway between them."""
+
+TWINS = 1e-2
+"""Two answers nearer together than this [rad, m] are one if the target is met to the tolerances halfway between."""
 
 HALFWAY = 1e-13
 """Or to so much [m, rad]."""
@@ -40,6 +43,9 @@ ROUNDED_LIMIT = 1e-5
 
 LEAST_ROUNDED = 1e-11
 """By so little [rad, m] that the target is met at the limit as well."""
+
+ALIKE, HARDLY = 1e-12, 1e-10
+"""Members of a family miss the target by less [m, rad], or by at most so much where the first does too."""
 
 SIDESTEP = 0.05
 """How far [rad, m] along a singular direction an answer is looked for again: where there is one, a family begins."""
@@ -56,7 +62,12 @@ class Root:
 
 
 def corrected(
-    arm: Arm, target: AnyTarget, theta: Array, held: tuple[int, ...] = (), singular: float = SINGULAR
+    arm: Arm,
+    target: AnyTarget,
+    theta: Array,
+    held: tuple[int, ...] = (),
+    singular: float = SINGULAR,
+    enough: float = ROUNDING,
 ) -> Array:
     """theta (n,) after some of Newton's steps of least length, −J⁺ e, toward the target; `held` joints stay.
 
@@ -64,8 +75,8 @@ def corrected(
     in line, the others go all their way nevertheless.
     """
     for _ in range(STEPS):
-        error, J = _error_and_rows(arm, target, theta)
-        if np.abs(error).max(initial=0.0) <= ROUNDING:
+        error, J = rows_of(arm, target, theta)
+        if np.abs(error).max(initial=0.0) <= enough:
             break
         J[:, list(held)] = 0.0
         U, size, Vt = np.linalg.svd(J, full_matrices=False)
@@ -93,12 +104,11 @@ def roots(
     `held` joints stay where they are.
     """
     found: list[Root] = []
-    turns = joint_ranges(arm).periodic
     for candidate in candidates:
         theta = corrected(arm, target, np.array(candidate), held)
         if not met(arm, target, theta, tolerances):
             continue
-        if not any(_same(arm, target, theta, other.theta, turns) for other in (*known, *found)):
+        if not any(_same(arm, target, theta, other.theta) for other in (*known, *found)):
             found.append(Root(theta, self_motion(arm, target, theta, tolerances, held)))
     return found
 
@@ -110,20 +120,23 @@ def self_motion(
 
     Where more joints are left than there are rows, and these are independent, the null space is a family's tangent, and
     all that it moves is free. Else a direction in it moves nothing at first. A step along it, corrected, either comes
-    back, or is another answer: then the two belong to a family.
+    back, or is another answer, as exact, or so exact that a whole turn would stay within the tolerances: then the two
+    belong to a family.
     """
     solved = [i for i in range(arm.n) if i not in held]
-    J = _error_and_rows(arm, target, theta)[1][:, solved]
+    J = rows_of(arm, target, theta)[1][:, solved]
     _, size, Vt = np.linalg.svd(J)
     rank = int((size > DEPENDENT * size.max(initial=1e-300)).sum())
     if rank == len(J) and np.abs(Vt[rank:]).max(axis=0, initial=0.0).min(initial=1.0) > DEPENDENT:
         return tuple(solved)
     moving: set[int] = set()
+    turned = Tolerances(0.5 * SIDESTEP * tolerances.position, 0.5 * SIDESTEP * tolerances.orientation)
     for direction in Vt[rank:]:
         step = np.zeros(arm.n)
         step[solved] = SIDESTEP * direction
         beside = corrected(arm, target, theta + step, held, DEPENDENT)
-        if met(arm, target, beside, tolerances) and np.linalg.norm(beside - theta) > 0.5 * SIDESTEP:
+        alike = _missed(arm, target, beside) <= max(ALIKE, min(2.0 * _missed(arm, target, theta), HARDLY))
+        if (alike or met(arm, target, beside, turned)) and np.linalg.norm(beside - theta) > 0.5 * SIDESTEP:
             moving |= set(np.flatnonzero(np.abs(beside - theta) > 1e-6).tolist())
     return tuple(sorted(moving))
 
@@ -169,11 +182,26 @@ def copies(arm: Arm, theta: Array) -> Array:
     return np.array(list(itertools.islice(itertools.product(*choices), MOST_COPIES)))
 
 
-def _same(arm: Arm, target: AnyTarget, a: Array, b: Array, turns: Mask) -> bool:
-    apart = np.where(turns, (a - b + np.pi) % TURN - np.pi, a - b)
-    if np.abs(apart).max(initial=0.0) > SAME:
+def apart(arm: Arm, a: Array, b: Array) -> Array:
+    """a − b (…, n), less whole turns."""
+    left: Array = np.where(joint_ranges(arm).periodic, (a - b + np.pi) % TURN - np.pi, a - b)
+    return left
+
+
+def twin(arm: Arm, target: AnyTarget, theta: Array, others: Sequence[Array], tolerances: Tolerances) -> int | None:
+    """Which of the others (n,) is one answer with theta (n,), if any is."""
+    if not len(others):
+        return None
+    left = apart(arm, np.array(others), theta)
+    near = np.flatnonzero(np.abs(left).max(axis=1, initial=0.0) <= TWINS)
+    return next((int(i) for i in near if met(arm, target, theta + 0.5 * left[i], tolerances)), None)
+
+
+def _same(arm: Arm, target: AnyTarget, a: Array, b: Array) -> bool:
+    left = apart(arm, a, b)
+    if np.abs(left).max(initial=0.0) > SAME:
         return False
-    here, halfway, there = (_missed(arm, target, theta) for theta in (a, b + 0.5 * apart, b))
+    here, halfway, there = (_missed(arm, target, theta) for theta in (a, b + 0.5 * left, b))
     return halfway <= max(HALFWAY, 2.0 * here, 2.0 * there)
 
 
@@ -182,7 +210,8 @@ def _missed(arm: Arm, target: AnyTarget, theta: Array) -> float:
     return max(target.position_error(g), target.orientation_error(g))
 
 
-def _error_and_rows(arm: Arm, target: AnyTarget, theta: Array) -> tuple[Array, Array]:
+def rows_of(arm: Arm, target: AnyTarget, theta: Array) -> tuple[Array, Array]:
+    """What theta (n,) misses of the target [m, rad] (k,), and its derivative (k, n)."""
     g, J_b = arm._fk_and_body_jacobian(theta)
     (e_p, J_p), (e_r, J_r) = target.position_rows(g, J_b), target.rotation_rows(g, J_b)
     return np.concatenate([e_p, e_r]), np.concatenate([J_p, J_r])

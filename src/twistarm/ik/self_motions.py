@@ -1,0 +1,177 @@
+"""Self-motions: which answers lie on one connected family, followed from one to the other along the null space."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..model.arm import Arm
+from ..support.checks import Array
+from .closed_form.roots import DEPENDENT, apart, corrected, met, rows_of
+from .deadline import Deadline
+from .ranges import TURN, joint_ranges
+from .targets import AnyTarget
+from .task_space import Tolerances
+
+STEP = 0.2
+"""[rad, m] along a self-motion, the norm over the joints."""
+
+SHORT, LONG = 10, 200
+"""Steps toward an answer nearby, and along a whole curve."""
+
+NEIGHBOURS = 3
+"""Families whose nearest member is tried before an answer counts as a family of its own, for the time being."""
+
+MOST_PAIRS = 300
+"""Families to which a way is looked for, and of each so many members, evenly."""
+
+REACHED = 1e-3
+"""[rad, m]: nearer than this, two members are together."""
+
+NEARBY = 0.5
+"""[rad, m]: nearer than this, two members are together if the one halfway stands halfway, but for this share:"""
+
+BENT = 0.1
+
+ACROSS = 0.1
+"""A way on which so small a share of what is left can be gone leads past."""
+
+ENOUGH = 1e-10
+"""Errors [m, rad] that are small enough on the way."""
+
+
+@dataclass(frozen=True, eq=False)
+class SelfMotions:
+    """How the arm moves while the target stays met, its joints `still` apart."""
+
+    arm: Arm
+    target: AnyTarget
+    still: tuple[int, ...]
+    tolerances: Tolerances
+    deadline: Deadline
+
+    @cached_property
+    def _moving(self) -> list[int]:
+        return [i for i in range(self.arm.n) if i not in self.still]
+
+    def families(self, members: Sequence[Array]) -> list[list[int]]:
+        """The places of those that lie on one connected self-motion; two that no way was found between stay apart."""
+        thetas = np.array(members).reshape(-1, self.arm.n)
+        thetas = np.where(joint_ranges(self.arm).periodic, thetas % TURN, thetas)
+        family = np.arange(len(thetas))
+        for i in self.deadline.until(range(1, len(thetas))):
+            away = self._away(thetas[:i], thetas[i])
+            for _ in range(NEIGHBOURS):
+                j = int(np.argmin(away))
+                if away[j] > SHORT * STEP:
+                    break
+                if self.together(thetas[i], thetas[j], SHORT):
+                    family[i] = family[j]
+                    break
+                away[family[:i] == family[j]] = np.inf
+        for first in self.deadline.until(np.unique(family)):
+            if family[first] == first:  # not joined to another meanwhile
+                self._join_along(thetas, family, int(first))
+        return [np.flatnonzero(family == first).tolist() for first in np.unique(family)]
+
+    def _join_along(self, thetas: Array, family: NDArray[np.intp], first: int) -> None:
+        """Join to the family of this member all that lie on its self-motion."""
+        others = np.flatnonzero(family > first)
+        if not len(others):
+            return
+        if len(self._tangents(thetas[first])) == 1:
+            for place in self.passed(thetas[first], [*thetas[others]]):
+                family[family == family[others[place]]] = first
+            return
+        for other in np.unique(family[others])[:MOST_PAIRS]:
+            a, b = (each[:: 1 + len(each) // MOST_PAIRS] for each in (thetas[family == first], thetas[family == other]))
+            away = np.array([self._away(b, each) for each in a])
+            i, j = np.unravel_index(int(np.argmin(away)), away.shape)
+            if self.together(a[i], b[j], LONG // 4):
+                family[family == other] = first
+
+    def together(self, a: Array, b: Array, steps: int = LONG) -> bool:
+        """Whether a way along the self-motion, of so many steps at most, leads from a to b, (n,)."""
+        left = apart(self.arm, b, a)
+        if np.abs(left).max(initial=0.0) < NEARBY:
+            halfway = a + 0.5 * left
+            between = corrected(self.arm, self.target, halfway, self.still, DEPENDENT, ENOUGH)
+            if np.linalg.norm(between - halfway) <= BENT * np.linalg.norm(left) and self._met(between):
+                return True
+        x, along = a, left
+        for _ in range(steps):
+            left = apart(self.arm, b, x)
+            if np.abs(left).max(initial=0.0) < REACHED:
+                return True
+            tangents = self._tangents(x)
+            # On a curve the way goes on as it began; else it leads straight to b.
+            along = tangents.T @ (tangents @ (along if len(tangents) == 1 else left))
+            size, far = float(np.linalg.norm(along)), float(np.linalg.norm(left))
+            toward = float(along @ left) / max(size, 1e-300)
+            if abs(toward) < ACROSS * far and (len(tangents) != 1 or far < STEP):
+                return False
+            on = self._on(x, along, toward if far < 2.0 * STEP and toward > 0.0 else STEP)
+            if on is None:
+                return False
+            along, x = on - x, on
+        return False
+
+    def passed(self, start: Array, goals: Sequence[Array]) -> set[int]:
+        """The places of the goals, (n,) each, that lie on the curve through the start (n,), both ways until it closes.
+
+        Where the start may move in several ways, those to which a way leads.
+        """
+        if len(self._tangents(start)) != 1:
+            return {i for i in self.deadline.until(range(len(goals))) if self.together(start, goals[i], LONG // 4)}
+        found: set[int] = set()
+        there = np.array(goals).reshape(-1, self.arm.n)
+        for sense in (1.0, -1.0):
+            x, along = start, sense * self._tangents(start)[0]
+            for count in self.deadline.until(range(LONG)):
+                tangents = self._tangents(x)
+                on = self._on(x, tangents.T @ (tangents @ along), STEP)
+                if on is None:
+                    break
+                along, x = on - x, on
+                near = np.linalg.norm(apart(self.arm, there, x), axis=1) < 1.5 * STEP
+                new = {*np.flatnonzero(near).tolist()} - found
+                found |= {i for i in new if self.together(x, goals[i], SHORT)}
+                if len(found) == len(goals) or (count > 1 and np.linalg.norm(apart(self.arm, x, start)) < 0.75 * STEP):
+                    return found
+        return found
+
+    def _on(self, x: Array, along: Array, length: float) -> Array | None:
+        """The member (n,) a step on in the direction `along`; None where the motion ends."""
+        size = float(np.linalg.norm(along))
+        if size < 1e-9:
+            return None
+        for share in (1.0, 0.25):
+            step = share * min(length, STEP)
+            on = corrected(self.arm, self.target, x + step / size * along, self.still, DEPENDENT, ENOUGH)
+            if 0.5 * step <= np.linalg.norm(on - x) <= 1.5 * step and self._met(on):
+                return on
+        return None
+
+    def _away(self, thetas: Array, theta: Array) -> Array:
+        """The largest joint differences (k,) of thetas (k, n) from theta (n,), less whole turns."""
+        left = np.abs(thetas - theta)
+        turns = joint_ranges(self.arm).periodic
+        left[:, turns] = np.minimum(left[:, turns], np.abs(TURN - left[:, turns]))
+        largest: Array = left.max(axis=1, initial=0.0)
+        return largest
+
+    def _met(self, theta: Array) -> bool:
+        return met(self.arm, self.target, theta, self.tolerances)
+
+    def _tangents(self, theta: Array) -> Array:
+        """The directions (d, n) that move nothing at first, orthonormal."""
+        J = rows_of(self.arm, self.target, theta)[1][:, self._moving]
+        _, size, Vt = np.linalg.svd(J)
+        rank = int((size > DEPENDENT * size.max(initial=1e-300)).sum())
+        tangents = np.zeros((len(Vt) - rank, self.arm.n))
+        tangents[:, self._moving] = Vt[rank:]
+        return tangents
