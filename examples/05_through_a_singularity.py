@@ -63,7 +63,7 @@ start = ServoState.at(arm, arm.ready)
 state, output = jog_tool(start, speed * outward(arm.ready)[1], 6.0)
 assert output.status is ServoStatus.SLOWED_SINGULARITY
 assert longest - outward(state.theta)[0] < 1e-4, "stretched to the tenth of a millimetre"
-print(f"stretched, {1e3 * outward(state.theta)[0]:.1f} of {1e3 * longest:.1f} mm: {output.reason}")
+print(f"stretched, {1e3 * outward(state.theta)[0]:.1f} of {1e3 * longest:.1f} mm: {output.explain()}")
 
 # No twist says on which side of straight the elbow should be. A jog of the joint does.
 state = jog_elbow(state, -0.4, 1.2)

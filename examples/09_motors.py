@@ -53,7 +53,7 @@ for _ in range(50):
     state, output = servo_step(arm, state, wanted, dt=0.01)
 assert (output.status, output.joint) == (ServoStatus.SLOWED_LIMIT, "left")
 assert np.isclose(output.scale, 90 / 144)
-print(f"{output.reason}: {output.scale:.1%} of the jog")
+print(f"{output.explain()}: {output.scale:.1%} of the jog")
 
 # The right encoder counts backwards. Fifteen postures, their tool measured to a millimetre, tell that it is that one.
 rng = np.random.default_rng(0)

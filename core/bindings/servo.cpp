@@ -117,10 +117,11 @@ nb::object Servo::row(const double* values, std::size_t count) const {
 }
 
 nb::object Servo::step(nb::handle theta, nb::handle theta_dot, nb::handle held, int kind, unsigned flags,
-                       nb::handle numbers, double dt) const {
+                       nb::handle numbers, double dt, double period) const {
     State state{};
     Command command{};
-    if (!(dt > 0.0) || !std::isfinite(dt) || !read(theta, theta_dot, held, state) || !read(kind, flags, numbers, command))
+    state.period = period;
+    if (!(dt > 0.0) || !std::isfinite(dt) || !(period >= 0.0 && period <= most) || !read(theta, theta_dot, held, state) || !read(kind, flags, numbers, command))
         return nb::none();
     const bool holds = flags > 1U;
     state.holding_base_axes = command.base_axes;
@@ -134,7 +135,7 @@ nb::object Servo::step(nb::handle theta, nb::handle theta_dot, nb::handle held, 
         make_read_only(kept);
     }
     return nb::make_tuple(row(state.theta, n_), row(state.theta_dot, n_), kept, static_cast<int>(out.cause), out.row,
-                          out.scale, row(out.lost, 6), out.lost_share, out.halted, out.remaining[0], out.remaining[1]);
+                          out.scale, row(out.lost, 6), out.lost_share, out.halted, out.remaining[0], out.remaining[1], state.period);
 }
 
 }  // namespace bindings

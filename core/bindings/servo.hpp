@@ -16,9 +16,9 @@ public:
           nb::handle upper, nb::handle velocity, nb::handle acceleration, nb::handle unit, nb::handle ready,
           double length, double below, double damping, bool stops);
 
-    // None, or (theta, theta_dot, held or None, cause, row, scale, lost, halted, position and angle that remain).
+    // None, or (theta, theta_dot, held or None, cause, row, scale, lost, halted, position and angle that remain, period).
     nb::object step(nb::handle theta, nb::handle theta_dot, nb::handle held, int kind, unsigned flags,
-                    nb::handle numbers, double dt) const;
+                    nb::handle numbers, double dt, double period) const;
 
 private:
     using State = twistarm::servo_state<double, twistarm::dynamic>;

@@ -48,6 +48,7 @@ from .proof.golden_file import freeze as freeze
 from .servo import JogCommand as JogCommand
 from .servo import PoseCommand as PoseCommand
 from .servo import ServoOutput as ServoOutput
+from .servo import ServoReason as ServoReason
 from .servo import ServoSettings as ServoSettings
 from .servo import ServoState as ServoState
 from .servo import ServoStatus as ServoStatus

@@ -197,9 +197,10 @@ class Servo:
         flags: int,
         numbers: object,
         dt: float,
+        period: float,
         /,
-    ) -> tuple[Array, Array, Array | None, int, int, float, Array, float, bool, float, float] | None:
-        """theta, theta_dot, held, cause, row, scale, lost, its share, halted, and the position and angle that remain.
+    ) -> tuple[Array, Array, Array | None, int, int, float, Array, float, bool, float, float, float] | None:
+        """theta, theta_dot, held, cause, row, scale, lost, its share, halted, position and angle that remain, period.
 
         kind 0 for no command, else with flags and numbers as in servo/command.py.
         """

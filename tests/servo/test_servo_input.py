@@ -100,7 +100,7 @@ def test_a_bad_command_brings_the_arm_to_rest_along_its_limits(command, words):
         before = state
         state, output = servo_step(arm, state, command, DT)
         assert output.status is ServoStatus.STALE
-        assert words in output.reason
+        assert words in output.explain()
         assert (np.abs(state.theta_dot - before.theta_dot) <= arm.limits.acceleration * DT + 1e-12).all()
     assert not state.theta_dot.any()
 
@@ -111,7 +111,7 @@ def test_a_bad_time_step_is_refused_and_the_arm_is_still(dt):
     state = moving(arm)
     after, output = servo_step(arm, state, MOVING, dt)
     assert output.status is ServoStatus.STALE
-    assert "dt must be more than 0 and at most 0.1 s" in output.reason
+    assert "dt must be more than 0 and at most 0.1 s" in output.explain()
     assert not output.theta_dot.any()
     assert np.array_equal(after.theta, state.theta)
 
@@ -122,7 +122,7 @@ def test_a_bad_state_is_refused(bad):
     broken = replace(ServoState.at(arm, arm.ready), theta=bad)
     _, output = servo_step(arm, broken, MOVING, DT)
     assert output.status is ServoStatus.STALE
-    assert "the state cannot be used" in output.reason
+    assert "the state cannot be used" in output.explain()
     assert not output.theta_dot.any()
 
 
@@ -133,7 +133,7 @@ def test_a_held_pose_that_cannot_be_is_refused_too(held):
     state, _ = servo_step(arm, ServoState.at(arm, arm.ready), push, DT)
     _, output = servo_step(arm, replace(state, held=held), push, DT)
     assert output.status is ServoStatus.STALE
-    assert "the state cannot be used" in output.reason
+    assert "the state cannot be used" in output.explain()
 
 
 def test_a_held_pose_in_other_numbers_serves():

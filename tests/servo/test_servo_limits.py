@@ -58,7 +58,7 @@ def test_a_joint_at_its_limit_stops_and_the_rest_of_the_motion_goes_on():
     assert abs(moved[1] - 0.02) < 2e-3 or abs(moved[0]) > 0.03
     assert output.status is ServoStatus.SLOWED_LIMIT
     assert output.joint == arm.joint_names[0]
-    assert "upper position limit" in output.reason
+    assert "upper position limit" in output.explain()
 
 
 def test_a_jog_into_a_limit_halts_there_and_says_which():

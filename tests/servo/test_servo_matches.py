@@ -7,8 +7,9 @@ import pytest
 
 from catalogue import load
 from servo_drives import next_command, random_arm
-from twistarm.servo import ServoSettings, ServoState, readable
+from twistarm.servo import ServoSettings, ServoState, TwistCommand, readable
 from twistarm.servo.bounds import bounds_of
+from twistarm.servo.command import held_components
 from twistarm.servo.step import _answer
 
 SAME = 1e-4
@@ -25,9 +26,9 @@ def _compiled():
         pytest.skip("no compiled core; tests/model/test_engine.py says whether there should be one")
 
 
-def same(arm, bounds, state, command):
+def same(arm, bounds, state, command, dt=0.01):
     """The compiled step's answer, once it is seen to be the readable one's."""
-    ours, theirs = _answer(arm, bounds, state, command, 0.01), readable.step(arm, bounds, state, command, 0.01)
+    ours, theirs = _answer(arm, bounds, state, command, dt), readable.step(arm, bounds, state, command, dt)
     assert ours.cause == theirs.cause
     assert ours.row == theirs.row
     assert ours.halted == theirs.halted
@@ -37,6 +38,7 @@ def same(arm, bounds, state, command):
     # What is lost is told at full speed: rates divided by the share of it that they are for.
     np.testing.assert_allclose(ours.lost, theirs.lost, atol=10 * SAME)
     assert (ours.held is None) == (theirs.held is None)
+    assert ours.period == pytest.approx(theirs.period, rel=1e-12)
     return ours
 
 
@@ -47,9 +49,9 @@ def walk(arm, rng, steps, settings=SLIDES):
     for k in range(steps):
         if k % 10 == 0:
             command = next_command(rng, arm, command)
-        ours = same(arm, bounds, state, command)
+        ours = same(arm, bounds, state, command, dt=rng.uniform(0.005, 0.015))
         holding = command.flags if command.flags > 1 else None
-        state = ServoState(ours.theta, ours.theta_dot, ours.held, holding)
+        state = ServoState(ours.theta, ours.theta_dot, ours.held, holding, ours.period)
 
 
 @pytest.mark.parametrize("name", ["rover_arm", "ur5"])
@@ -76,3 +78,14 @@ def test_the_same_where_the_arm_is_exactly_singular(name):
     for _ in range(20):
         command = next_command(rng, arm, command)
         same(arm, bounds, state, command)
+
+
+@pytest.mark.parametrize("hold", ["position", "orientation", [True, False, False, False, True, True]])
+def test_the_same_where_held_directions_are_lost(hold):
+    """Stretched out, and on its way from there."""
+    arm = load("ur5")
+    command = TwistCommand(np.where(held_components(hold), 0.0, 0.2), "tool", hold)
+    bounds, state = bounds_of(arm, ServoSettings()), ServoState.at(arm, np.zeros(arm.n))
+    for _ in range(20):
+        ours = same(arm, bounds, state, command)
+        state = ServoState(ours.theta, ours.theta_dot, ours.held, command.flags, ours.period)

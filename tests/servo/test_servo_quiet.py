@@ -11,10 +11,10 @@ import pytest
 sys.path.append(str(Path(__file__).resolve().parents[2]))
 
 from benchmarks.servo_arms import names, random, servo_arm
-from benchmarks.servo_held import STEADY, case, held, judged, sign_changes
+from benchmarks.servo_held import REVERSALS, STEADY, TURNING, case, held, judged, sign_changes
 from benchmarks.servo_named import EXAMPLES, driven
 
-from twistarm.servo import TwistCommand
+from twistarm.servo import ServoState, TwistCommand, servo_step
 
 QUICK, WHOLE = 8, 160
 """Twists of an arm: of every kind, from random starts, at limits, at stretched and at singular postures."""
@@ -49,6 +49,33 @@ def test_no_held_twist_ends_in_shaking(name, accelerating):
 @pytest.mark.parametrize("name", names())
 def test_no_held_twist_of_many_ends_in_shaking(name, accelerating):
     check(name, accelerating, WHOLE, LATER)
+
+
+def jittered(name, accelerating, count):
+    """How many of so many held twists end in joints that turn round, at steps of 2 to 30 ms."""
+    arm, rng, shaking = servo_arm(name, accelerating), random(name, "jittered", 0), 0
+    for number in range(count):
+        one = case(arm, rng, number)
+        state, command, rates, judged_from = ServoState.at(arm, one.theta), TwistCommand(one.twist, one.frame), [], 5.0
+        for dt in rng.uniform(0.002, 0.03, 560):
+            state, _ = servo_step(arm, state, command, dt)
+            judged_from -= dt
+            if judged_from < 0.0:
+                rates.append(state.theta_dot)
+        shaking += sign_changes(np.array(rates), TURNING) / -judged_from >= REVERSALS
+    return shaking
+
+
+@pytest.mark.parametrize("name", ["rover_arm", "so101", "panda"])
+def test_no_held_twist_shakes_at_uneven_steps(name):
+    assert jittered(name, True, 8) == 0
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("accelerating", [True, False])
+@pytest.mark.parametrize("name", ["rover_arm", "rover_arm_6dof", "so101", "ur5", "panda"])
+def test_hardly_a_held_twist_of_many_shakes_at_uneven_steps(name, accelerating):
+    assert jittered(name, accelerating, 60) <= 1
 
 
 @pytest.mark.parametrize("title", EXAMPLES)

@@ -7,7 +7,8 @@ import pytest
 
 from catalogue import load
 from servo_drives import DT, driven, pose
-from twistarm.servo import ServoSettings, ServoState, ServoStatus, TwistCommand, servo_step
+from twistarm import JointLimits, arm_from_screws, joints
+from twistarm.servo import ServoReason, ServoSettings, ServoState, ServoStatus, TwistCommand, servo_step
 from twistarm.theory import manipulability
 
 BENT = {
@@ -43,7 +44,7 @@ def test_what_an_arm_has_at_no_posture_is_impossible_and_no_singularity(name, ha
         output = pushed(name, theta, twist)
         assert output.status is ServoStatus.IMPOSSIBLE_DIRECTION
         assert output.lost_share == pytest.approx(1.0, abs=1e-3)
-        assert output.reason == f"this arm cannot {half} that way: {held}no joint {done} the base's {'xyz'[k]} axis"
+        assert output.explain() == f"this arm cannot {half} that way: {held}no joint {done} the base's {'xyz'[k]} axis"
 
 
 @pytest.mark.parametrize("name", ["rover_arm", "so101"])
@@ -55,10 +56,10 @@ def test_five_joints_lack_the_third_turn_in_whatever_posture(name):
     for frame, R in (("tool", np.eye(3)), ("base", g[:3, :3])):
         output = pushed(name, BENT[name], np.r_[0, 0, 0, 0.05 * R @ turns[:, 2]], frame)
         assert output.status is ServoStatus.IMPOSSIBLE_DIRECTION
-        assert output.reason.startswith(missing)
+        assert output.explain().startswith(missing)
     partly = pushed(name, BENT[name], np.r_[0, 0, 0, 0.05 * (turns[:, 2] + turns[:, 0])], "tool")
     assert partly.status is ServoStatus.OK
-    assert partly.reason.startswith(missing)
+    assert partly.explain().startswith(missing)
 
 
 def test_a_motion_that_the_arm_has_elsewhere_is_a_singularity():
@@ -69,19 +70,19 @@ def test_a_motion_that_the_arm_has_elsewhere_is_a_singularity():
     ):
         output = pushed(name, np.zeros(len(BENT[name])), twist)
         assert output.status is ServoStatus.SLOWED_SINGULARITY
-        assert f"this arm can hardly {way} the base's x axis from here" in output.reason
-    assert pushed("ur5", BENT["ur5"], [0, 0, 0, 0.1, 0, 0]).reason == "moving as commanded"
+        assert f"this arm can hardly {way} the base's x axis from here" in output.explain()
+    assert pushed("ur5", BENT["ur5"], [0, 0, 0, 0.1, 0, 0]).explain() == "moving as commanded"
 
 
 def test_a_planar_arm_turns_its_tool_on_the_way_and_says_so():
     twist = [0.02, 0, 0, 0, 0, 0]
     output = pushed("rr_planar", BENT["rr_planar"], twist)
     assert output.status is ServoStatus.OK
-    assert output.reason == "this arm cannot move that way without turning its tool about the base's z axis"
+    assert output.explain() == "this arm cannot move that way without turning its tool about the base's z axis"
     arm = load("rr_planar")
     held = TwistCommand(twist, "base", hold="orientation")
     _, output = servo_step(arm, ServoState.at(arm, BENT["rr_planar"]), held, DT)
-    assert "cannot move that way: with the orientation held, no joint moves its tool along" in output.reason
+    assert "cannot move that way: with the orientation held, no joint moves its tool along" in output.explain()
 
 
 def test_leaving_a_singularity_is_called_ok():
@@ -121,6 +122,35 @@ def test_an_arm_leaves_a_posture_that_is_exactly_singular(name):
     inward = (base - g[:3, 3]) / np.linalg.norm(base - g[:3, 3])
     state, _ = driven(arm, ServoState.at(arm, np.zeros(arm.n)), TwistCommand([*0.1 * inward, 0, 0, 0], "base"), 300)
     assert inward @ (pose(arm, state)[:3, 3] - g[:3, 3]) > 0.2
+
+
+@pytest.mark.parametrize("side", [-1.0, 1.0])
+def test_an_arm_leaves_to_the_side_where_it_has_room(side):
+    """Two links, stretched: both bends of the elbow pull the tool in, and one of them ends at a limit soon."""
+    free = np.full(2, np.inf)
+    ends = np.sort(side * np.array([[0.15, 0.15], [-2.0, -2.0]]), axis=0)
+    screws = np.hstack([joints.revolute([0, 0, 1], [0, 0, 0]), joints.revolute([0, 0, 1], [0.5, 0, 0])])
+    home = np.eye(4)
+    home[0, 3] = 0.9
+    limits = JointLimits(np.array([-3.0, ends[0, 1]]), np.array([3.0, ends[1, 1]]), free, np.full(2, 5.0), free, free)
+    arm = arm_from_screws(screws, home, limits=limits, name="two links")
+    state, _ = driven(arm, ServoState.at(arm, np.zeros(2)), TwistCommand([-0.1, 0, 0, 0, 0, 0], "base"), 300)
+    a, b = state.theta
+    assert 0.5 * np.cos(a) + 0.4 * np.cos(a + b) < 0.75
+
+
+def test_the_reason_is_a_code_that_stays_while_the_cause_does():
+    arm = load("ur5")
+    state, reasons = ServoState.at(arm, arm.ready), []
+    for _ in range(1200):
+        state, output = servo_step(arm, state, TwistCommand([0.2, 0, 0, 0, 0, 0], "base"), DT)
+        reasons.append(output.reason)
+    changes = [reason for k, reason in enumerate(reasons) if k == 0 or reason is not reasons[k - 1]]
+    assert ServoReason.SINGULARITY in changes
+    assert len(changes) < 10
+    assert output.explain() != output.reason.value
+    state, output = servo_step(arm, state, None, DT)
+    assert (output.reason, output.explain()) == (ServoReason.STALE, "no command")
 
 
 def test_the_length_is_stated_and_can_be_set():

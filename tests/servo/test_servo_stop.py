@@ -68,9 +68,9 @@ def why_is_true(arm, theta, output):
     if output.status.name == "HALTED_LIMIT":
         k = arm.joint_names.index(output.joint)
         end = {"lower": arm.limits.lower, "upper": arm.limits.upper}
-        return any(side in output.reason and abs(theta[k] - end[side][k]) < AT for side in end)
+        return any(side in output.explain() and abs(theta[k] - end[side][k]) < AT for side in end)
     least = np.linalg.svd(scaled_jacobian(arm, theta), compute_uv=False)[min(arm.n, 6) - 1]
-    return least < 0.2 or "cannot" in output.reason
+    return least < 0.2 or "cannot" in output.explain()
 
 
 def check(name, accelerating):
@@ -87,7 +87,7 @@ def check(name, accelerating):
         last = states[-100:]
         if max(np.abs(state.theta_dot).max() for state in last) > 1e-4:
             continue  # still on its way
-        reasons = {output.reason for output in answers[-100:]}
+        reasons = {output.explain() for output in answers[-100:]}
         assert len(reasons) == 1, (reasons, told)
         assert answers[-1].status.name != "OK", told
         assert why_is_true(arm, last[-1].theta, answers[-1]), (reasons, told)

@@ -233,7 +233,7 @@ def test_a_command_that_is_none_leaves_the_arm_still(robot, stream, command):
     stream(Says(command), on_cycle=seen.append, duration=0.2)
     assert not robot.rates.any()
     assert seen[-1].setpoint.output.status.name == "STALE"
-    assert seen[-1].setpoint.output.reason
+    assert seen[-1].setpoint.output.explain()
 
 
 @pytest.mark.parametrize("age", [np.nan, -1.0, np.inf])

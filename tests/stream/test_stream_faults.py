@@ -249,7 +249,7 @@ def test_the_last_setpoint_says_that_the_stream_has_ended(rover, robot, stream, 
     assert not last.theta_dot.any()
     assert not last.output.theta_dot.any()
     assert np.array_equal(last.theta, before.theta)
-    assert last.output.reason == "the stream has ended"
+    assert last.output.explain() == "the stream has ended"
     assert last.number == before.number + 1
 
 

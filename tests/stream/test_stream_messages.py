@@ -172,7 +172,7 @@ def test_what_is_no_joint_state_is_refused(rover, message, why):
 
 
 def test_a_setpoint_goes_out_as_documented(rover):
-    output = answer(np.full(5, 0.25), ServoStatus.SLOWED_LIMIT, 0.5, "elbow", "slowed by a limit")
+    output = answer(np.full(5, 0.25), ServoStatus.SLOWED_SINGULARITY, 0.5, "elbow", "in words")
     message = decoded(encode(setpoint_message(rover, Setpoint(8, 1.5, np.arange(5.0), output.theta_dot, output))))
     assert message == {
         "number": 8,
@@ -180,9 +180,9 @@ def test_a_setpoint_goes_out_as_documented(rover):
         "joint_names": NAMES,
         "theta": [0.0, 1.0, 2.0, 3.0, 4.0],
         "theta_dot": [0.25] * 5,
-        "status": "SLOWED_LIMIT",
+        "status": "SLOWED_SINGULARITY",
         "joint": "elbow",
         "scale": 0.5,
-        "reason": "slowed by a limit",
+        "reason": "SINGULARITY",
         "interlock": "enabled",
     }

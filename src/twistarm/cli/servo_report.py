@@ -7,6 +7,7 @@ from typing import Any
 
 from ..model.arm import Arm
 from ..stream import FollowReport, StreamReport
+from ..stream.report import names_counted
 from .grid import Grid
 from .output import table
 
@@ -14,8 +15,8 @@ from .output import table
 def report_json(arm: Arm, report: StreamReport) -> dict[str, Any]:
     """What the loop did, for programs."""
     values = {field.name: getattr(report, field.name) for field in fields(report)}
-    statuses = {status.name: count for status, count in report.statuses.items()}
-    return {"arm": arm.name, **values, "ending": report.ending.name, "statuses": statuses, "ok": report.ok}
+    counts = {name: {each.name: count for each, count in values[name].items()} for name in ("statuses", "reasons")}
+    return {"arm": arm.name, **values, "ending": report.ending.name, **counts, "ok": report.ok}
 
 
 def report_table(arm: Arm, report: StreamReport) -> Grid:
@@ -43,7 +44,7 @@ def follow_table(arm: Arm, report: FollowReport) -> Grid:
 
 def _rows(report: StreamReport, uncommanded: str) -> list[list[str]]:
     late = [f"{1e3 * seconds:.2f} ms" for seconds in (report.late_p50, report.late_p99, report.late_max)]
-    statuses = ", ".join(f"{status.name} {count}" for status, count in report.statuses.items())
+    statuses = names_counted(report.statuses)
     blind = f"{report.blind:.1f} s later{because(report.blind, report.blind_reason)}"
     return [
         ["ended", ": ".join(filter(None, (report.ending.value, report.reason)))],
@@ -51,6 +52,7 @@ def _rows(report: StreamReport, uncommanded: str) -> list[list[str]]:
         ["begun late by", f"{late[0]} (median), {late[1]} (99 %), {late[2]} (most)"],
         *([["limits", report.assumed]] if report.assumed else []),
         ["status", statuses or ": ".join(filter(None, ("never moved", report.blind_reason)))],
+        *([["reasons", names_counted(report.reasons)]] if statuses else []),
         [uncommanded, f"{report.uncommanded:.1f} s{because(report.uncommanded, report.uncommanded_reason)}"],
         *(
             [["held back", f"{report.barred:.1f} s{because(report.barred, report.barred_reason)}"]]

@@ -1,7 +1,7 @@
 """The servo: from a command to joint rates, one pure step at a time."""
 
 from .command import AnyCommand, CommandLike, JogCommand, PoseCommand, TwistCommand
-from .output import ServoOutput, ServoStatus
+from .output import ServoOutput, ServoReason, ServoStatus
 from .settings import ServoSettings
 from .state import ServoState
 from .step import servo_step
@@ -12,6 +12,7 @@ __all__ = [
     "JogCommand",
     "PoseCommand",
     "ServoOutput",
+    "ServoReason",
     "ServoSettings",
     "ServoState",
     "ServoStatus",

@@ -23,7 +23,7 @@ class Cause(IntEnum):
 
 @dataclass(eq=False)
 class Answer:
-    """theta, theta_dot (n,): where the step leads and at which rates.
+    """theta, theta_dot (n,): where the step leads and at which rates. period [s]: what steps take, after this one.
 
     row: whose limit it is, of the rows of `Bounds.motion`, or which joint a singularity concerns; −1 for none.
     """
@@ -38,3 +38,4 @@ class Answer:
     held: Array | None = None
     halted: bool = False
     remaining: tuple[float, float] = (0.0, 0.0)
+    period: float = 0.0

@@ -30,6 +30,32 @@ class ServoStatus(Enum):
     STALE = "no usable command or state: coming to rest"
 
 
+class ServoReason(Enum):
+    """Why a step did what it did. The name is a code that stays; the numbers are fields of the output."""
+
+    MOVING = "moving as commanded"
+    CHANGING_SPEED = "changing speed, as fast as the acceleration limits allow"
+    VELOCITY_LIMIT = "slowed by a velocity limit"
+    LOWER_LIMIT = "a joint or motor is at its lower position limit, or brakes toward it"
+    UPPER_LIMIT = "a joint or motor is at its upper position limit, or brakes toward it"
+    SINGULARITY = "a direction of the command is nearly lost in this posture"
+    TURN_LOST = "the tool turns otherwise than commanded, because the arm has too few joints"
+    IMPOSSIBLE = "this arm has no such motion"
+    STALE = "no usable command or state: coming to rest"
+
+
+_OF_STATUS = {
+    ServoStatus.STALE: ServoReason.STALE,
+    ServoStatus.IMPOSSIBLE_DIRECTION: ServoReason.IMPOSSIBLE,
+    ServoStatus.SLOWED_SINGULARITY: ServoReason.SINGULARITY,
+}
+
+_OF_CAUSE = {
+    Cause.VELOCITY: ServoReason.VELOCITY_LIMIT,
+    Cause.LOWER: ServoReason.LOWER_LIMIT,
+    Cause.UPPER: ServoReason.UPPER_LIMIT,
+}
+
 _STATUS = {
     Cause.NONE: ServoStatus.OK,
     Cause.SINGULARITY: ServoStatus.SLOWED_SINGULARITY,
@@ -88,9 +114,19 @@ class ServoOutput(Brief):
     _why: str | Cause = field(repr=False)
     _asked: Asked | None = field(default=None, repr=False)
 
-    @cached_property
-    def reason(self) -> str:
-        """Why the arm stands, or does less than commanded, in a sentence that stays while it stands.
+    @property
+    def reason(self) -> ServoReason:
+        """Why the arm stands, or does less than commanded: a code that changes only where the cause does."""
+        if self.status in _OF_STATUS:
+            return _OF_STATUS[self.status]
+        if isinstance(self._why, Cause) and self._why is not Cause.NONE:
+            return _OF_CAUSE[self._why]
+        if self._asked and self.lost_share >= WORTH_SAYING:
+            return ServoReason.TURN_LOST
+        return ServoReason.CHANGING_SPEED if self.scale < ALL else ServoReason.MOVING
+
+    def explain(self) -> str:
+        """Why the arm stands, or does less than commanded, in a sentence that is made when it is asked for.
 
         It names the joint or motor that binds, and its limit; or the motion that the arm lacks at this posture, or at
         any; or what was wrong with the command. "stopped on its course" stands before it where settings.beyond did it.
@@ -161,6 +197,13 @@ class ServoOutput(Brief):
             found, why = _missing(asked, answer.lost, joint, 0.0)
             nowhere = found is Lack.EVERYWHERE
             status = ServoStatus.IMPOSSIBLE_DIRECTION if nowhere else ServoStatus.SLOWED_SINGULARITY
+        elif (
+            joint is None
+            and cause is Cause.SINGULARITY
+            and asked.arm.n < len(answer.lost)
+            and _missing(asked, answer.lost, joint, 0.0)[0] is Lack.EVERYWHERE
+        ):
+            status = ServoStatus.IMPOSSIBLE_DIRECTION
         lost = answer.lost, answer.lost_share
         return cls(answer.theta_dot, status, answer.scale, *lost, joint, answer.remaining, why, asked)
 

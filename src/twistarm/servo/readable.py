@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -14,8 +13,8 @@ from ..theory import rotations
 from .answer import Answer, Cause
 from .bounds import Bounds
 from .command import BASE, AnyCommand, JogCommand, PoseCommand, TwistCommand
-from .resolved_rates import RateTask, resolved_rates
-from .singular import Displaced, singular
+from .resolved_rates import RateTask, resolved_rates, taken_back
+from .singular import Place, Singular, fixed, singular
 from .state import ServoState
 
 NOTHING = 1e-12
@@ -31,13 +30,22 @@ TILT = 0.1
 """[scaled rad]"""
 
 STEPS = 3.0
-"""τ is at least so many steps, and a joint comes to its limit in no fewer."""
+"""τ is at least so many periods, and a joint comes to its limit in no fewer."""
+
+PERIOD_TIME = 2.0
+"""How slowly the period follows what steps take [s]."""
+
+ASTRAY = 2e-4
+"""An error of what is held at which half of the rest is done [scaled]."""
 
 LOOK_AHEAD = 0.01
 """How far ahead a course is looked at [scaled rad]."""
 
 SLOWINGS = 4
 """How often it is looked whether joints that take over for others at their limits are too fast."""
+
+NO_SHARE = 1e-3
+"""Of a unit motion: a joint that moves less does not count."""
 
 OFF_COURSE, FINEST = 1e-3, 1e-6
 """Of the twist: less beside its course is none; and how finely the share is looked for that keeps it."""
@@ -56,51 +64,120 @@ def step(arm: Arm, bounds: Bounds, state: ServoState, command: AnyCommand | None
        that rate as a bound, which falls to 0 with the distance: the motion along the limit is kept.
     4. The rates go from the old ones toward these as far as the acceleration limits let all of them together.
     """
+    state = replace(state, period=_period_after(state.period, dt))
     if command is None:
-        return _moved(bounds, state, np.zeros(bounds.n), dt)
-    if isinstance(command, JogCommand):
-        return _jogged(bounds, state, command, dt)
-    goal = _goal(arm, bounds, state, command, dt)
-    frame = BASE if isinstance(command, PoseCommand) else command.frame
-    return _reached(bounds, state, goal, _rates(arm, bounds, state, goal.task, frame, dt), dt)
+        answer = _moved(bounds, state, np.zeros(bounds.n), dt)
+    elif isinstance(command, JogCommand):
+        answer = _jogged(bounds, state, command, dt)
+    else:
+        goal = _goal(arm, bounds, state, command, dt)
+        answer = _reached(bounds, state, goal, _rates(bounds, state, goal, dt), dt)
+    answer.period = state.period
+    return answer
+
+
+def _period_after(period: float, dt: float) -> float:
+    """The slow measure of what steps take, after one of dt: a loop that jitters is damped evenly."""
+    return period + (dt - period) * min(dt / PERIOD_TIME, 1.0) if period > 0.0 else dt
 
 
 # -- the task ----------------------------------------------------------------------------------------------------------
 
 
 @dataclass(frozen=True, eq=False)
+class Where:
+    """A posture theta (n,) of an arm and the axes of its rows; astray (6, 6) where `_astray` gives one."""
+
+    arm: Arm
+    bounds: Bounds
+    theta: Array
+    frame: str
+    astray: Array | None
+    held: tuple[int, ...]
+
+    def rows(self, displacement: Array) -> Array:
+        """The scaled rows (6, n) a scaled joint displacement (n,) away."""
+        J = _jacobian(self.arm, self.bounds, self.theta + self.bounds.unit * displacement, self.frame)
+        if self.astray is not None:
+            J[list(self.held)] = (self.astray @ J)[list(self.held)]
+        return J
+
+    def place(self) -> Place:
+        """As singularities are looked for there."""
+        return Place(self.rows, _toward(self.bounds, self.theta), lambda way: _way_left(self.bounds, self.theta, way))
+
+    def displaced(self, displacement: Array) -> Where:
+        """A scaled joint displacement (n,) away."""
+        return replace(self, theta=self.theta + self.bounds.unit * displacement)
+
+
+@dataclass(frozen=True, eq=False)
 class Goal:
-    """The task of a command, the pose that is held after it, and how far a pose to reach is, [m] and [rad]."""
+    """The task of a command, where it is, the pose that is held after it, and how far a goal is, [m], [rad]."""
 
     task: RateTask
+    where: Where
     held: Array | None
     remaining: tuple[float, float]
 
 
 def _goal(arm: Arm, bounds: Bounds, state: ServoState, command: TwistCommand | PoseCommand, dt: float) -> Goal:
-    g = arm.fk(state.theta)
+    g, ahead = arm.fk(state.theta), state.theta + 0.5 * dt * state.theta_dot
     if isinstance(command, PoseCommand):
         error = _error(g, command.g, BASE)
-        task = _task(arm, bounds, state, BASE, (), dt)
-        asked = _scaled(bounds, command.velocity) + _approach(bounds, task, error, command, dt)
+        where = Where(arm, bounds, ahead, BASE, None, ())
+        task = _task(where, state.period)
+        asked = _scaled(bounds, command.velocity) + _approach(bounds, task, error, command, state.period, dt)
         remaining = float(np.linalg.norm(error[:3])), float(np.linalg.norm(error[3:]))
-        return Goal(replace(task, asked=asked), None, remaining)
-    held = [k for k in range(6) if command.held[k]]
-    task = _task(arm, bounds, state, command.frame, held, dt)
+        return Goal(replace(task, asked=asked), where, None, remaining)
+    held = tuple(k for k in range(6) if command.held[k])
+    asked = _scaled(bounds, command.twist)
     if not held:
-        return Goal(replace(task, asked=_scaled(bounds, command.twist)), None, (0.0, 0.0))
+        where = Where(arm, bounds, ahead, command.frame, None, ())
+        return Goal(replace(_task(where, state.period), asked=asked), where, None, (0.0, 0.0))
     kept = state.held if state.held is not None and state.holding == command.flags else g
-    error = np.where(command.held, _error(g, kept, command.frame), 0.0)
-    asked = _scaled(bounds, command.twist) + _approach(bounds, task, error, None, dt)
-    return Goal(replace(task, asked=asked), kept, (0.0, 0.0))
+    error = _error(g, kept, command.frame)
+    where = Where(arm, bounds, ahead, command.frame, _astray(bounds, error, command), held)
+    task, error = _task(where, state.period), np.where(command.held, error, 0.0)
+    # Where what is held has gone astray, the rest waits until it is back.
+    asked = asked / (1.0 + (float(np.linalg.norm(_scaled(bounds, error))) / ASTRAY) ** 2)
+    asked = asked + _approach(bounds, task, error, None, state.period, dt)
+    return Goal(replace(task, asked=asked), where, kept, (0.0, 0.0))
 
 
-def _task(arm: Arm, bounds: Bounds, state: ServoState, frame: str, held: Sequence[int], dt: float) -> RateTask:
-    """Held components first, then linear, then angular ones, at the posture half a step ahead; nothing asked yet."""
+def _task(where: Where, period: float) -> RateTask:
+    """Held components first, then linear, then angular ones; nothing asked yet."""
+    held = where.held
     others = (tuple(k for k in half if k not in held) for half in (range(3), range(3, 6)))
-    levels = tuple(level for level in (tuple(held), *others) if level)
-    J = _jacobian(arm, bounds, state.theta + 0.5 * dt * state.theta_dot, frame)
-    return RateTask(np.zeros(6), levels, J, max(bounds.damping, STEPS * dt))
+    levels = tuple(level for level in (held, *others) if level)
+    damping = max(where.bounds.damping, STEPS * period)
+    J, rows, calm = fixed(where.place(), held, damping)
+    return RateTask(np.zeros(6), levels, J, damping, held, rows, calm)
+
+
+def _astray(bounds: Bounds, error: Array, command: TwistCommand) -> Array | None:
+    """−d(error)/dt (6, 6) for scaled twists, where only some of the position or of the orientation are held.
+
+    v + ω × e in the tool's axes, v in the base's; ω by the inverse of the exponential's Jacobian at φ, I ∓ ½ [φ] +
+    c [φ]², c = (1 − ½ |φ| cot ½ |φ|) / |φ|². J. Solà et al., arXiv:1812.01537, eq. 144.
+    """
+    if all(len(set(half)) == 1 for half in (command.held[:3], command.held[3:])):
+        return None
+    rows, phi, base = np.eye(6), error[3:], command.frame == BASE
+    angle, turn = float(np.linalg.norm(phi)), rotations.skew(phi)
+    c = (1.0 - 0.5 * angle / np.tan(0.5 * angle)) / angle**2 if angle > 0.01 else 1.0 / 12.0
+    rows[:3, 3:] = 0.0 if base else -rotations.skew(error[:3]) / bounds.length
+    rows[3:, 3:] += (0.5 if base else -0.5) * turn + c * turn @ turn
+    return rows
+
+
+def _way_left(bounds: Bounds, theta: Array, way: Array) -> float:
+    """How far the joints may move along a unit scaled way (n,) before one is at its limit [scaled rad], 1 at most."""
+    limits, n = bounds.motion.limits, bounds.n
+    room = np.where(way > 0.0, limits.upper[-n:] - theta, theta - limits.lower[-n:])
+    counts = np.abs(way) > NO_SHARE
+    lengths = np.maximum(room[counts], 0.0) / np.abs(way[counts] * bounds.unit[counts])
+    return float(lengths.min(initial=1.0))
 
 
 def _jacobian(arm: Arm, bounds: Bounds, theta: Array, frame: str) -> Array:
@@ -136,17 +213,20 @@ def _in_axes(R: Array, columns: Array) -> Array:
     return turned
 
 
-def _approach(bounds: Bounds, task: RateTask, error: Array, command: PoseCommand | None, dt: float) -> Array:
+def _approach(
+    bounds: Bounds, task: RateTask, error: Array, command: PoseCommand | None, period: float, dt: float
+) -> Array:
     """What to ask for an error (6,): as much of error / dt as lets the arm stop at the goal, straight on.
 
-    At a share s: s dt + s² T/2 ≤ dt, T the time that a stop from the full rates takes. A command's speeds are kept.
+    At a share s: s p + s² T/2 ≤ p dt, T the time that a stop from the full rates takes, p the period. A command's
+    speeds are kept.
     """
     if np.abs(error).max() <= NOTHING:
         return np.zeros(6)
     asked = _scaled(bounds, error)
-    rates = resolved_rates(replace(task, asked=asked))[0] * bounds.unit
-    stop = bounds.stopping_time(rates / dt)
-    share = 2.0 * dt / (dt + np.sqrt(dt * dt + 2.0 * stop * dt))
+    back = replace(task, asked=asked)
+    stop = bounds.stopping_time((taken_back(back) if command is None else resolved_rates(back)[0]) * bounds.unit)
+    share = min(1.0, 2.0 * dt / (period + np.sqrt(period * period + 2.0 * stop)))
     if command is not None:
         for part, speed in ((error[:3], command.linear_speed), (error[3:], command.angular_speed)):
             share = min(share, speed * dt / max(float(np.linalg.norm(part)), NOTHING))
@@ -161,44 +241,46 @@ def _approach(bounds: Bounds, task: RateTask, error: Array, command: PoseCommand
 class Wanted:
     """Joint rates (n,) before acceleration limits, the share of the task that they are for, and what holds them back.
 
-    row: of the bounds' motion, or the joint for Cause.SINGULARITY; −1 for none.
+    row: of the bounds' motion, or the joint for Cause.SINGULARITY; −1 for none. beside: what `singular` found.
     """
 
     rates: Array
     share: float
     cause: Cause
     row: int
+    beside: Singular | None = None
 
 
-def _rates(arm: Arm, bounds: Bounds, state: ServoState, task: RateTask, frame: str, dt: float) -> Wanted:
-    cause, row = Cause.NONE, -1
+def _rates(bounds: Bounds, state: ServoState, goal: Goal, dt: float) -> Wanted:
+    task, where, cause, row = goal.task, goal.where, Cause.NONE, -1
     x = resolved_rates(task)[0]
     size = max(float(np.linalg.norm(task.asked)), NOTHING)
     lost = task.asked - task.J @ x
-    ahead = state.theta + 0.5 * dt * state.theta_dot
-
-    def jacobian(displacement: Array) -> Array:
-        return _jacobian(arm, bounds, ahead + bounds.unit * displacement, frame)
-
-    beside = singular(jacobian, _toward(bounds, ahead), task, lost, bounds.singular_below, bounds.stops)
+    place = where.place()
+    beside = singular(place, task, lost, bounds.singular_below, bounds.stops)
     if beside is not None:
         part, joint = beside.part(lost, bounds.singular_below)
         if part > NOTICED * size * size:
             cause, row = Cause.SINGULARITY, joint
         led = beside.lead(task, bounds.stops)
-        task = beside.taken(jacobian, resolved_rates(led)[0]).lead(task, bounds.stops)
+        beside = beside.taken(place, resolved_rates(led)[0])
+        task = beside.lead(task, bounds.stops)
         x = resolved_rates(task)[0]
     share, fastest = bounds.velocity_share(x * bounds.unit)
-    if share < 1.0:
+    calm = _followed(bounds, task, where, None, x) if task.held else 1.0
+    if calm < share:
+        share = calm
+        cause = Cause.SINGULARITY if cause is Cause.NONE and share < 1.0 - NOTICED else cause
+    elif share < 1.0:
         cause, row = Cause.VELOCITY, fastest
-    wanted = Wanted(share * x * bounds.unit, share, cause, row)
-    room = _position_bounds(bounds, state.theta, wanted.rates, dt)
+    wanted = Wanted(share * x * bounds.unit, share, cause, row, beside)
+    room = _position_bounds(bounds, state, wanted.rates, dt, gently=bool(task.held))
     inside = (wanted.rates <= room[1] + NOTHING).all() and (wanted.rates >= room[0] - NOTHING).all()
     if share == 1.0 and not bounds.stops and inside:
         return wanted
     velocity = bounds.motion.limits.velocity[-bounds.n :]
     for last in (False,) * (SLOWINGS - 1) + (True,):
-        wanted = _within(bounds, task, jacobian, wanted, room, velocity if last else np.full(bounds.n, np.inf))
+        wanted = _within(bounds, task, where, wanted, room, velocity if last else np.full(bounds.n, np.inf))
         slower, fastest = bounds.velocity_share(wanted.rates)
         if slower == 1.0 or last:
             break
@@ -210,7 +292,7 @@ def _rates(arm: Arm, bounds: Bounds, state: ServoState, task: RateTask, frame: s
 
 
 def _within(
-    bounds: Bounds, task: RateTask, jacobian: Displaced, wanted: Wanted, room: tuple[Array, Array], velocity: Array
+    bounds: Bounds, task: RateTask, where: Where, wanted: Wanted, room: tuple[Array, Array], velocity: Array
 ) -> Wanted:
     """The rates for the share of a task within the bounds of each joint, of position (`room`) and of velocity."""
     fastest = bounds.motion.limits.velocity[-bounds.n :]
@@ -221,7 +303,7 @@ def _within(
     size, bounded = float(np.linalg.norm(task.asked)), (at != 0) & (np.abs(end) < fastest)
     left = np.where(bounded, np.abs(end) / bounds.unit, 0.0)
     beyond = np.where(bounded, np.abs(wanted.rates - end) / bounds.unit, 0.0)
-    counts = beyond > HALTED * size
+    counts = beyond > NOTICED * size
     # Where all stop, it is for the one that has the least way left.
     weight = np.where(counts, beyond / (left + NO_ROOM * size) if bounds.stops else beyond, -1.0)
     worst = int(np.argmax(weight))
@@ -229,7 +311,7 @@ def _within(
         first = len(bounds.motion.names) - bounds.n
         wanted = replace(wanted, cause=Cause.UPPER if at[worst] > 0 else Cause.LOWER, row=first + worst)
     if bounds.stops:
-        x, at = _on_course(bounds, task, jacobian, (lower, upper), x, at)
+        x, at = _on_course(bounds, task, where, (lower, upper), x, at)
         # Nobody is at a limit: one would have to be too fast for the course.
         if counts[worst] and left[worst] > NO_ROOM * size and np.linalg.norm(x) <= HALTED * size:
             wanted = replace(wanted, cause=Cause.SINGULARITY, row=worst)
@@ -238,11 +320,11 @@ def _within(
 
 
 def _on_course(
-    bounds: Bounds, task: RateTask, jacobian: Displaced, room: tuple[Array, Array], x: Array, at: Array
+    bounds: Bounds, task: RateTask, where: Where, room: tuple[Array, Array], x: Array, at: Array
 ) -> tuple[Array, Array]:
     """The rates for the largest share of a task that is done without leaving its course; found by halves."""
     kept, first = 0.0, True
-    step = _followed(bounds, task, jacobian, room, x)
+    step = _followed(bounds, task, where, room, x)
     while step > FINEST:
         slower = replace(task, asked=(kept + step) * task.asked)
         x, at = resolved_rates(slower, *room)
@@ -254,19 +336,21 @@ def _on_course(
     return resolved_rates(replace(task, asked=kept * task.asked), *room)
 
 
-def _followed(bounds: Bounds, task: RateTask, jacobian: Displaced, room: tuple[Array, Array], x: Array) -> float:
+def _followed(bounds: Bounds, task: RateTask, where: Where, room: tuple[Array, Array] | None, x: Array) -> float:
     """The share of a task at which the joints can keep to its course.
 
-    With x the rates for all of it and x' how they change on the way, s² x' takes at most a quarter of what accelerates.
+    With x the rates for all of it and x' how they change on the way, s² x' takes at most a quarter of what accelerates;
+    a twelfth where something is held.
     """
     size = float(np.linalg.norm(x))
     if size <= NOTHING:
         return 1.0
-    then = resolved_rates(replace(task, J=jacobian(LOOK_AHEAD / size * x)), *room)[0]
+    ahead = fixed(where.displaced(LOOK_AHEAD / size * x).place(), task.held, task.damping)
+    then = resolved_rates(replace(task, rows=ahead[1], calm=ahead[2]), *(room or ()))[0]
     # Rates that shrink on the way may stay as they are: the tool speeds up then.
     change = then - x - min(float((then - x) @ x) / size**2, 0.0) * x
     stop = bounds.stopping_time(change * bounds.unit * size / LOOK_AHEAD)
-    return float(1.0 / np.sqrt(max(4.0 * stop, 1.0)))
+    return float(1.0 / np.sqrt(max((12.0 if task.held else 4.0) * stop, 1.0)))
 
 
 def _keeps_course(task: RateTask, x: Array) -> bool:
@@ -275,19 +359,21 @@ def _keeps_course(task: RateTask, x: Array) -> bool:
     An arm of fewer than six joints may turn its tool on the way, unless turning is all that is asked.
     """
     count = 6 if len(x) >= 6 or not task.asked[:3].any() else 3
-    asked, done = task.asked[:count], (task.J @ x)[:count]
+    asked, done = task.asked[:count], (task.rows @ x)[:count]
     along = float(np.clip(done @ asked / max(float(asked @ asked), NOTHING * NOTHING), 0.0, 1.0))
     return bool(np.linalg.norm(done - along * asked) <= OFF_COURSE * np.linalg.norm(asked))
 
 
-def _position_bounds(bounds: Bounds, theta: Array, rates: Array, dt: float) -> tuple[Array, Array]:
+def _position_bounds(
+    bounds: Bounds, state: ServoState, rates: Array, dt: float, gently: bool = False
+) -> tuple[Array, Array]:
     """The rates (n,) between which a stop that takes twice as long as one from `rates` ends inside the limits.
 
     To keep to a bound that falls so with the distance takes half of the acceleration, and it falls to 0 in no fewer
-    than some steps. A joint that is outside may stand still or come back.
+    than some periods. `gently` takes twice as long. A joint that is outside may stand still or come back.
     """
-    limits, n = bounds.motion.limits, bounds.n
-    time = STEPS * dt + bounds.stopping_time(rates)
+    limits, n, theta = bounds.motion.limits, bounds.n, state.theta
+    time = max(STEPS * state.period, dt) + (2.0 if gently else 1.0) * bounds.stopping_time(rates)
     most: Array = np.maximum(limits.upper[-n:] - theta, 0.0) / time
     least: Array = -np.maximum(theta - limits.lower[-n:], 0.0) / time
     return least, most
@@ -305,7 +391,10 @@ def _reached(bounds: Bounds, state: ServoState, goal: Goal, wanted: Wanted, dt: 
     answer.scale = _scale(done, reachable, size)
     answer.lost = frozen((asked - reachable) * np.repeat([bounds.length, 1.0], 3))
     answer.lost_share = float(np.linalg.norm(asked - reachable)) / max(size, NOTHING)
-    if answer.cause is Cause.NONE and size > 0.0 and np.linalg.norm(reachable) <= HALTED * size:
+    # Arms below six joints turn the tool on their way, and lose turns that they have nowhere.
+    lost = asked - reachable if wanted.beside is None else wanted.beside.without_ways_out(asked - reachable)
+    astray = np.linalg.norm(lost[: 3 if bounds.n < 6 else 6]) > NOTICED * size
+    if answer.cause is Cause.NONE and size > 0.0 and (astray or np.linalg.norm(reachable) <= HALTED * size):
         answer.cause = Cause.SINGULARITY
     answer.held, answer.remaining = goal.held, goal.remaining
     answer.halted = _is_halted(answer.cause, answer.theta_dot / bounds.unit, wanted.share * size)
@@ -316,7 +405,7 @@ def _jogged(bounds: Bounds, state: ServoState, command: JogCommand, dt: float) -
     share, fastest = bounds.velocity_share(command.theta_dot)
     rates = share * command.theta_dot
     cause, row = (Cause.VELOCITY, fastest) if share < 1.0 else (Cause.NONE, -1)
-    within = np.clip(rates, *_position_bounds(bounds, state.theta, rates, dt))
+    within = np.clip(rates, *_position_bounds(bounds, state, rates, dt))
     over = np.abs(within - rates)
     if over.max() > NOTHING:
         joint = int(np.argmax(over))

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import replace
 from typing import NamedTuple
 
@@ -46,8 +46,20 @@ JOINTS_TO_POINT = 5
 """Joints that position and point a tool; below, the position alone can be singular, and is looked at first."""
 
 
-Displaced = Callable[[Array], Array]
-"""The rows (6, n) at a posture that is a scaled joint displacement (n,) away."""
+AS_GOOD_AS_NONE = 2e-4
+"""A smaller singular value may be left to either side."""
+
+
+class Place(NamedTuple):
+    """A posture as singularities are looked for: functions of scaled joint displacements (n,).
+
+    rows: the Jacobian's (6, n) so far away. toward (n,): the unit way to a good posture. way_left: how far the joints
+    may move along a unit motion before one is at its limit.
+    """
+
+    rows: Callable[[Array], Array]
+    toward: Array
+    way_left: Callable[[Array], float]
 
 
 class Singular(NamedTuple):
@@ -68,20 +80,27 @@ class Singular(NamedTuple):
 
     def lead(self, task: RateTask, stops: bool) -> RateTask:
         """The task as it will be where the motion leaves the singularity; on its course at any rates."""
-        led = self.J + (self.U * (self.leaving * (self.edge - self.sigma))) @ self.V.T
+        led = (self.U * (self.leaving * (self.edge - self.sigma))) @ self.V.T
+        led[list(task.held)] = 0.0
+        led += task.rows
         if not stops:
-            return replace(task, J=led)
+            return replace(task, rows=led)
         turning = float(self.leaving.max()) if self.of_position else 0.0
-        return replace(task, J=led, undamped=(self.V * self.leaving) @ self.V.T, turning=turning)
+        return replace(task, rows=led, undamped=(self.V * self.leaving) @ self.V.T, turning=turning)
 
-    def taken(self, jacobian: Displaced, x: Array) -> Singular:
+    def taken(self, place: Place, x: Array) -> Singular:
         """Of the ways out what the arm really takes at the scaled rates x (n,), which the other levels bend."""
         size = float(np.linalg.norm(x))
         if size <= NOTHING:
             return self
-        along = (jacobian(DIFFERENCE / size * x) - self.J) / DIFFERENCE
+        along = (place.rows(DIFFERENCE / size * x) - self.J) / DIFFERENCE
         rises = np.einsum("id,ij,jd->d", self.U, along, self.V)
         return self._replace(leaving=self.leaving * np.clip(rises / TAKEN, 0.0, 1.0))
+
+    def without_ways_out(self, lost: Array) -> Array:
+        """Of what is lost (6,) all but what the arm is about to have again, because it leaves a singularity."""
+        rest: Array = lost - self.U @ (self.leaving * (self.U.T @ lost))
+        return rest
 
     def part(self, lost: Array, below: float) -> tuple[float, int]:
         """Of what is lost (6,) the square of the part along singular directions, and the joint that moves most there.
@@ -95,53 +114,74 @@ class Singular(NamedTuple):
         return float(parts.sum()), joint
 
 
-def singular(
-    jacobian: Displaced, toward: Array, task: RateTask, lost: Array, below: float, stops: bool
-) -> Singular | None:
+def singular(place: Place, task: RateTask, lost: Array, below: float, stops: bool) -> Singular | None:
     """Where the arm is singular and of a task so much is lost (6,); None where it is not, or too little is.
 
     An arm must be able to move away: a singular value that rises as the arm moves counts as LEFT_BEHIND. (An arm that
     is exactly stretched has no rates at all that pull its tool back to first order.) Where the arm keeps to its course,
     it counts as itself and is not damped. dσ per scaled radian along v is uᵀ (∂J/∂v) v. A direction that this very
-    posture lacks is read off one a little beside, on the way `toward` (n,) a good one.
+    posture lacks is read off one a little beside, on the way `toward` a good one. Where the arm is as good as exactly
+    singular, v and −v both lead out, and it takes the one that does not end at a limit soon.
     """
-    size = float(np.linalg.norm(task.asked))
+    size, n = float(np.linalg.norm(task.asked)), len(place.toward)
     much = float(np.linalg.norm(lost)) / max(size, np.finfo(float).tiny) / MISSED - 1.0
     if much <= 0.0:
         return None
-    J, enough = jacobian(np.zeros(len(toward))), max(below, LEFT_BEHIND)
-    of_position = len(toward) < JOINTS_TO_POINT and smallest_about(J[:3]) < max(below, 2.0 / PRECEDENCE)
+    J, enough = task.J, max(below, LEFT_BEHIND)
+    of_position = n < JOINTS_TO_POINT and smallest_about(J[:3]) < max(below, 2.0 / PRECEDENCE)
     if not of_position and smallest_about(J) >= enough:
         return None
-    sigma, U, V = _decomposed(J, 3 if of_position else 6, lambda: jacobian(BESIDE * toward))
+    sigma, U, V = _decomposed(place, J, range(3 if of_position else 6))
     leaving, edges = np.zeros(len(sigma)), np.zeros(len(sigma))
     for d in range(len(sigma)):
-        u, v = U[:, d], V[:, d]
+        u, v = U[:, d], V[:, d].copy()
         # The way out of a position may turn the tool, which a lower level resists.
         edge = max(below, 2.0 * float(np.linalg.norm(J[3:] @ v)) / PRECEDENCE) if of_position else enough
         edges[d] = max(ON_COURSE, sigma[d]) if stops else edge
-        if sigma[d] < edge:
-            rise = float(u @ (jacobian(DIFFERENCE * v) - J) @ v) / DIFFERENCE
-            leaving[d] = min(much, 1.0) * min(max(rise * float(u @ lost) / size / RISE, 0.0), 1.0)
+        if sigma[d] >= edge:
+            continue
+        share = float(u @ lost)
+        way = -v if share < 0.0 else v
+        if sigma[d] < AS_GOOD_AS_NONE and place.way_left(way) < 0.5 * place.way_left(-way):
+            sigma[d], V[:, d] = -sigma[d], -v
+        rise = float(u @ (place.rows(DIFFERENCE * v) - J) @ v) / DIFFERENCE
+        leaving[d] = min(much, 1.0) * min(max(rise * share / size / RISE, 0.0), 1.0)
     return Singular(J, sigma, U, V, leaving, edges, of_position)
 
 
-def _decomposed(J: Array, count: int, beside: Callable[[], Array]) -> tuple[Array, Array, Array]:
-    """σ (k,), U (6, k), V (n, k) of the first `count` rows; k as many as random postures have.
+def fixed(place: Place, held: Sequence[int], damping: float) -> tuple[Array, Array, Array]:
+    """J (6, n), its rows as they count where components are held, and what is damped beside τ, (n, n).
 
-    v = 0 where the posture beside shows nothing of a direction either: what stands there is rounding.
+    A held direction with a singular value below LEFT_BEHIND counts as that, so that its joint motion v is as good as
+    fixed: it would take the tool away by σ, and to second order. v itself turns by (∂J/∂x)ᵀ u / σ as the arm moves at
+    x, and the less is left of it the more that is damped.
     """
-    rows, rank = np.where(np.arange(6)[:, None] < count, J, 0.0), min(count, J.shape[1])
+    J, n = place.rows(np.zeros(len(place.toward))), len(place.toward)
+    rows, calm = J.copy(), np.zeros((n, n))
+    if not held or smallest_about(J[list(held)]) >= LEFT_BEHIND:
+        return J, rows, calm
+    for sigma, u, v in zip(*(of.T for of in _decomposed(place, J, held)), strict=True):
+        if sigma >= LEFT_BEHIND or not v.any():
+            continue
+        rows += (LEFT_BEHIND - sigma) * np.outer(u, v)
+        turns = np.array([u @ (place.rows(DIFFERENCE * unit) - J) / DIFFERENCE for unit in np.eye(n)])
+        calm += damping * (1.0 / max(sigma, DIFFERENCE) - 1.0 / LEFT_BEHIND) * turns @ turns.T
+    return J, rows, calm
+
+
+def _decomposed(place: Place, J: Array, chosen: Sequence[int]) -> tuple[Array, Array, Array]:
+    """σ (k,), U (6, k), V (n, k) of the chosen rows; k as many as random postures have, V 0 where those have none."""
+    of = np.isin(np.arange(6), chosen)
+    rows, rank = np.where(of[:, None], J, 0.0), min(len(chosen), J.shape[1])
     U, sigma, Vt = np.linalg.svd(rows)
     strong = int((sigma[:rank] > NO_MOTION).sum())
     sigma = np.where(np.arange(rank) < strong, sigma[:rank], 0.0)
     weak, U, V = U[:, strong:], U[:, :rank].copy(), Vt[:rank].T.copy()
     if strong < rank:
         free = np.eye(J.shape[1]) - V[:, :strong] @ V[:, :strong].T
-        Y, size, Zt = np.linalg.svd(weak[:count].T @ beside()[:count] @ free)
-        shown = int((size > NO_WAY).sum())
-        U[:, strong:], V[:, strong:] = (weak @ Y)[:, : rank - strong], Zt[: rank - strong].T
-        V[:, strong + shown :] = 0.0
+        Y, sizes, Zt = np.linalg.svd(weak[of].T @ place.rows(BESIDE * place.toward)[of] @ free)
+        U[:, strong:] = (weak @ Y)[:, : rank - strong]
+        V[:, strong:] = np.where(sizes > NO_WAY, Zt[: len(sizes)].T, 0.0)[:, : rank - strong]
     return sigma, U, V
 
 

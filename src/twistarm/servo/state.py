@@ -22,13 +22,14 @@ class ServoState(Brief):
 
     theta is integrated from what was commanded, never read back from the arm: measured noise cannot make it drift.
     `held` (4, 4) is the pose of which components are held, None where none are; `holding` says which, as the flags of
-    the command that holds them.
+    the command that holds them. `period` [s] is a slow mean of what steps took, 0 before the first.
     """
 
     theta: Array
     theta_dot: Array
     held: Array | None = None
     holding: int | None = None
+    period: float = 0.0
 
     @classmethod
     def at(cls, arm: Arm, theta: ArrayLike) -> ServoState:

@@ -15,7 +15,7 @@ from .bounds import Bounds, bounds_of
 from .command import AnyCommand, CommandLike, JogCommand, PoseCommand, TwistCommand
 from .output import Asked, ServoOutput
 from .settings import ServoSettings
-from .state import ServoState
+from .state import MOST, ServoState
 
 COMMANDS = (TwistCommand, JogCommand, PoseCommand)
 _DEFAULT = ServoSettings()
@@ -66,7 +66,7 @@ def servo_step(
         answer = _answer(arm, bounds, state, checked, step)
     except InputError as error:
         return _refused(arm, state, f"the state cannot be used: {error}")
-    after = ServoState(answer.theta, answer.theta_dot, answer.held, _holding(checked))
+    after = ServoState(answer.theta, answer.theta_dot, answer.held, _holding(checked), answer.period)
     if checked is None:
         return after, ServoOutput.stale(after.theta_dot, reason)
     return after, ServoOutput.of(answer, bounds, Asked(arm, state.theta, checked, bounds.stops))
@@ -98,14 +98,15 @@ def _answer(arm: Arm, bounds: Bounds, state: ServoState, command: AnyCommand | N
     if bounds.compiled is None:
         return readable.step(arm, bounds, _clean(arm, state), command, dt)
     kind, flags, numbers = (0, 0, None) if command is None else (command.kind, command.flags, command.numbers)
-    found = bounds.compiled.step(state.theta, state.theta_dot, held, kind, flags, numbers, dt)
+    found = bounds.compiled.step(state.theta, state.theta_dot, held, kind, flags, numbers, dt, state.period)
     if found is None:  # not plain float64: converted, or refused
         clean = _clean(arm, state)
         held = None if held is None else clean.held
-        found = bounds.compiled.step(clean.theta, clean.theta_dot, held, kind, flags, numbers, dt)
+        found = bounds.compiled.step(clean.theta, clean.theta_dot, held, kind, flags, numbers, dt, clean.period)
         assert found is not None, "what was refused has been cleaned"
-    theta, theta_dot, kept, cause, row, scale, lost, lost_share, halted, position, angle = found
-    return Answer(theta, theta_dot, _CAUSES[cause], row, scale, lost, lost_share, kept, halted, (position, angle))
+    theta, theta_dot, kept, cause, row, scale, lost, lost_share, halted, position, angle, period = found
+    remaining = position, angle
+    return Answer(theta, theta_dot, _CAUSES[cause], row, scale, lost, lost_share, kept, halted, remaining, period)
 
 
 def _clean(arm: Arm, state: ServoState) -> ServoState:
@@ -114,7 +115,14 @@ def _clean(arm: Arm, state: ServoState) -> ServoState:
     held = None if state.held is None else frozen(as_pose(state.held, "held"))
     if held is not None and held.shape != (4, 4):
         raise InputError(f"held must be one pose, shape (4, 4); got {held.shape}")
-    return ServoState(plain.theta, plain.theta_dot, held, state.holding)
+    return ServoState(plain.theta, plain.theta_dot, held, state.holding, _period(state))
+
+
+def _period(state: ServoState) -> float:
+    period = _seconds(state.period)
+    if not 0.0 <= period <= MOST:
+        raise InputError(f"period must be a time from 0 to {MOST:g} s; got {shown(state.period)}")
+    return period
 
 
 def _holding(command: AnyCommand | None) -> int | None:
@@ -124,4 +132,4 @@ def _holding(command: AnyCommand | None) -> int | None:
 
 def _refused(arm: Arm, state: ServoState, reason: str) -> tuple[ServoState, ServoOutput]:
     still = frozen(np.zeros(arm.n))
-    return ServoState(state.theta, still), ServoOutput.stale(still, reason)
+    return ServoState(state.theta, still, period=state.period), ServoOutput.stale(still, reason)

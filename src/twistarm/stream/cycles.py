@@ -254,6 +254,7 @@ class Cycles(ABC, Generic[C]):
     def _send(self, setpoint: Setpoint) -> str:
         """Hand the setpoint on and count it; why nobody took it. StreamError where the sink fails."""
         self.tally.statuses[setpoint.output.status] += 1
+        self.tally.reasons[setpoint.output.reason] += 1
         return call_device(Ending.SINK_FAILED, self._write, setpoint)
 
     def _write(self, setpoint: Setpoint) -> str:

@@ -7,8 +7,9 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from enum import Enum
 from types import MappingProxyType
+from typing import TypeVar
 
-from ..servo import ServoStatus
+from ..servo import ServoReason, ServoStatus
 from ..support.display import told
 from .metronome import Lateness
 
@@ -37,7 +38,8 @@ class StreamReport:
     """What a stream did.
 
     cycles that were begun and `missed` ones of the grid, at `rate` [Hz] over `duration` [s]. late_p50, late_p99,
-    late_max [s]: how long after their time cycles began, the jitter. statuses: cycles of each status of the servo.
+    late_max [s]: how long after their time cycles began, the jitter. statuses, reasons: cycles of each of the
+    servo's.
     waited, blind, uncommanded [s]: before the first joint state, with a stale joint state after it, and without a
     command, with the last reason of each; barred [s]: while the interlock did not allow motion, and why at last;
     interlock: its word at the end. ending and reason: why it ended. at_rest: whether the commanded arm stood
@@ -54,6 +56,7 @@ class StreamReport:
     late_p99: float
     late_max: float
     statuses: Mapping[ServoStatus, int]
+    reasons: Mapping[ServoReason, int]
     waited: float
     blind: float
     uncommanded: float
@@ -96,13 +99,14 @@ class StreamReport:
 
     def explain(self) -> str:
         """The report in lines."""
-        counts = ", ".join(f"{status.name} {count}" for status, count in self.statuses.items())
+        counts = names_counted(self.statuses)
         lines = [
             f"ended: {self.ending.value}{': ' if self.reason else ''}{self.reason}",
             f"{self.cycles} cycles in {self.duration:.2f} s at {self.rate:g} Hz, {self.missed} missed",
             f"cycles began late by {self.late_p50 * 1e3:.3f} ms (median), {self.late_p99 * 1e3:.3f} ms (99 %), "
             f"{self.late_max * 1e3:.3f} ms (most)",
             f"status: {counts}" if counts else "the arm was never moved: no joint state arrived",
+            *([f"reasons: {names_counted(self.reasons)}"] if counts else []),
             *filter(None, [self.assumed]),
             *self._stale(),
             *(f"setpoints did not get through: {text}" for text in self.undelivered),
@@ -133,6 +137,7 @@ class Tally:
         self.cycles = self.missed = 0
         self.waited = self.blind = self.uncommanded = self.barred = 0
         self.statuses: Counter[ServoStatus] = Counter()
+        self.reasons: Counter[ServoReason] = Counter()
         self.lateness = Lateness()
         self.blind_reason = self.uncommanded_reason = self.barred_reason = ""
         self.undelivered: Counter[str] = Counter()
@@ -157,7 +162,8 @@ class Tally:
             self.lateness.percentile(50.0),
             self.lateness.percentile(99.0),
             self.lateness.largest,
-            MappingProxyType({status: self.statuses[status] for status in ServoStatus if self.statuses[status]}),
+            _counts(self.statuses, ServoStatus),
+            _counts(self.reasons, ServoReason),
             self.waited / self.rate,
             self.blind / self.rate,
             self.uncommanded / self.rate,
@@ -174,6 +180,19 @@ class Tally:
             counted(self.failures),
             self.assumed,
         )
+
+
+E = TypeVar("E", bound=Enum)
+
+
+def _counts(counter: Counter[E], kinds: type[E]) -> Mapping[E, int]:
+    """What occurred, in the order of its kinds."""
+    return MappingProxyType({kind: counter[kind] for kind in kinds if counter[kind]})
+
+
+def names_counted(counts: Mapping[E, int]) -> str:
+    """Each name with how often it occurred: "OK 120, STALE 3"."""
+    return ", ".join(f"{kind.name} {count}" for kind, count in counts.items())
 
 
 def counted(texts: Counter[str]) -> tuple[str, ...]:

@@ -136,6 +136,7 @@ def diagnosis_of(cycle: Cycle, tally: Tally) -> Diagnosis:
     status, joint, *_ = status_of(cycle)
     values = {
         "status": status,
+        "reason": output.reason.name if output is not None else "",
         "joint": joint or "",
         "scale": f"{output.scale:.3f}" if output is not None else "",
         "interlock": cycle.interlock,
@@ -147,4 +148,4 @@ def diagnosis_of(cycle: Cycle, tally: Tally) -> Diagnosis:
         return Diagnosis(ERROR, f"{cycle.ending.value}: {cycle.reason}", values)
     if output is None or cycle.theta is None:
         return Diagnosis(ERROR, cycle.reason, values)
-    return Diagnosis(OK if output.status is ServoStatus.OK else WARN, output.reason, values)
+    return Diagnosis(OK if output.status is ServoStatus.OK else WARN, output.explain(), values)

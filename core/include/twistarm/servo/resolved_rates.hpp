@@ -11,6 +11,9 @@
 // moves on along the command or comes to rest, and no motion repeats itself. About a rest at the edge of the reach,
 // ∂x/∂θ is at most the curvature of the tool's path over τ, which one step of delay leaves stable for τ ≥ 3 dt.
 //
+// A first level that is held is no norm but ½ ρ |V_0 − J_0 x|² with a large ρ: it is done exactly, whatever the rest loses.
+// Its directions that a posture nearly lacks count as whole, so that no joint moves the tool along them to second order.
+//
 // D. E. Whitney, Resolved motion rate control of manipulators and human prostheses, IEEE T-MMS 10(2), 1969. Everything
 // here is scaled to radians: metres are measured in a length, and a slide's rates too. The readable twin is
 // src/twistarm/servo/resolved_rates.py.
@@ -35,9 +38,11 @@ template <class T, int N> struct servo_bounds {
     bool stops;
 };
 
-/// Tool rates by levels: which components of the twist, in tool or in base axes, go before which others.
+/// Tool rates by levels: which components of the twist, in tool or in base axes, go before which others. Of those
+/// that are held the first level consists.
 struct servo_levels {
     int count, size[3], component[3][6];
+    bool firm, held[6];
 };
 
 namespace servo_detail {
@@ -57,8 +62,11 @@ template <class T> constexpr T nothing = T(sizeof(T) == 8 ? 1e-12 : 1e-6);   // 
 template <class T> constexpr T rounded_off = T(sizeof(T) == 8 ? 1e-4 : 1e-3);   // of the twist: a norm's tip
 template <class T> constexpr T settled = T(sizeof(T) == 8 ? 1e-6 : 1e-4);    // of the rates: a smaller change is none
 template <class T> constexpr T left_behind = T(0.055);        // what a singular value on its way up counts as: √(τ V) for V = 0.1
-template <class T> constexpr T no_way = T(1e-5);              // of the rows beside a posture: what is shorter is none
 template <class T> constexpr T equally = T(1e-6);             // of a unit motion: joints that move so nearly alike move alike
+template <class T> constexpr T firmness = T(sizeof(T) == 8 ? 1e6 : 1e3);      // the weight of what is held, [s]
+template <class T> constexpr T as_good_as_none = T(2e-4);     // a smaller singular value may be left to either side
+template <class T> constexpr T no_share = T(1e-3);            // of a unit motion: a joint that moves less does not count
+template <class T> constexpr T no_way = T(1e-5);              // of the rows beside a posture: what is shorter is none
 constexpr int most_rounds = 50;
 constexpr int five = 5;  // joints from which on singularities are the whole twist's
 
@@ -74,27 +82,77 @@ template <class T, int N> struct direction {
     T u[6], v[capacity(N)], sigma, edge, leaving;
 };
 
+/// How what is held goes astray while the rest moves: −d(error)/dt = rows · twist, scaled; of all six components where only
+/// some of the position or of the orientation are held, else their own.
+template <class T> struct held_rows {
+    bool mixed;
+    T rows[6][6];
+};
+
 template <class T, int N, int M> struct rate_solver {
     static constexpr int most = capacity(N);
     const chain<T, N, M>& arm;
     const servo_bounds<T, N>& bounds;
     const servo_levels& levels;
+    const held_rows<T>& held;
     bool base_axes;
     T damping, posture[most];
-    six_rows<T, N> J, led;  // led: J, as it will be where the motion leaves a singularity
+    six_rows<T, N> J, firm, led;  // firm: J where held directions that are nearly lost count as whole; led: as it will be
     direction<T, N> found[6];
+    T calm[most][most];  // what is damped beside τ, where `turned`
+    bool turned;
     int rank;     // how many of them
     T turning;    // 0 … 1: how far the tool may turn as it will, on its course out of a singular position
     bool placed;  // whether they are those of the position
 
     int n() const { return arm.coordinates(); }
 
-    rate_solver(const chain<T, N, M>& arm_, const servo_bounds<T, N>& bounds_, const servo_levels& levels_, bool base,
-                const T* theta, T dt)
-        : arm(arm_), bounds(bounds_), levels(levels_), base_axes(base), damping(greatest(bounds_.damping, steps_damped<T> * dt)), rank(0), turning(T(0)), placed(false) {
+    rate_solver(const chain<T, N, M>& arm_, const servo_bounds<T, N>& bounds_, const servo_levels& levels_,
+                const held_rows<T>& held_, bool base, const T* theta, T period)
+        : arm(arm_), bounds(bounds_), levels(levels_), held(held_), base_axes(base), damping(greatest(bounds_.damping, steps_damped<T> * period)), turned(false), rank(0), turning(T(0)), placed(false) {
         for (int k = 0; k < n(); ++k) posture[k] = theta[k];
         jacobian(posture, J);
-        copy(J, led);
+        copy(J, firm);
+        if (levels.firm) hold_firmly();
+        copy(firm, led);
+    }
+
+    /// Held directions that this posture nearly lacks count as whole: what moves them is as good as fixed, here and beside.
+    void hold_firmly() {
+        six_rows<T, N> rows;
+        const int count = levels.size[0];
+        for (int i = 0; i < count; ++i)
+            for (int k = 0; k < n(); ++k) rows[i][k] = J[levels.component[0][i]][k];
+        if (!(smallest_about<T, N>(rows, count, n()) < left_behind<T>)) return;
+        decompose(levels.held, count);
+        for (int d = 0; d < rank; ++d)
+            if (found[d].sigma < left_behind<T>) fix(found[d]);
+        rank = 0;
+    }
+
+    /// Fixes a held direction. Its joint motion v turns by (∂J/∂x)ᵀ u / σ: the less is left of it, the more that is damped.
+    void fix(const direction<T, N>& held) {
+        if (!(norm(held.v, n()) > T(0))) return;
+        for (int i = 0; i < 6; ++i)
+            for (int k = 0; k < n(); ++k) firm[i][k] += (left_behind<T> - held.sigma) * held.u[i] * held.v[k];
+        T turns[most][most];
+        for (int j = 0; j < n(); ++j) {
+            six_rows<T, N> there;
+            T theta[most];
+            for (int k = 0; k < n(); ++k) theta[k] = posture[k] + (k == j ? bounds.unit[k] * difference<T> : T(0));
+            jacobian(theta, there);
+            for (int k = 0; k < n(); ++k) {
+                turns[k][j] = T(0);
+                for (int i = 0; i < 6; ++i) turns[k][j] += held.u[i] * (there[i][k] - J[i][k]) / difference<T>;
+            }
+        }
+        const T heavy = damping * (T(1) / greatest(held.sigma, difference<T>) - T(1) / left_behind<T>);
+        for (int a = 0; a < n(); ++a)
+            for (int b = 0; b <= a; ++b) {
+                if (!turned) calm[a][b] = T(0);
+                for (int k = 0; k < n(); ++k) calm[a][b] += heavy * turns[k][a] * turns[k][b];
+            }
+        turned = true;
     }
 
     void copy(const six_rows<T, N>& from, six_rows<T, N>& to) const {
@@ -115,6 +173,14 @@ template <class T, int N, int M> struct rate_solver {
                 rows[i][k] = columns[k].v[i] * (bounds.unit[k] / bounds.length);
                 rows[i + 3][k] = columns[k].w[i] * bounds.unit[k];
             }
+            if (!held.mixed) continue;
+            T twist[6];
+            for (int i = 0; i < 6; ++i) twist[i] = rows[i][k];
+            for (int i = 0; i < 6; ++i) {
+                if (!levels.held[i]) continue;
+                rows[i][k] = T(0);
+                for (int j = 0; j < 6; ++j) rows[i][k] += held.rows[i][j] * twist[j];
+            }
         }
     }
 
@@ -131,12 +197,12 @@ template <class T, int N, int M> struct rate_solver {
     /// The directions that the arm's tool has, the strongest first. Those that this very posture lacks are read off one a
     /// little beside: no rates move the tool along them here, but some bend the arm so that they will. Where nothing is
     /// seen of them there either, v = 0.
-    void decompose(int count) {
+    void decompose(const bool (&chosen)[6], int count) {
         six_rows<T, N> rows;
         T X[6][6];
         rank = count < n() ? count : n();
         for (int i = 0; i < 6; ++i)
-            for (int k = 0; k < n(); ++k) rows[i][k] = i < count ? J[i][k] : T(0);
+            for (int k = 0; k < n(); ++k) rows[i][k] = chosen[i] ? J[i][k] : T(0);
         make_orthogonal<T, N>(rows, 6, n(), X);
         int order[6], strong = 0;
         for (int i = 0; i < 6; ++i) order[i] = i;
@@ -163,7 +229,8 @@ template <class T, int N, int M> struct rate_solver {
         for (int i = 0; i < weak; ++i)
             for (int k = 0; k < n(); ++k) {
                 rest[i][k] = T(0);
-                for (int j = 0; j < count; ++j) rest[i][k] += X[j][order[strong + i]] * there[j][k];
+                for (int j = 0; j < 6; ++j)
+                    if (chosen[j]) rest[i][k] += X[j][order[strong + i]] * there[j][k];
             }
         for (int i = 0; i < weak; ++i)
             for (int d = 0; d < strong; ++d) {
@@ -207,7 +274,7 @@ template <class T, int N, int M> struct rate_solver {
         const bool position = n() < five && smallest_about<T, N>(J, 3, n()) < greatest(bounds.below, T(2) / precedence<T>);
         const T enough = greatest(bounds.below, left_behind<T>), size = norm(asked, 6);
         if (!position && !(smallest_about<T, N>(J, 6, n()) < enough)) return false;
-        decompose(position ? 3 : 6);
+        decompose({true, true, true, !position, !position, !position}, position ? 3 : 6);
         placed = position;
         const T much = clamped(lost / missed<T> - T(1), T(0), T(1));
         for (int d = 0; d < rank; ++d) {
@@ -218,12 +285,31 @@ template <class T, int N, int M> struct rate_solver {
             for (int i = 0; i < 3; ++i) turned[i] = times(J, i + 3, along.v);
             along.edge = position ? greatest(bounds.below, T(2) * norm(turned, 3) / precedence<T>) : enough;
             if (!(along.sigma < along.edge)) continue;
-            if (bounds.stops) along.edge = greatest(on_course<T>, along.sigma);
             for (int i = 0; i < 6; ++i) share += along.u[i] * left[i];
+            const T side = T(share < T(0) ? -1 : 1);
+            if (along.sigma < as_good_as_none<T> && way_left(along.v, side) < T(0.5) * way_left(along.v, -side)) {
+                // Both ways bend the arm, which is as good as exactly singular, and the other one ends later.
+                along.sigma = -along.sigma;
+                for (int k = 0; k < n(); ++k) along.v[k] = -along.v[k];
+            }
+            if (bounds.stops) along.edge = greatest(on_course<T>, along.sigma);
             along.leaving = much * clamped(rise(along, along.v) * share / size / rise_whole<T>, T(0), T(1));
         }
         lead();
         return true;
+    }
+
+    /// How far the joints may move along a unit motion before one is at its limit [scaled rad], 1 at most.
+    T way_left(const T* motion, T side) const {
+        T least_way = T(1);
+        for (int k = 0; k < n(); ++k) {
+            const T speed = side * motion[k] * bounds.unit[k];
+            if (!(absolute(side * motion[k]) > no_share<T>)) continue;
+            const int row = bounds.motion.motors + k;
+            const T room = speed > T(0) ? bounds.motion.upper[row] - posture[k] : posture[k] - bounds.motion.lower[row];
+            least_way = least(least_way, greatest(room, T(0)) / absolute(speed));
+        }
+        return least_way;
     }
 
     /// Leaves of the ways out what the arm really takes at the rates x, which the other levels bend. Answers whether less.
@@ -252,12 +338,12 @@ template <class T, int N, int M> struct rate_solver {
 
     /// The rows as they will be.
     void lead() {
-        copy(J, led);
+        copy(firm, led);
         turning = T(0);
         for (int d = 0; bounds.stops && placed && d < rank; ++d) turning = greatest(turning, found[d].leaving);
         for (int d = 0; d < rank; ++d)
             for (int i = 0; i < 6; ++i)
-                for (int k = 0; k < n(); ++k)
+                for (int k = 0; k < n() && !levels.held[i]; ++k)
                     led[i][k] += found[d].leaving * (found[d].edge - found[d].sigma) * found[d].u[i] * found[d].v[k];
     }
 
@@ -281,6 +367,16 @@ template <class T, int N, int M> struct rate_solver {
             }
         }
         return sum;
+    }
+
+    /// Of what is lost (6,) all but what the arm is about to have again, because it leaves a singularity.
+    void without_ways_out(const T* lost, T* rest) const {
+        for (int i = 0; i < 6; ++i) rest[i] = lost[i];
+        for (int d = 0; d < rank; ++d) {
+            T part = T(0);
+            for (int i = 0; i < 6; ++i) part += found[d].leaving * found[d].u[i] * lost[i];
+            for (int i = 0; i < 6; ++i) rest[i] -= part * found[d].u[i];
+        }
     }
 
     /// How much lower a level counts than the first.
@@ -339,7 +435,39 @@ template <class T, int N, int M> struct rate_solver {
         }
     }
 
+    /// The rates x that take what is held back by so much, if nothing else is asked.
+    void take_back_held(const T* error, T* x) const {
+        T H[most][most], r[most];
+        begin(H, r);
+        press(0, firmness<T>, error, H, r);
+        mirror(H);
+        solve_ldl(H, r, n());
+        for (int k = 0; k < n(); ++k) x[k] = r[k];
+    }
+
   private:
+    void begin(T (&H)[most][most], T* r) const {
+        for (int a = 0; a < n(); ++a) {
+            r[a] = T(0);
+            for (int b = 0; b <= a; ++b) H[a][b] = (a == b ? damping : T(0)) + (turned ? calm[a][b] : T(0));
+        }
+    }
+    /// Adds what a level that counts so much wants.
+    void press(int level, T counts, const T* asked, T (&H)[most][most], T* r) const {
+        for (int i = 0; i < levels.size[level]; ++i) {
+            const int c = levels.component[level][i];
+            for (int a = 0; a < n(); ++a) {
+                const T heavy = counts * led[c][a];
+                r[a] += heavy * asked[c];
+                for (int b = 0; b <= a; ++b) H[a][b] += heavy * led[c][b];
+            }
+        }
+    }
+    void mirror(T (&H)[most][most]) const {
+        for (int a = 0; a < n(); ++a)
+            for (int b = 0; b < a; ++b) H[b][a] = H[a][b];
+    }
+
     /// Where the arm keeps to its course it leaves a singularity at what rates that takes.
     void undamp(T (&H)[most][most]) const {
         for (int d = 0; d < rank; ++d)
@@ -349,10 +477,7 @@ template <class T, int N, int M> struct rate_solver {
 
     /// H = Jᵀ Ω J + τ and r = Jᵀ Ω V with Ω = w / |V − J x|, level by level.
     void weigh(const T* asked, const T* x, T tip, T (&H)[most][most], T* r) const {
-        for (int a = 0; a < n(); ++a) {
-            r[a] = T(0);
-            for (int b = 0; b <= a; ++b) H[a][b] = a == b ? damping : T(0);
-        }
+        begin(H, r);
         if (bounds.stops) undamp(H);
         T left[6];
         rest(led, asked, x, left);
@@ -362,19 +487,11 @@ template <class T, int N, int M> struct rate_solver {
                 const T part = left[levels.component[level][i]];
                 square += part * part;
             }
-            T counts = weight_of(level) / sqrt(square);
+            T counts = level == 0 && levels.firm ? firmness<T> : weight_of(level) / sqrt(square);
             if (level > 0 && levels.component[level][0] >= 3) counts *= T(1) - turning;
-            for (int i = 0; i < levels.size[level]; ++i) {
-                const int c = levels.component[level][i];
-                for (int a = 0; a < n(); ++a) {
-                    const T heavy = counts * led[c][a];
-                    r[a] += heavy * asked[c];
-                    for (int b = 0; b <= a; ++b) H[a][b] += heavy * led[c][b];
-                }
-            }
+            press(level, counts, asked, H, r);
         }
-        for (int a = 0; a < n(); ++a)
-            for (int b = 0; b < a; ++b) H[b][a] = H[a][b];
+        mirror(H);
     }
 };
 }  // namespace servo_detail

@@ -34,9 +34,10 @@ template <class T, int N> struct servo_command {
     T linear_speed, angular_speed;
 };
 
-/// Where the commanded arm is and how it moves; the pose of which some components are held, along which axes.
+/// Where the commanded arm is and how it moves; the pose of which some components are held, along which axes. period [s]:
+/// what steps took of late, 0 at the start.
 template <class T, int N> struct servo_state {
-    T theta[capacity(N)], theta_dot[capacity(N)];
+    T theta[capacity(N)], theta_dot[capacity(N)], period;
     bool holding[6], holding_base_axes;
     frame<T> held;
 };
@@ -56,6 +57,8 @@ template <class T> constexpr T rounding = T(sizeof(T) == 8 ? 1e-12 : 1e-6);  // 
 constexpr double noticed = 0.01;       // a slow-down by a smaller share is not worth a word
 constexpr double no_room = 0.01;       // a joint at its limit may move on at a smaller share of the scaled twist
 template <class T> constexpr T look_ahead = T(0.01);   // how far ahead a course is looked at [scaled rad]
+template <class T> constexpr T period_time = T(2);     // how slowly the period follows what steps take [s]
+template <class T> constexpr T astray_by = T(2e-4);    // an error of what is held at which half of the rest is done [scaled]
 constexpr int slowings = 4;            // how often it is looked whether joints that take over for others are too fast
 
 inline bool is_position(servo_cause cause) { return cause == servo_cause::lower || cause == servo_cause::upper; }
@@ -96,6 +99,13 @@ template <class T> void pose_error(const frame<T>& g, const frame<T>& target, bo
     rotate_back(g, error + 3, error + 3);
 }
 
+/// The entry (i, j) of [a], for which [a] b = a × b.
+template <class T> T cross_entry(const T* a, int i, int j) {
+    if (i == j) return T(0);
+    const T entry = a[3 - i - j];
+    return (j - i + 3) % 3 == 1 ? -entry : entry;
+}
+
 template <class T, int N> void scale_twist(const servo_bounds<T, N>& bounds, const T* twist, T* scaled) {
     for (int k = 0; k < 3; ++k) {
         scaled[k] = twist[k] / bounds.length;
@@ -111,7 +121,9 @@ inline servo_levels levels_of(const bool* held) {
             if (held[k] == wanted) levels.component[level][levels.size[level]++] = k;
         if (levels.size[level] > 0) ++levels.count;
     };
+    for (int k = 0; k < 6; ++k) levels.held[k] = held[k];
     add(0, 6, true);
+    levels.firm = levels.count > 0;
     add(0, 3, false);
     add(3, 6, false);
     return levels;
@@ -122,8 +134,8 @@ inline servo_levels levels_of(const bool* held) {
 template <class T, int N> struct position_bounds {
     T least[capacity(N)], most[capacity(N)];
 
-    position_bounds(const motion_limits<T, N>& motion, const T* theta, const T* rates, T dt) {
-        const T time = steps_damped<T> * dt + stopping_time(motion, rates);
+    position_bounds(const motion_limits<T, N>& motion, const T* theta, const T* rates, T dt, T period, bool gently) {
+        const T time = greatest(steps_damped<T> * period, dt) + (gently ? T(2) : T(1)) * stopping_time(motion, rates);
         for (int k = 0; k < motion.coordinates; ++k) {
             most[k] = greatest(motion.upper[motion.motors + k] - theta[k], T(0)) / time;
             least[k] = -greatest(theta[k] - motion.lower[motion.motors + k], T(0)) / time;
@@ -168,6 +180,11 @@ template <class T, int N> bool usable(const servo_command<T, N>& command, int n)
     }
     return false;
 }
+/// The slow measure of what steps take, after one of dt: a loop that jitters is damped evenly.
+template <class T> T period_after(T period, T dt) {
+    if (!(period > T(0)) || !usable(period)) return dt;
+    return period + (dt - period) * least(dt / period_time<T>, T(1));
+}
 template <class T, int N> bool usable_hold(const servo_state<T, N>& state, const servo_command<T, N>& command) {
     bool any = false;
     for (int k = 0; k < 6; ++k) any = any || (command.kind == servo_kind::twist && command.held[k] && state.holding[k]);
@@ -207,7 +224,7 @@ template <class T, int N, int M> struct servo {
         const T share = velocity_share(bounds.motion, command.rates, row);
         for (int k = 0; k < n(); ++k) rates[k] = share * command.rates[k];
         if (share < T(1)) blame(servo_cause::velocity, row);
-        const position_bounds<T, N> room(bounds.motion, state.theta, rates, dt);
+        const position_bounds<T, N> room(bounds.motion, state.theta, rates, dt, state.period, false);
         if (room.over(rates, n(), joint) > nothing<T>)
             blame(rates[joint] > T(0) ? servo_cause::upper : servo_cause::lower, bounds.motion.motors + joint);
         for (int k = 0; k < n(); ++k) rates[k] = clamped(rates[k], room.least[k], room.most[k]);
@@ -238,14 +255,18 @@ template <class T, int N, int M> struct servo {
         bool held[6];
         for (int k = 0; k < 6; ++k) held[k] = !goal && command.held[k];
         const servo_levels levels = levels_of(held);
-        rate_solver<T, N, M> solver(arm, bounds, levels, base_axes, ahead, dt);
+        T error[6];
+        held_rows<T> astray;
+        const bool any = look_at(goal, base_axes, held, error, astray);
+        rate_solver<T, N, M> solver(arm, bounds, levels, astray, base_axes, ahead, state.period);
         scale_twist(bounds, command.twist, asked);
-        approach(solver, goal, base_axes, held, asked);
+        if (any && !goal) wait_for(held, error, asked);
+        if (any) add_error(solver, goal, error, asked);
         reach(solver, asked);
     }
 
-    /// Adds what is asked for the sake of a pose to reach, or of the components that are held.
-    void approach(rate_solver<T, N, M>& solver, bool goal, bool base_axes, const bool* held, T* asked) {
+    /// The error of a pose to reach, or of the components that are held. Answers whether there is any such.
+    bool look_at(bool goal, bool base_axes, const bool* held, T* error, held_rows<T>& astray) {
         bool any = false, same = state.holding_base_axes == base_axes;
         for (int k = 0; k < 6; ++k) {
             any = any || held[k];
@@ -253,15 +274,44 @@ template <class T, int N, int M> struct servo {
             state.holding[k] = held[k];
         }
         state.holding_base_axes = base_axes;
-        if (!goal && !any) return;
+        astray.mixed = false;
+        if (!goal && !any) return false;
         const frame<T> g = forward(arm, state.theta);
         if (any && !same) state.held = g;
-        T error[6];
         pose_error(g, goal ? command.goal : state.held, base_axes, error);
+        astray.mixed = !goal && (held[0] != held[1] || held[1] != held[2] || held[3] != held[4] || held[4] != held[5]);
+        if (astray.mixed) rows_of(error, base_axes, astray);
         for (int k = 0; k < 6; ++k) error[k] = goal || held[k] ? error[k] : T(0);
-        if (goal)
-            for (int half = 0; half < 2; ++half) out.remaining[half] = norm(error + 3 * half, 3);
-        add_error(solver, goal, error, asked);
+        for (int half = 0; half < 2 && goal; ++half) out.remaining[half] = norm(error + 3 * half, 3);
+        return true;
+    }
+
+    /// Where what is held has gone astray, the rest waits until it is back.
+    void wait_for(const bool* held, const T* error, T* asked) const {
+        T off[6];
+        scale_twist(bounds, error, off);
+        const T much = norm(off, 6) / astray_by<T>, share = T(1) / (T(1) + much * much);
+        for (int k = 0; k < 6; ++k)
+            if (!held[k]) asked[k] *= share;
+    }
+
+    /// −d(error)/dt for twists: v + ω × e in the tool's axes, v in the base's; ω by the inverse of the exponential's
+    /// Jacobian at φ, I ∓ ½ [φ] + c [φ]², c = (1 − ½ |φ| cot ½ |φ|) / |φ|². J. Solà et al., arXiv:1812.01537, eq. 144.
+    void rows_of(const T* error, bool base_axes, held_rows<T>& astray) const {
+        const T* const phi = error + 3;
+        const T angle = norm(phi, 3), half = T(0.5) * angle;
+        T sine, cosine;
+        sincos(half, sine, cosine);
+        const T c = angle > T(0.01) ? (T(1) - half * cosine / sine) / (angle * angle) : T(1) / T(12);
+        for (int i = 0; i < 3; ++i)
+            for (int j = 0; j < 3; ++j) {
+                const T unit = T(i == j ? 1 : 0), turn = cross_entry(phi, i, j);
+                astray.rows[i][j] = unit;
+                astray.rows[i][j + 3] = base_axes ? T(0) : -cross_entry(error, i, j) / bounds.length;
+                astray.rows[i + 3][j] = T(0);
+                astray.rows[i + 3][j + 3] =
+                    unit + (base_axes ? T(0.5) : T(-0.5)) * turn + c * (phi[i] * phi[j] - unit * angle * angle);
+            }
     }
 
     /// As much of error / dt as lets the arm stop at the goal, straight on: s dt + s² T/2 ≤ dt.
@@ -271,11 +321,13 @@ template <class T, int N, int M> struct servo {
         if (!(largest > rounding<T>)) return;
         T wanted[6], rates[capacity(N)];
         scale_twist(bounds, error, wanted);
-        free_rates(solver, wanted, rates);
+        if (goal) free_rates(solver, wanted, rates);
+        else solver.take_back_held(wanted, rates);
+        const T period = state.period;
         for (int k = 0; k < 6; ++k) wanted[k] = wanted[k] / dt;
-        for (int k = 0; k < n(); ++k) rates[k] = rates[k] * bounds.unit[k] / dt;
+        for (int k = 0; k < n(); ++k) rates[k] = rates[k] * bounds.unit[k];
         const T stop = stopping_time(bounds.motion, rates);
-        T share = T(2) * dt / (dt + sqrt(dt * dt + T(2) * stop * dt));
+        T share = least(T(1), T(2) * dt / (period + sqrt(period * period + T(2) * stop)));
         if (goal) {
             share = least(share, command.linear_speed * dt / greatest(norm(error, 3), nothing<T>));
             share = least(share, command.angular_speed * dt / greatest(norm(error + 3, 3), nothing<T>));
@@ -287,11 +339,14 @@ template <class T, int N, int M> struct servo {
     void free_rates(const rate_solver<T, N, M>& solver, const T* asked, T* x) {
         T lower[capacity(N)], upper[capacity(N)];
         sides<capacity(N)> at;
+        unbounded(lower, upper);
+        solver(asked, lower, upper, at, x);
+    }
+    void unbounded(T* lower, T* upper) const {
         for (int k = 0; k < n(); ++k) {
             upper[k] = detail::infinite<T>;
             lower[k] = -upper[k];
         }
-        solver(asked, lower, upper, at, x);
     }
 
     /// The rates for what is asked, and the share that they are for.
@@ -309,10 +364,14 @@ template <class T, int N, int M> struct servo {
         }
         for (int k = 0; k < n(); ++k) rates[k] = x[k] * bounds.unit[k];
         T share = velocity_share(bounds.motion, rates, row);
+        const T calm = solver.levels.firm ? followed(solver, asked, x) : T(1);
+        if (calm < share) {
+            share = calm;
+            if (out.cause == servo_cause::none && share < T(1 - noticed)) blame(servo_cause::singularity, -1);
+        } else if (share < T(1)) blame(servo_cause::velocity, row);
         for (int k = 0; k < n(); ++k) rates[k] *= share;
-        const position_bounds<T, N> room(bounds.motion, state.theta, rates, dt);
-        if (share < T(1)) blame(servo_cause::velocity, row);
-        else if (!bounds.stops && !(room.over(rates, n(), worst) > nothing<T>)) return share;
+        const position_bounds<T, N> room(bounds.motion, state.theta, rates, dt, state.period, solver.levels.firm);
+        if (!(share < T(1)) && !bounds.stops && !(room.over(rates, n(), worst) > nothing<T>)) return share;
         for (int round = 1; round <= slowings; ++round) {
             within(solver, asked, share, room, round == slowings, rates);
             const T slower = velocity_share(bounds.motion, rates, row);
@@ -341,7 +400,7 @@ template <class T, int N, int M> struct servo {
         for (int k = 0; k < n(); ++k) {
             end[k] = at[k] < 0 ? room.least[k] : room.most[k];
             const T beyond = absolute(rates[k] - end[k]) / bounds.unit[k];
-            if (at[k] == 0 || absolute(end[k]) >= fastest[k] || !(beyond > T(halted_below) * size)) continue;
+            if (at[k] == 0 || absolute(end[k]) >= fastest[k] || !(beyond > T(noticed) * size)) continue;
             // Where all stop, it is for the one that has the least way left.
             const T weight = bounds.stops ? beyond / (absolute(end[k]) / bounds.unit[k] + T(no_room) * size) : beyond;
             if (!(weight > worst)) continue;
@@ -364,13 +423,18 @@ template <class T, int N, int M> struct servo {
 
     /// The share of what is asked at which the joints can keep to its course: with x the rates for all of it and x' how
     /// they change on the way, s² x' takes at most a quarter of the accelerations.
+    T followed(const rate_solver<T, N, M>& solver, const T* asked, const T* x) {
+        T lower[capacity(N)], upper[capacity(N)];
+        unbounded(lower, upper);
+        return followed(solver, asked, lower, upper, x);
+    }
     T followed(const rate_solver<T, N, M>& solver, const T* asked, const T* lower, const T* upper, const T* x) {
         const T size = norm(x, n());
         if (!(size > nothing<T>)) return T(1);
         T farther[capacity(N)], then[capacity(N)];
         sides<capacity(N)> at;
         for (int k = 0; k < n(); ++k) farther[k] = solver.posture[k] + look_ahead<T> / size * x[k] * bounds.unit[k];
-        rate_solver<T, N, M> ahead(arm, bounds, solver.levels, solver.base_axes, farther, dt);
+        rate_solver<T, N, M> ahead(arm, bounds, solver.levels, solver.held, solver.base_axes, farther, state.period);
         ahead.leave_as(solver);
         ahead(asked, lower, upper, at, then);
         T along = T(0);
@@ -378,7 +442,7 @@ template <class T, int N, int M> struct servo {
         // Rates that shrink on the way may stay as they are: the tool speeds up then.
         for (int k = 0; k < n(); ++k)
             then[k] = (then[k] - x[k] - least(along, T(0)) * x[k]) * bounds.unit[k] * size / look_ahead<T>;
-        return T(1) / sqrt(greatest(T(4) * stopping_time(bounds.motion, then), T(1)));
+        return T(1) / sqrt(greatest((solver.levels.firm ? T(12) : T(4)) * stopping_time(bounds.motion, then), T(1)));
     }
 
     /// Slows what is asked until the rates x do it without leaving its course: by halves, the largest share that does.
@@ -407,6 +471,10 @@ template <class T, int N, int M> struct servo {
             out.lost[i] = asked[i] - reachable[i];
         }
         out.lost_share = norm(out.lost, 6) / greatest(size, nothing<T>);
+        // Arms below six joints turn the tool on their way, and lose turns that they have nowhere.
+        T off[6];
+        solver.without_ways_out(out.lost, off);
+        const bool astray = norm(off, n() < 6 ? 3 : 6) > T(noticed) * size;
         for (int i = 0; i < 3; ++i) out.lost[i] *= bounds.length;
         move(rates);
         for (int k = 0; k < n(); ++k) scaled[k] = rates[k] / bounds.unit[k];
@@ -418,7 +486,7 @@ template <class T, int N, int M> struct servo {
         }
         const T whole = norm(reachable, 6);
         set_scale(norm(beside, 6), norm(done, 6), whole, size);
-        if (out.cause == servo_cause::none && size > T(0) && whole <= T(halted_below) * size)
+        if (out.cause == servo_cause::none && size > T(0) && (astray || whole <= T(halted_below) * size))
             out.cause = servo_cause::singularity;
     }
 };
@@ -444,6 +512,7 @@ void servo_step(const chain<T, N, M>& arm, const servo_bounds<T, N>& bounds, con
         servo_detail::let_go(state);
         return;
     }
+    state.period = servo_detail::period_after(state.period, dt);
     servo_detail::servo<T, N, M> step{arm, bounds, state, command, out, dt};
     const bool follows = servo_detail::usable(command, n);
     if (command.kind == servo_kind::none || !follows) {

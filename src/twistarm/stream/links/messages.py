@@ -169,7 +169,7 @@ def setpoint_message(arm: Arm, setpoint: Setpoint, motors: MotorSide | None = No
         "status": setpoint.output.status.name,
         "joint": setpoint.output.joint,
         "scale": float(setpoint.output.scale),
-        "reason": setpoint.output.reason,
+        "reason": setpoint.output.reason.name,
         "interlock": setpoint.interlock,
     }
     if motors is not None:

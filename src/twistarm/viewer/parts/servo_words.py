@@ -32,7 +32,7 @@ def _words(output: ServoOutput, asked: bool) -> dict[str, Any]:
     return {
         "status": output.status.name,
         "joint": output.joint,
-        "reason": output.reason,
+        "reason": output.explain(),
         "share": round(output.share, 2) if told else None,  # whole percents: pages are told only of what changes
     }
 
