@@ -57,9 +57,9 @@ def compare(arm: Arm, against: Arm | str | os.PathLike[str]) -> Difference:
             takes (two designs side by side). A description is loaded as it stands, without options.
 
     Returns:
-        The `Difference`: names, types, limits, motors, axes, tool, and the mass, centre and
-        inertia of each link. What is not compared stands in `NOT_COVERED`. Numbers that differ by less than 1 µm or
-        1e-6 rad are the same: that much comes from rounding in an export.
+        The `Difference`: names, types, limits, motors, axes, tool, and the mass, centre and inertia of each link.
+        Shapes, meshes, named poses and the SRDF are not compared. Numbers that differ by less than 1 µm or 1e-6 rad, or
+        of masses 1e-5 of them, are the same: that much comes from rounding in an export.
 
     Raises:
         DescriptionError: `against` cannot be read, or is no golden file, no baked arm and no description.

@@ -197,13 +197,6 @@ class ServoOutput(Brief):
             found, why = _missing(asked, answer.lost, joint, 0.0)
             nowhere = found is Lack.EVERYWHERE
             status = ServoStatus.IMPOSSIBLE_DIRECTION if nowhere else ServoStatus.SLOWED_SINGULARITY
-        elif (
-            joint is None
-            and cause is Cause.SINGULARITY
-            and asked.arm.n < len(answer.lost)
-            and _missing(asked, answer.lost, joint, 0.0)[0] is Lack.EVERYWHERE
-        ):
-            status = ServoStatus.IMPOSSIBLE_DIRECTION
         lost = answer.lost, answer.lost_share
         return cls(answer.theta_dot, status, answer.scale, *lost, joint, answer.remaining, why, asked)
 

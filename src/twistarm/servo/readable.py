@@ -14,7 +14,7 @@ from .answer import Answer, Cause
 from .bounds import Bounds
 from .command import BASE, AnyCommand, JogCommand, PoseCommand, TwistCommand
 from .resolved_rates import RateTask, resolved_rates, taken_back
-from .singular import Place, Singular, fixed, singular
+from .singular import Place, Singular, fixed, singular, smallest_about
 from .state import ServoState
 
 NOTHING = 1e-12
@@ -267,7 +267,7 @@ def _rates(bounds: Bounds, state: ServoState, goal: Goal, dt: float) -> Wanted:
         task = beside.lead(task, bounds.stops)
         x = resolved_rates(task)[0]
     share, fastest = bounds.velocity_share(x * bounds.unit)
-    calm = _followed(bounds, task, where, None, x) if task.held else 1.0
+    calm = _followed(bounds, task, where, None, x) if task.held and _may_bend(bounds, task, x) else 1.0
     if calm < share:
         share = calm
         cause = Cause.SINGULARITY if cause is Cause.NONE and share < 1.0 - NOTICED else cause
@@ -351,6 +351,12 @@ def _followed(bounds: Bounds, task: RateTask, where: Where, room: tuple[Array, A
     change = then - x - min(float((then - x) @ x) / size**2, 0.0) * x
     stop = bounds.stopping_time(change * bounds.unit * size / LOOK_AHEAD)
     return float(1.0 / np.sqrt(max((12.0 if task.held else 4.0) * stop, 1.0)))
+
+
+def _may_bend(bounds: Bounds, task: RateTask, x: Array) -> bool:
+    """Whether rates that change by up to twice |x|² / σ on the way may take a twelfth of the accelerations."""
+    most = 24.0 * float(np.linalg.norm(x)) * bounds.stopping_time(x * bounds.unit)
+    return most > 0.0 and most > smallest_about(task.J)
 
 
 def _keeps_course(task: RateTask, x: Array) -> bool:

@@ -364,7 +364,7 @@ template <class T, int N, int M> struct servo {
         }
         for (int k = 0; k < n(); ++k) rates[k] = x[k] * bounds.unit[k];
         T share = velocity_share(bounds.motion, rates, row);
-        const T calm = solver.levels.firm ? followed(solver, asked, x) : T(1);
+        const T calm = solver.levels.firm && may_bend(solver, x, rates) ? followed(solver, asked, x) : T(1);
         if (calm < share) {
             share = calm;
             if (out.cause == servo_cause::none && share < T(1 - noticed)) blame(servo_cause::singularity, -1);
@@ -443,6 +443,12 @@ template <class T, int N, int M> struct servo {
         for (int k = 0; k < n(); ++k)
             then[k] = (then[k] - x[k] - least(along, T(0)) * x[k]) * bounds.unit[k] * size / look_ahead<T>;
         return T(1) / sqrt(greatest((solver.levels.firm ? T(12) : T(4)) * stopping_time(bounds.motion, then), T(1)));
+    }
+
+    /// Whether rates that change by up to twice |x|² / σ on the way may take a twelfth of the accelerations.
+    bool may_bend(const rate_solver<T, N, M>& solver, const T* x, const T* rates) const {
+        const T most = T(24) * norm(x, n()) * stopping_time(bounds.motion, rates);
+        return most > T(0) && most > smallest_about<T, N>(solver.J, 6, n());
     }
 
     /// Slows what is asked until the rates x do it without leaving its course: by halves, the largest share that does.
