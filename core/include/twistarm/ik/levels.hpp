@@ -8,6 +8,12 @@
 
 TWISTARM_BEGIN
 
+/// nearest: f₁ = ½ ‖position error‖², f₂ = the rotation's. met: f₁ is both, f₂ nothing.
+enum class levels { nearest, met };
+
+/// What the rotation counts beside a squared metre where both belong to the first level.
+template <class T> constexpr T rotation_beside_position = T(0.4);
+
 /// Where the walk has ended, to second order: the errors and what the joints do to them.
 template <class V, int M> struct local_errors {
     column<V> moved[capacity(M)];
@@ -25,9 +31,14 @@ template <class V, class T, int N, int M> struct two_levels {
     const chain<T, N, M>& arm;
     target_kind kind;
     aim<V> aims;
+    levels order = levels::nearest;
     const T* near = nullptr;  ///< θ_near
     T nu = T(0);
     const ranges<T, N>* limits = nullptr;
+
+    TWISTARM_INLINE V rotation_weight(const V& epsilon) const {
+        return order == levels::nearest ? epsilon : V(rotation_beside_position<T>);
+    }
 
     /// The errors at θ.
     TWISTARM_INLINE void look(const V* theta, local_errors<V, M>& at) const {
@@ -72,7 +83,7 @@ template <class V, class T, int N, int M> struct two_levels {
 
     /// F at θ.
     TWISTARM_INLINE V value(const local_errors<V, M>& at, const V& epsilon) const {
-        return at.position + epsilon * at.turned.value + epsilon * nu * at.departure;
+        return at.position + rotation_weight(epsilon) * at.turned.value + epsilon * nu * at.departure;
     }
 
     /// ∇F (n,) and the lower triangle of F's Hessian at θ, by joints: with vⱼ and wⱼ what joint j does to the tool,
@@ -105,16 +116,17 @@ template <class V, class T, int N, int M> struct two_levels {
     bool departs() const { return near != nullptr || limits != nullptr; }
 
     TWISTARM_INLINE void by_joints(const local_errors<V, M>& at, const V& epsilon, const V* pull, V* g, V* H) const {
+        const V weight = rotation_weight(epsilon);
         const int joints = arm.joints();
         TWISTARM_UNROLL
         for (int i = 0; i < joints; ++i) {
             const column<V>& moved = at.moved[i];
-            g[i] = dot(moved.v, at.away) + epsilon * dot(moved.w, at.turned.slope);
+            g[i] = dot(moved.v, at.away) + weight * dot(moved.w, at.turned.slope);
             V push[3], twist[3];
             cross(pull, moved.w, push);
             for (int k = 0; k < 3; ++k) {
                 push[k] = push[k] + at.held[k] * moved.v[k];
-                twist[k] = epsilon * dot(at.turned.curvature[k], moved.w);
+                twist[k] = weight * dot(at.turned.curvature[k], moved.w);
             }
             TWISTARM_UNROLL
             for (int j = i; j < joints; ++j)
