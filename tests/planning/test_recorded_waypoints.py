@@ -69,6 +69,13 @@ def test_many_waypoints_of_a_path_take_no_longer_than_the_path(kind, most, count
     require_limits(motion, recorded(count), 0.0)
 
 
+@pytest.mark.parametrize("kind", ["cubic", "quintic"])
+def test_many_waypoints_with_a_jerk_limit_take_not_much_longer_than_few(kind):
+    few, many = (plan_joint(ARM, recorded(count), kind=kind, limits={"jerk": 40.0}) for count in (20, 200))
+    assert many.duration < 1.1 * few.duration
+    assert many.peak(3).max() <= 40.0 * (1 + 1e-9)
+
+
 @pytest.mark.parametrize("kind", ["cubic", "quintic", "time_optimal"])
 def test_rounded_and_noisy_waypoints_are_passed_smoothly_within_a_tolerance(kind, least):
     points = recorded(400)

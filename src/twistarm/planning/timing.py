@@ -8,6 +8,8 @@ import numpy as np
 
 from ..support.checks import Array
 from ..support.errors import InputError
+from . import spline
+from .joint_path import JointPath
 from .piecewise import stretched
 from .pulling_in import pulled_in
 from .spans import LONGEST, MARGIN, SHORTEST, Progress
@@ -33,6 +35,9 @@ ROUNDING = 1e-14
 FEW = 60
 """Through no more waypoints than that both starts are tried."""
 
+FEW_LOOKS = 10_000
+"""Instants of a spline through some of the waypoints that are looked at for how far it has come."""
+
 EASING, EASED_LOOKS = 3.0, 4
 """Segments over which a quintic's first times are averaged, and instants looked at for each."""
 
@@ -47,9 +52,9 @@ def fastest_spline(
 
     Stretching the whole motion by one factor makes it meet its limits exactly, whatever the proportions of its
     segments. The proportions are searched (`spline_times`), from those of the fastest motion along a path through the
-    waypoints, and, through few, from what each segment would take alone. Where that spline leaves the position limits
-    it is pulled in, and shortened further: of what is pulled in, segments that stay below their limits are shortened,
-    those that set the factor lengthened, and the shortest motion is taken.
+    waypoints, with jerk limits from those through some of them, and, through few, from what each segment takes alone.
+    Where that spline leaves the position limits it is pulled in, and shortened further: of what is pulled in, segments
+    that stay below their limits are shortened, those that set the factor lengthened, and the shortest motion is taken.
     """
     least = np.diff(_accumulated(_least_durations(waypoints, bounds)))
     way = np.ascontiguousarray(np.diff(waypoints, axis=0) @ bounds.C.T)
@@ -68,9 +73,27 @@ def fastest_spline(
 
 def _starts(waypoints: Array, degree: int, bounds: PathBounds, least: Array) -> list[Array]:
     """Durations (k − 1,) that searches begin with."""
+    if np.isfinite(bounds.rates.jerk).any() and len(waypoints) > FEW:
+        return [np.diff(_accumulated(np.diff(_as_through_few(waypoints, degree, bounds))))]
     times = _accumulated(np.diff(fastest_along_spline(waypoints, bounds)[0]))
     along = np.diff(times if degree == 3 else _accumulated(np.diff(_eased(times))))
     return [along, least] if len(waypoints) <= FEW else [along]
+
+
+def _as_through_few(waypoints: Array, degree: int, bounds: PathBounds) -> Array:
+    """Times (k,) at which the shortest spline through some of the waypoints has come as far as each of them."""
+    few = waypoints[np.unique(np.linspace(0, len(waypoints) - 1, FEW // 2).round().astype(np.intp))]
+    way = np.ascontiguousarray(np.diff(few, axis=0) @ bounds.C.T)
+    durations = shortest_spline(way, degree, bounds.rates, np.diff(_accumulated(_least_durations(few, bounds))))
+    knots = np.concatenate([[0.0], np.cumsum(durations)])
+    path = JointPath(knots, (spline.cubic if degree == 3 else spline.quintic)(few, knots))
+    t = np.linspace(0.0, path.length, FEW_LOOKS)
+    come, far = (
+        np.concatenate([[0.0], np.cumsum(np.linalg.norm(np.diff(points, axis=0), axis=1))])
+        for points in (path(t), waypoints)
+    )
+    times: Array = np.interp(far / far[-1], come / come[-1], t)
+    return times
 
 
 def _eased(times: Array) -> Array:
