@@ -81,7 +81,7 @@ def manipulability_of(
     equal = np.diff(s, append=0.0) >= -NO_MOTION * s[..., :1]  # to the next one
     for index in map(tuple, np.argwhere(equal.any(axis=-1))):
         first, axes = 0, U[index]
-        for last in np.flatnonzero(~equal[index]) + 1:
+        for last in (np.flatnonzero(~equal[index]) + 1).tolist():
             axes[:, first:last] = nearest_axes(axes[:, first:last] @ axes[:, first:last].T, last - first)
             first = last
         if lost := len(s[index]) - first:
