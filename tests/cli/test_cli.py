@@ -411,7 +411,7 @@ def test_names_with_spaces_can_be_typed(capsys: Capture, tmp_path: Path) -> None
 
 def test_without_a_stdout_or_with_one_that_is_full(tmp_path: Path) -> None:
     program = Path(sys.executable).with_name("twistarm")
-    full = subprocess.run(f"'{program}' arms > /dev/full", shell=True, capture_output=True, text=True, timeout=60)
+    full = subprocess.run(f"'{program}' arms > /dev/full", shell=True, capture_output=True, text=True, timeout=600)
     assert "Traceback" not in full.stderr
     assert full.returncode == 2
     ascii_only = subprocess.run(
