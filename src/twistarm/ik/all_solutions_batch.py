@@ -41,7 +41,7 @@ class IKSolutionsBatch:
     known: tuple[tuple[Method, bool], ...] = field(repr=False)
     """How, and whether these are all there are: of all targets, or for each."""
     left: NDArray[np.bool_] = field(repr=False)
-    """(N,): where a continuous family was met outside the limits, and what is inside has still to be looked for."""
+    """(N,): where continuous families were met, which have still to be told apart and looked for inside the limits."""
 
     def __post_init__(self) -> None:
         asked = [self.targets] if isinstance(self.targets, np.ndarray) else []
