@@ -104,7 +104,7 @@ def test_none_is_an_answer_with_exit_code_1(capsys: Capture) -> None:
     far = said(capsys, "ik", "rover_arm", "--all", "--xyz", "5", "0", "0", "--direction", "1", "0", "0", code=1)
     assert "no configuration inside the limits: that is certain" in far
     require_core(load_arm("rover_arm"))
-    aside = said(capsys, "ik", "rover_arm", "--all", "--xyz", "0.8", "0.1", "0.7", "--rpy", "0", "0", "20", code=1)
+    aside = said(capsys, "ik", "rover_arm", "--all", "--xyz", "0.6", "0.1", "0.7", "--rpy", "20", "0", "0", code=1)
     assert "no configuration inside the limits: that is certain" in aside
     assert "the nearest configuration: position met, orientation" in aside
     assert "with the position held, no joint turns its tool about" in aside

@@ -2,8 +2,11 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
+from scipy.optimize import brentq
 
 import twistarm
 from catalogue import load
@@ -45,6 +48,31 @@ def test_rounded_axes_are_reported_and_all_their_answers_found(name, noise):
     assert method.exact or "but for" in found.family
     assert min(apart(arm, each, theta) for each in found) < 1e-6
     assert max(missed(arm, g, each) for each in found) < 1e-9
+
+
+@pytest.mark.parametrize("name", ["parallel 3-4-5", "parallel 2-3-4", "spherical wrist", "six skew turns"])
+def test_a_double_root_that_stands_on_its_limits_is_inside(name):
+    """Where det J = 0 two configurations are one, known to half of the digits: its joints are drawn to their limits."""
+    whole, rng = family_arm(name), np.random.default_rng(1)
+    found = 0
+    while found < 4:
+        first, joint = rng.uniform(-3, 3, 6), rng.integers(6)
+        last = first + rng.uniform(0.3, 1) * np.eye(6)[joint]
+
+        def determinant(share, first=first, last=last):
+            return np.linalg.det(whole.body_jacobian(first + share * (last - first)))
+
+        if determinant(0.0) * determinant(1.0) > 0:
+            continue
+        theta = first + brentq(determinant, 0.0, 1.0, xtol=1e-15) * (last - first)
+        lower, upper = theta - rng.uniform(0.3, 1, 6), theta + rng.uniform(0.3, 1, 6)
+        at = rng.random(6)
+        lower, upper = np.where(at < 0.3, theta, lower), np.where(at > 0.7, theta, upper)
+        arm = replace(whole, limits=replace(whole.limits, lower=lower, upper=upper), named_states={})
+        g = pose_of(arm, theta)
+        assert any(apart(arm, each, theta) < 1e-4 for each in twistarm.solve_ik_all(arm, Pose(g)))
+        assert twistarm.solve_ik(arm, Pose(g)).converged
+        found += 1
 
 
 @pytest.mark.parametrize(

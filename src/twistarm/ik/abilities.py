@@ -11,7 +11,7 @@ import numpy as np
 from ..model.arm import Arm
 from ..support.checks import Array
 from ..support.directions import nearest_axes
-from .targets import Approach, Pose
+from .targets import Approach, Pose, Task
 from .task_space import Target
 
 RANK_SAMPLES = 16
@@ -100,12 +100,21 @@ def split_rotation(arm: Arm, target: Target, theta: Array) -> Split:
 def _impossible_part(arm: Arm, target: Target, theta: Array, error: Array) -> Array:
     """What remains of a rotation error (k,) if the joints may turn the tool as at theta, the position held."""
     g, J_b = arm._fk_and_body_jacobian(theta)
-    scaled = np.vstack([target.position_rows(g, J_b)[1] / arm.reach, target.rotation_rows(g, J_b)[1]])
+    scaled = np.vstack([target.position_rows(g, J_b)[1] / arm.reach, _turning_rows(target, g, J_b)])
     count = len(scaled) - len(error)
     _, size, Vt = np.linalg.svd(scaled[:count])
     across = _across(scaled[count:] @ Vt[int((size > NO_MOTION).sum()) :].T, NO_MOTION)
     part: Array = across.T @ (across @ error)
     return part
+
+
+def _turning_rows(target: Target, g: Array, J_b: Array) -> Array:
+    """The rows of the rotation (k, n); of a Task as if it were met: far off, what is free changes its logarithm."""
+    if not isinstance(target, Task):
+        return target.rotation_rows(g, J_b)[1]
+    J = J_b[3:] if target.frame == "target" else g[:3, :3] @ J_b[3:]
+    rows: Array = J[target.held[1]]
+    return rows
 
 
 def short_of(arm: Arm, target: Target, theta: Array) -> float | None:

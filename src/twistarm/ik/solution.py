@@ -121,7 +121,7 @@ class IKSolution:
 
     @property
     def certain(self) -> bool:
-        """Whether a target that is not met is known to be met nowhere inside the limits: by the arm's closed form."""
+        """Whether the closed form shows that nothing inside the limits meets the target within the tolerances."""
         return self._says(answer.CERTAIN)
 
     @property

@@ -61,17 +61,25 @@ template <class T, int Size> void take_out(T (*vectors)[Size], int spanning, int
     }
 }
 
-/// Error and rows of a target at θ.
+/// Error of a target at θ, and its rows. Those of a task's rotation are as if it were met there, in the axes of its
+/// tolerances: far off, its logarithm changes with what is left free.
 template <target_kind Kind, class T, int N, int M>
-void look_from(const chain<T, N, M>& arm, const aim<T>& aimed, const T* theta, residual<T, N, rows_of(Kind)>& at) {
+void look_from(const chain<T, N, M>& arm, const target<T>& asked, const T* theta, residual<T, N, rows_of(Kind)>& at) {
+    const aim<T> aimed = aim_at(arm, asked);
     frame<T> g;
     column<T> columns[capacity(N)];
     walk_with_columns(arm, aimed.base, aimed.tip, theta, g, columns);
     residual_of<Kind, N>(g, columns, arm.coordinates(), aimed, T(1), at);
+    if constexpr (Kind == target_kind::task)
+        for (int k = 0; k < arm.coordinates(); ++k) {
+            if (!asked.base_axes) rotate_back(g, columns[k].w, columns[k].w);
+            for (int r = 0; r < 3; ++r)
+                at.J[k][r + 3] = asked.tolerance[r + 3] < static_cast<T>(__builtin_inf()) ? columns[k].w[r] : T(0);
+        }
 }
 
 /// The square of what remains of a rotation error, `here.e`, if the joints may turn the tool as at `there`, with what of
-/// the position is held `here` held: metres over `reach` [m].
+/// the position is held `here` held, metres over `reach` [m]. What lies inside its tolerance is free.
 template <target_kind Kind, class T, int N>
 T left_of_rotation(const residual<T, N, rows_of(Kind)>& here, const residual<T, N, rows_of(Kind)>& there, int n,
                    T reach) {
@@ -79,9 +87,9 @@ T left_of_rotation(const residual<T, N, rows_of(Kind)>& here, const residual<T, 
     T J[rows][capacity(N)], turns[capacity(N) + 1][3] = {};
     for (int r = 0; r < rows; ++r)
         for (int k = 0; k < n; ++k) J[r][k] = r < 3 ? there.J[k][r] / reach : there.J[k][r];
-    for (int r = 0; r < 3 && Kind == target_kind::task; ++r) {
-        bool held = false;
-        for (int k = 0; k < n; ++k) held = held || here.J[k][r] != T(0);
+    for (int r = 0; r < rows && Kind == target_kind::task; ++r) {
+        bool held = r >= 3 && here.e[r] != T(0);
+        for (int k = 0; k < n && r < 3; ++k) held = held || here.J[k][r] != T(0);
         for (int k = 0; k < n && !held; ++k) J[r][k] = T(0);
     }
     take_out(J, 3, rows, n);
@@ -97,15 +105,14 @@ T left_of_rotation(const residual<T, N, rows_of(Kind)>& here, const residual<T, 
 /// or beside it.
 template <target_kind Kind, class T, int N, int M>
 bool lacks_direction(const chain<T, N, M>& arm, const target<T>& asked, const T* theta, T reach) {
-    const aim<T> aimed = aim_at(arm, asked);
     residual<T, N, rows_of(Kind)> here, there;
-    look_from<Kind>(arm, aimed, theta, here);
+    look_from<Kind>(arm, asked, theta, here);
     T least_left = left_of_rotation<Kind>(here, here, arm.coordinates(), reach), moved[capacity(N)];
     for (int k = 0; k < arm.coordinates(); ++k) moved[k] = theta[k];
     for (int way = 0; way < 2 * arm.coordinates(); ++way) {
         const int k = way / 2;
         moved[k] = theta[k] + static_cast<T>(way % 2 == 0 ? beside : -beside);
-        look_from<Kind>(arm, aimed, moved, there);
+        look_from<Kind>(arm, asked, moved, there);
         least_left = least(least_left, left_of_rotation<Kind>(here, there, arm.coordinates(), reach));
         moved[k] = theta[k];
     }
