@@ -16,6 +16,7 @@ from .all_solutions_row import FIRST, HITS, INSIDE, KIND, TRIES, configurations_
 from .closed_form.methods import Method
 from .explain import reached, why_not
 from .ranges import holding, joint_ranges
+from .solution import but_for_rounding
 from .solve import solve_ik
 from .targets import AnyTarget, numbers_of_kind, target_of
 
@@ -37,7 +38,7 @@ class IKSolutions:
     gave a configuration. 0 where there was nothing to sample.
     """
 
-    __slots__ = ("_arm", "_complete", "_members", "_method", "_row", "_target", "_timed_out")
+    __slots__ = ("_arm", "_complete", "_members", "_method", "_rounded", "_row", "_target", "_timed_out")
 
     def __init__(
         self,
@@ -48,6 +49,7 @@ class IKSolutions:
         complete: bool,
         target: AnyTarget | None = None,
         timed_out: bool = False,
+        rounded: bool = False,
     ) -> None:
         self._arm = arm
         self._row = row
@@ -55,6 +57,7 @@ class IKSolutions:
         self._complete = complete
         self._target = target
         self._timed_out = timed_out
+        self._rounded = rounded
         self._members = members
 
     @property
@@ -109,6 +112,11 @@ class IKSolutions:
         return self._timed_out
 
     @property
+    def rounded(self) -> bool:
+        """Whether these meet the target but for the rounding of the arm's axes; `explain()` says by how much."""
+        return self._rounded and len(self) > 0
+
+    @property
     def method(self) -> str:
         """closed form, elimination or search from many starts."""
         return self._method.name
@@ -150,6 +158,8 @@ class IKSolutions:
             nearest = solve_ik(held, self.target, self.theta0)
             lines.append(f"the nearest configuration: {reached(nearest)}")
             lines += [] if nearest.converged else why_not(nearest)
+        if self.rounded:
+            lines.append(f"note: {but_for_rounding(self.position_error.max(), self.orientation_error.max())}")
         return "\n".join(map(printable, lines))
 
     def _counted(self) -> str:
@@ -186,7 +196,7 @@ class IKSolutions:
         return f"IKSolutions({self.arm.name}, {self._counted()}; {self.method})"
 
     def __reduce__(self) -> tuple[Any, ...]:
-        known = self._members, self._method, self._complete, self._target, self._timed_out
+        known = self._members, self._method, self._complete, self._target, self._timed_out, self._rounded
         return _unpickled, (self._arm, self._row, *known)
 
 

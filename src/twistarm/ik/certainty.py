@@ -64,7 +64,7 @@ def settled(arm: Arm, target: AnyTarget, row: Array) -> Array:
         if (
             exact
             and beyond.max(axis=1, initial=0.0).min(initial=np.inf) > HARDLY_OUTSIDE
-            and _misses_by_far(target, row)
+            and _misses_by_far(arm, target, row)
         ):
             told[answer.FLAGS] = int(told[answer.FLAGS]) | answer.CERTAIN
     told.flags.writeable = False
@@ -103,9 +103,9 @@ def _blame_limits(arm: Arm, target: AnyTarget, row: Array, theta: Array) -> None
     row[answer.FLAGS] = int(row[answer.FLAGS]) | answer.HAS_UNLIMITED
 
 
-def _misses_by_far(target: AnyTarget, row: Array) -> bool:
-    """Whether the tolerances are tight, and the nearest configuration misses by many of them."""
-    position, orientation = row[answer.POSITION_TOL], row[answer.ORIENTATION_TOL]
+def _misses_by_far(arm: Arm, target: AnyTarget, row: Array) -> bool:
+    """Whether the tolerances are tight, as those of rounded axes never are, and the nearest misses by many of them."""
+    position, orientation = np.maximum(row[[answer.POSITION_TOL, answer.ORIENTATION_TOL]], arm.rounding)
     tight = position <= EXACTLY and (orientation <= EXACTLY or not len(target.rotation_tolerance))
     far = row[answer.POSITION_ERROR] > FAR * position or row[answer.ORIENTATION_ERROR] > FAR * orientation
     return bool(tight and far)

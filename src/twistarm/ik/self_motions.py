@@ -46,13 +46,17 @@ ENOUGH = 1e-10
 
 @dataclass(frozen=True, eq=False)
 class SelfMotions:
-    """How the arm moves while the target stays met, its joints `still` apart."""
+    """How the arm moves while the target stays met, its joints `still` apart.
+
+    Singular values below the part `dependent` of the largest are those of directions that move nothing at first.
+    """
 
     arm: Arm
     target: AnyTarget
     still: tuple[int, ...]
     tolerances: Tolerances
     deadline: Deadline
+    dependent: float = DEPENDENT
 
     @cached_property
     def _moving(self) -> list[int]:
@@ -99,7 +103,7 @@ class SelfMotions:
         left = apart(self.arm, b, a)
         if np.abs(left).max(initial=0.0) < NEARBY:
             halfway = a + 0.5 * left
-            between = corrected(self.arm, self.target, halfway, self.still, DEPENDENT, ENOUGH)
+            between = corrected(self.arm, self.target, halfway, self.still, self.dependent, ENOUGH)
             if np.linalg.norm(between - halfway) <= BENT * np.linalg.norm(left) and self._met(between):
                 return True
         x, along = a, left
@@ -151,7 +155,7 @@ class SelfMotions:
             return None
         for share in (1.0, 0.25):
             step = share * min(length, STEP)
-            on = corrected(self.arm, self.target, x + step / size * along, self.still, DEPENDENT, ENOUGH)
+            on = corrected(self.arm, self.target, x + step / size * along, self.still, self.dependent, ENOUGH)
             if 0.5 * step <= np.linalg.norm(on - x) <= 1.5 * step and self._met(on):
                 return on
         return None
@@ -171,7 +175,7 @@ class SelfMotions:
         """The directions (d, n) that move nothing at first, orthonormal."""
         J = rows_of(self.arm, self.target, theta)[1][:, self._moving]
         _, size, Vt = np.linalg.svd(J)
-        rank = int((size > DEPENDENT * size.max(initial=1e-300)).sum())
+        rank = int((size > self.dependent * size.max(initial=1e-300)).sum())
         tangents = np.zeros((len(Vt) - rank, self.arm.n))
         tangents[:, self._moving] = Vt[rank:]
         return tangents

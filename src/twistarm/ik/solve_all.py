@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import itertools
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 
@@ -18,7 +18,19 @@ from .all_solutions import IKSolutions
 from .all_solutions_row import FAMILIES, HITS, TRIES, found_row, roots_in
 from .batch import Progress, solve_ik_batch
 from .closed_form.methods import Method, closest_miss_of, known_method, method_for
-from .closed_form.roots import DEPENDENT, ROUNDED_LIMIT, Root, corrected, inside, met, roots, self_motion, twin
+from .closed_form.roots import (
+    DEPENDENT,
+    ROUNDED_DIRECTION,
+    ROUNDED_LIMIT,
+    Root,
+    corrected,
+    inside,
+    met,
+    roots,
+    rows_of,
+    self_motion,
+    twin,
+)
 from .closed_form.roots import copies as copied
 from .deadline import Deadline
 from .ranges import holding, joint_ranges, standing
@@ -105,7 +117,7 @@ def solve_ik_all(
     usual = given is None and samples is DEFAULT_SAMPLES and copies is False and max_time is None and progress is None
     if usual and type(closed_form) is bool:
         answer = _at_once(require_arm(arm), target, theta0, position_tol, orientation_tol)
-        if answer is not None:
+        if answer is not None and (len(answer) or not any(arm.rounding)):
             return answer
     asked = checked_target(require_arm(arm), target)
     request = checked(arm, theta0, None, position_tol, orientation_tol, 1, 0, max_time)
@@ -121,35 +133,37 @@ def solve_ik_all(
     near[list(stands)] = list(stands.values())
     deadline = Deadline.after(request.max_time)
     task = _Task(arm, asked, near, request.tolerances, method.given, method.idle, deadline, progress)
+    answer = _answered(task, method, count, copies)
+    if len(answer) or answer.timed_out or not any(arm.rounding):
+        return answer
+    wider = replace(task, tolerances=request.tolerances.or_rounding(arm.rounding), rounded=True)
+    return _answered(wider, method, count, copies)
+
+
+def _answered(task: _Task, method: Method, count: int, copies: bool) -> IKSolutions:
+    """What the method finds, with `count` values of each joint that is sampled."""
     values = task.held_values(method, count)
-    row = None if method.compiled is None else task.compiled(method, values)
+    row = None if method.compiled is None or task.rounded else task.compiled(method, values)
     if row is not None and not method.swept:
         if row[FAMILIES]:
             row = None  # the core keeps one of all families that move the same joints
         elif not copies:
-            return IKSolutions(arm, row, (), method, task.complete(method), asked)
+            return IKSolutions(task.arm, row, (), method, task.complete(method), task.target)
     found, starts, hits = task.solved(method, values) if row is None else task.read(row)
-    if method.there and method.swept and all(task.inside(root) is None for root in found) and not deadline.passed:
+    if method.there and method.swept and all(task.inside(root) is None for root in found) and not task.deadline.passed:
         members, tried, met = replace(task, progress=None).solved(method, task.values_met(method))
         found, starts, hits = found + members, starts + tried, hits + met
     families = task.families(found)
     missed = False
-    more = _searches(method)
+    more = task.searches(method)
     if more:
         beside, run, met = task.searched(more, found, int(method.there))
         known, families = len(families), task.families(found + beside) if beside else families
         missed = len(families) > known
-        if missed or not method.exact:
+        if missed or not method.exact or task.rounded:
             starts, hits = starts + run, hits + met
     all_seen = task.brought_inside(families, method.held)
     return task.told(method, families, copies, (starts, hits), all_seen and not missed)
-
-
-def _searches(method: Method) -> int:
-    """How many searches are made beside the method, or for want of one."""
-    if not method.there:
-        return STARTS
-    return BESIDE if not method.swept and (method.rooted is not None or not method.exact) else 0
 
 
 def _at_once(
@@ -170,7 +184,8 @@ def _at_once(
 class _Task:
     """What is asked: a target, near which configuration, how exactly, which joints are given, and until when.
 
-    `progress` is told how many values and searches are done, and of how many.
+    `progress` is told how many values and searches are done, and of how many. `rounded`: the tolerances are those of
+    rounded axes, which may miss the target in directions that exact ones need not move in.
     """
 
     arm: Arm
@@ -181,6 +196,7 @@ class _Task:
     idle: tuple[int, ...]
     deadline: Deadline
     progress: Progress | None
+    rounded: bool = False
 
     def compiled(self, method: Method, values: Array) -> Array:
         """What the core has found with the held joints at each of the values (k, h)."""
@@ -192,7 +208,32 @@ class _Task:
 
     def complete(self, method: Method) -> bool:
         """Whether the method finds everything."""
-        return method.exact and not method.swept
+        return method.exact and not method.swept and not self.rounded
+
+    def searches(self, method: Method) -> int:
+        """How many searches are made beside the method, or for want of one."""
+        if not method.there:
+            return STARTS
+        lossy = method.rooted is not None or not method.exact or self.rounded
+        return BESIDE if lossy and not method.swept else 0
+
+    def roots(self, candidates: Iterable[Array], held: tuple[int, ...], known: list[Root]) -> list[Root]:
+        """The different answers among the candidates that are not known yet, until the time is up."""
+        until = self.deadline.until(candidates)
+        if not self.rounded:
+            return roots(self.arm, self.target, until, self.tolerances, held, known)
+        steady = map(self.as_near, until)
+        return roots(self.arm, self.target, steady, self.tolerances, held, known, ROUNDED_DIRECTION)
+
+    @property
+    def dependent(self) -> float:
+        """Singular values below this part of the largest are those of directions that move nothing at first."""
+        return ROUNDED_DIRECTION if self.rounded else DEPENDENT
+
+    def as_near(self, theta: Array) -> Array:
+        """theta (n,) with theta0's value for joints that move nothing but by the rounding of the axes."""
+        size = np.linalg.norm(rows_of(self.arm, self.target, theta)[1], axis=0)
+        return np.where(size < ROUNDED_DIRECTION * size.max(initial=0.0), self.stand, theta)
 
     def read(self, row: Array) -> tuple[list[Root], int, int]:
         """The same as of `solved` from what the core has found."""
@@ -204,14 +245,14 @@ class _Task:
         tries = hits = 0
         for each in self.deadline.until(values if method.there else ()):
             new: list[Root] = []
-            for candidates in self.deadline.until(method.candidates(self.arm, self.target, self.near, each)):
-                more = roots(self.arm, self.target, self.deadline.until(candidates), self.tolerances, method.held, new)
-                new += more
+            exact = method.exact and not self.rounded
+            for candidates in self.deadline.until(method.candidates(self.arm, self.target, self.near, each, exact)):
+                new += self.roots(candidates, method.held, new)
             held = {*method.idle, *method.swept}
             found += [replace(root, free=tuple(sorted({*root.free, *held}))) for root in new]
             hits += bool(new)
             tries += 1
-            self.told_of(tries, len(values) + _searches(method))
+            self.told_of(tries, len(values) + self.searches(method))
         return (found, tries, hits) if method.swept else (found, 0, 0)
 
     def values_met(self, method: Method) -> Array:
@@ -273,7 +314,7 @@ class _Task:
         arm = holding(self.arm, self.given, self.near)
         batch = solve_ik_batch(arm, targets, starts, restarts=1, max_time=left, progress=progress)
         met = batch.theta[batch.converged]
-        new = roots(self.arm, self.target, self.deadline.until(met), self.tolerances, self.given, known)
+        new = self.roots(met, self.given, known)
         return new, int((batch.restarts > 0).sum()), len(met)
 
     @cached_property
@@ -284,7 +325,8 @@ class _Task:
     @cached_property
     def motions(self) -> SelfMotions:
         """Along which answers may move; what an idle joint does tells none apart."""
-        return SelfMotions(self.arm, self.target, (*self.given, *self.idle), self.tolerances, self.deadline)
+        still = (*self.given, *self.idle)
+        return SelfMotions(self.arm, self.target, still, self.tolerances, self.deadline, self.dependent)
 
     def alone(self, root: Root) -> bool:
         """Whether it belongs to no continuous family, but for what idle joints do."""
@@ -324,7 +366,7 @@ class _Task:
             begin = known[int(np.argmin(np.abs(known[:, i] - self.stand[i])))]
             theta = np.array(begin)
             theta[i] = self.stand[i]
-            theta = corrected(self.arm, self.target, theta, (*self.motions.still, i), DEPENDENT)
+            theta = corrected(self.arm, self.target, theta, (*self.motions.still, i), self.dependent)
             root = Root(theta, members[0].free)
             if (
                 met(self.arm, self.target, theta, self.tolerances)
@@ -362,7 +404,7 @@ class _Task:
         there.sort(key=lambda theta: (-self.at_start(theta, own), self.distance(theta)))
         first = there[0] if there else members[0].theta
         if swept and not self.deadline.passed:
-            free |= {*self_motion(self.arm, self.target, first, self.tolerances, self.motions.still)}
+            free |= {*self_motion(self.arm, self.target, first, self.tolerances, self.motions.still, self.dependent)}
         moving = np.array([float(i in free) for i in range(self.arm.n)])
         return Entry(first, moving, there, self.distance(first))
 
@@ -389,7 +431,7 @@ class _Task:
         members = tuple(frozen(np.array(entry.inside)) for entry in within)
         return IKSolutions(
             arm, row, members, method,
-            all_seen and not late and self.complete(method), self.target, late,
+            all_seen and not late and self.complete(method), self.target, late, self.rounded,
         )  # fmt: skip
 
 

@@ -13,6 +13,7 @@ from ..limits.joint_limits import JointLimits
 from ..model.arm import Arm, require_arm
 from ..support.checks import Array, Row, as_flag, as_positive, require_callback, require_choice
 from ..support.errors import InputError, shown
+from .cartesian.refusal import PathError
 from .joint_path import JointPath
 from .joint_space import completed
 from .route import Leg, Router
@@ -25,6 +26,7 @@ from .time_laws.law import TimeLaw
 from .time_laws.quintic import quintic
 from .time_laws.s_curve import s_curve
 from .time_laws.time_optimal import time_optimal
+from .tolerances import ROUNDED, but_for_rounding
 from .trajectory import Trajectory
 from .within import require_waypoints
 
@@ -105,10 +107,20 @@ def plan(
         if progress is not None:
             progress(0.9 * done / len(moves))
 
-    router = Router(planned, moves, bounds, told, as_flag(unwrap, "unwrap"))
-    legs = router.legs(origin)
+    def legs_of(given: list[Segment]) -> tuple[list[Leg], list[str]]:
+        router = Router(planned, given, bounds, told, as_flag(unwrap, "unwrap"))
+        return router.legs(origin), router.notes
+
+    try:
+        legs, said = legs_of(moves)
+    except PathError:
+        wider = but_for_rounding(arm, moves)
+        if not wider:
+            raise
+        legs, said = legs_of(wider)
+        said = [*said, ROUNDED]
     timed = [stretch for run in runs(legs) for stretch in _fastest(planned, run, bounds, kind)]
-    motion = replace(_assembled(arm, origin, legs, timed), notes=(*notes, *router.notes))
+    motion = replace(_assembled(arm, origin, legs, timed), notes=(*notes, *said))
     if progress is not None:
         progress(1.0)
     return motion

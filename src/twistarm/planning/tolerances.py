@@ -2,12 +2,23 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 from ..ik.request import as_tolerance
 from ..ik.task_space import Tolerances
+from ..model.almost_exact import ORIENTATION_ROUNDING, POSITION_ROUNDING, angle_in_words, length_in_words
 from ..model.arm import Arm
+from .segments import Move, Segment
 
 USUAL = Tolerances(1e-6, 1e-6)
 """Of a motion that names none [m, rad]."""
+
+
+ROUNDED = (
+    f"the path is met but for the rounding of the arm's axes, by at most {length_in_words(POSITION_ROUNDING)} and "
+    f"{angle_in_words(ORIENTATION_ROUNDING)}: the doctor's finding axes-almost-exact names them"
+)
+"""The note on a motion that needed `but_for_rounding`."""
 
 
 def decided(arm: Arm, position_tol: float | None, orientation_tol: float | None) -> Tolerances:
@@ -16,6 +27,20 @@ def decided(arm: Arm, position_tol: float | None, orientation_tol: float | None)
         USUAL.position if position_tol is None else as_tolerance(position_tol, "position_tol [m]"),
         USUAL.orientation if orientation_tol is None else as_tolerance(orientation_tol, "orientation_tol [rad]"),
     )
+
+
+def but_for_rounding(arm: Arm, segments: list[Segment]) -> list[Segment]:
+    """The segments, their moves with what rounded axes may miss a target by; [] where that is no wider."""
+    if not any(arm.rounding):
+        return []
+    wider: list[Segment] = []
+    for each in segments:
+        if isinstance(each, Move):
+            met = decided(arm, each.position_tol, each.orientation_tol).or_rounding(arm.rounding)
+            wider.append(replace(each, position_tol=met.position, orientation_tol=met.orientation))
+        else:
+            wider.append(each)
+    return [] if wider == segments else wider
 
 
 def leeway(tolerances: Tolerances) -> Tolerances | None:

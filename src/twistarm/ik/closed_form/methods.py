@@ -96,15 +96,18 @@ class Method:
         """The family with its axes, where no joint is held."""
         return self.family.fitted(self.chain.axes) if self.family is not None and not self.held else None
 
-    def candidates(self, arm: Arm, target: AnyTarget, near: Array, values: Array) -> Iterator[list[Array]]:
-        """Lists of candidates theta (n,), held joints at `values` of theta; in the first, what is free as in `near`."""
+    def candidates(self, arm: Arm, target: AnyTarget, near: Array, values: Array, exact: bool) -> Iterator[list[Array]]:
+        """Lists of candidates theta (n,), held joints at `values` of theta; in the first, what is free as in `near`.
+
+        `exact`: whether what misses a subproblem is rounding of numbers alone, and not of the axes.
+        """
         chain = self.chain
         rates = chain.rates[list(self.held)]
         axes, behind = chain.held(self.held, rates * values)
         G = goal(arm, target) @ behind
         solved = [i for i in range(chain.n) if i not in self.held]
         start = np.append((near * chain.rates)[solved], np.zeros(len(axes) - len(solved)))
-        for found in self._solved(axes, G, start):
+        for found in self._solved(axes, G, start, SLACK if exact else SLACK_NEARLY):
             theta = np.empty((len(found), chain.n))
             theta[:, list(self.held)] = values
             for row, x in zip(theta, found, strict=True):
@@ -114,10 +117,9 @@ class Method:
     def __getstate__(self) -> dict[str, Any]:
         return {**self.__dict__, "compiled": None}  # what is compiled belongs to this process
 
-    def _solved(self, axes: tuple[JointAxis, ...], G: Array, near: Array) -> Iterator[list[Array]]:
+    def _solved(self, axes: tuple[JointAxis, ...], G: Array, near: Array, slack: float) -> Iterator[list[Array]]:
         if self.family is not None:
             fitted = self.fitted or self.family.fitted(axes)
-            slack = SLACK if self.exact else SLACK_NEARLY
             for found in candidates(fitted, G, near, slack):
                 yield [candidate.x for candidate in found]
             return

@@ -26,6 +26,9 @@ ROUNDING = 1e-14
 SINGULAR = 1e-12
 """Singular values below this part of the largest are none: Newton's step leaves those directions alone."""
 
+ROUNDED_DIRECTION = 1e-3
+"""The same where the axes are rounded: what exact ones could not do, these do by their rounding."""
+
 DEPENDENT = 1e-6
 """Singular values below this part of the largest are those of directions that move nothing at first."""
 
@@ -98,23 +101,30 @@ def roots(
     tolerances: Tolerances,
     held: tuple[int, ...] = (),
     known: Sequence[Root] = (),
+    singular: float = SINGULAR,
 ) -> list[Root]:
     """The different answers among the candidates that are not `known` yet, each corrected and verified.
 
-    `held` joints stay where they are.
+    `held` joints stay where they are. `singular`: as for `corrected`.
     """
     found: list[Root] = []
     for candidate in candidates:
-        theta = corrected(arm, target, np.array(candidate), held)
+        theta = corrected(arm, target, np.array(candidate), held, singular)
         if not met(arm, target, theta, tolerances):
             continue
         if not any(_same(arm, target, theta, other.theta) for other in (*known, *found)):
-            found.append(Root(theta, self_motion(arm, target, theta, tolerances, held)))
+            dependent = max(singular, DEPENDENT)
+            found.append(Root(theta, self_motion(arm, target, theta, tolerances, held, dependent)))
     return found
 
 
 def self_motion(
-    arm: Arm, target: AnyTarget, theta: Array, tolerances: Tolerances, held: tuple[int, ...] = ()
+    arm: Arm,
+    target: AnyTarget,
+    theta: Array,
+    tolerances: Tolerances,
+    held: tuple[int, ...] = (),
+    dependent: float = DEPENDENT,
 ) -> tuple[int, ...]:
     """The joints, beside those `held`, that move while the target stays met: () for an answer that stands alone.
 
@@ -126,17 +136,21 @@ def self_motion(
     solved = [i for i in range(arm.n) if i not in held]
     J = rows_of(arm, target, theta)[1][:, solved]
     _, size, Vt = np.linalg.svd(J)
-    rank = int((size > DEPENDENT * size.max(initial=1e-300)).sum())
+    rank = int((size > dependent * size.max(initial=1e-300)).sum())
     if rank == len(J) and np.abs(Vt[rank:]).max(axis=0, initial=0.0).min(initial=1.0) > DEPENDENT:
         return tuple(solved)
     moving: set[int] = set()
+    alike = max(ALIKE, min(2.0 * _missed(arm, target, theta), HARDLY))
+    if dependent > DEPENDENT:  # rounded axes miss the target all along
+        alike = min(tolerances.position, tolerances.orientation)
     turned = Tolerances(0.5 * SIDESTEP * tolerances.position, 0.5 * SIDESTEP * tolerances.orientation)
     for direction in Vt[rank:]:
         step = np.zeros(arm.n)
         step[solved] = SIDESTEP * direction
-        beside = corrected(arm, target, theta + step, held, DEPENDENT)
-        alike = _missed(arm, target, beside) <= max(ALIKE, min(2.0 * _missed(arm, target, theta), HARDLY))
-        if (alike or met(arm, target, beside, turned)) and np.linalg.norm(beside - theta) > 0.5 * SIDESTEP:
+        beside = corrected(arm, target, theta + step, held, dependent)
+        if (_missed(arm, target, beside) <= alike or met(arm, target, beside, turned)) and np.linalg.norm(
+            beside - theta
+        ) > 0.5 * SIDESTEP:
             moving |= set(np.flatnonzero(np.abs(beside - theta) > 1e-6).tolist())
     return tuple(sorted(moving))
 
