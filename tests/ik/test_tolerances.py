@@ -8,7 +8,7 @@ from scipy.spatial.transform import Rotation
 
 from catalogue import load
 from ik_targets import KINDS, errors, judged, pinocchio_fk, require_core, target_from
-from twistarm import Approach, Pose, load_arm, solve_ik, solve_ik_batch
+from twistarm import Approach, Pose, load_arm, solve_ik, solve_ik_all, solve_ik_batch
 from twistarm.ik import StopReason
 from urdf_text import joint, robot, write
 
@@ -59,6 +59,24 @@ def test_a_rounded_arm_meets_what_the_exact_one_meets(tmp_path):
                 assert solution.rounded == any("axes-almost-exact" in note for note in solution.notes)
         assert batch.converged.mean() > 0.95
     assert all(solve_ik(exact, target).converged and not solve_ik(exact, target).rounded for target in targets)
+
+
+def test_every_solution_of_a_rounded_arm_is_one_but_for_rounding(tmp_path):
+    """As many as the exact arm has, whose closed form says that these are all."""
+    exact, arm = (load_arm(write(tmp_path, five_joints(k), f"arm{k}.urdf")) for k in (16, 4))
+    axis, listed = exact.tool_axis, 0
+    for g in map(exact.fk, exact.random_theta(np.random.default_rng(6), 8)):
+        target = Approach(g[:3, 3], g[:3, :3] @ axis, axis)
+        found = solve_ik_all(arm, target)
+        for theta in found:
+            position, angle = errors(target, pinocchio_fk(arm, theta))
+            assert position <= 5e-5
+            assert angle <= 1e-4
+            assert arm.limits.contains(theta)
+        assert len(found)
+        assert not (found.rounded and found.complete)
+        listed += len(found) == len(solve_ik_all(exact, target))
+    assert listed >= 7
 
 
 def test_an_exact_arm_keeps_its_tolerance(tmp_path):
