@@ -73,7 +73,7 @@ def judged(arm, target, solution):
 
 def is_met(arm, position, orientation):
     """Whether errors [m], [rad] count as met, one or arrays."""
-    allowed = np.maximum(ROUNDED * any(arm.rounding), STRICT) + JUDGE_SLACK
+    allowed = np.maximum(np.minimum(ROUNDED, arm.rounding), STRICT) + JUDGE_SLACK
     return (position <= allowed[0]) & (orientation <= allowed[1])
 
 

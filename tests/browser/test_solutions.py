@@ -34,7 +34,10 @@ def test_all_configurations_are_stepped_through_and_drawn(page: Any) -> None:
         until(page, "twistarm.parts.solutions.at === 0")
         place = page.locator("#solution-place")
         assert place.inner_text() == "1 of 2"
-        assert "2 configurations inside the limits; all there are" in page.locator("#solutions-words").inner_text()
+        assert (
+            "2 configurations inside the limits, each with wrist_roll free; all there are"
+            in page.locator("#solutions-words").inner_text()
+        )
         assert [ghost["drawn"] for ghost in page.evaluate(GHOSTS)] == [True], "the other one"
         page.get_by_role("button", name="Next configuration").click()
         until(page, "document.getElementById('solution-place').textContent === '2 of 2'")

@@ -61,9 +61,8 @@ def test_to_a_target_the_shorter_way_is_the_default() -> None:
     arm = arm_of()
     there, on = (pinocchio_fk(arm, np.array(theta))[:3, 3] for theta in ([-3.1, 0.1], [-3.05, 0.1]))
     to_it = plan_joint(arm, [ENDS[0], Position(there)], limits=LIMITS)
-    through = plan(
-        arm, [JointMove(Position(there)), LineMove(Position(on))], start=ENDS[0], limits=LIMITS, position_tol=1e-3
-    )
+    line = LineMove(Position(on), position_tol=1e-3)
+    through = plan(arm, [JointMove(Position(there)), line], start=ENDS[0], limits=LIMITS)
     for motion in (to_it, through):
         assert motion.waypoints[1, 0] == pytest.approx(TURN - 3.1, abs=1e-3)
         assert motion.notes == ()

@@ -35,9 +35,8 @@ def check_axes(arm: Arm) -> Iterator[Finding]:
         "axes-almost-exact",
         place_of(arm.description, arm.name),
         f"{_listed(found)}; taken as exact, the tool is off by some "
-        f"{length_in_words(sum(near.moves for near in found))}; "
-        f"an exact arm's targets are missed a little: inverse kinematics counts one as met up to "
-        f"{length_in_words(POSITION_ROUNDING)} and {math.degrees(ORIENTATION_ROUNDING):.1g}°, and says by how much",
+        f"{length_in_words(sum(near.moves for near in found))}; inverse kinematics allows for up to "
+        f"{length_in_words(POSITION_ROUNDING)} and {math.degrees(ORIENTATION_ROUNDING):.1g}° of it, and says so",
         rewriting(arm, apart=any(near.apart for near in found)),
     )
 

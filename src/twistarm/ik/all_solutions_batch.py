@@ -41,7 +41,9 @@ class IKSolutionsBatch:
     known: tuple[tuple[Method, bool], ...] = field(repr=False)
     """How, and whether these are all there are: of all targets, or for each."""
     left: NDArray[np.bool_] = field(repr=False)
-    """(N,): where continuous families were met, which have still to be told apart and looked for inside the limits."""
+    """(N,): where families have still to be told apart, or rounded axes to be allowed for."""
+    each: tuple[IKSolutions, ...] = field(default=(), repr=False)
+    """The answers where they were found one by one."""
 
     def __post_init__(self) -> None:
         asked = [self.targets] if isinstance(self.targets, np.ndarray) else []
@@ -102,6 +104,8 @@ class IKSolutionsBatch:
 
     def __getitem__(self, index: int) -> IKSolutions:
         i = range(len(self))[operator.index(index)]
+        if self.each:
+            return self.each[i]
         first, count = self._first[i], self.count[i]
         inside = self.rows[first : first + count]
         outside = self.rows[first + count : first + count + self.outside_count[i]]
@@ -203,7 +207,8 @@ def _by_core(
     kept = targets if isinstance(targets, tuple) else np.array(targets, dtype=np.float64)
     start = np.array(near, dtype=np.float64)
     known = ((method, True),)
-    return IKSolutionsBatch(arm, within, count.astype(np.int64) - within, kept, start, rows, known, left > 0.0)
+    open_ = (left > 0.0) | ((within == 0) & any(arm.rounding))
+    return IKSolutionsBatch(arm, within, count.astype(np.int64) - within, kept, start, rows, known, open_)
 
 
 def _shape(targets: tuple[AnyTarget, ...]) -> tuple[int, ...]:
@@ -221,4 +226,4 @@ def _gathered(
     all_rows = np.concatenate(rows) if rows else np.zeros((0, 2 * arm.n))
     known = tuple((found._method, found.complete) for found in each)
     nothing = np.zeros(len(each), dtype=np.bool_)
-    return IKSolutionsBatch(arm, count, beyond, targets, theta0, all_rows, known, nothing)
+    return IKSolutionsBatch(arm, count, beyond, targets, theta0, all_rows, known, nothing, tuple(each))

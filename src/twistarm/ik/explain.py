@@ -71,6 +71,8 @@ def reached(solution: IKSolution) -> str:
     if math.isinf(solution.position_error):
         return "nothing yet"
     parts, met = [], solution.tolerances
+    if solution.rounded:
+        return "met but for the rounding of the arm's axes"
     if len(solution.target.position_tolerance):
         off = f"{_length(solution.position_error)} off"
         off += _hardly(solution.position_error, met.position, "position_tol", "m")

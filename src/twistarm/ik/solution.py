@@ -20,11 +20,17 @@ from .targets import AnyTarget, numbers_of_kind, target_of
 from .task_space import Tolerances
 
 
+NEGLIGIBLE_LENGTH = 1e-8
+"""[m]: less is not told."""
+
+
 def but_for_rounding(position_error: float, orientation_error: float) -> str:
     """The note on a target that rounded axes miss by these errors [m], [rad]."""
+    missed = [length_in_words(position_error)] if position_error >= NEGLIGIBLE_LENGTH else []
+    missed += [angle_in_words(orientation_error)] if orientation_error > 0 else []
     return (
-        f"met but for the rounding of the arm's axes, by which it is missed by {length_in_words(position_error)} and "
-        f"{angle_in_words(orientation_error)}: the doctor's finding axes-almost-exact names them"
+        f"the rounding of the arm's axes makes it miss the target by {' and '.join(missed)}: "
+        "the doctor's finding axes-almost-exact names them"
     )
 
 
@@ -131,7 +137,7 @@ class IKSolution:
 
     @property
     def converged(self) -> bool:
-        """Whether the target is met to the tolerances."""
+        """Whether the target is met to the tolerances, or but for the rounding of the arm's axes (`rounded`)."""
         return bool(self._row[answer.STOP] == 0)
 
     @property

@@ -35,12 +35,12 @@ def solve_ik(
     where the search begins; it is brought inside the limits first. Joints that may turn for ever come back as near to
     it as the limits allow. Tolerances in m and rad. At most `restarts` searches, the first from theta0, the others
     from starts that depend on the seed `rng` and their number alone: the same call gives the same bits, unless
-    `max_time` [s] cuts it short. The answer is within 0.2 rad (0.2 m) of theta0 where
-    some configuration there meets the target. For a target within 2 cm and 3° of the pose of theta0 it is else the
-    nearest that searches find, and `notes` says so.
+    `max_time` [s] cuts it short. Where searches find a configuration within 0.2 rad (0.2 m) of theta0 that
+    meets the target, it is the answer. For a target within 2 cm and 3° of the pose of theta0 it is else the nearest
+    that they find, and `notes` says so.
 
-    Whatever has a configuration within both tolerances is met. An arm whose axes a CAD export has rounded
-    (`arm.rounding`) also meets what it misses by at most 0.05 mm and 1e-4 rad; `rounded` and `notes` say so.
+    The searches look for a configuration within both tolerances, not for an exact one. An arm whose axes a CAD export
+    has rounded also meets what it misses by at most `arm.rounding`; `rounded` and `notes` say so.
 
     `posture`: where a redundant arm would rather stand while it meets the target: "theta0", "middle" (the middle of
     the limits) or a configuration (n,). The answer is then moved in the null space to a minimum of ‖θ − posture‖².

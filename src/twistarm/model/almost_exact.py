@@ -22,7 +22,13 @@ ALMOST_ANGLE, ALMOST_DISTANCE = math.radians(0.5), 2e-3
 """[rad], [m]: further apart is on purpose."""
 
 POSITION_ROUNDING, ORIENTATION_ROUNDING = 5e-5, 1e-4
-"""[m], [rad]: an arm with such axes meets a target that it misses by no more."""
+"""[m], [rad]: an arm with rounded axes meets a target that it misses by no more."""
+
+ROUNDED_ANGLE, ROUNDED_DISTANCE = 1e-3, 1e-3
+"""[rad], [m]: what is further off no export has rounded."""
+
+SHARE = 10.0
+"""Nor by more than so many times what the axes are off together."""
 
 
 @dataclass(frozen=True)
@@ -57,6 +63,14 @@ def almost_exact(screws: Array, home: Array, joints: Sequence[str], reach: float
     found += _wrist(joints, axes, points, turning)
     found += [Near(f"base–{joints[0]}", *one) for one in first]
     return found + [Near(f"{joints[-1]}–tool", *one) for one in last]
+
+
+def rounding_of(found: Sequence[Near], reach: float) -> tuple[float, float]:
+    """What an arm with such axes may miss a target by and still meet it: position [m] and orientation [rad]."""
+    angle = sum(near.moves / reach for near in found if not near.apart and near.moves <= ROUNDED_ANGLE * reach)
+    distance = sum(near.moves for near in found if near.apart and near.moves <= ROUNDED_DISTANCE)
+    position, orientation = SHARE * (distance + angle * reach), SHARE * (angle + distance / reach)
+    return min(POSITION_ROUNDING, position), min(ORIENTATION_ROUNDING, orientation)
 
 
 def _among(axis: Array, frame: Array, reach: float) -> list[tuple[str, float, bool]]:

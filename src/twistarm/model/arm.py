@@ -43,7 +43,7 @@ from ..theory.lower_pairs import lower_pairs
 from ..theory.manipulability import Manipulability, manipulability_of
 from ..theory.screws import adjoint, inverse
 from . import engine
-from .almost_exact import ORIENTATION_ROUNDING, POSITION_ROUNDING, almost_exact
+from .almost_exact import almost_exact, rounding_of
 from .baking import Baked, write_baked
 from .configurations import Configurations
 from .pinocchio_model import PinocchioModel
@@ -218,10 +218,10 @@ class Arm:
     def rounding(self) -> tuple[float, float]:
         """What the arm may miss a target by and still meet it [m], [rad]: (0, 0) for exact axes.
 
-        (5e-5, 1e-4) where axes are parallel, square or meeting but for a little, as CAD exports round them.
+        Up to (5e-5, 1e-4) where axes are parallel, square or meeting but for a little, as CAD exports round them, and
+        no more than ten times what they are off.
         """
-        found = almost_exact(self.screws, self.home, self.moving_names, self.reach)
-        return (POSITION_ROUNDING, ORIENTATION_ROUNDING) if found else (0.0, 0.0)
+        return rounding_of(almost_exact(self.screws, self.home, self.moving_names, self.reach), self.reach)
 
     @cached_property
     def pinocchio(self) -> PinocchioModel:
@@ -360,9 +360,9 @@ class Arm:
         scale = self.reach if length is None else as_number(length, "length")
         if not scale > 0:
             raise InputError(f"length must be positive, in metres; got {scale:g}")
-        x, unit = np.asarray(theta, dtype=np.float64), np.where(self._prismatic, scale, 1.0)
+        x, unit = self._theta(theta), np.where(self._prismatic, scale, 1.0)
         return manipulability_of(
-            self.body_jacobian(theta), self._prismatic, scale,
+            self.body_jacobian(x), self._prismatic, scale,
             lambda index, steps: self.body_jacobian(x[index] + steps * unit),
         )  # fmt: skip
 

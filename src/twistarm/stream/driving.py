@@ -10,7 +10,7 @@ from math import inf
 from ..support.interrupts import ended_like_ctrl_c
 from .cycles import C, Cycles
 from .failures import StreamError
-from .metronome import Metronome, MonotonicClock
+from .metronome import LATEST, Metronome, MonotonicClock
 from .protocols import Clock
 from .report import Ending, StreamReport
 
@@ -66,6 +66,8 @@ def come_to_rest(cycles: Cycles[C], metronome: Metronome, clock: Clock) -> bool:
         while not cycles.at_rest and (left > 0.0 or clock.now() < latest):
             _wait(clock, metronome, inf)
             now = clock.now()
+            if not abs(now) < LATEST:  # a broken clock
+                break
             metronome.tick(now)
             cycles.brake(now)
             left -= 1.0

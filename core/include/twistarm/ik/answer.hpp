@@ -153,8 +153,11 @@ void conclude(const chain<T, N, M>& arm, const ranges<T, N>& range, const search
         detail::explain(arm, range, settings, asked, start, seed, reach, stopped, field, out);
         if (!out.found.converged) {
             keep_near(arm, range, settings, asked, start, stopped, out.found);
-            out.other_branch = lies_elsewhere(arm, settings, asked, start, out.found);
-            return;
+            if (!out.found.converged) {
+                out.other_branch = lies_elsewhere(arm, settings, asked, start, out.found);
+                return;
+            }
+            detail::begin(out);
         }
     }
     out.other_branch = keep_branch(arm, range, settings, asked, start, stopped, out.found);

@@ -72,6 +72,7 @@ bool may_be_met_near(const chain<T, N, M>& arm, const search_settings<T>& settin
     walk_with_columns(arm, aims.base, aims.tip, theta0, g, columns);
     residual_of<Kind, N>(g, columns, n, aims, sqrt(settings.rotation_weight), at);
     T error = at.position_squared + settings.rotation_weight * at.rotation_squared, d[capacity(N)];
+    if (is_loose(settings)) error = allow_tolerances<Kind>(settings, at, n);
     free_step(at, settings.damping * error + damping_of_first_step<T>, n, d);
     T longest = T(0);
     for (int k = 0; k < n; ++k) longest = greatest(longest, absolute(d[k]));
@@ -94,7 +95,7 @@ bool meet_in_box(const chain<T, N, M>& arm, const ranges<T, N>& range, search_se
     const int count = search_from_each(arm, box, settings, asked, searches_in_group, stopped, set);
     solution<T, N> best = found, next = found;
     T least_difference = static_cast<T>(__builtin_inf());
-    bool met = false;
+    bool met = is_met(found, settings);
     for (int r = 0; r < count; ++r) {
         for (int k = 0; k < n; ++k) next.theta[k] = set.theta[r * n + k];
         if (!judge(arm, box, settings, asked, theta0, next)) continue;

@@ -25,6 +25,11 @@ template <class T> constexpr T drawn_excess = T(1e-4);
 /// grow by this.
 template <class T> constexpr T as_near = T(1e-4);
 template <class T> constexpr T nearest_box_growth = T(3);
+/// What two distances [m] may differ by and be one: the position's tolerance, of a loose one no more than the usual.
+template <class T> constexpr T usual_tolerance = T(1e-6);
+template <class T> T as_far(const search_settings<T>& settings) {
+    return least(settings.position_tolerance, usual_tolerance<T>);
+}
 /// Of the position's tolerance what may be given for the rotation between one minimum and another.
 template <class T> constexpr T given_for_rotation = T(0.1);
 
@@ -103,14 +108,14 @@ const minimum<T, N>& nearest_to(const chain<T, N, M>& arm, const ranges<T, N>& r
     int best = 0;
     for (int i = 0; i < count; ++i) {
         const T value = T(0.5) * away[i] * away[i] + last_epsilon<T> * minima[i].rotation;
-        if (away[i] > least_away + given_for_rotation<T> * settings.position_tolerance || value >= least_value) continue;
+        if (away[i] > least_away + given_for_rotation<T> * as_far(settings) || value >= least_value) continue;
         least_value = value;
         best = i;
     }
     const nearest_configuration<T, N> nearest = minima[best].at;
-    const T most_turned = turned[best] + settings.orientation_tolerance;
+    const T most_turned = turned[best] + least(settings.orientation_tolerance, usual_tolerance<T>);
     for (int i = 0; i < count; ++i) {
-        if (away[i] > least_away + settings.position_tolerance || turned[i] > most_turned) continue;
+        if (away[i] > least_away + as_far(settings) || turned[i] > most_turned) continue;
         if (nearest.position_stationary && !minima[i].at.position_stationary) continue;
         if (nearest.rotation_stationary && !minima[i].at.rotation_stationary) continue;
         const T departure = squared_distance(minima[i].at.theta, theta0, arm.coordinates());
@@ -152,7 +157,7 @@ void keep_near(const chain<T, N, M>& arm, const ranges<T, N>& range, const searc
             solution<T, N> drawn = nearest;
             for (int k = 0; k < n; ++k) drawn.theta[k] = lane(lanes.theta[k], l);
             judge(arm, box, settings, asked, theta0, drawn);
-            if (drawn.position_error <= nearest.position_error + settings.position_tolerance &&
+            if (drawn.position_error <= nearest.position_error + detail::as_far(settings) &&
                 drawn.orientation_error <= nearest.orientation_error + detail::as_near<T> &&
                 detail::largest_difference(drawn.theta, theta0, n) < detail::largest_difference(found.theta, theta0, n))
                 found = drawn;

@@ -140,6 +140,8 @@ void walk_to_posture(const chain<T, N, M>& arm, const ranges<T, N>& range, const
     const T tolerance = T(0.5) * least(settings.position_tolerance, settings.orientation_tolerance);
     posture_walk<Kind, T, N, M> walk{
         arm, range, posture, least(corrected<T>, tolerance * tolerance), aim_at(arm, asked), {}, {}, {}, {}, false};
+    // Rounded axes never come nearer than at the answer, which is as near as the arm allows.
+    if (settings.position_rounding > T(0)) walk.enough = greatest(walk.enough, T(2) * walk.look(theta));
     for (int k = 0; k < most_posture_steps && !stopped() && walk.step(theta); ++k) continue;
 }
 }  // namespace detail

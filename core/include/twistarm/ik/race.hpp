@@ -37,7 +37,7 @@ template <class V, class T, int N, int M, class Starts, class Stopped> struct ra
     T least_error = static_cast<T>(__builtin_inf());
     squared_errors<T> start_error = {least_error, least_error};
     bool over = false;
-    int most, rounded = none;  ///< searches in all; the best of those that met the target but for the rounding
+    int most, rounded = none;  ///< searches in all; the first that met the target but for the rounding
     solution<T, N> rounded_answer{};
 
     race_of_one(const chain<T, N, M>& chain, const ranges<T, N>& within, const search_settings<T>& how,
@@ -93,7 +93,7 @@ template <class V, class T, int N, int M, class Starts, class Stopped> struct ra
     /// The first search that has met the target but for the rounding answers, if none of some more does better.
     void keep_rounded(const solution<T, N>& candidate, int which) {
         if (rounded != none && rounded <= which) return;
-        if (rounded == none) most = most < begun + searches_past_rounded ? most : begun + searches_past_rounded;
+        most = most < which + searches_past_rounded ? most : which + searches_past_rounded;
         rounded = which;
         rounded_answer = candidate;
     }
@@ -130,7 +130,7 @@ template <class V, class T, int N, int M, class Starts, class Stopped> struct ra
         if (looks == 0) start_error = lane_of<T>(lanes.position_squared, lanes.rotation_squared, 0);
         if (++looks % looks_for_a_clock == 0 && stopped()) cut_short(lanes);
         if (winner == none || over) return over;
-        if (begun < settings.searches && beats(begun, 0)) return false;
+        if (begun < most && beats(begun, 0)) return false;
         for (int i = 0; i < lane_count; ++i)
             if (search[i] != none && beats(search[i], least_steps(lanes, i, unseen))) return false;
         return true;

@@ -82,15 +82,31 @@ inline double measured(double angle, target_kind kind) {
     return kind == target_kind::task ? angle : 2.0 * __builtin_sin(0.5 * angle);
 }
 
-template <class T>
-thresholds<T> thresholds_of(T position_tolerance, T orientation_tolerance, double share, target_kind kind) {
-    const double position = share * static_cast<double>(position_tolerance);
-    const double rotation = measured(share * static_cast<double>(orientation_tolerance), kind);
-    return {static_cast<T>(position * position), static_cast<T>(rotation * rotation)};
-}
-
 template <class T> bool is_loose(const search_settings<T>& settings) {
     return greatest(settings.position_tolerance, settings.orientation_tolerance) > static_cast<T>(loose);
+}
+
+/// How much of a tolerance a search has to come within.
+template <class T> double share_of(T tolerance) { return tolerance > static_cast<T>(loose) ? loose_margin : margin; }
+
+/// Takes out of an error what its loose tolerances allow; E of what is left.
+template <target_kind Kind, class V, class T, int N, int K>
+TWISTARM_INLINE V allow_tolerances(const search_settings<T>& settings, residual<V, N, K>& at, int n) {
+    V left = at.position_squared;
+    if (settings.position_tolerance > static_cast<T>(loose))
+        left = allow(at, 0, 3, static_cast<T>(allowed) * settings.position_tolerance, n);
+    if constexpr (Kind == target_kind::position) return left;
+    if (!(settings.orientation_tolerance > static_cast<T>(loose)))
+        return left + settings.rotation_weight * at.rotation_squared;
+    const double angle = measured(allowed * static_cast<double>(settings.orientation_tolerance), Kind);
+    return left + allow(at, 3, K, sqrt(settings.rotation_weight) * static_cast<T>(angle), n);
+}
+
+template <class T> thresholds<T> thresholds_of(T position_tolerance, T orientation_tolerance, target_kind kind) {
+    const double position = share_of(position_tolerance) * static_cast<double>(position_tolerance);
+    const double angle = share_of(orientation_tolerance) * static_cast<double>(orientation_tolerance);
+    const double rotation = measured(angle, kind);
+    return {static_cast<T>(position * position), static_cast<T>(rotation * rotation)};
 }
 
 template <class V, class T, int N>
@@ -122,28 +138,20 @@ protected:
 };
 
 /// Runs searches until `owner` has what it wants. E = ‖position error‖² + rotation_weight ‖rotation error‖², of loose
-/// tolerances only what is beyond them. A search that comes to rest within the rounding has met its target too.
+/// tolerances only what is beyond them. A search that ends within the rounding has met its target too.
 template <class V, target_kind Kind, class T, int N, int M>
 void run_searches(const chain<T, N, M>& arm, const ranges<T, N>& range, const search_settings<T>& settings,
                   lane_searches<V, N>& lanes, lane_starts<T, N, number<V>::lanes>& starts,
                   search_owner<V, T, N>& owner) {
     const int n = arm.coordinates();
     const bool loose = detail::is_loose(settings), rounds = settings.position_rounding > T(0);
-    const double share = loose ? detail::loose_margin : detail::margin;
     const detail::thresholds<T> enough =
-        detail::thresholds_of(settings.position_tolerance, settings.orientation_tolerance, share, Kind);
+        detail::thresholds_of(settings.position_tolerance, settings.orientation_tolerance, Kind);
     detail::thresholds<T> rounded = enough;
     if (rounds)
         rounded = detail::thresholds_of(greatest(settings.position_rounding, settings.position_tolerance),
-                                        greatest(settings.orientation_rounding, settings.orientation_tolerance), share,
-                                        Kind);
+                                        greatest(settings.orientation_rounding, settings.orientation_tolerance), Kind);
     const T rotation_scale = sqrt(settings.rotation_weight);
-    T radius = T(0), turned = T(0);
-    if (loose) {
-        const double angle = detail::allowed * static_cast<double>(settings.orientation_tolerance);
-        radius = static_cast<T>(detail::allowed) * settings.position_tolerance;
-        turned = rotation_scale * static_cast<T>(detail::measured(angle, Kind));
-    }
     residual<V, N, rows_of(Kind)> at;
     column<V> columns[capacity(N)];
     detail::begin_waiting(lanes, starts, n);
@@ -154,11 +162,7 @@ void run_searches(const chain<T, N, M>& arm, const ranges<T, N>& range, const se
         lanes.position_squared = at.position_squared;
         lanes.rotation_squared = at.rotation_squared;
         lanes.error = at.position_squared + settings.rotation_weight * at.rotation_squared;
-        if (loose) {
-            lanes.error = allow(at, 0, 3, radius, n);
-            if constexpr (Kind != target_kind::position)
-                lanes.error = lanes.error + allow(at, 3, rows_of(Kind), turned, n);
-        }
+        if (loose) lanes.error = detail::allow_tolerances<Kind>(settings, at, n);
         const auto met = (at.position_squared <= V(enough.position)) & (at.rotation_squared <= V(enough.rotation));
         lanes.stalls = lanes.stalls + select(lanes.best * settings.progress < lanes.error, V(T(1)), V(T(0)));
         lanes.best = least(lanes.best, lanes.error);
@@ -170,7 +174,8 @@ void run_searches(const chain<T, N, M>& arm, const ranges<T, N>& range, const se
         const unsigned ended = bits(over);
         if (ended != 0U) {
             unsigned there = bits(met);
-            if (rounds) there |= bits((at.position_squared <= V(rounded.position)) & (at.rotation_squared <= V(rounded.rotation)));
+            if (rounds)
+                there |= bits((at.position_squared <= V(rounded.position)) & (at.rotation_squared <= V(rounded.rotation)));
             owner.settle(lanes, starts, ended, there);
         }
         if (owner.finished(lanes)) return;
