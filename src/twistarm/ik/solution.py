@@ -19,7 +19,6 @@ from .stop_reason import CLOSED_FORM, DAMPED, NEAREST, STOPS, StopReason
 from .targets import AnyTarget, numbers_of_kind, target_of
 from .task_space import Tolerances
 
-
 NEGLIGIBLE_LENGTH = 1e-8
 """[m]: less is not told."""
 
