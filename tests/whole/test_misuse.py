@@ -143,6 +143,8 @@ DOORS: dict[str, tuple[Callable[..., Any], dict[str, Any]]] = {
     ),
     "solve_ik_all_batch": (twistarm.solve_ik_all_batch, {"targets": [G], "threads": 1, **ALL}),
     "Pose": (twistarm.Pose, {"g": G}),
+    "Pose.from_rpy": (twistarm.Pose.from_rpy, {"p": [0, 0, 1], "rpy": [0, 0, 1]}),
+    "Pose.from_quaternion": (twistarm.Pose.from_quaternion, {"p": [0, 0, 1], "wxyz": None, "xyzw": [0, 0, 0, 1]}),
     "Position": (twistarm.Position, {"p": [0, 0, 1]}),
     "Approach": (twistarm.Approach, {"p": [0, 0, 1], "direction": [0, 0, 1], "tool_axis": None}),
     "Approach.of": (twistarm.Approach([0, 0, 1], [0, 0, 1]).of, {"arm": ARM}),
