@@ -229,6 +229,13 @@ DOORS: dict[str, tuple[Callable[..., Any], dict[str, Any]]] = {
     "UdpSource": (stream.UdpSource, {"arm": ARM, "host": "127.0.0.1", "port": 0, "timeout": 0.2, "key": None}),
     "UdpFeedback": (stream.UdpFeedback, {"arm": ARM, "host": "127.0.0.1", "port": 0, "key": None, "units": "joint"}),
     "SimulatedJoints.write": (stream.SimulatedJoints(ARM, ARM.ready).write, {"setpoint": None}),
+    "SimulatedJoints.step": (stream.SimulatedJoints(ARM, ARM.ready).step, {"dt": 0.01}),
+    "StateInbox.read": (stream.StateInbox(ARM).read, {"now": 1.0}),
+    "come_to_rest": (
+        stream.come_to_rest,
+        {"cycles": stream.Streaming(ARM, Says(None), SIMULATED, SIMULATED), "metronome": stream.Metronome(0.01),
+         "clock": stream.MonotonicClock()},
+    ),
     "Interlock.stop": (stream.Interlock().stop, {"reason": ""}),
     "FollowControl.pause": (stream.FollowControl().pause, {"reason": ""}),
     "command_of": (stream.command_of, {"arm": ARM, "message": {"stop": True}}),

@@ -83,6 +83,7 @@ class StateInbox:
 
     def read(self, now: float) -> Measured:
         """The joint state at `now` [s], or None and which joint it lacks, and why."""
+        now = moment(now)
         with self._lock:
             looks = {name: part.look(now) for name, part in self._parts.items()}
             heard = now - max(look.age for look in looks.values())
