@@ -33,6 +33,7 @@ from .planning import LineMove as LineMove
 from .planning import MotionFile as MotionFile
 from .planning import PathError as PathError
 from .planning import ScrewMove as ScrewMove
+from .planning import Segment as Segment
 from .planning import Trajectory as Trajectory
 from .planning import binding_limits as binding_limits
 from .planning import load_motion as load_motion
@@ -62,6 +63,7 @@ from .support.errors import MissingExtraError as MissingExtraError
 from .support.errors import NoClosedFormError as NoClosedFormError
 from .support.errors import NotConvergedError as NotConvergedError
 from .support.errors import TwistarmError as TwistarmError
+from .support.errors import UnitsWarning as UnitsWarning
 from .support.errors import UnknownNameError as UnknownNameError
 from .theory import joints as joints
 from .theory import poe as poe

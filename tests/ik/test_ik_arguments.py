@@ -7,6 +7,7 @@ import subprocess
 import sys
 import threading
 import time
+import warnings
 from collections.abc import Callable
 from typing import Any
 
@@ -15,7 +16,18 @@ import pytest
 
 from catalogue import load
 from ik_targets import require_core
-from twistarm import Approach, Arm, InputError, Pose, Position, Task, solve_ik, solve_ik_batch
+from twistarm import (
+    Approach,
+    Arm,
+    InputError,
+    NotConvergedError,
+    Pose,
+    Position,
+    Task,
+    UnitsWarning,
+    solve_ik,
+    solve_ik_batch,
+)
 from twistarm.support.checks import as_pose
 from twistarm.support.errors import RoundedPoseWarning
 
@@ -78,6 +90,21 @@ def test_what_somebody_wrote_into_a_target_is_refused_too(kind: str) -> None:
     for call in (lambda: solve_ik(ARM, target), lambda: solve_ik_batch(ARM, [G, target])):
         with pytest.raises(InputError, match="finite"):
             call()
+
+
+def test_millimetres_and_degrees_are_told() -> None:
+    far = Position(1000.0 * G[:3, 3])
+    assert "millimetres" in solve_ik(ARM, far).explain()
+    with pytest.raises(NotConvergedError, match="millimetres"):
+        solve_ik(ARM, far).require()
+    assert "millimetres" not in solve_ik(ARM, Position(5.0 * G[:3, 3])).explain()
+    degrees = np.degrees(ARM.ready)
+    assert "degrees" in solve_ik(ARM, G, degrees).notes[0]
+    with pytest.warns(UnitsWarning, match="degrees"):
+        ARM.fk(degrees.tolist())
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        ARM.fk((ARM.limits.upper + 0.5).tolist())
 
 
 TILTED = G.copy()

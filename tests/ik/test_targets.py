@@ -64,7 +64,7 @@ def test_a_target_of_the_same_kind_can_be_put_anywhere(rng, kind):
     there = target.at(g)
     assert type(there) is type(target)
     assert max(there.position_error(g), there.orientation_error(g)) == pytest.approx(0, abs=ANGLE_TOL)
-    assert there.rotation_rows(g, np.eye(6))[1].shape == target.rotation_rows(g, np.eye(6))[1].shape
+    assert there._rotation_rows(g, np.eye(6))[1].shape == target._rotation_rows(g, np.eye(6))[1].shape
 
 
 def test_only_what_is_constrained_counts():
@@ -96,7 +96,7 @@ def test_position_rows_are_the_gradient_of_half_the_squared_distance(rng, kind):
     def half_square(t):
         return 0.5 * target.position_error(body_motion(g, xi, t)) ** 2
 
-    error, rows = excess_rows(target.position_rows(g, np.eye(6)), target.position_tolerance)
+    error, rows = excess_rows(target._position_rows(g, np.eye(6)), target._position_tolerance)
     assert 0.5 * error @ error == pytest.approx(half_square(0.0), abs=ROW_TOL)
     assert error @ rows @ xi == pytest.approx(derivative(half_square), abs=ROW_TOL)
 
@@ -108,7 +108,7 @@ def test_chordal_rows_are_the_gradient_of_what_grows_with_the_angle(rng, kind):
     def potential(t):
         return 4 * (1 - np.cos(0.5 * target.orientation_error(body_motion(g, xi, t))))
 
-    error, rows = target.rotation_rows(g, np.eye(6))
+    error, rows = target._rotation_rows(g, np.eye(6))
     assert np.linalg.norm(error) == pytest.approx(2 * np.sin(0.5 * target.orientation_error(g)), abs=ERROR_TOL)
     if target.orientation_error(g) < 3.0:  # the potential has its kink at a half turn
         assert error @ rows @ xi == pytest.approx(derivative(potential), abs=ROW_TOL)
@@ -118,10 +118,10 @@ def test_chordal_rows_are_the_gradient_of_what_grows_with_the_angle(rng, kind):
 def test_task_rows_are_the_derivative_of_the_logarithm(rng):
     target, xi = target_from("Task", random_pose(rng), rng), rng.normal(size=6)
     g = body_motion(target.g, rng.normal(size=6), 0.7)
-    error, rows = target.rotation_rows(g, np.eye(6))
+    error, rows = target._rotation_rows(g, np.eye(6))
 
     def logarithm(t):
-        return target.rotation_rows(body_motion(g, xi, t), np.eye(6))[0]
+        return target._rotation_rows(body_motion(g, xi, t), np.eye(6))[0]
 
     assert error.shape == (2,)
     np.testing.assert_allclose(rows @ xi, derivative(logarithm), atol=ROW_TOL)
@@ -133,8 +133,8 @@ def test_what_is_free_has_no_row(kind):
     target = target_from(kind, random_pose(rng), rng)
     position, rotation = {"Pose": (3, 3), "Position": (3, 0), "Approach": (3, 2), "Task": (3, 2)}[kind]
     J_b = rng.normal(size=(6, 5))
-    assert target.position_rows(np.eye(4), J_b)[1].shape == (position, 5)
-    assert target.rotation_rows(np.eye(4), J_b)[1].shape == (rotation, 5)
+    assert target._position_rows(np.eye(4), J_b)[1].shape == (position, 5)
+    assert target._rotation_rows(np.eye(4), J_b)[1].shape == (rotation, 5)
 
 
 def test_inside_its_tolerance_a_component_does_not_pull():
@@ -145,7 +145,7 @@ def test_inside_its_tolerance_a_component_does_not_pull():
 
 def test_an_opposite_approach_still_has_a_way_back():
     target = Approach([0, 0, 0], [0, 0, -1], [0, 0, 1])
-    error, _ = target.rotation_rows(np.eye(4), np.eye(6))
+    error, _ = target._rotation_rows(np.eye(4), np.eye(6))
     assert np.linalg.norm(error) == pytest.approx(2)
     assert target.orientation_error(np.eye(4)) == pytest.approx(np.pi)
 
@@ -196,7 +196,14 @@ REFUSED = (
     (lambda: Task(np.eye(4), [np.inf] * 3 + [4.0] * 3), "leaves all six components free"),
     (lambda: Task(np.eye(4), np.zeros(6), frame="world"), "frame must be 'target' or 'base'"),
     (lambda: as_target("forward"), "target must be a Pose, Position, Approach or Task, or a pose (4, 4) in SE(3)"),
-    (lambda: as_target(np.zeros(3)), "target must be a Pose, Position, Approach or Task"),
+    (lambda: as_target([0.5, 0, 0.3]), "did you mean Position("),
+    (lambda: as_target(np.zeros(6)), "did you mean Pose.from_rpy("),
+    (lambda: as_target(np.zeros(7)), "did you mean Pose.from_quaternion("),
+    (lambda: Pose.from_rpy([0.5, 0, 0.3], [0, 90, 0]), "an angle of 90 rad looks like degrees"),
+    (lambda: Pose.from_rpy([0.5, 0], [0, 0, 0]), "p must have shape"),
+    (lambda: Pose.from_quaternion([0.5, 0, 0.3], xyzw=[0, 0, 0, 2]), "this one has 2"),
+    (lambda: Pose.from_quaternion([0.5, 0, 0.3]), "give one quaternion"),
+    (lambda: Pose.from_quaternion([0.5, 0, 0.3], wxyz=[1, 0, 0, 0], xyzw=[0, 0, 0, 1]), "give one quaternion"),
 )
 
 
@@ -211,6 +218,19 @@ def test_a_bare_pose_is_a_target():
     target = as_target(np.eye(4).tolist())
     assert isinstance(target, Pose)
     np.testing.assert_array_equal(target.g, np.eye(4))
+
+
+@given(generators)
+def test_a_pose_by_angles_or_by_a_quaternion_is_that_of_scipy(rng):
+    p, R = rng.normal(size=3), Rotation.random(random_state=int(rng.integers(2**31)))
+    xyzw = R.as_quat()
+    for pose in (
+        Pose.from_rpy(p, R.as_euler("xyz")),
+        Pose.from_quaternion(p, xyzw=xyzw),
+        Pose.from_quaternion(p, wxyz=np.roll(xyzw, 1)),
+    ):
+        np.testing.assert_allclose(pose.g[:3, :3], R.as_matrix(), atol=1e-12)
+        np.testing.assert_array_equal(pose.g[:3, 3], p)
 
 
 @pytest.mark.parametrize("kind", KINDS)

@@ -8,8 +8,8 @@ import tracemalloc
 import numpy as np
 import pytest
 
-from twistarm.servo import JogCommand
-from twistarm.stream import Inbox
+from twistarm.servo import JogCommand, TwistCommand
+from twistarm.stream import Inbox, MonotonicClock
 from twistarm.support.errors import InputError
 
 A, B = JogCommand(np.array([0.1])), JogCommand(np.array([0.2]))
@@ -30,6 +30,21 @@ def test_the_latest_counts():
     assert reading.command is B
     assert reading.age == pytest.approx(0.05)
     assert reading.reason == ""
+
+
+def test_a_command_without_a_time_arrives_now():
+    inbox = Inbox(10.0)
+    inbox.put("joystick", [0.0, 0.0, 0.05, 0.0, 0.0, 0.0])
+    reading = inbox.read(MonotonicClock().now())
+    assert isinstance(reading.command, TwistCommand)
+    assert 0.0 <= reading.age < 10.0
+
+
+def test_what_is_no_command_is_refused_where_it_is_put():
+    with pytest.raises(InputError, match="a command is a TwistCommand"):
+        Inbox().put("joystick", "up")
+    with pytest.raises(InputError, match="sender must be"):
+        Inbox().put(A, A, 1.0)
 
 
 def test_a_command_must_be_repeated():

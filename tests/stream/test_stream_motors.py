@@ -84,7 +84,7 @@ def test_what_is_no_motors_state_is_refused(driven, message, why):
 
 
 def test_units_that_cannot_be(rover, driven):
-    with pytest.raises(InputError, match="units is one of 'joint', 'motor', 'counts'"):
+    with pytest.raises(InputError, match="units must be 'joint', 'motor' or 'counts'"):
         UdpFeedback(driven, units="degrees")
     with pytest.raises(InputError, match="need actuators for each joint of rover_arm"):
         UdpFeedback(replace(rover, actuators=None), units="motor")

@@ -15,7 +15,8 @@ EXAMPLES = sorted(file for file in (ROOT / "examples").rglob("*.py") if "ros2" n
 ACCEPTED = """
 import numpy as np
 from twistarm import Approach, Arm, JogCommand, JointLimits, Pose, PoseCommand, Position, ServoState, Task, Trajectory
-from twistarm import TwistCommand, load_arm, plan_joint, servo_step, solve_ik, solve_ik_batch
+from twistarm import Dwell, JointMove, LineMove, Segment, TwistCommand, load_arm, plan, plan_joint, servo_step
+from twistarm import solve_ik, solve_ik_batch
 
 arm: Arm = load_arm("rover_arm")
 down = Approach(p=[0.5, 0, 0.3], direction=[0, 0, 1])
@@ -27,6 +28,9 @@ stack = solve_ik_batch(arm, arm.fk(arm.random_theta(0, 10))).theta
 state, output = servo_step(arm, ServoState.at(arm, arm.ready), [0.1, 0, 0, 0, 0, 0], dt=0.01)
 for command in (TwistCommand([0, 0, 0, 0, 0, 1]), JogCommand([0.1] * 5), PoseCommand(rows), None):
     state, output = servo_step(arm, state, command, dt=0.01)
+tour: list[Segment] = [LineMove.by([0, 0, 0.05]), Dwell(0.5), JointMove("ready")]
+plan(arm, tour)
+plan(arm, [LineMove.by([0, 0, 0.05]), Dwell(0.5)])
 motion: Trajectory = plan_joint(arm, ["ready", {"elbow": 1.0}, arm.ready, [0, 0, 0, 0, 0]])
 """
 

@@ -11,7 +11,7 @@ import typer
 from ..ik import Approach, Pose, Position
 from ..support.checks import Array, as_positive
 from ..support.errors import InputError
-from ..theory.rotations import from_rpy, from_xyzw
+from ..support.unit_hints import angle_hint
 from .csv_rows import Sheet, no_column
 from .typed import AXIS, RPY, WXYZ, XYZ, XYZW, parse_numbers
 
@@ -51,11 +51,7 @@ OrientationTol = Annotated[
     ),
 ]
 
-UNIT_LENGTH_TOL = 0.01
-"""A quaternion is rounded to a few digits; one that is further from length 1 holds something else."""
-
-TURN = 2.0 * np.pi
-"""A larger roll, pitch or yaw is one in degrees."""
+ORIGIN = (0.0, 0.0, 0.0)
 
 POSITION, ANGLES, DIRECTION, QUATERNION = (
     ("x", "y", "z"),
@@ -124,9 +120,9 @@ def typed_orientation(
             return Orientation(direction=parse_numbers(text, 3, option), axis=tool_axis)
         if option == "--rpy":
             angles = parse_numbers(text, 3, option)
-            return Orientation(rotation=from_rpy(angles if radians else np.radians(angles)))
-        scalar_last = option == "--quaternion-xyzw"
-        return Orientation(rotation=_rotation(np.roll(parse_numbers(text, 4, option), 0 if scalar_last else -1)))
+            return _turned(Pose.from_rpy(ORIGIN, angles if radians else np.radians(np.fmod(angles, 360.0))))
+        order = "xyzw" if option == "--quaternion-xyzw" else "wxyz"
+        return _turned(Pose.from_quaternion(ORIGIN, **{order: parse_numbers(text, 4, option)}))
     return Orientation(axis=tool_axis)
 
 
@@ -154,11 +150,9 @@ def _axis(text: str) -> Array:
         raise InputError(f"--axis takes x, y, z, -x, -y, -z or three numbers; got {text!r}") from error
 
 
-def _rotation(xyzw: Array) -> Array:
-    length = float(np.linalg.norm(xyzw))
-    if abs(length - 1.0) > UNIT_LENGTH_TOL:
-        raise InputError(f"a quaternion has length 1; this one has {length:.3g}")
-    return from_xyzw(xyzw)
+def _turned(pose: Pose) -> Orientation:
+    """The orientation of a pose."""
+    return Orientation(rotation=pose.g[:3, :3])
 
 
 def targets_in(sheet: Sheet, orientation: Orientation) -> list[Target]:
@@ -185,12 +179,11 @@ def targets_in(sheet: Sheet, orientation: Orientation) -> list[Target]:
 def _target(values: Array, kind: tuple[str, ...], orientation: Orientation) -> Target:
     """The target of a row: its position, then what `kind` names."""
     if kind == ANGLES:
-        largest = np.abs(values[3:]).max()
-        if largest > TURN:
-            raise InputError(f"an angle of {largest:g} rad looks like degrees: name the column 'roll [deg]'")
-        orientation = Orientation(rotation=from_rpy(values[3:]))
+        if angle_hint(values[3:]):
+            raise InputError(f"{angle_hint(values[3:])}: name the column 'roll [deg]'")
+        return Pose.from_rpy(values[:3], values[3:])
     elif kind == DIRECTION:
         orientation = Orientation(direction=values[3:], axis=orientation.axis)
     elif kind == QUATERNION:
-        orientation = Orientation(rotation=_rotation(values[3:]))
+        return Pose.from_quaternion(values[:3], xyzw=values[3:])
     return orientation.at(values[:3])

@@ -36,6 +36,7 @@ class CommandLineWords(CallerWords):
 
     def __init__(self, degrees: bool) -> None:
         self._degrees = degrees
+        self.takes_radians = not degrees
 
     def name(self, argument: str) -> str:
         """`--tip`."""

@@ -86,13 +86,13 @@ def split_rotation(arm: Arm, target: Target, theta: Array) -> Split:
     the reach for a rotation ends, a posture lacks what those beside it have: then the least over these is lacking.
     """
     g, J_b = arm._fk_and_body_jacobian(theta)
-    error = target.rotation_rows(g, J_b)[0]
+    error = target._rotation_rows(g, J_b)[0]
     steps = np.vstack([np.zeros(arm.n), BESIDE * np.eye(arm.n), -BESIDE * np.eye(arm.n)])
     parts = [_impossible_part(arm, target, theta + step, error) for step in steps]
     beside = min(parts, key=_norm)
     part = beside if _norm(beside) < HERE_ALONE * _norm(parts[0]) else parts[0]
     # The rows for the body's angular velocity itself turn a component of the error into an axis of the tool.
-    axis = part @ target.rotation_rows(g, np.vstack([np.zeros((3, 3)), np.eye(3)]))[1]
+    axis = part @ target._rotation_rows(g, np.vstack([np.zeros((3, 3)), np.eye(3)]))[1]
     angle = target.orientation_error(g) / max(_norm(error), 1e-300)
     return Split(angle * _norm(part), axis / max(_norm(axis), 1e-300), angle * _norm(error - part))
 
@@ -100,7 +100,7 @@ def split_rotation(arm: Arm, target: Target, theta: Array) -> Split:
 def _impossible_part(arm: Arm, target: Target, theta: Array, error: Array) -> Array:
     """What remains of a rotation error (k,) if the joints may turn the tool as at theta, the position held."""
     g, J_b = arm._fk_and_body_jacobian(theta)
-    scaled = np.vstack([target.position_rows(g, J_b)[1] / arm.reach, _turning_rows(target, g, J_b)])
+    scaled = np.vstack([target._position_rows(g, J_b)[1] / arm.reach, _turning_rows(target, g, J_b)])
     count = len(scaled) - len(error)
     _, size, Vt = np.linalg.svd(scaled[:count])
     across = _across(scaled[count:] @ Vt[int((size > NO_MOTION).sum()) :].T, NO_MOTION)
@@ -111,7 +111,7 @@ def _impossible_part(arm: Arm, target: Target, theta: Array, error: Array) -> Ar
 def _turning_rows(target: Target, g: Array, J_b: Array) -> Array:
     """The rows of the rotation (k, n); of a Task as if it were met: far off, what is free changes its logarithm."""
     if not isinstance(target, Task):
-        return target.rotation_rows(g, J_b)[1]
+        return target._rotation_rows(g, J_b)[1]
     J = J_b[3:] if target.frame == "target" else g[:3, :3] @ J_b[3:]
     rows: Array = J[target.held[1]]
     return rows
@@ -132,7 +132,7 @@ def _with_rotation(arm: Arm, target: Target, theta: Array) -> float | None:
 
     def look(theta: Array) -> tuple[Array, Array]:
         (p, J_p), (r, J_r) = (
-            rows(*arm._fk_and_body_jacobian(theta)) for rows in (target.position_rows, target.rotation_rows)
+            rows(*arm._fk_and_body_jacobian(theta)) for rows in (target._position_rows, target._rotation_rows)
         )
         return np.concatenate([p, HELD_WEIGHT * r]), np.vstack([J_p, HELD_WEIGHT * J_r])
 
@@ -157,7 +157,7 @@ def _with_rotation(arm: Arm, target: Target, theta: Array) -> float | None:
 def out_of_surface(arm: Arm, target: Target, theta: Array) -> Array:
     """Directions (k, 3) in base axes in which the position is missed, and in which the tool's origin never moves."""
     g = arm._fk_and_body_jacobian(theta)[0]
-    error, axes = target.position_rows(g, np.vstack([np.eye(3), np.zeros((3, 3))]))
+    error, axes = target._position_rows(g, np.vstack([np.eye(3), np.zeros((3, 3))]))
     offset = g[:3, :3] @ axes.T @ error
     immovable = _immovable_directions(arm)
     missed: Array = immovable[np.abs(immovable @ offset) > MISSED]
@@ -228,7 +228,7 @@ def _approach(arm: Arm, target: Target) -> tuple[Array, Array] | None:
 
 def _holding_position(target: Target, g: Array, J_b: Array) -> Array:
     """Joint velocities (n, k) that leave the target's position error as it is."""
-    rows = target.position_rows(g, J_b)[1]
+    rows = target._position_rows(g, J_b)[1]
     _, size, Vt = np.linalg.svd(rows)
     rank = int((size > RANK_TOL * size.max(initial=0.0)).sum())
     motions: Array = Vt[rank:].T

@@ -22,7 +22,7 @@ from .ranges import joint_ranges
 from .request import Request, checked, named
 from .solution import IKSolution
 from .stop_reason import STOPS, StopReason
-from .targets import KINDS, AnyTarget, Pose, TargetLike, checked_target, numbers_of_kind, target_for
+from .targets import KINDS, AnyTarget, Pose, TargetLike, checked_target, meant_by, numbers_of_kind, target_for
 
 Progress = Callable[[int, int], object]
 """Called with how many targets are done, and how many there are."""
@@ -185,7 +185,7 @@ def _settled(arm: Arm, rows: Array, targets: tuple[AnyTarget, ...] | None) -> Ar
 def targets_for(arm: Arm, targets: Any) -> tuple[AnyTarget, ...]:
     """The targets of a batch, of any kinds; InputError, which says of which, for what is none."""
     if isinstance(targets, np.ndarray) and (targets.ndim != 3 or targets.shape[1:] != (4, 4)):
-        raise InputError(f"targets must be poses of shape (N, 4, 4); got {targets.shape}")
+        raise InputError(f"targets must be poses of shape (N, 4, 4); got {targets.shape}{meant_by(targets)}")
     if isinstance(targets, str) or not isinstance(targets, (np.ndarray, Sequence)):
         raise InputError(f"targets must be poses (N, 4, 4) or a sequence of targets; got {shown(targets)}")
     return tuple(_one(i, target, arm, target_for) for i, target in enumerate(targets))

@@ -106,6 +106,6 @@ def _blame_limits(arm: Arm, target: AnyTarget, row: Array, theta: Array) -> None
 def _misses_by_far(arm: Arm, target: AnyTarget, row: Array) -> bool:
     """Whether the tolerances are tight, as those of rounded axes never are, and the nearest misses by many of them."""
     position, orientation = np.maximum(row[[answer.POSITION_TOL, answer.ORIENTATION_TOL]], arm.rounding)
-    tight = position <= EXACTLY and (orientation <= EXACTLY or not len(target.rotation_tolerance))
+    tight = position <= EXACTLY and (orientation <= EXACTLY or not len(target._rotation_tolerance))
     far = row[answer.POSITION_ERROR] > FAR * position or row[answer.ORIENTATION_ERROR] > FAR * orientation
     return bool(tight and far)

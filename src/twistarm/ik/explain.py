@@ -10,6 +10,7 @@ import numpy as np
 from ..model.inability import cannot_move, cannot_turn, position_limit
 from ..support.caller_words import name_of, quantity
 from ..support.errors import printable
+from ..support.unit_hints import length_hint
 from ..support.vector_words import axis_in_words, value_in_words
 from .abilities import approach_plane, out_of_surface, short_of, split_rotation
 from .ranges import joint_ranges
@@ -73,11 +74,13 @@ def reached(solution: IKSolution) -> str:
     parts, met = [], solution.tolerances
     if solution.rounded:
         return "met but for the rounding of the arm's axes"
-    if len(solution.target.position_tolerance):
+    if len(solution.target._position_tolerance):
         off = f"{_length(solution.position_error)} off"
         off += _hardly(solution.position_error, met.position, "position_tol", "m")
+        hint = length_hint(solution.target.position_error(np.eye(4)), solution.arm.reach)
+        off += f" ({hint}: lengths are in metres)" if hint else ""
         parts.append(f"position {off}" if solution.position_error > met.position else "position met")
-    if len(solution.target.rotation_tolerance):
+    if len(solution.target._rotation_tolerance):
         off = f"{_degrees(solution.orientation_error)} off, {OFF_BY[type(solution.target)]}"
         off += _hardly(solution.orientation_error, met.orientation, "orientation_tol", "rad")
         parts.append(f"orientation {off}" if solution.orientation_error > met.orientation else "orientation met")
@@ -155,7 +158,7 @@ def _missing_rotation(solution: IKSolution) -> list[str]:
     split = split_rotation(arm, target, theta)
     impossible, prevented, parts = [], [], split.impossible + split.prevented
     if split.impossible > max(NEGLIGIBLE, SMALL_PART * parts):
-        held = "the position" if len(target.position_tolerance) else ""
+        held = "the position" if len(target._position_tolerance) else ""
         impossible.append(
             f"{cannot_turn(split.axis, 'tool', held)}; {_degrees(split.impossible)} of the rotation are missing"
         )
@@ -167,7 +170,7 @@ def _missing_rotation(solution: IKSolution) -> list[str]:
             )
     if split.prevented > max(NEGLIGIBLE, SMALL_PART * parts):
         prevented.append(f"{_degrees(split.prevented)} of the rotation are prevented by limits or reach")
-    short = None if impossible or not len(target.position_tolerance) else short_of(arm, target, theta)
+    short = None if impossible or not len(target._position_tolerance) else short_of(arm, target, theta)
     if short is not None and short > solution.tolerances.position:
         what = "pointing so" if isinstance(target, Approach) else "turned so"
         prevented.append(f"{what}, the nearest position the arm reaches inside its limits is {_length(short)} away")

@@ -11,6 +11,7 @@ from ..model.arm import Arm
 from ..support.checks import Array, frozen
 from ..support.display import told
 from ..support.errors import NotConvergedError
+from ..support.unit_hints import theta_hint
 from ..support.vector_words import value_in_words
 from . import answer
 from .explain import explain, summary
@@ -174,10 +175,12 @@ class IKSolution:
 
     def _moved_starts(self) -> list[str]:
         given, inside = answer.theta0_in(self._row, self._arm.n), self._start
-        return [
+        arm = self._arm
+        hint = theta_hint(given, arm.units, arm.limits.lower, arm.limits.upper)
+        return [f"theta0: {hint}"] * bool(hint) + [
             f"theta0 lay outside the limits: {name} {value_in_words(was, unit)} was brought inside, to "
             f"{value_in_words(now, unit)}"
-            for name, was, now, unit in zip(self._arm.joint_names, given, inside, self._arm.units, strict=True)
+            for name, was, now, unit in zip(arm.joint_names, given, inside, arm.units, strict=True)
             if was != now
         ]
 

@@ -15,7 +15,9 @@ from ..model.arm import Arm, require_arm
 from ..support.checks import Array, Matrix, Row, as_direction, as_pose, as_reals, as_vector, frozen, require_choice
 from ..support.display import Brief
 from ..support.errors import InputError
+from ..support.unit_hints import angle_hint
 from ..support.vector_words import direction_in_words, metres, numbers
+from ..theory.rotations import from_rpy, from_xyzw
 from . import rotation_errors
 from .task_space import Rows, excess, offset_rows
 
@@ -24,13 +26,16 @@ THREE = frozen(np.zeros(3))
 TWO = frozen(np.zeros(2))
 
 
+UNIT_LENGTH_TOL = 0.01
+"""A quaternion is rounded to a few digits; one that is further from length 1 holds something else."""
+
 FARTHEST = 1e6
 """Beyond this [m] a target is a mistake in the units, and its square leaves the range where errors add up."""
 
 
 @dataclass(frozen=True, eq=False, init=False, repr=False)
 class Pose(Brief):
-    """The whole pose: g_st(θ) = g, (4, 4).
+    """The whole pose: g_st(θ) = g, (4, 4); from position and orientation by `from_rpy` and `from_quaternion`.
 
     Position error ‖p − p_g‖; orientation error the angle of R_gᵀ R. Raises InputError for what is not in SE(3).
     """
@@ -38,40 +43,54 @@ class Pose(Brief):
     g: Array
 
     kind: ClassVar[int] = 0
-    position_tolerance: ClassVar[Array] = THREE
-    rotation_tolerance: ClassVar[Array] = THREE
+    _position_tolerance: ClassVar[Array] = THREE
+    _rotation_tolerance: ClassVar[Array] = THREE
 
     def __init__(self, g: Matrix) -> None:
         numbers = _checked("pose", g)
         object.__setattr__(self, "g", _one_pose(g, "pose g") if numbers is None else numbers)
+
+    @classmethod
+    def from_rpy(cls, p: Row, rpy: Row) -> Pose:
+        """The pose at p, turned about the base's x, y and z axes, in this order.
+
+        Args:
+            p: Position (3,) [m].
+            rpy: Angles (3,) [rad]; InputError for one beyond a whole turn, which looks like degrees.
+        """
+        angles = _one_vector(rpy, "rpy", 3, "")
+        if angle_hint(angles):
+            raise InputError(f"rpy: {angle_hint(angles)}: numpy.radians converts them")
+        return cls(_posed(p, from_rpy(angles)))
+
+    @classmethod
+    def from_quaternion(cls, p: Row, *, wxyz: Row | None = None, xyzw: Row | None = None) -> Pose:
+        """The pose at p, its rotation by one quaternion; InputError unless its length is within 0.01 of 1.
+
+        Args:
+            p: Position (3,) [m].
+            wxyz: Quaternion (4,), scalar first.
+            xyzw: Quaternion (4,), scalar last, as in ROS and SciPy.
+        """
+        if (wxyz is None) == (xyzw is None):
+            raise InputError("give one quaternion: wxyz= with the scalar first, or xyzw= with the scalar last")
+        Q = _one_vector(xyzw, "xyzw", 4, "") if wxyz is None else np.roll(_one_vector(wxyz, "wxyz", 4, ""), -1)
+        length = float(np.linalg.norm(Q))
+        if abs(length - 1.0) > UNIT_LENGTH_TOL:
+            raise InputError(f"a quaternion has length 1; this one has {length:.3g}")
+        return cls(_posed(p, from_xyzw(Q)))
 
     @property
     def numbers(self) -> Array:
         """g."""
         return self.g
 
-    def position_rows(self, g: Array, J_b: Array) -> Rows:
-        """The offset from the pose's origin, in tool axes.
-
-        Args:
-            g: The tool's pose (4, 4), seen from the base.
-            J_b: The body Jacobian (6, n) there.
-
-        Returns:
-            The errors (k,) [m] and their rows (k, n) of the Jacobian, one for each constrained component.
-        """
+    def _position_rows(self, g: Array, J_b: Array) -> Rows:
+        """The offset from the pose's origin, in tool axes."""
         return offset_rows(self.g[:3, 3], g, J_b)
 
-    def rotation_rows(self, g: Array, J_b: Array) -> Rows:
-        """The chord of R_gᵀ R, in tool axes.
-
-        Args:
-            g: The tool's pose (4, 4), seen from the base.
-            J_b: The body Jacobian (6, n) there.
-
-        Returns:
-            The errors (k,) [rad] and their rows (k, n) of the Jacobian, one for each constrained component.
-        """
+    def _rotation_rows(self, g: Array, J_b: Array) -> Rows:
+        """The chord of R_gᵀ R, in tool axes."""
         return rotation_errors.chord(self.g[:3, :3].T @ g[:3, :3]), J_b[3:]
 
     def position_error(self, g: Array) -> float:
@@ -99,8 +118,8 @@ class Position(Brief):
     p: Array
 
     kind: ClassVar[int] = 1
-    position_tolerance: ClassVar[Array] = THREE
-    rotation_tolerance: ClassVar[Array] = NONE
+    _position_tolerance: ClassVar[Array] = THREE
+    _rotation_tolerance: ClassVar[Array] = NONE
 
     def __init__(self, p: Row) -> None:
         numbers = _checked("position", p)
@@ -111,28 +130,12 @@ class Position(Brief):
         """p."""
         return self.p
 
-    def position_rows(self, g: Array, J_b: Array) -> Rows:
-        """The offset from p, in tool axes.
-
-        Args:
-            g: The tool's pose (4, 4), seen from the base.
-            J_b: The body Jacobian (6, n) there.
-
-        Returns:
-            The errors (k,) [m] and their rows (k, n) of the Jacobian, one for each constrained component.
-        """
+    def _position_rows(self, g: Array, J_b: Array) -> Rows:
+        """The offset from p, in tool axes."""
         return offset_rows(self.p, g, J_b)
 
-    def rotation_rows(self, g: Array, J_b: Array) -> Rows:
-        """Nothing: the rotation is free.
-
-        Args:
-            g: The tool's pose (4, 4), seen from the base.
-            J_b: The body Jacobian (6, n) there.
-
-        Returns:
-            The errors (k,) [rad] and their rows (k, n) of the Jacobian, one for each constrained component.
-        """
+    def _rotation_rows(self, g: Array, J_b: Array) -> Rows:
+        """Nothing: the rotation is free."""
         return NONE, J_b[:0]
 
     def position_error(self, g: Array) -> float:
@@ -169,8 +172,8 @@ class Approach(Brief):
     _numbers: Array = field(init=False, repr=False)
 
     kind: ClassVar[int] = 2
-    position_tolerance: ClassVar[Array] = THREE
-    rotation_tolerance: ClassVar[Array] = TWO
+    _position_tolerance: ClassVar[Array] = THREE
+    _rotation_tolerance: ClassVar[Array] = TWO
 
     def __init__(self, p: Row, direction: Row, tool_axis: Row | None = None) -> None:
         numbers = _checked("approach", p, direction, tool_axis)
@@ -205,28 +208,12 @@ class Approach(Brief):
         """p, direction, tool axis; without the last where it was left to the arm."""
         return self._numbers
 
-    def position_rows(self, g: Array, J_b: Array) -> Rows:
-        """The offset from p, in tool axes.
-
-        Args:
-            g: The tool's pose (4, 4), seen from the base.
-            J_b: The body Jacobian (6, n) there.
-
-        Returns:
-            The errors (k,) [m] and their rows (k, n) of the Jacobian, one for each constrained component.
-        """
+    def _position_rows(self, g: Array, J_b: Array) -> Rows:
+        """The offset from p, in tool axes."""
         return offset_rows(self.p, g, J_b)
 
-    def rotation_rows(self, g: Array, J_b: Array) -> Rows:
-        """2 sin(φ/2) u across the axis, φ the angle and u the axis of the turn from the direction to the tool axis.
-
-        Args:
-            g: The tool's pose (4, 4), seen from the base.
-            J_b: The body Jacobian (6, n) there.
-
-        Returns:
-            The errors (k,) [rad] and their rows (k, n) of the Jacobian, one for each constrained component.
-        """
+    def _rotation_rows(self, g: Array, J_b: Array) -> Rows:
+        """2 sin(φ/2) u across the axis, φ the angle and u the axis of the turn from the direction to the tool axis."""
         direction = g[:3, :3].T @ self.direction
         turn = _cross(direction, self.axis)
         length = math.sqrt(turn @ turn)
@@ -289,39 +276,23 @@ class Task(Brief):
         return _held(self.tolerance)
 
     @cached_property
-    def position_tolerance(self) -> Array:
+    def _position_tolerance(self) -> Array:
         """[m], of the held components."""
         return frozen(self.tolerance[:3][self.held[0]])
 
     @cached_property
-    def rotation_tolerance(self) -> Array:
+    def _rotation_tolerance(self) -> Array:
         """[rad], of the held components."""
         return frozen(self.tolerance[3:][self.held[1]])
 
-    def position_rows(self, g: Array, J_b: Array) -> Rows:
-        """The held components of p − p_g, along the axes of the frame.
-
-        Args:
-            g: The tool's pose (4, 4), seen from the base.
-            J_b: The body Jacobian (6, n) there.
-
-        Returns:
-            The errors (k,) [m] and their rows (k, n) of the Jacobian, one for each constrained component.
-        """
+    def _position_rows(self, g: Array, J_b: Array) -> Rows:
+        """The held components of p − p_g, along the axes of the frame."""
         held = self.held[0]
         R = g[:3, :3] if self.frame == "base" else self.g[:3, :3].T @ g[:3, :3]
         return self._position_offset(g), R[held] @ J_b[:3]
 
-    def rotation_rows(self, g: Array, J_b: Array) -> Rows:
-        """The held components of the logarithm, along the axes of the frame.
-
-        Args:
-            g: The tool's pose (4, 4), seen from the base.
-            J_b: The body Jacobian (6, n) there.
-
-        Returns:
-            The errors (k,) [rad] and their rows (k, n) of the Jacobian, one for each constrained component.
-        """
+    def _rotation_rows(self, g: Array, J_b: Array) -> Rows:
+        """The held components of the logarithm, along the axes of the frame."""
         phi = rotation_errors.log(self.g[:3, :3].T @ g[:3, :3])
         rate = rotation_errors.log_rate(phi)
         if self.frame == "base":
@@ -331,13 +302,13 @@ class Task(Brief):
 
     def position_error(self, g: Array) -> float:
         """Norm of the excess over the position tolerances [m]."""
-        return float(np.linalg.norm(excess(self._position_offset(g), self.position_tolerance)))
+        return float(np.linalg.norm(excess(self._position_offset(g), self._position_tolerance)))
 
     def orientation_error(self, g: Array) -> float:
         """Norm of the excess over the rotation tolerances [rad]."""
         phi = rotation_errors.log(self.g[:3, :3].T @ g[:3, :3])
         phi = self.g[:3, :3] @ phi if self.frame == "base" else phi
-        return float(np.linalg.norm(excess(phi[self.held[1]], self.rotation_tolerance)))
+        return float(np.linalg.norm(excess(phi[self.held[1]], self._rotation_tolerance)))
 
     def at(self, g: Array) -> Task:
         """The same kind of target, met by the pose g."""
@@ -364,6 +335,13 @@ AnyTarget = Pose | Position | Approach | Task
 TargetLike = AnyTarget | Matrix
 """What a caller may ask for: a target, or a bare pose (4, 4)."""
 
+MEANT = {
+    (3,): "; did you mean Position([x, y, z])?",
+    (6,): "; did you mean Pose.from_rpy([x, y, z], [roll, pitch, yaw])?",
+    (7,): "; did you mean Pose.from_quaternion([x, y, z], xyzw=[...])?",
+}
+"""By how many numbers there are."""
+
 KINDS = (Pose, Position, Approach, Task)
 """By their `kind`. `numbers` are how the core is told a target: g | p | p, direction, tool axis | g, tolerance,
 1 for base axes."""
@@ -389,8 +367,16 @@ def as_target(value: Any) -> AnyTarget:
         return Pose(value)
     except InputError as error:
         raise InputError(
-            f"target must be a Pose, Position, Approach or Task, or a pose (4, 4) in SE(3): {error}"
+            f"target must be a Pose, Position, Approach or Task, or a pose (4, 4) in SE(3): {error}{meant_by(value)}"
         ) from error
+
+
+def meant_by(value: Any) -> str:
+    """`; did you mean Position([x, y, z])?`: what numbers of another shape were probably to be, or nothing."""
+    try:
+        return MEANT.get(as_reals(value, "target").shape[-1:], "")
+    except InputError:
+        return ""
 
 
 def numbers_of_kind(kind: int) -> int:
@@ -432,12 +418,19 @@ def _one_pose(value: Matrix, name: str) -> Array:
     return frozen(g)
 
 
-def _one_vector(value: ArrayLike, name: str) -> Array:
-    vector = as_vector(value, name)
-    if vector.shape != (3,):
-        raise InputError(f"{name} must have shape (3,); got {vector.shape}")
-    _require_near(vector, name)
+def _one_vector(value: Any, name: str, size: int = 3, unit: str = "m") -> Array:
+    vector = as_vector(value, name, size)
+    if vector.shape != (size,):
+        raise InputError(f"{name} must have shape ({size},); got {vector.shape}")
+    if unit:
+        _require_near(vector, name)
     return frozen(vector)
+
+
+def _posed(p: Row, R: Array) -> Array:
+    g = np.eye(4)
+    g[:3, :3], g[:3, 3] = R, _one_vector(p, "p")
+    return g
 
 
 def _one_direction(value: ArrayLike, name: str) -> Array:

@@ -43,17 +43,17 @@ class Target(Protocol):
     """
 
     @property
-    def position_tolerance(self) -> Array:
+    def _position_tolerance(self) -> Array:
         """How far each row of the position error [m] may be from 0 beside the solver's tolerance."""
 
     @property
-    def rotation_tolerance(self) -> Array:
+    def _rotation_tolerance(self) -> Array:
         """How far each row of the rotation error [rad] may be from 0 beside the solver's tolerance."""
 
-    def position_rows(self, g: Array, J_b: Array) -> Rows:
+    def _position_rows(self, g: Array, J_b: Array) -> Rows:
         """Error [m] of the constrained components of the position, and its derivative."""
 
-    def rotation_rows(self, g: Array, J_b: Array) -> Rows:
+    def _rotation_rows(self, g: Array, J_b: Array) -> Rows:
         """Error of the constrained components of the rotation, and its rows."""
 
     def position_error(self, g: Array) -> float:

@@ -162,8 +162,8 @@ def _null_space_step(problem: Problem, theta: Array, posture: Array) -> Array:
 
 def _error_and_rows(target: AnyTarget, g: Array, J_b: Array) -> tuple[Array, Array]:
     """e (k,) and J (k, n) of what the target constrains, rotations weighed."""
-    e_p, J_p = excess_rows(target.position_rows(g, J_b), target.position_tolerance)
-    e_r, J_r = excess_rows(target.rotation_rows(g, J_b), target.rotation_tolerance)
+    e_p, J_p = excess_rows(target._position_rows(g, J_b), target._position_tolerance)
+    e_r, J_r = excess_rows(target._rotation_rows(g, J_b), target._rotation_tolerance)
     scale = math.sqrt(ROTATION_WEIGHT)
     return np.concatenate([e_p, scale * e_r]), np.concatenate([J_p, scale * J_r])
 

@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
-from ..support.checks import Array, as_reals, as_theta, frozen, require_names
+from ..support.checks import LARGEST_ARRAY, Array, as_reals, as_theta, as_whole, frozen, require_names
 from ..support.display import told
 from ..support.errors import InputError, shown, unknown_name
 from .joint_units import slides
@@ -64,7 +64,7 @@ class JointLimits:
     @classmethod
     def unbounded(cls, n: int) -> JointLimits:
         """Limits that limit nothing."""
-        inf = np.full(n, np.inf)
+        inf = np.full(as_whole(n, "n", 0, LARGEST_ARRAY), np.inf)
         return cls(-inf, inf, inf, inf, inf, inf)
 
     def contains(self, theta: ArrayLike, tol: float = 0.0) -> np.ndarray[Any, np.dtype[np.bool_]]:

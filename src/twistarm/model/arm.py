@@ -34,10 +34,12 @@ from ..support.checks import (
     require,
     require_mapping,
     require_names,
+    warn_caller,
 )
 from ..support.display import html_table, in_brief, told
-from ..support.errors import InputError, TwistarmError, listed, shown, unknown_name
+from ..support.errors import InputError, TwistarmError, UnitsWarning, listed, shown, unknown_name
 from ..support.renamed import Renamed
+from ..support.unit_hints import theta_hint
 from ..theory import poe
 from ..theory.lower_pairs import lower_pairs
 from ..theory.manipulability import Manipulability, manipulability_of
@@ -495,11 +497,18 @@ class Arm:
         Raises:
             InputError: The shape does not fit, a number is not finite, or a joint is missing.
             UnknownNameError: No such configuration or joint.
+
+        Warns:
+            UnitsWarning: The numbers lie outside the limits and are plainly degrees.
         """
         if isinstance(values, str):
             return self._named(values)
         if numbers is None and not isinstance(values, Mapping):
-            return as_theta(values, self.n, name, self.joint_names)
+            theta = as_theta(values, self.n, name, self.joint_names)
+            hint = theta_hint(theta, self.units, self.limits.lower, self.limits.upper)
+            if hint:
+                warn_caller(f"{name}: {hint}; twistarm takes radians: numpy.radians converts them", UnitsWarning)
+            return theta
         given = dict(values) if isinstance(values, Mapping) else self._paired(values, numbers)
         for name in given:
             if name not in self.joint_names:

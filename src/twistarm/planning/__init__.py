@@ -6,7 +6,7 @@ from .files.load import load_trajectory
 from .joint_space import plan_joint
 from .motion import plan
 from .motion_file import MotionFile, load_motion
-from .segments import ArcMove, Dwell, JointMove, LineMove, ScrewMove
+from .segments import ArcMove, Dwell, JointMove, LineMove, ScrewMove, Segment
 from .trajectory import Samples, Trajectory
 
 __all__ = [
@@ -19,6 +19,7 @@ __all__ = [
     "PathError",
     "Samples",
     "ScrewMove",
+    "Segment",
     "Trajectory",
     "binding_limits",
     "load_motion",

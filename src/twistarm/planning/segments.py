@@ -36,8 +36,14 @@ CONSTRAINED: tuple[Constrained, ...] = ("pose", "approach", "position")
 LABEL_LENGTH = 200
 
 
+class Segment(Brief):
+    """A part of a motion: `JointMove`, `LineMove`, `ScrewMove`, `ArcMove` or `Dwell`."""
+
+    label: str
+
+
 @dataclass(frozen=True, eq=False, repr=False, kw_only=True)
-class Move(Brief):
+class Move(Segment):
     """What every move may be told.
 
     blend: radius [m] of the ball about the end of this move in which the tool may leave the path and round the corner
@@ -262,7 +268,7 @@ class ArcMove(Move):
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class Dwell(Brief):
+class Dwell(Segment):
     """A stay [s] where the arm is; its label, such as "close gripper", is due when it begins.
 
     Raises InputError for a negative time or a label that cannot be used.
@@ -276,7 +282,6 @@ class Dwell(Brief):
         object.__setattr__(self, "label", as_label(self.label))
 
 
-Segment = JointMove | LineMove | ScrewMove | ArcMove | Dwell
 SEGMENTS = (JointMove, LineMove, ScrewMove, ArcMove, Dwell)
 
 

@@ -11,6 +11,7 @@ from ..limits.joint_limits import JointLimits
 from ..support.caller_words import argument, quantity
 from ..support.checks import Array, frozen
 from ..support.errors import LimitError
+from ..support.unit_hints import theta_hint
 from .bernstein import largest
 from .piecewise import derivative, evaluate, extremes
 from .trajectory import RATE_UNITS, Trajectory
@@ -104,10 +105,11 @@ def require_waypoints(
     if beyond[i, j] <= POSITION_TOL:
         return
     side, unit = "lower" if waypoints[i, j] < limits.lower[j] else "upper", units[j]
+    hint = theta_hint(waypoints, units, limits.lower, limits.upper)
     raise LimitError(
         f"{what or f'waypoint {i} (counted from 0)'} puts joint {names[j]!r} at {quantity(waypoints[i, j], unit)}, "
         f"{quantity(beyond[i, j], unit)} beyond its {side} limit {quantity(getattr(limits, side)[j], unit)}: "
-        f"move the waypoint, or change the limit by {argument('limits')}"
+        f"move the waypoint, or change the limit by {argument('limits')}" + (f" ({hint})" if hint else "")
     )
 
 

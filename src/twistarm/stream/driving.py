@@ -7,6 +7,7 @@ from collections.abc import Callable
 from contextlib import AbstractContextManager, nullcontext
 from math import inf
 
+from ..support.checks import require_method
 from ..support.interrupts import ended_like_ctrl_c
 from .cycles import C, Cycles
 from .failures import StreamError
@@ -61,6 +62,9 @@ def come_to_rest(cycles: Cycles[C], metronome: Metronome, clock: Clock) -> bool:
     Returns:
         Whether the arm is at rest.
     """
+    require_method(cycles, "cycles", "brake")
+    require_method(metronome, "metronome", "tick")
+    require_method(clock, "clock", "now")
     try:
         latest, left = clock.now() + cycles.longest_braking, cycles.longest_braking / cycles.period
         while not cycles.at_rest and (left > 0.0 or clock.now() < latest):

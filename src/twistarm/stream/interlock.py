@@ -5,6 +5,7 @@ from __future__ import annotations
 import threading
 from typing import NamedTuple, Protocol, runtime_checkable
 
+from ..support.checks import require
 from ..support.errors import one_line
 
 ENABLED, STOPPED, EMERGENCY_STOP = "enabled", "stopped", "emergency stop"
@@ -55,13 +56,15 @@ class Interlock:
         """Bring the arm to rest until `enable`; an emergency stop stays one."""
         with self._lock:
             if self._now.word != EMERGENCY_STOP:
-                self._now = Permission(STOPPED, one_line(reason, LONGEST_REASON))
+                self._now = Permission(STOPPED, one_line(require(reason, str, "reason", "in words"), LONGEST_REASON))
 
     def emergency_stop(self, reason: str = "") -> None:
         """Bring the arm to rest until `clear` and then `enable`; the first reason stands until then."""
         with self._lock:
             if self._now.word != EMERGENCY_STOP:
-                self._now = Permission(EMERGENCY_STOP, one_line(reason, LONGEST_REASON))
+                self._now = Permission(
+                    EMERGENCY_STOP, one_line(require(reason, str, "reason", "in words"), LONGEST_REASON)
+                )
 
     def clear(self) -> None:
         """End an emergency stop: the arm is stopped, and waits for `enable`. Nothing where there is none."""

@@ -7,8 +7,8 @@ from collections.abc import Sequence
 import numpy as np
 
 from ..model.arm import Arm
-from ..support.checks import Array, as_theta
-from ..support.errors import InputError, listed, shown
+from ..support.checks import Array, as_theta, require_choice
+from ..support.errors import InputError, listed
 from .protocols import Setpoint
 
 UNITS = ("joint", "motor", "counts")
@@ -49,6 +49,5 @@ class MotorSide:
 
 def motor_side(arm: Arm, units: str) -> MotorSide | None:
     """The motors' side in these `UNITS`, None for "joint". InputError for other units, and as `MotorSide`."""
-    if units not in UNITS:
-        raise InputError(f"units is one of {listed(UNITS)}; got {shown(units)}")
+    require_choice(units, UNITS, "units")
     return None if units == "joint" else MotorSide(arm, units)

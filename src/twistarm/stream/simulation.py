@@ -13,7 +13,7 @@ from numpy.typing import ArrayLike
 
 from ..model.arm import Arm, require_arm
 from ..model.usual_limits import defaults_line, with_defaults
-from ..support.checks import Array, as_floats, as_number, frozen
+from ..support.checks import Array, as_floats, as_not_negative, as_number, frozen, require
 from ..support.errors import InputError, shown
 from .protocols import Measured, Setpoint
 
@@ -91,6 +91,7 @@ class SimulatedJoints:
 
     def write(self, setpoint: Setpoint) -> None:
         """Send a setpoint to the drives."""
+        require(setpoint, Setpoint, "setpoint", "as the loop makes it")
         self._advance()
         if len(self._queue) >= LONGEST_QUEUE:
             raise InputError(f"{LONGEST_QUEUE} setpoints are under way: latency is in seconds; got {self._latency:g}")
@@ -103,7 +104,7 @@ class SimulatedJoints:
 
     def step(self, dt: float) -> None:
         """Let `dt` [s] pass."""
-        end = self._now + dt
+        end = self._now + as_not_negative(dt, "dt [s]")
         while self._now < end:
             self._receive()
             until = min(end, self._queue[0][0]) if self._queue else end

@@ -17,6 +17,8 @@ ANY = Placeholder()
 class CallerWords:
     """The words of a Python program: arguments as a call has them, angles in radians."""
 
+    takes_radians = True
+
     def name(self, argument: str) -> str:
         """An argument alone: `tip=`."""
         return f"{argument}="
@@ -80,6 +82,11 @@ def quantity(value: float, unit: str) -> str:
 def posture(theta: Sequence[float], units: Sequence[str]) -> str:
     """Joint values in the caller's words, as they would be given back."""
     return _words.posture(theta, units)
+
+
+def takes_radians() -> bool:
+    """Whether the caller gives angles in radians."""
+    return _words.takes_radians
 
 
 def _literal(value: Any) -> str:

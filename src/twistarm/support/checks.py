@@ -229,7 +229,7 @@ def as_rotation(value: ArrayLike, name: str = "rotation") -> Array:
         return R
     if off > ROUNDED_TOL:
         said = f"{name} is {off:.1g} away from a rotation, as rounded numbers are: the nearest rotation is taken"
-        warnings.warn(said, RoundedPoseWarning, stacklevel=_outside())
+        warn_caller(said, RoundedPoseWarning)
     return nearest_rotation(R)[0]
 
 
@@ -244,12 +244,12 @@ def nearest_rotation(A: Array) -> tuple[Array, Array]:
     return R, sigma[..., 1] + sense * sigma[..., 2]
 
 
-def _outside() -> int:
-    """How many calls up the caller's own code stands: what a warning points at."""
-    depth, frame = 1, sys._getframe(1)
+def warn_caller(said: str, kind: type[Warning]) -> None:
+    """Warn, and point at the caller's own line."""
+    depth, frame = 1, sys._getframe(0)
     while frame.f_back is not None and frame.f_globals.get("__name__", "").split(".")[0] == __name__.split(".")[0]:
         depth, frame = depth + 1, frame.f_back
-    return depth
+    warnings.warn(said, kind, stacklevel=depth)
 
 
 def as_pose(value: Given, name: str = "pose") -> Array:

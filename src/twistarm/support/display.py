@@ -20,7 +20,14 @@ CELL = "padding: 0.15em 0.8em; text-align: {}; border-bottom: 1px solid rgba(128
 """Colours of the page around it, dark or light, and lines that show on both."""
 
 
-class Brief:
+class _Public(type):
+    """A class whose `help` lists its public members, without what a dataclass makes."""
+
+    def __dir__(cls) -> list[str]:
+        return [name for name in super().__dir__() if not name.startswith("_")]
+
+
+class Brief(metaclass=_Public):
     """A dataclass whose repr fits a prompt: numbers with four digits, of larger arrays the shape alone."""
 
     def __repr__(self) -> str:

@@ -76,6 +76,10 @@ class RoundedPoseWarning(UserWarning):
     """A pose or rotation was rounded, as printed numbers are, and the nearest rotation was taken in its place."""
 
 
+class UnitsWarning(UserWarning):
+    """Joint values that are plainly degrees: they were taken as radians."""
+
+
 class ComparisonError(TwistarmError):
     """Two accounts of the same arm disagree."""
 

@@ -7,7 +7,7 @@ from collections.abc import Mapping
 from math import isinf
 from typing import Any
 
-from .errors import InputError, one_line
+from .errors import InputError, one_line, shown
 
 LARGEST_MESSAGE = 64 * 1024
 """Bytes of a message: a joint state of a thousand joints is half of it."""
@@ -33,6 +33,8 @@ def encode(message: Mapping[str, Any]) -> str:
 
 def decoded(text: str | bytes) -> dict[str, Any]:
     """The JSON object that `text` holds, UTF-8 where it is bytes. Raises InputError for anything else."""
+    if not isinstance(text, (str, bytes)):
+        raise InputError(f"a message is a text or bytes; got {shown(text)}")
     if len(text) > LARGEST_MESSAGE:
         raise InputError(f"a message has at most {LARGEST_MESSAGE} bytes; got {len(text)}")
     try:

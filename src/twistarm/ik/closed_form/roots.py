@@ -227,5 +227,5 @@ def _missed(arm: Arm, target: AnyTarget, theta: Array) -> float:
 def rows_of(arm: Arm, target: AnyTarget, theta: Array) -> tuple[Array, Array]:
     """What theta (n,) misses of the target [m, rad] (k,), and its derivative (k, n)."""
     g, J_b = arm._fk_and_body_jacobian(theta)
-    (e_p, J_p), (e_r, J_r) = target.position_rows(g, J_b), target.rotation_rows(g, J_b)
+    (e_p, J_p), (e_r, J_r) = target._position_rows(g, J_b), target._rotation_rows(g, J_b)
     return np.concatenate([e_p, e_r]), np.concatenate([J_p, J_r])

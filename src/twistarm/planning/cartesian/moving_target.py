@@ -39,7 +39,7 @@ class MovingTarget:
 
     def freedom(self, n: int) -> int:
         """How many of n joints the targets leave free; those of a `Task` that are within tolerances count as free."""
-        tolerances = np.concatenate([self.like.position_tolerance, self.like.rotation_tolerance])
+        tolerances = np.concatenate([self.like._position_tolerance, self.like._rotation_tolerance])
         return max(n - int(np.count_nonzero(tolerances == 0.0)), 0)
 
     def same(self, other: MovingTarget) -> bool:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import threading
 
+from ...support.checks import require
 from ...support.errors import one_line
 from ..interlock import LONGEST_REASON
 
@@ -25,7 +26,7 @@ class FollowControl:
     def pause(self, reason: str = PAUSED) -> None:
         """Come to rest along the path, and wait there; the first reason counts until `resume`."""
         with self._lock:
-            self._pause = self._pause or one_line(reason, LONGEST_REASON) or PAUSED
+            self._pause = self._pause or one_line(require(reason, str, "reason", "in words"), LONGEST_REASON) or PAUSED
 
     def resume(self) -> None:
         """Go on along the path."""

@@ -13,6 +13,7 @@ import warnings
 from collections.abc import Callable, Collection, Hashable, Iterable, Iterator
 from typing import Any
 
+from ...support.checks import require
 from ...support.errors import InputError
 from ...support.files import as_path, read_bounded
 from .sockets import named
@@ -67,6 +68,7 @@ class Signer:
 
     def sign(self, text: bytes) -> bytes:
         """The text as a signed datagram."""
+        require(text, bytes, "text", "a message encoded")
         self._counter = max(self._counter + 1, self._now())
         head = b"%s %d" % (self._session.encode(), self._counter)
         return b" ".join((head, _mac(self._key, head, text), text))
@@ -87,7 +89,7 @@ class Verifier:
 
     def verified(self, datagram: bytes) -> bytes:
         """The text in a datagram. InputError where it is unsigned, forged, old, or was here before."""
-        parts = datagram.split(b" ", 3)
+        parts = require(datagram, bytes, "datagram", "as it arrived").split(b" ", 3)
         if len(parts) != 4 or len(parts[0]) != 16 or not parts[1].isdigit() or len(parts[1]) > 20:
             raise InputError("it is not signed")
         session, digits, mac, text = parts

@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 import threading
+import time
 from dataclasses import dataclass, replace
 from math import inf
 from typing import Generic, TypeVar
 
-from ...support.checks import as_positive
-from ...support.errors import one_line
+from ...support.checks import as_number, as_positive, require
+from ...support.errors import InputError, one_line, shown
 
 T = TypeVar("T")
 
@@ -59,24 +60,39 @@ class Latest(Generic[T]):
         self._clock = -inf
         self._ignored = ""
 
-    def put(self, sender: str, value: T, now: float, number: int | None = None) -> None:
+    def put(self, sender: str, value: T, now: float | None = None, number: int | None = None) -> None:
         """`value` arrived from `sender` at `now` [s], with the sender's own count where it has one.
 
         Its age counts from `now`, however late it is put here; from the first look on, where that is earlier.
-        """
-        self._arrive(_Arrival(one_line(sender, LONGEST_SENDER), now, value, number, ""))
 
-    def refuse(self, sender: str, reason: str, now: float) -> None:
-        """Something from `sender` that cannot be used arrived at `now` [s]."""
-        self._arrive(_Arrival(one_line(sender, LONGEST_SENDER), now, None, None, reason))
+        Args:
+            sender: The sender's name.
+            value: What it said.
+            now: The time of arrival [s]; by default that of `MonotonicClock`, the loop's own.
+            number: The sender's own counter, where it counts.
+        """
+        if number is not None and not isinstance(number, (int, float)):
+            raise InputError(f"number must be a counter, a whole number; got {shown(number)}")
+        self._arrive(_Arrival(_name(sender), moment(now), value, number, ""))
+
+    def refuse(self, sender: str, reason: str, now: float | None = None) -> None:
+        """Something from `sender` that cannot be used arrived at `now` [s].
+
+        Args:
+            sender: The sender's name.
+            reason: The reason, in words.
+            now: The time of arrival [s]; by default that of `MonotonicClock`.
+        """
+        self._arrive(_Arrival(_name(sender), moment(now), None, None, require(reason, str, "reason", "in words")))
 
     def heard(self, sender: str) -> bool:
         """Whether the last one who said anything, or the one before, is `sender`."""
         with self._lock:
-            return self._last_of(one_line(sender, LONGEST_SENDER)) is not None
+            return self._last_of(_name(sender)) is not None
 
     def look(self, now: float, of: str = "") -> Look[T]:
         """What counts at `now` [s]. of: what the reason adds to the words for what is held here."""
+        now = moment(now)
         with self._lock:
             self._follow(now)
             if self._latest is None:
@@ -118,6 +134,17 @@ class Latest(Generic[T]):
             self._ignored = f"time went back by {self._clock - now:.3g} s; no {self._what} has arrived since"
         self._clock = now
         self._latest, self._rival = (each and _seen(each, now) for each in (self._latest, self._rival))
+
+
+def moment(now: float | None) -> float:
+    """A time [s], by default that of the system's clock that is never set."""
+    if now is None:
+        return time.monotonic()
+    return now if type(now) is float else as_number(now, "now [s]")
+
+
+def _name(sender: str) -> str:
+    return one_line(require(sender, str, "sender", "the name of who says it"), LONGEST_SENDER)
 
 
 def _seen(arrival: _Arrival[T], now: float) -> _Arrival[T]:

@@ -7,9 +7,9 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from ...model.arm import Arm
+from ...model.arm import Arm, require_arm
 from ...servo import AnyCommand, JogCommand, PoseCommand, TwistCommand
-from ...support.checks import Array
+from ...support.checks import Array, require, require_mapping
 from ...support.errors import InputError, TwistarmError, listed
 from ...support.strict_json import counter, decoded, number, numbers, short
 from ...theory.rotations import from_quaternion_wxyz
@@ -81,6 +81,8 @@ def command_of(arm: Arm, message: Mapping[str, Any]) -> AnyCommand:
     Raises:
         InputError: It is not exactly one command.
     """
+    require_arm(arm)
+    require_mapping(message, "a command", "{'jog': {'elbow': 0.2}}")
     kind = next((kind for kind in _COMMANDS if kind in message), None)
     if kind is None:
         if "interlock" in message:
@@ -160,6 +162,7 @@ def setpoint_message(arm: Arm, setpoint: Setpoint, motors: MotorSide | None = No
     Returns:
         A mapping that JSON can hold.
     """
+    require(setpoint, Setpoint, "setpoint", "as the loop makes it")
     message: dict[str, Any] = {
         "number": setpoint.number,
         "time": setpoint.time,

@@ -8,8 +8,9 @@ import socket
 from collections.abc import Hashable, Iterator
 from typing import Any
 
+from ...support.checks import require
 from ...support.closeable import Closeable
-from ...support.errors import InputError
+from ...support.errors import InputError, shown
 from ...support.strict_json import LARGEST_MESSAGE
 
 BUFFER = 128 * 1024
@@ -103,10 +104,11 @@ def named(address: Any) -> str:
 
 
 def _resolved(host: str, port: int, smallest: int) -> tuple[socket.AddressFamily, tuple[str, int]]:
+    require(host, str, "host", "such as '127.0.0.1', with the port beside it")
     if not isinstance(port, int) or isinstance(port, bool) or not smallest <= port <= 65535:
-        raise InputError(f"a port is a whole number from {smallest} to 65535; got {port!r}")
+        raise InputError(f"a port is a whole number from {smallest} to 65535; got {shown(port)}")
     try:
         family, _, _, _, address = socket.getaddrinfo(host, port, type=socket.SOCK_DGRAM)[0]
-    except (OSError, UnicodeError, TypeError) as error:
+    except (OSError, UnicodeError, ValueError) as error:
         raise InputError(f"no host {host!r}: {error}") from error
     return family, (str(address[0]), int(address[1]))

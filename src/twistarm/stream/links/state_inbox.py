@@ -15,14 +15,14 @@ from ...support.errors import InputError, closest, listed
 from ..motors import motor_side
 from ..protocols import Measured
 from .inbox import FEEDBACK_TIMEOUT
-from .latest import Latest, Look
+from .latest import Latest, Look, moment
 
 MOST_OTHERS = 20
 """Names of others that are kept, for words."""
 
 
 class StateInbox:
-    """A feedback that holds the joint state, put there by `put(sender, state, now)` from any thread, in parts or whole.
+    """A feedback that holds the joint state, put there by `put(sender, state)` from any thread, in parts or whole.
 
     A joint's value holds for `timeout` [s]; while each joint of the arm has one, theta is known, as of the oldest of
     them. For each joint the rules are those of `Latest`: one sender alone, its numbers increasing, all forgotten where
@@ -45,7 +45,9 @@ class StateInbox:
         self._strangers = 0
         self._others: tuple[str, ...] = ()
 
-    def put(self, sender: str, state: Mapping[str, float] | ArrayLike, now: float, number: int | None = None) -> None:
+    def put(
+        self, sender: str, state: Mapping[str, float] | ArrayLike, now: float | None = None, number: int | None = None
+    ) -> None:
         """Put in a message with the state of some joints or of all.
 
         A state that is not finite, or has another shape, is refused.
@@ -53,9 +55,10 @@ class StateInbox:
         Args:
             sender: The sender's name.
             state: {joint: value}, or values (n,), base to tip [rad, m].
-            now: The time of arrival [s].
+            now: The time of arrival [s]; by default that of `MonotonicClock`, the loop's own.
             number: The sender's own counter, where it counts.
         """
+        now = moment(now)
         try:
             part = self._part(state)
         except InputError as error:
@@ -65,13 +68,13 @@ class StateInbox:
             for name, value in part.items():
                 self._parts[name].put(sender, value, now, number)
 
-    def refuse(self, sender: str, reason: str, now: float) -> None:
+    def refuse(self, sender: str, reason: str, now: float | None = None) -> None:
         """Note that an unusable message has arrived.
 
         Args:
             sender: The sender's name.
             reason: The reason, in words.
-            now: The time of arrival [s].
+            now: The time of arrival [s]; by default that of `MonotonicClock`.
         """
         with self._lock:
             told = [part for part in self._parts.values() if part.heard(sender)]
@@ -80,6 +83,7 @@ class StateInbox:
 
     def read(self, now: float) -> Measured:
         """The joint state at `now` [s], or None and which joint it lacks, and why."""
+        now = moment(now)
         with self._lock:
             looks = {name: part.look(now) for name, part in self._parts.items()}
             heard = now - max(look.age for look in looks.values())

@@ -6,7 +6,7 @@ from collections.abc import Collection
 from dataclasses import replace
 from functools import partial
 
-from ...model.arm import Arm
+from ...model.arm import Arm, require_arm
 from ...servo import ServoState
 from ...support.strict_json import encode
 from ..interlock import Interlock
@@ -41,6 +41,7 @@ class UdpSource(Receiver):
         senders: Collection[str] = (),
         key: bytes | None = None,
     ) -> None:
+        require_arm(arm)
         self._gate = Gate(senders, key)
         self.interlock = Interlock()
         self._inbox = Inbox(timeout)
@@ -107,8 +108,10 @@ class UdpSink(Sender):
     Raises InputError for a host or port that cannot be, and for a key that is none.
     """
 
-    def __init__(self, arm: Arm, host: str, port: int, *, key: bytes | None = None, units: str = "joint") -> None:
-        self._arm = arm
+    def __init__(
+        self, arm: Arm, host: str = LOOPBACK, port: int = 0, *, key: bytes | None = None, units: str = "joint"
+    ) -> None:
+        self._arm = require_arm(arm)
         self._motors = motor_side(arm, units)
         self._signer = None if key is None else Signer(key)
         super().__init__(host, port)
