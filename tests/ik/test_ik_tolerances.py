@@ -8,7 +8,7 @@ from scipy.spatial.transform import Rotation
 
 from catalogue import load
 from ik_targets import KINDS, errors, judged, pinocchio_fk, require_core, target_from
-from twistarm import Approach, Pose, load_arm, solve_ik, solve_ik_all, solve_ik_batch
+from twistarm import Approach, Pose, load_arm, solve_ik, solve_ik_all, solve_ik_all_batch, solve_ik_batch
 from twistarm.ik import StopReason
 from urdf_text import joint, robot, write
 
@@ -170,3 +170,27 @@ def test_a_small_step_is_answered_on_the_nearest_branch(name):
         others = solve_ik_batch(arm, [target] * 100, starts, restarts=1)
         nearest = np.abs(others.theta[others.converged] - theta0).max(axis=1).min(initial=np.inf)
         assert moved <= 1.3 * nearest + 0.1, (moved, nearest)
+
+
+def test_no_list_is_called_complete_for_tolerances_that_a_closed_form_does_not_know():
+    """A target 1 mm beyond the reach, which solve_ik meets within 2 cm: the list has it, and claims no proof."""
+    arm, target = load("rover_arm"), Approach([1.075, 0.02, 0.7], [1, 0, 0])
+    found = solve_ik_all(arm, target, position_tol=0.02, orientation_tol=0.05)
+    assert len(found)
+    assert not found.complete
+    position, angle = errors(Approach(target.p, target.direction, arm.tool_axis), pinocchio_fk(arm, found[0]))
+    assert position <= 0.02
+    assert angle <= 0.05
+
+
+def test_a_batch_lists_what_a_rounded_arm_meets(tmp_path):
+    exact, arm = (load_arm(write(tmp_path, five_joints(k), f"arm{k}.urdf")) for k in (16, 4))
+    targets = [
+        Approach(g[:3, 3], g[:3, :3] @ exact.tool_axis, exact.tool_axis)
+        for g in map(exact.fk, exact.random_theta(np.random.default_rng(6), 4))
+    ]
+    batch = solve_ik_all_batch(arm, targets)
+    singles = [solve_ik_all(arm, target) for target in targets]
+    assert [len(one) for one in batch] == [len(one) for one in singles]
+    assert [one.complete for one in batch] == [one.complete for one in singles]
+    assert (batch.count > 0).all()

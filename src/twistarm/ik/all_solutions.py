@@ -16,7 +16,7 @@ from .all_solutions_row import FIRST, HITS, INSIDE, KIND, TRIES, configurations_
 from .closed_form.methods import Method
 from .explain import reached, why_not
 from .ranges import holding, joint_ranges
-from .solution import but_for_rounding
+from .solution import missed_by_rounding
 from .solve import solve_ik
 from .targets import AnyTarget, numbers_of_kind, target_of
 
@@ -159,7 +159,7 @@ class IKSolutions:
             lines.append(f"the nearest configuration: {reached(nearest)}")
             lines += [] if nearest.converged else why_not(nearest)
         if self.rounded:
-            lines.append(f"note: {but_for_rounding(self.position_error.max(), self.orientation_error.max())}")
+            lines.append(f"note: {missed_by_rounding(self.position_error.max(), self.orientation_error.max())}")
         return "\n".join(map(printable, lines))
 
     def _counted(self) -> str:

@@ -16,10 +16,12 @@ from ..support.checks import Array, RealArray, as_flag, as_whole
 from .all_solutions import IKSolutions
 from .all_solutions_row import configurations_in, found_row
 from .batch import MAX_THREADS, targets_for
+from .certainty import is_exact
 from .closed_form.methods import Method, method_for
 from .request import checked
 from .solve_all import DEFAULT_SAMPLES, given_joints, solve_ik_all
 from .targets import AnyTarget, Approach, Pose, TargetLike
+from .task_space import Tolerances
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -206,8 +208,9 @@ def _by_core(
     within = inside.astype(np.int64)
     kept = targets if isinstance(targets, tuple) else np.array(targets, dtype=np.float64)
     start = np.array(near, dtype=np.float64)
-    known = ((method, True),)
-    open_ = (left > 0.0) | ((within == 0) & any(arm.rounding))
+    known = ((method, is_exact(Tolerances(*how[:2]))),)
+    wider = any(arm.rounding) or not known[0][1]
+    open_ = (left > 0.0) | ((within == 0) & wider)
     return IKSolutionsBatch(arm, within, count.astype(np.int64) - within, kept, start, rows, known, open_)
 
 

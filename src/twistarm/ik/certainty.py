@@ -16,6 +16,7 @@ from .closed_form.methods import Method, family_for
 from .ranges import joint_ranges
 from .stop_reason import STOPS, StopReason
 from .targets import AnyTarget
+from .task_space import Tolerances
 
 TIMED_OUT = STOPS.index(StopReason.TIMED_OUT)
 
@@ -31,6 +32,11 @@ FAR = 10.0
 
 HARDLY_OUTSIDE = 1e-4
 """A configuration that lies outside the limits by less [rad, m] makes nothing certain."""
+
+
+def is_exact(tolerances: Tolerances) -> bool:
+    """Whether the closed form knows all that meets a target within these."""
+    return max(tolerances.position, tolerances.orientation) <= EXACTLY
 
 
 def settled(arm: Arm, target: AnyTarget, row: Array) -> Array:
@@ -106,6 +112,7 @@ def _blame_limits(arm: Arm, target: AnyTarget, row: Array, theta: Array) -> None
 def _misses_by_far(arm: Arm, target: AnyTarget, row: Array) -> bool:
     """Whether the tolerances are tight, as those of rounded axes never are, and the nearest misses by many of them."""
     position, orientation = np.maximum(row[[answer.POSITION_TOL, answer.ORIENTATION_TOL]], arm.rounding)
-    tight = position <= EXACTLY and (orientation <= EXACTLY or not len(target._rotation_tolerance))
+    free = not len(target._rotation_tolerance)
+    tight = is_exact(Tolerances(position, 0.0 if free else orientation))
     far = row[answer.POSITION_ERROR] > FAR * position or row[answer.ORIENTATION_ERROR] > FAR * orientation
     return bool(tight and far)

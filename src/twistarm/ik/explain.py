@@ -71,7 +71,7 @@ def reached(solution: IKSolution) -> str:
     """The two errors in words."""
     if math.isinf(solution.position_error):
         return "nothing yet"
-    parts, met = [], solution.tolerances
+    parts, met = [], solution.tolerances.or_rounding(solution.arm.rounding)
     if solution.rounded:
         return "met but for the rounding of the arm's axes"
     if len(solution.target._position_tolerance):
@@ -137,7 +137,8 @@ def _blocked(solution: IKSolution) -> list[str]:
             side = "lower" if theta[i] < inside else "upper"
             value, bound = (value_in_words(x, arm.units[i]) for x in (theta[i], inside))
             needs.append(f"{name} {value} ({side} bound {bound})")
-    turned = solution.target.orientation_error(arm.fk(theta)) > solution.tolerances.orientation
+    met = solution.tolerances.or_rounding(arm.rounding)
+    turned = solution.target.orientation_error(arm.fk(theta)) > met.orientation
     what = "its position" if turned else "it"
     where = f"for one with {', '.join(needs)}" if needs else "a hair beyond them"
     return [f"without limits {what} could be met, {where}"]

@@ -24,7 +24,7 @@ NEGLIGIBLE_LENGTH = 1e-8
 """[m]: less is not told."""
 
 
-def but_for_rounding(position_error: float, orientation_error: float) -> str:
+def missed_by_rounding(position_error: float, orientation_error: float) -> str:
     """The note on a target that rounded axes miss by these errors [m], [rad]."""
     missed = [length_in_words(position_error)] if position_error >= NEGLIGIBLE_LENGTH else []
     missed += [angle_in_words(orientation_error)] if orientation_error > 0 else []
@@ -150,7 +150,7 @@ class IKSolution:
         """What the caller should know: rounded axes, joints of theta0 brought inside, another branch, no core."""
         notes = self._moved_starts() if self._says(answer.START_MOVED) else []
         notes += [self._other_branch()] if self._says(answer.OTHER_BRANCH) else []
-        notes += [but_for_rounding(self.position_error, self.orientation_error)] if self.rounded else []
+        notes += [missed_by_rounding(self.position_error, self.orientation_error)] if self.rounded else []
         if self._says(answer.NEAREST) and not self.converged and self._arm.n > MANY_JOINTS:
             notes.append(PERHAPS_NEARER)
         return tuple(notes if self.converged or self._arm._compiled is not None else [*notes, WITHOUT_CORE])

@@ -15,8 +15,9 @@ from ..support.caller_words import quantity
 from ..support.checks import Array, as_flag, as_number, as_whole, frozen, require_callback
 from ..support.errors import InputError, NoClosedFormError, shown, unknown_name
 from .all_solutions import IKSolutions
-from .all_solutions_row import FAMILIES, HITS, TRIES, found_row, roots_in
+from .all_solutions_row import FAMILIES, HITS, INSIDE, TRIES, found_row, roots_in
 from .batch import Progress, solve_ik_batch
+from .certainty import is_exact
 from .closed_form.methods import Method, closest_miss_of, known_method, method_for
 from .closed_form.roots import (
     DEPENDENT,
@@ -117,7 +118,7 @@ def solve_ik_all(
     usual = given is None and samples is DEFAULT_SAMPLES and copies is False and max_time is None and progress is None
     if usual and type(closed_form) is bool:
         answer = _at_once(require_arm(arm), target, theta0, position_tol, orientation_tol)
-        if answer is not None and (len(answer) or not any(arm.rounding)):
+        if answer is not None and (len(answer) or (answer.complete and not any(arm.rounding))):
             return answer
     asked = checked_target(require_arm(arm), target)
     request = checked(arm, theta0, None, position_tol, orientation_tol, 1, 0, max_time)
@@ -147,9 +148,11 @@ def _answered(task: _Task, method: Method, count: int, copies: bool) -> IKSoluti
     if row is not None and not method.swept:
         if row[FAMILIES]:
             row = None  # the core keeps one of all families that move the same joints
-        elif not copies:
+        elif not copies and (row[INSIDE] or is_exact(task.tolerances)):
             return IKSolutions(task.arm, row, (), method, task.complete(method), task.target)
     found, starts, hits = task.solved(method, values) if row is None else task.read(row)
+    if not found and not is_exact(task.tolerances):
+        found = task.within(method)
     if method.there and method.swept and all(task.inside(root) is None for root in found) and not task.deadline.passed:
         members, tried, met = replace(task, progress=None).solved(method, task.values_met(method))
         found, starts, hits = found + members, starts + tried, hits + met
@@ -177,7 +180,9 @@ def _at_once(
         return None
     start = arm.ready if theta0 is None else theta0
     row = method.compiled.solve(numbers, start, None, position_tol, orientation_tol)
-    return None if row is None or row[FAMILIES] else IKSolutions(arm, row, (), method, True, asked)
+    if row is None or row[FAMILIES]:
+        return None
+    return IKSolutions(arm, row, (), method, is_exact(Tolerances(position_tol, orientation_tol)), asked)
 
 
 @dataclass(frozen=True, eq=False)
@@ -208,7 +213,7 @@ class _Task:
 
     def complete(self, method: Method) -> bool:
         """Whether the method finds everything."""
-        return method.exact and not method.swept and not self.rounded
+        return method.exact and not method.swept and not self.rounded and is_exact(self.tolerances)
 
     def searches(self, method: Method) -> int:
         """How many searches are made beside the method, or for want of one."""
@@ -263,6 +268,13 @@ class _Task:
             arm, self.target, self.near, position_tol=met.position, orientation_tol=met.orientation, max_time=left
         )
         return found.theta[None, list(method.held)][: int(found.converged)]
+
+    def within(self, method: Method) -> list[Root]:
+        """The answer of a search, which uses loose tolerances as a closed form, made for exact targets, does not."""
+        held = holding(self.arm, self.given, self.near)
+        met = self.tolerances
+        found = solve_ik(held, self.target, self.near, position_tol=met.position, orientation_tol=met.orientation)
+        return [Root(found.theta, method.idle)] if found.converged else []
 
     def told_of(self, done: int, count: int) -> None:
         """Whoever asked hears how far it is."""

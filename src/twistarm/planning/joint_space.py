@@ -32,7 +32,7 @@ from . import spline, timing
 from .pulling_in import pulled_in
 from .spans import LONGEST, SHORTEST, Progress
 from .time_laws import PathBounds
-from .tolerances import decided
+from .tolerances import decided, rounding_note
 from .trajectory import Trajectory
 from .unwrapping import unwrapped
 from .waypoint_laws import Motion, double_s_rests, fastest_along_spline, fastest_rests
@@ -179,6 +179,7 @@ def as_waypoints(arm: Arm, waypoints: Waypoints, met: Tolerances, unwrap: bool) 
     notes: list[str] = []
     for i, waypoint in enumerate(waypoints):
         theta = _waypoint(arm, waypoint, i, points[-1] if points else arm.ready, met)
+        notes += rounding_note(arm, waypoint, theta, f"waypoint {i} (counted from 0)", met)
         if points:
             theta, said = unwrapped(arm, theta, points[-1], f"waypoint {i} (counted from 0)", unwrap)
             notes += said

@@ -22,6 +22,7 @@ from .cartesian.wide_ladder import climb_wide
 from .goals import CURVED, Goals
 from .joint_path import JointPath
 from .segments import Dwell, JointMove, Segment, place
+from .tolerances import rounding_note
 from .unwrapping import unwrapped
 
 NEAREST = 8
@@ -102,7 +103,8 @@ class Router:
                 return [self._straight(i, theta, start), *legs]
         end = self.goals.configuration(segment, theta, self._place(i))
         end, said = unwrapped(self.arm, end, theta, self._place(i), self.unwrap)
-        self.notes += said
+        met = self.goals.tolerances(segment)
+        self.notes += [*said, *rounding_note(self.arm, segment.to, end, self._place(i), met)]
         return [self._straight(i, theta, end)]
 
     def _straight(self, i: int, start: Array, end: Array) -> Leg:

@@ -3,11 +3,15 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from typing import Any
 
 from ..ik.request import as_tolerance
+from ..ik.solution import missed_by_rounding
+from ..ik.targets import KINDS, target_for
 from ..ik.task_space import Tolerances
 from ..model.almost_exact import ORIENTATION_ROUNDING, POSITION_ROUNDING, angle_in_words, length_in_words
 from ..model.arm import Arm
+from ..support.checks import Array
 from .segments import Move, Segment
 
 USUAL = Tolerances(1e-6, 1e-6)
@@ -41,6 +45,15 @@ def but_for_rounding(arm: Arm, segments: list[Segment]) -> list[Segment]:
         else:
             wider.append(each)
     return [] if wider == segments else wider
+
+
+def rounding_note(arm: Arm, target: Any, theta: Array, where: str, met: Tolerances) -> list[str]:
+    """The note on a goal that theta (n,) meets but for the rounding of the arm's axes; none where it is no target."""
+    if not isinstance(target, KINDS) or not any(arm.rounding):
+        return []
+    asked, g = target_for(arm, target), arm.fk(theta)
+    missed = asked.position_error(g), asked.orientation_error(g)
+    return [] if met.met(*missed) else [f"{where}: {missed_by_rounding(*missed)}"]
 
 
 def leeway(tolerances: Tolerances) -> Tolerances | None:

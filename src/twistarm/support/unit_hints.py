@@ -24,13 +24,13 @@ def angle_hint(angles: Array) -> str:
 
 
 def theta_hint(theta: Array, units: Sequence[str], lower: Array, upper: Array) -> str:
-    """The same of joints (..., n): one stands outside its limits and beyond a turn, and none beyond 360."""
-    if not np.abs(theta).max(initial=0.0) > TURN or not takes_radians():
+    """The same of joints (..., n): one stands outside its limits and beyond two turns, and none beyond 360."""
+    if not np.abs(theta).max(initial=0.0) > 2.0 * TURN or not takes_radians():
         return ""
     turning = np.array(units) == "rad"
     angles = np.abs(theta[..., turning])
     outside = ((theta < lower) | (theta > upper))[..., turning]
-    beyond = angles[outside & (angles > TURN)]
+    beyond = angles[outside & (angles > 2.0 * TURN)]  # less may have been turned up
     return angle_hint(beyond) if beyond.size and angles.max() <= 360.0 else ""
 
 
