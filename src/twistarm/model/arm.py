@@ -506,7 +506,7 @@ class Arm:
         if numbers is None and not isinstance(values, Mapping):
             theta = as_theta(values, self.n, name, self.joint_names)
             hint = theta_hint(theta, self.units, self.limits.lower, self.limits.upper)
-            if hint:
+            if hint and not isinstance(values, np.ndarray):
                 warn_caller(f"{name}: {hint}; twistarm takes radians: numpy.radians converts them", UnitsWarning)
             return theta
         given = dict(values) if isinstance(values, Mapping) else self._paired(values, numbers)

@@ -12,6 +12,19 @@ template <class T> constexpr T settled_step = T(sizeof(T) == 8 ? 1e-7 : 1e-4);  
 template <class T> constexpr T singular_shift = T(sizeof(T) == 8 ? 1e-10 : 1e-6);    ///< keeps J Jᵀ invertible
 template <class T> constexpr T corrected = T(sizeof(T) == 8 ? 1e-18 : 1e-11);        ///< E on the target, [m²]
 
+template <class T> constexpr T corrected_but_for_rounding = T(sizeof(T) == 8 ? 1e-14 : 1e-10);  ///< [m²]
+
+/// What a target asks for where its answer misses it by the rounding of the axes: that which the answer meets.
+template <class T, int N, int M>
+target<T> target_met(const chain<T, N, M>& arm, const target<T>& asked, const T* theta) {
+    const frame<T> g = forward(arm, theta);
+    target<T> met = asked;
+    for (int k = 0; k < 3; ++k) met.goal.p[k] = g.p[k];
+    if (asked.kind == target_kind::pose) met.goal = g;
+    if (asked.kind == target_kind::approach) rotate(g, asked.tool_axis, met.direction);
+    return met;
+}
+
 template <class T> T squared_distance(const T* a, const T* b, int n) {
     T sum = T(0);
     for (int k = 0; k < n; ++k) sum += (a[k] - b[k]) * (a[k] - b[k]);
@@ -136,12 +149,11 @@ template <target_kind Kind, class T, int N, int M> struct posture_walk {
 
 template <target_kind Kind, class T, int N, int M, class Stopped>
 void walk_to_posture(const chain<T, N, M>& arm, const ranges<T, N>& range, const search_settings<T>& settings,
-                     const target<T>& asked, const T* posture, Stopped& stopped, T* theta) {
+                     const target<T>& asked, const T* posture, bool rounded, Stopped& stopped, T* theta) {
     const T tolerance = T(0.5) * least(settings.position_tolerance, settings.orientation_tolerance);
     posture_walk<Kind, T, N, M> walk{
         arm, range, posture, least(corrected<T>, tolerance * tolerance), aim_at(arm, asked), {}, {}, {}, {}, false};
-    // Rounded axes never come nearer than at the answer, which is as near as the arm allows.
-    if (settings.position_rounding > T(0)) walk.enough = greatest(walk.enough, T(2) * walk.look(theta));
+    if (rounded) walk.enough = corrected_but_for_rounding<T>;
     for (int k = 0; k < most_posture_steps && !stopped() && walk.step(theta); ++k) continue;
 }
 }  // namespace detail
@@ -155,8 +167,10 @@ void approach_posture(const chain<T, N, M>& arm, const ranges<T, N>& range, cons
                       const target<T>& asked, const T* posture, Stopped& stopped, solution<T, N>& found) {
     solution<T, N> moved = found;
     wrap_near(range, arm.coordinates(), posture, moved.theta);
+    const bool rounded = !is_met(found, settings) && asked.kind != target_kind::task;
+    const target<T> met = rounded ? detail::target_met(arm, asked, found.theta) : asked;
     with_kind(asked.kind, [&](auto kind) {
-        detail::walk_to_posture<kind()>(arm, range, settings, asked, posture, stopped, moved.theta);
+        detail::walk_to_posture<kind()>(arm, range, settings, met, posture, rounded, stopped, moved.theta);
     });
     if (judge(arm, range, settings, asked, posture, moved)) found = moved;
 }
