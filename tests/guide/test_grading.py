@@ -161,12 +161,12 @@ def graded(folder: Path, text: str, arm: Arm, name: str = "mine.py") -> Report:
     return check_file(folder / name, arm, seconds=1.5)
 
 
-QUICK = ("os._exit",)
+ENDLESS = ("endless at once", "endless print", "signals")
 
 
 @pytest.mark.parametrize(
     ("text", "code", "words"),
-    [pytest.param(*rest, id=what, marks=() if what in QUICK else pytest.mark.slow) for what, *rest in HARM],
+    [pytest.param(*rest, id=what, marks=pytest.mark.slow if what in ENDLESS else ()) for what, *rest in HARM],
 )
 def test_a_file_that_does_harm(text: str, code: int, words: str, tmp_path: Path, rover: Arm) -> None:
     began = time.monotonic()

@@ -13,8 +13,9 @@ from twistarm import InputError
 from twistarm.guide.building.server import SiteServer
 
 
-@pytest.fixture
-def server(tmp_path: Path) -> Iterator[SiteServer]:
+@pytest.fixture(scope="module")
+def server(tmp_path_factory: pytest.TempPathFactory) -> Iterator[SiteServer]:
+    tmp_path = tmp_path_factory.mktemp("served")
     folder = tmp_path / "site"
     (folder / "scenes").mkdir(parents=True)
     (folder / "index.html").write_text("the guide")

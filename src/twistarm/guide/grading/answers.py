@@ -84,13 +84,15 @@ class Answer:
 
 
 def of_function(function: Callable[..., Any], arguments: tuple[Any, ...], file: str = "") -> Answer:
-    """The answer of a function; its errors are answers too, with lines of `file`."""
+    """The answer of a function; its errors are answers too, and name lines of `file`, that of a reader's function."""
     given = [each.copy() if isinstance(each, np.ndarray) else each for each in arguments]
     value, error, strange = None, None, ""
     try:
         with np.errstate(all="ignore"):
             value = function(*given)
-    except (Exception, SystemExit) as raised:  # a wrong function may raise anything
+    except BaseException as raised:  # a reader's function may raise anything
+        if not file and not isinstance(raised, Exception):
+            raise
         error = Failure.of(raised, file, function, len(given))
     try:
         value = plain(value)
