@@ -33,30 +33,10 @@ LONGEST_OUTPUT = 20_000
 """Characters of what a cell prints that a page shows."""
 
 
-class Run:
-    """A lesson that runs: its names, and where its scenes are written."""
-
-    def __init__(self, path: Path, scenes: Path) -> None:
-        self._path, self._scenes = path, scenes
-        self._names: dict[str, Any] = {"__name__": "__main__", "__file__": str(path)}
-
-    def cell(self, cell: Cell) -> str:
-        """Run a cell; its output as HTML. What it raises is raised."""
-        shown: list[str] = []
-        printed = io.StringIO()
-        # Lines are counted as in the file, so that an error names its own.
-        code = compile("\n" * (cell.line - 1) + cell.source, str(self._path), "exec")
-        with outlet.installed(lambda each: shown.append(each.html(self._scenes))), redirect_stdout(printed):
-            exec(code, self._names)
-        text = printed.getvalue()[:LONGEST_OUTPUT].rstrip()
-        words = f'<pre class="printed" tabindex="0"><samp>{escape(text)}</samp></pre>' if text else ""
-        return words + "\n".join(shown)
-
-
 def outcome(path: Path, scenes: Path) -> dict[str, Any]:
     """The lesson at `path`, run; a cell that fails ends it, and the text goes on."""
     cells = cells_of(path)
-    run = Run(path, scenes)
+    names: dict[str, Any] = {"__name__": "__main__", "__file__": str(path)}
     body, failed = [], ""
     for number, cell in enumerate(cells, start=1):
         if not cell.code:
@@ -65,7 +45,7 @@ def outcome(path: Path, scenes: Path) -> dict[str, Any]:
         output = ""
         if not failed:
             try:
-                output = run.cell(cell)
+                output = _run(cell, path, scenes, names)
             except Exception as error:
                 failed = f"{path.stem}: cell {number} (line {_line(error, path, cell)}) failed: {_words(error)}"
                 output = f'<p class="failed" role="note">{escape(failed)}. The programs after it did not run.</p>'
@@ -75,6 +55,19 @@ def outcome(path: Path, scenes: Path) -> dict[str, Any]:
         "sections": [(slug(title), title) for title in _sections(cells)],
         "failed": failed,
     }
+
+
+def _run(cell: Cell, path: Path, scenes: Path, names: dict[str, Any]) -> str:
+    """Run a cell; its output as HTML. What it raises is raised."""
+    shown: list[str] = []
+    printed = io.StringIO()
+    # Lines are counted as in the file, so that an error names its own.
+    code = compile("\n" * (cell.line - 1) + cell.source, str(path), "exec")
+    with outlet.installed(lambda each: shown.append(each.html(scenes))), redirect_stdout(printed):
+        exec(code, names)
+    words = escape(printed.getvalue()[:LONGEST_OUTPUT].rstrip())
+    said = f'<pre class="printed" tabindex="0"><samp>{words}</samp></pre>' if words else ""
+    return said + "\n".join(shown)
 
 
 def _code(cell: Cell, output: str) -> str:
