@@ -8,8 +8,7 @@ import pytest
 
 from small_course import LESSON
 from twistarm.cli.application import run
-from twistarm.guide.building.building import Built
-from twistarm.guide.building.site_folder import MARKER
+from twistarm.guide.building.building import RECORD, Built
 
 Capture = pytest.CaptureFixture[str]
 
@@ -47,4 +46,4 @@ def test_what_was_built_is_said(built: Built, capsys: Capture, monkeypatch: pyte
     monkeypatch.setattr("twistarm.guide.building.building.lessons", lambda: (LESSON,))
     assert run(["guide", "-o", str(built.folder)]) == 0
     assert capsys.readouterr().out == f"written: {built.folder / 'index.html'} (opens in a browser, offline)\n"
-    assert (built.folder / MARKER).is_file()
+    assert (built.folder / RECORD).is_file()

@@ -34,12 +34,12 @@ def test_no_answer_without_its_question(lesson: str) -> None:
         assert kind != "guide.scene" or "?" not in words or after == "guide.predict", f"line {line}: it is not answered"
 
 
-@pytest.mark.parametrize("arm", ["rover_arm", "rover_arm_6dof"])
+@pytest.mark.parametrize("arm", ["rover_arm", pytest.param("rover_arm_6dof", marks=pytest.mark.slow)])
 @pytest.mark.parametrize("lesson", lessons())
 def test_the_lesson_holds(lesson: str, arm: str, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setenv(VARIABLE, json.dumps({"source": arm}))
     said: list[str] = []
-    with outlet.installed(lambda shown: said.append(shown.plain())):
+    with outlet.installed(lambda shown: said.append(shown.plain)):
         runpy.run_path(str(lesson_file(lesson)), run_name="__main__")
     assert any(f"`{arm}`" in words or f" {arm} " in words for words in said), "it speaks of the reader's arm"
     assert "twistarm guide check" in said[-1], "it ends with its exercises"

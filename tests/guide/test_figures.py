@@ -80,7 +80,9 @@ def test_the_style_sheet_has_every_colour_and_each_stands_out_by_day_and_by_nigh
                 assert (high + 0.05) / (low + 0.05) >= 4.5, (name, ground)
 
 
-@pytest.mark.parametrize("name", SLIDERS)
+@pytest.mark.parametrize(
+    "name", ["two_link", *(pytest.param(k, marks=pytest.mark.slow) for k in SLIDERS if k != "two_link")]
+)
 def test_each_slider_has_a_drawing_for_paper(name: str) -> None:
     fig, words = stills.slider(name, SLIDERS[name])
     assert len(words) > 20

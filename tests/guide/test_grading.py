@@ -13,10 +13,9 @@ from twistarm.guide import check
 from twistarm.guide.exercises import every_exercise
 from twistarm.guide.exercises.files import python_text
 from twistarm.guide.grading import Report, check_file
-from twistarm.guide.grading.answers import Answer, form_of, of_worker, plain
+from twistarm.guide.grading.answers import Answer, form_of, of_function, plain
 from twistarm.guide.grading.verdict import cases_of, judged
 from twistarm.guide.teaching import outlet
-from twistarm.guide.teaching.html import html_of
 from twistarm.support.errors import InputError, UnknownNameError
 
 RIGHT = """
@@ -123,21 +122,6 @@ HARM = [
     ("null bytes", "def rotation_z(a): return 1\0", 2, "null bytes"),
     ("deep", "rotation_z = " + "(" * 5000 + ")" * 5000, 2, ""),
     (
-        "changed numpy",
-        RIGHT
-        + "\nfor name in ('asarray', 'array', 'allclose', 'isfinite'):\n    setattr(np, name, None)\n"
-        + RIGHT.replace("np.array(", "("),
-        0,
-        "right",
-    ),
-    (
-        "changed builtins",
-        RIGHT
-        + "\nimport builtins, json, os\nbuiltins.len = builtins.isinstance = None\njson.dumps = os.write = None\n",
-        0,
-        "right",
-    ),
-    (
         "a thread that goes on",
         "import threading, time\nthreading.Thread(target=time.sleep, args=(60,)).start()\n" + RIGHT,
         0,
@@ -152,27 +136,12 @@ HARM = [
         "rotation_z: It",
     ),
     (
-        "results written by hand",
-        "import os\ndef rotation_z(a):\n    for fd in range(3, 1024):\n"
-        "        try: os.write(fd, b'{\"answers\": []}\\nx')\n        except OSError: pass\n    return a\n",
+        "endless print",
+        "def rotation_z(a):\n    while True:\n        print('x' * 100)\n",
         1,
-        "It returns one number where an array of shape (3, 3) is expected",
+        "It was not done after 1.5 s",
     ),
-    (
-        "results by the grader's own hand",
-        "import sys\nsys._getframe(1).f_locals['tell'](loaded=5)\n" + RIGHT,
-        2,
-        "no result",
-    ),
-    (
-        "results that are none",
-        "import sys\ndef rotation_z(a):\n    sys._getframe(1).f_locals['tell'](answers=[])\n",
-        1,
-        "It gave fewer answers than it was asked for",
-    ),
-    ("the job read again", "import os\nos.lseek(0, 0, 0)\nassert not os.read(0, 9)\n" + RIGHT, 0, "right"),
     ("two processes", "import os\nos.fork()\n" + RIGHT, 0, "right"),
-    ("closed", "import os\nos.closerange(0, 1024)\n" + RIGHT, 2, "ended"),
     ("given the main guard", RIGHT + "\nif __name__ == '__main__':\n    1 / 0\n", 0, "right"),
     ("checks itself", RIGHT + "\nfrom twistarm import guide\nguide.check(rotation_z)\n", 0, "right"),
     ("a class", "class rotation_z:\n    def __init__(self, alpha): pass\n", 1, "It returns a value of type rotation_z"),
@@ -192,12 +161,12 @@ def graded(folder: Path, text: str, arm: Arm, name: str = "mine.py") -> Report:
     return check_file(folder / name, arm, seconds=1.5)
 
 
-QUICK = ("os._exit",)
+ENDLESS = ("endless at once", "endless print", "signals")
 
 
 @pytest.mark.parametrize(
     ("text", "code", "words"),
-    [pytest.param(*rest, id=what, marks=() if what in QUICK else pytest.mark.slow) for what, *rest in HARM],
+    [pytest.param(*rest, id=what, marks=pytest.mark.slow if what in ENDLESS else ()) for what, *rest in HARM],
 )
 def test_a_file_that_does_harm(text: str, code: int, words: str, tmp_path: Path, rover: Arm) -> None:
     began = time.monotonic()
@@ -270,9 +239,9 @@ def test_in_a_notebook(tmp_path: Path, rover: Arm, monkeypatch: pytest.MonkeyPat
     with outlet.installed(shown.append):
         report = check(rotation_z)
     (told,) = shown
-    assert told.plain().splitlines()[2:4] == ["your code printed:", "  from the copy"]
-    assert "<li>✗ rotation_z: This is the transpose" in html_of(told.data(None))
-    assert "<samp>from the copy" in html_of(told.data(None))
+    assert told.plain.splitlines()[2:4] == ["your code printed:", "  from the copy"]
+    assert "<li>✗ rotation_z: This is the transpose" in told.html(None)
+    assert "<samp>from the copy" in told.html(None)
     assert report.verdicts[0].slip == "transposed"
     assert "from the copy" in report.printed
     assert not calls  # it ran in a copy of this process
@@ -319,6 +288,6 @@ def test_forms() -> None:
     assert form_of(plain([[1, 2], [3, 4]])) == (2, 2)
     assert form_of(plain((np.ones(3), np.ones(3), 1.0))) == ("parts", (3,), (3,), ())
     assert form_of(plain(())) == ("parts",)
-    assert of_worker({"array": [], "shape": [0, 3]}).form == (0, 3)
-    assert of_worker(7).form == "what cannot be read"
-    assert of_worker({"number": 1}).numbers == [1.0]
+    assert form_of(plain(np.zeros((0, 3)))) == (0, 3)
+    assert of_function(lambda: object(), ()).form == "a value of type object"
+    assert of_function(lambda: 1, ()).numbers == [1.0]

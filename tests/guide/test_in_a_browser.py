@@ -18,7 +18,6 @@ from small_course import LESSON, ROVER
 from twistarm.guide.building.building import Built, build
 from twistarm.guide.building.pages import SCRIPTS, site_text
 from twistarm.guide.teaching import outlet
-from twistarm.guide.teaching.html import html_of
 from twistarm.guide.teaching.saying import SLIDERS, slider
 from twistarm.support.errors import TwistarmError
 from twistarm.viewer.files.browsers import find_browser
@@ -129,7 +128,7 @@ def bench(browser: Any, tmp_path: Path) -> Iterator[Any]:
             slider(name, "?", "!", **numbers)
         scripts = "".join(f"<script>{site_text(name)}</script>" for name in SCRIPTS)
         file = tmp_path / "slider.html"
-        file.write_text(f"<meta charset=utf-8>{html_of(shown[0].data(None))}{scripts}", "utf-8")
+        file.write_text(f"<meta charset=utf-8>{shown[0].html(None)}{scripts}", "utf-8")
         page = browser.new_page()
         pages.append((page, watched(page)))
         page.goto(file.as_uri())

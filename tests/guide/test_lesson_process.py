@@ -4,11 +4,13 @@ from __future__ import annotations
 
 import re
 from collections.abc import Callable
+from pathlib import Path
 from typing import Any
 
 import pytest
 
 from twistarm import InputError
+from twistarm.guide.building.cells import cells_of, title_of
 from twistarm.guide.building.lesson_process import without_speech
 
 Ran = Callable[[str], dict[str, Any]]
@@ -18,7 +20,6 @@ HEAD = "# %% [markdown]\n# # A title\n#\n# Is $x < 1$ & <b>bold</b>?\n#\n# ## A 
 
 def test_text_programs_and_outputs_stand_in_their_order(ran: Ran) -> None:
     made = ran(HEAD + "# %%\nfrom twistarm import guide\nx = 2\nguide.say(f'It is **{x}**.')\nprint('<printed>')\n")
-    assert made["title"] == "A title"
     assert made["sections"] == [("a-section", "A section")]
     assert made["failed"] == ""
     body = made["body"]
@@ -63,9 +64,10 @@ def test_tags_fold_the_output_the_program_or_both(ran: Ran) -> None:
         ran(HEAD + cell.format('"folded"'))
 
 
-def test_a_lesson_begins_with_its_title(ran: Ran) -> None:
+def test_a_lesson_begins_with_its_title(tmp_path: Path) -> None:
+    (tmp_path / "lesson.py").write_text("# %%\nx = 1\n")
     with pytest.raises(InputError, match="begins with a cell of text"):
-        ran("# %%\nx = 1\n")
+        title_of(cells_of(tmp_path / "lesson.py"))
 
 
 @pytest.mark.parametrize(

@@ -154,10 +154,12 @@ def test_verdicts_on_results_speak_of_octave() -> None:
     [
         ("NaN,0,0,0,1,0,0,0,1", "NaN"),
         ("1,0,0,0,1,0,0,0,1", "rotation_z(alpha=0.5) is"),
+        ("0" + ",0" * 10200, "It returns a very large array of shape (101, 101)"),
     ],
 )
 def test_results_that_are_wrong(numbers: str, words: str, tmp_path: Path, rover: Arm) -> None:
-    (tmp_path / "results.csv").write_text(f"{HEADER}\n{ANSWER},{numbers}\n")
+    side = round((numbers.count(",") + 1) ** 0.5)
+    (tmp_path / "results.csv").write_text(f"{HEADER}\n{ANSWER},{numbers}\n".replace("0,3,3", f"0,{side},{side}"))
     report = check_file(tmp_path / "results.csv", rover)
     assert report.code == 1
     assert words in repr(report)

@@ -28,7 +28,7 @@ def test_a_variable_that_means_nothing_is_said(text: str, monkeypatch: pytest.Mo
 def test_another_stands_in_and_it_is_said(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setenv(VARIABLE, json.dumps({"source": "rr_planar"}))
     said: list[str] = []
-    with outlet.installed(lambda shown: said.append(shown.plain())):
+    with outlet.installed(lambda shown: said.append(shown.plain)):
         assert guide.arm_with("two joints", lambda arm: arm.n == 2).name == "rr_planar"
         assert said == []
         assert guide.arm_with("six joints", lambda arm: arm.n == 6).n == 6

@@ -62,8 +62,8 @@ def course(
 ) -> None:
     """Build the course on your own arm and read it in the browser; served on this machine until Ctrl-C.
 
-    Every lesson is run on the arm, two at a time, again only where something has changed. With -o DIR it is a site of
-    files that opens from disk, offline.
+    Every lesson is run on the arm, two at a time, unless nothing has changed since. With -o DIR it is a site of files
+    that opens from disk, offline.
     """
     if context.invoked_subcommand is not None:
         _require_no_options(context)

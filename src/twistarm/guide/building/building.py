@@ -1,10 +1,12 @@
-"""The course built on an arm: every lesson that has changed is run, its page and those around it are written."""
+"""The course built on an arm: every lesson is run, its page and those around it are written."""
 
 from __future__ import annotations
 
 import hashlib
 import json
+import re
 from collections.abc import Callable, Mapping, Sequence
+from contextlib import suppress
 from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
@@ -15,15 +17,19 @@ import twistarm
 from ...loading.load import load_arm
 from ...model.arm import Arm
 from ...support.errors import InputError
+from ...support.files import as_path, stamp, write_whole
 from ...viewer.server.watching import loaded
 from ..course import lesson_file, lessons
 from .cells import cells_of, title_of
 from .errata import slips
 from .pages import SCRIPTS, STYLE, before_page, errata_page, index_page, lesson_page, site_text
 from .running import TIMEOUT, run_lessons
-from .site_folder import SiteFolder
 
-ASSETS = {f"assets/{name}": name for name in (STYLE, *SCRIPTS)}
+RECORD = "twistarm-guide.json"
+"""The file that says that a folder is the guide's, of what its pages were made, and which files they need."""
+
+SCENE = r"(?:scene|meshes)_[0-9a-f]{12}\.(?:html|js)"
+"""Names of scenes and of the meshes in them."""
 
 
 @dataclass(frozen=True)
@@ -50,7 +56,7 @@ def build(
 ) -> Built:
     """Build the course, or the lessons `names` of it, on the arm that `load_arm(**arm)` loads, into `folder`.
 
-    What was built before of the same lesson, the same files of the arm and the same twistarm is kept. A lesson that
+    What was built before of the same files of the arm and the same twistarm stays, if nothing failed. A lesson that
     fails has a page that says so, and the others are built.
 
     Args:
@@ -64,60 +70,85 @@ def build(
         What was built.
 
     Raises:
-        InputError: The folder is not ours or cannot be written.
+        InputError: The folder holds something else or cannot be written.
         TwistarmError: The arm cannot be loaded.
     """
     wanted = lessons() if names is None else tuple(names)
     the_arm, read = loaded(partial(load_arm, **arm))
-    site = SiteFolder(folder)
-    made_of = _digest(_package(), json.dumps(arm, sort_keys=True), *map(_content, sorted(read)))
-    keys = {name: _digest(made_of, lesson_file(name).read_text("utf-8")) for name in wanted}
-    entries = {name: entry for name in wanted if (entry := site.kept(name, keys[name]))}
+    site = _made(as_path(folder).absolute())
+    made_of = _stamps(arm, wanted, read)
+    if _is_whole(site, made_of):
+        return Built(site, the_arm, (), ())
+    write_whole(site / RECORD, "{}\n")
     titles = {name: title_of(cells_of(lesson_file(name))) for name in wanted}
-    stale = [name for name in wanted if name not in entries]
     failed = []
-    for done, (name, outcome) in enumerate(run_lessons(stale, arm, site.path / "scenes", timeout), start=1):
-        outcome["title"] = titles[name]
-        site.write(f"{name}.html", lesson_page(name, outcome, titles, the_arm))
-        site.write(f"{name}.py", lesson_file(name).read_text("utf-8"))
-        entries[name] = {"key": "" if outcome["failed"] else keys[name], "scenes": outcome["scenes"]}
-        site.keep(name, entries[name])
-        if outcome["failed"]:
-            failed.append(outcome["failed"])
-        progress(done / len(stale), name)
-    _around(site, titles, the_arm, failed)
-    scenes = {scene for entry in entries.values() for scene in entry["scenes"]}
-    site.sweep(
-        {
-            *ASSETS,
-            "index.html",
-            "errata.html",
-            "before.html",
-            *(f"{name}{ending}" for name in wanted for ending in (".html", ".py")),
-            *scenes,
-        }
-    )
-    return Built(site.path, the_arm, tuple(stale), tuple(sorted(failed)))
+    for done, (name, outcome) in enumerate(run_lessons(wanted, arm, site / "scenes", timeout), start=1):
+        write_whole(site / f"{name}.html", lesson_page(name, outcome, titles, the_arm))
+        write_whole(site / f"{name}.py", lesson_file(name).read_text("utf-8"))
+        failed += [outcome["failed"]] if outcome["failed"] else []
+        progress(done / len(wanted), name)
+    for name in (STYLE, *SCRIPTS):
+        write_whole(site / "assets" / name, site_text(name))
+    write_whole(site / "index.html", index_page(titles, the_arm, failed))
+    write_whole(site / "before.html", before_page(the_arm))
+    write_whole(site / "errata.html", errata_page(slips(), the_arm))
+    pages = [site / f"{name}.html" for name in ("index", "before", "errata", *wanted)]
+    files = [*(page.name for page in pages), *_scenes(site / "scenes", pages)]
+    if not failed:
+        write_whole(site / RECORD, json.dumps({"made of": made_of, "files": files}))
+    return Built(site, the_arm, wanted, tuple(sorted(failed)))
 
 
-def _around(site: SiteFolder, titles: Mapping[str, str], arm: Arm, failed: Sequence[str]) -> None:
-    """The contents, the errata and what pages share."""
-    for name, source in ASSETS.items():
-        site.write(name, site_text(source))
-    site.write("index.html", index_page(titles, arm, failed))
-    site.write("before.html", before_page(arm))
-    site.write("errata.html", errata_page([slip._asdict() for slip in slips()], arm))
+def _made(site: Path) -> Path:
+    """The folder, with those in it; InputError where it holds something else, or the system refuses."""
+    try:
+        if site.exists() and not site.is_dir():
+            raise InputError(f"{site} is a file; -o takes a folder")
+        if site.is_dir() and any(site.iterdir()) and not (site / RECORD).is_file():
+            raise InputError(
+                f"{site} holds something that the guide did not write (there is no {RECORD}); "
+                "give a new folder, or an empty one"
+            )
+        for each in ("assets/sliders", "scenes"):
+            (site / each).mkdir(parents=True, exist_ok=True)
+    except OSError as error:
+        raise InputError(f"cannot write into {site}: {error.strerror or error}") from error
+    return site
+
+
+def _stamps(arm: Mapping[str, Any], wanted: Sequence[str], read: set[Path]) -> str:
+    """What tells one site from another: the arm, its files, the lessons, and twistarm's own files."""
+    own = (path for path in Path(twistarm.__file__).parent.rglob("*.*") if path.suffix != ".pyc")
+    files = [(str(path), stamp(path)) for path in sorted({*read, *own})]
+    return hashlib.sha256(repr((twistarm.__version__, arm, wanted, files)).encode()).hexdigest()
+
+
+def _is_whole(site: Path, made_of: str) -> bool:
+    """Whether all that was made of just that is there."""
+    with suppress(OSError, ValueError, TypeError, AttributeError, KeyError):
+        record = json.loads((site / RECORD).read_text("utf-8"))
+        return record.get("made of") == made_of and all((site / name).is_file() for name in record["files"])
+    return False
+
+
+def _scenes(folder: Path, pages: Sequence[Path]) -> list[str]:
+    """The scenes of these pages, and their meshes; those of earlier pages are removed."""
+    needed = set(re.findall(SCENE, "".join(page.read_text("utf-8") for page in pages)))
+    needed |= {name for scene in needed for name in re.findall(SCENE, (folder / scene).read_text("utf-8"))}
+    for each in folder.iterdir():
+        if re.fullmatch(SCENE, each.name) and each.name not in needed:
+            with suppress(OSError):
+                each.unlink()
+    return [f"{folder.name}/{name}" for name in sorted(needed)]
 
 
 def as_keywords(source: str, keywords: Mapping[str, Any]) -> dict[str, Any]:
     """What `load_arm` takes as JSON can hold it, with paths that mean the same from anywhere."""
 
     def plain(value: Any) -> Any:
-        if isinstance(value, Path):
-            return str(value.absolute())
         if isinstance(value, (list, tuple)):
             return [plain(each) for each in value]
-        return value
+        return str(value.absolute()) if isinstance(value, Path) else value
 
     place = Path(source).expanduser()
     try:
@@ -127,22 +158,3 @@ def as_keywords(source: str, keywords: Mapping[str, Any]) -> dict[str, Any]:
     except (OSError, TypeError, ValueError) as error:
         raise InputError(f"the arm {source!r} cannot be handed to the lessons: {error}") from error
     return made
-
-
-def _package() -> str:
-    """What tells one twistarm from another, and with it the style of its pages."""
-    names = (".py", ".js", ".css", ".html", ".json")
-    root = Path(twistarm.__file__).parent
-    held = sorted(path for path in root.rglob("*") if path.suffix in names and path.parent.name != "lessons")
-    return _digest(*(f"{path.relative_to(root)}\0{path.read_text('utf-8')}" for path in held))
-
-
-def _content(path: Path) -> str:
-    try:
-        return f"{path}\0{hashlib.sha256(path.read_bytes()).hexdigest()}"
-    except (OSError, ValueError):
-        return f"{path}\0missing"
-
-
-def _digest(*parts: str) -> str:
-    return hashlib.sha256("\0\0".join(parts).encode()).hexdigest()[:24]

@@ -47,8 +47,7 @@ def _sine_of_nothing() -> Slip:
     return Slip(
         "Sine and cosine without an argument (2.1.1)",
         r"The elementary rotations write $\sin$ and $\cos$ alone, and one of them $R_v(\beta)$ for $R_y(\beta)$. An "
-        r"angle "
-        "belongs in each, and with it its unit: what computes takes radians.",
+        r"angle belongs in each, and with it its unit: what computes takes radians.",
         f"Turned by 1 rad instead of 1°, a point at 1 m from the axis is {_far(wrong, right):.3f} m off.",
     )
 
@@ -59,10 +58,8 @@ def _moved_axes() -> Slip:
     fixed = rotations.exp([0, 1, 0], b) @ rotations.exp([0, 0, 1], a)
     return Slip(
         "From which frame to which, and about which axes (2.1.1)",
-        "The rotation that is said to take B to B takes A to B. ZYZ angles are named in the order "
-        "α, β, γ. The Euler angles turn about the axes as the turns "
-        "before "
-        "have left them, so that each new factor stands on the right.",
+        "The rotation that is said to take B to B takes A to B. ZYZ angles are named in the order α, β, γ. The Euler "
+        "angles turn about the axes as the turns before have left them, so that each new factor stands on the right.",
         f"$R_z(40°)R_y(30°)$ and $R_y(30°)R_z(40°)$ differ by {_angle(moved, fixed):.1f}°.",
     )
 
@@ -75,12 +72,11 @@ def _square_of_a_norm() -> Slip:
     right = rotations.quaternion_product_wxyz(Q, conjugate / square)[0]
     return Slip(
         "The norm of a quaternion (2.1.1)",
-        r"$Q \cdot Q^*$ is the square of the norm, $\|Q\|^2$, and not the norm. With the guide's "
-        r"$Q^{-1} = Q^*/\|Q\|^2$, whoever takes the definition at its word divides by the fourth power. With unit "
-        "quaternions nobody notices.",
-        f"For $Q = (1, 2, 3, 4)$: $Q \\cdot Q^* = {square:.0f}$. Read literally, $Q \\cdot Q^{{-1}} = "
-        f"{literal:.4f}$, which "
-        f"is $1/{1 / literal:.0f}$; with $\\|Q\\| = \\sqrt{{{square:.0f}}}$ it is {right:.0f}.",
+        r"$Q \cdot Q^*$ is the square of the norm, $\|Q\|^2$, and not the norm. With the guide's $Q^{-1} = "
+        r"Q^*/\|Q\|^2$, whoever takes the definition at its word divides by the fourth power. With unit quaternions "
+        r"nobody notices.",
+        f"For $Q = (1, 2, 3, 4)$: $Q \\cdot Q^* = {square:.0f}$. Read literally, $Q \\cdot Q^{{-1}} = {literal:.4f}$, "
+        f"which is $1/{1 / literal:.0f}$; with $\\|Q\\| = \\sqrt{{{square:.0f}}}$ it is {right:.0f}.",
     )
 
 
@@ -90,7 +86,7 @@ def _double_cover() -> Slip:
     return Slip(
         "Quaternions are no global parametrisation (2.1.1)",
         r"They are written $\mathbb{H}$, not $\mathbb{Q}$, which are the fractions. And unit quaternions cover the "
-        "rotations twice: $Q$ and $-Q$ are the same rotation.",
+        r"rotations twice: $Q$ and $-Q$ are the same rotation.",
         f"The matrices of $Q$ and of $-Q$ differ by {same:.0f}; as points of the sphere the two are "
         f"{np.linalg.norm(Q - -Q):.0f} apart, as far as can be.",
     )
@@ -103,12 +99,11 @@ def _orthogonal_alone() -> Slip:
     return Slip(
         "Which matrices are rotations (2.1.2)",
         r"$R^TR = I$, the unit matrix and not the number 1, and $\det R = +1$. Neither all $n \times n$ matrices are "
-        r"$SO(n)$, nor are the vectors of $\mathbb{R}^3$ its elements: $A, B \in SO(3) \subset "
-        r"\mathbb{R}^{3 \times 3}$.",
+        r"$SO(n)$, nor are the vectors of $\mathbb{R}^3$ its elements: $A, B \in SO(3) \subset \mathbb{R}^{3 \times "
+        r"3}$.",
         f"The mirror $\\mathrm{{diag}}(1, 1, -1)$ has $M^TM = I$ (off by {off:.0f}) and determinant "
         f"−{-np.linalg.det(mirror):.0f}: it makes a right hand a left one. $2I$ is a $3 \\times 3$ matrix of "
-        f"determinant "
-        f"{np.linalg.det(double):.0f}.",
+        f"determinant {np.linalg.det(double):.0f}.",
     )
 
 
@@ -124,12 +119,10 @@ def _series() -> Slip:
     return Slip(
         "The series of the exponential (2.1.2)",
         r"The axis turns for $\theta$ units of time at unit rate, not at unit velocity for $\omega$ units; and the "
-        r"series "
-        r"runs through $\theta^4/4!$ and $\theta^6/6!$, not $\omega^4/4!$ and $\omega^6/6!$: $\omega$ is a vector.",
-        f"At $\\theta = {theta}$ the series is ${rough(_far(right, exact))}$ from the rotation; with $\\|\\omega\\| "
-        f"= 1$ "
-        f"in place of "
-        f"$\\theta$ in those two terms it is {_far(wrong, exact):.3f} from it.",
+        r"series runs through $\theta^4/4!$ and $\theta^6/6!$, not $\omega^4/4!$ and $\omega^6/6!$: $\omega$ is a "
+        r"vector.",
+        f"At $\\theta = {theta}$ the series is ${rough(_far(right, exact))}$ from the rotation; with $\\|\\omega\\| = "
+        f"1$ in place of $\\theta$ in those two terms it is {_far(wrong, exact):.3f} from it.",
     )
 
 
@@ -141,15 +134,12 @@ def _unit_axis() -> Slip:
     careful = np.eye(3) + W / size * np.sin(size * theta) + W @ W / size**2 * (1 - np.cos(size * theta))
     return Slip(
         "Rodrigues' formula needs a unit axis (2.1.2)",
-        r"The formula is Rodrigues', with an s. "
-        r"$e^{\hat\omega\theta} = I + \hat\omega \sin\theta + \hat\omega^2 (1 - \cos\theta)$ holds for $\|\omega\| = "
-        r"1$. "
-        r"Otherwise: $I + \frac{\hat\omega}{\|\omega\|} \sin(\|\omega\|\theta) + \frac{\hat\omega^2}{\|\omega\|^2} "
-        r"(1 - \cos(\|\omega\|\theta))$.",
-        f"For $\\omega = (0, 0, 2)$ and 30° the short formula gives a matrix of determinant "
+        r"The formula is Rodrigues', with an s. $e^{\hat\omega\theta} = I + \hat\omega \sin\theta + \hat\omega^2 (1 - "
+        r"\cos\theta)$ holds for $\|\omega\| = 1$. Otherwise: $I + \frac{\hat\omega}{\|\omega\|} "
+        r"\sin(\|\omega\|\theta) + \frac{\hat\omega^2}{\|\omega\|^2} (1 - \cos(\|\omega\|\theta))$.",
+        "For $\\omega = (0, 0, 2)$ and 30° the short formula gives a matrix of determinant "
         f"{np.linalg.det(careless):.3f}, no rotation; the long one is within "
-        f"${rough(max(_far(careful, rotations.exp(w, theta)), 1e-16))}$ "
-        "of the exponential.",
+        f"${rough(max(_far(careful, rotations.exp(w, theta)), 1e-16))}$ of the exponential.",
     )
 
 
@@ -159,10 +149,9 @@ def _composition() -> Slip:
     return Slip(
         "What is given, and what is sought (2.2.1)",
         r"Where $g_{ac}$ is said to be given, twice, $g_{ab}$ and $g_{bc}$ are meant: $g_{ac} = g_{ab}\, g_{bc}$. "
-        r"Indices "
-        "that meet in the middle cancel; written the other way round they do not.",
-        f"With two poses, turned by 0.5 and by 0.7 rad, $g_{{ab}}\\,g_{{bc}}$ and $g_{{bc}}\\,g_{{ab}}$ put the origin "
-        f"{off:.3f} m apart.",
+        r"Indices that meet in the middle cancel; written the other way round they do not.",
+        f"With two poses, turned by 0.5 and by 0.7 rad, $g_{{ab}}\\,g_{{bc}}$ and $g_{{bc}}\\,g_{{ab}}$ put the "
+        f"origin {off:.3f} m apart.",
     )
 
 
@@ -174,12 +163,10 @@ def _screw_motion() -> Slip:
     return Slip(
         "Chasles, and what a twist is (2.2.2)",
         "The theorem is Chasles': every rigid motion is a screw motion. A twist is not the time derivative of one, "
-        "but the "
-        "infinitesimal screw motion: the motion at its first instant.",
+        "but the infinitesimal screw motion: the motion at its first instant.",
         f"At $t = 0$ the derivative of $e^{{\\hat\\xi t}}$ is $\\hat\\xi$ (found ${rough(off)}$ apart by "
-        f"differences); at "
-        f"$t = 1$ it is another matrix, {np.abs(screws.hat(xi) @ screws.exp(xi, 1.0) - screws.hat(xi)).max():.2f} "
-        f"away.",
+        f"differences); at $t = 1$ it is another matrix, "
+        f"{np.abs(screws.hat(xi) @ screws.exp(xi, 1.0) - screws.hat(xi)).max():.2f} away.",
     )
 
 
@@ -193,8 +180,7 @@ def _pure_rotation() -> Slip:
         r"$\dot p = \omega \times (p - q)$ is said of a joint that translates and rotates. It is the velocity of pure "
         r"rotation. A screw adds $h\omega$, a slide has $\dot p = v$; and altogether $v = -\omega \times q + h\omega$.",
         f"A point on a screw of pitch {pitch} m/rad moves along the axis at {along @ w:.2f} m/s for each rad/s; the "
-        f"guide's "
-        f"formula says {turning @ w:.0f}.",
+        f"guide's formula says {turning @ w:.0f}.",
     )
 
 
@@ -204,12 +190,10 @@ def _spatial_twist() -> Slip:
     body = screws.adjoint(screws.inverse(home)) @ xi
     return Slip(
         "Spatial, not body (2.2.2)",
-        r"The twist of $\dot g g^{-1} = \hat\xi$ is seen from the fixed frame: it is the spatial velocity. The "
-        r"body's is "
-        r"$g^{-1}\dot g$.",
+        r"The twist of $\dot g g^{-1} = \hat\xi$ is seen from the fixed frame: it is the spatial velocity. The body's "
+        r"is $g^{-1}\dot g$.",
         f"For a joint 0.4 m from the origin: spatial $v = ({_numbers(xi[:3])})$, body $v = ({_numbers(body[:3])})$ "
-        f"m/s. "
-        f"Taken for each other they are {np.linalg.norm((xi - body)[:3]):.2f} m/s apart.",
+        f"m/s. Taken for each other they are {np.linalg.norm((xi - body)[:3]):.2f} m/s apart.",
     )
 
 
@@ -220,8 +204,7 @@ def _home_pose() -> Slip:
     return Slip(
         "The pose at the beginning (2.2.2)",
         r"$e^{\hat\xi\theta}$ moves what there is: $g(\theta) = e^{\hat\xi\theta} g(0)$. A tool that is not at the "
-        r"origin "
-        "when the joint stands at zero is missed by as much.",
+        r"origin when the joint stands at zero is missed by as much.",
         f"A tool 0.8 m out, the joint at 0.5 rad: without $g(0)$ the answer is "
         f"{np.linalg.norm((with_home - without)[:3, 3]):.2f} m off.",
     )
@@ -261,10 +244,9 @@ def _paired_signs() -> Slip:
     return Slip(
         "The signs of the two-link arm go together (3.2)",
         r"$\theta_2 = \pi \pm \alpha$ and $\theta_1 = \mathrm{atan2}(y, x) \pm \beta$ are two solutions, not four: "
-        r"both with "
-        "plus, or both with minus.",
-        f"With equal signs the tool is ${rough(max(missed[1, 1], missed[-1, -1]))}$ m from the target, with mixed ones "
-        f"{missed[1, -1]:.3f} m; the worst there is, $2l_2$, would be {2 * l2:.1f} m.",
+        r"both with plus, or both with minus.",
+        f"With equal signs the tool is ${rough(max(missed[1, 1], missed[-1, -1]))}$ m from the target, with mixed "
+        f"ones {missed[1, -1]:.3f} m; the worst there is, $2l_2$, would be {2 * l2:.1f} m.",
     )
 
 
@@ -276,11 +258,10 @@ def _one_solution() -> Slip:
     return Slip(
         "How many solutions, and where (3.2)",
         r"Two, where $|l_1 - l_2| < r < l_1 + l_2$; one at either edge, where $\alpha$ is $0$ or $\pi$; none beyond. "
-        r"At "
-        r"$r = 0$ with equal links $\theta_1$ is free. At an edge rounding takes the cosine past one: clamp it. And "
-        r"$\pi + \alpha$ wants wrapping.",
-        f"Stretched out, the two solutions are ${rough(apart)}$ apart. A nanometre further the cosine is "
-        f"$-1 - {rough(-1 - cosine)}$, whose arc cosine is not a number.",
+        r"At $r = 0$ with equal links $\theta_1$ is free. At an edge rounding takes the cosine past one: clamp it. "
+        r"And $\pi + \alpha$ wants wrapping.",
+        f"Stretched out, the two solutions are ${rough(apart)}$ apart. A nanometre further the cosine is $-1 - "
+        f"{rough(-1 - cosine)}$, whose arc cosine is not a number.",
     )
 
 

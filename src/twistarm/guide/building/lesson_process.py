@@ -2,8 +2,8 @@
 
     python -m twistarm.guide.building.lesson_process LESSON.py SCENES OUT.json
 
-The outcome is JSON: `title`, `body`, `sections` (name and title of each), `scenes` (files), `failed` (empty, or a
-sentence that says which cell and why), and `needs_script`.
+The outcome is JSON: `body`, `sections` (name and title of each), and `failed` (empty, or a sentence that says which
+cell and why).
 """
 
 from __future__ import annotations
@@ -22,9 +22,9 @@ from typing import Any
 
 from ...support.errors import one_line
 from ..teaching import outlet
-from ..teaching.html import fold, html_of
-from ..teaching.markup import block, program, slug
-from .cells import Cell, cells_of, title_of
+from ..teaching.html import fold, text
+from ..teaching.markup import program, slug
+from .cells import Cell, cells_of
 
 SPEECH = {f"guide.{name}" for name in ("figure", "practice", "predict", "say", "scene", "slider", "table")}
 """Calls that only say or show something."""
@@ -33,61 +33,41 @@ LONGEST_OUTPUT = 20_000
 """Characters of what a cell prints that a page shows."""
 
 
-class Run:
-    """A lesson that runs: its names, what its cells have shown, and the scenes that it has written."""
-
-    def __init__(self, path: Path, scenes: Path) -> None:
-        self.path, self._scenes = path, scenes
-        self._names: dict[str, Any] = {"__name__": "__main__", "__file__": str(path)}
-        self.shown: list[dict[str, Any]] = []
-        self.everything: list[dict[str, Any]] = []
-
-    def cell(self, cell: Cell) -> str:
-        """Run a cell; its output as HTML. What it raises is raised."""
-        self.shown = []
-        printed = io.StringIO()
-        # Lines are counted as in the file, so that an error names its own.
-        program = compile("\n" * (cell.line - 1) + cell.source, str(self.path), "exec")
-        with outlet.installed(self._show), redirect_stdout(printed):
-            exec(program, self._names)
-        self.everything += self.shown
-        text = printed.getvalue()[:LONGEST_OUTPUT].rstrip()
-        words = f'<pre class="printed" tabindex="0"><samp>{escape(text)}</samp></pre>' if text else ""
-        return words + "\n".join(map(html_of, self.shown))
-
-    def _show(self, shown: outlet.Shown) -> None:
-        data = shown.data(self._scenes)
-        if "files" in data:
-            data["files"] = [f"{self._scenes.name}/{name}" for name in data["files"]]
-        self.shown.append(data)
-
-
 def outcome(path: Path, scenes: Path) -> dict[str, Any]:
     """The lesson at `path`, run; a cell that fails ends it, and the text goes on."""
     cells = cells_of(path)
-    run = Run(path, scenes)
+    names: dict[str, Any] = {"__name__": "__main__", "__file__": str(path)}
     body, failed = [], ""
     for number, cell in enumerate(cells, start=1):
         if not cell.code:
-            body.append(f'<div class="text">{block(cell.source)}</div>')
+            body.append(text(cell.source))
             continue
         output = ""
         if not failed:
             try:
-                output = run.cell(cell)
+                output = _run(cell, path, scenes, names)
             except Exception as error:
                 failed = f"{path.stem}: cell {number} (line {_line(error, path, cell)}) failed: {_words(error)}"
                 output = f'<p class="failed" role="note">{escape(failed)}. The programs after it did not run.</p>'
         body.append(_code(cell, output))
-    shown = run.everything
     return {
-        "title": title_of(cells),
         "body": "\n".join(body),
         "sections": [(slug(title), title) for title in _sections(cells)],
-        "scenes": sorted({name for data in shown for name in data.get("files", ())}),
-        "needs_script": any(data["kind"] == "slider" for data in shown),
         "failed": failed,
     }
+
+
+def _run(cell: Cell, path: Path, scenes: Path, names: dict[str, Any]) -> str:
+    """Run a cell; its output as HTML. What it raises is raised."""
+    shown: list[str] = []
+    printed = io.StringIO()
+    # Lines are counted as in the file, so that an error names its own.
+    code = compile("\n" * (cell.line - 1) + cell.source, str(path), "exec")
+    with outlet.installed(lambda each: shown.append(each.html(scenes))), redirect_stdout(printed):
+        exec(code, names)
+    words = escape(printed.getvalue()[:LONGEST_OUTPUT].rstrip())
+    said = f'<pre class="printed" tabindex="0"><samp>{words}</samp></pre>' if words else ""
+    return said + "\n".join(shown)
 
 
 def _code(cell: Cell, output: str) -> str:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import hashlib
 from collections.abc import Iterable, Mapping
 from html import escape
 from importlib.resources import files
@@ -14,16 +13,9 @@ import twistarm
 from ...model.arm import Arm
 from ..course import LESSONS, PARTS, SECTIONS, lessons
 from ..exercises.files import HERE
-from ..teaching.html import html_of
+from ..teaching.html import text
 from ..teaching.markup import block, inline
-
-POLICY = (
-    "default-src 'none'; script-src 'nonce-{nonce}'; style-src-elem 'nonce-{nonce}'; style-src-attr 'unsafe-inline'; "
-    "img-src data:; frame-src 'self' file:"
-)
-"""Scripts and style sheets are those that the page names; figures have style attributes. A frame holds a scene, which
-lies beside the page: 'self' where it is served, file: where it is opened from disk.
-"""
+from .errata import Slip
 
 STYLE = "style.css"
 
@@ -46,12 +38,11 @@ def lesson_page(name: str, outcome: Mapping[str, Any], titles: Titles, arm: Arm)
     contents = f'<nav class="contents" aria-label="In this lesson"><ol>{items}</ol>{file}</nav>'
     return _page(
         kind="lesson",
-        title=f"{outcome['title']} · the guide",
+        title=f"{titles[name]} · the guide",
         body=outcome["body"],
+        arm=arm,
         contents=contents,
         neighbours=_neighbours(name, titles),
-        arm=arm,
-        script=bool(outcome["needs_script"]),
     )
 
 
@@ -77,13 +68,9 @@ def index_page(titles: Titles, arm: Arm, failed: Iterable[str]) -> str:
         '<th scope="col">Section</th><th scope="col">What is in it</th><th scope="col">Lesson</th></tr></thead>'
         f"<tbody>{rows}</tbody></table></div>"
     )
-    first = next(iter(titles), "")
-    onward = (
-        f'<nav class="neighbours" aria-label="Lessons"><span></span>{_turn(first, titles, "next")}</nav>'
-        if first
-        else ""
-    )
-    return _page(kind="index", title="The guide", body=body, contents="", neighbours=onward, arm=arm, here="index")
+    first = "".join(_turn(name, titles, "next") for name in list(titles)[:1])
+    onward = f'<nav class="neighbours" aria-label="Lessons"><span></span>{first}</nav>'
+    return _page(kind="index", title="The guide", body=body, arm=arm, neighbours=onward)
 
 
 INTRODUCTION = """This course teaches what the team's guide to manipulation begins, and finishes it; you need not know
@@ -115,23 +102,21 @@ For Octave or MATLAB: fill in the functions in the folder `octave`, run a script
 {HERE}/octave/results_rotations.csv`."""
 
 
-def errata_page(slips: Iterable[Mapping[str, str]], arm: Arm) -> str:
+def errata_page(slips: Iterable[Slip], arm: Arm) -> str:
     """What the team's guide says, what is right, and the number that shows it."""
     entries = "".join(
-        f'<section class="slip"><h2 id="slip-{number}">{number}. {slip["title"]}</h2>{block(slip["words"])}'
-        f"{html_of({'kind': 'text', 'markdown': slip['shown']})}</section>"
+        f'<section class="slip"><h2 id="slip-{number}">{number}. {slip.title}</h2>{block(slip.words)}'
+        f"{text(slip.shown)}</section>"
         for number, slip in enumerate(slips, start=1)
     )
     body = f"<h1>Errata of the guide</h1>{block(ERRATA)}{entries}"
-    return _page(
-        kind="errata", title="Errata · the guide", body=body, contents="", neighbours="", arm=arm, here="errata"
-    )
+    return _page(kind="errata", title="Errata · the guide", body=body, arm=arm)
 
 
 def before_page(arm: Arm) -> str:
     """What a reader knows before the first lesson, the letters and the words."""
-    body = f"<h1>Before you begin</h1>{html_of({'kind': 'text', 'markdown': site_text('before.md')})}"
-    return _page(kind="before", title="Before you begin", body=body, contents="", neighbours="", arm=arm, here="before")
+    body = f"<h1>Before you begin</h1>{text(site_text('before.md'))}"
+    return _page(kind="before", title="Before you begin", body=body, arm=arm)
 
 
 ERRATA = """For whoever has read the team's guide, the manual that this course finishes: where it slips, in our words,
@@ -139,20 +124,11 @@ and for each slip the number that shows it. Nothing here is typed by hand: the n
 built."""
 
 
-def _page(
-    *,
-    kind: str,
-    title: str,
-    body: str,
-    contents: str,
-    neighbours: str,
-    arm: Arm,
-    script: bool = False,
-    here: str = "",
-) -> str:
-    nonce = hashlib.sha256(body.encode()).hexdigest()[:24]
-    current = ' aria-current="page"'
+def _page(*, kind: str, title: str, body: str, arm: Arm, contents: str = "", neighbours: str = "") -> str:
+    scripts = SCRIPTS if "data-slider=" in body else ()
+    here = {name: ' aria-current="page"' if kind == name else "" for name in ("index", "before", "errata")}
     return Template(site_text("page.html")).substitute(
+        here,
         kind=kind,
         title=escape(title),
         body=body,
@@ -160,12 +136,7 @@ def _page(
         neighbours=neighbours,
         arm=escape(arm.name),
         version=twistarm.__version__,
-        policy=POLICY.format(nonce=nonce),
-        nonce=nonce,
-        script="".join(f'<script defer src="assets/{name}" nonce="{nonce}"></script>\n' for name in SCRIPTS if script),
-        here=current if here == "index" else "",
-        there=current if here == "errata" else "",
-        first=current if here == "before" else "",
+        script="".join(f'<script defer src="assets/{name}"></script>\n' for name in scripts),
     )
 
 

@@ -7,12 +7,11 @@ import os
 import signal
 import subprocess
 import sys
-import tempfile
-import threading
+import time
 from collections.abc import Iterator, Mapping, Sequence
-from concurrent.futures import ThreadPoolExecutor, as_completed
 from contextlib import suppress
 from pathlib import Path
+from tempfile import TemporaryDirectory
 from typing import Any
 
 from ...support.errors import one_line
@@ -32,64 +31,52 @@ def run_lessons(
     names: Sequence[str], arm: Mapping[str, Any], scenes: Path, timeout: float = TIMEOUT
 ) -> Iterator[tuple[str, Outcome]]:
     """The outcome of each lesson as it is there; none of their processes outlives the iteration."""
-    running: set[subprocess.Popen[bytes]] = set()
-    ended = threading.Event()
-    with tempfile.TemporaryDirectory(prefix="twistarm-guide-") as folder, ThreadPoolExecutor(AT_ONCE) as pool:
-
-        def run(name: str) -> Outcome:
-            return _run(name, arm, scenes, Path(folder), timeout, running, ended)
-
-        futures = {pool.submit(run, name): name for name in names}
+    waiting, running = list(names), dict[str, tuple[subprocess.Popen[bytes], float]]()
+    with TemporaryDirectory(prefix="twistarm-guide-") as folder:
         try:
-            for future in as_completed(futures):
-                yield futures[future], future.result()
+            while waiting or running:
+                while waiting and len(running) < AT_ONCE:
+                    process = _started(waiting[0], arm, scenes, Path(folder))
+                    running[waiting.pop(0)] = process, time.monotonic() + timeout
+                for name, (process, until) in list(running.items()):
+                    ended = process.poll() is not None
+                    if ended or time.monotonic() > until:
+                        _end(process)
+                        del running[name]
+                        late = f"was ended after {timeout:g} s"
+                        yield (
+                            name,
+                            _outcome(name, Path(folder), f"ended with code {process.returncode}" if ended else late),
+                        )
+                time.sleep(0.02)
         finally:
-            ended.set()
-            for future in futures:
-                future.cancel()
-            for process in list(running):
+            for process, _ in running.values():
                 _end(process)
 
 
-def _run(
-    name: str,
-    arm: Mapping[str, Any],
-    scenes: Path,
-    folder: Path,
-    timeout: float,
-    running: set[subprocess.Popen[bytes]],
-    ended: threading.Event,
-) -> Outcome:
-    result, log = folder / f"{name}.json", folder / f"{name}.log"
-    program = (sys.executable, "-m", "twistarm.guide.building.lesson_process")
-    command = [*program, str(lesson_file(name)), str(scenes), str(result)]
+def _started(name: str, arm: Mapping[str, Any], scenes: Path, folder: Path) -> subprocess.Popen[bytes]:
+    command = (sys.executable, "-m", "twistarm.guide.building.lesson_process", str(lesson_file(name)), str(scenes))
     # One thread each: two lessons at once fill two cores.
     threads = dict.fromkeys(("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS"), "1")
     environment = {**os.environ, **threads, VARIABLE: json.dumps(arm), "PYTHONWARNINGS": "ignore"}
-    with log.open("wb") as output:
-        process = subprocess.Popen(
-            command,
+    with (folder / f"{name}.log").open("wb") as log:
+        return subprocess.Popen(
+            [*command, str(folder / f"{name}.json")],
             stdin=subprocess.DEVNULL,
-            stdout=output,
-            stderr=output,
+            stdout=log,
+            stderr=log,
             env=environment,
             start_new_session=True,
         )
-    running.add(process)
-    try:
-        if ended.is_set():
-            raise subprocess.TimeoutExpired(command, 0)
-        process.wait(timeout)
-    except subprocess.TimeoutExpired:
-        return _failed(name, f"was ended after {timeout:g} s")
-    finally:
-        _end(process)
-        running.discard(process)
-    if not result.is_file():
-        said = log.read_text("utf-8", errors="replace").strip().rpartition("\n")[2]
-        return _failed(name, f"ended with code {process.returncode}: {one_line(said, 300)}")
-    outcome: Outcome = json.loads(result.read_text("utf-8"))
-    return outcome
+
+
+def _outcome(name: str, folder: Path, how_it_ended: str) -> Outcome:
+    with suppress(OSError, ValueError):
+        outcome: Outcome = json.loads((folder / f"{name}.json").read_text("utf-8"))
+        return outcome
+    said = (folder / f"{name}.log").read_text("utf-8", errors="replace").strip().rpartition("\n")[2]
+    words = f"{name}: {how_it_ended}" + (f": {one_line(said, 300)}" if said else "")
+    return {"body": "", "sections": [], "failed": words}
 
 
 def _end(process: subprocess.Popen[bytes]) -> None:
@@ -97,8 +84,3 @@ def _end(process: subprocess.Popen[bytes]) -> None:
     with suppress(ProcessLookupError, PermissionError):
         os.killpg(process.pid, signal.SIGKILL)
     process.wait()
-
-
-def _failed(name: str, why: str) -> Outcome:
-    words = f"{name}: {why}"
-    return {"title": name, "body": "", "sections": [], "scenes": [], "needs_script": False, "failed": words}

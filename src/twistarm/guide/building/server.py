@@ -3,18 +3,17 @@
 from __future__ import annotations
 
 import errno
-import posixpath
+from functools import partial
 from http import HTTPStatus
 from http.server import SimpleHTTPRequestHandler, ThreadingHTTPServer
 from pathlib import Path
 from typing import Any
-from urllib.parse import unquote, urlsplit
 
 from ...support.errors import InputError
 
 HOST = "127.0.0.1"
 
-NAMES = ("127.0.0.1", "localhost", "[::1]")
+NAMES = (HOST, "localhost", "[::1]")
 """Hosts that a browser of this machine may ask for; another name has been made to lead here."""
 
 
@@ -25,9 +24,8 @@ class SiteServer:
     """
 
     def __init__(self, folder: Path, port: int = 0) -> None:
-        handler = type("Handler", (_Handler,), {"folder": folder})
         try:
-            self._server = ThreadingHTTPServer((HOST, port), handler)
+            self._server = ThreadingHTTPServer((HOST, port), partial(_Handler, directory=str(folder)))
         except (OSError, OverflowError) as error:
             in_use = getattr(error, "errno", None) == errno.EADDRINUSE
             why = "is in use" if in_use else f"cannot be had ({error})"
@@ -55,26 +53,20 @@ class SiteServer:
 
 
 class _Handler(SimpleHTTPRequestHandler):
-    """Files of the folder by GET; no listings, nothing outside of it."""
+    """Files of the folder by GET, to this machine's own browsers; no listings."""
 
-    folder: Path
     server_version = "twistarm"
     sys_version = ""
-
-    def __init__(self, *arguments: Any) -> None:
-        super().__init__(*arguments, directory=str(self.folder))
 
     def send_head(self) -> Any:
         host = self.headers.get("Host", "")
         if host.rpartition(":")[0] not in NAMES and host not in NAMES:
             self.send_error(HTTPStatus.FORBIDDEN, "this page is for this machine alone")
             return None
-        path = posixpath.normpath(unquote(urlsplit(self.path).path)).lstrip("/") or "index.html"
-        place = (self.folder / path).resolve()
-        if not place.is_relative_to(self.folder.resolve()) or not place.is_file():
-            self.send_error(HTTPStatus.NOT_FOUND)
-            return None
         return super().send_head()
+
+    def list_directory(self, path: Any) -> Any:
+        self.send_error(HTTPStatus.NOT_FOUND)
 
     def end_headers(self) -> None:
         self.send_header("Cache-Control", "no-cache")

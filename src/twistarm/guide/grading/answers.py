@@ -2,14 +2,16 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+import inspect
+from collections.abc import Callable
+from contextlib import suppress
 from dataclasses import dataclass
+from traceback import walk_tb
 from typing import Any
 
 import numpy as np
 
 from ...support.checks import Array
-from ...support.errors import one_line
 
 Form = Any
 """The shape of a number, () , or of an array; a tuple ("parts", form, …) of several; a text for what is neither."""
@@ -17,25 +19,56 @@ Form = Any
 UNDEFINED = ("ValueError", "ZeroDivisionError", "FloatingPointError", "OverflowError")
 """Errors of functions such as math.acos where NumPy's give NaN or infinity: the same slip shows as either."""
 
+LARGEST = 10_000
+"""Numbers of an answer; a larger one is told by its shape alone."""
+
+
+@dataclass(frozen=True)
+class Failure:
+    """An error that a function or a file raised: its type, its text, and the last line of the reader's file in it.
+
+    `module` is what could not be imported; `signature` that of a function that does not take what it is given.
+    """
+
+    kind: str
+    text: str = ""
+    line: int = 0
+    module: str = ""
+    signature: str = ""
+
+    @classmethod
+    def of(cls, error: BaseException, file: str, function: Any = None, given: int = 0) -> Failure:
+        """What is to be told of an error; `file` is the name under which the reader's code was compiled."""
+        lines = [line for frame, line in walk_tb(error.__traceback__) if frame.f_code.co_filename == file]
+        module = error.name or "" if isinstance(error, ImportError) else ""
+        signature = ""
+        if function is not None and isinstance(error, TypeError):
+            try:
+                inspect.signature(function).bind(*[None] * given)
+            except TypeError:
+                signature = str(inspect.signature(function))[:200]
+            except ValueError:  # a class of C has none
+                pass
+        return cls(type(error).__name__, str(error)[:300], lines[-1] if lines else 0, module, signature)
+
 
 @dataclass(frozen=True)
 class Answer:
     """One answer: its value (a number, an array, a list of values, None), its form and its numbers.
 
-    `error` is what was raised in its place, as the worker tells it; `changed` are the arguments that were changed.
+    `error` is what was raised in its place; `changed` are the arguments that were changed; `strange` says what came
+    back where it is no value.
     """
 
     value: Any = None
-    error: Mapping[str, Any] | None = None
+    error: Failure | None = None
     changed: tuple[int, ...] = ()
     strange: str = ""
 
     @property
     def form(self) -> Form:
         """A shape, forms of parts, or a text."""
-        if self.error is not None:
-            return "error"
-        return self.strange or form_of(self.value)
+        return "error" if self.error is not None else self.strange or form_of(self.value)
 
     @property
     def numbers(self) -> Array:
@@ -46,31 +79,67 @@ class Answer:
     def undefined(self) -> bool:
         """Whether it is no number, or an error that says so."""
         if self.error is not None:
-            return self.error["type"] in UNDEFINED
+            return self.error.kind in UNDEFINED
         return not self.strange and not bool(np.isfinite(self.numbers).all())
 
 
-def plain(value: Any) -> Any:
-    """A value with every list or tuple of equal parts made an array, as deep as it goes."""
-    if isinstance(value, (list, tuple)):
-        parts = [plain(each) for each in value]
-        if parts and all(not isinstance(each, list) and each is not None for each in parts):
-            shapes = {np.shape(each) for each in parts}
-            if len(shapes) == 1:
-                return np.array(parts, float)
-        return parts
+def of_function(function: Callable[..., Any], arguments: tuple[Any, ...], file: str = "") -> Answer:
+    """The answer of a function; its errors are answers too, and name lines of `file`, that of a reader's function."""
+    given = [each.copy() if isinstance(each, np.ndarray) else each for each in arguments]
+    value, error, strange = None, None, ""
+    try:
+        with np.errstate(all="ignore"):
+            value = function(*given)
+    except BaseException as raised:  # a reader's function may raise anything
+        if not file and not isinstance(raised, Exception):
+            raise
+        error = Failure.of(raised, file, function, len(given))
+    try:
+        value = plain(value)
+    except TypeError as what:
+        value, strange = None, str(what)
+    changed = tuple(i for i, (now, before) in enumerate(zip(given, arguments, strict=True)) if not _same(now, before))
+    return Answer(value, error, changed, strange)
+
+
+def _same(one: Any, other: Any) -> bool:
+    return bool(np.array_equal(one, other, equal_nan=isinstance(one, np.ndarray)))
+
+
+def plain(value: Any, depth: int = 0) -> Any:
+    """A value with every list or tuple of equal parts made an array, as deep as it goes; TypeError for what is none."""
+    if value is None:
+        return None
+    if isinstance(value, (int, float, np.integer, np.floating, np.bool_)):
+        try:
+            return float(value)
+        except OverflowError:
+            return float("inf")
     if isinstance(value, np.ndarray):
-        return np.asarray(value, float)
-    return None if value is None else float(value)
+        if value.dtype.kind not in "biuf":
+            raise TypeError(f"a value of type array of {value.dtype}")
+        return np.array(_bounded(value, value.shape), float)
+    if isinstance(value, (list, tuple)) and depth < 5:
+        parts = [plain(each, depth + 1) for each in _bounded(value, (len(value),))]
+        alike = parts and not any(each is None or isinstance(each, list) for each in parts)
+        return np.array(parts, float) if alike and len(set(map(np.shape, parts))) == 1 else parts
+    if depth == 0 and hasattr(type(value), "__array__"):
+        with suppress(Exception):
+            return plain(np.asarray(value), 1)
+    raise TypeError(f"a value of type {type(value).__name__}")
+
+
+def _bounded(value: Any, shape: tuple[int, ...]) -> Any:
+    if np.prod(shape) > LARGEST:
+        raise TypeError(f"a very large array of shape {shape}")
+    return value
 
 
 def form_of(value: Any) -> Form:
     """The form of a value that is plain."""
     if value is None:
         return "None"
-    if isinstance(value, list):
-        return ("parts", *(form_of(each) for each in value))
-    return np.shape(value)
+    return ("parts", *map(form_of, value)) if isinstance(value, list) else np.shape(value)
 
 
 def flat(value: Any) -> Array:
@@ -78,7 +147,7 @@ def flat(value: Any) -> Array:
     if value is None:
         return np.zeros(0)
     if isinstance(value, list):
-        return np.concatenate([flat(each) for each in value]) if value else np.zeros(0)
+        return np.concatenate([np.zeros(0), *map(flat, value)])
     return np.ravel(np.asarray(value, float))
 
 
@@ -89,40 +158,3 @@ def in_words(form: Form) -> str:
     if form and form[0] == "parts":
         return f"{len(form) - 1} values ({', '.join(map(in_words, form[1:]))})"
     return "one number" if form == () else f"an array of shape {tuple(form)}"
-
-
-def of_worker(told: Any) -> Answer:
-    """The answer that the worker encoded; something strange where it is none."""
-    if not isinstance(told, Mapping):
-        return Answer(strange="what cannot be read")
-    changed = tuple(told.get("changed", ()))
-    if "error" in told:
-        return Answer(error=told["error"], changed=changed)
-    try:
-        return Answer(plain(_decoded(told)), changed=changed)
-    except (TypeError, ValueError, KeyError) as error:
-        return Answer(strange=one_line(str(error), 100), changed=changed)
-
-
-def of_function(function: Any, arguments: tuple[Any, ...]) -> Answer:
-    """The answer of a function of our own; its errors are answers too."""
-    given = tuple(each.copy() if isinstance(each, np.ndarray) else each for each in arguments)
-    try:
-        with np.errstate(all="ignore"):
-            return Answer(plain(function(*given)))
-    except Exception as error:  # a wrong function may raise anything
-        return Answer(error={"type": type(error).__name__, "text": str(error), "line": 0})
-
-
-def _decoded(told: Mapping[str, Any]) -> Any:
-    if "none" in told:
-        return None
-    if "number" in told:
-        return float(told["number"])
-    if "array" in told:
-        return np.array(told["array"], float).reshape(told["shape"])
-    if "items" in told:
-        return [_decoded(each) for each in told["items"]]
-    if "large" in told:
-        raise ValueError(f"a very large array of shape {tuple(told['large'])}")
-    raise ValueError(f"a value of type {told['other']}")

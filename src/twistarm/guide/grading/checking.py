@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -11,12 +11,12 @@ from ...model.arm import Arm
 from ...support.errors import InputError, UnknownNameError, closest, listed, one_line, shown
 from ...support.files import read_bounded, why_no_file
 from ..exercises import LESSONS, Exercise, every_exercise, exercises_of
-from .answers import of_worker
+from .answers import Answer
 from .progress import kept
 from .report import Report
 from .results import HEADER, verdicts_on
-from .sandbox import SECONDS, Run, run, run_function
-from .verdict import Case, Verdict, cases_of, judged, why_no_module
+from .running import SECONDS, Run, run, run_function
+from .verdict import Case, Verdict, cases_of, judged, why_stopped
 
 LARGEST_FILE = 2**24
 """Bytes of a reader's file or of a results file."""
@@ -47,7 +47,7 @@ def check(function: Callable[..., Any], arm: Arm, seed: int = 0) -> Report:
         raise UnknownNameError(f"there is no exercise {name!r}{closest(name, exercises)}")
     cases = cases_of(exercises[name], arm, seed)
     done = run_function(function, {name: [case.arguments for case in cases]})
-    answers = done.answers.get(name, done.ended or "gave no answer")
+    answers = done.answers.get(name, done.ended)
     report = Report(name, (_verdict(exercises[name], cases, answers),), printed=done.printed)
     kept(Path(), report, only_there=True)
     return report
@@ -74,23 +74,23 @@ def check_file(path: Path, arm: Arm, seed: int = 0, seconds: float = SECONDS) ->
     text = _text(path)
     if text.startswith(HEADER):
         return Report(path.name, tuple(verdicts_on(text, path)))
-    expected, mentioned = _exercises_in(text, path)
-    cases = {name: cases_of(each, arm, seed) for name, each in mentioned.items()}
+    expected = {each.name for each in exercises_of(path.stem)} if path.stem in LESSONS else set()
+    mentioned = expected | set(re.findall(r"\w+", text))
+    exercises = {name: each for name, each in every_exercise().items() if name in mentioned}
+    cases = {name: cases_of(each, arm, seed) for name, each in exercises.items()}
     instances = {name: [case.arguments for case in rows] for name, rows in cases.items()}
     done = run(text, path.name, path.absolute().parent, instances, seconds)
-    if problem := _problem(done):
-        return Report(path.name, problem=problem, excerpt=_excerpt(done), printed=done.printed)
+    problem, excerpt = _problem(done)
     verdicts = [
         _verdict(each, cases[name], done.answers[name]) if name in done.answers else _missing(each, done)
-        for name, each in mentioned.items()
+        for name, each in exercises.items()
         if name in done.answers or name in expected
     ]
-    if not verdicts:
+    if not problem and not verdicts:
         there = f"its functions are {listed(done.own)}" if done.own else "it defines no functions"
         near = next((words for name in done.own if (words := closest(name, every_exercise()))), "")
         problem = f"it has none of the exercises: {there}{near}; `twistarm guide exercises` writes files to fill in"
-        return Report(path.name, problem=problem, printed=done.printed)
-    return Report(path.name, tuple(verdicts), printed=done.printed)
+    return Report(path.name, () if problem else tuple(verdicts), problem, excerpt, done.printed)
 
 
 def _text(path: Path) -> str:
@@ -107,59 +107,33 @@ def _text(path: Path) -> str:
         ) from error
 
 
-def _exercises_in(text: str, path: Path) -> tuple[Mapping[str, Exercise], Mapping[str, Exercise]]:
-    """The exercises that are expected in a file, and those that it may hold, the former among them."""
-    expected = {each.name: each for each in exercises_of(path.stem)} if path.stem in LESSONS else {}
-    words = set(re.findall(r"\w+", text))
-    mentioned = {name: each for name, each in every_exercise().items() if name in words or name in expected}
-    return expected, mentioned
-
-
-def _problem(done: Run) -> str:
-    """Why a file cannot be used at all, in a sentence."""
+def _problem(done: Run) -> tuple[str, tuple[str, ...]]:
+    """Why a file cannot be used at all, in a sentence, and the line with a syntax error, with a caret below."""
     if done.syntax is not None:
-        message, line, _, _ = done.syntax
-        return f"line {line}: {message}" if line else one_line(message, 200)
+        message, line, column, text = done.syntax
+        text = text.rstrip("\n")
+        at = max(column - 1 - (len(text) - len(text.lstrip())), 0)
+        excerpt = (f"    {text.strip()}", "    " + " " * at + "^") if text.strip() else ()
+        return f"line {line}: {message}" if line else one_line(message, 200), excerpt
     if done.ended:
-        return f"while it was read it {done.ended}"
+        return f"while it was read it {done.ended}", ()
     if done.failed is None:
-        return ""
-    error = done.failed
-    where = f"line {error['line']}: " if error.get("line") else ""
-    if error.get("module") and error["type"] == "ModuleNotFoundError":
-        return f"{where}it imports {error['module']}, {why_no_module(error['module'])}"
-    if error["type"] == "SystemExit":
-        return f"{where}it ends the program (sys.exit): leave that out"
-    if error["type"] == "EOFError":
-        return f"{where}it reads from the keyboard (input): leave that out"
-    if error["type"] == "MemoryError":
-        return f"{where}it takes more than 1 GB of memory"
-    text = one_line(f"{error['type']}: {error['text']}".rstrip(": "), 200)
-    return f"{where}it stops with {text}"
-
-
-def _excerpt(done: Run) -> tuple[str, ...]:
-    """The line with a syntax error, and a caret below."""
-    if done.syntax is None or not done.syntax[3].strip():
-        return ()
-    _, _, column, text = done.syntax
-    lead = len(text) - len(text.lstrip())
-    return f"    {text.strip()}", "    " + " " * max(column - 1 - lead, 0) + "^"
+        return "", ()
+    where = f"line {done.failed.line}: " if done.failed.line else ""
+    return f"{where}it {why_stopped(done.failed)}", ()
 
 
 def _missing(exercise: Exercise, done: Run) -> Verdict:
     if exercise.name in done.functions:
         words = "it is imported, and counts where you define it: write it in this file"
-        return Verdict(exercise.name, exercise.lesson, "unwritten", words)
-    others = [name for name in done.own if name not in every_exercise()]
-    near = closest(exercise.name, others)
-    words = f"there is no function {exercise.name}" + (
-        f"; did you mean it by {near[len('; closest: ') :]}?" if near else ""
-    )
+    else:
+        near = closest(exercise.name, [name for name in done.own if name not in every_exercise()])
+        meant = f"; did you mean it by {near[len('; closest: ') :]}?" if near else ""
+        words = f"there is no function {exercise.name}{meant}"
     return Verdict(exercise.name, exercise.lesson, "unwritten", words)
 
 
-def _verdict(exercise: Exercise, cases: Sequence[Case], answers: list[Any] | str) -> Verdict:
+def _verdict(exercise: Exercise, cases: Sequence[Case], answers: list[Answer] | str) -> Verdict:
     if isinstance(answers, str):
         return Verdict(exercise.name, exercise.lesson, "unusable", f"It {answers}")
-    return judged(exercise, cases, [of_worker(each) for each in answers])
+    return judged(exercise, cases, answers)

@@ -17,8 +17,8 @@ import numpy as np
 from ...model.arm import Arm
 from ...support.errors import InputError, UnknownNameError, closest, one_line
 from ..exercises import Exercise, every_exercise
-from .answers import Answer, form_of, plain
-from .verdict import Case, Verdict, judged, of_function_checked
+from .answers import Answer, Failure, form_of, of_function
+from .verdict import Case, Verdict, judged
 
 HEADER = "# twistarm guide results 1"
 """The first line of such a file."""
@@ -121,8 +121,8 @@ def _case(exercise: Exercise, entry: dict[str, Any], path: Path) -> Case:
     if sorted(given) != list(range(1, len(forms) + 1)):
         raise InputError(f"{path}: {exercise.name} takes {len(forms)} arguments; the file has {len(given)}")
     arguments = tuple(_as(given[i + 1], form) for i, form in enumerate(forms))
-    expected = of_function_checked(exercise.reference, arguments)
-    if expected is None:
+    expected = of_function(exercise.reference, arguments)
+    if expected.error is not None or expected.undefined:
         raise InputError(f"{path}: the arguments of {exercise.name} are not those of the script: run it again")
     return Case(arguments, expected)
 
@@ -145,14 +145,11 @@ def _as(numbers: Any, axes: int) -> Any:
 
 def _answer(entry: dict[str, Any], case: Case) -> Answer:
     """An answer in the form that is expected, if it is that but for being a row or a column."""
-    if "error" in entry:
-        unwritten = "not written yet" in entry["error"]
-        kind = "NotImplementedError" if unwritten else "an error"
-        return Answer(error={"type": kind, "text": entry["error"], "line": 0})
-    numbers = entry.get("answer")
-    if numbers is None:
-        return Answer(error={"type": "an error", "text": "it gave no answer", "line": 0})
+    text = entry.get("error", None if "answer" in entry else "it gave no answer")
+    if text is not None:
+        return Answer(error=Failure("NotImplementedError" if "not written yet" in text else "an error", text))
+    numbers = entry["answer"]
     form = form_of(case.expected.value)
     if len(form) < 2 and 1 in numbers.shape and numbers.size == int(np.prod(form)):
         numbers = numbers.reshape(form)
-    return Answer(plain(numbers))
+    return of_function(lambda: numbers, ())

@@ -13,7 +13,7 @@ import numpy as np
 from ...model.arm import Arm
 from ...support.errors import one_line
 from ..exercises.exercise import Exercise, whole
-from .answers import Answer, flat, form_of, in_words, of_function
+from .answers import Answer, Failure, flat, form_of, in_words, of_function
 
 SEEN_DIGITS = 4
 
@@ -22,6 +22,18 @@ THEORY = ("screws", "poe", "rotations", "joints")
 
 LARGEST_SHOWN = 16
 """Numbers of an array that a sentence can show."""
+
+STOPS = {
+    "SystemExit": ("ends the program (sys.exit)", ": leave that out", ": return the answer instead."),
+    "EOFError": (
+        "reads from the keyboard (input)",
+        ": leave that out",
+        ": everything that it needs stands in its arguments.",
+    ),
+    "MemoryError": ("takes more than 1 GB of memory", "", ": how large do its arrays get?"),
+    "RecursionError": ("calls itself without end", "", "."),
+}
+"""Errors in words, and what to do about them in a file and in a function."""
 
 
 @dataclass(frozen=True)
@@ -56,19 +68,13 @@ def cases_of(exercise: Exercise, arm: Arm, seed: int) -> list[Case]:
     return [Case(row, of_function(exercise.reference, row)) for row in rows]
 
 
-def of_function_checked(function: Any, arguments: tuple[Any, ...]) -> Answer | None:
-    """The answer of a reference; None where its arguments make no sense."""
-    answer = of_function(function, arguments)
-    return None if answer.error is not None or answer.undefined else answer
-
-
 def judged(exercise: Exercise, cases: Sequence[Case], answers: Sequence[Answer]) -> Verdict:
     """The verdict on a function's answers to those cases."""
 
     def verdict(state: str, words: str, slip: str = "") -> Verdict:
         return Verdict(exercise.name, exercise.lesson, state, words, slip)
 
-    if any(each.error is not None and each.error["type"] == "NotImplementedError" for each in answers):
+    if any(each.error is not None and each.error.kind == "NotImplementedError" for each in answers):
         return verdict("unwritten", "not written yet")
     if len(answers) < len(cases):
         return verdict("unusable", "It gave fewer answers than it was asked for")
@@ -112,7 +118,7 @@ def _right(exercise: Exercise, case: Case, answer: Answer) -> bool:
 def _alike(exercise: Exercise, case: Case, answer: Answer, slip: Answer) -> bool:
     """Whether a slip explains an answer: the same form and numbers, NaN like NaN, or like the error in its place."""
     if answer.error is not None and slip.error is not None:
-        return bool(answer.error["type"] == slip.error["type"])
+        return answer.error.kind == slip.error.kind
     if answer.error is not None or slip.error is not None:
         return answer.undefined and slip.undefined
     return answer.form == slip.form and _close(exercise, case, answer, slip)
@@ -160,37 +166,45 @@ def _part_that_differs(exercise: Exercise, right: Any, yours: Any) -> tuple[str,
     return f"Number {', '.join(str(k + 1) for k in first)} of ", right[first], yours[first]
 
 
-def _of_error(exercise: Exercise, error: Any, call: str) -> str:
-    where = f" in line {error['line']}" if error.get("line") else ""
-    if error.get("calls"):
+def _of_error(exercise: Exercise, error: Failure, call: str) -> str:
+    if error.signature:
         wanted = ", ".join(exercise.parameters)
-        return f"It takes {error['calls']} and is called with ({wanted}): give it these arguments, in this order."
-    if error["type"] == "SystemExit":
-        return f"It ends the program (sys.exit){where}: return the answer instead."
-    if error["type"] == "EOFError":
-        return f"It reads from the keyboard (input){where}: everything that it needs stands in its arguments."
-    if error["type"] == "MemoryError":
-        return f"It takes more than 1 GB of memory{where}: how large do its arrays get?"
-    if error["type"] == "RecursionError":
-        return f"It calls itself without end{where}."
-    if error["type"] in ("ModuleNotFoundError", "ImportError") and error.get("module"):
-        return f"It imports {error['module']}{where}, {why_no_module(error['module'])}."
-    if error["type"] in ("AttributeError", "TypeError") and (words := _of_a_name_taken(exercise, error)):
+        return f"It takes {error.signature} and is called with ({wanted}): give it these arguments, in this order."
+    where = f" in line {error.line}" if error.line else ""
+    if error.kind in STOPS:
+        what, _, advice = STOPS[error.kind]
+        return f"It {what}{where}{advice}"
+    if error.module:
+        return f"It imports {error.module}{where}, {why_no_module(error.module)}."
+    if error.kind in ("AttributeError", "TypeError") and (words := _of_a_name_taken(exercise, error.text)):
         return f"It stops{where}: {words}."
-    text = one_line(f"{error['type']}: {error['text']}".rstrip(": "), 200)
-    return f"It stops{where} with {text}; it was asked for {call}."
+    return f"It stops{where} with {_as_raised(error)}; it was asked for {call}."
 
 
-def _of_a_name_taken(exercise: Exercise, error: Any) -> str:
+def why_stopped(error: Failure) -> str:
+    """What a file does that stops with an error while it is read, after "it"."""
+    if error.kind in STOPS and error.kind != "RecursionError":
+        what, advice, _ = STOPS[error.kind]
+        return what + advice
+    if error.module and error.kind == "ModuleNotFoundError":
+        return f"imports {error.module}, {why_no_module(error.module)}"
+    return f"stops with {_as_raised(error)}"
+
+
+def _as_raised(error: Failure) -> str:
+    return one_line(f"{error.kind}: {error.text}".rstrip(": "), 200)
+
+
+def _of_a_name_taken(exercise: Exercise, text: str) -> str:
     """What is wrong where an argument is used as the module or the function of the same name; else nothing."""
-    missing = re.fullmatch(r"'numpy.ndarray' object has no attribute '(\w+)'", error["text"])
+    missing = re.fullmatch(r"'numpy.ndarray' object has no attribute '(\w+)'", text)
     meant = next((part for part in THEORY if missing and missing[1] in exported(part)), "")
     if missing and meant:
         return (
             f"an array has no function {missing[1]}: where an argument has the name {meant}, it hides the module; "
             "give the argument another name"
         )
-    if "'numpy.ndarray' object is not callable" in error["text"]:
+    if "'numpy.ndarray' object is not callable" in text:
         return f"an argument ({', '.join(exercise.parameters)}) is called as a function: is yours of the same name?"
     return ""
 

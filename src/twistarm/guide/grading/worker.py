@@ -1,202 +1,120 @@
-"""The process in which a reader's file runs: a program by itself, which imports nothing of twistarm.
+"""What a copy of this process does with a reader's code, and tells as pairs.
 
-It reads its job, JSON, from standard input: {"name", "source", "folder", "memory", "mark", "exercises": {name:
-[arguments]}}. What it finds it writes, a JSON object a line, to the descriptor that its first argument numbers; each
-line begins with the job's mark, by which the grader knows it from what the reader's code writes there. What that code
-does to modules must not change what is told of it: everything that is needed then is bound before.
+("syntax", (message, line, column, text)), ("failed", Failure) and ("loaded", (functions, own ones)) are of a file;
+("begin", name) and ("answers", (name, list of `Answer`)) of each exercise; ("printed", text) of either.
 """
 
 from __future__ import annotations
 
-import builtins
-import inspect
-import json
-import linecache
+import io
 import os
 import resource
 import sys
-import traceback
 import types
 import warnings
-from collections.abc import Callable
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from contextlib import suppress
+from pathlib import Path
 from typing import Any
 
-import numpy as np
+from .answers import Answer, Failure, of_function
 
-LARGEST = 10_000
-"""Numbers of an answer; a larger one is told by its shape alone."""
+MEMORY = 2**30
+"""Bytes that the code may take, where the system has such a limit."""
 
-encode, write, leave, own_id, extract, new_module = (
-    json.JSONEncoder().encode,
-    os.write,
-    os._exit,
-    os.getpid,
-    traceback.extract_tb,
-    types.ModuleType,
-)
+OUTPUT = 10_000
+"""Characters of what is printed that are kept; the rest is forgotten."""
+
+IN_SANDBOX = "TWISTARM_GUIDE_GRADING"
+"""Set where a reader's code is graded: a `check` in it does nothing then."""
+
 FUNCTIONS = (types.FunctionType, types.BuiltinFunctionType, type)
-asarray, NDARRAY, NUMBERS = np.asarray, np.ndarray, (int, float, np.integer, np.floating, np.bool_)
-whole_builtins, kept_builtins = vars(builtins), dict(vars(builtins))
+
+Functions = Mapping[str, Callable[..., Any]]
+Instances = Mapping[str, Sequence[tuple[Any, ...]]]
+Tell = Callable[[tuple[str, Any]], None]
 
 
-def main() -> None:
-    """Do the job, and leave at once: nothing that the reader's code registered runs afterwards."""
-    job = json.load(sys.stdin)
-    tell = teller(int(sys.argv[1]), job["mark"])
-    os.dup2(os.open(os.devnull, os.O_RDONLY), 0)  # the job is read once: the mark is not for the reader's code
-    limit(job["memory"])
-    sys.path.append(job["folder"])
+class Printed(io.TextIOBase):
+    """Standard output whose beginning is told."""
+
+    def __init__(self, tell: Tell) -> None:
+        self._tell, self._left = tell, OUTPUT
+
+    def write(self, text: str) -> int:
+        """Tell what there is room for."""
+        kept = text[: self._left]
+        self._left -= len(kept)
+        if kept:
+            self._tell(("printed", kept))
+        return len(text)
+
+
+def grade(functions: Callable[[Tell], Functions], instances: Instances, file: str, tell: Tell) -> None:
+    """Be the copy: find the functions, have them answer, and end with all that they registered or started."""
+    try:
+        _prepare(tell)
+        found = functions(tell)
+        for name, rows in instances.items():
+            if name in found:
+                tell(("begin", name))
+                tell(("answers", (name, list(_answers(found[name], rows, file)))))
+    finally:
+        os._exit(0)
+
+
+def _prepare(tell: Tell) -> None:
+    """Let go of the terminal or the notebook, and take at most `MEMORY` more than now."""
+    os.setsid()
+    nothing = os.open(os.devnull, os.O_RDWR)
+    for standard in range(3):
+        os.dup2(nothing, standard)
+    sys.stdin, sys.stdout = io.StringIO(), Printed(tell)
+    sys.stderr = sys.stdout
+    os.environ[IN_SANDBOX] = "1"
     warnings.simplefilter("ignore")
-    try:
-        module = _loaded(job, tell)
-        if module is not None:
-            for name, instances in job["exercises"].items():
-                if callable(vars(module).get(name)) and not imported(vars(module)[name], module):
-                    answer(name, vars(module)[name], instances, job["name"], tell)
-        sys.stdout.flush()
-    finally:  # whatever was changed so that not even this goes on
-        leave(0)
+    with suppress(OSError, ValueError):
+        resource.setrlimit(resource.RLIMIT_CORE, (0, 0))
+        pages = int(Path("/proc/self/statm").read_text("ascii").split()[0])
+        most = MEMORY + pages * resource.getpagesize()
+        resource.setrlimit(resource.RLIMIT_AS, (most, most))
 
 
-def teller(channel: int, mark: str) -> Callable[..., None]:
-    """A function that writes an event to a descriptor, on a line of its own that begins with `mark`."""
-    process = own_id()
-
-    def tell(**event: Any) -> None:
-        if own_id() != process:  # what os.fork in the reader's code made: one that tells is enough
-            leave(0)
-        line = f"\n{mark}{encode(event)}\n".encode()
-        while line:
-            line = line[write(channel, line) :]
-
-    return tell
+def _answers(function: Callable[..., Any], rows: Sequence[tuple[Any, ...]], file: str) -> Iterator[Answer]:
+    """What a function answers, until it says that it is not written."""
+    for row in rows:
+        answer = of_function(function, row, file)
+        yield answer
+        if answer.error is not None and answer.error.kind == "NotImplementedError":
+            return
 
 
-def limit(memory: int) -> None:
-    """At most so many bytes of memory more than now, and no core files, where the platform has such limits."""
-    most_memory = memory + _size()
-    for name, most in (("RLIMIT_AS", most_memory), ("RLIMIT_DATA", most_memory), ("RLIMIT_CORE", 0)):
-        kind = getattr(resource, name, None)
-        if kind is not None:
-            try:
-                resource.setrlimit(kind, (most, most))
-            except (OSError, ValueError):
-                continue
-
-
-def _size() -> int:
-    """Bytes of address space that the process has already; 0 where the system does not tell."""
-    try:
-        with open("/proc/self/statm") as file:
-            return int(file.read().split()[0]) * resource.getpagesize()
-    except (OSError, ValueError):
-        return 0
-
-
-def _loaded(job: dict[str, Any], tell: Callable[..., None]) -> types.ModuleType | None:
-    """The reader's file as a module; None, and told why, where it cannot be run."""
-    name, source = job["name"], job["source"]
-    linecache.cache[name] = (len(source), None, source.splitlines(True), name)
+def load(source: str, name: str, folder: Path, tell: Tell) -> Functions:
+    """The functions of a reader's file that are its own; none, and told why, where it cannot be run."""
     try:
         code = compile(source, name, "exec", dont_inherit=True)
     except SyntaxError as error:
-        tell(syntax=[str(error.msg), error.lineno or 0, error.offset or 0, (error.text or "").rstrip("\n")[:200]])
-        return None
+        tell(("syntax", (str(error.msg), error.lineno or 0, error.offset or 0, (error.text or "")[:200])))
+        return {}
     except (ValueError, RecursionError, MemoryError, OverflowError) as error:
-        tell(syntax=[f"it cannot be read as Python: {error or type(error).__name__}", 0, 0, ""])
-        return None
-    module = new_module("exercises_of_the_reader")
+        tell(("syntax", (f"it cannot be read as Python: {error or type(error).__name__}", 0, 0, "")))
+        return {}
+    os.chdir(folder)
+    sys.path.append(str(folder))
+    module = types.ModuleType("exercises_of_the_reader")
     sys.modules[module.__name__] = module
-    vars(module)["__file__"] = name
+    module.__file__ = name
     try:
         exec(code, vars(module))
     except BaseException as error:
-        whole_builtins.update(kept_builtins)
-        tell(failed=_error(error, name))
-        return None
-    whole_builtins.update(kept_builtins)
-    functions = [each for each, value in list(vars(module).items()) if callable(value) and not each.startswith("_")]
-    own = [each for each in functions if not imported(vars(module)[each], module)]
-    tell(loaded=functions, own=own)
-    return module
+        tell(("failed", Failure.of(error, name)))
+        return {}
+    there = {key: each for key, each in vars(module).items() if callable(each) and not key.startswith("_")}
+    own = {key: each for key, each in there.items() if not _imported(each, module)}
+    tell(("loaded", (tuple(there), tuple(own))))
+    return own
 
 
-def imported(function: Callable[..., Any], module: types.ModuleType) -> bool:
+def _imported(function: Any, module: types.ModuleType) -> bool:
     """Whether a function or a class comes from another module, and so is none of the reader's own in this file."""
-    whence = getattr(function, "__module__", None)
-    return isinstance(function, FUNCTIONS) and whence not in (None, module.__name__)
-
-
-def answer(
-    name: str, function: Callable[..., Any], instances: list[list[Any]], file: str, tell: Callable[..., None]
-) -> None:
-    """Call an exercise's function on its instances, and tell what it answers."""
-    tell(begin=name)
-    answers = []
-    for given in instances:
-        arguments = [_decoded(each) for each in given]
-        before = [_encoded(each) for each in arguments]
-        try:
-            given_back = function(*arguments)
-            whole_builtins.update(kept_builtins)
-            one = _encoded(given_back)
-        except BaseException as error:
-            whole_builtins.update(kept_builtins)
-            one = {"error": _error(error, file, function, len(arguments))}
-        if changed := [i for i, each in enumerate(arguments) if _encoded(each) != before[i]]:
-            one["changed"] = changed
-        answers.append(one)
-        if "error" in one and one["error"]["type"] == "NotImplementedError":
-            break
-    tell(answers=answers)
-
-
-def _decoded(value: Any) -> Any:
-    return asarray(value["array"], dtype=float) if isinstance(value, dict) else value
-
-
-def _encoded(value: Any, depth: int = 0) -> dict[str, Any]:
-    """What came back, as JSON: a number, an array, items, None, or the name of another type."""
-    if value is None:
-        return {"none": True}
-    if isinstance(value, NUMBERS):
-        try:
-            return {"number": float(value)}
-        except OverflowError:
-            return {"number": float("inf")}
-    if isinstance(value, NDARRAY):
-        if value.dtype.kind not in "biuf":
-            return {"other": f"array of {value.dtype}"}
-        if value.size > LARGEST:
-            return {"large": list(value.shape)}
-        return {"array": asarray(value, dtype=float).tolist(), "shape": list(value.shape)}
-    if isinstance(value, (list, tuple)) and depth < 5:
-        if len(value) > LARGEST:
-            return {"large": [len(value)]}
-        return {"items": [_encoded(each, depth + 1) for each in value]}
-    if depth == 0 and hasattr(type(value), "__array__"):
-        try:
-            return _encoded(asarray(value), 1)
-        except BaseException:
-            pass
-    return {"other": type(value).__name__}
-
-
-def _error(error: BaseException, file: str, function: Any = None, given: int = 0) -> dict[str, Any]:
-    """Kind, text and line of an error; `calls` where the function does not take what it is given."""
-    lines = [frame.lineno for frame in extract(error.__traceback__) if frame.filename == file]
-    told = {"type": type(error).__name__, "text": str(error)[:300], "line": lines[-1] if lines else 0}
-    if module := getattr(error, "name", None) if isinstance(error, ImportError) else None:
-        told["module"] = str(module)
-    if function is not None and isinstance(error, TypeError):
-        try:
-            inspect.signature(function).bind(*[None] * given)
-        except TypeError:
-            told["calls"] = str(inspect.signature(function))[:200]
-        except ValueError:
-            pass
-    return told
-
-
-if __name__ == "__main__":
-    main()
+    return isinstance(function, FUNCTIONS) and getattr(function, "__module__", None) not in (None, module.__name__)

@@ -3,19 +3,19 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Callable
+from collections.abc import Mapping, Sequence
 from html import escape
+from pathlib import Path
 from typing import Any
 
+from ...model.arm import Arm
+from ...planning.trajectory import Trajectory
+from ...support.checks import Array
 from ...viewer.files.inline import Inline
+from ...viewer.files.page_export import stand_alone
+from ..exercises.exercise import Exercise
+from . import scenes, stills, svg
 from .markup import block, inline, program
-
-Data = dict[str, Any]
-
-
-def html_of(data: Data) -> str:
-    """The HTML of one thing that `Shown.data` gives."""
-    return KINDS[data["kind"]](data)
 
 
 def fold(summary: str, body: str, name: str = "fold") -> str:
@@ -23,20 +23,21 @@ def fold(summary: str, body: str, name: str = "fold") -> str:
     return f'<details class="{name}"><summary>{summary}</summary>\n<div>{body}</div></details>'
 
 
-def _text(data: Data) -> str:
-    return f'<div class="text">{block(data["markdown"])}</div>'
+def text(markdown: str) -> str:
+    """Markdown with formulae between dollars."""
+    return f'<div class="text">{block(markdown)}</div>'
 
 
-def _table(data: Data) -> str:
-    lines = [data["head"], *data["rows"]]
-    kinds = [' class="number"' if all(map(_is_number, column[1:])) else "" for column in zip(*lines, strict=True)]
-    head, *rows = (list(zip(line, kinds, strict=True)) for line in lines)
-    titles = "".join(_title(cell, kind) for cell, kind in head)
-    body = "".join("<tr>" + "".join(f"<td{kind}>{inline(cell)}</td>" for cell, kind in row) + "</tr>" for row in rows)
-    caption = f"<caption>{inline(data['caption'])}</caption>" if data["caption"] else ""
-    label = escape(data["caption"] or "Table")
+def table(head: Sequence[str], rows: Sequence[Sequence[str]], caption: str) -> str:
+    """Rows of cells under a head; cells are markdown."""
+    columns = zip(head, *rows, strict=True)
+    kinds = [' class="number"' if all(map(_is_number, column[1:])) else "" for column in columns]
+    titles = "".join(_title(cell, kind) for cell, kind in zip(head, kinds, strict=True))
+    lines = ("".join(f"<td{kind}>{inline(cell)}</td>" for cell, kind in zip(row, kinds, strict=True)) for row in rows)
+    body = "".join(f"<tr>{line}</tr>" for line in lines)
+    above = f"<caption>{inline(caption)}</caption>" if caption else ""
     return (
-        f'<div class="wide" role="group" aria-label="{label}" tabindex="0"><table>{caption}'
+        f'<div class="wide" role="group" aria-label="{escape(caption or "Table")}" tabindex="0"><table>{above}'
         f"<thead><tr>{titles}</tr></thead><tbody>{body}</tbody></table></div>"
     )
 
@@ -56,57 +57,70 @@ def _is_number(cell: str) -> bool:
     return not cell or cell in ("∞", "none") or cell.lstrip("$−-+.")[:1].isdigit()
 
 
-def _picture(data: Data, svg: str) -> str:
-    return f'<div class="picture" role="img" aria-label="{escape(data["alt"])}">{svg}</div>'
+def figure(figure: Any, alt: str, caption: str) -> str:
+    """A figure of matplotlib."""
+    return f"<figure>{_picture(figure, alt)}{_caption(caption)}</figure>"
 
 
-def _caption(data: Data) -> str:
-    return f"<figcaption>{inline(data['caption'])}</figcaption>" if data["caption"] else ""
+def _picture(figure: Any, alt: str) -> str:
+    return f'<div class="picture" role="img" aria-label="{escape(alt)}">{svg.of(figure)}</div>'
 
 
-def _figure(data: Data) -> str:
-    return f"<figure>{_picture(data, data['svg'])}{_caption(data)}</figure>"
+def _caption(caption: str) -> str:
+    return f"<figcaption>{inline(caption)}</figcaption>" if caption else ""
 
 
-def _scene(data: Data) -> str:
-    title = escape(data["alt"])
-    if "page" in data:
-        frame = Inline.page(data["page"], data["alt"]).html
+def scene(
+    arm: Arm,
+    theta: Array,
+    trajectory: Trajectory | None,
+    caption: str,
+    screws: bool,
+    alt: str,
+    folder: Path | None,
+) -> str:
+    """An arm to look at from all sides: a stand-alone page in a frame, and a drawing for paper."""
+    shown = scenes.snapshot(arm, theta, trajectory, screws)
+    if folder is None:
+        frame = Inline.page(stand_alone(shown), alt).html
     else:
+        file = f"{folder.name}/{scenes.saved(shown, folder)}"
         # No sandbox: opened from disk its scripts could not be read then. The scene's own policy lets it reach nothing.
         frame = (
-            f'<iframe class="live" src="{escape(data["files"][0])}" title="{title}" loading="lazy"></iframe>'
-            f'<p class="live aside"><a href="{escape(data["files"][0])}">Open it in a window of its own</a></p>'
+            f'<iframe class="live" src="{file}" title="{escape(alt)}" loading="lazy"></iframe>'
+            f'<p class="live aside"><a href="{file}">Open it in a window of its own</a></p>'
         )
-    still = f'<div class="still">{_picture(data, data["still"])}</div>'
-    return f'<figure class="scene">{frame}{still}{_caption(data)}</figure>'
+    still = f'<div class="still">{_picture(stills.arm(arm, theta), alt)}</div>'
+    return f'<figure class="scene">{frame}{still}{_caption(caption)}</figure>'
 
 
-def _slider(data: Data) -> str:
-    name, numbers = data["name"], escape(json.dumps(data["numbers"]))
+def slider(name: str, question: str, answer: str, numbers: Mapping[str, Any]) -> str:
+    """Something to move by hand, a drawing of how it begins, and a question whose answer it shows."""
     return (
         f'<div class="slider" role="group" aria-label="To try: {escape(name.replace("_", " "))}">'
-        f'<div class="question">{block(data["question"])}</div>'
-        f'<div class="stage" data-slider="{name}" data-numbers="{numbers}">{_picture(data, data["still"])}</div>'
-        f"{fold('Show the answer', block(data['answer']))}</div>"
+        f'<div class="question">{block(question)}</div>'
+        f'<div class="stage" data-slider="{name}" data-numbers="{escape(json.dumps(numbers))}">'
+        f"{_picture(*stills.slider(name, numbers))}</div>{fold('Show the answer', block(answer))}</div>"
     )
 
 
-def _prediction(data: Data) -> str:
-    question = f'<div class="question">{block(data["question"])}</div>'
-    answer = fold("Show the answer", block(data["answer"]))
-    return f'<div class="prediction" role="group" aria-label="Predict">{question}{answer}</div>'
+def prediction(question: str, answer: str) -> str:
+    """A question for the reader to answer before the answer is unfolded."""
+    asked = f'<div class="question">{block(question)}</div>'
+    answered = fold("Show the answer", block(answer))
+    return f'<div class="prediction" role="group" aria-label="Predict">{asked}{answered}</div>'
 
 
-def _exercises(data: Data) -> str:
-    entries = "".join(
+def exercises(lesson: str, entries: Sequence[Exercise]) -> str:
+    """Prompt, signature and model solution of each exercise."""
+    each = "".join(
         f'<div class="exercise" role="group" aria-label="Exercise {k}">'
-        f'<h3 id="exercise-{escape(entry["name"])}">Exercise {k}: <code>{escape(entry["name"])}</code></h3>'
-        f"{block(entry['prompt'])}{program(entry['signature'])}"
-        f"{fold('Show a solution', program(entry['solution']))}</div>"
-        for k, entry in enumerate(data["entries"], start=1)
+        f'<h3 id="exercise-{escape(entry.name)}">Exercise {k}: <code>{escape(entry.name)}</code></h3>'
+        f"{block(entry.prompt)}{program(entry.signature)}"
+        f"{fold('Show a solution', program(entry.solution))}</div>"
+        for k, entry in enumerate(entries, start=1)
     )
-    return f'<div class="exercises">{block(HOW_TO_CHECK.format(lesson=data["lesson"]))}{entries}</div>'
+    return f'<div class="exercises">{block(HOW_TO_CHECK.format(lesson=lesson))}{each}</div>'
 
 
 HOW_TO_CHECK = """`twistarm guide exercises` writes a file for each lesson. Fill in the functions of this one, and have
@@ -114,22 +128,9 @@ them graded by `twistarm guide check guide_exercises/{lesson}.py`, or in a noteb
 named."""
 
 
-def _report(data: Data) -> str:
-    verdicts = "".join(f"<li>{escape(line)}</li>" for line in data["lines"])
-    printed = escape("\n".join(data["printed"]))
-    below = (
-        f'<p>Your code printed:</p><pre class="printed" tabindex="0"><samp>{printed}</samp></pre>' if printed else ""
-    )
+def report(lines: Sequence[str], printed: Sequence[str]) -> str:
+    """Verdicts, and what the reader's code printed."""
+    verdicts = "".join(f"<li>{escape(line)}</li>" for line in lines)
+    said = escape("\n".join(printed))
+    below = f'<p>Your code printed:</p><pre class="printed" tabindex="0"><samp>{said}</samp></pre>' if said else ""
     return f'<div class="report" role="group" aria-label="Verdict"><ul>{verdicts}</ul>{below}</div>'
-
-
-KINDS: dict[str, Callable[[Data], str]] = {
-    "text": _text,
-    "table": _table,
-    "figure": _figure,
-    "scene": _scene,
-    "slider": _slider,
-    "prediction": _prediction,
-    "exercises": _exercises,
-    "report": _report,
-}

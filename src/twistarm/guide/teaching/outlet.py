@@ -5,22 +5,19 @@ from __future__ import annotations
 import sys
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
+from dataclasses import dataclass
 from pathlib import Path
-from typing import Any, Protocol
 
 
-class Shown(Protocol):
-    """Something that a lesson shows."""
+@dataclass(frozen=True)
+class Shown:
+    """Something that a lesson shows: as text for a terminal, and as HTML.
 
-    def plain(self) -> str:
-        """As text for a terminal."""
-        ...
+    `html(folder)` writes files that belong to it into the folder, or holds them itself where there is none.
+    """
 
-    def data(self, folder: Path | None) -> dict[str, Any]:
-        """As what `html_of` takes, plain JSON with its `kind`; files that belong to it are written into `folder`,
-        or stand in the data where there is none.
-        """
-        ...
+    plain: str
+    html: Callable[[Path | None], str]
 
 
 Outlet = Callable[[Shown], None]
@@ -38,10 +35,10 @@ def installed(outlet: Outlet) -> Iterator[None]:
         _INSTALLED.remove(outlet)
 
 
-def show(shown: Shown) -> None:
+def show(plain: str, html: Callable[[Path | None], str]) -> None:
     """Show it where the lesson runs."""
     outlet = _INSTALLED[-1] if _INSTALLED else _in_notebook if _notebook() else _as_text
-    outlet(shown)
+    outlet(Shown(plain, html))
 
 
 def _notebook() -> bool:
@@ -53,10 +50,8 @@ def _notebook() -> bool:
 def _in_notebook(shown: Shown) -> None:
     from IPython.display import HTML, display
 
-    from .html import html_of
-
-    display(HTML(html_of(shown.data(None))))  # type: ignore[no-untyped-call]
+    display(HTML(shown.html(None)))  # type: ignore[no-untyped-call]
 
 
 def _as_text(shown: Shown) -> None:
-    sys.stdout.write(shown.plain().rstrip() + "\n")
+    sys.stdout.write(shown.plain.rstrip() + "\n")

@@ -8,18 +8,20 @@ from typing import Any
 
 from .. import grading
 from ..exercises import exercises_of
-from ..grading.processes import IN_SANDBOX
 from ..grading.report import Report
+from ..grading.worker import IN_SANDBOX
 from .arm import arm
 from .outlet import show
 
 
 def practice(lesson: str) -> None:
     """Show the exercises of a lesson, by its name: prompts, signatures, how to check, solutions behind a fold."""
-    from .shown import Exercises
+    from . import html
 
-    fields = ("name", "prompt", "signature", "solution")
-    show(Exercises(lesson, [{field: getattr(each, field) for field in fields} for each in exercises_of(lesson)]))
+    entries = exercises_of(lesson)
+    texts = [f"Exercise {k}: {e.name}\n\n{e.prompt}\n\n{e.signature}\n" for k, e in enumerate(entries, start=1)]
+    how = f"To check: twistarm guide check guide_exercises/{lesson}.py"
+    show("\n".join([*texts, how]), lambda _: html.exercises(lesson, entries))
 
 
 def check(function: Callable[..., Any]) -> Report:
@@ -37,8 +39,15 @@ def check(function: Callable[..., Any]) -> Report:
     """
     if os.environ.get(IN_SANDBOX):
         return Report(getattr(function, "__name__", ""))
-    from .shown import Graded
+    from . import html
 
-    report = Graded(**vars(grading.check(function, arm())))
-    show(report)
+    report = _Shown(**vars(grading.check(function, arm())))
+    show("\n".join(report.told), lambda _: html.report(report.lines, report.printed_lines))
     return report
+
+
+class _Shown(Report):
+    """A report that was shown when it was made."""
+
+    def _ipython_display_(self) -> None:
+        """Not shown again as the value of a notebook's cell."""

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from inspect import cleandoc
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -37,11 +38,10 @@ def say(markdown: str) -> None:
 
     Indented text of several lines is taken as if it began at the margin.
     """
-    from inspect import cleandoc
+    from . import html
 
-    from .shown import Text
-
-    show(Text(cleandoc(markdown)))
+    words = cleandoc(markdown)
+    show(words, lambda _: html.text(words))
 
 
 def table(head: Sequence[str], rows: Sequence[Sequence[object]], caption: str = "") -> None:
@@ -55,12 +55,14 @@ def table(head: Sequence[str], rows: Sequence[Sequence[object]], caption: str = 
         rows: As many cells in each row.
         caption: What the table says, in a sentence.
     """
-    from .shown import Table
+    from . import html
 
     lines = [[_cell(cell) for cell in row] for row in rows]
     if any(len(line) != len(head) for line in lines):
         raise InputError(f"each row of a table has as many cells as its head, {len(head)}")
-    show(Table(list(head), lines, caption))
+    widths = [max(map(len, column)) for column in zip(head, *lines, strict=True)]
+    text = ["  ".join(map(str.rjust, line, widths)) for line in (head, *lines)]
+    show("\n".join([caption, *text] if caption else text), lambda _: html.table(head, lines, caption))
 
 
 def figure(fig: Any, alt: str, caption: str = "") -> None:
@@ -71,11 +73,11 @@ def figure(fig: Any, alt: str, caption: str = "") -> None:
         alt: What is to be seen, in words, for a reader who does not see it.
         caption: What the figure says, markdown.
     """
-    from .shown import Figure
+    from . import html
 
     if not alt.strip():
         raise InputError("a figure needs alt, its words for a reader who does not see it")
-    show(Figure(fig, alt, caption))
+    show(f"[figure] {alt}", lambda _: html.figure(fig, alt, caption))
 
 
 def scene(
@@ -94,9 +96,11 @@ def scene(
         caption: What there is to see or do, markdown.
         screws: Whether the screw axes are drawn.
     """
-    from .shown import Scene
+    from . import html
 
-    show(Scene(arm, np.asarray(arm.ready if theta is None else theta, float), trajectory, caption, screws))
+    x = np.asarray(arm.ready if theta is None else theta, float)
+    alt = f"{arm.name}, an arm of {arm.n} joints, to be turned and moved"
+    show(f"[scene] {alt}", lambda folder: html.scene(arm, x, trajectory, caption, screws, alt, folder))
 
 
 def slider(name: str, question: str, answer: str, **numbers: Any) -> None:
@@ -108,20 +112,21 @@ def slider(name: str, question: str, answer: str, **numbers: Any) -> None:
         answer: The answer, markdown; it stands behind a fold.
         numbers: Where it begins; angles in degrees, as the page shows them, lengths in metres.
     """
-    from .shown import Slider
+    from . import html
 
     if name not in SLIDERS:
         raise InputError(f"there is no slider {name!r}; there are {listed(SLIDERS)}")
     if unknown := set(numbers) - set(SLIDERS[name]):
         raise InputError(f"the slider {name!r} takes {listed(SLIDERS[name])}; got {listed(sorted(unknown))}")
-    show(Slider(name, question, answer, {**SLIDERS[name], **numbers}))
+    all_numbers = {**SLIDERS[name], **numbers}
+    show(f"Question: {question}\nAnswer: {answer}", lambda _: html.slider(name, question, answer, all_numbers))
 
 
 def predict(question: str, answer: str) -> None:
     """Ask the reader before the lesson shows it: the question, and its answer behind a fold; both markdown."""
-    from .shown import Prediction
+    from . import html
 
-    show(Prediction(question, answer))
+    show(f"Question: {question}\nAnswer: {answer}", lambda _: html.prediction(question, answer))
 
 
 def _cell(value: object) -> str:
