@@ -21,23 +21,8 @@ MAX_MOVING_JOINTS = 150
 """Pinocchio's data holds four tensors of nv³ numbers: 0.12 GB here, and the doctor has two. The largest robot
 known, tiago_dual with two hands, has 101."""
 
-_WHEEL = wheels.Wheel(
-    "pinocchio",
-    "pin",  # `pinocchio` on the registry is another project
-    needs=(
-        "buildModelFromXML",
-        "Data",
-        "FrameType",
-        "ReferenceFrame",
-        "forwardKinematics",
-        "framesForwardKinematics",
-        "computeJointJacobians",
-        "getFrameJacobian",
-        "updateFramePlacement",
-        "computeGeneralizedGravity",
-    ),
-    oldest="3.4",
-)
+_WHEEL = wheels.Wheel("pinocchio", "pin", has="buildModelFromXML", oldest="3.4")
+"""`pinocchio` on the registry is another project."""
 
 _STDERR = threading.Lock()
 """File descriptor 2 belongs to the whole process: one redirection at a time."""
