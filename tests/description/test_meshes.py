@@ -187,31 +187,19 @@ def test_processor_time_and_memory_are_limited_by_the_system(tmp_path: Path) -> 
         assert time.monotonic() - began < limits.PATIENCE * 3.0
 
 
-CONFINED = """
-import os, resource, socket, subprocess
+LIMITED = """
+import resource, sys
 from twistarm.description.meshes import limits, worker
 assert worker._prepare() == ""
 worker._Allowance()
 assert resource.getrlimit(resource.RLIMIT_CPU)[0] <= limits.SECONDS + 10.0
 assert resource.getrlimit(resource.RLIMIT_FSIZE) == resource.getrlimit(resource.RLIMIT_CORE) == (0, 0)
-print(resource.getrlimit(resource.RLIMIT_AS)[1])
-connection = socket.socket()
-for act in (lambda: subprocess.run(["true"]), os.fork, lambda: os.system("true"), lambda: os.remove("a"),
-            lambda: connection.connect(("127.0.0.1", 9))):
-    try:
-        act()
-    except PermissionError:
-        continue
-    os._exit(1)
+assert sys.platform == "darwin" or resource.getrlimit(resource.RLIMIT_AS)[1] == limits.MEMORY
 """
 
 
-def test_the_process_is_limited_and_does_nothing_but_read(tmp_path: Path) -> None:
-    done = subprocess.run(
-        [sys.executable, "-c", CONFINED], capture_output=True, text=True, timeout=60, check=False, cwd=tmp_path
-    )
-    assert done.returncode == 0, done.stderr
-    assert sys.platform == "darwin" or int(done.stdout) == limits.MEMORY
+def test_the_process_is_limited_by_the_system() -> None:
+    subprocess.run([sys.executable, "-c", LIMITED], timeout=60, check=True)
 
 
 @pytest.mark.parametrize(("triangles", "parts"), [(0, 0), (limits.TRIANGLES + 1, 1), (6000, limits.PARTS + 1)])
