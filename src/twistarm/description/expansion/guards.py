@@ -61,7 +61,7 @@ class Guards:
     """
 
     work: Work
-    namespace: type
+    namespace: Any
 
     def operate(self, name: str, left: Any, right: Any) -> Any:
         """`left` operator `right`, refused where the result would be huge."""
@@ -90,18 +90,14 @@ class Guards:
     def attribute(self, value: Any, name: str) -> Any:
         """`value.name`: an item of a namespace or of a dictionary with dots; nothing else has attributes here."""
         if isinstance(value, self.namespace):
-            return self._named(value, name)
+            try:
+                return value[name]
+            except KeyError:
+                raise NameError(f"name {name!r} is not defined") from None
         if isinstance(value, dict) and type(value) is not dict:
             return value[name]
         what = f"the attribute .{name} of a {type(value).__name__} is not allowed"
         raise Refused(REFUSED, what, "only namespaces, loaded YAML and the usual methods have dots")
-
-    @staticmethod
-    def _named(namespace: Any, name: str) -> Any:
-        try:
-            return namespace[name]
-        except KeyError:
-            raise NameError(f"name {name!r} is not defined") from None
 
     def method(self, value: Any, name: str, /, *arguments: Any, **named: Any) -> Any:
         """`value.name(...)`: a method of the table, or a function in a namespace."""
