@@ -75,6 +75,7 @@ USED_IN_THE_FIELD = [
     "inf > x and e < tau",
     "x ** -1 + 2.0 ** 0.5",
     "xyz.split(' ')[0] == '0'",
+    "{'f': sin}.get('f')(0) + {'f': cos}['f'](0)",
 ]
 
 HOSTILE = [

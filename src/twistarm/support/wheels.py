@@ -60,7 +60,7 @@ def _unfit(wheel: Wheel, file: str | None, fault: str) -> TwistarmError:
     unset = " ".join(f"-u {name}" for name in _PATHS if os.environ.get(name))
     start = f"start with env {unset} {program} …, or " if unset else ""
     namesake = f"pip uninstall {wheel.module}, then " if wheel.module != wheel.distribution else ""
-    return TwistarmError(f"{wheel.module} at {file} {fault}; {start}{namesake}{_install(wheel)}")
+    return TwistarmError(f"{wheel.module} at {file or 'an unknown place'} {fault}; {start}{namesake}{_install(wheel)}")
 
 
 def _install(wheel: Wheel) -> str:

@@ -105,7 +105,8 @@ class Guards:
         if isinstance(value, self.namespace) or kind is None or name not in METHODS[kind]:
             return self.call(self._function(value, name), *arguments, **named)
         given = [*arguments, *named.values()]
-        self.data(self.work.weigh([value, *given]))
+        self.work.weigh([value, *given])
+        self.data(given)
         if isinstance(value, str):
             self._foresee_text(value, given)
         result = getattr(value, name)(*arguments, **named)
@@ -126,7 +127,7 @@ class Guards:
         self.work.charge_text(sum((len(text) + 1) * len(value) for value in given if isinstance(value, Sized)))
 
     def call(self, function: Any, /, *arguments: Any, **named: Any) -> Any:
-        """`function(...)`."""
+        """`function(...)` with what it looks through paid for before."""
         if not callable(function):
             raise TypeError(f"{type(function).__name__!r} object is not callable")
         if "key" in named and function is not dict:
