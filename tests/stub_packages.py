@@ -12,11 +12,3 @@ def package(folder: Path, name: str, text: str, **modules: str) -> Path:
     for module, content in modules.items():
         (folder / name / f"{module}.py").write_text(content)
     return folder
-
-
-def metadata(folder: Path, distribution: str, version: str, files: tuple[str, ...]) -> None:
-    """What pip leaves beside a package."""
-    information = folder / f"{distribution.replace('-', '_')}-{version}.dist-info"
-    information.mkdir(parents=True)
-    (information / "METADATA").write_text(f"Metadata-Version: 2.1\nName: {distribution}\nVersion: {version}\n")
-    (information / "RECORD").write_text("".join(f"{file},,\n" for file in files))

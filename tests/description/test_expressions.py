@@ -75,6 +75,7 @@ USED_IN_THE_FIELD = [
     "inf > x and e < tau",
     "x ** -1 + 2.0 ** 0.5",
     "xyz.split(' ')[0] == '0'",
+    "{'f': sin}.get('f')(0) + {'f': cos}['f'](0)",
 ]
 
 HOSTILE = [
@@ -248,8 +249,6 @@ def evaluator(work: Work | None = None) -> tuple[Expressions, dict[str, object]]
     """The expressions without xacro around them, and their names."""
     guards = Guards(work or Work(), Space)
     python, mathematics = python_names(guards), math_names(guards)
-    for names in (python, mathematics):
-        guards.learn(names.values())
     spaces = {"python": Space(python), "math": Space(mathematics)}
     return Expressions(guards), {**direct_names(python), **mathematics, **spaces, **NAMES, "config": CONFIG}
 
@@ -336,7 +335,7 @@ def test_hostile_commands_are_refused_in_one_line(expression: str, place: Sandbo
         ("xacro.tokenize('a', sep='^,')", "the separators '^,' are not allowed"),
         ("math", "a namespace is no value, nor text (in ${math}); call it, or name what stands in it"),
         ("config._x", "the attribute ._x is not allowed (in ${config._x}); use ['...'] for a key of that name"),
-        ("python.type(len)(1)", "calling builtin_function_or_method is not allowed"),
+        ("python.type(len)(1)", "a function is no value, nor text (in ${python.type(len)(1)}); call it, or name what"),
         ("'a' * 10**10", "expanding it takes more work than any robot's description needs (in ${'a' * 10**10}); look"),
         ("2**20000", "a whole number of more than 10000 bits (in ${2**20000}); use a float"),
     ],

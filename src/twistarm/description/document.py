@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import codecs
 import errno
+import os
 import xml.etree.ElementTree as ET
 from collections.abc import Iterator
 from contextlib import contextmanager
@@ -13,7 +14,7 @@ from pathlib import Path
 from xml.parsers import expat
 
 from ..support.errors import DescriptionError
-from ..support.files import read_bounded
+from ..support.files import as_path, read_bounded, why_no_file
 from .findings import Findings, Place, finding, refusal, refused
 from .packages import PackageIndex
 
@@ -89,6 +90,14 @@ def note_file(path: Path) -> None:
     noted = _NOTED.get()
     if noted is not None:
         noted.add(path.absolute())
+
+
+def existing_file(path: str | os.PathLike[str], wanted: str) -> Path:
+    """The path of a regular file; DescriptionError where it is none, with what to give."""
+    file = as_path(path)
+    if why := why_no_file(file):
+        raise refusal("file-not-found", Place(str(file)), why, f"give {wanted}")
+    return file
 
 
 def read_text(path: Path, most: int = MAX_BYTES) -> str:

@@ -16,11 +16,10 @@ import numpy as np
 from ..support.caller_words import package_folder
 from ..support.checks import Array, frozen
 from ..support.errors import DescriptionError, closest, listed
-from ..support.files import as_path, why_no_file
 from .axis import read_axis
 from .bounds import LIMIT_NAMES, WIDE, limit_numbers, note_softened, rate, read_bounds, softened
 from .catalog import models_share
-from .document import Reading, parse_xml, read_text
+from .document import Reading, existing_file, parse_xml, read_text
 from .expansion.expand import expand_xacro, is_xacro, xacro_own_text
 from .expansion.left_out import blaming, not_used
 from .findings import Place, refusal
@@ -61,11 +60,7 @@ def read_description(
     Raises DescriptionError (file, element, remedy) for what cannot be a robot: not XML, two roots, a cycle, an
     undefined link, a duplicate name, a zero axis on a moving joint, a number that is none.
     """
-    file = as_path(path)
-    if why := why_no_file(file):
-        remedy = "give a URDF or xacro file, an arm.toml or a catalogue name"
-        raise refusal("file-not-found", Place(str(file)), why, remedy)
-    file = file.resolve()
+    file = existing_file(path, "a URDF or xacro file, an arm.toml or a catalogue name").resolve()
     packages = package_index(file, package_dirs, mesh_dirs)
     own_text, wishes = None, (dict(xacro_args or {}), tuple(without), tuple(env))
     if is_xacro(file):

@@ -5,7 +5,7 @@ from __future__ import annotations
 import re
 from collections import Counter
 from pathlib import Path
-from typing import Any
+from typing import Any, TextIO
 
 import numpy as np
 
@@ -60,7 +60,7 @@ def _bad_number(node: Any) -> str:
     return f"{node.value} is a number in base 60; write it in base 10" if ":" in node.value else ""
 
 
-def _safe_loader(yaml: Any) -> Any:
+def safe_loader(yaml: Any) -> Any:
     """PyYAML's safe loader; on libyaml's parser where PyYAML has it, which takes a fifth of the time."""
     if not yaml.__with_libyaml__:
         return yaml.SafeLoader
@@ -68,7 +68,7 @@ def _safe_loader(yaml: Any) -> Any:
     bases = yaml.composer.Composer, yaml.cyaml.CParser, yaml.constructor.SafeConstructor, yaml.resolver.Resolver
 
     class Loader(*bases):  # type: ignore[misc]
-        def __init__(self, stream: str) -> None:
+        def __init__(self, stream: str | TextIO) -> None:
             yaml.cyaml.CParser.__init__(self, stream)
             for base in (bases[0], *bases[2:]):
                 base.__init__(self)
@@ -79,7 +79,7 @@ def _safe_loader(yaml: Any) -> Any:
 def _loader(yaml: Any, most: int) -> Any:
     """A safe loader of its own: tags registered on PyYAML's would hold for the whole process."""
 
-    class Loader(_safe_loader(yaml)):  # type: ignore[misc,unused-ignore]
+    class Loader(safe_loader(yaml)):  # type: ignore[misc,unused-ignore]
         # xacro registers tags of its own on PyYAML's, and evaluates what stands behind them.
         yaml_constructors = {  # noqa: RUF012
             tag: made for tag, made in yaml.SafeLoader.yaml_constructors.items() if not str(tag).startswith("!")

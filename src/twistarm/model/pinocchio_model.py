@@ -11,7 +11,7 @@ from typing import Any
 
 import numpy as np
 
-from ..description.coupling import Affine
+from ..description.coupling import Affine, coupling_matrix
 from ..description.findings import refusal
 from ..description.tree import Description
 from ..support import wheels
@@ -21,23 +21,8 @@ MAX_MOVING_JOINTS = 150
 """Pinocchio's data holds four tensors of nv³ numbers: 0.12 GB here, and the doctor has two. The largest robot
 known, tiago_dual with two hands, has 101."""
 
-_WHEEL = wheels.Wheel(
-    "pinocchio",
-    "pin",  # `pinocchio` on the registry is another project
-    needs=(
-        "buildModelFromXML",
-        "Data",
-        "FrameType",
-        "ReferenceFrame",
-        "forwardKinematics",
-        "framesForwardKinematics",
-        "computeJointJacobians",
-        "getFrameJacobian",
-        "updateFramePlacement",
-        "computeGeneralizedGravity",
-    ),
-    oldest="3.4",
-)
+_WHEEL = wheels.Wheel("pinocchio", "pin", has="buildModelFromXML", oldest="3.4")
+"""`pinocchio` on the registry is another project."""
 
 _STDERR = threading.Lock()
 """File descriptor 2 belongs to the whole process: one redirection at a time."""
@@ -64,7 +49,7 @@ class PinocchioModel:
         self._couplings = couplings
         self._coordinates = tuple(coordinates)
         self._index = {str(name): int(self.model.idx_qs[j]) for j, name in enumerate(self.model.names) if j > 0}
-        self._A, self._b = self._affine()
+        self._A, self._b = coupling_matrix(self._couplings, list(self._index), self._coordinates)
         # What moves above the base carries base and tip alike: only the chain's joints move one against the other.
         self._A_chain = self._A * np.isin(np.arange(self.model.nq), [self._index[name] for name in chain])[:, None]
         body = self._pin.FrameType.BODY
@@ -145,15 +130,6 @@ class PinocchioModel:
         world_base = self._pin.updateFramePlacement(self.model, data, self._frames[base])
         moving: Array = world_base.actInv(world_link).homogeneous
         return moving
-
-    def _affine(self) -> tuple[Array, Array]:
-        A, b = np.zeros((self.model.nq, len(self._coordinates))), np.zeros(self.model.nq)
-        for name, row in self._index.items():
-            affine = self._couplings[name]
-            b[row] = affine.offset
-            if affine.master in self._coordinates:
-                A[row, self._coordinates.index(affine.master)] = affine.multiplier
-        return A, b
 
 
 def import_pinocchio() -> Any:

@@ -12,8 +12,7 @@ from typing import Any
 import numpy as np
 
 from ...support.errors import DescriptionError, closest, listed
-from ...support.files import as_path, why_no_file
-from ..document import read_text
+from ..document import existing_file, read_text
 from ..findings import Finding, Place, finding, refusal
 from ..yaml_reading import parse_yaml
 
@@ -83,9 +82,7 @@ def read_joint_limits(path: str | os.PathLike[str]) -> LimitsFile:
 
     Raises DescriptionError (file, joint, remedy).
     """
-    file = as_path(path)
-    if why := why_no_file(file):
-        raise refusal("file-not-found", Place(str(file)), why, "give the path of a joint_limits.yaml")
+    file = existing_file(path, "the path of a joint_limits.yaml")
     if file.stat().st_size > MAX_BYTES:
         raise _unusable(file, f"it has {file.stat().st_size} bytes; joint limits have at most {MAX_BYTES}")
     content = parse_yaml(read_text(file), file)

@@ -11,8 +11,7 @@ from types import MappingProxyType
 
 import numpy as np
 
-from ...support.files import as_path, why_no_file
-from ..document import Reading, parse_xml, read_text
+from ..document import Reading, existing_file, parse_xml, read_text
 from ..expansion.arguments import declared_arguments
 from ..expansion.expand import expand_xacro, is_xacro
 from ..findings import Place, refusal
@@ -95,9 +94,7 @@ def read_srdf(
 
     Raises DescriptionError (file, line, element, remedy) for what is no SRDF.
     """
-    file = as_path(path)
-    if why := why_no_file(file):
-        raise refusal("file-not-found", Place(str(file)), why, "give the path of an SRDF")
+    file = existing_file(path, "the path of an SRDF")
     if file.stat().st_size > MAX_BYTES:
         what = f"it has {file.stat().st_size} bytes; an SRDF has at most {MAX_BYTES}"
         raise refusal("srdf-unusable", Place(str(file)), what, "is it an SRDF file?")

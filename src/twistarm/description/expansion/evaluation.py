@@ -123,8 +123,6 @@ class Evaluation:
             **mathematics,
             **python,
         }
-        for names in (python, mathematics, offered, self._commands):
-            self._guards.learn(names.values())
         spaces = {"python": python, "math": mathematics, "xacro": offered}
         return {**direct_names(python), **mathematics, **files, **{k: self._namespace(v) for k, v in spaces.items()}}
 

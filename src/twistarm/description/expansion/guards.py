@@ -5,7 +5,7 @@ from __future__ import annotations
 import operator
 import re
 from collections.abc import Callable, Iterable, Sized
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from datetime import date
 from typing import Any
 
@@ -55,15 +55,13 @@ MAX_FIELD = 999
 
 @dataclass
 class Guards:
-    """`known`: the functions and types that expressions may call; `namespace`: the type whose dots mean items."""
+    """`namespace`: the type whose dots mean items.
+
+    What can be called is what the names offer and the types of data (`names`): no expression reaches another.
+    """
 
     work: Work
-    namespace: type
-    known: dict[int, Any] = field(default_factory=dict)
-
-    def learn(self, values: Iterable[Any]) -> None:
-        """Let expressions call those of `values` that can be called."""
-        self.known.update((id(value), value) for value in values if callable(value))
+    namespace: Any
 
     def operate(self, name: str, left: Any, right: Any) -> Any:
         """`left` operator `right`, refused where the result would be huge."""
@@ -92,28 +90,25 @@ class Guards:
     def attribute(self, value: Any, name: str) -> Any:
         """`value.name`: an item of a namespace or of a dictionary with dots; nothing else has attributes here."""
         if isinstance(value, self.namespace):
-            return self._named(value, name)
+            try:
+                return value[name]
+            except KeyError:
+                raise NameError(f"name {name!r} is not defined") from None
         if isinstance(value, dict) and type(value) is not dict:
             return value[name]
         what = f"the attribute .{name} of a {type(value).__name__} is not allowed"
         raise Refused(REFUSED, what, "only namespaces, loaded YAML and the usual methods have dots")
-
-    @staticmethod
-    def _named(namespace: Any, name: str) -> Any:
-        try:
-            return namespace[name]
-        except KeyError:
-            raise NameError(f"name {name!r} is not defined") from None
 
     def method(self, value: Any, name: str, /, *arguments: Any, **named: Any) -> Any:
         """`value.name(...)`: a method of the table, or a function in a namespace."""
         kind = next((kind for kind in METHODS if isinstance(value, kind)), None)
         if isinstance(value, self.namespace) or kind is None or name not in METHODS[kind]:
             return self.call(self._function(value, name), *arguments, **named)
-        self._admit(value, *arguments, *named.values())
-        self.data([*arguments, *named.values()])
+        given = [*arguments, *named.values()]
+        self.work.weigh([value, *given])
+        self.data(given)
         if isinstance(value, str):
-            self._foresee_text(value, *arguments, *named.values())
+            self._foresee_text(value, given)
         result = getattr(value, name)(*arguments, **named)
         # Views of a dictionary combine to sets, whose members would be tuples.
         return self.work.weigh(list(result) if name in ("items", "keys", "values") else result)
@@ -126,36 +121,27 @@ class Guards:
         remedy = f"allowed: {', '.join(sorted(METHODS[kind]))}" if kind else "compute with names and operators"
         raise Refused(REFUSED, what, "join texts with + and str()" if name.startswith("format") else remedy)
 
-    def _foresee_text(self, text: str, *arguments: Any) -> None:
+    def _foresee_text(self, text: str, given: Iterable[Any]) -> None:
         """Charge the pieces it may be cut into, and every argument sought, or put, at each character."""
         self.work.charge(len(text))
-        for argument in arguments:
-            if isinstance(argument, Sized):
-                self.work.charge_text((len(text) + 1) * len(argument))
+        self.work.charge_text(sum((len(text) + 1) * len(value) for value in given if isinstance(value, Sized)))
 
     def call(self, function: Any, /, *arguments: Any, **named: Any) -> Any:
-        """`function(...)` for the functions and types that are known."""
+        """`function(...)` with what it looks through paid for before."""
         if not callable(function):
             raise TypeError(f"{type(function).__name__!r} object is not callable")
-        self._admit(function, *arguments, *named.values())
         if "key" in named and function is not dict:
             raise Refused(REFUSED, "key= is not allowed", "sort or compare numbers and texts as they are")
-        for argument in (*arguments, *named.values()):
+        given = [*arguments, *named.values()]
+        self.work.weigh(given)
+        for argument in given:
             if isinstance(argument, Sized):
                 self.work.charge(len(argument) * (len(argument).bit_length() if function is sorted else 1))
         for argument in arguments:
             _check_hashed(function, argument)
         if function in (str, repr):
-            self.data([*arguments, *named.values()])
+            self.data(given)
         return self.work.weigh(function(*arguments, **named))
-
-    def _admit(self, *values: Any) -> None:
-        """Weigh what goes into a call; what can be called must be known."""
-        for value in values:
-            if callable(value) and id(value) not in self.known:
-                name = getattr(value, "__name__", type(value).__name__)
-                raise Refused(REFUSED, f"calling {name} is not allowed", "call the functions that xacro offers")
-            self.work.weigh(value)
 
     def data(self, value: Any) -> Any:
         """The value, which may become text: numbers, texts, truth values, None, and what is made up of them.

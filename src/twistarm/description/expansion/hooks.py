@@ -102,6 +102,9 @@ class Expansion:
 
     def for_xacro(self) -> dict[str, Any]:
         """Values for the module `xacro`."""
+        leaving_out = {
+            **{"handle_macro_call": self.call_macro, "eval_all": self.evaluate, "grab_property": self.grab_property}
+        }
         return {
             "_global_symbols": self._evaluation.symbols,
             "substitution_args_context": {"arg": {}},
@@ -119,11 +122,8 @@ class Expansion:
             "replace_node": self.replace_node,
             **dict.fromkeys(("message", "warning", "error", "print_location"), say_nothing),
             **({} if self._own_dom else {"remove_previous_comments": say_nothing}),  # no comment comes so far
-            **(self._leaving_out() if self.left_out.packages else {}),
+            **(leaving_out if self.left_out.packages else {}),
         }
-
-    def _leaving_out(self) -> dict[str, Any]:
-        return {"handle_macro_call": self.call_macro, "eval_all": self.evaluate, "grab_property": self.grab_property}
 
     def for_substitution(self) -> dict[str, Any]:
         """Values for the module `xacro.substitution_args`."""
@@ -140,12 +140,9 @@ class Expansion:
         """The document in a file that may be read."""
         try:
             path, text = self._read(filename)
-        except Refused:
+        except Exception:
             self._xacro.filestack.pop()
             raise
-        except OSError as error:
-            self._xacro.filestack.pop()
-            raise self._xacro.XacroException(f"{error.strerror}: {filename}", exc=error) from error
         self.work.charge_text(len(text))
         self.work.charge(ELEMENT_COST * text.count("<") + ATTRIBUTE_COST * text.count("="))
         reading = Reading(path, self.packages)
@@ -181,10 +178,7 @@ class Expansion:
         if package is not None:
             self.left_out.leave_out_data(name, package, self.place)
             return dotted({})
-        try:
-            path, text = self._read(name)
-        except OSError as error:
-            raise self._xacro.XacroException(f"{error.strerror}: {name}", exc=error) from error
+        path, text = self._read(name)
         self._xacro.filestack.append(name)
         units = {unit.value.tag: self._unit(unit.value.conversion_constant) for unit in self._xacro.ConstructUnits}
         data = load_yaml(text, str(path), units, self.work)
@@ -205,14 +199,18 @@ class Expansion:
         return str(self._xacro.abs_filename_spec(name))
 
     def _read(self, name: str) -> tuple[Path, str]:
-        if name.startswith(MISSING_PACKAGE):
-            raise FileNotFoundError(errno.ENOENT, os.strerror(errno.ENOENT), name)
+        """Where a file lies that may be read, and its text; XacroException where there is none."""
         if len(self._xacro.filestack) > MAX_INCLUDES:
             what = f"an included file refers to itself without end: {MAX_INCLUDES} files are open"
             raise Refused("xacro-recursion", what, "take out the include that comes back")
         self.work.charge(FILE_COST)
-        note_file(Path(name))
-        return self._confinement.read(name)
+        try:
+            if name.startswith(MISSING_PACKAGE):
+                raise FileNotFoundError(errno.ENOENT, os.strerror(errno.ENOENT), name)
+            note_file(Path(name))
+            return self._confinement.read(name)
+        except OSError as error:
+            raise self._xacro.XacroException(f"{error.strerror}: {name}", exc=error) from error
 
     def _folder(self, package: str) -> str:
         if package == ".":

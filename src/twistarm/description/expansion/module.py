@@ -17,13 +17,8 @@ from typing import Any
 from ...support.errors import TwistarmError
 from ...support.wheels import Wheel, load
 
-_WHEEL = Wheel(
-    "xacro",
-    "xacro",
-    # ROS 2's xacro is the same code and serves where it was imported already; ROS 1's asks roslaunch for its arguments.
-    needs=("process_file", "all_includes", "substitution_args._eval_find", "substitution_args._eval_dict"),
-    oldest="2.1",
-)
+_WHEEL = Wheel("xacro", "xacro", has="process_file", oldest="2.1")
+"""ROS 2's is the same code and serves; ROS 1's lacks what `hooked` replaces."""
 
 _NAME = f"{__package__}._xacro"
 
@@ -34,7 +29,7 @@ def own_xacro() -> Any:
     file = Path(load(_WHEEL).__file__)
     spec = spec_from_file_location(_NAME, file, submodule_search_locations=[str(file.parent)])
     if spec is None or spec.loader is None:
-        raise TwistarmError(f"{file} cannot be loaded; {_WHEEL.command}")
+        raise TwistarmError(f"{file} cannot be loaded; pip install xacro==2.1.1")
     copy = sys.modules[_NAME] = module_from_spec(spec)  # where its own imports look for it
     spec.loader.exec_module(copy)
     import_module(f"{_NAME}.substitution_args")

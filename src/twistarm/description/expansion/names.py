@@ -47,7 +47,7 @@ def python_names(guards: Guards) -> dict[str, Any]:
         "enumerate": lambda values, start=0: list(enumerate(values, start)),
         "reversed": lambda values: list(reversed(values)),
         "round": _rounded,
-        "type": lambda value: type(value),
+        "type": lambda value: type(guards.data(value)),  # of a function's type, and a type's, more could be made
     }
 
 

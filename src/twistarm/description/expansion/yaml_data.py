@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
+import io
 from collections.abc import Callable, Mapping
 from typing import Any
 
-from ..yaml_reading import MAX_NUMBER, NUMBERS
+from ..yaml_reading import MAX_NUMBER, NUMBERS, safe_loader
 from .work import LONG_INTEGER_COST, Refused, Work
 
 NODE_COST = 50
@@ -25,7 +26,7 @@ def load_yaml(text: str, name: str, units: Mapping[str, Callable[[str], float]],
     """
     import yaml  # type: ignore[import-untyped,unused-ignore]
 
-    class Loader(yaml.SafeLoader):  # type: ignore[misc,unused-ignore]
+    class Loader(safe_loader(yaml)):  # type: ignore[misc,unused-ignore]
         def compose_node(self, parent: Any, index: Any) -> Any:
             work.charge(NODE_COST)
             return super().compose_node(parent, index)
@@ -33,15 +34,18 @@ def load_yaml(text: str, name: str, units: Mapping[str, Callable[[str], float]],
     for tag, unit in units.items():
         Loader.add_constructor(tag, lambda loader, node, unit=unit: unit(loader.construct_scalar(node)))
     work.charge(int(CHARACTER_COST * len(text)))
-    loader = Loader(text)
-    loader.name = name
+    stream = io.StringIO(text)
+    stream.name = name
+    loader = Loader(stream)
     try:
         root = loader.get_single_node()
         if root is None:
             return None
         work.charge(_written_out(root, {}))
         return loader.construct_document(root)
-    except RecursionError:
+    except (RecursionError, yaml.YAMLError) as error:
+        if isinstance(error, yaml.YAMLError) and "nesting depth" not in str(error):  # libyaml's own limit
+            raise
         raise Refused("xacro-too-large", "the YAML is nested too deeply", "write it flatter") from None
     finally:
         loader.dispose()

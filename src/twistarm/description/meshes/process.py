@@ -16,8 +16,7 @@ from pathlib import Path
 from typing import Any
 
 from ...support.errors import TwistarmError, missing_extra, one_line
-from .part import Part
-from .protocol import LARGEST_HEAD, BrokenAnswerError, head_of, parts_of
+from .answers import unpacked
 
 PROGRAM = (
     "import json, sys; sys.path[:] = json.loads(sys.argv[1]); "
@@ -36,13 +35,8 @@ LAST = 0.2
 CHUNK = 1 << 20
 """Bytes."""
 
-
-class EndedError(Exception):
-    """The process has ended before it answered: by which signal, or None for any other way."""
-
-    def __init__(self, code: int) -> None:
-        super().__init__(code)
-        self.signal = -code if code < 0 else None
+LARGEST = 500_000_000
+"""Bytes of an answer: a million triangles take 170 MB."""
 
 
 class Process:
@@ -66,26 +60,25 @@ class Process:
         except (OSError, ValueError, TypeError) as error:  # TypeError: a program that embeds Python names none
             raise _unavailable(str(getattr(error, "strerror", None) or error)) from error
         self._ready = False
-        self._came = bytearray()
 
     @property
     def alive(self) -> bool:
         """Whether it can be asked."""
         return self._popen.poll() is None
 
-    def ask(self, request: dict[str, Any], seconds: float) -> tuple[dict[str, Any], list[Part]]:
-        """The head of the answer, and the parts that came with it.
+    def ask(self, request: dict[str, Any], seconds: float) -> dict[str, Any]:
+        """The answer.
 
-        Raises EndedError where it ends before, TimeoutError after `seconds` on the clock, BrokenAnswerError for
-        nonsense; then, and at every interruption, it has been ended.
+        Raises TimeoutError after `seconds` on the clock or all of its processor time, EOFError where it ends
+        otherwise, and ValueError for nonsense. Then, and at every interruption, it has been ended.
         """
+        assert self._popen.stdin is not None
         try:
             if not self._ready:
                 self._begin()
-            self._end = time.monotonic() + seconds
-            self._say(request)
-            head = head_of(self._line())
-            return head, parts_of(head, self._exactly) if "parts" in head else []
+            with suppress(BrokenPipeError):  # its end is told below
+                self._popen.stdin.write(json.dumps(request).encode("ascii") + b"\n")
+            return self._answer(seconds)
         except BaseException:
             self.kill()
             raise
@@ -99,55 +92,38 @@ class Process:
             self._popen.wait(LAST)
 
     def _begin(self) -> None:
-        self._end = time.monotonic() + START
         try:
-            lacking = head_of(self._line()).get("lacking")
-        except (EndedError, TimeoutError, BrokenAnswerError) as error:
+            lacking = self._answer(START)["lacking"]
+        except (EOFError, TimeoutError, ValueError) as error:
             raise _unavailable(f"it did not begin: {type(error).__name__}") from error
         if lacking:
             raise missing_extra("drawing a mesh", "trimesh", "view")
         self._ready = True
 
-    def _say(self, request: dict[str, Any]) -> None:
-        assert self._popen.stdin is not None
-        try:
-            self._popen.stdin.write(json.dumps(request).encode("ascii") + b"\n")
-        except BrokenPipeError:
-            raise self._ended() from None
+    def _answer(self, seconds: float) -> dict[str, Any]:
+        end = time.monotonic() + seconds
+        size = int.from_bytes(self._exactly(8, end), "little")
+        if size > LARGEST:
+            raise ValueError("an answer without end")
+        return unpacked(self._exactly(size, end))
 
-    def _line(self) -> bytes:
-        while (end := self._came.find(b"\n", 0, LARGEST_HEAD)) < 0:
-            if len(self._came) > LARGEST_HEAD:
-                raise BrokenAnswerError
-            self._wait()
-        return self._taken(end + 1)
-
-    def _exactly(self, size: int) -> bytes:
-        while len(self._came) < size:
-            self._wait()
-        return self._taken(size)
-
-    def _taken(self, size: int) -> bytes:
-        taken = bytes(self._came[:size])
-        del self._came[:size]
-        return taken
-
-    def _wait(self) -> None:
-        """Add to what came whatever comes next."""
+    def _exactly(self, size: int, end: float) -> bytes:
         assert self._popen.stdout is not None
-        poll = select.poll()
+        poll, came = select.poll(), bytearray()
         poll.register(self._popen.stdout, select.POLLIN)
-        if not poll.poll(max(0.0, self._end - time.monotonic()) * 1e3):
-            raise TimeoutError
-        data = os.read(self._popen.stdout.fileno(), CHUNK)
-        if not data:
-            raise self._ended()
-        self._came += data
+        while len(came) < size:
+            if not poll.poll(max(0.0, end - time.monotonic()) * 1e3):
+                raise TimeoutError
+            data = os.read(self._popen.stdout.fileno(), min(CHUNK, size - len(came)))
+            if not data:
+                raise self._ended()
+            came += data
+        return bytes(came)
 
-    def _ended(self) -> EndedError | TimeoutError:
+    def _ended(self) -> EOFError | TimeoutError:
         """Why nothing comes any more: its end, or that it goes on without a word."""
         try:
-            return EndedError(self._popen.wait(LAST))
+            return TimeoutError() if self._popen.wait(LAST) == -signal.SIGXCPU else EOFError()
         except subprocess.TimeoutExpired:
             return TimeoutError()
 

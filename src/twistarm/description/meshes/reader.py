@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import os
-import signal
 import threading
 from contextlib import suppress
 from importlib.util import find_spec
@@ -16,8 +15,7 @@ from ...support.errors import InputError, TwistarmError, missing_extra, one_line
 from .formats import LIGHTER, UnreadableMeshError, format_of
 from .limits import ARM_SECONDS, ARM_SECONDS_AT_MOST, LONGEST, MEMORY, PATIENCE, SECONDS_PER_MEGABYTE, seconds_for
 from .part import Part
-from .process import EndedError, Process, given_back, taken
-from .protocol import BrokenAnswerError
+from .process import Process, given_back, taken
 
 NONSENSE = "its reader came to nonsense"
 
@@ -52,7 +50,7 @@ class MeshReader(Closeable):
         about `most` triangles.
         """
         with self._turn:
-            parts = self._read(path, {"parts": True, "most": most if isfinite(most) else None})
+            parts = self._read(path, most if isfinite(most) else None)
         if not parts:
             raise UnreadableMeshError(path, NONSENSE)
         return parts
@@ -61,7 +59,7 @@ class MeshReader(Closeable):
         """The longest side of the box around it, in metres if the file names its unit; known where it was read."""
         with self._turn:
             if path not in self._lengths:
-                self._read(path, {"parts": False})
+                self._read(path, 0)
         length = self._lengths[path]
         if isinstance(length, TwistarmError):
             raise length
@@ -82,31 +80,46 @@ class MeshReader(Closeable):
                 self._process.kill()
         self.rest()
 
-    def _read(self, path: Path, request: dict[str, Any]) -> list[Part]:
+    def _read(self, path: Path, most: float | None) -> list[Part]:
         try:
             format_of(path)
-            head, parts = self._ask(path, request | {"path": os.path.abspath(path)})
-            self._charge(_number(head, "seconds"), _number(head, "bytes"))
-            if "reason" in head:
-                raise UnreadableMeshError(path, one_line(str(head["reason"]), LONGEST_REASON))
+            answer = self._answer(path, {"path": os.path.abspath(path), "most": most})
+            if answer["reason"] is not None:
+                raise UnreadableMeshError(path, one_line(str(answer["reason"]), LONGEST_REASON))
         except TwistarmError as error:
             self._lengths[path] = error
             raise
-        self._lengths[path] = min(_number(head, "length"), 4 * LONGEST)
+        self._lengths[path] = min(answer["length"], 4 * LONGEST)
+        parts: list[Part] = answer["parts"]
         return parts
 
-    def _charge(self, seconds: float, size: float) -> None:
-        self._spent += seconds
-        self._allowed = min(self._allowed + SECONDS_PER_MEGABYTE * size / 1e6, ARM_SECONDS_AT_MOST)
-
-    def _ask(self, path: Path, request: dict[str, Any]) -> tuple[dict[str, Any], list[Part]]:
-        self._require_process()
+    def _answer(self, path: Path, request: dict[str, Any]) -> dict[str, Any]:
+        process, seconds = self._process_to_ask(), seconds_for(_size(path))
         try:
-            return self._answer(path, request, seconds_for(_size(path)))
+            if self._spent >= self._allowed:
+                spent = f"the meshes before it took all of the {self._allowed:.0f} s that an arm has"
+                raise UnreadableMeshError(path, spent, LIGHTER)
+            answer = process.ask(request, PATIENCE * seconds)
+        except TwistarmError as error:
+            self._unavailable = None if isinstance(error, UnreadableMeshError) else error
+            raise
+        except ValueError as error:
+            raise UnreadableMeshError(path, NONSENSE) from error
+        except (TimeoutError, EOFError) as error:
+            self._spent += seconds
+            if isinstance(error, EOFError):
+                raise UnreadableMeshError(path, "its reader broke down on it") from error
+            raise UnreadableMeshError(path, f"reading it takes more than {seconds:.0f} s", LIGHTER) from error
         finally:
             self._asking = False
+        self._spent += answer["seconds"]
+        self._allowed = min(self._allowed + SECONDS_PER_MEGABYTE * answer["bytes"] / 1e6, ARM_SECONDS_AT_MOST)
+        if answer["memory"]:
+            process.kill()
+            raise UnreadableMeshError(path, f"reading it takes more than {MEMORY / 1e6:.0f} MB of memory", LIGHTER)
+        return answer
 
-    def _require_process(self) -> None:
+    def _process_to_ask(self) -> Process:
         with self._lock:
             if self._closed:
                 raise InputError("the reader of meshes was closed")
@@ -114,44 +127,17 @@ class MeshReader(Closeable):
                 raise self._unavailable
             if find_spec("trimesh") is None:
                 raise missing_extra("drawing a mesh", "trimesh", "view")
-            self._have_process()
+            process = self._have_process()
             self._asking = True
+            return process
 
-    def _have_process(self) -> None:
+    def _have_process(self) -> Process:
         try:
             self._process = self._process if self._process and self._process.alive else taken()
         except TwistarmError as error:
             self._unavailable = error
             raise
-
-    def _answer(self, path: Path, request: dict[str, Any], seconds: float) -> tuple[dict[str, Any], list[Part]]:
-        if self._spent >= self._allowed:
-            spent = f"the meshes before it took all of the {self._allowed:.0f} s that an arm has"
-            raise UnreadableMeshError(path, spent, LIGHTER)
-        process = self._process
-        assert process is not None
-        try:
-            head, parts = process.ask(request, PATIENCE * seconds)
-        except (EndedError, TimeoutError) as error:
-            self._spent += seconds
-            if isinstance(error, EndedError) and error.signal != signal.SIGXCPU:
-                raise UnreadableMeshError(path, "its reader broke down on it") from error
-            raise UnreadableMeshError(path, f"reading it takes more than {seconds:.0f} s", LIGHTER) from error
-        except BrokenAnswerError as error:
-            raise UnreadableMeshError(path, NONSENSE) from error
-        except TwistarmError as error:
-            self._unavailable = error
-            raise
-        if head.get("memory") is True:
-            process.kill()
-            raise UnreadableMeshError(path, f"reading it takes more than {MEMORY / 1e6:.0f} MB of memory", LIGHTER)
-        return head, parts
-
-
-def _number(head: dict[str, Any], name: str) -> float:
-    """0 where it is none that is finite and positive."""
-    value: Any = head.get(name)
-    return float(value) if type(value) in (int, float) and 0.0 < value < inf else 0.0
+        return self._process
 
 
 def _size(path: Path) -> int:

@@ -54,7 +54,7 @@ def _corner_normals(corners: Array, vertex: Numbers) -> Array:
     areas = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
     normals = unit(areas)
     group = _components(*_smooth_pairs(normals, vertex), len(vertex))
-    mean = unit(_sums((areas[:, None] * _angles(corners)[..., None]).reshape(-1, 3), group)[group])
+    mean = unit(sums((areas[:, None] * _angles(corners)[..., None]).reshape(-1, 3), group, len(group))[group])
     own = np.repeat(normals, 3, axis=0)
     near = (mean * own).sum(axis=1) >= CREASE
     # A face without area has no normal of its own, and takes that of its neighbours.
@@ -100,6 +100,6 @@ def _components(one: Numbers, other: Numbers, count: int) -> Numbers:
             root = further
 
 
-def _sums(vectors: Array, group: Numbers) -> Array:
-    columns = [np.bincount(group, vectors[:, k], minlength=len(group)) for k in range(3)]
-    return np.stack(columns, axis=1)
+def sums(vectors: Array, group: Numbers, count: int) -> Array:
+    """The sums (count, k) of the vectors (N, k) of each group."""
+    return np.stack([np.bincount(group, column, minlength=count) for column in vectors.T], axis=1)

@@ -6,6 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...support.checks import Array
+from .shading import Numbers, sums
 
 FINEST, COARSEST = 4096, 4
 """Cells along the longest side of the mesh."""
@@ -18,8 +19,6 @@ STEPS, SAMPLE = 10, 10_000
 
 STRAY = 1e-3
 """How much a vertex is drawn to the middle of its points where the planes through them say nothing."""
-
-Numbers = NDArray[np.int64]
 
 
 def simplified(corners: Array, most: int) -> Array:
@@ -84,22 +83,18 @@ def _distinct(vertex: Numbers) -> NDArray[np.bool_]:
 def _places(corners: Array, vertex: Numbers, count: int) -> Array:
     """The vertex of each of `count` cells: the solution x of Σ w n nᵀ (x − p) = 0 that is near the mean of the p."""
     flat, points = vertex.ravel(), corners.reshape(-1, 3)
-    mean = _sums(points, flat, count) / np.bincount(flat, minlength=count)[:, None]
+    mean = sums(points, flat, count) / np.bincount(flat, minlength=count)[:, None]
     areas = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
     weight = np.linalg.norm(areas, axis=1)
     root = np.divide(areas, np.sqrt(weight)[:, None], out=np.zeros_like(areas), where=weight[:, None] > 0)  # √w n
     root = np.repeat(root, 3, axis=0)
     off = (root * (points - mean[flat])).sum(axis=1)
-    A = _sums((root[:, :, None] * root[:, None, :]).reshape(-1, 9), flat, count).reshape(-1, 3, 3)
-    b = _sums(root * off[:, None], flat, count)
+    A = sums((root[:, :, None] * root[:, None, :]).reshape(-1, 9), flat, count).reshape(-1, 3, 3)
+    b = sums(root * off[:, None], flat, count)
     pull = STRAY * np.trace(A, axis1=1, axis2=2) + np.finfo(np.float64).tiny
     x = np.linalg.solve(A + pull[:, None, None] * np.eye(3), b[:, :, None])[..., 0]
     low, high = _bounds(points, flat, count)
     return np.clip(mean + x, low, high)
-
-
-def _sums(values: Array, group: Numbers, count: int) -> Array:
-    return np.stack([np.bincount(group, column, minlength=count) for column in values.T], axis=1)
 
 
 def _bounds(points: Array, group: Numbers, count: int) -> tuple[Array, Array]:
