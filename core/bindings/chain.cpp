@@ -190,6 +190,17 @@ bool is_finite(const double* theta, std::size_t count) {
     return true;
 }
 
+nb::object Chain::split_rotation(nb::handle kind, nb::handle numbers, nb::handle theta) const {
+    std::uint64_t which;
+    double asked[most_numbers], here[most_joints];
+    if (!whole(kind, which) || which >= kinds || !read_target(numbers, static_cast<int>(which), asked) ||
+        !row(theta, n_, here) || !is_finite(here, n_))
+        return not_plain();
+    nb::object split = NumPy::get().empty(nb::int_(5));
+    engine_->split_rotation(static_cast<int>(which), asked, here, Array(split).data());
+    return split;
+}
+
 nb::object Chain::solve(nb::handle kind, nb::handle numbers, nb::handle theta0, nb::handle position_tolerance,
                         nb::handle orientation_tolerance, nb::handle restarts, nb::handle seed, nb::handle max_time,
                         nb::handle posture) const {

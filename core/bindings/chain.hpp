@@ -47,6 +47,9 @@ public:
     nb::object body_jacobian(nb::handle theta) const;
     nb::object fk_and_body_jacobian(nb::handle theta) const;
 
+    // None, or five numbers: what of a target's rotation error is impossible, what is prevented, and an axis of the tool.
+    nb::object split_rotation(nb::handle kind, nb::handle numbers, nb::handle theta) const;
+
     // None, or an answer's row (answer.hpp).
     nb::object solve(nb::handle kind, nb::handle numbers, nb::handle theta0, nb::handle position_tolerance,
                      nb::handle orientation_tolerance, nb::handle restarts, nb::handle seed, nb::handle max_time,

@@ -167,6 +167,10 @@ public:
         make(query, question, resized<N, dynamic>(found, n), ends, stopped, answer);
     }
 
+    rotation_split<double> split(const target<double>& asked, const double* theta) const {
+        return split_rotation(arm_, asked, theta, reach_);
+    }
+
 private:
     void make(const Query& query, const Question& question, const solution<double, dynamic>& found, const double* ends,
               Clock& stopped, Answer& answer) const;
@@ -325,6 +329,7 @@ public:
                     double* body) const override;
     void solve(const Query& query, const Question& question, Answer& answer) const override;
     void solve(const Query& query, const Batch& batch, std::size_t begin, std::size_t end) const override;
+    void split_rotation(int kind, const double* numbers, const double* theta, double* split) const override;
     ClosedFormEngine* closed_form(const FamilyNumbers& family) const override;
 
 protected:

@@ -57,6 +57,12 @@ void GeneralEngine::solve(const Query& query, const Batch& batch, std::size_t be
     });
 }
 
+void GeneralEngine::split_rotation(int kind, const double* numbers, const double* theta, double* split) const {
+    const rotation_split<double> found = conclusion_.split(target_from(kind, numbers), theta);
+    const double values[] = {found.impossible, found.prevented, found.axis[0], found.axis[1], found.axis[2]};
+    for (int k = 0; k < 5; ++k) split[k] = values[k];
+}
+
 ClosedFormEngine* GeneralEngine::closed_form(const FamilyNumbers& family) const {
     switch (static_cast<target_kind>(family.kind)) {
         case target_kind::pose: return new ClosedForm<target_kind::pose, dynamic>(arm_, range_, family);

@@ -104,6 +104,8 @@ public:
                             double* body) const = 0;
     virtual void solve(const Query& query, const Question& question, Answer& answer) const = 0;
     virtual void solve(const Query& query, const Batch& batch, std::size_t begin, std::size_t end) const = 0;
+    // Of the rotation error of a target at theta: what is impossible, what is prevented, and an axis (3,) of the tool.
+    virtual void split_rotation(int kind, const double* numbers, const double* theta, double* split) const = 0;
     // It must not outlive this engine.
     virtual ClosedFormEngine* closed_form(const FamilyNumbers& family) const = 0;
 };

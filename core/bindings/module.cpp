@@ -52,6 +52,7 @@ NB_MODULE(_core, module) {
         .def("spatial_jacobian", &Chain::spatial_jacobian, nb::arg().none())
         .def("body_jacobian", &Chain::body_jacobian, nb::arg().none())
         .def("fk_and_body_jacobian", &Chain::fk_and_body_jacobian, nb::arg().none())
+        .def("split_rotation", &Chain::split_rotation, nb::arg().none(), nb::arg().none(), nb::arg().none())
         .def("solve", &Chain::solve, nb::arg().none(), nb::arg().none(), nb::arg().none(), nb::arg().none(),
              nb::arg().none(), nb::arg().none(), nb::arg().none(), nb::arg().none(), nb::arg().none())
         .def("solve_batch", &Chain::solve_batch, nb::arg().none(), nb::arg().none(), nb::arg().none(), nb::arg().none(),

@@ -89,10 +89,10 @@ inline void judge(const setting& with, int t, const whole& out, double rounding 
     CHECK((out.stop == stop_reason::blocked_by_limits) == out.has_unlimited, "reason %d", static_cast<int>(out.stop));
     if (!out.has_unlimited) return;
     const misses off = missed(with.given.asked[t], with.source.fk(out.unlimited));
-    const bool position_alone = out.found.position_error > tolerance;
-    CHECK(static_cast<double>(position_alone ? off.position : std::fmax(off.position, off.orientation)) <=
-              tolerance + rounding,
-          "n = %d, target %d: not met without limits", with.given.n, t);
+    CHECK(static_cast<double>(off.position) <= tolerance + rounding, "n = %d, target %d: not met without limits",
+          with.given.n, t);
+    CHECK(out.found.position_error > tolerance || static_cast<double>(off.orientation) < out.found.orientation_error,
+          "n = %d, target %d: no less turned without limits", with.given.n, t);
     CHECK(!inside(with.given, out.unlimited), "n = %d, target %d: no limit in the way", with.given.n, t);
 }
 

@@ -90,6 +90,8 @@ class Chain:
         """J^b, (6, n) or (N, 6, n), linear part first. MLS §3.4.1."""
     def fk_and_body_jacobian(self, theta: object, /) -> tuple[Array, Array] | None:
         """g_st and J^b in one pass."""
+    def split_rotation(self, kind: object, numbers: object, theta: object, /) -> Array | None:
+        """Of a target's rotation error [rad] at theta: impossible, prevented, and a unit vector (3,) of the tool."""
     def solve(
         self,
         kind: object,

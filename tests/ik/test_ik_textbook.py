@@ -6,13 +6,14 @@ import time
 
 import numpy as np
 import pytest
+from scipy.spatial.transform import Rotation
 
 from catalogue import load
 from ik_targets import KINDS, errors, judged, moved, pinocchio_fk, target_from
 from solvers import textbook_ik
 from twistarm import load_arm
 from twistarm.cli.application import run
-from twistarm.ik import Position, StopReason, solve_ik, solve_ik_batch
+from twistarm.ik import Pose, Position, StopReason, solve_ik, solve_ik_batch
 from twistarm.ik.ranges import joint_ranges
 
 
@@ -34,6 +35,21 @@ def test_what_can_be_met_is_met(name, kind):
         solution = textbook_ik(arm, target, theta0)
         assert solution.converged
         assert judged(arm, target, solution)
+
+
+@pytest.mark.parametrize("tolerances", [(0.01, 1e-3), (1e-3, 0.02)])
+def test_loose_tolerances_are_used(tolerances):
+    """Poses of five joints beside ones that they reach: an exact answer does not exist, one within both does."""
+    arm, rng = load("rover_arm"), np.random.default_rng(4)
+    for theta in arm.random_theta(rng, 15):
+        g, step, axis = arm.fk(theta), *rng.normal(size=(2, 3))
+        g[:3, 3] += 0.9 * tolerances[0] * step / np.linalg.norm(step)
+        g[:3, :3] = Rotation.from_rotvec(0.9 * tolerances[1] * axis / np.linalg.norm(axis)).as_matrix() @ g[:3, :3]
+        solution = textbook_ik(arm, g, position_tol=tolerances[0], orientation_tol=tolerances[1])
+        assert solution.converged
+        position, angle = errors(Pose(g), pinocchio_fk(arm, solution.theta))
+        assert position <= tolerances[0]
+        assert angle <= tolerances[1]
 
 
 @pytest.mark.parametrize("name", ["rover_arm", "ur5", "panda"])

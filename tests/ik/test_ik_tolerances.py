@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import json
+
 import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
@@ -9,6 +11,7 @@ from scipy.spatial.transform import Rotation
 from catalogue import load
 from ik_targets import KINDS, errors, judged, pinocchio_fk, require_core, target_from
 from twistarm import Approach, Pose, load_arm, solve_ik, solve_ik_all, solve_ik_all_batch, solve_ik_batch
+from twistarm.cli.application import run
 from twistarm.ik import StopReason
 from urdf_text import joint, robot, write
 
@@ -194,3 +197,40 @@ def test_a_batch_lists_what_a_rounded_arm_meets(tmp_path):
     assert [len(one) for one in batch] == [len(one) for one in singles]
     assert [one.complete for one in batch] == [one.complete for one in singles]
     assert (batch.count > 0).all()
+
+
+def test_a_file_of_targets_tells_what_is_met_but_for_rounding(tmp_path, capsys):
+    exact, arm = (write(tmp_path, five_joints(k), f"arm{k}.urdf") for k in (16, 4))
+    poses = load_arm(exact).fk(load_arm(exact).random_theta(np.random.default_rng(9), 12))
+    directions = poses[:, :3, :3] @ load_arm(exact).tool_axis
+    rows = [",".join(map(repr, map(float, [*g[:3, 3], *d]))) for g, d in zip(poses, directions, strict=True)]
+    (tmp_path / "targets.csv").write_text("\n".join(["x,y,z,direction_x,direction_y,direction_z", *rows]), "utf-8")
+    asked = ["--targets", str(tmp_path / "targets.csv")]
+    assert run(["ik", str(arm), *asked]) == 0
+    assert "axes-almost-exact" in capsys.readouterr().out
+    assert run(["ik", str(arm), *asked, "--json"]) == 0
+    answers = json.loads(capsys.readouterr().out)["answers"]
+    for g, d, answer in zip(poses, directions, answers, strict=True):
+        missed = errors(Approach(g[:3, 3], d, load_arm(exact).tool_axis), pinocchio_fk(load_arm(arm), answer["theta"]))
+        assert answer["rounded"] == (max(missed) > 1e-6)
+    assert run(["ik", str(exact), *asked]) == 0
+    assert "axes-almost-exact" not in capsys.readouterr().out
+
+
+def test_a_list_of_a_rounded_arm_tells_how_far_it_is_without_going_back(tmp_path):
+    arm = load_arm(write(tmp_path, five_joints(4)))
+    g, told = arm.fk([0.3, 0.5, -1.0, 0.4, 0.2]), []
+    g[:3, :3] = g[:3, :3] @ Rotation.from_rotvec([0.3, 0.2, 0.1]).as_matrix()
+    found = solve_ik_all(arm, Pose(g), progress=lambda done, count: told.append(done / count))
+    assert not len(found)
+    assert told == sorted(told)
+    assert told[-1] == 1.0
+
+
+def test_an_empty_list_is_explained_with_its_own_tolerances():
+    """1 mm beyond the reach of the rover arm in x, which 0.1 mm do not allow."""
+    arm, target = load("rover_arm"), Approach([1.075, 0.02, 0.7], [1, 0, 0])
+    off = solve_ik(arm, target).position_error
+    found = solve_ik_all(arm, target, position_tol=off / 5, orientation_tol=1e-3)
+    assert not len(found)
+    assert f"the tolerance is {off / 5:.6g} m" in found.explain()

@@ -5,11 +5,14 @@ from __future__ import annotations
 from typing import Any
 
 from ..ik import IKBatch, IKSolution, StopReason
+from ..ik.solution import missed_by_rounding
 from ..model.arm import Arm
 from ..support.csv_lines import csv_text
 from .csv_rows import ROWS_SHOWN, Sheet, few
 from .output import console, print_json, say, table, theta_typed
 from .outputs import Outputs
+
+ERRORS = ("position_error", "orientation_error")
 
 
 def tell_answers(sheet: Sheet, batch: IKBatch, outputs: Outputs, *, radians: bool, json: bool) -> int:
@@ -35,7 +38,7 @@ def tell_answers(sheet: Sheet, batch: IKBatch, outputs: Outputs, *, radians: boo
 
 
 def _row_json(line: int, answer: IKSolution) -> dict[str, Any]:
-    fields = ("converged", "theta", "position_error", "orientation_error")
+    fields = ("converged", "rounded", "theta", *ERRORS)
     return {"line": line, "stop": answer.stop.name} | {field: getattr(answer, field) for field in fields}
 
 
@@ -57,6 +60,10 @@ def _counted(sheet: Sheet, lines: list[int], answers: list[IKSolution]) -> list[
     count = f"{met} of {len(answers)} targets of {sheet.file} met"
     if len(answers) > ROWS_SHOWN:
         count += " (-o FILE.csv has them all)"
+    rounded = [line for line, answer in zip(lines, answers, strict=True) if answer.rounded]
+    if rounded:
+        worst = [max(getattr(answer, error) for answer in answers if answer.rounded) for error in ERRORS]
+        count += f"\nnote: line {few(rounded)}: {missed_by_rounding(*worst)}"
     return [count, *(f"{reason.value}: line {few(numbers)}" for reason, numbers in by_reason.items())]
 
 

@@ -11,7 +11,7 @@ import numpy as np
 from ..model.arm import Arm
 from ..support.checks import Array
 from ..support.directions import nearest_axes
-from .targets import Approach, Pose, Task
+from .targets import AnyTarget, Approach, Pose
 from .task_space import Target
 
 RANK_SAMPLES = 16
@@ -19,15 +19,6 @@ RANK_SAMPLES = 16
 
 RANK_TOL = 1e-6
 """Singular values below this, relative to the largest, are directions the arm cannot move in."""
-
-BESIDE = 0.1
-"""How far [rad, m] beside a posture one looks for the directions that it lacks by itself."""
-
-HERE_ALONE = 0.9
-"""Where postures beside this one lack less than this part of what it lacks, the posture is to blame."""
-
-NO_MOTION = 1e-3
-"""Motions below this [rad for a rad], positions over the reach, are none; ik/reason.hpp in the core has both."""
 
 HELD_WEIGHT = 100.0
 """What a radian counts beside a metre where the rotation is held."""
@@ -79,42 +70,18 @@ class ApproachPlane:
     angle: float
 
 
-def split_rotation(arm: Arm, target: Target, theta: Array) -> Split:
+def split_rotation(arm: Arm, target: AnyTarget, theta: Array) -> Split:
     """The rotation error at theta (n,) in two: what no joint can undo with the position held, and what could be undone.
 
-    Rotation rows times the null space of the position rows span what can be undone; across it lies what cannot. Where
-    the reach for a rotation ends, a posture lacks what those beside it have: then the least over these is lacking.
+    The compiled core splits it (core/include/twistarm/ik/reason.hpp): rotation rows times the null space of the
+    position rows span what can be undone. Where the reach for a rotation ends, a posture lacks what those beside it
+    have: then the least over these is lacking. A `Task` holds a component from the edge of its tolerance on. Without
+    the core both parts are 0.
     """
-    g, J_b = arm._fk_and_body_jacobian(theta)
-    error = target._rotation_rows(g, J_b)[0]
-    steps = np.vstack([np.zeros(arm.n), BESIDE * np.eye(arm.n), -BESIDE * np.eye(arm.n)])
-    parts = [_impossible_part(arm, target, theta + step, error) for step in steps]
-    beside = min(parts, key=_norm)
-    part = beside if _norm(beside) < HERE_ALONE * _norm(parts[0]) else parts[0]
-    # The rows for the body's angular velocity itself turn a component of the error into an axis of the tool.
-    axis = part @ target._rotation_rows(g, np.vstack([np.zeros((3, 3)), np.eye(3)]))[1]
-    angle = target.orientation_error(g) / max(_norm(error), 1e-300)
-    return Split(angle * _norm(part), axis / max(_norm(axis), 1e-300), angle * _norm(error - part))
-
-
-def _impossible_part(arm: Arm, target: Target, theta: Array, error: Array) -> Array:
-    """What remains of a rotation error (k,) if the joints may turn the tool as at theta, the position held."""
-    g, J_b = arm._fk_and_body_jacobian(theta)
-    scaled = np.vstack([target._position_rows(g, J_b)[1] / arm.reach, _turning_rows(target, g, J_b)])
-    count = len(scaled) - len(error)
-    _, size, Vt = np.linalg.svd(scaled[:count])
-    across = _across(scaled[count:] @ Vt[int((size > NO_MOTION).sum()) :].T, NO_MOTION)
-    part: Array = across.T @ (across @ error)
-    return part
-
-
-def _turning_rows(target: Target, g: Array, J_b: Array) -> Array:
-    """The rows of the rotation (k, n); of a Task as if it were met: far off, what is free changes its logarithm."""
-    if not isinstance(target, Task):
-        return target._rotation_rows(g, J_b)[1]
-    J = J_b[3:] if target.frame == "target" else g[:3, :3] @ J_b[3:]
-    rows: Array = J[target.held[1]]
-    return rows
+    found = arm._compiled.split_rotation(target.kind, target.numbers, theta) if arm._compiled is not None else None
+    if found is None:
+        return Split(0.0, np.zeros(3), 0.0)
+    return Split(float(found[0]), found[2:], float(found[1]))
 
 
 def short_of(arm: Arm, target: Target, theta: Array) -> float | None:

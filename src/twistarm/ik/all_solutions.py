@@ -19,6 +19,7 @@ from .ranges import holding, joint_ranges
 from .solution import missed_by_rounding
 from .solve import solve_ik
 from .targets import AnyTarget, numbers_of_kind, target_of
+from .task_space import Tolerances
 
 
 class IKSolutions:
@@ -38,7 +39,7 @@ class IKSolutions:
     gave a configuration. 0 where there was nothing to sample.
     """
 
-    __slots__ = ("_arm", "_complete", "_members", "_method", "_rounded", "_row", "_target", "_timed_out")
+    __slots__ = ("_arm", "_complete", "_members", "_method", "_rounded", "_row", "_target", "_timed_out", "_tolerances")
 
     def __init__(
         self,
@@ -47,7 +48,8 @@ class IKSolutions:
         members: tuple[Array, ...],
         method: Method,
         complete: bool,
-        target: AnyTarget | None = None,
+        target: AnyTarget | None,
+        tolerances: Tolerances,
         timed_out: bool = False,
         rounded: bool = False,
     ) -> None:
@@ -56,6 +58,7 @@ class IKSolutions:
         self._method = method
         self._complete = complete
         self._target = target
+        self._tolerances = tolerances
         self._timed_out = timed_out
         self._rounded = rounded
         self._members = members
@@ -155,7 +158,7 @@ class IKSolutions:
         ]
         if not len(self):
             held = holding(self.arm, self._method.given, self.theta0)
-            nearest = solve_ik(held, self.target, self.theta0)
+            nearest = solve_ik(held, self.target, self.theta0, **self._tolerances.keywords)
             lines.append(f"the nearest configuration: {reached(nearest)}")
             lines += [] if nearest.converged else why_not(nearest)
         if self.rounded:
@@ -196,7 +199,8 @@ class IKSolutions:
         return f"IKSolutions({self.arm.name}, {self._counted()}; {self.method})"
 
     def __reduce__(self) -> tuple[Any, ...]:
-        known = self._members, self._method, self._complete, self._target, self._timed_out, self._rounded
+        asked = self._target, self._tolerances
+        known = self._members, self._method, self._complete, *asked, self._timed_out, self._rounded
         return _unpickled, (self._arm, self._row, *known)
 
 

@@ -42,6 +42,8 @@ class IKSolutionsBatch:
     """(r, 2 n): theta beside what moves, those of each target inside the limits and then those outside."""
     known: tuple[tuple[Method, bool], ...] = field(repr=False)
     """How, and whether these are all there are: of all targets, or for each."""
+    tolerances: Tolerances
+    """What was to count as met."""
     left: NDArray[np.bool_] = field(repr=False)
     """(N,): where families have still to be told apart, or rounded axes to be allowed for."""
     each: tuple[IKSolutions, ...] = field(default=(), repr=False)
@@ -77,7 +79,7 @@ class IKSolutionsBatch:
         if not self.left.any():
             return self
         each = [one(found.target, found.theta0) if left else found for found, left in zip(self, self.left, strict=True)]
-        return _gathered(self.arm, self.targets, self.theta0, each)
+        return _gathered(self.arm, self.targets, self.theta0, self.tolerances, each)
 
     def _padded(self, rows: NDArray[Any], nothing: float) -> NDArray[Any]:
         """(N, most, n) from rows (r, n)."""
@@ -114,7 +116,8 @@ class IKSolutionsBatch:
         start = self.theta0 if self.theta0.ndim == 1 else self.theta0[i]
         target = Pose(self.targets[i]) if isinstance(self.targets, np.ndarray) else self.targets[i]
         method, complete = self.known[i % len(self.known)]
-        return IKSolutions(self.arm, found_row(target, start, inside, outside, (0, 0)), (), method, complete, target)
+        row = found_row(target, start, inside, outside, (0, 0))
+        return IKSolutions(self.arm, row, (), method, complete, target, self.tolerances)
 
 
 def solve_ik_all_batch(
@@ -186,7 +189,7 @@ def solve_ik_all_batch(
         assert found is not None, "what was checked is plain"
         return found.completed(one)
     starts = np.broadcast_to(near, (len(asked), arm.n))
-    return _gathered(arm, asked, near, [one(*each) for each in zip(asked, starts, strict=True)])
+    return _gathered(arm, asked, near, exact, [one(*each) for each in zip(asked, starts, strict=True)])
 
 
 def _by_core(
@@ -208,10 +211,11 @@ def _by_core(
     within = inside.astype(np.int64)
     kept = targets if isinstance(targets, tuple) else np.array(targets, dtype=np.float64)
     start = np.array(near, dtype=np.float64)
-    known = ((method, is_exact(Tolerances(*how[:2]))),)
+    tolerances = Tolerances(*how[:2])
+    known = ((method, is_exact(tolerances)),)
     wider = any(arm.rounding) or not known[0][1]
     open_ = (left > 0.0) | ((within == 0) & wider)
-    return IKSolutionsBatch(arm, within, count.astype(np.int64) - within, kept, start, rows, known, open_)
+    return IKSolutionsBatch(arm, within, count.astype(np.int64) - within, kept, start, rows, known, tolerances, open_)
 
 
 def _shape(targets: tuple[AnyTarget, ...]) -> tuple[int, ...]:
@@ -220,7 +224,7 @@ def _shape(targets: tuple[AnyTarget, ...]) -> tuple[int, ...]:
 
 
 def _gathered(
-    arm: Arm, targets: Array | tuple[AnyTarget, ...], theta0: Array, each: list[IKSolutions]
+    arm: Arm, targets: Array | tuple[AnyTarget, ...], theta0: Array, tolerances: Tolerances, each: list[IKSolutions]
 ) -> IKSolutionsBatch:
     """Answers that were found one by one."""
     rows = [part for found in each for part in configurations_in(found._row, arm.n)]
@@ -229,4 +233,4 @@ def _gathered(
     all_rows = np.concatenate(rows) if rows else np.zeros((0, 2 * arm.n))
     known = tuple((found._method, found.complete) for found in each)
     nothing = np.zeros(len(each), dtype=np.bool_)
-    return IKSolutionsBatch(arm, count, beyond, targets, theta0, all_rows, known, nothing, tuple(each))
+    return IKSolutionsBatch(arm, count, beyond, targets, theta0, all_rows, known, tolerances, nothing, tuple(each))

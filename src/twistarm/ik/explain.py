@@ -8,10 +8,12 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from ..model.inability import cannot_move, cannot_turn, position_limit
-from ..support.caller_words import name_of, quantity
+from ..support.caller_words import argument, name_of, quantity
+from ..support.checks import Array
 from ..support.errors import printable
 from ..support.unit_hints import length_hint
 from ..support.vector_words import axis_in_words, value_in_words
+from . import answer
 from .abilities import approach_plane, out_of_surface, short_of, split_rotation
 from .ranges import joint_ranges
 from .stop_reason import NEAREST, StopReason
@@ -33,11 +35,14 @@ AT_BOUND = 1e-6
 NEGLIGIBLE = math.radians(0.005)
 """Angles [rad] that would be printed as 0.00°."""
 
-SMALL_PART = 0.05
-"""A smaller part of the rotation error than this is not worth a line beside the other; ik/reason.hpp has the same."""
-
 HARDLY = 10.0
 """A target that is missed by fewer tolerances may have been asked for too exactly."""
+
+WIDER = (2.0, 4.0, HARDLY)
+"""How many times as wide a position tolerance is tried where the rotation is missed."""
+
+SEARCHES = 100
+"""So many, at most, each time."""
 
 
 def explain(solution: IKSolution) -> str:
@@ -82,7 +87,7 @@ def reached(solution: IKSolution) -> str:
         parts.append(f"position {off}" if solution.position_error > met.position else "position met")
     if len(solution.target._rotation_tolerance):
         off = f"{_degrees(solution.orientation_error)} off, {OFF_BY[type(solution.target)]}"
-        off += _hardly(solution.orientation_error, met.orientation, "orientation_tol", "rad")
+        off += _hardly(solution.orientation_error, met.orientation, "orientation_tol", "rad") or _traded(solution)
         parts.append(f"orientation {off}" if solution.orientation_error > met.orientation else "orientation met")
     return ", ".join(parts)
 
@@ -92,6 +97,19 @@ def _hardly(error: float, tolerance: float, argument: str, unit: str) -> str:
     if error >= HARDLY * tolerance:
         return ""
     return f" (the tolerance is {quantity(tolerance, unit)}; {name_of(argument)} widens it)"
+
+
+def _traded(solution: IKSolution) -> str:
+    """The wider position tolerance with which a rotation is met that is missed where the position is met."""
+    chain, target, met = solution.arm._compiled, solution.target, solution.tolerances
+    if chain is None or solution.position_error > met.position or not len(target._position_tolerance):
+        return ""
+    for times in WIDER:
+        wide = times * met.position
+        row = chain.solve(target.kind, target.numbers, solution.theta, wide, met.orientation, SEARCHES, 0, None, None)
+        if row is not None and row[answer.STOP] == 0:
+            return f" (met with {argument('position_tol', float(f'{wide:.3g}'))})"
+    return ""
 
 
 def _why(solution: IKSolution) -> list[str]:
@@ -126,7 +144,7 @@ def at_bounds(solution: IKSolution) -> list[str]:
 
 
 def _blocked(solution: IKSolution) -> list[str]:
-    """What the joints would need that their limits do not allow."""
+    """What the joints would need that their limits do not allow, and what is missed without limits too."""
     arm, theta, turns = solution.arm, solution.unlimited, joint_ranges(solution.arm).turns
     if theta is None:
         return []
@@ -137,45 +155,57 @@ def _blocked(solution: IKSolution) -> list[str]:
             side = "lower" if theta[i] < inside else "upper"
             value, bound = (value_in_words(x, arm.units[i]) for x in (theta[i], inside))
             needs.append(f"{name} {value} ({side} bound {bound})")
-    met = solution.tolerances.or_rounding(arm.rounding)
-    turned = solution.target.orientation_error(arm.fk(theta)) > met.orientation
-    what = "its position" if turned else "it"
     where = f"for one with {', '.join(needs)}" if needs else "a hair beyond them"
-    return [f"without limits {what} could be met, {where}"]
+    turned = solution.target.orientation_error(arm.fk(theta))
+    if turned <= solution.tolerances.or_rounding(arm.rounding).orientation:
+        return [f"without limits it could be met, {where}"]
+    if solution.position_error > solution.tolerances.position:
+        return [f"without limits its position could be met, {where}", *_impossible(solution, theta)]
+    return [
+        f"{_degrees(solution.orientation_error - turned)} of the rotation are prevented by limits",
+        f"without limits it could be met but for {_degrees(turned)}, {where}",
+        *_impossible(solution, theta),
+    ]
 
 
 def _missing(solution: IKSolution) -> list[str]:
-    """The position that is out of reach, or the rotation that is missing once the position is met."""
-    if solution.position_error > solution.tolerances.position:
-        lines = [f"the nearest position the arm reaches inside its limits is {_length(solution.position_error)} away"]
-        missed = out_of_surface(solution.arm, solution.target, solution.theta)
-        return lines + [cannot_move(axis, "base") for axis in missed]
-    return _missing_rotation(solution)
+    """The position that is out of reach, and the rotation that is missing."""
+    if solution.position_error <= solution.tolerances.position:
+        return _missing_rotation(solution)
+    lines = [f"the nearest position the arm reaches inside its limits is {_length(solution.position_error)} away"]
+    lines += [cannot_move(axis, "base") for axis in out_of_surface(solution.arm, solution.target, solution.theta)]
+    return lines + _impossible(solution, solution.theta)
+
+
+def _impossible(solution: IKSolution, theta: Array) -> list[str]:
+    """What of the rotation no joint can undo at theta (n,), and the plane that holds the approach."""
+    arm, target = solution.arm, solution.target
+    split = split_rotation(arm, target, theta)
+    lacks = solution.stop is StopReason.IMPOSSIBLE_DIRECTION
+    if split.impossible <= (0.0 if lacks else NEGLIGIBLE):
+        return []
+    held = "the position" if len(target._position_tolerance) else ""
+    lines = [f"{cannot_turn(split.axis, 'tool', held)}; {_degrees(split.impossible)} of the rotation are missing"]
+    plane = approach_plane(arm, target, theta)
+    if plane is not None and plane.angle > NEGLIGIBLE:
+        normal = axis_in_words(plane.normal, "base")
+        lines.append(f"the approach is {_degrees(plane.angle)} out of the arm's plane, whose normal is {normal}")
+    return lines
 
 
 def _missing_rotation(solution: IKSolution) -> list[str]:
     """What is missing of the rotation and why, the larger part first; how far the position is out of reach for it."""
     arm, target, theta = solution.arm, solution.target, solution.theta
     split = split_rotation(arm, target, theta)
-    impossible, prevented, parts = [], [], split.impossible + split.prevented
-    if split.impossible > max(NEGLIGIBLE, SMALL_PART * parts):
-        held = "the position" if len(target._position_tolerance) else ""
-        impossible.append(
-            f"{cannot_turn(split.axis, 'tool', held)}; {_degrees(split.impossible)} of the rotation are missing"
-        )
-        plane = approach_plane(arm, target, theta)
-        if plane is not None and plane.angle > NEGLIGIBLE:
-            impossible.append(
-                f"the approach is {_degrees(plane.angle)} out of the arm's plane, "
-                f"whose normal is {axis_in_words(plane.normal, 'base')}"
-            )
-    if split.prevented > max(NEGLIGIBLE, SMALL_PART * parts):
+    prevented, impossible = [], _impossible(solution, theta)
+    if split.prevented > NEGLIGIBLE:
         prevented.append(f"{_degrees(split.prevented)} of the rotation are prevented by limits or reach")
     short = None if impossible or not len(target._position_tolerance) else short_of(arm, target, theta)
     if short is not None and short > solution.tolerances.position:
         what = "pointing so" if isinstance(target, Approach) else "turned so"
         prevented.append(f"{what}, the nearest position the arm reaches inside its limits is {_length(short)} away")
-    first, then = (prevented, impossible) if split.prevented > split.impossible else (impossible, prevented)
+    lacks = solution.stop is StopReason.IMPOSSIBLE_DIRECTION
+    first, then = (impossible, prevented) if lacks else (prevented, impossible)
     return [*first, *then] or [f"{_degrees(solution.orientation_error)} of the rotation are missing"]
 
 

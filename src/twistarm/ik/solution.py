@@ -55,7 +55,8 @@ class IKSolution:
     limits, then, with the position held, the least rotation error (for TIMED_OUT and EXHAUSTED: the best so far).
     position_error [m], orientation_error [rad]: from forward kinematics at theta, of what the target constrains.
     iterations, restarts: steps of the search that found theta (of all of them where none did); searches that were run.
-    unlimited (n,): where limits block, an answer without them, or where there is none, what meets the position alone.
+    unlimited (n,): where limits block, an answer without them, or where there is none, what meets the position alone,
+    or the nearest to the rotation with the position held.
     """
 
     __slots__ = ("_arm", "_row", "_target")
@@ -90,7 +91,7 @@ class IKSolution:
 
     @property
     def unlimited(self) -> Array | None:
-        """Where limits block: an answer without them, or else what meets the position alone, (n,)."""
+        """Where limits block: an answer without them, or else what comes nearest, the position first, (n,)."""
         return answer.unlimited_in(self._row, self._arm.n) if self._says(answer.HAS_UNLIMITED) else None
 
     @property

@@ -50,6 +50,9 @@ BESIDE = 64
 IN_FAMILY = 32
 """Searches along a continuous family whose configuration nearest to theta0 lies outside the limits."""
 
+USUAL = 1e-6
+"""The tolerance [m, rad] of these searches; what they meet but for the rounding of the axes they have not met."""
+
 KEPT = 1e-9
 """A joint nearer than this [rad, m] to theta0's value has it."""
 
@@ -134,11 +137,24 @@ def solve_ik_all(
     near[list(stands)] = list(stands.values())
     deadline = Deadline.after(request.max_time)
     task = _Task(arm, asked, near, request.tolerances, method.given, method.idle, deadline, progress)
-    answer = _answered(task, method, count, copies)
-    if len(answer) or answer.timed_out or not any(arm.rounding):
+    if not any(arm.rounding):
+        return _answered(task, method, count, copies)
+    first, second = (None, None) if progress is None else _in_two_passes(progress)
+    answer = _answered(replace(task, progress=first), method, count, copies)
+    if len(answer) or answer.timed_out:
+        if second is not None:
+            second(1, 1)
         return answer
-    wider = replace(task, tolerances=request.tolerances.or_rounding(arm.rounding), rounded=True)
-    return _answered(wider, method, count, copies)
+    met = request.tolerances.or_rounding(arm.rounding)
+    return _answered(replace(task, tolerances=met, rounded=True, progress=second), method, count, copies)
+
+
+def _in_two_passes(progress: Progress) -> tuple[Progress, Progress]:
+    """What hears of the first pass and of the second, each half of the way."""
+    return (
+        lambda done, count: progress(done, 2 * count),
+        lambda done, count: progress(count + done, 2 * count),
+    )
 
 
 def _answered(task: _Task, method: Method, count: int, copies: bool) -> IKSolutions:
@@ -149,7 +165,7 @@ def _answered(task: _Task, method: Method, count: int, copies: bool) -> IKSoluti
         if row[FAMILIES]:
             row = None  # the core keeps one of all families that move the same joints
         elif not copies and (row[INSIDE] or is_exact(task.tolerances)):
-            return IKSolutions(task.arm, row, (), method, task.complete(method), task.target)
+            return IKSolutions(task.arm, row, (), method, task.complete(method), task.target, task.tolerances)
     found, starts, hits = task.solved(method, values) if row is None else task.read(row)
     if not found and not is_exact(task.tolerances):
         found = task.within(method)
@@ -182,7 +198,8 @@ def _at_once(
     row = method.compiled.solve(numbers, start, None, position_tol, orientation_tol)
     if row is None or row[FAMILIES]:
         return None
-    return IKSolutions(arm, row, (), method, is_exact(Tolerances(position_tol, orientation_tol)), asked)
+    tolerances = Tolerances(position_tol, orientation_tol)
+    return IKSolutions(arm, row, (), method, is_exact(tolerances), asked, tolerances)
 
 
 @dataclass(frozen=True, eq=False)
@@ -324,10 +341,20 @@ class _Task:
         left = None if np.isinf(self.deadline.moment) else max(self.deadline.left, 1e-6)
         targets = [self.target] * len(starts)
         arm = holding(self.arm, self.given, self.near)
-        batch = solve_ik_batch(arm, targets, starts, restarts=1, max_time=left, progress=progress)
-        met = batch.theta[batch.converged]
-        new = self.roots(met, self.given, known)
-        return new, int((batch.restarts > 0).sum()), len(met)
+        batch = solve_ik_batch(
+            arm,
+            targets,
+            starts,
+            position_tol=USUAL,
+            orientation_tol=USUAL,
+            restarts=1,
+            max_time=left,
+            progress=progress,
+        )
+        new = self.roots(batch.theta[batch.converged], self.given, known)
+        exact = (batch.position_error <= USUAL) & (batch.orientation_error <= USUAL)
+        met = batch.converged & (exact | self.rounded)
+        return new, int((batch.restarts > 0).sum()), int(met.sum())
 
     @cached_property
     def stand(self) -> Array:
@@ -443,7 +470,7 @@ class _Task:
         members = tuple(frozen(np.array(entry.inside)) for entry in within)
         return IKSolutions(
             arm, row, members, method,
-            all_seen and not late and self.complete(method), self.target, late, self.rounded,
+            all_seen and not late and self.complete(method), self.target, self.tolerances, late, self.rounded,
         )  # fmt: skip
 
 

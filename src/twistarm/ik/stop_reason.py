@@ -14,8 +14,9 @@ class StopReason(Enum):
 
     Where the position is missed, the position alone decides, so that the reason does not hang on the kind of target:
     BLOCKED_BY_LIMITS if the arm reaches it without its position limits, else OUT_OF_REACH. Where the position is met
-    and the rotation is missed: BLOCKED_BY_LIMITS if the whole target is met without limits; else IMPOSSIBLE_DIRECTION
-    if some of what is missing is a turn that this posture lacks, and those beside it lack too; else OUT_OF_REACH.
+    and the rotation is missed: BLOCKED_BY_LIMITS if the whole target is met without limits. Otherwise the largest part
+    of what is missing decides: IMPOSSIBLE_DIRECTION for a turn that this posture and those beside it lack,
+    BLOCKED_BY_LIMITS for what the nearest configuration without limits does not miss, OUT_OF_REACH for the rest.
     """
 
     CONVERGED = "the target is met"

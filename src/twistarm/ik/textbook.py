@@ -18,14 +18,20 @@ from .deadline import Deadline
 from .ranges import JointRanges, joint_ranges
 from .request import Request
 from .stop_reason import STOPS, StopReason
-from .targets import AnyTarget
-from .task_space import Tolerances, excess_rows
+from .targets import AnyTarget, Task
+from .task_space import Rows, Tolerances, excess_rows
 
 ROTATION_WEIGHT = 0.2
 """What a squared radian counts beside a squared metre in the error E, which vanishes at an answer."""
 
 DAMPING, LEAST_DAMPING = 0.03, 1e-9
 """λ = DAMPING · E + LEAST_DAMPING: strong far from the target, vanishing with the error (Chan & Lawrence)."""
+
+LOOSE, ALLOWED = 1e-5, 0.999
+"""A search takes errors below this share of a tolerance [m, rad] that is wider for none, so that it is used."""
+
+PAST_ROUNDED = 24
+"""After a search has met its target but for the rounding of the axes, so many more may still meet it."""
 
 ITERATIONS = 30
 PROGRESS, STALLS = 0.8, 4
@@ -65,19 +71,22 @@ class Problem(NamedTuple):
 def solve(arm: Arm, target: AnyTarget, request: Request) -> Array:
     """At most `request.restarts` searches, the first from theta0, the others from random configurations.
 
-    The first that converges answers; where none does, the best of them: the position counts first, then the rotation.
+    The first that meets the tolerances answers, or one that meets them but for the rounding of the axes. Where none
+    does, the best of them answers: the position counts first, then the rotation.
     """
     problem = Problem(arm, joint_ranges(arm), target, request.tolerances)
     deadline, rng = Deadline.after(request.max_time), np.random.default_rng(request.seed)
     start = problem.ranges.inside(request.theta0)
     found = best = search(problem, start, start)
-    searches, steps = 1, found.iterations
-    while not found.converged and searches < request.restarts and not deadline.passed:
+    searches, steps, most = 1, found.iterations, request.restarts
+    while not problem.tolerances.met(*found.errors) and searches < most and not deadline.passed:
+        if found is best and found.converged:
+            most = min(most, searches + PAST_ROUNDED)
         found = search(problem, arm.random_theta(rng), start)
-        best = min(best, found, key=lambda end: _missed(problem, end))
+        best = min(best, found, key=lambda end: _rank(problem, end))
         searches, steps = searches + 1, steps + found.iterations
-    if found.converged:
-        best, steps = found, found.iterations
+    if best.converged:
+        steps = best.iterations
         if request.posture is not None:
             best = toward_posture(problem, best, request.posture, deadline)
     timed_out = deadline.passed and searches < request.restarts
@@ -108,7 +117,7 @@ def search(problem: Problem, theta: Array, near: Array) -> Search:
     while True:
         g, J_b = problem.arm._fk_and_body_jacobian(theta)
         errors = problem.target.position_error(g), problem.target.orientation_error(g)
-        error, J = _error_and_rows(problem.target, g, J_b)
+        error, J = _error_and_rows(problem, g, J_b)
         E = float(error @ error)
         stalls += PROGRESS * best < E
         best = min(best, E)
@@ -148,7 +157,7 @@ def toward_posture(problem: Problem, found: Search, posture: Array, deadline: De
 
 def _null_space_step(problem: Problem, theta: Array, posture: Array) -> Array:
     """(I − J⁺J)(posture − θ) on the joints that it does not lead out of their bounds, as far as the first of those."""
-    J = _error_and_rows(problem.target, *problem.arm._fk_and_body_jacobian(theta))[1]
+    J = _error_and_rows(problem, *problem.arm._fk_and_body_jacobian(theta))[1]
     free = np.ones(len(theta), dtype=np.bool_)
     while True:
         step = np.where(free, posture - theta, 0.0)
@@ -160,18 +169,33 @@ def _null_space_step(problem: Problem, theta: Array, posture: Array) -> Array:
         free &= ~outward
 
 
-def _error_and_rows(target: AnyTarget, g: Array, J_b: Array) -> tuple[Array, Array]:
-    """e (k,) and J (k, n) of what the target constrains, rotations weighed."""
-    e_p, J_p = excess_rows(target._position_rows(g, J_b), target._position_tolerance)
-    e_r, J_r = excess_rows(target._rotation_rows(g, J_b), target._rotation_tolerance)
+def _error_and_rows(problem: Problem, g: Array, J_b: Array) -> tuple[Array, Array]:
+    """e (k,) and J (k, n) of what the target constrains beyond loose tolerances, rotations weighed."""
+    target, met = problem.target, problem.tolerances
+    e_p, J_p = _beyond(excess_rows(target._position_rows(g, J_b), target._position_tolerance), met.position)
+    turned = met.orientation if isinstance(target, Task) else 2.0 * math.sin(0.5 * min(met.orientation, math.pi))
+    e_r, J_r = _beyond(excess_rows(target._rotation_rows(g, J_b), target._rotation_tolerance), turned)
     scale = math.sqrt(ROTATION_WEIGHT)
     return np.concatenate([e_p, scale * e_r]), np.concatenate([J_p, scale * J_r])
 
 
-def _missed(problem: Problem, end: Search) -> tuple[float, float]:
-    """How far an end is from the target: the position where it is not met, then the rotation."""
+def _beyond(rows: Rows, tolerance: float) -> Rows:
+    """What of an error e is beyond a loose tolerance ρ: (1 − ρ/‖e‖) e, and its derivative."""
+    error, J = rows
+    size, radius = float(np.linalg.norm(error)), ALLOWED * tolerance
+    if tolerance <= LOOSE:
+        return rows
+    if size <= radius:
+        return np.zeros_like(error), np.zeros_like(J)
+    kept, u = 1.0 - radius / size, error / size
+    return kept * error, kept * J + (1.0 - kept) * np.outer(u, u @ J)
+
+
+def _rank(problem: Problem, end: Search) -> tuple[bool, bool, float, float]:
+    """How good an end is: within the tolerances, or but for rounding; then by the position missed, the rotation."""
     position, orientation = end.errors
-    return (0.0 if position <= problem.tolerances.position else position), orientation
+    missed = 0.0 if position <= problem.tolerances.position else position
+    return not problem.tolerances.met(*end.errors), not end.converged, missed, orientation
 
 
 def _leaves_branch(problem: Problem, start: Array, theta: Array) -> bool:

@@ -15,7 +15,7 @@ template <class T, int N> struct answer {
     stop_reason stop;
     bool nearest;                 ///< `found` comes from the search for the nearest, not from a search for an answer
     bool has_unlimited;
-    T unlimited[capacity(N)];     ///< meets the target, outside the limits; where the reason is blocked_by_limits
+    T unlimited[capacity(N)];     ///< outside the limits, where they block: it meets the target, or comes nearest to it
     bool other_branch;            ///< `found` is not near θ₀, though the target is near the tool there, or is not met
 };
 
@@ -35,12 +35,13 @@ void take_nearest_start(const chain<T, N, M>& arm, const ranges<T, N>& range, co
 }
 
 /// Whether limits are the reason: what would meet the target without them, or where its position is missed and nothing
-/// meets all of it, its position alone. What the limits leave of that is the answer after all.
+/// meets all of it, its position alone. What the limits leave of that is the answer after all. Without roots, `roots`
+/// holds where the searches have ended.
 template <class T, int N, int M, class Stopped>
 void find_unlimited(const chain<T, N, M>& arm, const ranges<T, N>& range, const search_settings<T>& settings,
-                    const target<T>& asked, const T* theta0, std::uint64_t seed, Stopped& stopped, answer<T, N>& out) {
+                    const target<T>& asked, const T* theta0, std::uint64_t seed, Stopped& stopped,
+                    searched<T, N>& roots, answer<T, N>& out) {
     solution<T, N>& found = out.found;
-    searched<T, N> roots;
     const auto search = [&](const target<T>& wanted, int enough) {
         meet_without_limits(arm, range, settings, wanted, found.theta, seed, enough, stopped, roots);
         if (roots.count == 0) return false;
@@ -78,12 +79,15 @@ void explain(const chain<T, N, M>& arm, const ranges<T, N>& range, const search_
         out.stop = stop_reason::converged;
         return;
     }
-    find_unlimited(arm, range, settings, asked, theta0, seed, stopped, out);
+    searched<T, N> roots;
+    find_unlimited(arm, range, settings, asked, theta0, seed, stopped, roots, out);
     if (found.converged || out.has_unlimited || stopped()) return;
+    out.stop = stop_reason::exhausted;
     // How far a position is out of reach does not hang on the rotation there.
     const bool decided = nearest.rotation_stationary || found.position_error > settings.position_tolerance;
-    out.stop = nearest.position_stationary && decided ? reason_for(arm, settings, asked, reach, found)
-                                                      : stop_reason::exhausted;
+    if (!nearest.position_stationary || !decided) return;
+    out.stop = reason_for(arm, range, settings, asked, reach, found, roots, stopped, out.unlimited);
+    out.has_unlimited = out.stop == stop_reason::blocked_by_limits;
 }
 
 /// The errors of an answer that is met but for the rounding of the axes made as small as the arm allows from there: the

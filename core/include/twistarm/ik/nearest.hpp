@@ -5,10 +5,29 @@
 
 TWISTARM_BEGIN
 
+namespace detail {
+/// Minima of so many starts agree where their rotations' f differ by less than this part. Where a valley bends sharply a
+/// model of second order promises much more than there is, and several starts end in the same place.
+constexpr int enough_agree = 2;
+template <class T> constexpr T agreeing = T(1e-2);
+
+/// Whether other starts lead to as little as `found` has.
+template <class T, int N> bool is_agreed(const minimum<T, N>* minima, int count, const minimum<T, N>& found) {
+    int others = 0;
+    for (int i = 0; i < count; ++i) {
+        bool fresh = minima[i].start >= 0 && minima[i].start != found.start;
+        for (int j = 0; j < i && fresh; ++j) fresh = minima[j].start != minima[i].start;
+        others += fresh && absolute(minima[i].distance - found.distance) <= same_position<T> &&
+                  absolute(minima[i].rotation - found.rotation) <= agreeing<T> * found.rotation;
+    }
+    return others >= enough_agree;
+}
+}  // namespace detail
+
 /// The best minimum that the starts lead to: the least distance, among equals the least rotation error, and among
 /// equals, within the tolerances, the one nearest to θ₀ (n,), inside the limits.
 ///
-/// `field` holds the starts and is used up. The position is held by a weight that grows until `last_epsilon` m² stand
+/// Its rotation counts as stationary also where several starts agree. `field` holds the starts and is used up. The position is held by a weight that grows until `last_epsilon` m² stand
 /// against a radian, and comes to its own least at the end.
 template <class V, class T, int N, int M, class Stopped>
 void nearest_from(const chain<T, N, M>& arm, const ranges<T, N>& range, const search_settings<T>& settings,
@@ -34,7 +53,9 @@ void nearest_from(const chain<T, N, M>& arm, const ranges<T, N>& range, const se
     found = best.at;
     if (stopped()) return;
     count += detail::draw_to(objective, range, theta0, best, field, stopped, minima + count);
-    found = detail::nearest_to(arm, range, settings, asked, theta0, minima, count).at;
+    const detail::minimum<T, N>& taken = detail::nearest_to(arm, range, settings, asked, theta0, minima, count);
+    found = taken.at;
+    found.rotation_stationary = found.rotation_stationary || detail::is_agreed(minima, count, taken);
 }
 
 TWISTARM_END

@@ -1,6 +1,7 @@
 // Reason why a target cannot be met: the limits, a direction the arm has no joint for, or its reach.
 #pragma once
 
+#include "minima.hpp"
 #include "unlimited.hpp"
 
 TWISTARM_BEGIN
@@ -14,12 +15,22 @@ namespace detail {
 /// How far beside a configuration [rad, m] one looks for what it lacks by itself: where a reach ends, all joints that turn
 /// the tool one way may stand still at first.
 constexpr double beside = 0.1;
+/// Where postures beside a configuration lack less than this part of what it lacks, the posture is to blame.
+constexpr double lacking_alone = 0.9;
 /// Lengths below this [rad for a rad], positions over the reach, are of directions the arm cannot move in: descriptions
 /// write 1.57 for a right angle, and mean it.
 constexpr double lacking_below = 1e-3;
-/// A smaller part of the rotation error than this is no reason beside the rest of it.
+/// A smaller part of a rotation error than this is no reason beside the rest of it.
 constexpr double lacking_share = 0.05;
+/// A component whose error is at least this part of its tolerance is held: the nearest stands at the edges of tolerances.
+constexpr double held_from = 0.999;
 }  // namespace detail
+
+/// A rotation error [rad] in two with the position held: what no joint can undo, about an axis (3,) of the tool, and the
+/// rest of the angle, which limits or the reach prevent.
+template <class T> struct rotation_split {
+    T impossible, prevented, axis[3];
+};
 
 /// Whether a target constrains more than the tool's position.
 template <class T> bool has_rotation(const target<T>& asked) {
@@ -61,76 +72,156 @@ template <class T, int Size> void take_out(T (*vectors)[Size], int spanning, int
     }
 }
 
-/// Error of a target at θ, and its rows. Those of a task's rotation are as if it were met there, in the axes of its
-/// tolerances: far off, its logarithm changes with what is left free.
-template <target_kind Kind, class T, int N, int M>
-void look_from(const chain<T, N, M>& arm, const target<T>& asked, const T* theta, residual<T, N, rows_of(Kind)>& at) {
-    const aim<T> aimed = aim_at(arm, asked);
-    frame<T> g;
-    column<T> columns[capacity(N)];
-    walk_with_columns(arm, aimed.base, aimed.tip, theta, g, columns);
-    residual_of<Kind, N>(g, columns, arm.coordinates(), aimed, T(1), at);
-    if constexpr (Kind == target_kind::task)
-        for (int k = 0; k < arm.coordinates(); ++k) {
+/// What is asked of the tool at a configuration: how far off each component is, its rows, and whether it is held. Rows of
+/// a task's rotation are as if it were met there, in the axes of its tolerances: far off, its logarithm changes with what
+/// is left free.
+template <target_kind Kind, class T, int N> struct asked_here {
+    frame<T> g, behind;  ///< the pose in the axes of the aim, and what the aim adds to the tool
+    residual<T, N, rows_of(Kind)> at;
+    bool held[6];
+
+    template <int M> asked_here(const chain<T, N, M>& arm, const target<T>& asked, const T* theta) {
+        const aim<T> aimed = aim_at(arm, asked);
+        column<T> columns[capacity(N)];
+        walk_with_columns(arm, aimed.base, aimed.tip, theta, g, columns);
+        behind = product(inverse(arm.tip), aimed.tip);
+        residual_of<Kind, N>(g, columns, arm.coordinates(), aimed, T(1), at);
+        for (bool& component : held) component = true;
+        if constexpr (Kind == target_kind::task) hold(asked, columns, arm.coordinates());
+    }
+
+    /// Components within their tolerances are free, and what is held has all of its row.
+    void hold(const target<T>& asked, column<T>* columns, int n) {
+        T off[6];
+        chord_of(g, off + 3);
+        logarithm_of_chord(off + 3);
+        for (int r = 0; r < 3; ++r) off[r] = g.p[r];
+        for (int r = 0; r < 6; ++r)
+            held[r] = asked.tolerance[r] < static_cast<T>(__builtin_inf()) &&
+                      absolute(off[r]) >= static_cast<T>(held_from) * asked.tolerance[r];
+        for (int k = 0; k < n; ++k) {
             if (!asked.base_axes) rotate_back(g, columns[k].w, columns[k].w);
-            for (int r = 0; r < 3; ++r)
-                at.J[k][r + 3] = asked.tolerance[r + 3] < static_cast<T>(__builtin_inf()) ? columns[k].w[r] : T(0);
+            for (int r = 0; r < 3; ++r) {
+                at.J[k][r] = columns[k].v[r];
+                at.J[k][r + 3] = columns[k].w[r];
+            }
         }
-}
-
-/// The square of what remains of a rotation error, `here.e`, if the joints may turn the tool as at `there`, with what of
-/// the position is held `here` held, metres over `reach` [m]. What lies inside its tolerance is free.
-template <target_kind Kind, class T, int N>
-T left_of_rotation(const residual<T, N, rows_of(Kind)>& here, const residual<T, N, rows_of(Kind)>& there, int n,
-                   T reach) {
-    constexpr int rows = rows_of(Kind);
-    T J[rows][capacity(N)], turns[capacity(N) + 1][3] = {};
-    for (int r = 0; r < rows; ++r)
-        for (int k = 0; k < n; ++k) J[r][k] = r < 3 ? there.J[k][r] / reach : there.J[k][r];
-    for (int r = 0; r < rows && Kind == target_kind::task; ++r) {
-        bool held = r >= 3 && here.e[r] != T(0);
-        for (int k = 0; k < n && r < 3; ++k) held = held || here.J[k][r] != T(0);
-        for (int k = 0; k < n && !held; ++k) J[r][k] = T(0);
     }
-    take_out(J, 3, rows, n);
-    for (int r = 3; r < rows; ++r) {
-        for (int k = 0; k < n; ++k) turns[k][r - 3] = J[r][k];
-        turns[n][r - 3] = here.e[r];
-    }
-    take_out(turns, n, n + 1, 3);
-    return dot(turns[n], turns[n]);
-}
 
-/// Whether a part of the rotation error at θ is about directions in which no joint turns the tool, the position held, at θ
-/// or beside it.
+    /// What remains of the rotation error, `left` (3,), if the joints may turn the tool as at `there`, with what is held
+    /// of the position held, metres over `reach` [m]. The square of its length.
+    T remains(const residual<T, N, rows_of(Kind)>& there, int n, T reach, T* left) const {
+        constexpr int rows = rows_of(Kind);
+        T J[rows][capacity(N)], turns[capacity(N) + 1][3] = {};
+        for (int r = 0; r < rows; ++r)
+            for (int k = 0; k < n; ++k) J[r][k] = !held[r] ? T(0) : r < 3 ? there.J[k][r] / reach : there.J[k][r];
+        take_out(J, 3, rows, n);
+        for (int r = 3; r < rows; ++r) {
+            for (int k = 0; k < n; ++k) turns[k][r - 3] = J[r][k];
+            turns[n][r - 3] = at.e[r];
+        }
+        take_out(turns, n, n + 1, 3);
+        for (int r = 0; r < 3; ++r) left[r] = turns[n][r];
+        return dot(left, left);
+    }
+
+    /// A rotation error's axis in those of the tool.
+    void in_tool(const target<T>& asked, const T* error, T* axis) const {
+        T turn[3] = {error[0], error[1], error[2]};
+        if constexpr (Kind == target_kind::approach)
+            for (int k = 0; k < 3; ++k) turn[k] = error[0] * g.x[k] + error[1] * g.y[k];
+        if (Kind != target_kind::task || asked.base_axes) rotate_back(g, turn, turn);
+        rotate(behind, turn, axis);
+    }
+};
+
 template <target_kind Kind, class T, int N, int M>
-bool lacks_direction(const chain<T, N, M>& arm, const target<T>& asked, const T* theta, T reach) {
-    residual<T, N, rows_of(Kind)> here, there;
-    look_from<Kind>(arm, asked, theta, here);
-    T least_left = left_of_rotation<Kind>(here, here, arm.coordinates(), reach), moved[capacity(N)];
-    for (int k = 0; k < arm.coordinates(); ++k) moved[k] = theta[k];
-    for (int way = 0; way < 2 * arm.coordinates(); ++way) {
+rotation_split<T> split_rotation_as(const chain<T, N, M>& arm, const target<T>& asked, const T* theta, T reach) {
+    const int n = arm.coordinates();
+    const asked_here<Kind, T, N> here(arm, asked, theta);
+    T left[3], other[3], moved[capacity(N)];
+    T squared = here.remains(here.at, n, reach, left);
+    T enough = static_cast<T>(lacking_alone * lacking_alone) * squared;
+    for (int k = 0; k < n; ++k) moved[k] = theta[k];
+    for (int way = 0; way < 2 * n; ++way) {
         const int k = way / 2;
         moved[k] = theta[k] + static_cast<T>(way % 2 == 0 ? beside : -beside);
-        look_from<Kind>(arm, asked, moved, there);
-        least_left = least(least_left, left_of_rotation<Kind>(here, there, arm.coordinates(), reach));
+        const T there = here.remains(asked_here<Kind, T, N>(arm, asked, moved).at, n, reach, other);
         moved[k] = theta[k];
+        if (!(there < enough)) continue;
+        squared = enough = there;
+        for (int r = 0; r < 3; ++r) left[r] = other[r];
     }
-    return least_left > static_cast<T>(lacking_share * lacking_share) * here.rotation_squared;
+    rotation_split<T> split{};
+    if (!(here.at.rotation_squared > T(0))) return split;
+    const T angle = errors_at(asked, forward(arm, theta)).orientation;
+    split.impossible = angle * sqrt(least(squared / here.at.rotation_squared, T(1)));
+    split.prevented = angle - split.impossible;
+    here.in_tool(asked, left, split.axis);
+    const T size = sqrt(dot(split.axis, split.axis));
+    for (int r = 0; r < 3 && size > T(0); ++r) split.axis[r] /= size;
+    return split;
 }
 }  // namespace detail
 
-/// Why the nearest configuration, with these errors, is no answer, though the limits are not to blame.
+/// The rotation error at θ in two: what no joint can undo with the position held, at θ or beside it, and the rest.
 template <class T, int N, int M>
-stop_reason reason_for(const chain<T, N, M>& arm, const search_settings<T>& settings,
-                       const target<T>& asked, T reach, const solution<T, N>& nearest) {
-    bool lacking = false;
-    if (nearest.position_error <= settings.position_tolerance)
-        with_kind(asked, [&](auto kind) {
-            if constexpr (kind() != target_kind::position)
-                lacking = detail::lacks_direction<kind()>(arm, asked, nearest.theta, reach);
-        });
-    return lacking ? stop_reason::impossible_direction : stop_reason::out_of_reach;
+rotation_split<T> split_rotation(const chain<T, N, M>& arm, const target<T>& asked, const T* theta, T reach) {
+    rotation_split<T> split{};
+    with_kind(asked, [&](auto kind) {
+        if constexpr (kind() != target_kind::position)
+            split = detail::split_rotation_as<kind()>(arm, asked, theta, reach);
+    });
+    return split;
+}
+
+namespace detail {
+/// Descends to the nearest configuration without limits from where searches for the target without limits have ended,
+/// `ends`. Whether it meets the position.
+template <class T, int N, int M, class Stopped>
+bool come_near_without_limits(const chain<T, N, M>& arm, const ranges<T, N>& range, const search_settings<T>& settings,
+                              const target<T>& asked, const searched<T, N>& ends, Stopped& stopped, T* theta) {
+    using V = pack<T, searches_in_group>;
+    const int n = arm.coordinates();
+    const two_levels<V, T, N, M> objective{arm, asked.kind, aim_in_every_lane<V>(aim_at(arm, asked))};
+    resumed_ends<T, N> starts;
+    static_assert(resumed == searches_in_group, "A start for each lane.");
+    take_nearest(arm, range, settings, asked, ends.theta, searches_without_limits, starts);
+    descent_lanes<V, N> lanes;
+    lanes.epsilon = V(first_epsilons<T>[1]);
+    for (int l = 0; l < searches_in_group; ++l)
+        for (int k = 0; k < n; ++k) set_lane(lanes.theta[k], l, starts.theta[l][k]);
+    const ranges<T, N> free = without_limits(arm, range);
+    descend(objective, free, finishing<T>, lanes, stopped);
+    minimum<T, N> minima[searches_in_group];
+    int which[searches_in_group];
+    for (int l = 0; l < searches_in_group; ++l) which[l] = l;
+    come_to_rest(objective, free, which, searches_in_group, lanes, stopped, minima);
+    const minimum<T, N>& best = nearest_of(minima, searches_in_group);
+    for (int k = 0; k < n; ++k) theta[k] = best.at.theta[k];
+    bring_toward(range, n, theta);
+    return best.distance <= settings.position_tolerance && !is_inside(range, n, theta);
+}
+}  // namespace detail
+
+/// Why the nearest configuration, with these errors, is no answer, though nothing meets the target without limits: the
+/// largest cause. `ends` are those of the searches without limits; where limits are blamed all the same, `unlimited` is
+/// the nearest without them.
+template <class T, int N, int M, class Stopped>
+stop_reason reason_for(const chain<T, N, M>& arm, const ranges<T, N>& range, const search_settings<T>& settings,
+                       const target<T>& asked, T reach, const solution<T, N>& nearest, const searched<T, N>& ends,
+                       Stopped& stopped, T* unlimited) {
+    if (nearest.position_error > settings.position_tolerance) return stop_reason::out_of_reach;
+    const rotation_split<T> here = split_rotation(arm, asked, nearest.theta, reach);
+    if (here.impossible >= here.prevented) return stop_reason::impossible_direction;
+    if (!detail::come_near_without_limits(arm, range, settings, asked, ends, stopped, unlimited))
+        return stop_reason::out_of_reach;
+    const rotation_split<T> there = split_rotation(arm, asked, unlimited, reach);
+    const T by_limits = nearest.orientation_error - there.impossible - there.prevented;
+    if (by_limits >= greatest(there.impossible, there.prevented)) return stop_reason::blocked_by_limits;
+    const bool lacking = here.impossible > static_cast<T>(detail::lacking_share) * here.prevented;
+    return lacking && there.impossible >= there.prevented ? stop_reason::impossible_direction
+                                                          : stop_reason::out_of_reach;
 }
 
 TWISTARM_END
