@@ -263,11 +263,6 @@ def test_yaml_of_a_team_is_never_replaced(motion, tmp_path, monkeypatch, capsys)
     capsys.readouterr()
 
 
-def test_the_old_words_name_the_new() -> None:
-    with pytest.raises(AttributeError, match=r"it is now twistarm\.load_trajectory"):
-        _ = stream.read_recording
-
-
 def test_counts_on_the_command_line(tmp_path, monkeypatch, capsys):
     monkeypatch.chdir(tmp_path)
     arguments = ["plan", "rover_arm", "--to", "zero", "--velocity", "1", "--acceleration", "1", "--counts"]

@@ -298,19 +298,3 @@ def test_a_view_answers_in_our_words_too(tmp_path: Path, monkeypatch: pytest.Mon
         for call, arguments in doors.items():
             for name, value, what in tried(arguments):
                 assert said(call, {**arguments, name: value}) is None, (call, name, what)
-
-
-OLD_WORDS = {
-    "Arm.pose_names": (lambda: ARM.pose_names, AttributeError, "it is now tuple(arm.configurations)"),
-    "Arm.compiled": (lambda: ARM.compiled, AttributeError, "internal"),
-    "Comparison": (lambda: twistarm.Comparison, AttributeError, "it is now EngineComparison"),
-    "Task": (lambda: twistarm.Task(G, [0.0] * 6, frame="tool"), twistarm.InputError, "is now 'target'"),
-    "posture": (lambda: twistarm.solve_ik(ARM, G, posture="centre"), twistarm.InputError, "is now 'middle'"),
-}
-
-
-@pytest.mark.parametrize("word", OLD_WORDS)
-def test_an_old_word_names_the_new_one(word: str) -> None:
-    call, kind, hint = OLD_WORDS[word]
-    with pytest.raises(kind, match=hint.replace("(", r"\(").replace(")", r"\)")):
-        call()

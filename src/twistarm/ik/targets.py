@@ -259,8 +259,6 @@ class Task(Brief):
     kind: ClassVar[int] = 3
 
     def __init__(self, g: Matrix, tolerance: Row, frame: str = "target") -> None:
-        if isinstance(frame, str) and frame == "tool":
-            raise InputError("frame 'tool' is now 'target': the tolerances lie along the target's axes")
         base_axes = require_choice(frame, ("target", "base"), "frame") == "base"
         numbers = _checked("task", g, tolerance, base_axes)
         if numbers is None:

@@ -38,7 +38,6 @@ from ..support.checks import (
 )
 from ..support.display import html_table, in_brief, told
 from ..support.errors import InputError, TwistarmError, UnitsWarning, listed, shown, unknown_name
-from ..support.renamed import Renamed
 from ..support.unit_hints import theta_hint
 from ..theory import poe
 from ..theory.lower_pairs import lower_pairs
@@ -113,11 +112,6 @@ class Arm:
     actuators: Actuators | None = field(default=None, repr=False)
     disabled_pairs: frozenset[tuple[str, str]] = field(default=frozenset(), repr=False)
     moving_names: tuple[str, ...] = field(default=(), repr=False)
-
-    pose_names = Renamed("tuple(arm.configurations)")
-    compiled = Renamed("internal; twistarm.model.engine.core() says whether there is a compiled core")
-    kept = Renamed("internal; Arm.bake writes it")
-    fk_and_body_jacobian = Renamed("internal; call fk and body_jacobian")
 
     def __post_init__(self) -> None:
         for name in ("screws", "home", "tool"):

@@ -22,7 +22,6 @@ from ..support.checks import Array, as_flag, as_positive, require
 from ..support.closeable import Closeable
 from ..support.errors import InputError, shown
 from ..support.files import writable, write_whole
-from ..support.renamed import Renamed
 from .files.inline import HEIGHT, Inline
 from .files.page_export import stand_alone
 from .files.scene_snapshot import SceneSnapshot, on_show
@@ -84,8 +83,6 @@ class Viewer(Closeable):
         self._server.start()
         if open_browser:
             self.open_page()
-
-    poses = Renamed("recorded: the configurations recorded on the pages")
 
     @property
     def url(self) -> str:
