@@ -12,7 +12,7 @@ import yaml
 from numpy.testing import assert_allclose
 
 from test_export import LABELS, plain, with_motors
-from twistarm import Actuators, ArmBuilder, load_arm, load_trajectory, plan_joint, stream
+from twistarm import Actuators, ArmBuilder, load_arm, load_trajectory, plan_joint
 from twistarm.cli.application import run
 from twistarm.planning import Trajectory
 from twistarm.support.errors import InputError, LimitError

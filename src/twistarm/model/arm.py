@@ -31,6 +31,7 @@ from ..support.checks import (
     as_twist,
     as_vector,
     frozen,
+    made_by,
     require,
     require_mapping,
     require_names,
@@ -75,6 +76,7 @@ class Proof(NamedTuple):
     samples: int
 
 
+@made_by("load_arm, ArmBuilder or arm_from_screws")
 @dataclass(frozen=True, eq=False, repr=False)
 class Arm:
     """A robot arm with n independent joint coordinates `theta` (..., n) [rad or m], ordered base to tip.
@@ -498,9 +500,9 @@ class Arm:
         if isinstance(values, str):
             return self._named(values)
         if numbers is None and not isinstance(values, Mapping):
-            theta = as_theta(values, self.n, name, self.joint_names)
+            theta = as_theta(values, self.n, require(name, str, "name", "an argument's"), self.joint_names)
             hint = theta_hint(theta, self.units, self.limits.lower, self.limits.upper)
-            if hint and not isinstance(values, np.ndarray):
+            if hint:
                 warn_caller(f"{name}: {hint}; twistarm takes radians: numpy.radians converts them", UnitsWarning)
             return theta
         given = dict(values) if isinstance(values, Mapping) else self._paired(values, numbers)

@@ -141,9 +141,9 @@ class Viewer(Closeable):
         self._require_open()
         arm = self.arm
         check_trajectory(arm, trajectory)
-        times = as_positive(speed, "speed")
+        times, again = as_positive(speed, "speed"), as_flag(loop, "loop")
         self._server.driver.drop(MOVED)
-        self._post("play", arm, lambda stage: stage.load(trajectory, times, loop, time.monotonic()))
+        self._post("play", arm, lambda stage: stage.load(trajectory, times, again, time.monotonic()))
 
     def _post(self, key: str, arm: Arm, change: Callable[[Stage], None]) -> None:
         """Change what is on show, unless another arm has taken the place of `arm` meanwhile."""
@@ -249,7 +249,10 @@ class Viewer(Closeable):
         """
         self._require_open()
         arm = self.arm
-        if solutions is not None and solutions.arm is not arm:
+        if (
+            solutions is not None
+            and require(solutions, IKSolutions, "solutions", "as solve_ik_all returns").arm is not arm
+        ):
             raise InputError("these are configurations of another arm: solve_ik_all(viewer.arm, …) gives this one's")
         others = self._server.ask(lambda stage: dict(stage.others))
         answer = None if solutions is None else answer_of(solutions, others)
