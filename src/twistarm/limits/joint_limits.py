@@ -9,17 +9,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
-from ..support.checks import (
-    LARGEST_ARRAY,
-    Array,
-    as_number,
-    as_reals,
-    as_theta,
-    as_vector,
-    as_whole,
-    frozen,
-    require_names,
-)
+from ..support.checks import LARGEST_ARRAY, Array, as_number, as_reals, as_theta, as_whole, frozen, require_names
 from ..support.display import told
 from ..support.errors import InputError, shown, unknown_name
 from .joint_units import slides
@@ -95,7 +85,7 @@ class JointLimits:
 
     def sampling_bounds(self, half: Array) -> tuple[Array, Array]:
         """Lower and upper (n,) to draw configurations from, ±`half` (n,) where unbounded. See `usual_range`."""
-        return usual_range(self.lower, self.upper, as_vector(half, "half", self.lower.size))
+        return usual_range(self.lower, self.upper, as_theta(half, self.lower.size, "half"))
 
     def middle(self) -> Array:
         """Midway between the bounds (n,); as near to 0 as allowed where there are not two."""
