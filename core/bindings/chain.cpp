@@ -83,12 +83,16 @@ nb::dict Chain::constants() const {
     return constants;
 }
 
+constexpr double two_turns = 12.566370614359172;  // [rad], as in support/unit_hints.py
+
 // One call of forward kinematics: theta held, the results made, the kernel run.
 class Chain::Call {
 public:
     Call(const Chain& chain, nb::handle theta) : chain_(chain), theta_(theta) {
         const std::size_t axes = theta_.plain() ? theta_.dimensions() : 0;
         plain_ = (axes == 1 || axes == 2) && theta_.shape(axes - 1) == chain.n_ && theta_.finite();
+        // One configuration beyond two turns may be in degrees: Python looks at it, and hands it on as rows.
+        for (std::size_t i = 0; axes == 1 && plain_ && i < chain.n_; ++i) plain_ = std::fabs(theta_.data()[i]) <= two_turns;
     }
 
     bool plain() const { return plain_; }

@@ -25,7 +25,6 @@ def _public_names() -> dict[str, str]:
 
 
 _MODULES = _public_names()
-_RENAMED = {"Comparison": "EngineComparison"}
 
 __all__ = sorted(_MODULES)
 
@@ -34,9 +33,7 @@ def __getattr__(name: str) -> Any:
     from importlib import import_module
 
     if name not in _MODULES:
-        from .support.renamed import refuse_renamed
-
-        raise refuse_renamed(f"module {__name__!r}", name, _RENAMED)
+        raise AttributeError(f"module {__name__!r} has no attribute {name!r}", name=name)
     module = _MODULES[name]
     # Kept, so that this is asked once for each name.
     if module == ".":

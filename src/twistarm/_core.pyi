@@ -2,7 +2,7 @@
 
 A call answers None where an argument is not plainly right: Python then converts it, or says what is wrong, and calls
 again. Inverse kinematics takes numbers as arrays of any real type and order, lists, tuples and NumPy's own; kinematics
-takes arrays as they are, float64 and contiguous.
+takes arrays as they are, float64 and contiguous; a single row beyond two turns goes to Python, as it may be in degrees.
 """
 
 from typing import Any

@@ -11,7 +11,7 @@ import pytest
 from catalogue import load
 from test_cpp_header import HEAP, STRICT, compile_one, compiler  # noqa: F401  (a fixture)
 from twistarm import Approach, Pose
-from twistarm.export.cpp_header import core_headers, cpp_header, namespace_of, write_cpp_header
+from twistarm.export.cpp_header import core_headers, cpp_header, namespace_of
 from twistarm.ik import solve_ik_all
 from twistarm.ik.targets import target_for
 
@@ -53,7 +53,7 @@ def test_as_in_python(name: str, real: str, kind: str, compiler: str, tmp_path: 
     """Of an arm with more joints than a pose determines the last stands where theta0 has it."""
     arm = load(name)
     tolerance, close = {"double": (1e-9, 1e-6), "float": (1e-4, 2e-2)}[real]
-    write_cpp_header(arm, tmp_path / "arm.hpp")
+    (tmp_path / "arm.hpp").write_text(cpp_header(arm))
     (tmp_path / "all.cpp").write_text(PROGRAM, encoding="utf-8")
     target, count = (POSE, 16) if kind == "pose" else (APPROACH, 9)
     defines = {"ARM": namespace_of(arm.name), "REAL": real, "TARGET": target, "COUNT": count, "TOLERANCE": tolerance}

@@ -12,7 +12,7 @@ import pytest
 from catalogue import load
 from test_cpp_header import STRICT, compile_one, compiler  # noqa: F401  (a fixture)
 from twistarm import Actuators, Arm
-from twistarm.export.cpp_header import core_headers, write_cpp_header
+from twistarm.export.cpp_header import core_headers, cpp_header
 
 PROGRAM = """
 // Reads theta and as many counts as there are motors; writes everything between them, of each arm.
@@ -86,7 +86,7 @@ def arms(compiler: str, tmp_path_factory: pytest.TempPathFactory) -> tuple[Path,
         driven("wrist", [*FIRST, *DIFFERENTIAL], ("mm", "rad", "turn", "tick", "tick")),
     ]
     for arm in made:
-        write_cpp_header(arm, folder / f"{arm.name}.hpp")
+        (folder / f"{arm.name}.hpp").write_text(cpp_header(arm))
     (folder / "motors.cpp").write_text(PROGRAM, encoding="utf-8")
     return folder, made
 

@@ -12,7 +12,7 @@ import pytest
 from catalogue import load
 from test_cpp_header import HEAP, STRICT, compile_one, compiler  # noqa: F401  (a fixture)
 from twistarm import Actuators, Arm, JointLimits, TwistarmError
-from twistarm.export.cpp_header import core_headers, cpp_header, write_cpp_header
+from twistarm.export.cpp_header import core_headers, cpp_header
 from twistarm.servo import AnyCommand, JogCommand, PoseCommand, ServoState, ServoStatus, TwistCommand, servo_step
 
 PROGRAM = """
@@ -91,7 +91,7 @@ def written(command: AnyCommand | None) -> str:
 
 def test_the_same_drive(compiler: str, tmp_path: Path) -> None:  # noqa: F811
     arm = with_wrist_motors()
-    write_cpp_header(arm, tmp_path / "arm.hpp")
+    (tmp_path / "arm.hpp").write_text(cpp_header(arm))
     (tmp_path / "drive.cpp").write_text(PROGRAM, encoding="utf-8")
     common = [compiler, *STRICT, "-O1", f"-I{tmp_path}", f"-I{core_headers()}"]
     compile_one([*common, "-c", str(tmp_path / "drive.cpp"), "-o", str(tmp_path / "drive.o")])

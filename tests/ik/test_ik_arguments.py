@@ -19,12 +19,19 @@ from ik_targets import require_core
 from twistarm import (
     Approach,
     Arm,
+    ArmBuilder,
     InputError,
+    JointMove,
+    LineMove,
     NotConvergedError,
+    PathError,
     Pose,
     Position,
+    ScrewMove,
+    Segment,
     Task,
     UnitsWarning,
+    plan,
     solve_ik,
     solve_ik_batch,
 )
@@ -34,6 +41,8 @@ from twistarm.support.errors import RoundedPoseWarning
 ARM = load("panda")
 G = ARM.fk(ARM.ready)
 AXIS = np.array([0.0, 0.0, 1.0])
+MILLIMETRES = G * [1, 1, 1, 1000]
+MILLIMETRES[3, 3] = 1.0
 
 
 def with_one(array: Any, value: float) -> np.ndarray:
@@ -100,11 +109,25 @@ def test_millimetres_and_degrees_are_told() -> None:
     assert "millimetres" not in solve_ik(ARM, Position(5.0 * G[:3, 3])).explain()
     degrees = np.degrees(ARM.ready)
     assert "degrees" in solve_ik(ARM, G, degrees).notes[0]
-    with pytest.warns(UnitsWarning, match="degrees"):
-        ARM.fk(degrees.tolist())
+    for given in (degrees, degrees.tolist(), np.tile(degrees, (3, 1)).tolist()):
+        with pytest.warns(UnitsWarning, match="degrees"):
+            ARM.fk(given)
     with warnings.catch_warnings():
         warnings.simplefilter("error")
         ARM.fk((ARM.limits.upper + 0.5).tolist())
+        turning = ArmBuilder("x").revolute("j", AXIS, [1, 0, 0]).tool(np.eye(4)).build()
+        np.testing.assert_allclose(turning.fk(np.array([0.3 + 6 * np.pi])), turning.fk([0.3]), atol=1e-12)
+
+
+@pytest.mark.parametrize(
+    "move", [LineMove(MILLIMETRES), LineMove.by([0.0, 0.0, 50.0]), ScrewMove(MILLIMETRES), JointMove(MILLIMETRES)]
+)
+def test_a_move_in_millimetres_is_told(move: Segment) -> None:
+    with pytest.raises((PathError, NotConvergedError), match="from the base looks like millimetres"):
+        plan(ARM, move)
+    with pytest.raises(PathError) as caught:
+        plan(ARM, LineMove.by([0.0, 0.0, 5.0]))
+    assert "millimetres" not in str(caught.value)
 
 
 TILTED = G.copy()

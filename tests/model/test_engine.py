@@ -155,7 +155,7 @@ def test_any_angle(core: ModuleType, size: float) -> None:
         g = chain.fk(angles[:, None])
         assert np.abs(g[:, 0, 0] - np.cos(angles)).max() < 1e-15
         assert np.abs(g[:, 1, 0] - np.sin(angles)).max() < min(1e-15, 1e-15 * size)
-        assert np.abs(chain.fk(angles[:1])[1, 0] - np.sin(angles[0])) < min(1e-15, 1e-15 * size)
+        assert np.abs(chain.fk(angles[None, :1])[0, 1, 0] - np.sin(angles[0])) < min(1e-15, 1e-15 * size)
 
 
 # -- what is handed in -------------------------------------------------------------------------------------------

@@ -12,7 +12,7 @@ import yaml
 from numpy.testing import assert_allclose
 
 from test_export import LABELS, plain, with_motors
-from twistarm import Actuators, ArmBuilder, load_arm, load_trajectory, plan_joint, stream
+from twistarm import Actuators, ArmBuilder, load_arm, load_trajectory, plan_joint
 from twistarm.cli.application import run
 from twistarm.planning import Trajectory
 from twistarm.support.errors import InputError, LimitError
@@ -261,11 +261,6 @@ def test_yaml_of_a_team_is_never_replaced(motion, tmp_path, monkeypatch, capsys)
     assert run([*arguments, "motion.yaml", "--kind", "quintic"]) == 0
     assert load_trajectory(load_arm("rover_arm"), "motion.yaml").joint_names == motion.joint_names
     capsys.readouterr()
-
-
-def test_the_old_words_name_the_new() -> None:
-    with pytest.raises(AttributeError, match=r"it is now twistarm\.load_trajectory"):
-        _ = stream.read_recording
 
 
 def test_counts_on_the_command_line(tmp_path, monkeypatch, capsys):

@@ -11,7 +11,7 @@ import pytest
 
 from catalogue import load
 from test_cpp_header import HEAP, STRICT, compile_one, compiler  # noqa: F401  (a fixture)
-from twistarm.export.cpp_header import core_headers, write_cpp_header
+from twistarm.export.cpp_header import core_headers, cpp_header
 from twistarm.servo import JogCommand, ServoState, servo_step
 
 PACKAGE = Path(__file__).parents[2] / "examples" / "ros2" / "twistarm_controller"
@@ -56,7 +56,7 @@ FRESH = {"state_age": 0.0, "command_age": 0.0, "dt": 0.01, "enabled": 1.0}
 @pytest.fixture(scope="module")
 def controller(compiler: str, tmp_path_factory: pytest.TempPathFactory) -> Path:  # noqa: F811
     folder = tmp_path_factory.mktemp("controller")
-    write_cpp_header(load("rover_arm"), folder / "arm.hpp")
+    (folder / "arm.hpp").write_text(cpp_header(load("rover_arm")))
     (folder / "drive.cpp").write_text(PROGRAM, encoding="utf-8")
     include = [f"-I{folder}", f"-I{core_headers()}", f"-I{PACKAGE / 'include'}"]
     compile_one([compiler, *STRICT, "-O1", *include, "-c", str(folder / "drive.cpp"), "-o", str(folder / "drive.o")])
@@ -158,7 +158,7 @@ def test_a_robot_that_was_off_is_not_told_to_jump_back(controller: Path) -> None
 
 def test_the_class_around_it_fits_what_ros2_control_declares(compiler: str, tmp_path: Path) -> None:  # noqa: F811
     """On stand-ins of the headers: names, signatures and const are checked, nothing is run."""
-    write_cpp_header(load("rover_arm"), tmp_path / "arm.hpp")
+    (tmp_path / "arm.hpp").write_text(cpp_header(load("rover_arm")))
     stand_ins = Path(__file__).parents[1] / "data" / "ros2_control"
     include = [f"-I{folder}" for folder in (tmp_path, stand_ins, core_headers(), PACKAGE / "include")]
     warnings = [flag for flag in STRICT if flag not in ("-fno-exceptions", "-fno-rtti")]

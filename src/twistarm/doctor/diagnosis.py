@@ -14,6 +14,7 @@ from ..description.tree import Description
 from ..loading.load import assemble, prove, read, specify
 from ..model.arm import Arm
 from ..support.errors import ComparisonError, DescriptionError, InputError, UnknownNameError
+from ..support.files import as_path
 from .abilities import Abilities, abilities_of, sample_motions
 from .axes import check_axes
 from .closed_form import check_closed_form
@@ -75,6 +76,7 @@ def examine(source: str | os.PathLike[str] | Arm, **load: Any) -> Diagnosis:
         if load:
             raise InputError(f"an Arm is loaded already and takes no {', '.join(load)}")
         return examine_arm(source)
+    as_path(source)
     limits = load.pop("limits", None)
     try:
         specification = specify(source, **load)

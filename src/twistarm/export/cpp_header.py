@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import os
 from collections.abc import Iterable, Mapping
 from pathlib import Path
 from typing import Any
@@ -16,19 +15,10 @@ from ..servo import ServoSettings
 from ..servo.bounds import bounds_of
 from ..support.c_text import c_number, c_string, c_strings, identifier_of
 from ..support.checks import Array
-from ..support.errors import InputError, TwistarmError
-from ..support.files import writable, write_whole
+from ..support.errors import TwistarmError
 from .cpp_closed_form import cpp_closed_form
 
 SUFFIXES = (".hpp", ".hh", ".hxx", ".h")
-
-
-def write_cpp_header(arm: Arm, path: str | os.PathLike[str]) -> Path:
-    """Write `cpp_header(arm)`, whole or not at all; returns the path written."""
-    target = writable(path)
-    if target.suffix not in SUFFIXES:
-        raise InputError(f"a C++ header is named *{', *'.join(SUFFIXES)}; got {os.fspath(path)}")
-    return write_whole(target, cpp_header(arm))
 
 
 def core_headers() -> Path:

@@ -2,27 +2,15 @@
 
 from __future__ import annotations
 
-import os
-from pathlib import Path
-
 import numpy as np
 
 from ..model.arm import Arm
-from ..support.errors import InputError
-from ..support.files import WRITTEN_YAML, writable, write_whole
+from ..support.files import WRITTEN_YAML
 from ..support.yaml_text import block
 
 SUFFIXES = (".yaml", ".yml")
 
 RATES = ("velocity", "acceleration", "jerk", "effort")
-
-
-def write_limits_yaml(arm: Arm, path: str | os.PathLike[str]) -> Path:
-    """Write `limits_yaml(arm)`, whole or not at all; returns the path written. YAML of a team's own stays."""
-    target = writable(path)
-    if target.suffix not in SUFFIXES:
-        raise InputError(f"a file of joint limits is named *{', *'.join(SUFFIXES)}; got {os.fspath(path)}")
-    return write_whole(target, limits_yaml(arm))
 
 
 def limits_yaml(arm: Arm) -> str:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import os
 import re
 from collections.abc import Iterable
 from pathlib import Path
@@ -13,7 +12,6 @@ from ..model.arm import Arm
 from ..model.baking import digest_of
 from ..support.checks import Array
 from ..support.errors import InputError, printable
-from ..support.files import writable, write_whole
 
 SUFFIX = ".m"
 
@@ -31,14 +29,6 @@ VECTORS = 5
 
 TOLERANCE = 1e-9
 """Of the test [m, and none]: rounding of a dozen matrix products is far less, a wrong sign far more."""
-
-
-def write_matlab(arm: Arm, path: str | os.PathLike[str]) -> Path:
-    """Write `matlab_text` of the arm, whole or not at all; returns the path written."""
-    target = writable(path)
-    if target.suffix != SUFFIX:
-        raise InputError(f"a MATLAB file is named *{SUFFIX}; got {os.fspath(path)}")
-    return write_whole(target, matlab_text(arm, target.name))
 
 
 def matlab_text(arm: Arm, file: str | None = None) -> str:

@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from ..model.arm import Arm, require_arm
-from ..support.checks import Array, RealArray, as_flag, as_whole
+from ..support.checks import Array, RealArray, as_flag, as_whole, made_by
 from .all_solutions import IKSolutions
 from .all_solutions_row import configurations_in, found_row
 from .batch import MAX_THREADS, targets_for
@@ -24,6 +24,7 @@ from .targets import AnyTarget, Approach, Pose, TargetLike
 from .task_space import Tolerances
 
 
+@made_by("solve_ik_all_batch")
 @dataclass(frozen=True, eq=False, repr=False)
 class IKSolutionsBatch:
     """Every configuration of N targets, read-only arrays with a row for each; `batch[i]` is one as an `IKSolutions`.
@@ -74,7 +75,7 @@ class IKSolutionsBatch:
         """(N, most, n): which joints may go on moving while the target stays met; False behind the last."""
         return self._padded(self.rows[:, self.arm.n :] > 0.5, False)
 
-    def completed(self, one: Callable[[TargetLike, Array], IKSolutions]) -> IKSolutionsBatch:
+    def _completed(self, one: Callable[[TargetLike, Array], IKSolutions]) -> IKSolutionsBatch:
         """The same where nothing is left to look for; `one` solves one target from its theta0."""
         if not self.left.any():
             return self
@@ -174,7 +175,7 @@ def solve_ik_all_batch(
             _by_core(arm, method, targets, arm.ready if theta0 is None else theta0, (*met, threads)) if plain else None
         )
         if found is not None:
-            return found.completed(one)
+            return found._completed(one)
     asked = targets_for(arm, targets)
     request = checked(arm, theta0, None, *met, 1, 0, None, count=len(asked))
     exact = request.tolerances
@@ -187,7 +188,7 @@ def solve_ik_all_batch(
     if len(kinds) <= 1 and not copies and method.compiled is not None and not method.swept:
         found = _by_core(arm, method, asked, near, (exact.position, exact.orientation, workers))
         assert found is not None, "what was checked is plain"
-        return found.completed(one)
+        return found._completed(one)
     starts = np.broadcast_to(near, (len(asked), arm.n))
     return _gathered(arm, asked, near, exact, [one(*each) for each in zip(asked, starts, strict=True)])
 

@@ -13,7 +13,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from ..model import engine
 from ..model.arm import Arm, require_arm
-from ..support.checks import Array, RealArray, as_whole, frozen, require_callback
+from ..support.checks import Array, RealArray, as_whole, frozen, made_by, require_callback
 from ..support.errors import InputError, shown
 from . import answer, textbook
 from .certainty import settled
@@ -30,6 +30,7 @@ Progress = Callable[[int, int], object]
 MAX_THREADS = 256
 
 
+@made_by("solve_ik_batch")
 @dataclass(frozen=True, eq=False, repr=False)
 class IKBatch:
     """The answers to N targets, read-only arrays with a row for each; `batch[i]` is one of them as an `IKSolution`.

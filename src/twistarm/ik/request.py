@@ -111,8 +111,6 @@ def _posture(arm: Arm, posture: ArrayLike | str | None, start: Array, count: int
         return None
     known = named(arm, posture, start)
     if isinstance(known, str):
-        if known == "centre":
-            raise InputError("posture 'centre' is now 'middle': the middle of the limits")
         names = listed((*POSTURES, *arm.configurations))
         raise InputError(f"posture must be one of {names} or a configuration ({arm.n},); got {shown(posture)}")
     given = start if known is start else arm.theta_from(known, name="posture")

@@ -16,7 +16,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike
 
-from ..support.checks import Array, as_direction, as_number, as_twist, as_vector, frozen
+from ..support.checks import Array, as_direction, as_number, as_twist, as_vector, frozen, made_by
 from ..support.errors import InputError
 from .closed_form.joint_axis import JointAxis, Point, axis_of, product
 from .closed_form.placing import place, settle
@@ -36,6 +36,7 @@ BEST = 1e-6
 """What misses by so much more [m] than the best is no root beside it."""
 
 
+@made_by("a subproblem")
 @dataclass(frozen=True, eq=False)
 class Roots:
     """The values of one subproblem.

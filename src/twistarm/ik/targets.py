@@ -12,7 +12,18 @@ from numpy.typing import ArrayLike
 
 from ..model import engine
 from ..model.arm import Arm, require_arm
-from ..support.checks import Array, Matrix, Row, as_direction, as_pose, as_reals, as_vector, frozen, require_choice
+from ..support.checks import (
+    Array,
+    Matrix,
+    Row,
+    as_direction,
+    as_frame,
+    as_pose,
+    as_reals,
+    as_vector,
+    frozen,
+    require_choice,
+)
 from ..support.display import Brief
 from ..support.errors import InputError
 from ..support.unit_hints import angle_hint
@@ -95,11 +106,11 @@ class Pose(Brief):
 
     def position_error(self, g: Array) -> float:
         """‖p − p_g‖ [m]."""
-        return math.dist(g[:3, 3], self.g[:3, 3])
+        return math.dist(as_frame(g)[:3, 3], self.g[:3, 3])
 
     def orientation_error(self, g: Array) -> float:
         """Angle of R_gᵀ R [rad]."""
-        return rotation_errors.angle(self.g[:3, :3].T @ g[:3, :3])
+        return rotation_errors.angle(self.g[:3, :3].T @ as_frame(g)[:3, :3])
 
     def at(self, g: Array) -> Pose:
         """The same kind of target, met by the pose g."""
@@ -140,15 +151,16 @@ class Position(Brief):
 
     def position_error(self, g: Array) -> float:
         """Distance from p [m]."""
-        return math.dist(g[:3, 3], self.p)
+        return math.dist(as_frame(g)[:3, 3], self.p)
 
     def orientation_error(self, g: Array) -> float:
         """0: the rotation is free."""
+        as_frame(g)
         return 0.0
 
     def at(self, g: Array) -> Position:
         """The same kind of target, met by the pose g."""
-        return Position(g[:3, 3])
+        return Position(as_frame(g)[:3, 3])
 
     def describe(self) -> str:
         """The target in words."""
@@ -223,16 +235,17 @@ class Approach(Brief):
 
     def position_error(self, g: Array) -> float:
         """Distance from p [m]."""
-        return math.dist(g[:3, 3], self.p)
+        return math.dist(as_frame(g)[:3, 3], self.p)
 
     def orientation_error(self, g: Array) -> float:
         """Angle [rad] between R @ tool_axis and the direction."""
-        axis = g[:3, :3] @ self.axis
+        axis = as_frame(g)[:3, :3] @ self.axis
         turn = _cross(axis, self.direction)
         return math.atan2(math.sqrt(turn @ turn), float(axis @ self.direction))
 
     def at(self, g: Array) -> Approach:
         """The same kind of target, met by the pose g."""
+        g = as_frame(g)
         return Approach(g[:3, 3], g[:3, :3] @ self.axis, self.axis)
 
     def describe(self) -> str:
@@ -259,8 +272,6 @@ class Task(Brief):
     kind: ClassVar[int] = 3
 
     def __init__(self, g: Matrix, tolerance: Row, frame: str = "target") -> None:
-        if isinstance(frame, str) and frame == "tool":
-            raise InputError("frame 'tool' is now 'target': the tolerances lie along the target's axes")
         base_axes = require_choice(frame, ("target", "base"), "frame") == "base"
         numbers = _checked("task", g, tolerance, base_axes)
         if numbers is None:
@@ -302,11 +313,11 @@ class Task(Brief):
 
     def position_error(self, g: Array) -> float:
         """Norm of the excess over the position tolerances [m]."""
-        return float(np.linalg.norm(excess(self._position_offset(g), self._position_tolerance)))
+        return float(np.linalg.norm(excess(self._position_offset(as_frame(g)), self._position_tolerance)))
 
     def orientation_error(self, g: Array) -> float:
         """Norm of the excess over the rotation tolerances [rad]."""
-        phi = rotation_errors.log(self.g[:3, :3].T @ g[:3, :3])
+        phi = rotation_errors.log(self.g[:3, :3].T @ as_frame(g)[:3, :3])
         phi = self.g[:3, :3] @ phi if self.frame == "base" else phi
         return float(np.linalg.norm(excess(phi[self.held[1]], self._rotation_tolerance)))
 

@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
-from ..support.checks import LARGEST_ARRAY, Array, as_reals, as_theta, as_whole, frozen, require_names
+from ..support.checks import LARGEST_ARRAY, Array, as_number, as_reals, as_theta, as_whole, frozen, require_names
 from ..support.display import told
 from ..support.errors import InputError, shown, unknown_name
 from .joint_units import slides
@@ -78,14 +78,14 @@ class JointLimits:
             Booleans (...).
 
         Raises:
-            InputError: theta has another shape, or is not finite.
+            InputError: theta has another shape, or a number is not finite.
         """
-        x = as_theta(theta, self.lower.size)
+        x, tol = as_theta(theta, self.lower.size), as_number(tol, "tol")
         return np.asarray(((x >= self.lower - tol) & (x <= self.upper + tol)).all(-1))
 
     def sampling_bounds(self, half: Array) -> tuple[Array, Array]:
         """Lower and upper (n,) to draw configurations from, ±`half` (n,) where unbounded. See `usual_range`."""
-        return usual_range(self.lower, self.upper, half)
+        return usual_range(self.lower, self.upper, as_theta(half, self.lower.size, "half"))
 
     def middle(self) -> Array:
         """Midway between the bounds (n,); as near to 0 as allowed where there are not two."""

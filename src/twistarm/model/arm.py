@@ -31,6 +31,7 @@ from ..support.checks import (
     as_twist,
     as_vector,
     frozen,
+    made_by,
     require,
     require_mapping,
     require_names,
@@ -38,7 +39,6 @@ from ..support.checks import (
 )
 from ..support.display import html_table, in_brief, told
 from ..support.errors import InputError, TwistarmError, UnitsWarning, listed, shown, unknown_name
-from ..support.renamed import Renamed
 from ..support.unit_hints import theta_hint
 from ..theory import poe
 from ..theory.lower_pairs import lower_pairs
@@ -76,6 +76,7 @@ class Proof(NamedTuple):
     samples: int
 
 
+@made_by("load_arm, ArmBuilder or arm_from_screws")
 @dataclass(frozen=True, eq=False, repr=False)
 class Arm:
     """A robot arm with n independent joint coordinates `theta` (..., n) [rad or m], ordered base to tip.
@@ -113,11 +114,6 @@ class Arm:
     actuators: Actuators | None = field(default=None, repr=False)
     disabled_pairs: frozenset[tuple[str, str]] = field(default=frozenset(), repr=False)
     moving_names: tuple[str, ...] = field(default=(), repr=False)
-
-    pose_names = Renamed("tuple(arm.configurations)")
-    compiled = Renamed("internal; twistarm.model.engine.core() says whether there is a compiled core")
-    kept = Renamed("internal; Arm.bake writes it")
-    fk_and_body_jacobian = Renamed("internal; call fk and body_jacobian")
 
     def __post_init__(self) -> None:
         for name in ("screws", "home", "tool"):
@@ -241,7 +237,7 @@ class Arm:
 
     def by_pinocchio(self, theta: ArrayLike) -> tuple[Array, Array, Array]:
         """g_st (..., 4, 4), J^s and J^b (..., 6, n) by Pinocchio, whatever engine answers `fk`: what proofs compare."""
-        x = self._theta(theta)
+        x = self.theta_from(theta)
         model, g_J = self.pinocchio, self._from_pinocchio
         return (
             self._each(x, lambda row: g_J(row)[0], (4, 4)),
@@ -255,7 +251,7 @@ class Arm:
         """Forward kinematics g_st(theta), (..., 4, 4): the tool seen from the base."""
         if self._compiled is not None:
             return self._by_core(self._compiled.fk, theta, (4, 4))
-        x = self._theta(theta)
+        x = self.theta_from(theta)
         if self.description is None:
             return poe.fk(self.screws, self.home, x @ self.coupling.A.T)
         return self._each(x, lambda row: self._from_pinocchio(row)[0], (4, 4))
@@ -283,7 +279,7 @@ class Arm:
         if self.description is None:
             return self._identity(theta)
         model = self.pinocchio
-        return self._each(self._theta(theta), lambda row: model.link_pose(model.q(row), self.base, frame), (4, 4))
+        return self._each(self.theta_from(theta), lambda row: model.link_pose(model.q(row), self.base, frame), (4, 4))
 
     def poses(self, theta: ArrayLike, others: Mapping[str, float] | None = None) -> dict[str, Array]:
         """Pose (..., 4, 4) of every frame seen from the base, {frame: g}.
@@ -299,7 +295,7 @@ class Arm:
             InputError: theta does not fit the arm, or a value is not a finite number.
             UnknownNameError: There is no such joint outside the chain.
         """
-        x = self._theta(theta)
+        x = self.theta_from(theta)
         self._check_others({} if others is None else require_mapping(others, "others", "{'finger_joint': 0.02}"))
         if self.description is None:
             return {self.base: self._identity(x), self.tip: self.fk(x)}
@@ -322,7 +318,7 @@ class Arm:
         """Spatial Jacobian J^s (..., 6, n): V^s = J^s θ̇ with V^s = (ġ g⁻¹)^∨, linear part first. MLS §3.4.1."""
         if self._compiled is not None:
             return self._by_core(self._compiled.spatial_jacobian, theta, (6, self.n))
-        x = self._theta(theta)
+        x = self.theta_from(theta)
         if self.description is None:
             return poe.spatial_jacobian(self.screws, x @ self.coupling.A.T) @ self.coupling.A
         model = self.pinocchio
@@ -332,7 +328,7 @@ class Arm:
         """Body Jacobian J^b (..., 6, n): V^b = J^b θ̇ with V^b = (g⁻¹ ġ)^∨, linear part first. MLS §3.4.1."""
         if self._compiled is not None:
             return self._by_core(self._compiled.body_jacobian, theta, (6, self.n))
-        x = self._theta(theta)
+        x = self.theta_from(theta)
         if self.description is None:
             return poe.body_jacobian(self.screws, self.home, x @ self.coupling.A.T) @ self.coupling.A
         return self._each(x, lambda row: self._from_pinocchio(row)[1], (6, self.n))
@@ -362,7 +358,7 @@ class Arm:
         scale = self.reach if length is None else as_number(length, "length")
         if not scale > 0:
             raise InputError(f"length must be positive, in metres; got {scale:g}")
-        x, unit = self._theta(theta), np.where(self._prismatic, scale, 1.0)
+        x, unit = self.theta_from(theta), np.where(self._prismatic, scale, 1.0)
         return manipulability_of(
             self.body_jacobian(x), self._prismatic, scale,
             lambda index, steps: self.body_jacobian(x[index] + steps * unit),
@@ -426,7 +422,7 @@ class Arm:
             InputError: An argument has another shape, or the payload is negative.
             TwistarmError: The arm has no description, and so no masses.
         """
-        x = self._theta(theta)
+        x = self.theta_from(theta)
         g, com = _one_vector(gravity, "gravity"), _one_vector(payload_com, "payload_com")
         held = self._each(x, lambda row: self.pinocchio.gravity_torques(row, self.base, g), (self.n,))
         mass = as_number(payload, "payload")
@@ -502,11 +498,11 @@ class Arm:
             UnitsWarning: The numbers lie outside the limits and are plainly degrees.
         """
         if isinstance(values, str):
-            return self._named(values)
+            return self.configurations[values]
         if numbers is None and not isinstance(values, Mapping):
-            theta = as_theta(values, self.n, name, self.joint_names)
+            theta = as_theta(values, self.n, require(name, str, "name", "an argument's"), self.joint_names)
             hint = theta_hint(theta, self.units, self.limits.lower, self.limits.upper)
-            if hint and not isinstance(values, np.ndarray):
+            if hint:
                 warn_caller(f"{name}: {hint}; twistarm takes radians: numpy.radians converts them", UnitsWarning)
             return theta
         given = dict(values) if isinstance(values, Mapping) else self._paired(values, numbers)
@@ -521,7 +517,7 @@ class Arm:
 
     def theta_to_dict(self, theta: ArrayLike) -> dict[str, float]:
         """{joint: value}, base to tip."""
-        x = self._theta(theta)
+        x = self.theta_from(theta)
         if x.ndim != 1:
             raise InputError(f"theta_to_dict takes one configuration ({self.n},); got {x.shape}")
         return {name: float(value) for name, value in zip(self.joint_names, x, strict=True)}
@@ -590,22 +586,16 @@ class Arm:
     def _prismatic(self) -> Array:
         return np.array([slides(kind) for kind in self.joint_types])
 
-    def _theta(self, theta: ArrayLike) -> Array:
-        return self.theta_from(theta)
-
-    def _named(self, pose: str) -> Array:
-        return self.configurations[pose]
-
     def _identity(self, theta: ArrayLike) -> Array:
         """The base seen from itself, one for each configuration."""
-        return np.tile(np.eye(4), (*self._theta(theta).shape[:-1], 1, 1))
+        return np.tile(np.eye(4), (*self.theta_from(theta).shape[:-1], 1, 1))
 
     def _by_core(self, kernel: Callable[[object], Array | None], theta: ArrayLike, shape: tuple[int, ...]) -> Array:
         """`kernel` of theta as it is, or made float64 (N, n) where it is not."""
         answer = kernel(theta)
         if answer is not None:
             return answer
-        x = self._theta(theta)
+        x = self.theta_from(theta)
         answers = kernel(np.require(x.reshape(-1, self.n), np.float64, ["C", "A"]))
         assert answers is not None
         return answers.reshape(*x.shape[:-1], *shape)

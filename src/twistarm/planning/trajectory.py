@@ -13,14 +13,14 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from ..limits.actuators import Actuators
-from ..support.checks import Array, as_floats, as_number, frozen
+from ..support.checks import Array, as_floats, as_number, frozen, made_by
 from ..support.display import in_brief, told
 from ..support.errors import InputError, listed, shown
 from ..support.files import writable, write_whole
 from .files.c_header import SUFFIXES, header_text
 from .files.csv_file import csv_text
 from .files.joint_trajectory import json_text, yaml_text
-from .files.motor_values import require_motors
+from .files.motor_values import motors_of, require_motors
 from .piecewise import derivative, evaluate, extremes
 
 RATE_UNITS = ("", "/s", "/s²", "/s³")
@@ -45,6 +45,7 @@ class Samples(NamedTuple):
         return told("Samples", self._asdict())
 
 
+@made_by("plan, plan_joint or load_trajectory")
 @dataclass(frozen=True, eq=False, repr=False)
 class Trajectory:
     """theta(t) of n joints, a polynomial on each of s pieces; at rest before, at the start, at the end and after.
@@ -138,7 +139,7 @@ class Trajectory:
 
         Of `actuators`, else of those of the arm. Raises InputError where there are none, or they drive other joints.
         """
-        motors = require_motors(self.actuators if actuators is None else actuators)
+        motors = require_motors(motors_of(self, actuators))
         if motors.joint_names != self.joint_names:
             raise InputError(
                 f"actuators must drive the trajectory's joints, {listed(self.joint_names)}, in this order; "

@@ -1,6 +1,5 @@
 """The loop around the servo: commands in, setpoints out, the joints watched; sources, sinks and simulated joints."""
 
-from ..support.renamed import refuse_renamed
 from .cycles import Cycle
 from .driving import come_to_rest
 from .following.control import FollowControl
@@ -61,13 +60,3 @@ __all__ = [
     "run",
     "setpoint_message",
 ]
-
-_RENAMED = {
-    "Recording": "twistarm.Trajectory",
-    "read_recording": "twistarm.load_trajectory",
-    "Replay": "twistarm.stream.follow",
-}
-
-
-def __getattr__(name: str) -> object:
-    raise refuse_renamed(f"module {__name__!r}", name, _RENAMED)

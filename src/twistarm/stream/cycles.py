@@ -12,12 +12,12 @@ from numpy.typing import ArrayLike
 from ..model.arm import Arm, require_arm
 from ..model.usual_limits import defaults_line, usually_limited
 from ..servo import ServoOutput, ServoSettings, ServoState, servo_step
-from ..support.checks import Array, as_positive, frozen, require, require_method
+from ..support.checks import LARGEST_ARRAY, Array, as_flag, as_positive, as_whole, frozen, require, require_method
 from ..support.display import Brief
 from ..support.errors import InputError
 from .failures import StreamError, call_device, worded
 from .interlock import ENABLED, Interlock, Interlocked
-from .metronome import ROUNDING
+from .metronome import ROUNDING, require_time
 from .observer import RateObserver, with_reserve
 from .protocols import Feedback, Measured, Reading, Setpoint, Sink, UndeliveredError
 from .report import Ending, StreamReport, Tally
@@ -78,7 +78,7 @@ class Cycles(ABC, Generic[C]):
         self.rate = checked_rate(rate, self.settings)
         self.period = 1.0 / self.rate
         self.feedback_timeout = as_positive(feedback_timeout, "feedback_timeout")
-        self.velocity_mode = velocity_mode
+        self.velocity_mode = as_flag(velocity_mode, "velocity_mode")
         self.interlock = require(
             Interlock() if interlock is None else interlock, Interlock, "interlock", "as Interlock() is"
         )
@@ -104,6 +104,7 @@ class Cycles(ABC, Generic[C]):
         Returns:
             The `Cycle`.
         """
+        now, periods = require_time(now), as_whole(periods, "periods", -1, LARGEST_ARRAY)
         self.tally.cycles += 1
         self.tally.missed += max(0, periods - 1)
         try:
@@ -137,7 +138,7 @@ class Cycles(ABC, Generic[C]):
         Args:
             now: The other clock's time [s].
         """
-        self._stepped = now
+        self._stepped = require_time(now)
 
     def halt(self, now: float) -> None:
         """Rates of 0 where the commanded arm is, at once; nothing where no joint state ever arrived."""

@@ -7,7 +7,7 @@ from collections.abc import Callable
 from contextlib import AbstractContextManager, nullcontext
 from math import inf
 
-from ..support.checks import require_method
+from ..support.checks import as_flag, require_method
 from ..support.interrupts import ended_like_ctrl_c
 from .cycles import C, Cycles
 from .failures import StreamError
@@ -29,10 +29,12 @@ def drive(
     """Cycles until one says an ending, `longest` [s] are over, `until` answers True or the program is interrupted; the
     arm then comes to rest. `before` is called before each cycle, and may raise `StreamError`.
     """
-    time = clock or MonotonicClock()
+    time = MonotonicClock() if clock is None else require_method(clock, "clock", "sleep_until")
     metronome = Metronome(cycles.period)
     began = time.now()
-    handled: AbstractContextManager[list[int]] = ended_like_ctrl_c() if handle_signals else nullcontext([])
+    handled: AbstractContextManager[list[int]] = (
+        ended_like_ctrl_c() if as_flag(handle_signals, "handle_signals") else nullcontext([])
+    )
     with handled:
         ending, reason = Ending.INTERRUPTED, ""
         try:

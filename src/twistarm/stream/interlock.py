@@ -5,7 +5,7 @@ from __future__ import annotations
 import threading
 from typing import NamedTuple, Protocol, runtime_checkable
 
-from ..support.checks import require
+from ..support.checks import as_flag, require, require_choice
 from ..support.errors import one_line
 
 ENABLED, STOPPED, EMERGENCY_STOP = "enabled", "stopped", "emergency stop"
@@ -43,7 +43,9 @@ class Interlock:
 
     def __init__(self, *, enabled: bool = True) -> None:
         self._lock = threading.Lock()
-        self._now = Permission(ENABLED, "") if enabled else Permission(STOPPED, "it waits to be enabled")
+        self._now = (
+            Permission(ENABLED, "") if as_flag(enabled, "enabled") else Permission(STOPPED, "it waits to be enabled")
+        )
 
     def enable(self) -> bool:
         """Let the arm move. Whether it may now: not after an emergency stop that nobody has cleared."""
@@ -80,7 +82,7 @@ class Interlock:
             reason: The reason for a stop, in words.
             fresh: Whether the message is recent.
         """
-        if word == "emergency stop":
+        if require_choice(word, WORDS, "word") == "emergency stop":
             self.emergency_stop(reason)
         elif word == "stop":
             self.stop(reason)
@@ -94,7 +96,7 @@ class Interlock:
             word: The robot's own state, or None where it reports none.
             who: The robot's name, for the reason.
         """
-        if word == EMERGENCY_STOP:
+        if word is not None and require_choice(word, STATES, "word") == EMERGENCY_STOP:
             self.emergency_stop(f"{who} is in emergency stop")
         elif word == STOPPED:
             self.stop(f"{who} is stopped")

@@ -10,7 +10,7 @@ from numpy.typing import ArrayLike
 
 from ..model.arm import Arm
 from ..servo import ServoSettings
-from ..support.checks import as_positive, require
+from ..support.checks import as_positive, require, require_callback
 from ..support.errors import InputError, shown
 from .cycles import Cycle
 from .driving import drive
@@ -98,6 +98,8 @@ def run(
         InputError: A rate, timeout, tolerance or duration is not positive, the settings are of another type, or a
             period is longer than the servo's longest step.
     """
+    require_callback(until, "until", "nothing")
+    require_callback(on_cycle, "on_cycle", "a Cycle")
     longest = inf if duration is None else as_positive(duration, "duration")
     current = _current(settings)
     streaming = Streaming(

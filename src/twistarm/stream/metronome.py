@@ -4,8 +4,9 @@ from __future__ import annotations
 
 import time
 from math import ceil, exp, floor, inf, log
+from typing import Any
 
-from ..support.errors import InputError
+from ..support.errors import InputError, shown
 
 ROUNDING = 1e-6
 """Part of a period that is none."""
@@ -20,6 +21,13 @@ BINS_PER_E = 100
 """Bins of the lateness within a factor e: percentiles are right to 1 %."""
 
 
+def require_time(value: Any, name: str = "now") -> float:
+    """`value`, a number of seconds; a broken clock's NaN is one too."""
+    if not isinstance(value, float) and not (isinstance(value, int) and abs(value) < LATEST):
+        raise InputError(f"{name} must be seconds of a clock, below {LATEST:g}; got {shown(value)}")
+    return float(value)
+
+
 class MonotonicClock:
     """The system's clock that is never set."""
 
@@ -29,7 +37,7 @@ class MonotonicClock:
 
     def sleep_until(self, moment: float) -> None:
         """Return at that moment, at once where it has passed."""
-        left = moment - time.monotonic()
+        left = require_time(moment, "moment") - time.monotonic()
         if left > 0.0:
             time.sleep(left)
 
@@ -54,8 +62,8 @@ class Metronome:
 
         Raises InputError for a time that is not finite or 1e12 s and more; the grid stays as it is.
         """
-        if not abs(now) < LATEST:
-            raise InputError(f"now must be seconds of a clock, below {LATEST:g}; got {now!r}")
+        if not abs(require_time(now)) < LATEST:
+            raise InputError(f"now must be seconds of a clock, below {LATEST:g}; got {shown(now)}")
         if self._origin == -inf:
             return self._begin(now, 1)
         phase = (now - self._origin) / self.period

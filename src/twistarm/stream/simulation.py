@@ -13,7 +13,7 @@ from numpy.typing import ArrayLike
 
 from ..model.arm import Arm, require_arm
 from ..model.usual_limits import defaults_line, with_defaults
-from ..support.checks import Array, as_floats, as_not_negative, as_number, frozen, require
+from ..support.checks import Array, as_floats, as_not_negative, as_number, frozen, require, require_clock
 from ..support.errors import InputError, shown
 from .protocols import Measured, Setpoint
 
@@ -74,7 +74,7 @@ class SimulatedJoints:
         known = {name: getattr(usual, name) for name, values in given.items() if values is not None}
         self.assumed = defaults_line(arm, replace(arm.limits, **known))
         self._lower, self._upper = arm.limits.lower, arm.limits.upper
-        self._clock = clock
+        self._clock = require_clock(clock, "clock")
         self._now = clock()
         self._queue: deque[tuple[float, Array, Array]] = deque()
         self._goal, self._rate, self._heard = self._theta.copy(), np.zeros(arm.n), -inf

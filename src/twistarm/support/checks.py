@@ -6,12 +6,13 @@ import sys
 import warnings
 from collections.abc import Callable, Collection, Mapping, Sequence
 from contextlib import suppress
+from functools import wraps
 from typing import Any, TypeVar
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from .errors import SHOWN, InputError, RoundedPoseWarning, closest, one_line, shown
+from .errors import SHOWN, InputError, RoundedPoseWarning, TwistarmError, closest, one_line, shown
 
 Array = NDArray[np.float64]
 
@@ -176,6 +177,14 @@ def require_callback(value: Any, name: str, arguments: str) -> Callable[..., obj
     return found
 
 
+def require_clock(value: Any, name: str) -> Callable[[], Any]:
+    """`value`, or InputError where it is no function."""
+    if not callable(value):
+        raise InputError(f"{name} must be a function that returns the time; got {shown(value)}")
+    clock: Callable[[], Any] = value
+    return clock
+
+
 def require_method(value: T, name: str, method: str) -> T:
     """`value`, or InputError where it has no such method."""
     if isinstance(value, type) or not callable(getattr(value, method, None)):
@@ -266,6 +275,14 @@ def as_pose(value: Given, name: str = "pose") -> Array:
     return clean
 
 
+def as_frame(value: Given, name: str = "g") -> Array:
+    """`value` as one matrix (4, 4) of finite numbers; whether it is a pose is not looked at."""
+    g = as_floats(value, name)
+    if g.shape != (4, 4):
+        raise InputError(f"{name} must be one pose of shape (4, 4); got {g.shape}")
+    return g
+
+
 def as_theta(value: ArrayLike, n: int, name: str = "theta", names: tuple[str, ...] = ()) -> Array:
     """`value` as joint coordinates (..., n), one number per degree of freedom, base to tip."""
     array = as_floats(value, name)
@@ -282,6 +299,28 @@ def require_broadcast(**leading: tuple[int, ...]) -> None:
     except ValueError as error:
         shapes = " and ".join(f"{name} {shape}" for name, shape in leading.items())
         raise InputError(f"leading axes do not match: {shapes}; they must be equal, 1 or missing") from error
+
+
+def made_by(calls: str) -> Callable[[type[T]], type[T]]:
+    """Word what the constructor of a class stumbles over: its objects come from `calls`, and nothing checks them."""
+
+    def worded(kind: type[T]) -> type[T]:
+        construct = kind.__init__
+
+        @wraps(construct)
+        def checked(self: T, *fields: Any, **named: Any) -> None:
+            try:
+                construct(self, *fields, **named)
+            except TwistarmError:
+                raise
+            except Exception as error:  # what NumPy says of a field
+                why = one_line(str(error), SHOWN)
+                raise InputError(f"these fields make no {kind.__name__} ({why}); take one from {calls}") from error
+
+        setattr(kind, "__init__", checked)  # noqa: B010
+        return kind
+
+    return worded
 
 
 def frozen(array: ArrayLike) -> Array:

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ..support.checks import Array
+from ..support.checks import Array, as_whole
 from ..support.directions import nearest_axes, signed
 from ..support.display import Brief
 
@@ -51,7 +51,8 @@ class Manipulability(Brief):
 
     def condition_in(self, directions: int) -> Array:
         """σ_1 / σ_directions (...): the condition with the directions that the arm lacks everywhere left out."""
-        largest, smallest = self.singular_values[..., 0], self.singular_values[..., directions - 1]
+        last = as_whole(directions, "directions", 1, self.singular_values.shape[-1]) - 1
+        largest, smallest = self.singular_values[..., 0], self.singular_values[..., last]
         return np.divide(largest, smallest, out=np.full_like(largest, np.inf), where=smallest > 1e-15 * largest)
 
     @property

@@ -22,7 +22,6 @@ from ..support.checks import Array, as_flag, as_positive, require
 from ..support.closeable import Closeable
 from ..support.errors import InputError, shown
 from ..support.files import writable, write_whole
-from ..support.renamed import Renamed
 from .files.inline import HEIGHT, Inline
 from .files.page_export import stand_alone
 from .files.scene_snapshot import SceneSnapshot, on_show
@@ -85,8 +84,6 @@ class Viewer(Closeable):
         if open_browser:
             self.open_page()
 
-    poses = Renamed("recorded: the configurations recorded on the pages")
-
     @property
     def url(self) -> str:
         """The page's address, its secret token included: whoever knows it can move the view."""
@@ -144,9 +141,9 @@ class Viewer(Closeable):
         self._require_open()
         arm = self.arm
         check_trajectory(arm, trajectory)
-        times = as_positive(speed, "speed")
+        times, again = as_positive(speed, "speed"), as_flag(loop, "loop")
         self._server.driver.drop(MOVED)
-        self._post("play", arm, lambda stage: stage.load(trajectory, times, loop, time.monotonic()))
+        self._post("play", arm, lambda stage: stage.load(trajectory, times, again, time.monotonic()))
 
     def _post(self, key: str, arm: Arm, change: Callable[[Stage], None]) -> None:
         """Change what is on show, unless another arm has taken the place of `arm` meanwhile."""
@@ -252,7 +249,10 @@ class Viewer(Closeable):
         """
         self._require_open()
         arm = self.arm
-        if solutions is not None and solutions.arm is not arm:
+        if (
+            solutions is not None
+            and require(solutions, IKSolutions, "solutions", "as solve_ik_all returns").arm is not arm
+        ):
             raise InputError("these are configurations of another arm: solve_ik_all(viewer.arm, …) gives this one's")
         others = self._server.ask(lambda stage: dict(stage.others))
         answer = None if solutions is None else answer_of(solutions, others)

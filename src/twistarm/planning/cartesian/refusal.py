@@ -16,6 +16,7 @@ from ...model.arm import Arm
 from ...support.caller_words import argument, posture, quantity
 from ...support.checks import Array
 from ...support.errors import TwistarmError
+from ...support.unit_hints import length_hint
 from .branches import branches
 from .following import Followed, follow
 from .ladder import climb
@@ -89,6 +90,8 @@ def refusal(arm: Arm, limits: JointLimits, blocked: Blocked, *, others: bool) ->
     other = _other_start(arm, limits, blocked) if others and not nowhere else None
     help_ = _help(arm, limits, blocked, other)
     why += CERTAIN * nowhere
+    hint = length_hint(float(np.linalg.norm(moving.curve(np.array(1.0))[:3, 3])), arm.reach)
+    why += f" ({hint})" if hint else ""
     return PathError(
         f"the tool follows the path for {_part(moving, blocked.share)} and no farther: {why}: {help_}",
         blocked.share,

@@ -6,7 +6,7 @@ from dataclasses import replace
 from typing import TYPE_CHECKING
 
 from ...limits.actuators import Actuators
-from ...support.checks import Array
+from ...support.checks import Array, require
 from ...support.errors import InputError
 
 if TYPE_CHECKING:
@@ -15,7 +15,9 @@ if TYPE_CHECKING:
 
 def motors_of(trajectory: Trajectory, actuators: Actuators | None) -> Actuators | None:
     """The motors to write: those given, else those of the arm that was planned for, if it has any."""
-    motors = trajectory.actuators if actuators is None else actuators
+    motors = trajectory.actuators
+    if actuators is not None:
+        motors = require(actuators, Actuators, "actuators", "as arm.actuators is")
     return motors if motors is not None and motors.names else None
 
 

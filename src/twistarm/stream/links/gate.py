@@ -13,8 +13,8 @@ import warnings
 from collections.abc import Callable, Collection, Hashable, Iterable, Iterator
 from typing import Any
 
-from ...support.checks import require
-from ...support.errors import InputError
+from ...support.checks import require, require_clock, require_names
+from ...support.errors import InputError, shown
 from ...support.files import as_path, read_bounded
 from .sockets import named
 
@@ -36,13 +36,15 @@ def read_key(path: str | os.PathLike[str]) -> bytes:
     """The key in a file, white space around it left out. InputError where it cannot be read, is shorter than 16 bytes
     or longer than 1024, or where others than its owner may read or change the file.
     """
+    file = as_path(path)
     try:
-        key = read_bounded(as_path(path), LONGEST_KEY).strip()
-        mode = os.stat(as_path(path)).st_mode
-    except OSError as error:
-        raise InputError(f"cannot read the key {os.fspath(path)!r}: {error.strerror or error}") from error
+        key = read_bounded(file, LONGEST_KEY).strip()
+        mode = os.stat(file).st_mode
+    except (OSError, ValueError) as error:
+        why = getattr(error, "strerror", None) or error
+        raise InputError(f"cannot read the key {shown(str(path))}: {why}") from error
     if mode & (stat.S_IRWXG | stat.S_IRWXO):
-        raise InputError(f"the key {os.fspath(path)!r} is open to others: chmod 600 it, and make a new one")
+        raise InputError(f"the key {str(path)!r} is open to others: chmod 600 it, and make a new one")
     return checked_key(key)
 
 
@@ -62,7 +64,7 @@ class Signer:
 
     def __init__(self, key: bytes, now: Callable[[], int] = time.time_ns) -> None:
         self._key = checked_key(key)
-        self._now = now
+        self._now = require_clock(now, "now")
         self._session = secrets.token_hex(8)
         self._counter = 0
 
@@ -83,8 +85,8 @@ class Verifier:
 
     def __init__(self, key: bytes, now: Callable[[], int] = time.time_ns) -> None:
         self._key = checked_key(key)
-        self._now = now
-        self._floor = now()
+        self._now = require_clock(now, "now")
+        self._floor = self._now()
         self._counters: dict[bytes, int] = {}
 
     def verified(self, datagram: bytes) -> bytes:
@@ -122,9 +124,7 @@ class Gate:
     """
 
     def __init__(self, senders: Collection[str] = (), key: bytes | None = None) -> None:
-        if isinstance(senders, (str, bytes)):
-            raise InputError(f"senders is a list of hosts; got {senders!r}")
-        self._allowed = {address for host in senders for address in _addresses(host)}
+        self._allowed = {address for host in require_names(senders, "senders") for address in _addresses(host)}
         self._verifier = None if key is None else Verifier(key)
         self._left_out = 0
         self._why = ""

@@ -137,6 +137,7 @@ def parse_state(arm: Arm, text: str | bytes, motors: MotorSide | None = None) ->
     Raises:
         InputError: It is not exactly one joint state.
     """
+    require_arm(arm)
     message = decoded(text)
     named, value = ("joint_names", "theta") if motors is None else ("motor_names", "motor")
     if set(message) - {"number", "interlock"} != {named, value}:
@@ -162,6 +163,7 @@ def setpoint_message(arm: Arm, setpoint: Setpoint, motors: MotorSide | None = No
     Returns:
         A mapping that JSON can hold.
     """
+    require_arm(arm)
     require(setpoint, Setpoint, "setpoint", "as the loop makes it")
     message: dict[str, Any] = {
         "number": setpoint.number,
@@ -176,6 +178,7 @@ def setpoint_message(arm: Arm, setpoint: Setpoint, motors: MotorSide | None = No
         "interlock": setpoint.interlock,
     }
     if motors is not None:
+        require(motors, MotorSide, "motors", "the motors' side of an arm")
         motor, motor_dot = (values.tolist() for values in motors.of(setpoint))
         message |= {"motor_names": list(motors.names), "motor": motor, "motor_dot": motor_dot, "units": motors.units}
     return message

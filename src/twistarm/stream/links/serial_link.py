@@ -7,8 +7,9 @@ from typing import Any
 
 from ...model.arm import Arm
 from ...servo import ServoState
+from ...support.checks import as_whole
 from ...support.closeable import Closeable
-from ...support.errors import InputError, missing_extra
+from ...support.errors import InputError, missing_extra, shown
 from ..interlock import Interlock
 from ..motors import motor_side
 from ..protocols import Measured, Reading, Setpoint
@@ -17,6 +18,8 @@ from .inbox import COMMAND_TIMEOUT, FEEDBACK_TIMEOUT, Inbox
 from .intake import Intake
 from .messages import followed, heard_word, parse_command
 from .state_inbox import StateInbox
+
+LARGEST_BAUDRATE = 10**9
 
 BAUDRATE = 115_200
 """The default; 11.5 kB/s: setpoints of six joints at 100 Hz."""
@@ -114,6 +117,7 @@ class SerialRobot(SerialLines):
 
 
 def _opened(port: str, baudrate: int) -> Any:
+    as_whole(baudrate, "baudrate", 1, LARGEST_BAUDRATE)
     try:
         import serial
     except ImportError as error:
@@ -121,4 +125,4 @@ def _opened(port: str, baudrate: int) -> Any:
     try:
         return serial.Serial(port, baudrate, timeout=0, write_timeout=LONGEST_WRITE, exclusive=True)
     except (OSError, ValueError) as error:
-        raise InputError(f"cannot open serial port {port!r} at {baudrate!r} baud: {error}") from error
+        raise InputError(f"cannot open serial port {shown(port)} at {baudrate} baud: {error}") from error

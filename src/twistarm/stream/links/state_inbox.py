@@ -10,7 +10,7 @@ from math import inf
 from numpy.typing import ArrayLike
 
 from ...model.arm import Arm, require_arm
-from ...support.checks import as_theta, frozen
+from ...support.checks import as_theta, frozen, require_mapping
 from ...support.errors import InputError, closest, listed
 from ..motors import motor_side
 from ..protocols import Measured
@@ -99,6 +99,7 @@ class StateInbox:
             if whole.ndim != 1:
                 raise InputError(f"the joint state is one configuration ({len(self.names)},); got {whole.shape}")
             return dict(zip(self.names, whole.tolist(), strict=True))
+        require_mapping(state, "the joint state", "{joint: value}")
         ours = tuple(name for name in self.names if name in state)
         if len(ours) < len(state):
             self._others = tuple(islice((name for name in state if name not in self._parts), MOST_OTHERS))

@@ -14,7 +14,7 @@ from typing import Any
 
 from numpy.typing import ArrayLike
 
-from ...model.arm import Arm
+from ...model.arm import Arm, require_arm
 from ...planning.trajectory import Trajectory
 from ...support.errors import InputError
 from ...support.files import writable, write_whole
@@ -66,7 +66,7 @@ def save_html(
 def page_html(arm: Arm, trajectory: Trajectory | None = None, theta: ArrayLike | None = None) -> str:
     """The page of `save_html` as text: for a notebook (`twistarm.viewer.Inline.page`) or a web server."""
     require_meshcat()
-    return stand_alone(of_arm(arm, trajectory, theta))
+    return stand_alone(of_arm(require_arm(arm), trajectory, theta))
 
 
 def stand_alone(shown: SceneSnapshot) -> str:
