@@ -14,7 +14,7 @@ if TYPE_CHECKING:
     from .._core import Chain as Chain
     from .._core import Servo as Servo
 
-INTERFACE = 14
+INTERFACE = 15
 """Of the compiled core that this Python speaks to; one more whenever the meaning of a call changes."""
 
 MOST_JOINTS = 32
