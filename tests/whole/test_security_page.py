@@ -15,7 +15,7 @@ from twistarm.description.meshes import limits
 from twistarm.model import baking, pinocchio_model
 from twistarm.planning.files import csv_reading, message_reading
 from twistarm.proof import golden_file as golden
-from twistarm.stream.links import gate
+from twistarm.stream.links import signing
 from twistarm.viewer.server import client_connection, gateway
 
 PAGE = (Path(__file__).parents[2] / "SECURITY.md").read_text("utf-8")
@@ -50,7 +50,7 @@ def test_all_of_the_table_is_held_to_the_code() -> None:
 
 
 def test_seconds_of_a_signature() -> None:
-    assert f"within {gate.WINDOW:g} s of this computer's clock" in PAGE
+    assert f"within {signing.WINDOW / 1e9:g} s of this computer's clock" in PAGE
 
 
 def test_places_and_seconds_of_strangers() -> None:
