@@ -167,14 +167,6 @@ def test_a_robot_by_udp_starts_where_it_is_and_ends_at_rest(capsys: Capture) -> 
     assert robot.heard[-1]["theta_dot"] == [0.0, 0.0]
 
 
-def test_a_port_beyond_this_machine_is_warned_of(capsys: Capture) -> None:
-    arguments = ["servo", "scara", "--duration", "0.1", "--no-browser", "--commands", "0.0.0.0:0"]
-    assert run(arguments) == 0
-    assert capsys.readouterr().err.startswith("warning: whoever reaches 0.0.0.0:")
-    assert run([*arguments, "--from", "192.0.2.7"]) == 0
-    assert capsys.readouterr().err == ""
-
-
 def test_a_robot_on_a_serial_port(capsys: Capture) -> None:
     ours, theirs = os.openpty()
     robot = threading.Thread(target=tell_for_a_second, args=(ours,))

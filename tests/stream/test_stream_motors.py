@@ -72,7 +72,7 @@ def test_joint_states_from_motors_in_any_order(driven, setpoint):
 @pytest.mark.parametrize(
     ("message", "why"),
     [
-        ({"joint_names": ["slide"], "theta": [0.0]}, "has motor_names and motor"),
+        ({"joint_names": ["slide"], "theta": [0.0]}, "needs motor_names, motor"),
         ({"motor_names": [*NAMES, "left"], "motor": [*MOTOR, 0.0]}, "twice: 'left'"),
         ({"motor_names": NAMES, "motor": MOTOR[:4]}, "5 names, 4 values"),
         ({"motor_names": NAMES, "motor": [*MOTOR[:4], None]}, "must be a number"),

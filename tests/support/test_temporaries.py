@@ -1,75 +1,15 @@
-"""What a write leaves behind when it is killed, and who may read what is not yet written."""
+"""Who may read what is not yet written."""
 
 from __future__ import annotations
 
-import fcntl
 import os
-import signal
 import stat
-import subprocess
-import sys
 from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
 
 from twistarm.support.files import write_whole
-from twistarm.support.temporaries import LEFT_AFTER, TEMPORARY
-
-KILLED = """
-import os, signal, sys
-from twistarm.support.files import write_whole
-os.fsync = lambda descriptor: os.kill(os.getpid(), signal.SIGKILL)
-write_whole(sys.argv[1], "x" * 1000)
-"""
-
-
-def left_by_a_kill(folder: Path) -> Path:
-    """The temporary file of a process that was killed while it wrote, an hour ago."""
-    done = subprocess.run([sys.executable, "-c", KILLED, str(folder / "motion.csv")], check=False, timeout=60)
-    assert done.returncode == -signal.SIGKILL
-    (left,) = folder.iterdir()
-    assert left.name.endswith(TEMPORARY)
-    return left
-
-
-def aged(path: Path) -> Path:
-    os.utime(path, (0, path.stat().st_mtime - 2 * LEFT_AFTER))
-    return path
-
-
-def test_a_killed_process_s_leftovers_go_with_the_next_write(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    left = left_by_a_kill(tmp_path)
-    write_whole(tmp_path / "other.csv", "")
-    assert left.exists(), "too young to tell it from one that is just being made"
-    aged(left)
-    with monkeypatch.context() as another:
-        another.setattr(os, "geteuid", lambda: left.stat().st_uid + 1)
-        write_whole(tmp_path / "other.csv", "")
-    assert left.exists(), "another user's"
-    write_whole(tmp_path / "other.csv", "")
-    assert sorted(os.listdir(tmp_path)) == ["other.csv"]
-
-
-def test_nothing_else_is_swept(tmp_path: Path) -> None:
-    ours = f".motion.csv.0123456789ab{TEMPORARY}"
-    (tmp_path / "held").mkdir()
-    held = aged(Path(write_whole(tmp_path / "held" / "a", "")).rename(tmp_path / ours))
-    strangers = [f"motion.csv.0123456789ab{TEMPORARY}", ".motion.csv.0123456789ab.part", f".a.0123456789xy{TEMPORARY}"]
-    for name in strangers:
-        (tmp_path / name).write_text("")
-        aged(tmp_path / name)
-    (tmp_path / f".link.0123456789ab{TEMPORARY}").symlink_to(tmp_path / strangers[0])
-    (tmp_path / f".folder.0123456789ab{TEMPORARY}").mkdir()
-    os.mkfifo(tmp_path / f".pipe.0123456789ab{TEMPORARY}")
-    before = sorted(os.listdir(tmp_path))
-    with held.open() as file:
-        fcntl.flock(file, fcntl.LOCK_EX)  # as a slow writer does, in another process or thread
-        write_whole(tmp_path / "held" / "a", "")
-        write_whole(tmp_path / "new", "")
-        assert sorted(os.listdir(tmp_path)) == sorted([*before, "new"])
-    write_whole(tmp_path / "new", "")
-    assert sorted(os.listdir(tmp_path)) == sorted({*before, "new"} - {ours})
 
 
 @pytest.fixture

@@ -80,29 +80,31 @@ def test_columns_by_name_in_any_order(toml: Path, tmp_path: Path) -> None:
     assert log.names == ("rail", "shoulder", "elbow", "left", "right")
     assert log.counts.tolist() == [[10, 20, 30, 40, 50]]
     assert log.measured.tolist() == [[1, 2, 3]]
+    for separator in (";", "\t"):
+        lines = [line.replace(",", separator) for line in (HEADER, ROW)]
+        assert read_log(csv(tmp_path, *lines), motors).counts.tolist() == [[1.5, 2, -3, 100, -100]]
     # A quarter turn about z: qz = qw = √½.
     turned = read_log(csv(tmp_path, HEADER + ",qw,qx,qy,qz", ROW + ",0.7071,0,0,0.7071"), motors)
     assert np.allclose(turned.measured[0], np.array([[0, -1, 0, 0.5], [1, 0, 0, 0.1], [0, 0, 1, 0.7], [0, 0, 0, 1]]))
 
 
 REFUSED = {
-    "nothing": ((), "log.csv: no line but comments; the first names the columns: the columns are rail, shoulder"),
-    "no such motor": ((HEADER.replace("left", "lefty"),), "log.csv:1: unknown column 'lefty'; closest: 'left'"),
-    "a motor is missing": ((HEADER.replace("elbow [rad],", ""),), "log.csv:1: no column 'elbow'; the columns are"),
-    "half a quaternion": ((HEADER + ",qx,qw", ROW + ",0,1"), "log.csv:1: no column 'qy', 'qz'"),
-    "a column twice": ((HEADER + ",x",), "log.csv:1: column 'x' stands there twice"),
-    "another unit": ((HEADER.replace("[turn]", "[rad]"),), "log.csv:1: column 'rail' is in [turn]; got [rad]"),
-    "millimetres": ((HEADER.replace("x [m]", "x [mm]"),), "log.csv:1: column 'x' is in [m]; got [mm]"),
-    "semicolons": ((HEADER.replace(",", ";"),), "columns are separated by commas, decimals by points; got semicolons"),
-    "tabs": ((HEADER.replace(",", "\t"),), "columns are separated by commas, decimals by points; got tabs"),
-    "too few": ((HEADER, ROW, "1,2,3"), "log.csv:3: 3 values for 8 columns"),
-    "too many": ((HEADER, ROW + ",9"), "log.csv:2: 9 values for 8 columns"),
-    "no number": ((HEADER, "#", ROW.replace("100", "1O0", 1)), "log.csv:3: left must be a number; got '1O0'"),
-    "not a number": ((HEADER, ROW.replace("0.7", "nan")), "log.csv:2: z must be a number; got 'nan'"),
-    "Python's number": ((HEADER, ROW.replace("1.5", "1_5")), "log.csv:2: rail must be a number; got '1_5'"),
-    "no value": ((HEADER, ROW.replace("-3", "")), "log.csv:2: elbow must be a number; got ''"),
-    "no rotation": ((HEADER + ",qx,qy,qz,qw", ROW + ",0,0,0,0"), "log.csv:2: qx qy qz qw must be of length 1; got 0"),
-    "a field without end": ((HEADER, '"' + "9" * 200_000), "log.csv, line 2: more than 100,000 characters"),
+    "nothing": ((), "no line but comments; the first names the columns: the columns are rail, shoulder"),
+    "no such motor": ((HEADER.replace("left", "lefty"),), "line 1: unknown column 'lefty'; closest: 'left'"),
+    "a motor is missing": ((HEADER.replace("elbow [rad],", ""),), "line 1: no column 'elbow'; the columns are"),
+    "half a quaternion": ((HEADER + ",qx,qw", ROW + ",0,1"), "line 1: no column 'qy', 'qz'"),
+    "a column twice": ((HEADER + ",x",), "line 1: column 'x' stands there twice"),
+    "another unit": ((HEADER.replace("[turn]", "[rad]"),), "line 1: column 'rail' is in [turn]"),
+    "millimetres": ((HEADER.replace("x [m]", "x [mm]"),), "line 1: column 'x' is in [m]; got [mm]"),
+    "decimal commas": ((HEADER.replace(",", ";"), ROW.replace(",", ";").replace(".", ",")), "as in 1.5"),
+    "too few": ((HEADER, ROW, "1,2,3"), "line 3: 3 values where there are 8 columns"),
+    "too many": ((HEADER, ROW + ",9"), "line 2: 9 values where there are 8 columns"),
+    "no number": ((HEADER, "#", ROW.replace("100", "1O0", 1)), "line 3: '1O0' is no number"),
+    "not a number": ((HEADER, ROW.replace("0.7", "nan")), "line 2: 'nan' is no number"),
+    "Python's number": ((HEADER, ROW.replace("1.5", "1_5")), "line 2: '1_5' is no number"),
+    "no value": ((HEADER, ROW.replace("-3", "")), "line 2: '' is no number"),
+    "no rotation": ((HEADER + ",qx,qy,qz,qw", ROW + ",0,0,0,0"), "line 2: qx qy qz qw must be of length 1; got 0"),
+    "a field without end": ((HEADER, '"' + "9" * 200_000), "line 2: more than 100,000 characters"),
 }  # fmt: skip
 
 

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import csv
 import re
 import sys
 from collections.abc import Callable, Iterator, Mapping, Sequence
@@ -12,9 +11,8 @@ from typing import Annotated, TypeVar
 import numpy as np
 import typer
 
-from ..description.numerals import number
 from ..support.checks import Array
-from ..support.csv_lines import Bounds, csv_lines, lines_in, name_in
+from ..support.csv_lines import Bounds, Row, csv_lines, csv_rows, is_comment, is_number, lines_in, name_in
 from ..support.errors import InputError, listed, shown
 from .output import note
 
@@ -45,14 +43,6 @@ OURS = re.compile(r"(line|answer|position_error|orientation_error|time|.*\.veloc
 """Columns of the files that twistarm writes, beside those that it reads again."""
 
 T = TypeVar("T")
-
-
-@dataclass(frozen=True)
-class Row:
-    """The cells of a line that says something."""
-
-    line: int
-    cells: tuple[str, ...]
 
 
 @dataclass(frozen=True)
@@ -96,10 +86,8 @@ class Sheet:
 
     def numbers(self, row: Row, columns: Sequence[Column]) -> Array:
         """The row's values of `columns`, in SI. Raises InputError for what is missing or no number."""
-        width = len(self.header or self.rows[0].cells)
-        if len(row.cells) != width:
-            raise InputError(f"{len(row.cells)} values where there are {width} columns")
-        return np.array([_number(row.cells[column.index]) * column.factor for column in columns])
+        values = row.numbers([column.index for column in columns], len(self.header or self.rows[0].cells))
+        return np.multiply(values, [column.factor for column in columns])
 
     def each(self, make: Callable[[Row], T]) -> list[T]:
         """What `make` makes of every row. Raises InputError with the numbers of all lines of which it makes nothing."""
@@ -132,11 +120,10 @@ def read_sheet(path: str, names: str | None) -> Sheet:
     """
     file = "standard input" if path == STDIN else path
     lines = list(_from_stdin(file) if path == STDIN else csv_lines(path, BOUNDS))
-    written = next((line for line in lines if line.strip() and not _is_comment(line)), "")
-    rows = _rows(lines, written, file)
+    rows = list(csv_rows(lines, file))
     if not rows:
         raise InputError(f"{file} holds no rows of numbers")
-    header = None if all(map(_is_number, rows[0].cells)) else tuple(map(name_in, rows[0].cells))
+    header = None if all(map(_is_number, rows[0].cells)) else tuple(name_in(cell.strip()) for cell in rows[0].cells)
     if header and any(map(_is_number, header)):
         said = shown(", ".join(header))
         raise InputError(f"{file}, line {rows[0].line}: neither a header nor a row of numbers: {said}")
@@ -146,7 +133,7 @@ def read_sheet(path: str, names: str | None) -> Sheet:
         if rows and len(header) != len(rows[0].cells):
             raise InputError(f"--columns names {len(header)} columns; {file} has {len(rows[0].cells)}")
     elif header is None and rows:
-        header = _commented_header(lines[: rows[0].line - 1], written, len(rows[0].cells))
+        header = _commented_header(lines[: rows[0].line - 1], len(rows[0].cells))
     if not rows:
         raise InputError(f"{file} holds a header and no rows of numbers")
     return Sheet(file, header, tuple(rows))
@@ -158,50 +145,18 @@ def _from_stdin(name: str) -> Iterator[str]:
     return lines_in(sys.stdin.buffer, name, BOUNDS)
 
 
-def _rows(lines: Sequence[str], written: str, file: str) -> list[Row]:
-    said = [(k, line) for k, line in enumerate(lines, 1) if line.strip() and not _is_comment(line)]
-    try:
-        return [Row(k, _cells(line, written)) for k, line in said]
-    except csv.Error as error:
-        raise InputError(f"{file} is no CSV text: {error}") from error
-
-
-def _cells(line: str, like: str) -> tuple[str, ...]:
-    """The cells of a line of a file that is written `like` this one."""
-    separator = next((sign for sign in "\t;," if sign in like), None)
-    cells = line.split() if separator is None else next(csv.reader([line], delimiter=separator))
-    return tuple(cell.strip() for cell in cells)
-
-
-def _commented_header(before: Sequence[str], like: str, width: int) -> tuple[str, ...] | None:
+def _commented_header(before: Sequence[str], width: int) -> tuple[str, ...] | None:
     """The header that NumPy and others write as a comment."""
-    comments = [line.lstrip("# ") for line in before if _is_comment(line)]
-    for cells in (_cells(comment, mark) for comment in reversed(comments) for mark in (like, comment)):
-        if len(cells) == width and not any(map(_is_number, cells)):
-            return cells
+    for comment in reversed([line.lstrip("# ") for line in before if is_comment(line)]):
+        for row in csv_rows([comment], "a comment"):
+            if len(row.cells) == width and not any(map(_is_number, row.cells)):
+                return tuple(cell.strip() for cell in row.cells)
     return None
 
 
-def _is_comment(line: str) -> bool:
-    return line.lstrip().startswith("#")
-
-
 def _is_number(cell: str) -> bool:
-    """Whether a cell is one, be it with a decimal comma, which `_number` refuses."""
-    try:
-        number(cell.replace(",", "."))
-    except ValueError:
-        return False
-    return True
-
-
-def _number(cell: str) -> float:
-    if "," in cell and _is_number(cell):
-        raise InputError(f"{shown(cell)}: decimals have a point, as in {cell.replace(',', '.')}")
-    value = number(cell) if _is_number(cell) else np.nan
-    if not np.isfinite(value):
-        raise InputError(f"{shown(cell)} is no number")
-    return value
+    """Whether a cell is one, be it with a decimal comma, which is refused later."""
+    return is_number(cell.replace(",", "."))
 
 
 def _known(cell: str, known: Mapping[str, str]) -> tuple[str | None, str]:

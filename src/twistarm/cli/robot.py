@@ -2,9 +2,7 @@
 
 from __future__ import annotations
 
-import warnings
-from collections.abc import Iterator
-from contextlib import ExitStack, contextmanager
+from contextlib import ExitStack
 from typing import Annotated, NamedTuple, TextIO
 
 import numpy as np
@@ -102,21 +100,10 @@ def joints_of(
     if udp is None or listen is None:
         joints = SimulatedJoints(arm, theta)
         return joints, joints
-    with warned():
-        feedback = stack.enter_context(
-            UdpFeedback(arm, *address(listen, "--listen"), timeout=timeout, units=units, **admitted._asdict())
-        )
+    feedback = stack.enter_context(
+        UdpFeedback(arm, *address(listen, "--listen"), timeout=timeout, units=units, **admitted._asdict())
+    )
     return stack.enter_context(UdpSink(arm, *address(udp, "--udp"), key=admitted.key, units=units)), feedback
-
-
-@contextmanager
-def warned() -> Iterator[None]:
-    """What is warned of inside is said on stderr, a line each."""
-    with warnings.catch_warnings(record=True) as said:
-        warnings.simplefilter("always")
-        yield
-    for each in said:
-        warn(str(each.message))
 
 
 def port_of(text: str) -> tuple[str, int]:

@@ -48,6 +48,9 @@ BY_LAW = ("time_optimal", "s_curve")
 MERGE_TOL = 1e-6
 """Consecutive waypoints nearer than this [rad, m] in every joint are one: IK answers no finer."""
 
+STAY, STAY_SHARE, STAY_WIDTH = 15, 5.0, 1.9
+"""A stay has so many waypoints, so many times as many as usual, in so many times the tolerance."""
+
 MOST_NAMED = 12
 """Of waypoints that are merged so many are named."""
 
@@ -120,6 +123,7 @@ def plan_joint(
 
     Recorded waypoints are rounded or noisy, and a path through each of them is slow. `smooth` is how far it may leave
     them, such as 0.01 for values with two decimals: each joint then has the smallest third differences within that.
+    Where the recording stays at one place within that it is passed once, and `notes` name the waypoints.
 
     The extremes of the polynomials are checked, not samples (to 1e-9). Source: Lynch & Park, Modern Robotics, §9.2 and
     §9.3.
@@ -260,14 +264,47 @@ def _distinct(points: Array) -> tuple[Array, Array]:
 
 def _prepared(points: Array, smooth: float | None, limits: JointLimits, merge: bool) -> tuple[Array, list[str]]:
     """The waypoints (k, n) that are led through, and which of those given are no places of their own."""
-    kept, owner = _distinct(points)
-    doubled = np.flatnonzero(np.diff(owner) == 0) + 1
+    spare, stays = np.full(points.shape, smooth or 0.0), list[tuple[int, int]]()
     if smooth is not None:
-        points = np.clip(smoothed(kept, smooth), limits.lower, limits.upper)[owner]
-    if not merge or not len(doubled):
-        return points, []
-    which = ", ".join(map(str, doubled[:MOST_NAMED])) + ", …" * (len(doubled) > MOST_NAMED)
-    return points, [f"merged with the waypoint before, which is at the same place: {which} (counted from 0)"]
+        stays, given = _stays(points, STAY_WIDTH * smooth), points
+        points = points.copy()
+        for first, last in stays:
+            within = slice(first, last + 1)
+            low, high = given[within].min(axis=0), given[within].max(axis=0)
+            points[within], spare[within] = 0.5 * (low + high), smooth - 0.5 * (high - low)
+    kept, owner = _distinct(points)
+    doubled = np.setdiff1d(np.flatnonzero(np.diff(owner) == 0) + 1, [i for a, b in stays for i in range(a, b + 1)])
+    if smooth is not None:
+        eased = smoothed(kept, spare[np.searchsorted(owner, np.arange(len(kept)))])
+        points = np.clip(eased, limits.lower, limits.upper)[owner]
+    notes = []
+    if stays:
+        which = _named([f"{first} to {last}" for first, last in stays])
+        notes.append(f"stays at one place within the tolerance: waypoints {which} (counted from 0)")
+    if merge and len(doubled):
+        which = _named(list(map(str, doubled)))
+        notes.append(f"merged with the waypoint before, which is at the same place: {which} (counted from 0)")
+    return points, notes
+
+
+def _named(each: Sequence[str]) -> str:
+    return ", ".join(each[:MOST_NAMED]) + ", …" * (len(each) > MOST_NAMED)
+
+
+def _stays(points: Array, width: float) -> list[tuple[int, int]]:
+    """First and last of waypoints that stay within `width` in each joint for far longer than others, ends left out."""
+    runs, start = [], 0
+    low = high = points[0]
+    for i, point in enumerate(points):
+        lowest, highest = np.minimum(low, point), np.maximum(high, point)
+        if (highest - lowest).max(initial=0.0) > width:
+            runs.append((start, i - 1))
+            start, lowest, highest = i, point, point
+        low, high = lowest, highest
+    runs.append((start, len(points) - 1))
+    usual = float(np.median([last - first + 1 for first, last in runs]))
+    least = max(STAY, STAY_SHARE * usual)
+    return [(max(a, 1), min(b, len(points) - 2)) for a, b in runs if b - a + 1 >= least]
 
 
 def _at_times(points: Array, kind: Kind, stop: bool, times: Array, bounds: PathBounds) -> tuple[Array, Array]:

@@ -24,6 +24,18 @@ def cubic(waypoints: Array, times: Array) -> Array:
     return np.asarray(CubicSpline(times, waypoints, bc_type="clamped").c)
 
 
+def natural(waypoints: Array, times: Array) -> Array:
+    """The C² cubic spline without second derivatives at both ends, (4, k − 1, n)."""
+    try:
+        from scipy.interpolate import CubicSpline
+    except ImportError as error:
+        raise missing_extra("planning", "SciPy", "plan") from error
+    # From the first waypoint on: a joint that does not move then stays free of rounding.
+    coefficients = CubicSpline(times, waypoints - waypoints[0], bc_type="natural").c.copy()
+    coefficients[-1] += waypoints[0]
+    return np.asarray(coefficients)
+
+
 def quintic(waypoints: Array, times: Array) -> Array:
     """The C⁴ quintic spline with zero velocity and acceleration at both ends, (6, k − 1, n).
 

@@ -10,11 +10,12 @@ from ..support.checks import Array
 from ..support.errors import InputError
 from . import spline
 from .joint_path import JointPath
-from .piecewise import stretched
+from .piecewise import derivative, evaluate, stretched
 from .pulling_in import pulled_in
 from .spans import LONGEST, MARGIN, SHORTEST, Progress
 from .spline_times import shortest_spline
 from .time_laws.bounds import PathBounds
+from .time_laws.jerk_limited import fastest_passes
 from .waypoint_laws import fastest_along_spline
 from .within import RATE_TOL, slowed_by, stretch_needed, stretch_sampled
 
@@ -32,11 +33,17 @@ LEAST_PART = 1e-5
 ROUNDING = 1e-14
 """No ramp at given times is shorter than this part of the whole."""
 
+SPARSE = 20
+"""Through more waypoints than that, jerk limits count for the start too."""
+
 FEW = 60
 """Through no more waypoints than that both starts are tried."""
 
-FEW_LOOKS = 10_000
-"""Instants of a spline through some of the waypoints that are looked at for how far it has come."""
+MOST_KNOTS = 1000
+"""Of the spline along which a motion with jerk limits begins."""
+
+NEWTON, SLOW = 8, 1e-6
+"""Steps to when a law comes to a place, and the least share of its mean rate that they count on."""
 
 EASING, EASED_LOOKS = 3.0, 4
 """Segments over which a quintic's first times are averaged, and instants looked at for each."""
@@ -52,7 +59,7 @@ def fastest_spline(
 
     Stretching the whole motion by one factor makes it meet its limits exactly, whatever the proportions of its
     segments. The proportions are searched (`spline_times`), from those of the fastest motion along a path through the
-    waypoints, with jerk limits from those through some of them, and, through few, from what each segment takes alone.
+    waypoints (with jerk limits `jerk_limited`), and, through few, from what each segment takes alone.
     Where that spline leaves the position limits it is pulled in, and shortened further: of what is pulled in, segments
     that stay below their limits are shortened, those that set the factor lengthened, and the shortest motion is taken.
     """
@@ -73,26 +80,52 @@ def fastest_spline(
 
 def _starts(waypoints: Array, degree: int, bounds: PathBounds, least: Array) -> list[Array]:
     """Durations (k − 1,) that searches begin with."""
-    if np.isfinite(bounds.rates.jerk).any() and len(waypoints) > FEW:
-        return [np.diff(_accumulated(np.diff(_as_through_few(waypoints, degree, bounds))))]
+    if np.isfinite(bounds.rates.jerk).any() and len(waypoints) > SPARSE:
+        along = np.diff(_accumulated(np.diff(_inside_jerk(waypoints, degree, bounds))))
+        return [along, least] if len(waypoints) <= FEW else [along]
     times = _accumulated(np.diff(fastest_along_spline(waypoints, bounds)[0]))
     along = np.diff(times if degree == 3 else _accumulated(np.diff(_eased(times))))
     return [along, least] if len(waypoints) <= FEW else [along]
 
 
-def _as_through_few(waypoints: Array, degree: int, bounds: PathBounds) -> Array:
-    """Times (k,) at which the shortest spline through some of the waypoints has come as far as each of them."""
-    few = waypoints[np.unique(np.linspace(0, len(waypoints) - 1, FEW // 2).round().astype(np.intp))]
-    way = np.ascontiguousarray(np.diff(few, axis=0) @ bounds.C.T)
-    durations = shortest_spline(way, degree, bounds.rates, np.diff(_accumulated(_least_durations(few, bounds))))
-    knots = np.concatenate([[0.0], np.cumsum(durations)])
-    path = JointPath(knots, (spline.cubic if degree == 3 else spline.quintic)(few, knots))
-    t = np.linspace(0.0, path.length, FEW_LOOKS)
-    come, far = (
-        np.concatenate([[0.0], np.cumsum(np.linalg.norm(np.diff(points, axis=0), axis=1))])
-        for points in (path(t), waypoints)
-    )
-    times: Array = np.interp(far / far[-1], come / come[-1], t)
+def _inside_jerk(waypoints: Array, degree: int, bounds: PathBounds) -> Array:
+    """Times (k,) of the waypoints on the fastest motion inside all limits along a spline through most of them."""
+    way = np.concatenate([[0.0], np.cumsum(np.linalg.norm(np.diff(waypoints, axis=0), axis=1))])
+    kept = np.unique(np.linspace(0, len(way) - 1, min(len(way), MOST_KNOTS)).round().astype(np.intp))
+    path = JointPath(way[kept], spline.natural(waypoints[kept], way[kept]))
+    fit = spline.cubic if degree == 3 else spline.quintic
+    tried: list[Array] = []
+
+    def excess(s: Array, t: Array) -> tuple[Array, Array]:
+        rates = _largest_rates(fit(waypoints, tried[-1]) @ bounds.C.T, np.diff(tried[-1]), bounds)
+        first, last = (np.clip(np.searchsorted(tried[-1], each) - 1, 0, len(way) - 2) for each in (t[:-2], t[2:]))
+        most = [np.array([rate[i : j + 1].max() for i, j in zip(first, last, strict=True)]) for rate in rates]
+        return most[0], most[1]
+
+    for s, t in fastest_passes(path, bounds, excess, smooth_ends=degree == 5):
+        tried.append(_reached(fit, t, s, way))
+    return min(tried, key=lambda times: _needed(fit, waypoints, times, bounds))
+
+
+def _largest_rates(rows: Array, durations: Array, bounds: PathBounds) -> list[Array]:
+    """Acceleration and jerk at both ends of each segment (k − 1,), the larger one, as a share of its limit."""
+    tau = durations[:, None] * np.array([0.0, 1.0])[:, None, None]
+    return [
+        np.max(np.abs(evaluate(derivative(rows, order), tau)) / limit, axis=(0, 2))
+        for order, limit in ((2, bounds.rates.acceleration), (3, bounds.rates.jerk))
+    ]
+
+
+def _reached(fit: Fit, t: Array, s: Array, places: Array) -> Array:
+    """When a law through s (m,) at t (m,) comes to these places."""
+    law = JointPath(t, fit(s[:, None], t))
+    piece = np.clip(np.searchsorted(s, places, side="right") - 1, 0, len(s) - 2)
+    low, high, gap = t[piece], t[piece + 1], np.maximum(np.diff(s)[piece], np.finfo(np.float64).tiny)
+    times: Array = low + (high - low) * np.clip((places - s[piece]) / gap, 0.0, 1.0)
+    for _ in range(NEWTON):
+        rate = np.maximum(law(times, 1)[:, 0], SLOW * float(s[-1] / t[-1]))
+        times = np.clip(times - (law(times)[:, 0] - places) / rate, low, high)
+    times[0], times[-1] = 0.0, t[-1]
     return times
 
 

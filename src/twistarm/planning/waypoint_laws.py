@@ -7,7 +7,8 @@ from collections.abc import Iterator
 import numpy as np
 
 from ..support.checks import Array
-from ..support.errors import LimitError, missing_extra
+from ..support.errors import LimitError
+from . import spline
 from .joint_path import JointPath
 from .pulling_in import pulled_in
 from .spans import Progress
@@ -64,16 +65,9 @@ def _one_after_another(segments: list[tuple[Array, Array]]) -> Motion:
 
 def _splines(points: Array, bounds: PathBounds) -> Iterator[tuple[JointPath, Array]]:
     """Splines inside the position limits, and the parameters (k,) at which they pass the waypoints."""
-    try:
-        from scipy.interpolate import CubicSpline
-    except ImportError as error:
-        raise missing_extra("planning", "SciPy", "plan") from error
     for exponent in EXPONENTS:
         s = _parameter(points, bounds, exponent)
-        # From the first waypoint on: a joint that does not move then stays free of rounding.
-        coefficients = CubicSpline(s, points - points[0], bc_type="natural").c.copy()
-        coefficients[-1] += points[0]
-        yield JointPath(*pulled_in(coefficients, s, points, bounds.limits)), s
+        yield JointPath(*pulled_in(spline.natural(points, s), s, points, bounds.limits)), s
 
 
 def _parameter(points: Array, bounds: PathBounds, exponent: float) -> Array:

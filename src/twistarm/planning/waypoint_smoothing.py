@@ -25,18 +25,18 @@ PINNED = 1e12
 """Curvature that holds the first and the last waypoint."""
 
 
-def smoothed(points: Array, tolerance: float) -> Array:
-    """Waypoints (k, n) as smooth as can be within `tolerance` [rad, m] of the given ones, the first and the last kept.
+def smoothed(points: Array, tolerance: Array) -> Array:
+    """Waypoints (k, n) as smooth as can be within `tolerance` (k, n) of the given ones, the first and the last kept.
 
     Each joint's z makes Σ (Δ³z_i)² least under |z_i − y_i| ≤ tolerance: a quadratic program, solved by a logarithmic
     barrier and Newton's method (Boyd & Vandenberghe 2004, §11.3) on banded systems. Fewer than five waypoints stay.
     """
     if len(points) <= ORDER + 1:
         return points
-    return np.stack([_column(each, tolerance) for each in points.T], axis=1)
+    return np.stack([_column(*each) for each in zip(points.T, tolerance.T, strict=True)], axis=1)
 
 
-def _column(y: Array, tolerance: float) -> Array:
+def _column(y: Array, tolerance: Array) -> Array:
     """One joint's values (k,): u = (z − y) / tolerance makes weight/2 Σ (Δ³z)² − Σ log(1 − u²) least."""
     try:
         from scipy.linalg import solveh_banded
@@ -45,7 +45,7 @@ def _column(y: Array, tolerance: float) -> Array:
     rough = float((np.diff(y, ORDER) ** 2).sum())
     if rough == 0.0:
         return y
-    u, weight, bands = np.zeros(len(y)), 1.0 / rough, tolerance**2 * _bands(len(y))
+    u, weight, bands = np.zeros(len(y)), 1.0 / rough, _bands(tolerance)
     for _ in range(STAGES):
         for _ in range(STEPS):
             slope = weight * tolerance * _turned_back(np.diff(y + tolerance * u, ORDER)) + 2.0 * u / (1.0 - u**2)
@@ -66,13 +66,16 @@ def _column(y: Array, tolerance: float) -> Array:
     return y + tolerance * u
 
 
-def _bands(k: int) -> Array:
-    """The upper bands (4, k) of the matrix of Σ (Δ³z_i)²."""
+def _bands(scale: Array) -> Array:
+    """The upper bands (4, k) of the matrix of Σ (Δ³z_i)² in z / scale (k,)."""
+    k = len(scale)
     row = [(-1.0) ** (ORDER - i) * comb(ORDER, i) for i in range(ORDER + 1)]
     bands = np.zeros((ORDER + 1, k))
     for i in range(ORDER + 1):
         for j in range(i, ORDER + 1):
             bands[ORDER - (j - i), j : k - ORDER + j] += row[i] * row[j]
+    for d in range(ORDER + 1):
+        bands[ORDER - d, d:] *= scale[d:] * scale[: k - d]
     return bands
 
 

@@ -7,10 +7,10 @@ from .following.cycle import FollowCycle, Following
 from .following.follow import follow
 from .following.report import FollowReport
 from .interlock import Interlock
-from .links.gate import ExposedPortWarning, Signer, Verifier, read_key
 from .links.inbox import Inbox
 from .links.messages import command_of, parse_command, parse_state, setpoint_message
 from .links.serial_link import SerialRobot, SerialSource
+from .links.signing import Signer, Verifier, read_key
 from .links.state_inbox import StateInbox
 from .links.udp import UdpFeedback, UdpSink, UdpSource
 from .loop import run
@@ -24,7 +24,6 @@ __all__ = [
     "Clock",
     "Cycle",
     "Ending",
-    "ExposedPortWarning",
     "Feedback",
     "FollowControl",
     "FollowCycle",

@@ -12,8 +12,7 @@ from ..servo import AnyCommand, ServoStatus
 from ..support.checks import Array
 from ..support.errors import InputError, listed
 from .cycles import Cycle
-from .links.by_name import values_by_name
-from .links.messages import command_of
+from .links.messages import command_of, values_by_name
 from .protocols import Setpoint
 from .report import Ending, Tally
 

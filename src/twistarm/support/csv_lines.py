@@ -1,4 +1,4 @@
-"""The lines of a CSV file that somebody else wrote, one after the other and within bounds; and CSV that we write."""
+"""Rows of a CSV file that somebody else wrote, one after the other and within bounds; and CSV that we write."""
 
 from __future__ import annotations
 
@@ -8,10 +8,12 @@ import io
 import os
 import re
 from collections.abc import Iterable, Iterator, Sequence
+from contextlib import suppress
 from itertools import chain
+from math import isfinite
 from typing import BinaryIO, NamedTuple
 
-from .errors import InputError
+from .errors import InputError, shown
 from .files import as_path, open_regular, why_no_file
 
 MAX_LINE = 100_000
@@ -86,6 +88,78 @@ def _decoded(line: bytes) -> str:
         return line.decode("utf-8")
     except UnicodeDecodeError:
         return line.decode("latin-1")
+
+
+class Row(NamedTuple):
+    """The cells of a line that says something."""
+
+    line: int
+    cells: list[str]
+
+    def numbers(self, columns: Sequence[int], width: int, file: str = "") -> list[float]:
+        """The finite numbers in some columns. InputError, with the line where `file` is named, for a cell that holds
+        none, and for a row of another width.
+        """
+        try:
+            return self._numbers(columns, width)
+        except InputError as error:
+            raise InputError(f"{file}, line {self.line}: {error}" if file else str(error)) from error
+
+    def _numbers(self, columns: Sequence[int], width: int) -> list[float]:
+        if len(self.cells) != width:
+            raise InputError(f"{len(self.cells)} values where there are {width} columns")
+        cells = [self.cells[k] for k in columns]
+        text = "".join(cells)
+        with suppress(ValueError):
+            values = list(map(float, cells))
+            # Not Python's 1_000, nor digits of another script.
+            if text.isascii() and "_" not in text and all(map(isfinite, values)):
+                return values
+        cell = next(cell.strip() for cell in cells if not (is_number(cell) and isfinite(float(cell))))
+        if is_number(cell.replace(",", ".")) and "," in cell:
+            raise InputError(f"{shown(cell)}: decimals have a point, as in {cell.replace(',', '.')}")
+        raise InputError(f"{shown(cell)} is no number")
+
+
+def csv_rows(lines: Iterable[str], file: str) -> Iterator[Row]:
+    """The rows of the lines of a file: blank lines and those that begin with # are left out.
+
+    Columns are separated as in the first row: by tabs, semicolons or commas, or where it has none of these by spaces.
+    In a row with words it is the sign that stands there most often, in one of numbers the first of these.
+    """
+    count = 0
+
+    def said() -> Iterator[str]:
+        nonlocal count
+        for line in lines:
+            count += 1
+            if line.strip() and not is_comment(line):
+                yield line
+
+    written = said()
+    first = next(written, "")
+    signs = [sign for sign in "\t;," if sign in first]
+    words = first.upper() != first.lower()
+    separator = max(signs, key=first.count if words else lambda sign: -signs.index(sign), default=None)
+    whole = chain([first] if first else [], written)
+    try:
+        for cells in map(str.split, whole) if separator is None else csv.reader(whole, delimiter=separator):
+            yield Row(count, cells)
+    except csv.Error as error:
+        raise InputError(f"{file}, line {count} is no CSV text: {error}") from error
+
+
+def is_comment(line: str) -> bool:
+    """Whether a line is one."""
+    return line.lstrip().startswith("#")
+
+
+def is_number(cell: str) -> bool:
+    """Whether a cell holds a number as other programs write it."""
+    with suppress(ValueError):
+        float(cell)
+        return cell.isascii() and "_" not in cell
+    return False
 
 
 def csv_text(header: Sequence[str], rows: Iterable[Sequence[object]]) -> str:

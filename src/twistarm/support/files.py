@@ -8,11 +8,11 @@ import os
 import stat
 import sys
 from collections.abc import Iterable
+from contextlib import suppress
 from pathlib import Path
 from typing import BinaryIO
 
 from .errors import InputError, shown
-from .temporaries import replace_whole
 
 DESCRIPTIONS = (".urdf", ".xacro", ".srdf", ".sdf", ".xml", ".toml", ".yaml", ".yml")
 """Names, in any letters, of what a team wrote itself: no output takes its place unasked."""
@@ -25,6 +25,9 @@ _HEAD = 10_000
 
 
 NO_SUCH_FILE = "no such file"
+
+TEMPORARY = ".twistarm.part"
+"""How the names of our temporary files end."""
 
 
 def is_file(path: Path) -> bool:
@@ -126,9 +129,9 @@ def write_whole(
 
     Text is written as UTF-8, line ends as they are. The content goes into a temporary file in the same
     folder, which then takes the name in one step (POSIX `rename`); on any error it is removed and what stood
-    at `path` stays; one that a killed process left is removed by the next write into the folder. A link is followed,
-    and an existing file keeps its permissions, which the temporary one has from its first byte; a `private` one is for
-    this user alone. Returns the path written.
+    at `path` stays. A process that is killed leaves it, under a name that ends with `.twistarm.part`. A link is
+    followed. An existing file keeps its permissions, which the temporary one has from its first byte. A `private` one
+    is for this user alone. Returns the path written.
 
     Raises InputError where the folder does not exist or is not writable, where `path` is a folder or a device, and
     where a description stands there (`DESCRIPTIONS`), unless `over_description` lets it be replaced.
@@ -136,10 +139,43 @@ def write_whole(
     target = writable(path, over_description=over_description)
     data = content.encode("utf-8") if isinstance(content, str) else content
     try:
-        replace_whole(target, data, private)
+        _replace_whole(target, data, private)
     except OSError as error:
         raise InputError(f"cannot write {target}: {error.strerror or error}") from error
     return target
+
+
+def _replace_whole(target: Path, data: bytes, private: bool) -> None:
+    """Put `data` at `target` in one step; OSError where that fails, and then nothing has changed.
+
+    The temporary file in the same folder is for this user alone until it has the group and the permissions of what it
+    replaces, and that before its first byte: for whom the content is not, that file is not either.
+    """
+    found = target.stat() if target.exists() and not private else None
+    mode = 0o666 if found is None and not private else 0o600
+    temporary = target.with_name(f".{target.name[:40]}.{os.urandom(6).hex()}{TEMPORARY}")
+    try:
+        with open(temporary, "xb", opener=lambda name, flags: os.open(name, flags, mode)) as file:
+            if found is not None:
+                _give(file.fileno(), found)
+            file.write(data)
+            file.flush()
+            os.fsync(file.fileno())
+            os.replace(temporary, target)
+    except BaseException:
+        with suppress(OSError):
+            os.unlink(temporary)
+        raise
+
+
+def _give(descriptor: int, found: os.stat_result) -> None:
+    """Give a file the group and the permissions of another, or none for the group where it may not have that one."""
+    mode = found.st_mode & 0o777
+    try:
+        os.fchown(descriptor, -1, found.st_gid)
+    except OSError:
+        mode &= ~0o070
+    os.fchmod(descriptor, mode)
 
 
 def writable(path: str | os.PathLike[str], *, over_description: bool = False) -> Path:

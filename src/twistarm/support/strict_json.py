@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping, Sequence
 from math import isinf
 from typing import Any
 
-from .errors import InputError, one_line, shown
+from .errors import InputError, listed, one_line, shown
 
 LARGEST_MESSAGE = 64 * 1024
 """Bytes of a message: a joint state of a thousand joints is half of it."""
@@ -21,6 +21,9 @@ LARGEST_COUNTER = 2**53
 DIGITS = 18
 """Of a number that is read as a whole one."""
 
+
+Check = Callable[[Any, str], Any]
+"""What a field may hold: it makes of the value, and the field's name for words, what the field means, or InputError."""
 
 _ENCODER = json.JSONEncoder(allow_nan=False, separators=(",", ":"))
 """Made once: making it takes a tenth of the time that a frame of the view takes to encode."""
@@ -56,6 +59,40 @@ def parsed(text: str) -> Any:
         return json.loads(text, parse_constant=_no_constant, parse_int=_whole, object_pairs_hook=_once)
     except RecursionError as error:
         raise ValueError("it nests too deep") from error
+
+
+def fields(
+    message: Any, what: str, needed: Mapping[str, Check], optional: Mapping[str, Check] | None = None
+) -> dict[str, Any]:
+    """The fields of a message, each as its check makes it: all that are needed, none beyond the optional ones."""
+    known = {**needed, **(optional or {})}
+    if not isinstance(message, Mapping) or not needed.keys() <= message.keys() <= known.keys():
+        also = f" and may have {', '.join(optional)}" if optional else ""
+        got = sorted(message) if isinstance(message, Mapping) else message
+        raise InputError(f"{what} needs {', '.join(needed) or 'no fields'}{also}; got {short(got)}")
+    return {name: check(message[name], name) for name, check in known.items() if name in message}
+
+
+def one_of(words: Sequence[str]) -> Check:
+    """The check of a choice."""
+
+    def check(value: Any, name: str) -> str:
+        if value not in words:
+            raise InputError(f"{name} must be one of {listed(words)}; got {short(value)}")
+        return str(value)
+
+    return check
+
+
+def list_of(each: Check) -> Check:
+    """The check of a list of which every entry is one."""
+
+    def check(value: Any, name: str) -> list[Any]:
+        if not isinstance(value, list):
+            raise InputError(f"{name} must be a list; got {short(value)}")
+        return [each(entry, f"{name}[{k}]") for k, entry in enumerate(value)]
+
+    return check
 
 
 def numbers(value: Any, name: str, size: int | None = None, largest: float = LARGEST_NUMBER) -> list[float]:

@@ -2,19 +2,16 @@
 
 from __future__ import annotations
 
-import csv
 import os
 from collections.abc import Sequence
 from dataclasses import dataclass
-from pathlib import Path
 from typing import Any
 
 import numpy as np
 
-from ..description.numerals import number
 from ..limits.actuators import Actuators
 from ..support.checks import Array, as_floats, as_pose, frozen, require
-from ..support.csv_lines import Bounds, csv_lines, name_in
+from ..support.csv_lines import Bounds, csv_lines, csv_rows, name_in
 from ..support.display import Brief
 from ..support.errors import InputError, closest, listed
 from ..support.files import as_path
@@ -24,9 +21,6 @@ BOUNDS = Bounds(bytes=10_000_000, lines=100_000)
 """A row has some 150 bytes; a camera's half hour at 30 Hz is 8 MB."""
 
 POSITION, ROTATION = ("x", "y", "z"), ("qx", "qy", "qz", "qw")
-
-SEPARATORS = {";": "semicolons", "\t": "tabs"}
-"""What other programs write between columns."""
 
 UNIT_LENGTH_TOL = 0.01
 """A logged quaternion is rounded to a few digits; one that is further from length 1 holds something else."""
@@ -83,32 +77,23 @@ def read_log(path: str | os.PathLike[str], motors: Actuators) -> WiringLog:
     """
     file = as_path(path)
     require(motors, Actuators, "motors", "as arm.actuators is")
-    rows = _rows(file)
+    rows = list(csv_rows(csv_lines(file, BOUNDS), str(file)))
     if not rows:
         raise InputError(f"{file}: no line but comments; the first names the columns: {_wanted(motors)}")
-    (number, header), *rest = rows
-    names = _columns(list(map(name_in, header)), motors, f"{file}:{number}")
-    values = np.array([_numbers(row, names, f"{file}:{line}") for line, row in rest]).reshape(-1, len(names))
+    header, *rest = rows
+    names = _columns([name_in(cell.strip()) for cell in header.cells], motors, f"{file}, line {header.line}")
+    every = range(len(names))
+    values = np.array([row.numbers(every, len(names), str(file)) for row in rest]).reshape(-1, len(names))
     column = {name: values[:, i] for i, name in enumerate(names)}
     counts = np.stack([column[name] for name in motors.names], axis=-1)
     position = np.stack([column[name] for name in POSITION], axis=-1)
     if ROTATION[0] not in column:
         return WiringLog(motors.names, counts, position)
     quaternions = np.stack([column[name] for name in ROTATION], axis=-1)
-    for (line, _), length in zip(rest, np.linalg.norm(quaternions, axis=-1), strict=True):
+    for row, length in zip(rest, np.linalg.norm(quaternions, axis=-1), strict=True):
         if abs(length - 1.0) > UNIT_LENGTH_TOL:
-            raise InputError(f"{file}:{line}: qx qy qz qw must be of length 1; got {length:.3g}")
+            raise InputError(f"{file}, line {row.line}: qx qy qz qw must be of length 1; got {length:.3g}")
     return WiringLog(motors.names, counts, _poses(position, quaternions))
-
-
-def _rows(file: Path) -> list[tuple[int, list[str]]]:
-    """The cells of every line that says something, and its number."""
-    lines = csv_lines(file, BOUNDS)
-    cells = csv.reader("" if line.lstrip().startswith("#") else line for line in lines)
-    try:
-        return [(cells.line_num, row) for row in cells if any(map(str.strip, row))]
-    except csv.Error as error:
-        raise InputError(f"{file}:{cells.line_num}: not a line of CSV: {error}") from error
 
 
 def _poses(position: Array, quaternions: Array) -> Array:
@@ -122,9 +107,6 @@ def _columns(header: Sequence[str], motors: Actuators, place: str) -> tuple[str,
     units = (
         dict(zip(motors.names, motors.units, strict=True)) | dict.fromkeys(POSITION, "m") | dict.fromkeys(ROTATION, "1")
     )
-    for separator, name in SEPARATORS.items():
-        if any(separator in cell.strip() for cell in header):
-            raise InputError(f"{place}: columns are separated by commas, decimals by points; got {name}")
     names = []
     for cell in header:
         name, bracket, unit = (part.strip() for part in cell.partition("["))
@@ -140,22 +122,6 @@ def _columns(header: Sequence[str], motors: Actuators, place: str) -> tuple[str,
     if missing:
         raise InputError(f"{place}: no column {listed(missing)}; {_wanted(motors)}")
     return tuple(names)
-
-
-def _numbers(row: Sequence[str], names: tuple[str, ...], place: str) -> list[float]:
-    if len(row) != len(names):
-        raise InputError(f"{place}: {len(row)} values for {len(names)} columns")
-    return [_number(text, name, place) for text, name in zip(row, names, strict=True)]
-
-
-def _number(text: str, name: str, place: str) -> float:
-    try:
-        value = number(text.strip())
-    except ValueError:
-        value = np.nan
-    if not np.isfinite(value):
-        raise InputError(f"{place}: {name} must be a number; got {text.strip()[:40]!r}")
-    return value
 
 
 def _wanted(motors: Actuators) -> str:

@@ -47,7 +47,6 @@ from ..robot import (
     require_inside,
     require_positive,
     require_robot,
-    warned,
 )
 from ..servo_report import report_json, report_table
 from ..typed import parse_theta
@@ -141,7 +140,4 @@ def source_of(
         pages = viewer.commands
         pages.timeout = timeout
         return pages
-    with warned():
-        return stack.enter_context(
-            UdpSource(arm, *address(commands, "--commands"), timeout=timeout, **admitted._asdict())
-        )
+    return stack.enter_context(UdpSource(arm, *address(commands, "--commands"), timeout=timeout, **admitted._asdict()))

@@ -2,18 +2,14 @@
 
 from __future__ import annotations
 
-import csv
 from array import array
-from collections.abc import Iterable
-from itertools import pairwise
-from math import isfinite
+from itertools import islice, pairwise
 from pathlib import Path
 
 import numpy as np
 
 from ...model.arm import Arm
-from ...support.checks import as_floats
-from ...support.csv_lines import Bounds, csv_lines, name_in
+from ...support.csv_lines import Bounds, csv_lines, csv_rows, name_in
 from ...support.errors import InputError, closest, listed
 from .columns import LABEL, TIME, count_columns, joint_columns
 from .points import Points
@@ -25,28 +21,19 @@ MOST_NUMBERS = 15_000_000
 """That are kept of a file: of every line the time, positions, rates and accelerations."""
 
 
-def read_csv(arm: Arm, file: Path) -> Points:
+def read_csv(arm: Arm, path: Path) -> Points:
     """The points of `arm` in a CSV file. Raises InputError, with the line."""
-    try:
-        return _points(arm, csv.reader(csv_lines(file, BOUNDS)), str(file))
-    except csv.Error as error:
-        raise InputError(f"{file} is no CSV text: {error}") from error
-
-
-def _points(arm: Arm, reader: Iterable[list[str]], file: str) -> Points:
-    rows = iter(reader)
-    header = list(map(name_in, next(rows, [])))
+    file = str(path)
+    rows = csv_rows(csv_lines(path, BOUNDS), file)
+    header = [name_in(cell.strip()) for row in islice(rows, 1) for cell in row.cells]
     groups, counted = _groups(arm, header, file)
     columns = [header.index(name) for name in (TIME, *(name for group in groups for name in group))]
     labelled = [k for k, name in enumerate(header) if name == LABEL]
     lines, values, labels = array("q"), array("d"), list[tuple[float, str]]()
-    for line, row in enumerate(rows, 2):
-        if not row:
-            continue
-        numbers = _numbers(row, header, columns, f"{file}, line {line}")
-        lines.append(line)
-        values.extend(numbers)
-        labels.extend((numbers[0], name_in(row[k])) for k in labelled if row[k])
+    for row in rows:
+        values.extend(numbers := row.numbers(columns, len(header), file))
+        lines.append(row.line)
+        labels.extend((numbers[0], name_in(row.cells[k])) for k in labelled if row.cells[k])
         if len(values) > MOST_NUMBERS:
             raise InputError(f"{file} has more than {MOST_NUMBERS:,} numbers; split it, or record at a lower rate")
     table = np.frombuffer(values).reshape(len(lines), len(columns))
@@ -77,15 +64,3 @@ def _groups(arm: Arm, header: list[str], file: str) -> tuple[list[list[str]], bo
 
 def _is_there(groups: list[list[str]], header: list[str]) -> bool:
     return all(header.count(name) == 1 for group in groups for name in group)
-
-
-def _numbers(row: list[str], header: list[str], columns: list[int], place: str) -> list[float]:
-    if len(row) != len(header):
-        raise InputError(f"{place}: {len(header)} numbers are needed, as in the header; got {len(row)}")
-    try:
-        values = [float(row[k]) for k in columns]
-        if not all(map(isfinite, values)):
-            as_floats(values, "every number")
-    except ValueError as error:  # InputError is one
-        raise InputError(f"{place}: {error}") from error
-    return values

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Collection, Mapping, Sequence
+from functools import partial
+from math import isfinite
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -11,12 +13,12 @@ from ...model.arm import Arm, require_arm
 from ...servo import AnyCommand, JogCommand, PoseCommand, TwistCommand
 from ...support.checks import Array, require, require_mapping
 from ...support.errors import InputError, TwistarmError, listed
-from ...support.strict_json import counter, decoded, number, numbers, short
+from ...support.strict_json import Check, counter, decoded, fields, list_of, number, numbers, one_of, short
+from ...support.strict_json import text as _text
 from ...theory.rotations import from_quaternion_wxyz
 from ..interlock import STATES, WORDS, Interlocked
 from ..motors import MotorSide
 from ..protocols import Setpoint
-from .by_name import values_by_name
 
 QUATERNION_TOL = 1e-3
 """How far a quaternion's length may be from 1: beyond four printed decimals it is something else."""
@@ -57,7 +59,7 @@ def parse_command(arm: Arm, text: str | bytes) -> CommandMessage:
         InputError: It is not exactly one command.
     """
     message = decoded(text)
-    return CommandMessage(command_of(arm, message), _number_of(message))
+    return CommandMessage(command_of(arm, message), message.get("number"))
 
 
 def command_of(arm: Arm, message: Mapping[str, Any]) -> AnyCommand:
@@ -90,13 +92,9 @@ def command_of(arm: Arm, message: Mapping[str, Any]) -> AnyCommand:
             raise InputError(f"a word to the interlock is one of {listed(WORDS)}, {also}; got {short(message)}")
         raise InputError(f"a command has one of {listed(_COMMANDS)}; got {short(sorted(message))}")
     needed, optional, build = _COMMANDS[kind]
-    names = set(message) - {"number"}
-    if not {kind, *needed} <= names <= {kind, *needed, *optional}:
-        also = f" and may have {', '.join((*optional, 'number'))}"
-        raise InputError(f"{kind} needs {', '.join((kind, *needed))}{also}; got {short(sorted(message))}")
-    _number_of(message)
+    given = fields(message, kind, needed, {**optional, "number": counter})
     try:
-        return build(arm, message)
+        return build(arm, given)
     except InputError:
         raise
     except TwistarmError as error:
@@ -110,13 +108,10 @@ def heard_word(device: Interlocked, text: bytes, fresh: bool) -> bool:
     if INTERLOCK not in text:
         return False
     try:
-        message = decoded(text)
+        said = fields(decoded(text), "a word", {"interlock": one_of(WORDS)}, {"reason": _text, "number": _any})
     except InputError:
         return False
-    word, reason = message.get("interlock"), message.get("reason", "")
-    if set(message) - {"reason", "number"} != {"interlock"} or word not in WORDS or not isinstance(reason, str):
-        return False
-    device.interlock.hear(word, reason, fresh)
+    device.interlock.hear(said["interlock"], said.get("reason", ""), fresh)
     return True
 
 
@@ -138,18 +133,29 @@ def parse_state(arm: Arm, text: str | bytes, motors: MotorSide | None = None) ->
         InputError: It is not exactly one joint state.
     """
     require_arm(arm)
-    message = decoded(text)
-    named, value = ("joint_names", "theta") if motors is None else ("motor_names", "motor")
-    if set(message) - {"number", "interlock"} != {named, value}:
-        raise InputError(
-            f"a joint state has {named} and {value}, and may have number and interlock; got {short(sorted(message))}"
-        )
-    names = message[named]
-    if not isinstance(names, list) or not all(isinstance(name, str) for name in names):
-        raise InputError(f"{named} must be a list of names; got {short(names)}")
-    values = numbers(message[value], value)
+    names, value = ("joint_names", "theta") if motors is None else ("motor_names", "motor")
+    needed = {names: list_of(_text), value: numbers}
+    told = fields(decoded(text), "a joint state", needed, {"number": counter, "interlock": one_of(STATES)})
     known = arm.joint_names if motors is None else motors.names
-    return StateMessage(values_by_name(known, names, values), _number_of(message), _state_of(message))
+    return StateMessage(values_by_name(known, told[names], told[value]), told.get("number"), told.get("interlock"))
+
+
+def values_by_name(known: Collection[str], names: Sequence[str], values: Sequence[float]) -> dict[str, float]:
+    """Values by name, in any order, others among them. What tells of none that is `known` is nobody's trouble.
+
+    Raises InputError for unequal lengths, a known name that is there twice, and its value where that is not finite.
+    """
+    ours = [name for name in names if name in known]
+    if ours and len(names) != len(values):
+        raise InputError(f"a joint state has as many names as values; got {len(names)} names, {len(values)} values")
+    if len(set(ours)) != len(ours):
+        twice = [name for name in dict.fromkeys(ours) if ours.count(name) > 1]
+        raise InputError(f"a joint state names each joint once; twice: {listed(twice)}")
+    given = dict(zip(names, values, strict=False))
+    for name in ours:
+        if not isfinite(given[name]):
+            raise InputError(f"the joint state of {name} must be finite; got {given[name]}")
+    return given
 
 
 def setpoint_message(arm: Arm, setpoint: Setpoint, motors: MotorSide | None = None) -> dict[str, Any]:
@@ -184,10 +190,6 @@ def setpoint_message(arm: Arm, setpoint: Setpoint, motors: MotorSide | None = No
     return message
 
 
-def _number_of(message: Mapping[str, Any]) -> int | None:
-    return counter(message["number"], "number") if "number" in message else None
-
-
 def followed(
     device: Interlocked, parse: Callable[[bytes], StateMessage], text: bytes
 ) -> tuple[dict[str, float], int | None]:
@@ -197,67 +199,62 @@ def followed(
     return state.values, state.number
 
 
-def _state_of(message: Mapping[str, Any]) -> str | None:
-    word = message.get("interlock")
-    if "interlock" in message and word not in STATES:
-        raise InputError(f"a robot's interlock is one of {listed(STATES)}; got {short(word)}")
-    return word
+def _any(value: Any, name: str) -> Any:
+    return value
 
 
-def _twist(arm: Arm, message: Mapping[str, Any]) -> AnyCommand:
-    hold = message.get("hold")
-    if not isinstance(hold, (str, list, type(None))):
-        raise InputError(f"hold must be 'position', 'orientation' or six booleans; got {short(hold)}")
-    return TwistCommand(np.array(numbers(message["twist"], "twist", 6)), message["frame"], hold)
+def _hold(value: Any, name: str) -> Any:
+    if not isinstance(value, (str, list, type(None))):
+        raise InputError(f"hold must be 'position', 'orientation' or six booleans; got {short(value)}")
+    return value
 
 
-def _jog(arm: Arm, message: Mapping[str, Any]) -> AnyCommand:
-    rates = message["jog"]
+def _rates(rates: Any, name: str) -> dict[str, float]:
     if not isinstance(rates, Mapping) or not rates:
         raise InputError(f'jog must be {{"joint": rate}}, rates in rad/s or m/s; got {short(rates)}')
-    return JogCommand.of(arm, {name: number(rate, f"jog of {short(name)}") for name, rate in rates.items()})
+    return {name: number(rate, f"jog of {short(name)}") for name, rate in rates.items()}
 
 
-def _pose(arm: Arm, message: Mapping[str, Any]) -> AnyCommand:
-    given = message["pose"]
-    g = _pose_from_parts(given) if isinstance(given, Mapping) else _pose_from_rows(given)
-    speeds = {name: number(message[name], name) for name in _SPEEDS if name in message}
-    return PoseCommand(g, (0.0,) * 6, **speeds)
-
-
-def _pose_from_rows(rows: Any) -> Array:
-    if not isinstance(rows, list) or len(rows) != 4:
-        raise InputError(f"pose must be four rows of four numbers, or position and quaternion_wxyz; got {short(rows)}")
-    return np.array([numbers(row, f"pose[{k}]", 4) for k, row in enumerate(rows)])
-
-
-def _pose_from_parts(parts: Mapping[str, Any]) -> Array:
-    if set(parts) != {"position", "quaternion_wxyz"}:
-        raise InputError(f"pose needs position and quaternion_wxyz; got {short(sorted(parts))}")
-    quaternion = np.array(numbers(parts["quaternion_wxyz"], "quaternion_wxyz", 4))
+def _pose(given: Any, name: str) -> Array:
+    g = np.eye(4)
+    if isinstance(given, list) and len(given) == 4:
+        return np.array([numbers(row, f"pose[{k}]", 4) for k, row in enumerate(given)])
+    if not isinstance(given, Mapping):
+        raise InputError(f"pose must be four rows of four numbers, or position and quaternion_wxyz; got {short(given)}")
+    parts = fields(given, "pose", {"position": partial(numbers, size=3), "quaternion_wxyz": partial(numbers, size=4)})
+    quaternion = np.array(parts["quaternion_wxyz"])
     length = float(np.linalg.norm(quaternion))
     if not abs(length - 1.0) <= QUATERNION_TOL:
         raise InputError(f"quaternion_wxyz must have length 1; got {length:.6g}")
-    g = np.eye(4)
-    g[:3, :3] = from_quaternion_wxyz(quaternion)
-    g[:3, 3] = numbers(parts["position"], "position", 3)
+    g[:3, :3], g[:3, 3] = from_quaternion_wxyz(quaternion), parts["position"]
     return g
 
 
-def _stop(arm: Arm, message: Mapping[str, Any]) -> AnyCommand:
-    if message["stop"] is not True:
-        raise InputError(f"stop must be true; got {short(message['stop'])}")
-    return JogCommand(np.zeros(arm.n))
+def _true(value: Any, name: str) -> bool:
+    if value is not True:
+        raise InputError(f"{name} must be true; got {short(value)}")
+    return True
 
 
-_SPEEDS = ("linear_speed", "angular_speed")
+def _pose_command(arm: Arm, given: Mapping[str, Any]) -> PoseCommand:
+    speeds = {name: given[name] for name in ("linear_speed", "angular_speed") if name in given}
+    return PoseCommand(given["pose"], (0.0,) * 6, **speeds)
 
-_Build = Callable[[Arm, Mapping[str, Any]], AnyCommand]
 
-_COMMANDS: Mapping[str, tuple[tuple[str, ...], tuple[str, ...], _Build]] = {
-    "twist": (("frame",), ("hold",), _twist),
-    "jog": ((), (), _jog),
-    "pose": ((), _SPEEDS, _pose),
-    "stop": ((), (), _stop),
+_Build = Callable[[Arm, dict[str, Any]], AnyCommand]
+
+_COMMANDS: Mapping[str, tuple[Mapping[str, Check], Mapping[str, Check], _Build]] = {
+    "twist": (
+        {"twist": partial(numbers, size=6), "frame": _any},
+        {"hold": _hold},
+        lambda arm, given: TwistCommand(given["twist"], given["frame"], given.get("hold")),
+    ),
+    "jog": ({"jog": _rates}, {}, lambda arm, given: JogCommand.of(arm, given["jog"])),
+    "pose": (
+        {"pose": _pose},
+        {"linear_speed": number, "angular_speed": number},
+        _pose_command,
+    ),
+    "stop": ({"stop": _true}, {}, lambda arm, given: JogCommand(np.zeros(arm.n))),
 }
-"""By kind: what it needs besides, what it may have, what it becomes."""
+"""By kind: the fields that it needs, those that it may have, what it becomes."""

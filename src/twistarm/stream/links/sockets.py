@@ -5,13 +5,14 @@ from __future__ import annotations
 import errno
 import os
 import socket
-from collections.abc import Hashable, Iterator
+from collections.abc import Collection, Hashable, Iterator
 from typing import Any
 
-from ...support.checks import require
+from ...support.checks import require, require_names
 from ...support.closeable import Closeable
-from ...support.errors import InputError, shown
+from ...support.errors import InputError, listed, shown
 from ...support.strict_json import LARGEST_MESSAGE
+from .signing import Verifier
 
 BUFFER = 128 * 1024
 """Bytes that the system keeps for us, twice that by its own count: one message of the largest size, or some 350 small
@@ -40,9 +41,16 @@ class Socket(Closeable):
 
 
 class Receiver(Socket):
-    """A socket bound to host and port (0: a free one). Raises InputError where that cannot be."""
+    """A socket bound to host and port (0: a free one), for datagrams of `senders`, signed by `key` if there is one.
 
-    def __init__(self, host: str, port: int) -> None:
+    senders: hosts, none: all. `note` says how many datagrams of others were left out, and why the last one was; ""
+    where none was. Raises InputError for a host or port that cannot be had, and for a key that is none.
+    """
+
+    def __init__(self, host: str, port: int, senders: Collection[str] = (), key: bytes | None = None) -> None:
+        self._allowed = _addresses(require_names(senders, "senders"))
+        self._verifier = None if key is None else Verifier(key)
+        self.note, self._left_out = "", 0
         family, address = _resolved(host, port, smallest=0)
         super().__init__(family)
         try:
@@ -52,7 +60,24 @@ class Receiver(Socket):
             self.close()
             raise InputError(f"cannot listen on {host}:{port}: {error.strerror or error}") from error
 
-    def waiting(self) -> Iterator[tuple[Hashable, bytes]]:
+    def admitted(self) -> Iterator[tuple[Hashable, bytes]]:
+        """(sender's address, text) of the datagrams that count. Others move nothing and stop nothing."""
+        for sender, datagram in self.waiting():
+            text = self._text(sender, datagram)
+            if text is not None:
+                yield sender, text
+
+    def _text(self, sender: Any, datagram: bytes) -> bytes | None:
+        try:
+            if self._allowed and sender[0].partition("%")[0].removeprefix("::ffff:") not in self._allowed:
+                raise InputError("it is none of the allowed senders")
+            return datagram if self._verifier is None else self._verifier.verified(datagram)
+        except InputError as error:
+            self._left_out += 1
+            self.note = f"; {self._left_out} datagrams were left out, the last from {named(sender)}: {error}"
+            return None
+
+    def waiting(self) -> Iterator[tuple[Any, bytes]]:
         """What has arrived, as (sender's address, datagram), at most `MOST_PER_CYCLE` of them."""
         for _ in range(MOST_PER_CYCLE):
             try:
@@ -112,3 +137,12 @@ def _resolved(host: str, port: int, smallest: int) -> tuple[socket.AddressFamily
     except (OSError, UnicodeError, ValueError) as error:
         raise InputError(f"no host {host!r}: {error}") from error
     return family, (str(address[0]), int(address[1]))
+
+
+def _addresses(hosts: Collection[str]) -> set[str]:
+    """Every address of these hosts, the zone left out."""
+    try:
+        found = [each for host in hosts for each in socket.getaddrinfo(host, None)]
+    except (OSError, UnicodeError) as error:
+        raise InputError(f"no such host among those that may send, {listed(hosts)}: {error}") from error
+    return {str(address[0]).partition("%")[0] for *_, address in found}

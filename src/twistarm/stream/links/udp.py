@@ -12,10 +12,10 @@ from ...support.strict_json import encode
 from ..interlock import Interlock
 from ..motors import motor_side
 from ..protocols import Measured, Reading, Setpoint, UndeliveredError
-from .gate import Gate, Signer
 from .inbox import COMMAND_TIMEOUT, FEEDBACK_TIMEOUT, Inbox
 from .intake import STATE_SENDERS, STATES_EACH, Intake
 from .messages import followed, heard_word, parse_command, parse_state, setpoint_message
+from .signing import Signer
 from .sockets import Receiver, Sender, named
 from .state_inbox import StateInbox
 
@@ -26,9 +26,8 @@ LOOPBACK = "127.0.0.1"
 class UdpSource(Receiver):
     """Commands from datagrams to host and port (0: a free one, see `address`). A sender is an address with its port.
 
-    senders: hosts that may send, none: all. key: what must sign the datagrams (see `Signer`, `read_key`). Warns by
-    `ExposedPortWarning` where the port is open beyond this machine with neither. Raises InputError for a host or port
-    that cannot be had, and for a key that is none.
+    senders: hosts that may send, none: all. key: what must sign the datagrams (see `Signer`, `read_key`). Raises
+    InputError for a host or port that cannot be had, and for a key that is none.
     """
 
     def __init__(
@@ -42,12 +41,10 @@ class UdpSource(Receiver):
         key: bytes | None = None,
     ) -> None:
         require_arm(arm)
-        self._gate = Gate(senders, key)
         self.interlock = Interlock()
         self._inbox = Inbox(timeout)
         self._intake = Intake(self._inbox, partial(parse_command, arm), partial(heard_word, self))
-        super().__init__(host, port)
-        self._gate.warn_if_open(self.address)
+        super().__init__(host, port, senders, key)
 
     def read(self, now: float, state: ServoState | None = None) -> Reading:
         """The command at `now` [s] of all datagrams that have arrived.
@@ -59,9 +56,9 @@ class UdpSource(Receiver):
         Returns:
             The `Reading`: a command, or None and the reason.
         """
-        self._intake.take(self._gate.admitted(self.waiting()), now, named)
+        self._intake.take(self.admitted(), now, named)
         reading = self._inbox.read(now)
-        return reading if reading.command is not None else replace(reading, reason=reading.reason + self._gate.note)
+        return reading if reading.command is not None else replace(reading, reason=reading.reason + self.note)
 
 
 class UdpFeedback(Receiver):
@@ -83,21 +80,19 @@ class UdpFeedback(Receiver):
         key: bytes | None = None,
         units: str = "joint",
     ) -> None:
-        self._gate = Gate(senders, key)
         self.interlock = Interlock()
         self._states = StateInbox(arm, timeout, units=units)
         self._intake = Intake(
             self._states, partial(followed, self, partial(parse_state, arm, motors=motor_side(arm, units))),
             senders=STATE_SENDERS, each=STATES_EACH,
         )  # fmt: skip
-        super().__init__(host, port)
-        self._gate.warn_if_open(self.address)
+        super().__init__(host, port, senders, key)
 
     def read(self, now: float) -> Measured:
         """The joint state at `now` [s] of all datagrams that have arrived."""
-        self._intake.take(self._gate.admitted(self.waiting()), now, named)
+        self._intake.take(self.admitted(), now, named)
         measured = self._states.read(now)
-        return measured if measured.theta is not None else replace(measured, reason=measured.reason + self._gate.note)
+        return measured if measured.theta is not None else replace(measured, reason=measured.reason + self.note)
 
 
 class UdpSink(Sender):

@@ -3,14 +3,14 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import partial
 from typing import Any
 
 from ...support.errors import InputError
 from ...support.path_redaction import without_places
-from ...support.strict_json import counter, decoded, flag, number, numbers, short, text
+from ...support.strict_json import Check, counter, decoded, fields, flag, list_of, number, numbers, one_of, short, text
 from ..page_files import page_text
 
 LARGEST_VALUE = 1e6
@@ -18,8 +18,6 @@ LARGEST_VALUE = 1e6
 
 LONGEST_NAME = 1000
 """Characters; a description may hold stranger names, but an error must stay readable."""
-
-Check = Callable[[Any, str], Any]
 
 
 @dataclass(frozen=True)
@@ -38,15 +36,12 @@ def parse(message: str | bytes) -> Request:
     """
     if isinstance(message, bytes):
         raise InputError("a message is JSON text; got bytes")
-    fields = decoded(message)
-    kind = fields.pop("type", None)
+    asked = decoded(message)
+    kind = asked.pop("type", None)
     if not isinstance(kind, str) or kind not in REQUESTS:
         raise InputError(f"unknown message type {short(kind)}; one of {', '.join(REQUESTS)}")
-    count = counter(fields.pop("number", 0), "number")
-    expected = REQUESTS[kind]
-    if set(fields) != set(expected):
-        raise InputError(f"{kind} needs {', '.join(expected) or 'no fields'}; got {short(sorted(fields))}")
-    return Request(kind, {name: check(fields[name], name) for name, check in expected.items()}, count)
+    count = counter(asked.pop("number", 0), "number")
+    return Request(kind, fields(asked, kind, REQUESTS[kind]), count)
 
 
 def number_of(message: str | bytes) -> int | None:
@@ -70,23 +65,8 @@ def _name(value: Any, name: str) -> str:
     return given
 
 
-def _one_of(words: tuple[str, ...], value: Any, name: str) -> str:
-    if value not in words:
-        raise InputError(f"{name} must be one of {', '.join(words)}; got {short(value)}")
-    return str(value)
-
-
-def _list_of(check: Check, value: Any, name: str) -> list[Any]:
-    if not isinstance(value, list):
-        raise InputError(f"{name} must be a list; got {short(value)}")
-    return [check(each, f"{name}[{k}]") for k, each in enumerate(value)]
-
-
 def _pose(value: Any, name: str) -> dict[str, Any]:
-    if not isinstance(value, dict) or not {"name", "theta"} <= set(value) <= {"name", "theta", "by"}:
-        raise InputError(f"{name} must have name and theta, and may have by; got {short(value)}")
-    pose = {"name": _name(value["name"], f"{name}.name"), "theta": _numbers(value["theta"], f"{name}.theta")}
-    return {**pose, "by": _name(value["by"], f"{name}.by")} if "by" in value else pose
+    return fields(value, name, {"name": _name, "theta": _numbers}, {"by": _name})
 
 
 _number = partial(number, largest=LARGEST_VALUE)
@@ -100,14 +80,14 @@ CHECKS: Mapping[str, Check] = {
     "count": counter,
     "flag": flag,
     "name": _name,
-    "names": partial(_list_of, _name),
-    "poses": partial(_list_of, _pose),
+    "names": list_of(_name),
+    "poses": list_of(_pose),
 }
 """What the words of the schema mean for a request; words with a | between them are a choice."""
 
 
 def _check(word: str) -> Check:
-    return partial(_one_of, tuple(word.split("|"))) if "|" in word else CHECKS[word]
+    return one_of(word.split("|")) if "|" in word else CHECKS[word]
 
 
 SCHEMA: Mapping[str, Mapping[str, Mapping[str, str]]] = json.loads(page_text("schema.json"))

@@ -7,11 +7,10 @@ import hmac
 import json
 import os
 import socket
-import warnings
 
 import pytest
 
-from twistarm.stream import ExposedPortWarning, Signer, UdpFeedback, UdpSink, UdpSource, Verifier, read_key
+from twistarm.stream import Signer, UdpFeedback, UdpSink, UdpSource, Verifier, read_key
 from twistarm.support.errors import InputError
 
 KEY = b"0123456789abcdef"
@@ -50,7 +49,7 @@ def test_each_datagram_counts_once_in_order_and_in_time(time):
     first, second = signer.sign(b"{}"), signer.sign(b"{}")
     assert verifier.verified(second) == b"{}"
     for replayed in (first, second):
-        with pytest.raises(InputError, match="was here before, or came after a later one"):
+        with pytest.raises(InputError, match="was here before, came after a later one"):
             verifier.verified(replayed)
     third = signer.sign(b"{}")
     later(time, 2.1)
@@ -75,12 +74,12 @@ def test_replayed_messages_never_count_after_a_restart(time):
     recorded = signer.sign(b"{}")
     verifier.verified(recorded)
     later(time, 0.5)
-    with pytest.raises(InputError, match="before this program began"):
+    with pytest.raises(InputError, match="older than this program"):
         Verifier(KEY, time).verified(recorded)
     later(time, 10.0)
     verifier.verified(Signer(KEY, time).sign(b"{}"))
     later(time, -10.4)
-    with pytest.raises(InputError, match=r"our clock went back"):
+    with pytest.raises(InputError, match="older than this program"):
         verifier.verified(recorded)
 
 
@@ -127,7 +126,7 @@ def test_strangers_move_nothing_stop_nothing_and_are_told_of(rover, client):
         assert source.interlock.word == "emergency stop"
         assert reading.command is None
         assert "; 3 datagrams were left out, the last from 127.0.0.1:" in reading.reason
-        assert reading.reason.endswith("it was here before, or came after a later one")
+        assert reading.reason.endswith("it was here before, came after a later one, or is older than this program")
 
 
 @pytest.mark.parametrize(("senders", "counts"), [(["127.0.0.1"], True), (["localhost"], True), (["192.0.2.7"], False)])
@@ -151,25 +150,10 @@ def test_setpoints_and_joint_states_are_signed_by_the_same_key(rover):
         assert "it is not signed" in feedback.read(0.5).reason
 
 
-def test_a_port_that_is_open_to_all_is_warned_of(rover):
-    with pytest.warns(ExposedPortWarning, match=r"whoever reaches 0\.0\.0\.0:\d+ can move the arm"):
-        UdpSource(rover, "0.0.0.0").close()
-    with warnings.catch_warnings():
-        warnings.simplefilter("error")
-        UdpSource(rover).close()
-        UdpSource(rover, "0.0.0.0", key=KEY).close()
-        UdpFeedback(rover, "0.0.0.0", senders=["192.0.2.7"]).close()
-
-
-def test_a_key_is_read_from_a_file_of_ones_own(tmp_path):
+def test_a_key_is_read_from_a_file(tmp_path):
     path = tmp_path / "key"
     path.write_bytes(KEY + b"\n")
-    path.chmod(0o600)
     assert read_key(path) == KEY
-    path.chmod(0o644)
-    with pytest.raises(InputError, match="open to others: chmod 600"):
-        read_key(path)
-    path.chmod(0o600)
     for content in (b"short", b"x" * 2000):
         path.write_bytes(content)
         with pytest.raises(InputError, match="key"):
@@ -182,7 +166,7 @@ def test_a_key_is_read_from_a_file_of_ones_own(tmp_path):
 
 
 def test_what_is_no_host_and_no_key_is_refused(rover):
-    with pytest.raises(InputError, match=r"no host 'no\.\.host' that may send"):
+    with pytest.raises(InputError, match=r"no such host among those that may send, 'no\.\.host'"):
         UdpSource(rover, senders=["no..host"])
     with pytest.raises(InputError, match="senders"):
         UdpSource(rover, senders="127.0.0.1")
