@@ -6,17 +6,18 @@ import itertools
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
+from typing import TYPE_CHECKING
 
 import numpy as np
-from numpy.typing import ArrayLike
+from numpy.typing import ArrayLike, NDArray
 
 from ..model.arm import Arm, require_arm
 from ..support.caller_words import quantity
 from ..support.checks import Array, as_flag, as_number, as_whole, frozen, require_callback
 from ..support.errors import InputError, NoClosedFormError, shown, unknown_name
+from .all_answers import AllAnswers, roots_in
 from .all_solutions import IKSolutions
-from .all_solutions_row import FAMILIES, HITS, INSIDE, TRIES, found_row, roots_in
-from .batch import Progress, solve_ik_batch
+from .batch import Progress
 from .certainty import is_exact
 from .closed_form.methods import Method, closest_miss_of, known_method, method_for
 from .closed_form.roots import (
@@ -36,10 +37,14 @@ from .closed_form.roots import copies as copied
 from .deadline import Deadline
 from .ranges import holding, joint_ranges, standing
 from .request import checked
+from .searches import searched
 from .self_motions import SelfMotions
 from .solve import as_given, solve_ik
 from .targets import AnyTarget, Approach, Pose, TargetLike, checked_target
 from .task_space import Tolerances
+
+if TYPE_CHECKING:
+    from .._core import AllAnswers as CoreAllAnswers
 
 STARTS = 1000
 """Searches where no closed form is known."""
@@ -144,13 +149,16 @@ def solve_ik_all(
 def _answered(task: _Task, method: Method, count: int, copies: bool) -> IKSolutions:
     """What the method finds, with `count` values of each joint that is sampled."""
     values = task.held_values(method, count)
-    row = None if method.compiled is None or task.rounded else task.compiled(method, values)
-    if row is not None and not method.swept:
-        if row[FAMILIES]:
-            row = None  # the core keeps one of all families that move the same joints
-        elif not copies and (row[INSIDE] or is_exact(task.tolerances)):
-            return IKSolutions(task.arm, row, (), method, task.complete(method), task.target)
-    found, starts, hits = task.solved(method, values) if row is None else task.read(row)
+    known = None if method.compiled is None or task.rounded else task.compiled(method, values)
+    if known is not None and not method.swept:
+        if known.families:
+            known = None  # the core keeps one of all families that move the same joints
+        elif not copies and (known.inside or is_exact(task.tolerances)):
+            return IKSolutions(task.arm, known, (), method, task.complete(method), task.target)
+    if known is None:
+        found, starts, hits = task.solved(method, values)
+    else:
+        found, starts, hits = [*roots_in(known)], known.tries, known.hits
     if not found and not is_exact(task.tolerances):
         found = task.within(method)
     if method.there and method.swept and all(task.inside(root) is None for root in found) and not task.deadline.passed:
@@ -161,8 +169,8 @@ def _answered(task: _Task, method: Method, count: int, copies: bool) -> IKSoluti
     more = task.searches(method)
     if more:
         beside, run, met = task.searched(more, found, int(method.there))
-        known, families = len(families), task.families(found + beside) if beside else families
-        missed = len(families) > known
+        before, families = len(families), task.families(found + beside) if beside else families
+        missed = len(families) > before
         if missed or not method.exact or task.rounded:
             starts, hits = starts + run, hits + met
     all_seen = task.brought_inside(families, method.held)
@@ -179,10 +187,10 @@ def _at_once(
     if method is None or method.compiled is None or method.swept:
         return None
     start = arm.ready if theta0 is None else theta0
-    row = method.compiled.solve(numbers, start, None, position_tol, orientation_tol)
-    if row is None or row[FAMILIES]:
+    found = method.compiled.solve(numbers, start, None, position_tol, orientation_tol)
+    if found is None or found.families:
         return None
-    return IKSolutions(arm, row, (), method, is_exact(Tolerances(position_tol, orientation_tol)), asked)
+    return IKSolutions(arm, found, (), method, is_exact(Tolerances(position_tol, orientation_tol)), asked)
 
 
 @dataclass(frozen=True, eq=False)
@@ -203,13 +211,13 @@ class _Task:
     progress: Progress | None
     rounded: bool = False
 
-    def compiled(self, method: Method, values: Array) -> Array:
+    def compiled(self, method: Method, values: Array) -> CoreAllAnswers:
         """What the core has found with the held joints at each of the values (k, h)."""
         assert method.compiled is not None
         held, met = values if len(values) > 1 else None, self.tolerances
-        row = method.compiled.solve(self.target.numbers, self.near, held, met.position, met.orientation)
-        assert row is not None, "what was checked is plain"
-        return row
+        found = method.compiled.solve(self.target.numbers, self.near, held, met.position, met.orientation)
+        assert found is not None, "what was checked is plain"
+        return found
 
     def complete(self, method: Method) -> bool:
         """Whether the method finds everything."""
@@ -239,10 +247,6 @@ class _Task:
         """theta (n,) with theta0's value for joints that move nothing but by the rounding of the axes."""
         size = np.linalg.norm(rows_of(self.arm, self.target, theta)[1], axis=0)
         return np.where(size < ROUNDED_DIRECTION * size.max(initial=0.0), self.stand, theta)
-
-    def read(self, row: Array) -> tuple[list[Root], int, int]:
-        """The same as of `solved` from what the core has found."""
-        return [*roots_in(row, self.arm.n)], int(row[TRIES]), int(row[HITS])
 
     def solved(self, method: Method, values: Array) -> tuple[list[Root], int, int]:
         """Roots with the held joints at each of the values (k, h); how many values, and how many had roots."""
@@ -324,10 +328,8 @@ class _Task:
         left = None if np.isinf(self.deadline.moment) else max(self.deadline.left, 1e-6)
         targets = [self.target] * len(starts)
         arm = holding(self.arm, self.given, self.near)
-        batch = solve_ik_batch(arm, targets, starts, restarts=1, max_time=left, progress=progress)
-        met = batch.theta[batch.converged]
-        new = self.roots(met, self.given, known)
-        return new, int((batch.restarts > 0).sum()), len(met)
+        done = searched(arm, targets, starts, max_time=left, progress=progress)
+        return self.roots(done.met, self.given, known), done.run, len(done.met)
 
     @cached_property
     def stand(self) -> Array:
@@ -417,7 +419,7 @@ class _Task:
         first = there[0] if there else members[0].theta
         if swept and not self.deadline.passed:
             free |= {*self_motion(self.arm, self.target, first, self.tolerances, self.motions.still, self.dependent)}
-        moving = np.array([float(i in free) for i in range(self.arm.n)])
+        moving = np.array([i in free for i in range(self.arm.n)])
         return Entry(first, moving, there, self.distance(first))
 
     def told(
@@ -437,33 +439,31 @@ class _Task:
             more = [(theta, entry) for entry in within for theta in copied(arm, entry.theta)]
             within = [Entry(theta, entry.moving, [theta], self.distance(theta)) for theta, entry in more]
             within.sort(key=lambda entry: entry.distance)
-        beyond = [entry.row for entry in kept if not entry.inside]
-        row = found_row(self.target, self.near, np.array([entry.row for entry in within]), np.array(beyond), tries)
+        every = [*within, *(entry for entry in kept if not entry.inside)]
+        theta = np.array([entry.theta for entry in every]).reshape(-1, arm.n)
+        moves = np.array([entry.moving for entry in every], dtype=np.bool_).reshape(-1, arm.n)
+        numbers = self.target.numbers.ravel()
+        found = AllAnswers(theta, moves, len(within), self.near, self.target.kind, numbers, *tries)
         late = self.deadline.passed
         members = tuple(frozen(np.array(entry.inside)) for entry in within)
         return IKSolutions(
-            arm, row, members, method,
+            arm, found, members, method,
             all_seen and not late and self.complete(method), self.target, late, self.rounded,
         )  # fmt: skip
 
 
 @dataclass(frozen=True, eq=False)
 class Entry:
-    """An answer theta (n,), which joints may move (n,) as 0 and 1, and the members of its family inside the limits."""
+    """An answer theta (n,), which joints may move (n,), and the members of its family inside the limits."""
 
     theta: Array
-    moving: Array
+    moving: NDArray[np.bool_]
     inside: list[Array]
     distance: float
 
-    @property
-    def row(self) -> Array:
-        """Both, as a row of `found_row`."""
-        return np.append(self.theta, self.moving)
-
     def take(self, other: Entry) -> None:
         """Make the other one with this."""
-        np.maximum(self.moving, other.moving, out=self.moving)
+        np.logical_or(self.moving, other.moving, out=self.moving)
         self.inside.extend(other.inside)
 
 
