@@ -241,8 +241,9 @@ class Arm:
 
     def _core(self, what: str) -> engine.Chain:
         """The arm in the compiled core; TwistarmError, which says that `what` needs it and how to get it."""
-        engine.need(what, self._why_not_compiled)
-        assert self._compiled is not None
+        engine.need(what)
+        if self._compiled is None:
+            raise TwistarmError(f"{what} needs the compiled core: {self._why_not_compiled}")
         return self._compiled
 
     @property

@@ -37,14 +37,11 @@ def why_not() -> str:
     return _found()[1]
 
 
-def need(what: str, why: str | None = None) -> ModuleType:
-    """The compiled core; TwistarmError, which says that `what` needs it and how to get it, where there is none.
-
-    `why`: what an arm lacks to be in the core (`Arm._why_not_compiled`).
-    """
+def need(what: str) -> ModuleType:
+    """The compiled core. Raises TwistarmError where there is none: `what` needs it, and how to get it."""
     module = core()
-    if module is None or why:
-        raise TwistarmError(f"{what} needs the compiled core: {why or why_not()}")
+    if module is None:
+        raise TwistarmError(f"{what} needs the compiled core: {why_not()}")
     return module
 
 
