@@ -159,7 +159,7 @@ def test_angle_chord_and_logarithm_of_hard_angles(phi):
     u_hat = np.array([[0, -u[2], u[1]], [u[2], 0, -u[0]], [-u[1], u[0], 0]])
     R = np.eye(3) + np.sin(phi) * u_hat + 2 * np.sin(phi / 2) ** 2 * u_hat @ u_hat
     assert rotation_errors.angle(R) == pytest.approx(phi, abs=ANGLE_TOL)
-    assert rotation_errors.angle_of_chord(np.linalg.norm(rotation_errors.chord(R))) == pytest.approx(phi, abs=1e-7)
+    assert np.linalg.norm(rotation_errors.chord(R)) == pytest.approx(2 * np.sin(phi / 2), abs=ANGLE_TOL)
     # Whether a half turn is about u or −u is rounding.
     log = rotation_errors.log(R)
     np.testing.assert_allclose(log * (np.sign(log @ u) if phi > 3 else 1), phi * u, atol=ANGLE_TOL)

@@ -40,11 +40,6 @@ def chord(R: Array) -> Array:
     return long
 
 
-def angle_of_chord(length: float) -> float:
-    """φ [rad] in [0, π] from the length 2 sin(φ/2) of a chord."""
-    return 2.0 * math.asin(min(0.5 * length, 1.0))
-
-
 def angle(R: Array) -> float:
     """φ [rad] in [0, π] of the rotation R, accurate near 0 and near π: atan2(2 sin φ, 2 cos φ)."""
     w = (R[2, 1] - R[1, 2], R[0, 2] - R[2, 0], R[1, 0] - R[0, 1])
