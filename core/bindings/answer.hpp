@@ -1,51 +1,49 @@
-// One answer as a row of numbers, as src/twistarm/ik/answer.py reads it.
+// One answer beside what was asked, as Python reads it by name: alone, or as a record of NumPy among those of a batch.
 #pragma once
 
-#include <cstddef>
+#include <nanobind/nanobind.h>
 
+#include <cstddef>
+#include <cstdint>
+
+#include "arrays.hpp"
 #include "kernels.hpp"
 
 namespace bindings {
 
-// position error, orientation error, iterations, restarts, stop, flags, kind, position and orientation tolerance,
-// theta (n), unlimited (n), theta0 (n), the target's numbers. What was asked stands beside the answer: an array that the
-// caller has changed since must not change it.
-class Row {
-public:
-    static constexpr std::size_t first = 9;
-    static constexpr double not_finished = -1.0;  // in place of a stop, where the time was up before
+// twistarm._core.Answer. An array that the caller has changed since must not change what was asked: it is a copy.
+struct OneAnswer {
+    Answer found;
+    int kind;
+    double position_tol, orientation_tol;
+    std::size_t n;
+    double theta0[most_joints], numbers[most_numbers];
 
-    static constexpr std::size_t length(int kind, std::size_t n) { return first + 3 * n + numbers_of_kind[kind]; }
+    static void define(nb::module_& module);
+};
 
-    Row(double* row, std::size_t n) : row_(row), n_(n) {}
+// The single numbers at the head of a record, as they lie in memory. Behind them stand theta (n), unlimited (n),
+// theta0 (n) and the target's numbers.
+struct Record {
+    static constexpr std::int64_t not_finished = -1;  // in place of a stop, where the time was up before
 
-    void ask(const Query& query, const Question& question) const {
-        row_[4] = not_finished;
-        row_[6] = query.kind;
-        row_[7] = query.position_tolerance;
-        row_[8] = query.orientation_tolerance;
-        double* const theta0 = row_ + first + 2 * n_;
-        for (std::size_t k = 0; k < n_; ++k) theta0[k] = question.theta0[k];
-        for (std::size_t k = 0; k < numbers_of_kind[query.kind]; ++k) theta0[n_ + k] = question.numbers[k];
+    double position_error, orientation_error, position_tol, orientation_tol;
+    std::int64_t iterations, restarts, stop, kind;
+    bool nearest, has_unlimited, other_branch, start_moved, by_closed_form, certain, spare[2];
+
+    static std::size_t size(std::size_t n, std::size_t numbers) {
+        return sizeof(Record) + (3 * n + numbers) * sizeof(double);
     }
+    // NumPy's data type of records with so many numbers of a target.
+    static nb::object type(std::size_t n, std::size_t numbers);
 
-    void answer(const Answer& found) const {
-        row_[0] = found.position_error;
-        row_[1] = found.orientation_error;
-        row_[2] = found.iterations;
-        row_[3] = found.restarts;
-        row_[4] = found.stop;
-        row_[5] = found.nearest + 2 * found.has_unlimited + 4 * found.other_branch + 8 * found.start_moved;
-        double *const theta = row_ + first, *const unlimited = theta + n_;
-        for (std::size_t k = 0; k < n_; ++k) {
-            theta[k] = found.theta[k];
-            unlimited[k] = found.has_unlimited ? found.unlimited[k] : 0.0;
-        }
-    }
+    void ask(const Query& query, const Question& question, std::size_t n);
+    void answer(const Answer& found, std::size_t n);
 
 private:
-    double* row_;
-    std::size_t n_;
+    double* rows() { return reinterpret_cast<double*>(this + 1); }
 };
+
+static_assert(sizeof(Record) % sizeof(double) == 0, "numbers follow the head without a gap");
 
 }  // namespace bindings

@@ -4,6 +4,7 @@
 #include <nanobind/nanobind.h>
 
 #include <cstddef>
+#include <cstring>
 
 #include "lock.hpp"
 
@@ -46,10 +47,15 @@ public:
     // A scalar of NumPy's own that is a real number, or a whole one.
     bool is_number(nb::handle object) const { return is_integer(object) || is_a(object, floating_); }
     bool is_integer(nb::handle object) const { return is_a(object, integer_); }
-    // A new array; making one may end this thread, as any call of Python may.
+    // A new array, of float64 or another type; making one may end this thread, as any call of Python may.
     nb::object empty(nb::handle shape) const {
         return called([&] { return nb::object(empty_(shape)); });
     }
+    nb::object empty(nb::handle shape, nb::handle type) const {
+        return called([&] { return nb::object(empty_(shape, type)); });
+    }
+    nb::handle truth() const { return truth_; }
+    nb::handle whole() const { return whole_; }
 
 private:
     // Never given back: Python is gone before what is static here is.
@@ -59,11 +65,13 @@ private:
         empty_ = numpy.attr("empty").inc_ref();
         floating_ = numpy.attr("floating").inc_ref();
         integer_ = numpy.attr("integer").inc_ref();
+        truth_ = numpy.attr("bool_").inc_ref();
+        whole_ = numpy.attr("int64").inc_ref();
     }
     static bool is_a(nb::handle object, nb::handle type) {
         return PyObject_TypeCheck(object.ptr(), reinterpret_cast<PyTypeObject*>(type.ptr()));
     }
-    nb::handle array_, empty_, floating_, integer_;
+    nb::handle array_, empty_, floating_, integer_, truth_, whole_;
 };
 
 // One array's numbers where they lie; its owner must hold it, and the interpreter lock as long as others could resize it.
@@ -79,7 +87,8 @@ public:
     bool native() const { return head_->type->byte_order != foreign; }
     int type() const { return head_->type->number; }
     const char* bytes() const { return head_->data; }
-    double* data() const { return reinterpret_cast<double*>(head_->data); }
+    double* data() const { return as<double>(); }
+    template <class T> T* as() const { return reinterpret_cast<T*>(head_->data); }
     const Py_ssize_t* strides() const { return head_->strides; }
     std::size_t dimensions() const { return static_cast<std::size_t>(head_->dimensions); }
     std::size_t shape(std::size_t axis) const { return static_cast<std::size_t>(head_->shape[axis]); }
@@ -102,6 +111,26 @@ private:
 #endif
     const ArrayHead* head_;
 };
+
+// An array that nobody may write to: a copy of these numbers.
+inline nb::object frozen(const nb::object& array, const double* values, std::size_t count) {
+    std::memcpy(Array(array).data(), values, count * sizeof(double));
+    make_read_only(array);
+    return array;
+}
+
+inline nb::object frozen(const double* values, std::size_t count) {
+    return frozen(NumPy::get().empty(nb::int_(count)), values, count);
+}
+
+// A new value of a bound class, made where Python keeps it.
+template <class T> nb::object made(T*& value) {
+    static const nb::handle type = nb::type<T>();
+    nb::object object = nb::inst_alloc(type);
+    value = new (nb::inst_ptr<T>(object)) T;
+    nb::inst_mark_ready(object);
+    return object;
+}
 
 // Any object's numbers, if it is an array of plain ones. Anything else is Python's to convert or to refuse.
 class Numbers {

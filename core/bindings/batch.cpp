@@ -13,8 +13,9 @@ namespace {
 
 class Work final : public SharedWork {
 public:
-    Work(const Engine& engine, const Query& query, const Questions& asked, std::size_t n, double* rows)
-        : SharedWork(query.stopped, query.clock), engine_(engine), query_(query), asked_(asked), n_(n), rows_(rows) {
+    Work(const Engine& engine, const Query& query, const Questions& asked, std::size_t n, char* records)
+        : SharedWork(query.stopped, query.clock), engine_(engine), query_(query), asked_(asked), n_(n),
+          size_(Record::size(n, numbers_of_kind[query.kind])), records_(records) {
         query_.stopped = [](const void* self) { return static_cast<const Work*>(self)->stopped(); };
         query_.clock = this;
     }
@@ -39,21 +40,21 @@ private:
     }
 
     void ask(std::size_t begin, std::size_t end) const {
-        for (std::size_t t = begin; t < end; ++t) row(t).ask(query_, asked_.at(t));
+        for (std::size_t t = begin; t < end; ++t) record(t).ask(query_, asked_.at(t), n_);
     }
 
-    Row row(std::size_t t) const { return {rows_ + t * Row::length(query_.kind, n_), n_}; }
+    Record& record(std::size_t t) const { return *reinterpret_cast<Record*>(records_ + t * size_); }
 
     void store(std::size_t t, const Answer& answer) {
-        row(t).answer(answer);
+        record(t).answer(answer, n_);
         count_done(1);
     }
 
     const Engine& engine_;
     Query query_;
     const Questions& asked_;
-    std::size_t n_;
-    double* rows_;
+    std::size_t n_, size_;
+    char* records_;
     std::atomic<std::size_t> next_{0};
 };
 
@@ -73,15 +74,15 @@ nb::object Chain::solve_batch(nb::handle kind, nb::handle numbers, nb::handle th
                                 !is_finite(asked.posture.at(0), asked.posture.count))))
         return not_plain();
     Query& query = settings.query;
-    nb::object rows = NumPy::get().empty(nb::make_tuple(asked.count, Row::length(query.kind, n_)));
-    if (asked.count == 0) return rows;
+    nb::object records = NumPy::get().empty(nb::int_(asked.count), record_types_[query.kind]);
+    if (asked.count == 0) return records;
     const int busy = static_cast<int>(std::min<std::size_t>(workers, (asked.count + block - 1) / block));
     const bool alone = busy == 1 && progress.is_none();
     Watch watch(settings.seconds);
     const Deadline deadline(settings.seconds);
     query.stopped = alone ? &Watch::passed : static_cast<bool (*)(const void*)>(&Deadline::passed);
     query.clock = alone ? static_cast<const void*>(&watch) : &deadline;
-    Work work(*engine_, query, asked, n_, Array(rows).data());
+    Work work(*engine_, query, asked, n_, Array(records).as<char>());
     if (alone) {
         work.run();
         watch.end();
@@ -90,7 +91,7 @@ nb::object Chain::solve_batch(nb::handle kind, nb::handle numbers, nb::handle th
     }
     if (work.out_of_memory()) throw std::bad_alloc();
     work.ask_the_rest();
-    return rows;
+    return records;
 }
 
 }  // namespace bindings

@@ -53,7 +53,7 @@ Chain::Chain(nb::handle screws, nb::handle home, nb::handle coupling, nb::handle
     require(engine_ != nullptr, "a chain has 1 to 32 coordinates and moving joints");
     pose_ = nb::make_tuple(4, 4);
     jacobian_ = nb::make_tuple(6, n_);
-    for (int kind = 0; kind < kinds; ++kind) row_lengths_[kind] = nb::int_(Row::length(kind, n_));
+    for (int kind = 0; kind < kinds; ++kind) record_types_[kind] = Record::type(n_, numbers_of_kind[kind]);
 }
 
 nb::dict Chain::constants() const {
@@ -209,26 +209,25 @@ nb::object Chain::solve(nb::handle kind, nb::handle numbers, nb::handle theta0, 
                         nb::handle orientation_tolerance, nb::handle restarts, nb::handle seed, nb::handle max_time,
                         nb::handle posture) const {
     Settings settings;
-    double asked[most_numbers], start[most_joints], preferred[most_joints];
+    double preferred[most_joints];
     if (!settings.read(kind, position_tolerance, orientation_tolerance, restarts, seed, max_time)) return not_plain();
     Query& query = settings.query;
     const bool has_posture = !posture.is_none();
-    if (!read_target(numbers, query.kind, asked) || !row(theta0, n_, start) || !is_start(start, n_) ||
+    OneAnswer* one;
+    const nb::object answer = made(one);
+    if (!read_target(numbers, query.kind, one->numbers) || !row(theta0, n_, one->theta0) || !is_start(one->theta0, n_) ||
         (has_posture && (!row(posture, n_, preferred) || !is_finite(preferred, n_))))
         return not_plain();
-    nb::object array = NumPy::get().empty(row_lengths_[query.kind]);
-    const Row result(Array(array).data(), n_);
+    one->kind = query.kind;
+    one->position_tol = query.position_tolerance;
+    one->orientation_tol = query.orientation_tolerance;
+    one->n = n_;
     Watch watch(settings.seconds);
     query.stopped = &Watch::passed;
     query.clock = &watch;
-    const Question question{asked, start, has_posture ? preferred : nullptr};
-    result.ask(query, question);
-    Answer found;
-    engine_->solve(query, question, found);
+    engine_->solve(query, {one->numbers, one->theta0, has_posture ? preferred : nullptr}, one->found);
     watch.end();
-    result.answer(found);
-    make_read_only(array);
-    return array;
+    return answer;
 }
 
 }  // namespace bindings

@@ -39,6 +39,9 @@ public:
     const char* instruction_set() const { return kernels_->name; }
     const Engine& engine() const { return *engine_; }
 
+    // The data type of records with room for a target of any kind.
+    nb::object widest_record() const { return record_types_[3]; }
+
     // The chain's numbers by name: joints, coordinates, identity, base, tip, links, coupling.
     nb::dict constants() const;
 
@@ -50,11 +53,11 @@ public:
     // None, or five numbers: what of a target's rotation error is impossible, what is prevented, and an axis of the tool.
     nb::object split_rotation(nb::handle kind, nb::handle numbers, nb::handle theta) const;
 
-    // None, or an answer's row (answer.hpp).
+    // None, or an Answer (answer.hpp).
     nb::object solve(nb::handle kind, nb::handle numbers, nb::handle theta0, nb::handle position_tolerance,
                      nb::handle orientation_tolerance, nb::handle restarts, nb::handle seed, nb::handle max_time,
                      nb::handle posture) const;
-    // None, or a row for each target; `progress` None or called with (done, count).
+    // None, or a record for each target; `progress` None or called with (done, count).
     nb::object solve_batch(nb::handle kind, nb::handle numbers, nb::handle theta0, nb::handle position_tolerance,
                            nb::handle orientation_tolerance, nb::handle restarts, nb::handle seed, nb::handle max_time,
                            nb::handle posture, nb::handle threads, nb::handle progress) const;
@@ -65,7 +68,7 @@ private:
     const Kernels* kernels_;
     std::unique_ptr<Engine> engine_;
     std::size_t n_;
-    nb::object pose_, jacobian_, row_lengths_[kinds];
+    nb::object pose_, jacobian_, record_types_[kinds];
 };
 
 }  // namespace bindings

@@ -4,7 +4,7 @@
 
 #include <algorithm>
 #include <cstdlib>
-#include <cstring>
+#include <cstdint>
 #include <mutex>
 #include <new>
 #include <utility>
@@ -53,23 +53,25 @@ public:
             (i < found.inside ? inside_ : outside_).push_back({found.distance[i], at});
         }
         hits_ += found.count > 0;
-        left_ += static_cast<std::size_t>(found.left);
-        families_ += static_cast<std::size_t>(found.families);
+        left_ += found.left;
+        families_ += found.families;
     }
 
-    std::size_t count() const { return inside_.size() + outside_.size(); }
-    std::size_t inside() const { return inside_.size(); }
-    std::size_t hits() const { return hits_; }
-    std::size_t left() const { return left_; }
-    std::size_t families() const { return families_; }
+    int inside() const { return static_cast<int>(inside_.size()); }
+    int hits() const { return hits_; }
+    int left() const { return left_; }
+    int families() const { return families_; }
 
-    void write(double* into) {
+    std::vector<double> rows() {
+        std::vector<double> sorted;
+        sorted.reserve(rows_.size());
         std::stable_sort(inside_.begin(), inside_.end(), [](const Place& a, const Place& b) { return a.distance < b.distance; });
         for (const auto* places : {&inside_, &outside_})
             for (const Place& place : *places) {
-                std::memcpy(into, rows_.data() + place.at * 2 * n_, 2 * n_ * sizeof(double));
-                into += 2 * n_;
+                const auto row = rows_.begin() + static_cast<std::ptrdiff_t>(place.at * 2 * n_);
+                sorted.insert(sorted.end(), row, row + static_cast<std::ptrdiff_t>(2 * n_));
             }
+        return sorted;
     }
 
 private:
@@ -77,7 +79,8 @@ private:
         double distance;
         std::size_t at;
     };
-    std::size_t n_, hits_ = 0, left_ = 0, families_ = 0;
+    std::size_t n_;
+    int hits_ = 0, left_ = 0, families_ = 0;
     std::vector<double> rows_;
     std::vector<Place> inside_, outside_;
 };
@@ -103,12 +106,16 @@ public:
         for (++next_; next_ < there_.size() && there_[next_]; ++next_) write(std::exchange(waiting_[next_], {}));
     }
 
-    // An array (rows, width) that owns them.
-    nb::object array(std::size_t width) {
+    // Two arrays (rows, n), the left and the right half of all rows, that share their memory.
+    std::pair<nb::object, nb::object> halves(std::size_t n) {
         if (all_ == nullptr) make_room(1);
         const nb::capsule owner(all_, [](void* all) noexcept { std::free(all); });
         double* const all = std::exchange(all_, nullptr);
-        return nb::cast(nb::ndarray<nb::numpy, double, nb::ndim<2>>(all, {size_ / width, width}, owner));
+        const auto half = [&](double* begin) {
+            return nb::cast(nb::ndarray<nb::numpy, double, nb::ndim<2>>(
+                begin, {size_ / (2 * n), n}, owner, {static_cast<std::int64_t>(2 * n), 1}));
+        };
+        return {half(all), half(all + n)};
     }
 
 private:
@@ -143,11 +150,12 @@ public:
 
     nb::object result() {
         const auto each = [&](const std::vector<int>& values) {
-            nb::object array = NumPy::get().empty(nb::make_tuple(asked_.count));
-            std::copy(values.begin(), values.end(), Array(array).data());
+            nb::object array = NumPy::get().empty(nb::int_(asked_.count), NumPy::get().whole());
+            std::copy(values.begin(), values.end(), Array(array).as<std::int64_t>());
             return array;
         };
-        return nb::make_tuple(found_.array(2 * n_), each(counts_), each(inside_), each(families_));
+        auto [theta, moves] = found_.halves(n_);
+        return nb::cast(AllAnswersBatch{theta, moves, each(counts_), each(inside_), each(families_)});
     }
 
 private:
@@ -225,29 +233,10 @@ nb::object ClosedForm::solve(nb::handle numbers, nb::handle theta0, nb::handle h
         !row(theta0, n_, start) || !is_start(start, n_))
         return not_plain();
     Configurations found;
-    const std::size_t width = 2 * n_, numbers_there = numbers_of_kind[kind_], first = 7 + n_ + numbers_there;
-    const auto answer = [&](std::size_t inside, std::size_t count, std::size_t starts, std::size_t hits, std::size_t left,
-                            std::size_t families) {
-        nb::object array = NumPy::get().empty(nb::int_(first + count * width));
-        double* const into = Array(array).data();
-        into[0] = static_cast<double>(inside);
-        into[1] = static_cast<double>(count);
-        into[2] = static_cast<double>(starts);
-        into[3] = static_cast<double>(hits);
-        into[4] = kind_;
-        into[5] = static_cast<double>(left);
-        into[6] = static_cast<double>(families);
-        std::memcpy(into + 7, start, n_ * sizeof(double));
-        std::memcpy(into + 7 + n_, asked, numbers_there * sizeof(double));
-        return array;
-    };
     if (held.is_none()) {
         engine_->solve(asked, start, nullptr, met.position, met.orientation, found);
-        nb::object array = answer(static_cast<std::size_t>(found.inside), static_cast<std::size_t>(found.count), 0, 0,
-                                  static_cast<std::size_t>(found.left), static_cast<std::size_t>(found.families));
-        std::memcpy(Array(array).data() + first, found.rows, static_cast<std::size_t>(found.count) * width * sizeof(double));
-        make_read_only(array);
-        return array;
+        const std::size_t count = static_cast<std::size_t>(found.count) * 2 * n_;
+        return told(asked, start, {found.rows, found.rows + count}, found.inside, 0, 0, found.left, found.families);
     }
     const Numbers values(held);
     if (!values.plain() || values.dimensions() != 2 || values.shape(1) != held_count_ || !values.finite()) return not_plain();
@@ -260,8 +249,62 @@ nb::object ClosedForm::solve(nb::handle numbers, nb::handle theta0, nb::handle h
             all.add(found);
         }
     });
-    nb::object array = answer(all.inside(), all.count(), tries, all.hits(), all.left(), all.families());
-    all.write(Array(array).data() + first);
+    return told(asked, start, all.rows(), all.inside(), static_cast<int>(tries), all.hits(), all.left(), all.families());
+}
+
+nb::object ClosedForm::told(const double* asked, const double* start, std::vector<double> rows, int inside, int tries,
+                            int hits, int left, int families) const {
+    AllAnswers* all;
+    nb::object answer = made(all);
+    all->kind = kind_;
+    all->inside = inside;
+    all->tries = tries;
+    all->hits = hits;
+    all->left = left;
+    all->families = families;
+    all->n = n_;
+    std::copy(start, start + n_, all->theta0);
+    std::copy(asked, asked + numbers_of_kind[kind_], all->numbers);
+    all->rows = std::move(rows);
+    return answer;
+}
+
+void AllAnswers::define(nb::module_& module) {
+    using All = AllAnswers;
+    nb::class_<All>(module, "AllAnswers")
+        .def_prop_ro("theta", &All::theta)
+        .def_prop_ro("moves", &All::moves)
+        .def_prop_ro("theta0", [](const All& all) { return frozen(all.theta0, all.n); })
+        .def_prop_ro("numbers", [](const All& all) { return frozen(all.numbers, numbers_of_kind[all.kind]); })
+        .def_ro("kind", &All::kind)
+        .def_ro("inside", &All::inside)
+        .def_ro("tries", &All::tries)
+        .def_ro("hits", &All::hits)
+        .def_ro("left", &All::left)
+        .def_ro("families", &All::families);
+    nb::class_<AllAnswersBatch>(module, "AllAnswersBatch")
+        .def_ro("theta", &AllAnswersBatch::theta)
+        .def_ro("moves", &AllAnswersBatch::moves)
+        .def_ro("count", &AllAnswersBatch::count)
+        .def_ro("inside", &AllAnswersBatch::inside)
+        .def_ro("families", &AllAnswersBatch::families);
+}
+
+nb::object AllAnswers::theta() const {
+    const std::size_t count = rows.size() / (2 * n);
+    nb::object array = NumPy::get().empty(nb::make_tuple(count, n));
+    double* const into = Array(array).data();
+    for (std::size_t i = 0; i < count; ++i) std::copy_n(rows.data() + 2 * i * n, n, into + i * n);
+    make_read_only(array);
+    return array;
+}
+
+nb::object AllAnswers::moves() const {
+    const std::size_t count = rows.size() / (2 * n);
+    nb::object array = NumPy::get().empty(nb::make_tuple(count, n), NumPy::get().truth());
+    bool* const into = Array(array).as<bool>();
+    for (std::size_t i = 0; i < count; ++i)
+        for (std::size_t k = 0; k < n; ++k) into[i * n + k] = rows[(2 * i + 1) * n + k] != 0.0;
     make_read_only(array);
     return array;
 }

@@ -2,10 +2,30 @@
 #pragma once
 
 #include <memory>
+#include <vector>
 
 #include "chain.hpp"
 
 namespace bindings {
+
+// twistarm._core.AllAnswers: every configuration of one target, those inside the limits first.
+struct AllAnswers {
+    int kind, inside, tries, hits, left, families;
+    std::size_t n;
+    double theta0[most_joints], numbers[most_numbers];
+    std::vector<double> rows;  // theta (n) and, as 0 and 1, which coordinates may move (n)
+
+    nb::object theta() const;
+    nb::object moves() const;
+
+    // This class and AllAnswersBatch.
+    static void define(nb::module_& module);
+};
+
+// The same of N targets: theta and moves (r, n), one target's behind those of the one before; the others (N,).
+struct AllAnswersBatch {
+    nb::object theta, moves, count, inside, families;
+};
 
 class ClosedForm {
 public:
@@ -15,15 +35,17 @@ public:
     ClosedForm(nb::object chain, int kind, int first, int last, int keeps, nb::handle axes, nb::handle joint,
                nb::handle kept, nb::handle held, nb::handle held_axes, nb::handle rate, nb::handle home, nb::handle idle);
 
-    // None, or a row as src/twistarm/ik/all_solutions.py reads it; held: None, or values (m, h), each of which is
-    // tried.
+    // None, or AllAnswers; held: None, or values (m, h), each of which is tried.
     nb::object solve(nb::handle numbers, nb::handle theta0, nb::handle held, nb::handle position_tolerance,
                      nb::handle orientation_tolerance) const;
-    // None, or (rows (r, 2 n), count (N,), inside (N,), families (N,)): each target's configurations behind those of the one before.
+    // None, or AllAnswersBatch.
     nb::object solve_batch(nb::handle numbers, nb::handle theta0, nb::handle position_tolerance,
                            nb::handle orientation_tolerance, nb::handle threads) const;
 
 private:
+    nb::object told(const double* asked, const double* start, std::vector<double> rows, int inside, int tries, int hits,
+                    int left, int families) const;
+
     nb::object chain_;  // whose engine this one works with
     int kind_;
     std::size_t n_, held_count_;

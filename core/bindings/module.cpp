@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "answer.hpp"
 #include "chain.hpp"
 #include "closed_form.hpp"
 #include "planning.hpp"
@@ -40,6 +41,8 @@ NB_MODULE(_core, module) {
                nb::arg().none(), nb::arg().none(), nb::arg().none(), nb::arg());
     module.def("shortest_spline", &bindings::shortest_spline, nb::arg().none(), nb::arg().none(), nb::arg().none(),
                nb::arg().none(), nb::arg().none(), nb::arg());
+    bindings::OneAnswer::define(module);
+    bindings::AllAnswers::define(module);
     nb::class_<Chain>(module, "Chain")
         .def(nb::init<nb::handle, nb::handle, nb::handle, nb::handle, nb::handle, nb::handle, nb::handle, double,
                       double, double, const std::string&>(),
@@ -47,6 +50,7 @@ NB_MODULE(_core, module) {
              "position_rounding"_a = 0.0, "orientation_rounding"_a = 0.0, "instruction_set"_a = "")
         .def_prop_ro("n", &Chain::n)
         .def_prop_ro("instruction_set", &Chain::instruction_set)
+        .def_prop_ro("widest_record", &Chain::widest_record)
         .def("constants", &Chain::constants)
         .def("fk", &Chain::fk, nb::arg().none())
         .def("spatial_jacobian", &Chain::spatial_jacobian, nb::arg().none())

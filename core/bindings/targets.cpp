@@ -72,16 +72,6 @@ bool made_unit(double* v) {
     return std::isfinite(length);
 }
 
-nb::object frozen(const nb::object& array, const double* values, std::size_t count) {
-    std::memcpy(Array(array).data(), values, count * sizeof(double));
-    make_read_only(array);
-    return array;
-}
-
-nb::object frozen(const double* values, std::size_t count) {
-    return frozen(NumPy::get().empty(nb::int_(count)), values, count);
-}
-
 }  // namespace
 
 bool is_target(int kind, double* numbers) {

@@ -7,6 +7,9 @@ takes arrays as they are, float64 and contiguous; a single row beyond two turns 
 
 from typing import Any
 
+import numpy as np
+from numpy.typing import NDArray
+
 from .support.checks import Array
 
 INTERFACE: int
@@ -49,6 +52,59 @@ def shortest_spline(
     None for what is no plain array, and for other degrees than 3 and 5.
     """
 
+class Answer:
+    """One answer and what was asked, read-only: ik/answer.py says what each field is."""
+
+    theta: Array
+    unlimited: Array
+    theta0: Array
+    numbers: Array
+    kind: int
+    position_tol: float
+    orientation_tol: float
+    stop: int
+    position_error: float
+    orientation_error: float
+    iterations: int
+    restarts: int
+    has_unlimited: bool
+    nearest: bool
+    other_branch: bool
+    start_moved: bool
+    by_closed_form: bool
+    certain: bool
+
+class AllAnswers:
+    """Every configuration of one target, read-only: ik/all_answers.py says what each field is.
+
+    left: those of continuous families outside the limits, whose members inside are left to look for; families: those
+    of any continuous family, some of which may be one.
+    """
+
+    theta: Array
+    moves: NDArray[np.bool_]
+    inside: int
+    theta0: Array
+    kind: int
+    numbers: Array
+    tries: int
+    hits: int
+    left: int
+    families: int
+
+class AllAnswersBatch:
+    """Every configuration of N targets: theta (r, n) and moves (r, n), 0 or 1, one target's behind the other's.
+
+    count (N,): how many are each target's; inside (N,): how many of these, the first, are inside the limits; families
+    (N,): how many are of a continuous family.
+    """
+
+    theta: Array
+    moves: Array
+    count: NDArray[np.int64]
+    inside: NDArray[np.int64]
+    families: NDArray[np.int64]
+
 class Chain:
     """g_st(theta) = Π exp(ξ_i (Aθ)_i) · home, its Jacobians and its inverse, from screws (6, m), home (4, 4), A (m, n).
 
@@ -76,6 +132,9 @@ class Chain:
     @property
     def instruction_set(self) -> str:
         """The one that its kernels were compiled for."""
+    @property
+    def widest_record(self) -> np.dtype[np.void]:
+        """The data type of a batch's records that hold a target of any kind."""
     def constants(self) -> dict[str, Any]:
         """What the kernels have made of screws and home (core/include/twistarm/chain.hpp).
 
@@ -104,8 +163,8 @@ class Chain:
         max_time: object,
         posture: object,
         /,
-    ) -> Array | None:
-        """Inverse kinematics of one target, given as its kind and its numbers (ik/targets.py): a row (ik/answer.py)."""
+    ) -> Answer | None:
+        """Inverse kinematics of one target, given as its kind and its numbers (ik/targets.py)."""
     def solve_batch(
         self,
         kind: object,
@@ -120,11 +179,13 @@ class Chain:
         threads: object,
         progress: object,
         /,
-    ) -> Array | None:
-        """The same of N targets of one kind, a row for each; theta0 and posture for all (n,) or for each (N, n).
+    ) -> NDArray[np.void] | None:
+        """The same of N targets of one kind, a record for each; theta0 and posture for all (n,) or for each (N, n).
+
+        The fields of a record are those of `Answer`.
 
         `threads` share the work; `progress(done, count)` or None. Where the time was up before a target was finished,
-        the row's stop is −1, and nothing but what was asked is written.
+        its stop is −1, and nothing but what was asked is written.
         """
 
 class ClosedForm:
@@ -149,19 +210,15 @@ class ClosedForm:
     ) -> None: ...
     def solve(
         self, numbers: object, theta0: object, held: object, position_tol: object, orientation_tol: object, /
-    ) -> Array | None:
-        """Every configuration that meets a target, as one row (ik/all_solutions.py).
+    ) -> AllAnswers | None:
+        """Every configuration that meets a target.
 
         held: values (m, h) of the held joints, each of which is tried; None for those of theta0.
         """
     def solve_batch(
         self, numbers: object, theta0: object, position_tol: object, orientation_tol: object, threads: object, /
-    ) -> tuple[Array, Array, Array, Array] | None:
-        """The same of N targets, held joints at their values in theta0, which is one for all or one for each.
-
-        rows (r, 2 n), one behind the other; how many each target has (N,); how many of these are inside the limits; how
-        many outside are of a continuous family.
-        """
+    ) -> AllAnswersBatch | None:
+        """The same of N targets, held joints at their values in theta0, which is one for all or one for each."""
 
 class Servo:
     """One arm's servo (core/include/twistarm/servo.hpp).

@@ -17,6 +17,7 @@ from catalogue import load
 from ik_targets import KINDS, judged, target_from
 from twistarm import InputError
 from twistarm.ik import Pose, Position, StopReason, solve_ik, solve_ik_batch
+from twistarm.ik.answer import FIELDS
 
 NAN = float("nan")
 
@@ -312,3 +313,15 @@ def test_numbers_that_are_not_aligned(arm):
     np.testing.assert_array_equal(solve_ik(arm, g[0], odd[0]).theta, solve_ik(arm, g[0], theta0[0]).theta)
     np.testing.assert_array_equal(solve_ik_batch(arm, g, odd, posture=odd).theta,
                                   solve_ik_batch(arm, g, theta0, posture=theta0).theta)  # fmt: skip
+
+
+def test_a_record_holds_what_the_core_tells_of_one_target(arm):
+    """Both are written in the core: a single answer as an object, one of a batch as a record of an array."""
+    target = Position([3.0 * arm.reach, 0.0, 0.0])
+    one, (record,) = solve_ik(arm, target, restarts=1)._answer, solve_ik_batch(arm, [target], restarts=1).records
+    assert {*FIELDS} == {*record.dtype.names}
+    assert one.nearest
+    assert one.restarts == 1
+    for name in FIELDS:
+        told = record[name] if name != "numbers" else record[name][:3]
+        np.testing.assert_allclose(told, getattr(one, name), atol=1e-9, err_msg=name)

@@ -11,16 +11,27 @@ from scipy.spatial.transform import Rotation
 from catalogue import load
 from ik_targets import KINDS, errors, judged, moved, pinocchio_fk, target_from
 from solvers import textbook_ik
-from twistarm import load_arm
+from twistarm import LineMove, TwistarmError, load_arm, plan
 from twistarm.cli.application import run
-from twistarm.ik import Pose, Position, StopReason, solve_ik, solve_ik_batch
+from twistarm.export.cpp_header import cpp_header
+from twistarm.ik import (
+    Pose,
+    Position,
+    StopReason,
+    solve_ik,
+    solve_ik_all,
+    solve_ik_all_batch,
+    solve_ik_batch,
+)
 from twistarm.ik.ranges import joint_ranges
+
+HOW = "get a compiler"
 
 
 @pytest.fixture
 def bare(monkeypatch):
     """The rover arm where nothing was compiled."""
-    monkeypatch.setattr("twistarm.model.engine.core", lambda: None)
+    monkeypatch.setattr("twistarm.model.engine._found", lambda: (None, HOW))
     arm = load_arm("rover_arm")
     assert arm._compiled is None
     return arm
@@ -109,20 +120,37 @@ def test_what_needs_the_core_is_told(bare):
     assert solve_ik(bare, bare.fk(bare.ready)).notes == ()
 
 
-def test_a_batch_without_a_core_is_solved_one_by_one(bare):
-    rng, told = np.random.default_rng(1), []
-    poses = bare.fk(bare.random_theta(rng, 6))
-    targets = [target_from(KINDS[i % 4], g, rng) for i, g in enumerate(poses)]
-    targets.append(Position([9.0, 0.0, 0.0]))
-    batch = solve_ik_batch(bare, targets, progress=lambda done, count: told.append((done, count)))
-    alone = [solve_ik(bare, target) for target in targets]
-    np.testing.assert_array_equal(batch.theta, [solution.theta for solution in alone])
-    assert [*batch.stop] == [StopReason.CONVERGED] * 6 + [StopReason.EXHAUSTED]
-    assert told == [(i + 1, 7) for i in range(7)]
-    assert "need the compiled core" in batch[6].explain()
-    late = solve_ik_batch(bare, targets, max_time=1e-9)
-    assert StopReason.TIMED_OUT in late.stop
-    assert bare.limits.contains(late.theta).all()
+@pytest.mark.parametrize(
+    "ask",
+    [
+        lambda arm: solve_ik_batch(arm, arm.fk(arm.random_theta(1, 3))),
+        lambda arm: solve_ik_all_batch(arm, arm.fk(arm.random_theta(1, 3))),
+        lambda arm: cpp_header(arm),
+    ],
+)
+def test_what_only_the_core_does_says_how_to_get_it(bare, ask):
+    with pytest.raises(TwistarmError, match=f"needs the compiled core: {HOW}"):
+        ask(bare)
+
+
+@pytest.mark.usefixtures("bare")
+@pytest.mark.parametrize("name", ["ur5", "rover_arm"])
+def test_every_configuration_is_found_by_the_readable_closed_form(name):
+    arm = load_arm(name)
+    theta = arm.random_theta(4)
+    found = solve_ik_all(arm, arm.fk(theta))
+    assert found.method == "closed form"
+    apart = np.abs(found.theta - theta) % (2 * np.pi)
+    assert np.minimum(apart, 2 * np.pi - apart).max(axis=1).min() < 1e-6
+    for each in found:
+        np.testing.assert_allclose(pinocchio_fk(arm, each), arm.by_pinocchio(theta)[0], atol=1e-9)
+
+
+def test_motions_are_planned_without_a_core(bare):
+    motion = plan(bare, [LineMove.by([0.0, 0.0, 0.03]), LineMove.by([0.0, 0.0, -0.03])], tool_speed=0.05)
+    assert motion.duration > 1.2
+    lift = pinocchio_fk(bare, motion(motion.duration / 2)) - pinocchio_fk(bare, bare.ready)
+    np.testing.assert_allclose(np.linalg.norm(lift[:3, 3]), 0.03, atol=1e-4)
 
 
 @pytest.mark.usefixtures("bare")

@@ -81,11 +81,7 @@ def cpp_header(arm: Arm) -> str:
 
 def _constants(arm: Arm) -> Mapping[str, Any]:
     """What the core has made of screws and home: its base, links, tip and coupling."""
-    chain: Any = arm._compiled
-    if chain is None:
-        why = engine.why_not() or f"its chains have at most 32 joints; {arm.name} has {len(arm.moving_names)}"
-        raise TwistarmError(f"a C++ header needs the compiled core: {why}")
-    constants: Mapping[str, Any] = chain.constants()
+    constants: Mapping[str, Any] = arm._core("a C++ header").constants()
     return constants
 
 

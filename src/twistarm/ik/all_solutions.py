@@ -12,13 +12,13 @@ import numpy as np
 from ..model.arm import Arm
 from ..support.checks import Array, frozen
 from ..support.errors import printable
-from .all_solutions_row import FIRST, HITS, INSIDE, KIND, TRIES, configurations_in
+from .all_answers import AllAnswers, AnyAllAnswers
 from .closed_form.methods import Method
 from .explain import reached, why_not
 from .ranges import holding, joint_ranges
 from .solution import missed_by_rounding
 from .solve import solve_ik
-from .targets import AnyTarget, numbers_of_kind, target_of
+from .targets import AnyTarget, target_of
 from .task_space import Tolerances
 
 
@@ -39,12 +39,22 @@ class IKSolutions:
     gave a configuration. 0 where there was nothing to sample.
     """
 
-    __slots__ = ("_arm", "_complete", "_members", "_method", "_rounded", "_row", "_target", "_timed_out", "_tolerances")
+    __slots__ = (
+        "_arm",
+        "_complete",
+        "_found",
+        "_members",
+        "_method",
+        "_rounded",
+        "_target",
+        "_timed_out",
+        "_tolerances",
+    )
 
     def __init__(
         self,
         arm: Arm,
-        row: Array,
+        found: AnyAllAnswers,
         members: tuple[Array, ...],
         method: Method,
         complete: bool,
@@ -54,7 +64,7 @@ class IKSolutions:
         rounded: bool = False,
     ) -> None:
         self._arm = arm
-        self._row = row
+        self._found = found
         self._method = method
         self._complete = complete
         self._target = target
@@ -72,31 +82,29 @@ class IKSolutions:
     def target(self) -> AnyTarget:
         """What was asked."""
         if self._target is None:
-            kind, first = int(self._row[KIND]), FIRST + self._arm.n
-            self._target = target_of(kind, self._row[first : first + numbers_of_kind(kind)])
+            self._target = target_of(self._found.kind, self._found.numbers)
         return self._target
 
     @property
     def theta0(self) -> Array:
         """(n,) [rad, m]: from which distances are counted, joints that are given at their values."""
-        return self._row[FIRST : FIRST + self._arm.n]
+        return self._found.theta0
 
     @property
     def theta(self) -> Array:
         """(k, n) [rad, m], read-only, nearest to theta0 first."""
-        return configurations_in(self._row, self._arm.n)[0][:, : self._arm.n]
+        return self._found.theta[: self._found.inside]
 
     @property
     def outside(self) -> Array:
         """(m, n) [rad, m], read-only: what meets the target beyond the position limits, as near to them as it gets."""
-        theta = configurations_in(self._row, self._arm.n)[1][:, : self._arm.n]
-        return frozen(joint_ranges(self._arm).toward_middle(theta))
+        return frozen(joint_ranges(self._arm).toward_middle(self._found.theta[self._found.inside :]))
 
     @property
     def free(self) -> tuple[tuple[str, ...], ...]:
         """For each of theta, the joints that may go on moving while the target stays met."""
         names = self._arm.joint_names
-        moving = configurations_in(self._row, self._arm.n)[0][:, self._arm.n :]
+        moving = self._found.moves[: self._found.inside]
         return tuple(tuple(names[i] for i in np.flatnonzero(each)) for each in moving)
 
     @property
@@ -132,12 +140,12 @@ class IKSolutions:
     @property
     def starts(self) -> int:
         """Searches that were run, or values of sampled joints; 0 where there was nothing to sample."""
-        return int(self._row[TRIES])
+        return self._found.tries
 
     @property
     def hits(self) -> int:
         """How many of these met the target."""
-        return int(self._row[HITS])
+        return self._found.hits
 
     @property
     def position_error(self) -> Array:
@@ -186,7 +194,7 @@ class IKSolutions:
         return "".join(parts)
 
     def __len__(self) -> int:
-        return int(self._row[INSIDE])
+        return self._found.inside
 
     def __iter__(self) -> Iterator[Array]:
         return iter(self.theta)
@@ -201,9 +209,10 @@ class IKSolutions:
     def __reduce__(self) -> tuple[Any, ...]:
         asked = self._target, self._tolerances
         known = self._members, self._method, self._complete, *asked, self._timed_out, self._rounded
-        return _unpickled, (self._arm, self._row, *known)
+        fields = [getattr(self._found, name) for name in AllAnswers.__dataclass_fields__]
+        return _unpickled, (self._arm, fields, *known)
 
 
-def _unpickled(arm: Arm, row: Array, members: tuple[Array, ...], *known: Any) -> IKSolutions:
+def _unpickled(arm: Arm, fields: list[Any], members: tuple[Array, ...], *known: Any) -> IKSolutions:
     # An array is writeable again when it comes out of a pickle.
-    return IKSolutions(arm, frozen(row), tuple(map(frozen, members)), *known)
+    return IKSolutions(arm, AllAnswers(*fields), tuple(map(frozen, members)), *known)

@@ -13,8 +13,8 @@ from numpy.typing import ArrayLike, NDArray
 
 from ..model.arm import Arm, require_arm
 from ..support.checks import Array, RealArray, as_flag, as_whole, made_by
+from .all_answers import AllAnswers
 from .all_solutions import IKSolutions
-from .all_solutions_row import configurations_in, found_row
 from .batch import MAX_THREADS, targets_for
 from .certainty import is_exact
 from .closed_form.methods import Method, method_for
@@ -39,8 +39,10 @@ class IKSolutionsBatch:
     """What was asked: poses (N, 4, 4), or targets of any kinds."""
     theta0: Array = field(repr=False)
     """(n,) or (N, n) [rad, m]."""
-    rows: Array = field(repr=False)
-    """(r, 2 n): theta beside what moves, those of each target inside the limits and then those outside."""
+    thetas: Array = field(repr=False)
+    """(r, n) [rad, m]: those of each target inside the limits and then those outside."""
+    moves: Array = field(repr=False)
+    """(r, n): 1 for a joint that may go on moving while the target stays met, else 0."""
     known: tuple[tuple[Method, bool], ...] = field(repr=False)
     """How, and whether these are all there are: of all targets, or for each."""
     tolerances: Tolerances
@@ -52,7 +54,7 @@ class IKSolutionsBatch:
 
     def __post_init__(self) -> None:
         asked = [self.targets] if isinstance(self.targets, np.ndarray) else []
-        for array in (self.count, self.outside_count, self.theta0, self.rows, self.left, *asked):
+        for array in (self.count, self.outside_count, self.theta0, self.thetas, self.moves, self.left, *asked):
             array.flags.writeable = False
 
     def __setstate__(self, state: dict[str, Any]) -> None:
@@ -68,12 +70,12 @@ class IKSolutionsBatch:
     @cached_property
     def theta(self) -> Array:
         """(N, most, n) [rad, m], nearest to theta0 first; NaN behind the last of each target."""
-        return self._padded(self.rows[:, : self.arm.n], np.nan)
+        return self._padded(self.thetas, np.nan)
 
     @cached_property
     def free(self) -> NDArray[np.bool_]:
         """(N, most, n): which joints may go on moving while the target stays met; False behind the last."""
-        return self._padded(self.rows[:, self.arm.n :] > 0.5, False)
+        return self._padded(self.moves > 0.5, False)
 
     def _completed(self, one: Callable[[TargetLike, Array], IKSolutions]) -> IKSolutionsBatch:
         """The same where nothing is left to look for; `one` solves one target from its theta0."""
@@ -111,14 +113,13 @@ class IKSolutionsBatch:
         i = range(len(self))[operator.index(index)]
         if self.each:
             return self.each[i]
-        first, count = self._first[i], self.count[i]
-        inside = self.rows[first : first + count]
-        outside = self.rows[first + count : first + count + self.outside_count[i]]
+        first, count = self._first[i], int(self.count[i])
+        own = slice(first, first + count + self.outside_count[i])
         start = self.theta0 if self.theta0.ndim == 1 else self.theta0[i]
         target = Pose(self.targets[i]) if isinstance(self.targets, np.ndarray) else self.targets[i]
         method, complete = self.known[i % len(self.known)]
-        row = found_row(target, start, inside, outside, (0, 0))
-        return IKSolutions(self.arm, row, (), method, complete, target, self.tolerances)
+        found = AllAnswers(self.thetas[own], self.moves[own] > 0.5, count, start, target.kind, target.numbers.ravel())
+        return IKSolutions(self.arm, found, (), method, complete, target, self.tolerances)
 
 
 def solve_ik_all_batch(
@@ -156,8 +157,9 @@ def solve_ik_all_batch(
     Raises:
         InputError: A target (the message says which), theta0, a given value or a number cannot be used.
         UnknownNameError: `given` names no joint of the arm.
+        TwistarmError: The arm is not in the compiled core; the message says how to get it.
     """
-    require_arm(arm)
+    require_arm(arm)._core("solve_ik_all_batch")
     as_flag(copies, "copies")
     count = as_whole(samples, "samples", 1, 1000)
     met = position_tol, orientation_tol
@@ -208,15 +210,14 @@ def _by_core(
     found = method.compiled.solve_batch(numbers, near, *how)
     if found is None:
         return None
-    rows, count, inside, left = found
-    within = inside.astype(np.int64)
     kept = targets if isinstance(targets, tuple) else np.array(targets, dtype=np.float64)
     start = np.array(near, dtype=np.float64)
     tolerances = Tolerances(*how[:2])
     known = ((method, is_exact(tolerances)),)
     wider = any(arm.rounding) or not known[0][1]
-    open_ = (left > 0.0) | ((within == 0) & wider)
-    return IKSolutionsBatch(arm, within, count.astype(np.int64) - within, kept, start, rows, known, tolerances, open_)
+    left = (found.families > 0) | ((found.inside == 0) & wider)
+    beyond = found.count - found.inside
+    return IKSolutionsBatch(arm, found.inside, beyond, kept, start, found.theta, found.moves, known, tolerances, left)
 
 
 def _shape(targets: tuple[AnyTarget, ...]) -> tuple[int, ...]:
@@ -228,10 +229,10 @@ def _gathered(
     arm: Arm, targets: Array | tuple[AnyTarget, ...], theta0: Array, tolerances: Tolerances, each: list[IKSolutions]
 ) -> IKSolutionsBatch:
     """Answers that were found one by one."""
-    rows = [part for found in each for part in configurations_in(found._row, arm.n)]
     count = np.array([len(found) for found in each], dtype=np.int64)
     beyond = np.array([len(found.outside) for found in each], dtype=np.int64)
-    all_rows = np.concatenate(rows) if rows else np.zeros((0, 2 * arm.n))
+    thetas = np.concatenate([np.zeros((0, arm.n)), *(found._found.theta for found in each)])
+    moves = np.concatenate([np.zeros((0, arm.n)), *(found._found.moves for found in each)])
     known = tuple((found._method, found.complete) for found in each)
     nothing = np.zeros(len(each), dtype=np.bool_)
-    return IKSolutionsBatch(arm, count, beyond, targets, theta0, all_rows, known, tolerances, nothing, tuple(each))
+    return IKSolutionsBatch(arm, count, beyond, targets, theta0, thetas, moves, known, tolerances, nothing, tuple(each))

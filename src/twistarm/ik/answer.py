@@ -1,72 +1,84 @@
-"""One answer as a row of numbers, whoever found it: `IKSolution` reads one, `IKBatch` has one for each target.
+"""One answer by name, whoever found it: `IKSolution` reads one, `IKBatch` has a record for each target.
 
-What was found comes first, then what was asked: an array that the caller has changed since changes nothing.
+What was found stands beside what was asked: an array that the caller has changed since changes nothing.
 """
 
 from __future__ import annotations
 
+from collections.abc import Callable
+from dataclasses import dataclass, fields
+from typing import TYPE_CHECKING, Any, TypeAlias
+
 import numpy as np
+from numpy.typing import NDArray
 
 from ..support.checks import Array
-from .request import Request
-from .targets import AnyTarget
+from .targets import numbers_of_kind
 
-POSITION_ERROR, ORIENTATION_ERROR, ITERATIONS, RESTARTS, STOP, FLAGS, KIND, POSITION_TOL, ORIENTATION_TOL = range(9)
-"""Where each single number stands in a row; core/bindings/answer.hpp writes the same."""
-
-FIRST = 9
-"""Behind them stand theta (n), `unlimited` (n), theta0 (n) and the target's numbers."""
-
-NEAREST, HAS_UNLIMITED, OTHER_BRANCH, START_MOVED, BY_CLOSED_FORM, CERTAIN = 1, 2, 4, 8, 16, 32
-"""Flags: theta is the nearest configuration, looked for because no search met the target; `unlimited` is there; theta
-is not near theta0, though the target is near theta0's pose, or cannot be met; theta0 lay outside the limits; theta
-is of the closed form, after no search had met the target; the closed form shows that no configuration meets it."""
+if TYPE_CHECKING:
+    from .._core import Answer as CoreAnswer
 
 NOT_FINISHED = -1
 """In place of a reason: the time was up before the target was finished."""
 
-
-def width(n: int, count: int) -> int:
-    """Of a row of n coordinates and a target of `count` numbers."""
-    return FIRST + 3 * n + count
+Records = NDArray[np.void]
+"""Answers (N,) of a batch: each has the fields of `Answer` by name."""
 
 
-def theta_in(rows: Array, n: int) -> Array:
-    """(..., n) of rows (..., width)."""
-    return rows[..., FIRST : FIRST + n]
+@dataclass(frozen=True, eq=False)
+class Answer:
+    """An answer theta (n,), the searches behind it, and what was asked: `_core.Answer` has the same fields.
+
+    `stop`: number of the reason in STOPS. `unlimited` (n,): where limits block, an answer without them;
+    `has_unlimited` says whether it is one. `nearest`: theta is the nearest configuration, looked for because no search
+    met the target. `other_branch`: theta is not near theta0, though the target is near theta0's pose, or cannot be met.
+    `start_moved`: theta0 lay outside the limits. `by_closed_form`: theta is of the closed form, after no search had met
+    the target. `certain`: the closed form shows that no configuration meets the target.
+    """
+
+    theta: Array
+    unlimited: Array
+    theta0: Array
+    numbers: Array
+    kind: int
+    position_tol: float
+    orientation_tol: float
+    stop: int
+    position_error: float = np.inf
+    orientation_error: float = np.inf
+    iterations: int = 0
+    restarts: int = 0
+    has_unlimited: bool = False
+    nearest: bool = False
+    other_branch: bool = False
+    start_moved: bool = False
+    by_closed_form: bool = False
+    certain: bool = False
+
+    def __post_init__(self) -> None:
+        for array in (self.theta, self.unlimited, self.theta0, self.numbers):
+            array.flags.writeable = False
 
 
-def unlimited_in(rows: Array, n: int) -> Array:
-    """(..., n): where limits block, an answer without them."""
-    return rows[..., FIRST + n : FIRST + 2 * n]
+AnyAnswer: TypeAlias = "Answer | CoreAnswer"
+
+FIELDS = tuple(field.name for field in fields(Answer))
 
 
-def theta0_in(rows: Array, n: int) -> Array:
-    """(..., n): where the search was to begin."""
-    return rows[..., FIRST + 2 * n : FIRST + 3 * n]
+def answer_from(value: Callable[[str], Any]) -> Answer:
+    """The answer whose fields `value` gives by name."""
+    return Answer(*map(value, FIELDS))
 
 
-def numbers_in(rows: Array, n: int, count: int) -> Array:
-    """(..., count): the target's numbers."""
-    return rows[..., FIRST + 3 * n : FIRST + 3 * n + count]
+def answer_in(records: Records, i: int) -> Answer:
+    """One answer of a batch."""
+    record = records[i]
+    numbers = record["numbers"][: numbers_of_kind(int(record["kind"]))]
+    return answer_from(lambda name: numbers if name == "numbers" else record[name])
 
 
-def row_of(
-    target: AnyTarget,
-    request: Request,
-    theta: Array,
-    *,
-    stop: int,
-    errors: tuple[float, float] = (np.inf, np.inf),
-    iterations: int = 0,
-    restarts: int = 0,
-    flags: int = 0,
-    unlimited: Array | None = None,
-) -> Array:
-    """A row, read-only, from what a solver in Python found; HAS_UNLIMITED follows from `unlimited`."""
-    theta0, met = request.theta0, request.tolerances
-    flags, beyond = (flags, np.zeros(len(theta))) if unlimited is None else (flags | HAS_UNLIMITED, unlimited)
-    single = [*errors, iterations, restarts, stop, flags, target.kind, met.position, met.orientation]
-    row = np.concatenate([single, theta, beyond, theta0, target.numbers.ravel()])
-    row.flags.writeable = False
-    return row
+def write_answer(records: Records, i: int, answer: AnyAnswer) -> None:
+    """Put an answer in the place of another one to the same target."""
+    for name in FIELDS:
+        if name != "numbers":
+            records[name][i] = getattr(answer, name)

@@ -15,14 +15,13 @@ from ..model import engine
 from ..model.arm import Arm, require_arm
 from ..support.checks import Array, RealArray, as_whole, frozen, made_by, require_callback
 from ..support.errors import InputError, shown
-from . import answer, textbook
+from .answer import FIELDS, NOT_FINISHED, Records, answer_in, write_answer
 from .certainty import settled
-from .deadline import Deadline
 from .ranges import joint_ranges
 from .request import Request, checked, named
 from .solution import IKSolution
 from .stop_reason import STOPS, StopReason
-from .targets import KINDS, AnyTarget, Pose, TargetLike, checked_target, meant_by, numbers_of_kind, target_for
+from .targets import KINDS, AnyTarget, Pose, TargetLike, checked_target, meant_by, target_for, target_of
 
 Progress = Callable[[int, int], object]
 """Called with how many targets are done, and how many there are."""
@@ -39,11 +38,11 @@ class IKBatch:
     """
 
     arm: Arm
-    rows: Array = field(repr=False)
+    records: Records = field(repr=False)
     given: tuple[AnyTarget, ...] | None = field(default=None, repr=False)
 
     def __post_init__(self) -> None:
-        self.rows.flags.writeable = False
+        self.records.flags.writeable = False
 
     def __setstate__(self, state: dict[str, Any]) -> None:
         self.__dict__.update(state)
@@ -54,62 +53,66 @@ class IKBatch:
         """What was asked: poses (N, 4, 4), or targets of any kinds."""
         if self.given is not None:
             return self.given
-        return answer.numbers_in(self.rows, self.arm.n, 16).reshape(-1, 4, 4)
+        return self._read("numbers").reshape(-1, 4, 4)
 
     @property
     def theta(self) -> Array:
         """(N, n) [rad, m]."""
-        return answer.theta_in(self.rows, self.arm.n)
+        return self._read("theta")
 
     @property
     def theta0(self) -> Array:
         """(N, n) [rad, m]: where each search was to begin."""
-        return answer.theta0_in(self.rows, self.arm.n)
+        return self._read("theta0")
 
     @property
     def position_error(self) -> Array:
         """(N,) [m], of what each target constrains."""
-        return self.rows[:, answer.POSITION_ERROR]
+        return self._read("position_error")
 
     @property
     def orientation_error(self) -> Array:
         """(N,) [rad], of what each target constrains."""
-        return self.rows[:, answer.ORIENTATION_ERROR]
+        return self._read("orientation_error")
 
     @property
     def iterations(self) -> NDArray[np.int64]:
         """(N,): steps of the search that found theta; of all of them where none did."""
-        return self.rows[:, answer.ITERATIONS].astype(np.int64)
+        return self._read("iterations")
 
     @property
     def restarts(self) -> NDArray[np.int64]:
         """(N,): searches that were run."""
-        return self.rows[:, answer.RESTARTS].astype(np.int64)
+        return self._read("restarts")
 
     @cached_property
     def stop(self) -> NDArray[np.object_]:
         """(N,) of `StopReason`."""
-        reasons: NDArray[np.object_] = np.array(STOPS, dtype=object)[self.rows[:, answer.STOP].astype(np.int64)]
+        reasons: NDArray[np.object_] = np.array(STOPS, dtype=object)[self._read("stop")]
         return reasons
 
     @property
     def converged(self) -> NDArray[np.bool_]:
         """(N,): which targets are met to the tolerances."""
-        met: NDArray[np.bool_] = self.rows[:, answer.STOP] == STOPS.index(StopReason.CONVERGED)
+        met: NDArray[np.bool_] = self._read("stop") == STOPS.index(StopReason.CONVERGED)
         return met
+
+    def _read(self, name: str) -> NDArray[Any]:
+        column: NDArray[Any] = self.records[name]
+        return column
 
     def __repr__(self) -> str:
         return f"IKBatch({self.arm.name}, {len(self)} targets, {int(self.converged.sum())} met)"
 
     def __len__(self) -> int:
-        return len(self.rows)
+        return len(self.records)
 
     def __iter__(self) -> Iterator[IKSolution]:
         return (self[i] for i in range(len(self)))
 
     def __getitem__(self, index: int) -> IKSolution:
         i = operator.index(index)
-        return IKSolution(self.arm, self.rows[i], None if self.given is None else self.given[i])
+        return IKSolution(self.arm, answer_in(self.records, i), None if self.given is None else self.given[i])
 
 
 def solve_ik_batch(
@@ -154,33 +157,32 @@ def solve_ik_batch(
 
     Raises:
         InputError: A target (the message says which), a start, a posture or a number cannot be used.
+        TwistarmError: The arm is not in the compiled core; the message says how to get it.
     """
-    chain = require_arm(arm)._compiled
+    chain = require_arm(arm)._core("solve_ik_batch")
     how = position_tol, orientation_tol, restarts, rng, max_time
-    if chain is not None:
-        start = arm.ready if theta0 is None else named(arm, theta0)
-        rather = None if posture is None else named(arm, posture, start)
-        # Poses that are plainly right go straight to the core, which looks at each of them much faster.
-        rows = chain.solve_batch(Pose.kind, targets, start, *how, rather, threads, progress)
-        if rows is not None:
-            return IKBatch(arm, _settled(arm, _begun(arm, rows), None))
+    start = arm.ready if theta0 is None else named(arm, theta0)
+    rather = None if posture is None else named(arm, posture, start)
+    # Poses that are plainly right go straight to the core, which looks at each of them much faster.
+    records = chain.solve_batch(Pose.kind, targets, start, *how, rather, threads, progress)
+    if records is not None:
+        return IKBatch(arm, _settled(arm, _begun(arm, records), None))
     asked = targets_for(arm, targets)
     request = checked(arm, theta0, posture, *how, count=len(asked))
     workers = as_whole(threads, "threads", 1, MAX_THREADS)
     require_callback(progress, "progress", "(done, count)")
-    if chain is None:
-        rows = _one_by_one(arm, asked, request, progress)
-    else:
-        rows = _by_core(arm, chain, asked, request, BatchOptions(workers, progress))
-    return IKBatch(arm, _settled(arm, _begun(arm, rows), asked), asked)
+    records = _by_core(chain, arm, asked, request, BatchOptions(workers, progress))
+    return IKBatch(arm, _settled(arm, _begun(arm, records), asked), asked)
 
 
-def _settled(arm: Arm, rows: Array, targets: tuple[AnyTarget, ...] | None) -> Array:
-    """The rows, those that no search has met as the closed form knows them."""
-    for i in np.flatnonzero(rows[:, answer.STOP] != 0) if arm._compiled is not None else ():
-        target = Pose(answer.numbers_in(rows[i], arm.n, 16).reshape(4, 4)) if targets is None else targets[i]
-        rows[i] = settled(arm, target, rows[i])
-    return rows
+def _settled(arm: Arm, records: Records, targets: tuple[AnyTarget, ...] | None) -> Records:
+    """The answers, those that no search has met as the closed form knows them."""
+    for i in np.flatnonzero((records["stop"] != 0) & (records["restarts"] > 1)).tolist():
+        found = answer_in(records, i)
+        known = settled(arm, target_of(Pose.kind, found.numbers) if targets is None else targets[i], found)
+        if known is not found:
+            write_answer(records, i, known)
+    return records
 
 
 def targets_for(arm: Arm, targets: Any) -> tuple[AnyTarget, ...]:
@@ -212,10 +214,10 @@ class BatchOptions(NamedTuple):
 
 
 def _by_core(
-    arm: Arm, chain: engine.Chain, targets: tuple[AnyTarget, ...], request: Request, options: BatchOptions
-) -> Array:
-    """The rows of every target: those of a kind together."""
-    rows = _no_rows(chain.n, len(targets))
+    chain: engine.Chain, arm: Arm, targets: tuple[AnyTarget, ...], request: Request, options: BatchOptions
+) -> Records:
+    """The answers to every target: those of a kind together."""
+    records = np.zeros(len(targets), dtype=chain.widest_record)
     kinds = np.array([target.kind for target in targets], dtype=np.int64)
     for kind in range(len(KINDS)):
         of_kind = np.flatnonzero(kinds == kind)
@@ -227,44 +229,23 @@ def _by_core(
                     kind, np.array([_one(int(i), targets[i], arm).numbers for i in of_kind]), *how
                 )
             assert found is not None, "what was refused is plain now"
-            rows[of_kind, : found.shape[1]] = found
-    return rows
+            for name in FIELDS:
+                column, into = found[name], records[name]
+                if name == "numbers":
+                    into[of_kind, : column.shape[1]] = column
+                else:
+                    into[of_kind] = column
+    return records
 
 
-def _no_rows(n: int, count: int) -> Array:
-    """Rows for targets of any kinds, as wide as the widest."""
-    rows = np.zeros((count, answer.width(n, max(map(numbers_of_kind, range(len(KINDS)))))))
-    rows[:, answer.STOP] = answer.NOT_FINISHED
-    return rows
-
-
-def _begun(arm: Arm, rows: Array) -> Array:
-    """The rows; those that were not finished have their start, and no error is known."""
-    late = rows[:, answer.STOP] == answer.NOT_FINISHED
+def _begun(arm: Arm, records: Records) -> Records:
+    """The answers; those that were not finished have their start, and no error is known."""
+    late = records["stop"] == NOT_FINISHED
     if late.any():
-        start = joint_ranges(arm).inside(answer.theta0_in(rows[late], arm.n))
-        unknown = [np.inf, np.inf, 0.0, 0.0, STOPS.index(StopReason.TIMED_OUT), 0.0]
-        rows[late, : len(unknown)] = unknown
-        rows[late, answer.FIRST : answer.FIRST + 2 * arm.n] = np.hstack([start, np.zeros_like(start)])
-    return rows
-
-
-def _one_by_one(arm: Arm, targets: tuple[AnyTarget, ...], request: Request, progress: Progress | None) -> Array:
-    """Without the core: one after the other, in one thread."""
-    deadline = Deadline.after(request.max_time)
-    rows = _no_rows(arm.n, len(targets))
-    for i, target in enumerate(targets):
-        one = replace(_part(request, np.array(i)), max_time=deadline.left)
-        if deadline.passed:
-            row = answer.row_of(
-                target, one, one.theta0, errors=(np.inf, np.inf), stop=answer.NOT_FINISHED, iterations=0, restarts=0
-            )
-        else:
-            row = textbook.solve(arm, target, one)
-        rows[i, : len(row)] = row
-        if progress is not None:
-            progress(i + 1, len(targets))
-    return rows
+        records["theta"][late] = joint_ranges(arm).inside(records["theta0"][late])
+        records["position_error"][late] = records["orientation_error"][late] = np.inf
+        records["stop"][late] = STOPS.index(StopReason.TIMED_OUT)
+    return records
 
 
 def _part(request: Request, indices: NDArray[np.int64]) -> Request:

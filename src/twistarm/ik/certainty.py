@@ -6,12 +6,14 @@ core, it answers in some microseconds. Where the axes are exact and no joint is 
 
 from __future__ import annotations
 
+from dataclasses import replace
+from functools import partial
+
 import numpy as np
 
 from ..model.arm import Arm
 from ..support.checks import Array
-from . import answer
-from .all_solutions_row import INSIDE, LEFT, configurations_in
+from .answer import NOT_FINISHED, Answer, AnyAnswer, answer_from
 from .closed_form.methods import Method, family_for
 from .ranges import joint_ranges
 from .stop_reason import STOPS, StopReason
@@ -39,41 +41,39 @@ def is_exact(tolerances: Tolerances) -> bool:
     return max(tolerances.position, tolerances.orientation) <= EXACTLY
 
 
-def settled(arm: Arm, target: AnyTarget, row: Array) -> Array:
-    """The row of an answer (ik/answer.py), with what the closed form knows better.
+def settled(arm: Arm, target: AnyTarget, answer: AnyAnswer) -> AnyAnswer:
+    """The answer, with what the closed form knows better.
 
-    That is a configuration after all, or one outside the limits, which are to blame then. The row is marked as certain
-    where the closed form shows that no configuration inside the limits meets the target within the tolerances. A row
+    That is a configuration after all, or one outside the limits, which are to blame then. It is marked as certain
+    where the closed form shows that no configuration inside the limits meets the target within the tolerances. One
     that is met, was not finished in time, or is of one search alone comes back as it is: who asks for one search wants
     to know what it finds.
     """
-    if row[answer.STOP] in (0, TIMED_OUT, answer.NOT_FINISHED) or row[answer.RESTARTS] <= 1:
-        return row
+    if answer.stop in (0, TIMED_OUT, NOT_FINISHED) or answer.restarts <= 1:
+        return answer
     method = family_for(arm, target)
     if method is None or method.compiled is None:
-        return row
-    tolerances = float(row[answer.POSITION_TOL]), float(row[answer.ORIENTATION_TOL])
-    start = np.array(answer.theta0_in(row, arm.n))
+        return answer
+    tolerances = float(answer.position_tol), float(answer.orientation_tol)
+    start = np.array(answer.theta0)
     found = method.compiled.solve(target.numbers, start, _held_values(arm, method, start), *tolerances)
     if found is None:
-        return row
-    inside, outside = (each[:, : arm.n] for each in configurations_in(found, arm.n))
-    told = row.copy()
-    if found[INSIDE]:
-        _meet(arm, target, told, inside[0])
+        return answer
+    told = answer_from(partial(getattr, answer))
+    if found.inside:
+        told = _met(arm, target, told, found.theta[0])
     else:
-        outside = joint_ranges(arm).toward_middle(outside)
+        outside = joint_ranges(arm).toward_middle(found.theta)
         beyond = np.abs(outside - np.clip(outside, arm.limits.lower, arm.limits.upper))
         if len(outside):
-            _blame_limits(arm, target, told, outside[np.argmin(np.square(beyond).sum(axis=1))])
-        exact = method.exact and not method.swept and not found[LEFT]
+            told = _with_limits_blamed(arm, target, told, outside[np.argmin(np.square(beyond).sum(axis=1))])
+        exact = method.exact and not method.swept and not found.left
         if (
             exact
             and beyond.max(axis=1, initial=0.0).min(initial=np.inf) > HARDLY_OUTSIDE
-            and _misses_by_far(arm, target, row)
+            and _misses_by_far(arm, target, told)
         ):
-            told[answer.FLAGS] = int(told[answer.FLAGS]) | answer.CERTAIN
-    told.flags.writeable = False
+            told = replace(told, certain=True)
     return told
 
 
@@ -88,31 +88,29 @@ def _held_values(arm: Arm, method: Method, start: Array) -> Array | None:
     return np.ascontiguousarray(values[:, list(method.held)])
 
 
-def _meet(arm: Arm, target: AnyTarget, row: Array, theta: Array) -> None:
-    """Writes an answer into the row."""
+def _met(arm: Arm, target: AnyTarget, answer: Answer, theta: Array) -> Answer:
+    """The answer with a configuration that meets the target."""
     g = arm.fk(theta)
-    row[[answer.POSITION_ERROR, answer.ORIENTATION_ERROR]] = target.position_error(g), target.orientation_error(g)
-    row[answer.FIRST : answer.FIRST + arm.n] = theta
-    row[answer.STOP] = STOPS.index(StopReason.CONVERGED)
-    row[answer.FLAGS] = (int(row[answer.FLAGS]) & answer.START_MOVED) | answer.BY_CLOSED_FORM
+    return replace(
+        answer, theta=theta, position_error=target.position_error(g), orientation_error=target.orientation_error(g),
+        stop=STOPS.index(StopReason.CONVERGED), by_closed_form=True,
+        has_unlimited=False, nearest=False, other_branch=False,
+    )  # fmt: skip
 
 
-def _blame_limits(arm: Arm, target: AnyTarget, row: Array, theta: Array) -> None:
-    """Writes a configuration outside the limits into the row, unless one that meets the whole target is known."""
-    tolerances = row[[answer.POSITION_TOL, answer.ORIENTATION_TOL]]
-    known = arm.fk(answer.unlimited_in(row, arm.n))
-    missed = np.array([target.position_error(known), target.orientation_error(known)])
-    if int(row[answer.FLAGS]) & answer.HAS_UNLIMITED and (missed <= tolerances).all():
-        return
-    row[answer.FIRST + arm.n : answer.FIRST + 2 * arm.n] = theta
-    row[answer.STOP] = STOPS.index(StopReason.BLOCKED_BY_LIMITS)
-    row[answer.FLAGS] = int(row[answer.FLAGS]) | answer.HAS_UNLIMITED
+def _with_limits_blamed(arm: Arm, target: AnyTarget, answer: Answer, theta: Array) -> Answer:
+    """The answer with a configuration outside the limits, unless one that meets the whole target is known."""
+    tolerances = Tolerances(float(answer.position_tol), float(answer.orientation_tol))
+    known = arm.fk(answer.unlimited)
+    if answer.has_unlimited and tolerances.met(target.position_error(known), target.orientation_error(known)):
+        return answer
+    return replace(answer, unlimited=theta, stop=STOPS.index(StopReason.BLOCKED_BY_LIMITS), has_unlimited=True)
 
 
-def _misses_by_far(arm: Arm, target: AnyTarget, row: Array) -> bool:
+def _misses_by_far(arm: Arm, target: AnyTarget, answer: Answer) -> bool:
     """Whether the tolerances are tight, as those of rounded axes never are, and the nearest misses by many of them."""
-    position, orientation = np.maximum(row[[answer.POSITION_TOL, answer.ORIENTATION_TOL]], arm.rounding)
+    position, orientation = np.maximum((answer.position_tol, answer.orientation_tol), arm.rounding)
     free = not len(target._rotation_tolerance)
     tight = is_exact(Tolerances(position, 0.0 if free else orientation))
-    far = row[answer.POSITION_ERROR] > FAR * position or row[answer.ORIENTATION_ERROR] > FAR * orientation
+    far = answer.position_error > FAR * position or answer.orientation_error > FAR * orientation
     return bool(tight and far)

@@ -13,7 +13,6 @@ from ..support.checks import Array
 from ..support.errors import printable
 from ..support.unit_hints import length_hint
 from ..support.vector_words import axis_in_words, value_in_words
-from . import answer
 from .abilities import approach_plane, out_of_surface, short_of, split_rotation
 from .ranges import joint_ranges
 from .stop_reason import NEAREST, StopReason
@@ -106,8 +105,8 @@ def _traded(solution: IKSolution) -> str:
         return ""
     for times in WIDER:
         wide = times * met.position
-        row = chain.solve(target.kind, target.numbers, solution.theta, wide, met.orientation, SEARCHES, 0, None, None)
-        if row is not None and row[answer.STOP] == 0:
+        found = chain.solve(target.kind, target.numbers, solution.theta, wide, met.orientation, SEARCHES, 0, None, None)
+        if found is not None and found.stop == 0:
             return f" (met with {argument('position_tol', float(f'{wide:.3g}'))})"
     return ""
 

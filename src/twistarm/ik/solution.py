@@ -8,16 +8,16 @@ import numpy as np
 
 from ..model.almost_exact import angle_in_words, length_in_words
 from ..model.arm import Arm
-from ..support.checks import Array, frozen
+from ..support.checks import Array
 from ..support.display import told
 from ..support.errors import NotConvergedError
 from ..support.unit_hints import theta_hint
 from ..support.vector_words import value_in_words
-from . import answer
+from .answer import FIELDS, Answer, AnyAnswer
 from .explain import explain, summary
 from .ranges import joint_ranges
 from .stop_reason import CLOSED_FORM, DAMPED, NEAREST, STOPS, StopReason
-from .targets import AnyTarget, numbers_of_kind, target_of
+from .targets import AnyTarget, target_of
 from .task_space import Tolerances
 
 NEGLIGIBLE_LENGTH = 1e-8
@@ -59,11 +59,11 @@ class IKSolution:
     or the nearest to the rotation with the position held.
     """
 
-    __slots__ = ("_arm", "_row", "_target")
+    __slots__ = ("_answer", "_arm", "_target")
 
-    def __init__(self, arm: Arm, row: Array, target: AnyTarget | None = None) -> None:
+    def __init__(self, arm: Arm, answer: AnyAnswer, target: AnyTarget | None = None) -> None:
         self._arm = arm
-        self._row = row
+        self._answer = answer
         self._target = target
 
     @property
@@ -75,34 +75,33 @@ class IKSolution:
     def target(self) -> AnyTarget:
         """What was asked."""
         if self._target is None:
-            kind = int(self._row[answer.KIND])
-            self._target = target_of(kind, answer.numbers_in(self._row, self._arm.n, numbers_of_kind(kind)))
+            self._target = target_of(int(self._answer.kind), self._answer.numbers)
         return self._target
 
     @property
     def tolerances(self) -> Tolerances:
         """What was to count as met; `rounded` answers miss it by no more than the arm's `rounding`."""
-        return Tolerances(float(self._row[answer.POSITION_TOL]), float(self._row[answer.ORIENTATION_TOL]))
+        return Tolerances(float(self._answer.position_tol), float(self._answer.orientation_tol))
 
     @property
     def theta(self) -> Array:
         """(n,) [rad, m], read-only."""
-        return answer.theta_in(self._row, self._arm.n)
+        return self._answer.theta
 
     @property
     def unlimited(self) -> Array | None:
         """Where limits block: an answer without them, or else what comes nearest, the position first, (n,)."""
-        return answer.unlimited_in(self._row, self._arm.n) if self._says(answer.HAS_UNLIMITED) else None
+        return self._answer.unlimited if self._answer.has_unlimited else None
 
     @property
     def position_error(self) -> float:
         """[m], of what the target constrains."""
-        return float(self._row[answer.POSITION_ERROR])
+        return float(self._answer.position_error)
 
     @property
     def orientation_error(self) -> float:
         """[rad], of what the target constrains."""
-        return float(self._row[answer.ORIENTATION_ERROR])
+        return float(self._answer.orientation_error)
 
     @property
     def within_limits(self) -> bool:
@@ -112,34 +111,34 @@ class IKSolution:
     @property
     def iterations(self) -> int:
         """Steps of the search that found theta; of all of them where none did."""
-        return int(self._row[answer.ITERATIONS])
+        return int(self._answer.iterations)
 
     @property
     def restarts(self) -> int:
         """Searches that were run, the one from theta0 included."""
-        return int(self._row[answer.RESTARTS])
+        return int(self._answer.restarts)
 
     @property
     def method(self) -> str:
         """What found theta: a damped search, the search for the nearest configuration, or the closed form."""
-        if self._says(answer.BY_CLOSED_FORM):
+        if self._answer.by_closed_form:
             return CLOSED_FORM
-        return NEAREST if self._says(answer.NEAREST) else DAMPED
+        return NEAREST if self._answer.nearest else DAMPED
 
     @property
     def certain(self) -> bool:
         """Whether the closed form shows that nothing inside the limits meets the target within the tolerances."""
-        return self._says(answer.CERTAIN)
+        return bool(self._answer.certain)
 
     @property
     def stop(self) -> StopReason:
         """Why the solver stopped."""
-        return STOPS[int(self._row[answer.STOP])]
+        return STOPS[int(self._answer.stop)]
 
     @property
     def converged(self) -> bool:
         """Whether the target is met to the tolerances, or but for the rounding of the arm's axes (`rounded`)."""
-        return bool(self._row[answer.STOP] == 0)
+        return bool(self._answer.stop == 0)
 
     @property
     def rounded(self) -> bool:
@@ -149,10 +148,10 @@ class IKSolution:
     @property
     def notes(self) -> tuple[str, ...]:
         """What the caller should know: rounded axes, joints of theta0 brought inside, another branch, no core."""
-        notes = self._moved_starts() if self._says(answer.START_MOVED) else []
-        notes += [self._other_branch()] if self._says(answer.OTHER_BRANCH) else []
+        notes = self._moved_starts() if self._answer.start_moved else []
+        notes += [self._other_branch()] if self._answer.other_branch else []
         notes += [missed_by_rounding(self.position_error, self.orientation_error)] if self.rounded else []
-        if self._says(answer.NEAREST) and not self.converged and self._arm.n > MANY_JOINTS:
+        if self._answer.nearest and not self.converged and self._arm.n > MANY_JOINTS:
             notes.append(PERHAPS_NEARER)
         return tuple(notes if self.converged or self._arm._compiled is not None else [*notes, WITHOUT_CORE])
 
@@ -166,16 +165,13 @@ class IKSolution:
             return self.theta
         raise NotConvergedError(f"{summary(self)}; solution.explain() says more", self)
 
-    def _says(self, flag: int) -> bool:
-        return bool(int(self._row[answer.FLAGS]) & flag)
-
     @property
     def _start(self) -> Array:
         """theta0 inside the limits, where the search began."""
-        return joint_ranges(self._arm).inside(answer.theta0_in(self._row, self._arm.n))
+        return joint_ranges(self._arm).inside(self._answer.theta0)
 
     def _moved_starts(self) -> list[str]:
-        given, inside = answer.theta0_in(self._row, self._arm.n), self._start
+        given, inside = self._answer.theta0, self._start
         arm = self._arm
         hint = theta_hint(given, arm.units, arm.limits.lower, arm.limits.upper)
         return [f"theta0: {hint}"] * bool(hint) + [
@@ -193,13 +189,12 @@ class IKSolution:
         return f"another branch: {why}; {moves}"
 
     def __reduce__(self) -> tuple[Any, ...]:
-        return _restored, (self._arm, np.array(self._row), self._target)
+        return _restored, (self._arm, [getattr(self._answer, name) for name in FIELDS], self._target)
 
     def __repr__(self) -> str:
         off = {"position_error": self.position_error, "orientation_error": self.orientation_error}
         return told("IKSolution", {"stop": self.stop, "theta": self.theta, **off, "method": self.method})
 
 
-def _restored(arm: Arm, row: Array, target: AnyTarget | None) -> IKSolution:
-    # An array is writeable again when it comes out of a pickle.
-    return IKSolution(arm, frozen(row), target)
+def _restored(arm: Arm, fields: list[Any], target: AnyTarget | None) -> IKSolution:
+    return IKSolution(arm, Answer(*fields), target)

@@ -8,9 +8,8 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from ..model.arm import Arm, require_arm
-from ..support.checks import Array
 from . import textbook
-from .answer import STOP
+from .answer import AnyAnswer
 from .certainty import settled
 from .request import checked, named
 from .solution import IKSolution
@@ -73,22 +72,22 @@ def solve_ik(
         kind, numbers = (Pose.kind, target) if given is None else (given.kind, given.numbers)
         start = arm.ready if theta0 is None else theta0 if type(theta0) is np.ndarray else named(arm, theta0)
         rather = None if posture is None else named(arm, posture, start)
-        row = chain.solve(kind, numbers, start, position_tol, orientation_tol, restarts, rng, max_time, rather)
-        if row is not None:
-            if row[STOP] == 0:
-                return IKSolution(arm, row, given)
-            return _settled(arm, row, Pose(np.asarray(target)) if given is None else given)
+        answer = chain.solve(kind, numbers, start, position_tol, orientation_tol, restarts, rng, max_time, rather)
+        if answer is not None:
+            if answer.stop == 0:
+                return IKSolution(arm, answer, given)
+            return _settled(arm, answer, Pose(np.asarray(target)) if given is None else given)
     asked = checked_target(arm, target)
     request = checked(arm, theta0, posture, position_tol, orientation_tol, restarts, rng, max_time)
     if chain is None:
         return IKSolution(arm, textbook.solve(arm, asked, request), asked)
-    row = chain.solve(asked.kind, asked.numbers, *request.for_core)
-    assert row is not None, "what was refused is plain now"
-    return _settled(arm, row, asked)
+    answer = chain.solve(asked.kind, asked.numbers, *request.for_core)
+    assert answer is not None, "what was refused is plain now"
+    return _settled(arm, answer, asked)
 
 
-def _settled(arm: Arm, row: Array, target: AnyTarget) -> IKSolution:
-    return IKSolution(arm, settled(arm, target, row), target)
+def _settled(arm: Arm, answer: AnyAnswer, target: AnyTarget) -> IKSolution:
+    return IKSolution(arm, settled(arm, target, answer), target)
 
 
 def as_given(arm: Arm, target: Any) -> AnyTarget | None:

@@ -2,64 +2,30 @@
 
 from __future__ import annotations
 
-import itertools
-from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import dataclass, replace
-from functools import cached_property
+from collections.abc import Mapping
+from dataclasses import replace
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from ..model.arm import Arm, require_arm
 from ..support.caller_words import quantity
-from ..support.checks import Array, as_flag, as_number, as_whole, frozen, require_callback
+from ..support.checks import as_flag, as_number, as_whole, require_callback
 from ..support.errors import InputError, NoClosedFormError, shown, unknown_name
+from .all_answers import roots_in
 from .all_solutions import IKSolutions
-from .all_solutions_row import FAMILIES, HITS, INSIDE, TRIES, found_row, roots_in
-from .batch import Progress, solve_ik_batch
+from .batch import Progress
 from .certainty import is_exact
 from .closed_form.methods import Method, closest_miss_of, known_method, method_for
-from .closed_form.roots import (
-    DEPENDENT,
-    ROUNDED_DIRECTION,
-    ROUNDED_LIMIT,
-    Root,
-    corrected,
-    inside,
-    met,
-    roots,
-    rows_of,
-    self_motion,
-    twin,
-)
-from .closed_form.roots import copies as copied
 from .deadline import Deadline
-from .ranges import holding, joint_ranges, standing
+from .gathering import Gathering
+from .ranges import standing
 from .request import checked
-from .self_motions import SelfMotions
-from .solve import as_given, solve_ik
+from .solve import as_given
 from .targets import AnyTarget, Approach, Pose, TargetLike, checked_target
 from .task_space import Tolerances
 
-STARTS = 1000
-"""Searches where no closed form is known."""
-
-BESIDE = 64
-"""Searches beside elimination, and beside a family that the axes miss: what rounding loses is found by chance."""
-
-IN_FAMILY = 32
-"""Searches along a continuous family whose configuration nearest to theta0 lies outside the limits."""
-
-USUAL = 1e-6
-"""The tolerance [m, rad] of these searches; what they meet but for the rounding of the axes they have not met."""
-
-KEPT = 1e-9
-"""A joint nearer than this [rad, m] to theta0's value has it."""
-
 DEFAULT_SAMPLES = 32
-
-MOST_COMBINATIONS = 4096
-"""Values of several sampled joints together."""
 
 
 def solve_ik_all(
@@ -136,7 +102,7 @@ def solve_ik_all(
     near = np.array(request.theta0)
     near[list(stands)] = list(stands.values())
     deadline = Deadline.after(request.max_time)
-    task = _Task(arm, asked, near, request.tolerances, method.given, method.idle, deadline, progress)
+    task = Gathering(arm, asked, near, request.tolerances, method.given, method.idle, deadline, progress)
     if not any(arm.rounding):
         return _answered(task, method, count, copies)
     first, second = (None, None) if progress is None else _in_two_passes(progress)
@@ -157,16 +123,19 @@ def _in_two_passes(progress: Progress) -> tuple[Progress, Progress]:
     )
 
 
-def _answered(task: _Task, method: Method, count: int, copies: bool) -> IKSolutions:
+def _answered(task: Gathering, method: Method, count: int, copies: bool) -> IKSolutions:
     """What the method finds, with `count` values of each joint that is sampled."""
     values = task.held_values(method, count)
-    row = None if method.compiled is None or task.rounded else task.compiled(method, values)
-    if row is not None and not method.swept:
-        if row[FAMILIES]:
-            row = None  # the core keeps one of all families that move the same joints
-        elif not copies and (row[INSIDE] or is_exact(task.tolerances)):
-            return IKSolutions(task.arm, row, (), method, task.complete(method), task.target, task.tolerances)
-    found, starts, hits = task.solved(method, values) if row is None else task.read(row)
+    known = None if method.compiled is None or task.rounded else task.compiled(method, values)
+    if known is not None and not method.swept:
+        if known.families:
+            known = None  # the core keeps one of all families that move the same joints
+        elif not copies and (known.inside or is_exact(task.tolerances)):
+            return IKSolutions(task.arm, known, (), method, task.complete(method), task.target, task.tolerances)
+    if known is None:
+        found, starts, hits = task.solved(method, values)
+    else:
+        found, starts, hits = [*roots_in(known)], known.tries, known.hits
     if not found and not is_exact(task.tolerances):
         found = task.within(method)
     if method.there and method.swept and all(task.inside(root) is None for root in found) and not task.deadline.passed:
@@ -177,8 +146,8 @@ def _answered(task: _Task, method: Method, count: int, copies: bool) -> IKSoluti
     more = task.searches(method)
     if more:
         beside, run, met = task.searched(more, found, int(method.there))
-        known, families = len(families), task.families(found + beside) if beside else families
-        missed = len(families) > known
+        before, families = len(families), task.families(found + beside) if beside else families
+        missed = len(families) > before
         if missed or not method.exact or task.rounded:
             starts, hits = starts + run, hits + met
     all_seen = task.brought_inside(families, method.held)
@@ -195,310 +164,11 @@ def _at_once(
     if method is None or method.compiled is None or method.swept:
         return None
     start = arm.ready if theta0 is None else theta0
-    row = method.compiled.solve(numbers, start, None, position_tol, orientation_tol)
-    if row is None or row[FAMILIES]:
+    found = method.compiled.solve(numbers, start, None, position_tol, orientation_tol)
+    if found is None or found.families:
         return None
     tolerances = Tolerances(position_tol, orientation_tol)
-    return IKSolutions(arm, row, (), method, is_exact(tolerances), asked, tolerances)
-
-
-@dataclass(frozen=True, eq=False)
-class _Task:
-    """What is asked: a target, near which configuration, how exactly, which joints are given, and until when.
-
-    `progress` is told how many values and searches are done, and of how many. `rounded`: the tolerances are those of
-    rounded axes, which may miss the target in directions that exact ones need not move in.
-    """
-
-    arm: Arm
-    target: AnyTarget
-    near: Array
-    tolerances: Tolerances
-    given: tuple[int, ...]
-    idle: tuple[int, ...]
-    deadline: Deadline
-    progress: Progress | None
-    rounded: bool = False
-
-    def compiled(self, method: Method, values: Array) -> Array:
-        """What the core has found with the held joints at each of the values (k, h)."""
-        assert method.compiled is not None
-        held, met = values if len(values) > 1 else None, self.tolerances
-        row = method.compiled.solve(self.target.numbers, self.near, held, met.position, met.orientation)
-        assert row is not None, "what was checked is plain"
-        return row
-
-    def complete(self, method: Method) -> bool:
-        """Whether the method finds everything."""
-        return method.exact and not method.swept and not self.rounded and is_exact(self.tolerances)
-
-    def searches(self, method: Method) -> int:
-        """How many searches are made beside the method, or for want of one."""
-        if not method.there:
-            return STARTS
-        lossy = method.rooted is not None or not method.exact or self.rounded
-        return BESIDE if lossy and not method.swept else 0
-
-    def roots(self, candidates: Iterable[Array], held: tuple[int, ...], known: list[Root]) -> list[Root]:
-        """The different answers among the candidates that are not known yet, until the time is up."""
-        until = self.deadline.until(candidates)
-        if not self.rounded:
-            return roots(self.arm, self.target, until, self.tolerances, held, known)
-        steady = map(self.as_near, until)
-        return roots(self.arm, self.target, steady, self.tolerances, held, known, ROUNDED_DIRECTION)
-
-    @property
-    def dependent(self) -> float:
-        """Singular values below this part of the largest are those of directions that move nothing at first."""
-        return ROUNDED_DIRECTION if self.rounded else DEPENDENT
-
-    def as_near(self, theta: Array) -> Array:
-        """theta (n,) with theta0's value for joints that move nothing but by the rounding of the axes."""
-        size = np.linalg.norm(rows_of(self.arm, self.target, theta)[1], axis=0)
-        return np.where(size < ROUNDED_DIRECTION * size.max(initial=0.0), self.stand, theta)
-
-    def read(self, row: Array) -> tuple[list[Root], int, int]:
-        """The same as of `solved` from what the core has found."""
-        return [*roots_in(row, self.arm.n)], int(row[TRIES]), int(row[HITS])
-
-    def solved(self, method: Method, values: Array) -> tuple[list[Root], int, int]:
-        """Roots with the held joints at each of the values (k, h); how many values, and how many had roots."""
-        found: list[Root] = []
-        tries = hits = 0
-        for each in self.deadline.until(values if method.there else ()):
-            new: list[Root] = []
-            exact = method.exact and not self.rounded
-            for candidates in self.deadline.until(method.candidates(self.arm, self.target, self.near, each, exact)):
-                new += self.roots(candidates, method.held, new)
-            held = {*method.idle, *method.swept}
-            found += [replace(root, free=tuple(sorted({*root.free, *held}))) for root in new]
-            hits += bool(new)
-            tries += 1
-            self.told_of(tries, len(values) + self.searches(method))
-        return (found, tries, hits) if method.swept else (found, 0, 0)
-
-    def values_met(self, method: Method) -> Array:
-        """Values (k, h) of the joints held, k ≤ 1, in a configuration that a search has found: samples may miss all."""
-        arm, met = holding(self.arm, self.given, self.near), self.tolerances
-        left = None if np.isinf(self.deadline.moment) else max(self.deadline.left, 1e-6)
-        found = solve_ik(
-            arm, self.target, self.near, position_tol=met.position, orientation_tol=met.orientation, max_time=left
-        )
-        return found.theta[None, list(method.held)][: int(found.converged)]
-
-    def within(self, method: Method) -> list[Root]:
-        """The answer of a search, which uses loose tolerances as a closed form, made for exact targets, does not."""
-        held = holding(self.arm, self.given, self.near)
-        met = self.tolerances
-        found = solve_ik(held, self.target, self.near, position_tol=met.position, orientation_tol=met.orientation)
-        return [Root(found.theta, method.idle)] if found.converged else []
-
-    def told_of(self, done: int, count: int) -> None:
-        """Whoever asked hears how far it is."""
-        if self.progress is not None:
-            self.progress(done, count)
-
-    def held_values(self, method: Method, count: int) -> Array:
-        """Values (k, h) of the joints held: those given, theta0's of idle ones, and a grid of the others."""
-        while count ** len(method.swept) > MOST_COMBINATIONS:
-            count -= 1
-        grid = {i: self._with_near(i, self._spread(i, count)) for i in method.swept}
-        choices = [grid.get(i, np.array([self.stand[i]])) for i in method.held]
-        combinations = list(itertools.product(*choices))
-        return np.array(combinations).reshape(len(combinations), len(method.held))
-
-    def _spread(self, joint: int, count: int) -> Array:
-        """Values over the range of a joint, an unbounded one's about theta0; no angle twice."""
-        lower, upper = self.arm.limits.lower[joint], self.arm.limits.upper[joint]
-        half = 0.5 if self.arm.units[joint] == "m" else np.pi
-        lower = lower if np.isfinite(lower) else self.near[joint] - half
-        upper = upper if np.isfinite(upper) else self.near[joint] + half
-        whole = joint_ranges(self.arm).turns[joint]
-        end = lower + 2.0 * np.pi if whole else upper
-        return np.linspace(lower, end, count, endpoint=not whole)
-
-    def _with_near(self, joint: int, values: Array) -> Array:
-        """Those values of a joint, theta0's first, no two of which are the same angle."""
-        apart = values - self.near[joint]
-        if joint_ranges(self.arm).periodic[joint]:
-            apart = (apart + np.pi) % (2.0 * np.pi) - np.pi
-        return np.append(self.near[joint], values[np.abs(apart) > ROUNDED_LIMIT])
-
-    def searched(self, count: int, known: list[Root], before: int) -> tuple[list[Root], int, int]:
-        """Roots from many starts that are not known yet, how many searches were run, and how many met the target.
-
-        `before`: how many values of `progress` are done.
-        """
-        starts = np.vstack([self.near, self.arm.random_theta(0, count - 1)])
-        return self.from_starts(starts, known, lambda done, _: self.told_of(before + done, before + count))
-
-    def from_starts(
-        self, starts: Array, known: list[Root], progress: Progress | None = None
-    ) -> tuple[list[Root], int, int]:
-        """The same from these starts (k, n)."""
-        if self.deadline.passed:
-            return [], 0, 0
-        left = None if np.isinf(self.deadline.moment) else max(self.deadline.left, 1e-6)
-        targets = [self.target] * len(starts)
-        arm = holding(self.arm, self.given, self.near)
-        batch = solve_ik_batch(
-            arm,
-            targets,
-            starts,
-            position_tol=USUAL,
-            orientation_tol=USUAL,
-            restarts=1,
-            max_time=left,
-            progress=progress,
-        )
-        new = self.roots(batch.theta[batch.converged], self.given, known)
-        exact = (batch.position_error <= USUAL) & (batch.orientation_error <= USUAL)
-        met = batch.converged & (exact | self.rounded)
-        return new, int((batch.restarts > 0).sum()), int(met.sum())
-
-    @cached_property
-    def stand(self) -> Array:
-        """theta0's values (n,), or the limits beyond which these are."""
-        return np.clip(self.near, self.arm.limits.lower, self.arm.limits.upper)
-
-    @cached_property
-    def motions(self) -> SelfMotions:
-        """Along which answers may move; what an idle joint does tells none apart."""
-        still = (*self.given, *self.idle)
-        return SelfMotions(self.arm, self.target, still, self.tolerances, self.deadline, self.dependent)
-
-    def alone(self, root: Root) -> bool:
-        """Whether it belongs to no continuous family, but for what idle joints do."""
-        return {*self.motions.still}.issuperset(root.free)
-
-    def families(self, found: list[Root]) -> list[list[Root]]:
-        """The roots, those together that lie on one self-motion."""
-        moving = [root for root in found if not self.alone(root)]
-        places = self.motions.families([root.theta for root in moving])
-        return [[root] for root in found if self.alone(root)] + [[moving[i] for i in each] for each in places]
-
-    def brought_inside(self, families: list[list[Root]], held: tuple[int, ...]) -> bool:
-        """Add a member that keeps a joint at theta0's value to each family, and one inside where none is yet.
-
-        Whether every family was met inside: where searches along it find nothing, there may be something yet.
-        """
-        all_seen = True
-        for members in families:
-            if self.alone(members[0]) or self.deadline.passed:
-                continue
-            if not {*held}.issuperset(members[0].free) and all(self.inside(root) is None for root in members):
-                along = [root for root in self.along(members[0], members) if self.inside(root) is not None]
-                passed = self.motions.passed(members[0].theta, [root.theta for root in along])
-                members += [along[i] for i in passed]
-                all_seen = all_seen and self.inside(members[-1]) is not None
-            members += self.keeping(members)
-        return all_seen
-
-    def keeping(self, members: list[Root]) -> list[Root]:
-        """Of a family a member with a free joint at theta0's value, the first that can; none where there is one."""
-        free = [i for i in members[0].free if i not in self.motions.still]
-        there = [theta for root in members if (theta := self.inside(root)) is not None]
-        if any(self.at_start(theta, free) for theta in there):
-            return []
-        known = np.array(there or [members[0].theta])
-        for i in free:
-            begin = known[int(np.argmin(np.abs(known[:, i] - self.stand[i])))]
-            theta = np.array(begin)
-            theta[i] = self.stand[i]
-            theta = corrected(self.arm, self.target, theta, (*self.motions.still, i), self.dependent)
-            root = Root(theta, members[0].free)
-            if (
-                met(self.arm, self.target, theta, self.tolerances)
-                and self.inside(root) is not None
-                and self.motions.together(theta, begin)
-            ):
-                return [root]
-        return []
-
-    def at_start(self, theta: Array, joints: Sequence[int]) -> int:
-        """How many of the joints stand at theta0's value."""
-        return int((np.abs(theta - self.stand)[list(joints)] <= KEPT).sum())
-
-    def along(self, root: Root, known: list[Root]) -> list[Root]:
-        """New roots from starts that differ from this one in the joints that are free."""
-        lower, upper = self.arm.sampling_bounds
-        starts = np.tile(np.clip(root.theta, lower, upper), (IN_FAMILY, 1))
-        free = list(root.free)
-        starts[:, free] = self.arm.random_theta(0, IN_FAMILY)[:, free]
-        return self.from_starts(starts, known)[0]
-
-    def inside(self, root: Root) -> Array | None:
-        """The root inside the limits, if it is there."""
-        return inside(self.arm, self.target, root.theta, self.near, self.tolerances)
-
-    def distance(self, theta: Array) -> float:
-        """From theta0."""
-        return distance(self.arm, theta, self.near)
-
-    def entry(self, members: list[Root], swept: bool) -> Entry:
-        """One answer, or one family by the member that keeps most joints at theta0's value, the nearest of these."""
-        there = [theta for root in members if (theta := self.inside(root)) is not None]
-        free = {i for root in members for i in root.free}
-        own = [i for i in free if i not in self.motions.still]
-        there.sort(key=lambda theta: (-self.at_start(theta, own), self.distance(theta)))
-        first = there[0] if there else members[0].theta
-        if swept and not self.deadline.passed:
-            free |= {*self_motion(self.arm, self.target, first, self.tolerances, self.motions.still, self.dependent)}
-        moving = np.array([float(i in free) for i in range(self.arm.n)])
-        return Entry(first, moving, there, self.distance(first))
-
-    def told(
-        self, method: Method, families: list[list[Root]], copies: bool, tries: tuple[int, int], all_seen: bool
-    ) -> IKSolutions:
-        """The answers inside the limits, nearest first, and those outside; twins are one."""
-        arm, kept = self.arm, list[Entry]()
-        entries = [self.entry(members, bool(method.swept)) for members in families]
-        for each in sorted(entries, key=lambda entry: (not entry.inside, entry.distance)):
-            i = twin(arm, self.target, each.theta, [other.theta for other in kept], self.tolerances)
-            if i is None:
-                kept.append(each)
-            else:
-                kept[i].take(each)
-        within = [entry for entry in kept if entry.inside]
-        if copies:
-            more = [(theta, entry) for entry in within for theta in copied(arm, entry.theta)]
-            within = [Entry(theta, entry.moving, [theta], self.distance(theta)) for theta, entry in more]
-            within.sort(key=lambda entry: entry.distance)
-        beyond = [entry.row for entry in kept if not entry.inside]
-        row = found_row(self.target, self.near, np.array([entry.row for entry in within]), np.array(beyond), tries)
-        late = self.deadline.passed
-        members = tuple(frozen(np.array(entry.inside)) for entry in within)
-        return IKSolutions(
-            arm, row, members, method,
-            all_seen and not late and self.complete(method), self.target, self.tolerances, late, self.rounded,
-        )  # fmt: skip
-
-
-@dataclass(frozen=True, eq=False)
-class Entry:
-    """An answer theta (n,), which joints may move (n,) as 0 and 1, and the members of its family inside the limits."""
-
-    theta: Array
-    moving: Array
-    inside: list[Array]
-    distance: float
-
-    @property
-    def row(self) -> Array:
-        """Both, as a row of `found_row`."""
-        return np.append(self.theta, self.moving)
-
-    def take(self, other: Entry) -> None:
-        """Make the other one with this."""
-        np.maximum(self.moving, other.moving, out=self.moving)
-        self.inside.extend(other.inside)
-
-
-def distance(arm: Arm, theta: Array, near: Array) -> float:
-    """The largest joint difference, in shares of the joint's range, 2π or 1 m where it has none."""
-    span = arm.limits.upper - arm.limits.lower
-    usual = np.where(np.array(arm.units) == "m", 1.0, 2.0 * np.pi)
-    return float((np.abs(theta - near) / np.where(np.isfinite(span) & (span > 0.0), span, usual)).max(initial=0.0))
+    return IKSolutions(arm, found, (), method, is_exact(tolerances), asked, tolerances)
 
 
 def given_joints(arm: Arm, given: Mapping[str, float] | None) -> dict[int, float]:

@@ -416,8 +416,7 @@ def _checked(make: str, *given: Any) -> Array | None:
 
     None leaves it to Python, which converts it or says what is wrong.
     """
-    core = engine.core()
-    numbers: Array | None = None if core is None else getattr(core, make)(*given)
+    numbers: Array | None = engine.asked(make, *given)
     return numbers
 
 

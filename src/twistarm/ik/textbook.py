@@ -13,7 +13,7 @@ import numpy as np
 
 from ..model.arm import Arm
 from ..support.checks import Array
-from . import answer
+from .answer import Answer
 from .deadline import Deadline
 from .ranges import JointRanges, joint_ranges
 from .request import Request
@@ -68,7 +68,7 @@ class Problem(NamedTuple):
     tolerances: Tolerances
 
 
-def solve(arm: Arm, target: AnyTarget, request: Request) -> Array:
+def solve(arm: Arm, target: AnyTarget, request: Request) -> Answer:
     """At most `request.restarts` searches, the first from theta0, the others from random configurations.
 
     The first that meets the tolerances answers, or one that meets them but for the rounding of the axes. Where none
@@ -93,16 +93,11 @@ def solve(arm: Arm, target: AnyTarget, request: Request) -> Array:
     stop = StopReason.CONVERGED if best.converged else StopReason.TIMED_OUT if timed_out else StopReason.EXHAUSTED
     leaves = best.converged and request.posture is None and _leaves_branch(problem, start, best.theta)
     moved = bool((request.theta0 != start).any())
-    return answer.row_of(
-        target,
-        request,
-        best.theta,
-        errors=best.errors,
-        stop=STOPS.index(stop),
-        iterations=steps,
-        restarts=searches,
-        flags=answer.OTHER_BRANCH * leaves + answer.START_MOVED * moved,
-    )
+    met = request.tolerances
+    return Answer(
+        best.theta, np.zeros(arm.n), request.theta0, target.numbers.ravel(), target.kind, met.position, met.orientation,
+        STOPS.index(stop), *best.errors, steps, searches, other_branch=leaves, start_moved=moved,
+    )  # fmt: skip
 
 
 def search(problem: Problem, theta: Array, near: Array) -> Search:

@@ -40,7 +40,6 @@ from ..support.checks import (
 from ..support.display import html_table, in_brief, told
 from ..support.errors import InputError, TwistarmError, UnitsWarning, listed, shown, unknown_name
 from ..support.unit_hints import theta_hint
-from ..theory import poe
 from ..theory.lower_pairs import lower_pairs
 from ..theory.manipulability import Manipulability, manipulability_of
 from ..theory.screws import adjoint, inverse
@@ -48,13 +47,14 @@ from . import engine
 from .almost_exact import almost_exact, rounding_of
 from .baking import Baked, write_baked
 from .configurations import Configurations
+from .kinematics import ByExponentials, ByPinocchio
 from .pinocchio_model import PinocchioModel
 from .ready_pose import Bodies, Mechanism, Overlapping, computed_ready, named_ready
 from .roll_axis import roll_axis
 
 _MADE_WHEN_ASKED = (
-    "_compiled", "rounding", "pinocchio", "ready", "computed_ready", "middle", "tool_axis", "usual_half",
-    "_tool_action",
+    "_compiled", "_kinematics", "_readable", "rounding", "pinocchio", "ready", "computed_ready", "middle", "tool_axis",
+    "usual_half",
 )  # fmt: skip
 
 
@@ -235,26 +235,47 @@ class Arm:
         numbers = self.screws, self.home, self.coupling.A
         return engine.chain_of(*numbers, bounds, self.sampling_bounds, self.reach, self.rounding)
 
+    def _core(self, what: str) -> engine.Chain:
+        """The arm in the compiled core; TwistarmError, which says that `what` needs it and how to get it."""
+        engine.need(what)
+        if self._compiled is None:
+            raise TwistarmError(f"{what} needs the compiled core: {self._why_not_compiled}")
+        return self._compiled
+
+    @property
+    def _why_not_compiled(self) -> str:
+        """Why the arm is not in the compiled core; empty where it is."""
+        if self._compiled is not None:
+            return ""
+        count = max(self.coupling.A.shape)
+        return engine.why_not() or f"its chains have at most {engine.MOST_JOINTS} joints; {self.name} has {count}"
+
+    @cached_property
+    def _readable(self) -> ByExponentials | ByPinocchio:
+        """The kinematics in Python: by Pinocchio, or by exponentials for an arm without a description."""
+        if self.description is None:
+            return ByExponentials(self.screws, self.home, self.coupling.A)
+        return ByPinocchio(self.pinocchio, self.base, self.tip_link, self.tool)
+
+    @cached_property
+    def _kinematics(self) -> engine.Chain | ByExponentials | ByPinocchio:
+        """Who answers forward kinematics and Jacobians: the compiled core, where it has the arm."""
+        return self._readable if self._compiled is None else self._compiled
+
     def by_pinocchio(self, theta: ArrayLike) -> tuple[Array, Array, Array]:
         """g_st (..., 4, 4), J^s and J^b (..., 6, n) by Pinocchio, whatever engine answers `fk`: what proofs compare."""
-        x = self.theta_from(theta)
-        model, g_J = self.pinocchio, self._from_pinocchio
+        kernels = ByPinocchio(self.pinocchio, self.base, self.tip_link, self.tool)
         return (
-            self._each(x, lambda row: g_J(row)[0], (4, 4)),
-            self._each(x, lambda row: model.spatial_jacobian(row, self.base, self.tip_link), (6, self.n)),
-            self._each(x, lambda row: g_J(row)[1], (6, self.n)),
+            self._each(kernels.fk, theta, (4, 4)),
+            self._each(kernels.spatial_jacobian, theta, (6, self.n)),
+            self._each(kernels.body_jacobian, theta, (6, self.n)),
         )
 
     # -- forward kinematics --------------------------------------------------------------------------------------
 
     def fk(self, theta: ArrayLike) -> Array:
         """Forward kinematics g_st(theta), (..., 4, 4): the tool seen from the base."""
-        if self._compiled is not None:
-            return self._by_core(self._compiled.fk, theta, (4, 4))
-        x = self.theta_from(theta)
-        if self.description is None:
-            return poe.fk(self.screws, self.home, x @ self.coupling.A.T)
-        return self._each(x, lambda row: self._from_pinocchio(row)[0], (4, 4))
+        return self._asked(self._kinematics.fk, theta, (4, 4))
 
     def pose(self, theta: ArrayLike, frame: str) -> Array:
         """Pose (..., 4, 4) of a frame of `frame_names` seen from the base.
@@ -279,7 +300,9 @@ class Arm:
         if self.description is None:
             return self._identity(theta)
         model = self.pinocchio
-        return self._each(self.theta_from(theta), lambda row: model.link_pose(model.q(row), self.base, frame), (4, 4))
+        return self._each(
+            lambda rows: np.array([model.link_pose(model.q(row), self.base, frame) for row in rows]), theta, (4, 4)
+        )
 
     def poses(self, theta: ArrayLike, others: Mapping[str, float] | None = None) -> dict[str, Array]:
         """Pose (..., 4, 4) of every frame seen from the base, {frame: g}.
@@ -316,22 +339,11 @@ class Arm:
 
     def spatial_jacobian(self, theta: ArrayLike) -> Array:
         """Spatial Jacobian J^s (..., 6, n): V^s = J^s θ̇ with V^s = (ġ g⁻¹)^∨, linear part first. MLS §3.4.1."""
-        if self._compiled is not None:
-            return self._by_core(self._compiled.spatial_jacobian, theta, (6, self.n))
-        x = self.theta_from(theta)
-        if self.description is None:
-            return poe.spatial_jacobian(self.screws, x @ self.coupling.A.T) @ self.coupling.A
-        model = self.pinocchio
-        return self._each(x, lambda row: model.spatial_jacobian(row, self.base, self.tip_link), (6, self.n))
+        return self._asked(self._kinematics.spatial_jacobian, theta, (6, self.n))
 
     def body_jacobian(self, theta: ArrayLike) -> Array:
         """Body Jacobian J^b (..., 6, n): V^b = J^b θ̇ with V^b = (g⁻¹ ġ)^∨, linear part first. MLS §3.4.1."""
-        if self._compiled is not None:
-            return self._by_core(self._compiled.body_jacobian, theta, (6, self.n))
-        x = self.theta_from(theta)
-        if self.description is None:
-            return poe.body_jacobian(self.screws, self.home, x @ self.coupling.A.T) @ self.coupling.A
-        return self._each(x, lambda row: self._from_pinocchio(row)[1], (6, self.n))
+        return self._asked(self._kinematics.body_jacobian, theta, (6, self.n))
 
     def hybrid_jacobian(self, theta: ArrayLike) -> Array:
         """(..., 6, n): velocity of the tool's origin and its angular velocity, both in base axes.
@@ -366,17 +378,8 @@ class Arm:
 
     def _fk_and_body_jacobian(self, theta: Array) -> tuple[Array, Array]:
         """g_st (4, 4) and J^b (6, n) of one configuration in one pass, unchecked: for solvers' inner loops."""
-        if self._compiled is not None:
-            both = self._compiled.fk_and_body_jacobian(theta)
-            if both is not None:
-                return both
-        if self.description is not None:
-            return self._from_pinocchio(theta)
-        x = self.coupling.A @ theta
-        return (
-            poe.fk(self.screws, self.home, x),
-            poe.body_jacobian(self.screws, self.home, x) @ self.coupling.A,
-        )
+        both = self._kinematics.fk_and_body_jacobian(theta)
+        return self._readable.fk_and_body_jacobian(theta) if both is None else both
 
     # -- statics -------------------------------------------------------------------------------------------------
 
@@ -424,7 +427,10 @@ class Arm:
         """
         x = self.theta_from(theta)
         g, com = _one_vector(gravity, "gravity"), _one_vector(payload_com, "payload_com")
-        held = self._each(x, lambda row: self.pinocchio.gravity_torques(row, self.base, g), (self.n,))
+        model = self.pinocchio
+        held = self._each(
+            lambda rows: np.array([model.gravity_torques(row, self.base, g) for row in rows]), x, (self.n,)
+        )
         mass = as_number(payload, "payload")
         if mass < 0:
             raise InputError(f"payload must not be negative, in kg; got {mass:g}")
@@ -590,32 +596,17 @@ class Arm:
         """The base seen from itself, one for each configuration."""
         return np.tile(np.eye(4), (*self.theta_from(theta).shape[:-1], 1, 1))
 
-    def _by_core(self, kernel: Callable[[object], Array | None], theta: ArrayLike, shape: tuple[int, ...]) -> Array:
-        """`kernel` of theta as it is, or made float64 (N, n) where it is not."""
-        answer = kernel(theta)
-        if answer is not None:
-            return answer
+    def _asked(self, kernel: Callable[[Any], Array | None], theta: ArrayLike, shape: tuple[int, ...]) -> Array:
+        """`kernel` of theta: as it is where the core takes it so, else made float64 (N, n) first."""
+        answer = kernel(theta) if self._compiled is not None else None
+        return self._each(kernel, theta, shape) if answer is None else answer
+
+    def _each(self, kernel: Callable[[Any], Array | None], theta: ArrayLike, shape: tuple[int, ...]) -> Array:
+        """`kernel` of each configuration of theta (..., n)."""
         x = self.theta_from(theta)
         answers = kernel(np.require(x.reshape(-1, self.n), np.float64, ["C", "A"]))
         assert answers is not None
         return answers.reshape(*x.shape[:-1], *shape)
-
-    def _each(self, x: Array, function: Any, shape: tuple[int, ...]) -> Array:
-        """`function` of each configuration of a batch: Pinocchio takes one at a time."""
-        if x.ndim == 1:
-            return np.asarray(function(x))
-        rows = [function(row) for row in x.reshape(-1, self.n)]
-        return np.array(rows).reshape(*x.shape[:-1], *shape)
-
-    def _from_pinocchio(self, theta: Array) -> tuple[Array, Array]:
-        g, J = self.pinocchio.pose_and_body_jacobian(theta, self.base, self.tip_link)
-        if self.tip == self.tip_link:
-            return g, J
-        return g @ self.tool, self._tool_action @ J
-
-    @cached_property
-    def _tool_action(self) -> Array:
-        return adjoint(inverse(self.tool))
 
     def _check_others(self, others: Mapping[str, float]) -> None:
         masters = {affine.master for affine in self.couplings.values() if affine.master is not None}

@@ -6,15 +6,16 @@ import importlib
 import logging
 from functools import cache
 from types import ModuleType
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from ..support.checks import Array
+from ..support.errors import TwistarmError
 
 if TYPE_CHECKING:
     from .._core import Chain as Chain
     from .._core import Servo as Servo
 
-INTERFACE = 15
+INTERFACE = 16
 """Of the compiled core that this Python speaks to; one more whenever the meaning of a call changes."""
 
 MOST_JOINTS = 32
@@ -34,6 +35,20 @@ def core() -> ModuleType | None:
 def why_not() -> str:
     """Why there is no compiled core and what to do, in one line; empty where there is one."""
     return _found()[1]
+
+
+def need(what: str) -> ModuleType:
+    """The compiled core. Raises TwistarmError where there is none: `what` needs it, and how to get it."""
+    module = core()
+    if module is None:
+        raise TwistarmError(f"{what} needs the compiled core: {why_not()}")
+    return module
+
+
+def asked(name: str, *given: object) -> Any:
+    """The answer of a function of the core; None where there is no core or Python has to look at what was given."""
+    module = core()
+    return None if module is None else getattr(module, name)(*given)
 
 
 def instruction_set() -> str:

@@ -34,8 +34,7 @@ def shortest_spline(way: Array, degree: int, rates: JointLimits, durations: Arra
     The cubic or quintic spline goes `way` (s, r) on each segment, each of the r rows within its `rates`.
     """
     limits = (rates.velocity, rates.acceleration, rates.jerk)
-    core = engine.core()
-    found = None if core is None else core.shortest_spline(way, *limits, durations, degree)
+    found: Array | None = engine.asked("shortest_spline", way, *limits, durations, degree)
     return in_numpy(way, degree, limits, durations) if found is None else found
 
 

@@ -14,7 +14,6 @@ import numpy as np
 from ..description.bounds import WIDE
 from ..description.tree import Description
 from ..limits.joint_units import slides
-from ..model import engine
 from ..model.arm import Arm, require_arm
 from ..support.checks import Array, as_whole, frozen, require_callback
 from ..support.display import Brief
@@ -211,7 +210,7 @@ def _pinocchio(arm: Arm, theta: Array) -> list[EngineComparison]:
 def _core(arm: Arm, theta: Array) -> list[EngineComparison]:
     """The compiled core, whose answers are the arm's wherever it was built."""
     if arm._compiled is None:
-        return [_skipped("pose, J^s, J^b", "core", engine.why_not() or "it has more joints than the core holds")]
+        return [_skipped("pose, J^s, J^b", "core", arm._why_not_compiled)]
     answers = arm.fk(theta), arm.spatial_jacobian(theta), arm.body_jacobian(theta)
     return _kinematics(("poe", "core"), by_exponentials(arm, theta), answers, theta, POSE_TOL * _size(arm))
 

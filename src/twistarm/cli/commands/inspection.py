@@ -114,7 +114,7 @@ def engine_of(arm: Arm) -> str:
 
 def engine_view(arm: Arm) -> str:
     """The engine, and why it is not the compiled core."""
-    why_not = "" if arm._compiled is not None else engine.why_not() or "the arm has more than 32 joints"
+    why_not = arm._why_not_compiled
     return f"engine: {engine_of(arm)}" + (f"; no compiled core: {why_not}" if why_not else "")
 
 

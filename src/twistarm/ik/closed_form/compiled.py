@@ -62,11 +62,10 @@ def family_numbers(arm: Arm, chain: Chain, family: Family, held: tuple[int, ...]
 
 def compiled(arm: Arm, kind: int, numbers: FamilyNumbers) -> ClosedForm | None:
     """The family for targets of a `kind` in the core; None where the arm is not in the core."""
-    core = engine.core()
-    if core is None or arm._compiled is None:
-        return None
-    solver: ClosedForm = core.ClosedForm(arm._compiled, kind, *numbers)
-    return solver
+    found: ClosedForm | None = None
+    if arm._compiled is not None:
+        found = engine.asked("ClosedForm", arm._compiled, kind, *numbers)
+    return found
 
 
 def _kept(kept: Point | Plane | None) -> tuple[int, Array]:

@@ -4,10 +4,9 @@ from __future__ import annotations
 
 import numpy as np
 
-from ...ik.all_solutions_row import LEFT, configurations_in
-from ...ik.batch import solve_ik_batch
 from ...ik.closed_form.methods import family_method
 from ...ik.ranges import joint_ranges
+from ...ik.searches import searched
 from ...ik.targets import AnyTarget
 from ...ik.task_space import Tolerances
 from ...model.arm import Arm
@@ -56,28 +55,25 @@ def _by_closed_form(arm: Arm, target: AnyTarget, starts: Array) -> tuple[Array, 
         return starts[:0], False
     held = list(method.held)
     values = np.ascontiguousarray(starts[: None if method.swept else TURNED, held]) if held else None
-    row = method.compiled.solve(target.numbers, np.array(starts[0]), values, EXACT, EXACT)
-    assert row is not None, "what was checked is plain"
-    inside, _ = configurations_in(row, arm.n)
-    theta, moving = inside[:, : arm.n], inside[:, arm.n :] > 0.5
+    found = method.compiled.solve(target.numbers, np.array(starts[0]), values, EXACT, EXACT)
+    assert found is not None, "what was checked is plain"
+    theta, moving = found.theta[: found.inside], np.array(found.moves[: found.inside])
     moving[:, held] = False
     if len(theta) > MOST:
         theta = theta[np.append(np.arange(MOST // 2), np.linspace(MOST // 2, len(theta) - 1, MOST // 2).astype(int))]
     if held:
         theta = np.vstack([_nearest(arm, target, starts[0]), theta])
-    return theta, not row[LEFT] and not moving.any()
+    return theta, not found.left and not moving.any()
 
 
 def _by_searches(arm: Arm, target: AnyTarget, starts: Array, met: Tolerances) -> Array:
     """What a search from each of the starts finds, (k, n)."""
-    found = solve_ik_batch(arm, [target] * len(starts), starts, **met.keywords, restarts=1)
-    return found.theta[found.converged]
+    return searched(arm, [target] * len(starts), starts, met).met
 
 
 def _nearest(arm: Arm, target: AnyTarget, near: Array) -> Array:
     """The configuration that is as near to `near` as the target leaves it, (1, n), or none."""
-    found = solve_ik_batch(arm, [target], near[None], **ALL_BUT_EXACT.keywords, posture="theta0")
-    return found.theta[found.converged]
+    return searched(arm, [target], near[None], ALL_BUT_EXACT, restarts=100, posture="theta0").met
 
 
 def _in_order(thetas: Array, near: Array) -> Array:

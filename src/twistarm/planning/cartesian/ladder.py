@@ -93,11 +93,10 @@ class _Climber:
         found = method.compiled.solve_batch(numbers, near, EXACT, EXACT, 1)
         if found is None:
             return None
-        rows, count, inside, left = found
-        theta, met = near.copy(), inside > 0
-        if (left[~met] > 0).any():
+        theta, met = near.copy(), found.inside > 0
+        if found.families[~met].any():
             return None
-        theta[met] = rows[(np.cumsum(count) - count).astype(np.intp)[met], : self.arm.n]
+        theta[met] = found.theta[(np.cumsum(found.count) - found.count)[met]]
         return theta, met
 
 

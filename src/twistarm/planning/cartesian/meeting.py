@@ -7,7 +7,7 @@ from collections.abc import Callable
 import numpy as np
 from numpy.typing import NDArray
 
-from ...ik.batch import solve_ik_batch
+from ...ik.searches import searched
 from ...ik.targets import AnyTarget, Pose
 from ...ik.task_space import Tolerances
 from ...model.arm import Arm
@@ -59,10 +59,10 @@ def _within(arm: Arm, moving: MovingTarget, ideal: Array, near: Array) -> Met:
 
 
 def _searched(arm: Arm, moving: MovingTarget, ideal: Array, near: Array, met: Tolerances) -> Met:
-    answer = solve_ik_batch(arm, targets_at(moving.like, ideal), near, **met.keywords, restarts=1)
-    return answer.theta, answer.converged
+    found = searched(arm, targets_at(moving.like, ideal), near, met)
+    return found.theta, found.converged
 
 
 def targets_at(like: AnyTarget, ideal: Array) -> Array | list[AnyTarget]:
-    """The targets like that one at poses (k, 4, 4), as `solve_ik_batch` takes them: those of poses are an array."""
+    """The targets like that one at poses (k, 4, 4), as `searched` takes them: those of poses are an array."""
     return ideal if isinstance(like, Pose) else [like.at(each) for each in ideal]

@@ -38,11 +38,8 @@ def path_velocity(path: LimitedPath, grid: Array) -> Profile:
     Backwards: from which x the end can be reached at rest. Forwards: the largest x, interval by interval, that stays
     among those. Every interval's region of (x0, x1) is convex and holds (0, 0), so neither pass can fail.
     """
-    core = engine.core()
-    found = None if core is None else core.path_velocity(*vars(path).values(), grid, _most(path))
-    if found is None:
-        return in_numpy(path, grid)
-    return Profile(*found)
+    found = engine.asked("path_velocity", *vars(path).values(), grid, _most(path))
+    return in_numpy(path, grid) if found is None else Profile(*found)
 
 
 def in_numpy(path: LimitedPath, grid: Array) -> Profile:

@@ -1,0 +1,66 @@
+"""Searches for many targets, in the compiled core where the arm is in it, else one after the other."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..model.arm import Arm
+from ..support.checks import Array
+from .batch import Progress, solve_ik_batch
+from .deadline import Deadline
+from .solve import solve_ik
+from .targets import AnyTarget
+from .task_space import Tolerances
+
+USUAL = Tolerances(1e-6, 1e-6)
+"""Of these searches; what they meet but for the rounding of the axes is not `exact`."""
+
+
+class Searched(NamedTuple):
+    """Where each search ended (k, n), whether that meets its target, whether exactly (k,); how many were run."""
+
+    theta: Array
+    converged: NDArray[np.bool_]
+    exact: NDArray[np.bool_]
+    run: int
+
+    @property
+    def met(self) -> Array:
+        """The configurations that meet their targets, (m, n)."""
+        return self.theta[self.converged]
+
+
+def searched(
+    arm: Arm,
+    targets: Array | Sequence[AnyTarget],
+    starts: Array,
+    met: Tolerances = USUAL,
+    *,
+    restarts: int = 1,
+    posture: str | None = None,
+    max_time: float | None = None,
+    progress: Progress | None = None,
+) -> Searched:
+    """What `solve_ik` finds for each target (poses (k, 4, 4), or a sequence) from its start (k, n)."""
+    if arm._compiled is not None:
+        batch = solve_ik_batch(
+            arm, targets, starts, **met.keywords, restarts=restarts, posture=posture, max_time=max_time,
+            progress=progress,
+        )  # fmt: skip
+        exact = (batch.position_error <= met.position) & (batch.orientation_error <= met.orientation)
+        return Searched(batch.theta, batch.converged, exact, int((batch.restarts > 0).sum()))
+    deadline = Deadline.after(np.inf if max_time is None else max_time)
+    theta, run = np.array(starts), 0
+    converged, exact = np.zeros((2, len(starts)), dtype=np.bool_)
+    for target, start in deadline.until(zip(targets, starts, strict=True)):
+        left = None if max_time is None else max(deadline.left, 1e-6)
+        found = solve_ik(arm, target, start, **met.keywords, restarts=restarts, posture=posture, max_time=left)
+        theta[run], converged[run], exact[run] = found.theta, found.converged, found.converged and not found.rounded
+        run += 1
+        if progress is not None:
+            progress(run, len(starts))
+    return Searched(theta, converged, exact, run)

@@ -1,0 +1,66 @@
+"""Kinematics of a chain where the compiled core has it not: by Pinocchio, and by exponentials without a description.
+
+Both answer as `_core.Chain` does, for configurations (N, n).
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from ..support.checks import Array
+from ..theory import poe
+from ..theory.screws import adjoint, inverse
+from .pinocchio_model import PinocchioModel
+
+
+@dataclass(frozen=True, eq=False)
+class ByExponentials:
+    """g_st(theta) = Π exp(ξ_i (Aθ)_i) · home and its Jacobians, from screws (6, m), home (4, 4) and A (m, n)."""
+
+    screws: Array
+    home: Array
+    A: Array
+
+    def fk(self, theta: Array) -> Array:
+        """g_st (..., 4, 4). MLS §3.2.2, eq. 3.3."""
+        return poe.fk(self.screws, self.home, theta @ self.A.T)
+
+    def spatial_jacobian(self, theta: Array) -> Array:
+        """J^s (..., 6, n), linear part first. MLS §3.4.1."""
+        return poe.spatial_jacobian(self.screws, theta @ self.A.T) @ self.A
+
+    def body_jacobian(self, theta: Array) -> Array:
+        """J^b (..., 6, n), linear part first. MLS §3.4.1."""
+        return poe.body_jacobian(self.screws, self.home, theta @ self.A.T) @ self.A
+
+    def fk_and_body_jacobian(self, theta: Array) -> tuple[Array, Array]:
+        """Both."""
+        return self.fk(theta), self.body_jacobian(theta)
+
+
+class ByPinocchio:
+    """The same by Pinocchio, which takes one configuration at a time; `tool` (4, 4) is the tip seen from its link."""
+
+    def __init__(self, model: PinocchioModel, base: str, link: str, tool: Array) -> None:
+        self._model, self._links = model, (base, link)
+        self._tool, self._action = tool, adjoint(inverse(tool))
+
+    def fk(self, theta: Array) -> Array:
+        """g_st (N, 4, 4)."""
+        return np.array([self.fk_and_body_jacobian(row)[0] for row in theta]).reshape(-1, 4, 4)
+
+    def spatial_jacobian(self, theta: Array) -> Array:
+        """J^s (N, 6, n), linear part first."""
+        each = [self._model.spatial_jacobian(row, *self._links) for row in theta]
+        return np.array(each).reshape(-1, 6, theta.shape[1])
+
+    def body_jacobian(self, theta: Array) -> Array:
+        """J^b (N, 6, n), linear part first."""
+        return np.array([self.fk_and_body_jacobian(row)[1] for row in theta]).reshape(-1, 6, theta.shape[1])
+
+    def fk_and_body_jacobian(self, theta: Array) -> tuple[Array, Array]:
+        """g_st (4, 4) and J^b (6, n) of one configuration (n,)."""
+        g, J = self._model.pose_and_body_jacobian(theta, *self._links)
+        return g @ self._tool, self._action @ J
