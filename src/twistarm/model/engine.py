@@ -9,6 +9,7 @@ from types import ModuleType
 from typing import TYPE_CHECKING
 
 from ..support.checks import Array
+from ..support.errors import TwistarmError
 
 if TYPE_CHECKING:
     from .._core import Chain as Chain
@@ -34,6 +35,14 @@ def core() -> ModuleType | None:
 def why_not() -> str:
     """Why there is no compiled core and what to do, in one line; empty where there is one."""
     return _found()[1]
+
+
+def need(what: str) -> ModuleType:
+    """The compiled core. Raises TwistarmError where there is none: `what` needs it, and how to get it."""
+    module = core()
+    if module is None:
+        raise TwistarmError(f"{what} needs the compiled core: {why_not()}")
+    return module
 
 
 def instruction_set() -> str:
@@ -68,11 +77,11 @@ def chain_of(
     return chain
 
 
-def servo_of(arrays: tuple[Array, ...], length: float, below: float, damping: float, stops: bool) -> Servo | None:
-    """The servo of an arm in the core, from what `_core.Servo` takes; None as for `chain_of`."""
-    module = core()
-    if module is None or max(max(array.shape) for array in arrays[2:5]) > MOST_JOINTS:
-        return None
+def servo_of(arrays: tuple[Array, ...], length: float, below: float, damping: float, stops: bool) -> Servo:
+    """The servo of an arm in the core, from what `_core.Servo` takes. TwistarmError as for `need`, or for its size."""
+    module, most = need("the servo"), max(max(array.shape) for array in arrays[2:5])
+    if most > MOST_JOINTS:
+        raise TwistarmError(f"the servo drives at most {MOST_JOINTS} joints or motors; this arm has {most}")
     servo: Servo = module.Servo(*arrays, length, below, damping, stops)
     return servo
 

@@ -15,8 +15,8 @@
 // Its directions that a posture nearly lacks count as whole, so that no joint moves the tool along them to second order.
 //
 // D. E. Whitney, Resolved motion rate control of manipulators and human prostheses, IEEE T-MMS 10(2), 1969. Everything
-// here is scaled to radians: metres are measured in a length, and a slide's rates too. The readable twin is
-// src/twistarm/servo/resolved_rates.py.
+// here is scaled to radians: metres are measured in a length, and a slide's rates too. In NumPy:
+// tests/reference/servo/rates.py.
 #pragma once
 
 #include "../numeric/box.hpp"
@@ -97,10 +97,10 @@ template <class T, int N, int M> struct rate_solver {
     const held_rows<T>& held;
     bool base_axes;
     T damping, posture[most];
-    six_rows<T, N> J, firm, led;  // firm: J where held directions that are nearly lost count as whole; led: as it will be
+    six_rows<T, N> J, led, firm;  // led: J as it will be; firm: J where held directions that are nearly lost count as whole, if `turned`
     direction<T, N> found[6];
     T calm[most][most];  // what is damped beside τ, where `turned`
-    bool turned;
+    bool turned;   // whether any held direction is nearly lost
     int rank;     // how many of them
     T turning;    // 0 … 1: how far the tool may turn as it will, on its course out of a singular position
     bool placed;  // whether they are those of the position
@@ -112,9 +112,8 @@ template <class T, int N, int M> struct rate_solver {
         : arm(arm_), bounds(bounds_), levels(levels_), held(held_), base_axes(base), damping(greatest(bounds_.damping, steps_damped<T> * period)), turned(false), rank(0), turning(T(0)), placed(false) {
         for (int k = 0; k < n(); ++k) posture[k] = theta[k];
         jacobian(posture, J);
-        copy(J, firm);
+        copy(J, led);
         if (levels.firm) hold_firmly();
-        copy(firm, led);
     }
 
     /// Held directions that this posture nearly lacks count as whole: what moves them is as good as fixed, here and beside.
@@ -128,13 +127,14 @@ template <class T, int N, int M> struct rate_solver {
         for (int d = 0; d < rank; ++d)
             if (found[d].sigma < left_behind<T>) fix(found[d]);
         rank = 0;
+        if (turned) copy(led, firm);
     }
 
     /// Fixes a held direction. Its joint motion v turns by (∂J/∂x)ᵀ u / σ: the less is left of it, the more that is damped.
     void fix(const direction<T, N>& held) {
         if (!(norm(held.v, n()) > T(0))) return;
         for (int i = 0; i < 6; ++i)
-            for (int k = 0; k < n(); ++k) firm[i][k] += (left_behind<T> - held.sigma) * held.u[i] * held.v[k];
+            for (int k = 0; k < n(); ++k) led[i][k] += (left_behind<T> - held.sigma) * held.u[i] * held.v[k];
         T turns[most][most];
         for (int j = 0; j < n(); ++j) {
             six_rows<T, N> there;
@@ -338,7 +338,7 @@ template <class T, int N, int M> struct rate_solver {
 
     /// The rows as they will be.
     void lead() {
-        copy(firm, led);
+        copy(turned ? firm : J, led);
         turning = T(0);
         for (int d = 0; bounds.stops && placed && d < rank; ++d) turning = greatest(turning, found[d].leaving);
         for (int d = 0; d < rank; ++d)
@@ -416,13 +416,18 @@ template <class T, int N, int M> struct rate_solver {
     /// last norm until that stands: E. Weiszfeld, Tôhoku Math. J. 43, 1937. (Rounds that go on as the last two went take
     /// half as many, but where they end jumps from step to step, and the arm shook.)
     void operator()(const T* asked, const T* lower, const T* upper, sides<most>& at, T* x) const {
-        const T tip = rounded_off<T> * norm(asked, 6);
         for (int k = 0; k < n(); ++k) {
             x[k] = clamped(T(0), lower[k], upper[k]);
             at[k] = 0;
         }
+        go_on(asked, lower, upper, most_rounds, at, x);
+    }
+
+    /// At most so many rounds from the rates x.
+    void go_on(const T* asked, const T* lower, const T* upper, int rounds, sides<most>& at, T* x) const {
+        const T tip = rounded_off<T> * norm(asked, 6);
         if (!(tip * tip > T(0))) return;  // nothing, or so little that its square is
-        for (int round = 0; round < most_rounds; ++round) {
+        for (int round = 0; round < rounds; ++round) {
             T H[most][most], r[most], before[most], change = T(0), size = T(0);
             weigh(asked, x, tip, H, r);
             for (int k = 0; k < n(); ++k) before[k] = x[k];

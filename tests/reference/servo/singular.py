@@ -8,9 +8,10 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ..support.checks import Array
-from ..support.directions import leading
-from .resolved_rates import PRECEDENCE, RateTask
+from twistarm.support.checks import Array
+from twistarm.support.directions import leading
+
+from .rates import PRECEDENCE, RateTask
 
 BESIDE = 0.02
 """How far beside a posture one looks for directions that it lacks [scaled rad]."""
