@@ -128,12 +128,16 @@ class Where:
 
 @dataclass(frozen=True, eq=False)
 class Goal:
-    """The task of a command, where it is, the pose that is held after it, and how far a goal is, [m], [rad]."""
+    """The task of a command, where it is, the pose that is held after it, and how far a goal is, [m], [rad].
+
+    steady: what is asked stays the same in base axes while the arm moves.
+    """
 
     task: RateTask
     where: Where
     held: Array | None
     remaining: tuple[float, float]
+    steady: bool = False
 
 
 def _goal(arm: Arm, bounds: Bounds, state: ServoState, command: TwistCommand | PoseCommand, dt: float) -> Goal:
@@ -149,7 +153,8 @@ def _goal(arm: Arm, bounds: Bounds, state: ServoState, command: TwistCommand | P
     asked = _scaled(bounds, command.twist)
     if not held:
         where = Where(arm, bounds, ahead, command.frame, None, ())
-        return Goal(replace(_task(where, state.period), asked=asked), where, None, (0.0, 0.0))
+        task = replace(_task(where, state.period), asked=asked)
+        return Goal(task, where, None, (0.0, 0.0), command.frame == BASE)
     kept = state.held if state.held is not None and state.holding == command.flags else g
     error = _error(g, kept, command.frame)
     where = Where(arm, bounds, ahead, command.frame, _astray(bounds, error, command), held)
@@ -272,7 +277,7 @@ def _rates(bounds: Bounds, state: ServoState, goal: Goal, dt: float) -> Wanted:
     size = max(float(np.linalg.norm(task.asked)), NOTHING)
     lost = task.asked - task.J @ x
     place = where.place()
-    beside = singular(place, task, lost, bounds.singular_below, bounds.stops)
+    beside = singular(place, task, lost, bounds.singular_below, bounds.stops, goal.steady)
     if beside is not None:
         part, joint = beside.part(lost, bounds.singular_below)
         if part > NOTICED * size * size:

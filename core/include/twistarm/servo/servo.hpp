@@ -357,7 +357,8 @@ template <class T, int N, int M> struct servo {
         free_rates(solver, asked, x);
         solver.rest(solver.J, asked, x, left);
         const T size = greatest(norm(asked, 6), nothing<T>), lost = norm(left, 6) / size;
-        if (lost > missed<T> && solver.look_beside(asked, left, lost)) {
+        const bool steady = command.kind == servo_kind::twist && command.base_axes && !solver.levels.firm;
+        if (lost > missed<T> && solver.look_beside(asked, left, lost, steady)) {
             int joint = -1;
             if (solver.singular_part(left, joint) > T(noticed) * size * size) blame(servo_cause::singularity, joint);
             free_rates(solver, asked, x);
