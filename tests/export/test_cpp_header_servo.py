@@ -129,5 +129,5 @@ def test_more_motors_than_the_core_holds() -> None:
         ("rad",) * k,
         np.full(k, np.nan),
     )
-    with pytest.raises(TwistarmError, match="a C\\+\\+ header holds at most 32 motors; rover_arm has 33"):
+    with pytest.raises(TwistarmError, match="the servo drives at most 32 joints or motors; this arm has 33"):
         cpp_header(replace(arm, actuators=motors))

@@ -1,1 +1,1 @@
-"""What judges inverse kinematics from outside: SciPy's optimisers and the conditions of optimality."""
+"""What judges the core from outside: SciPy's optimisers, the conditions of optimality, the servo's law in NumPy."""

@@ -11,7 +11,8 @@ import numpy as np
 import pytest
 
 from catalogue import load
-from twistarm import InputError, UnknownNameError, arm_from_screws, joints
+from twistarm import InputError, TwistarmError, UnknownNameError, arm_from_screws, joints
+from twistarm.model import engine
 from twistarm.servo import JogCommand, PoseCommand, ServoSettings, ServoState, ServoStatus, TwistCommand, servo_step
 
 DT = 0.01
@@ -216,3 +217,11 @@ def check_memory(steps):
     finally:
         tracemalloc.stop()
     assert grown < 20_000
+
+
+def test_where_there_is_no_core_it_says_how_to_get_one(monkeypatch):
+    monkeypatch.setattr(engine, "core", lambda: None)
+    monkeypatch.setattr(engine, "why_not", lambda: "it was not compiled; compile it")
+    arm = arm_from_screws(joints.revolute([0, 0, 1], [0, 0, 0]), np.eye(4))
+    with pytest.raises(TwistarmError, match="^the servo needs the compiled core: it was not compiled; compile it$"):
+        servo_step(arm, ServoState.at(arm, [0.0]), MOVING, DT)

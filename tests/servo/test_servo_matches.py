@@ -1,4 +1,4 @@
-"""The compiled step of the servo against the readable one: the same rates, causes and losses."""
+"""The compiled step of the servo against the one in NumPy: the same rates, causes and losses."""
 
 from __future__ import annotations
 
@@ -6,8 +6,9 @@ import numpy as np
 import pytest
 
 from catalogue import load
+from reference.servo.step import step
 from servo_drives import next_command, random_arm
-from twistarm.servo import ServoSettings, ServoState, TwistCommand, readable
+from twistarm.servo import ServoSettings, ServoState, TwistCommand
 from twistarm.servo.bounds import bounds_of
 from twistarm.servo.command import held_components
 from twistarm.servo.step import _answer
@@ -27,8 +28,8 @@ def _compiled():
 
 
 def same(arm, bounds, state, command, dt=0.01):
-    """The compiled step's answer, once it is seen to be the readable one's."""
-    ours, theirs = _answer(arm, bounds, state, command, dt), readable.step(arm, bounds, state, command, dt)
+    """The compiled step's answer, once it is seen to be the other one's."""
+    ours, theirs = _answer(arm, bounds, state, command, dt), step(arm, bounds, state, command, dt)
     assert ours.cause == theirs.cause
     assert ours.row == theirs.row
     assert ours.halted == theirs.halted

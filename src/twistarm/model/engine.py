@@ -83,11 +83,11 @@ def chain_of(
     return chain
 
 
-def servo_of(arrays: tuple[Array, ...], length: float, below: float, damping: float, stops: bool) -> Servo | None:
-    """The servo of an arm in the core, from what `_core.Servo` takes; None as for `chain_of`."""
-    module = core()
-    if module is None or max(max(array.shape) for array in arrays[2:5]) > MOST_JOINTS:
-        return None
+def servo_of(arrays: tuple[Array, ...], length: float, below: float, damping: float, stops: bool) -> Servo:
+    """The servo of an arm in the core, from what `_core.Servo` takes. TwistarmError as for `need`, or for its size."""
+    module, most = need("the servo"), max(max(array.shape) for array in arrays[2:5])
+    if most > MOST_JOINTS:
+        raise TwistarmError(f"the servo drives at most {MOST_JOINTS} joints or motors; this arm has {most}")
     servo: Servo = module.Servo(*arrays, length, below, damping, stops)
     return servo
 

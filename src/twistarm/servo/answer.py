@@ -1,4 +1,4 @@
-"""The answer of one servo step as plain numbers: the same from the compiled and from the readable step."""
+"""The answer of one servo step as plain numbers."""
 
 from __future__ import annotations
 

@@ -30,21 +30,12 @@ class Bounds:
     singular_below: float
     damping: float
     stops: bool
-    compiled: engine.Servo | None
+    compiled: engine.Servo
 
     @property
     def n(self) -> int:
         """Degrees of freedom."""
         return len(self.unit)
-
-    def stopping_time(self, rates: Array) -> float:
-        """How long [s] a straight stop from joint rates (n,) takes."""
-        return float((np.abs(self.motion.C @ rates) / self.motion.limits.acceleration).max())
-
-    def velocity_share(self, rates: Array) -> tuple[float, int]:
-        """The share of the joint rates (n,) that keeps every velocity limit, and the row of `motion` that decides."""
-        used = np.abs(self.motion.C @ rates) / self.motion.limits.velocity
-        return 1.0 / max(1.0, float(used.max())), int(used.argmax())
 
 
 _KEPT: weakref.WeakKeyDictionary[Arm, dict[ServoSettings, Bounds]] = weakref.WeakKeyDictionary()

@@ -178,7 +178,7 @@ class ServoOutput(Brief):
 
     @classmethod
     def of(cls, answer: Answer, bounds: Bounds, asked: Asked) -> ServoOutput:
-        """The output that stands for an answer of the compiled or of the readable step.
+        """The output that stands for an answer of the compiled step.
 
         Args:
             answer: The step's answer as plain numbers.

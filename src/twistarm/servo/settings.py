@@ -17,7 +17,7 @@ class ServoSettings:
     """Settings of `servo_step`.
 
     length [m]: what makes a metre comparable with a radian in singular values; None: the arm's `reach`.
-    damping [s]: the τ of the servo's law (`resolved_rates`). A twist of size V, in rad/s, is done exactly where the
+    damping [s]: the τ of the servo's law (docs/servo.md). A twist of size V, in rad/s, is done exactly where the
     Jacobian's singular values are above √(τ V); it is at least three steps. More is calmer near singularities.
     beyond: "slide" or "stop", what becomes of a twist that the arm cannot follow, because a joint is at its limit or
     the reach ends: the tool slides along as far as it can, or slows down and stops on its course.

@@ -9,7 +9,6 @@ import numpy as np
 from ..model.arm import Arm, require_arm
 from ..support.checks import as_pose, frozen, require
 from ..support.errors import InputError, shown
-from . import readable
 from .answer import Answer, Cause
 from .bounds import Bounds, bounds_of
 from .command import AnyCommand, CommandLike, JogCommand, PoseCommand, TwistCommand
@@ -31,7 +30,7 @@ def servo_step(
     acceleration limits, and the status is STALE with the reason. A dt outside (0, settings.longest_dt], or a state that
     is not finite, is refused the same way, with rates of 0 at once.
 
-    The rates are the least of one strictly convex function (`resolved_rates`), continuous in posture and command.
+    The rates are the least of one strictly convex function, continuous in posture and command (docs/servo.md).
     Away from singularities a twist is done exactly. Where the arm lacks directions (below six joints, at a limit), what
     matters more comes first: held components, then the linear part, then the angular part; what the arm cannot do is
     lost and reported. Near a singularity a direction that would take fast joints is damped where the motion approaches
@@ -55,6 +54,7 @@ def servo_step(
 
     Raises:
         InputError: The arm, the state or the settings are of another type.
+        TwistarmError: There is no compiled core, or the arm has more than 32 joints or motors.
     """
     require(state, ServoState, "state", "as ServoState.at(arm, theta) makes it")
     bounds = bounds_of(require_arm(arm), require(settings, ServoSettings, "settings", "as ServoSettings() is"))
@@ -95,8 +95,6 @@ def _usable(arm: Arm, command: Any) -> tuple[AnyCommand | None, str]:
 def _answer(arm: Arm, bounds: Bounds, state: ServoState, command: AnyCommand | None, dt: float) -> Answer:
     holding = _holding(command)
     held = state.held if holding is not None and state.holding == holding else None
-    if bounds.compiled is None:
-        return readable.step(arm, bounds, _clean(arm, state), command, dt)
     kind, flags, numbers = (0, 0, None) if command is None else (command.kind, command.flags, command.numbers)
     found = bounds.compiled.step(state.theta, state.theta_dot, held, kind, flags, numbers, dt, state.period)
     if found is None:  # not plain float64: converted, or refused

@@ -15,8 +15,8 @@
 // Its directions that a posture nearly lacks count as whole, so that no joint moves the tool along them to second order.
 //
 // D. E. Whitney, Resolved motion rate control of manipulators and human prostheses, IEEE T-MMS 10(2), 1969. Everything
-// here is scaled to radians: metres are measured in a length, and a slide's rates too. The readable twin is
-// src/twistarm/servo/resolved_rates.py.
+// here is scaled to radians: metres are measured in a length, and a slide's rates too. In NumPy:
+// tests/reference/servo/rates.py.
 #pragma once
 
 #include "../numeric/box.hpp"
@@ -97,10 +97,10 @@ template <class T, int N, int M> struct rate_solver {
     const held_rows<T>& held;
     bool base_axes;
     T damping, posture[most];
-    six_rows<T, N> J, firm, led;  // firm: J where held directions that are nearly lost count as whole; led: as it will be
+    six_rows<T, N> J, led, firm;  // led: J as it will be; firm, if `turned`: J where held directions count as whole
     direction<T, N> found[6];
     T calm[most][most];  // what is damped beside τ, where `turned`
-    bool turned;
+    bool turned;   // whether any held direction is nearly lost
     int rank;     // how many of them
     T turning;    // 0 … 1: how far the tool may turn as it will, on its course out of a singular position
     bool placed;  // whether they are those of the position
@@ -112,9 +112,8 @@ template <class T, int N, int M> struct rate_solver {
         : arm(arm_), bounds(bounds_), levels(levels_), held(held_), base_axes(base), damping(greatest(bounds_.damping, steps_damped<T> * period)), turned(false), rank(0), turning(T(0)), placed(false) {
         for (int k = 0; k < n(); ++k) posture[k] = theta[k];
         jacobian(posture, J);
-        copy(J, firm);
+        copy(J, led);
         if (levels.firm) hold_firmly();
-        copy(firm, led);
     }
 
     /// Held directions that this posture nearly lacks count as whole: what moves them is as good as fixed, here and beside.
@@ -128,13 +127,14 @@ template <class T, int N, int M> struct rate_solver {
         for (int d = 0; d < rank; ++d)
             if (found[d].sigma < left_behind<T>) fix(found[d]);
         rank = 0;
+        if (turned) copy(led, firm);
     }
 
     /// Fixes a held direction. Its joint motion v turns by (∂J/∂x)ᵀ u / σ: the less is left of it, the more that is damped.
     void fix(const direction<T, N>& held) {
         if (!(norm(held.v, n()) > T(0))) return;
         for (int i = 0; i < 6; ++i)
-            for (int k = 0; k < n(); ++k) firm[i][k] += (left_behind<T> - held.sigma) * held.u[i] * held.v[k];
+            for (int k = 0; k < n(); ++k) led[i][k] += (left_behind<T> - held.sigma) * held.u[i] * held.v[k];
         T turns[most][most];
         for (int j = 0; j < n(); ++j) {
             six_rows<T, N> there;
@@ -269,8 +269,8 @@ template <class T, int N, int M> struct rate_solver {
     /// An arm must be able to move away: a singular value on its way up counts as more. (An arm that is exactly stretched
     /// has no rates at all that pull its tool back to first order.) Where the arm keeps to its course it counts as itself,
     /// and is not damped. Answers whether the arm is singular. The position alone is looked at first in an arm of fewer
-    /// than five joints.
-    bool look_beside(const T* asked, const T* left, T lost) {
+    /// than five joints. steady: what is asked stays the same in base axes while the arm moves.
+    bool look_beside(const T* asked, const T* left, T lost, bool steady) {
         const bool position = n() < five && smallest_about<T, N>(J, 3, n()) < greatest(bounds.below, T(2) / precedence<T>);
         const T enough = greatest(bounds.below, left_behind<T>), size = norm(asked, 6);
         if (!position && !(smallest_about<T, N>(J, 6, n()) < enough)) return false;
@@ -281,9 +281,8 @@ template <class T, int N, int M> struct rate_solver {
             direction<T, N>& along = found[d];
             along.leaving = along.edge = T(0);
             // The way out of a position may turn the tool, which a lower level resists.
-            T turned[3], share = T(0);
-            for (int i = 0; i < 3; ++i) turned[i] = times(J, i + 3, along.v);
-            along.edge = position ? greatest(bounds.below, T(2) * norm(turned, 3) / precedence<T>) : enough;
+            T share = T(0);
+            along.edge = position ? greatest(bounds.below, T(2) * turn_of(along.v) / precedence<T>) : enough;
             if (!(along.sigma < along.edge)) continue;
             for (int i = 0; i < 6; ++i) share += along.u[i] * left[i];
             const T side = T(share < T(0) ? -1 : 1);
@@ -294,9 +293,60 @@ template <class T, int N, int M> struct rate_solver {
             }
             if (bounds.stops) along.edge = greatest(on_course<T>, along.sigma);
             along.leaving = much * clamped(rise(along, along.v) * share / size / rise_whole<T>, T(0), T(1));
+            if (position && steady && !bounds.stops && !(along.leaving > T(0))) bend(along, asked, share / size, much);
         }
         lead();
         return true;
+    }
+
+    /// A way out of a position by the other motions: the one along which the tool's path bends most to where it is to go.
+    ///
+    /// At a rest that is held up by the turn that the way out takes, the tool stands where its path is farthest from there:
+    /// any of these motions brings it back, but none to first order.
+    void bend(direction<T, N>& along, const T* asked, T share, T much) const {
+        T curved[2][2] = {}, side = T(share < T(0) ? -1 : 1);
+        int others[2], count = 0;
+        for (int d = 0; d < rank && count < 2; ++d)
+            if (!(found[d].sigma < greatest(bounds.below, T(0.2) * turn_of(found[d].v)))) others[count++] = d;
+        for (int b = 0; b < count; ++b) {
+            direction<T, N> of = found[others[b]];
+            for (int i = 0; i < 6; ++i) of.u[i] = along.u[i];
+            for (int a = 0; a < count; ++a) {
+                const T bent = T(0.5) * side * rise(of, found[others[a]].v);
+                curved[a][b] += bent;
+                curved[b][a] += bent;
+            }
+        }
+        if (count == 0) return;
+        const T half = T(0.5) * (curved[0][0] - curved[1][1]), mixed = curved[0][1];
+        const T mean = T(0.5) * (curved[0][0] + curved[1][1]);
+        const T most_bent = count == 1 ? curved[0][0] : mean + sqrt(half * half + mixed * mixed);
+        if (!(most_bent > T(0))) return;
+        T first = T(1), second = T(0);
+        if (count == 2) {
+            first = half > T(0) ? most_bent - curved[1][1] : mixed;
+            second = half > T(0) ? mixed : most_bent - curved[0][0];
+        }
+        T motion[most] = {}, done = T(0);
+        const T along_both[2] = {first, second};
+        for (int b = 0; b < count; ++b)
+            for (int k = 0; k < n(); ++k) motion[k] += along_both[b] * found[others[b]].v[k];
+        const T length = norm(motion, n());
+        if (!(length > nothing<T>)) return;
+        for (int k = 0; k < n(); ++k) motion[k] = motion[k] / length;
+        for (int i = 0; i < 3; ++i) done += asked[i] * times(J, i, motion);
+        if (done < T(0)) side = -side;
+        along.sigma = T(0);
+        along.edge = greatest(bounds.below, T(2) * turn_of(motion) / precedence<T>);
+        along.leaving = much * clamped(most_bent * absolute(share) / rise_whole<T>, T(0), T(1));
+        for (int k = 0; k < n(); ++k) along.v[k] = side * motion[k];
+    }
+
+    /// How fast a motion turns the tool.
+    T turn_of(const T* motion) const {
+        T turned[3];
+        for (int i = 0; i < 3; ++i) turned[i] = times(J, i + 3, motion);
+        return norm(turned, 3);
     }
 
     /// How far the joints may move along a unit motion before one is at its limit [scaled rad], 1 at most.
@@ -338,7 +388,7 @@ template <class T, int N, int M> struct rate_solver {
 
     /// The rows as they will be.
     void lead() {
-        copy(firm, led);
+        copy(turned ? firm : J, led);
         turning = T(0);
         for (int d = 0; bounds.stops && placed && d < rank; ++d) turning = greatest(turning, found[d].leaving);
         for (int d = 0; d < rank; ++d)
@@ -416,13 +466,18 @@ template <class T, int N, int M> struct rate_solver {
     /// last norm until that stands: E. Weiszfeld, Tôhoku Math. J. 43, 1937. (Rounds that go on as the last two went take
     /// half as many, but where they end jumps from step to step, and the arm shook.)
     void operator()(const T* asked, const T* lower, const T* upper, sides<most>& at, T* x) const {
-        const T tip = rounded_off<T> * norm(asked, 6);
         for (int k = 0; k < n(); ++k) {
             x[k] = clamped(T(0), lower[k], upper[k]);
             at[k] = 0;
         }
+        go_on(asked, lower, upper, most_rounds, at, x);
+    }
+
+    /// At most so many rounds from the rates x.
+    void go_on(const T* asked, const T* lower, const T* upper, int rounds, sides<most>& at, T* x) const {
+        const T tip = rounded_off<T> * norm(asked, 6);
         if (!(tip * tip > T(0))) return;  // nothing, or so little that its square is
-        for (int round = 0; round < most_rounds; ++round) {
+        for (int round = 0; round < rounds; ++round) {
             T H[most][most], r[most], before[most], change = T(0), size = T(0);
             weigh(asked, x, tip, H, r);
             for (int k = 0; k < n(); ++k) before[k] = x[k];

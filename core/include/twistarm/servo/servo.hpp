@@ -1,4 +1,4 @@
-// Servo step: a pure function from a command to joint rates. Its readable twin is src/twistarm/servo/readable.py.
+// Servo step: a pure function from a command to joint rates. In NumPy: tests/reference/servo/step.py.
 //
 // The bounds of an arm stand in the header that `twistarm bake -o FILE.hpp` writes, beside its chain:
 //
@@ -59,6 +59,7 @@ constexpr double no_room = 0.01;       // a joint at its limit may move on at a 
 template <class T> constexpr T look_ahead = T(0.01);   // how far ahead a course is looked at [scaled rad]
 template <class T> constexpr T period_time = T(2);     // how slowly the period follows what steps take [s]
 template <class T> constexpr T astray_by = T(2e-4);    // an error of what is held at which half of the rest is done [scaled]
+template <class T> constexpr T one_round = T(2);         // a change of rates is at most so many times what the first round shows
 constexpr int slowings = 4;            // how often it is looked whether joints that take over for others are too fast
 
 inline bool is_position(servo_cause cause) { return cause == servo_cause::lower || cause == servo_cause::upper; }
@@ -356,7 +357,8 @@ template <class T, int N, int M> struct servo {
         free_rates(solver, asked, x);
         solver.rest(solver.J, asked, x, left);
         const T size = greatest(norm(asked, 6), nothing<T>), lost = norm(left, 6) / size;
-        if (lost > missed<T> && solver.look_beside(asked, left, lost)) {
+        const bool steady = command.kind == servo_kind::twist && command.base_axes && !solver.levels.firm;
+        if (lost > missed<T> && solver.look_beside(asked, left, lost, steady)) {
             int joint = -1;
             if (solver.singular_part(left, joint) > T(noticed) * size * size) blame(servo_cause::singularity, joint);
             free_rates(solver, asked, x);
@@ -364,7 +366,9 @@ template <class T, int N, int M> struct servo {
         }
         for (int k = 0; k < n(); ++k) rates[k] = x[k] * bounds.unit[k];
         T share = velocity_share(bounds.motion, rates, row);
-        const T calm = solver.levels.firm && may_bend(solver, x, rates) ? followed(solver, asked, x) : T(1);
+        T calm = T(1), lower[capacity(N)], upper[capacity(N)];
+        unbounded(lower, upper);
+        if (solver.levels.firm && may_bend(solver, x, rates)) calm = followed(solver, asked, lower, upper, x);
         if (calm < share) {
             share = calm;
             if (out.cause == servo_cause::none && share < T(1 - noticed)) blame(servo_cause::singularity, -1);
@@ -422,32 +426,38 @@ template <class T, int N, int M> struct servo {
     }
 
     /// The share of what is asked at which the joints can keep to its course: with x the rates for all of it and x' how
-    /// they change on the way, s² x' takes at most a quarter of the accelerations.
-    T followed(const rate_solver<T, N, M>& solver, const T* asked, const T* x) {
-        T lower[capacity(N)], upper[capacity(N)];
-        unbounded(lower, upper);
-        return followed(solver, asked, lower, upper, x);
-    }
+    /// they change on the way, s² x' takes at most a quarter of the accelerations; a twelfth where something is held.
     T followed(const rate_solver<T, N, M>& solver, const T* asked, const T* lower, const T* upper, const T* x) {
         const T size = norm(x, n());
         if (!(size > nothing<T>)) return T(1);
         T farther[capacity(N)], then[capacity(N)];
-        sides<capacity(N)> at;
-        for (int k = 0; k < n(); ++k) farther[k] = solver.posture[k] + look_ahead<T> / size * x[k] * bounds.unit[k];
+        sides<capacity(N)> at = {};
+        for (int k = 0; k < n(); ++k) {
+            farther[k] = solver.posture[k] + look_ahead<T> / size * x[k] * bounds.unit[k];
+            then[k] = x[k];
+        }
         rate_solver<T, N, M> ahead(arm, bounds, solver.levels, solver.held, solver.base_axes, farther, state.period);
         ahead.leave_as(solver);
-        ahead(asked, lower, upper, at, then);
-        T along = T(0);
+        const auto taken = [&] { return (solver.levels.firm ? T(12) : T(4)) * time_to_change(x, then, size); };
+        ahead.go_on(asked, lower, upper, 1, at, then);
+        if (!(one_round<T> * taken() > T(1))) return T(1);
+        ahead.go_on(asked, lower, upper, most_rounds, at, then);
+        return T(1) / sqrt(greatest(taken(), T(1)));
+    }
+
+    /// The time [s] that the accelerations take for the change x' of rates x of that size, on the way to `then`.
+    T time_to_change(const T* x, const T* then, T size) const {
+        T along = T(0), change[capacity(N)];
         for (int k = 0; k < n(); ++k) along += (then[k] - x[k]) * x[k] / (size * size);
         // Rates that shrink on the way may stay as they are: the tool speeds up then.
         for (int k = 0; k < n(); ++k)
-            then[k] = (then[k] - x[k] - least(along, T(0)) * x[k]) * bounds.unit[k] * size / look_ahead<T>;
-        return T(1) / sqrt(greatest((solver.levels.firm ? T(12) : T(4)) * stopping_time(bounds.motion, then), T(1)));
+            change[k] = (then[k] - x[k] - least(along, T(0)) * x[k]) * bounds.unit[k] * size / look_ahead<T>;
+        return stopping_time(bounds.motion, change);
     }
 
-    /// Whether rates that change by up to twice |x|² / σ on the way may take a twelfth of the accelerations.
+    /// Whether rates that change by up to |x|² / (3 σ) on the way may take a twelfth of the accelerations.
     bool may_bend(const rate_solver<T, N, M>& solver, const T* x, const T* rates) const {
-        const T most = T(24) * norm(x, n()) * stopping_time(bounds.motion, rates);
+        const T most = T(4) * norm(x, n()) * stopping_time(bounds.motion, rates);
         return most > T(0) && most > smallest_about<T, N>(solver.J, 6, n());
     }
 

@@ -12,7 +12,6 @@ from ...model.inability import NO_MOTION
 from ...model.usual_limits import usually_limited
 from ...servo import ServoSettings
 from ...servo.bounds import bounds_of
-from ...servo.singular import JOINTS_TO_POINT
 from ...support.checks import Array
 from ...support.directions import leading, nearest_axes
 from ...theory.manipulability import scaled_jacobian
@@ -31,6 +30,9 @@ SAMPLES = 16
 DIRECTIONS = ("along x", "along y", "along z", "about x", "about y", "about z")
 
 LEVELS = ((0, 1, 2), (3, 4, 5))
+
+JOINTS_TO_POINT = 5
+"""Joints that position and point a tool; below, the position alone can be singular, and is looked at first."""
 
 SILENT: dict[str, Any] = {
     "sigma": None, "below": ServoSettings().singular_below, "lacks": None,
@@ -94,7 +96,7 @@ class Measure:
     def least(self, theta: Array) -> Least:
         """The smallest singular value of the directions that the arm has elsewhere; 0 where it lacks one here.
 
-        Those of the scaled Jacobian, as `resolved_rates` damps them: of the whole twist from five joints on, else of
+        Those of the scaled Jacobian, as the servo damps them: of the whole twist from five joints on, else of
         the position and then of the rotation that leaves it alone.
         """
         found = Least(np.inf, np.zeros(6))

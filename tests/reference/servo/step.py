@@ -1,4 +1,4 @@
-"""One step of the servo in NumPy: the specification of the compiled one."""
+"""One step of the servo in NumPy, beside the compiled one."""
 
 from __future__ import annotations
 
@@ -7,15 +7,16 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import ArrayLike
 
-from ..model.arm import Arm
-from ..support.checks import Array, frozen
-from ..theory import rotations
-from .answer import Answer, Cause
-from .bounds import Bounds
-from .command import BASE, AnyCommand, JogCommand, PoseCommand, TwistCommand
-from .resolved_rates import RateTask, resolved_rates, taken_back
+from twistarm.model.arm import Arm
+from twistarm.servo.answer import Answer, Cause
+from twistarm.servo.bounds import Bounds
+from twistarm.servo.command import BASE, AnyCommand, JogCommand, PoseCommand, TwistCommand
+from twistarm.servo.state import ServoState
+from twistarm.support.checks import Array, frozen
+from twistarm.theory import rotations
+
+from .rates import ROUNDS, RateTask, resolved_rates, taken_back
 from .singular import Place, Singular, fixed, singular, smallest_about
-from .state import ServoState
 
 NOTHING = 1e-12
 """Rates and errors below this are rounding."""
@@ -40,6 +41,9 @@ ASTRAY = 2e-4
 
 LOOK_AHEAD = 0.01
 """How far ahead a course is looked at [scaled rad]."""
+
+ONE_ROUND = 2.0
+"""A change of rates is at most so many times what the first round shows."""
 
 SLOWINGS = 4
 """How often it is looked whether joints that take over for others at their limits are too fast."""
@@ -81,6 +85,17 @@ def _period_after(period: float, dt: float) -> float:
     return period + (dt - period) * min(dt / PERIOD_TIME, 1.0) if period > 0.0 else dt
 
 
+def stopping_time(bounds: Bounds, rates: Array) -> float:
+    """How long [s] a straight stop from joint rates (n,) takes."""
+    return float((np.abs(bounds.motion.C @ rates) / bounds.motion.limits.acceleration).max())
+
+
+def velocity_share(bounds: Bounds, rates: Array) -> tuple[float, int]:
+    """The share of the joint rates (n,) that keeps every velocity limit, and the row of `motion` that decides."""
+    used = np.abs(bounds.motion.C @ rates) / bounds.motion.limits.velocity
+    return 1.0 / max(1.0, float(used.max())), int(used.argmax())
+
+
 # -- the task ----------------------------------------------------------------------------------------------------------
 
 
@@ -113,12 +128,16 @@ class Where:
 
 @dataclass(frozen=True, eq=False)
 class Goal:
-    """The task of a command, where it is, the pose that is held after it, and how far a goal is, [m], [rad]."""
+    """The task of a command, where it is, the pose that is held after it, and how far a goal is, [m], [rad].
+
+    steady: what is asked stays the same in base axes while the arm moves.
+    """
 
     task: RateTask
     where: Where
     held: Array | None
     remaining: tuple[float, float]
+    steady: bool = False
 
 
 def _goal(arm: Arm, bounds: Bounds, state: ServoState, command: TwistCommand | PoseCommand, dt: float) -> Goal:
@@ -134,7 +153,8 @@ def _goal(arm: Arm, bounds: Bounds, state: ServoState, command: TwistCommand | P
     asked = _scaled(bounds, command.twist)
     if not held:
         where = Where(arm, bounds, ahead, command.frame, None, ())
-        return Goal(replace(_task(where, state.period), asked=asked), where, None, (0.0, 0.0))
+        task = replace(_task(where, state.period), asked=asked)
+        return Goal(task, where, None, (0.0, 0.0), command.frame == BASE)
     kept = state.held if state.held is not None and state.holding == command.flags else g
     error = _error(g, kept, command.frame)
     where = Where(arm, bounds, ahead, command.frame, _astray(bounds, error, command), held)
@@ -225,7 +245,7 @@ def _approach(
         return np.zeros(6)
     asked = _scaled(bounds, error)
     back = replace(task, asked=asked)
-    stop = bounds.stopping_time((taken_back(back) if command is None else resolved_rates(back)[0]) * bounds.unit)
+    stop = stopping_time(bounds, (taken_back(back) if command is None else resolved_rates(back)[0]) * bounds.unit)
     share = min(1.0, 2.0 * dt / (period + np.sqrt(period * period + 2.0 * stop)))
     if command is not None:
         for part, speed in ((error[:3], command.linear_speed), (error[3:], command.angular_speed)):
@@ -257,7 +277,7 @@ def _rates(bounds: Bounds, state: ServoState, goal: Goal, dt: float) -> Wanted:
     size = max(float(np.linalg.norm(task.asked)), NOTHING)
     lost = task.asked - task.J @ x
     place = where.place()
-    beside = singular(place, task, lost, bounds.singular_below, bounds.stops)
+    beside = singular(place, task, lost, bounds.singular_below, bounds.stops, goal.steady)
     if beside is not None:
         part, joint = beside.part(lost, bounds.singular_below)
         if part > NOTICED * size * size:
@@ -266,7 +286,7 @@ def _rates(bounds: Bounds, state: ServoState, goal: Goal, dt: float) -> Wanted:
         beside = beside.taken(place, resolved_rates(led)[0])
         task = beside.lead(task, bounds.stops)
         x = resolved_rates(task)[0]
-    share, fastest = bounds.velocity_share(x * bounds.unit)
+    share, fastest = velocity_share(bounds, x * bounds.unit)
     calm = _followed(bounds, task, where, None, x) if task.held and _may_bend(bounds, task, x) else 1.0
     if calm < share:
         share = calm
@@ -281,7 +301,7 @@ def _rates(bounds: Bounds, state: ServoState, goal: Goal, dt: float) -> Wanted:
     velocity = bounds.motion.limits.velocity[-bounds.n :]
     for last in (False,) * (SLOWINGS - 1) + (True,):
         wanted = _within(bounds, task, where, wanted, room, velocity if last else np.full(bounds.n, np.inf))
-        slower, fastest = bounds.velocity_share(wanted.rates)
+        slower, fastest = velocity_share(bounds, wanted.rates)
         if slower == 1.0 or last:
             break
         # Others have taken over for the joints at their limits.
@@ -340,22 +360,32 @@ def _followed(bounds: Bounds, task: RateTask, where: Where, room: tuple[Array, A
     """The share of a task at which the joints can keep to its course.
 
     With x the rates for all of it and x' how they change on the way, s² x' takes at most a quarter of what accelerates;
-    a twelfth where something is held.
+    a twelfth where something is held. One round of the solver says whether it may matter.
     """
     size = float(np.linalg.norm(x))
     if size <= NOTHING:
         return 1.0
     ahead = fixed(where.displaced(LOOK_AHEAD / size * x).place(), task.held, task.damping)
-    then = resolved_rates(replace(task, rows=ahead[1], calm=ahead[2]), *(room or ()))[0]
+    task = replace(task, rows=ahead[1], calm=ahead[2])
+    for rounds in (1, ROUNDS):
+        then = resolved_rates(task, *(room or (None, None)), start=x, rounds=rounds)[0]
+        taken = (12.0 if task.held else 4.0) * _time_to_change(bounds, x, then)
+        if ONE_ROUND * taken <= 1.0:
+            return 1.0
+    return float(1.0 / np.sqrt(max(taken, 1.0)))
+
+
+def _time_to_change(bounds: Bounds, x: Array, then: Array) -> float:
+    """The time [s] that the accelerations take for the change x' of rates x, on the way to `then`."""
+    size = float(np.linalg.norm(x))
     # Rates that shrink on the way may stay as they are: the tool speeds up then.
     change = then - x - min(float((then - x) @ x) / size**2, 0.0) * x
-    stop = bounds.stopping_time(change * bounds.unit * size / LOOK_AHEAD)
-    return float(1.0 / np.sqrt(max((12.0 if task.held else 4.0) * stop, 1.0)))
+    return stopping_time(bounds, change * bounds.unit * size / LOOK_AHEAD)
 
 
 def _may_bend(bounds: Bounds, task: RateTask, x: Array) -> bool:
-    """Whether rates that change by up to twice |x|² / σ on the way may take a twelfth of the accelerations."""
-    most = 24.0 * float(np.linalg.norm(x)) * bounds.stopping_time(x * bounds.unit)
+    """Whether rates that change by up to |x|² / (3 σ) on the way may take a twelfth of the accelerations."""
+    most = 4.0 * float(np.linalg.norm(x)) * stopping_time(bounds, x * bounds.unit)
     return most > 0.0 and most > smallest_about(task.J)
 
 
@@ -379,7 +409,7 @@ def _position_bounds(
     than some periods. `gently` takes twice as long. A joint that is outside may stand still or come back.
     """
     limits, n, theta = bounds.motion.limits, bounds.n, state.theta
-    time = max(STEPS * state.period, dt) + (2.0 if gently else 1.0) * bounds.stopping_time(rates)
+    time = max(STEPS * state.period, dt) + (2.0 if gently else 1.0) * stopping_time(bounds, rates)
     most: Array = np.maximum(limits.upper[-n:] - theta, 0.0) / time
     least: Array = -np.maximum(theta - limits.lower[-n:], 0.0) / time
     return least, most
@@ -408,7 +438,7 @@ def _reached(bounds: Bounds, state: ServoState, goal: Goal, wanted: Wanted, dt: 
 
 
 def _jogged(bounds: Bounds, state: ServoState, command: JogCommand, dt: float) -> Answer:
-    share, fastest = bounds.velocity_share(command.theta_dot)
+    share, fastest = velocity_share(bounds, command.theta_dot)
     rates = share * command.theta_dot
     cause, row = (Cause.VELOCITY, fastest) if share < 1.0 else (Cause.NONE, -1)
     within = np.clip(rates, *_position_bounds(bounds, state, rates, dt))

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from ..support.checks import Array
+from twistarm.support.checks import Array
 
 ROUNDING = 1e-10
 """Of the slope: a smaller pull off a bound is rounding."""

@@ -7,7 +7,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ..support.checks import Array
+from twistarm.support.checks import Array
+
 from .box import least_in_box
 
 PRECEDENCE, PRECEDENCE_OF_SIX = 10.0, 3.0
@@ -46,7 +47,13 @@ class RateTask:
     turning: float = 0.0
 
 
-def resolved_rates(task: RateTask, lower: Array | None = None, upper: Array | None = None) -> tuple[Array, Array]:
+def resolved_rates(
+    task: RateTask,
+    lower: Array | None = None,
+    upper: Array | None = None,
+    start: Array | None = None,
+    rounds: int = ROUNDS,
+) -> tuple[Array, Array]:
     """The scaled rates x (n,) for a task, and the bound that each stands at: −1 the lower, 1 the upper, 0 neither.
 
     With the twist V in levels V_l, the first the most important, and their rows J_l of the Jacobian,
@@ -62,7 +69,7 @@ def resolved_rates(task: RateTask, lower: Array | None = None, upper: Array | No
     Why it cannot cycle: with 0 within the bounds, Σ w_l |V_l − J_l x| + (τ/2) |x|² ≤ Σ w_l |V_l|. For a constant
     velocity V of the tool this means V·J x > 0 unless x = 0: the tool moves on along the command or is at rest, which
     it comes to because its workspace ends. Near that rest ∂x/∂θ is at most the curvature of the tool's path over τ;
-    one step dt of delay leaves this stable for τ ≥ 3 dt on average, which `readable` sees to.
+    one step dt of delay leaves this stable for τ ≥ 3 dt on average, which `step` sees to.
 
     Found by least squares with weights w_l / |V_l − J_l x| of the round before (E. Weiszfeld, Tôhoku Math. J. 43,
     1937), each within the bounds. D. E. Whitney, Resolved motion rate control of manipulators and human prostheses,
@@ -71,11 +78,11 @@ def resolved_rates(task: RateTask, lower: Array | None = None, upper: Array | No
     n = task.rows.shape[1]
     lower = np.full(n, -np.inf) if lower is None else lower
     upper = np.full(n, np.inf) if upper is None else upper
-    x, at = np.clip(np.zeros(n), lower, upper), np.zeros(n, int)
+    x, at = np.clip(np.zeros(n), lower, upper) if start is None else start, np.zeros(n, int)
     tip = TIP * float(np.linalg.norm(task.asked))
     if tip * tip == 0.0:
         return x, at
-    for _ in range(ROUNDS):
+    for _ in range(rounds):
         H, r = _weighed(task, x, tip)
         before = x
         x, at = least_in_box(H, r, lower, upper, before, at)

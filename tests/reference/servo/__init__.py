@@ -1,0 +1,1 @@
+"""The servo's law in NumPy, which judges the compiled one."""
