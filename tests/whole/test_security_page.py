@@ -16,7 +16,6 @@ from twistarm.model import baking, pinocchio_model
 from twistarm.planning.files import csv_reading, message_reading
 from twistarm.proof import golden_file as golden
 from twistarm.stream.links import gate
-from twistarm.viewer.server import client_connection, gateway
 
 PAGE = (Path(__file__).parents[2] / "SECURITY.md").read_text("utf-8")
 
@@ -53,7 +52,6 @@ def test_seconds_of_a_signature() -> None:
     assert f"within {gate.WINDOW:g} s of this computer's clock" in PAGE
 
 
-def test_places_and_seconds_of_strangers() -> None:
-    assert f"have {gateway.MOST} places and {client_connection.STRANGER_TIME:.0f} s" in PAGE
+def test_limits_that_share_a_row() -> None:
     assert baking.MAX_BYTES == golden.MAX_BYTES
     assert structure.MAX_PARTS["joint"] == structure.MAX_PARTS["link"]

@@ -119,16 +119,13 @@ def as_paths(paths: Iterable[str | os.PathLike[str]], name: str) -> tuple[Path, 
         raise InputError(f"{name} must be a path or several; got {shown(paths)}") from error
 
 
-def write_whole(
-    path: str | os.PathLike[str], content: str | bytes, *, over_description: bool = False, private: bool = False
-) -> Path:
+def write_whole(path: str | os.PathLike[str], content: str | bytes, *, over_description: bool = False) -> Path:
     """Write `content` to `path` so that a reader sees the old file or the new one, never a part of either.
 
     Text is written as UTF-8, line ends as they are. The content goes into a temporary file in the same
     folder, which then takes the name in one step (POSIX `rename`); on any error it is removed and what stood
     at `path` stays; one that a killed process left is removed by the next write into the folder. A link is followed,
-    and an existing file keeps its permissions, which the temporary one has from its first byte; a `private` one is for
-    this user alone. Returns the path written.
+    and an existing file keeps its permissions, which the temporary one has from its first byte. Returns the path.
 
     Raises InputError where the folder does not exist or is not writable, where `path` is a folder or a device, and
     where a description stands there (`DESCRIPTIONS`), unless `over_description` lets it be replaced.
@@ -136,7 +133,7 @@ def write_whole(
     target = writable(path, over_description=over_description)
     data = content.encode("utf-8") if isinstance(content, str) else content
     try:
-        replace_whole(target, data, private)
+        replace_whole(target, data)
     except OSError as error:
         raise InputError(f"cannot write {target}: {error.strerror or error}") from error
     return target

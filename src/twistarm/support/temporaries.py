@@ -23,15 +23,15 @@ MOST_ENTRIES = 10_000
 _TEMPORARY = re.compile(rf"\..+\.[0-9a-f]{{12}}{re.escape(TEMPORARY)}", re.DOTALL)
 
 
-def replace_whole(target: Path, data: bytes, private: bool) -> None:
+def replace_whole(target: Path, data: bytes) -> None:
     """Put `data` at `target` in one step; OSError where that fails, and then nothing has changed.
 
     The temporary file in the same folder is for this user alone until it has the group and the permissions of what it
     replaces, and that before its first byte: for whom the content is not, that file is not either.
     """
     _sweep(target.parent)
-    found = target.stat() if target.exists() and not private else None
-    mode = 0o666 if found is None and not private else 0o600
+    found = target.stat() if target.exists() else None
+    mode = 0o666 if found is None else 0o600
     temporary = target.with_name(f".{target.name[:40]}.{os.urandom(6).hex()}{TEMPORARY}")
     try:
         with open(temporary, "xb", opener=lambda name, flags: os.open(name, flags, mode)) as file:
