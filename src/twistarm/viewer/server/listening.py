@@ -28,10 +28,11 @@ class Listener(HTTPServer):
 
     def initialize(self, *arguments: Any, pages: Iterable[Any] = (), **options: Any) -> None:
         """Called by tornado. pages: those who are connected, each with its `stream`. No request has a body."""
-        super().initialize(
-            *arguments, idle_connection_timeout=IDLE_TIME, body_timeout=IDLE_TIME, max_header_size=LARGEST_HEAD,
-            max_body_size=0, **options,
-        )  # fmt: skip
+        limits: dict[str, Any] = {
+            "idle_connection_timeout": IDLE_TIME, "body_timeout": IDLE_TIME, "max_header_size": LARGEST_HEAD,
+            "max_body_size": 0,
+        }  # fmt: skip
+        super().initialize(*arguments, **{**options, **limits})
         self._pages = pages
         self._streams: list[IOStream] = []
 
