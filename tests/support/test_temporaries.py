@@ -43,11 +43,6 @@ def test_the_temporary_file_has_the_permissions_of_what_it_replaces(
     assert (path.read_text(), stat.S_IMODE(path.stat().st_mode)) == ("new", mode)
 
 
-def test_what_is_private_is_so_from_the_first_byte(tmp_path: Path, permissions: list[int]) -> None:
-    write_whole(tmp_path / "token", "new", private=True)
-    assert permissions == [0o600]
-
-
 def test_a_group_that_cannot_be_given_gets_no_permission(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     def refused(*_: int) -> None:
         raise PermissionError

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import socket
+
 import pytest
 
 from twistarm import Arm
@@ -12,6 +14,19 @@ from viewer_page import get, swing
 from viewer_page import viewer as viewer
 
 GUARD = Authentication("127.0.0.1")
+
+
+def test_a_view_on_every_interface_admits_addresses_but_no_foreign_names() -> None:
+    guard = Authentication("0.0.0.0")
+    assert guard.admits_host("192.168.1.7:8000")
+    assert guard.admits_host(f"{socket.gethostname()}:8000")
+    assert not guard.admits_host("evil.example:8000")
+    assert Authentication("rover.local").admits_host("rover.local:80")
+    assert not GUARD.admits_host("192.168.1.7")
+
+
+def test_the_token_is_new_at_each_start() -> None:
+    assert Authentication("127.0.0.1").token != Authentication("127.0.0.1").token
 
 
 @pytest.mark.parametrize("host", ["x@127.0.0.1", "x:y@127.0.0.1", "x@localhost:80", "@127.0.0.1", ":@[::1]:8080"])

@@ -1,4 +1,4 @@
-"""What a view at a fixed address keeps: its token, its poses and where it stood, and whom it trusts with them."""
+"""What a view at a fixed port keeps: its poses and where it stood."""
 
 from __future__ import annotations
 
@@ -6,7 +6,6 @@ import json
 import os
 import re
 import socket
-import stat
 import time
 from collections.abc import Callable
 from pathlib import Path
@@ -17,11 +16,9 @@ import pytest
 from numpy.testing import assert_allclose
 
 from twistarm import Arm, load_arm
-from twistarm.cli.application import run
 from twistarm.support.errors import InputError
 from twistarm.viewer import Viewer
-from twistarm.viewer.server.memory import Memory
-from twistarm.viewer.server.private_files import PrivateFolder, state_folder
+from twistarm.viewer.server.memory import state_folder
 from viewer_page import ARM, THETA, WAIT, Page, nothing, visit
 from viewer_page import arm as arm
 
@@ -74,42 +71,40 @@ def until_kept(home: Path) -> Path:
 # one run after the other ------------------------------------------------------------------------------
 
 
-def test_the_address_the_poses_and_theta_are_those_of_the_last_run(arm: Arm, home: Path, port: int) -> None:
+def test_the_poses_and_theta_are_those_of_the_last_run_and_the_token_is_new(arm: Arm, home: Path, port: int) -> None:
     with at(arm, port) as first:
         assert_allclose(first.theta, arm.ready)
         first.show(THETA)
         visit(first, record("one", "two"))
         address = first.url
     with at(arm, port) as second:
-        assert second.url == address
+        assert second.url != address
         assert second.notes == ()
         assert list(second.recorded) == ["one", "two"]
         assert_allclose(second.recorded["two"], THETA)
         assert_allclose(second.theta, THETA)
     with at(arm, port, theta=np.zeros(3)) as third:
         assert_allclose(third.theta, np.zeros(3))
-    for file in home.iterdir():
-        assert stat.S_IMODE(file.stat().st_mode) == 0o600, file
-    assert stat.S_IMODE(home.stat().st_mode) == 0o700
+    assert [file.suffix for file in home.iterdir()] == [".json"]
+
+
+def test_how_the_arm_moves_to_a_pose_is_kept_too(arm: Arm, home: Path, port: int) -> None:
+    async def by_line(page: Page) -> None:
+        await page.ask(type="record", name="one")
+        await page.until(lambda: bool(page.latest["program"]["poses"]))
+        await page.ask(type="move", id=page.latest["program"]["poses"][0]["id"], by="line")
+
+    with at(arm, port) as first:
+        visit(first, by_line)
+    with at(arm, port) as second:
+        (pose,) = visit(second, nothing).latest["program"]["poses"]
+        assert (pose["name"], pose["by"]) == ("one", "line")
 
 
 def test_the_list_is_written_as_it_changes_not_only_at_the_end(arm: Arm, home: Path, port: int) -> None:
     with at(arm, port) as viewer:
         visit(viewer, record("one"))
         assert poses_in(until_kept(home)) == ["one"]
-
-
-def test_fresh_has_another_address_and_no_poses(arm: Arm, home: Path, port: int) -> None:
-    with at(arm, port) as first:
-        visit(first, record("one"))
-        address = first.url
-    with at(arm, port, fresh=True) as second:
-        fresh = second.url
-        assert fresh != address
-        assert second.recorded == {}
-    with at(arm, port) as third:
-        assert third.url == fresh
-        assert third.recorded == {}
 
 
 def test_nothing_is_kept_unless_it_is_asked_for(arm: Arm, home: Path, port: int) -> None:
@@ -124,10 +119,7 @@ def test_nothing_is_kept_unless_it_is_asked_for(arm: Arm, home: Path, port: int)
         Viewer(arm, open_browser=False, keep=True)
 
 
-def test_hosts_ports_and_arms_have_their_own(arm: Arm, home: Path, port: int) -> None:
-    here = Memory("127.0.0.1", port).token()
-    assert here == Memory("127.0.0.1", port).token()
-    assert len({here, Memory("0.0.0.0", port).token(), Memory("127.0.0.1", port + 1).token()}) == 3
+def test_arms_have_their_own(arm: Arm, home: Path, port: int) -> None:
     with at(arm, port) as viewer:
         visit(viewer, record("one"))
     with at(load_arm("rr_planar"), port) as viewer:
@@ -143,7 +135,7 @@ def test_a_port_in_use_leaves_what_is_kept_alone(arm: Arm, home: Path, port: int
         until_kept(home)
         before = {file.name: file.read_bytes() for file in home.iterdir()}
         with pytest.raises(InputError, match="in use"):
-            at(arm, port, fresh=True)
+            at(arm, port)
         assert {file.name: file.read_bytes() for file in home.iterdir()} == before
 
 
@@ -196,53 +188,7 @@ def test_poses_left_out_by_one_load_after_another_are_on_the_disk_still(tmp_path
     assert {name for file in home.glob("*.old*.json") for name in poses_in(file)} == {"bent", "low"}
 
 
-# whom it trusts ---------------------------------------------------------------------------------------
-
-
-def test_a_token_file_that_others_could_have_read_or_made_is_replaced(
-    arm: Arm, home: Path, port: int, tmp_path: Path
-) -> None:
-    secret = Memory("127.0.0.1", port).token()
-    file = kept(home, ".token")
-    elsewhere = tmp_path / "elsewhere"
-    elsewhere.write_text("A" * 22)  # a token, and of this user: but somebody chose where it is
-    elsewhere.chmod(0o600)
-
-    def open_to_others() -> None:
-        file.chmod(0o644)
-
-    def a_link() -> None:
-        file.unlink()
-        file.symlink_to(elsewhere)
-
-    def a_pipe() -> None:
-        file.unlink()
-        os.mkfifo(file, 0o600)
-
-    def no_token() -> None:
-        file.write_text('{"token": "../../../etc"}')
-
-    def huge() -> None:
-        with open(file, "wb") as opened:
-            opened.truncate(1 << 40)
-
-    for spoil in (open_to_others, a_link, no_token, huge):
-        spoil()
-        memory = Memory("127.0.0.1", port)
-        token = memory.token()
-        assert token != secret, spoil.__name__
-        assert len(memory.notes) == 1, spoil.__name__
-        assert "the address is a new one" in memory.notes[0]
-        assert stat.S_IMODE(file.lstat().st_mode) == 0o600
-        again = Memory("127.0.0.1", port)
-        assert again.token() == token
-        assert again.notes == []
-        secret = token
-    assert elsewhere.read_text() == "A" * 22
-    a_pipe()
-    memory = Memory("127.0.0.1", port)
-    assert memory.token() != secret
-    assert all(str(file) in note for note in memory.notes)
+# files that cannot be used ----------------------------------------------------------------------------
 
 
 @pytest.mark.parametrize(
@@ -263,26 +209,6 @@ def test_a_damaged_list_is_told_and_set_aside(arm: Arm, home: Path, port: int, t
     assert old.read_text() == text
     with at(arm, port) as viewer:
         assert list(viewer.recorded) == ["one"]
-
-
-def test_a_folder_of_somebody_else_is_not_used(home: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    folder = PrivateFolder(home)
-    folder.write("a", "text")
-    monkeypatch.setattr(os, "geteuid", lambda: os.getuid() + 1)
-    with pytest.raises(InputError, match="no folder of this user's own"):
-        PrivateFolder(home)
-    with pytest.raises(InputError, match="is not this user's alone"):
-        folder.read("a", 100)
-    memory = Memory("127.0.0.1", 8000)
-    assert "will not be kept" in memory.notes[0]
-    assert re.fullmatch(r"[\w-]{22}", memory.token())
-    monkeypatch.undo()
-    (tmp_path / "link").symlink_to(home)
-    with pytest.raises(InputError, match="no folder of this user's own"):
-        PrivateFolder(tmp_path / "link")
-    home.chmod(0o777)
-    PrivateFolder(home)
-    assert stat.S_IMODE(home.stat().st_mode) == 0o700
 
 
 def test_without_a_folder_the_view_is_served_all_the_same(
@@ -310,8 +236,3 @@ def test_where_state_is_kept(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) ->
         monkeypatch.setenv("XDG_STATE_HOME", given)
         monkeypatch.setattr("sys.platform", system)
         assert str(state_folder()) == expected
-
-
-def test_the_command_line_says_where_fresh_belongs(capsys: pytest.CaptureFixture[str]) -> None:
-    assert run(["view", "rr_planar", "--fresh", "--no-browser"]) == 2
-    assert "--fresh goes with --port PORT" in capsys.readouterr().err

@@ -21,7 +21,6 @@ from twistarm import Arm
 from twistarm.description.meshes import MeshReader
 from twistarm.support.errors import InputError, MissingExtraError
 from twistarm.viewer import Viewer, save_html
-from twistarm.viewer.server.authentication import Authentication
 from viewer_page import WAIT, Page, get, nothing, visit
 from viewer_page import arm as arm
 from viewer_page import viewer as viewer
@@ -81,16 +80,6 @@ def test_a_wrong_token_opens_no_socket(viewer: Viewer) -> None:
         visit(Stranger, nothing)  # type: ignore[arg-type]
 
 
-def test_a_view_on_every_interface_admits_addresses_but_no_foreign_names() -> None:
-    guard = Authentication("0.0.0.0")
-    assert guard.admits_host("192.168.1.7:8000")
-    assert guard.admits_host(f"{socket.gethostname()}:8000")
-    assert not guard.admits_host("evil.example:8000")
-    assert Authentication("rover.local").admits_host("rover.local:80")
-    assert not Authentication("127.0.0.1").admits_host("192.168.1.7")
-    assert Authentication("127.0.0.1").token != Authentication("127.0.0.1").token
-
-
 ODD_REQUESTS = [
     (b"POST /{token}/", 405),
     (b"POST /{token}/socket", 405),
@@ -102,7 +91,7 @@ ODD_REQUESTS = [
     (b"GET /{token}//etc/passwd", 404),
     (b"GET /{token}/%00", 404),
     (b"GET /{token}/%ff", 400),
-    (b"GET /%ff/", 403),
+    (b"GET /%ff/", 400),
     (b"GET http://evil.example/{token}/", 403),
     (b"GET /" + 1000 * b"long/", 403),
     (b"GET /" + 100_000 * b"a", None),
@@ -232,7 +221,7 @@ def test_a_missing_browser_is_no_error(
     monkeypatch.setattr("webbrowser.open", opened.append)
     monkeypatch.setenv("BROWSER", "none-of-this-name")
     with Viewer(arm) as viewer:
-        assert re.fullmatch(rf"{viewer.url.rsplit('/', 2)[0]}/open/[\w-]{{22}}", opened[0])
+        assert opened == [viewer.url]
     if sys.platform.startswith("linux"):
         for name in ("DISPLAY", "WAYLAND_DISPLAY", "BROWSER"):
             monkeypatch.delenv(name, raising=False)

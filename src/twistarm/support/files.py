@@ -122,16 +122,13 @@ def as_paths(paths: Iterable[str | os.PathLike[str]], name: str) -> tuple[Path, 
         raise InputError(f"{name} must be a path or several; got {shown(paths)}") from error
 
 
-def write_whole(
-    path: str | os.PathLike[str], content: str | bytes, *, over_description: bool = False, private: bool = False
-) -> Path:
+def write_whole(path: str | os.PathLike[str], content: str | bytes, *, over_description: bool = False) -> Path:
     """Write `content` to `path` so that a reader sees the old file or the new one, never a part of either.
 
     Text is written as UTF-8, line ends as they are. The content goes into a temporary file in the same
     folder, which then takes the name in one step (POSIX `rename`); on any error it is removed and what stood
     at `path` stays. A process that is killed leaves it, under a name that ends with `.twistarm.part`. A link is
-    followed. An existing file keeps its permissions, which the temporary one has from its first byte. A `private` one
-    is for this user alone. Returns the path written.
+    followed. An existing file keeps its permissions, which the temporary one has from its first byte. Returns the path.
 
     Raises InputError where the folder does not exist or is not writable, where `path` is a folder or a device, and
     where a description stands there (`DESCRIPTIONS`), unless `over_description` lets it be replaced.
@@ -139,20 +136,20 @@ def write_whole(
     target = writable(path, over_description=over_description)
     data = content.encode("utf-8") if isinstance(content, str) else content
     try:
-        _replace_whole(target, data, private)
+        _replace_whole(target, data)
     except OSError as error:
         raise InputError(f"cannot write {target}: {error.strerror or error}") from error
     return target
 
 
-def _replace_whole(target: Path, data: bytes, private: bool) -> None:
+def _replace_whole(target: Path, data: bytes) -> None:
     """Put `data` at `target` in one step; OSError where that fails, and then nothing has changed.
 
     The temporary file in the same folder is for this user alone until it has the group and the permissions of what it
     replaces, and that before its first byte: for whom the content is not, that file is not either.
     """
-    found = target.stat() if target.exists() and not private else None
-    mode = 0o666 if found is None and not private else 0o600
+    found = target.stat() if target.exists() else None
+    mode = 0o666 if found is None else 0o600
     temporary = target.with_name(f".{target.name[:40]}.{os.urandom(6).hex()}{TEMPORARY}")
     try:
         with open(temporary, "xb", opener=lambda name, flags: os.open(name, flags, mode)) as file:

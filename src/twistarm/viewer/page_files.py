@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import functools
-import hashlib
 from importlib.resources import files
 
 TYPES = {
@@ -23,15 +21,6 @@ def meshcat_bundle() -> str:
     """Meshcat's page code, three.js included, as its wheel carries it."""
     wheel = files("meshcat")
     return wheel.joinpath("viewer").joinpath("dist").joinpath("main.min.js").read_text(encoding="utf-8")
-
-
-@functools.cache
-def page_digest() -> str:
-    """What tells the page of one version from that of another."""
-    content = hashlib.sha256()
-    for name, (_, data) in sorted(page_files().items()):
-        content.update(name.encode() + b"\0" + data)
-    return content.hexdigest()
 
 
 def page_files() -> dict[str, tuple[str, bytes]]:

@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import replace
 from functools import partial
-from secrets import token_urlsafe
 from typing import Any
 
 import numpy as np
@@ -17,7 +16,6 @@ from ..planning.trajectory import Trajectory
 from ..servo.settings import SLIDE
 from ..support.checks import Array
 from ..support.errors import InputError, unknown_name
-from .page_files import page_digest
 from .parts.findings import loaded
 from .parts.gauge import Gauge
 from .parts.glide import Glide
@@ -57,7 +55,6 @@ class Stage:
 
     def __init__(self, arm: Arm, theta: ArrayLike | None = None) -> None:
         self.arm = require_arm(arm)
-        self.run = token_urlsafe(8)
         self._placement = Placement(arm)
         self.theta = arm.ready if theta is None else checked_theta(arm, theta)
         self.extra_joints = extra_joints(arm)
@@ -281,12 +278,8 @@ class Stage:
     # messages -----------------------------------------------------------------------------------------
 
     def hello(self, links: Mapping[str, str]) -> Message:
-        """What never changes: names, joints with units and slider ranges, poses, the node of every link.
-
-        And what a page that was here before goes by: the version of the page's code, and which view it is.
-        """
-        arm = describe_arm(self.arm)
-        return {"type": "hello", "arm": arm, "links": dict(links), "code": page_digest(), "run": self.run}
+        """What never changes: names, joints with units and slider ranges, poses, the node of every link."""
+        return {"type": "hello", "arm": describe_arm(self.arm), "links": dict(links)}
 
     def messages(self) -> list[Message]:
         """All that is on show, the frame last."""

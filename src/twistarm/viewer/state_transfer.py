@@ -25,7 +25,7 @@ def carry(old: Stage, new: Stage) -> list[str]:
     Layers stay. A pose, or the motion that is loaded, is left out where the arm's joints or limits do not allow it any
     more; poses come back with an arm that does.
     """
-    new.run, new.visible, new.tolerances = old.run, old.visible, old.tolerances
+    new.visible, new.tolerances = old.visible, old.tolerances
     return [*_posture(old, new), *_poses(old, new), *_motion(old, new)]
 
 

@@ -44,9 +44,8 @@ class Viewer(Closeable):
 
     host: the interface to listen on; anything but the default opens the view to a network, the token still required.
     port: 0 takes a free one. open_browser: show the page at once; where no browser is found, `url` is there to open.
-    keep: keep the address, and the poses recorded at it, in this user's files, so that a page lives again when the
-    program is started anew; it wants a port, without `theta` the arm stands where it stood last, and `notes` says what
-    could not be kept or taken. fresh: with another address, and without the poses kept.
+    keep: keep the recorded poses of this port in a file of this user's, for the next view at that port. Without `theta`
+    the arm then stands where it stood last. `notes` says what could not be kept or taken.
     A context manager. Every method may be called from any thread. Those that move or show something return at once;
     `theta` and `recorded` wait for what was shown before, a frame at most; `save_html`, `save_png` and
     `inline(static=True)` until all is written, every mesh read; `close` until all has ended; `wait` until then.
@@ -64,7 +63,6 @@ class Viewer(Closeable):
         port: int = 0,
         open_browser: bool = True,
         keep: bool = False,
-        fresh: bool = False,
     ) -> None:
         require_meshcat()
         from .server.server import Server
@@ -73,11 +71,11 @@ class Viewer(Closeable):
         if not isinstance(host, str):
             raise InputError(f"host must be the name or address of an interface; got {shown(host)}")
         if as_flag(keep, "keep") and port == 0:
-            raise InputError("an address is kept for a port that is always the same: give port=, as in port=8000")
+            raise InputError("poses are kept for a port that is always the same: give port=, as in port=8000")
         self._host = host
         self._watches: list[Watch] = []
         self._closed = threading.Event()
-        memory = Memory(host, port, fresh) if keep else None
+        memory = Memory(port) if keep else None
         self._server = Server(Stage(arm, theta), Scene(arm), host, port, memory, stands=theta is not None)
         self.notes: tuple[str, ...] = () if memory is None else tuple(memory.notes)
         self._server.start()
@@ -86,21 +84,18 @@ class Viewer(Closeable):
 
     @property
     def url(self) -> str:
-        """The page's address, its secret token included: whoever knows it can move the view."""
-        return f"{self._origin}/{self._server.authentication.token}/"
-
-    @property
-    def _origin(self) -> str:
+        """The page's address with its secret token, new at each start: whoever knows it can move the view."""
         name = {"": "127.0.0.1", "0.0.0.0": "127.0.0.1", "::": "::1"}.get(self._host, self._host)
-        return f"http://{f'[{name}]' if ':' in name else name}:{self._server.port}"
+        authority = f"{f'[{name}]' if ':' in name else name}:{self._server.port}"
+        return f"http://{authority}/{self._server.authentication.token}/"
 
     def open_page(self) -> bool:
         """Open the page in this user's browser; whether there is one with a window.
 
-        What it is started with, other users of this computer can read: an address that leads to the page once, within
-        two minutes, and on Linux only this user.
+        The browser is started with `url`. Other users of a shared computer can read the arguments of programs: there,
+        paste `url` into the browser instead.
         """
-        return _started_browser(f"{self._origin}/{self._server.one_time_addresses.write()}")
+        return _started_browser(self.url)
 
     @property
     def arm(self) -> Arm:

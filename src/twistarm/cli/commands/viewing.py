@@ -30,7 +30,7 @@ Port = Annotated[
     typer.Option(
         min=0,
         max=65535,
-        help="Port to serve on; 0 takes a free one. Any other keeps its address and the recorded poses for next time.",
+        help="Port to serve on; 0 takes a free one. Any other keeps the recorded poses for next time.",
     ),
 ]
 Host = Annotated[str, typer.Option(help="Interface to serve on; anything else opens the view to that network.")]
@@ -47,11 +47,14 @@ Play = Annotated[
     Path | None,
     typer.Option(metavar="FILE", help="Play a motion that `twistarm plan` wrote, or that of a motion.toml."),
 ]
-Fresh = Annotated[
-    bool, typer.Option("--fresh", help="With --port: begin with a new address, and without the poses kept for it.")
-]
 Watch = Annotated[bool, typer.Option("--watch", help="Load the arm again whenever one of its files changes.")]
-Browser = Annotated[bool, typer.Option("--browser/--no-browser", help="Open the page in a browser.")]
+Browser = Annotated[
+    bool,
+    typer.Option(
+        "--browser/--no-browser",
+        help="Open the page in a browser; on a computer that others use too, paste the address instead.",
+    ),
+]
 
 
 @takes_source
@@ -62,7 +65,6 @@ def view(
     port: Port = 0,
     host: Host = "127.0.0.1",
     browser: Browser = True,
-    fresh: Fresh = False,
     watch: Watch = False,
     play: Play = None,
     output: Output = None,
@@ -78,14 +80,12 @@ def view(
     pixels = _pixels(size or "1280x720")
     load_again = partial(load_arm, source, **load)
     arm, files = loaded(load_again)
-    if fresh and port == 0:
-        raise InputError("--fresh goes with --port PORT: without it nothing is kept")
     x = None if theta is None else parse_theta(arm, theta, rad)
     if x is not None:
         warn_outside(arm, x, rad)
     motion = None if play is None else motion_of_file(arm, play, {})[1]
-    if outputs.files and (watch or fresh):
-        raise InputError("--watch and --fresh are for a page that is served: they do not go with -o FILE")
+    if outputs.files and watch:
+        raise InputError("--watch is for a page that is served: it does not go with -o FILE")
     if outputs.files:
         start = x if motion is None else motion(0.0)
         contents: dict[str, Callable[[], str | bytes]] = {
@@ -95,8 +95,7 @@ def view(
         outputs.say(outputs.write(contents))
         return
     with ExitStack() as stack:
-        kept = {"keep": port != 0, "fresh": fresh}
-        viewer = stack.enter_context(Viewer(arm, x, host=host, port=port, open_browser=False, **kept))
+        viewer = stack.enter_context(Viewer(arm, x, host=host, port=port, open_browser=False, keep=port != 0))
         if motion is not None:
             viewer.show_path(motion)
             viewer.play(motion)

@@ -1,7 +1,6 @@
 // The socket to the process: reconnects by itself, and has at most one request under way, so that the latest wins.
 
 const RETRY = 1000; // ms
-const REFUSED_RETRY = 5000; // ms, where it is not for this page that a process answers
 const PROBE = 5000; // ms that a process has to answer whether it knows this page
 const PATIENCE = 10000; // ms after which a request without an answer holds up the others no longer
 const EACH = ["record", "reorder", "delete", "undo", "redo"]; // requests that add up: none stands for an earlier one
@@ -36,12 +35,12 @@ export class Link {
     this.answered();
   }
 
+  // A token that is refused stays wrong: each start of a view has another.
   async lose(opened) {
     this.reset();
     this.on.status("offline");
-    const unknown = !opened && (await refuses());
-    if (unknown) this.on.refused();
-    setTimeout(() => this.connect(), unknown ? REFUSED_RETRY : RETRY);
+    if (!opened && (await refuses())) return this.on.refused();
+    setTimeout(() => this.connect(), RETRY);
   }
 
   receive(data) {
@@ -100,7 +99,7 @@ export class Link {
 // Whether a process answers that does not know this page: it has another token.
 async function refuses() {
   try {
-    return !(await fetch("schema.json", { cache: "no-store", signal: AbortSignal.timeout(PROBE) })).ok;
+    return (await fetch("schema.json", { cache: "no-store", signal: AbortSignal.timeout(PROBE) })).status === 403;
   } catch {
     return false; // nobody answers
   }

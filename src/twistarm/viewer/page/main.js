@@ -25,7 +25,6 @@ import { Plots } from "./plots.js";
 import { Presets } from "./presets.js";
 import { Program } from "./program.js";
 import { Progress } from "./progress.js";
-import { Rejoining } from "./rejoining.js";
 import { violation } from "./schema.js";
 import { Share } from "./share.js";
 import { Sight } from "./sight.js";
@@ -39,7 +38,7 @@ import { Work } from "./work.js";
 
 const QUIET = ["jog", "jog_joints", "visible"]; // asked again and again, or unseen: an error stays to be read
 const SILENCE = "The process does not answer: nothing was sent.";
-const STRANGER = "The process was started anew: open the address that it printed.";
+const STRANGER = "The view was started anew: open the address that it printed.";
 
 const schema = await (await fetch("schema.json")).json();
 const view = new View($("pane"));
@@ -76,7 +75,6 @@ const parts = {
   links: new LinkList(view),
   linkNames: new LinkNames(view),
   notice: new Notice(),
-  rejoining: new Rejoining(page),
   jogging: new JogPanel(page),
   target: new Target(page),
   solutions: new Solutions(page, () => parts.target.wanted()),

@@ -7,19 +7,14 @@ import ipaddress
 import socket
 from collections.abc import Mapping
 from dataclasses import dataclass, field
+from functools import partial
 from secrets import token_urlsafe
 from urllib.parse import urlsplit
 
 LOOPBACK = ("127.0.0.1", "localhost", "::1")
 EVERYWHERE = ("", "0.0.0.0", "::")
 
-TOKEN = r"[\w-]{22}"
-"""16 random bytes in base64."""
-
-
-def new_token() -> str:
-    """What nobody guesses."""
-    return token_urlsafe(16)
+WRONG_TOKEN = "wrong token: a view has a new address at each start; open the one that it printed last"
 
 
 @dataclass(frozen=True)
@@ -31,19 +26,16 @@ class Authentication:
     """
 
     host: str
-    token: str = field(default_factory=new_token)
+    token: str = field(default_factory=partial(token_urlsafe, 16))
 
-    def knows_token(self, given: str) -> bool:
-        """Compares in constant time."""
-        return hmac.compare_digest(given.encode(), self.token.encode())
-
-    def refusal(self, method: str, headers: Mapping[str, str]) -> tuple[int, str] | None:
-        """Status and reason for whoever asks for what we are not; None where all that is left to show is the token."""
-        if method != "GET":
-            return 405, "Method Not Allowed"
+    def refusal(self, path: str, headers: Mapping[str, str]) -> str:
+        """Why a request is refused; empty where it may go in."""
         if not self.admits_host(headers.get("Host") or self.host):
-            return 403, "foreign Host"
-        return None if self.admits_origin(headers.get("Origin")) else (403, "foreign Origin")
+            return "foreign Host"
+        if not self.admits_origin(headers.get("Origin")):
+            return "foreign Origin"
+        given = path.partition("/")[2].partition("/")[0]
+        return "" if hmac.compare_digest(given.encode(), self.token.encode()) else WRONG_TOKEN
 
     def admits_host(self, host: str) -> bool:
         """Whether a Host header names this machine."""

@@ -3,24 +3,29 @@
 from __future__ import annotations
 
 import asyncio
-import time
-from collections import Counter
-from collections.abc import Awaitable, Mapping
-from typing import Any, Protocol
+import logging
+import re
+import threading
+from collections.abc import Callable, Mapping
+from concurrent.futures import Future
+from typing import TYPE_CHECKING, Any
 
 import tornado.web
 import tornado.websocket
+from tornado.iostream import IOStream
 
 from ...support.errors import TwistarmError
-from ...support.strict_json import encode
-from ..protocol.message_cache import Message
+from ...support.strict_json import LARGEST_MESSAGE, encode
+from ..files.page_export import modules
+from ..page_files import page_files
 from ..scene.arm_scene import Scene
-from ..stage import Stage
-from .authentication import Authentication
-from .client_connection import ClientConnection, Peer, first_to_leave
-from .daemon_threads import run_in_daemon_thread
-from .downloads import DOWNLOADS, Download
-from .gateway import ALWAYS
+from .downloads import DOWNLOADS
+
+if TYPE_CHECKING:
+    from .server import Server
+
+ALWAYS = {"Cache-Control": "no-store", "Referrer-Policy": "no-referrer", "X-Content-Type-Options": "nosniff"}
+"""Headers of every answer, refusals included."""
 
 POLICY = (
     "default-src 'none'; script-src 'self'; style-src 'self' 'unsafe-inline'; img-src 'self' data: blob:; "
@@ -33,48 +38,56 @@ A frame may hold the page where all that surrounds it comes from this machine, b
 does. Whoever would have hands click on it unseen must have a server here, and know the token. ([::1] cannot be said.)
 """
 
-
 REPLIES = ("done", "error")
 """What answers the page itself, whatever arm is on show."""
 
-MOST_PAGES = 64
-"""Sockets at a time: each costs a megabyte of buffers at the worst, and a team has fewer screens."""
-
-
 MOST_FILES = 4
-"""Files at a time made for one computer, and on their way to it."""
+"""Downloads at a time, made or on their way."""
+
+PING_TIME = 20
+"""Seconds between two signs of life that a page is asked for, and until one that gives none is let go."""
+
+# Tornado logs each malformed request; a program that wants to read that sets up logging.
+logging.getLogger("tornado").addHandler(logging.NullHandler())
 
 
-class Service(Protocol):
-    """The view, as a handler needs it."""
-
-    stage: Stage
-    scene: Scene
-    authentication: Authentication
-    clients: dict[SocketHandler, None]
-    writing: asyncio.Lock
-
-    def current(self) -> Stage:
-        """What is on show now."""
-
-    def name_page(self) -> str:
-        """A name for a page that has just come."""
-
-    def state(self) -> Mapping[str, str]:
-        """Everything that a new page is told, by type."""
-
-    def greeting(self) -> str:
-        """The first message about a scene."""
-
-    def receive(self, text: str | bytes, sender: str) -> list[Message]:
-        """The replies to a message of a page."""
-
-    def leave(self, sender: str) -> None:
-        """A page is gone, and so is what it commanded."""
+def application(server: Server) -> tornado.web.Application:
+    """Everything stands under the token."""
+    shared = {"server": server}
+    return tornado.web.Application(
+        [
+            (r"/([^/]*)/socket", SocketHandler, shared),
+            (rf"/([^/]*)/({'|'.join(map(re.escape, DOWNLOADS))})", DownloadHandler, shared),
+            (r"/([^/]*)/?(.*)", PageHandler, shared),
+        ],
+        default_handler_class=Guarded,
+        default_handler_args=shared,
+        files=_files(),
+        log_function=lambda handler: None,
+        websocket_max_message_size=LARGEST_MESSAGE,
+        websocket_ping_interval=PING_TIME,
+        websocket_ping_timeout=PING_TIME,
+    )
 
 
-class FileHandler(tornado.web.RequestHandler):
-    """What every answer to a GET has."""
+def _files() -> dict[str, tuple[str, bytes]]:
+    """The page's files; index.html asks for every module that main.js runs at once, not for one after the other."""
+    files = page_files()
+    kind, page = files[""]
+    links = [f'<link rel="modulepreload" href="{name}">' for name in modules("main.js")]
+    links.append('<link rel="preload" href="schema.json" as="fetch" crossorigin>')
+    files[""] = kind, page.replace(b"</head>", "\n".join([*links, "</head>"]).encode(), 1)
+    return files
+
+
+class Guarded(tornado.web.RequestHandler):
+    """A GET with our token, Host and Origin; whatever else is asked for is refused in one line."""
+
+    SUPPORTED_METHODS = ("GET",)
+
+    def initialize(self, server: Server) -> None:
+        """Called by tornado with the arguments of the route."""
+        self.server = server
 
     def set_default_headers(self) -> None:
         """On every answer, errors included."""
@@ -82,57 +95,57 @@ class FileHandler(tornado.web.RequestHandler):
             self.set_header(name, value)
         self.clear_header("Server")
 
+    def prepare(self) -> None:
+        """Called by tornado before the method."""
+        reason = self.server.authentication.refusal(self.request.path, self.request.headers)
+        if reason:
+            raise tornado.web.HTTPError(403, reason=reason)
+
     def write_error(self, status_code: int, **kwargs: Any) -> None:
         """One line of text instead of tornado's page."""
         self.set_header("Content-Type", "text/plain; charset=utf-8")
         self.finish(f"{status_code} {self._reason}\n")
 
-    def log_exception(self, *exception: Any) -> None:
-        """Refusals are told to the browser only."""
+    def log_exception(self, kind: Any, error: Any, trace: Any) -> None:
+        """Refusals are told to the browser only: their addresses may hold the token."""
+        if not isinstance(error, tornado.web.HTTPError):
+            super().log_exception(kind, error, trace)
 
 
-class PageHandler(FileHandler):
+class PageHandler(Guarded):
     """GET /TOKEN/FILE: one of the page's files."""
-
-    def initialize(self, files: Mapping[str, tuple[str, bytes]]) -> None:
-        """Called by tornado with the arguments of the route."""
-        self.files = files
 
     def get(self, token: str, name: str) -> None:
         """Send the file; the bare /TOKEN is led to /TOKEN/, on which the page's relative addresses rest."""
         if not name and not self.request.path.endswith("/"):
             return self.redirect(f"/{token}/")
-        if name not in self.files:
+        files: Mapping[str, tuple[str, bytes]] = self.settings["files"]
+        if name not in files:
             raise tornado.web.HTTPError(404)
-        kind, content = self.files[name]
+        kind, content = files[name]
         self.set_header("Content-Type", kind)
         self.set_header("Content-Security-Policy", POLICY.format(host=self.request.host))
         self.write(content)
 
 
-class DownloadHandler(FileHandler):
+class DownloadHandler(Guarded):
     """GET /TOKEN/NAME: a file of DOWNLOADS, made in a thread, one after the other."""
-
-    def initialize(self, server: Service) -> None:
-        """Called by tornado with the arguments of the route."""
-        self.server = server
 
     async def get(self, token: str, name: str) -> None:
         """Send the file to be saved; 404 and the reason where there is none now."""
-        download = DOWNLOADS[name]
-        peer: Peer = self.request.connection.stream.peer  # type: ignore[union-attr]
-        if peer.files >= MOST_FILES:
-            raise tornado.web.HTTPError(503, reason=f"{MOST_FILES} files are under way to this computer")
-        peer.files += 1
+        if self.server.files >= MOST_FILES:
+            raise tornado.web.HTTPError(503, reason=f"{MOST_FILES} files are under way: try again")
+        self.server.files += 1
         try:
-            await self._send(download)
+            await self._send(name)
         finally:
-            peer.files -= 1
+            self.server.files -= 1
 
-    async def _send(self, download: Download) -> None:
+    async def _send(self, name: str) -> None:
+        download = DOWNLOADS[name]
         try:
             async with self.server.writing:
-                text = await run_in_daemon_thread(download.prepare(self.server.current(), self.server.scene))
+                text = await _in_daemon_thread(download.prepare(self.server.current(), self.server.scene))
         except TwistarmError as error:
             self.set_status(404)
             self.set_header("Content-Type", "text/plain; charset=utf-8")
@@ -143,36 +156,34 @@ class DownloadHandler(FileHandler):
         await self.finish(text)
 
 
-class SocketHandler(tornado.websocket.WebSocketHandler):
+async def _in_daemon_thread(call: Callable[[], str]) -> str:
+    """What `call` returns or raises. The threads of a loop's executor would hold up the end of the program."""
+    done: Future[str] = Future()
+    done.set_running_or_notify_cancel()
+
+    def run() -> None:
+        try:
+            done.set_result(call())
+        except Exception as error:
+            done.set_exception(error)
+
+    threading.Thread(target=run, name="twistarm file", daemon=True).start()
+    return await asyncio.wrap_future(done)
+
+
+class SocketHandler(Guarded, tornado.websocket.WebSocketHandler):
     """One page. Its outbox holds the latest message of each type, so one that reads slowly or never costs nothing."""
 
-    def initialize(self, server: Service) -> None:
+    def initialize(self, server: Server) -> None:
         """Called by tornado with the arguments of the route."""
-        self.server = server
+        super().initialize(server)
         self._outbox: dict[str, str] = {}
         self._scene: Scene | None = None  # of which the page has been sent the first objects
         self._waiting = asyncio.Event()
         self._sender: asyncio.Task[None] | None = None
         self._sent = 0
         self.name = server.name_page()
-        self._client: ClientConnection = self.request.connection.stream  # type: ignore[union-attr]
-        self.peer: Peer = self._client.peer
-
-    async def get(self, *path: str, **arguments: str) -> None:
-        """Refuse whom there is no room for, before the handshake."""
-        if len(self.server.clients) >= MOST_PAGES and not self._takes_a_place():
-            raise tornado.web.HTTPError(503, reason=f"{MOST_PAGES} pages are open: close one of them")
-        await super().get(*path, **arguments)
-
-    def _takes_a_place(self) -> bool:
-        """Have the latest page of the peer with the most of them go, where this one's peer has fewer all the same."""
-        latest = first_to_leave(reversed(self.server.clients))
-        count = Counter(each.peer for each in self.server.clients)
-        if count[self.peer] + 1 >= count[latest.peer]:
-            return False
-        del self.server.clients[latest]
-        latest.close(1013, "the place is another computer's")
-        return True
+        self.stream: IOStream = self.request.connection.stream  # type: ignore[union-attr]
 
     def check_origin(self, origin: str) -> bool:
         """Ask `authentication`, which knows forwarded ports."""
@@ -181,7 +192,6 @@ class SocketHandler(tornado.websocket.WebSocketHandler):
     def open(self, *path: str, **arguments: str) -> None:
         """Greet the page, then keep it up to date."""
         self.set_nodelay(True)
-        self._client.page = True
         self.begin(self.server.state())
         self.server.clients[self] = None
         self._sender = asyncio.get_running_loop().create_task(self._send())
@@ -198,12 +208,10 @@ class SocketHandler(tornado.websocket.WebSocketHandler):
         self._outbox[kind] = text
         self._waiting.set()
 
-    def on_message(self, message: str | bytes) -> Awaitable[None] | None:
-        """Whatever arrives gets an answer; what comes without end has to wait in between."""
-        begin = time.monotonic()
+    def on_message(self, message: str | bytes) -> None:
+        """Answer whatever arrives."""
         for reply in self.server.receive(message, self.name):
             self.put(reply["type"], encode(reply))
-        return self.peer.spend(time.monotonic() - begin)
 
     def on_close(self) -> None:
         """Forget the page, and what it commanded."""
@@ -211,13 +219,6 @@ class SocketHandler(tornado.websocket.WebSocketHandler):
         self.server.leave(self.name)
         if self._sender is not None:
             self._sender.cancel()
-
-    def log_exception(self, *exception: Any) -> None:
-        """Refusals are told to the browser only."""
-
-    def write_error(self, status_code: int, **kwargs: Any) -> None:
-        """One line of text instead of tornado's page."""
-        self.finish(f"{status_code} {self._reason}\n")
 
     async def _send(self) -> None:
         try:

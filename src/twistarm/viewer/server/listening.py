@@ -1,17 +1,49 @@
-"""Sockets on the interface and the port that were asked for, or in one line why they cannot be had."""
+"""Listening on the interface and port that were asked for, with one cap on connections."""
 
 from __future__ import annotations
 
 import errno
 import socket
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
+from typing import Any
 
 import tornado.netutil
+from tornado.httpserver import HTTPServer
+from tornado.iostream import IOStream
 
 from ...support.errors import InputError, shown
 
-BACKLOG = 1024
-"""Connections that the system keeps until they are accepted; the next one would wait a second before it tries again."""
+MOST_CONNECTIONS = 128
+"""At a time, pages included: few enough that descriptors are left for files."""
+
+IDLE_TIME = 30.0
+"""Seconds that a connection may wait for its next request, or take to send it."""
+
+LARGEST_HEAD = 16 * 1024
+"""Bytes of a request's head: the cookies of all that this machine serves may be in it."""
+
+
+class Listener(HTTPServer):
+    """Tornado's server with a cap: the oldest connection that is no page's gives way to one too many."""
+
+    def initialize(self, *arguments: Any, pages: Iterable[Any] = (), **options: Any) -> None:
+        """Called by tornado. pages: those who are connected, each with its `stream`. No request has a body."""
+        limits: dict[str, Any] = {
+            "idle_connection_timeout": IDLE_TIME, "body_timeout": IDLE_TIME, "max_header_size": LARGEST_HEAD,
+            "max_body_size": 0,
+        }  # fmt: skip
+        super().initialize(*arguments, **{**options, **limits})
+        self._pages = pages
+        self._streams: list[IOStream] = []
+
+    def handle_stream(self, stream: IOStream, address: Any) -> None:
+        """Called by tornado with a new connection."""
+        self._streams = [each for each in self._streams if not each.closed()]
+        if len(self._streams) >= MOST_CONNECTIONS:
+            pages = {page.stream for page in self._pages}
+            next((each for each in self._streams if each not in pages), stream).close()
+        self._streams.append(stream)
+        super().handle_stream(stream, address)
 
 
 def bind(host: str, port: int) -> Sequence[socket.socket]:
@@ -19,7 +51,7 @@ def bind(host: str, port: int) -> Sequence[socket.socket]:
     if not isinstance(port, int) or isinstance(port, bool) or not 0 <= port <= 65535:
         raise InputError(f"port must be 0 (a free one) … 65535; got {shown(port)}")
     try:
-        return tornado.netutil.bind_sockets(port, host or None, backlog=BACKLOG)
+        return tornado.netutil.bind_sockets(port, host or None)
     except (OSError, UnicodeError) as error:
         raise InputError(_bind_message(host, port, error)) from error
 

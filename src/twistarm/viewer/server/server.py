@@ -24,13 +24,9 @@ from ..stage import Stage
 from ..state_transfer import carry
 from .authentication import Authentication
 from .driver import Driver
-from .gateway import Gateway
-from .handlers import SocketHandler
-from .listening import bind
+from .handlers import SocketHandler, application
+from .listening import Listener, bind
 from .memory import Memory
-from .one_time_addresses import OneTimeAddresses
-from .routes import application
-from .server_log import ServerLog
 
 FRAME_TIME = 1.0 / 60.0
 START_TIME = 10.0
@@ -47,17 +43,14 @@ class Server:
     def __init__(
         self, stage: Stage, scene: Scene, host: str, port: int, memory: Memory | None = None, stands: bool = False
     ) -> None:
-        """memory: what is kept at this address, of which theta is not taken where the stage `stands` as it shall."""
+        """memory: what is kept for this port, of which theta is not taken where the stage `stands` as it shall."""
         self.commands = PageCommands(stage.arm)
         self.clients: dict[SocketHandler, None] = {}
         self._sockets = bind(host, port)
         self.port = int(self._sockets[0].getsockname()[1])
-        # Whoever has the port is the only one to use its files.
-        self.authentication = Authentication(host) if memory is None else Authentication(host, memory.token())
-        self.one_time_addresses = OneTimeAddresses()
-        self.log = ServerLog(f"the view at port {self.port}")
+        self.authentication = Authentication(host)
         self.memory = memory
-        if memory is not None:
+        if memory is not None:  # whoever has the port is the only one to use its file
             memory.recall(stage, stands)
         self._kept = stage.program.list.poses
         self.notice: Message = {"type": "notice", "words": "; ".join(memory.notes) if memory else "", "wrong": False}
@@ -67,7 +60,7 @@ class Server:
         self._pages = 0
         self._jobs: dict[str, float] = {}
         self._take(stage, scene)
-        self.writing = asyncio.Lock()
+        self.writing, self.files = asyncio.Lock(), 0  # of downloads: one is made at a time, so many are under way
         self._workers = Workers(self._deliver, self._show_job)
         self._player: asyncio.Task[None] | None = None
         self._thread = threading.Thread(target=lambda: asyncio.run(self._main()), name="twistarm viewer", daemon=True)
@@ -166,16 +159,17 @@ class Server:
 
     async def _main(self) -> None:
         self._loop, self._stop = asyncio.get_running_loop(), asyncio.Event()
-        with self.log:
-            self.gateway = Gateway(application(self), self.authentication, self.one_time_addresses, self.log)
-            self._consult()
-            self._started.set()
-            await self.gateway.serve(self._sockets, self._stop)
-            self._consultation.cancel()
-            self._apply()
-            for client in list(self.clients):
-                client.close(1001, "the viewer was closed")
-            await self.gateway.close()
+        listener = Listener(application(self), pages=self.clients)
+        listener.add_sockets(self._sockets)
+        self._consult()
+        self._started.set()
+        await self._stop.wait()
+        listener.stop()
+        self._consultation.cancel()
+        self._apply()
+        for client in list(self.clients):
+            client.close(1001, "the viewer was closed")
+        await listener.close_all_connections()
 
     def _consult(self) -> None:
         self._consultation = self._loop.create_task(self.doctor.wait(self._calm))
