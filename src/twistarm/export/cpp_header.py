@@ -8,7 +8,6 @@ from typing import Any
 
 import numpy as np
 
-from ..model import engine
 from ..model.arm import Arm
 from ..model.baking import digest_of
 from ..servo import ServoSettings
