@@ -246,7 +246,10 @@ BAD = [
     ({"kind": "pose", "position": [0, 0, 1e7], "xyzw": [0, 0, 0, 1]}, "position[2] must be finite and at most 1e+06"),
     ({"kind": "pose", "position": [0, 0], "xyzw": [0, 0, 0, 1]}, "position must be a list of 3 numbers"),
     ({"kind": "pose", "position": [0, 0, 1], "xyzw": [0, 0, 1]}, "xyzw must be a list of 4 numbers"),
-    ({"kind": "place", "position": [0, 0, 1], "xyzw": [0, 0, 0, 1]}, "kind must be one of pose, position, approach"),
+    (
+        {"kind": "place", "position": [0, 0, 1], "xyzw": [0, 0, 0, 1]},
+        "kind must be one of 'pose', 'position'",
+    ),
     ({"kind": "pose", "position": ["0", 0, 1], "xyzw": [0, 0, 0, 1]}, "position[0] must be a number; got '0'"),
 ]
 

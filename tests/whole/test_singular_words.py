@@ -10,11 +10,8 @@ import numpy as np
 import pytest
 
 from catalogue import load
-from reference.servo.step import step
 from twistarm import Arm, ArmBuilder, Position, diagnose, solve_ik
-from twistarm.servo import ServoOutput, ServoSettings, ServoState, TwistCommand
-from twistarm.servo.bounds import bounds_of
-from twistarm.servo.output import Asked
+from twistarm.servo import ServoState, TwistCommand, servo_step
 from twistarm.viewer.parts.gauge import Measure
 from twistarm.viewer.parts.theory_numbers import numbers
 
@@ -109,13 +106,11 @@ def by_the_gauge(arm: Arm) -> list[object]:
 
 
 def by_the_servo(arm: Arm) -> list[str]:
-    bounds, said = bounds_of(arm, ServoSettings()), []
+    said = []
     for theta in (np.zeros(arm.n), arm.ready):
         state = ServoState.at(arm, theta)
-        for twist in np.vstack([np.eye(6), -np.eye(6)]) * np.repeat([0.1, 0.5], 3):
-            command = TwistCommand(twist, "base")
-            answer = step(arm, bounds, state, command, 0.01)
-            said.append(ServoOutput.of(answer, bounds, Asked(arm, theta, command, False)).reason)
+        twists = np.vstack([np.eye(6), -np.eye(6)]) * np.repeat([0.1, 0.5], 3)
+        said += [servo_step(arm, state, TwistCommand(twist, "base"), 0.01)[1].reason for twist in twists]
     return said
 
 

@@ -20,9 +20,11 @@ def read_key(path: str | os.PathLike[str]) -> bytes:
     """The key in a file, without the white space around it. InputError where it cannot be read, or is none."""
     file = as_path(path)
     try:
-        return checked_key(read_bounded(file, 2048).strip())
-    except OSError as error:
-        raise InputError(f"cannot read the key {shown(str(path))}: {error.strerror or error}") from error
+        key = read_bounded(file, 2048).strip()
+    except (OSError, ValueError) as error:
+        why = getattr(error, "strerror", None) or error
+        raise InputError(f"cannot read the key {shown(str(path))}: {why}") from error
+    return checked_key(key)
 
 
 def checked_key(key: bytes) -> bytes:
