@@ -7,7 +7,7 @@ from dataclasses import asdict, dataclass
 import numpy as np
 
 from twistarm import Arm
-from twistarm.servo import ServoState, TwistCommand, servo_step
+from twistarm.control.servo import ServoState, TwistCommand, servo_step
 
 from .servo_arms import Array, at_limits, random, ranges, servo_arm, singular, stretched
 from .servo_plain import plain_rates

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from twistarm import Arm
-from twistarm.servo import AnyCommand, JogCommand, PoseCommand, ServoState, TwistCommand, servo_step
+from twistarm.control.servo import AnyCommand, JogCommand, PoseCommand, ServoState, TwistCommand, servo_step
 
 from .servo_arms import random, ranges, servo_arm
 

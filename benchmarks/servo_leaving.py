@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from twistarm import Arm
-from twistarm.servo import ServoState, TwistCommand, servo_step
+from twistarm.control.servo import ServoState, TwistCommand, servo_step
 
 from .servo_arms import Array, at_limits, least, least_singular_value, random, ranges, scaled_jacobian, servo_arm
 

@@ -9,7 +9,7 @@ import numpy as np
 from matplotlib.figure import Figure
 
 from twistarm import Arm
-from twistarm.servo import TwistCommand
+from twistarm.control.servo import TwistCommand
 
 from .servo_arms import Array, servo_arm
 from .servo_held import DT, held

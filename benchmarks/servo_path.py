@@ -7,7 +7,7 @@ from collections import deque
 import numpy as np
 
 from twistarm import Arm
-from twistarm.servo import ServoState, TwistCommand, servo_step
+from twistarm.control.servo import ServoState, TwistCommand, servo_step
 
 from .servo_arms import Array, least_singular_value, random, ranges, servo_arm
 

@@ -16,7 +16,7 @@ from collections.abc import Callable
 import numpy as np
 
 from twistarm import Arm, load_arm
-from twistarm.servo import AnyCommand, JogCommand, PoseCommand, ServoState, TwistCommand, servo_step
+from twistarm.control.servo import AnyCommand, JogCommand, PoseCommand, ServoState, TwistCommand, servo_step
 from twistarm.support.errors import TwistarmError
 
 ARMS = ("rover_arm", "rover_arm_6dof", "ur5", "panda", "so101")

@@ -18,9 +18,9 @@ from multiprocessing.synchronize import Event
 import numpy as np
 
 from twistarm import load_arm
-from twistarm.servo import ServoOutput
-from twistarm.stream import Metronome, MonotonicClock, Setpoint, SimulatedJoints, UdpFeedback, UdpSink, UdpSource, run
-from twistarm.stream.metronome import Lateness
+from twistarm.control.servo import ServoOutput
+from twistarm.control.stream import Metronome, MonotonicClock, Setpoint, SimulatedJoints, UdpFeedback, UdpSink, UdpSource, run
+from twistarm.control.stream.metronome import Lateness
 
 from .machine import machine
 

@@ -4,7 +4,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from twistarm import load_arm
-from twistarm.servo import (
+from twistarm.control.servo import (
     AnyCommand,
     JogCommand,
     PoseCommand,

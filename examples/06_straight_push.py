@@ -3,7 +3,7 @@
 import numpy as np
 
 from twistarm import load_arm, rotations, solve_ik
-from twistarm.servo import ServoState, TwistCommand, servo_step
+from twistarm.control.servo import ServoState, TwistCommand, servo_step
 
 arm, dt, speed, length = load_arm("rover_arm"), 0.01, 0.1, 0.3  # s, m/s, m
 

@@ -4,7 +4,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from twistarm import Arm, load_arm, rotations, screws
-from twistarm.servo import PoseCommand, ServoState, servo_step
+from twistarm.control.servo import PoseCommand, ServoState, servo_step
 
 Array = NDArray[np.float64]
 

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from twistarm import load_arm, load_trajectory, plan_joint
-from twistarm.stream import Ending, FollowControl, FollowCycle, SimulatedJoints, follow
+from twistarm.control.stream import Ending, FollowControl, FollowCycle, SimulatedJoints, follow
 
 LATENCY, PERIOD = 0.05, 0.01  # s: of the drives, of the loop
 

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from stream_stand_ins import PERIOD, FakeClock, Says
-from twistarm.stream import Ending, Measured, Streaming
+from twistarm.control.stream import Ending, Measured, Streaming
 
 STEP = 2.0 * np.pi / 4096
 """Of an encoder with 12 bits [rad]; of a slide's, that many metres."""

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from twistarm import JointLimits, arm_from_screws, joints
-from twistarm.servo import JogCommand, PoseCommand, ServoState, TwistCommand, servo_step
+from twistarm.control.servo import JogCommand, PoseCommand, ServoState, TwistCommand, servo_step
 
 DT = 0.01
 

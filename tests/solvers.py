@@ -28,4 +28,4 @@ def textbook_ik(
 
 
 SOLVERS = [pytest.param(solve_ik, id="core"), pytest.param(textbook_ik, id="textbook")]
-"""Where there is no core the first is the second; tests/model/test_engine.py says whether there is one."""
+"""Where there is no core the first is the second; tests/arm/test_engine.py says whether there is one."""

@@ -7,8 +7,8 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from twistarm.servo import JogCommand, ServoOutput, ServoStatus
-from twistarm.stream import Measured, Reading, Setpoint, run
+from twistarm.control.servo import JogCommand, ServoOutput, ServoStatus
+from twistarm.control.stream import Measured, Reading, Setpoint, run
 
 RATE = 100.0
 PERIOD = 1.0 / RATE

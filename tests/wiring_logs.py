@@ -14,7 +14,7 @@ from catalogue import load
 from twistarm import Actuators, Arm
 from twistarm.support.checks import Array
 from twistarm.theory.rotations import exp
-from twistarm.wiring import WiringLog, WiringReport
+from twistarm.calibration import WiringLog, WiringReport
 
 FAULTS = ("none", "flipped sign", "zero offset", "wrong ratio", "swapped")
 

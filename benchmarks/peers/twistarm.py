@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 import twistarm
-from twistarm.model import engine
+from twistarm.arm import engine
 
 
 class Solver:

@@ -30,7 +30,7 @@ NB_MODULE(_core, module) {
     using namespace nb::literals;
     // A program may end while it holds arms.
     nb::set_leak_warnings(false);
-    module.doc() = "The compiled kernels; `twistarm.model.engine.core()` is the door to them.";
+    module.doc() = "The compiled kernels; `twistarm.arm.engine.core()` is the door to them.";
     module.attr("INTERFACE") = TWISTARM_INTERFACE;
     module.def("instruction_sets", &instruction_sets);
     module.def("pose", &bindings::pose, nb::arg().none());

@@ -14,7 +14,7 @@ void require(bool holds, const char* otherwise) {
     if (!holds) throw nb::value_error(otherwise);
 }
 
-constexpr double most = 1e6;  // as in servo/state.py
+constexpr double most = 1e6;  // as in control/servo/state.py
 
 bool moderate(const Numbers& values) {
     for (std::size_t k = 0; k < values.size(); ++k)

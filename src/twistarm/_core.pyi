@@ -1,4 +1,4 @@
-"""The compiled kernels; `twistarm.model.engine.core()` is the door to them.
+"""The compiled kernels; `twistarm.arm.engine.core()` is the door to them.
 
 A call answers None where an argument is not plainly right: Python then converts it, or says what is wrong, and calls
 again. Inverse kinematics takes numbers as arrays of any real type and order, lists, tuples and NumPy's own; kinematics
@@ -261,5 +261,5 @@ class Servo:
     ) -> tuple[Array, Array, Array | None, int, int, float, Array, float, bool, float, float, float] | None:
         """theta, theta_dot, held, cause, row, scale, lost, its share, halted, position and angle that remain, period.
 
-        kind 0 for no command, else with flags and numbers as in servo/command.py.
+        kind 0 for no command, else with flags and numbers as in control/servo/command.py.
         """

@@ -5,10 +5,10 @@ from __future__ import annotations
 import os
 from typing import Any
 
-from .loading.load import load_arm
-from .model.arm import Arm
-from .proof.crosscheck import crosscheck, require_yourdfpy
-from .proof.difference import compare
+from .arm.loading.load import load_arm
+from .arm.arm import Arm
+from .checking.crosscheck import crosscheck, require_yourdfpy
+from .checking.difference import compare
 
 _SAMPLES = 200
 

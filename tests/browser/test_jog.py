@@ -14,7 +14,7 @@ from numpy.testing import assert_allclose
 
 from jogging import AS_OPENED, BESIDE, HIDE, PAD, Heard
 from twistarm import ArmBuilder, load_arm
-from twistarm.servo import ServoOutput, ServoState, ServoStatus, TwistCommand, servo_step
+from twistarm.control.servo import ServoOutput, ServoState, ServoStatus, TwistCommand, servo_step
 from twistarm.viewer import Viewer
 from waiting import settled, until
 

@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 from arms import ARMS
 from jogging import HIDE
 from twistarm import Arm, load_arm
-from twistarm.servo import ServoOutput, ServoSettings
+from twistarm.control.servo import ServoOutput, ServoSettings
 from twistarm.viewer import Viewer
 from waiting import settled, until
 

@@ -15,7 +15,7 @@ from numpy.testing import assert_allclose, assert_array_equal
 
 from arms import ARMS
 from twistarm import Arm, available_arms, load_arm
-from twistarm.model.usual_limits import with_defaults
+from twistarm.arm.usual_limits import with_defaults
 from twistarm.planning.joint_space import plan_joint
 from twistarm.planning.trajectory import Trajectory
 from twistarm.viewer import Viewer, save_html

@@ -71,7 +71,7 @@ def test_a_robot_by_udp_is_told_the_motion_from_where_it_is(capsys: Capture, fil
 
 
 def test_a_robot_that_goes_is_given_up(capsys: Capture, file: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("twistarm.stream.following.cycle.PATIENCE", 0.8)
+    monkeypatch.setattr("twistarm.control.stream.following.cycle.PATIENCE", 0.8)
     listen = free_port()
     robot = Robot(listen, ["joint_1", "joint_2"], [0.3, 0.8])
 

@@ -19,9 +19,9 @@ import pytest
 
 from test_cli import error_of
 from twistarm.cli.application import run
-from twistarm.stream import Cycle
-from twistarm.stream import run as stream
-from twistarm.stream.links.compact_line import checksum
+from twistarm.control.stream import Cycle
+from twistarm.control.stream import run as stream
+from twistarm.control.stream.links.compact_line import checksum
 from twistarm.support.interrupts import ended_like_ctrl_c
 from twistarm.viewer import Viewer
 

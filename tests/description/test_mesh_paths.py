@@ -156,7 +156,7 @@ def test_a_file_that_is_nowhere_is_said_to_be_that(tmp_path: Path) -> None:
 
 
 def test_a_repaired_copy_has_plain_slashes(tmp_path: Path) -> None:
-    from twistarm.doctor.repair import repair
+    from twistarm.checking.doctor.repair import repair
 
     path = lay(tmp_path, r"..\meshes\\Part.stl", *BARE)
     made = repair(read_description(path), tmp_path / "copy.urdf")

@@ -13,7 +13,7 @@ import pytest
 
 from twistarm import diagnose, load_arm
 from twistarm.cli.application import run
-from twistarm.model.arm import Arm
+from twistarm.arm.arm import Arm
 from twistarm.support.errors import DescriptionError, InputError
 from twistarm.testing import assert_arm
 from urdf_text import joint, write

@@ -9,7 +9,7 @@ import pytest
 
 from servo_drives import driven
 from twistarm import Arm, Position, crosscheck, load_arm, plan_joint, solve_ik
-from twistarm.servo import JogCommand, ServoState
+from twistarm.control.servo import JogCommand, ServoState
 from twistarm.support.errors import TwistarmError
 from urdf_text import joint, robot, two_joints, write
 

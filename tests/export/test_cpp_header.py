@@ -28,8 +28,8 @@ from twistarm import (
 )
 from twistarm.cli.application import run
 from twistarm.export.cpp_header import core_headers, cpp_header, namespace_of
-from twistarm.model import engine
-from twistarm.model.baking import digest_of
+from twistarm.arm import engine
+from twistarm.arm.baking import digest_of
 from urdf_text import joint, robot, write
 
 STRICT = ["-std=c++17", "-fno-exceptions", "-fno-rtti", "-Wall", "-Wextra", "-Wpedantic", "-Werror"]

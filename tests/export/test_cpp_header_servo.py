@@ -13,7 +13,7 @@ from catalogue import load
 from test_cpp_header import HEAP, STRICT, compile_one, compiler  # noqa: F401  (a fixture)
 from twistarm import Actuators, Arm, JointLimits, TwistarmError
 from twistarm.export.cpp_header import core_headers, cpp_header
-from twistarm.servo import AnyCommand, JogCommand, PoseCommand, ServoState, ServoStatus, TwistCommand, servo_step
+from twistarm.control.servo import AnyCommand, JogCommand, PoseCommand, ServoState, ServoStatus, TwistCommand, servo_step
 
 PROGRAM = """
 // Reads theta, then each step's command as kind, flags and 24 numbers; writes theta, theta_dot, scale and whose limit.

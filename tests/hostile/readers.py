@@ -15,9 +15,9 @@ from pathlib import Path
 from typing import Any
 
 from hostile.attempt import Outcome, attempt
-from twistarm.loading.load import load_arm
-from twistarm.model.baking import text_of
-from twistarm.proof.golden_file import golden_text
+from twistarm.arm.loading.load import load_arm
+from twistarm.arm.baking import text_of
+from twistarm.checking.golden_file import golden_text
 from urdf_text import two_joints
 
 ROWS = "a,b\n" + "0.1,0.2\n" * 3

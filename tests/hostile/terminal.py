@@ -9,9 +9,9 @@ from dataclasses import dataclass, replace
 from html import escape
 from pathlib import Path
 
-from twistarm.loading.load import load_arm
-from twistarm.model.baking import text_of
-from twistarm.proof.golden_file import golden_text
+from twistarm.arm.loading.load import load_arm
+from twistarm.arm.baking import text_of
+from twistarm.checking.golden_file import golden_text
 from urdf_text import joint, robot
 
 FAKE = "FAKE"

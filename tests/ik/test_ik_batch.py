@@ -32,7 +32,7 @@ def problems(arm, count, seed=0):
 def arm():
     arm = load("rover_arm_6dof")
     if arm._compiled is None:
-        pytest.skip("no compiled core; tests/model/test_engine.py says whether there should be one")
+        pytest.skip("no compiled core; tests/arm/test_engine.py says whether there should be one")
     return arm
 
 

@@ -31,7 +31,7 @@ HOW = "get a compiler"
 @pytest.fixture
 def bare(monkeypatch):
     """The rover arm where nothing was compiled."""
-    monkeypatch.setattr("twistarm.model.engine._found", lambda: (None, HOW))
+    monkeypatch.setattr("twistarm.arm.engine._found", lambda: (None, HOW))
     arm = load_arm("rover_arm")
     assert arm._compiled is None
     return arm

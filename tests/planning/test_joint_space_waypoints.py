@@ -8,7 +8,7 @@ from scipy.interpolate import PPoly
 
 from joint_space_cases import ARM, KINDS, MET, PASSES, PATH, RATES, WAYS, make_arm, use, with_rates
 from twistarm import Approach, JointLimits, Pose, Position, arm_from_screws, load_arm
-from twistarm.model.usual_limits import with_defaults
+from twistarm.arm.usual_limits import with_defaults
 from twistarm.planning import plan_joint
 from twistarm.planning.joint_space import MERGE_TOL
 from twistarm.support.errors import InputError, LimitError, NotConvergedError, UnknownNameError

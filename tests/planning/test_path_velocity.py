@@ -10,7 +10,7 @@ from scipy.interpolate import make_interp_spline
 from scipy.optimize import linprog
 
 from twistarm.limits import JointLimits
-from twistarm.model import engine
+from twistarm.arm import engine
 from twistarm.planning.joint_path import JointPath
 from twistarm.planning.time_laws import PathBounds
 from twistarm.planning.time_laws.interval_limits import LimitedPath

@@ -28,7 +28,7 @@ from twistarm import (
     solve_ik,
     solve_ik_batch,
 )
-from twistarm.wiring import WiringLog
+from twistarm.calibration import WiringLog
 
 LONGEST = 240
 """Three lines of a terminal of 80 columns."""

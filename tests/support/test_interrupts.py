@@ -102,8 +102,8 @@ def test_the_cursor_comes_back_whatever_ends_it(sent: str, tmp_path: Path) -> No
 STREAM = """
 import os, signal
 from twistarm import load_arm
-from twistarm.servo import JogCommand
-from twistarm.stream import Inbox, SimulatedJoints, run
+from twistarm.control.servo import JogCommand
+from twistarm.control.stream import Inbox, SimulatedJoints, run
 
 arm = load_arm("rr_planar")
 joints, inbox, rates = SimulatedJoints(arm, arm.ready), Inbox(), []

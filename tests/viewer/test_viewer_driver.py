@@ -16,9 +16,9 @@ from numpy.testing import assert_allclose
 
 from test_viewer_jog import ask, eventually, other
 from twistarm import Arm, load_arm, plan_joint
-from twistarm.model.usual_limits import DEFAULTS
-from twistarm.servo import ServoOutput, ServoSettings
-from twistarm.stream import Cycle
+from twistarm.arm.usual_limits import DEFAULTS
+from twistarm.control.servo import ServoOutput, ServoSettings
+from twistarm.control.stream import Cycle
 from twistarm.support.errors import InputError
 from twistarm.viewer import Viewer
 from twistarm.viewer.stage import NO_DRIVE

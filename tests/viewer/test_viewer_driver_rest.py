@@ -10,8 +10,8 @@ import numpy as np
 import pytest
 
 from twistarm import Arm, ArmBuilder
-from twistarm.servo import ServoOutput
-from twistarm.stream import Inbox
+from twistarm.control.servo import ServoOutput
+from twistarm.control.stream import Inbox
 from twistarm.support.errors import InputError
 from twistarm.viewer import Viewer
 from twistarm.viewer.parts.commands import PageCommands

@@ -11,8 +11,8 @@ import pytest
 from twistarm import Arm, ArmBuilder, load_arm
 from twistarm.limits.actuators import Actuators
 from twistarm.limits.joint_limits import JointLimits
-from twistarm.model.usual_limits import with_defaults
-from twistarm.servo import ServoSettings, ServoState, ServoStatus, TwistCommand, servo_step
+from twistarm.arm.usual_limits import with_defaults
+from twistarm.control.servo import ServoSettings, ServoState, ServoStatus, TwistCommand, servo_step
 from twistarm.support.checks import Array
 from twistarm.viewer.parts.gauge import SILENT, Gauge
 from twistarm.viewer.parts.servo_words import SILENT as WORDLESS

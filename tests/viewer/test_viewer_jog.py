@@ -15,7 +15,7 @@ from numpy.testing import assert_array_equal
 
 from test_viewer_messages import BAD_MESSAGES
 from twistarm import ArmBuilder, plan_joint
-from twistarm.servo import JogCommand, TwistCommand
+from twistarm.control.servo import JogCommand, TwistCommand
 from twistarm.support.errors import InputError
 from twistarm.viewer import Viewer
 from twistarm.viewer.parts.servo_words import SILENT

@@ -12,7 +12,7 @@ from numpy.testing import assert_array_equal
 
 import schema_samples as samples
 from twistarm import Arm
-from twistarm.servo import ServoOutput
+from twistarm.control.servo import ServoOutput
 from twistarm.support.errors import InputError
 from twistarm.support.strict_json import encode
 from twistarm.viewer import Viewer

@@ -13,7 +13,7 @@ from numpy.typing import ArrayLike, NDArray
 from recorded_poses import HOME, LEFT, REACH, ask, done, said
 from recorded_poses import stage as stage
 from twistarm import Arm
-from twistarm.model.usual_limits import with_defaults
+from twistarm.arm.usual_limits import with_defaults
 from twistarm.planning.joint_space import plan_joint
 from twistarm.planning.trajectory import Trajectory
 from twistarm.viewer.parts.playback import Playback

@@ -12,8 +12,8 @@ import numpy as np
 import pytest
 
 from test_viewer_jog import ARM, TWIST, ask, jog
-from twistarm.servo import AnyCommand, JogCommand, ServoOutput, ServoStatus, TwistCommand
-from twistarm.stream import Cycle, Inbox, Reading, Setpoint, SimulatedJoints, StreamReport, run
+from twistarm.control.servo import AnyCommand, JogCommand, ServoOutput, ServoStatus, TwistCommand
+from twistarm.control.stream import Cycle, Inbox, Reading, Setpoint, SimulatedJoints, StreamReport, run
 from twistarm.viewer import Viewer
 from twistarm.viewer.parts.servo_words import SILENT, servo_words
 from viewer_page import Page, nothing, visit

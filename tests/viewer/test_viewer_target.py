@@ -13,7 +13,7 @@ from numpy.testing import assert_allclose, assert_array_equal
 from ik_targets import require_core
 from twistarm import Arm, InputError, arm_from_screws, joints, load_arm, solve_ik
 from twistarm.ik import Pose, Position
-from twistarm.model.engine import MOST_JOINTS
+from twistarm.arm.engine import MOST_JOINTS
 from twistarm.planning.joint_space import plan_joint
 from twistarm.support.strict_json import encode
 from twistarm.viewer import Viewer
@@ -279,7 +279,7 @@ def test_while_a_servo_drives_there_is_no_target() -> None:
 
 
 def test_without_the_compiled_core(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("twistarm.model.engine.core", lambda: None)
+    monkeypatch.setattr("twistarm.arm.engine.core", lambda: None)
     arm = load_arm("rover_arm")
     assert arm._compiled is None
     stage = Stage(arm)

@@ -37,13 +37,13 @@ FLOORS = (
 DEPTH = {name: depth for depth, floor in enumerate(FLOORS) for name in floor}
 
 ALLOWED = {
-    "pinocchio": ("model/pinocchio_model.py",),
+    "pinocchio": ("arm/pinocchio_model.py",),
     "meshcat": ("viewer",),
     "tornado": ("viewer/server",),
     "umsgpack": ("viewer",),
     "trimesh": ("description/meshes",),
     "collada": ("description/meshes",),
-    "yourdfpy": ("proof/crosscheck.py",),
+    "yourdfpy": ("checking/crosscheck.py",),
     "scipy": ("planning", "guide/exercises"),
     "matplotlib": ("guide",),
     "jupytext": ("guide/building",),
@@ -51,7 +51,7 @@ ALLOWED = {
     "mdit_py_plugins": ("guide/teaching/markup.py",),
     "latex2mathml": ("guide/teaching/markup.py",),
     "pygments": ("guide/teaching/markup.py",),
-    "serial": ("stream/links/serial_link.py",),
+    "serial": ("control/stream/links/serial_link.py",),
     "xacro": ("description/expansion",),
     "yaml": ("description",),
     "typer": ("cli",),

@@ -9,7 +9,7 @@ from pathlib import Path
 
 import pytest
 
-from twistarm.model import engine
+from twistarm.arm import engine
 
 TESTS = Path(__file__).parents[2] / "core" / "tests"
 

@@ -16,7 +16,7 @@ from hostile.network import SILENT
 from hostile.served import Result, Trouble, quiet, served
 from hostile.strangers import STRANGERS
 from twistarm import Arm
-from twistarm.stream import UdpSource
+from twistarm.control.stream import UdpSource
 
 pytestmark = pytest.mark.skipif(not sys.platform.startswith("linux"), reason="processes are weighed by /proc")
 

@@ -12,7 +12,7 @@ import pytest
 from hostile.attempt import Figures, Outcome
 from hostile.readers import READERS, Case, cases
 from twistarm.cli.application import run
-from twistarm.doctor.folder import descriptions_in
+from twistarm.checking.doctor.folder import descriptions_in
 from twistarm.support.errors import InputError
 
 SAMPLED = (
@@ -75,7 +75,7 @@ def test_everything_is_told_in_one_line_within_the_bounds(tmp_path_factory: pyte
 
 
 def test_a_folder_of_very_many_entries_is_not_walked_through(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("twistarm.doctor.folder.MOST_ENTRIES", 3)
+    monkeypatch.setattr("twistarm.checking.doctor.folder.MOST_ENTRIES", 3)
     for name in "abcd":
         (tmp_path / name).touch()
     with pytest.raises(InputError, match="more than 3 files and folders below; name a smaller folder"):

@@ -13,7 +13,7 @@ import pytest
 
 from stub_packages import package
 from twistarm.description.expansion import module as xacro_module
-from twistarm.model import pinocchio_model
+from twistarm.arm import pinocchio_model
 
 PROJECT = Path(__file__).parents[2]
 COMMAND = "import sys; sys.argv[0] = 'twistarm'; from twistarm.cli import main; main()"

@@ -11,7 +11,7 @@ import pytest
 
 from catalogue import load
 from twistarm import Arm, ArmBuilder, Position, diagnose, solve_ik
-from twistarm.servo import ServoState, TwistCommand, servo_step
+from twistarm.control.servo import ServoState, TwistCommand, servo_step
 from twistarm.viewer.parts.gauge import Measure
 from twistarm.viewer.parts.theory_numbers import numbers
 

@@ -14,7 +14,7 @@ from pathlib import Path
 
 import pytest
 
-from twistarm.model import engine
+from twistarm.arm import engine
 
 ROOT = Path(__file__).parents[2]
 

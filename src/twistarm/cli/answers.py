@@ -6,7 +6,7 @@ from typing import Any
 
 from ..ik import IKBatch, IKSolution, StopReason
 from ..ik.solution import missed_by_rounding
-from ..model.arm import Arm
+from ..arm.arm import Arm
 from ..support.csv_lines import csv_text
 from .csv_rows import ROWS_SHOWN, Sheet, few
 from .output import console, print_json, say, table, theta_typed

@@ -10,8 +10,8 @@ from typing import Any
 import numpy as np
 
 from ..limits.joint_limits import JointLimits
-from ..model.arm import Arm
-from ..model.usual_limits import with_defaults
+from ..arm.arm import Arm
+from ..arm.usual_limits import with_defaults
 from ..planning import JointMove, LineMove, MotionFile, Trajectory, load_motion, load_trajectory
 from ..planning import plan as plan_segments
 from ..planning.motion import LAWS, as_segments

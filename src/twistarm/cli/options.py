@@ -14,8 +14,8 @@ import typer
 
 from ..description.catalog import model_arms, own_arms
 from ..limits.joint_units import slides
-from ..loading.load import load_arm
-from ..model.arm import Arm
+from ..arm.loading.load import load_arm
+from ..arm.arm import Arm
 from ..support.errors import InputError
 from .typed import VALUES
 

@@ -17,7 +17,7 @@ from rich.markup import escape
 from rich.progress import Progress
 
 from ..description.findings import Finding
-from ..model.arm import Arm
+from ..arm.arm import Arm
 from ..support.checks import Array
 from ..support.errors import printable
 from ..support.path_redaction import without_places

@@ -8,9 +8,9 @@ from typing import Annotated, NamedTuple, TextIO
 import numpy as np
 import typer
 
-from ..model.arm import Arm
-from ..stream import Feedback, SerialRobot, SimulatedJoints, Sink, UdpFeedback, UdpSink
-from ..stream.links.serial_link import BAUDRATE
+from ..arm.arm import Arm
+from ..control.stream import Feedback, SerialRobot, SimulatedJoints, Sink, UdpFeedback, UdpSink
+from ..control.stream.links.serial_link import BAUDRATE
 from ..support.checks import Array, as_positive
 from ..support.errors import InputError, LimitError
 from ..viewer import Viewer

@@ -5,9 +5,9 @@ from __future__ import annotations
 from dataclasses import fields
 from typing import Any
 
-from ..model.arm import Arm
-from ..stream import FollowReport, StreamReport
-from ..stream.report import names_counted
+from ..arm.arm import Arm
+from ..control.stream import FollowReport, StreamReport
+from ..control.stream.report import names_counted
 from .grid import Grid
 from .output import table
 

@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 from typer.core import TyperCommand, TyperGroup
 
-from ..model.arm import Arm
+from ..arm.arm import Arm
 from ..support.checks import Array
 from ..support.errors import InputError, UnknownNameError, listed
 from .output import as_written, note

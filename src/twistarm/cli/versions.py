@@ -7,7 +7,7 @@ import re
 from importlib import metadata
 from typing import Any
 
-from ..model import engine
+from ..arm import engine
 
 
 def version() -> str:

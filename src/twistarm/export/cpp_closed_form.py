@@ -9,7 +9,7 @@ import numpy as np
 from ..ik import AnyTarget, Approach, Pose, Position
 from ..ik.closed_form.compiled import FamilyNumbers
 from ..ik.closed_form.methods import method_for
-from ..model.arm import Arm
+from ..arm.arm import Arm
 from ..support.c_text import c_number
 from ..support.checks import Array
 

@@ -8,10 +8,10 @@ from typing import Any
 
 import numpy as np
 
-from ..model.arm import Arm
-from ..model.baking import digest_of
-from ..servo import ServoSettings
-from ..servo.bounds import bounds_of
+from ..arm.arm import Arm
+from ..arm.baking import digest_of
+from ..control.servo import ServoSettings
+from ..control.servo.bounds import bounds_of
 from ..support.c_text import c_number, c_string, c_strings, identifier_of
 from ..support.checks import Array
 from ..support.errors import TwistarmError

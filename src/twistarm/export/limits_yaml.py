@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from ..model.arm import Arm
+from ..arm.arm import Arm
 from ..support.files import WRITTEN_YAML
 from ..support.yaml_text import block
 

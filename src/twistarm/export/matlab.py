@@ -8,8 +8,8 @@ from pathlib import Path
 
 import numpy as np
 
-from ..model.arm import Arm
-from ..model.baking import digest_of
+from ..arm.arm import Arm
+from ..arm.baking import digest_of
 from ..support.checks import Array
 from ..support.errors import InputError, printable
 

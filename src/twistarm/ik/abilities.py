@@ -8,7 +8,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ..model.arm import Arm
+from ..arm.arm import Arm
 from ..support.checks import Array
 from ..support.directions import nearest_axes
 from .targets import AnyTarget, Approach, Pose

@@ -9,7 +9,7 @@ from typing import Any
 
 import numpy as np
 
-from ..model.arm import Arm
+from ..arm.arm import Arm
 from ..support.checks import Array, frozen
 from ..support.errors import printable
 from .all_answers import AllAnswers, AnyAllAnswers

@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from ..model.arm import Arm, require_arm
+from ..arm.arm import Arm, require_arm
 from ..support.checks import Array, RealArray, as_flag, as_whole, made_by
 from .all_answers import AllAnswers
 from .all_solutions import IKSolutions

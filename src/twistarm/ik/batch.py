@@ -11,8 +11,8 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from ..model import engine
-from ..model.arm import Arm, require_arm
+from ..arm import engine
+from ..arm.arm import Arm, require_arm
 from ..support.checks import Array, RealArray, as_whole, frozen, made_by, require_callback
 from ..support.errors import InputError, shown
 from .answer import FIELDS, NOT_FINISHED, Records, answer_in, write_answer

@@ -11,7 +11,7 @@ from functools import partial
 
 import numpy as np
 
-from ..model.arm import Arm
+from ..arm.arm import Arm
 from ..support.checks import Array
 from .answer import NOT_FINISHED, Answer, AnyAnswer, answer_from
 from .closed_form.methods import Method, family_for

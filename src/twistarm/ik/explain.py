@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from ..model.inability import cannot_move, cannot_turn, position_limit
+from ..arm.inability import cannot_move, cannot_turn, position_limit
 from ..support.caller_words import argument, name_of, quantity
 from ..support.checks import Array
 from ..support.errors import printable

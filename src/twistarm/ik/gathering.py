@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from ..model.arm import Arm
+from ..arm.arm import Arm
 from ..support.checks import Array, frozen
 from .all_answers import AllAnswers
 from .all_solutions import IKSolutions

@@ -9,7 +9,7 @@ from weakref import WeakKeyDictionary
 import numpy as np
 from numpy.typing import NDArray
 
-from ..model.arm import Arm
+from ..arm.arm import Arm
 from ..support.checks import Array
 
 TURN = 2.0 * math.pi

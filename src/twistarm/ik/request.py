@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
-from ..model.arm import Arm
+from ..arm.arm import Arm
 from ..support.checks import Array, as_floats, as_seed, as_whole, frozen
 from ..support.errors import InputError, listed, shown
 from .task_space import Tolerances

@@ -8,7 +8,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from ..model.arm import Arm
+from ..arm.arm import Arm
 from ..support.checks import Array
 from .batch import Progress, solve_ik_batch
 from .deadline import Deadline

@@ -9,7 +9,7 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
-from ..model.arm import Arm
+from ..arm.arm import Arm
 from ..support.checks import Array
 from .closed_form.roots import DEPENDENT, apart, corrected, met, rows_of
 from .deadline import Deadline

@@ -6,8 +6,8 @@ from typing import Any
 
 import numpy as np
 
-from ..model.almost_exact import angle_in_words, length_in_words
-from ..model.arm import Arm
+from ..arm.almost_exact import angle_in_words, length_in_words
+from ..arm.arm import Arm
 from ..support.checks import Array
 from ..support.display import told
 from ..support.errors import NotConvergedError

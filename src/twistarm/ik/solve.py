@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
-from ..model.arm import Arm, require_arm
+from ..arm.arm import Arm, require_arm
 from . import textbook
 from .answer import AnyAnswer
 from .certainty import settled

@@ -8,7 +8,7 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import ArrayLike
 
-from ..model.arm import Arm, require_arm
+from ..arm.arm import Arm, require_arm
 from ..support.caller_words import quantity
 from ..support.checks import as_flag, as_number, as_whole, require_callback
 from ..support.errors import InputError, NoClosedFormError, shown, unknown_name

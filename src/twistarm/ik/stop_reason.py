@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from enum import Enum
 
-from ..model.inability import CANNOT_TURN
+from ..arm.inability import CANNOT_TURN
 
 DAMPED, NEAREST, CLOSED_FORM = "damped least squares", "nearest configuration", "closed form"
 

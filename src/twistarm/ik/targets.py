@@ -10,8 +10,8 @@ from typing import Any, ClassVar
 import numpy as np
 from numpy.typing import ArrayLike
 
-from ..model import engine
-from ..model.arm import Arm, require_arm
+from ..arm import engine
+from ..arm.arm import Arm, require_arm
 from ..support.checks import (
     Array,
     Matrix,

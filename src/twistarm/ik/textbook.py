@@ -11,7 +11,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ..model.arm import Arm
+from ..arm.arm import Arm
 from ..support.checks import Array
 from .answer import Answer
 from .deadline import Deadline

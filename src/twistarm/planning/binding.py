@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..limits.joint_limits import JointLimits
-from ..model.arm import Arm, require_arm
+from ..arm.arm import Arm, require_arm
 from ..support.checks import Array
 from ..support.errors import InputError, shown
 from .joint_space import completed

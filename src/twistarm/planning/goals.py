@@ -13,7 +13,7 @@ from ..ik.solve import solve_ik
 from ..ik.targets import KINDS, AnyTarget, Approach, Pose, Position, meant_by, target_for
 from ..ik.task_space import Tolerances
 from ..limits.joint_limits import JointLimits
-from ..model.arm import Arm
+from ..arm.arm import Arm
 from ..support.checks import Array
 from ..support.errors import InputError, NotConvergedError, UnknownNameError
 from ..theory import rotations, screws

@@ -14,8 +14,8 @@ from ..ik.targets import KINDS as TARGETS
 from ..ik.targets import TargetLike
 from ..ik.task_space import Tolerances
 from ..limits.joint_limits import JointLimits
-from ..model.arm import Arm, require_arm
-from ..model.usual_limits import defaults_line, with_defaults
+from ..arm.arm import Arm, require_arm
+from ..arm.usual_limits import defaults_line, with_defaults
 from ..support.checks import (
     Array,
     RealArray,

@@ -10,7 +10,7 @@ from typing import Any, Literal
 import numpy as np
 
 from ..limits.joint_limits import JointLimits
-from ..model.arm import Arm, require_arm
+from ..arm.arm import Arm, require_arm
 from ..support.checks import Array, Row, as_flag, as_positive, require_callback, require_choice
 from ..support.errors import InputError, shown
 from .cartesian.refusal import PathError

@@ -13,7 +13,7 @@ import numpy as np
 
 from ..description.companions.toml_entries import parse_toml
 from ..ik.targets import Approach, Pose, Position, Task
-from ..model.arm import Arm
+from ..arm.arm import Arm
 from ..support.checks import (
     Array,
     as_flag,

@@ -10,7 +10,7 @@ import numpy as np
 
 from ..ik.targets import KINDS, target_for
 from ..limits.joint_limits import JointLimits
-from ..model.arm import Arm
+from ..arm.arm import Arm
 from ..support.checks import Array
 from .cartesian.branches import branches
 from .cartesian.following import follow

@@ -12,7 +12,7 @@ from functools import cache
 import numpy as np
 
 from ..limits.joint_limits import JointLimits
-from ..model import engine
+from ..arm import engine
 from ..support.checks import Array, frozen
 from ..support.errors import missing_extra
 from .hermite import through

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from ..ik.ranges import joint_ranges
-from ..model.arm import Arm
+from ..arm.arm import Arm
 from ..support.caller_words import argument, quantity
 from ..support.checks import Array
 

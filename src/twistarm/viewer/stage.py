@@ -11,9 +11,9 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from ..limits.joint_limits import JointLimits
-from ..model.arm import Arm, require_arm
+from ..arm.arm import Arm, require_arm
 from ..planning.trajectory import Trajectory
-from ..servo.settings import SLIDE
+from ..control.servo.settings import SLIDE
 from ..support.checks import Array
 from ..support.errors import InputError, unknown_name
 from .parts.findings import loaded

@@ -7,11 +7,11 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import ArrayLike
 
-from twistarm.model.arm import Arm
-from twistarm.servo.answer import Answer, Cause
-from twistarm.servo.bounds import Bounds
-from twistarm.servo.command import BASE, AnyCommand, JogCommand, PoseCommand, TwistCommand
-from twistarm.servo.state import ServoState
+from twistarm.arm.arm import Arm
+from twistarm.control.servo.answer import Answer, Cause
+from twistarm.control.servo.bounds import Bounds
+from twistarm.control.servo.command import BASE, AnyCommand, JogCommand, PoseCommand, TwistCommand
+from twistarm.control.servo.state import ServoState
 from twistarm.support.checks import Array, frozen
 from twistarm.theory import rotations
 

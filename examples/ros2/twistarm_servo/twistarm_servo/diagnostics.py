@@ -6,7 +6,7 @@ from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus, KeyValue
 from rclpy.node import Node
 
 from twistarm import Arm
-from twistarm.stream import Cycle, Streaming, ros
+from twistarm.control.stream import Cycle, Streaming, ros
 
 from .inputs import TELL_EVERY
 from .parameters import Parameters

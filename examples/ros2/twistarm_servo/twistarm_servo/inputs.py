@@ -11,8 +11,8 @@ from rclpy.node import Node
 from sensor_msgs.msg import JointState, Joy
 
 from twistarm import Arm, InputError
-from twistarm.servo import AnyCommand, JogCommand
-from twistarm.stream import Inbox, StateInbox, ros
+from twistarm.control.servo import AnyCommand, JogCommand
+from twistarm.control.stream import Inbox, StateInbox, ros
 
 from .joystick import JoyMapping, Joystick
 from .parameters import Parameters

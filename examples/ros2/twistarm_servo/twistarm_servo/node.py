@@ -10,8 +10,8 @@ from rclpy.node import Node
 from rclpy.signals import SignalHandlerOptions
 
 from twistarm import Arm, TwistarmError
-from twistarm.servo import ServoSettings
-from twistarm.stream import Interlock, Metronome, MonotonicClock, Streaming, come_to_rest
+from twistarm.control.servo import ServoSettings
+from twistarm.control.stream import Interlock, Metronome, MonotonicClock, Streaming, come_to_rest
 from twistarm.support.errors import one_line
 from twistarm.support.interrupts import ended_like_ctrl_c
 

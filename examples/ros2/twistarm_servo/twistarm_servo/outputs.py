@@ -7,7 +7,7 @@ from std_msgs.msg import Float64MultiArray
 from trajectory_msgs.msg import JointTrajectory, JointTrajectoryPoint
 
 from twistarm import Arm
-from twistarm.stream import Setpoint, ros
+from twistarm.control.stream import Setpoint, ros
 
 from .parameters import Parameters
 from .quality import quality

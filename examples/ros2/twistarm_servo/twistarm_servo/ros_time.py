@@ -7,7 +7,7 @@ from typing import Any
 from rclpy.node import Node
 
 from twistarm import InputError
-from twistarm.stream.ros import NANOSECONDS, number_of
+from twistarm.control.stream.ros import NANOSECONDS, number_of
 
 
 def now_of(node: Node) -> float:

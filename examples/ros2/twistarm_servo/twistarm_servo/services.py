@@ -7,7 +7,7 @@ from collections.abc import Callable
 from rclpy.node import Node
 from std_srvs.srv import SetBool, Trigger
 
-from twistarm.stream import Interlock
+from twistarm.control.stream import Interlock
 
 
 class Services:

@@ -9,7 +9,7 @@ from rclpy.node import Node
 from rclpy.parameter import Parameter
 
 from twistarm import InputError
-from twistarm.servo import TwistCommand
+from twistarm.control.servo import TwistCommand
 
 from .parameters import SWITCHES
 

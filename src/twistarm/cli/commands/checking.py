@@ -7,12 +7,12 @@ from typing import Annotated, Any
 
 import typer
 
-from ...doctor.folder import is_part
-from ...loading.load import load_arm
-from ...model.arm import Arm
-from ...proof.crosscheck import CrossCheck, crosscheck
-from ...proof.difference import Difference, compare
-from ...proof.golden_file import NOT_COVERED, golden_text
+from ...checking.doctor.folder import is_part
+from ...arm.loading.load import load_arm
+from ...arm.arm import Arm
+from ...checking.crosscheck import CrossCheck, crosscheck
+from ...checking.difference import Difference, compare
+from ...checking.golden_file import NOT_COVERED, golden_text
 from ...support.errors import DescriptionError, InputError
 from ...support.path_redaction import without_places
 from ..folders import PART, Line, refused, walk

@@ -11,10 +11,10 @@ import typer
 from rich.console import Console
 
 from ...ik import Approach, solve_ik
-from ...loading.load import load_arm
-from ...model.arm import Arm
+from ...arm.loading.load import load_arm
+from ...arm.arm import Arm
 from ...planning import Trajectory, plan_joint
-from ...proof.crosscheck import crosscheck
+from ...checking.crosscheck import crosscheck
 from ...support.errors import InputError
 from ...viewer import Viewer, save_html
 from ..output import console, jacobian_table, pose_table, say

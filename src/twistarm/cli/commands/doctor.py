@@ -10,11 +10,11 @@ from rich.table import Table
 
 from ...description.findings import CODES, Finding
 from ...description.findings import refused as refusal_of
-from ...doctor import Diagnosis, examine
-from ...doctor.codes import codes_page
-from ...doctor.folder import is_part
-from ...doctor.repair import Repair, repair
-from ...doctor.statements import summary
+from ...checking.doctor import Diagnosis, examine
+from ...checking.doctor.codes import codes_page
+from ...checking.doctor.folder import is_part
+from ...checking.doctor.repair import Repair, repair
+from ...checking.doctor.statements import summary
 from ...support.errors import InputError
 from ...support.path_redaction import without_places
 from ..folders import PART, Line, refused, walk

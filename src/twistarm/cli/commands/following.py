@@ -11,16 +11,16 @@ from typing import Annotated
 import numpy as np
 import typer
 
-from ...model.arm import Arm
-from ...model.usual_limits import defaults_line, usually_limited
+from ...arm.arm import Arm
+from ...arm.usual_limits import defaults_line, usually_limited
 from ...planning import Trajectory
-from ...servo import ServoSettings
-from ...stream import FollowControl, FollowCycle, Interlock, read_key
-from ...stream import follow as follow_on
-from ...stream.cycles import checked_rate
-from ...stream.following.beginning import motion_of
-from ...stream.following.cycle import START_TOLERANCE, TRACKING_TOLERANCE
-from ...stream.links.inbox import FEEDBACK_TIMEOUT
+from ...control.servo import ServoSettings
+from ...control.stream import FollowControl, FollowCycle, Interlock, read_key
+from ...control.stream import follow as follow_on
+from ...control.stream.cycles import checked_rate
+from ...control.stream.following.beginning import motion_of
+from ...control.stream.following.cycle import START_TOLERANCE, TRACKING_TOLERANCE
+from ...control.stream.links.inbox import FEEDBACK_TIMEOUT
 from ...support.checks import Array
 from ...support.errors import InputError
 from ...viewer import Viewer

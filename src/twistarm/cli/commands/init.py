@@ -9,8 +9,8 @@ from typing import Annotated, Any
 
 import typer
 
-from ...loading.arm_file_draft import draft_arm_file
-from ...loading.load import load_arm
+from ...arm.loading.arm_file_draft import draft_arm_file
+from ...arm.loading.load import load_arm
 from ...planning.motion_file_draft import draft_motion_file
 from ...support.caller_words import argument
 from ...support.errors import InputError

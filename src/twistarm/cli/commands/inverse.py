@@ -8,7 +8,7 @@ from typing import Annotated, Any
 import typer
 
 from ...ik import POSTURES, IKSolution, solve_ik, solve_ik_all, solve_ik_batch
-from ...model.arm import Arm
+from ...arm.arm import Arm
 from ...support.errors import InputError
 from ..all_answers import tell_all
 from ..answers import answers_csv, tell_answers

@@ -7,7 +7,7 @@ from typing import Annotated
 
 import typer
 
-from ...model.arm import Arm
+from ...arm.arm import Arm
 from ...support.checks import Array
 from ...support.errors import InputError
 from ..csv_rows import Columns, read_sheet

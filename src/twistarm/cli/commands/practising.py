@@ -13,8 +13,8 @@ from ...guide.grading import Report, check_file
 from ...guide.grading.progress import begun, folder_of, folder_with_progress, kept, read_progress
 from ...guide.grading.report import SIGNS
 from ...guide.teaching.arm import arm as arm_of_the_lessons
-from ...loading.load import load_arm
-from ...model.arm import Arm
+from ...arm.loading.load import load_arm
+from ...arm.arm import Arm
 from ...support.files import as_path
 from ..options import Json, takes_arm_option
 from ..output import console, print_json, say, table, warn

@@ -10,19 +10,19 @@ from typing import Annotated
 
 import typer
 
-from ...model.arm import Arm
-from ...model.usual_limits import defaults_line
-from ...servo import ServoSettings
-from ...servo.settings import BEYOND, SLIDE
-from ...stream import (
+from ...arm.arm import Arm
+from ...arm.usual_limits import defaults_line
+from ...control.servo import ServoSettings
+from ...control.servo.settings import BEYOND, SLIDE
+from ...control.stream import (
     Source,
     UdpSource,
     read_key,
     run,
 )
-from ...stream.cycles import checked_rate
-from ...stream.links.inbox import COMMAND_TIMEOUT, FEEDBACK_TIMEOUT
-from ...stream.streaming import TOLERANCE
+from ...control.stream.cycles import checked_rate
+from ...control.stream.links.inbox import COMMAND_TIMEOUT, FEEDBACK_TIMEOUT
+from ...control.stream.streaming import TOLERANCE
 from ...support.checks import require_choice
 from ...support.errors import InputError
 from ...viewer import Viewer

@@ -12,7 +12,7 @@ from typing import Annotated, Any
 
 import typer
 
-from ...loading.load import load_arm
+from ...arm.loading.load import load_arm
 from ...support.errors import InputError
 from ...viewer import Viewer, page_html
 from ...viewer.files.scene_snapshot import of_arm

@@ -9,8 +9,8 @@ from typing import Annotated, Any
 import numpy as np
 import typer
 
-from ...model.arm import Arm
-from ...wiring import MotorVerdict, Residual, WiringReport, check_wiring
+from ...arm.arm import Arm
+from ...calibration import MotorVerdict, Residual, WiringReport, check_wiring
 from ..options import Json, takes_arm
 from ..output import console, number, print_json, progress_bar, say, table
 

@@ -10,7 +10,7 @@ from typing import Any
 
 import twistarm
 
-from ...model.arm import Arm
+from ...arm.arm import Arm
 from ..course import LESSONS, PARTS, SECTIONS, lessons
 from ..exercises.files import HERE
 from ..teaching.html import text

@@ -16,7 +16,7 @@ from typing import Any
 
 import numpy as np
 
-from ...model.arm import Arm
+from ...arm.arm import Arm
 from ..course import LESSONS
 
 

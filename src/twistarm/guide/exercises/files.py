@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 from pathlib import Path
 
-from ...model.arm import Arm
+from ...arm.arm import Arm
 from ...support.errors import InputError
 from ...support.files import write_whole
 from . import LESSONS, exercises_of

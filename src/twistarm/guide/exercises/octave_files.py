@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from ...model.arm import Arm
+from ...arm.arm import Arm
 from . import every_exercise
 from .exercise import Exercise
 

@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from ...model.arm import Arm
+from ...arm.arm import Arm
 from ...support.checks import Array
 from .exercise import Exercise, Slip
 from .independent import tool

@@ -7,7 +7,7 @@ from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import Any
 
-from ...model.arm import Arm
+from ...arm.arm import Arm
 from ...support.errors import InputError, UnknownNameError, closest, listed, one_line, shown
 from ...support.files import read_bounded, why_no_file
 from ..exercises import LESSONS, Exercise, every_exercise, exercises_of

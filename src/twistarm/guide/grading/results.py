@@ -14,7 +14,7 @@ from typing import Any
 
 import numpy as np
 
-from ...model.arm import Arm
+from ...arm.arm import Arm
 from ...support.errors import InputError, UnknownNameError, closest, one_line
 from ..exercises import Exercise, every_exercise
 from .answers import Answer, Failure, form_of, of_function
@@ -134,7 +134,7 @@ def _forms(exercise: Exercise) -> list[int]:
 
 @cache
 def _any_arm() -> Arm:
-    from ...loading.load import load_arm
+    from ...arm.loading.load import load_arm
 
     return load_arm("rr_planar")
 

@@ -10,7 +10,7 @@ from typing import Any
 
 import numpy as np
 
-from ...model.arm import Arm
+from ...arm.arm import Arm
 from ...support.errors import one_line
 from ..exercises.exercise import Exercise, whole
 from .answers import Answer, Failure, flat, form_of, in_words, of_function

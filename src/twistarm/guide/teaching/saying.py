@@ -14,7 +14,7 @@ from .outlet import show
 from .tex import rough
 
 if TYPE_CHECKING:
-    from ...model.arm import Arm
+    from ...arm.arm import Arm
     from ...planning.trajectory import Trajectory
 
 SLIDERS: dict[str, dict[str, Any]] = {

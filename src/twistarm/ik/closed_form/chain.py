@@ -15,7 +15,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ...model.arm import Arm
+from ...arm.arm import Arm
 from ...support.checks import Array
 from ...support.errors import InputError
 from ...theory.screws import inverse

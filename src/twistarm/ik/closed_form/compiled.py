@@ -7,8 +7,8 @@ from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
-from ...model import engine
-from ...model.arm import Arm
+from ...arm import engine
+from ...arm.arm import Arm
 from ...support.checks import Array
 from ...theory.screws import inverse
 from .chain import Chain

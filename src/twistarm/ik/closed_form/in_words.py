@@ -7,7 +7,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from ...model.arm import Arm
+from ...arm.arm import Arm
 from .families import DECOUPLED, SPHERICAL, FittedFamily
 from .joint_axis import JointAxis
 

@@ -14,7 +14,7 @@ from weakref import WeakKeyDictionary
 
 import numpy as np
 
-from ...model.arm import Arm
+from ...arm.arm import Arm
 from ...support.checks import Array
 from ...support.errors import InputError
 from ..ranges import standing

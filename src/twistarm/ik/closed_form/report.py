@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from ...model.arm import Arm
+from ...arm.arm import Arm
 from ..targets import AnyTarget, Approach, Pose, TargetLike, checked_target
 from .families import NEARLY
 from .methods import ELIMINATION, closest_miss_of, method_for

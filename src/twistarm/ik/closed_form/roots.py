@@ -8,7 +8,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ...model.arm import Arm
+from ...arm.arm import Arm
 from ...support.checks import Array
 from ..ranges import TURN, joint_ranges
 from ..targets import AnyTarget

@@ -9,7 +9,7 @@ from ...ik.ranges import joint_ranges
 from ...ik.searches import searched
 from ...ik.targets import AnyTarget
 from ...ik.task_space import Tolerances
-from ...model.arm import Arm
+from ...arm.arm import Arm
 from ...support.checks import Array
 from ..tolerances import USUAL, leeway
 from .nodes import ALL_BUT_EXACT, EXACT

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from ...ik.targets import Position, Task
-from ...model.arm import Arm
+from ...arm.arm import Arm
 from ...support.checks import Array
 from ..joint_path import JointPath
 from .moving_target import MovingTarget

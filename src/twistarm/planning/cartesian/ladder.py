@@ -8,7 +8,7 @@ import numpy as np
 
 from ...ik.closed_form.methods import family_method
 from ...limits.joint_limits import JointLimits
-from ...model.arm import Arm
+from ...arm.arm import Arm
 from ...support.checks import Array
 from .meeting import Met, met_near, targets_at
 from .moving_target import MovingTarget

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from ...ik.searches import searched
 from ...ik.targets import AnyTarget, Pose
 from ...ik.task_space import Tolerances
-from ...model.arm import Arm
+from ...arm.arm import Arm
 from ...support.checks import Array
 from ..tolerances import leeway
 from .moving_target import MovingTarget

@@ -7,7 +7,7 @@ from numpy.typing import NDArray
 
 from ...ik.targets import AnyTarget, Approach, Pose, Task
 from ...ik.task_space import Tolerances
-from ...model.arm import Arm
+from ...arm.arm import Arm
 from ...support.checks import Array
 from ...theory import rotations
 from .moving_target import errors_from

@@ -12,7 +12,7 @@ from ...ik.stop_reason import StopReason
 from ...ik.targets import AnyTarget, Approach, Pose, Position
 from ...ik.task_space import Tolerances
 from ...limits.joint_limits import JointLimits
-from ...model.arm import Arm
+from ...arm.arm import Arm
 from ...support.caller_words import argument, posture, quantity
 from ...support.checks import Array
 from ...support.errors import TwistarmError

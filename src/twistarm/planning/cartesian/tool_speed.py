@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from ...limits.joint_limits import JointLimits
-from ...model.arm import Arm
+from ...arm.arm import Arm
 from ...support.checks import Array
 from ..joint_path import Indices, JointPath
 from .tool_derivatives import ToolDerivatives

@@ -8,7 +8,7 @@ from pathlib import Path
 
 import numpy as np
 
-from ...model.arm import Arm
+from ...arm.arm import Arm
 from ...support.csv_lines import Bounds, csv_lines, csv_rows, name_in
 from ...support.errors import InputError, closest, listed
 from .columns import LABEL, TIME, count_columns, joint_columns

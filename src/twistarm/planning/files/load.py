@@ -9,7 +9,7 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from ...model.arm import Arm, require_arm
+from ...arm.arm import Arm, require_arm
 from ...support.errors import InputError, LimitError
 from ...support.files import as_path
 from ..hermite import through

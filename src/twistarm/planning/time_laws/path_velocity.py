@@ -10,7 +10,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ...model import engine
+from ...arm import engine
 from ...support.checks import Array
 from ..spans import SHORTEST
 from .interval_limits import LimitedPath, derivatives, rows, used

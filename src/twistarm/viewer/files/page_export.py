@@ -14,7 +14,7 @@ from typing import Any
 
 from numpy.typing import ArrayLike
 
-from ...model.arm import Arm, require_arm
+from ...arm.arm import Arm, require_arm
 from ...planning.trajectory import Trajectory
 from ...support.errors import InputError
 from ...support.files import writable, write_whole

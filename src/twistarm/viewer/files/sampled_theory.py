@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 
-from ...model.arm import Arm
+from ...arm.arm import Arm
 from ...planning.trajectory import Trajectory
 from ...support.checks import Array
 from ..parts.theory import axes

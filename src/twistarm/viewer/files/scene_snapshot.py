@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
-from ...model.arm import Arm, require_arm
+from ...arm.arm import Arm, require_arm
 from ...planning.trajectory import Trajectory
 from ...support.checks import Array
 from ..parts.findings import PENDING, examined

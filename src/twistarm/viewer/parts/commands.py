@@ -7,9 +7,9 @@ from collections.abc import Callable, Mapping
 from dataclasses import replace
 from typing import Any
 
-from ...model.arm import Arm
-from ...servo.settings import BEYOND, SLIDE, ServoSettings
-from ...stream import Inbox, command_of
+from ...arm.arm import Arm
+from ...control.servo.settings import BEYOND, SLIDE, ServoSettings
+from ...control.stream import Inbox, command_of
 from ...support.errors import InputError
 from ..protocol.messages import Request
 

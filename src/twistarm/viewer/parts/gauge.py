@@ -7,11 +7,11 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from ...model.arm import Arm
-from ...model.inability import NO_MOTION
-from ...model.usual_limits import usually_limited
-from ...servo import ServoSettings
-from ...servo.bounds import bounds_of
+from ...arm.arm import Arm
+from ...arm.inability import NO_MOTION
+from ...arm.usual_limits import usually_limited
+from ...control.servo import ServoSettings
+from ...control.servo.bounds import bounds_of
 from ...support.checks import Array
 from ...support.directions import leading, nearest_axes
 from ...theory.manipulability import scaled_jacobian

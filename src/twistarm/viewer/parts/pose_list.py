@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
-from ...model.arm import Arm
+from ...arm.arm import Arm
 from ...support.checks import Array, frozen
 from ...support.errors import InputError, LimitError, one_line
 from ...support.strict_json import LARGEST_MESSAGE, encode

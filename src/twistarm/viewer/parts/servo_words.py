@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from typing import Any
 
-from ...servo import AnyCommand, PoseCommand, ServoOutput, ServoStatus
-from ...stream import Cycle
+from ...control.servo import AnyCommand, PoseCommand, ServoOutput, ServoStatus
+from ...control.stream import Cycle
 from ...support.checks import require
 
 SILENT: dict[str, Any] = {"status": None, "joint": None, "reason": "", "share": None}

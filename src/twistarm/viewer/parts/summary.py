@@ -9,7 +9,7 @@ import numpy as np
 from ...description.tree import Joint
 from ...limits.joint_limits import usual_half, usual_range
 from ...limits.joint_units import unit_of
-from ...model.arm import Arm
+from ...arm.arm import Arm
 from ...support.checks import Array
 from ..scene.axes import screw_kinds
 

@@ -12,7 +12,7 @@ import numpy as np
 
 from ...ik import Approach, IKSolution, Pose, Position, solve_ik
 from ...ik.request import as_tolerance
-from ...model.arm import Arm
+from ...arm.arm import Arm
 from ...support.checks import Array
 from ...support.errors import InputError
 from ...theory import rotations

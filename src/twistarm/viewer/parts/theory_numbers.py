@@ -7,8 +7,8 @@ from typing import Any
 import numpy as np
 
 from ...limits.joint_units import slides
-from ...model.arm import Arm
-from ...servo.settings import ServoSettings
+from ...arm.arm import Arm
+from ...control.servo.settings import ServoSettings
 from ...support.checks import Array
 from ...theory import poe
 from ...theory.screws import to_screw

@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
-from ...model.arm import Arm
+from ...arm.arm import Arm
 from ...planning.trajectory import Trajectory
 from ...support.checks import Array, as_theta
 from ...support.errors import InputError

@@ -9,8 +9,8 @@ from typing import Any
 
 import numpy as np
 
-from ...model.arm import Arm
-from ...model.inability import NO_MOTION
+from ...arm.arm import Arm
+from ...arm.inability import NO_MOTION
 from ...support.checks import Array
 from ..protocol.jobs import Job, Progress
 from ..protocol.message_cache import Message

@@ -7,7 +7,7 @@ from collections.abc import Iterator, Mapping
 from typing import Any
 
 from ...description.meshes import MeshReader
-from ...model.arm import Arm
+from ...arm.arm import Arm
 from . import drawing
 from .axes import arm_size, draw_rods, draw_screws
 from .links import Drawn, Source, count_meshes, draw_meshes, draw_plain, lost_meshes

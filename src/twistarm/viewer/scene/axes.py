@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from ...limits.joint_units import slides
-from ...model.arm import Arm
+from ...arm.arm import Arm
 from ...support.checks import Array
 from ...theory.screws import to_screw
 from . import drawing

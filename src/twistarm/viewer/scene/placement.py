@@ -9,7 +9,7 @@ from typing import Any
 
 import numpy as np
 
-from ...model.arm import Arm
+from ...arm.arm import Arm
 from ...support.checks import Array
 from ...theory.rotations import GIMBAL_LOCK_TOL
 from ...theory.screws import exp, inverse

@@ -9,9 +9,9 @@ from math import inf
 
 import numpy as np
 
-from ...model.usual_limits import defaults_line
-from ...servo import ServoSettings, ServoState
-from ...stream import Cycle, Ending, Reading, SimulatedJoints, run
+from ...arm.usual_limits import defaults_line
+from ...control.servo import ServoSettings, ServoState
+from ...control.stream import Cycle, Ending, Reading, SimulatedJoints, run
 from ...support.errors import InputError
 from ..parts.commands import PageCommands
 from ..parts.limit_checks import require_all_inside
@@ -26,7 +26,7 @@ Post = Callable[[str, Callable[[Stage], None]], None]
 
 
 class Driver:
-    """At most one drive: the loop of `twistarm.stream` in a thread of its own, commanded by the pages.
+    """At most one drive: the loop of `twistarm.control.stream` in a thread of its own, commanded by the pages.
 
     It begins at the configuration on show and leaves the arm where it came to rest. What the program itself does (a
     servo of its own, `Viewer.show`) goes first and ends the drive.

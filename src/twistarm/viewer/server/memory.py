@@ -12,7 +12,7 @@ from typing import Any
 
 import numpy as np
 
-from ...model.arm import Arm
+from ...arm.arm import Arm
 from ...support.errors import InputError, TwistarmError
 from ...support.files import as_path, is_file, read_bounded, write_whole
 from ...support.strict_json import LARGEST_MESSAGE, decoded, encode

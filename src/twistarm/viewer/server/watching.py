@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from ...description.document import noted_files
-from ...model.arm import Arm
+from ...arm.arm import Arm
 from ...support.closeable import Closeable
 from ...support.errors import one_line
 from ...support.files import as_paths, stamp

@@ -1,0 +1,642 @@
+"""The arm: a chain of joints from base to tip, as plain data, with its kinematics."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, field, replace
+from functools import cached_property
+from pathlib import Path
+from types import MappingProxyType
+from typing import Any, NamedTuple
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from ..description.coupling import Affine
+from ..description.findings import Finding
+from ..description.tree import Description
+from ..limits.actuators import Actuators
+from ..limits.joint_limits import AS_GOOD_AS_UNBOUNDED, JointLimits, usual_half
+from ..limits.joint_units import slides, unit_of
+from ..support.caller_words import expression
+from ..support.checks import (
+    Array,
+    as_floats,
+    as_generator,
+    as_number,
+    as_pose,
+    as_shape,
+    as_theta,
+    as_twist,
+    as_vector,
+    frozen,
+    made_by,
+    require,
+    require_mapping,
+    require_names,
+    warn_caller,
+)
+from ..support.display import html_table, in_brief, told
+from ..support.errors import InputError, TwistarmError, UnitsWarning, listed, shown, unknown_name
+from ..support.unit_hints import theta_hint
+from ..theory.lower_pairs import lower_pairs
+from ..theory.manipulability import Manipulability, manipulability_of
+from ..theory.screws import adjoint, inverse
+from . import engine
+from .almost_exact import almost_exact, rounding_of
+from .baking import Baked, write_baked
+from .configurations import Configurations
+from .kinematics import ByExponentials, ByPinocchio
+from .pinocchio_model import PinocchioModel
+from .ready_pose import Bodies, Mechanism, Overlapping, computed_ready, named_ready
+from .roll_axis import roll_axis
+
+_MADE_WHEN_ASKED = (
+    "_compiled", "_kinematics", "_readable", "rounding", "pinocchio", "ready", "computed_ready", "middle", "tool_axis",
+    "usual_half",
+)  # fmt: skip
+
+
+class Coupling(NamedTuple):
+    """Joint values = A @ theta + b: A (m, n) and b (m,), one row per moving joint of the chain."""
+
+    A: Array
+    b: Array
+
+    def __repr__(self) -> str:
+        return told("Coupling", self._asdict())
+
+
+class Proof(NamedTuple):
+    """The check at load: worst differences between product of exponentials and Pinocchio, over `samples` postures."""
+
+    pose_error: float
+    jacobian_error: float
+    samples: int
+
+
+@made_by("load_arm, ArmBuilder or arm_from_screws")
+@dataclass(frozen=True, eq=False, repr=False)
+class Arm:
+    """A robot arm with n independent joint coordinates `theta` (..., n) [rad or m], ordered base to tip.
+
+    g_st(theta) = Π exp(ξ_i (A θ)_i) · home (MLS §3.2.2, the product of exponentials), with the columns ξ_i of
+    `screws` (6, m) and `home` (4, 4) at theta = 0, and the mimic coupling (A, b) in `coupling`. Poses are seen from
+    the base link. Every method accepts any finite theta, inside the limits or not, and any leading axes.
+
+    `actuators` are the motors that an arm.toml describes; `disabled_pairs` the pairs of links, each sorted, that an
+    SRDF exempts from collision checks. `moving_names` are the moving joints of the chain, base to tip: one per column
+    of `screws`, followers included.
+
+    Plain data, picklable, usable without Pinocchio. `fk` and the Jacobians are answered by the compiled core;
+    where there is none by Pinocchio (`pinocchio`), and by `poe` for an arm that has no description.
+    """
+
+    name: str
+    source: str
+    base: str
+    tip: str
+    joint_names: tuple[str, ...]
+    joint_types: tuple[str, ...]
+    screws: Array
+    home: Array
+    coupling: Coupling
+    limits: JointLimits
+    reach: float
+    named_states: Mapping[str, Array] = field(default_factory=dict)
+    findings: tuple[Finding, ...] = ()
+    proof: Proof | None = None
+    description: Description | None = field(default=None, repr=False)
+    couplings: Mapping[str, Affine] = field(default_factory=dict, repr=False)
+    tool: Array = field(default_factory=lambda: np.eye(4), repr=False)
+    tip_link: str = ""
+    actuators: Actuators | None = field(default=None, repr=False)
+    disabled_pairs: frozenset[tuple[str, str]] = field(default=frozenset(), repr=False)
+    moving_names: tuple[str, ...] = field(default=(), repr=False)
+
+    def __post_init__(self) -> None:
+        for name in ("screws", "home", "tool"):
+            object.__setattr__(self, name, frozen(getattr(self, name)))
+        object.__setattr__(self, "coupling", Coupling(frozen(self.coupling[0]), frozen(self.coupling[1])))
+        object.__setattr__(self, "tip_link", self.tip_link or self.tip)
+        object.__setattr__(self, "moving_names", self.moving_names or self._moving_joints())
+        states = {name: frozen(theta) for name, theta in self.named_states.items()}
+        object.__setattr__(self, "named_states", MappingProxyType(states))
+        object.__setattr__(self, "couplings", MappingProxyType(dict(self.couplings)))
+
+    def __setstate__(self, state: dict[str, Any]) -> None:
+        self.__dict__.update(state)
+        self.__post_init__()
+
+    def __getstate__(self) -> dict[str, Any]:
+        kept = {name: value for name, value in self.__dict__.items() if name not in _MADE_WHEN_ASKED}
+        # What keeps a mapping from being changed cannot be pickled.
+        return kept | {name: dict(kept[name]) for name in ("named_states", "couplings")}
+
+    def __repr__(self) -> str:
+        return f"Arm({self.name}: {self._summary}; joints {in_brief(self.joint_names)})"
+
+    def _repr_html_(self) -> str:
+        """A table of the joints, for a notebook."""
+        limits = zip(self.limits.lower, self.limits.upper, self.limits.velocity, self.ready, strict=True)
+        rows = (
+            [name, kind, unit, *(_or_none(value) for value in numbers)]
+            for name, kind, unit, numbers in zip(self.joint_names, self.joint_types, self.units, limits, strict=True)
+        )
+        head = ["joint", "type", "unit", "lower", "upper", "velocity (per s)", "ready"]
+        return html_table(f"{self.name}: {self._summary}", head, rows)
+
+    @property
+    def _summary(self) -> str:
+        return f"{self.n} joint{'s' * (self.n != 1)} from {self.base} to {self.tip}, reach {self.reach:.3g} m"
+
+    # -- what it is ----------------------------------------------------------------------------------------------
+
+    @property
+    def n(self) -> int:
+        """Degrees of freedom: length of theta."""
+        return len(self.joint_names)
+
+    @cached_property
+    def units(self) -> tuple[str, ...]:
+        """`rad` or `m` for each coordinate."""
+        return tuple(unit_of(kind) for kind in self.joint_types)
+
+    @property
+    def body_screws(self) -> Array:
+        """ξ_i seen from the tool at theta = 0: Ad(home⁻¹) screws, (6, m). MLS §3.2.2."""
+        body: Array = adjoint(inverse(self.home)) @ self.screws
+        return body
+
+    @cached_property
+    def tool_axis(self) -> Array:
+        """The unit vector (3,), in tool axes, about which the last joint rolls the tool, outward; z where none does.
+
+        What an `Approach` points where it is not told otherwise; see `twistarm.arm.roll_axis` for the exact rule.
+        """
+        return roll_axis(self.body_screws, self.coupling.A, self.reach)
+
+    @property
+    def frame_names(self) -> tuple[str, ...]:
+        """Every link of the description, and the tool; base and tool alone where there is no description."""
+        links = tuple(self.description.links) if self.description else (self.base,)
+        return links if self.tip in links else (*links, self.tip)
+
+    @property
+    def configurations(self) -> Configurations:
+        """Configurations by name: `ready`, `zero`, `named_states`. A name stands for a theta wherever one is taken."""
+        return Configurations(self)
+
+    @cached_property
+    def ready(self) -> Array:
+        """The posture to start from, inside the limits, (n,): a named one, else `computed_ready`.
+
+        Of the usual names (`ready`, `home`, `default`, `rest`, `stowed`) the first that there is, in any capitals.
+        """
+        name = named_ready(self.named_states)
+        return self.computed_ready if name is None else self.named_states[name]
+
+    @cached_property
+    def computed_ready(self) -> Array:
+        """A tidy posture, (n,): round numbers off the limits, well conditioned, the tool in front and above the base.
+
+        No two links overlap in it, as far as the description has shapes.
+        """
+        numbers = self.screws, self.home, self.coupling.A, self.reach
+        mechanism = Mechanism(*numbers, self.limits, self.sampling_bounds, self.units)
+        return frozen(computed_ready(mechanism, self._overlapping()))
+
+    @cached_property
+    def middle(self) -> Array:
+        """The middle of the limits, (n,); as near to 0 as allowed for a joint that has not two."""
+        return frozen(self.limits.middle())
+
+    @cached_property
+    def rounding(self) -> tuple[float, float]:
+        """What the arm may miss a target by and still meet it [m], [rad]: (0, 0) for exact axes.
+
+        Up to (5e-5, 1e-4) where axes are parallel, square or meeting but for a little, as CAD exports round them, and
+        no more than ten times what they are off.
+        """
+        return rounding_of(almost_exact(self.screws, self.home, self.moving_names, self.reach), self.reach)
+
+    @cached_property
+    def pinocchio(self) -> PinocchioModel:
+        """Pinocchio's model and data (per thread) of the whole description; TwistarmError for an arm without one."""
+        if self.description is None:
+            raise TwistarmError(f"{self.name} was {self._whence}: it has no Pinocchio model")
+        return PinocchioModel(self.description, self.couplings, self.joint_names, self.moving_names)
+
+    @cached_property
+    def _compiled(self) -> engine.Chain | None:
+        """The arm in the compiled core; None where there is none (`engine.why_not()`), or for more than 32 joints."""
+        bounds = self.limits.lower, self.limits.upper
+        numbers = self.screws, self.home, self.coupling.A
+        return engine.chain_of(*numbers, bounds, self.sampling_bounds, self.reach, self.rounding)
+
+    def _core(self, what: str) -> engine.Chain:
+        """The arm in the compiled core; TwistarmError, which says that `what` needs it and how to get it."""
+        engine.need(what)
+        if self._compiled is None:
+            raise TwistarmError(f"{what} needs the compiled core: {self._why_not_compiled}")
+        return self._compiled
+
+    @property
+    def _why_not_compiled(self) -> str:
+        """Why the arm is not in the compiled core; empty where it is."""
+        if self._compiled is not None:
+            return ""
+        count = max(self.coupling.A.shape)
+        return engine.why_not() or f"its chains have at most {engine.MOST_JOINTS} joints; {self.name} has {count}"
+
+    @cached_property
+    def _readable(self) -> ByExponentials | ByPinocchio:
+        """The kinematics in Python: by Pinocchio, or by exponentials for an arm without a description."""
+        if self.description is None:
+            return ByExponentials(self.screws, self.home, self.coupling.A)
+        return ByPinocchio(self.pinocchio, self.base, self.tip_link, self.tool)
+
+    @cached_property
+    def _kinematics(self) -> engine.Chain | ByExponentials | ByPinocchio:
+        """Who answers forward kinematics and Jacobians: the compiled core, where it has the arm."""
+        return self._readable if self._compiled is None else self._compiled
+
+    def by_pinocchio(self, theta: ArrayLike) -> tuple[Array, Array, Array]:
+        """g_st (..., 4, 4), J^s and J^b (..., 6, n) by Pinocchio, whatever engine answers `fk`: what proofs compare."""
+        kernels = ByPinocchio(self.pinocchio, self.base, self.tip_link, self.tool)
+        return (
+            self._each(kernels.fk, theta, (4, 4)),
+            self._each(kernels.spatial_jacobian, theta, (6, self.n)),
+            self._each(kernels.body_jacobian, theta, (6, self.n)),
+        )
+
+    # -- forward kinematics --------------------------------------------------------------------------------------
+
+    def fk(self, theta: ArrayLike) -> Array:
+        """Forward kinematics g_st(theta), (..., 4, 4): the tool seen from the base."""
+        return self._asked(self._kinematics.fk, theta, (4, 4))
+
+    def pose(self, theta: ArrayLike, frame: str) -> Array:
+        """Pose (..., 4, 4) of a frame of `frame_names` seen from the base.
+
+        Args:
+            theta: Configurations (..., n) [rad, m].
+            frame: A name of `frame_names`.
+
+        Returns:
+            Poses (..., 4, 4).
+
+        Raises:
+            InputError: theta does not fit the arm.
+            UnknownNameError: The arm has no such frame; the message gives the closest names.
+        """
+        if not isinstance(frame, str) or frame not in self.frame_names:
+            listing = f"{len(self.frame_names)} frames: {expression('arm.frame_names')}"
+            within = self.name if self.description is not None else f"{self.name}, {self._whence}"
+            raise unknown_name("frame", frame, self.frame_names, within=within, listing=listing)
+        if frame == self.tip:
+            return self.fk(theta)
+        if self.description is None:
+            return self._identity(theta)
+        model = self.pinocchio
+        return self._each(
+            lambda rows: np.array([model.link_pose(model.q(row), self.base, frame) for row in rows]), theta, (4, 4)
+        )
+
+    def poses(self, theta: ArrayLike, others: Mapping[str, float] | None = None) -> dict[str, Array]:
+        """Pose (..., 4, 4) of every frame seen from the base, {frame: g}.
+
+        Args:
+            theta: Configurations (..., n) [rad, m].
+            others: Values of joints outside the chain by name (fingers, a second arm) [rad, m]; 0 where not given.
+
+        Returns:
+            {frame: poses (..., 4, 4)}.
+
+        Raises:
+            InputError: theta does not fit the arm, or a value is not a finite number.
+            UnknownNameError: There is no such joint outside the chain.
+        """
+        x = self.theta_from(theta)
+        self._check_others({} if others is None else require_mapping(others, "others", "{'finger_joint': 0.02}"))
+        if self.description is None:
+            return {self.base: self._identity(x), self.tip: self.fk(x)}
+        model = self.pinocchio
+        each = [model.link_poses(model.q(row, others), self.base) for row in x.reshape(-1, self.n)]
+        if x.ndim == 1:  # called for every frame of a view
+            poses = {link: each[0][link] for link in self.description.links}
+        else:
+            poses = {
+                link: np.array([poses[link] for poses in each]).reshape(*x.shape[:-1], 4, 4)
+                for link in self.description.links
+            }
+        if self.tip not in poses:
+            poses[self.tip] = poses[self.tip_link] @ self.tool
+        return poses
+
+    # -- differential kinematics ---------------------------------------------------------------------------------
+
+    def spatial_jacobian(self, theta: ArrayLike) -> Array:
+        """Spatial Jacobian J^s (..., 6, n): V^s = J^s θ̇ with V^s = (ġ g⁻¹)^∨, linear part first. MLS §3.4.1."""
+        return self._asked(self._kinematics.spatial_jacobian, theta, (6, self.n))
+
+    def body_jacobian(self, theta: ArrayLike) -> Array:
+        """Body Jacobian J^b (..., 6, n): V^b = J^b θ̇ with V^b = (g⁻¹ ġ)^∨, linear part first. MLS §3.4.1."""
+        return self._asked(self._kinematics.body_jacobian, theta, (6, self.n))
+
+    def hybrid_jacobian(self, theta: ArrayLike) -> Array:
+        """(..., 6, n): velocity of the tool's origin and its angular velocity, both in base axes.
+
+        Neither spatial nor body: diag(R, R) J^b; Pinocchio calls it LOCAL_WORLD_ALIGNED.
+        """
+        R = self.fk(theta)[..., :3, :3]
+        J = self.body_jacobian(theta)
+        return np.concatenate([R @ J[..., :3, :], R @ J[..., 3:, :]], axis=-2)
+
+    def manipulability(self, theta: ArrayLike, length: float | None = None) -> Manipulability:
+        """Singular values of the body Jacobian; metres are measured in `length` [m], by default `reach`.
+
+        Args:
+            theta: Configurations (..., n) [rad, m].
+            length: The length [m] that is weighed like 1 rad; by default `reach`.
+
+        Returns:
+            The `Manipulability`: singular values, condition number and ellipsoids.
+
+        Raises:
+            InputError: theta does not fit the arm, or length is not positive.
+        """
+        scale = self.reach if length is None else as_number(length, "length")
+        if not scale > 0:
+            raise InputError(f"length must be positive, in metres; got {scale:g}")
+        x, unit = self.theta_from(theta), np.where(self._prismatic, scale, 1.0)
+        return manipulability_of(
+            self.body_jacobian(x), self._prismatic, scale,
+            lambda index, steps: self.body_jacobian(x[index] + steps * unit),
+        )  # fmt: skip
+
+    def _fk_and_body_jacobian(self, theta: Array) -> tuple[Array, Array]:
+        """g_st (4, 4) and J^b (6, n) of one configuration in one pass, unchecked: for solvers' inner loops."""
+        both = self._kinematics.fk_and_body_jacobian(theta)
+        return self._readable.fk_and_body_jacobian(theta) if both is None else both
+
+    # -- statics -------------------------------------------------------------------------------------------------
+
+    def joint_torques(self, theta: ArrayLike, wrench_body: ArrayLike) -> Array:
+        """τ = J_bᵀ F (..., n) [N m or N]: what the joints supply when the tool exerts F = (f, τ) on the world.
+
+        F (..., 6) in tool axes at the tool's origin. MLS §3.4.2.
+
+        Args:
+            theta: Configurations (..., n) [rad, m].
+            wrench_body: Wrenches F = (f, τ) (..., 6) [N, N m].
+
+        Returns:
+            Torques and forces of the joints (..., n) [N m, N].
+
+        Raises:
+            InputError: theta or the wrench has another shape, or is not finite.
+        """
+        F = as_twist(wrench_body, "wrench_body")
+        torques: Array = np.einsum("...in,...i->...n", self.body_jacobian(theta), F)
+        return torques
+
+    def gravity_torques(
+        self,
+        theta: ArrayLike,
+        *,
+        gravity: ArrayLike = (0.0, 0.0, -9.81),
+        payload: float = 0.0,
+        payload_com: ArrayLike = (0.0, 0.0, 0.0),
+    ) -> Array:
+        """The torques that hold the arm still against gravity, (..., n) [N m or N], mimic followers included.
+
+        Args:
+            theta: Configurations (..., n) [rad, m].
+            gravity: Acceleration of free fall (3,) [m/s²], in base axes.
+            payload: Mass carried by the tool [kg].
+            payload_com: The payload's centre of mass (3,) [m], in tool axes.
+
+        Returns:
+            Torques and forces of the joints (..., n) [N m, N].
+
+        Raises:
+            InputError: An argument has another shape, or the payload is negative.
+            TwistarmError: The arm has no description, and so no masses.
+        """
+        x = self.theta_from(theta)
+        g, com = _one_vector(gravity, "gravity"), _one_vector(payload_com, "payload_com")
+        model = self.pinocchio
+        held = self._each(
+            lambda rows: np.array([model.gravity_torques(row, self.base, g) for row in rows]), x, (self.n,)
+        )
+        mass = as_number(payload, "payload")
+        if mass < 0:
+            raise InputError(f"payload must not be negative, in kg; got {mass:g}")
+        if mass == 0:
+            return held
+        R = self.fk(x)[..., :3, :3]
+        support = -mass * np.einsum("...ji,j->...i", R, g)
+        moment = np.cross(com, support)
+        return held - self.joint_torques(x, -np.concatenate([support, moment], axis=-1))
+
+    # -- configurations ------------------------------------------------------------------------------------------
+
+    def random_theta(self, rng: int | np.random.Generator, size: int | tuple[int, ...] | None = None) -> Array:
+        """Random configurations, uniform within the limits; where a joint has none, within ± `usual_half`: π rad, 1 m.
+
+        Args:
+            rng: A seed, which gives the same configurations each time, or a NumPy Generator.
+            size: How many: a number or a shape; None for a single configuration.
+
+        Returns:
+            (n,), or an array of shape `size` followed by n.
+
+        Raises:
+            InputError: The seed or the size cannot be used.
+        """
+        lower, upper = self.sampling_bounds
+        return as_generator(rng).uniform(lower, upper, (*as_shape(size, "size"), self.n))
+
+    @property
+    def sampling_bounds(self) -> tuple[Array, Array]:
+        """Lower and upper (n,) that random configurations are drawn from: the limits, made finite."""
+        return self.limits.sampling_bounds(self.usual_half)
+
+    @cached_property
+    def usual_half(self) -> Array:
+        """Half the range (n,) that an unbounded coordinate is taken to have: π rad, 1 m.
+
+        A thread is given the turn that advances it 1 m, if that is more: otherwise it would hardly move.
+        """
+        half = np.array([usual_half(kind) for kind in self.joint_types])
+        for pair in lower_pairs(self.screws, self.coupling.A):
+            if pair.kind == "helical":
+                turning = self.coupling.A[pair.rows[0]] != 0.0
+                half[turning] = np.clip(1.0 / abs(pair.pitch), half[turning], AS_GOOD_AS_UNBOUNDED)
+        return frozen(half)
+
+    def theta_from(
+        self,
+        values: ArrayLike | Mapping[str, float] | Sequence[str],
+        numbers: ArrayLike | None = None,
+        *,
+        name: str = "theta",
+    ) -> Array:
+        """theta (..., n) from numbers; (n,) from a name in `configurations`, {joint: value}, or joints and values.
+
+        Values by joint must name every joint, in any order.
+
+        Args:
+            values: Numbers (..., n) [rad, m], the name of a configuration, {joint: value}, or joint names.
+            numbers: The values that belong to joint names (n,); None otherwise.
+            name: The argument's name in the text of an error.
+
+        Returns:
+            theta (..., n), checked.
+
+        Raises:
+            InputError: The shape does not fit, a number is not finite, or a joint is missing.
+            UnknownNameError: No such configuration or joint.
+
+        Warns:
+            UnitsWarning: The numbers lie outside the limits and are plainly degrees.
+        """
+        if isinstance(values, str):
+            return self.configurations[values]
+        if numbers is None and not isinstance(values, Mapping):
+            theta = as_theta(values, self.n, require(name, str, "name", "an argument's"), self.joint_names)
+            hint = theta_hint(theta, self.units, self.limits.lower, self.limits.upper)
+            if hint:
+                warn_caller(f"{name}: {hint}; twistarm takes radians: numpy.radians converts them", UnitsWarning)
+            return theta
+        given = dict(values) if isinstance(values, Mapping) else self._paired(values, numbers)
+        for name in given:
+            if name not in self.joint_names:
+                listing = f"base to tip: {listed(self.joint_names)}"
+                raise unknown_name("joint", name, self.joint_names, within=self.name, listing=listing)
+        missing = [name for name in self.joint_names if name not in given]
+        if missing:
+            raise InputError(f"no value for joint {listed(missing)} of {self.name}; give every joint")
+        return as_theta([given[name] for name in self.joint_names], self.n)
+
+    def theta_to_dict(self, theta: ArrayLike) -> dict[str, float]:
+        """{joint: value}, base to tip."""
+        x = self.theta_from(theta)
+        if x.ndim != 1:
+            raise InputError(f"theta_to_dict takes one configuration ({self.n},); got {x.shape}")
+        return {name: float(value) for name, value in zip(self.joint_names, x, strict=True)}
+
+    def with_tool(self, g_tip_tool: ArrayLike, name: str) -> Arm:
+        """The same arm with a tool frame `name` at g_tip_tool (4, 4), seen from the present tip.
+
+        Args:
+            g_tip_tool: The tool's pose (4, 4), seen from the present tip.
+            name: The name of the new frame.
+
+        Returns:
+            A new `Arm`; this one does not change.
+
+        Raises:
+            InputError: It is not one pose in SE(3), or the arm has a frame of that name.
+        """
+        g = as_pose(g_tip_tool, "g_tip_tool")
+        if g.ndim != 2:
+            raise InputError(f"g_tip_tool must be one pose (4, 4); got {g.shape}")
+        if not isinstance(name, str) or not name.strip():
+            raise InputError(f"the tool's name must be a text, and not an empty one; got {shown(name)}")
+        if name in self.frame_names:
+            raise InputError(f"{self.name} has a frame {name!r} already; give the tool another name")
+        end = self.home[:3, 3]
+        home = self.home @ g
+        reach = self.reach + float(np.linalg.norm(home[:3, 3] - end))
+        return replace(self, tip=name, tip_link=self.tip_link, tool=self.tool @ g, home=home, reach=reach)
+
+    def bake(self, path: str | os.PathLike[str]) -> Path:
+        """Write the arm as numbers to an arm.json, which `load_arm` reads without Pinocchio and the description.
+
+        Kept is all that an arm is but its `description` and `findings`, so that everything about the chain is
+        answered as before. The same arm gives the same bytes; written whole or not at all. Returns the path written.
+        """
+        return write_baked(self._baked, path)
+
+    @property
+    def _baked(self) -> Baked:
+        """What `bake` keeps of the arm."""
+        return Baked(**{name: getattr(self, name) for name in Baked._fields})
+
+    # -- inside --------------------------------------------------------------------------------------------------
+
+    def _moving_joints(self) -> tuple[str, ...]:
+        if self.description is None:
+            return self.joint_names
+        return tuple(joint.name for joint in self.description.chain(self.base, self.tip_link) if joint.moving)
+
+    def _overlapping(self) -> Overlapping | None:
+        """Tells which links run into each other; None without a description, or where it has no shapes."""
+        if self.description is None or not self.description.has_shapes:
+            return None
+        return Bodies(
+            self.pinocchio, self.description, self.base, self.moving_names[0], self.disabled_pairs
+        ).overlapping
+
+    @property
+    def _whence(self) -> str:
+        """Where an arm without a description comes from."""
+        if self.source == "screws":
+            return "made from screws, not from a description"
+        return f"baked without its description (load {self.source!r} for that)"
+
+    @property
+    def _prismatic(self) -> Array:
+        return np.array([slides(kind) for kind in self.joint_types])
+
+    def _identity(self, theta: ArrayLike) -> Array:
+        """The base seen from itself, one for each configuration."""
+        return np.tile(np.eye(4), (*self.theta_from(theta).shape[:-1], 1, 1))
+
+    def _asked(self, kernel: Callable[[Any], Array | None], theta: ArrayLike, shape: tuple[int, ...]) -> Array:
+        """`kernel` of theta: as it is where the core takes it so, else made float64 (N, n) first."""
+        answer = kernel(theta) if self._compiled is not None else None
+        return self._each(kernel, theta, shape) if answer is None else answer
+
+    def _each(self, kernel: Callable[[Any], Array | None], theta: ArrayLike, shape: tuple[int, ...]) -> Array:
+        """`kernel` of each configuration of theta (..., n)."""
+        x = self.theta_from(theta)
+        answers = kernel(np.require(x.reshape(-1, self.n), np.float64, ["C", "A"]))
+        assert answers is not None
+        return answers.reshape(*x.shape[:-1], *shape)
+
+    def _check_others(self, others: Mapping[str, float]) -> None:
+        masters = {affine.master for affine in self.couplings.values() if affine.master is not None}
+        outside = sorted(masters - set(self.joint_names))
+        for name in others:
+            if name not in outside:
+                listing = f"independent joints outside the chain: {listed(outside) or 'none'}"
+                raise unknown_name("joint outside the chain", name, outside, within=self.name, listing=listing)
+
+    def _paired(self, names: object, numbers: ArrayLike | None) -> dict[str, float]:
+        given, values = require_names(names, "names"), as_floats([] if numbers is None else numbers, "numbers").ravel()
+        if len(given) != values.size:
+            raise InputError(f"{len(given)} names but {values.size} numbers; give one number per name")
+        if len(set(given)) != len(given):
+            raise InputError(f"a joint is named twice in {listed(given)}")
+        return dict(zip(given, values.tolist(), strict=True))
+
+
+def require_arm(arm: Any) -> Arm:
+    """`arm`, or InputError."""
+    return require(arm, Arm, "arm", "as load_arm returns it")
+
+
+def _or_none(value: float) -> str:
+    """A limit in a table; nothing where it was not given."""
+    return f"{value:.4g}" if np.isfinite(value) else "–"
+
+
+def _one_vector(value: ArrayLike, name: str) -> Array:
+    vector = as_vector(value, name)
+    if vector.ndim != 1:
+        raise InputError(f"{name} must be one vector (3,); got {vector.shape}")
+    return vector

@@ -1,0 +1,396 @@
+"""Arms described joint by joint in Python, from the six lower pairs; read and proven like any arm from a file."""
+
+from __future__ import annotations
+
+import xml.etree.ElementTree as ET
+from collections.abc import Iterator, Mapping
+from contextlib import contextmanager
+from dataclasses import dataclass, field, replace
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from ...description.bounds import WIDE
+from ...description.companions.arm_file import ArmSpecification
+from ...description.document import Reading
+from ...description.numerals import LARGEST
+from ...description.packages import PackageIndex
+from ...description.planar import coordinate_names
+from ...description.urdf import build_description
+from ...limits.joint_limits import JointLimits
+from ..arm import Arm
+from ...support.checks import Array, as_number, as_pose, as_rotation, frozen
+from ...support.errors import InputError, listed, shown
+from ...theory import joints
+from ...theory.rotations import to_rpy
+from ...theory.screws import inverse
+from .load import assemble, prove
+
+BASE = "base"
+"""The root link: the base frame, in which everything is given."""
+
+
+@dataclass(frozen=True, eq=False)
+class _Part:
+    """One `<joint>`: its frame (4, 4) in the base frame at rest, its unit axis (3,) in that frame, what bounds it."""
+
+    name: str
+    kind: str
+    frame: Array
+    axis: Array
+    limit: Mapping[str, float] = field(default_factory=dict)
+    master: str = ""
+    multiplier: float = 1.0
+
+
+@dataclass(frozen=True, eq=False)
+class ArmBuilder:
+    """An arm joint by joint, base to tip: `ArmBuilder("arm").revolute(…).cylindrical(…).tool(home).build()`.
+
+    Every axis, normal and point (3,) [m] is given in base axes with the arm at rest, theta = 0, as in MLS §3.2. Each
+    method returns a new builder; a joint `j` with several coordinates names them `j_rz, j_z` (cylindrical), `j_rz,
+    j_ry, j_rx` (spherical), `j_x, j_y, j_rz` (planar). What bounds a joint is given with it [rad or m, /s, N m or N],
+    or coordinate by coordinate in `build(limits=…)`; what is left out is unbounded.
+
+    Raises InputError in the call that is wrong: a name used twice, a zero axis, numbers that are none, swapped limits.
+    """
+
+    name: str
+    _parts: tuple[_Part, ...] = field(default=(), repr=False)
+    _names: tuple[str, ...] = field(default=(), repr=False)
+    _home: Array | None = field(default=None, repr=False)
+    _tool: str = field(default="", repr=False)
+
+    def __post_init__(self) -> None:
+        _check_name(self.name, "the arm's name")
+
+    def revolute(
+        self,
+        name: str,
+        axis: ArrayLike,
+        point: ArrayLike,
+        *,
+        lower: float | None = None,
+        upper: float | None = None,
+        velocity: float | None = None,
+        effort: float | None = None,
+    ) -> ArmBuilder:
+        """A turn [rad] about the line along `axis` through `point`; continuous where neither bound is given.
+
+        Args:
+            name: The joint's name.
+            axis: Direction (3,) in the base frame, of any length but 0.
+            point: A point of the axis (3,) [m], in the base frame.
+            lower: Lower position limit [rad], or None.
+            upper: Upper position limit [rad], or None.
+            velocity: Velocity limit [rad/s], or None.
+            effort: Effort limit [N m], or None.
+
+        Returns:
+            A new builder with the joint at the end of the chain; this one does not change.
+
+        Raises:
+            InputError: An argument cannot be used, or the name is taken.
+        """
+        with _told_of(name):
+            frame, limit = _at(axis, point), _limit(lower, upper, velocity, effort)
+            return self._with(name, _turn(name, axis, frame, limit))
+
+    def prismatic(
+        self,
+        name: str,
+        axis: ArrayLike,
+        *,
+        lower: float | None = None,
+        upper: float | None = None,
+        velocity: float | None = None,
+        effort: float | None = None,
+    ) -> ArmBuilder:
+        """A slide [m] along `axis`, drawn at the previous joint.
+
+        Args:
+            name: The joint's name.
+            axis: Direction (3,) in the base frame, of any length but 0.
+            lower: Lower position limit [m], or None.
+            upper: Upper position limit [m], or None.
+            velocity: Velocity limit [m/s], or None.
+            effort: Effort limit [N], or None.
+
+        Returns:
+            A new builder with the joint at the end of the chain; this one does not change.
+
+        Raises:
+            InputError: An argument cannot be used, or the name is taken.
+        """
+        with _told_of(name):
+            point = self._parts[-1].frame[:3, 3] if self._parts else np.zeros(3)
+            limit = _limit(lower, upper, velocity, effort)
+            return self._with(name, _slide(name, axis, _at(axis, point), limit))
+
+    def helical(
+        self,
+        name: str,
+        axis: ArrayLike,
+        point: ArrayLike,
+        pitch: float,
+        *,
+        lower: float | None = None,
+        upper: float | None = None,
+        velocity: float | None = None,
+        effort: float | None = None,
+    ) -> ArmBuilder:
+        """A turn [rad] about a line with `pitch` [m/rad] of slide along it: a thread of lead l has the pitch l/2π.
+
+        URDF has no helical joint: the file gets a turn, and a slide `name_z` that mimics it.
+
+        Args:
+            name: The joint's name.
+            axis: Direction (3,) in the base frame, of any length but 0.
+            point: A point of the axis (3,) [m], in the base frame.
+            pitch: Advance [m/rad].
+            lower: Lower position limit [rad], or None.
+            upper: Upper position limit [rad], or None.
+            velocity: Velocity limit [rad/s], or None.
+            effort: Effort limit [N m], or None.
+
+        Returns:
+            A new builder with the joint at the end of the chain; this one does not change.
+
+        Raises:
+            InputError: An argument cannot be used, or the name is taken.
+        """
+        with _told_of(name):
+            turn = _turn(name, axis, _at(axis, point), _limit(lower, upper, velocity, effort))
+            multiplier = float(_of_this_world(np.array(_number(pitch, "pitch")), "pitch"))
+            slide = replace(_slide(f"{name}_z", axis, turn.frame, _limit()), master=name, multiplier=multiplier)
+            return self._with(name, turn, slide)
+
+    def cylindrical(self, name: str, axis: ArrayLike, point: ArrayLike) -> ArmBuilder:
+        """A turn `name_rz` [rad] about a line and a slide `name_z` [m] along it.
+
+        Args:
+            name: The joint's name.
+            axis: Direction (3,) in the base frame, of any length but 0.
+            point: A point of the axis (3,) [m], in the base frame.
+
+        Returns:
+            A new builder with the joint at the end of the chain; this one does not change.
+
+        Raises:
+            InputError: An argument cannot be used, or the name is taken.
+        """
+        with _told_of(name):
+            frame = _at(axis, point)
+            return self._with(
+                name, _turn(f"{name}_rz", axis, frame, _limit()), _slide(f"{name}_z", axis, frame, _limit())
+            )
+
+    def spherical(self, name: str, point: ArrayLike, axes: ArrayLike | None = None) -> ArmBuilder:
+        """A ball at `point`, as ZYX Euler angles `name_rz, name_ry, name_rx` [rad].
+
+        `axes` (3, 3) is the rotation whose columns are the joint's x, y, z at rest; the identity by default. The ball
+        has no singularity, but these coordinates have: name_ry = ±π/2.
+
+        Args:
+            name: The joint's name.
+            point: The ball's centre (3,) [m], in the base frame.
+            axes: A rotation (3, 3), or None for the identity.
+
+        Returns:
+            A new builder with the joint at the end of the chain; this one does not change.
+
+        Raises:
+            InputError: An argument cannot be used, or the name is taken.
+        """
+        with _told_of(name):
+            joints.spherical(point, axes)
+            R = np.eye(3) if axes is None else as_rotation(axes, "axes")
+            frame = _at(R[:, 2], point)
+            turns = (_turn(f"{name}_r{'xyz'[i]}", R[:, i], frame, _limit()) for i in (2, 1, 0))
+            return self._with(name, *turns)
+
+    def planar(
+        self, name: str, normal: ArrayLike, point: ArrayLike = (0.0, 0.0, 0.0), x_axis: ArrayLike | None = None
+    ) -> ArmBuilder:
+        """Slides `name_x, name_y` [m] in a plane, then the turn `name_rz` [rad] about its normal through `point`.
+
+        The slides go along the columns of `joints.plane_axes(normal, x_axis)`. Written with its normal along z, where
+        readers that ignore the axis of a planar joint take it to be.
+
+        Args:
+            name: The joint's name.
+            normal: The plane's normal (3,) in the base frame, of any length but 0.
+            point: A point of the line of the turn (3,) [m], in the base frame.
+            x_axis: Direction of the first slide (3,), or None.
+
+        Returns:
+            A new builder with the joint at the end of the chain; this one does not change.
+
+        Raises:
+            InputError: An argument cannot be used, or the name is taken.
+        """
+        with _told_of(name):
+            frame = _at(normal, point)
+            frame[:3, :3] = joints.plane_axes(normal, x_axis)
+            return self._with(name, _Part(name, "planar", frame, np.array([0.0, 0.0, 1.0])))
+
+    def tool(self, home: ArrayLike, name: str = "tool") -> ArmBuilder:
+        """The tool frame `name` at `home` (4, 4) in the base frame, with the arm at rest.
+
+        Args:
+            home: The tool's pose (4, 4), seen from the base.
+            name: The tool frame's name.
+
+        Returns:
+            A new builder with the tool; this one does not change.
+
+        Raises:
+            InputError: home is not one pose in SE(3), or the tool is given already.
+        """
+        _check_name(name, "the tool's name")
+        if self._home is not None:
+            raise InputError(f"the tool {self._tool!r} is given already; give it once")
+        g = as_pose(home, "home")
+        if g.ndim != 2:
+            raise InputError(f"home must be one pose (4, 4); got {g.shape}")
+        _of_this_world(g[:3, 3], "home")
+        return replace(self, _home=frozen(g), _tool=name)._checked()
+
+    def urdf(self) -> str:
+        """The arm as URDF: the file that `load_arm`, and any other reader, makes the same arm of."""
+        if self._home is None:
+            raise InputError(f"{self.name} has no tool: say where it is with .tool(home)")
+        if not self._parts:
+            raise InputError(f"{self.name} has no joints: add one, .revolute(name, axis, point) say")
+        robot = ET.Element("robot", name=self.name)
+        ET.SubElement(robot, "link", name=BASE)
+        parent, last = BASE, np.eye(4)
+        for part in self._parts:
+            parent, last = _write(robot, part, parent, f"{part.name}_link", inverse(last) @ part.frame), part.frame
+        mount = _Part(f"{self._tool}_mount", "fixed", self._home, np.zeros(3))
+        _write(robot, mount, parent, self._tool, inverse(last) @ self._home)
+        ET.indent(robot)
+        return ET.tostring(robot, encoding="unicode") + "\n"
+
+    def build(self, *, limits: JointLimits | Mapping[str, Any] | None = None) -> Arm:
+        """The arm, read from `urdf()` as from a file and proven against Pinocchio; `limits` as in `load_arm`."""
+        source = Path(self.name)
+        description = build_description(self.urdf(), Reading(source, PackageIndex(source)))
+        specification = ArmSpecification(source, "ArmBuilder", base=BASE, tip=self._tool)
+        arm = assemble(replace(description, path=None), specification, {} if limits is None else limits)
+        return replace(arm, proof=prove(arm))
+
+    # -- inside --------------------------------------------------------------------------------------------------
+
+    def _with(self, name: str, *parts: _Part) -> ArmBuilder:
+        coordinates = coordinate_names(name) if parts[0].kind == "planar" else tuple(part.name for part in parts)
+        names = dict.fromkeys((name, *coordinates))
+        taken = [each for each in names if each in self._names]
+        if taken:
+            raise InputError(f"the name {taken[0]!r} is used already; it needs {listed(names)}: rename one")
+        return replace(self, _parts=(*self._parts, *parts), _names=(*self._names, *names))._checked()
+
+    def _checked(self) -> ArmBuilder:
+        """Itself; InputError where the tool has the name of a link, or its mount that of a joint."""
+        links = [BASE, *(f"{name}_link" for name in self._names)]
+        if self._tool in links or f"{self._tool}_mount" in self._names:
+            raise InputError(f"the tool's name {self._tool!r} clashes with a joint's or its link's; rename the tool")
+        return self
+
+
+def _turn(name: str, axis: ArrayLike, frame: Array, limit: Mapping[str, float]) -> _Part:
+    unbounded = np.isinf([limit["lower"], limit["upper"]]).all()
+    return _Part(name, "continuous" if unbounded else "revolute", frame, _unit(axis), limit)
+
+
+def _slide(name: str, axis: ArrayLike, frame: Array, limit: Mapping[str, float]) -> _Part:
+    return _Part(name, "prismatic", frame, _unit(axis), limit)
+
+
+def _unit(axis: ArrayLike) -> Array:
+    unit: Array = joints.prismatic(axis)[:3, 0]
+    return unit
+
+
+def _at(axis: ArrayLike, point: ArrayLike) -> Array:
+    """A frame at `point` with base axes, once axis and point are what `joints` takes."""
+    joints.revolute(axis, point)
+    frame = np.eye(4)
+    frame[:3, 3] = _of_this_world(np.asarray(point, dtype=np.float64), "point")
+    return frame
+
+
+def _of_this_world(numbers: Array, name: str) -> Array:
+    """The numbers [m], none larger than what a description may hold."""
+    if np.abs(numbers).max() > LARGEST:
+        raise InputError(f"{name} must not exceed {LARGEST:g}, in metres; got {np.abs(numbers).max():g}")
+    return numbers
+
+
+def _limit(
+    lower: float | None = None,
+    upper: float | None = None,
+    velocity: float | None = None,
+    effort: float | None = None,
+) -> dict[str, float]:
+    given = {"lower": lower, "upper": upper, "velocity": velocity, "effort": effort}
+    limit = {name: _bound(value, name) for name, value in given.items()}
+    if not limit["lower"] <= limit["upper"] or limit["lower"] == np.inf or limit["upper"] == -np.inf:
+        raise InputError(f"lower must not exceed upper; got lower {limit['lower']:g} and upper {limit['upper']:g}")
+    for name in ("velocity", "effort"):
+        if not limit[name] > 0:
+            raise InputError(f"{name} must be positive, or left out where there is no limit; got {limit[name]:g}")
+    return limit
+
+
+def _bound(value: float | None, name: str) -> float:
+    if value is None:
+        return -np.inf if name == "lower" else np.inf
+    infinite = isinstance(value, (float, np.floating)) and np.isinf(value)
+    return float(value) if infinite else _number(value, name)
+
+
+def _number(value: float, name: str) -> float:
+    if isinstance(value, (bool, np.bool_)):
+        raise InputError(f"{name} must be a number; got {value}")
+    return as_number(value, name)
+
+
+def _write(robot: ET.Element, part: _Part, parent: str, child: str, origin: Array) -> str:
+    """Add the joint and its child link, whose name is returned."""
+    ET.SubElement(robot, "link", name=child)
+    joint = ET.SubElement(robot, "joint", name=part.name, type=part.kind)
+    ET.SubElement(joint, "parent", link=parent)
+    ET.SubElement(joint, "child", link=child)
+    ET.SubElement(joint, "origin", xyz=_text(origin[:3, 3]), rpy=_text(to_rpy(origin[:3, :3])))
+    if part.kind != "fixed":
+        ET.SubElement(joint, "axis", xyz=_text(part.axis))
+    if part.limit:
+        # WIDE stands for infinity, which URDF's readers refuse.
+        numbers = {name: repr(float(np.clip(value, -WIDE, WIDE))) for name, value in part.limit.items()}
+        ET.SubElement(joint, "limit", numbers)
+    if part.master:
+        ET.SubElement(joint, "mimic", joint=part.master, multiplier=repr(part.multiplier), offset="0")
+    return child
+
+
+def _text(numbers: Array) -> str:
+    """Digits that read back as the same numbers; adding 0 drops the sign of a zero."""
+    return " ".join(repr(float(number) + 0.0) for number in numbers)
+
+
+def _check_name(name: object, what: str) -> None:
+    if not isinstance(name, str) or not name.strip() or not name.isprintable():
+        raise InputError(f"{what} must be a text of printable characters; got {shown(name)}")
+
+
+@contextmanager
+def _told_of(joint: str) -> Iterator[None]:
+    """Put the joint's name before whatever is wrong with it."""
+    _check_name(joint, "a joint's name")
+    try:
+        yield
+    except InputError as error:
+        raise InputError(f"joint {joint!r}: {error}") from error

@@ -1,0 +1,224 @@
+"""A first arm.toml: what can be found out about an arm written down, the rest as comments to fill in."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+
+from ...description.companions.companion_files import files_beside, srdf_beside
+from ...description.companions.toml_text import toml_key, toml_text
+from ...description.expansion.expand import is_xacro, xacro_arguments
+from ...description.packages import package_index, package_names, variable_names
+from ...description.tips.choice import candidates
+from ...description.tree import Description
+from ...description.urdf import read_description
+from ...limits.joint_units import unit_of
+from ..arm import Arm
+from ...support.errors import DescriptionError, InputError
+from ...support.files import as_path
+from .load import assemble, prove, specify
+
+FILL_IN = "?"
+"""Stands where only the team knows the number: no TOML, so that nobody takes it over unread."""
+
+
+@dataclass(frozen=True)
+class Draft:
+    """The text of an arm.toml; `unclear` tells what has to be filled in before it loads, empty if nothing."""
+
+    text: str
+    unclear: str = ""
+
+
+def draft_arm_file(
+    source: str | os.PathLike[str],
+    folder: str | os.PathLike[str] = ".",
+    *,
+    base: str | None = None,
+    tip: str | None = None,
+    package_dirs: Iterable[str | os.PathLike[str]] = (),
+    xacro_args: Mapping[str, object] | None = None,
+    srdf: str | os.PathLike[str] | None = None,
+    without: Iterable[str] = (),
+    env: Iterable[str] = (),
+) -> Draft:
+    """An arm.toml for a URDF or xacro file, to stand in `folder`: paths are written relative to that.
+
+    It loads as the same arm that `load_arm` makes of these arguments, given the same `env`, which is never written.
+    Where no tip is clear the candidates stand in it, and `Draft.unclear` says so. Raises what `load_arm` raises for
+    every other reason.
+    """
+    file, folders, arguments = as_path(source), tuple(package_dirs), dict(xacro_args or {})
+    absent, env = package_names(without), variable_names(env)
+    if file.suffix == ".toml":
+        raise InputError(f"{file} is an arm.toml already; give the URDF or xacro file")
+    description = read_description(file, package_dirs=folders, xacro_args=arguments, without=absent, env=env)
+    arm, unclear = None, ""
+    try:
+        specification = specify(
+            file, base=base, tip=tip, package_dirs=folders, xacro_args=arguments, srdf=srdf, without=absent, env=env
+        )
+        arm = assemble(description, specification, {})
+        prove(arm)
+    except DescriptionError as error:
+        if not any(finding.code == "no-tip" for finding in error.findings):
+            raise
+        unclear = str(error)
+    index = package_index(file, folders)
+    declared = xacro_arguments(file.resolve(), index, arguments, absent, env) if is_xacro(file) else {}
+    where = Path(folder).resolve()
+    parts = [
+        _head(description, file, where),
+        _ends(description, arm, base),
+        _beside(description, where, srdf),
+        _package_dirs(folders, where),
+        [f"without = [{', '.join(map(toml_text, absent))}]"] if absent else [],
+        _tool(),
+        _xacro_args(declared, arguments),
+        _limits(description, arm),
+        _locked(description, arm),
+        _poses(description, arm),
+        _actuators(_coordinates(description, arm)),
+    ]
+    return Draft("\n\n".join("\n".join(part) for part in parts if part) + "\n", unclear)
+
+
+def _head(description: Description, file: Path, where: Path) -> list[str]:
+    return [
+        "# What we say about our arm beside its description. SI units and radians throughout.",
+        "# A line that begins with # is a note or an example: take the # away to make it count.",
+        f"name = {toml_text(description.name)}",
+        f"source = {_path(file, where)}",
+    ]
+
+
+def _ends(description: Description, arm: Arm | None, base: str | None) -> list[str]:
+    if arm is None:
+        return [
+            f"base = {toml_text(base or description.root)}",
+            "# It is not clear which link is the tool. Take the # away from one of these, or name another link:",
+            *(f"# tip = {toml_text(link)}" for link in candidates(description, base)),
+        ]
+    lines = [f"base = {toml_text(arm.base)}", f"tip = {toml_text(arm.tip)}"]
+    chosen = [f"# {finding.what}" for finding in arm.findings if finding.code == "several-tips"]
+    others = [toml_text(link) for link in description.leaves if link != arm.tip]
+    return lines + (chosen or [f"# Other ends: {', '.join(others)}"] if chosen or others else [])
+
+
+def _beside(description: Description, where: Path, srdf: str | os.PathLike[str] | None) -> list[str]:
+    """The SRDF in use, and joint_limits.yaml files, which count only where somebody names them."""
+    semantics, _ = srdf_beside(description)
+    used = as_path(srdf) if srdf else semantics.path if semantics else None
+    limits = files_beside(description.path, "joint_limits.yaml") if description.path else ()
+    lines = [f"srdf = {_path(used, where)}"] if used else []
+    return lines + [f"# joint_limits = {_path(file, where)}" for file in limits]
+
+
+def _package_dirs(folders: tuple[str | os.PathLike[str], ...], where: Path) -> list[str]:
+    listed = ", ".join(_path(as_path(folder), where) for folder in folders)
+    return [f"package_dirs = [{listed}]"] if folders else []
+
+
+def _tool() -> list[str]:
+    return [
+        "# A tool beyond the tip, seen from the tip link: metres, and URDF's rpy in radians.",
+        "# [tool]",
+        '# name = "pen"',
+        "# xyz = [0.0, 0.0, 0.1]",
+        "# rpy = [0.0, 0.0, 0.0]",
+    ]
+
+
+def _xacro_args(declared: Mapping[str, str | None], given: Mapping[str, object]) -> list[str]:
+    if not declared:
+        return []
+    lines = ["# Arguments of the xacro file; a line that begins with # shows the default.", "[xacro_args]"]
+    for name, default in declared.items():
+        if name in given:
+            note = "" if default is not None else "  # required"
+            lines.append(f"{toml_key(name)} = {_value(given[name])}{note}")
+        else:
+            lines.append(f"# {toml_key(name)} = {toml_text(default or '')}")
+    return lines
+
+
+def _limits(description: Description, arm: Arm | None) -> list[str]:
+    lines = [
+        f"# Limits: rad or m, per second, per second²; N m or N. Where {FILL_IN} stands the description says nothing.",
+        "[limits]",
+    ]
+    for name, unit, limits in _rows(description, arm):
+        given = {field: value for field, value in limits.items() if np.isfinite(value)}
+        listed = ", ".join(f"{field} {value:.6g}" for field, value in given.items())
+        lines.append(f"# {toml_key(name)} [{unit}]: {listed or 'nothing given'}")
+        missing = [rate for rate in ("velocity", "acceleration") if rate not in given]
+        lines += [f"# {toml_key(name)}.{rate} = {FILL_IN}" for rate in missing]
+    return lines
+
+
+def _rows(description: Description, arm: Arm | None) -> list[tuple[str, str, dict[str, float]]]:
+    """Name, unit and limits of the arm's coordinates, or of every joint where the arm is not known."""
+    fields = ("lower", "upper", "velocity", "effort")
+    if arm is not None:
+        columns = zip(arm.joint_names, arm.units, *(getattr(arm.limits, field) for field in fields), strict=True)
+        return [(name, unit, dict(zip(fields, values, strict=True))) for name, unit, *values in columns]
+    joints = [joint for joint in description.outward_joints() if joint.scalar and joint.mimic is None]
+    return [(joint.name, unit_of(joint.type), {field: getattr(joint, field) for field in fields}) for joint in joints]
+
+
+def _coordinates(description: Description, arm: Arm | None) -> tuple[str, ...]:
+    return tuple(name for name, _, _ in _rows(description, arm))
+
+
+def _locked(description: Description, arm: Arm | None) -> list[str]:
+    names = _coordinates(description, arm)
+    stuck = [f.place.name for f in description.findings if f.code == "limit-zero-range" and f.place.name in names]
+    why = "their limits leave these no room" if stuck else "a broken or blocked joint, say"
+    return [
+        f"# Joints that stand still, and where [rad or m]: {why}.",
+        "# [locked]",
+        *(f"# {toml_key(name)} = 0.0" for name in stuck or names[:1]),
+    ]
+
+
+def _poses(description: Description, arm: Arm | None) -> list[str]:
+    if arm is None:
+        lines = ["# Named poses give every joint; `ready` is where solvers and views start.", "# [poses.ready]"]
+        return [*lines, *(f"# {toml_key(name)} = 0.0" for name in _coordinates(description, arm))]
+    condition = float(arm.manipulability(arm.ready).condition)
+    others = [toml_text(name) for name in arm.named_states if name != "ready"]
+    return [
+        f"# Named poses give every joint. `ready` is where solvers and views start: condition number {condition:.1f}.",
+        *([f"# From the SRDF: {', '.join(others)}."] if others else []),
+        "[poses.ready]",
+        *(f"{toml_key(name)} = {value!r}" for name, value in arm.theta_to_dict(arm.ready).items()),
+    ]
+
+
+def _actuators(names: tuple[str, ...]) -> list[str]:
+    lines = [
+        "# Motors: motor = sum of ratio · joint, plus offset; motors and joints in rad, or m where they slide. The two",
+        '# motors of a differential wrist have two joints each. `unit` is what the drive counts in: "rad", "deg",',
+        '# "turn", "tick" (with ticks_per_turn), "m" or "mm". `limits` are the motor\'s own, on its side of the gear:',
+        "# lower, upper, velocity, acceleration, effort.",
+    ]
+    for motor, sign in ("left", ""), ("right", "-"):
+        ratios = [f"{toml_key(name)} = {sign * (i > 0)}100.0" for i, name in enumerate(names[-2:])]
+        lines += [f"# [actuators.{motor}]", f"# ratio = {{ {', '.join(ratios)} }}", "# offset = 0.0"]
+        lines += ['# unit = "tick"', "# ticks_per_turn = 4096"]
+        lines += ["# limits = { velocity = 300.0, acceleration = 3000.0 }"]
+    return lines
+
+
+def _path(file: Path, where: Path) -> str:
+    return toml_text(Path(os.path.relpath(file.resolve(), where)).as_posix())
+
+
+def _value(value: object) -> str:
+    if isinstance(value, bool):
+        return str(value).lower()
+    return repr(value) if isinstance(value, (int, float)) else toml_text(str(value))

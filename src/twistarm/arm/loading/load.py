@@ -1,0 +1,364 @@
+"""From a file or a catalogue name to an arm: base and tip chosen, limits applied, the two accounts proven equal."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from ...description import catalog
+from ...description.chain import walk_chain
+from ...description.companions.arm_file import ArmSpecification, Tool, read_arm_file
+from ...description.companions.arm_group import ArmGroup, arm_groups
+from ...description.companions.companion_files import path_from, srdf_beside
+from ...description.companions.srdf import Semantics, read_srdf
+from ...description.companions.srdf_names import note_names
+from ...description.expansion.left_out import blaming
+from ...description.findings import Finding, Place, finding, refusal
+from ...description.packages import package_names, variable_names
+from ...description.tips.choice import choose_ends, note_choice
+from ...description.tree import Description
+from ...description.urdf import read_description
+from ...limits.joint_limits import JointLimits
+from ..arm import Arm, Coupling, Proof
+from ..baking import SUFFIX, read_baked
+from ..ready_pose import named_ready
+from ...support.caller_words import name_of
+from ...support.checks import frozen, require_mapping
+from ...support.errors import ComparisonError, InputError, UnknownNameError, closest, listed, shown
+from ...support.files import NO_SUCH_FILE, as_path, as_paths, is_file, why_no_file
+from ...theory import poe
+from .overrides import Changes, fitted_actuators, fitted_limits, fitted_poses, fitted_states
+
+PROOF_SAMPLES = 5
+PROOF_TOL = 1e-9
+"""Both accounts are double precision: beyond this, relative to the arm's size, they describe different arms."""
+
+Folders = Iterable[str | os.PathLike[str]]
+
+
+def load_arm(
+    source: str | os.PathLike[str],
+    *,
+    base: str | None = None,
+    tip: str | None = None,
+    package_dirs: Folders = (),
+    xacro_args: Mapping[str, object] | None = None,
+    limits: JointLimits | Mapping[str, Any] | str | os.PathLike[str] | None = None,
+    locked: Mapping[str, float] | None = None,
+    srdf: str | os.PathLike[str] | None = None,
+    without: Iterable[str] = (),
+    env: Iterable[str] = (),
+) -> Arm:
+    """Load an arm from a URDF or xacro file, an arm.toml, or by its name in the catalogue (`available_arms()`).
+
+    An arm.json that `Arm.bake` wrote is read as it is, without Pinocchio; of the options it takes only `limits`.
+
+    Arguments win over the arm.toml, and the arm.toml over the SRDF.
+
+    The screws and the home pose come from twistarm's own reading of the description. Pinocchio's model is built
+    independently, and the two are compared at five random configurations (`arm.proof`).
+
+    Args:
+        source: A URDF or xacro file, an arm.toml, a baked arm.json, or a name of `available_arms()`.
+        base: The base link. By default the root link, or, on a vehicle, the first link of the arm itself.
+        tip: The tip link. By default the tip of the SRDF's only arm group, or the link that is most likely the tool; a
+            finding names it and the other candidates.
+        package_dirs: Folders with packages, in addition to those found around the file.
+        xacro_args: Values of xacro arguments, {name: value}.
+        limits: Limits that replace those of the description, in SI units: {"velocity": 1.0} for every joint,
+            {"velocity": {"elbow": 1.0}} for one, a `JointLimits`, or the path of a joint_limits.yaml.
+        locked: Joints held at a fixed value, {joint: value} [rad, m]; they have no coordinate in theta.
+        srdf: An SRDF file. By default the one of this robot that is found near the description.
+        without: Packages that a xacro file includes and that the arm does not need (a sensor, a simulator). Their
+            includes, and the macros that these define, are left out, and a finding lists each of them.
+        env: Names of the environment variables that a xacro file may read. Any other counts as unset, and a finding
+            says so.
+
+    Returns:
+        The `Arm`, with what was noticed about the description in `arm.findings`.
+
+    Raises:
+        DescriptionError: The description cannot be used; the message gives file, element and remedy.
+        UnknownNameError: No such arm, link or joint; the message gives the closest names.
+        InputError: An argument cannot be used.
+        ComparisonError: The screws and Pinocchio's model disagree.
+    """
+    if is_baked(source):
+        wishes = {"base": base, "tip": tip, "locked": locked, "srdf": srdf, "xacro_args": xacro_args}
+        packages = {"package_dirs": as_paths(package_dirs, "package_dirs"), "without": package_names(without)}
+        return _baked_arm(as_path(source), {**wishes, **packages, "env": variable_names(env)}, limits)
+    specification = specify(
+        source,
+        base=base,
+        tip=tip,
+        package_dirs=package_dirs,
+        xacro_args=xacro_args,
+        locked=locked,
+        srdf=srdf,
+        without=without,
+        env=env,
+    )
+    description = read(specification)
+    with blaming(description.findings):
+        arm = assemble(description, specification, {} if limits is None else limits)
+    return replace(arm, proof=prove(arm))
+
+
+def is_baked(source: str | os.PathLike[str]) -> bool:
+    """Whether `source` is the file of a baked arm, by its name."""
+    if not isinstance(source, (str, os.PathLike)):
+        return False
+    path = as_path(str(os.fspath(source)))
+    return path.suffix == SUFFIX and is_file(path)
+
+
+def _baked_arm(path: Path, wishes: Mapping[str, Any], changes: Changes | None) -> Arm:
+    """The arm of an arm.json, with the caller's limits; InputError for a wish that only a description can meet."""
+    kept = read_baked(path)._asdict()
+    ready, proof = kept.pop("ready"), kept.pop("proof")
+    arm = Arm(**kept, proof=None if proof is None else Proof(*proof))
+    for name, wish in wishes.items():
+        if wish and wish != getattr(arm, name, None):
+            raise InputError(
+                f"{path}: {name} cannot be given for a baked arm, only for its description, {arm.source!r}"
+            )
+    if changes is None:
+        vars(arm)["ready"] = frozen(ready)
+        return arm
+    specification = ArmSpecification(path, str(path))
+    limits, noted = fitted_limits(arm.limits, arm.joint_names, specification, changes, arm.moving_names)
+    return _within(replace(arm, limits=limits, findings=tuple(noted)), path.name)
+
+
+def _within(arm: Arm, file: str) -> Arm:
+    """The arm without the named poses that its limits no longer hold."""
+    states = {name: theta for name, theta in arm.named_states.items() if arm.limits.contains(theta)}
+    left_out = [
+        finding(
+            "state-outside-limits",
+            Place(file, None, "named_states", name),
+            "it lies outside the limits that were given; it is left out",
+            "correct them, where the arm needs it",
+        )
+        for name in arm.named_states
+        if name not in states
+    ]
+    return replace(arm, named_states=states, findings=(*arm.findings, *left_out))
+
+
+def specify(
+    source: str | os.PathLike[str],
+    *,
+    base: str | None = None,
+    tip: str | None = None,
+    package_dirs: Folders = (),
+    xacro_args: Mapping[str, object] | None = None,
+    locked: Mapping[str, float] | None = None,
+    srdf: str | os.PathLike[str] | None = None,
+    without: Iterable[str] = (),
+    env: Iterable[str] = (),
+) -> ArmSpecification:
+    """What `load_arm` is to load, the caller's wishes put over those of an arm.toml."""
+    for name, value in {"base": base, "tip": tip}.items():
+        if value is not None and not (isinstance(value, str) and value.strip()):
+            raise InputError(f"{name} must be the name of a link; got {shown(value)}")
+    if srdf is not None and not isinstance(srdf, (str, os.PathLike)):
+        raise InputError(f"srdf must be the path of an SRDF file; got {shown(srdf)}")
+    arguments = {} if xacro_args is None else require_mapping(xacro_args, "xacro_args", "{'dof': 7}")
+    standing = {} if locked is None else require_mapping(locked, "locked", "{'slide': 0.1}")
+    specification = _specification(source)
+    return replace(
+        specification,
+        other_chain=base not in (None, specification.base) or tip not in (None, specification.tip),
+        base=base or specification.base,
+        tip=tip or specification.tip,
+        tool=None if tip else specification.tool,
+        package_dirs=(*as_paths(package_dirs, "package_dirs"), *specification.package_dirs),
+        xacro_args={**specification.xacro_args, **arguments},
+        without=package_names((*package_names(without), *specification.without)),
+        env=variable_names(env),
+        locked={**specification.locked, **standing},
+        srdf=srdf or specification.srdf,
+    )
+
+
+def read(specification: ArmSpecification) -> Description:
+    """The description that a specification names."""
+    return read_description(
+        specification.description,
+        package_dirs=specification.package_dirs,
+        mesh_dirs=specification.mesh_dirs,
+        xacro_args=specification.xacro_args,
+        without=specification.without,
+        env=specification.env,
+    )
+
+
+def available_arms() -> tuple[str, ...]:
+    """Names that `load_arm` knows: our own arms, and those of the example-robot-data wheel (`models` extra)."""
+    return (*catalog.own_arms(), *catalog.model_arms())
+
+
+def prove(arm: Arm) -> Proof:
+    """Product of exponentials against Pinocchio at five seeded configurations; ComparisonError if they differ."""
+    theta = arm.random_theta(0, PROOF_SAMPLES)
+    x = theta @ arm.coupling.A.T
+    J = poe.spatial_jacobian(arm.screws, x) @ arm.coupling.A
+    g = poe.fk(arm.screws, arm.home, x)
+    reference, spatial, _ = arm.by_pinocchio(theta)
+    proof = Proof(
+        pose_error=float(np.abs(g - reference).max()),
+        jacobian_error=float(np.abs(J - spatial).max()),
+        samples=PROOF_SAMPLES,
+    )
+    far = arm.description.extent if arm.description else 0.0
+    size = 1.0 + max(far, float(np.abs(reference[..., :3, 3]).max()))
+    wide = float(np.abs(np.column_stack(arm.coupling)).max(initial=1.0))
+    if not max(proof.pose_error, proof.jacobian_error) <= PROOF_TOL * size**2 * wide:
+        raise ComparisonError(
+            f"{arm.name}: product of exponentials and Pinocchio disagree by {proof.pose_error:.2g} (pose) and "
+            f"{proof.jacobian_error:.2g} (Jacobian); please report it with the description"
+        )
+    return proof
+
+
+def _specification(source: str | os.PathLike[str]) -> ArmSpecification:
+    """A path wins over a catalogue name, so that a local file is never shadowed."""
+    if not isinstance(source, (str, os.PathLike)):
+        raise InputError(f"source must be a path or a name; got {shown(source)}")
+    text = str(os.fspath(source))
+    path = as_path(text)
+    if is_baked(path):
+        raise InputError(f"{path} is a baked arm, which has no description; give the file that it was baked from")
+    if is_file(path):
+        return read_arm_file(path) if path.suffix == ".toml" else ArmSpecification(path, text)
+    own = catalog.own_arm_file(text)
+    if own is not None:
+        return replace(read_arm_file(own), source=text)
+    entry = catalog.model_entry(text)
+    if entry is not None:
+        file, (_, base, tip) = entry
+        share = file.parents[len(Path(entry[1].file).parts) + 1]
+        return ArmSpecification(file, text, name=text, base=base, tip=tip, package_dirs=(share,))
+    why = why_no_file(path)
+    if why != NO_SUCH_FILE or path.suffix or len(path.parts) > 1:
+        remedy = f"give a URDF or xacro file, an arm.toml or one of {listed(available_arms(), 20)}"
+        raise refusal("file-not-found", Place(text[:200]), why, remedy)
+    names = available_arms()
+    raise UnknownNameError(
+        f"no arm {text!r} in the catalogue, nor a file of that name{closest(text, names)} (arms: {', '.join(names)})"
+    )
+
+
+def assemble(description: Description, specification: ArmSpecification, changes: Changes) -> Arm:
+    """The arm that a specification makes of its description, `changes` being the caller's limits; not yet proven."""
+    semantics, noted = _semantics(description, specification)
+    base, tip, group, chosen = _ends(description, specification, semantics)
+    tool = _tool(description, specification, tip)
+    chain = walk_chain(description, base, tip, tool.g_tip_tool, specification.locked)
+    limits, limiting = fitted_limits(chain.limits, chain.coordinates, specification, changes, description.joints)
+    arm = Arm(
+        name=specification.name or description.name,
+        source=specification.source,
+        base=base,
+        tip=tool.name,
+        joint_names=chain.coordinates,
+        joint_types=chain.types,
+        screws=chain.screws,
+        home=chain.home,
+        coupling=Coupling(*chain.coupling),
+        limits=limits,
+        reach=chain.reach or 1.0,
+        findings=(*description.findings, *noted, *chosen, *chain.findings, *limiting),
+        description=description,
+        couplings=chain.couplings,
+        tool=tool.g_tip_tool,
+        tip_link=tip,
+    )
+    return _with_what_is_said(arm, specification, semantics, group)
+
+
+def _semantics(
+    description: Description, specification: ArmSpecification
+) -> tuple[Semantics | None, tuple[Finding, ...]]:
+    """The SRDF that is named, or the one beside the description, and what was noticed about it."""
+    if specification.srdf is None:
+        semantics, noted = srdf_beside(description)
+    else:
+        semantics = read_srdf(
+            specification.srdf,
+            specification.package_dirs,
+            specification.xacro_args,
+            specification.without,
+            specification.env,
+        )
+        noted = ()
+    return semantics, noted if semantics is None else (*noted, *note_names(semantics, description))
+
+
+def _ends(
+    description: Description, specification: ArmSpecification, semantics: Semantics | None
+) -> tuple[str, str, ArmGroup | None, Sequence[Finding]]:
+    """Base and tip: as said, else those of the SRDF's one arm group, else chosen; the group of that tip, and why."""
+    groups = arm_groups(semantics, description) if semantics else ()
+    base = description.require_link(specification.base, "base") if specification.base else None
+    if specification.tip:
+        tip = description.require_link(specification.tip, "tip")
+        return base or description.root, tip, next((group for group in groups if group.tip == tip), None), ()
+    if len(groups) == 1:
+        return base or groups[0].base or description.root, groups[0].tip, groups[0], ()
+    choice = choose_ends(description, base, map(str, groups))
+    return choice.base, choice.tip, None, note_choice(description, choice)
+
+
+def _tool(description: Description, specification: ArmSpecification, tip: str) -> Tool:
+    tool = specification.tool
+    if tool is not None and tool.name in description.links:
+        what = f"tool.name {tool.name!r} is a link already"
+        raise refusal("tool-name-taken", Place(specification.source), what, "name it otherwise")
+    return tool or Tool(tip, np.eye(4))
+
+
+def _with_what_is_said(
+    arm: Arm, specification: ArmSpecification, semantics: Semantics | None, group: ArmGroup | None
+) -> Arm:
+    """The arm with its actuators, the arm.toml's poses, and the SRDF's states and pairs that need no check."""
+    poses, posing = fitted_poses(arm, specification)
+    actuators, driving = fitted_actuators(arm, specification)
+    arm = replace(arm, named_states=poses, actuators=actuators, findings=(*arm.findings, *posing, *driving))
+    if semantics is None or arm.description is None:
+        return _with_ready_said(arm, specification, None)
+    states, stating = fitted_states(arm, semantics, group.name if group else "", specification.locked)
+    pairs = semantics.disabled_pairs(arm.description.links)
+    taken = [f"the tip {group.tip!r} (group {group.name!r})"] if group and not specification.tip else []
+    taken += [f"{len(states)} named pose{'s' * (len(states) > 1)}"] if states else []
+    taken += [f"{len(pairs)} pair{'s' * (len(pairs) > 1)} of links that need no collision check"] if pairs else []
+    found = finding(
+        "srdf-found",
+        Place(semantics.path.name),
+        f"{path_from(arm.description, semantics.path)} gives {', '.join(taken) or 'nothing that the arm uses'}",
+        f"{name_of('tip')}, an arm.toml or another {name_of('srdf')} win over it",
+    )
+    arm = replace(
+        arm, named_states={**states, **poses}, disabled_pairs=pairs, findings=(*arm.findings, found, *stating)
+    )
+    return _with_ready_said(arm, specification, semantics)
+
+
+def _with_ready_said(arm: Arm, specification: ArmSpecification, semantics: Semantics | None) -> Arm:
+    """The arm with a finding that says which named pose is its `ready`, unless the arm.toml says so by that name."""
+    name = named_ready(arm.named_states)
+    own = name in specification.poses
+    if name is None or (own and name == "ready"):
+        return arm
+    place = Place(specification.source, None, "pose", name)
+    if not own and semantics is not None:
+        place = Place(semantics.path.name, None, "group_state", name)
+    what = f"the ready pose, where programs start, is the one named {name!r}"
+    said = finding("ready-named", place, what, "[poses.ready] in an arm.toml wins over it")
+    return replace(arm, findings=(*arm.findings, said))

@@ -1,0 +1,133 @@
+"""The tool's predicted motion if each motor's readings had another scale and another zero."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from functools import cached_property
+
+import numpy as np
+
+from ..arm.arm import Arm
+from ..support.checks import Array
+from ..theory.rotations import exp, log_of
+from .base import BaseError, BaseOffset, moved_by_base
+
+SLACK = np.radians(1.0)
+"""How far motors that share a joint may contradict each other [joint rad]: backlash and belts."""
+
+
+@dataclass(frozen=True, eq=False)
+class Wiring:
+    """theta = P (s y + e): y (K, k) what the motors read from their configured zeros, P (n, k) the inverse of G.
+
+    The parameters p (2k,) are the scales s, and the offsets e over `unit` (k,), which makes them the rad (or m) of the
+    joint that the motor turns most. Configuration and arm agree where s = 1 and e = 0; a reversed motor has s = −1.
+    `surplus` (k, k) is what motors of which there are more than joints must not read: I − G P. `base` is one standard
+    deviation of where the base is [m, rad], 0 where it is exactly known.
+    """
+
+    arm: Arm
+    y: Array
+    position: Array
+    rotation: Array | None
+    noise: tuple[float, float]
+    P: Array
+    unit: Array
+    surplus: Array | None
+    base: tuple[float, float] = (0.0, 0.0)
+
+    @property
+    def k(self) -> int:
+        """Motors."""
+        return int(self.y.shape[1])
+
+    @property
+    def sound(self) -> Array:
+        """The parameters (2k,) of an arm that is as its arm.toml says."""
+        return np.repeat([1.0, 0.0], self.k)
+
+    def of_rows(self, rows: Array) -> Wiring:
+        """The same of some of the moments, by their indices."""
+        rotation = None if self.rotation is None else self.rotation[rows]
+        return replace(self, y=self.y[rows], position=self.position[rows], rotation=rotation)
+
+    def theta(self, p: Array) -> Array:
+        """Joint coordinates (..., K, n) of parameters (..., 2k)."""
+        return self._driven(p) @ self.P.T
+
+    def misses(self, p: Array) -> tuple[Array, Array | None]:
+        """Measured minus computed, of parameters (..., 2k): positions (..., K, 3) [m]; rotations, tool axes [rad]."""
+        g = self.arm.fk(self.theta(p))
+        rotation = None
+        if self.rotation is not None:
+            rotation = log_of(np.swapaxes(g[..., :3, :3], -1, -2) @ self.rotation)
+        return self.position - g[..., :3, 3], rotation
+
+    @cached_property
+    def base_error(self) -> BaseError | None:
+        """What the base does to the residuals; None where it is exactly known."""
+        if not any(self.base):
+            return None
+        moved = moved_by_base(self.position, self.rotation)
+        parts = [part / noise for part, noise in zip(moved, self.noise, strict=True)][: 1 + (self.rotation is not None)]
+        A = np.concatenate([part.reshape(-1, 6) for part in parts]) * np.repeat(self.base, 3)
+        none = 0 if self.surplus is None else self.y.size
+        return BaseError(np.concatenate([A, np.zeros((none, 6))]))
+
+    def base_offset(self, p: Array) -> BaseOffset | None:
+        """Where the base is to be expected, of parameters (2k,); None where it is exactly known."""
+        if self.base_error is None:
+            return None
+        moved = self.base_error.expected(self._measured_residual(p)) * np.repeat(self.base, 3)
+        x, y, z, *turned = map(float, moved)
+        return BaseOffset((x, y, z), (turned[0], turned[1], turned[2]))
+
+    def with_base_moved(self, p: Array) -> Wiring:
+        """The same, measured from where the base is to be expected."""
+        offset = self.base_offset(p)
+        if offset is None:
+            return self
+        R = exp(np.array(offset.rotation))
+        rotation = None if self.rotation is None else R.T @ self.rotation
+        return replace(self, position=(self.position - offset.position) @ R, rotation=rotation)
+
+    def residual(self, p: Array) -> Array:
+        """`misses` in standard deviations, (..., N); of a base that is not known without what it explains."""
+        r = self._measured_residual(p)
+        return r if self.base_error is None else self.base_error.whitened(r)
+
+    def _measured_residual(self, p: Array) -> Array:
+        position, rotation = self.misses(p)
+        parts = [position / self.noise[0]]
+        if rotation is not None:
+            parts.append(rotation / self.noise[1])
+        if self.surplus is not None:
+            parts.append(-(self._driven(p) @ self.surplus.T) / self.unit / SLACK)
+        return np.concatenate([part.reshape(*part.shape[:-2], -1) for part in parts], axis=-1)
+
+    def slope(self, p: Array) -> Array:
+        """d(computed, in standard deviations)/dp, (N, 2k), for one set of parameters.
+
+        dp = R J_v dtheta and dw = J_w dtheta of the body Jacobian (MLS §3.4.1), with dtheta/ds_i = P_i y_i and
+        dtheta/de_i = P_i; of a large rotation's logarithm it is the first term.
+        """
+        theta = self.theta(p)
+        R, J = self.arm.fk(theta)[:, :3, :3], self.arm.body_jacobian(theta)
+        driven = np.concatenate(
+            [self.y[:, None, :] * self.P, np.broadcast_to(self.P * self.unit, (len(R), *self.P.shape))], -1
+        )
+        parts = [R @ J[:, :3] @ driven / self.noise[0]]
+        if self.rotation is not None:
+            parts.append(J[:, 3:] @ driven / self.noise[1])
+        if self.surplus is not None:
+            by_scale = self.surplus * self.y[:, None, :]
+            by_offset = np.broadcast_to(self.surplus * self.unit, by_scale.shape)
+            parts.append(np.concatenate([by_scale, by_offset], -1) / self.unit[:, None] / SLACK)
+        slope = np.concatenate([part.reshape(-1, 2 * self.k) for part in parts])
+        return slope if self.base_error is None else self.base_error.whitened(slope.T).T
+
+    def _driven(self, p: Array) -> Array:
+        """s y + e, (..., K, k) [motor rad or m]."""
+        s, e = p[..., None, : self.k], p[..., None, self.k :] * self.unit
+        driven: Array = s * self.y + e
+        return driven

@@ -1,0 +1,451 @@
+"""The cross-check at length: product of exponentials, Pinocchio, yourdfpy and finite differences against each other."""
+
+from __future__ import annotations
+
+import io
+import re
+from collections.abc import Callable, Iterable, Iterator
+from contextlib import contextmanager
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from ..description.bounds import WIDE
+from ..description.tree import Description
+from ..limits.joint_units import slides
+from ..arm.arm import Arm, require_arm
+from ..support.checks import Array, as_whole, frozen, require_callback
+from ..support.display import Brief
+from ..support.errors import ComparisonError, InputError, MissingExtraError, missing_extra
+from ..theory import poe
+from ..theory.lower_pairs import LowerPair, lower_pairs
+from ..theory.screws import adjoint, inverse
+from .as_written import AsWritten, text_as_written
+from .native_joints import Ball, NativeChain
+
+POSE_TOL = 1e-12
+"""Product of exponentials against Pinocchio: both in double precision, some ten multiplications long."""
+
+AS_WRITTEN = "pinocchio as written"
+"""The engine that gets the text which nothing of ours has changed."""
+
+WRITTEN_TOL, WRITTEN_SAMPLES = 1e-10, 100
+"""Its parser rounds an axis near x, y or z, and walks all links in Python: of so many postures."""
+
+YOURDFPY_TOL = 1e-7
+"""yourdfpy's scene graph takes a joint's pose within 1e-8 of the identity, or of the one before, for the same."""
+
+DIFFERENCE_TOL = 1e-8
+"""What a fourth-order difference quotient with step 1e-3 leaves: h⁴ and ε/h, both below 1e-11, and room for size."""
+
+WIDE_ANGLE = 1e3
+"""rad; up to here an angle's own rounding stays below `POSE_TOL`."""
+
+STEP, SMALLEST_STEP = 1e-3, 1e-7
+"""Of the joint that moves most, in rad or m."""
+
+YOURDFPY_SAMPLES, YOURDFPY_STEPS = 200, 100_000
+"""yourdfpy walks from each link to the base, some 4 µs a joint: at most so many postures, and so many steps in all."""
+
+YOURDFPY_LINKS, YOURDFPY_TAGS, YOURDFPY_CUBES = 500, 30_000, 20_000_000
+"""It keeps a path between any two links, makes a body of each shape, 0.1 ms for a tag of the text, and finds the order
+to multiply a link's joints in with their cube of steps, some 0.1 µs each."""
+
+USUAL_LINKS, USUAL_PRODUCT = 150, 1024
+"""Links of a description, and joints of a chain times its coordinates: of larger ones fewer postures are compared, so
+that it takes as long and as much memory."""
+
+MOST_SAMPLES = 10_000_000
+"""Of an hour or so; more are a mistake."""
+
+Progress = Callable[[float], object]
+"""Called with the fraction done, 0 to 1."""
+
+
+@dataclass(frozen=True, repr=False)
+class EngineComparison(Brief):
+    """One quantity in two engines: the worst difference, where it was found, what is allowed; or why not compared."""
+
+    quantity: str
+    engines: tuple[str, str]
+    samples: int = 0
+    worst: float = 0.0
+    tolerance: float = 0.0
+    theta: Array | None = None
+    not_compared: str = ""
+
+    @property
+    def ok(self) -> bool:
+        """Within the tolerance, or not compared."""
+        return bool(self.not_compared) or self.worst <= self.tolerance
+
+
+@dataclass(frozen=True, repr=False)
+class CrossCheck:
+    """Every comparison made of one arm."""
+
+    arm: str
+    comparisons: tuple[EngineComparison, ...]
+
+    def __repr__(self) -> str:
+        compared = [row for row in self.comparisons if not row.not_compared]
+        worst = max((row.worst for row in compared), default=0.0)
+        verdict = "all agree" if self.ok else f"{sum(not row.ok for row in self.comparisons)} disagree"
+        return f"CrossCheck({self.arm}: {len(compared)} comparisons, {verdict}, worst {worst:.2g})"
+
+    @property
+    def ok(self) -> bool:
+        """Everything that was compared agrees."""
+        return all(row.ok for row in self.comparisons)
+
+    @property
+    def left_out(self) -> dict[str, str]:
+        """Engines that compared nothing, each with the reason."""
+        heard = {engine for row in self.comparisons if not row.not_compared for engine in row.engines}
+        return {row.engines[1]: row.not_compared for row in self.comparisons if row.engines[1] not in heard}
+
+    def worst(self, engine: str) -> float:
+        """The worst difference of the comparisons with that engine; 0 if there was none."""
+        rows = [row.worst for row in self.comparisons if engine in row.engines and not row.not_compared]
+        return max(rows, default=0.0)
+
+    def require(self) -> CrossCheck:
+        """Itself, or ComparisonError naming every quantity that disagrees and where."""
+        if self.ok:
+            return self
+        lines = [
+            f"{row.quantity}: {row.engines[0]} and {row.engines[1]} differ by {row.worst:.2g} "
+            f"(allowed {row.tolerance:g}) at theta = {np.array2string(np.asarray(row.theta), precision=6)}"
+            for row in self.comparisons
+            if not row.ok
+        ]
+        raise ComparisonError(f"{self.arm}: " + "; ".join(lines))
+
+
+def crosscheck(
+    arm: Arm, samples: int = 1000, rng: int | np.random.Generator = 0, progress: Progress | None = None
+) -> CrossCheck:
+    """Compare the kinematics of independent engines at random configurations inside the limits.
+
+    Pose, J^s and J^b of the product of exponentials against Pinocchio's model of the description, against the compiled
+    core, whose answers are the arm's, and against a chain
+    of its own joint models, one per lower pair, which an arm made from screws has too (a spherical joint both by Euler
+    angles and by a quaternion); J^s = Ad(g) J^b; J^b against fourth-order central differences of Pinocchio's pose;
+    every link's pose by our walk against Pinocchio. Pinocchio and yourdfpy also read the text as it is written, without
+    a repair: the file's, or what xacro writes when it handles its documents by itself. Both give every link's pose,
+    Pinocchio the position limits too; masses are not compared. What an engine cannot do is "not compared", with the
+    reason. Absolute errors, in metres and radians (entries of R); allowed are `POSE_TOL` times the arm's size where
+    that exceeds 1 m, and more for the text as it is written.
+
+    Args:
+        arm: The arm.
+        samples: Number of configurations.
+        rng: Seed, or a NumPy Generator.
+        progress: Called with the fraction done, in (0, 1], after each comparison; or None.
+
+    Returns:
+        The `CrossCheck`: a `Comparison` for each quantity and pair of engines, with its worst difference [m, rad].
+
+    Raises:
+        InputError: An argument cannot be used. A difference raises nothing here: see `CrossCheck.require`.
+    """
+    theta = require_arm(arm).random_theta(rng, as_whole(samples, "samples", 1, MOST_SAMPLES))
+    require_callback(progress, "progress", "(fraction)")
+    parts: list[Callable[[], Iterable[EngineComparison]]] = [
+        lambda: _pinocchio(arm, theta),
+        lambda: _core(arm, theta),
+        lambda: _native_joints(arm, theta),
+        lambda: _differences(arm, theta),
+        lambda: _links(arm, theta),
+        lambda: _as_written(arm, theta),
+        lambda: _yourdfpy(arm, theta),
+    ]
+    rows: list[EngineComparison] = []
+    for done, part in enumerate(parts, start=1):
+        rows += part()
+        if progress is not None:
+            progress(done / len(parts))
+    return CrossCheck(arm.name, tuple(rows))
+
+
+def _compared(
+    quantity: str, engines: tuple[str, str], difference: Array, theta: Array, tolerance: float
+) -> EngineComparison:
+    """The worst entry of `difference` (samples, …) and the configuration it belongs to; NaN counts as infinite."""
+    errors = np.abs(np.nan_to_num(difference, nan=np.inf)).reshape(len(theta), -1).max(axis=1)
+    worst = int(errors.argmax())
+    return EngineComparison(quantity, engines, len(theta), float(errors[worst]), tolerance, frozen(theta[worst]))
+
+
+def _size(arm: Arm) -> float:
+    """The arm's size [m] at least 1: its reach, where its links stand, and the stroke of its slides.
+
+    Multiplied where joints turn so far, or so much faster than their masters, that rounding exceeds what is allowed.
+    """
+    furthest = np.abs(np.array(arm.sampling_bounds)).max(axis=0)
+    values = np.abs(arm.coupling.A) @ furthest + np.abs(arm.coupling.b)
+    turning = (arm.screws[3:] != 0.0).any(axis=0)
+    far = max(float(np.abs(arm.home[:3, 3]).max()), arm.description.extent if arm.description else 0.0)
+    size = max(1.0, arm.reach + float(values[~turning].sum()), far)
+    faster = float(np.abs(arm.coupling.A).max(initial=1.0))
+    return size * max(faster, float(values[turning].max(initial=0.0)) / WIDE_ANGLE)
+
+
+def _fewer(theta: Array, size: int, usual: int) -> Array:
+    """The first of the postures, as many fewer as `size` exceeds what is usual."""
+    return theta[: max(1, len(theta) * usual // max(size, usual))]
+
+
+def _pinocchio(arm: Arm, theta: Array) -> list[EngineComparison]:
+    g, spatial, body = by_exponentials(arm, theta)
+    tolerance = POSE_TOL * _size(arm)
+    identity = _compared("J^s = Ad J^b", ("poe", "poe"), spatial - adjoint(g) @ body, theta, tolerance)
+    if arm.description is None:
+        return [identity]
+    reference = arm.by_pinocchio(theta)
+    return [*_kinematics(("poe", "pinocchio"), (g, spatial, body), reference, theta, tolerance), identity]
+
+
+def _core(arm: Arm, theta: Array) -> list[EngineComparison]:
+    """The compiled core, whose answers are the arm's wherever it was built."""
+    if arm._compiled is None:
+        return [_skipped("pose, J^s, J^b", "core", arm._why_not_compiled)]
+    answers = arm.fk(theta), arm.spatial_jacobian(theta), arm.body_jacobian(theta)
+    return _kinematics(("poe", "core"), by_exponentials(arm, theta), answers, theta, POSE_TOL * _size(arm))
+
+
+def _kinematics(
+    engines: tuple[str, str],
+    ours: tuple[Array, Array, Array],
+    theirs: tuple[Array, Array, Array],
+    theta: Array,
+    tolerance: float,
+) -> list[EngineComparison]:
+    return [
+        _compared(quantity, engines, one - other, theta, tolerance)
+        for quantity, one, other in zip(("pose", "spatial Jacobian", "body Jacobian"), ours, theirs, strict=True)
+    ]
+
+
+def by_exponentials(arm: Arm, theta: Array) -> tuple[Array, Array, Array]:
+    """g_st (..., 4, 4), J^s and J^b (..., 6, n) by product of exponentials, whatever engine the arm has."""
+    x, A = theta @ arm.coupling.A.T, arm.coupling.A
+    g, spatial = poe.fk(arm.screws, arm.home, x), poe.spatial_jacobian(arm.screws, x) @ A
+    return g, spatial, poe.body_jacobian(arm.screws, arm.home, x) @ A
+
+
+def _native_joints(arm: Arm, theta: Array) -> list[EngineComparison]:
+    """Against Pinocchio's own joint models: revolute, prismatic, helical, cylindrical, spherical, planar."""
+    pairs = lower_pairs(arm.screws, arm.coupling.A)
+    balls: list[Ball] = ["ZYX", "quaternion"] if any(pair.kind == "spherical" for pair in pairs) else ["ZYX"]
+    return [row for ball in balls for row in _native_chain(arm, theta, pairs, ball)]
+
+
+def _native_chain(arm: Arm, theta: Array, pairs: tuple[LowerPair, ...], ball: Ball) -> list[EngineComparison]:
+    suffix = ", native quaternion" if ball == "quaternion" else ", native joints"
+    try:
+        chain = NativeChain(pairs, arm.home, ball)
+    except InputError as error:
+        return [_skipped(f"pose, J^s, J^b{suffix}", "pinocchio", str(error))]
+    A = arm.coupling.A
+    theta = _fewer(theta, A.size, USUAL_PRODUCT)
+    g, spatial, body = chain.kinematics(theta @ A.T)
+    ours = by_exponentials(arm, theta)
+    tolerance = POSE_TOL * _size(arm)
+    return [
+        _compared(f"{quantity}{suffix}", ("poe", "pinocchio"), one - other, theta, tolerance)
+        for quantity, one, other in zip(("pose", "J^s", "J^b"), ours, (g, spatial @ A, body @ A), strict=True)
+    ]
+
+
+def _differences(arm: Arm, theta: Array) -> list[EngineComparison]:
+    """(g⁻¹ ∂g/∂θ_i)^∨ by (8(g₊ − g₋) − (g₊₊ − g₋₋))/12h against the columns of J^b by product of exponentials."""
+    theta = _fewer(theta, arm.coupling.A.size, USUAL_PRODUCT)
+    body = poe.body_jacobian(arm.screws, arm.home, theta @ arm.coupling.A.T) @ arm.coupling.A
+    back = inverse(arm.fk(theta))
+    numeric = np.empty_like(body)
+    turns = np.abs(arm.coupling.A) * np.linalg.norm(arm.screws[3:], axis=0)[:, None]
+    # A coordinate that turns its joints many times as far, all together, gets a step as many times smaller.
+    steps = STEP / np.maximum(1.0, turns.sum(axis=0))
+    if steps.min() < SMALLEST_STEP:
+        reason = f"a follower turns {turns.max():g} times as far as its master: a difference is all rounding"
+        return [_skipped("body Jacobian", "differences", reason)]
+    for i, step in enumerate(np.diag(steps)):
+        once, twice = (arm.fk(theta + k * step) - arm.fk(theta - k * step) for k in (1, 2))
+        rate = back @ (8 * once - twice) / (12 * steps[i])
+        numeric[..., i] = np.stack(
+            [rate[:, 0, 3], rate[:, 1, 3], rate[:, 2, 3], rate[:, 2, 1], rate[:, 0, 2], rate[:, 1, 0]], axis=-1
+        )
+    return [_compared("body Jacobian", ("poe", "differences"), body - numeric, theta, DIFFERENCE_TOL * _size(arm))]
+
+
+def _links(arm: Arm, theta: Array) -> list[EngineComparison]:
+    if arm.description is None:
+        return []
+    theta = _fewer(theta, len(arm.description.links), USUAL_LINKS)
+    ours, reference = _walked_poses(arm, theta), arm.poses(theta)
+    difference = np.stack([ours[link] - reference[link] for link in arm.description.links], axis=1)
+    return [_compared("all links", ("walk", "pinocchio"), difference, theta, POSE_TOL * _size(arm))]
+
+
+def _as_written(arm: Arm, theta: Array) -> list[EngineComparison]:
+    """Against Pinocchio's own reading of the text that nothing of ours has changed."""
+    if arm.description is None:
+        return []
+    theta = _fewer(theta[:WRITTEN_SAMPLES], len(arm.description.links), USUAL_LINKS)
+    links = tuple(arm.description.links)
+    try:
+        written = AsWritten(arm.description)
+        theirs = written.link_poses(_joint_values(arm, theta), links, arm.base)
+    except InputError as error:
+        return [_skipped("all links", AS_WRITTEN, str(error))]
+    ours = _walked_poses(arm, theta)
+    difference = np.stack([ours[link] for link in links], axis=1) - theirs
+    tolerance = WRITTEN_TOL * _size(arm)
+    rows = [_compared("all links", ("walk", AS_WRITTEN), difference, theta, tolerance)]
+    joints = {name: arm.description.joints[name] for name in written.bounds() if name in arm.description.joints}
+    bounds = [
+        (np.clip(joint.hard, -WIDE, WIDE) - written.bounds()[name]).tolist()
+        for name, joint in joints.items()
+        if joint.type != "continuous" and joint.hard != (-np.inf, np.inf)
+    ]
+    if bounds:
+        rows.append(_compared("limits", ("tree", AS_WRITTEN), np.array([bounds]), theta[:1], tolerance))
+    return rows
+
+
+def _walked_poses(arm: Arm, theta: Array) -> dict[str, Array]:
+    """Every link's pose in the base frame by our own walk of the description."""
+    assert arm.description is not None
+    poses = arm.description.link_poses(_joint_values(arm, theta))
+    back = inverse(poses[arm.base])
+    return {link: np.broadcast_to(back @ g, (len(theta), 4, 4)) for link, g in poses.items()}
+
+
+def _joint_values(arm: Arm, theta: Array) -> dict[str, Array]:
+    """The value (samples,) of every moving joint of the description."""
+    columns = {name: theta[:, i] for i, name in enumerate(arm.joint_names)}
+    zero = np.zeros(len(theta))
+    return {
+        name: affine.multiplier * columns.get(affine.master or "", zero) + affine.offset
+        for name, affine in arm.couplings.items()
+    }
+
+
+def _yourdfpy(arm: Arm, theta: Array) -> list[EngineComparison]:
+    if arm.description is None:
+        return [_skipped("all links", "yourdfpy", "the arm has no description")]
+    reason = _beyond_yourdfpy(arm)
+    if reason:
+        return [_skipped("all links", "yourdfpy", reason)]
+    depths = _depths(arm.description)
+    most = min(YOURDFPY_STEPS // max(1, sum(depths)), YOURDFPY_CUBES // max(1, sum(depth**3 for depth in depths)))
+    subset = theta[: min(YOURDFPY_SAMPLES, max(1, most))]
+    try:
+        with _quiet_yourdfpy():
+            theirs = _yourdfpy_poses(arm, subset)
+    except MissingExtraError as error:
+        return [_skipped("all links", "yourdfpy", str(error))]
+    except Exception as error:  # another project's reader: whatever it raises on a file is its answer
+        return [_skipped("all links", "yourdfpy", f"yourdfpy cannot read it: {type(error).__name__}: {error}")]
+    difference = _our_poses(arm, subset) - theirs
+    engines = ("poe", "yourdfpy")
+    tip = list(arm.description.links).index(arm.tip_link)
+    tolerance = YOURDFPY_TOL * _size(arm)
+    return [
+        _compared("pose", engines, difference[:, tip], subset, tolerance),
+        _compared("all links", ("walk", "yourdfpy"), difference, subset, tolerance),
+        _skipped("Jacobians", "yourdfpy", "yourdfpy computes none"),
+    ]
+
+
+def _depths(description: Description) -> list[int]:
+    """How many joints lie between each link and the root."""
+    depth = {description.root: 0}
+    for joint in description.outward_joints():
+        depth[joint.child] = depth[joint.parent] + 1
+    return list(depth.values())
+
+
+def _our_poses(arm: Arm, theta: Array) -> Array:
+    """Every link's pose (samples, links, 4, 4) by our walk, the tip's by product of exponentials."""
+    assert arm.description is not None
+    poses = _walked_poses(arm, theta)
+    poses[arm.tip_link] = poe.fk(arm.screws, arm.home, theta @ arm.coupling.A.T) @ inverse(arm.tool)
+    return np.stack([poses[link] for link in arm.description.links], axis=1)
+
+
+def _yourdfpy_poses(arm: Arm, theta: Array) -> Array:
+    """Every link's pose (samples, links, 4, 4) by yourdfpy."""
+    assert arm.description is not None
+    robot = _load_yourdfpy(text_as_written(arm.description))
+    values = _joint_values(arm, theta)
+    links = list(arm.description.links)
+    poses = np.empty((len(theta), len(links), 4, 4))
+    for k in range(len(theta)):
+        robot.update_cfg({name: float(values[name][k]) for name in robot.actuated_joint_names if name in values})
+        for i, link in enumerate(links):
+            poses[k, i] = robot.get_transform(link, arm.base)
+    return poses
+
+
+def _beyond_yourdfpy(arm: Arm) -> str:
+    """Why yourdfpy cannot be asked about this arm; empty if it can."""
+    assert arm.description is not None
+    joints = arm.description.joints
+    if len(arm.description.links) > YOURDFPY_LINKS:
+        return f"yourdfpy has room for {YOURDFPY_LINKS} links, and these are {len(arm.description.links)}"
+    if (tags := arm.description.text.count("<")) > YOURDFPY_TAGS:
+        return f"yourdfpy takes long for a text of {tags:,} tags"
+    if sum(depth**3 for depth in _depths(arm.description)) > YOURDFPY_CUBES:
+        return f"yourdfpy takes minutes for a chain of {max(_depths(arm.description))} joints"
+    if "quat_xyzw=" in arm.description.repaired:
+        return "yourdfpy does not read quat_xyzw"
+    for joint in joints.values():
+        if joint.part_of:
+            return f"yourdfpy takes the planar joint {joint.part_of!r} as fixed"
+        if joint.type == "floating":
+            return f"yourdfpy takes the floating joint {joint.name!r} as fixed"
+        if joint.mimic is not None and joints[joint.mimic.joint].mimic is not None:
+            return f"yourdfpy drops the mimic of a mimic {joint.name!r}"
+        if joint.mimic is not None and arm.couplings[joint.name].master is None:
+            return f"yourdfpy cannot lock the mimic joint {joint.name!r}"
+        if slides(joint.type) and abs(joint.axis_length - 1.0) > POSE_TOL:
+            return f"yourdfpy does not normalise the axis of the prismatic joint {joint.name!r}"
+    return ""
+
+
+def require_yourdfpy() -> Any:
+    """The module, or the error with the command that installs it."""
+    try:
+        import yourdfpy
+    except ImportError as error:
+        raise missing_extra("the comparison with yourdfpy", "yourdfpy", "check") from error
+    return yourdfpy
+
+
+def _load_yourdfpy(text: str) -> Any:
+    yourdfpy = require_yourdfpy()
+    # The text is UTF-8 from here on, whatever encoding the file declared.
+    content = re.sub(r"^\s*<\?xml[^>]*\?>", "", text).encode("utf-8")
+    return yourdfpy.URDF.load(io.BytesIO(content), load_meshes=False, build_scene_graph=True)
+
+
+@contextmanager
+def _quiet_yourdfpy() -> Iterator[None]:
+    """What it logs, and what its shapes make NumPy warn of, is said by our own findings."""
+    import logging
+
+    logger = logging.getLogger("yourdfpy.urdf")
+    level = logger.level
+    logger.setLevel(logging.CRITICAL)
+    try:
+        with np.errstate(all="ignore"):
+            yield
+    finally:
+        logger.setLevel(level)
+
+
+def _skipped(quantity: str, engine: str, reason: str) -> EngineComparison:
+    return EngineComparison(quantity, ("poe", engine), not_compared=reason)

@@ -1,0 +1,117 @@
+"""Motions that an arm's tool has at almost every posture, and those it has at none: ranks and common null spaces.
+
+Statements about "every posture" come from random ones: the ranks of an analytic Jacobian are the largest almost
+everywhere, and a direction that is missing at many random postures is missing at all.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+
+from ...limits.joint_units import slides
+from ...arm.arm import Arm
+from ...support.checks import Array
+from ...support.directions import nearest_axes
+from ...theory.manipulability import scaled_jacobian
+
+SAMPLES = 32
+"""Random postures; the largest rank among them is the arm's."""
+
+TOL = 1e-3
+"""Motions below this share of the largest [rad/rad] are none: rpy="1.5708" tilts an axis by 4e-6."""
+
+
+@dataclass(frozen=True, eq=False)
+class Motions:
+    """Rotations R (k, 3, 3) of the tool and its scaled body Jacobians `body` (k, 6, n) at random postures."""
+
+    R: Array
+    body: Array
+
+    @cached_property
+    def base(self) -> Array:
+        """The same Jacobians in base axes, (k, 6, n)."""
+        return np.concatenate([self.R @ self.body[:, :3], self.R @ self.body[:, 3:]], axis=1)
+
+
+@dataclass(frozen=True, eq=False)
+class Abilities:
+    """In how many directions the tool moves, and which are missing everywhere. Axes are unit vectors, one a row.
+
+    `position`, `rotation`: ranks of the two halves of the Jacobian; `turning`: rank of the rotations that hold the
+    position, so that position + turning is the rank of the whole. `immovable`, `unturned`: directions in base axes
+    along and about which nothing ever moves the tool. With the position held: `turned_base`, `turned_tool` are axes
+    in base or in the tool about which it can always turn; `free` (k, 3, turning) spans all of them, in base axes.
+    """
+
+    position: int
+    rotation: int
+    turning: int
+    immovable: Array
+    unturned: Array
+    turned_base: Array
+    turned_tool: Array
+    free: Array
+    R: Array
+
+    @property
+    def rank(self) -> int:
+        """Directions of motion, of six."""
+        return self.position + self.turning
+
+
+def sample_motions(arm: Arm) -> Motions:
+    """The arm's motions at seeded random postures inside its limits."""
+    prismatic = np.array([slides(kind) for kind in arm.joint_types])
+    pairs = [arm._fk_and_body_jacobian(theta) for theta in arm.random_theta(0, SAMPLES)]
+    R = np.stack([g[:3, :3] for g, _ in pairs])
+    return Motions(R, np.stack([scaled_jacobian(J, prismatic, arm.reach) for _, J in pairs]))
+
+
+def abilities_of(motions: Motions) -> Abilities:
+    """Ranks and common directions of the motions."""
+    linear, angular = motions.base[:, :3], motions.base[:, 3:]
+    position, rotation = _rank(linear), _rank(angular)
+    holding = np.swapaxes(np.linalg.svd(linear)[2][:, position:], 1, 2)
+    turns = angular @ holding
+    turning = _rank(turns)
+    free = np.linalg.svd(turns)[0][:, :, :turning]
+    return Abilities(
+        position=position,
+        rotation=rotation,
+        turning=turning,
+        immovable=_common_null(linear),
+        unturned=_common_null(angular),
+        turned_base=_common(free),
+        turned_tool=_common(np.swapaxes(motions.R, 1, 2) @ free),
+        free=free,
+        R=motions.R,
+    )
+
+
+def _rank(rows: Array) -> int:
+    """The largest rank among the matrices (k, 3, n)."""
+    if not rows.shape[2]:
+        return 0
+    return int((np.linalg.svd(rows, compute_uv=False) > TOL).sum(axis=1).max())
+
+
+def _common_null(rows: Array) -> Array:
+    """Directions (j, 3) across every column of every matrix (k, 3, n)."""
+    return _smallest(np.einsum("kin,kjn->ij", rows, rows) / len(rows))
+
+
+def _common(spans: Array) -> Array:
+    """Directions (j, 3) inside every one of the spans (k, 3, d), orthonormal columns."""
+    missing = np.eye(3) - spans @ np.swapaxes(spans, 1, 2)
+    return _smallest(missing.mean(axis=0))
+
+
+def _smallest(gram: Array) -> Array:
+    """Eigenvectors (j, 3) of a Gram matrix to eigenvalues that are zero, being squares: those nearest to an axis."""
+    values, vectors = np.linalg.eigh(gram)
+    zero = vectors[:, values <= TOL**2]
+    return nearest_axes(zero @ zero.T, zero.shape[1]).T

@@ -1,0 +1,155 @@
+"""`diagnose`: what the reading of a description noted, and what every check of the doctor adds."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Iterable, Iterator, Mapping
+from dataclasses import dataclass, replace
+from typing import Any
+
+from ...description.coupling import resolve_couplings
+from ...description.findings import Finding, Place, finding
+from ...description.meshes import MeshReader
+from ...description.tree import Description
+from ...arm.loading.load import assemble, prove, read, specify
+from ...arm.arm import Arm
+from ...support.errors import ComparisonError, DescriptionError, InputError, UnknownNameError
+from ...support.files import as_path
+from .abilities import Abilities, abilities_of, sample_motions
+from .axes import check_axes
+from .closed_form import check_closed_form
+from .idle import check_off_the_chain, check_without_effect
+from .inertia import check_inertias
+from .limits import check_limits, check_reach, check_zero
+from .meshes import check_meshes, has_meshes
+from .mimics import check_mimics
+from .postures import check_postures
+from .statements import check_abilities
+from .tool import check_tool
+
+_ORDER = ("error", "warning", "info")
+
+_MEND = "correct what stands there"
+"""The remedy where the finding says by itself what is wrong."""
+
+
+@dataclass(frozen=True, eq=False)
+class Diagnosis:
+    """The findings, gravest first, and how far the reading came: arm and abilities are None where it was refused."""
+
+    findings: tuple[Finding, ...]
+    description: Description | None = None
+    arm: Arm | None = None
+    able: Abilities | None = None
+
+    @property
+    def worst(self) -> str | None:
+        """The gravest severity found."""
+        return self.findings[0].severity if self.findings else None
+
+
+def diagnose(source: str | os.PathLike[str] | Arm, **load: Any) -> tuple[Finding, ...]:
+    """Everything worth knowing about a description: errors, then warnings, then remarks, each with its remedy.
+
+    In addition to the findings of `load_arm`: limits that look like degrees, singular postures, impossible inertias,
+    meshes out of scale, a missing tool frame, idle joints, what the arm cannot do with its tool, axes that are almost
+    exact, and a closed form of inverse kinematics that they miss. A description that `load_arm` refuses is an answer
+    here: its errors are findings, and what can be read of it is looked at all the same.
+
+    Args:
+        source: As in `load_arm`, or an `Arm`.
+        **load: The options of `load_arm`.
+
+    Returns:
+        The findings, the gravest first.
+
+    Raises:
+        InputError: An argument cannot be used.
+        UnknownNameError: No arm of that name.
+    """
+    return examine(source, **load).findings
+
+
+def examine(source: str | os.PathLike[str] | Arm, **load: Any) -> Diagnosis:
+    """`diagnose`, with what was read on the way."""
+    if isinstance(source, Arm):
+        if load:
+            raise InputError(f"an Arm is loaded already and takes no {', '.join(load)}")
+        return examine_arm(source)
+    as_path(source)
+    limits = load.pop("limits", None)
+    try:
+        specification = specify(source, **load)
+        description = read(specification)
+    except DescriptionError as error:
+        return Diagnosis(_in_order(_told_by(error, Place(str(source)))))
+    except (InputError, UnknownNameError) as error:
+        return Diagnosis((_of_arm_file(error, source, load),))
+    try:
+        arm = assemble(description, specification, {} if limits is None else limits)
+        proven = replace(arm, proof=prove(arm))
+    except DescriptionError as error:
+        refused = _told_by(error, Place(str(source)))
+    except ComparisonError as error:
+        refused = [finding("engines-disagree", Place(str(source)), str(error), "report it with the description")]
+    except (InputError, UnknownNameError) as error:
+        refused = [_of_arm_file(error, source, load | {"limits": limits})]
+    else:
+        return examine_arm(proven)
+    known = [one for one in description.findings if one not in refused]
+    with MeshReader() as reader:
+        return Diagnosis(_in_order([*refused, *known, *_of_description(description, None, reader)]), description)
+
+
+def _of_arm_file(
+    error: InputError | UnknownNameError, source: str | os.PathLike[str], load: Mapping[str, Any]
+) -> Finding:
+    """A wrong name or value in an arm.toml as a finding; one that the caller typed is raised again."""
+    if any(load.values()) or not str(source).endswith(".toml"):
+        raise error
+    return finding("arm-file-unusable", Place(str(source)), str(error), "correct it there")
+
+
+def _told_by(error: DescriptionError, place: Place) -> list[Finding]:
+    """The error's own findings; an error without any becomes one."""
+    return list(error.findings) or [finding("arm-file-unusable", place, str(error), "correct it")]
+
+
+def examine_arm(arm: Arm, reader: MeshReader | None = None) -> Diagnosis:
+    """`examine` for an arm, whose meshes `reader` reads, or has read."""
+    if reader is None:
+        with MeshReader() as own:
+            if has_meshes(arm.description):
+                own.begin()
+            return examine_arm(arm, own)
+    motions = sample_motions(arm)
+    able = abilities_of(motions)
+    found = [*arm.findings, *check_zero(arm), *check_reach(arm), *check_postures(arm, able.rank)]
+    found += [*check_abilities(arm, able), *check_without_effect(arm, motions), *check_axes(arm)]
+    found += check_closed_form(arm)
+    if arm.description is not None:
+        found += _of_description(arm.description, arm, reader)
+        found += [*check_tool(arm, arm.description), *check_off_the_chain(arm, arm.description)]
+    return Diagnosis(_in_order(found), arm.description, arm, able)
+
+
+def _of_description(description: Description, arm: Arm | None, reader: MeshReader) -> Iterator[Finding]:
+    """What needs no tip."""
+    yield from check_limits(description, arm)
+    couplings, chain = (arm.couplings, arm.moving_names) if arm else (_couplings(description), ())
+    yield from check_mimics(description, couplings, chain)
+    yield from check_inertias(description)
+    yield from check_meshes(description, reader)
+
+
+def _couplings(description: Description) -> Any:
+    try:
+        return resolve_couplings(description, {})
+    except DescriptionError:  # it is what the arm was refused for
+        return {}
+
+
+def _in_order(findings: Iterable[Finding]) -> tuple[Finding, ...]:
+    """The gravest first, each with a remedy."""
+    told = (one if one.remedy else replace(one, remedy=_MEND) for one in findings)
+    return tuple(sorted(told, key=lambda one: _ORDER.index(one.severity)))

@@ -1,0 +1,62 @@
+"""The robot descriptions in a folder, and what is no robot on its own among them."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Iterable, Iterator
+from pathlib import Path
+
+from ...description.companions.arm_file import read_arm_file
+from ...description.findings import Finding
+from ...support.errors import InputError, TwistarmError
+
+DEEPEST, MOST = 12, 2000
+"""Folders below the given one, and files in all, that are looked at."""
+
+MOST_ENTRIES = 100_000
+"""Of files and folders of any name: a workspace with its builds has some ten thousand."""
+
+_SUFFIXES = (".urdf", ".xacro")
+
+
+def descriptions_in(folder: str | os.PathLike[str]) -> tuple[Path, ...]:
+    """Every URDF and xacro file and every arm.toml below a folder, hidden folders left out, in order.
+
+    What bears such a name and is no file, as a link to itself, is told when its turn comes. A file that an arm.toml
+    names as its source is looked at through it, with its arguments. Raises InputError where there is none, or too many.
+    """
+    root = Path(folder)
+    found = sorted(_walk(root))
+    if not found:
+        raise InputError(f"{root}: no *.urdf, *.xacro or arm.toml in this folder or below")
+    if len(found) > MOST:
+        raise InputError(f"{root}: more than {MOST} descriptions; name a smaller folder")
+    spoken_for = {source for path in found if path.suffix == ".toml" for source in _source(path)}
+    return tuple(path for path in found if os.path.realpath(path) not in spoken_for)
+
+
+def is_part(path: Path, findings: Iterable[Finding]) -> bool:
+    """Whether a file was refused for holding macros only, for other files to include: xacro without links."""
+    return path.suffix == ".xacro" and any(one.code == "no-robot" for one in findings)
+
+
+def _walk(root: Path) -> Iterator[Path]:
+    """A folder that may not be opened holds nothing for us; one that is a link is not entered."""
+    left = MOST_ENTRIES
+    for folder, folders, files in os.walk(root):
+        left -= len(folders) + len(files)
+        if left < 0:
+            raise InputError(f"{root}: more than {MOST_ENTRIES:,} files and folders below; name a smaller folder")
+        here = Path(folder)
+        deeper = len(here.relative_to(root).parts) < DEEPEST
+        folders[:] = [name for name in folders if deeper and not name.startswith(".")]
+        for name in files:
+            if not name.startswith(".") and (name == "arm.toml" or name.endswith(_SUFFIXES)):
+                yield here / name
+
+
+def _source(arm_file: Path) -> list[str]:
+    try:
+        return [os.path.realpath(read_arm_file(arm_file).description)]
+    except TwistarmError:  # it is told when its turn comes
+        return []

@@ -1,0 +1,187 @@
+"""Limits that look like degrees or millimetres, leave no room to move, or leave the zero pose out."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator, Mapping
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+
+from ...description.companions.toml_text import toml_key
+from ...description.findings import Finding, Place, finding
+from ...description.tree import Description, Joint
+from ...limits.joint_limits import AS_GOOD_AS_UNBOUNDED
+from ...limits.joint_units import unit_of
+from ...arm.arm import Arm
+from .units import LONGEST_REACH, UNITS, likely_units
+from .wording import SHOWN, grouped, place_of
+
+TOO_WIDE = 13.0
+"""Two turns each way [rad]: a joint that turns further has a slip ring or limits in degrees."""
+
+WIDEST_DEGREES = 720.0
+"""Beyond this, limits make no sense in degrees either."""
+
+LONGEST_SLIDE = 10.0
+"""No arm's rail is as long [m]; in millimetres most are longer."""
+
+FASTEST = {"rad": 50.0, "m": 10.0}
+"""Eight turns a second, and 10 m/s: joints of arms are slower by far."""
+
+TINY = {"rad": 0.01, "m": 1e-4}
+"""Half a degree, and a tenth of a millimetre: less is no motion."""
+
+
+def check_limits(description: Description, arm: Arm | None) -> Iterator[Finding]:
+    """What each joint's limits look like, those given beside the description included."""
+    joints = [joint for joint in _with_given(description, arm) if joint.scalar]
+    reach = description.extent if arm is None else arm.reach
+    unit = next(iter(likely_units(description, reach)), "millimetres")
+    for joint in joints:
+        yield from _range(description, joint, _given_in(description, arm, joint, ("lower", "upper")), unit)
+    own = [joint for joint in joints if joint.mimic is None]
+    beside = [_given_in(description, arm, joint, ("velocity",)) for joint in own]
+    written = [joint for joint, given in zip(own, beside, strict=True) if given is None]
+    yield from _velocities(description, written, unit)
+    for joint, given in zip(own, beside, strict=True):
+        if given is not None:
+            yield from _given_velocity(joint, given, unit)
+
+
+def check_zero(arm: Arm) -> Iterator[Finding]:
+    """Whether the zero pose, which so many programs start from, lies inside the limits."""
+    outside = [
+        f"{name} [{lower:.4g}, {upper:.4g}]"
+        for name, lower, upper in zip(arm.joint_names, arm.limits.lower, arm.limits.upper, strict=True)
+        if not lower <= 0.0 <= upper
+    ]
+    if outside:
+        yield finding(
+            "zero-outside-limits",
+            place_of(arm.description, arm.name),
+            f"the zero pose is outside the limits of {', '.join(outside[:SHOWN])}"
+            + (f" and {len(outside) - SHOWN} more" if len(outside) > SHOWN else ""),
+            "do not command zeros: start from the ready pose",
+        )
+
+
+def check_reach(arm: Arm) -> Iterator[Finding]:
+    """Whether the arm's lengths can be metres."""
+    units = () if arm.description is None else likely_units(arm.description, arm.reach)
+    if units or arm.reach > LONGEST_REACH:
+        unit, *others = units or ["millimetres"]
+        also = " or ".join(f"by {UNITS[other]:g} for {other}" for other in others)
+        yield finding(
+            "reach-implausible",
+            place_of(arm.description, arm.name),
+            f"its reach is {arm.reach:.4g} m: lengths in {unit} look like that",
+            f"write every <origin xyz> in metres: multiply by {UNITS[unit]:g}" + (f" (or {also})" if also else ""),
+        )
+
+
+def _with_given(description: Description, arm: Arm | None) -> list[Joint]:
+    """The joints with the limits that hold: the arm's own for those of its chain."""
+    joints = dict(description.joints)
+    if arm is not None:
+        for i, name in enumerate(arm.joint_names):
+            lower, upper, velocity = (float(x[i]) for x in (arm.limits.lower, arm.limits.upper, arm.limits.velocity))
+            joints[name] = replace(joints[name], lower=lower, upper=upper, velocity=velocity)
+    return list(joints.values())
+
+
+def _given_in(description: Description, arm: Arm | None, joint: Joint, fields: tuple[str, ...]) -> Place | None:
+    """What gave these limits beside the description (an arm.toml, the caller); None where the description did."""
+    written = description.joints[joint.name]
+    differ = [field for field in fields if getattr(joint, field) != getattr(written, field)]
+    if arm is None or not differ:
+        return None
+    drives = any(other.mimic is not None and other.mimic.joint == joint.name for other in description.joints.values())
+    inside = written.lower <= joint.lower and joint.upper <= written.upper and joint.velocity <= written.velocity
+    if drives and inside:
+        return None  # followers have narrowed it
+    return Place(Path(arm.source).name, element="joint", name=joint.name)
+
+
+def _range(description: Description, joint: Joint, given: Place | None, lengths: str) -> Iterator[Finding]:
+    """`lengths`: the unit of those that cannot be metres."""
+    unit = _unit(joint)
+    place = given or description.place(joint)
+    bounds = [bound for bound in (joint.lower, joint.upper) if abs(bound) < AS_GOOD_AS_UNBOUNDED]
+    largest = max(map(abs, bounds), default=0.0)
+    shown = f"its limits [{joint.lower:g}, {joint.upper:g}] {unit}"
+    if unit == "rad" and TOO_WIDE < largest <= WIDEST_DEGREES:
+        yield finding(
+            "limits-look-like-degrees",
+            place,
+            f"{shown} allow {_turns(joint, largest):.3g} turns; they look like degrees",
+            _bounds_remedy(joint, given, np.radians([joint.lower, joint.upper])),
+        )
+    elif unit == "m" and largest > LONGEST_SLIDE:
+        yield finding(
+            "limits-look-like-millimetres",
+            place,
+            f"{shown} look like {lengths}",
+            _bounds_remedy(joint, given, np.array([joint.lower, joint.upper]) * UNITS[lengths]),
+        )
+    elif 0.0 < joint.upper - joint.lower < TINY[unit]:
+        yield finding(
+            "limit-range-tiny",
+            place,
+            f"{shown} leave {joint.upper - joint.lower:.2g} {unit}: it can hardly move",
+            "angles are in radians and slides in metres; make it a fixed joint if it is meant to stand still",
+        )
+
+
+def _turns(joint: Joint, largest: float) -> float:
+    """How often the joint turns round from bound to bound; from zero to the one bound where there are not two."""
+    width = joint.upper - joint.lower
+    return (width if width < AS_GOOD_AS_UNBOUNDED else largest) / math.tau
+
+
+def _bounds_remedy(joint: Joint, given: Place | None, bounds: np.ndarray) -> str:
+    return _remedy(joint, given, {n: x for n, x in zip(("lower", "upper"), bounds, strict=True) if np.isfinite(x)})
+
+
+def _remedy(joint: Joint, given: Place | None, values: Mapping[str, float]) -> str:
+    """What to write, in the words of the file it stands in."""
+    if given is None:
+        return "write " + " ".join(f'{name}="{x:.6g}"' for name, x in values.items())
+    entries = ", ".join(f"{name} = {x:.6g}" for name, x in values.items())
+    if given.file.endswith(".toml"):
+        return f"write {entries} in limits.{toml_key(joint.name)} of {given.file}"
+    return f"give {entries} where the arm is loaded"
+
+
+def _unit(joint: Joint) -> str:
+    return unit_of(joint.type)
+
+
+def _velocities(description: Description, joints: list[Joint], lengths: str) -> Iterator[Finding]:
+    """One finding for all joints with the same impossible velocity."""
+    fast: dict[tuple[str, float], list[Joint]] = {}
+    for joint in filter(_too_fast, joints):
+        fast.setdefault((_unit(joint), joint.velocity), []).append(joint)
+    for those in fast.values():
+        yield grouped("velocity-implausible", description, those, *_fast_words(those[0], None, lengths))
+
+
+def _given_velocity(joint: Joint, given: Place, lengths: str) -> Iterator[Finding]:
+    if _too_fast(joint):
+        yield finding("velocity-implausible", given, *_fast_words(joint, given, lengths))
+
+
+def _too_fast(joint: Joint) -> bool:
+    return FASTEST[_unit(joint)] < joint.velocity < AS_GOOD_AS_UNBOUNDED
+
+
+def _fast_words(joint: Joint, given: Place | None, lengths: str) -> tuple[str, str]:
+    """What is wrong with an impossible velocity, and the remedy."""
+    unit, velocity = _unit(joint), joint.velocity
+    converted, small = (velocity * UNITS[lengths], lengths) if unit == "m" else (math.radians(velocity), "degrees")
+    remedy = _remedy(joint, given, {"velocity": float(f"{converted:.4g}")})
+    return (
+        f"a velocity limit of {velocity:g} {unit}/s, faster than any arm's joint; planning takes it at its word",
+        f"{remedy} if it is in {small} per second, else the figure of the motor",
+    )

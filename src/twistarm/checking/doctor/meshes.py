@@ -1,0 +1,163 @@
+"""Meshes a thousand times too large or too small, pointers in their place, and files that cannot be read."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from pathlib import Path
+from typing import NamedTuple
+
+import numpy as np
+
+from ...description.findings import Finding, finding
+from ...description.meshes import MeshReader, UnreadableMeshError
+from ...description.tree import Description
+from ...support.checks import Array
+from ...support.errors import MissingExtraError, TwistarmError, listed
+from ...support.files import is_file, open_regular
+from .units import LONGEST_REACH, UNITS
+
+TOO_LARGE = 20.0
+"""Times the arm's own size: no link is as long."""
+
+TOO_SMALL = 1.0 / 50.0
+"""Of the arm's own size: of all its meshes the largest is longer."""
+
+SHOWN = 3
+"""File names in one finding."""
+
+_POINTER = b"version https://git-lfs"
+
+
+class Use(NamedTuple):
+    """A mesh file, and the scale that one shape uses it at."""
+
+    path: Path
+    scale: tuple[float, ...]
+
+
+def has_meshes(description: Description | None) -> bool:
+    """Whether there is any that can be read."""
+    return description is not None and bool(_uses(description))
+
+
+def check_meshes(description: Description, reader: MeshReader) -> Iterator[Finding]:
+    """Every mesh file once: its first bytes, then the size of what it holds."""
+    uses = _uses(description)
+    paths = list(dict.fromkeys(use.path for use in uses))
+    pointers = [path for path in paths if _is_pointer(path)]
+    if pointers:
+        yield _mesh_finding(
+            "mesh-lfs-pointer",
+            description,
+            pointers,
+            "Git LFS pointers, not meshes; they are not drawn",
+            "run git lfs pull in the repository they come from",
+        )
+    yield from _sizes(description, [path for path in paths if path not in pointers], uses, reader)
+
+
+def _sizes(description: Description, paths: list[Path], uses: list[Use], reader: MeshReader) -> Iterator[Finding]:
+    try:
+        found = {path: _length(path, reader) for path in paths}
+    except MissingExtraError:
+        what = f"{len(paths)} mesh files, whose size was not looked at: that needs trimesh"
+        yield finding("mesh-not-looked-at", description.place(), what, "pip install 'twistarm[view]'")
+        return
+    except TwistarmError as error:
+        yield _mesh_finding(
+            "mesh-not-looked-at", description, paths, str(error), "look at them where it can be started"
+        )
+        return
+    lengths = {path: length for path, length in found.items() if not isinstance(length, UnreadableMeshError)}
+    broken: dict[tuple[str, str], list[Path]] = {}
+    for path, why in found.items():
+        if isinstance(why, UnreadableMeshError):
+            broken.setdefault((why.reason, why.remedy), []).append(path)
+    for (reason, remedy), files in broken.items():
+        yield _mesh_finding("mesh-unreadable", description, files, f"{reason}; simple shapes are drawn instead", remedy)
+    flat = [use.path for use in uses if not all(use.scale)]
+    if flat:
+        remedy = 'write scale="1 1 1" in <mesh>, or what makes metres of the unit it was exported in'
+        yield _mesh_finding("mesh-too-small", description, flat, "a scale of 0 leaves nothing of it to see", remedy)
+    sized = {
+        use: length * max(map(abs, use.scale)) for use in uses if all(use.scale) and (length := lengths.get(use.path))
+    }
+    yield from _out_of_scale(description, sized)
+
+
+def _out_of_scale(description: Description, lengths: dict[Use, float]) -> Iterator[Finding]:
+    """`lengths` [m], scaled, against the size of the arm."""
+    size = _size(description)
+    large = {use: length for use, length in lengths.items() if length > TOO_LARGE * size}
+    if large:
+        longest = max(large.values())
+        unit, others = _likely_unit(longest, size)
+        check = f"; check the unit of the export: it may be {others} too" if others else ""
+        yield _mesh_finding(
+            "mesh-too-large",
+            description,
+            [use.path for use in large],
+            f"{longest:.4g} m long, on an arm of {size:.3g} m: likely in {unit}",
+            _rescaled(list(large), UNITS[unit]) + check,
+        )
+    elif lengths and max(lengths.values()) < TOO_SMALL * size:
+        odd = size > LONGEST_REACH
+        yield _mesh_finding(
+            "mesh-too-small",
+            description,
+            [use.path for use in lengths],
+            f"{max(lengths.values()):.2g} m long at most, on an arm of {size:.3g} m: "
+            + ("the arm's own lengths are in another unit" if odd else "scaled down twice"),
+            "write those in metres first" if odd else _rescaled([max(lengths, key=lambda use: lengths[use])], 1e3),
+        )
+
+
+def _likely_unit(length: float, size: float) -> tuple[str, str]:
+    """The largest unit in which the longest mesh is no longer than the arm, and the smaller ones, not ruled out."""
+    fitting = [unit for unit, metres in UNITS.items() if length * metres <= size] or list(UNITS)[-1:]
+    return fitting[0], " or ".join(fitting[1:])
+
+
+def _rescaled(uses: Sequence[Use], factor: float) -> str:
+    """The scale to write for meshes used at one scale, and what to multiply it by where there are several."""
+    scales = {use.scale for use in uses}
+    if len(scales) > 1:
+        return f"multiply their scales in <mesh> by {factor:g}"
+    return f'write scale="{_numbers(np.array(scales.pop()) * factor)}" in <mesh>'
+
+
+def _length(path: Path, reader: MeshReader) -> float | UnreadableMeshError:
+    try:
+        return reader.length(path)
+    except UnreadableMeshError as error:
+        return error
+
+
+def _uses(description: Description) -> list[Use]:
+    """Every mesh file that is there, with each scale that it is used at."""
+    shapes = [shape for link in description.links.values() for shape in (*link.visuals, *link.collisions)]
+    uses = (Use(shape.mesh, shape.size) for shape in shapes if shape.mesh is not None and is_file(shape.mesh))
+    return list(dict.fromkeys(uses))
+
+
+def _is_pointer(path: Path) -> bool:
+    try:
+        with open_regular(path) as file:
+            return file.read(len(_POINTER)) == _POINTER
+    except OSError:
+        return False
+
+
+def _size(description: Description) -> float:
+    """How far apart the links' frames are at zero [m]; 1 where they are all in one place."""
+    points: Array = np.stack([g[:3, 3] for g in description.link_poses({}).values()])
+    return float(np.ptp(points, axis=0).max()) or 1.0
+
+
+def _mesh_finding(code: str, description: Description, paths: Sequence[Path], what: str, remedy: str) -> Finding:
+    names = listed(dict.fromkeys(path.name for path in paths), SHOWN)
+    return finding(code, description.place(), f"{names}: {what}", remedy)
+
+
+def _numbers(values: Array) -> str:
+    return " ".join(f"{value:.6g}" for value in values)

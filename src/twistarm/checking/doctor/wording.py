@@ -1,0 +1,32 @@
+"""Wording of the doctor's findings: several parts in one finding, numbers, and snippets for an arm.toml."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+
+from ...description.companions.toml_text import toml_key
+from ...description.findings import Finding, Place, finding
+from ...description.tree import Description, Joint, Link
+from ...support.errors import listed
+
+SHOWN = 6
+"""Names in one finding before the rest is counted."""
+
+
+def grouped(code: str, description: Description, parts: Sequence[Joint | Link], what: str, remedy: str) -> Finding:
+    """One finding about several joints or links: at its place if it is one, else at the file, named in front."""
+    if len(parts) == 1:
+        return finding(code, description.place(parts[0]), what, remedy)
+    names = listed([part.name for part in parts], SHOWN)
+    return finding(code, description.place(), f"{names}: {what}", remedy)
+
+
+def place_of(description: Description | None, name: str) -> Place:
+    """The file, or the arm's name where there is none."""
+    return Place(name) if description is None else description.place()
+
+
+def toml_table(header: str, values: Mapping[str, float]) -> str:
+    """A table of an arm.toml, a line for each entry."""
+    lines = [f"{toml_key(name)} = {value:.6g}" for name, value in values.items()]
+    return "\n".join([f"[{header}]", *lines])

@@ -1,0 +1,113 @@
+"""Changes of an arm's geometry in words: which axes have moved or turned, and how the tool has moved on its own."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from ..arm.arm import Arm
+from ..support.checks import Array
+from ..theory.rotations import log as rotation_log
+from ..theory.screws import Screw, adjoint, hat, inverse, to_screw
+from .changes import SAME_TOL
+
+OPPOSITE = 1e-9
+"""Unit vectors whose product is nearer than this to -1 are opposite: no least turn takes one to the other."""
+
+
+def geometry_changes(arm: Arm, screws: Array, home: Array) -> list[str]:
+    """Which axes have moved, seen base to tip: what merely rides on a moved joint is not named again.
+
+    `carried` is the rigid motion that the changes so far have given to everything beyond them.
+    """
+    changes = []
+    carried = np.eye(4)
+    for i, name in enumerate(arm.moving_names):
+        before = adjoint(carried) @ screws[:, i:]
+        words, motion = _axis_change(before, arm.screws[:, i:], carried @ home, arm.home)
+        changes += [f"joint {name} {word}" for word in words]
+        carried = motion @ carried
+    if np.abs(arm.home - carried @ home).max() > SAME_TOL:
+        in_all = " in all" if changes else ""
+        changes += [f"tool {arm.tip} {word}" for word in _tool_words(home, arm.home, in_all)]
+    return changes
+
+
+def _axis_change(before: Array, now: Array, tool: Array, new_tool: Array) -> tuple[list[str], Array]:
+    """How the first of the axes (6, k) has changed, in words, and the rigid motion of what lies beyond it.
+
+    That is the least one that carries the old line to the new; for a line that has turned, the motion of the tool
+    where every axis beyond has made it too. Of a turned line each point has moved by another length: told is that of
+    the point nearest the tool, wherever the base is.
+    """
+    if np.abs(now[:, 0] - before[:, 0]).max() <= SAME_TOL:
+        return [], np.eye(4)
+    old, new = to_screw(before[:, 0]), to_screw(now[:, 0])
+    turning = bool(np.isfinite(old.pitch) and np.isfinite(new.pitch))
+    anchor = _nearest(old, tool[:3, 3]) if turning else tool[:3, 3]
+    motion = new_tool @ inverse(tool)
+    turned = np.abs(new.axis - old.axis).max() > SAME_TOL
+    if turned and np.abs(adjoint(motion) @ before - now).max() <= SAME_TOL:
+        return _motion_words(motion, anchor), motion
+    reversed_axis = float(old.axis @ new.axis) < -1 + OPPOSITE
+    words = ["is reversed: it turns or slides the other way"] if reversed_axis else []
+    # Reversed, the line stays where it is: nothing beyond it has turned.
+    turn = np.eye(3) if reversed_axis else _turn(old.axis, new.axis)
+    motion = _motion(turn, anchor, _nearest(new, anchor) if turning else anchor)
+    words += _motion_words(motion, anchor)
+    if turning and abs(new.pitch - old.pitch) > SAME_TOL:
+        words.append(f"changed its pitch from {old.pitch:.6g} to {new.pitch:.6g} m/rad")
+    return words, motion
+
+
+def _nearest(line: Screw, point: Array) -> Array:
+    """The point of the line nearest to `point`."""
+    nearest: Array = line.point + line.axis * (line.axis @ (point - line.point))
+    return nearest
+
+
+def _motion(turn: Array, start: Array, end: Array) -> Array:
+    """The motion (4, 4) that turns and takes the point `start` to `end`."""
+    motion = np.eye(4)
+    motion[:3, :3] = turn
+    motion[:3, 3] = end - turn @ start
+    return motion
+
+
+def _turn(a: Array, b: Array) -> Array:
+    """The least rotation with R a = b, for unit vectors that are not opposite."""
+    K = hat(np.cross(a, b))
+    turn: Array = np.eye(3) + K + K @ K / (1 + float(a @ b))
+    return turn
+
+
+def _motion_words(motion: Array, anchor: Array) -> list[str]:
+    """How a line has turned, and how far it has moved at `anchor`, its point nearest the tool."""
+    turned = _turn_words(motion[:3, :3])
+    moved = _shift_words(motion[:3, :3] @ anchor + motion[:3, 3] - anchor)
+    return turned + [f"{word} where it is nearest the tool" if turned else word for word in moved]
+
+
+def _tool_words(before: Array, now: Array, in_all: str) -> list[str]:
+    """The tool's own motion in the home pose, what it rides on included."""
+    words = _shift_words(now[:3, 3] - before[:3, 3]) + _turn_words(now[:3, :3] @ before[:3, :3].T)
+    return [word + in_all for word in words] or ["is where it was all the same"]
+
+
+def _turn_words(turn: Array) -> list[str]:
+    w = rotation_log(turn)
+    angle = float(np.linalg.norm(w))
+    return [f"turned by {np.degrees(angle):.3g}° about {_direction(w)}"] if angle > SAME_TOL else []
+
+
+def _shift_words(shift: Array) -> list[str]:
+    distance = float(np.linalg.norm(shift))
+    return [f"moved {distance * 1e3:.4g} mm along {_direction(shift)}"] if distance > SAME_TOL else []
+
+
+def _direction(vector: Array) -> str:
+    """`x`, `−z`, or the unit vector in base axes."""
+    unit = vector / np.linalg.norm(vector)
+    i = int(np.abs(unit).argmax())
+    if abs(unit[i]) > 0.9999:
+        return ("" if unit[i] > 0 else "−") + "xyz"[i]
+    return "(" + ", ".join(f"{x:.2f}" for x in unit) + ")"

@@ -1,0 +1,107 @@
+"""A chain of Pinocchio's own joint models, one per lower pair: the second account of joints that URDF cannot write."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any, Literal
+
+import numpy as np
+
+from ..arm.pinocchio_model import MAX_MOVING_JOINTS, import_pinocchio
+from ..support.checks import Array
+from ..support.errors import InputError
+from ..theory.lower_pairs import LowerPair
+from ..theory.rotations import euler_rate_map, from_euler, to_xyzw
+
+Ball = Literal["ZYX", "quaternion"]
+"""Pinocchio's two models of a spherical joint: by Euler angles, and by a quaternion with body angular velocities."""
+
+
+class NativeChain:
+    """A serial chain of Pinocchio's joint models from the base to the tool at `home` (4, 4), at rest.
+
+    Pinocchio numbers a ball by its quaternion and a planar joint by (x, y, cos, sin), and moves both by velocities in
+    the moved frame. With the joint values x, each pair's q(x) and the map N(x) from ẋ to those velocities give
+    g_st = g(q(x)), J = J_native N(x).
+
+    Raises InputError for more moving joints than Pinocchio's data has room for.
+    """
+
+    def __init__(self, pairs: Sequence[LowerPair], home: Array, ball: Ball = "ZYX") -> None:
+        count = sum(pair.span for pair in pairs)
+        if count > MAX_MOVING_JOINTS:
+            raise InputError(f"{count} moving joints; Pinocchio's data has room for {MAX_MOVING_JOINTS}")
+        self._pin = import_pinocchio()
+        self._pairs, self._ball, self._count = tuple(pairs), ball, count
+        self.model = self._pin.Model()
+        joint, last = 0, self._pin.SE3.Identity()
+        for i, pair in enumerate(pairs):
+            here = self._pin.SE3(pair.frame)
+            joint = self.model.addJoint(joint, self._joint_model(pair), last.actInv(here), f"{pair.kind}{i}")
+            last = here
+        tool = last.actInv(self._pin.SE3(home))
+        frame = self._pin.Frame("tool", joint, 0, tool, self._pin.FrameType.OP_FRAME)
+        self._tool = self.model.addFrame(frame)
+        self._data = self._pin.Data(self.model)
+
+    def kinematics(self, x: Array) -> tuple[Array, Array, Array]:
+        """g_st (..., 4, 4), J^s and J^b (..., 6, m) at the joint values x (..., m)."""
+        rows = [self._at(row) for row in x.reshape(-1, self._count)]
+        g, spatial, body = (np.array(parts) for parts in zip(*rows, strict=True))
+        batch = x.shape[:-1]
+        return g.reshape(*batch, 4, 4), spatial.reshape(*batch, 6, -1), body.reshape(*batch, 6, -1)
+
+    def configuration(self, x: Array) -> tuple[Array, Array]:
+        """Pinocchio's q (nq,) and the map N (nv, m) from ẋ to its velocities, at the joint values x (m,)."""
+        parts, N = [], np.zeros((self.model.nv, self._count))
+        row = 0
+        for pair in self._pairs:
+            rows = list(pair.rows)
+            q, rates = self._converted(pair, pair.rates * x[rows])
+            parts.append(q)
+            N[row : row + len(rates), rows] = rates * pair.rates
+            row += len(rates)
+        return np.concatenate(parts), N
+
+    def _at(self, x: Array) -> tuple[Array, Array, Array]:
+        frames, data = self._pin.ReferenceFrame, self._data
+        q, N = self.configuration(x)
+        self._pin.computeJointJacobians(self.model, data, q)
+        g = self._pin.updateFramePlacement(self.model, data, self._tool).homogeneous
+        # A model of one degree of freedom returns (6,).
+        spatial, body = (
+            self._pin.getFrameJacobian(self.model, data, self._tool, frame).reshape(6, -1) @ N
+            for frame in (frames.WORLD, frames.LOCAL)
+        )
+        return g, spatial, body
+
+    def _joint_model(self, pair: LowerPair) -> Any:
+        pin = self._pin
+        if pair.kind == "cylindrical":
+            model = pin.JointModelComposite(2)
+            model.addJoint(pin.JointModelRZ())
+            model.addJoint(pin.JointModelPZ())
+            return model
+        ball = pin.JointModelSphericalZYX if self._ball == "ZYX" else pin.JointModelSpherical
+        made = {"revolute": pin.JointModelRZ, "prismatic": pin.JointModelPZ, "planar": pin.JointModelPlanar}
+        return pin.JointModelHZ(pair.pitch) if pair.kind == "helical" else made.get(pair.kind, ball)()
+
+    def _converted(self, pair: LowerPair, x: Array) -> tuple[Array, Array]:
+        """Pinocchio's q of one pair at its coordinates x (k,), and the map (nv, k) from ẋ to its velocity."""
+        if pair.kind == "planar":
+            return _planar(x)
+        if pair.kind == "spherical" and self._ball == "quaternion":
+            return _quaternion(x)
+        return x, np.eye(len(x))
+
+
+def _planar(x: Array) -> tuple[Array, Array]:
+    """(x, y, cos θ, sin θ); its velocity is the body's: R(θ)ᵀ (ẋ, ẏ), θ̇."""
+    c, s = np.cos(x[2]), np.sin(x[2])
+    return np.array([x[0], x[1], c, s]), np.array([[c, s, 0.0], [-s, c, 0.0], [0.0, 0.0, 1.0]])
+
+
+def _quaternion(x: Array) -> tuple[Array, Array]:
+    """(x, y, z, w) of R = R_z R_y R_x; its velocity is ω in body axes, Rᵀ B(x) ẋ with the Euler-rate map B of ZYX."""
+    R = from_euler("ZYX", x)
+    return to_xyzw(R), R.T @ euler_rate_map("ZYX", x)

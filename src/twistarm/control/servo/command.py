@@ -1,0 +1,183 @@
+"""Commands of the servo: a twist of the tool, rates of joints, or a pose to reach and hold."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from contextlib import suppress
+from dataclasses import dataclass, field
+from typing import Any, ClassVar
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from ...arm.arm import Arm, require_arm
+from ...support.checks import (
+    Array,
+    Matrix,
+    Row,
+    as_floats,
+    as_number,
+    as_pose,
+    as_twist,
+    frozen,
+    require_choice,
+    require_mapping,
+)
+from ...support.display import Brief
+from ...support.errors import InputError, listed, shown
+
+TOOL, BASE = "tool", "base"
+FRAMES = (TOOL, BASE)
+
+FASTEST, FARTHEST = 1e4, 1e6
+"""Rates [m/s, rad/s] and positions [m] beyond these are no arm's; they come from wrong units or broken messages."""
+
+HELD = {
+    "position": (True, True, True, False, False, False),
+    "orientation": (False, False, False, True, True, True),
+}
+"""Components (vx, vy, vz, wx, wy, wz) that are held, by the names of their halves."""
+
+
+@dataclass(frozen=True, eq=False, init=False, repr=False)
+class TwistCommand(Brief):
+    """Move the tool: twist (v, w) (6,) [m/s, rad/s] of the tool's origin, in tool axes or in base axes.
+
+    frame="tool": the body twist V^b = (g⁻¹ ġ)^∨. frame="base": (ṗ, ω), the velocity of the tool's origin and the
+    angular velocity, both in base axes; not the spatial twist, whose v is the velocity of the point that passes the
+    base's origin.
+
+    hold: components that stay where they were when they were first held, "position", "orientation" or six booleans in
+    the order of the twist, along the axes of `frame`. They go before everything else, drift is taken back, and their
+    twist must be 0.
+
+    Raises InputError for a twist that is not six finite numbers, an unknown frame, a held component that is commanded.
+    """
+
+    twist: Array
+    frame: str
+    hold: str | Sequence[bool] | None
+    held: tuple[bool, ...] = field(init=False, repr=False)
+    numbers: Array = field(init=False, repr=False)
+    flags: int = field(init=False, repr=False)
+    kind: ClassVar[int] = 2
+
+    def __init__(self, twist: Row, frame: str = TOOL, hold: str | Sequence[bool] | None = None) -> None:
+        six, held = _six(twist, "twist"), held_components(hold)
+        require_choice(frame, FRAMES, "frame")
+        if any(six[k] != 0.0 for k in range(6) if held[k]):
+            raise InputError(f"a held component cannot be commanded: hold={hold!r}, twist={six.tolist()}")
+        flags = int(frame == BASE) + sum(2 << k for k in range(6) if held[k])
+        values = {"twist": six, "frame": frame, "hold": hold, "held": held, "numbers": six, "flags": flags}
+        for name, value in values.items():
+            object.__setattr__(self, name, value)
+
+
+@dataclass(frozen=True, eq=False, init=False, repr=False)
+class JogCommand(Brief):
+    """Move the joints: their rates (n,) [rad/s, m/s], base to tip. See also `JogCommand.of`."""
+
+    theta_dot: Array
+    numbers: Array = field(init=False, repr=False)
+    flags: ClassVar[int] = 0
+    kind: ClassVar[int] = 1
+
+    def __init__(self, theta_dot: Row) -> None:
+        rates = _moderate(as_floats(theta_dot, "theta_dot"), "theta_dot", FASTEST)
+        if rates.ndim != 1:
+            raise InputError(f"theta_dot must be one number per joint, shape (n,); got {rates.shape}")
+        for name in ("theta_dot", "numbers"):
+            object.__setattr__(self, name, frozen(rates))
+
+    @classmethod
+    def of(cls, arm: Arm, rates: Mapping[str, float]) -> JogCommand:
+        """The rates of some joints by name, the others at rest. Raises UnknownNameError for a joint of another arm.
+
+        Args:
+            arm: The arm.
+            rates: {joint: rate} [rad/s, m/s].
+
+        Returns:
+            The command.
+
+        Raises:
+            InputError: A rate is not a finite number.
+            UnknownNameError: The arm has no such joint.
+        """
+        given = require_mapping(rates, "rates", "{'elbow': 0.1}")
+        return cls(require_arm(arm).theta_from(dict.fromkeys(arm.joint_names, 0.0) | dict(given)))
+
+
+@dataclass(frozen=True, eq=False, init=False, repr=False)
+class PoseCommand(Brief):
+    """Bring the tool to the pose g (4, 4), seen from the base, straight and turning about one axis, and hold it there.
+
+    Where acceleration limits are tight for the speeds, the tool may pass the pose by millimetres and come back.
+
+    `velocity` (6,) [m/s, rad/s]: how the pose itself moves, (ṗ, ω) in base axes, where it does: it is then followed
+    without lag, else some hundredths of a second behind. The speeds [m/s, rad/s] bound the approach.
+    """
+
+    g: Array
+    velocity: Array
+    linear_speed: float
+    angular_speed: float
+    numbers: Array = field(init=False, repr=False)
+    flags: ClassVar[int] = 1
+    kind: ClassVar[int] = 3
+
+    def __init__(
+        self, g: Matrix, velocity: Row = (0.0,) * 6, linear_speed: float = 0.25, angular_speed: float = 1.0
+    ) -> None:
+        pose = as_pose(g, "g")
+        if pose.shape != (4, 4):
+            raise InputError(f"g must be one pose, shape (4, 4); got {pose.shape}")
+        _moderate(pose, "g", FARTHEST)
+        speeds = {"linear_speed": linear_speed, "angular_speed": angular_speed}
+        checked = {name: _speed(speed, name) for name, speed in speeds.items()}
+        moving = _six(velocity, "velocity")
+        numbers = frozen([*pose.ravel(), *moving, *checked.values()])
+        for name, value in {"g": frozen(pose), "velocity": moving, **checked, "numbers": numbers}.items():
+            object.__setattr__(self, name, value)
+
+
+# `kind`, `flags` (1 for base axes, 2 << k for held component k) and `numbers` say the same to the compiled core.
+AnyCommand = TwistCommand | JogCommand | PoseCommand
+
+CommandLike = AnyCommand | Row | None
+"""What a step may be told: a command, six numbers for a twist in tool axes, or nothing."""
+
+
+def held_components(hold: Any) -> tuple[bool, ...]:
+    """Six booleans for "position", "orientation", None or six booleans; InputError for anything else."""
+    if hold is None:
+        return (False,) * 6
+    if isinstance(hold, str) and hold in HELD:
+        return HELD[hold]
+    row = hold.ndim == 1 if isinstance(hold, np.ndarray) else isinstance(hold, Sequence) and not isinstance(hold, str)
+    several = tuple(hold) if row else ()
+    if len(several) == 6 and all(isinstance(each, (bool, np.bool_)) for each in several):
+        return tuple(bool(each) for each in several)
+    raise InputError(f"hold must be {listed(HELD)} or six booleans (vx, vy, vz, wx, wy, wz); got {shown(hold)}")
+
+
+def _speed(value: float, name: str) -> float:
+    speed = 0.0
+    with suppress(InputError):
+        speed = as_number(value, name)
+    if not 0.0 < speed <= FASTEST:
+        raise InputError(f"{name} must be a positive number, at most {FASTEST:g}; got {shown(value)}")
+    return speed
+
+
+def _six(values: ArrayLike, name: str) -> Array:
+    six = as_twist(values, name)
+    if six.shape != (6,):
+        raise InputError(f"{name} must be one twist, shape (6,); got {six.shape}")
+    return frozen(_moderate(six, name, FASTEST))
+
+
+def _moderate(values: Array, name: str, most: float) -> Array:
+    if np.abs(values).max(initial=0.0) > most:
+        raise InputError(f"{name} must be at most {most:g} in size, in SI units; got {np.abs(values).max():g}")
+    return values

@@ -1,0 +1,238 @@
+"""The output of one servo step: joint rates, a status and its reason, and the part of the command that is lost."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from enum import Enum
+from functools import cached_property
+from typing import NamedTuple
+
+import numpy as np
+
+from ...arm.arm import Arm
+from ...arm.inability import ANGULAR, LINEAR, Lack, cannot_move, cannot_turn, lack, must_turn, position_limit, singular
+from ...support.checks import Array, frozen
+from ...support.display import Brief
+from ...support.vector_words import ALONG_AXIS, direction_in_words
+from .answer import Answer, Cause
+from .bounds import Bounds
+from .command import BASE, AnyCommand, TwistCommand
+
+
+class ServoStatus(Enum):
+    """How a step went; the gravest that holds."""
+
+    OK = "moving as commanded"
+    SLOWED_SINGULARITY = "slowed near a singularity"
+    SLOWED_LIMIT = "slowed by a limit"
+    HALTED_LIMIT = "halted by a position limit"
+    IMPOSSIBLE_DIRECTION = "this arm has no such motion"
+    STALE = "no usable command or state: coming to rest"
+
+
+class ServoReason(Enum):
+    """Why a step did what it did. The name is a code that stays; the numbers are fields of the output."""
+
+    MOVING = "moving as commanded"
+    CHANGING_SPEED = "changing speed, as fast as the acceleration limits allow"
+    VELOCITY_LIMIT = "slowed by a velocity limit"
+    LOWER_LIMIT = "a joint or motor is at its lower position limit, or brakes toward it"
+    UPPER_LIMIT = "a joint or motor is at its upper position limit, or brakes toward it"
+    SINGULARITY = "a direction of the command is nearly lost in this posture"
+    TURN_LOST = "the tool turns otherwise than commanded, because the arm has too few joints"
+    IMPOSSIBLE = "this arm has no such motion"
+    STALE = "no usable command or state: coming to rest"
+
+
+_OF_STATUS = {
+    ServoStatus.STALE: ServoReason.STALE,
+    ServoStatus.IMPOSSIBLE_DIRECTION: ServoReason.IMPOSSIBLE,
+    ServoStatus.SLOWED_SINGULARITY: ServoReason.SINGULARITY,
+}
+
+_OF_CAUSE = {
+    Cause.VELOCITY: ServoReason.VELOCITY_LIMIT,
+    Cause.LOWER: ServoReason.LOWER_LIMIT,
+    Cause.UPPER: ServoReason.UPPER_LIMIT,
+}
+
+_STATUS = {
+    Cause.NONE: ServoStatus.OK,
+    Cause.SINGULARITY: ServoStatus.SLOWED_SINGULARITY,
+    Cause.VELOCITY: ServoStatus.SLOWED_LIMIT,
+    Cause.LOWER: ServoStatus.SLOWED_LIMIT,
+    Cause.UPPER: ServoStatus.SLOWED_LIMIT,
+    Cause.UNUSABLE: ServoStatus.STALE,
+}
+
+_SIDES = {Cause.LOWER: "lower", Cause.UPPER: "upper"}
+
+WORTH_SAYING = 0.02
+"""Of the command: a smaller loss is not put into words."""
+
+ALL = 0.95
+"""A larger share is all of it."""
+
+STANDING = 1e-3
+"""Of the command: an arm that does less of it stands."""
+
+_NOTHING_LOST = frozen(np.zeros(6))
+
+
+class Asked(NamedTuple):
+    """What a step was asked for: a command, of an arm at theta (n,); whether it stops where it cannot follow."""
+
+    arm: Arm
+    theta: Array
+    command: AnyCommand | None
+    stops: bool = False
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class ServoOutput(Brief):
+    """What one step answers.
+
+    theta_dot (n,) [rad/s, m/s]: the joint rates for the coming dt.
+    scale: how much of the reachable part of the command is done, 1 − ‖done − reachable‖ over the longer of the two, at
+    least 0: less than 1 while the arm speeds up or still moves otherwise, and where a limit or a singularity slows it.
+    lost_twist (6,) [m/s, rad/s]: the part of the command that the arm cannot do here at any speed, because it has no
+    motion for it, is near a singularity, or a joint is at its end or brakes toward it, in the axes of the
+    command's frame: at an even speed the tool moves by scale · (twist − lost_twist). Where the tool must turn so that
+    it can go where it is told, that rotation stands in it too, with the opposite sign.
+    lost_share: ‖lost_twist‖ / ‖twist‖, metres measured in the length.
+    joint: the one, or the motor, that a limit or a singularity concerns most, if any.
+    remaining: how far a `PoseCommand` still is from its pose, [m] and [rad]; zeros for any other command.
+    """
+
+    theta_dot: Array
+    status: ServoStatus
+    scale: float
+    lost_twist: Array
+    lost_share: float
+    joint: str | None
+    remaining: tuple[float, float]
+    _why: str | Cause = field(repr=False)
+    _asked: Asked | None = field(default=None, repr=False)
+
+    @property
+    def reason(self) -> ServoReason:
+        """Why the arm stands, or does less than commanded: a code that changes only where the cause does."""
+        if self.status in _OF_STATUS:
+            return _OF_STATUS[self.status]
+        if isinstance(self._why, Cause) and self._why is not Cause.NONE:
+            return _OF_CAUSE[self._why]
+        if self._asked and self.lost_share >= WORTH_SAYING:
+            return ServoReason.TURN_LOST
+        return ServoReason.CHANGING_SPEED if self.scale < ALL else ServoReason.MOVING
+
+    def explain(self) -> str:
+        """Why the arm stands, or does less than commanded, in a sentence that is made when it is asked for.
+
+        It names the joint or motor that binds, and its limit; or the motion that the arm lacks at this posture, or at
+        any; or what was wrong with the command. "stopped on its course" stands before it where settings.beyond did it.
+        """
+        on_course = self._asked is not None and self._asked.stops and self.scale * (1.0 - self.lost_share) < STANDING
+        if on_course and self._words != self.status.value and self.status is not ServoStatus.IMPOSSIBLE_DIRECTION:
+            return f"stopped on its course: {self._words}"
+        return self._words
+
+    @cached_property
+    def _words(self) -> str:
+        if isinstance(self._why, str):
+            return self._why
+        if self._why in _SIDES:
+            end = f"{_SIDES[self._why]} position limit"
+            if self.status is ServoStatus.HALTED_LIMIT:
+                return f"{self.joint} is at its {end}"
+            return f"slowed by {position_limit(_SIDES[self._why], str(self.joint))}"
+        if self._why is Cause.VELOCITY:
+            return f"slowed by the velocity limit of {self.joint}"
+        complete = self._why is Cause.NONE and self._missing_share < WORTH_SAYING
+        if complete and self.scale < ALL:
+            return "changing speed, as fast as the acceleration limits allow"
+        if self._asked and not (complete and self.lost_share < WORTH_SAYING):
+            return _missing(self._asked, self.lost_twist, self.joint, self.share)[1]
+        return self.status.value
+
+    @property
+    def share(self) -> float:
+        """How much of the command is done, 0 … 1; a rotation that the tool does on its way counts for nothing."""
+        return self.scale * (1.0 - self._missing_share)
+
+    @property
+    def _missing_share(self) -> float:
+        return _missing_share(self._asked, self.lost_twist, self.lost_share)
+
+    @classmethod
+    def stale(cls, theta_dot: Array, reason: str) -> ServoOutput:
+        """The output of a step that had no usable command or state.
+
+        Args:
+            theta_dot: Rates (n,) [rad/s, m/s].
+            reason: The reason, in words.
+
+        Returns:
+            The output, with status STALE.
+        """
+        return cls(theta_dot, ServoStatus.STALE, 0.0, _NOTHING_LOST, 0.0, None, (0.0, 0.0), reason)
+
+    @classmethod
+    def of(cls, answer: Answer, bounds: Bounds, asked: Asked) -> ServoOutput:
+        """The output that stands for an answer of the compiled step.
+
+        Args:
+            answer: The step's answer as plain numbers.
+            bounds: The arm's bounds.
+            asked: The arm, the configuration and the command of the step.
+
+        Returns:
+            The output, with status, joint and reason.
+        """
+        cause, row = answer.cause, answer.row
+        status = ServoStatus.HALTED_LIMIT if answer.halted else _STATUS[cause]
+        names = asked.arm.joint_names if cause is Cause.SINGULARITY else bounds.motion.names
+        joint = names[row] if row >= 0 else None
+        why: str | Cause = cause
+        if joint is None and answer.lost_share > ALL and _missing_share(asked, answer.lost, answer.lost_share) > ALL:
+            found, why = _missing(asked, answer.lost, joint, 0.0)
+            nowhere = found is Lack.EVERYWHERE
+            status = ServoStatus.IMPOSSIBLE_DIRECTION if nowhere else ServoStatus.SLOWED_SINGULARITY
+        lost = answer.lost, answer.lost_share
+        return cls(answer.theta_dot, status, answer.scale, *lost, joint, answer.remaining, why, asked)
+
+
+def _missing_share(asked: Asked | None, lost: Array, lost_share: float) -> float:
+    """aᵀ lost / |a|² for the commanded twist a, metres measured in the reach; `lost_share` for any other command."""
+    if asked is not None and isinstance(asked.command, TwistCommand) and asked.command.numbers.any():
+        scale = np.repeat([1.0 / asked.arm.reach, 1.0], 3)
+        twist = asked.command.numbers * scale
+        lost_share = float(twist @ (lost * scale) / (twist @ twist))
+    return min(max(lost_share, 0.0), 1.0)
+
+
+def _missing(asked: Asked, lost: Array, joint: str | None, share: float) -> tuple[Lack, str]:
+    """Of the twist (6,) that is lost the graver half: whether the arm has it elsewhere, and that in words."""
+    turned = np.linalg.norm(lost[3:]) * asked.arm.reach >= np.linalg.norm(lost[:3])
+    half, way = (ANGULAR, "turn") if turned else (LINEAR, "move")
+    part = lost[list(half)]
+    unit = part / max(float(np.linalg.norm(part)), np.finfo(float).tiny)
+    twist = asked.command if isinstance(asked.command, TwistCommand) else None
+    frame = BASE if twist is None else twist.frame
+    before, held = _going_before(twist, half)
+    found = lack(asked.arm, asked.theta, half, unit, frame, before)
+    on_the_way = turned and twist is not None and not twist.twist[3:].any()
+    if found is not Lack.EVERYWHERE:
+        # An axis that the lost direction has for good: numbers would change from step to step.
+        axis = direction_in_words(np.abs(unit), frame) if np.abs(unit).max() >= ALONG_AXIS and not on_the_way else ""
+        return found, singular("move" if on_the_way else way, share, joint, axis)
+    if on_the_way:
+        return found, must_turn(unit, frame)
+    return found, (cannot_turn if turned else cannot_move)(unit, frame, held)
+
+
+def _going_before(twist: TwistCommand | None, half: tuple[int, ...]) -> tuple[tuple[int, ...], str]:
+    """The components that go before one half of a command, and what they are called."""
+    held = [] if twist is None else [k for k in range(6) if twist.held[k] and k not in half]
+    if half == ANGULAR:
+        return LINEAR, "the position"
+    return tuple(held), "the orientation" if len(held) == len(ANGULAR) else "what is to stay" if held else ""

@@ -1,0 +1,50 @@
+"""Settings of the servo: margins, thresholds, and the length that compares metres with radians."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from ...arm.inability import NO_MOTION
+from ...support.checks import as_number, as_positive, require_choice
+from ...support.errors import InputError
+
+SLIDE, STOP = "slide", "stop"
+BEYOND = (SLIDE, STOP)
+
+
+@dataclass(frozen=True)
+class ServoSettings:
+    """Settings of `servo_step`.
+
+    length [m]: what makes a metre comparable with a radian in singular values; None: the arm's `reach`.
+    damping [s]: the τ of the servo's law (docs/servo.md). A twist of size V, in rad/s, is done exactly where the
+    Jacobian's singular values are above √(τ V); it is at least three steps. More is calmer near singularities.
+    beyond: "slide" or "stop", what becomes of a twist that the arm cannot follow, because a joint is at its limit or
+    the reach ends: the tool slides along as far as it can, or slows down and stops on its course.
+    singular_below: singular values of the Jacobian below this (rad per rad, see `Manipulability`) are said to be
+    singular.
+    position_margin [rad or m]: how far inside their position limits joints are kept.
+    longest_dt [s]: a step longer than this is refused, because nobody has looked for so long.
+
+    Raises InputError for numbers that are not positive (the margin may be 0).
+    """
+
+    length: float | None = None
+    singular_below: float = 0.04
+    damping: float = 0.03
+    beyond: str = SLIDE
+    position_margin: float = 0.0
+    longest_dt: float = 0.1
+
+    def __post_init__(self) -> None:
+        for name in ("length", "singular_below", "damping", "longest_dt"):
+            value = getattr(self, name)
+            if value is not None or name != "length":
+                object.__setattr__(self, name, as_positive(value, name))
+        if self.singular_below <= NO_MOTION:
+            raise InputError(f"singular_below must be more than {NO_MOTION:g}, which counts as no motion at all")
+        require_choice(self.beyond, BEYOND, "beyond")
+        margin = as_number(self.position_margin, "position_margin")
+        if margin < 0.0:
+            raise InputError(f"position_margin must not be negative, in rad or m; got {margin:g}")
+        object.__setattr__(self, "position_margin", margin)

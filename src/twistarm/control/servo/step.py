@@ -1,0 +1,133 @@
+"""`servo_step`: one pure step from a command to joint rates."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+from ...arm.arm import Arm, require_arm
+from ...support.checks import as_pose, frozen, require
+from ...support.errors import InputError, shown
+from .answer import Answer, Cause
+from .bounds import Bounds, bounds_of
+from .command import AnyCommand, CommandLike, JogCommand, PoseCommand, TwistCommand
+from .output import Asked, ServoOutput
+from .settings import ServoSettings
+from .state import MOST, ServoState
+
+COMMANDS = (TwistCommand, JogCommand, PoseCommand)
+_DEFAULT = ServoSettings()
+_CAUSES = tuple(Cause)
+
+
+def servo_step(
+    arm: Arm, state: ServoState, command: CommandLike, dt: float, *, settings: ServoSettings = _DEFAULT
+) -> tuple[ServoState, ServoOutput]:
+    """One step of the servo: the state after `dt` [s] under `command`, and the joint rates that lead there.
+
+    An unusable command raises no error, because a loop that raises lets go of the arm: the arm comes to rest along its
+    acceleration limits, and the status is STALE with the reason. A dt outside (0, settings.longest_dt], or a state that
+    is not finite, is refused the same way, with rates of 0 at once.
+
+    The rates are the least of one strictly convex function, continuous in posture and command (docs/servo.md).
+    Away from singularities a twist is done exactly. Where the arm lacks directions (below six joints, at a limit), what
+    matters more comes first: held components, then the linear part, then the angular part; what the arm cannot do is
+    lost and reported. Near a singularity a direction that would take fast joints is damped where the motion approaches
+    it, not where it leaves it. Velocity and acceleration limits, those of the motors of an arm.toml too, slow the
+    motion as a whole; a joint comes to its position limit ever slower, and the others keep what is left of the motion,
+    or all of them stop on the way there (settings.beyond).
+
+    A limit that the arm does not give is none: without acceleration limits rates jump, without velocity limits they are
+    whatever the command asks for. `stream.run` takes the usual ones there.
+
+    Args:
+        arm: The arm.
+        state: The state before the step; `ServoState.at(arm, theta)` makes the first one.
+        command: A `TwistCommand`, `JogCommand` or `PoseCommand`; six numbers are a twist (v, w) [m/s, rad/s] in tool
+            axes; None is no command.
+        dt: The length of the step [s], in (0, settings.longest_dt].
+        settings: Margins, thresholds and the length that compares metres with radians.
+
+    Returns:
+        The state after the step and the `ServoOutput`: rates (n,) [rad/s, m/s], status, reason, and what was lost.
+
+    Raises:
+        InputError: The arm, the state or the settings are of another type.
+        TwistarmError: There is no compiled core, or the arm has more than 32 joints or motors.
+    """
+    require(state, ServoState, "state", "as ServoState.at(arm, theta) makes it")
+    bounds = bounds_of(require_arm(arm), require(settings, ServoSettings, "settings", "as ServoSettings() is"))
+    step = _seconds(dt)
+    if not 0.0 < step <= settings.longest_dt:
+        return _refused(arm, state, f"dt must be more than 0 and at most {settings.longest_dt:g} s; got {shown(dt)}")
+    checked, reason = _usable(arm, command)
+    try:
+        answer = _answer(arm, bounds, state, checked, step)
+    except InputError as error:
+        return _refused(arm, state, f"the state cannot be used: {error}")
+    after = ServoState(answer.theta, answer.theta_dot, answer.held, _holding(checked), answer.period)
+    if checked is None:
+        return after, ServoOutput.stale(after.theta_dot, reason)
+    return after, ServoOutput.of(answer, bounds, Asked(arm, state.theta, checked, bounds.stops))
+
+
+def _seconds(dt: Any) -> float:
+    try:
+        return float(dt)
+    except Exception:  # an object's own __float__ may raise anything
+        return np.nan
+
+
+def _usable(arm: Arm, command: Any) -> tuple[AnyCommand | None, str]:
+    if command is None:
+        return None, "no command"
+    try:
+        if not isinstance(command, COMMANDS):
+            command = TwistCommand(command)
+        if command.kind == JogCommand.kind and command.numbers.shape != (arm.n,):
+            raise InputError(f"a jog of {arm.name} has {arm.n} rates; got {command.numbers.size}")
+    except InputError as error:
+        return None, str(error)
+    return command, ""
+
+
+def _answer(arm: Arm, bounds: Bounds, state: ServoState, command: AnyCommand | None, dt: float) -> Answer:
+    holding = _holding(command)
+    held = state.held if holding is not None and state.holding == holding else None
+    kind, flags, numbers = (0, 0, None) if command is None else (command.kind, command.flags, command.numbers)
+    found = bounds.compiled.step(state.theta, state.theta_dot, held, kind, flags, numbers, dt, state.period)
+    if found is None:  # not plain float64: converted, or refused
+        clean = _clean(arm, state)
+        held = None if held is None else clean.held
+        found = bounds.compiled.step(clean.theta, clean.theta_dot, held, kind, flags, numbers, dt, clean.period)
+        assert found is not None, "what was refused has been cleaned"
+    theta, theta_dot, kept, cause, row, scale, lost, lost_share, halted, position, angle, period = found
+    remaining = position, angle
+    return Answer(theta, theta_dot, _CAUSES[cause], row, scale, lost, lost_share, kept, halted, remaining, period)
+
+
+def _clean(arm: Arm, state: ServoState) -> ServoState:
+    """The state as plain arrays; InputError for one that cannot be used."""
+    plain = ServoState.moving(arm, state.theta, state.theta_dot)
+    held = None if state.held is None else frozen(as_pose(state.held, "held"))
+    if held is not None and held.shape != (4, 4):
+        raise InputError(f"held must be one pose, shape (4, 4); got {held.shape}")
+    return ServoState(plain.theta, plain.theta_dot, held, state.holding, _period(state))
+
+
+def _period(state: ServoState) -> float:
+    period = _seconds(state.period)
+    if not 0.0 <= period <= MOST:
+        raise InputError(f"period must be a time from 0 to {MOST:g} s; got {shown(state.period)}")
+    return period
+
+
+def _holding(command: AnyCommand | None) -> int | None:
+    """What a command holds, as its flags; None where it holds nothing."""
+    return command.flags if command is not None and command.flags > 1 else None
+
+
+def _refused(arm: Arm, state: ServoState, reason: str) -> tuple[ServoState, ServoOutput]:
+    still = frozen(np.zeros(arm.n))
+    return ServoState(state.theta, still, period=state.period), ServoOutput.stale(still, reason)

@@ -1,0 +1,287 @@
+"""A cycle of every loop, whatever moves the arm: look at the joints, hand a setpoint on, come to rest."""
+
+from __future__ import annotations
+
+from abc import ABC, abstractmethod
+from dataclasses import dataclass
+from typing import Generic, TypeVar
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from ...arm.arm import Arm, require_arm
+from ...arm.usual_limits import defaults_line, usually_limited
+from ..servo import ServoOutput, ServoSettings, ServoState, servo_step
+from ...support.checks import LARGEST_ARRAY, Array, as_flag, as_positive, as_whole, frozen, require, require_method
+from ...support.display import Brief
+from ...support.errors import InputError
+from .failures import StreamError, call_device, worded
+from .interlock import ENABLED, Interlock, Interlocked
+from .metronome import ROUNDING, require_time
+from .observer import RateObserver, with_reserve
+from .protocols import Feedback, Measured, Reading, Setpoint, Sink, UndeliveredError
+from .report import Ending, StreamReport, Tally
+from .watch import FeedbackWatch
+
+BRAKING_SPARE = 0.5
+"""Seconds that coming to rest may take beyond twice what velocity over acceleration says."""
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class Cycle(Brief):
+    """What happened in one cycle.
+
+    theta (n,): the joint state where it can be used. setpoint: what was computed, None before the first joint state.
+    reason: why there was no command, or the setpoint did not get through, which `delivered` says. ending: why the
+    stream cannot go on, None where it can. interlock: the `Interlock`'s word, by which the arm may move or not.
+    """
+
+    time: float
+    reading: Reading | None
+    theta: Array | None
+    setpoint: Setpoint | None
+    reason: str = ""
+    ending: Ending | None = None
+    delivered: bool = True
+    interlock: str = ENABLED
+
+
+C = TypeVar("C", bound=Cycle)
+
+
+class Cycles(ABC, Generic[C]):
+    """A loop, cycle by cycle, for programs that have a timer of their own.
+
+    Call `cycle` at `rate` [Hz] until it says an ending, then `brake` at the same rate until it answers True, then
+    `halt`, whatever went wrong before. `arm` has the usual limits where the one given has none, and `assumed` says
+    which.
+    """
+
+    def __init__(
+        self,
+        arm: Arm,
+        sink: Sink,
+        feedback: Feedback,
+        *,
+        rate: float,
+        feedback_timeout: float,
+        tolerance: ArrayLike,
+        settings: ServoSettings,
+        velocity_mode: bool,
+        interlock: Interlock | None,
+    ) -> None:
+        self.assumed = defaults_line(require_arm(arm))
+        self.arm = usually_limited(arm)
+        self.sink = require_method(sink, "sink", "write")
+        self.feedback = require_method(feedback, "feedback", "read")
+        self.settings = require(settings, ServoSettings, "settings", "as ServoSettings() is")
+        self.rate = checked_rate(rate, self.settings)
+        self.period = 1.0 / self.rate
+        self.feedback_timeout = as_positive(feedback_timeout, "feedback_timeout")
+        self.velocity_mode = as_flag(velocity_mode, "velocity_mode")
+        self.interlock = require(
+            Interlock() if interlock is None else interlock, Interlock, "interlock", "as Interlock() is"
+        )
+        self._interlock(self.feedback)
+        self.state: ServoState | None = None
+        self.tally = Tally(self.rate, self.assumed)
+        self._watch = FeedbackWatch(arm, self.feedback_timeout, tolerance)
+        self._commanded_arm = with_reserve(self.arm) if velocity_mode else self.arm
+        self._observer = RateObserver(self.arm) if velocity_mode else None
+        self._number = 0
+        self._stepped: float | None = None  # when the last step was made [s]
+
+    def cycle(self, now: float, periods: int = 1) -> C:
+        """One cycle: look at the joints, take the command, step the servo, write the setpoint.
+
+        A device that fails is an ending, nothing is raised for it, and so is a setpoint that is not finite, which is
+        not sent; whatever else is raised is an error in a program.
+
+        Args:
+            now: The clock's time [s].
+            periods: Periods since the last cycle: what is more than 1 counts as missed.
+
+        Returns:
+            The `Cycle`.
+        """
+        now, periods = require_time(now), as_whole(periods, "periods", -1, LARGEST_ARRAY)
+        self.tally.cycles += 1
+        self.tally.missed += max(0, periods - 1)
+        try:
+            return self._cycle(now)
+        except StreamError as failed:
+            return self._failed(now, str(failed), failed.ending)
+
+    def brake(self, now: float) -> bool:
+        """One step toward rest, which reads neither commands nor joints. A sink's failure is noted.
+
+        Where the servo itself fails, the arm stands at once: rates of 0 where it was last.
+
+        Args:
+            now: The clock's time [s].
+
+        Returns:
+            Whether the arm is at rest.
+        """
+        if not self.at_rest:
+            try:
+                self._write_anyway(self._coming_to_rest(now))
+            except Exception as error:  # whatever it is, the arm must not go on moving
+                self.tally.failures[f"the servo failed, and the arm was stopped at once: {worded(error)}"] += 1
+                assert self.state is not None
+                self._start_at(self.state.theta, now)
+        return self.at_rest
+
+    def change_clock(self, now: float) -> None:
+        """Take times from another clock from here on: the next step is over what passes from this moment.
+
+        Args:
+            now: The other clock's time [s].
+        """
+        self._stepped = require_time(now)
+
+    def halt(self, now: float) -> None:
+        """Rates of 0 where the commanded arm is, at once; nothing where no joint state ever arrived."""
+        if self.state is None:
+            return
+        still = frozen(np.zeros(self.arm.n))
+        self._write_anyway(
+            self._setpoint(now, self.state.theta, still, ServoOutput.stale(still, "the stream has ended"))
+        )
+
+    def report(self, ending: Ending, reason: str, duration: float, at_rest: bool) -> StreamReport:
+        """The report of all cycles until now.
+
+        Args:
+            ending: The kind of ending.
+            reason: The reason, in words.
+            duration: The time since the start [s].
+            at_rest: Whether the arm is at rest.
+
+        Returns:
+            The `StreamReport`.
+        """
+        return self.tally.report(ending, reason, duration, at_rest, self.interlock.word)
+
+    @property
+    def at_rest(self) -> bool:
+        """Whether the commanded arm stands."""
+        told = self._observer is None or self._observer.at_rest
+        return self.state is None or (told and not self.state.theta_dot.any())
+
+    @property
+    def longest_braking(self) -> float:
+        """Seconds within which the commanded arm must have come to rest."""
+        if self.state is None:
+            return 0.0
+        return 2.0 * float((np.abs(self.state.theta_dot) / self.arm.limits.acceleration).max()) + BRAKING_SPARE
+
+    def _coming_to_rest(self, now: float) -> Setpoint:
+        """The setpoint of a step of `brake`."""
+        return self._braked(now, "coming to rest")
+
+    @abstractmethod
+    def _cycle(self, now: float) -> C:
+        """One cycle, which may raise `StreamError`."""
+
+    @abstractmethod
+    def _failed(self, now: float, reason: str, ending: Ending) -> C:
+        """A cycle in which something failed."""
+
+    def _interlock(self, device: object) -> None:
+        """What its messages say to an interlock is said to this one."""
+        if isinstance(device, Interlocked):
+            device.interlock = self.interlock
+
+    def _look(self, now: float) -> tuple[Measured | None, Array | None, str]:
+        """What is measured, theta (n,) where it can be used, and why not."""
+        measured = call_device(Ending.FEEDBACK_FAILED, self.feedback.read, now)
+        theta, blind = self._watch.look(measured, now)
+        self.tally.blind_reason = blind or self.tally.blind_reason
+        return measured, theta, blind
+
+    def _hear(self, measured: Measured | None, now: float) -> None:
+        """In velocity mode, the drives' filter learns from a joint state that can be used; None where there is none."""
+        if self._observer is not None and self.state is not None:
+            self._observer.hear(measured, now)
+
+    def _start_at(self, theta: Array, now: float) -> None:
+        self.state = ServoState.at(self.arm, theta)
+        if self._observer is not None:
+            self._observer.start(self.state.theta, now)
+
+    def _untimely(self, now: float) -> str:
+        """Why the time since the last step cannot be one step's, "" where it can: a period may be late by one."""
+        elapsed = self.period if self._stepped is None else now - self._stepped
+        if elapsed <= 0.0:
+            return "time went back"
+        if elapsed >= self.settings.longest_dt + self.period * (1.0 - ROUNDING):
+            return f"{elapsed:.3g} s since the last cycle (longest step {self.settings.longest_dt:g} s)"
+        return ""
+
+    def _elapsed(self, now: float) -> float:
+        """Seconds that a step is over: as many as have passed since the last one, so that a cycle that is late or soon
+        after a late one moves nothing faster than its rate; one period at first and where that cannot be.
+        """
+        if self._stepped is None or self._untimely(now):
+            return self.period
+        return min(max(now - self._stepped, ROUNDING * self.period), self.settings.longest_dt)
+
+    def _braked(self, now: float, reason: str) -> Setpoint:
+        """A step toward rest of each joint by itself, as fast as its acceleration limit allows."""
+        assert self.state is not None  # whoever steps has asked
+        state, output = servo_step(self.arm, self.state, None, self._elapsed(now), settings=self.settings)
+        return self._moved(state, ServoOutput.stale(output.theta_dot, reason), now, follow=False)
+
+    def _moved(self, state: ServoState, output: ServoOutput, now: float, *, follow: bool) -> Setpoint:
+        """The setpoint of a step to `state`; StreamError where it is not finite."""
+        assert self.state is not None
+        before = self.state.theta
+        if not np.isfinite([state.theta, state.theta_dot, output.theta_dot]).all():
+            raise StreamError(Ending.SERVO_FAILED, f"its setpoint is not finite: rates {output.theta_dot.tolist()}")
+        self.state = state
+        self._watch.follow(self.state.theta, now)
+        rates, elapsed = output.theta_dot, self._elapsed(now)
+        self._stepped = now
+        if self._observer is not None:
+            rates = self._observer.rates(before, rates, elapsed, follow=follow)
+        return self._setpoint(now, self.state.theta, rates, output)
+
+    def _setpoint(self, now: float, theta: Array, rates: Array, output: ServoOutput) -> Setpoint:
+        setpoint = Setpoint(self._number, now, theta, rates, output, self.interlock.word)
+        self._number += 1
+        return setpoint
+
+    def _send(self, setpoint: Setpoint) -> str:
+        """Hand the setpoint on and count it; why nobody took it. StreamError where the sink fails."""
+        self.tally.statuses[setpoint.output.status] += 1
+        self.tally.reasons[setpoint.output.reason] += 1
+        return call_device(Ending.SINK_FAILED, self._write, setpoint)
+
+    def _write(self, setpoint: Setpoint) -> str:
+        """Hand the setpoint on; why nobody took it, "" where somebody did as far as is known."""
+        self.tally.delivered = False
+        try:
+            self.sink.write(setpoint)
+        except UndeliveredError as error:
+            self.tally.undelivered[str(error)] += 1
+            return str(error)
+        self.tally.delivered = True
+        return ""
+
+    def _write_anyway(self, setpoint: Setpoint) -> None:
+        try:
+            self._write(setpoint)
+        except Exception as error:  # whatever it is, the arm must still be brought to rest
+            self.tally.failures[f"the sink failed: {worded(error)}"] += 1
+
+
+def checked_rate(rate: float, settings: ServoSettings) -> float:
+    """`rate` [Hz]; InputError where it is not positive, or so low that the servo's longest step is under a period."""
+    checked = as_positive(rate, "rate")
+    if 1.0 / checked > settings.longest_dt:
+        raise InputError(
+            f"rate must be at least {1.0 / settings.longest_dt:g} Hz, because no step is longer than "
+            f"{settings.longest_dt:g} s (ServoSettings.longest_dt); got {checked:g} Hz"
+        )
+    return checked

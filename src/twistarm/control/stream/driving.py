@@ -1,0 +1,127 @@
+"""Cycles on the clock, ended as asked or by trouble, and the arm at rest on every way out."""
+
+from __future__ import annotations
+
+import sys
+from collections.abc import Callable
+from contextlib import AbstractContextManager, nullcontext
+from math import inf
+
+from ...support.checks import as_flag, require_method
+from ...support.interrupts import ended_like_ctrl_c
+from .cycles import C, Cycles
+from .failures import StreamError
+from .metronome import LATEST, Metronome, MonotonicClock
+from .protocols import Clock
+from .report import Ending, StreamReport
+
+
+def drive(
+    cycles: Cycles[C],
+    *,
+    clock: Clock | None,
+    handle_signals: bool,
+    on_cycle: Callable[[C], object] | None,
+    longest: float = inf,
+    until: Callable[[], bool] | None = None,
+    before: Callable[[], object] | None = None,
+) -> StreamReport:
+    """Cycles until one says an ending, `longest` [s] are over, `until` answers True or the program is interrupted; the
+    arm then comes to rest. `before` is called before each cycle, and may raise `StreamError`.
+    """
+    time = MonotonicClock() if clock is None else require_method(clock, "clock", "sleep_until")
+    metronome = Metronome(cycles.period)
+    began = time.now()
+    handled: AbstractContextManager[list[int]] = (
+        ended_like_ctrl_c() if as_flag(handle_signals, "handle_signals") else nullcontext([])
+    )
+    with handled:
+        ending, reason = Ending.INTERRUPTED, ""
+        try:
+            ending, reason = _drive(cycles, metronome, time, began + longest, until, before, on_cycle)
+        except KeyboardInterrupt as interrupted:
+            reason = str(interrupted)
+        except StreamError as failed:
+            ending, reason = failed.ending, str(failed)
+        except BaseException as error:
+            come_to_rest(cycles, metronome, time)
+            _note(error, tuple(cycles.tally.failures))
+            raise
+        at_rest = come_to_rest(cycles, metronome, time)
+        return cycles.report(ending, reason, time.now() - began, at_rest)
+
+
+def come_to_rest(cycles: Cycles[C], metronome: Metronome, clock: Clock) -> bool:
+    """Brake cycle by cycle, then rates of 0, written even when Ctrl-C cuts the braking short.
+
+    A clock that leaps ahead ends the braking no sooner: the cycles that it takes in time are made in any case.
+
+    Args:
+        cycles: The loop.
+        metronome: The cycles' times.
+        clock: The clock.
+
+    Returns:
+        Whether the arm is at rest.
+    """
+    require_method(cycles, "cycles", "brake")
+    require_method(metronome, "metronome", "tick")
+    require_method(clock, "clock", "now")
+    try:
+        latest, left = clock.now() + cycles.longest_braking, cycles.longest_braking / cycles.period
+        while not cycles.at_rest and (left > 0.0 or clock.now() < latest):
+            _wait(clock, metronome, inf)
+            now = clock.now()
+            if not abs(now) < LATEST:  # a broken clock
+                break
+            metronome.tick(now)
+            cycles.brake(now)
+            left -= 1.0
+    except KeyboardInterrupt:
+        pass
+    finally:
+        at_rest = cycles.at_rest
+        cycles.halt(clock.now())
+    return at_rest
+
+
+def _drive(
+    cycles: Cycles[C],
+    metronome: Metronome,
+    clock: Clock,
+    end: float,
+    until: Callable[[], bool] | None,
+    before: Callable[[], object] | None,
+    on_cycle: Callable[[C], object] | None,
+) -> tuple[Ending, str]:
+    """Cycles until one of the reasons to end, and which it was."""
+    while True:
+        now, due = clock.now(), metronome.next
+        if now >= end:
+            return Ending.DURATION, ""
+        if until is not None and until():
+            return Ending.DONE, ""
+        periods = metronome.tick(now)
+        if periods != 0:  # else the clock woke us a little early
+            if due > -inf:
+                cycles.tally.lateness.add(now - due)
+            if before is not None:
+                before()
+            cycle = cycles.cycle(now, periods)
+            if on_cycle is not None:
+                on_cycle(cycle)
+            if cycle.ending is not None:
+                return cycle.ending, cycle.reason
+        _wait(clock, metronome, end)
+
+
+def _wait(clock: Clock, metronome: Metronome, end: float) -> None:
+    """Sleep until the next cycle or the end; never longer than a period, though a clock may go back."""
+    clock.sleep_until(min(metronome.next, end, clock.now() + metronome.period))
+
+
+def _note(error: BaseException, failures: tuple[str, ...]) -> None:
+    """Say at the exception on its way what else went wrong, where Python (3.11 on) can."""
+    if sys.version_info >= (3, 11):
+        for failure in failures:
+            error.add_note(f"while the arm came to rest, {failure}")

@@ -1,0 +1,93 @@
+"""The beginning of a followed motion: of the arm's joints, without jumps, inside its limits; and the way to it."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+
+from ....limits.joint_limits import JointLimits
+from ....arm.arm import Arm
+from ....planning import Trajectory, plan_joint
+from ....planning.piecewise import derivative, evaluate
+from ....planning.within import require_within
+from ....support.caller_words import argument, quantity
+from ....support.checks import Array, require
+from ....support.errors import InputError, closest, listed
+
+BEYOND_LIMIT = 1e-6
+"""Beyond a position limit by less [rad, m] is the rounding of a file."""
+
+JUMP = 1e-4
+"""A smaller part of the velocity limit is rounding where a velocity should go on, or be 0."""
+
+
+def motion_of(arm: Arm, trajectory: Trajectory) -> Trajectory:
+    """The trajectory with the arm's joints in their order.
+
+    Raises InputError where it is of other joints, jumps, or does not begin and end at rest; LimitError where it leaves
+    the position limits.
+    """
+    require(trajectory, Trajectory, "trajectory", "as plan_joint returns")
+    motion = _ordered(arm, trajectory)
+    _require_smooth(motion, arm.limits)
+    wide = np.full(arm.n, np.inf)
+    lower, upper = arm.limits.lower - BEYOND_LIMIT, arm.limits.upper + BEYOND_LIMIT
+    positions = replace(arm.limits, lower=lower, upper=upper, velocity=wide, acceleration=wide, jerk=wide)
+    require_within(motion, positions, f"plan it for {arm.name} as it is now")
+    return motion
+
+
+def way_there(arm: Arm, theta: Array, motion: Trajectory) -> Trajectory:
+    """The straight joint move from the measured theta (n,), which may lie a little beyond a limit, to the start."""
+    lower, upper = np.minimum(arm.limits.lower, theta), np.maximum(arm.limits.upper, theta)
+    start = np.clip(motion.waypoints[0], lower, upper)
+    return plan_joint(arm, [theta, start], kind="quintic", limits=replace(arm.limits, lower=lower, upper=upper))
+
+
+def why_elsewhere(arm: Arm, theta: Array, start: Array, near: Array) -> str:
+    """Which joints are farther from the start than `near` (n,) and how far, and what moves them; "" where none is."""
+    away = np.abs(theta - start)
+    if not (away > near).any():
+        return ""
+    far = [f"{arm.joint_names[j]} {quantity(float(away[j]), arm.units[j])}" for j in np.flatnonzero(away > near)]
+    move = argument("approach", True)
+    return f"{', '.join(far)} away; {move} moves it there first"
+
+
+def _ordered(arm: Arm, trajectory: Trajectory) -> Trajectory:
+    given = trajectory.joint_names
+    if sorted(given) != sorted(arm.joint_names):
+        foreign = [name for name in given if name not in arm.joint_names]
+        missing = [name for name in arm.joint_names if name not in given]
+        what = f"{listed(foreign)} are not its own" if foreign else f"it lacks {listed(missing)}"
+        hint = closest(foreign[0], missing) if foreign else ""
+        raise InputError(
+            f"a trajectory for {arm.name} has its joints, {listed(arm.joint_names)}; got {listed(given)}: {what}{hint}"
+        )
+    order = [given.index(name) for name in arm.joint_names]
+    units = tuple(trajectory.units[k] for k in order)
+    if units != arm.units:
+        raise InputError(f"the joints of {arm.name} are in {listed(arm.units)}; those of the trajectory in {units}")
+    return replace(
+        trajectory, joint_names=arm.joint_names, units=units, waypoints=trajectory.waypoints[:, order],
+        coefficients=trajectory.coefficients[:, :, order], actuators=None,
+    )  # fmt: skip
+
+
+def _require_smooth(motion: Trajectory, limits: JointLimits) -> None:
+    durations, ends = np.diff(motion.breakpoints)[:, None], motion.waypoints[[0, -1]]
+    for order, most, what in ((0, BEYOND_LIMIT, "position"), (1, JUMP * limits.velocity, "velocity")):
+        values = derivative(motion.coefficients, order)
+        outside = ends if order == 0 else np.zeros_like(ends)  # what holds before the start and after the end
+        before = np.vstack([outside[:1], evaluate(values, durations)])
+        after = np.vstack([evaluate(values, np.zeros_like(durations)), outside[1:]])
+        jump = np.abs(after - before)
+        if (jump > most).any():
+            k, j = (int(index) for index in np.argwhere(jump > most)[0])
+            unit = motion.units[j] + ("/s" if order else "")
+            raise InputError(
+                f"the {what} of joint {motion.joint_names[j]!r} jumps by {quantity(float(jump[k, j]), unit)} at t = "
+                f"{motion.breakpoints[k]:.4g} s, and no robot can: a motion has no corners, and begins and ends at "
+                "rest; plan one through these positions"
+            )

@@ -1,0 +1,254 @@
+"""One cycle of a followed motion: hold it to where the arm is measured, take its clock on, hand the setpoint on."""
+
+from __future__ import annotations
+
+from collections import deque
+from dataclasses import dataclass, replace
+from math import inf
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from ....arm.arm import Arm
+from ....planning import Trajectory
+from ...servo import ServoOutput, ServoSettings, ServoState, ServoStatus
+from ....support.checks import Array, as_flag, as_floats, as_positive, frozen, require
+from ....support.errors import InputError, shown
+from ..cycles import Cycle, Cycles
+from ..failures import StreamError
+from ..interlock import EMERGENCY_STOP, Interlock
+from ..links.inbox import FEEDBACK_TIMEOUT
+from ..protocols import Feedback, Setpoint, Sink
+from ..report import Ending
+from .beginning import motion_of, way_there, why_elsewhere
+from .control import FollowControl
+from .motion_clock import SLOPE, Leg, MotionClock
+
+TRACKING_TOLERANCE = 0.1
+"""How far a joint may be from where it was commanded to be [rad, m]: nobody steers against it, as with a servo."""
+
+START_TOLERANCE = 0.01
+"""How far from the motion's start a joint may stand [rad, m]: half a degree, or a centimetre."""
+
+PATIENCE = 3.0
+"""Seconds without a joint state, of an arm that has not begun to move or stands, after which the motion is given up."""
+
+SETTLING = 1.0
+"""Seconds at the motion's end within which the arm should be measured there."""
+
+HALF_WAY = 0.5
+"""A clock that runs at less than this can be slowed down at any moment: at a quarter of the accelerations."""
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class FollowCycle(Cycle):
+    """What happened in one cycle of `follow`, and how far the motion is.
+
+    at: where it is on its own time [s], below 0 on the way to its start, by as much as is left of that; `duration` its
+    length [s]; rate: how fast its time runs, 0 … 1. error (n,): how far each joint is from all that was commanded
+    within the last `feedback_timeout` [rad, m], lag (n,): how far from the setpoint that holds now; both None where it
+    is not known. labels: those of the trajectory that were passed in this cycle, such as "close gripper".
+    """
+
+    at: float = 0.0
+    duration: float = 0.0
+    rate: float = 0.0
+    error: Array | None = None
+    lag: Array | None = None
+    labels: tuple[str, ...] = ()
+
+
+class Following(Cycles[FollowCycle]):
+    """A trajectory that is followed cycle by cycle, for loops that have a timer of their own; `follow` has its own.
+
+    The arguments are those of `follow`. `largest_error` (n,): how far each joint was at most from all that was
+    commanded within the last `feedback_timeout`; `largest_lag` (n,): how far from the setpoint that held then [rad, m].
+    """
+
+    def __init__(
+        self,
+        arm: Arm,
+        trajectory: Trajectory,
+        sink: Sink,
+        feedback: Feedback,
+        *,
+        rate: float = 100.0,
+        speed: float = 1.0,
+        approach: bool = False,
+        start_tolerance: ArrayLike = START_TOLERANCE,
+        tolerance: ArrayLike = TRACKING_TOLERANCE,
+        feedback_timeout: float = FEEDBACK_TIMEOUT,
+        velocity_mode: bool = False,
+        control: FollowControl | None = None,
+        interlock: Interlock | None = None,
+    ) -> None:
+        super().__init__(
+            arm, sink, feedback, rate=rate, feedback_timeout=feedback_timeout, tolerance=tolerance,
+            settings=ServoSettings(), velocity_mode=velocity_mode, interlock=interlock,
+        )  # fmt: skip
+        made = FollowControl() if control is None else control
+        self.control = require(made, FollowControl, "control", "as FollowControl() is")
+        self.motion = motion_of(self.arm, trajectory)
+        self._leg = self._main = Leg.of(self._commanded_arm, self.motion)
+        self.speed = as_positive(speed, "speed")
+        if self.speed > 1.0:
+            raise InputError(f"speed is a share of the trajectory's own, above 0 and at most 1; got {shown(speed)}")
+        self.approach = as_flag(approach, "approach")
+        self.largest_error, self.largest_lag = np.zeros(self.arm.n), np.zeros(self.arm.n)
+        self._near = _tolerance_of(start_tolerance, self.arm.n)
+        self._clock = MotionClock(0.0, 0.0)
+        self._astray = False
+        self._seen = self._arrived = inf
+        self._labels = deque(self.motion.labels)
+
+    @property
+    def at(self) -> float:
+        """Where the motion is on its own time [s]; below 0 on the way to its start."""
+        return self._clock.time - (self._leg.motion.duration if self._on_the_way else 0.0)
+
+    @property
+    def pace(self) -> float:
+        """The share of the trajectory's own speed that it is followed at."""
+        return min(self.speed, self._main.rate)
+
+    @property
+    def longest_braking(self) -> float:
+        """Seconds within which the arm must have come to rest along its path, or at once where it has left that."""
+        left = 0.0 if self._astray else (self._leg.motion.duration - self._clock.time) / max(self._clock.rate, HALF_WAY)
+        return super().longest_braking + left + 1.0 / SLOPE
+
+    @property
+    def _on_the_way(self) -> bool:
+        """Whether it is still to come to where the trajectory begins."""
+        return self._leg is not self._main
+
+    def _cycle(self, now: float) -> FollowCycle:
+        measured, theta, blind = self._look(now)
+        self._require_patience(blind, now)
+        if self.state is None and theta is not None:
+            self._begin(theta, now)
+        self._hear(None if blind else measured, now)
+        if self.state is None:
+            self.tally.waited += 1
+            return self._told(now, None, None, blind)
+        lag = None if theta is None else frozen(np.abs(theta - self.state.theta))
+        strayed = "" if theta is None else self._watch.deviation(theta)
+        barrier = self._barrier()
+        self._astray = bool(strayed) or self.interlock.word == EMERGENCY_STOP
+        paused = self.control.pause_reason or ("stopped" if self.control.stopped else "")
+        self.tally.count(blind=blind, barred=barrier, uncommanded="" if barrier else paused)
+        reason = strayed or barrier or blind or self._untimely(now) or paused
+        setpoint = self._braked(now, reason) if self._astray else self._along(now, reason)
+        undelivered = self._send(setpoint)
+        ending, why = self._ending(strayed, theta, now)
+        reason = why or "; ".join(filter(None, (reason, undelivered)))
+        return self._told(now, theta, setpoint, reason, ending, lag)
+
+    def _failed(self, now: float, reason: str, ending: Ending) -> FollowCycle:
+        return self._told(now, None, None, reason, ending)
+
+    def _require_patience(self, blind: str, now: float) -> None:
+        """StreamError where an arm that stands has not been seen for too long."""
+        if not blind or self._seen == inf or now < self._seen:
+            self._seen = now
+        elif self.at_rest and now - self._seen >= PATIENCE:
+            raise StreamError(Ending.FEEDBACK_FAILED, blind)
+
+    def _begin(self, theta: Array, now: float) -> None:
+        """At the measured theta (n,), on the way to the start; StreamError where that is too far."""
+        elsewhere = why_elsewhere(self.arm, theta, self.motion.waypoints[0], self._near)
+        if elsewhere and not self.approach:
+            raise StreamError(Ending.ELSEWHERE, elsewhere)
+        self._start_at(theta, now)
+        self._leg = Leg.of(self._commanded_arm, way_there(self._commanded_arm, theta, self.motion))
+        self._clock = MotionClock(0.0, 0.0)
+
+    def _barrier(self) -> str:
+        """Why the interlock does not allow motion; it pauses the motion, and who enables the arm resumes it."""
+        permission = self.interlock.look()
+        if permission.barrier:
+            self.control.pause(permission.barrier)
+        return permission.barrier
+
+    def _along(self, now: float, hold: str) -> Setpoint:
+        """A step along the path: toward rest where there is a reason to `hold`, else toward the speed that was told."""
+        assert self.state is not None
+        if self._on_the_way and self._clock.time >= self._leg.motion.duration:
+            self._leg, self._clock = self._main, MotionClock(0.0, 0.0)
+        rate, dt = 0.0 if hold else min(self.speed, self._leg.rate), self._elapsed(now)
+        clock = self._clock
+        if self._untimely(now):  # who hears nothing for so long stands by now
+            clock = MotionClock(clock.time, 0.0)
+        elif clock.time == 0.0:  # nothing moves there, at whatever rate
+            clock = MotionClock(0.0, rate)
+        clock = clock.after(dt, self._leg, rate)
+        theta = frozen(self._leg.motion(clock.time))
+        rates = frozen((theta - self.state.theta) / dt)
+        moving = bool(rates.any())
+        output = ServoOutput.stale(rates, hold)
+        if not hold:
+            output = replace(output, status=ServoStatus.OK, scale=1.0)
+        setpoint = self._moved(ServoState(theta, rates), output, now, follow=moving or not hold)
+        self._clock = clock
+        return setpoint
+
+    def _coming_to_rest(self, now: float) -> Setpoint:
+        if self._astray:
+            return super()._coming_to_rest(now)
+        return self._along(now, "coming to rest")
+
+    def _ending(self, strayed: str, theta: Array | None, now: float) -> tuple[Ending | None, str]:
+        """Whether the motion is over, and why."""
+        if strayed:
+            return Ending.STRAYED, strayed
+        if self._astray:
+            return Ending.STOPPED, f"{self.interlock.look().barrier} {self._where}"
+        if self.state is None or self.state.theta_dot.any():
+            return None, ""
+        if self.control.stopped:
+            return Ending.STOPPED, self._where
+        if self._on_the_way or self._clock.time < self.motion.duration:
+            return None, ""
+        self._arrived = min(self._arrived, now)
+        there = theta is not None and bool((np.abs(theta - self.motion.waypoints[-1]) <= self._near).all())
+        return (Ending.ARRIVED, "") if there or now - self._arrived >= SETTLING else (None, "")
+
+    def _passed(self) -> tuple[str, ...]:
+        """The labels that the motion has come to since they were last asked for."""
+        passed = []
+        while self.state is not None and self._labels and self._labels[0][0] <= self.at:
+            passed.append(self._labels.popleft()[1])
+        return tuple(passed)
+
+    @property
+    def _where(self) -> str:
+        if self._on_the_way:
+            return "on the way to where it begins"
+        return f"at {self.at:.2f} s of {self.motion.duration:.2f} s"
+
+    def _told(
+        self,
+        now: float,
+        theta: Array | None,
+        setpoint: Setpoint | None,
+        reason: str,
+        ending: Ending | None = None,
+        lag: Array | None = None,
+    ) -> FollowCycle:
+        error = None if theta is None or setpoint is None else self._watch.error(theta)
+        if error is not None:
+            self.largest_error = np.maximum(self.largest_error, error)
+        if lag is not None:
+            self.largest_lag = np.maximum(self.largest_lag, lag)
+        return FollowCycle(
+            now, None, theta, setpoint, reason, ending, self.tally.delivered, self.interlock.word,
+            at=self.at, duration=self.motion.duration, rate=self._clock.rate, error=error, lag=lag,
+            labels=self._passed(),
+        )  # fmt: skip
+
+
+def _tolerance_of(given: ArrayLike, n: int) -> Array:
+    values = as_floats(given, "start_tolerance")
+    if values.shape not in ((), (n,)) or not (values > 0.0).all():
+        raise InputError(f"start_tolerance must be one positive number or {n}, in rad or m; got {shown(given)}")
+    return np.broadcast_to(values, (n,))

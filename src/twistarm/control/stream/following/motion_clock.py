@@ -1,0 +1,126 @@
+"""The clock of a followed motion: how fast its time runs, slowed to rest and sped up inside the limits."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import NamedTuple
+
+import numpy as np
+
+from ....arm.arm import Arm
+from ....planning.piecewise import shifted
+from ....planning.trajectory import Trajectory
+from ....planning.within import stretch_needed
+from ....support.checks import Array
+
+SLOPE = 4.0
+"""How much the rate changes within a second at most: from full speed to rest in a quarter of a second or more."""
+
+HALVINGS = 20
+"""Of the change of rate that is looked for: it is found to a millionth."""
+
+
+class Leg(NamedTuple):
+    """A motion with what limits it: x = C theta + c of its joints and of their motors, in r rows.
+
+    rows (degree + 1, s, r): the coefficients of x, laid out as the motion's. acceleration (r,): the limits; rate: the
+    greatest rate, at most 1, at which velocities and accelerations keep theirs.
+    """
+
+    motion: Trajectory
+    rows: Array
+    acceleration: Array
+    rate: float
+
+    @classmethod
+    def of(cls, arm: Arm, motion: Trajectory) -> Leg:
+        """With the limits of `arm` and of its motors."""
+        motors = arm.actuators
+        limited = None if motors is None else motors.motion_limits(arm.limits)
+        limits = arm.limits if limited is None else limited.limits
+        rows = motion.coefficients if limited is None else motion.coefficients @ limited.C.T
+        no_jerk = replace(limits, jerk=np.full(rows.shape[-1], np.inf))
+        stretch = float(stretch_needed(rows, np.diff(motion.breakpoints), no_jerk).max())
+        return cls(motion, rows, limits.acceleration, 1.0 / max(1.0, stretch))
+
+
+class MotionClock(NamedTuple):
+    """Where a motion is: at its own `time` s [s], which runs at `rate` r = ds/dt, from 0 (at rest) to 1 (as planned).
+
+    The joints move at q'(s) r, and accelerate by q'(s) dr/dt + q''(s) r².
+    """
+
+    time: float
+    rate: float
+
+    def after(self, dt: float, leg: Leg, target: float) -> MotionClock:
+        """The clock `dt` [s] later, its rate nearer to `target` by as much as the slope and the limits allow.
+
+        The rate changes evenly over dt. As large a change is taken as keeps every joint and motor within its
+        acceleration limit at each moment of dt, by bounds of q' and q'' over all of it; none is needed for that,
+        because the motion keeps the limits at the leg's rate, and does so the more at a lower one. Where a joint brakes
+        at its limit already, the clock cannot be slowed for now.
+        """
+        change = float(np.clip(target - self.rate, -SLOPE * dt, SLOPE * dt))
+        if change:
+            bounds = Bounds.of(leg, self.time, self.time + max(self.rate, self.rate + change) * dt)
+            change *= bounds.largest_share(self.rate, change, dt, leg.acceleration)
+        rate = target if change == target - self.rate else self.rate + change
+        return MotionClock(min(self.time + 0.5 * (self.rate + rate) * dt, leg.motion.duration), rate)
+
+
+class Bounds(NamedTuple):
+    """Between what x' and x'' stay on a stretch of a leg, each (r,)."""
+
+    lowest_velocity: Array
+    highest_velocity: Array
+    lowest_acceleration: Array
+    highest_acceleration: Array
+
+    @classmethod
+    def of(cls, leg: Leg, begin: float, end: float) -> Bounds:
+        """From `begin` to `end` [s], by the Taylor series about the middle of each piece's part of it."""
+        knots = leg.motion.breakpoints
+        first = int(np.clip(np.searchsorted(knots, begin, side="right") - 1, 0, len(knots) - 2))
+        last = int(np.clip(np.searchsorted(knots, end, side="left") - 1, first, len(knots) - 2))
+        pieces = slice(first, last + 1)
+        starts, ends = knots[pieces], knots[first + 1 : last + 2]
+        low, high = np.clip(begin, starts, ends) - starts, np.clip(end, starts, ends) - starts
+        series = shifted(leg.rows[:, pieces], 0.5 * (low + high))[::-1]
+        half = 0.5 * (high - low)
+        return cls(*_enclosed(_derivative(series), half), *_enclosed(_derivative(_derivative(series)), half))
+
+    def largest_share(self, rate: float, change: float, dt: float, limit: Array) -> float:
+        """How much of a change of rate over dt keeps the accelerations below `limit`, 0 … 1: they are a convex
+        function of it, and whatever they are without it is allowed.
+        """
+        allowed = np.maximum(limit, self._acceleration(rate, 0.0, dt))
+        if (self._acceleration(rate, change, dt) <= allowed).all():
+            return 1.0
+        share, step = 0.0, 0.5
+        for _ in range(HALVINGS):
+            if (self._acceleration(rate, (share + step) * change, dt) <= allowed).all():
+                share += step
+            step *= 0.5
+        return share
+
+    def _acceleration(self, rate: float, change: float, dt: float) -> Array:
+        """The largest |x' dr/dt + x'' r²| (r,) on the stretch while the rate changes evenly."""
+        slope, square = change / dt, max(rate, rate + change) ** 2
+        along = slope * self.lowest_velocity, slope * self.highest_velocity
+        highest = np.maximum(*along) + np.maximum(self.highest_acceleration, 0.0) * square
+        lowest = np.minimum(*along) + np.minimum(self.lowest_acceleration, 0.0) * square
+        worst: Array = np.maximum(highest, -lowest)
+        return worst
+
+
+def _derivative(series: Array) -> Array:
+    powers = np.arange(1.0, len(series))
+    return series[1:] * powers[:, None, None] if len(series) > 1 else np.zeros_like(series)
+
+
+def _enclosed(series: Array, half: Array) -> tuple[Array, Array]:
+    """The least and the greatest value (r,) within `half` (s,) of where the series are about, or beyond them."""
+    powers = np.arange(1.0, len(series))
+    spread = (np.abs(series[1:]) * half[:, None] ** powers[:, None, None]).sum(axis=0)
+    return (series[0] - spread).min(axis=0), (series[0] + spread).max(axis=0)

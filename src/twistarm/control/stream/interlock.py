@@ -1,0 +1,128 @@
+"""Enable, stop and emergency stop: whether a stream may move its arm, whoever says so."""
+
+from __future__ import annotations
+
+import threading
+from typing import NamedTuple, Protocol, runtime_checkable
+
+from ...support.checks import as_flag, require, require_choice
+from ...support.errors import one_line
+
+ENABLED, STOPPED, EMERGENCY_STOP = "enabled", "stopped", "emergency stop"
+
+WORDS = ("enable", "stop", "emergency stop", "clear")
+"""What messages may say to an interlock."""
+
+STATES = (ENABLED, STOPPED, EMERGENCY_STOP)
+"""What an interlock, or a robot of itself, may be."""
+
+LONGEST_REASON = 200
+"""Characters of a reason that is kept: it may come from outside, and stands in every message."""
+
+
+class Permission(NamedTuple):
+    """Whether the arm may move: `word` is "enabled", "stopped" or "emergency stop", `reason` why it is no other."""
+
+    word: str
+    reason: str
+
+    @property
+    def barrier(self) -> str:
+        """Why the arm may not move, "" where it may."""
+        return "" if self.word == ENABLED else ": ".join(filter(None, self))
+
+
+class Interlock:
+    """Whether an arm may move, as operators, messages and programs have last said. Thread-safe.
+
+    Enabled at the start unless `enabled` is False. Where it does not allow motion, `run` brings the arm to rest as fast
+    as its acceleration limits allow, and holds it there whatever is commanded; the stream goes on. An emergency stop
+    is latched: `enable` does nothing until `clear` was said, which moves nothing by itself (ISO 13850, 4.1.4). This is
+    a mechanism of software, and takes no hardware's place.
+    """
+
+    def __init__(self, *, enabled: bool = True) -> None:
+        self._lock = threading.Lock()
+        self._now = (
+            Permission(ENABLED, "") if as_flag(enabled, "enabled") else Permission(STOPPED, "it waits to be enabled")
+        )
+
+    def enable(self) -> bool:
+        """Let the arm move. Whether it may now: not after an emergency stop that nobody has cleared."""
+        with self._lock:
+            if self._now.word == STOPPED:
+                self._now = Permission(ENABLED, "")
+            return self._now.word == ENABLED
+
+    def stop(self, reason: str = "") -> None:
+        """Bring the arm to rest until `enable`; an emergency stop stays one."""
+        with self._lock:
+            if self._now.word != EMERGENCY_STOP:
+                self._now = Permission(STOPPED, one_line(require(reason, str, "reason", "in words"), LONGEST_REASON))
+
+    def emergency_stop(self, reason: str = "") -> None:
+        """Bring the arm to rest until `clear` and then `enable`; the first reason stands until then."""
+        with self._lock:
+            if self._now.word != EMERGENCY_STOP:
+                self._now = Permission(
+                    EMERGENCY_STOP, one_line(require(reason, str, "reason", "in words"), LONGEST_REASON)
+                )
+
+    def clear(self) -> None:
+        """End an emergency stop: the arm is stopped, and waits for `enable`. Nothing where there is none."""
+        with self._lock:
+            if self._now.word == EMERGENCY_STOP:
+                self._now = Permission(STOPPED, "the emergency stop was cleared; it waits to be enabled")
+
+    def hear(self, word: str, reason: str, fresh: bool = True) -> None:
+        """Obey a message. One that is not fresh may stop the arm, but not let it move again.
+
+        Args:
+            word: One of `WORDS`.
+            reason: The reason for a stop, in words.
+            fresh: Whether the message is recent.
+        """
+        if require_choice(word, WORDS, "word") == "emergency stop":
+            self.emergency_stop(reason)
+        elif word == "stop":
+            self.stop(reason)
+        elif fresh:
+            self.clear() if word == "clear" else self.enable()
+
+    def follow(self, word: str | None, who: str) -> None:
+        """Stop where a robot reports that it is stopped; a robot that reports itself enabled changes nothing.
+
+        Args:
+            word: The robot's own state, or None where it reports none.
+            who: The robot's name, for the reason.
+        """
+        if word is not None and require_choice(word, STATES, "word") == EMERGENCY_STOP:
+            self.emergency_stop(f"{who} is in emergency stop")
+        elif word == STOPPED:
+            self.stop(f"{who} is stopped")
+
+    def look(self) -> Permission:
+        """The word and its reason, of one moment."""
+        return self._now
+
+    @property
+    def allows_motion(self) -> bool:
+        """Whether the arm may move."""
+        return self._now.word == ENABLED
+
+    @property
+    def word(self) -> str:
+        """One of "enabled", "stopped" and "emergency stop"."""
+        return self._now.word
+
+    @property
+    def reason(self) -> str:
+        """Why it is stopped, "" where nobody said and where it is enabled."""
+        return self._now.reason
+
+
+@runtime_checkable
+class Interlocked(Protocol):
+    """A source or feedback whose messages say words to an interlock: the stream's, which is put here when it begins."""
+
+    interlock: Interlock

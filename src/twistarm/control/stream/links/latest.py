@@ -1,0 +1,152 @@
+"""The latest of what senders say: how old it is, and why it does not count."""
+
+from __future__ import annotations
+
+import threading
+import time
+from dataclasses import dataclass, replace
+from math import inf
+from typing import Generic, TypeVar
+
+from ....support.checks import as_number, as_positive, require
+from ....support.errors import InputError, one_line, shown
+
+T = TypeVar("T")
+
+LONGEST_SENDER = 100
+"""Characters of a sender's name in a message."""
+
+
+@dataclass(frozen=True)
+class Look(Generic[T]):
+    """What counts at a moment: the value and its age [s], inf where none arrived, or None and why there is none.
+
+    `last` is what was said last, where all that is against it is its age. `quiet`: nobody ever said anything.
+    """
+
+    value: T | None
+    age: float
+    reason: str
+    last: T | None = None
+    quiet: bool = False
+
+
+@dataclass(frozen=True)
+class _Arrival(Generic[T]):
+    sender: str
+    time: float
+    value: T | None
+    number: int | None
+    reason: str
+
+
+class Latest(Generic[T]):
+    """The latest value and who sent it; older ones are forgotten, so that a flood takes no memory. Thread-safe.
+
+    A value counts for `timeout` [s] (a dead man's switch: it must be repeated), and only where one sender alone spoke
+    within the last `timeout`. What was refused replaces what came before: nonsense stops the arm. Of one sender, a
+    message whose number is not above the last one's is left out, until the sender was silent for a timeout.
+
+    Whoever puts and whoever looks may be threads that wait for their turn, so a stamp may lie before the last look or
+    after it; only the clock of those who look is held to go forward.
+    """
+
+    def __init__(self, timeout: float, what: str) -> None:
+        self.timeout = as_positive(timeout, f"the timeout of a {what}")
+        self._what = what
+        self._lock = threading.Lock()
+        self._latest: _Arrival[T] | None = None
+        self._rival: _Arrival[T] | None = None
+        self._clock = -inf
+        self._ignored = ""
+
+    def put(self, sender: str, value: T, now: float | None = None, number: int | None = None) -> None:
+        """`value` arrived from `sender` at `now` [s], with the sender's own count where it has one.
+
+        Its age counts from `now`, however late it is put here; from the first look on, where that is earlier.
+
+        Args:
+            sender: The sender's name.
+            value: What it said.
+            now: The time of arrival [s]; by default that of `MonotonicClock`, the loop's own.
+            number: The sender's own counter, where it counts.
+        """
+        if number is not None and not isinstance(number, (int, float)):
+            raise InputError(f"number must be a counter, a whole number; got {shown(number)}")
+        self._arrive(_Arrival(_name(sender), moment(now), value, number, ""))
+
+    def refuse(self, sender: str, reason: str, now: float | None = None) -> None:
+        """Something from `sender` that cannot be used arrived at `now` [s].
+
+        Args:
+            sender: The sender's name.
+            reason: The reason, in words.
+            now: The time of arrival [s]; by default that of `MonotonicClock`.
+        """
+        self._arrive(_Arrival(_name(sender), moment(now), None, None, require(reason, str, "reason", "in words")))
+
+    def heard(self, sender: str) -> bool:
+        """Whether the last one who said anything, or the one before, is `sender`."""
+        with self._lock:
+            return self._last_of(_name(sender)) is not None
+
+    def look(self, now: float, of: str = "") -> Look[T]:
+        """What counts at `now` [s]. of: what the reason adds to the words for what is held here."""
+        now = moment(now)
+        with self._lock:
+            self._follow(now)
+            if self._latest is None:
+                return Look(None, inf, self._ignored or f"no {self._what}{of} has arrived", quiet=not self._ignored)
+            age = now - self._latest.time
+            reason = self._why_not(self._latest, age, now, self._what + of)
+            last = None if self._ignored else self._latest.value
+            return Look(None if reason else self._latest.value, age, reason, last)
+
+    def _why_not(self, latest: _Arrival[T], age: float, now: float, what: str) -> str:
+        if not age <= self.timeout:
+            return f"the last {what} is {age:.3g} s old (timeout {self.timeout:g} s){self._ignored}"
+        if self._rival is not None and now - self._rival.time <= self.timeout:
+            return f"two senders of a {what}, {self._rival.sender} and {latest.sender}: stop one of them"
+        return f"{what} from {latest.sender} refused: {latest.reason}" if latest.value is None else ""
+
+    def _arrive(self, new: _Arrival[T]) -> None:
+        with self._lock:
+            last = self._last_of(new.sender)
+            if last is not None and self._outrun(last, new):
+                self._ignored = f"; number {new.number} came after {last.number} and was left out"
+                return
+            if self._latest is not None and self._latest.sender != new.sender:
+                self._rival = self._latest
+            self._latest, self._ignored = new, ""
+
+    def _last_of(self, sender: str) -> _Arrival[T] | None:
+        return next((each for each in (self._latest, self._rival) if each and each.sender == sender), None)
+
+    def _outrun(self, last: _Arrival[T], new: _Arrival[T]) -> bool:
+        if last.number is None or new.number is None or new.time - last.time > self.timeout:
+            return False
+        return new.number <= last.number
+
+    def _follow(self, now: float) -> None:
+        """Where the clock of those who look went back, what arrived in that future is forgotten."""
+        if now < self._clock:
+            self._latest, self._rival = None, None
+            self._ignored = f"time went back by {self._clock - now:.3g} s; no {self._what} has arrived since"
+        self._clock = now
+        self._latest, self._rival = (each and _seen(each, now) for each in (self._latest, self._rival))
+
+
+def moment(now: float | None) -> float:
+    """A time [s], by default that of the system's clock that is never set."""
+    if now is None:
+        return time.monotonic()
+    return now if type(now) is float else as_number(now, "now [s]")
+
+
+def _name(sender: str) -> str:
+    return one_line(require(sender, str, "sender", "the name of who says it"), LONGEST_SENDER)
+
+
+def _seen(arrival: _Arrival[T], now: float) -> _Arrival[T]:
+    """The arrival, not later than `now`, when it was there: else it would count for longer than a timeout."""
+    return arrival if arrival.time <= now else replace(arrival, time=now)

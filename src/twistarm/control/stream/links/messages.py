@@ -1,0 +1,260 @@
+"""The messages of the loop as JSON: commands and joint states in, setpoints out; see docs/streaming.md."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Collection, Mapping, Sequence
+from functools import partial
+from math import isfinite
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from ....arm.arm import Arm, require_arm
+from ...servo import AnyCommand, JogCommand, PoseCommand, TwistCommand
+from ....support.checks import Array, require, require_mapping
+from ....support.errors import InputError, TwistarmError, listed
+from ....support.strict_json import Check, counter, decoded, fields, list_of, number, numbers, one_of, short
+from ....support.strict_json import text as _text
+from ....theory.rotations import from_quaternion_wxyz
+from ..interlock import STATES, WORDS, Interlocked
+from ..motors import MotorSide
+from ..protocols import Setpoint
+
+QUATERNION_TOL = 1e-3
+"""How far a quaternion's length may be from 1: beyond four printed decimals it is something else."""
+
+
+INTERLOCK = b'"interlock"'
+"""What a word to the interlock holds: a look that costs nothing, for every message of a flood."""
+
+
+class CommandMessage(NamedTuple):
+    """A command and its number in the sender's own count, None where it has none."""
+
+    command: AnyCommand
+    number: int | None
+
+
+class StateMessage(NamedTuple):
+    """Measured values by name, of joints [rad, m] or motors, its number in the sender's own count, and whether the
+    robot may move: "enabled", "stopped", "emergency stop", None where it does not say.
+    """
+
+    values: dict[str, float]
+    number: int | None
+    interlock: str | None = None
+
+
+def parse_command(arm: Arm, text: str | bytes) -> CommandMessage:
+    """The command in one JSON message, as `command_of` describes it.
+
+    Args:
+        arm: The arm.
+        text: The message.
+
+    Returns:
+        The command and the sender's counter.
+
+    Raises:
+        InputError: It is not exactly one command.
+    """
+    message = decoded(text)
+    return CommandMessage(command_of(arm, message), message.get("number"))
+
+
+def command_of(arm: Arm, message: Mapping[str, Any]) -> AnyCommand:
+    """The command that a message says, in m, rad and s.
+
+    One of these objects, each with "number", a counter, where the sender counts:
+
+    - {"twist": [vx, vy, vz, wx, wy, wz], "frame": "tool" or "base"}, with "hold": "position", "orientation" or six
+      booleans
+    - {"jog": {"joint": rate}}
+    - {"pose": 4 × 4 numbers, or {"position": [3], "quaternion_wxyz": [4]}}, with "linear_speed", "angular_speed"
+    - {"stop": true}: all joints at rest
+
+    Args:
+        arm: The arm.
+        message: The object.
+
+    Returns:
+        The command.
+
+    Raises:
+        InputError: It is not exactly one command.
+    """
+    require_arm(arm)
+    require_mapping(message, "a command", "{'jog': {'elbow': 0.2}}")
+    kind = next((kind for kind in _COMMANDS if kind in message), None)
+    if kind is None:
+        if "interlock" in message:
+            also = "and may have reason and number"
+            raise InputError(f"a word to the interlock is one of {listed(WORDS)}, {also}; got {short(message)}")
+        raise InputError(f"a command has one of {listed(_COMMANDS)}; got {short(sorted(message))}")
+    needed, optional, build = _COMMANDS[kind]
+    given = fields(message, kind, needed, {**optional, "number": counter})
+    try:
+        return build(arm, given)
+    except InputError:
+        raise
+    except TwistarmError as error:
+        raise InputError(str(error)) from error
+
+
+def heard_word(device: Interlocked, text: bytes, fresh: bool) -> bool:
+    """Whether the text is a word to the device's interlock, {"interlock": one of `WORDS`}, with "reason" if there is
+    one. It is done; one that is not fresh may stop the arm, and not let it move again.
+    """
+    if INTERLOCK not in text:
+        return False
+    try:
+        said = fields(decoded(text), "a word", {"interlock": one_of(WORDS)}, {"reason": _text, "number": _any})
+    except InputError:
+        return False
+    device.interlock.hear(said["interlock"], said.get("reason", ""), fresh)
+    return True
+
+
+def parse_state(arm: Arm, text: str | bytes, motors: MotorSide | None = None) -> StateMessage:
+    """The joint state in {"joint_names": [...], "theta": [...]}, [rad, m], in any order, with "number" if it counts.
+
+    It may tell of some joints alone, and of others that are not the arm's. With "interlock", the robot says whether it
+    may move. Where `motors` are given, it is {"motor_names": [...], "motor": [...]} in their units.
+
+    Args:
+        arm: The arm.
+        text: The message.
+        motors: The motors, where the message is in their units; None for joints.
+
+    Returns:
+        The values by joint, the sender's counter and the robot's interlock.
+
+    Raises:
+        InputError: It is not exactly one joint state.
+    """
+    require_arm(arm)
+    names, value = ("joint_names", "theta") if motors is None else ("motor_names", "motor")
+    needed = {names: list_of(_text), value: numbers}
+    told = fields(decoded(text), "a joint state", needed, {"number": counter, "interlock": one_of(STATES)})
+    known = arm.joint_names if motors is None else motors.names
+    return StateMessage(values_by_name(known, told[names], told[value]), told.get("number"), told.get("interlock"))
+
+
+def values_by_name(known: Collection[str], names: Sequence[str], values: Sequence[float]) -> dict[str, float]:
+    """Values by name, in any order, others among them. What tells of none that is `known` is nobody's trouble.
+
+    Raises InputError for unequal lengths, a known name that is there twice, and its value where that is not finite.
+    """
+    ours = [name for name in names if name in known]
+    if ours and len(names) != len(values):
+        raise InputError(f"a joint state has as many names as values; got {len(names)} names, {len(values)} values")
+    if len(set(ours)) != len(ours):
+        twice = [name for name in dict.fromkeys(ours) if ours.count(name) > 1]
+        raise InputError(f"a joint state names each joint once; twice: {listed(twice)}")
+    given = dict(zip(names, values, strict=False))
+    for name in ours:
+        if not isfinite(given[name]):
+            raise InputError(f"the joint state of {name} must be finite; got {given[name]}")
+    return given
+
+
+def setpoint_message(arm: Arm, setpoint: Setpoint, motors: MotorSide | None = None) -> dict[str, Any]:
+    """The setpoint as a message: positions, rates and the servo's status; those of the motors too where they are given.
+
+    Args:
+        arm: The arm.
+        setpoint: The setpoint.
+        motors: The motors, or None.
+
+    Returns:
+        A mapping that JSON can hold.
+    """
+    require_arm(arm)
+    require(setpoint, Setpoint, "setpoint", "as the loop makes it")
+    message: dict[str, Any] = {
+        "number": setpoint.number,
+        "time": setpoint.time,
+        "joint_names": list(arm.joint_names),
+        "theta": setpoint.theta.tolist(),
+        "theta_dot": setpoint.theta_dot.tolist(),
+        "status": setpoint.output.status.name,
+        "joint": setpoint.output.joint,
+        "scale": float(setpoint.output.scale),
+        "reason": setpoint.output.reason.name,
+        "interlock": setpoint.interlock,
+    }
+    if motors is not None:
+        require(motors, MotorSide, "motors", "the motors' side of an arm")
+        motor, motor_dot = (values.tolist() for values in motors.of(setpoint))
+        message |= {"motor_names": list(motors.names), "motor": motor, "motor_dot": motor_dot, "units": motors.units}
+    return message
+
+
+def followed(
+    device: Interlocked, parse: Callable[[bytes], StateMessage], text: bytes
+) -> tuple[dict[str, float], int | None]:
+    """Values and number of a robot's joint state; where the robot says that it may not move, nor may the stream."""
+    state = parse(text)
+    device.interlock.follow(state.interlock, "the robot")
+    return state.values, state.number
+
+
+def _any(value: Any, name: str) -> Any:
+    return value
+
+
+def _hold(value: Any, name: str) -> Any:
+    if not isinstance(value, (str, list, type(None))):
+        raise InputError(f"hold must be 'position', 'orientation' or six booleans; got {short(value)}")
+    return value
+
+
+def _rates(rates: Any, name: str) -> dict[str, float]:
+    if not isinstance(rates, Mapping) or not rates:
+        raise InputError(f'jog must be {{"joint": rate}}, rates in rad/s or m/s; got {short(rates)}')
+    return {name: number(rate, f"jog of {short(name)}") for name, rate in rates.items()}
+
+
+def _pose(given: Any, name: str) -> Array:
+    g = np.eye(4)
+    if isinstance(given, list) and len(given) == 4:
+        return np.array([numbers(row, f"pose[{k}]", 4) for k, row in enumerate(given)])
+    if not isinstance(given, Mapping):
+        raise InputError(f"pose must be four rows of four numbers, or position and quaternion_wxyz; got {short(given)}")
+    parts = fields(given, "pose", {"position": partial(numbers, size=3), "quaternion_wxyz": partial(numbers, size=4)})
+    quaternion = np.array(parts["quaternion_wxyz"])
+    length = float(np.linalg.norm(quaternion))
+    if not abs(length - 1.0) <= QUATERNION_TOL:
+        raise InputError(f"quaternion_wxyz must have length 1; got {length:.6g}")
+    g[:3, :3], g[:3, 3] = from_quaternion_wxyz(quaternion), parts["position"]
+    return g
+
+
+def _true(value: Any, name: str) -> bool:
+    if value is not True:
+        raise InputError(f"{name} must be true; got {short(value)}")
+    return True
+
+
+def _pose_command(arm: Arm, given: Mapping[str, Any]) -> PoseCommand:
+    speeds = {name: given[name] for name in ("linear_speed", "angular_speed") if name in given}
+    return PoseCommand(given["pose"], (0.0,) * 6, **speeds)
+
+
+_Build = Callable[[Arm, dict[str, Any]], AnyCommand]
+
+_COMMANDS: Mapping[str, tuple[Mapping[str, Check], Mapping[str, Check], _Build]] = {
+    "twist": (
+        {"twist": partial(numbers, size=6), "frame": _any},
+        {"hold": _hold},
+        lambda arm, given: TwistCommand(given["twist"], given["frame"], given.get("hold")),
+    ),
+    "jog": ({"jog": _rates}, {}, lambda arm, given: JogCommand.of(arm, given["jog"])),
+    "pose": (
+        {"pose": _pose},
+        {"linear_speed": number, "angular_speed": number},
+        _pose_command,
+    ),
+    "stop": ({"stop": _true}, {}, lambda arm, given: JogCommand(np.zeros(arm.n))),
+}
+"""By kind: the fields that it needs, those that it may have, what it becomes."""

@@ -1,0 +1,133 @@
+"""Joint states from threads, sockets and topics, merged by name: a sender may know some joints alone."""
+
+from __future__ import annotations
+
+import threading
+from collections.abc import Mapping
+from itertools import islice
+from math import inf
+
+from numpy.typing import ArrayLike
+
+from ....arm.arm import Arm, require_arm
+from ....support.checks import as_theta, frozen, require_mapping
+from ....support.errors import InputError, closest, listed
+from ..motors import motor_side
+from ..protocols import Measured
+from .inbox import FEEDBACK_TIMEOUT
+from .latest import Latest, Look, moment
+
+MOST_OTHERS = 20
+"""Names of others that are kept, for words."""
+
+
+class StateInbox:
+    """A feedback that holds the joint state, put there by `put(sender, state)` from any thread, in parts or whole.
+
+    A joint's value holds for `timeout` [s]; while each joint of the arm has one, theta is known, as of the oldest of
+    them. For each joint the rules are those of `Latest`: one sender alone, its numbers increasing, all forgotten where
+    time goes back. Other names are passed over, and said where theta is unknown. What was refused counts against all
+    joints that its sender has told of, against every joint where it has told of none.
+
+    units: "joint", or "motor" or "counts" where names and values are the motors' (`MotorSide`): they are merged before
+    theta is made of them, so that each motor of a differential may have a message of its own.
+
+    Raises InputError for a timeout that is not positive, and for units that the arm has not.
+    """
+
+    def __init__(self, arm: Arm, timeout: float = FEEDBACK_TIMEOUT, *, units: str = "joint") -> None:
+        self._motors = motor_side(require_arm(arm), units)
+        self.names = arm.joint_names if self._motors is None else self._motors.names
+        what = "joint state" if self._motors is None else "motors' state"
+        self._parts: dict[str, Latest[float]] = {name: Latest(timeout, what) for name in self.names}
+        self.timeout = timeout
+        self._lock = threading.Lock()
+        self._strangers = 0
+        self._others: tuple[str, ...] = ()
+
+    def put(
+        self, sender: str, state: Mapping[str, float] | ArrayLike, now: float | None = None, number: int | None = None
+    ) -> None:
+        """Put in a message with the state of some joints or of all.
+
+        A state that is not finite, or has another shape, is refused.
+
+        Args:
+            sender: The sender's name.
+            state: {joint: value}, or values (n,), base to tip [rad, m].
+            now: The time of arrival [s]; by default that of `MonotonicClock`, the loop's own.
+            number: The sender's own counter, where it counts.
+        """
+        now = moment(now)
+        try:
+            part = self._part(state)
+        except InputError as error:
+            self.refuse(sender, str(error), now)
+            return
+        with self._lock:
+            for name, value in part.items():
+                self._parts[name].put(sender, value, now, number)
+
+    def refuse(self, sender: str, reason: str, now: float | None = None) -> None:
+        """Note that an unusable message has arrived.
+
+        Args:
+            sender: The sender's name.
+            reason: The reason, in words.
+            now: The time of arrival [s]; by default that of `MonotonicClock`.
+        """
+        with self._lock:
+            told = [part for part in self._parts.values() if part.heard(sender)]
+            for part in told or self._parts.values():
+                part.refuse(sender, reason, now)
+
+    def read(self, now: float) -> Measured:
+        """The joint state at `now` [s], or None and which joint it lacks, and why."""
+        now = moment(now)
+        with self._lock:
+            looks = {name: part.look(now) for name, part in self._parts.items()}
+            heard = now - max(look.age for look in looks.values())
+            values = [look.value for look in looks.values() if look.value is not None]
+            if len(values) < len(looks):
+                return Measured(None, heard, self._why_not(looks, now))
+        return Measured(frozen(values) if self._motors is None else self._motors.theta(values), heard)
+
+    def _part(self, state: Mapping[str, float] | ArrayLike) -> dict[str, float]:
+        """The values that count, by name; InputError for what is not finite."""
+        if not isinstance(state, Mapping):
+            whole = as_theta(state, len(self.names), "the joint state", self.names)
+            if whole.ndim != 1:
+                raise InputError(f"the joint state is one configuration ({len(self.names)},); got {whole.shape}")
+            return dict(zip(self.names, whole.tolist(), strict=True))
+        require_mapping(state, "the joint state", "{joint: value}")
+        ours = tuple(name for name in self.names if name in state)
+        if len(ours) < len(state):
+            self._others = tuple(islice((name for name in state if name not in self._parts), MOST_OTHERS))
+        if not ours:
+            self._strangers += 1
+            return {}
+        values = as_theta([state[name] for name in ours], len(ours), f"the joint state of {', '.join(ours)}", ours)
+        return dict(zip(ours, values.tolist(), strict=True))
+
+    def _why_not(self, looks: Mapping[str, Look[float]], now: float) -> str:
+        """Reasons, each with the joints that it is for unless it is for all of them."""
+        groups: dict[str, list[str]] = {}
+        for name, look in looks.items():
+            if look.value is None:
+                stale = self.timeout < look.age < inf
+                groups.setdefault("stale" if stale else look.reason, []).append(name)
+        missing = [name for name, look in looks.items() if look.age == inf]
+        return "; ".join(self._said(names, looks, now) for names in groups.values()) + self._about_others(missing)
+
+    def _said(self, names: list[str], looks: Mapping[str, Look[float]], now: float) -> str:
+        oldest = max(names, key=lambda name: looks[name].age)
+        if len(names) == len(looks):
+            return looks[oldest].reason
+        return self._parts[oldest].look(now, f" of {', '.join(names)}").reason
+
+    def _about_others(self, missing: list[str]) -> str:
+        """Where joints were never heard of: what was told of instead, which may be their names with a slip."""
+        if not missing:
+            return ""
+        told = f"; {self._strangers} messages told of others alone, the last of {listed(self._others, 5)}"
+        return (told if self._strangers else "") + closest(missing[0], self._others)

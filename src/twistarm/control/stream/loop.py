@@ -1,0 +1,129 @@
+"""The loop around the servo, on the clock: commands in, setpoints out, until it is told to end."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from inspect import signature
+from math import inf
+
+from numpy.typing import ArrayLike
+
+from ...arm.arm import Arm
+from ..servo import ServoSettings
+from ...support.checks import as_positive, require, require_callback
+from ...support.errors import InputError, shown
+from .cycles import Cycle
+from .driving import drive
+from .failures import call_device
+from .interlock import Interlock
+from .links.inbox import COMMAND_TIMEOUT, FEEDBACK_TIMEOUT
+from .protocols import Clock, Feedback, Sink, Source
+from .report import Ending, StreamReport
+from .streaming import TOLERANCE, Streaming
+
+
+def run(
+    arm: Arm,
+    source: Source,
+    sink: Sink,
+    feedback: Feedback,
+    *,
+    rate: float = 100.0,
+    command_timeout: float = COMMAND_TIMEOUT,
+    feedback_timeout: float = FEEDBACK_TIMEOUT,
+    tolerance: ArrayLike = TOLERANCE,
+    settings: ServoSettings | Callable[[], ServoSettings] | None = None,
+    velocity_mode: bool = False,
+    interlock: Interlock | None = None,
+    handle_signals: bool = True,
+    duration: float | None = None,
+    until: Callable[[], bool] | None = None,
+    on_cycle: Callable[[Cycle], object] | None = None,
+    clock: Clock | None = None,
+) -> StreamReport:
+    """Stream `source`'s commands through the servo to `sink` at `rate` [Hz] until something ends it.
+
+    Velocity and acceleration limits that the arm does not give are the usual ones (1 rad/s, 3 rad/s²; 0.25 m/s,
+    1 m/s²), and the report says so.
+
+    The servo starts where `feedback` says that the arm is, and waits for that. A command older than `command_timeout`
+    [s] does not count, nor does any while the joint state is older than `feedback_timeout` [s] or a cycle came later
+    than the servo's longest step: the arm comes to rest along its acceleration limits and goes on once all is well,
+    from where it is measured if it had come to rest while the joint state was missing.
+    A joint farther than `tolerance` (one number or (n,)) [rad, m] from all that was commanded within the last
+    `feedback_timeout` ends the stream. While `interlock` does not allow motion, the arm comes to rest in the same way
+    and stands; what it says is in every cycle, every setpoint and the report. Once it is enabled, a command that goes
+    on from before counts as none until the controls were released: a cycle had no command, or a twist or jog of zeros.
+
+    velocity_mode: for robots that take rates alone. What they are told is the servo's rates and a correction toward
+    where the servo is, by a filter that learns each drive's gain and delay from the measured state (`RateObserver`);
+    the servo leaves 15 % of the velocity limits and 10 % of the acceleration limits to it. While nobody commands
+    nothing is corrected, and once the arm stands the servo starts anew where it is measured. `on_cycle` is called
+    between a setpoint and the next cycle, and must be quick.
+
+    settings: of the servo, or a function of nothing that is asked for them before every cycle, so that they may change;
+    where it answers anything else the stream ends.
+
+    handle_signals: SIGTERM (`kill`, a service that is ended) and SIGHUP (a closed terminal) end it as Ctrl-C does, with
+    the signal's name as the reason, and have their usual effect again once it has returned. That is for the main thread
+    and for signals that nobody else handles; a handler of the program's own stays, and may end the stream by `until`.
+
+    However it ends (time, Ctrl-C, a device that fails, an exception of `on_cycle`), the arm comes to rest along its
+    limits and the last setpoint has rates of 0; Ctrl-C once more stops it at once. What devices cannot do (OSError,
+    TwistarmError) stands in the report; other exceptions are raised after that. A setpoint that did not get through
+    (`UndeliveredError`) is counted, and ends nothing.
+
+    Args:
+        arm: The arm.
+        source: Where commands come from.
+        sink: Where setpoints go.
+        feedback: Where the joint state comes from.
+        rate: Cycles per second [Hz].
+        command_timeout: Greatest age of a command [s].
+        feedback_timeout: Greatest age of the joint state [s].
+        tolerance: Greatest distance of a joint from what was commanded, one number or (n,) [rad, m].
+        settings: Settings of the servo, or a function that returns them before every cycle; None for the usual ones.
+        velocity_mode: Whether the robot takes rates alone.
+        interlock: The switch that allows motion, or None.
+        handle_signals: Whether SIGTERM and SIGHUP end the stream.
+        duration: Greatest duration [s]; None for no limit.
+        until: A function whose true result ends the stream, or None.
+        on_cycle: Called with each `Cycle`, or None.
+        clock: The clock, by default the system's monotonic one.
+
+    Returns:
+        The `StreamReport`: cycles, jitter, stale inputs, failures, and how the stream ended.
+
+    Raises:
+        InputError: A rate, timeout, tolerance or duration is not positive, the settings are of another type, or a
+            period is longer than the servo's longest step.
+    """
+    require_callback(until, "until", "nothing")
+    require_callback(on_cycle, "on_cycle", "a Cycle")
+    longest = inf if duration is None else as_positive(duration, "duration")
+    current = _current(settings)
+    streaming = Streaming(
+        arm, source, sink, feedback, rate=rate, command_timeout=command_timeout, feedback_timeout=feedback_timeout,
+        tolerance=tolerance, settings=current(), velocity_mode=velocity_mode, interlock=interlock,
+    )  # fmt: skip
+
+    def take_settings() -> None:
+        streaming.settings = call_device(Ending.SERVO_FAILED, current)
+
+    return drive(
+        streaming, clock=clock, handle_signals=handle_signals, on_cycle=on_cycle, longest=longest, until=until,
+        before=take_settings,
+    )  # fmt: skip
+
+
+def _current(settings: ServoSettings | Callable[[], ServoSettings] | None) -> Callable[[], ServoSettings]:
+    """What gives them at any time, and raises InputError where they are none."""
+    how = "as ServoSettings() is, or a function of nothing that returns one"
+    if callable(settings):
+        try:
+            signature(settings).bind()
+        except (TypeError, ValueError):  # it takes arguments, or nobody can tell
+            raise InputError(f"settings must be a ServoSettings, {how}; got {shown(settings)}") from None
+        return lambda: require(settings(), ServoSettings, "settings", how)
+    given = ServoSettings() if settings is None else settings
+    return lambda: require(given, ServoSettings, "settings", how)

@@ -1,0 +1,106 @@
+"""Cycles on a fixed grid of time: no drift, the missed ones counted, lateness without a list that grows."""
+
+from __future__ import annotations
+
+import time
+from math import ceil, exp, floor, inf, log
+from typing import Any
+
+from ...support.errors import InputError, shown
+
+ROUNDING = 1e-6
+"""Part of a period that is none."""
+
+LATEST = 1e12
+"""Seconds that no clock shows (30,000 years), but one that counts in nanoseconds does."""
+
+FINEST = 1e-6
+"""Lateness [s] below this is none."""
+
+BINS_PER_E = 100
+"""Bins of the lateness within a factor e: percentiles are right to 1 %."""
+
+
+def require_time(value: Any, name: str = "now") -> float:
+    """`value`, a number of seconds; a broken clock's NaN is one too."""
+    if not isinstance(value, float) and not (isinstance(value, int) and abs(value) < LATEST):
+        raise InputError(f"{name} must be seconds of a clock, below {LATEST:g}; got {shown(value)}")
+    return float(value)
+
+
+class MonotonicClock:
+    """The system's clock that is never set."""
+
+    def now(self) -> float:
+        """Seconds since some fixed moment."""
+        return time.monotonic()
+
+    def sleep_until(self, moment: float) -> None:
+        """Return at that moment, at once where it has passed."""
+        left = require_time(moment, "moment") - time.monotonic()
+        if left > 0.0:
+            time.sleep(left)
+
+
+class Metronome:
+    """The grid t₀ + k · period [s], t₀ the first tick; `next` is the time of the next one.
+
+    early: a tick this part of a period before its time belongs to it, for timers of others, which swing about theirs.
+    """
+
+    def __init__(self, period: float, early: float = ROUNDING) -> None:
+        self.period = period
+        self._early = early
+        self.next = -inf
+        self._origin = -inf
+        self._index = 0
+
+    def tick(self, now: float) -> int:
+        """How many periods this cycle stands for: 1 in time, more where some were missed, 0 where it came too early.
+
+        −1 where time went back by a period or more: the grid begins anew.
+
+        Raises InputError for a time that is not finite or 1e12 s and more; the grid stays as it is.
+        """
+        if not abs(require_time(now)) < LATEST:
+            raise InputError(f"now must be seconds of a clock, below {LATEST:g}; got {shown(now)}")
+        if self._origin == -inf:
+            return self._begin(now, 1)
+        phase = (now - self._origin) / self.period
+        index = floor(phase + self._early)
+        periods = index - self._index
+        if periods < 0:
+            return self._begin(now, -1)
+        self._origin = min(self._origin, now - index * self.period)
+        self._index = index
+        self.next = self._origin + (index + 1) * self.period
+        return periods
+
+    def _begin(self, now: float, periods: int) -> int:
+        self._origin, self._index, self.next = now, 0, now + self.period
+        return periods
+
+
+class Lateness:
+    """How long after their time cycles began: a histogram of logarithmic bins."""
+
+    def __init__(self) -> None:
+        self._bins: dict[int, int] = {}
+        self._count = 0
+        self.largest = 0.0
+
+    def add(self, late: float) -> None:
+        """One cycle that began `late` [s]."""
+        index = ceil(log(max(late, FINEST) / FINEST) * BINS_PER_E)
+        self._bins[index] = self._bins.get(index, 0) + 1
+        self._count += 1
+        self.largest = max(self.largest, late)
+
+    def percentile(self, percent: float) -> float:
+        """The lateness [s] that `percent` of the cycles kept within; 0 without cycles."""
+        wanted, seen = self._count * percent / 100.0, 0
+        for index in sorted(self._bins):
+            seen += self._bins[index]
+            if seen >= wanted:
+                return min(self.largest, FINEST * exp(index / BINS_PER_E))
+        return self.largest

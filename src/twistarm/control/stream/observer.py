@@ -1,0 +1,170 @@
+"""The observer of drives that take rates alone: where the joints really are, and what rates lead where they should."""
+
+from __future__ import annotations
+
+from collections import deque
+from dataclasses import replace
+
+import numpy as np
+
+from ...limits.joint_limits import JointLimits
+from ...arm.arm import Arm
+from ...support.checks import Array, frozen
+from .protocols import Measured
+
+GAIN_ERROR = 0.13
+"""Of a drive's rate, at most: what its motor and its gear ratio are off."""
+
+VELOCITY_SHARE, ACCELERATION_SHARE = 0.85, 0.9
+"""Of the arm's limits that the servo plans with: the rest is for gains below 1 and for corrections."""
+
+STIFFNESS = 5.0
+"""Of the position loop [1/s]: an error falls to a third in 0.2 s. It stays steady where a delay is 0.1 s off."""
+
+CORRECTION = 0.15
+"""The fastest correction, as a share of a joint's velocity limit."""
+
+STILL = 1e-3
+"""A joint that is slower than this [rad/s, m/s] should stand, and a correction slower than this is none to it."""
+
+NEAR_AT_REST = 2e-3
+"""A joint that should stand is led to within this of where it should [rad, m], and stands until it is off by twice."""
+
+DELAY, LONGEST_DELAY = 0.07, 0.3
+"""From a setpoint to the joint state that shows its effect [s]: what is thought at first, and at most."""
+
+SPACING = 0.004
+"""Least time between what is remembered of the rates sent [s]."""
+
+HALF_STEP = 0.8e-3
+"""Half a step of an encoder with 12 bits [rad]: a moving joint that is as near to where it should is not corrected."""
+
+FIRST_DEVIATION = np.array([5e-4, 0.15, 0.05])
+"""Standard deviations at first: of a position [rad, m], a gain, a delay [s]."""
+
+WALK = np.array([1.5e-3, 5e-3, 5e-3])
+"""What they change by in a second of motion, as random walks do; the position at rest too."""
+
+NOISE, JITTER = 0.7e-3, 0.006
+"""Standard deviations of what is measured [rad, m], and of its time [s]."""
+
+
+def with_reserve(arm: Arm) -> Arm:
+    """The arm with limits that the servo's rates, divided by the gains, keep within those of `arm`."""
+    given = arm.limits
+    velocity, acceleration = VELOCITY_SHARE * given.velocity, ACCELERATION_SHARE * given.acceleration
+    limits = JointLimits(given.lower, given.upper, velocity, acceleration, given.jerk, given.effort)
+    return replace(arm, limits=limits)
+
+
+class RateObserver:
+    """A Kalman filter for each joint of its position θ, its drive's gain g and the loop's delay D, one for all joints.
+
+    Rates u were sent, h(t) is their integral. θ is where all of them lead, θ' = g u, and what is heard at t shows
+    the joint as θ − g (h(now) − h(t − D)): the delay is in the prediction (a Smith predictor) and not in the loop.
+    A wrong gain leaves an error that stays, a wrong delay one that vanishes at rest, which tells them apart.
+
+    `rates` closes a position loop over it: what the servo wants, and STIFFNESS times how far θ is from where the servo
+    is, divided by the gain, within the arm's velocity and acceleration limits.
+    """
+
+    def __init__(self, arm: Arm) -> None:
+        self._velocity = arm.limits.velocity
+        self._acceleration = arm.limits.acceleration
+        n = arm.n
+        self._x = np.column_stack([np.zeros(n), np.ones(n), np.full(n, DELAY)])
+        self._covariance = np.tile(np.diag(FIRST_DEVIATION**2), (n, 1, 1))
+        self._u = np.zeros(n)
+        self._travel = np.zeros(n)
+        self._history: deque[tuple[float, Array]] = deque()
+        self._heard = -np.inf
+
+    @property
+    def at_rest(self) -> bool:
+        """Whether the drives are told to stand."""
+        return not self._u.any()
+
+    def start(self, theta: Array, now: float) -> None:
+        """At rest at the measured theta (n,); what was learned of the drives stays."""
+        self._x[:, 0] = theta
+        self._covariance[:, 0, :] = self._covariance[:, :, 0] = 0.0
+        self._covariance[:, 0, 0] = FIRST_DEVIATION[0] ** 2
+        self._u = np.zeros_like(self._u)
+        self._history.clear()
+        self._history.append((now, self._travel))
+
+    def hear(self, measured: Measured | None, now: float) -> None:
+        """The cycle at `now` [s] begins; `measured` where there is a joint state that can be used."""
+        self._predict(now)
+        if measured is not None and measured.theta is not None and measured.time > self._heard:
+            self._heard = measured.time
+            self._update(measured.theta, min(measured.time, now))
+
+    def rates(self, theta: Array, theta_dot: Array, elapsed: float, follow: bool = True) -> Array:
+        """The rates u (n,) for drives whose joints should be at theta (n,) now and move at theta_dot (n,) from now on,
+        `elapsed` [s] after those before.
+
+        Where they should not `follow`, theta does not matter: they come to rest as the servo does.
+        """
+        error = theta - self._x[:, 0] if follow else np.zeros_like(theta)
+        resting = np.abs(theta_dot) < STILL
+        standing = resting & (np.abs(self._u) < STILL)
+        near = np.where(standing, 2.0 * NEAR_AT_REST, np.where(resting, NEAR_AT_REST, HALF_STEP))
+        correction = STIFFNESS * (error - np.clip(error, -near, near))
+        correction[resting & (np.abs(correction) < STILL)] = 0.0
+        wanted = theta_dot + np.clip(correction, -CORRECTION * self._velocity, CORRECTION * self._velocity)
+        wanted = np.clip(wanted / self._x[:, 1], -self._velocity, self._velocity)
+        most = self._acceleration * elapsed
+        self._u = frozen(np.clip(wanted, self._u - most, self._u + most))
+        return self._u
+
+    def _predict(self, now: float) -> None:
+        elapsed = now - self._history[-1][0]
+        if elapsed < 0.0:  # the clock went back: what was sent and heard in that future is forgotten
+            self._history.clear()
+            elapsed, self._heard = 0.0, -np.inf
+        step = self._u * elapsed
+        self._travel = self._travel + step
+        if len(self._history) > 1 and now - self._history[-2][0] < SPACING:
+            self._history.pop()
+        self._history.append((now, self._travel))
+        while len(self._history) > 2 and self._history[1][0] < now - 2.0 * LONGEST_DELAY:
+            self._history.popleft()
+        self._x[:, 0] += self._x[:, 1] * step
+        p = self._covariance
+        p[:, 0, :] += step[:, None] * p[:, 1, :]
+        p[:, :, 0] += step[:, None] * p[:, :, 1]
+        moving = np.column_stack([np.ones_like(step), step != 0.0, step != 0.0])
+        p[:, range(3), range(3)] += WALK**2 * elapsed * moving
+
+    def _update(self, theta: Array, heard: float) -> None:
+        position, gain, delay = self._x.T
+        unsure = np.sqrt(self._covariance[:, 2, 2]) + JITTER
+        left = self._travel - self._travelled(heard - delay)
+        # The mean rate over what the delay may be: at a start, the rate at one moment would say nothing of the delay.
+        rate = (self._travelled(heard - delay + unsure) - self._travelled(heard - delay - unsure)) / (2.0 * unsure)
+        error = theta - (position - gain * left)
+        row = np.column_stack([np.ones_like(left), -left, -gain * rate])
+        spread = np.einsum("nij,nj->ni", self._covariance, row)
+        noise = NOISE**2 + (JITTER * rate) ** 2
+        weight = spread / (np.einsum("ni,ni->n", row, spread) + noise)[:, None]
+        self._x += weight * error[:, None]
+        self._x[:, 1] = np.clip(self._x[:, 1], 1.0 - GAIN_ERROR, 1.0 + GAIN_ERROR)
+        self._x[:, 2] = np.clip(self._x[:, 2], 0.0, LONGEST_DELAY)
+        self._covariance -= weight[:, :, None] * spread[:, None, :]
+        self._share_delay()
+
+    def _share_delay(self) -> None:
+        """One delay for all joints, their mean weighted by what each knows of it, and what follows from it for θ and g.
+
+        Joints that are thought to be late by different times would leave the path; a common error only shifts time.
+        """
+        variance = self._covariance[:, 2, 2]
+        common = (self._x[:, 2] / variance).sum() / (1.0 / variance).sum()
+        self._x += self._covariance[:, :, 2] / variance[:, None] * (common - self._x[:, 2:])
+
+    def _travelled(self, moments: Array) -> Array:
+        """h at a moment for each joint (n,)."""
+        times = [time for time, _ in self._history]
+        travels = np.array([travel for _, travel in self._history]).T
+        return np.array([np.interp(t, times, h) for t, h in zip(moments, travels, strict=True)])

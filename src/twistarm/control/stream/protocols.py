@@ -1,0 +1,96 @@
+"""Interfaces of the loop: a source of commands, a sink for setpoints, feedback from the joints, a clock.
+
+Whatever has these methods serves; what must be closed is a context manager as well, and whoever opened it closes it.
+A device that fails raises OSError or a TwistarmError; a sink that nobody hears for now raises `UndeliveredError`.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Protocol
+
+from ..servo import AnyCommand, ServoOutput, ServoState
+from ...support.checks import Array
+from ...support.display import Brief
+from ...support.errors import TwistarmError
+from .interlock import ENABLED
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class Reading(Brief):
+    """What a source has at this moment: a command and its age [s], or None and the reason why there is none.
+
+    `idle`: nobody wants anything, for nobody ever commanded, or the last word was a stop; then silence is no trouble.
+    """
+
+    command: AnyCommand | None
+    age: float
+    reason: str = ""
+    idle: bool = False
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class Measured(Brief):
+    """Where the joints are, theta (n,) [rad, m], and when that was heard [s]; None and a reason where it is unknown."""
+
+    theta: Array | None
+    time: float
+    reason: str = ""
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class Setpoint(Brief):
+    """What the joints are told: rates theta_dot (n,) until the next one, and theta (n,) where they are by then.
+
+    `time` [s] is the clock's when it was computed, `number` counts from 0, `interlock` is the `Interlock`'s word.
+    """
+
+    number: int
+    time: float
+    theta: Array
+    theta_dot: Array
+    output: ServoOutput
+    interlock: str = ENABLED
+
+
+class UndeliveredError(TwistarmError):
+    """A setpoint did not get through, but a later one may: it is counted, and the stream goes on."""
+
+
+class Source(Protocol):
+    """Where commands come from."""
+
+    def read(self, now: float, state: ServoState | None) -> Reading:
+        """The command at `now` [s], without waiting; `state` is where the commanded arm is, None before it is known.
+
+        Args:
+            now: The clock's time [s].
+            state: The commanded arm's state, or None before it is known.
+
+        Returns:
+            The `Reading`: a command, or None and the reason.
+        """
+
+
+class Sink(Protocol):
+    """Where setpoints go."""
+
+    def write(self, setpoint: Setpoint) -> None:
+        """Hand the setpoint on, without waiting. Raises `UndeliveredError` where nobody takes it for now."""
+
+
+class Feedback(Protocol):
+    """Where the joint state comes from."""
+
+    def read(self, now: float) -> Measured | None:
+        """The latest joint state at `now` [s], without waiting; None where none ever arrived."""
+
+
+class Clock(Protocol):
+    """Time that only goes forward [s], and waiting."""
+
+    def now(self) -> float:
+        """Seconds since some fixed moment."""
+
+    def sleep_until(self, moment: float) -> None:
+        """Return at that moment, at once where it has passed."""

@@ -1,0 +1,150 @@
+"""ROS 2's messages as plain data, without ROS: whatever has their fields serves; see examples/ros2/twistarm_servo."""
+
+from __future__ import annotations
+
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from ...arm.arm import Arm
+from ...arm.usual_limits import usually_limited
+from ..servo import AnyCommand, ServoStatus
+from ...support.checks import Array
+from ...support.errors import InputError, listed
+from .cycles import Cycle
+from .links.messages import command_of, values_by_name
+from .protocols import Setpoint
+from .report import Ending, Tally
+
+NANOSECONDS = 10**9
+
+OK, WARN, ERROR = b"\x00", b"\x01", b"\x02"
+"""Levels of a diagnostic_msgs/DiagnosticStatus."""
+
+WAITING = "WAITING"
+"""The status before the first joint state, and after a device has failed."""
+
+
+def positions_of(arm: Arm, message: Any) -> dict[str, float]:
+    """Positions by name of a sensor_msgs/JointState, in any order, of some joints or of others too.
+
+    A message without positions, which may tell of velocities or efforts, tells of none.
+    """
+    if not len(message.position):
+        return {}
+    return values_by_name(arm.joint_names, list(message.name), list(message.position))
+
+
+def twist_of(message: Any) -> list[float]:
+    """The six numbers of a geometry_msgs/Twist, linear part first."""
+    v, w = message.linear, message.angular
+    return [v.x, v.y, v.z, w.x, w.y, w.z]
+
+
+def frame_of(arm: Arm, frame_id: str, unsaid: str) -> str:
+    """Whether the frame_id of a stamped message means "tool" or "base", `unsaid` where it is empty, as the tools for
+    joysticks and keyboards leave it; InputError for any other.
+    """
+    frames = {"": unsaid, arm.tip: "tool", arm.base: "base"}
+    if frame_id not in frames:
+        raise InputError(
+            f"a twist of {arm.name} is given in {arm.base!r} (base) or {arm.tip!r} (tool); got frame_id {frame_id!r}"
+        )
+    return frames[frame_id]
+
+
+def number_of(stamp: Any) -> int | None:
+    """A stamp as a number that increases [ns], None where the sender sets none."""
+    number = int(stamp.sec) * NANOSECONDS + int(stamp.nanosec)
+    return number if number > 0 else None
+
+
+def jog_of(arm: Arm, message: Any, scale: float = 1.0) -> AnyCommand:
+    """The command of a control_msgs/JointJog, whose velocities times `scale` are rates [rad/s, m/s] by name; the other
+    joints at rest.
+    """
+    names, rates = list(message.joint_names), [scale * rate for rate in message.velocities]
+    if len(message.displacements):
+        raise InputError("a jog is driven by velocities; got displacements, which a pose or a trajectory is for")
+    if len(names) != len(rates):
+        raise InputError(f"a jog has a velocity for each joint; got {len(names)} names, {len(rates)} velocities")
+    if len(set(names)) != len(names):
+        raise InputError(f"a jog names each joint once; got {listed(names)}")
+    return command_of(arm, {"jog": dict(zip(names, rates, strict=True))})
+
+
+def pose_of(arm: Arm, message: Any) -> AnyCommand:
+    """The command of a geometry_msgs/PoseStamped, which is given in the base."""
+    if message.header.frame_id != arm.base:
+        raise InputError(f"a pose of {arm.name} is given in {arm.base!r} (base); got {message.header.frame_id!r}")
+    p, q = message.pose.position, message.pose.orientation
+    return command_of(arm, {"pose": {"position": [p.x, p.y, p.z], "quaternion_wxyz": [q.w, q.x, q.y, q.z]}})
+
+
+class TrajectoryPoint(NamedTuple):
+    """A point of a trajectory_msgs/JointTrajectory: positions, velocities, and time_from_start as sec and nanosec."""
+
+    positions: list[float]
+    velocities: list[float]
+    sec: int
+    nanosec: int
+
+
+def trajectory_points(arm: Arm, setpoint: Setpoint, ahead: float) -> list[TrajectoryPoint]:
+    """The setpoint as a point `ahead` [s] from now, and where it moves then, one at which the arm has come to rest.
+
+    All joints brake evenly over the time T that the slowest of them needs, Δθ = θ̇ T / 2, which is the stop that the
+    servo's rates leave room for. Controllers refuse a trajectory that ends with a velocity, and every setpoint is an
+    end; and where no other trajectory follows, the arm comes to rest along its limits by itself, the usual ones where
+    it has none.
+    """
+    if not ahead * NANOSECONDS >= 1.0:
+        raise InputError(f"a trajectory's point lies ahead in time; got {ahead!r} s")
+    limits, theta, rates = usually_limited(arm).limits, setpoint.theta, setpoint.theta_dot
+    braking = float((np.abs(rates) / limits.acceleration).max())
+    points = [_point(theta, rates, ahead)]
+    if braking > 0.0:
+        rest = np.clip(theta + rates * braking / 2.0, np.minimum(limits.lower, theta), np.maximum(limits.upper, theta))
+        points.append(_point(rest, np.zeros(arm.n), ahead + braking))
+    return points
+
+
+def _point(theta: Array, rates: Array, time: float) -> TrajectoryPoint:
+    return TrajectoryPoint(theta.tolist(), rates.tolist(), *divmod(round(time * NANOSECONDS), NANOSECONDS))
+
+
+def status_of(cycle: Cycle) -> tuple[str, str | None, Ending | None, str]:
+    """What is worth a diagnosis at once where it changes: status, joint concerned, ending, the interlock's word."""
+    if cycle.setpoint is None:
+        return WAITING, None, cycle.ending, cycle.interlock
+    return cycle.setpoint.output.status.name, cycle.setpoint.output.joint, cycle.ending, cycle.interlock
+
+
+class Diagnosis(NamedTuple):
+    """What a diagnostic_msgs/DiagnosticStatus holds: level, message, and values by key."""
+
+    level: bytes
+    message: str
+    values: dict[str, str]
+
+
+def diagnosis_of(cycle: Cycle, tally: Tally) -> Diagnosis:
+    """How the stream is at this cycle: an error where the joint state is missing or it has ended."""
+    output = cycle.setpoint.output if cycle.setpoint is not None else None
+    late = tally.lateness
+    status, joint, *_ = status_of(cycle)
+    values = {
+        "status": status,
+        "reason": output.reason.name if output is not None else "",
+        "joint": joint or "",
+        "scale": f"{output.scale:.3f}" if output is not None else "",
+        "interlock": cycle.interlock,
+        "cycles": str(tally.cycles),
+        "missed cycles": str(tally.missed),
+        "late, 99 % [ms]": f"{late.percentile(99.0) * 1e3:.3f}",
+    }
+    if cycle.ending is not None:
+        return Diagnosis(ERROR, f"{cycle.ending.value}: {cycle.reason}", values)
+    if output is None or cycle.theta is None:
+        return Diagnosis(ERROR, cycle.reason, values)
+    return Diagnosis(OK if output.status is ServoStatus.OK else WARN, output.explain(), values)

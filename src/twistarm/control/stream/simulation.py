@@ -1,0 +1,159 @@
+"""Joints that follow setpoints as drives do: late, with limits of velocity and acceleration, and hard stops."""
+
+from __future__ import annotations
+
+import time
+from collections import deque
+from collections.abc import Callable
+from dataclasses import replace
+from math import inf
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from ...arm.arm import Arm, require_arm
+from ...arm.usual_limits import defaults_line, with_defaults
+from ...support.checks import Array, as_floats, as_not_negative, as_number, frozen, require, require_clock
+from ...support.errors import InputError, shown
+from .protocols import Measured, Setpoint
+
+SUBSTEP = 0.002
+"""Longest step of the simulation [s]."""
+
+GAIN = 40.0
+"""Of the drives' position loop [1/s]: an error falls to a third in 25 ms, as with small servo drives."""
+
+HOLD_AFTER = 0.1
+"""Without a new setpoint for so long [s], the drives hold their position and forget the rate."""
+
+VELOCITY_RESERVE, ACCELERATION_RESERVE = 1.2, 2.0
+"""What drives can do beyond the arm's limits: without a reserve a joint that is a moment late never catches up with a
+motion at its limits, and overshoots where that brakes."""
+
+THERE = 1e-9
+"""A joint this near its goal [rad, m] is at it."""
+
+LONGEST_QUEUE = 10_000
+"""Setpoints under way; more is a latency that was given in milliseconds."""
+
+
+class SimulatedJoints:
+    """The joints of `arm`, at rest at `theta` (n,): a sink and a feedback.
+
+    What is written takes effect `latency` [s] later. Each joint then moves with the setpoint's rate and 40 1/s times
+    its position error, within `velocity` and `acceleration` (n,) [rad/s, m/s, and per s²]; where these are not given,
+    within the arm's limits, the usual ones where it has none, and the reserve that drives have. `assumed` says which
+    limits were neither given nor the arm's. At a position limit it stops dead. `step` advances time by hand; `write`
+    and `read` first advance it to now.
+    With a clock of your own, the same calls give the same motion.
+
+    Raises InputError for a latency that is negative, limits that are not positive, a theta of another shape.
+    """
+
+    def __init__(
+        self,
+        arm: Arm,
+        theta: ArrayLike,
+        *,
+        latency: float = 0.0,
+        velocity: ArrayLike | None = None,
+        acceleration: ArrayLike | None = None,
+        clock: Callable[[], float] = time.monotonic,
+    ) -> None:
+        if not 0.0 <= as_number(latency, "latency") < inf:
+            raise InputError(f"latency must be a number of seconds from 0 on; got {latency:g}")
+        self._theta = require_arm(arm).theta_from(theta).copy()
+        if self._theta.ndim != 1:
+            raise InputError(f"theta must be one configuration ({arm.n},); got {self._theta.shape}")
+        self._theta_dot = np.zeros(arm.n)
+        self._latency = latency
+        usual = with_defaults(arm)
+        self._velocity = _limit(velocity, VELOCITY_RESERVE * usual.velocity, "velocity")
+        self._acceleration = _limit(acceleration, ACCELERATION_RESERVE * usual.acceleration, "acceleration")
+        given = {"velocity": velocity, "acceleration": acceleration}
+        known = {name: getattr(usual, name) for name, values in given.items() if values is not None}
+        self.assumed = defaults_line(arm, replace(arm.limits, **known))
+        self._lower, self._upper = arm.limits.lower, arm.limits.upper
+        self._clock = require_clock(clock, "clock")
+        self._now = clock()
+        self._queue: deque[tuple[float, Array, Array]] = deque()
+        self._goal, self._rate, self._heard = self._theta.copy(), np.zeros(arm.n), -inf
+
+    @property
+    def theta(self) -> Array:
+        """Where the joints are (n,) [rad, m], a copy."""
+        return self._theta.copy()
+
+    @property
+    def theta_dot(self) -> Array:
+        """How fast they move (n,) [rad/s, m/s], a copy."""
+        return self._theta_dot.copy()
+
+    def write(self, setpoint: Setpoint) -> None:
+        """Send a setpoint to the drives."""
+        require(setpoint, Setpoint, "setpoint", "as the loop makes it")
+        self._advance()
+        if len(self._queue) >= LONGEST_QUEUE:
+            raise InputError(f"{LONGEST_QUEUE} setpoints are under way: latency is in seconds; got {self._latency:g}")
+        self._queue.append((self._now + self._latency, setpoint.theta, setpoint.theta_dot))
+
+    def read(self, now: float) -> Measured:
+        """Where the joints are now."""
+        self._advance()
+        return Measured(frozen(self._theta), now)
+
+    def step(self, dt: float) -> None:
+        """Let `dt` [s] pass."""
+        end = self._now + as_not_negative(dt, "dt [s]")
+        while self._now < end:
+            self._receive()
+            until = min(end, self._queue[0][0]) if self._queue else end
+            if not self._standing:
+                until = min(until, self._now + SUBSTEP)
+                self._move(until - self._now)
+            self._now = until
+        self._receive()
+
+    def _advance(self) -> None:
+        self.step(max(0.0, self._clock() - self._now))
+
+    def _receive(self) -> None:
+        """Take what has arrived by now; the latest counts."""
+        while self._queue and self._queue[0][0] <= self._now:
+            self._heard, goal, self._rate = self._queue.popleft()
+            self._goal = np.clip(goal, self._lower, self._upper)
+
+    @property
+    def _standing(self) -> bool:
+        """Whether nothing will move until another setpoint arrives."""
+        return not self._theta_dot.any() and not self._rate.any() and bool((self._goal == self._theta).all())
+
+    def _move(self, h: float) -> None:
+        if self._now - self._heard > HOLD_AFTER and self._rate.any():
+            self._rate = np.zeros_like(self._rate)
+        error = self._goal - self._theta
+        # The speed from which the joint can still stop at its goal: v² = 2 a |error|.
+        braking = np.sqrt(2.0 * self._acceleration * np.abs(error))
+        wanted = self._rate + np.clip(GAIN * error, -braking, braking)
+        wanted = np.clip(wanted, -self._velocity, self._velocity)
+        most = self._acceleration * h
+        self._theta_dot += np.clip(wanted - self._theta_dot, -most, most)
+        self._theta += self._theta_dot * h
+        there = (np.abs(self._goal - self._theta) < THERE) & (np.abs(self._theta_dot) < THERE / SUBSTEP)
+        if there.all() and not self._rate.any():
+            self._theta, self._theta_dot = self._goal.copy(), np.zeros_like(self._rate)
+        self._stop_at_limits()
+
+    def _stop_at_limits(self) -> None:
+        inside = np.clip(self._theta, self._lower, self._upper)
+        self._theta_dot[inside != self._theta] = 0.0
+        self._theta = inside
+
+
+def _limit(given: ArrayLike | None, of_arm: Array, name: str) -> Array:
+    if given is None:
+        return of_arm
+    values = as_floats(given, name)
+    if values.shape not in ((), of_arm.shape) or not (values > 0.0).all():
+        raise InputError(f"{name} must be one positive number or {of_arm.size}; got {shown(given)}")
+    return np.broadcast_to(values, of_arm.shape)

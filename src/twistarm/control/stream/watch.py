@@ -1,0 +1,100 @@
+"""The watch on the joint state: fresh, plausible, and where the arm was commanded to be."""
+
+from __future__ import annotations
+
+from math import inf
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from ...limits.joint_limits import AS_GOOD_AS_UNBOUNDED
+from ...arm.arm import Arm
+from ...support.checks import Array, as_floats, as_theta
+from ...support.errors import InputError, shown
+from .protocols import Measured
+
+
+class FeedbackWatch:
+    """Whether what is measured can be used, and whether the arm follows.
+
+    timeout [s]: an older joint state is stale. tolerance (n,) or one number [rad, m]: how far a joint may be from all
+    that was commanded within the last `timeout`; what lags behind by less than that time is no deviation.
+    `returned`: whether the joint state seen last was the first one after a gap longer than `timeout`.
+    """
+
+    def __init__(self, arm: Arm, timeout: float, tolerance: ArrayLike) -> None:
+        self._arm = arm
+        self._timeout = timeout
+        given = as_floats(tolerance, "tolerance")
+        if given.shape not in ((), (arm.n,)) or not (given > 0.0).all():
+            raise InputError(f"tolerance must be one positive number or {arm.n}, in rad or m; got {shown(tolerance)}")
+        self._tolerance = np.broadcast_to(given, (arm.n,))
+        self._heard = inf
+        self.returned = False
+        self._since = -inf
+        self._now: tuple[Array, Array] | None = None
+        self._before: tuple[Array, Array] | None = None
+
+    def look(self, measured: Measured | None, now: float) -> tuple[Array | None, str]:
+        """theta (n,) at `now` [s], or None and why the joint state cannot be used."""
+        theta, reason = self._usable(measured, now)
+        self.returned = False
+        if theta is not None and measured is not None:
+            self.returned = measured.time - self._heard > self._timeout
+            self._heard = measured.time
+        return theta, reason
+
+    def _usable(self, measured: Measured | None, now: float) -> tuple[Array | None, str]:
+        if measured is None:
+            return None, "no joint state has arrived"
+        if measured.theta is None:
+            return None, measured.reason or "the joint state is unknown"
+        age = now - measured.time
+        if not age <= self._timeout:
+            return None, f"the last joint state is {age:.3g} s old (timeout {self._timeout:g} s)"
+        if age < -self._timeout:  # less is a thread that heard it while the loop waited for its turn
+            return None, f"the joint state is {-age:.3g} s from the future: its clock is another, or went back"
+        return self._plausible(measured.theta)
+
+    def forget(self) -> None:
+        """Whatever was commanded counts no more: the servo starts anew from the measured state."""
+        self._before = self._now = None
+
+    def follow(self, theta: Array, now: float) -> None:
+        """Note where the commanded arm is. Two boxes are kept, each over a timeout: what comes and goes costs O(1)."""
+        if not 0.0 <= now - self._since <= self._timeout or self._now is None:
+            self._before, self._now, self._since = self._now, (theta, theta), now
+        else:
+            lower, upper = self._now
+            self._now = np.minimum(lower, theta), np.maximum(upper, theta)
+
+    def error(self, theta: Array) -> Array | None:
+        """How far each joint (n,) is from all that was commanded within the last timeout; None before anything was."""
+        if self._now is None:
+            return None
+        lower, upper = self._now
+        if self._before is not None:
+            lower, upper = np.minimum(lower, self._before[0]), np.maximum(upper, self._before[1])
+        away: Array = np.maximum(np.maximum(lower - theta, theta - upper), 0.0)
+        return away
+
+    def deviation(self, theta: Array) -> str:
+        """Which joint is how far from where it was commanded to be, "" where none is farther than allowed."""
+        away = self.error(theta)
+        if away is None or not (away > self._tolerance).any():
+            return ""
+        j = int(np.argmax(away / self._tolerance))
+        unit = self._arm.units[j]
+        return (
+            f"joint {self._arm.joint_names[j]} is {away[j]:.3g} {unit} from where it was commanded to be "
+            f"(tolerance {self._tolerance[j]:g} {unit}): see why it did not follow, and start again from where it is"
+        )
+
+    def _plausible(self, theta: ArrayLike) -> tuple[Array | None, str]:
+        try:
+            x = as_theta(theta, self._arm.n, "the joint state", self._arm.joint_names)
+        except InputError as error:
+            return None, str(error)
+        if x.ndim != 1 or not (np.abs(x) < AS_GOOD_AS_UNBOUNDED).all():
+            return None, f"the joint state is no position of {self._arm.name}: {x.tolist()}"
+        return x, ""

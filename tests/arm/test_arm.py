@@ -1,0 +1,431 @@
+"""The arm: shapes, batches, coupling, statics, tools, names. Expected values by Pinocchio's own API or by hand."""
+
+from __future__ import annotations
+
+import copy
+import pickle
+from concurrent.futures import ThreadPoolExecutor
+from pathlib import Path
+
+import numpy as np
+import pinocchio as pin
+import pytest
+
+import twistarm
+from twistarm import Arm, JointLimits, arm_from_screws, joints, load_arm, screws
+from twistarm.control.stream import SimulatedJoints
+from twistarm.support.errors import InputError, TwistarmError, UnknownNameError
+from twistarm.viewer.parts.limit_checks import checked_theta
+from urdf_text import joint, robot, two_joints, write
+
+ROUNDING = 1e-12
+"""Some ten products of matrices in double precision."""
+
+FOLLOWER = robot(
+    joint("a", "base_link", "upper", rpy="0 1.5 0"),
+    joint("slide", "upper", "carriage", kind="prismatic", inside='<mimic joint="a" multiplier="0.5" offset="0.1"/>'),
+    joint("b", "carriage", "tool0", inside='<mimic joint="slide" multiplier="-2" offset="0.3"/>', xyz="0.1 0 0"),
+    links=("base_link", "upper", "carriage", "tool0"),
+)
+"""One degree of freedom that moves three joints: a slide at half its value, and a follower of that follower."""
+
+
+def massive(text: str) -> str:
+    """The same robot with 2 kg at the origin of every link's own frame, 0.1 m out along x."""
+    inertial = (
+        '<inertial><origin xyz="0.1 0 0"/><mass value="2"/>'
+        '<inertia ixx="0.01" iyy="0.01" izz="0.01" ixy="0" ixz="0" iyz="0"/></inertial>'
+    )
+    for link in ("base_link", "upper", "carriage", "tool0", "finger"):
+        text = text.replace(f'<link name="{link}"/>', f'<link name="{link}">{inertial}</link>')
+    return text
+
+
+@pytest.fixture
+def follower(tmp_path: Path) -> twistarm.Arm:
+    return load_arm(write(tmp_path, FOLLOWER))
+
+
+def test_mimic_joints_follow_by_our_own_coupling(follower: twistarm.Arm) -> None:
+    assert follower.joint_names == ("a",)
+    assert follower.coupling.A.tolist() == [[1.0], [0.5], [-1.0]]
+    assert np.allclose(follower.coupling.b, [0.0, 0.1, 0.1], atol=1e-15)
+    # By hand with Pinocchio: each joint at the value the multipliers and offsets give.
+    theta = 0.7
+    model = pin.buildModelFromXML(FOLLOWER)
+    data = model.createData()
+    q = np.zeros(3)
+    for name, value in {"a": theta, "slide": 0.5 * theta + 0.1, "b": -2 * (0.5 * theta + 0.1) + 0.3}.items():
+        q[model.idx_qs[model.getJointId(name)]] = value
+    pin.framesForwardKinematics(model, data, q)
+    expected = data.oMf[model.getFrameId("tool0", pin.FrameType.BODY)].homogeneous
+    assert np.allclose(follower.fk([theta]), expected, atol=ROUNDING)
+
+
+def test_home_is_fk_at_zero_and_the_jacobian_of_a_coupled_arm_is_right(follower: twistarm.Arm) -> None:
+    assert np.allclose(follower.home, follower.fk([0.0]), atol=ROUNDING)
+    theta, h = np.array([0.3]), 1e-6
+    difference = (follower.fk(theta + h) - follower.fk(theta - h)) / (2 * h)
+    expected = screws.vee(screws.inverse(follower.fk(theta)) @ difference)
+    assert np.allclose(follower.body_jacobian(theta)[:, 0], expected, atol=1e-9)
+    spatial = screws.vee(difference @ screws.inverse(follower.fk(theta)))
+    assert np.allclose(follower.spatial_jacobian(theta)[:, 0], spatial, atol=1e-9)
+
+
+def test_screws_are_the_space_twists_at_theta_zero(follower: twistarm.Arm) -> None:
+    """Each column from the pose of its joint's child link, found by Pinocchio's walk."""
+    for i, link in enumerate(("upper", "carriage", "tool0")):
+        g = follower.pose([0.0], link)
+        axis = g[:3, 2]
+        column = [*axis, 0, 0, 0] if link == "carriage" else [*np.cross(g[:3, 3], axis), *axis]
+        assert np.allclose(follower.screws[:, i], column, atol=ROUNDING)
+
+
+@pytest.mark.parametrize("shape", [(), (1,), (3,), (2, 3), (0,)])
+def test_every_method_takes_leading_axes(shape: tuple[int, ...], rover: twistarm.Arm) -> None:
+    theta = rover.random_theta(np.random.default_rng(0), shape)
+    n = rover.n
+    assert rover.fk(theta).shape == (*shape, 4, 4)
+    for J in (rover.spatial_jacobian(theta), rover.body_jacobian(theta), rover.hybrid_jacobian(theta)):
+        assert J.shape == (*shape, 6, n)
+    assert rover.joint_torques(theta, np.ones(6)).shape == (*shape, n)
+    assert rover.gravity_torques(theta, payload=1.0).shape == (*shape, n)
+    assert rover.manipulability(theta).singular_values.shape == (*shape, min(6, n))
+    assert {g.shape for g in rover.poses(theta).values()} == {(*shape, 4, 4)}
+    if theta.size:
+        first = theta.reshape(-1, n)[-1]
+        assert np.array_equal(rover.fk(theta).reshape(-1, 4, 4)[-1], rover.fk(first))
+
+
+def test_the_hybrid_jacobian_is_pinocchios_local_world_aligned(rover: twistarm.Arm) -> None:
+    theta = rover.random_theta(np.random.default_rng(1))
+    engine = rover.pinocchio
+    pin.computeJointJacobians(engine.model, engine.data, engine.q(theta))
+    J = pin.getFrameJacobian(
+        engine.model, engine.data, engine.frame_id("tool0"), pin.ReferenceFrame.LOCAL_WORLD_ALIGNED
+    )
+    columns = [engine.model.idx_vs[engine.model.getJointId(name)] for name in rover.joint_names]
+    assert np.allclose(rover.hybrid_jacobian(theta), J[:, columns], atol=ROUNDING)
+
+
+def test_joint_torques_are_the_work_of_the_wrench(rover: twistarm.Arm) -> None:
+    """τ · θ̇ = F · V^b for every θ̇: virtual work."""
+    rng = np.random.default_rng(2)
+    theta, F, rate = rover.random_theta(rng), rng.normal(size=6), rng.normal(size=rover.n)
+    assert np.isclose(rover.joint_torques(theta, F) @ rate, F @ (rover.body_jacobian(theta) @ rate))
+
+
+def test_gravity_torques_are_the_gradient_of_the_potential_energy(tmp_path: Path) -> None:
+    """τ_i = ∂E/∂θ_i with E = −Σ m g · c over every body, followers and off-chain fingers included."""
+    finger = joint("f", "tool0", "finger", kind="prismatic", inside='<mimic joint="a" multiplier="0.2"/>')
+    text = massive(FOLLOWER.replace("</robot>", f'<link name="finger"/>{finger}</robot>'))
+    arm = load_arm(write(tmp_path, text), tip="tool0")
+    gravity, payload, com = np.array([1.0, -2.0, -9.0]), 1.5, np.array([0.02, 0.03, 0.1])
+
+    def energy(theta: float) -> float:
+        poses = arm.poses([theta])
+        total = -sum(2.0 * gravity @ (g @ [0.1, 0, 0, 1])[:3] for g in poses.values())
+        return float(total - payload * gravity @ (poses["tool0"] @ [*com, 1])[:3])
+
+    h = 1e-6
+    expected = (energy(0.4 + h) - energy(0.4 - h)) / (2 * h)
+    torque = arm.gravity_torques([0.4], gravity=gravity, payload=payload, payload_com=com)
+    assert np.isclose(torque[0], expected, atol=1e-7)
+    assert np.isclose(arm.gravity_torques([0.4])[0], arm.gravity_torques([[0.4], [0.2]])[0, 0])
+
+
+def test_manipulability_of_the_planar_two_link_arm() -> None:
+    """Yoshikawa 1985: w = l₁ l₂ |sin θ₂| for the positions of a planar RR arm."""
+    arm = load_arm("rr_planar")
+    l1, l2 = (float(np.linalg.norm(x)) for x in _links_of_rr(arm))
+    theta = np.array([0.4, 0.9])
+    J = arm.hybrid_jacobian(theta)[:2]
+    assert np.isclose(abs(np.linalg.det(J)), l1 * l2 * np.sin(0.9), rtol=1e-12)
+    measure = arm.manipulability(theta, length=1.0)
+    assert measure.singular_values.shape == (2,)
+    assert np.isclose(measure.condition, np.linalg.cond(arm.body_jacobian(theta)))
+    assert np.isclose(measure.yoshikawa, np.sqrt(np.linalg.det(arm.body_jacobian(theta).T @ arm.body_jacobian(theta))))
+    with pytest.raises(InputError, match="length must be positive"):
+        arm.manipulability(theta, length=0.0)
+
+
+def _links_of_rr(arm: twistarm.Arm) -> tuple[np.ndarray, np.ndarray]:
+    first, second = (screws.to_screw(xi).point for xi in arm.screws.T)
+    return (second - first)[:2], (arm.home[:3, 3] - second)[:2]
+
+
+def test_metres_and_radians_meet_in_the_length() -> None:
+    """With slide columns times L and linear rows over L, scaling the whole arm leaves the measure as it was."""
+
+    def build(scale: float) -> twistarm.Arm:
+        home = np.eye(4)
+        home[:3, 3] = np.array([0.4, 0.1, 0.3]) * scale
+        columns = [
+            joints.prismatic([0, 1, 0]),
+            joints.revolute([0, 0, 1], np.zeros(3)),
+            joints.revolute([0, 1, 0], np.array([0.2, 0, 0.1]) * scale),
+        ]
+        return arm_from_screws(np.hstack(columns), home)
+
+    theta, scaled = np.array([0.1, 0.2, 0.3]), np.array([0.3, 0.2, 0.3])
+    small = build(1.0).manipulability(theta).singular_values
+    large = build(3.0).manipulability(scaled).singular_values
+    assert np.allclose(small, large, rtol=1e-12)
+
+
+def test_with_tool_moves_the_tip(rover: twistarm.Arm) -> None:
+    g = screws.exp([0.01, 0.02, 0.1, 0.3, -0.2, 0.5])
+    armed = rover.with_tool(g, "pen")
+    theta = rover.random_theta(np.random.default_rng(3))
+    assert armed.tip == "pen"
+    assert np.allclose(armed.fk(theta), rover.fk(theta) @ g, atol=ROUNDING)
+    assert np.allclose(armed.poses(theta)["pen"], armed.fk(theta), atol=ROUNDING)
+    assert np.allclose(armed.pose(theta, "tool0"), rover.fk(theta), atol=ROUNDING)
+    assert np.allclose(armed.spatial_jacobian(theta), rover.spatial_jacobian(theta), atol=ROUNDING)
+    assert np.allclose(armed.body_jacobian(theta), screws.adjoint(screws.inverse(g)) @ rover.body_jacobian(theta))
+    twice = armed.with_tool(g, "nib")
+    assert np.allclose(twice.fk(theta), rover.fk(theta) @ g @ g, atol=ROUNDING)
+    with pytest.raises(InputError, match="has a frame 'tool0' already"):
+        rover.with_tool(g, "tool0")
+
+
+def test_joints_outside_the_chain_are_set_by_name(rover: twistarm.Arm) -> None:
+    closed, opened = rover.poses(rover.ready), rover.poses(rover.ready, {"finger_left": 0.02})
+    moved = {name for name in closed if not np.allclose(closed[name], opened[name])}
+    assert len(moved) == 2, "the finger and the one that mimics it"
+    with pytest.raises(UnknownNameError, match="no joint outside the chain 'finger'"):
+        rover.poses(rover.ready, {"finger": 0.02})
+
+
+def test_names_and_numbers(rover: twistarm.Arm) -> None:
+    theta = rover.random_theta(np.random.default_rng(4))
+    values = rover.theta_to_dict(theta)
+    assert np.array_equal(rover.theta_from(dict(reversed(values.items()))), theta)
+    assert np.array_equal(rover.theta_from(list(reversed(values)), theta[::-1]), theta)
+    with pytest.raises(UnknownNameError, match="no joint 'elbw' in rover_arm; closest: 'elbow'"):
+        rover.theta_from({"elbw": 1.0})
+    with pytest.raises(InputError, match="no value for joint 'shoulder'"):
+        rover.theta_from({name: 0.0 for name in rover.joint_names if name != "shoulder"})
+    with pytest.raises(InputError, match="2 names but 1 numbers"):
+        rover.theta_from(["slide", "elbow"], [1.0])
+    with pytest.raises(InputError, match="named twice"):
+        rover.theta_from(["slide", "slide"], [1.0, 2.0])
+
+
+THERE = twistarm.Position([0.7, 0, 0.6])
+
+BY_NAME = {
+    "fk": lambda arm, theta: arm.fk(theta),
+    "pose": lambda arm, theta: arm.pose(theta, "forearm"),
+    "poses": lambda arm, theta: arm.poses(theta)["forearm"],
+    "spatial_jacobian": lambda arm, theta: arm.spatial_jacobian(theta),
+    "body_jacobian": lambda arm, theta: arm.body_jacobian(theta),
+    "hybrid_jacobian": lambda arm, theta: arm.hybrid_jacobian(theta),
+    "manipulability": lambda arm, theta: arm.manipulability(theta).singular_values,
+    "joint_torques": lambda arm, theta: arm.joint_torques(theta, np.ones(6)),
+    "gravity_torques": lambda arm, theta: arm.gravity_torques(theta),
+    "by_pinocchio": lambda arm, theta: arm.by_pinocchio(theta)[1],
+    "theta_to_dict": lambda arm, theta: list(arm.theta_to_dict(theta).values()),
+    "solve_ik(theta0=)": lambda arm, theta: twistarm.solve_ik(arm, THERE, theta).theta,
+    "solve_ik(posture=)": lambda arm, theta: twistarm.solve_ik(arm, THERE, posture=theta).theta,
+    "solve_ik_batch(theta0=)": lambda arm, theta: twistarm.solve_ik_batch(arm, [THERE], theta).theta,
+    "ServoState.at": lambda arm, theta: twistarm.ServoState.at(arm, theta).theta,
+    "SimulatedJoints": lambda arm, theta: SimulatedJoints(arm, theta).read(0.0).theta,
+    "what a view shows": lambda arm, theta: checked_theta(arm, theta),
+}
+
+
+@pytest.mark.parametrize("case", BY_NAME)
+def test_a_pose_is_named_wherever_a_theta_is_taken(case: str, rover: twistarm.Arm) -> None:
+    for name, theta in {"zero": np.zeros(5), "stowed": rover.named_states["stowed"], "ready": rover.ready}.items():
+        assert np.array_equal(BY_NAME[case](rover, name), BY_NAME[case](rover, theta))
+    with pytest.raises((UnknownNameError, InputError), match="'ready', 'zero', 'stowed'"):
+        BY_NAME[case](rover, "raedy")
+
+
+BAD_THETA = {
+    "too short": ([0.0, 0.1], r"theta must have shape \(..., 5\): slide, shoulder, .*; got \(2,\)"),
+    "NaN": ([0.0, np.nan, 0, 0, 0], r"theta must be finite; it holds nan at index \[1\]"),
+    "a word": (["a"] * 5, "theta must be an array of real numbers"),
+    "a number": (0.3, r"theta must have shape \(..., 5\)"),
+    "complex": ([1j] * 5, "theta must be an array of real numbers"),
+}
+
+
+@pytest.mark.parametrize("case", BAD_THETA)
+def test_bad_theta(case: str, rover: twistarm.Arm) -> None:
+    theta, message = BAD_THETA[case]
+    for method in (rover.fk, rover.poses, rover.body_jacobian, rover.spatial_jacobian, rover.gravity_torques):
+        with pytest.raises(InputError, match=message):
+            method(theta)
+
+
+WRONG_ARGUMENTS = {
+    "a stack of gravities": (
+        lambda arm: arm.gravity_torques(arm.ready, gravity=np.zeros((2, 3))),
+        "gravity must be one",
+    ),
+    "two payloads": (lambda arm: arm.gravity_torques(arm.ready, payload=[1.0, 2.0]), "payload must be one number"),
+    "a payload below zero": (lambda arm: arm.gravity_torques(arm.ready, payload=-1.0), "payload must not be negative"),
+    "two lengths": (lambda arm: arm.manipulability(arm.ready, length=[1.0, 2.0]), "length must be one number"),
+    "a wrench of three": (lambda arm: arm.joint_torques(arm.ready, np.ones(3)), r"wrench_body must have shape"),
+    "a stack of tools": (lambda arm: arm.with_tool(np.stack([np.eye(4)] * 2), "t"), "must be one pose"),
+    "a number beyond all numbers": (lambda arm: arm.fk([10**400, 0, 0, 0, 0]), "must be an array of real numbers"),
+}
+
+
+@pytest.mark.parametrize("case", WRONG_ARGUMENTS)
+def test_wrong_arguments(case: str, rover: twistarm.Arm) -> None:
+    call, message = WRONG_ARGUMENTS[case]
+    with pytest.raises(InputError, match=message):
+        call(rover)
+
+
+def test_an_unknown_frame_offers_the_closest(rover: twistarm.Arm) -> None:
+    with pytest.raises(UnknownNameError, match=r"no frame 'tool_0' in rover_arm; closest: 'tool0' \(\d+ frames: arm"):
+        rover.pose(rover.ready, "tool_0")
+
+
+def test_random_theta_keeps_the_limits(catalogue_arm: twistarm.Arm) -> None:
+    arm = catalogue_arm
+    theta = arm.random_theta(np.random.default_rng(5), 200)
+    assert arm.limits.contains(theta).all()
+    angle = np.array(arm.units) == "rad"
+    unbounded = np.isinf(arm.limits.lower) & np.isinf(arm.limits.upper)
+    assert (np.abs(theta[:, unbounded & angle]) <= np.pi).all()
+    assert (np.abs(theta[:, unbounded & ~angle]) <= 1).all()
+    assert (np.ptp(theta, axis=0) > 0.8 * np.minimum(np.ptp(np.vstack(arm.sampling_bounds), axis=0), 100)).all()
+
+
+def test_half_bounded_joints_can_be_sampled() -> None:
+    limits = {"lower": {"joint1": 5.0}, "upper": {"joint2": -7.0}}
+    arm = arm_from_screws(np.hstack([joints.revolute([0, 0, 1], np.zeros(3))] * 2), np.eye(4), limits=limits)
+    theta = arm.random_theta(np.random.default_rng(0), 100)
+    assert arm.limits.contains(theta).all()
+    assert (np.ptp(theta, axis=0) > 1).all()
+
+
+def test_ready_is_inside_the_limits_and_well_conditioned(catalogue_arm: twistarm.Arm) -> None:
+    """The one that is computed; a named one is its owner's: the xArm7's home is stretched out."""
+    assert catalogue_arm.limits.contains(catalogue_arm.ready)
+    random = catalogue_arm.random_theta(np.random.default_rng(6), 50)
+    ready = float(catalogue_arm.manipulability(catalogue_arm.computed_ready).condition)
+    assert ready <= np.median(catalogue_arm.manipulability(random).condition)
+
+
+def test_ready_of_an_arm_in_a_plane_is_bent() -> None:
+    """Seven parallel axes move the tool in three directions: stretched out they lose one of those."""
+    xi = np.hstack([joints.revolute([0, 0, 1], [0.1 * i, 0, 0]) for i in range(7)])
+    home = np.eye(4)
+    home[0, 3] = 0.7
+    arm = twistarm.arm_from_screws(xi, home)
+    values = np.linalg.svd(arm.body_jacobian(arm.ready), compute_uv=False)
+    stretched = np.linalg.svd(arm.body_jacobian(np.zeros(7)), compute_uv=False)
+    assert values[2] > 0.03
+    assert stretched[2] < 1e-12
+
+
+def test_an_arm_is_plain_data(rover: twistarm.Arm) -> None:
+    theta = rover.random_theta(np.random.default_rng(7))
+    expected = rover.fk(theta)
+    copy = pickle.loads(pickle.dumps(rover))
+    assert np.array_equal(copy.fk(theta), expected)
+    assert copy.joint_names == rover.joint_names
+    for arm in (rover, copy):
+        for array in (arm.screws, arm.home, arm.coupling.A, arm.limits.lower, arm.ready):
+            with pytest.raises(ValueError, match="read-only"):
+                array[...] = 1.0
+    with pytest.raises(AttributeError):
+        rover.name = "other"  # type: ignore[misc]
+
+
+def test_threads_do_not_disturb_each_other(rover: twistarm.Arm) -> None:
+    theta = rover.random_theta(np.random.default_rng(8), 400)
+    expected = rover.fk(theta)
+    with ThreadPoolExecutor(4) as pool:
+        results = list(pool.map(rover.fk, theta))
+    assert np.array_equal(np.array(results), expected)
+
+
+def test_an_arm_by_hand_answers_without_a_description() -> None:
+    """MLS example 3.1: the SCARA arm by hand, and from our URDF of it."""
+    scara = load_arm("scara")
+    by_hand = arm_from_screws(scara.screws, scara.home, joints=scara.joint_names, name="scara_by_hand")
+    theta = scara.random_theta(np.random.default_rng(9), 20)
+    assert np.allclose(by_hand.fk(theta), scara.fk(theta), atol=ROUNDING)
+    assert np.allclose(by_hand.body_jacobian(theta), scara.body_jacobian(theta), atol=ROUNDING)
+    assert np.allclose(by_hand.spatial_jacobian(theta), scara.spatial_jacobian(theta), atol=ROUNDING)
+    assert by_hand.joint_types == ("revolute", "revolute", "revolute", "prismatic")
+    g, J = by_hand._fk_and_body_jacobian(theta[0])
+    assert np.allclose(g, scara.fk(theta[0]), atol=ROUNDING)
+    assert np.allclose(J, scara.body_jacobian(theta[0]), atol=ROUNDING)
+    with pytest.raises(TwistarmError, match="made from screws, not from a description"):
+        by_hand.gravity_torques(theta[0])
+
+
+BY_HAND = {
+    "no columns": (np.zeros((6, 0)), r"screws must have shape \(6, n\)"),
+    "rows for columns": (np.zeros((2, 6)), r"screws must have shape \(6, n\)"),
+    "a zero column": (np.zeros((6, 1)), "must not have a zero column"),
+}
+
+
+@pytest.mark.parametrize("case", BY_HAND)
+def test_bad_screws(case: str) -> None:
+    xi, message = BY_HAND[case]
+    with pytest.raises(InputError, match=message):
+        arm_from_screws(xi, np.eye(4))
+
+
+def test_bad_homes_and_names() -> None:
+    xi = joints.revolute([0, 0, 1], np.zeros(3))
+    with pytest.raises(InputError, match=r"home must be one pose \(4, 4\); got \(2, 4, 4\)"):
+        arm_from_screws(xi, np.stack([np.eye(4)] * 2))
+    with pytest.raises(InputError, match="limits must be those of 1 joints; got 3"):
+        arm_from_screws(xi, np.eye(4), limits=JointLimits.unbounded(3))
+    with pytest.raises(InputError, match=r"home is not in SE\(3\)|rotation of the home is not in SO\(3\)"):
+        arm_from_screws(xi, np.diag([2.0, 1, 1, 1]))
+    with pytest.raises(InputError, match="joints must be 1 different names"):
+        arm_from_screws(xi, np.eye(4), joints=["a", "b"])
+
+
+def test_a_single_joint_keeps_its_shapes(tmp_path: Path) -> None:
+    arm = load_arm(write(tmp_path, robot(joint("a", "base_link", "tool0"), links=("base_link", "tool0"))))
+    assert arm.body_jacobian([0.1]).shape == (6, 1)
+    assert arm.manipulability([0.1]).singular_values.shape == (1,)
+
+
+def test_limits_that_were_not_given_are_infinite_and_never_zero() -> None:
+    limits = JointLimits(*np.zeros((6, 2)))
+    assert np.isinf(limits.velocity).all()
+    assert np.isinf(limits.effort).all()
+    with pytest.raises(InputError, match="limits.velocity must not be negative"):
+        JointLimits.unbounded(2).with_({"velocity": -1.0}, ("a", "b"))
+
+
+def test_the_reach_counts_turning_joints_only(tmp_path: Path) -> None:
+    assert np.isclose(load_arm(write(tmp_path, two_joints())).reach, 0.5)
+    sliding = robot(joint("s", "base_link", "upper", kind="prismatic"), joint("b", "upper", "tool0", xyz="3 0 0"))
+    assert load_arm(write(tmp_path, sliding)).reach == 1.0, "one joint at the tool: a metre stands for it"
+
+
+def test_an_unbounded_thread_is_sampled_over_a_metre_of_travel() -> None:
+    xi = np.hstack([joints.helical([0, 0, 1], [0.1, 0, 0], 0.005), joints.helical([0, 0, 1], [0, 0, 0], 2.0)])
+    arm = twistarm.arm_from_screws(xi, np.eye(4))
+    assert np.allclose(arm.sampling_bounds[1], [200.0, np.pi])
+
+
+def test_what_it_holds_cannot_be_changed_also_after_pickling(rover: Arm) -> None:
+    for arm in (rover, pickle.loads(pickle.dumps(rover)), copy.deepcopy(rover), rover.with_tool(np.eye(4), "pen")):
+        assert set(arm.named_states) == set(rover.named_states) != set()
+        with pytest.raises(TypeError):
+            arm.named_states["ready"] = np.zeros(5)  # type: ignore[index]
+        with pytest.raises(TypeError):
+            arm.couplings["shoulder"] = None  # type: ignore[index]
+        assert not any(theta.flags.writeable for theta in arm.named_states.values())
+
+
+@pytest.mark.parametrize("name", ["", " ", None])
+def test_a_tool_needs_a_name(name: object, rover: Arm) -> None:
+    with pytest.raises(InputError, match="the tool's name must be a text, and not an empty one; got"):
+        rover.with_tool(np.eye(4), name)  # type: ignore[arg-type]

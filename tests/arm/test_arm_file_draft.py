@@ -1,0 +1,186 @@
+"""The first arm.toml: it loads as the same arm, says what was found, and leaves open what only the team knows."""
+
+from __future__ import annotations
+
+import re
+import sys
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import twistarm
+from catalogue import load
+from test_loading import REAL
+from twistarm import Arm, DescriptionError, InputError, load_arm
+from twistarm.description.document import Reading
+from twistarm.description.tree import Description
+from twistarm.description.urdf import build_description
+from twistarm.arm.loading.arm_file_draft import draft_arm_file
+from urdf_text import joint, robot, two_joints, write
+
+if sys.version_info >= (3, 11):
+    import tomllib
+else:
+    import tomli as tomllib
+
+OWN = ("rover_arm", "rover_arm_6dof", "rr_planar", "scara", "elbow", "stanford")
+
+
+def same(arm: Arm, other: Arm) -> None:
+    assert (arm.name, arm.base, arm.tip, arm.joint_names) == (other.name, other.base, other.tip, other.joint_names)
+    assert arm.limits.lower.tolist() == other.limits.lower.tolist()
+    assert arm.limits.velocity.tolist() == other.limits.velocity.tolist()
+    assert np.array_equal(arm.home, other.home)
+    assert np.array_equal(arm.screws, other.screws)
+    assert np.array_equal(arm.ready, other.ready)
+    assert arm.disabled_pairs == other.disabled_pairs
+    theta = other.random_theta(np.random.default_rng(1), 3)
+    assert np.allclose(arm.fk(theta), other.fk(theta), atol=1e-14)
+
+
+@pytest.mark.parametrize("name", REAL)
+def test_real_arms_load_from_their_draft_as_the_same(name: str, models: Path, tmp_path: Path) -> None:
+    file, arguments, tip, n = REAL[name]
+    draft = draft_arm_file(models / file, tmp_path, tip=tip, xacro_args=arguments)
+    assert draft.unclear == ""
+    arm = load_arm(write(tmp_path, draft.text, "arm.toml"))
+    assert arm.n == n
+    same(arm, load_arm(models / file, tip=tip, xacro_args=arguments))
+
+
+@pytest.mark.parametrize("name", OWN)
+def test_our_own_descriptions_without_their_arm_toml(name: str, tmp_path: Path) -> None:
+    description = load(name).description
+    assert description is not None
+    assert description.path is not None
+    tip = load(name).tip_link
+    draft = draft_arm_file(description.path, tmp_path, tip=tip)
+    same(load_arm(write(tmp_path, draft.text, "arm.toml")), load_arm(description.path, tip=tip))
+
+
+def test_what_stands_in_it(tmp_path: Path) -> None:
+    limit = '<limit lower="0" upper="0" velocity="0" effort="3"/>'
+    write(tmp_path, two_joints(inside=limit))
+    (tmp_path / "config").mkdir()
+    state = '<group_state name="home"><joint name="a" value="0"/><joint name="b" value="0.5"/></group_state>'
+    write(tmp_path / "config", f'<robot name="tiny">{state}</robot>', "arm.srdf")
+    write(tmp_path / "config", "joint_limits: {}", "joint_limits.yaml")
+    text = draft_arm_file(tmp_path / "arm.urdf", tmp_path).text
+    content = tomllib.loads(text)
+    assert content["name"] == "tiny"
+    assert (content["source"], content["base"], content["tip"]) == ("arm.urdf", "base_link", "tool0")
+    assert content["srdf"] == "config/arm.srdf"
+    assert set(content) == {"name", "source", "base", "tip", "srdf", "limits", "poses"}
+    arm = load_arm(tmp_path / "arm.urdf")
+    assert content["poses"]["ready"] == dict(zip(("a", "b"), arm.ready.tolist(), strict=True))
+    condition = float(arm.manipulability(arm.ready).condition)
+    for line in (
+        '# joint_limits = "config/joint_limits.yaml"',
+        "# a [rad]: lower 0, upper 0, effort 3",
+        "# a.velocity = ?",
+        "# a.acceleration = ?",
+        "# b [rad]: lower -1, upper 1, velocity 2, effort 3",
+        "# Joints that stand still, and where [rad or m]: their limits leave these no room.\n# [locked]\n# a = 0.0",
+        f"condition number {condition:.1f}.",
+        '# From the SRDF: "home".',
+        "# ratio = { a = 100.0, b = -100.0 }",
+    ):
+        assert line in text
+    assert "# b.velocity" not in text
+
+
+def test_its_examples_are_what_an_arm_toml_takes(tmp_path: Path) -> None:
+    """With every # before an entry taken away, and a number for every question, it still loads."""
+    write(tmp_path, two_joints())
+    text = draft_arm_file(tmp_path / "arm.urdf", tmp_path).text
+    filled = re.sub(r'^# ([\w."]+ = .*|\[.*\])$', r"\1", text, flags=re.M).replace("= ?", "= 2.5")
+    filled = re.sub(r"\[locked\]\na = 0.0\n", "", filled)
+    arm = load_arm(write(tmp_path, filled, "arm.toml"))
+    assert arm.tip == "pen"
+    assert arm.limits.acceleration.tolist() == [2.5, 2.5]
+    assert arm.actuators is not None
+    assert arm.actuators.names == ("left", "right")
+    assert arm.actuators.undriven == ()
+    assert arm.actuators.limits.velocity.tolist() == [300.0, 300.0]
+
+
+def test_xacro_arguments_with_defaults_and_the_required_ones(tmp_path: Path) -> None:
+    body = two_joints().replace("<robot ", '<robot xmlns:xacro="http://www.ros.org/wiki/xacro" ')
+    arguments = '<xacro:arg name="model" default=""/><xacro:arg name="side" default="le&quot;ft"/>'
+    use = '<link name="$(arg model)$(arg needed)"/><joint name="m" type="fixed"><parent link="tool0"/>'
+    use += '<child link="$(arg model)$(arg needed)"/></joint>'
+    path = write(tmp_path, body.replace("</robot>", arguments + use + "</robot>"), "arm.urdf.xacro")
+    with pytest.raises(DescriptionError, match="missing xacro argument needed"):
+        draft_arm_file(path, tmp_path)
+    draft = draft_arm_file(path, tmp_path, xacro_args={"needed": "x\\1", "model": "mk3"})
+    content = tomllib.loads(draft.text)
+    assert content["xacro_args"] == {"model": "mk3", "needed": "x\\1"}
+    assert '# side = "le\\"ft"' in draft.text
+    assert 'needed = "x\\\\1"  # required' in draft.text
+    assert "mk3x\\1" in load_arm(write(tmp_path, draft.text, "arm.toml")).frame_names
+
+
+def test_without_a_clear_tip_the_candidates_stand_in_it(tmp_path: Path) -> None:
+    parts = joint("a", "base_link", "upper"), joint("b c", "upper", "left"), joint("d", "upper", "right tip")
+    write(tmp_path, robot(*parts, links=("base_link", "upper", "left", "right tip")))
+    draft = draft_arm_file(tmp_path / "arm.urdf", tmp_path)
+    assert "several links could be the tip: 'left' (2 joints), 'right tip' (2 joints)" in draft.unclear
+    path = write(tmp_path, draft.text, "arm.toml")
+    with pytest.raises(DescriptionError, match="several links could be the tip"):
+        load_arm(path)
+    assert '# "b c" = 0.0' in draft.text
+    for tip, names in (("left", ("a", "b c")), ("right tip", ("a", "d"))):
+        chosen = draft.text.replace(f'# tip = "{tip}"', f'tip = "{tip}"')
+        assert load_arm(write(tmp_path, chosen, "arm.toml")).joint_names == names
+    assert load_arm(write(tmp_path, draft_arm_file(tmp_path / "arm.urdf", tmp_path, tip="left").text, "x.toml")).n == 2
+
+
+def test_names_that_toml_must_quote(tmp_path: Path) -> None:
+    names = ("a.b", 'q"uote', "ünder", "de\x7fl", "1")
+    links = ("base_link", *(f"l{i}" for i in range(4)), "tool0")
+    parts = [
+        joint(name.replace('"', "&quot;"), parent, child)
+        for name, parent, child in zip(names, links, links[1:], strict=False)
+    ]
+    write(tmp_path, robot(*parts, links=links, name="r&quot;o\\b"))
+    arm = load_arm(write(tmp_path, draft_arm_file(tmp_path / "arm.urdf", tmp_path).text, "arm.toml"))
+    assert arm.joint_names == names
+    assert arm.name == 'r"o\\b'
+    assert "ready" in arm.named_states
+
+
+def test_paths_are_written_from_the_folder_it_stands_in(tmp_path: Path) -> None:
+    folders = tmp_path / "description", tmp_path / "team" / "arm"
+    for folder in folders:
+        folder.mkdir(parents=True)
+    path = write(folders[0], two_joints())
+    text = draft_arm_file(path, folders[1], package_dirs=[tmp_path / "description"]).text
+    content = tomllib.loads(text)
+    assert content["source"] == "../../description/arm.urdf"
+    assert content["package_dirs"] == ["../../description"]
+    assert load_arm(write(folders[1], text, "arm.toml")).n == 2
+
+
+def test_what_it_cannot_work_with(tmp_path: Path) -> None:
+    write(tmp_path, two_joints())
+    toml = write(tmp_path, 'source = "arm.urdf"', "arm.toml")
+    with pytest.raises(InputError, match="arm.toml is an arm.toml already; give the URDF or xacro file"):
+        draft_arm_file(toml)
+    with pytest.raises(DescriptionError, match="no such file"):
+        draft_arm_file(tmp_path / "no.urdf")
+    with pytest.raises(twistarm.UnknownNameError, match="no link for tip= 'tool9'"):
+        draft_arm_file(tmp_path / "arm.urdf", tip="tool9")
+
+
+def test_the_description_is_read_once(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    read: list[Path] = []
+
+    def counted(text: str, reading: Reading) -> Description:
+        read.append(reading.path)
+        return build_description(text, reading)
+
+    monkeypatch.setattr(twistarm.description.urdf, "build_description", counted)
+    path = write(tmp_path, two_joints())
+    draft_arm_file(path, tmp_path)
+    assert read == [path]

@@ -1,0 +1,171 @@
+"""What the doctor says an arm cannot do, held against finite differences of its forward kinematics, and its words."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from finding_cases import chain
+from twistarm import Approach, Arm, ArmBuilder, diagnose, load_arm, solve_ik
+from twistarm.checking.doctor.abilities import Abilities, abilities_of, sample_motions
+from twistarm.checking.doctor.statements import summary
+from urdf_text import joint, robot, write
+
+STEP = 1e-5
+NONE = 2e-3
+"""Less than this [m/reach per rad, rad per rad] is no motion: the doctor looks at a thousandth."""
+
+
+def able(arm: Arm) -> Abilities:
+    return abilities_of(sample_motions(arm))
+
+
+def differences(arm: Arm, theta: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Velocity of the tool's origin (in reaches) and angular velocity in base axes, (3, n) each, and R."""
+    scale = np.where(np.array(arm.units) == "m", arm.reach, 1.0)
+    linear, angular = np.empty((3, arm.n)), np.empty((3, arm.n))
+    for i, step in enumerate(np.diag(STEP * scale)):
+        plus, minus = arm.fk(theta + step), arm.fk(theta - step)
+        linear[:, i] = (plus - minus)[:3, 3] / (2 * STEP * arm.reach)
+        turn = (plus[:3, :3] @ minus[:3, :3].T) / (2 * STEP)
+        angular[:, i] = 0.5 * np.array([turn[2, 1] - turn[1, 2], turn[0, 2] - turn[2, 0], turn[1, 0] - turn[0, 1]])
+    return linear, angular, arm.fk(theta)[:3, :3]
+
+
+def require_true(arm: Arm) -> None:
+    """Ranks and directions hold at postures that the doctor has not looked at."""
+    said = able(arm)
+    postures = arm.random_theta(np.random.default_rng(99), 10)
+    positions, turnings = [], []
+    for theta in postures:
+        linear, angular, R = differences(arm, theta)
+        assert np.abs(said.immovable @ linear).max(initial=0.0) < NONE
+        assert np.abs(said.unturned @ angular).max(initial=0.0) < NONE
+        _, sizes, Vt = np.linalg.svd(linear)
+        positions.append(int((sizes > NONE).sum()))
+        held = angular @ Vt[said.position :].T
+        U, sizes, _ = np.linalg.svd(held)
+        turnings.append(int((sizes > NONE).sum()))
+        free = U[:, : said.turning]
+        for axes in (said.turned_base, said.turned_tool @ R.T):
+            assert np.abs(axes - axes @ free @ free.T).max(initial=0.0) < NONE
+    assert max(positions) == said.position
+    assert max(turnings) == said.turning
+
+
+def test_statements_about_the_catalogue_are_true(catalogue_arm: Arm) -> None:
+    require_true(catalogue_arm)
+
+
+@pytest.mark.parametrize(
+    ("file", "load"),
+    [
+        ("robojackets_slider_arm/cartesian_controller_simulation/urdf/arm_gazebo.urdf.xacro", {}),
+        ("robojackets_walli_v2_block/urdf/walli_arm_v2_block/robot.urdf", {"tip": "ee"}),
+        ("robojackets_walliiarmv3/urc_gazebo/urdf/WalliiArmV3.urdf", {"tip": "claw"}),
+        ("kortex_description/robots/gen3_lite.urdf", {}),
+        ("ur_description/urdf/ur.urdf.xacro", {"xacro_args": {"name": "ur", "ur_type": "ur5e"}}),
+    ],
+)
+def test_statements_about_real_arms_are_true(models: Path, file: str, load: dict[str, object]) -> None:
+    require_true(load_arm(models / file, **load))  # type: ignore[arg-type]
+
+
+def gantry(*axes: str, kind: str = "prismatic") -> str:
+    return chain(*axes, kind=kind)
+
+
+def back(master: str) -> str:
+    return f'<axis xyz="0 1 0"/><mimic joint="{master}" multiplier="-1"/>'
+
+
+PALLETISER = robot(
+    joint("yaw", "base_link", "column", xyz="0 0 0.3"),
+    joint("shoulder", "column", "upper", inside='<axis xyz="0 1 0"/>', xyz="0 0 0.1"),
+    joint("elbow", "upper", "fore", inside='<axis xyz="0 1 0"/>', xyz="0.5 0 0"),
+    joint("un_elbow", "fore", "half", inside=back("elbow"), xyz="0.5 0 0"),
+    joint("un_shoulder", "half", "level", inside=back("shoulder"), xyz="0 0 0"),
+    joint("roll", "level", "tool0", xyz="0.1 0 0"),
+    links=("base_link", "column", "upper", "fore", "half", "level", "tool0"),
+)  # fmt: skip
+
+ONLY_Z = "turns its tool about the base's z axis only: cannot tilt it"
+NO_TURN = "cannot turn its tool at all: it keeps its orientation"
+IN_PLANE = "cannot move its tool along the base's y axis: it stays in one plane across that axis"
+FEW = "cannot turn its tool in place: at a position it has a few orientations at most"
+NO_YAW = (
+    "cannot yaw the tool: with its position held it rolls about its z axis and pitches about one horizontal axis "
+    "square to it, and nothing turns it about the third"
+)
+LINE = "moves its tool along the base's x axis only, to and fro on one line"
+CURVE = "moves its tool on a curve, in one direction at any posture, never along the base's y axis"
+SURFACE = "moves its tool on a surface, in two directions at any posture"
+SPARE = "its 4 joints move the tool in 3 directions only: 1 to spare everywhere"
+
+WORDS = {
+    "slide": (gantry("1 0 0"), {"cannot-move": LINE, "cannot-turn": NO_TURN}),
+    "gantry": (gantry("1 0 0", "0 1 0", "0 0 1"), {"cannot-turn": NO_TURN}),
+    "roll on the spot": (
+        chain("0 0 1"),
+        {"cannot-move": "cannot move its tool at all: its origin never leaves its place", "cannot-turn": ONLY_Z},
+    ),
+    "lever": (chain("0 1 0"), {"cannot-turn": ONLY_Z.replace("z axis", "y axis"), "cannot-move": CURVE}),
+    "two hinges": (chain("0 1 0", "0 1 0"), {"cannot-move": IN_PLANE, "cannot-turn-in-place": FEW}),
+    "pan and tilt": (chain("0 0 1", "0 1 0"), {"cannot-move": SURFACE}),
+    "yaw, pitches, roll": (chain("0 0 1", "0 1 0", "0 1 0", "0 1 0", "0 0 1"), {"cannot-turn-in-place": NO_YAW}),
+    "palletiser": (PALLETISER, {"cannot-turn": ONLY_Z}),
+    "four hinges": (chain("0 1 0", "0 1 0", "0 1 0", "0 1 0"), {"joints-redundant": SPARE}),
+    "six": (chain("0 0 1", "0 1 0", "0 1 0", "0 0 1", "0 1 0", "0 0 1"), {}),
+}
+WHOLE = ("palletiser", "gantry", "six")
+"""About these there is no more to say."""
+
+
+@pytest.mark.parametrize("name", WORDS)
+def test_the_words_and_that_they_are_true(name: str, tmp_path: Path) -> None:
+    text, expected = WORDS[name]
+    path = write(tmp_path, text)
+    require_true(load_arm(path))
+    said = {one.code: one.what for one in diagnose(path) if one.code.startswith("cannot-") or "redundant" in one.code}
+    for code, words in expected.items():
+        assert said[code] == words
+    if name in WHOLE:
+        assert said.keys() == expected.keys()
+
+
+def test_the_rover_arm_cannot_yaw(rover: Arm) -> None:
+    (said,) = [one for one in diagnose("rover_arm") if one.code.startswith("cannot")]
+    assert said.what == (
+        "cannot yaw the tool: with its position held it rolls about its z axis and pitches about the base's y axis, "
+        "and nothing turns it about the third"
+    )
+    assert summary(rover, able(rover)) == (
+        "moves its tool in 5 of 6 directions: 3 of 3 for the position, 2 of 3 rotations there"
+    )
+
+
+def test_an_arm_of_seven_has_one_to_spare() -> None:
+    panda = load_arm("panda")
+    assert summary(panda, able(panda)).endswith("3 of 3 rotations there; 1 joint to spare")
+
+
+def test_where_an_approach_can_be_asked_for_it_can_be_met() -> None:
+    """A forearm that rolls and a wrist that pitches point the tool's z axis, drawn outward, any way near by."""
+    home = np.array([[0, 0, 1.0, 0.8], [0, 1, 0, 0], [-1, 0, 0, 0.3], [0, 0, 0, 1]])
+    builder = ArmBuilder("made").revolute("turn", [0, 0, 1], [0, 0, 0]).revolute("shoulder", [0, 1, 0], [0, 0, 0.3])
+    builder = builder.revolute("elbow", [0, 1, 0], [0.3, 0, 0.3]).revolute("roll", [1, 0, 0], [0, 0, 0.3])
+    arm = builder.revolute("pitch", [0, 1, 0], [0.6, 0, 0.3]).tool(home).build()
+    (said,) = [one for one in diagnose(arm) if one.code == "cannot-turn-in-place"]
+    assert "ask for an Approach: a position and where the tool points, by its z axis" in said.remedy
+    g = arm.fk([0.2, 0.3, 0.8, 0.5, 0.6])
+    for turn in ((0.03, 0.0), (0.0, 0.03), (-0.03, 0.03)):
+        direction = g[:3, 2] + turn[0] * g[:3, 0] + turn[1] * g[:3, 1]
+        assert solve_ik(arm, Approach(g[:3, 3], direction), [0.2, 0.3, 0.8, 0.5, 0.6]).converged
+
+
+def test_an_arm_that_rolls_about_another_axis_is_told_of_that_axis() -> None:
+    (said,) = [one for one in diagnose("so100") if one.code == "cannot-turn-in-place"]
+    assert "it rolls about its y axis" in said.what
+    assert "ask for a Position, or for poses whose y axis is square to the pitch axis" in said.remedy

@@ -1,0 +1,258 @@
+"""The repaired copy: every safe repair, nothing else touched, and the copy the same robot to Pinocchio too."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+import pinocchio
+import pytest
+
+from twistarm import DescriptionError, InputError, load_arm
+from twistarm.description.urdf import read_description
+from twistarm.checking.doctor.equality import difference
+from twistarm.checking.doctor.repair import Repair, repair
+from twistarm.checking.doctor.source_text import SourceText
+from urdf_text import joint, robot, two_joints, write
+
+
+def written(path: Path, copy: Path, **reading: object) -> Repair:
+    """What was done; its text is the file `copy` afterwards."""
+    made = repair(read_description(path, **reading), copy)
+    copy.write_text(made.text, "utf-8")
+    return made
+
+
+def repaired(folder: Path, text: str, name: str = "arm.urdf") -> tuple[str, Repair]:
+    """The copy's text and what was done; the original is as it was."""
+    path = write(folder, text, name)
+    before = path.read_bytes()
+    made = written(path, folder / "copy.urdf")
+    assert path.read_bytes() == before
+    return made.text, made
+
+
+REPAIRS = {
+    "an axis is normalised": (
+        two_joints(inside='<axis xyz="0 0 2"/>'),
+        ['<axis xyz="0.0 0.0 1.0"/>'],
+        ["joint 'a': axis 0 0 2 normalised"],
+    ),
+    "a hinge without bounds is continuous": (
+        two_joints(inside='<limit velocity="2" effort="3"/>'),
+        ['<joint name="a" type="continuous">', '<limit velocity="2" effort="3"/>'],
+        ["joint 'a': revolute without bounds made continuous, as it is read"],
+    ),
+    "infinite bounds go": (
+        two_joints(inside='<limit lower="-inf" upper="inf" velocity="2" effort="3"/>'),
+        ['<joint name="a" type="continuous">', '<limit velocity="2" effort="3"/>'],
+        ["joint 'a': revolute without bounds made continuous, as it is read"],
+    ),
+    "rates that are missing or negative become 0": (
+        two_joints(inside='<limit lower="-1" upper="1" effort="-1"/>'),
+        ['<limit lower="-1" upper="1" effort="0" velocity="0"/>'],
+        [
+            "joint 'a': velocity absent made 0, which is read as not given",
+            "joint 'a': effort -1 made 0, which is read as not given",
+        ],
+    ),
+    "a zero axis on a fixed joint goes": (
+        robot(joint("a", "base_link", "tool0"), joint("f", "tool0", "x", kind="fixed", inside='<axis xyz="0 0 0"/>'),
+              links=("base_link", "tool0", "x")),
+        ['<origin xyz="0 0 0.5" rpy="0 0 0"/></joint></robot>'],
+        ["joint 'f': the axis '0 0 0' of a fixed joint taken out"],
+    ),
+    "find becomes package": (
+        two_joints().replace(
+            '<link name="upper"/>',
+            '<link name="upper"><visual><geometry><mesh filename="$(find our_arm)/x.stl" scale="0.001"/></geometry>'
+            "</visual></link>",
+        ),
+        ['<mesh filename="package://our_arm/x.stl" scale="0.001 0.001 0.001"/>'],
+        [
+            "mesh path '$(find our_arm)/x.stl' made 'package://our_arm/x.stl'",
+            "mesh scale '0.001' made '0.001 0.001 0.001'",
+        ],
+    ),
+    "an inertia that is none goes": (
+        two_joints().replace(
+            '<link name="upper"/>', '<link name="upper"><inertial><mass value="1kg"/></inertial></link>'
+        ),
+        ['<link name="upper"></link>'],
+        ["link 'upper': its <inertial> lacks <mass> or <inertia>; taken out"],
+    ),
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("case", REPAIRS)
+def test_safe_repairs(case: str, tmp_path: Path) -> None:
+    text, there, changes = REPAIRS[case]
+    copy, made = repaired(tmp_path, text)
+    assert list(made.changes) == changes
+    assert all(part in copy for part in there)
+    assert made.complaint == ""
+    assert pinocchio.buildModelFromXML(copy).nq >= 1
+    one, other = read_description(tmp_path / "arm.urdf"), read_description(tmp_path / "copy.urdf")
+    assert difference(one, other) == ""
+    assert "axis-not-unit" not in [noted.code for noted in other.findings]
+
+
+def test_the_copy_moves_as_the_original_does(tmp_path: Path) -> None:
+    text = two_joints(inside='<axis xyz="0 2 1"/><limit velocity="0" effort="-1"/>')
+    repaired(tmp_path, text)
+    one, other = load_arm(tmp_path / "arm.urdf"), load_arm(tmp_path / "copy.urdf")
+    theta = np.random.default_rng(3).uniform(-3, 3, (20, 2))
+    assert np.abs(one.fk(theta) - other.fk(theta)).max() < 1e-14
+    assert one.joint_names == other.joint_names
+    assert (one.limits.velocity == other.limits.velocity).all()
+    assert (one.limits.lower == other.limits.lower).all()
+
+
+UNTOUCHED = """<?xml version="1.0"?>
+<!-- drawn by hand -->
+<robot name="tiny" xmlns:xacro="http://www.ros.org/wiki/xacro">
+  <link name="base_link"/>   <!-- a > in a comment -->
+  <joint name='a'  type = "revolute">
+    <parent link="base_link"/> <child link="tool0"/>
+    <axis  xyz='0 0  3'   />
+    <limit lower="-170" upper="170" velocity="1" effort="1"/>
+  </joint>
+  <link name="tool0"><visual name="a &gt; b > c"><geometry><sphere radius="1"/></geometry></visual></link>
+  <transmission name="t"><type>x</type></transmission>
+</robot>
+"""
+
+
+def test_everything_else_stays_as_it_was_written(tmp_path: Path) -> None:
+    copy, made = repaired(tmp_path, UNTOUCHED)
+    assert copy == UNTOUCHED.replace("xyz='0 0  3'", 'xyz="0.0 0.0 1.0"')
+    assert made.changes == ("joint 'a': axis 0 0  3 normalised",)
+
+
+def test_a_sound_description_is_copied_as_it_is(tmp_path: Path) -> None:
+    copy, made = repaired(tmp_path, two_joints())
+    assert copy == two_joints()
+    assert made.changes == ()
+
+
+def test_another_encoding_becomes_utf_8(tmp_path: Path) -> None:
+    path = tmp_path / "arm.urdf"
+    path.write_bytes(
+        two_joints().replace('"1.0"', '"1.0" encoding="iso-8859-1"', 1).replace("tiny", "Kühn").encode("latin-1")
+    )
+    assert 'encoding="utf-8"?>' in written(path, tmp_path / "copy.urdf").text
+    assert read_description(tmp_path / "copy.urdf").name == "Kühn"
+
+
+def test_xacro_is_written_expanded(tmp_path: Path) -> None:
+    text = two_joints(inside='<axis xyz="0 0 ${1 + 1}"/>').replace(
+        "<robot ", '<robot xmlns:xacro="http://www.ros.org/wiki/xacro" '
+    )
+    copy, made = repaired(tmp_path, text, "arm.urdf.xacro")
+    assert made.changes == ("joint 'a': axis 0 0 2 normalised",)
+    assert "${" not in copy
+    assert difference(read_description(tmp_path / "arm.urdf.xacro"), read_description(tmp_path / "copy.urdf")) == ""
+
+
+def test_meshes_are_found_from_another_folder(tmp_path: Path) -> None:
+    (tmp_path / "arm").mkdir()
+    (tmp_path / "arm" / "part.stl").write_text("solid\nendsolid\n")
+    shape = '<visual><geometry><mesh filename="part.stl"/></geometry></visual>'
+    path = write(tmp_path / "arm", two_joints().replace('<link name="upper"/>', f'<link name="upper">{shape}</link>'))
+    assert written(path, tmp_path / "copy.urdf").changes == ("mesh path 'part.stl' made 'arm/part.stl'",)
+    assert read_description(tmp_path / "copy.urdf").links["upper"].visuals[0].mesh == tmp_path / "arm" / "part.stl"
+
+
+def test_a_slide_without_bounds_is_left_to_its_owner(tmp_path: Path) -> None:
+    limit = '<limit lower="0" upper="inf" velocity="1" effort="1"/>'
+    rail = joint("a", "base_link", "tool0", kind="prismatic", inside=limit)
+    text = robot(rail, links=("base_link", "tool0"))
+    _, made = repaired(tmp_path, text)
+    assert made.changes == ()
+    assert "upper" in made.complaint
+
+
+def test_the_original_is_never_touched(tmp_path: Path) -> None:
+    path = write(tmp_path, two_joints(inside='<axis xyz="0 0 2"/>'))
+    (tmp_path / "link.urdf").symlink_to(path)
+    description = read_description(path)
+    for name in ("arm.urdf", "link.urdf"):
+        with pytest.raises(InputError, match="is the description itself, which stays as it is: give another name"):
+            repair(description, tmp_path / name)
+    for name in ("copy.xacro", "copy.urdf.xacro", "arm.toml", "copy"):
+        with pytest.raises(InputError, match=r"the repaired copy is plain URDF: name it \*\.urdf"):
+            repair(description, tmp_path / name)
+    assert path.read_text() == two_joints(inside='<axis xyz="0 0 2"/>')
+    assert sorted(file.name for file in tmp_path.iterdir()) == ["arm.urdf", "link.urdf"]
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "said"),
+    [
+        ('xyz="0 0 0.5"', 'xyz="0 0 0.6"', "its links stand 0.1 off"),
+        ('lower="-1"', 'lower="-2"', "joint 'a' has another lower"),
+        ('name="upper"', 'name="uper"', "its links are others"),
+        ('name="b"', 'name="c"', "its joints are others"),
+        ('type="revolute"', 'type="prismatic"', "joint 'a' has another type"),
+    ],
+)
+def test_a_copy_that_is_another_robot_would_be_seen(old: str, new: str, said: str, tmp_path: Path) -> None:
+    one = read_description(write(tmp_path, two_joints()))
+    text = two_joints().replace(old, new, 1).replace('link="upper"', 'link="uper"' if "uper" in new else 'link="upper"')
+    other = read_description(write(tmp_path, text, "other.urdf"))
+    assert difference(one, other) == said
+
+
+@pytest.mark.parametrize("axis", ["0 0 1", "0 0 2"])
+def test_the_axis_of_a_fixed_joint_stays_unless_it_is_none(axis: str, tmp_path: Path) -> None:
+    text = robot(joint("a", "base_link", "upper"), joint("b", "upper", "tool0", "fixed", f'<axis xyz="{axis}"/>'))
+    copy, made = repaired(tmp_path, text)
+    assert made.changes == ()
+    assert copy == text
+
+
+def test_an_element_goes_with_the_line_it_stands_on_alone() -> None:
+    for text, left in (
+        ("<a>\n  <b/>\n  <c/>\n</a>", "<a>\n  <c/>\n</a>"),
+        ("<a>\r\n\t<b>\r\n x</b> \r\n\t<c/></a>", "<a>\r\n\t<c/></a>"),
+        ("<a>\n  <b/><c/>\n</a>", "<a>\n  <c/>\n</a>"),
+        ("<a>\n  <c/> <b/>\n</a>", "<a>\n  <c/> \n</a>"),
+    ):
+        source = SourceText(text)
+        source.remove(source.robot.find("b"))  # type: ignore[arg-type]
+        assert source.edited() == left
+
+
+def test_attributes_are_set_where_they_stand() -> None:
+    source = SourceText("<robot a='1'><b\n  c = \"x > y\"  d='2'/></robot>")
+    source.set(source.robot[0], c='say "hi" & <go>', e="3", d=None)
+    assert source.edited() == '<robot a=\'1\'><b\n  c="say &quot;hi&quot; &amp; &lt;go&gt;" e="3"/></robot>'
+
+
+REAL = (
+    ("robojackets_walli_v2_block/urdf/walli_arm_v2_block/robot.urdf", {}),
+    ("robojackets_walliiarmv3/urc_gazebo/urdf/WalliiArmV3.urdf", {}),
+    ("so101/so101_new_calib.urdf", {}),
+    ("kortex_description/robots/gen3_lite.urdf", {}),
+    ("kortex_description/grippers/gen3_lite_2f/urdf/GEN3-LITE-GRIPPER_URDF_SIMPLIFIED_V2.urdf", {}),
+    ("annin_ar4_description/urdf/ar.urdf.xacro", {"ar_model": "mk3"}),
+    ("ur_description/urdf/ur.urdf.xacro", {"name": "ur", "ur_type": "ur5e"}),
+    ("kortex_description/robots/gen3.xacro", {"dof": 7}),
+)
+
+
+@pytest.mark.parametrize(("file", "arguments"), REAL)
+def test_real_descriptions_get_a_copy_that_pinocchio_reads(
+    file: str, arguments: dict[str, object], models: Path, tmp_path: Path
+) -> None:
+    description = read_description(models / file, xacro_args=arguments)
+    assert written(models / file, tmp_path / "copy.urdf", xacro_args=arguments).complaint == ""
+    copy = read_description(tmp_path / "copy.urdf", package_dirs=[models])
+    worth = {"axis-not-unit", "inertial-unusable", "limit-incomplete"}
+    assert not worth & {noted.code for noted in copy.findings}
+    assert difference(description, copy) == ""
+
+
+def test_a_refused_description_has_no_copy(tmp_path: Path) -> None:
+    with pytest.raises(DescriptionError):
+        read_description(write(tmp_path, "<robot/>"))

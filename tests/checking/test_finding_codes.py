@@ -1,0 +1,97 @@
+"""Every finding's code: an input that raises it, its severity, and the list of codes in docs."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import pinocchio
+import pytest
+
+import twistarm.checking.doctor.diagnosis
+from finding_cases import CASES, FAULTS, Case
+from twistarm import diagnose, load_arm
+from twistarm.description.findings import CODES, MOST_OF_A_KIND, Finding, Findings, Place, finding
+from twistarm.checking.doctor.codes import codes_page
+from twistarm.support.errors import ComparisonError, DescriptionError
+from urdf_text import two_joints, write
+
+DOCS = Path(__file__).parents[2] / "docs" / "findings.md"
+
+
+def lay(case: Case, folder: Path) -> Path:
+    """The case's files in a folder; the source among them."""
+    for name, text in case.files.items():
+        (folder / name).parent.mkdir(parents=True, exist_ok=True)
+        (folder / name).write_text(text, encoding="utf-8")
+    for name, size in case.sizes.items():
+        with (folder / name).open("wb") as file:
+            file.truncate(size)
+    return folder / next(iter(case.files))
+
+
+def keywords(case: Case, folder: Path) -> dict[str, Any]:
+    return {name: folder / value if name in ("limits", "srdf") else value for name, value in case.load.items()}
+
+
+def found(case: Case, folder: Path) -> tuple[Finding, ...]:
+    return diagnose(lay(case, folder), **keywords(case, folder))
+
+
+def test_every_code_has_an_input_that_raises_it() -> None:
+    assert set(CASES) | set(FAULTS) == set(CODES)
+
+
+@pytest.mark.parametrize("code", CASES)
+def test_the_input_raises_its_code(code: str, tmp_path: Path) -> None:
+    findings = [one for one in found(CASES[code], tmp_path) if one.code == code]
+    assert findings, f"only {[one.code for one in found(CASES[code], tmp_path)]}"
+    for one in findings:
+        assert one.severity == CODES[code].severity
+        assert one.what
+        assert one.remedy
+        assert one.place.file
+        assert "\n" not in one.what
+
+
+@pytest.mark.parametrize("code", [code for code in CASES if CODES[code].severity == "error"])
+def test_an_error_is_what_load_arm_refuses_in_one_line(code: str, tmp_path: Path) -> None:
+    with pytest.raises(DescriptionError) as caught:
+        load_arm(lay(CASES[code], tmp_path), **keywords(CASES[code], tmp_path))
+    assert code in [one.code for one in caught.value.findings]
+    assert "\n" not in str(caught.value)
+
+
+@pytest.mark.parametrize("code", [code for code in CASES if CODES[code].severity != "error"])
+def test_what_is_no_error_loads(code: str, tmp_path: Path) -> None:
+    assert not [one for one in found(CASES[code], tmp_path) if one.severity == "error"]
+
+
+def test_the_engines_faults_are_findings_too(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    path = write(tmp_path, two_joints())
+    with monkeypatch.context() as patched:
+        patched.setattr(twistarm.checking.doctor.diagnosis, "prove", raising(ComparisonError("they disagree by 1")))
+        assert [one.what for one in diagnose(path) if one.code == "engines-disagree"] == ["they disagree by 1"]
+    monkeypatch.setattr(pinocchio, "buildModelFromXML", raising(ValueError("a fault of its own")))
+    (said,) = [one for one in diagnose(path) if one.severity == "error"]
+    assert (said.code, said.what) == ("engine-refuses", "Pinocchio refuses it: a fault of its own")
+
+
+def raising(error: Exception) -> Callable[[object], None]:
+    def fail(_: object) -> None:
+        raise error
+
+    return fail
+
+
+def test_the_list_in_docs_is_the_list_in_the_code() -> None:
+    assert DOCS.read_text("utf-8") == codes_page(), "write it anew: twistarm doctor --codes > docs/findings.md"
+
+
+def test_of_one_code_the_first_are_told_and_all_are_counted() -> None:
+    noted, place = Findings(), Place("arm.urdf")
+    noted.take(finding("name-too-long", place, f"{k}", "") for k in range(MOST_OF_A_KIND + 50))
+    noted.take([finding("cycle", place, "a circle", "")])
+    told = [one.what for one in noted.told(place)]
+    assert told == [*map(str, range(MOST_OF_A_KIND)), "a circle", "the same is so 50 times more"]

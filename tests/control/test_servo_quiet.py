@@ -1,0 +1,95 @@
+"""The servo under twists that are held for long: nothing shakes, and what it says of an arm at rest is steady."""
+
+from __future__ import annotations
+
+import sys
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+sys.path.append(str(Path(__file__).resolve().parents[2]))
+
+from benchmarks.servo_arms import names, random, servo_arm
+from benchmarks.servo_held import REVERSALS, STEADY, TURNING, case, held, judged, sign_changes
+from benchmarks.servo_named import EXAMPLES, driven
+
+from twistarm.control.servo import ServoState, TwistCommand, servo_step
+
+QUICK, WHOLE = 8, 160
+"""Twists of an arm: of every kind, from random starts, at limits, at stretched and at singular postures."""
+
+ARMS = ("four_joints", "scara", "rover_arm", "so101", "ur5", "panda")
+
+
+LATER = 16.0
+"""Seconds: what still shakes then is a cycle, and not the end of a motion."""
+
+
+def check(name, accelerating, count, later=None):
+    arm, rng = servo_arm(name, accelerating), random(name, "quiet", 0)
+    for number in range(count):
+        one = case(arm, rng, number)
+        command = TwistCommand(one.twist, one.frame)
+        verdict = judged(*held(arm, one.theta, command))
+        if later and (verdict.shakes or verdict.unsteady > STEADY):
+            verdict = judged(*held(arm, one.theta, command, later))
+        assert not verdict.shakes, (number, verdict, one)
+        assert verdict.unsteady <= STEADY, (number, verdict, one)
+
+
+@pytest.mark.parametrize("accelerating", [True, False])
+@pytest.mark.parametrize("name", ARMS)
+def test_no_held_twist_ends_in_shaking(name, accelerating):
+    check(name, accelerating, QUICK)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("accelerating", [True, False])
+@pytest.mark.parametrize("name", names())
+def test_no_held_twist_of_many_ends_in_shaking(name, accelerating):
+    check(name, accelerating, WHOLE, LATER)
+
+
+def jittered(name, accelerating, count):
+    """How many of so many held twists end in joints that turn round, at steps of 2 to 30 ms."""
+    arm, rng, shaking = servo_arm(name, accelerating), random(name, "jittered", 0), 0
+    for number in range(count):
+        one = case(arm, rng, number)
+        state, command, rates, judged_from = ServoState.at(arm, one.theta), TwistCommand(one.twist, one.frame), [], 5.0
+        for dt in rng.uniform(0.002, 0.03, 560):
+            state, _ = servo_step(arm, state, command, dt)
+            judged_from -= dt
+            if judged_from < 0.0:
+                rates.append(state.theta_dot)
+        shaking += sign_changes(np.array(rates), TURNING) / -judged_from >= REVERSALS
+    return shaking
+
+
+@pytest.mark.parametrize("name", ["rover_arm", "so101", "panda"])
+def test_no_held_twist_shakes_at_uneven_steps(name):
+    assert jittered(name, True, 8) == 0
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("accelerating", [True, False])
+@pytest.mark.parametrize("name", ["rover_arm", "rover_arm_6dof", "so101", "ur5", "panda"])
+def test_hardly_a_held_twist_of_many_shakes_at_uneven_steps(name, accelerating):
+    assert jittered(name, accelerating, 60) <= 1
+
+
+@pytest.mark.parametrize("title", EXAMPLES)
+def test_an_arm_held_against_its_reach_does_not_shake(title):
+    _, rates, said, status = driven(title)
+    assert not judged(rates, said, status).shakes
+
+
+def test_what_shakes_is_seen():
+    """A joint that turns round twice a second, one whose acceleration alone does five times, and one that does not."""
+    time = np.arange(400)[:, None] * 0.01
+    assert sign_changes(0.01 * np.sin(2 * np.pi * 1.01 * time), 1e-3) == 8  # 2.02 reversals a second
+    still, said, status = np.zeros((400, 1)), np.zeros((400, 7)), ["OK"] * 400
+    assert not judged(still, said, status).shakes
+    assert judged(0.01 * np.sin(2 * np.pi * 1.1 * time), said, status).shakes
+    assert judged(1.0 + 0.05 * np.sin(2 * np.pi * 2.6 * time), said, status).shakes
+    assert judged(still, said, ["OK"] * 399 + ["STALE"]).unsteady == 1.0

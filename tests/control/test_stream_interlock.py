@@ -1,0 +1,178 @@
+"""Enable, stop and emergency stop: the arm comes to rest along its limits, and only who may lets it move again."""
+
+from __future__ import annotations
+
+import json
+import socket
+
+import numpy as np
+import pytest
+
+from stream_stand_ins import PERIOD, Says, jog
+from stream_stand_ins import clock as clock
+from stream_stand_ins import robot as robot
+from stream_stand_ins import stream as stream
+from twistarm.control.servo import JogCommand, PoseCommand, TwistCommand
+from twistarm.control.stream import Interlock, UdpFeedback, UdpSource
+from twistarm.support.errors import InputError
+
+
+def test_an_emergency_stop_is_latched_until_cleared_and_enabled():
+    interlock = Interlock()
+    assert (interlock.word, interlock.reason, interlock.allows_motion) == ("enabled", "", True)
+    interlock.emergency_stop("the mushroom\nbutton")
+    interlock.emergency_stop("again")
+    interlock.stop("later")
+    assert not interlock.enable()
+    assert (interlock.word, interlock.allows_motion) == ("emergency stop", False)
+    assert interlock.reason.startswith("the mushroom")
+    assert "\n" not in interlock.reason
+    interlock.clear()
+    assert (interlock.word, interlock.allows_motion) == ("stopped", False)
+    assert interlock.enable()
+    interlock.clear()
+    assert interlock.allows_motion
+    assert not Interlock(enabled=False).allows_motion
+
+
+@pytest.mark.parametrize("how", ["stop", "emergency_stop"])
+def test_what_is_stopped_brakes_along_the_limits_and_stands_until_enabled(rover, robot, stream, how):
+    """Half a second of motion, half a second stopped, then cleared and, a little later, enabled."""
+    interlock, seen = Interlock(), []
+    at = {50: lambda: getattr(interlock, how)("by hand"), 100: interlock.clear, 110: interlock.enable}
+
+    def on_cycle(cycle):
+        seen.append(cycle)
+        at.get(len(seen), lambda: None)()
+
+    source = Says(lambda now: jog(rover, elbow=-0.4) if len(seen) < 50 or len(seen) > 110 else None)
+    report = stream(source, on_cycle=on_cycle, interlock=interlock, duration=1.5)
+    elbow = robot.rates[:, rover.joint_names.index("elbow")]
+    assert elbow[45:50] == pytest.approx(-0.4)
+    assert abs(np.diff(elbow)).max() <= 2.5 * PERIOD * (1 + 1e-9)
+    assert not elbow[50 + round(0.4 / 2.5 / PERIOD) + 1 : 110].any()
+    assert elbow[130:149] == pytest.approx(-0.4)
+    word = {"stop": "stopped", "emergency_stop": "emergency stop"}[how]
+    assert (seen[60].interlock, seen[60].setpoint.interlock) == (word, word)
+    assert seen[60].reason == f"{word}: by hand"
+    assert seen[60].setpoint.output.status.name == "STALE"
+    assert report.ok
+    assert report.barred == pytest.approx(0.6, abs=0.011)
+    assert report.interlock == "enabled"
+    assert "was not allowed to move for 0.6" in report.explain()
+
+
+def test_an_arm_that_is_not_enabled_never_moves(robot, stream):
+    report = stream(interlock=Interlock(enabled=False))
+    assert not robot.rates.any()
+    assert report.barred_reason == "stopped: it waits to be enabled"
+
+
+@pytest.mark.parametrize("release", [None, JogCommand(np.zeros(5)), TwistCommand(np.zeros(6))])
+@pytest.mark.parametrize("began", ["stopped", "enabled"])
+@pytest.mark.parametrize("held", ["jog", "pose"])
+def test_a_held_control_moves_nothing_until_it_is_released(rover, robot, stream, began, release, held):
+    """Stopped in an emergency, cleared and enabled under a constant command, which then pauses for one cycle."""
+    interlock, count = Interlock(enabled=began == "enabled"), 0
+    g = rover.fk(rover.ready) + np.outer([0, 0, 0.05, 0], [0, 0, 0, 1])
+    command = {"jog": jog(rover, elbow=-0.4), "pose": PoseCommand(g)}[held]
+    at = {20: interlock.emergency_stop, 70: interlock.clear, 71: interlock.enable}
+    reasons = []
+
+    def on_cycle(cycle):
+        nonlocal count
+        count += 1
+        reasons.append(cycle.reason)
+        at.get(count, lambda: None)()
+
+    stream(Says(lambda now: release if count == 120 else command), interlock=interlock, on_cycle=on_cycle)
+    assert robot.rates[:20].any() == (began == "enabled")
+    assert not robot.rates[65:121].any()
+    assert all("release the controls first" in reason for reason in reasons[71:120])
+    assert robot.rates[122:140].any()
+
+
+def test_controls_released_while_stopped_count_at_once(rover, robot, stream):
+    interlock, seen = Interlock(enabled=False), []
+
+    def on_cycle(cycle):
+        seen.append(cycle)
+        if len(seen) == 50:
+            interlock.enable()
+
+    stream(
+        Says(lambda now: jog(rover, elbow=-0.4) if len(seen) >= 50 else None), interlock=interlock, on_cycle=on_cycle
+    )
+    assert not robot.rates[:50].any()
+    assert robot.rates[50].any()
+
+
+def test_what_is_no_interlock_is_refused(stream):
+    with pytest.raises(InputError, match="interlock must be"):
+        stream(interlock=True)
+
+
+@pytest.fixture
+def send():
+    with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as out:
+        yield lambda device, message: out.sendto(json.dumps(message).encode(), device.address)
+
+
+def test_an_emergency_stop_counts_whatever_came_with_it(rover, robot, stream, send):
+    """In one cycle: the word, then the stick's next command, which is newer. Then enable alone, which is not enough.
+
+    The stick is released for a cycle once it is enabled, and not before.
+    """
+    jogged = {"jog": {"elbow": -0.4}}
+    with UdpSource(rover) as source:
+        says = {
+            30: [{"interlock": "emergency stop", "reason": "marshal", "number": 0}, jogged | {"number": 9}],
+            60: [{"interlock": "enable"}],
+            90: [{"interlock": "clear"}, {"interlock": "enable"}],
+            110: [{"jog": {"elbow": 0.0}}],
+        }
+        count = iter(range(10_000))
+
+        def on_cycle(cycle):
+            for message in says.get(next(count), [jogged]):
+                send(source, message)
+
+        interlock = Interlock()
+        report = stream(source, on_cycle=on_cycle, interlock=interlock, duration=1.5)
+    assert robot.rates[29].any()
+    assert not robot.rates[55:110].any()
+    assert robot.rates[120:140].any()
+    assert report.barred_reason == "emergency stop: marshal"
+    assert source.interlock is interlock
+
+
+def test_a_word_that_waited_too_long_stops_and_does_not_enable(rover, send):
+    with UdpSource(rover) as source:
+        source.interlock.stop()
+        source.read(0.0)
+        send(source, {"interlock": "enable"})
+        source.read(10.0)
+        assert source.interlock.word == "stopped"
+        send(source, {"interlock": "emergency stop"})
+        source.read(20.0)
+        assert source.interlock.word == "emergency stop"
+
+
+def test_a_robot_in_emergency_stop_stops_the_stream_for_good(rover, robot, stream, send):
+    with UdpFeedback(rover) as feedback:
+
+        class Told:
+            interlock = Interlock()
+
+            def read(self, now):
+                word = "emergency stop" if 100.5 <= now < 100.6 else "enabled"
+                state = {"joint_names": list(rover.joint_names), "theta": robot.theta.tolist(), "interlock": word}
+                feedback.interlock = self.interlock
+                send(feedback, state)
+                return feedback.read(now)
+
+        report = stream(Says(jog(rover, elbow=-0.4)), feedback=Told(), duration=1.5)
+    assert robot.rates[40].any()
+    assert not robot.rates[-50:].any()
+    assert report.interlock == "emergency stop"
+    assert report.barred_reason == "emergency stop: the robot is in emergency stop"

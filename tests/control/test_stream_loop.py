@@ -1,0 +1,294 @@
+"""The loop on a clock that the tests move: it starts where the arm is, watches, and leaves the arm at rest."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from stream_stand_ins import PERIOD, Robot, Says, jog
+from stream_stand_ins import clock as clock
+from stream_stand_ins import robot as robot
+from stream_stand_ins import stream as stream
+from twistarm.control.servo import ServoSettings, ServoStatus, TwistCommand
+from twistarm.control.stream import Cycle, Ending, Inbox, Measured, Reading
+from twistarm.support.errors import InputError
+
+
+def within_limits(rover, robot):
+    """Whether every difference of consecutive rates keeps the acceleration limit over the time between them."""
+    steps = np.diff(np.vstack([np.zeros(rover.n), robot.rates]), axis=0)
+    spans = np.diff(np.append(robot.times[0] - PERIOD, robot.times))[:, None]
+    return (np.abs(steps) <= rover.limits.acceleration * spans * (1 + 1e-9) + 1e-12).all()
+
+
+def test_a_jog_goes_on_for_the_time_and_ends_at_rest(rover, clock, robot, stream):
+    report = stream()
+    assert report.ending is Ending.DURATION
+    assert report.ok
+    assert report.cycles == 200
+    assert report.missed == 0
+    assert report.late_max == pytest.approx(0.0, abs=1e-9)
+    elbow = rover.joint_names.index("elbow")
+    # Up to 0.4 rad/s at 2.5 rad/s², then steady, then down again.
+    assert robot.rates[:, elbow].min() == pytest.approx(-0.4)
+    assert np.argmax(robot.rates[:, elbow] < -0.4 + 1e-9) + 1 == pytest.approx(0.4 / 2.5 / PERIOD, abs=1)
+    assert within_limits(rover, robot)
+    assert not robot.rates[-1].any()
+    assert robot.theta[elbow] - rover.ready[elbow] == pytest.approx(-0.4 * 2.0, abs=0.4 * PERIOD)
+
+
+@pytest.mark.parametrize("late", [0.0, 0.004, 0.03, 0.3, 3.0])
+def test_no_step_is_over_more_time_than_passed_however_late_its_cycle(rover, clock, robot, stream, late):
+    clock.late = dict.fromkeys(range(180, 400), late)  # the last of the motion, and the way to rest
+    report = stream()
+    assert within_limits(rover, robot)
+    assert np.abs(robot.rates).max() == pytest.approx(0.4)
+    assert not robot.rates[-1].any()
+    assert report.at_rest
+
+
+def test_it_starts_where_the_arm_is(rover, clock, stream):
+    away = rover.ready + [0.05, 0.1, -0.2, 0.3, -0.4]
+    robot = Robot(away, clock)
+    stream(Says(None), robot, robot, duration=0.1)
+    assert np.array_equal(robot.setpoints[0].theta, away)
+
+
+def test_without_a_joint_state_nothing_is_ever_sent(robot, stream):
+    class Silent:
+        def read(self, now):
+            return None
+
+    report = stream(feedback=Silent())
+    assert robot.setpoints == []
+    assert report.waited == pytest.approx(2.0)
+    assert not report.ok
+    assert "no joint state arrived" in report.explain()
+
+
+@pytest.mark.parametrize(
+    "theta", [[0.0] * 4, [np.nan] * 5, [0.0] * 4 + [np.inf], [1e5] * 5, [[0.0] * 5], ["x"] * 5], ids=str
+)
+def test_a_joint_state_that_cannot_be_is_none(robot, stream, theta):
+    class Wrong:
+        def read(self, now):
+            return Measured(theta, now)
+
+    cycles: list[Cycle] = []
+    report = stream(feedback=Wrong(), duration=0.1, on_cycle=cycles.append)
+    assert robot.setpoints == []
+    assert report.waited == pytest.approx(0.1)
+    assert cycles[-1].reason
+
+
+def test_a_silent_command_source_stops_the_arm_within_its_timeout(rover, clock, robot, stream):
+    inbox, began = Inbox(0.2), clock.now()
+
+    def operate(cycle):
+        if cycle.time - began <= 1.0:
+            inbox.put("operator", jog(rover, elbow=-0.4), cycle.time)
+
+    cycles: list[Cycle] = []
+    report = stream(inbox, on_cycle=lambda cycle: (operate(cycle), cycles.append(cycle)))
+    braking = 0.4 / 2.5
+    assert robot.moving(began) <= 1.0 + 0.2 + braking + 2 * PERIOD
+    assert within_limits(rover, robot)
+    assert cycles[-1].setpoint.output.status is ServoStatus.STALE
+    assert "the last command is 0.99 s old (timeout 0.2 s)" in cycles[-1].reason
+    assert report.uncommanded == pytest.approx(0.8, abs=2 * PERIOD)
+    assert "had no command for 0.8" in report.explain()
+
+
+def test_a_source_that_keeps_an_old_command_is_watched_too(rover, clock, robot, stream):
+    class Forgetful:
+        def read(self, now, state):
+            return Reading(jog(rover, elbow=-0.4), now - 100.0)
+
+    stream(Forgetful(), command_timeout=0.5)
+    assert robot.moving(100.0) <= 0.5 + 0.16 + 2 * PERIOD
+
+
+def test_an_old_joint_state_stops_the_arm_until_a_fresh_one(rover, clock, robot, stream):
+    robot.mute = lambda now: 100.5 < now < 101.2
+    seen: list[Cycle] = []
+    report = stream(on_cycle=seen.append)
+    standing = [cycle for cycle in seen if 100.5 + 0.2 + 0.16 + 2 * PERIOD < cycle.time < 101.2]
+    assert len(standing) > 20
+    assert not any(cycle.setpoint.theta_dot.any() for cycle in standing)
+    assert "the last joint state is" in standing[-1].reason
+    assert seen[-1].setpoint.output.status is ServoStatus.OK
+    assert seen[-1].setpoint.theta_dot.any()
+    assert within_limits(rover, robot)
+    assert report.blind == pytest.approx(0.5, abs=3 * PERIOD)
+    assert report.ok
+
+
+def test_a_robot_that_was_off_is_commanded_from_where_it_is(rover, clock, robot, stream):
+    """Off for 1.5 s, and back within the tolerance: no setpoint asks it to jump back."""
+    robot.mute = robot.deaf = lambda now: 100.5 < now < 102.0
+    moved = [0.0, 0.18, 0.0, 0.0, 0.0]
+
+    def sink_down(cycle):
+        if 101.0 < cycle.time < 101.015:
+            robot.theta = robot.theta + moved
+
+    seen: list[Cycle] = []
+    report = stream(duration=3.0, on_cycle=lambda cycle: (sink_down(cycle), seen.append(cycle)))
+    back = next(cycle for cycle in seen if cycle.time > 101.0 and cycle.theta is not None)
+    assert back.time == pytest.approx(102.0, abs=2 * PERIOD)
+    np.testing.assert_allclose(back.setpoint.theta, back.theta, atol=2.5 * PERIOD**2)
+    assert within_limits(rover, robot)
+    assert report.ok
+
+
+def test_a_robot_moved_by_hand_while_nobody_saw_it_has_not_strayed(rover, clock, robot, stream):
+    robot.mute = robot.deaf = lambda now: 100.5 < now < 102.0
+
+    def push(cycle):
+        if 101.0 < cycle.time < 101.015:
+            robot.theta = robot.theta + [0.0, 0.0, 0.0, 0.0, 1.5]
+
+    report = stream(Says(None), duration=3.0, on_cycle=push)
+    assert (report.ending, report.ok) == (Ending.DURATION, True)
+    assert robot.setpoints[-1].theta == pytest.approx(rover.ready + [0.0, 0.0, 0.0, 0.0, 1.5])
+
+
+def test_a_gap_shorter_than_the_timeout_starts_nothing_anew(rover, clock, robot, stream):
+    """An arm that hangs a little below where it is told to be would sink a little at each such gap."""
+    robot.mute = lambda now: (now - 100.0) % 0.25 > 0.15
+
+    class Hanging:
+        def read(self, now):
+            measured = robot.read(now)
+            return Measured(measured.theta - 0.05, measured.time)
+
+    stream(Says(None), feedback=Hanging())
+    thetas = np.array([setpoint.theta for setpoint in robot.setpoints])
+    assert np.array_equal(thetas, np.tile(thetas[0], (len(thetas), 1)))
+
+
+class Ahead:
+    """A feedback and a source whose threads stamp what they hear after the loop has read its clock."""
+
+    def __init__(self, arm, robot, seconds):
+        self.arm, self.robot, self.seconds = arm, robot, seconds
+
+    def read(self, now, *state):
+        if state:
+            return Reading(jog(self.arm, elbow=-0.4), -self.seconds)
+        return Measured(self.robot.theta, now + self.seconds)
+
+
+def test_what_is_heard_while_the_loop_waits_for_its_turn_counts(rover, robot, stream):
+    report = stream(Ahead(rover, robot, 0.05), feedback=Ahead(rover, robot, 0.05))
+    assert report.blind == report.uncommanded == report.waited == 0.0
+
+
+def test_a_joint_state_of_another_clock_does_not(rover, robot, stream):
+    seen: list[Cycle] = []
+    report = stream(feedback=Ahead(rover, robot, 0.25), on_cycle=seen.append)
+    assert robot.setpoints == []
+    assert report.waited == pytest.approx(2.0)
+    assert seen[-1].reason == "the joint state is 0.25 s from the future: its clock is another, or went back"
+
+
+def test_an_arm_that_does_not_follow_ends_the_stream(rover, clock, robot, stream):
+    robot.deaf = lambda now: now > 100.5
+    report = stream(duration=10.0)
+    assert report.ending is Ending.STRAYED
+    assert not report.ok
+    assert "joint elbow is 0.2" in report.reason
+    assert "tolerance 0.2 rad" in report.reason
+    # 0.2 rad at 0.4 rad/s, and the window within which lagging behind is none.
+    assert report.duration < 0.5 + 0.5 + 2 * 0.2 + 0.16 + 0.05
+    assert within_limits(rover, robot)
+    assert not robot.rates[-1].any()
+
+
+def test_an_arm_that_jumps_ends_the_stream(rover, robot, stream):
+    def push(cycle):
+        if cycle.time > 100.5:
+            robot.theta = robot.theta + [0.0, 0.0, 0.0, 0.0, 0.3]
+
+    report = stream(Says(None), duration=10.0, on_cycle=push)
+    assert report.ending is Ending.STRAYED
+    assert "joint wrist_roll is 0.3 rad" in report.reason
+
+
+def test_an_arm_that_lags_behind_by_less_than_the_timeout_does_not_stray(rover, clock, stream):
+    class Late(Robot):
+        def read(self, now):
+            past = [s.theta for s in self.setpoints if s.time <= now - 0.15]
+            return Measured(past[-1] if past else rover.ready, now)
+
+    robot = Late(rover.ready, clock)
+    report = stream(Says(jog(rover, wrist_roll=3.0)), robot, robot, duration=1.0, tolerance=0.05)
+    assert report.ending is Ending.DURATION
+
+
+def test_in_velocity_mode_small_errors_do_not_add_up(rover, clock, stream):
+    class Creeping(Robot):
+        """Moves 10 % more than it is told."""
+
+        def write(self, setpoint):
+            self.setpoints.append(setpoint)
+            self.theta = self.theta + 1.1 * PERIOD * setpoint.theta_dot
+
+    def there_and_pause(now):
+        return jog(rover, wrist_roll=0.5) if (now - 100.0) % 2.0 < 1.0 else None
+
+    robot = Creeping(rover.ready, clock)
+    report = stream(Says(there_and_pause), robot, robot, duration=6.0, tolerance=0.1, velocity_mode=True)
+    assert report.ending is Ending.DURATION
+    robot = Creeping(rover.ready, clock)
+    assert stream(Says(there_and_pause), robot, robot, duration=6.0, tolerance=0.1).ending is Ending.STRAYED
+
+
+def test_a_twist_with_nobody_there_does_not_creep(rover, robot, stream):
+    """Noise of the measurement never reaches the setpoints: they are integrated, not read back."""
+
+    class Noisy:
+        rng = np.random.default_rng(1)
+
+        def read(self, now):
+            return Measured(robot.theta + self.rng.normal(scale=1e-3, size=5), now)
+
+    stream(Says(TwistCommand(np.zeros(6), "base")), feedback=Noisy())
+    thetas = np.array([setpoint.theta for setpoint in robot.setpoints])
+    assert np.abs(thetas - thetas[0]).max() < 1e-12
+
+
+@pytest.mark.parametrize("rate", [0.0, -1.0, np.nan, np.inf, 9.0])
+def test_a_rate_that_cannot_be(stream, rate):
+    with pytest.raises(InputError, match="rate must be"):
+        stream(rate=rate)
+
+
+@pytest.mark.parametrize("name", ["duration", "command_timeout", "feedback_timeout", "tolerance"])
+def test_seconds_and_tolerances_are_positive(stream, name):
+    with pytest.raises(InputError, match=f"{name} must be"):
+        stream(**{name: 0.0})
+
+
+def test_settings_may_change_while_it_runs(rover, clock, robot, stream):
+    free, narrow = ServoSettings(), ServoSettings(position_margin=10.0)  # leaves the middle of each joint's range
+    elbow, change = rover.joint_names.index("elbow"), clock.now() + 1.0
+    stream(Says(jog(rover, elbow=0.4)), settings=lambda: free if clock.now() < change else narrow)
+    rates = robot.rates[:, elbow]
+    assert rates[robot.times < change].max() == pytest.approx(0.4)
+    assert not rates[robot.times > change + 0.5].any()  # it brakes at 2.5 rad/s²
+
+
+def test_settings_that_are_none(stream):
+    for settings in ("stop", lambda: "stop", lambda now: ServoSettings(), Says):
+        with pytest.raises(InputError, match="settings must be a ServoSettings"):
+            stream(settings=settings)
+
+
+def test_broken_settings_end_the_stream_with_the_arm_at_rest(clock, robot, stream):
+    change = clock.now() + 1.0
+    report = stream(settings=lambda: ServoSettings() if clock.now() < change else None)
+    assert robot.rates.any()
+    assert (report.ending, report.at_rest) == (Ending.SERVO_FAILED, True)
+    assert "settings must be a ServoSettings" in report.reason
+    assert not robot.rates[-1].any()

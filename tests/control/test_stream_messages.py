@@ -1,0 +1,188 @@
+"""Messages mean exactly what they say, or are refused in one line."""
+
+from __future__ import annotations
+
+import json
+
+import numpy as np
+import pytest
+from scipy.spatial.transform import Rotation
+
+from stream_stand_ins import answer
+from twistarm.control.servo import JogCommand, PoseCommand, ServoStatus, TwistCommand
+from twistarm.control.stream import Setpoint, command_of, parse_command, parse_state, setpoint_message
+from twistarm.support.errors import InputError
+from twistarm.support.strict_json import LARGEST_MESSAGE, decoded, encode
+
+TWIST = [0.1, 0.0, -0.05, 0.0, 0.2, 0.0]
+
+
+def test_a_twist(rover):
+    command, number = parse_command(rover, json.dumps({"twist": TWIST, "frame": "tool", "number": 4}))
+    assert isinstance(command, TwistCommand)
+    assert command.twist.tolist() == TWIST
+    assert command.frame == "tool"
+    assert not any(command.held)
+    assert number == 4
+
+
+def test_a_twist_with_held_components(rover):
+    message = {"twist": [0.1, 0, 0, 0, 0, 0], "frame": "base", "hold": "orientation"}
+    command = command_of(rover, message)
+    assert command.held == (False, False, False, True, True, True)
+    command = command_of(rover, message | {"hold": [False, True, False, False, False, True]})
+    assert command.held == (False, True, False, False, False, True)
+
+
+def test_a_jog_by_name(rover):
+    command = command_of(rover, {"jog": {"elbow": 0.3, "slide": -0.1}})
+    assert isinstance(command, JogCommand)
+    assert dict(zip(rover.joint_names, command.theta_dot.tolist(), strict=True)) == {
+        "slide": -0.1, "shoulder": 0.0, "elbow": 0.3, "wrist_pitch": 0.0, "wrist_roll": 0.0,
+    }  # fmt: skip
+
+
+def test_a_pose_both_ways(rover):
+    R = Rotation.from_euler("xyz", [0.3, -0.8, 2.0])
+    x, y, z, w = R.as_quat()
+    parts = {"position": [0.5, 0.1, 0.4], "quaternion_wxyz": [w, x, y, z]}
+    g = np.eye(4)
+    g[:3, :3], g[:3, 3] = R.as_matrix(), parts["position"]
+    for pose in (parts, g.tolist()):
+        command = parse_command(rover, json.dumps({"pose": pose, "linear_speed": 0.05})).command
+        assert isinstance(command, PoseCommand)
+        assert np.allclose(command.g, g, rtol=0, atol=1e-15)
+        assert command.linear_speed == 0.05
+
+
+def test_stop_is_a_jog_of_nothing(rover):
+    command = command_of(rover, {"stop": True})
+    assert isinstance(command, JogCommand)
+    assert command.theta_dot.tolist() == [0.0] * rover.n
+
+
+def test_no_number_is_no_number(rover):
+    assert parse_command(rover, b'{"stop": true}').number is None
+
+
+BAD = {
+    "": "one JSON object",
+    "not json": "one JSON object",
+    '{"twist": [1, 2, 3': "one JSON object",
+    '{"stop": true} {"stop": true}': "one JSON object",
+    "[" * 50_000: "one JSON object",
+    "[1, 2]": "one JSON object; got",
+    "null": "one JSON object; got",
+    "{}": "'twist', 'jog', 'pose', 'stop'",
+    '{"go": 1}': "'twist', 'jog', 'pose', 'stop'",
+    '{"twist": [0,0,0,0,0,0]}': "twist needs twist, frame",
+    '{"twist": [0,0,0,0,0,0], "frame": "tool", "speed": 1}': "may have hold, number",
+    '{"twist": [0,0,0,0,0,0], "frame": "tool", "stop": true}': "may have hold, number",
+    '{"twist": [0,0,0,0,0,0], "frame": "tool", "frame": "base"}': "each name once",
+    '{"twist": [0,0,0,0,0,0], "frame": "world"}': "'tool' or 'base'",
+    '{"twist": [0,0,0,0,0,0], "frame": []}': "'tool' or 'base'",
+    '{"twist": [0,0,0,0,0], "frame": "tool"}': "list of 6 numbers",
+    '{"twist": [0,0,0,0,0,0,0], "frame": "tool"}': "list of 6 numbers",
+    '{"twist": [NaN,0,0,0,0,0], "frame": "tool"}': "must be finite; got NaN",
+    '{"twist": [-Infinity,0,0,0,0,0], "frame": "tool"}': "must be finite; got -Infinity",
+    '{"twist": [1e999,0,0,0,0,0], "frame": "tool"}': "must be finite",
+    '{"twist": [true,0,0,0,0,0], "frame": "tool"}': r"twist\[0\] must be a number; got True",
+    '{"twist": ["1",0,0,0,0,0], "frame": "tool"}': r"twist\[0\] must be a number",
+    '{"twist": [' + "9" * 400 + ',0,0,0,0,0], "frame": "tool"}': "must be finite",
+    '{"twist": [' + "9" * 5000 + ',0,0,0,0,0], "frame": "tool"}': "one JSON object|must be finite",
+    '{"twist": {"v": 1}, "frame": "tool"}': "list of 6 numbers",
+    '{"twist": [0,0,0,0,0,0], "frame": "tool", "hold": 5}': "hold must be",
+    '{"twist": [0,0,0,0,0,0], "frame": "tool", "hold": "nothing"}': "hold must be",
+    '{"twist": [0,0,0,0,0,0], "frame": "tool", "hold": [true]}': "hold must be",
+    '{"twist": [0,0,0,1,0,0], "frame": "tool", "hold": "orientation"}': "held component cannot be commanded",
+    '{"jog": {}}': "jog must be",
+    '{"jog": [0,0,0,0,0]}': "jog must be",
+    '{"jog": {"elbo": 1}}': "no joint 'elbo' in rover_arm; closest: 'elbow'",
+    '{"jog": {"elbow": null}}': "jog of 'elbow' must be a number",
+    '{"jog": {"elbow": 1}, "frame": "tool"}': "jog needs jog and may have number",
+    '{"pose": [[1,0,0,0],[0,1,0,0],[0,0,1,0]]}': "four rows",
+    '{"pose": [[1,0,0,0],[0,1,0,0],[0,0,1],[0,0,0,1]]}': r"pose\[2\] must be a list of 4",
+    '{"pose": [[2,0,0,0],[0,1,0,0],[0,0,1,0],[0,0,0,1]]}': "not in SO",
+    '{"pose": {"position": [0,0,0]}}': "needs position, quaternion_wxyz",
+    '{"pose": {"position": [0,0,0], "quaternion_wxyz": [0,0,0,0]}}': "must have length 1; got 0",
+    '{"pose": {"position": [0,0,0], "quaternion_wxyz": [1,0,0,0]}, "linear_speed": 0}': "linear_speed must be",
+    '{"pose": 3}': "four rows",
+    '{"interlock": "go"}': "a word to the interlock is one of 'enable', 'stop', 'emergency stop', 'clear'",
+    '{"interlock": "enable", "stop": true}': "stop needs stop and may have number",
+    '{"interlock": ["enable"]}': "a word to the interlock is one of",
+    '{"stop": false}': "stop must be true",
+    '{"stop": 1}': "stop must be true",
+    '{"stop": true, "number": -1}': "number must be a whole number",
+    '{"stop": true, "number": 1.5}': "number must be a whole number",
+    '{"stop": true, "number": true}': "number must be a whole number",
+}
+
+
+@pytest.mark.parametrize(("text", "why"), BAD.items(), ids=[text[:60] for text in BAD])
+def test_what_is_not_exactly_a_command_is_refused_in_one_line(rover, text, why):
+    for message in (text, text.encode()):
+        with pytest.raises(InputError, match=why) as caught:
+            parse_command(rover, message)
+        assert "\n" not in str(caught.value)
+        assert len(str(caught.value)) < 1000
+
+
+@pytest.mark.parametrize("text", [b"\xff\xfe\x00{", b"\x00" * 100, '{"stop": true}'.encode("utf-16")])
+def test_bytes_that_are_no_utf_8(rover, text):
+    with pytest.raises(InputError, match="one JSON object"):
+        parse_command(rover, text)
+
+
+def test_a_message_that_is_too_long(rover):
+    with pytest.raises(InputError, match="at most 65536 bytes; got 65537"):
+        parse_command(rover, b" " * (LARGEST_MESSAGE + 1))
+
+
+def test_every_beginning_of_a_message_is_refused_but_the_whole(rover):
+    text = json.dumps({"twist": TWIST, "frame": "base", "hold": None, "number": 12})
+    for end in range(len(text)):
+        with pytest.raises(InputError):
+            parse_command(rover, text[:end])
+    parse_command(rover, text)
+
+
+def test_a_joint_state_by_name_in_any_order(rover):
+    names = ["gripper", *reversed(rover.joint_names)]
+    values, number, _ = parse_state(rover, json.dumps({"joint_names": names, "theta": [9, 5, 4, 3, 2, 1], "number": 3}))
+    assert [values[name] for name in rover.joint_names] == [1.0, 2.0, 3.0, 4.0, 5.0]
+    assert number == 3
+
+
+NAMES = ["slide", "shoulder", "elbow", "wrist_pitch", "wrist_roll"]
+BAD_STATES = [
+    ({"theta": [1, 2, 3, 4, 5]}, "needs joint_names, theta and may have"),
+    ({"joint_names": NAMES, "theta": [1, 2, 3, 4]}, "5 names, 4 values"),
+    ({"joint_names": [*NAMES, "elbow"], "theta": [1, 2, 3, 4, 5, 6]}, "twice: 'elbow'"),
+    ({"joint_names": [1, 2, 3, 4, 5], "theta": [1, 2, 3, 4, 5]}, r"joint_names\[0\] must be text"),
+    ({"joint_names": NAMES, "theta": [1, 2, None, 4, 5]}, r"theta\[2\] must be a number"),
+    ({"joint_names": NAMES, "theta": [1, 2, 3, 4, 5], "velocity": []}, "may have number"),
+    ({"joint_names": NAMES, "theta": [1, 2, 3, 4, 5], "interlock": "off"}, "one of 'enabled'"),
+]
+
+
+@pytest.mark.parametrize(("message", "why"), BAD_STATES, ids=[why for _, why in BAD_STATES])
+def test_what_is_no_joint_state_is_refused(rover, message, why):
+    with pytest.raises(InputError, match=why):
+        parse_state(rover, json.dumps(message))
+
+
+def test_a_setpoint_goes_out_as_documented(rover):
+    output = answer(np.full(5, 0.25), ServoStatus.SLOWED_SINGULARITY, 0.5, "elbow", "in words")
+    message = decoded(encode(setpoint_message(rover, Setpoint(8, 1.5, np.arange(5.0), output.theta_dot, output))))
+    assert message == {
+        "number": 8,
+        "time": 1.5,
+        "joint_names": NAMES,
+        "theta": [0.0, 1.0, 2.0, 3.0, 4.0],
+        "theta_dot": [0.25] * 5,
+        "status": "SLOWED_SINGULARITY",
+        "joint": "elbow",
+        "scale": 0.5,
+        "reason": "SINGULARITY",
+        "interlock": "enabled",
+    }

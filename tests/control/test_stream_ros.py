@@ -1,0 +1,146 @@
+"""What ROS messages mean, without ROS; the node is in test_ros2_servo.py."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+import ros_stand_ins as msg
+from stream_stand_ins import answer
+from twistarm.control.servo import ServoStatus
+from twistarm.control.stream import Cycle, Ending, Setpoint, ros
+from twistarm.control.stream.report import Tally
+from twistarm.support.errors import InputError
+
+
+def test_a_joint_state_by_name(rover):
+    names = ["gripper", *reversed(rover.joint_names), "wheel"]
+    said = ros.positions_of(rover, msg.JointState(name=names, position=[9.0, 5.0, 4.0, 3.0, 2.0, 1.0, 9.0]))
+    assert [said[name] for name in rover.joint_names] == [1.0, 2.0, 3.0, 4.0, 5.0]
+    assert ros.positions_of(rover, msg.JointState(name=["slide"], position=[0.5])) == {"slide": 0.5}
+    ros.positions_of(rover, msg.JointState(name=["wheel", "wheel", "fan"], position=[np.nan]))  # no affair of ours
+
+
+@pytest.mark.parametrize(
+    ("names", "position", "why"),
+    [
+        (["slide", "slide"], [0.0, 0.0], "twice: 'slide'"),
+        (["slide", "shoulder"], [0.0], "2 names, 1 values"),
+        (["slide", "shoulder", "elbow", "wrist_pitch", "wrist_roll"], [0.0, np.nan, 0.0, 0.0, 0.0], "finite"),
+    ],
+)
+def test_a_joint_state_that_is_none(rover, names, position, why):
+    with pytest.raises(InputError, match=why):
+        ros.positions_of(rover, msg.JointState(name=names, position=position))
+
+
+def test_a_frame_is_the_base_s_the_tool_s_or_unsaid(rover):
+    assert ros.frame_of(rover, rover.base, "neither") == "base"
+    assert ros.frame_of(rover, rover.tip, "neither") == "tool"
+    assert ros.frame_of(rover, "", "tool") == "tool"
+
+
+@pytest.mark.parametrize("frame_id", [" ", "world", "forearm"])
+def test_another_frame_is_not_guessed_at(rover, frame_id):
+    with pytest.raises(InputError, match=f"'base_link' .base. or 'tool0' .tool.; got frame_id '{frame_id}'"):
+        ros.frame_of(rover, frame_id, "tool")
+
+
+def test_stamps_are_numbers_that_increase():
+    assert ros.number_of(msg.Time()) is None
+    assert ros.number_of(msg.Time(sec=1, nanosec=999_999_999)) < ros.number_of(msg.Time(sec=2))
+    assert ros.number_of(msg.Time(sec=2**31 - 1)) == (2**31 - 1) * 10**9
+
+
+def test_a_jog_by_name(rover):
+    jog = ros.jog_of(rover, msg.JointJog(joint_names=["elbow", "slide"], velocities=[0.5, -0.1]), scale=2.0)
+    assert jog.theta_dot.tolist() == [-0.2, 0.0, 1.0, 0.0, 0.0]
+
+
+@pytest.mark.parametrize(
+    ("names", "fields", "why"),
+    [
+        (["elbow"], {"velocities": [0.1, 0.2]}, "1 names, 2 velocities"),
+        (["elbow", "elbow"], {"velocities": [0.1, 0.2]}, "each joint once"),
+        (["wheel"], {"velocities": [0.1]}, "wheel"),
+        (["elbow"], {"velocities": [np.nan]}, "jog of"),
+        (["elbow"], {"displacements": [0.1]}, "got displacements"),
+        ([], {}, "jog must be"),
+    ],
+)
+def test_a_jog_that_is_none(rover, names, fields, why):
+    with pytest.raises(InputError, match=why):
+        ros.jog_of(rover, msg.JointJog(joint_names=names, **fields))
+
+
+def pose(frame_id, w=1.0, x=0.5):
+    at = msg.Pose(position=msg.Point(x=x, z=0.4), orientation=msg.Quaternion(w=w))
+    return msg.PoseStamped(header=msg.Header(frame_id=frame_id), pose=at)
+
+
+def test_a_pose_in_the_base(rover):
+    command = ros.pose_of(rover, pose(rover.base))
+    np.testing.assert_allclose(command.g, [[1, 0, 0, 0.5], [0, 1, 0, 0], [0, 0, 1, 0.4], [0, 0, 0, 1]])
+
+
+@pytest.mark.parametrize(
+    ("message", "why"),
+    [
+        (pose("tool0"), "given in 'base_link' .base.; got 'tool0'"),
+        (pose(""), "got ''"),
+        (pose("base_link", w=0.0), "length 1"),
+        (pose("base_link", x=np.nan), "position"),
+    ],
+)
+def test_a_pose_that_is_none(rover, message, why):
+    with pytest.raises(InputError, match=why):
+        ros.pose_of(rover, message)
+
+
+def test_a_trajectory_ends_at_rest_within_the_limits(rover):
+    limits = rover.limits
+    theta, rates = rover.ready.copy(), np.array([0.1, -0.5, 0.3, 0.2, 0.0])
+    first, last = ros.trajectory_points(rover, Setpoint(0, 1.0, theta, rates, answer(rates)), 1.02)
+    assert (first.positions, first.velocities) == (theta.tolist(), rates.tolist())
+    assert (first.sec, first.nanosec) == (1, 20_000_000)
+    braking = last.sec + last.nanosec * 1e-9 - 1.02
+    assert braking == pytest.approx((np.abs(rates) / limits.acceleration).max(), abs=1e-8)
+    # A cubic from (θ, θ̇) to rest after T, Δθ = θ̇ T / 2, is the parabola that brakes evenly: no joint beyond its limit.
+    np.testing.assert_allclose(last.positions, theta + rates * braking / 2.0, atol=1e-8)
+    assert last.velocities == [0.0] * 5
+
+
+def test_an_arm_at_rest_is_one_point_and_a_limit_is_kept(rover):
+    still = Setpoint(0, 1.0, rover.ready, np.zeros(5), answer(np.zeros(5)))
+    assert len(ros.trajectory_points(rover, still, 0.02)) == 1
+    at_limit = rover.ready.copy()
+    at_limit[1] = rover.limits.upper[1] - 1e-3
+    fast = np.array([0.0, 1.0, 0.0, 0.0, 0.0])
+    _, last = ros.trajectory_points(rover, Setpoint(0, 1.0, at_limit, fast, answer(fast)), 0.02)
+    assert last.positions[1] == rover.limits.upper[1]
+    with pytest.raises(InputError, match="ahead"):
+        ros.trajectory_points(rover, still, 0.0)
+    free = replace(rover, limits=rover.limits.with_({"acceleration": np.inf}, rover.joint_names))
+    _, last = ros.trajectory_points(free, Setpoint(0, 1.0, rover.ready, fast, answer(fast)), 1.0)
+    assert last.sec + last.nanosec * 1e-9 - 1.0 == pytest.approx(1.0 / 3.0)  # along the usual 3 rad/s²
+
+
+def test_diagnostics():
+    def cycle(output, theta=np.zeros(5), **more):  # noqa: B008
+        setpoint = None if output is None else Setpoint(0, 1.0, np.zeros(5), output.theta_dot, output)
+        return Cycle(1.0, None, theta, setpoint, **more)
+
+    tally = Tally(100.0)
+    assert ros.diagnosis_of(cycle(answer(np.zeros(5))), tally).level == b"\x00"
+    slowed = answer(np.zeros(5), ServoStatus.SLOWED_LIMIT, 0.5, "elbow", "slowed by elbow")
+    level, text, values = ros.diagnosis_of(cycle(slowed), tally)
+    assert (level, text, values["joint"], values["scale"]) == (b"\x01", "slowed by elbow", "elbow", "0.500")
+    assert ros.diagnosis_of(cycle(None, None, reason="no joint state has arrived"), tally)[:2] == (
+        b"\x02", "no joint state has arrived",
+    )  # fmt: skip
+    strayed = ros.diagnosis_of(cycle(slowed, reason="elbow is away", ending=Ending.STRAYED), tally)
+    assert strayed.level == b"\x02"
+    assert "elbow is away" in strayed.message
+    assert all(isinstance(value, str) for value in strayed.values.values())

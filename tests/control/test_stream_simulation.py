@@ -1,0 +1,134 @@
+"""Simulated joints follow as drives do, never beyond their limits, and the same calls give the same motion."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from stream_stand_ins import FakeClock, Says, answer, jog
+from twistarm.control.stream import Ending, Setpoint, SimulatedJoints, run
+from twistarm.support.errors import InputError
+
+
+@pytest.fixture
+def clock():
+    return FakeClock()
+
+
+def setpoint(theta, theta_dot=0.0, time=0.0):
+    theta = np.asarray(theta, dtype=float)
+    rates = np.broadcast_to(theta_dot, theta.shape).astype(float)
+    return Setpoint(0, time, theta, rates, answer(rates))
+
+
+def history(joints, seconds, dt=0.001):
+    """(theta, theta_dot) every dt."""
+    rows = []
+    for _ in range(round(seconds / dt)):
+        joints.step(dt)
+        rows.append((joints.theta, joints.theta_dot))
+    return np.array([row[0] for row in rows]), np.array([row[1] for row in rows])
+
+
+def test_a_far_goal_is_reached_fast_and_without_overshoot(rover, clock):
+    joints = SimulatedJoints(rover, rover.ready, velocity=1.0, acceleration=4.0, clock=clock)
+    goal = rover.ready + [0.0, 0.0, 0.0, 0.0, 1.0]
+    joints.write(setpoint(goal))
+    theta, theta_dot = history(joints, 2.0)
+    # Trapezoid: 1 rad at 1 rad/s with 4 rad/s² takes 1/1 + 1/4 s; the last millimetres take a few of 1/40 s.
+    there = 0.001 * (1 + np.argmax(np.abs(theta[:, 4] - goal[4]) < 1e-3))
+    assert 1.25 - 0.03 < there < 1.25 + 0.2
+    assert np.abs(theta_dot).max() <= 1.0 + 1e-12
+    assert np.abs(np.diff(theta_dot, axis=0)).max() <= 4.0 * 0.001 + 1e-12
+    assert (theta[:, 4] - goal[4]).max() < 1e-3
+    assert np.allclose(theta[-1], goal, atol=1e-6)
+
+
+def test_nothing_moves_before_the_latency_is_over(rover, clock):
+    joints = SimulatedJoints(rover, rover.ready, latency=0.05, clock=clock)
+    joints.write(setpoint(rover.ready + 0.1))
+    joints.step(0.05)
+    assert np.array_equal(joints.theta, rover.ready)
+    joints.step(0.005)
+    assert (joints.theta > rover.ready).all()
+
+
+def test_a_ramp_is_followed_latency_behind(rover, clock):
+    joints = SimulatedJoints(rover, rover.ready, latency=0.05, velocity=10.0, acceleration=1000.0, clock=clock)
+    for k in range(1, 101):
+        target = rover.ready + [0.0, 0.0, 0.0, 0.0, 0.5 * 0.01 * k]
+        joints.write(setpoint(target, [0.0, 0.0, 0.0, 0.0, 0.5]))
+        clock.time += 0.01
+    measured = joints.read(clock.time).theta[4]
+    # The last setpoint that took effect was for the end of its period: 50 ms behind, within one period.
+    assert measured - rover.ready[4] == pytest.approx(0.5 * (1.0 - 0.05), abs=0.5 * 0.011)
+
+
+def test_joints_stop_at_their_hard_stops(rover, clock):
+    joints = SimulatedJoints(rover, rover.ready, clock=clock)
+    joints.write(setpoint(rover.limits.upper + 1.0))
+    theta, _ = history(joints, 3.0, 0.01)
+    assert (theta <= rover.limits.upper).all()
+    bounded = np.isfinite(rover.limits.upper)
+    assert np.array_equal(theta[-1][bounded], rover.limits.upper[bounded])
+    assert not joints.theta_dot[bounded].any()
+
+
+def test_without_setpoints_the_drives_hold(rover, clock):
+    joints = SimulatedJoints(rover, rover.ready, clock=clock)
+    joints.write(setpoint(rover.ready, [0.0, 0.0, 0.0, 0.0, 1.0]))
+    theta, theta_dot = history(joints, 2.0)
+    assert np.allclose(theta[-1], rover.ready, atol=1e-6)
+    assert np.abs(theta_dot[-1]).max() < 1e-6
+
+
+def test_an_hour_at_rest_costs_nothing(rover, clock):
+    joints = SimulatedJoints(rover, rover.ready, clock=clock)
+    joints.step(3600.0)
+    joints.write(setpoint(np.minimum(rover.limits.upper, 2.0) + 1.0, 0.1))
+    joints.step(3600.0)
+    assert not joints.theta_dot.any()
+
+
+def test_the_same_calls_give_the_same_motion(rover):
+    def motion():
+        clock = FakeClock()
+        joints = SimulatedJoints(rover, rover.ready, latency=0.05, clock=clock)
+        run(rover, Says(jog(rover, elbow=-0.4, slide=0.1)), joints, joints, duration=1.0, clock=clock)
+        clock.time += 1.0
+        return joints.read(clock.time).theta
+
+    first = motion()
+    assert np.array_equal(first, motion())
+    assert first[rover.joint_names.index("elbow")] - rover.ready[2] == pytest.approx(-0.4, abs=0.01)
+
+
+def test_slow_drives_are_noticed(rover, clock):
+    joints = SimulatedJoints(rover, rover.ready, velocity=0.1, clock=clock)
+    report = run(rover, Says(jog(rover, wrist_roll=1.5)), joints, joints, duration=5.0, clock=clock)
+    assert report.ending is Ending.STRAYED
+    assert "wrist_roll" in report.reason
+
+
+@pytest.mark.parametrize(
+    ("options", "why"),
+    [
+        ({"latency": -0.1}, "latency must be"),
+        ({"latency": float("nan")}, "latency must be"),
+        ({"velocity": 0.0}, "velocity must be one positive number or 5"),
+        ({"acceleration": [1.0, 2.0]}, "acceleration must be one positive number or 5"),
+        ({"theta": [0.0]}, "theta must have shape"),
+    ],
+)
+def test_what_cannot_be(rover, options, why):
+    theta = options.pop("theta", rover.ready)
+    with pytest.raises(InputError, match=why):
+        SimulatedJoints(rover, theta, **options)
+
+
+def test_a_latency_in_milliseconds_is_noticed(rover, clock):
+    joints = SimulatedJoints(rover, rover.ready, latency=50.0, clock=clock)
+    for _ in range(10_000):
+        joints.write(setpoint(rover.ready))
+    with pytest.raises(InputError, match="latency is in seconds"):
+        joints.write(setpoint(rover.ready))

@@ -1,0 +1,253 @@
+"""Datagrams on loopback: what arrives, who sent it, and what a flood or a receiver that is gone do."""
+
+from __future__ import annotations
+
+import json
+import socket
+import threading
+import time
+from contextlib import suppress
+
+import numpy as np
+import pytest
+
+from stream_stand_ins import FakeClock, Robot, Says, jog
+from twistarm.control.servo import ServoStatus
+from twistarm.control.stream import Ending, SimulatedJoints, UdpFeedback, UdpSink, UdpSource, run
+from twistarm.control.stream.links.sockets import MOST_PER_CYCLE
+from twistarm.support.errors import InputError
+
+JOG = {"jog": {"elbow": -0.3}}
+
+
+@pytest.fixture
+def client():
+    with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as out:
+        yield out
+
+
+@pytest.fixture
+def source(rover):
+    with UdpSource(rover) as opened:
+        opened.read(0.0)
+        yield opened
+
+
+def send(client, message, to):
+    client.sendto(message if isinstance(message, bytes) else json.dumps(message).encode(), to.address)
+
+
+def test_a_command_arrives(rover, client, source):
+    send(client, JOG, source)
+    reading = source.read(0.1)
+    assert reading.command.theta_dot.tolist() == [0.0, 0.0, -0.3, 0.0, 0.0]
+    assert source.read(0.35).command is None
+
+
+@pytest.mark.parametrize("message", [b'{"twist": [0.1, 0', b"", b"\xff" * 9_000, b'{"jog": {"elbow": NaN}}'])
+def test_nonsense_is_refused_in_the_senders_name(client, source, message):
+    send(client, JOG, source)
+    send(client, message, source)
+    reading = source.read(0.1)
+    assert reading.command is None
+    assert reading.reason.startswith(f"command from 127.0.0.1:{client.getsockname()[1]} refused: ")
+    assert len(reading.reason) < 500
+
+
+def test_two_commanders_by_their_ports(client, source):
+    with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as other:
+        send(client, JOG, source)
+        send(other, JOG, source)
+        reading = source.read(0.1)
+        assert reading.command is None
+        for each in (client, other):
+            assert f"127.0.0.1:{each.getsockname()[1]}" in reading.reason
+
+
+def test_what_waited_while_nobody_looked_is_left_out(client, source):
+    send(client, JOG, source)
+    assert source.read(10.0).command is None
+    send(client, JOG, source)
+    assert source.read(10.1).command is not None
+
+
+def test_what_waited_before_the_loop_began_is_left_out(rover, client):
+    with UdpSource(rover) as source:
+        send(client, JOG, source)
+        assert source.read(5.0).command is None
+
+
+def test_a_flood_costs_a_bounded_time_per_cycle_and_the_latest_counts(rover, client, source):
+    for k in range(100_000):
+        with suppress(OSError):  # a system may say that its buffers are full
+            send(client, b'{"jog":{"elbow":-0.3},"number":%d}' % k, source)
+    began = time.perf_counter()
+    taken = sum(1 for _ in source.waiting())
+    assert 0 < taken <= MOST_PER_CYCLE
+    assert next(source.waiting(), None) is None
+    assert time.perf_counter() - began < 0.1
+    send(client, JOG, source)
+    assert source.read(0.1).command is not None
+
+
+def test_a_flood_while_the_loop_runs_does_not_hold_it(rover, source):
+    """A real second, the sender as fast as it can."""
+    over = threading.Event()
+
+    def flood():
+        with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as out:
+            out.setblocking(False)
+            message = json.dumps(JOG).encode()
+            while not over.is_set():
+                with suppress(OSError):
+                    for _ in range(50):
+                        out.sendto(message, source.address)
+                time.sleep(0.0005)
+
+    thread = threading.Thread(target=flood)
+    thread.start()
+    try:
+        joints = SimulatedJoints(rover, rover.ready)
+        report = run(rover, source, joints, joints, rate=100.0, duration=0.7)
+    finally:
+        over.set()
+        thread.join()
+    assert report.ending is Ending.DURATION
+    assert report.cycles > 35
+    assert joints.theta[2] < rover.ready[2] - 0.02
+
+
+def test_joint_states_arrive_by_name(rover, client):
+    with UdpFeedback(rover) as feedback:
+        assert feedback.read(1.0).theta is None
+        names = list(reversed(rover.joint_names))
+        send(client, {"joint_names": names, "theta": [5, 4, 3, 2, 1]}, feedback)
+        measured = feedback.read(1.05)
+        assert measured.theta.tolist() == [1.0, 2.0, 3.0, 4.0, 5.0]
+        assert measured.time == pytest.approx(1.05)
+        for name in names:  # one message for each joint, all in one cycle
+            send(client, {"joint_names": [name, "wheel"], "theta": [0.5, 9]}, feedback)
+        send(client, {"joint_names": ["wheel"], "theta": [9]}, feedback)
+        measured = feedback.read(1.1)
+        assert measured.theta.tolist() == [0.5] * 5
+        assert measured.time == pytest.approx(1.1)
+
+
+def test_setpoints_go_out(rover):
+    clock = FakeClock()
+    robot = Robot(rover.ready, clock)
+    with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as receiver:
+        receiver.bind(("127.0.0.1", 0))
+        receiver.settimeout(1.0)
+        with UdpSink(rover, *receiver.getsockname()) as sink:
+            run(rover, Says(jog(rover, elbow=-0.3)), sink, robot, duration=0.05, clock=clock)
+        first = json.loads(receiver.recv(65536))
+    assert first["number"] == 0
+    assert first["joint_names"] == list(rover.joint_names)
+    assert first["theta_dot"][2] == pytest.approx(-2.5 * 0.01)
+    assert np.array(first["theta"]) - rover.ready == pytest.approx([0, 0, -2.5 * 0.01 * 0.01, 0, 0], abs=1e-9)
+
+
+class Following(Says):
+    """The arm does as it is told, so that nothing but the sink is amiss; `events`: what happens when."""
+
+    def __init__(self, robot, command, events):
+        super().__init__(command)
+        self.robot, self.events = robot, dict(events)
+
+    def read(self, now, state):
+        if state is not None:
+            self.robot.theta = state.theta
+        for moment in [moment for moment in self.events if moment < now]:
+            self.events.pop(moment)()
+        return super().read(now, state)
+
+
+def listener(address=("127.0.0.1", 0)):
+    receiver = socket.socket(socket.AF_INET, socket.SOCK_DGRAM)
+    receiver.settimeout(1.0)
+    receiver.bind(address)
+    return receiver
+
+
+def test_a_robot_that_restarts_is_waited_for(rover):
+    """From 0.5 s to 1.0 s nobody listens. Where a system tells of it one call later, one setpoint later is blamed."""
+    clock, heard, seen = FakeClock(), [], []
+    robot, first = Robot(rover.ready, clock), listener()
+    address = first.getsockname()
+    events = {100.505: first.close, 101.005: lambda: heard.append(listener(address))}
+    with UdpSink(rover, *address) as sink:
+        source = Following(robot, jog(rover, elbow=-0.3), events)
+        report = run(rover, source, sink, robot, duration=1.5, clock=clock, on_cycle=seen.append)
+    (second,) = heard
+    assert json.loads(second.recv(65536))["number"] == 101
+    second.close()
+    name = f"127.0.0.1:{address[1]}"
+    lost = [cycle.setpoint.number for cycle in seen if not cycle.delivered]
+    assert lost in (list(range(51, 101)), list(range(52, 102)))
+    assert report.undelivered == (f"nobody listens at {name} (50 times)",)
+    assert seen[60].reason == f"nobody listens at {name}"
+    assert (report.ending, report.delivered, report.ok) == (Ending.DURATION, True, True)
+    assert f"setpoints did not get through: nobody listens at {name} (50 times)" in report.explain()
+    assert "Errno" not in report.explain()
+
+
+def test_nobody_is_said_to_be_at_rest_who_was_not_told(rover):
+    clock = FakeClock()
+    robot, receiver = Robot(rover.ready, clock), listener()
+    with UdpSink(rover, *receiver.getsockname()) as sink:
+        source = Following(robot, jog(rover, elbow=-0.3), {100.505: receiver.close})
+        report = run(rover, source, sink, robot, duration=1.0, clock=clock)
+    assert (report.ending, report.delivered, report.ok) == (Ending.DURATION, False, False)
+    assert report.explain().endswith("at the end: commanded to rest; the last setpoint did not get through")
+    assert "at rest" not in report.explain()
+
+
+def test_what_else_a_system_refuses_ends_the_stream(rover):
+    clock = FakeClock()
+    robot, receiver = Robot(rover.ready, clock), listener()
+    with receiver, UdpSink(rover, *receiver.getsockname()) as sink:
+        source = Following(robot, None, {100.505: sink.close})
+        report = run(rover, source, sink, robot, duration=1.0, clock=clock)
+    assert report.ending is Ending.SINK_FAILED
+    assert report.reason.startswith("OSError: ")
+    assert not report.delivered
+
+
+def test_a_killed_commander_stops_the_arm_in_real_time(rover, source):
+    seen = []
+
+    def command():
+        with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as out:
+            for _ in range(10):
+                send(out, JOG, source)
+                time.sleep(0.03)
+
+    thread = threading.Thread(target=command)
+    thread.start()
+    joints = SimulatedJoints(rover, rover.ready)
+    run(rover, source, joints, joints, duration=1.0, on_cycle=seen.append)
+    thread.join()
+    assert any(cycle.setpoint.theta_dot.any() for cycle in seen)
+    assert seen[-1].setpoint.output.status is ServoStatus.STALE
+    assert not seen[-1].setpoint.theta_dot.any()
+    assert "s old (timeout 0.2 s)" in seen[-1].reason
+
+
+@pytest.mark.parametrize(
+    ("host", "port", "why"),
+    [
+        ("127.0.0.1", 70_000, "a port is a whole number from"),
+        ("127.0.0.1", "9870", "a port is a whole number from"),
+        ("no..host", 9870, "no host 'no..host'"),
+    ],
+)
+def test_addresses_that_cannot_be(rover, host, port, why):
+    for opened in (UdpSource, UdpFeedback, UdpSink):
+        with pytest.raises(InputError, match=why):
+            opened(rover, host, port)
+
+
+def test_a_port_in_use_is_named(rover, source):
+    with pytest.raises(InputError, match=f"cannot listen on 127.0.0.1:{source.address[1]}"):
+        UdpFeedback(rover, *source.address)
