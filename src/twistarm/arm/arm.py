@@ -186,7 +186,7 @@ class Arm:
     @property
     def configurations(self) -> Configurations:
         """Configurations by name: `ready`, `zero`, `named_states`. A name stands for a theta wherever one is taken."""
-        return Configurations(self)
+        return Configurations(self.name, self.n, self.named_states, lambda: self.ready)
 
     @cached_property
     def ready(self) -> Array:

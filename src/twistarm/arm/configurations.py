@@ -2,16 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
-from typing import TYPE_CHECKING
+from collections.abc import Callable, Iterator, Mapping
 
 import numpy as np
 
 from ..support.checks import Array, frozen
 from ..support.errors import listed, unknown_name
-
-if TYPE_CHECKING:
-    from .arm import Arm
 
 READY, ZERO = "ready", "zero"
 
@@ -23,26 +19,28 @@ class Configurations(Mapping[str, Array]):
     A name that is none raises UnknownNameError, a LookupError, which lists the names that are.
     """
 
-    def __init__(self, arm: Arm) -> None:
+    def __init__(self, arm: str, n: int, named: Mapping[str, Array], ready: Callable[[], Array]) -> None:
         self._arm = arm
+        self._n = n
+        self._named = named
+        self._ready = ready
 
     def __getitem__(self, name: str) -> Array:
-        states = self._arm.named_states
-        if name in states:
-            return states[name]
+        if name in self._named:
+            return self._named[name]
         if name not in (READY, ZERO):
             known = tuple(self)
-            raise unknown_name("pose", name, known, within=self._arm.name, listing=f"poses: {listed(known)}")
-        return self._arm.ready if name == READY else frozen(np.zeros(self._arm.n))
+            raise unknown_name("pose", name, known, within=self._arm, listing=f"poses: {listed(known)}")
+        return self._ready() if name == READY else frozen(np.zeros(self._n))
 
     def __contains__(self, name: object) -> bool:
-        return name in (READY, ZERO) or name in self._arm.named_states
+        return name in (READY, ZERO) or name in self._named
 
     def __iter__(self) -> Iterator[str]:
-        return iter(dict.fromkeys((READY, ZERO, *self._arm.named_states)))
+        return iter(dict.fromkeys((READY, ZERO, *self._named)))
 
     def __len__(self) -> int:
-        return len({READY, ZERO, *self._arm.named_states})
+        return len({READY, ZERO, *self._named})
 
     def __repr__(self) -> str:
         return f"Configurations({listed(tuple(self))})"
