@@ -141,12 +141,12 @@ def test_what_a_page_links_to_is_there(page):
             assert (ROOT / ours[1] if ours else page.parent / target).exists(), target
 
 
-MODULES = ("", "screws", "joints", "poe", "rotations", "stream", "testing", "viewer", "wiring")
+MODULES = ("", "screws", "joints", "poe", "rotations", "control.stream", "testing", "viewer", "calibration")
 
 
 def public_names(module: str) -> set[str]:
     """What a module offers: its `__all__`, or the functions and classes that it defines."""
-    found = import_module(f"twistarm.{module}") if module in ("stream", "testing", "viewer", "wiring") else twistarm
+    found = import_module(f"twistarm.{module}") if module in ("control.stream", "testing", "viewer", "calibration") else twistarm
     found = getattr(twistarm, module) if module in twistarm.__all__ else found
     names = getattr(found, "__all__", None) or [
         name
