@@ -19,7 +19,16 @@ import numpy as np
 
 from twistarm import load_arm
 from twistarm.control.servo import ServoOutput
-from twistarm.control.stream import Metronome, MonotonicClock, Setpoint, SimulatedJoints, UdpFeedback, UdpSink, UdpSource, run
+from twistarm.control.stream import (
+    Metronome,
+    MonotonicClock,
+    Setpoint,
+    SimulatedJoints,
+    UdpFeedback,
+    UdpSink,
+    UdpSource,
+    run,
+)
 from twistarm.control.stream.metronome import Lateness
 
 from .machine import machine

@@ -7,8 +7,8 @@ from pathlib import Path
 import numpy as np
 
 from twistarm import check_wiring, load_arm
-from twistarm.control.servo import JogCommand, ServoState, ServoStatus, servo_step
 from twistarm.calibration import WiringLog
+from twistarm.control.servo import JogCommand, ServoState, ServoStatus, servo_step
 
 ROBOT = Path(__file__).parents[1] / "robots" / "rover_arm"
 WRIST = "unit = 'tick'\nticks_per_turn = 4096\nlimits = { velocity = 90.0, effort = 0.2 }\n"  # rad/s, N m

@@ -12,9 +12,9 @@ import numpy as np
 
 from catalogue import load
 from twistarm import Actuators, Arm
+from twistarm.calibration import WiringLog, WiringReport
 from twistarm.support.checks import Array
 from twistarm.theory.rotations import exp
-from twistarm.calibration import WiringLog, WiringReport
 
 FAULTS = ("none", "flipped sign", "zero offset", "wrong ratio", "swapped")
 

@@ -1,7 +1,30 @@
-from .control import stream as stream
 from . import testing as testing
-from .description.findings import Finding as Finding
+from .arm.arm import Arm as Arm
+from .arm.arm import Coupling as Coupling
+from .arm.arm import Proof as Proof
+from .arm.from_screws import arm_from_screws as arm_from_screws
+from .arm.loading.arm_builder import ArmBuilder as ArmBuilder
+from .arm.loading.load import available_arms as available_arms
+from .arm.loading.load import load_arm as load_arm
+from .calibration import check_wiring as check_wiring
+from .checking.crosscheck import CrossCheck as CrossCheck
+from .checking.crosscheck import EngineComparison as EngineComparison
+from .checking.crosscheck import crosscheck as crosscheck
+from .checking.difference import Difference as Difference
+from .checking.difference import compare as compare
 from .checking.doctor import diagnose as diagnose
+from .checking.golden_file import freeze as freeze
+from .control import stream as stream
+from .control.servo import JogCommand as JogCommand
+from .control.servo import PoseCommand as PoseCommand
+from .control.servo import ServoOutput as ServoOutput
+from .control.servo import ServoReason as ServoReason
+from .control.servo import ServoSettings as ServoSettings
+from .control.servo import ServoState as ServoState
+from .control.servo import ServoStatus as ServoStatus
+from .control.servo import TwistCommand as TwistCommand
+from .control.servo import servo_step as servo_step
+from .description.findings import Finding as Finding
 from .ik import Approach as Approach
 from .ik import IKBatch as IKBatch
 from .ik import IKSolution as IKSolution
@@ -18,13 +41,6 @@ from .ik import solve_ik_batch as solve_ik_batch
 from .ik import subproblems as subproblems
 from .limits.actuators import Actuators as Actuators
 from .limits.joint_limits import JointLimits as JointLimits
-from .arm.loading.arm_builder import ArmBuilder as ArmBuilder
-from .arm.loading.load import available_arms as available_arms
-from .arm.loading.load import load_arm as load_arm
-from .arm.arm import Arm as Arm
-from .arm.arm import Coupling as Coupling
-from .arm.arm import Proof as Proof
-from .arm.from_screws import arm_from_screws as arm_from_screws
 from .planning import ArcMove as ArcMove
 from .planning import Binding as Binding
 from .planning import Dwell as Dwell
@@ -40,21 +56,6 @@ from .planning import load_motion as load_motion
 from .planning import load_trajectory as load_trajectory
 from .planning import plan as plan
 from .planning import plan_joint as plan_joint
-from .checking.crosscheck import CrossCheck as CrossCheck
-from .checking.crosscheck import EngineComparison as EngineComparison
-from .checking.crosscheck import crosscheck as crosscheck
-from .checking.difference import Difference as Difference
-from .checking.difference import compare as compare
-from .checking.golden_file import freeze as freeze
-from .control.servo import JogCommand as JogCommand
-from .control.servo import PoseCommand as PoseCommand
-from .control.servo import ServoOutput as ServoOutput
-from .control.servo import ServoReason as ServoReason
-from .control.servo import ServoSettings as ServoSettings
-from .control.servo import ServoState as ServoState
-from .control.servo import ServoStatus as ServoStatus
-from .control.servo import TwistCommand as TwistCommand
-from .control.servo import servo_step as servo_step
 from .support.errors import ComparisonError as ComparisonError
 from .support.errors import DescriptionError as DescriptionError
 from .support.errors import InputError as InputError
@@ -73,7 +74,6 @@ from .theory.manipulability import Manipulability as Manipulability
 from .viewer import Viewer as Viewer
 from .viewer import save_html as save_html
 from .viewer import save_png as save_png
-from .calibration import check_wiring as check_wiring
 
 __version__: str
 __all__: list[str]

@@ -5,8 +5,8 @@ from __future__ import annotations
 import os
 from typing import Any
 
-from .arm.loading.load import load_arm
 from .arm.arm import Arm
+from .arm.loading.load import load_arm
 from .checking.crosscheck import crosscheck, require_yourdfpy
 from .checking.difference import compare
 

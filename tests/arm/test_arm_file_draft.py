@@ -13,10 +13,10 @@ import twistarm
 from catalogue import load
 from test_loading import REAL
 from twistarm import Arm, DescriptionError, InputError, load_arm
+from twistarm.arm.loading.arm_file_draft import draft_arm_file
 from twistarm.description.document import Reading
 from twistarm.description.tree import Description
 from twistarm.description.urdf import build_description
-from twistarm.arm.loading.arm_file_draft import draft_arm_file
 from urdf_text import joint, robot, two_joints, write
 
 if sys.version_info >= (3, 11):

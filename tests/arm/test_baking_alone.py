@@ -47,7 +47,8 @@ print(json.dumps({
     "converged": [solution.converged for solution in found],
     "lack": lack,
     "needless": sorted(
-        {"twistarm.checking.doctor", "twistarm.checking.golden_file", "twistarm.viewer", "urllib.request"} & set(sys.modules)
+        {"twistarm.checking.doctor", "twistarm.checking.golden_file", "twistarm.viewer", "urllib.request"}
+        & set(sys.modules)
     ),
 }))
 """

@@ -14,9 +14,9 @@ from baked_arms import TOL, assert_same, bake, sealed
 from baked_arms import everything as everything
 from catalogue import load
 from twistarm import Arm, load_arm
+from twistarm.arm.baking import MAX_BYTES
 from twistarm.cli.application import run
 from twistarm.limits.joint_limits import FIELDS
-from twistarm.arm.baking import MAX_BYTES
 from twistarm.support.errors import DescriptionError, InputError
 from urdf_text import write
 

@@ -19,8 +19,8 @@ import pytest
 
 import twistarm
 from twistarm import poe
-from twistarm.cli.application import run
 from twistarm.arm import engine
+from twistarm.cli.application import run
 
 ROOT = Path(__file__).parents[2]
 TOL = 1e-13

@@ -11,9 +11,9 @@ import pytest
 
 from catalogue import load
 from twistarm import Actuators, Arm, ComparisonError, InputError, check_wiring
+from twistarm.calibration import WiringLog, WiringReport
 from twistarm.support.checks import Array
 from twistarm.theory.rotations import exp
-from twistarm.calibration import WiringLog, WiringReport
 
 ROWS, POSITION_NOISE, ORIENTATION_NOISE = 20, 0.001, np.radians(0.5)
 

@@ -9,8 +9,8 @@ import pytest
 
 from catalogue import load
 from twistarm import Actuators, Arm, check_wiring
-from twistarm.support.checks import Array
 from twistarm.calibration import WiringLog, WiringReport
+from twistarm.support.checks import Array
 
 ROWS, POSITION_NOISE = 15, 0.001
 

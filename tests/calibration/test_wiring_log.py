@@ -10,10 +10,10 @@ import numpy as np
 import pytest
 
 from twistarm import Arm, InputError, load_arm
+from twistarm.calibration import read_log
 from twistarm.cli.application import run
 from twistarm.support.checks import Array
 from twistarm.theory.rotations import to_xyzw
-from twistarm.calibration import read_log
 
 Capture = pytest.CaptureFixture[str]
 

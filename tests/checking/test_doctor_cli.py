@@ -12,10 +12,10 @@ from finding_cases import CASES, XACRO
 from test_cli import error_of
 from test_finding_codes import lay
 from twistarm import load_arm
-from twistarm.cli.application import run
-from twistarm.description.findings import CODES
 from twistarm.checking.doctor.codes import codes_page
 from twistarm.checking.doctor.folder import descriptions_in
+from twistarm.cli.application import run
+from twistarm.description.findings import CODES
 from urdf_text import joint, robot, two_joints, write
 
 Capture = pytest.CaptureFixture[str]

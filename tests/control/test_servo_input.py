@@ -13,7 +13,15 @@ import pytest
 from catalogue import load
 from twistarm import InputError, TwistarmError, UnknownNameError, arm_from_screws, joints
 from twistarm.arm import engine
-from twistarm.control.servo import JogCommand, PoseCommand, ServoSettings, ServoState, ServoStatus, TwistCommand, servo_step
+from twistarm.control.servo import (
+    JogCommand,
+    PoseCommand,
+    ServoSettings,
+    ServoState,
+    ServoStatus,
+    TwistCommand,
+    servo_step,
+)
 
 DT = 0.01
 

@@ -9,7 +9,16 @@ from types import SimpleNamespace
 
 import pytest
 
-from twistarm.control.stream import Interlock, SimulatedJoints, UdpSource, Verifier, parse_command, run, simulation, streaming
+from twistarm.control.stream import (
+    Interlock,
+    SimulatedJoints,
+    UdpSource,
+    Verifier,
+    parse_command,
+    run,
+    simulation,
+    streaming,
+)
 from twistarm.control.stream.following.cycle import PATIENCE, SETTLING, START_TOLERANCE, TRACKING_TOLERANCE
 from twistarm.control.stream.following.motion_clock import SLOPE
 from twistarm.control.stream.links.inbox import COMMAND_TIMEOUT, FEEDBACK_TIMEOUT

@@ -12,8 +12,8 @@ import numpy as np
 import pytest
 
 from twistarm import diagnose, load_arm
-from twistarm.cli.application import run
 from twistarm.arm.arm import Arm
+from twistarm.cli.application import run
 from twistarm.support.errors import DescriptionError, InputError
 from twistarm.testing import assert_arm
 from urdf_text import joint, write

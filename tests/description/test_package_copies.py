@@ -8,8 +8,8 @@ import pytest
 
 from hostile.sandbox import TOKEN, XMLNS
 from twistarm import load_arm
-from twistarm.description.packages import package_index
 from twistarm.arm.arm import Arm
+from twistarm.description.packages import package_index
 from twistarm.support.errors import DescriptionError
 from urdf_text import joint
 from xacro_text import ARM, as_xacro

@@ -26,10 +26,10 @@ from twistarm import (
     load_arm,
     solve_ik,
 )
-from twistarm.cli.application import run
-from twistarm.export.cpp_header import core_headers, cpp_header, namespace_of
 from twistarm.arm import engine
 from twistarm.arm.baking import digest_of
+from twistarm.cli.application import run
+from twistarm.export.cpp_header import core_headers, cpp_header, namespace_of
 from urdf_text import joint, robot, write
 
 STRICT = ["-std=c++17", "-fno-exceptions", "-fno-rtti", "-Wall", "-Wextra", "-Wpedantic", "-Werror"]

@@ -12,8 +12,16 @@ import pytest
 from catalogue import load
 from test_cpp_header import HEAP, STRICT, compile_one, compiler  # noqa: F401  (a fixture)
 from twistarm import Actuators, Arm, JointLimits, TwistarmError
+from twistarm.control.servo import (
+    AnyCommand,
+    JogCommand,
+    PoseCommand,
+    ServoState,
+    ServoStatus,
+    TwistCommand,
+    servo_step,
+)
 from twistarm.export.cpp_header import core_headers, cpp_header
-from twistarm.control.servo import AnyCommand, JogCommand, PoseCommand, ServoState, ServoStatus, TwistCommand, servo_step
 
 PROGRAM = """
 // Reads theta, then each step's command as kind, flags and 24 numbers; writes theta, theta_dot, scale and whose limit.

@@ -15,8 +15,8 @@ from pathlib import Path
 from typing import Any
 
 from hostile.attempt import Outcome, attempt
-from twistarm.arm.loading.load import load_arm
 from twistarm.arm.baking import text_of
+from twistarm.arm.loading.load import load_arm
 from twistarm.checking.golden_file import golden_text
 from urdf_text import two_joints
 

@@ -9,8 +9,8 @@ from dataclasses import dataclass, replace
 from html import escape
 from pathlib import Path
 
-from twistarm.arm.loading.load import load_arm
 from twistarm.arm.baking import text_of
+from twistarm.arm.loading.load import load_arm
 from twistarm.checking.golden_file import golden_text
 from urdf_text import joint, robot
 

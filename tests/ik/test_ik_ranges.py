@@ -13,9 +13,9 @@ from catalogue import load
 from ik_targets import turned
 from strategies import generators
 from twistarm import JointLimits, arm_from_screws, joints
+from twistarm.arm.arm import Coupling
 from twistarm.ik import Position, solve_ik
 from twistarm.ik.ranges import joint_ranges, periodic
-from twistarm.arm.arm import Coupling
 
 WRAP_TOL = 1e-12
 """Rounding of an angle and a whole number of turns."""

@@ -7,8 +7,8 @@ import pytest
 
 from catalogue import load
 from twistarm import Position, Task, arm_from_screws, load_arm, rotations
-from twistarm.ik.targets import Pose
 from twistarm.arm.arm import Arm
+from twistarm.ik.targets import Pose
 from twistarm.planning.cartesian.curvature import deviation_bend
 from twistarm.planning.cartesian.curves import Line, Screw
 from twistarm.planning.cartesian.moving_target import MovingTarget

@@ -9,8 +9,8 @@ import pytest
 from scipy.interpolate import make_interp_spline
 from scipy.optimize import linprog
 
-from twistarm.limits import JointLimits
 from twistarm.arm import engine
+from twistarm.limits import JointLimits
 from twistarm.planning.joint_path import JointPath
 from twistarm.planning.time_laws import PathBounds
 from twistarm.planning.time_laws.interval_limits import LimitedPath

@@ -7,8 +7,8 @@ import pytest
 from scipy.interpolate import CubicSpline, make_interp_spline
 
 from twistarm import arm_from_screws, plan_joint
-from twistarm.limits import JointLimits
 from twistarm.arm import engine
+from twistarm.limits import JointLimits
 from twistarm.planning.spline_times import duration, in_numpy, shortest_spline
 
 JOINTS = 7

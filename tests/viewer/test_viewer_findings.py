@@ -17,9 +17,9 @@ import numpy as np
 import pytest
 
 from twistarm import Arm, arm_from_screws, diagnose, joints, load_arm
+from twistarm.checking.doctor import Diagnosis
 from twistarm.description.findings import CODES, Finding, Place, finding
 from twistarm.description.meshes import MeshReader
-from twistarm.checking.doctor import Diagnosis
 from twistarm.viewer import Viewer, save_html
 from twistarm.viewer.parts import findings as module
 from twistarm.viewer.parts.findings import MOST, PENDING, Examination, examined, loaded, node_of

@@ -9,10 +9,10 @@ import numpy as np
 import pytest
 
 from twistarm import Arm, ArmBuilder, load_arm
-from twistarm.limits.actuators import Actuators
-from twistarm.limits.joint_limits import JointLimits
 from twistarm.arm.usual_limits import with_defaults
 from twistarm.control.servo import ServoSettings, ServoState, ServoStatus, TwistCommand, servo_step
+from twistarm.limits.actuators import Actuators
+from twistarm.limits.joint_limits import JointLimits
 from twistarm.support.checks import Array
 from twistarm.viewer.parts.gauge import SILENT, Gauge
 from twistarm.viewer.parts.servo_words import SILENT as WORDLESS

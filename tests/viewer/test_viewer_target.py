@@ -12,8 +12,8 @@ from numpy.testing import assert_allclose, assert_array_equal
 
 from ik_targets import require_core
 from twistarm import Arm, InputError, arm_from_screws, joints, load_arm, solve_ik
-from twistarm.ik import Pose, Position
 from twistarm.arm.engine import MOST_JOINTS
+from twistarm.ik import Pose, Position
 from twistarm.planning.joint_space import plan_joint
 from twistarm.support.strict_json import encode
 from twistarm.viewer import Viewer

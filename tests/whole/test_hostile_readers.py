@@ -11,8 +11,8 @@ import pytest
 
 from hostile.attempt import Figures, Outcome
 from hostile.readers import READERS, Case, cases
-from twistarm.cli.application import run
 from twistarm.checking.doctor.folder import descriptions_in
+from twistarm.cli.application import run
 from twistarm.support.errors import InputError
 
 SAMPLED = (

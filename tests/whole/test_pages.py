@@ -146,7 +146,11 @@ MODULES = ("", "screws", "joints", "poe", "rotations", "control.stream", "testin
 
 def public_names(module: str) -> set[str]:
     """What a module offers: its `__all__`, or the functions and classes that it defines."""
-    found = import_module(f"twistarm.{module}") if module in ("control.stream", "testing", "viewer", "calibration") else twistarm
+    found = (
+        import_module(f"twistarm.{module}")
+        if module in ("control.stream", "testing", "viewer", "calibration")
+        else twistarm
+    )
     found = getattr(twistarm, module) if module in twistarm.__all__ else found
     names = getattr(found, "__all__", None) or [
         name

@@ -11,8 +11,8 @@ import pytest
 
 from catalogue import load
 from test_cpp_header import HEAP, STRICT, compile_one, compiler  # noqa: F401  (a fixture)
-from twistarm.export.cpp_header import core_headers, cpp_header
 from twistarm.control.servo import JogCommand, ServoState, servo_step
+from twistarm.export.cpp_header import core_headers, cpp_header
 
 PACKAGE = Path(__file__).parents[2] / "examples" / "ros2" / "twistarm_controller"
 

@@ -12,8 +12,8 @@ from pathlib import Path
 import pytest
 
 from stub_packages import package
-from twistarm.description.expansion import module as xacro_module
 from twistarm.arm import pinocchio_model
+from twistarm.description.expansion import module as xacro_module
 
 PROJECT = Path(__file__).parents[2]
 COMMAND = "import sys; sys.argv[0] = 'twistarm'; from twistarm.cli import main; main()"

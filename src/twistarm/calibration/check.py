@@ -7,8 +7,8 @@ from dataclasses import replace
 
 import numpy as np
 
-from ..limits.actuators import Actuators
 from ..arm.arm import Arm, require_arm
+from ..limits.actuators import Actuators
 from ..support.checks import Array, as_not_negative, as_positive, require_callback
 from ..support.errors import InputError
 from .advice import moved

@@ -7,8 +7,8 @@ from collections.abc import Mapping, Sequence
 
 import numpy as np
 
-from ..description.tree import Description
 from ..arm.pinocchio_model import model_of
+from ..description.tree import Description
 from ..support.checks import Array
 from ..support.errors import DescriptionError, InputError
 

@@ -11,10 +11,10 @@ from typing import Any
 
 import numpy as np
 
+from ..arm.arm import Arm, require_arm
 from ..description.bounds import WIDE
 from ..description.tree import Description
 from ..limits.joint_units import slides
-from ..arm.arm import Arm, require_arm
 from ..support.checks import Array, as_whole, frozen, require_callback
 from ..support.display import Brief
 from ..support.errors import ComparisonError, InputError, MissingExtraError, missing_extra

@@ -8,9 +8,9 @@ from typing import Any
 
 import numpy as np
 
-from ..description.inertial import bodies
-from ..arm.loading.load import load_arm
 from ..arm.arm import Arm, require_arm
+from ..arm.loading.load import load_arm
+from ..description.inertial import bodies
 from ..support.errors import ComparisonError, InputError
 from ..support.files import as_path
 from .changes import SAME_TOL, limit_changes, mass_changes, motor_changes, name_changes

@@ -9,12 +9,12 @@ from typing import Any
 
 import numpy as np
 
-from ..description.document import read_text
-from ..description.inertial import Body, bodies
-from ..limits.joint_limits import FIELDS
 from ..arm.arm import Arm, require_arm
 from ..arm.baking import FORMAT as BAKED
 from ..arm.baking import actuators_entry, read_actuators, read_limits, reason
+from ..description.document import read_text
+from ..description.inertial import Body, bodies
+from ..limits.joint_limits import FIELDS
 from ..support.checks import as_floats, as_pose
 from ..support.errors import DescriptionError
 from ..support.files import write_whole

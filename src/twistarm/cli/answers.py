@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from typing import Any
 
+from ..arm.arm import Arm
 from ..ik import IKBatch, IKSolution, StopReason
 from ..ik.solution import missed_by_rounding
-from ..arm.arm import Arm
 from ..support.csv_lines import csv_text
 from .csv_rows import ROWS_SHOWN, Sheet, few
 from .output import console, print_json, say, table, theta_typed

@@ -9,9 +9,9 @@ from typing import Any
 
 import numpy as np
 
-from ..limits.joint_limits import JointLimits
 from ..arm.arm import Arm
 from ..arm.usual_limits import with_defaults
+from ..limits.joint_limits import JointLimits
 from ..planning import JointMove, LineMove, MotionFile, Trajectory, load_motion, load_trajectory
 from ..planning import plan as plan_segments
 from ..planning.motion import LAWS, as_segments

@@ -9,9 +9,9 @@ from typing import Any
 
 from rich.table import Table
 
-from ..description.findings import Finding
-from ..checking.doctor.folder import descriptions_in
 from ..arm.arm import Arm
+from ..checking.doctor.folder import descriptions_in
+from ..description.findings import Finding
 from ..support.path_redaction import without_places
 from .output import console, literal, print_json, progress_bar, say
 from .wording import told

@@ -12,10 +12,10 @@ from typing import Annotated, Any
 import numpy as np
 import typer
 
+from ..arm.arm import Arm
+from ..arm.loading.load import load_arm
 from ..description.catalog import model_arms, own_arms
 from ..limits.joint_units import slides
-from ..arm.loading.load import load_arm
-from ..arm.arm import Arm
 from ..support.errors import InputError
 from .typed import VALUES
 

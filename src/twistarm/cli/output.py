@@ -16,8 +16,8 @@ from rich.console import Console
 from rich.markup import escape
 from rich.progress import Progress
 
-from ..description.findings import Finding
 from ..arm.arm import Arm
+from ..description.findings import Finding
 from ..support.checks import Array
 from ..support.errors import printable
 from ..support.path_redaction import without_places

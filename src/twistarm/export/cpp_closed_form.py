@@ -6,10 +6,10 @@ from collections.abc import Iterable
 
 import numpy as np
 
+from ..arm.arm import Arm
 from ..ik import AnyTarget, Approach, Pose, Position
 from ..ik.closed_form.compiled import FamilyNumbers
 from ..ik.closed_form.methods import method_for
-from ..arm.arm import Arm
 from ..support.c_text import c_number
 from ..support.checks import Array
 

@@ -9,8 +9,8 @@ from typing import Any, Literal
 import numpy as np
 from numpy.typing import NDArray
 
-from ..limits.joint_limits import JointLimits
 from ..arm.arm import Arm, require_arm
+from ..limits.joint_limits import JointLimits
 from ..support.checks import Array
 from ..support.errors import InputError, shown
 from .joint_space import completed

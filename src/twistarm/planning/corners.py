@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from ..limits.joint_limits import JointLimits
 from ..arm.arm import Arm
+from ..limits.joint_limits import JointLimits
 from ..support.checks import Array
 from .joint_path import JointPath
 from .piecewise import shifted

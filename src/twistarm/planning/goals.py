@@ -8,12 +8,12 @@ from typing import Any
 
 import numpy as np
 
+from ..arm.arm import Arm
 from ..ik.explain import in_one_line
 from ..ik.solve import solve_ik
 from ..ik.targets import KINDS, AnyTarget, Approach, Pose, Position, meant_by, target_for
 from ..ik.task_space import Tolerances
 from ..limits.joint_limits import JointLimits
-from ..arm.arm import Arm
 from ..support.checks import Array
 from ..support.errors import InputError, NotConvergedError, UnknownNameError
 from ..theory import rotations, screws

@@ -8,14 +8,14 @@ from typing import Any, Literal
 import numpy as np
 from numpy.typing import ArrayLike
 
+from ..arm.arm import Arm, require_arm
+from ..arm.usual_limits import defaults_line, with_defaults
 from ..ik.explain import in_one_line
 from ..ik.solve import solve_ik
 from ..ik.targets import KINDS as TARGETS
 from ..ik.targets import TargetLike
 from ..ik.task_space import Tolerances
 from ..limits.joint_limits import JointLimits
-from ..arm.arm import Arm, require_arm
-from ..arm.usual_limits import defaults_line, with_defaults
 from ..support.checks import (
     Array,
     RealArray,

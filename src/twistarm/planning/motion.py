@@ -9,8 +9,8 @@ from typing import Any, Literal
 
 import numpy as np
 
-from ..limits.joint_limits import JointLimits
 from ..arm.arm import Arm, require_arm
+from ..limits.joint_limits import JointLimits
 from ..support.checks import Array, Row, as_flag, as_positive, require_callback, require_choice
 from ..support.errors import InputError, shown
 from .cartesian.refusal import PathError

@@ -11,9 +11,9 @@ from typing import Any
 
 import numpy as np
 
+from ..arm.arm import Arm
 from ..description.companions.toml_entries import parse_toml
 from ..ik.targets import Approach, Pose, Position, Task
-from ..arm.arm import Arm
 from ..support.checks import (
     Array,
     as_flag,

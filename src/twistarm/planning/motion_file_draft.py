@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from ..description.companions.toml_text import toml_key
 from ..arm.arm import Arm
+from ..description.companions.toml_text import toml_key
 
 STEP = {"rad": 0.2, "m": 0.05}
 """How far the first joint that can moves away from the ready pose."""

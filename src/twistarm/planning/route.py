@@ -8,9 +8,9 @@ from itertools import groupby
 
 import numpy as np
 
+from ..arm.arm import Arm
 from ..ik.targets import KINDS, target_for
 from ..limits.joint_limits import JointLimits
-from ..arm.arm import Arm
 from ..support.checks import Array
 from .cartesian.branches import branches
 from .cartesian.following import follow

@@ -11,8 +11,8 @@ from functools import cache
 
 import numpy as np
 
-from ..limits.joint_limits import JointLimits
 from ..arm import engine
+from ..limits.joint_limits import JointLimits
 from ..support.checks import Array, frozen
 from ..support.errors import missing_extra
 from .hermite import through

@@ -7,8 +7,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ..limits.joint_limits import JointLimits
 from ..arm.arm import Arm
+from ..limits.joint_limits import JointLimits
 from ..support.checks import Array
 from ..support.errors import InputError
 from .cartesian.tool_speed import greatest_tool_speeds

@@ -5,12 +5,12 @@ from __future__ import annotations
 from dataclasses import replace
 from typing import Any
 
+from ..arm.almost_exact import ORIENTATION_ROUNDING, POSITION_ROUNDING, angle_in_words, length_in_words
+from ..arm.arm import Arm
 from ..ik.request import as_tolerance
 from ..ik.solution import missed_by_rounding
 from ..ik.targets import KINDS, target_for
 from ..ik.task_space import Tolerances
-from ..arm.almost_exact import ORIENTATION_ROUNDING, POSITION_ROUNDING, angle_in_words, length_in_words
-from ..arm.arm import Arm
 from ..support.checks import Array
 from .segments import Move, Segment
 

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from ..ik.ranges import joint_ranges
 from ..arm.arm import Arm
+from ..ik.ranges import joint_ranges
 from ..support.caller_words import argument, quantity
 from ..support.checks import Array
 

@@ -10,10 +10,10 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
-from ..limits.joint_limits import JointLimits
 from ..arm.arm import Arm, require_arm
-from ..planning.trajectory import Trajectory
 from ..control.servo.settings import SLIDE
+from ..limits.joint_limits import JointLimits
+from ..planning.trajectory import Trajectory
 from ..support.checks import Array
 from ..support.errors import InputError, unknown_name
 from .parts.findings import loaded

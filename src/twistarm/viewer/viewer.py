@@ -13,11 +13,11 @@ from pathlib import Path
 
 from numpy.typing import ArrayLike
 
-from ..ik import IKSolutions
 from ..arm.arm import Arm, require_arm
-from ..planning.trajectory import Trajectory
 from ..control.servo import ServoOutput, ServoSettings
 from ..control.stream import Cycle, Inbox
+from ..ik import IKSolutions
+from ..planning.trajectory import Trajectory
 from ..support.checks import Array, as_flag, as_positive, require
 from ..support.closeable import Closeable
 from ..support.errors import InputError, shown
@@ -178,7 +178,7 @@ class Viewer(Closeable):
 
     @property
     def commands(self) -> Inbox:
-        """What the pages command by keyboard and gamepad, as a source for `twistarm.control.stream`; once asked for, they may.
+        """What the pages command by keyboard and gamepad, as a source for a stream; once asked for, they may.
 
         Each page is a commander of its own, and two at once bring the arm to rest. Until `show_servo(None)`, sliders,
         poses and trajectories of the pages are refused. A drive that a page had switched on ends.
@@ -201,7 +201,7 @@ class Viewer(Closeable):
         return commands.servo_settings(given)
 
     def show_servo(self, answer: Cycle | ServoOutput | None) -> None:
-        """Show what a cycle of `twistarm.control.stream.run` came to: where the joints are, and the servo's status and reason.
+        """Show what a cycle of `stream.run` came to: where the joints are, and the servo's status and reason.
 
         An answer of `servo_step` gives status and reason alone; None: the servo has ended, and sliders work again.
         Called at any rate, the latest is shown, at most 60 times a second. Harmless once the view is closed: a loop

@@ -20,12 +20,12 @@ from ...description.packages import PackageIndex
 from ...description.planar import coordinate_names
 from ...description.urdf import build_description
 from ...limits.joint_limits import JointLimits
-from ..arm import Arm
 from ...support.checks import Array, as_number, as_pose, as_rotation, frozen
 from ...support.errors import InputError, listed, shown
 from ...theory import joints
 from ...theory.rotations import to_rpy
 from ...theory.screws import inverse
+from ..arm import Arm
 from .load import assemble, prove
 
 BASE = "base"

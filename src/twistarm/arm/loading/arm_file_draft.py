@@ -17,9 +17,9 @@ from ...description.tips.choice import candidates
 from ...description.tree import Description
 from ...description.urdf import read_description
 from ...limits.joint_units import unit_of
-from ..arm import Arm
 from ...support.errors import DescriptionError, InputError
 from ...support.files import as_path
+from ..arm import Arm
 from .load import assemble, prove, specify
 
 FILL_IN = "?"

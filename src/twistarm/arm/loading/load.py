@@ -24,14 +24,14 @@ from ...description.tips.choice import choose_ends, note_choice
 from ...description.tree import Description
 from ...description.urdf import read_description
 from ...limits.joint_limits import JointLimits
-from ..arm import Arm, Coupling, Proof
-from ..baking import SUFFIX, read_baked
-from ..ready_pose import named_ready
 from ...support.caller_words import name_of
 from ...support.checks import frozen, require_mapping
 from ...support.errors import ComparisonError, InputError, UnknownNameError, closest, listed, shown
 from ...support.files import NO_SUCH_FILE, as_path, as_paths, is_file, why_no_file
 from ...theory import poe
+from ..arm import Arm, Coupling, Proof
+from ..baking import SUFFIX, read_baked
+from ..ready_pose import named_ready
 from .overrides import Changes, fitted_actuators, fitted_limits, fitted_poses, fitted_states
 
 PROOF_SAMPLES = 5

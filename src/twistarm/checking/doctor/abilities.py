@@ -11,8 +11,8 @@ from functools import cached_property
 
 import numpy as np
 
-from ...limits.joint_units import slides
 from ...arm.arm import Arm
+from ...limits.joint_units import slides
 from ...support.checks import Array
 from ...support.directions import nearest_axes
 from ...theory.manipulability import scaled_jacobian

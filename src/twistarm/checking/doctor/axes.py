@@ -5,7 +5,6 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator
 
-from ...description.findings import Finding, finding
 from ...arm.almost_exact import (
     ALMOST_ANGLE,
     EXACT_ANGLE,
@@ -16,6 +15,7 @@ from ...arm.almost_exact import (
     length_in_words,
 )
 from ...arm.arm import Arm
+from ...description.findings import Finding, finding
 from .source_text import SourceText
 from .wording import place_of
 

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
+from ...arm.arm import Arm
 from ...description.findings import Finding, finding
 from ...ik import closed_form_of
-from ...arm.arm import Arm
 from .axes import rewriting
 from .wording import place_of
 

@@ -7,12 +7,12 @@ from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass, replace
 from typing import Any
 
+from ...arm.arm import Arm
+from ...arm.loading.load import assemble, prove, read, specify
 from ...description.coupling import resolve_couplings
 from ...description.findings import Finding, Place, finding
 from ...description.meshes import MeshReader
 from ...description.tree import Description
-from ...arm.loading.load import assemble, prove, read, specify
-from ...arm.arm import Arm
 from ...support.errors import ComparisonError, DescriptionError, InputError, UnknownNameError
 from ...support.files import as_path
 from .abilities import Abilities, abilities_of, sample_motions

@@ -6,9 +6,9 @@ from collections.abc import Iterator
 
 import numpy as np
 
+from ...arm.arm import Arm
 from ...description.findings import Finding, finding
 from ...description.tree import Description
-from ...arm.arm import Arm
 from ...support.caller_words import argument
 from .abilities import Motions
 from .wording import grouped, place_of

@@ -9,12 +9,12 @@ from pathlib import Path
 
 import numpy as np
 
+from ...arm.arm import Arm
 from ...description.companions.toml_text import toml_key
 from ...description.findings import Finding, Place, finding
 from ...description.tree import Description, Joint
 from ...limits.joint_limits import AS_GOOD_AS_UNBOUNDED
 from ...limits.joint_units import unit_of
-from ...arm.arm import Arm
 from .units import LONGEST_REACH, UNITS, likely_units
 from .wording import SHOWN, grouped, place_of
 

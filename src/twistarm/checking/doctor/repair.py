@@ -16,6 +16,7 @@ from urllib.parse import unquote
 
 import numpy as np
 
+from ...arm.pinocchio_model import complaint_about
 from ...description.document import Reading
 from ...description.inertial import inertial_problem
 from ...description.mesh_paths import plain
@@ -23,7 +24,6 @@ from ...description.numerals import floats
 from ...description.packages import package_index, package_name
 from ...description.tree import Description, Joint
 from ...description.urdf import build_description
-from ...arm.pinocchio_model import complaint_about
 from ...support.errors import InputError
 from ...support.files import is_file, writable
 from .equality import difference

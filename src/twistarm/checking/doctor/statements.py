@@ -6,8 +6,8 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from ...description.findings import Finding, finding
 from ...arm.arm import Arm
+from ...description.findings import Finding, finding
 from ...support.checks import Array
 from ...support.vector_words import axis_in_words, direction_in_words
 from .abilities import TOL, Abilities

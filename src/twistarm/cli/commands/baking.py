@@ -7,10 +7,10 @@ from typing import Annotated
 
 import typer
 
-from ...export import limits_yaml, matlab
-from ...export.cpp_header import SUFFIXES, core_headers, cpp_header, namespace_of
 from ...arm.arm import Arm
 from ...arm.baking import SUFFIX, digest_of, text_of
+from ...export import limits_yaml, matlab
+from ...export.cpp_header import SUFFIXES, core_headers, cpp_header, namespace_of
 from ..options import Json, takes_arm
 from ..output import print_json, say
 from ..outputs import STDOUT, Force, Format, outputs_of

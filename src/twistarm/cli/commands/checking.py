@@ -7,11 +7,11 @@ from typing import Annotated, Any
 
 import typer
 
-from ...checking.doctor.folder import is_part
-from ...arm.loading.load import load_arm
 from ...arm.arm import Arm
+from ...arm.loading.load import load_arm
 from ...checking.crosscheck import CrossCheck, crosscheck
 from ...checking.difference import Difference, compare
+from ...checking.doctor.folder import is_part
 from ...checking.golden_file import NOT_COVERED, golden_text
 from ...support.errors import DescriptionError, InputError
 from ...support.path_redaction import without_places

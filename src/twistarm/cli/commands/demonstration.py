@@ -10,11 +10,11 @@ import numpy as np
 import typer
 from rich.console import Console
 
-from ...ik import Approach, solve_ik
-from ...arm.loading.load import load_arm
 from ...arm.arm import Arm
-from ...planning import Trajectory, plan_joint
+from ...arm.loading.load import load_arm
 from ...checking.crosscheck import crosscheck
+from ...ik import Approach, solve_ik
+from ...planning import Trajectory, plan_joint
 from ...support.errors import InputError
 from ...viewer import Viewer, save_html
 from ..output import console, jacobian_table, pose_table, say

@@ -8,13 +8,13 @@ from typing import Annotated, Any, TextIO
 import typer
 from rich.table import Table
 
-from ...description.findings import CODES, Finding
-from ...description.findings import refused as refusal_of
 from ...checking.doctor import Diagnosis, examine
 from ...checking.doctor.codes import codes_page
 from ...checking.doctor.folder import is_part
 from ...checking.doctor.repair import Repair, repair
 from ...checking.doctor.statements import summary
+from ...description.findings import CODES, Finding
+from ...description.findings import refused as refusal_of
 from ...support.errors import InputError
 from ...support.path_redaction import without_places
 from ..folders import PART, Line, refused, walk

@@ -13,7 +13,6 @@ import typer
 
 from ...arm.arm import Arm
 from ...arm.usual_limits import defaults_line, usually_limited
-from ...planning import Trajectory
 from ...control.servo import ServoSettings
 from ...control.stream import FollowControl, FollowCycle, Interlock, read_key
 from ...control.stream import follow as follow_on
@@ -21,6 +20,7 @@ from ...control.stream.cycles import checked_rate
 from ...control.stream.following.beginning import motion_of
 from ...control.stream.following.cycle import START_TOLERANCE, TRACKING_TOLERANCE
 from ...control.stream.links.inbox import FEEDBACK_TIMEOUT
+from ...planning import Trajectory
 from ...support.checks import Array
 from ...support.errors import InputError
 from ...viewer import Viewer

@@ -9,13 +9,13 @@ from typing import Any
 import numpy as np
 from rich.console import Group
 
+from ...arm import engine
+from ...arm.arm import Arm
 from ...description import catalog
 from ...description.companions.motors import MOTOR_LIMITS
 from ...ik import closed_form_of
 from ...limits.actuators import Actuators
 from ...limits.joint_limits import FIELDS
-from ...arm import engine
-from ...arm.arm import Arm
 from ...support.path_redaction import without_places
 from ..options import Json, Radians, takes_arm_or_none
 from ..output import console, finding_json, literal, number, print_json, say, shown, table, units

@@ -7,8 +7,8 @@ from typing import Annotated, Any
 
 import typer
 
-from ...ik import POSTURES, IKSolution, solve_ik, solve_ik_all, solve_ik_batch
 from ...arm.arm import Arm
+from ...ik import POSTURES, IKSolution, solve_ik, solve_ik_all, solve_ik_batch
 from ...support.errors import InputError
 from ..all_answers import tell_all
 from ..answers import answers_csv, tell_answers

@@ -10,10 +10,10 @@ from typing import Annotated, Any
 import numpy as np
 import typer
 
-from ...limits.joint_limits import JointLimits
 from ...arm.arm import Arm
 from ...arm.ready_pose import named_ready
 from ...arm.usual_limits import defaults_line, with_defaults
+from ...limits.joint_limits import JointLimits
 from ...planning import Binding, Trajectory, binding_limits, load_motion, plan_joint
 from ...planning.files.c_header import SUFFIXES, header_text
 from ...planning.files.csv_file import csv_text

@@ -7,14 +7,14 @@ from typing import Annotated, Any
 
 import typer
 
+from ...arm.arm import Arm
+from ...arm.loading.load import load_arm
 from ...guide.exercises import LESSONS, exercises_of
 from ...guide.exercises.files import HERE, write_exercises
 from ...guide.grading import Report, check_file
 from ...guide.grading.progress import begun, folder_of, folder_with_progress, kept, read_progress
 from ...guide.grading.report import SIGNS
 from ...guide.teaching.arm import arm as arm_of_the_lessons
-from ...arm.loading.load import load_arm
-from ...arm.arm import Arm
 from ...support.files import as_path
 from ..options import Json, takes_arm_option
 from ..output import console, print_json, say, table, warn

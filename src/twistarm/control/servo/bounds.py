@@ -7,9 +7,9 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from ...limits.motion_limits import MotionLimits
 from ...arm import engine
 from ...arm.arm import Arm
+from ...limits.motion_limits import MotionLimits
 from ...support.checks import Array, frozen
 from .settings import STOP, ServoSettings
 

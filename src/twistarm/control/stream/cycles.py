@@ -11,10 +11,10 @@ from numpy.typing import ArrayLike
 
 from ...arm.arm import Arm, require_arm
 from ...arm.usual_limits import defaults_line, usually_limited
-from ..servo import ServoOutput, ServoSettings, ServoState, servo_step
 from ...support.checks import LARGEST_ARRAY, Array, as_flag, as_positive, as_whole, frozen, require, require_method
 from ...support.display import Brief
 from ...support.errors import InputError
+from ..servo import ServoOutput, ServoSettings, ServoState, servo_step
 from .failures import StreamError, call_device, worded
 from .interlock import ENABLED, Interlock, Interlocked
 from .metronome import ROUNDING, require_time

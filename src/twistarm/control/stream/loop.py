@@ -9,9 +9,9 @@ from math import inf
 from numpy.typing import ArrayLike
 
 from ...arm.arm import Arm
-from ..servo import ServoSettings
 from ...support.checks import as_positive, require, require_callback
 from ...support.errors import InputError, shown
+from ..servo import ServoSettings
 from .cycles import Cycle
 from .driving import drive
 from .failures import call_device

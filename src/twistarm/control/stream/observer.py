@@ -7,8 +7,8 @@ from dataclasses import replace
 
 import numpy as np
 
-from ...limits.joint_limits import JointLimits
 from ...arm.arm import Arm
+from ...limits.joint_limits import JointLimits
 from ...support.checks import Array, frozen
 from .protocols import Measured
 

@@ -9,10 +9,10 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Protocol
 
-from ..servo import AnyCommand, ServoOutput, ServoState
 from ...support.checks import Array
 from ...support.display import Brief
 from ...support.errors import TwistarmError
+from ..servo import AnyCommand, ServoOutput, ServoState
 from .interlock import ENABLED
 
 

@@ -9,8 +9,8 @@ from enum import Enum
 from types import MappingProxyType
 from typing import TypeVar
 
-from ..servo import ServoReason, ServoStatus
 from ...support.display import told
+from ..servo import ServoReason, ServoStatus
 from .metronome import Lateness
 
 

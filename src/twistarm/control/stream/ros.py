@@ -8,9 +8,9 @@ import numpy as np
 
 from ...arm.arm import Arm
 from ...arm.usual_limits import usually_limited
-from ..servo import AnyCommand, ServoStatus
 from ...support.checks import Array
 from ...support.errors import InputError, listed
+from ..servo import AnyCommand, ServoStatus
 from .cycles import Cycle
 from .links.messages import command_of, values_by_name
 from .protocols import Setpoint

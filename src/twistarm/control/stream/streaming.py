@@ -9,8 +9,8 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from ...arm.arm import Arm
-from ..servo import AnyCommand, ServoSettings, servo_step
 from ...support.checks import Array, as_positive, require_method
+from ..servo import AnyCommand, ServoSettings, servo_step
 from .cycles import Cycle, Cycles
 from .failures import call_device
 from .interlock import Interlock

@@ -7,8 +7,8 @@ from math import inf
 import numpy as np
 from numpy.typing import ArrayLike
 
-from ...limits.joint_limits import AS_GOOD_AS_UNBOUNDED
 from ...arm.arm import Arm
+from ...limits.joint_limits import AS_GOOD_AS_UNBOUNDED
 from ...support.checks import Array, as_floats, as_theta
 from ...support.errors import InputError, shown
 from .protocols import Measured

@@ -14,8 +14,8 @@ from typing import Any
 
 import twistarm
 
-from ...arm.loading.load import load_arm
 from ...arm.arm import Arm
+from ...arm.loading.load import load_arm
 from ...support.errors import InputError
 from ...support.files import as_path, stamp, write_whole
 from ...viewer.server.watching import loaded

@@ -8,8 +8,8 @@ from collections.abc import Callable
 from functools import cache
 from typing import Any
 
-from ...arm.loading.load import load_arm
 from ...arm.arm import Arm
+from ...arm.loading.load import load_arm
 from ...support.errors import InputError
 from .saying import say
 

@@ -4,12 +4,12 @@ from __future__ import annotations
 
 import numpy as np
 
+from ...arm.arm import Arm
 from ...ik.closed_form.methods import family_method
 from ...ik.ranges import joint_ranges
 from ...ik.searches import searched
 from ...ik.targets import AnyTarget
 from ...ik.task_space import Tolerances
-from ...arm.arm import Arm
 from ...support.checks import Array
 from ..tolerances import USUAL, leeway
 from .nodes import ALL_BUT_EXACT, EXACT

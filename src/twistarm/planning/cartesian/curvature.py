@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from ...ik.targets import Position, Task
 from ...arm.arm import Arm
+from ...ik.targets import Position, Task
 from ...support.checks import Array
 from ..joint_path import JointPath
 from .moving_target import MovingTarget

@@ -6,9 +6,9 @@ from collections.abc import Sequence
 
 import numpy as np
 
+from ...arm.arm import Arm
 from ...ik.closed_form.methods import family_method
 from ...limits.joint_limits import JointLimits
-from ...arm.arm import Arm
 from ...support.checks import Array
 from .meeting import Met, met_near, targets_at
 from .moving_target import MovingTarget

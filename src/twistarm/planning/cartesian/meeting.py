@@ -7,10 +7,10 @@ from collections.abc import Callable
 import numpy as np
 from numpy.typing import NDArray
 
+from ...arm.arm import Arm
 from ...ik.searches import searched
 from ...ik.targets import AnyTarget, Pose
 from ...ik.task_space import Tolerances
-from ...arm.arm import Arm
 from ...support.checks import Array
 from ..tolerances import leeway
 from .moving_target import MovingTarget

@@ -5,9 +5,9 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
+from ...arm.arm import Arm
 from ...ik.targets import AnyTarget, Approach, Pose, Task
 from ...ik.task_space import Tolerances
-from ...arm.arm import Arm
 from ...support.checks import Array
 from ...theory import rotations
 from .moving_target import errors_from

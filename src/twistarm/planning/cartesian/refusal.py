@@ -6,13 +6,13 @@ from dataclasses import replace
 
 import numpy as np
 
+from ...arm.arm import Arm
 from ...ik.solution import IKSolution
 from ...ik.solve import solve_ik
 from ...ik.stop_reason import StopReason
 from ...ik.targets import AnyTarget, Approach, Pose, Position
 from ...ik.task_space import Tolerances
 from ...limits.joint_limits import JointLimits
-from ...arm.arm import Arm
 from ...support.caller_words import argument, posture, quantity
 from ...support.checks import Array
 from ...support.errors import TwistarmError

@@ -7,8 +7,8 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-from ...limits.joint_limits import JointLimits
 from ...arm.arm import Arm
+from ...limits.joint_limits import JointLimits
 from ...support.checks import Array
 from ..tolerances import leeway
 from .nodes import EXACT, LONGEST_JUMP, Blocked, Node, Rungs, cheapest_first, efforts

@@ -7,8 +7,8 @@ from typing import Any
 
 import numpy as np
 
-from ...description.yaml_reading import parse_yaml
 from ...arm.arm import Arm
+from ...description.yaml_reading import parse_yaml
 from ...support import strict_json
 from ...support.errors import DescriptionError, InputError, closest, listed
 from ...support.files import read_bounded, why_no_file

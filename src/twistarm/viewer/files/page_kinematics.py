@@ -7,8 +7,8 @@ from typing import Any
 
 import numpy as np
 
-from ...description.tree import Description
 from ...arm.arm import Arm
+from ...description.tree import Description
 from ...support.checks import Array
 from ...theory.screws import transform_twist
 from ..scene.nodes import link_path, rod_path, screw_path

@@ -8,10 +8,10 @@ from collections import Counter
 from collections.abc import Callable, Iterable
 from typing import Any, get_args
 
+from ...arm.arm import Arm
+from ...checking.doctor import examine_arm
 from ...description.findings import Finding, Place, Severity
 from ...description.meshes import MeshReader
-from ...checking.doctor import examine_arm
-from ...arm.arm import Arm
 from ...support.errors import one_line
 from ...support.path_redaction import without_places
 from ..protocol.message_cache import Message

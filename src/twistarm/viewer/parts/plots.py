@@ -7,8 +7,8 @@ from typing import Any
 
 import numpy as np
 
-from ...limits.joint_limits import JointLimits, usual_range
 from ...arm.arm import Arm
+from ...limits.joint_limits import JointLimits, usual_range
 from ...planning.trajectory import Trajectory
 from ...support.checks import Array
 from ..protocol.message_cache import Message

@@ -6,8 +6,8 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from ...ik.targets import Position
 from ...arm.arm import Arm
+from ...ik.targets import Position
 from ...planning.cartesian.curves import Arc, Curve, Line, Screw
 from ...planning.segments import ArcMove, JointMove, LineMove, ScrewMove, Segment
 from ...support.checks import Array

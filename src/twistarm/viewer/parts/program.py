@@ -8,9 +8,9 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from ...limits.joint_limits import JointLimits
 from ...arm.arm import Arm
 from ...arm.usual_limits import defaults_line, with_defaults
+from ...limits.joint_limits import JointLimits
 from ...planning.cartesian.refusal import PathError
 from ...planning.joint_space import plan_joint
 from ...planning.motion import LAWS, plan

@@ -8,8 +8,8 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from ...ik import AnyTarget, IKSolutions, closed_form_of, solve_ik_all
 from ...arm.arm import Arm
+from ...ik import AnyTarget, IKSolutions, closed_form_of, solve_ik_all
 from ...support.checks import Array
 from ...support.errors import InputError
 from ...support.vector_words import value_in_words

@@ -10,9 +10,9 @@ from typing import Any
 
 import numpy as np
 
+from ...arm.arm import Arm
 from ...ik import Approach, IKSolution, Pose, Position, solve_ik
 from ...ik.request import as_tolerance
-from ...arm.arm import Arm
 from ...support.checks import Array
 from ...support.errors import InputError
 from ...theory import rotations

@@ -6,9 +6,9 @@ from typing import Any
 
 import numpy as np
 
-from ...limits.joint_units import slides
 from ...arm.arm import Arm
 from ...control.servo.settings import ServoSettings
+from ...limits.joint_units import slides
 from ...support.checks import Array
 from ...theory import poe
 from ...theory.screws import to_screw

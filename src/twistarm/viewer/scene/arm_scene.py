@@ -6,8 +6,8 @@ import threading
 from collections.abc import Iterator, Mapping
 from typing import Any
 
-from ...description.meshes import MeshReader
 from ...arm.arm import Arm
+from ...description.meshes import MeshReader
 from . import drawing
 from .axes import arm_size, draw_rods, draw_screws
 from .links import Drawn, Source, count_meshes, draw_meshes, draw_plain, lost_meshes

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from ...limits.joint_units import slides
 from ...arm.arm import Arm
+from ...limits.joint_units import slides
 from ...support.checks import Array
 from ...theory.screws import to_screw
 from . import drawing

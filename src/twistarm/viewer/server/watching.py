@@ -8,8 +8,8 @@ from collections.abc import Callable, Iterable
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from ...description.document import noted_files
 from ...arm.arm import Arm
+from ...description.document import noted_files
 from ...support.closeable import Closeable
 from ...support.errors import one_line
 from ...support.files import as_paths, stamp

@@ -10,9 +10,9 @@ from ....description.coupling import Affine
 from ....description.findings import Finding, Place, finding, refusal
 from ....limits.actuators import Actuators
 from ....limits.joint_limits import JointLimits
-from ...arm import Arm
 from ....support.checks import Array
 from ....support.errors import DescriptionError, InputError, closest, listed
+from ...arm import Arm
 
 
 def fitted_actuators(arm: Arm, specification: ArmSpecification) -> tuple[Actuators | None, list[Finding]]:

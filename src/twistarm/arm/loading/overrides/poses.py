@@ -9,9 +9,9 @@ import numpy as np
 from ....description.companions.arm_file import ArmSpecification
 from ....description.companions.srdf import GroupState, Semantics
 from ....description.findings import Finding, Place, finding, refusal
-from ...arm import Arm
 from ....support.checks import Array
 from ....support.errors import listed
+from ...arm import Arm
 
 LOCK_TOL = 1e-6
 """A pose that puts a locked joint this near [rad, m] to where it is locked means the same."""

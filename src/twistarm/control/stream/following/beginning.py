@@ -6,8 +6,8 @@ from dataclasses import replace
 
 import numpy as np
 
-from ....limits.joint_limits import JointLimits
 from ....arm.arm import Arm
+from ....limits.joint_limits import JointLimits
 from ....planning import Trajectory, plan_joint
 from ....planning.piecewise import derivative, evaluate
 from ....planning.within import require_within

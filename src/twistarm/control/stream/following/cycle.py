@@ -11,9 +11,9 @@ from numpy.typing import ArrayLike
 
 from ....arm.arm import Arm
 from ....planning import Trajectory
-from ...servo import ServoOutput, ServoSettings, ServoState, ServoStatus
 from ....support.checks import Array, as_flag, as_floats, as_positive, frozen, require
 from ....support.errors import InputError, shown
+from ...servo import ServoOutput, ServoSettings, ServoState, ServoStatus
 from ..cycles import Cycle, Cycles
 from ..failures import StreamError
 from ..interlock import EMERGENCY_STOP, Interlock

@@ -14,10 +14,10 @@ from operator import xor
 import numpy as np
 
 from ....arm.arm import Arm
-from ...servo import ServoStatus
 from ....support.checks import as_theta
 from ....support.errors import InputError
 from ....support.strict_json import counter, short
+from ...servo import ServoStatus
 from ..interlock import EMERGENCY_STOP, ENABLED, STOPPED
 from ..motors import MotorSide
 from ..protocols import Setpoint

@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
+from ....support.errors import InputError
 from ...servo import AnyCommand, JogCommand, ServoState, TwistCommand
 from ...servo.step import COMMANDS
-from ....support.errors import InputError
 from ..protocols import Reading
 from .latest import Latest
 

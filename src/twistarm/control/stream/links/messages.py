@@ -10,12 +10,12 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from ....arm.arm import Arm, require_arm
-from ...servo import AnyCommand, JogCommand, PoseCommand, TwistCommand
 from ....support.checks import Array, require, require_mapping
 from ....support.errors import InputError, TwistarmError, listed
 from ....support.strict_json import Check, counter, decoded, fields, list_of, number, numbers, one_of, short
 from ....support.strict_json import text as _text
 from ....theory.rotations import from_quaternion_wxyz
+from ...servo import AnyCommand, JogCommand, PoseCommand, TwistCommand
 from ..interlock import STATES, WORDS, Interlocked
 from ..motors import MotorSide
 from ..protocols import Setpoint

@@ -6,10 +6,10 @@ from functools import partial
 from typing import Any
 
 from ....arm.arm import Arm
-from ...servo import ServoState
 from ....support.checks import as_whole
 from ....support.closeable import Closeable
 from ....support.errors import InputError, missing_extra, shown
+from ...servo import ServoState
 from ..interlock import Interlock
 from ..motors import motor_side
 from ..protocols import Measured, Reading, Setpoint

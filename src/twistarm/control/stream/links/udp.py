@@ -7,8 +7,8 @@ from dataclasses import replace
 from functools import partial
 
 from ....arm.arm import Arm, require_arm
-from ...servo import ServoState
 from ....support.strict_json import encode
+from ...servo import ServoState
 from ..interlock import Interlock
 from ..motors import motor_side
 from ..protocols import Measured, Reading, Setpoint, UndeliveredError
