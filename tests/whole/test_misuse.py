@@ -16,7 +16,7 @@ import pytest
 import twistarm
 from catalogue import load
 from stream_stand_ins import Says
-from twistarm import stream, wiring
+from twistarm import calibration, stream
 
 SOURCE = str(Path(twistarm.__file__).parent)
 
@@ -196,7 +196,11 @@ NOT_CALLED = (BaseException, enum.Enum)
 
 def public_calls() -> Iterator[tuple[str, Callable[..., Any]]]:
     """Functions, classes, and the methods of the objects above."""
-    for space in (twistarm, *filter(inspect.ismodule, (getattr(twistarm, name) for name in twistarm.__all__)), wiring):
+    for space in (
+        twistarm,
+        *filter(inspect.ismodule, (getattr(twistarm, name) for name in twistarm.__all__)),
+        calibration,
+    ):
         prefix = {"rotations": "rotations.", "screws": "screws.", "poe": "poe."}.get(space.__name__.split(".")[-1], "")
         for name in getattr(space, "__all__", None) or vars(space):
             value = getattr(space, name)

@@ -2,8 +2,8 @@
 
 from .binding import Binding, binding_limits
 from .cartesian.refusal import PathError
-from .files.load import load_trajectory
 from .joint_space import plan_joint
+from .load import load_trajectory
 from .motion import plan
 from .motion_file import MotionFile, load_motion
 from .segments import ArcMove, Dwell, JointMove, LineMove, ScrewMove, Segment

@@ -9,14 +9,14 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from ...arm.arm import Arm, require_arm
-from ...support.errors import InputError, LimitError
-from ...support.files import as_path
-from ..hermite import through
-from ..trajectory import Trajectory
-from .csv_reading import read_csv
-from .message_reading import read_json, read_yaml
-from .points import Points
+from ..arm.arm import Arm, require_arm
+from ..support.errors import InputError, LimitError
+from ..support.files import as_path
+from .files.csv_reading import read_csv
+from .files.message_reading import read_json, read_yaml
+from .files.points import Points
+from .hermite import through
+from .trajectory import Trajectory
 
 READERS: Mapping[str, Callable[[Arm, Path], Points]] = {
     ".csv": read_csv,
