@@ -18,9 +18,6 @@ from twistarm.support.errors import InputError, NotConvergedError
 # answers ------------------------------------------------------------------------------------------------
 
 
-@pytest.mark.promise(
-    "`target`: Pose, Position, Approach or Task; a bare (4, 4) means Pose.",
-)
 def test_a_bare_pose_is_met():
     arm = load("ur5")
     g = arm.fk(np.array([0.3, -1.2, 1.4, -0.6, 0.8, 2.0]))
@@ -33,9 +30,6 @@ def test_a_bare_pose_is_met():
     np.testing.assert_array_equal(solution.require(), solution.theta)
 
 
-@pytest.mark.promise(
-    "Tolerances in m and rad.",
-)
 def test_the_errors_are_those_of_the_answer():
     arm, rng = load("panda"), np.random.default_rng(0)
     target = Pose(arm.fk(arm.random_theta(rng)))
@@ -44,9 +38,6 @@ def test_the_errors_are_those_of_the_answer():
     np.testing.assert_allclose((solution.position_error, solution.orientation_error), expected, atol=1e-12)
 
 
-@pytest.mark.promise(
-    "`theta0` (n,), by default `arm.ready`, is where the search begins; it is brought inside the limits first.",
-)
 def test_the_start_is_the_ready_pose_unless_given():
     arm = load("panda")
     g = arm.fk(arm.ready)
@@ -132,9 +123,6 @@ MISUSED = (
 
 
 @pytest.mark.parametrize(("call", "text"), MISUSED)
-@pytest.mark.promise(
-    "Raises InputError for what cannot be a target, a start or a tolerance.",
-)
 def test_misuse_is_refused(call, text):
     with pytest.raises(InputError) as caught:
         call(load("ur5"))

@@ -48,11 +48,6 @@ def test_every_answer_is_judged_by_pinocchio(arm, count):
 
 
 @pytest.mark.parametrize("kind", KINDS)
-@pytest.mark.promise(
-    "Many targets are solved together, on as many threads as you like, with the verdicts they get one by one:",
-    "`theta0` is one start for all (n,) or one for each (N, n), `posture` likewise; the other arguments are "
-    "those of `solve_ik`, and so is every verdict.",
-)
 def test_the_verdicts_are_those_of_one_by_one(arm, kind):
     rng = np.random.default_rng(KINDS.index(kind))
     g, theta0 = problems(arm, 40)
@@ -66,9 +61,6 @@ def test_the_verdicts_are_those_of_one_by_one(arm, kind):
         assert ours.target is targets[[*single].index(alone)]
 
 
-@pytest.mark.promise(
-    "Inverse kinematics of N targets: poses (N, 4, 4), or a sequence of targets of any kinds.",
-)
 def test_kinds_may_be_mixed(arm):
     rng = np.random.default_rng(1)
     g, theta0 = problems(arm, 12)
@@ -80,11 +72,6 @@ def test_kinds_may_be_mixed(arm):
     assert told == sorted(told)
 
 
-@pytest.mark.promise(
-    "The answer to a target depends on nothing but that target; it may be another root than that of `solve_ik`, "
-    "which races its searches to be done sooner, where this one takes the first search that converges.",
-    "`threads` share the work, and change no answer; `progress(done, count)` is called some twenty times a second.",
-)
 def test_an_answer_depends_on_its_own_target_alone(arm):
     g, theta0 = problems(arm, 1500)
     together = solve_ik_batch(arm, g, theta0).theta
@@ -168,9 +155,6 @@ def test_the_time_is_up_before_all_are_begun(arm):
         (lambda arm: solve_ik_batch(None, []), "arm must be an Arm"),
     ],
 )
-@pytest.mark.promise(
-    "Raises InputError for what cannot be a target (which one), a start, a tolerance or a number of threads.",
-)
 def test_misuse_is_refused(arm, call, text):
     with pytest.raises(InputError) as caught:
         call(arm)
@@ -218,9 +202,6 @@ def seconds_until_interrupted(what):
 
 @pytest.mark.alone
 @pytest.mark.parametrize("what", ["reachable", "unreachable", "endless"])
-@pytest.mark.promise(
-    "Ctrl-C ends it.",
-)
 def test_ctrl_c_ends_a_million_targets(arm, what):
     assert any(seconds_until_interrupted(what) < 0.2 for _ in range(3))
 

@@ -37,10 +37,6 @@ def path(arm, rng, shape):
     return middle + rng.uniform(1.3, 2.0) * radius * d + np.outer(along, e) + np.outer(across, f)
 
 
-@pytest.mark.promise(
-    "Of configurations that are equally near to a target beyond the arm's reach you get the one nearest to `theta0`, "
-    "so that an arm which follows such a target does not jump."
-)
 @pytest.mark.parametrize("name", ARMS)
 def test_an_arm_that_follows_a_target_beyond_its_reach_does_not_jump(name):
     arm, rng, jumps, silent = load(name), np.random.default_rng(41), 0, 0

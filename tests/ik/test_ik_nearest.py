@@ -48,11 +48,6 @@ NEAREST += [(name, "Pose", 2) for name in ("ur5", "panda", "z1")]
 
 
 @pytest.mark.parametrize(("name", "kind", "k"), NEAREST)
-@pytest.mark.promise(
-    "A target that cannot be met is no error: the solution is then the nearest configuration (the least position "
-    "error inside the limits, then the least rotation error with the position held), `stop` says why, "
-    "`explain()` says it in words.",
-)
 def test_no_optimiser_comes_nearer(name, kind, k):
     arm, rng = load(name), np.random.default_rng([17, k])
     target = hard_target(arm, kind, rng, k)

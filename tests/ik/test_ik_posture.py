@@ -30,13 +30,6 @@ def null_gradient(arm, theta, posture, J):
 
 @pytest.mark.parametrize("name", ["panda", "xarm7"])
 @pytest.mark.parametrize("posture", ["theta0", "middle", "given"])
-@pytest.mark.promise(
-    'A redundant arm can be told where it would rather stand: `posture="theta0"`, `"middle"` (of the limits) or '
-    "a configuration.",
-    '`posture`: where a redundant arm would rather stand while it meets the target: "theta0", "middle" (the '
-    "middle of the limits) or a configuration (n,).",
-    "The answer is then moved in the null space to a minimum of ‖θ − posture‖².",
-)
 def test_the_answer_is_a_minimum_of_the_distance_to_the_posture(solve, name, posture):
     arm, rng = load(name), np.random.default_rng(3)
     for _ in range(3):

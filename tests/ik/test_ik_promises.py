@@ -32,10 +32,6 @@ def asked_of(arm, kind, rng):
     return [target_from(kind, pose, rng) for pose in there]
 
 
-@pytest.mark.promise(
-    "`solve_ik` never returns None and never raises for a target it cannot meet: it returns the nearest configuration "
-    "inside the limits (position first, then rotation), with the reason."
-)
 @pytest.mark.parametrize("name", ARMS)
 @pytest.mark.parametrize("kind", KINDS)
 def test_whatever_is_asked_is_answered_inside_the_limits_with_a_reason(name, kind):
@@ -50,11 +46,6 @@ def test_whatever_is_asked_is_answered_inside_the_limits_with_a_reason(name, kin
         assert ("reason: " in solution.explain()) != solution.converged
 
 
-@pytest.mark.promise(
-    "`Pose`, `Position`, `Approach` (position and where the tool points: the axis about which the last joint rolls it, "
-    "or the `tool_axis` you name) and `Task` (six tolerances) say what you want; on a five-joint arm ask for an "
-    "`Approach`."
-)
 @pytest.mark.parametrize("name", ["rover_arm", "so101", "so100"])
 def test_on_a_five_joint_arm_an_approach_is_met_however_the_pose_is_rolled(name):
     """Rolled about the axis that it points, a tool still points, by the arm's own axis as by one that is named."""
@@ -69,7 +60,6 @@ def test_on_a_five_joint_arm_an_approach_is_met_however_the_pose_is_rolled(name)
             assert np.linalg.norm(reached[:3, :3] @ axis - g[:3, :3] @ axis) <= 1.01 * STRICT
 
 
-@pytest.mark.promise("Joints that may turn for ever come back as near to it as the limits allow.")
 @pytest.mark.parametrize("name", ["ur5", "kinova", "panda"])
 def test_no_whole_turn_would_bring_a_joint_nearer_to_its_start(name):
     """Of every joint all whole turns are tried: those that lie inside the limits and move nothing, by Pinocchio."""

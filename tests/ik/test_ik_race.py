@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import numpy as np
-import pytest
 
 from catalogue import load
 from ik_targets import moved, turned
@@ -13,10 +12,6 @@ from twistarm.support.checks import as_seed
 # repeatability -------------------------------------------------------------------------------------------
 
 
-@pytest.mark.promise(
-    "At most `restarts` searches, the first from theta0, the others from starts that depend on the seed `rng` "
-    "and their number alone: the same call gives the same bits, unless `max_time` [s] cuts it short.",
-)
 def test_the_same_call_gives_the_same_bits():
     arm, rng = load("so101"), np.random.default_rng(2)
     for _ in range(5):
@@ -40,10 +35,6 @@ def test_a_generator_gives_the_seed():
     assert as_seed(np.random.default_rng(11)) != as_seed(np.random.default_rng(12))
 
 
-@pytest.mark.promise(
-    "At most `restarts` searches, the first from theta0, the others from starts that depend on the seed `rng` "
-    "and their number alone: the same call gives the same bits, unless `max_time` [s] cuts it short.",
-)
 def test_no_more_searches_than_allowed():
     arm = load("so101")
     far = moved(np.eye(4), [2.0, 0, 0])

@@ -33,9 +33,6 @@ def test_every_answer_keeps_the_limits(name):
         assert arm.limits.contains(solution.theta)
 
 
-@pytest.mark.promise(
-    "`theta0` (n,), by default `arm.ready`, is where the search begins; it is brought inside the limits first.",
-)
 def test_a_start_outside_the_limits_comes_inside_first_and_is_noted():
     arm = load("panda")
     theta0 = arm.ready.copy()

@@ -58,11 +58,6 @@ def check_one(arm, g, solution):
 
 
 @pytest.mark.parametrize(("case", "name"), PAIRS, ids=IDS)
-@pytest.mark.promise(
-    "A target that cannot be met is no error: the solution is then the nearest configuration (the least position "
-    "error inside the limits, then the least rotation error with the position held), `stop` says why, "
-    "`explain()` says it in words.",
-)
 def test_the_reason_is_the_true_one(case, name):
     arm = arms_of(case, name, 1)[0]
     for g in draw(case.builder, arm, np.random.default_rng(1), FEW):
@@ -428,10 +423,6 @@ def test_few_searches_exclude_nothing(name, searches):
 @pytest.mark.alone
 @pytest.mark.parametrize("seconds", [1e-6, 1e-3, 0.02])
 @pytest.mark.parametrize("case", CASES, ids=[case.name for case in CASES])
-@pytest.mark.promise(
-    "`max_time` bounds a call in seconds.",
-    "`max_time` [s] is that of the whole batch.",
-)
 def test_a_deadline_is_kept(case, seconds):
     """In time but for `LATE`, the best of three calls, and what is said is true or that the time was up."""
     arm = arms_of(case, case.arms[-1], 1)[0]

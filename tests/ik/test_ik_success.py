@@ -53,9 +53,6 @@ def sweep_at_once(arm, targets, starts, what):
 
 
 @pytest.mark.parametrize("kind", KINDS)
-@pytest.mark.promise(
-    "Inverse kinematics: joint coordinates inside the limits that bring the tool to `target`.",
-)
 def test_reachable_targets_are_found(catalogue_arm, kind):
     assert sweep(catalogue_arm, kind, 20, [20260701, KINDS.index(kind)]) == 20
 
