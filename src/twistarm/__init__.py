@@ -35,10 +35,10 @@ def __getattr__(name: str) -> Any:
     if name not in _MODULES:
         raise AttributeError(f"module {__name__!r} has no attribute {name!r}", name=name)
     module = _MODULES[name]
-    # Kept, so that this is asked once for each name.
-    if module == ".":
-        return globals().setdefault(name, import_module(f".{name}", __name__))
-    return globals().setdefault(name, getattr(import_module(module, __name__), name))
+    home = None if module == "." else import_module(module, __name__)
+    # What is no attribute of its package is a module in it.
+    value = getattr(home, name) if hasattr(home, name) else import_module(f"{module.rstrip('.')}.{name}", __name__)
+    return globals().setdefault(name, value)  # so that this is asked once for each name
 
 
 def __dir__() -> list[str]:

@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import inspect
 import re
+import subprocess
+import sys
 from pathlib import Path
 
 import twistarm
@@ -58,3 +60,7 @@ def test_files_that_rules_and_recipes_name_are_there() -> None:
     for page in ("DESIGN.md", "CONTRIBUTING.md"):
         named = re.findall(r"`([\w./]+\.(?:py|hpp|cpp|js|json|md|html))`", (root / page).read_text("utf-8"))
         assert not [name for name in named if name.removeprefix("./") not in ends], page
+
+
+def test_modules_among_the_public_names_can_be_imported_first():
+    subprocess.run([sys.executable, "-c", "from twistarm import stream, testing"], check=True)

@@ -1,0 +1,1 @@
+"""What moves a real arm: the servo, and the links that carry its commands."""
