@@ -154,7 +154,7 @@ def test_a_block_is_paid_for_each_time_it_is_inserted(place: Sandbox) -> None:
 def test_siblings_are_paid_for_by_each_element_exchanged_among_them(place: Sandbox) -> None:
     exchanged, siblings = '<xacro:if value="1"/>' * 10, "<a/>" * 1000
     apart, among = (spent(place, text) for text in (f"{exchanged}<b>{siblings}</b>", f"<b/>{exchanged}{siblings}"))
-    assert among - apart > 10 * 1000 // hooks.SIBLINGS_PER_UNIT
+    assert among - apart > 9 * 1000 // hooks.SIBLINGS_PER_UNIT
 
 
 def test_a_real_arm_takes_a_small_part_of_what_is_allowed(models: Path, monkeypatch: pytest.MonkeyPatch) -> None:
