@@ -298,7 +298,8 @@ class Expansion:
         new = by if isinstance(by, list) else [by] if by is not None else []
         moved = 1 + sum(len(part.childNodes) if content_only else 1 for part in new)
         copied = ELEMENT_COST * sum(map(_size, new)) if node.nodeName == "xacro:insert_block" else 0
-        self.work.charge(CHANGE_COST + copied + moved * (1 + len(node.parentNode.childNodes) // SIBLINGS_PER_UNIT))
+        looked_through = (moved + len(node.parentNode.childNodes)) // SIBLINGS_PER_UNIT
+        self.work.charge(CHANGE_COST + copied + moved * (1 + looked_through))
         self._original["replace_node"](node, by, content_only)
 
     def macro_parameter(self, text: str) -> Any:
