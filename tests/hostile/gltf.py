@@ -107,7 +107,6 @@ GLTF = {
     "gltf: uri through a link to a file": buffer_at("link.bin", OUT),
     "gltf: uri through a link to a folder": buffer_at("linked/secret.bin", OUT),
     "gltf: uri to a link loop": buffer_at("loop.bin", "cannot be read"),
-    "gltf: uri to a folder": buffer_at("folder.bin", "no regular file"),
     "gltf: uri to a FIFO": buffer_at("fifo.bin", "no regular file"),
     "gltf: uri to a device": buffer_at("zero.bin", "no regular file"),
     "gltf: uri to 200 MB": buffer_at("huge.bin", "more than 100 MB"),
@@ -118,9 +117,6 @@ GLTF = {
     "gltf: data of 60 MB": gltf(lambda: tree([data(bytes(60_000_000))]), "point"),
     "gltf: data that is no base64": gltf(tree([{"uri": "data:;base64,%%%"}]), "malformed"),
     "gltf: a count of 1e9": gltf(tree([data()], {"count": 10**9}), MALFORMED),
-    "gltf: a count of 1e30": gltf(tree([data()], {"count": 10**30}), MALFORMED),
-    "gltf: a negative count": gltf(tree([data()], {"count": -3}), "no triangles"),
-    "gltf: an offset beyond": gltf(tree([data()], {"byteOffset": 10**9}), MALFORMED),
     "gltf: sparse, of 1e9": gltf(
         tree([data()], {"bufferView": None, "count": 10**9, "sparse": {"count": 10**9}}), "malformed|memory|s$"
     ),
@@ -128,21 +124,16 @@ GLTF = {
         lambda: (made := tree([data()], {"count": 3 * 10**8}), made["accessors"][0].pop("bufferView"), made)[2],
         "memory|malformed|triangles|more than|point",
     ),
-    "gltf: a stride of 0": gltf(
-        tree([data()], bufferViews=[{"buffer": 0, "byteLength": 36, "byteStride": 0}]), "|malformed"
-    ),
     "gltf: a stride of 1e9": gltf(
         tree([data()], bufferViews=[{"buffer": 0, "byteLength": 36, "byteStride": 10**9}]), MALFORMED
     ),
     "gltf: a cycle of nodes": gltf(
         tree([data()], nodes=[{"children": [1]}, {"children": [0], "mesh": 0}]), "|malformed"
     ),
-    "gltf: a node its own child": gltf(tree([data()], nodes=[{"children": [0], "mesh": 0}]), ""),
     "gltf: 20,000 nodes deep": gltf(lambda: nested(20_000), ""),
     "gltf: children doubled 25 times": gltf(lambda: doubling(25), ""),
     "gltf: JSON 100,000 lists deep": text("mesh.gltf", "[" * 100_000, "no JSON|nested"),
     "gltf: no JSON": text("mesh.gltf", b"\xff\xfe\x00", "no JSON"),
-    "gltf: a list": text("mesh.gltf", "[1]", MALFORMED),
     "gltf: images of 14 GB, outside and endless": gltf(PAINTED, ""),
     "gltf: Draco": gltf(
         tree(
@@ -165,7 +156,6 @@ GLTF = {
         "compressed by Draco",
     ),
     "gltf: a matrix of NaN": gltf(tree([data()], nodes=[{"mesh": 0, "matrix": [float("nan")] * 16}]), "no finite|malf"),
-    "gltf: a scale of 1e308": gltf(tree([data()], nodes=[{"mesh": 0, "scale": [1e308] * 3}]), "no finite|malformed"),
     "gltf: points of NaN": gltf(tree([data(struct.pack("<9f", *[float("nan")] * 9))]), "no finite"),
     "gltf: 6,000 parts": gltf(
         lambda: tree([data()], meshes=[{"primitives": [{"attributes": {"POSITION": 0}}] * 6_000}]), "parts|more than"
@@ -176,8 +166,6 @@ GLTF = {
     ),
     "glb: a chunk that is longer than the file": text("mesh.glb", glb(tree([]), says=4_000_000_000), MALFORMED),
     "glb: a length of 4 GB": text("mesh.glb", glb(tree([{"byteLength": 36}]), CORNERS, length=4_294_967_295), ""),
-    "glb: a length of 0": text("mesh.glb", glb(tree([{"byteLength": 36}]), CORNERS, length=0), "malformed|"),
-    "glb: a head alone": text("mesh.glb", b"glTF", MALFORMED),
     "glb: a uri outside": text("mesh.glb", glb(tree([{"uri": "../../outside/secret.bin", "byteLength": 36}])), OUT),
     "glb: an image of 14 GB": text("mesh.glb", glb({**PAINTED, "buffers": [{"byteLength": 36}]}, CORNERS), ""),
 }
