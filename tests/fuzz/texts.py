@@ -59,13 +59,6 @@ def insert_bytes(text: str, rng: Random) -> bytes:
     return data[:at] + junk + data[at:]
 
 
-def mark_in_front(text: str, rng: Random) -> bytes:
-    return (
-        rng.choice((b"\xef\xbb\xbf\xef\xbb\xbf", b"\xff\xfe", b"\xfe\xff", b"\0\0\xfe\xff", b"\n\n", b" ", b"#!"))
-        + text.encode()
-    )
-
-
 # -- truncation, bytes and lines ---------------------------------------------------------------------------------------
 
 
@@ -79,14 +72,6 @@ def flip(text: str, rng: Random) -> bytes:
     for _ in range(rng.choice((1, 1, 2, 5, 30)) if data else 0):
         data[rng.randrange(len(data))] ^= 1 << rng.randrange(8)
     return bytes(data)
-
-
-def flip_a_digit(text: str, rng: Random) -> bytes:
-    places = [match.start() for match in re.finditer(r"\d", text)]
-    if not places:
-        return text.encode()
-    at = rng.choice(places)
-    return (text[:at] + rng.choice("0123456789.-e ") + text[at + 1 :]).encode()
 
 
 def delete_lines(text: str, rng: Random) -> bytes:
@@ -197,8 +182,8 @@ def entry(text: str, rng: Random) -> bytes:
     return "\n".join(lines).encode()
 
 
-ENCODINGS = (another_encoding, declaration, line_ends, insert_bytes, mark_in_front)
-TRUNCATION = (truncate, flip, flip_a_digit, delete_lines)
+ENCODINGS = (another_encoding, declaration, line_ends, insert_bytes)
+TRUNCATION = (truncate, flip, delete_lines)
 MARKUP = (document_type, document_type, entity, entity, entity, deep)
 XACRO = (expression, inside_an_expression, xacro_element, namespace)
 TABLES = (value, key, entry, value)

@@ -69,15 +69,6 @@ def drop_attribute(root: ET.Element, rng: Random) -> None:
         del pair[1].attrib[rng.choice(sorted(pair[1].attrib))]
 
 
-def rename_attribute(root: ET.Element, rng: Random) -> None:
-    pair = _below(root, rng)
-    if pair and pair[1].attrib:
-        name = rng.choice(sorted(pair[1].attrib))
-        pair[1].set(
-            rng.choice(("Name", "names", "XYZ", "lower", "upper", "type", "joint", "x:y")), pair[1].attrib.pop(name)
-        )
-
-
 def change_type(root: ET.Element, rng: Random) -> None:
     if joints := _joints(root):
         rng.choice(joints).set("type", rng.choice(hostile.JOINT_TYPES))
@@ -111,13 +102,6 @@ def nest(root: ET.Element, rng: Random) -> None:
 def crowd(root: ET.Element, rng: Random) -> None:
     if pair := _below(root, rng):
         pair[0].extend(copy.deepcopy(pair[1]) for _ in range(rng.choice((2, 50, 200))))
-
-
-def strip(root: ET.Element, rng: Random) -> None:
-    tag = rng.choice(("link", "joint", "origin", "axis", "limit", "parent", "child"))
-    for parent in _elements(root):
-        for child in parent.findall(tag):
-            parent.remove(child)
 
 
 def litter(root: ET.Element, rng: Random) -> None:
@@ -186,12 +170,6 @@ def degrees(root: ET.Element, rng: Random) -> None:
                 limit.set(name, repr(math.degrees(float(limit.get(name, "")))))
 
 
-def hostile_axis(root: ET.Element, rng: Random) -> None:
-    axes = list(root.iter("axis"))
-    if axes:
-        rng.choice(axes).set("xyz", rng.choice(hostile.VECTORS))
-
-
 # -- names -------------------------------------------------------------------------------------------------------------
 
 
@@ -223,8 +201,8 @@ def joints_named_as_links(root: ET.Element, rng: Random) -> None:
 
 
 STRUCTURE = (
-    *(delete, duplicate, move, rename_tag, drop_attribute, rename_attribute, change_type),
-    *(reparent, mimic, nest, crowd, strip, litter),
+    *(delete, duplicate, move, rename_tag, drop_attribute, change_type),
+    *(reparent, mimic, nest, crowd, litter),
 )
-NUMBERS = (hostile_number, hostile_vector, other_number, count, separators, degrees, hostile_axis)
+NUMBERS = (hostile_number, hostile_vector, other_number, count, separators, degrees)
 NAMES = (hostile_name, rename, joints_named_as_links)

@@ -62,18 +62,14 @@ OBJ = {
     "obj: mtllib through a link": library("link.mtl", OUT),
     "obj: mtllib outside": library("../../outside/secret.mtl", OUT),
     "obj: mtllib absolute": library("{outside}/secret.mtl", OUT),
-    "obj: mtllib missing": library("C:\\Users\\me\\arm.mtl", ""),
     "obj: mtllib with images outside": library("map.mtl", ""),
     "obj: mtllib with a line of 4 MB": library("wide.mtl", ""),
     "obj: a face of 200,000 corners": text("mesh.obj", lambda: polygon(200_000), ""),
     "obj: 400,000 mixed faces": text("mesh.obj", lambda: mixed(400_000), ""),
-    "obj: 2,000 times usemtl": text("mesh.obj", FACES + "usemtl b\nf 1 2 3\nusemtl c\nf 1 3 2\n" * 1_000, ""),
     "obj: 20,000 materials": text(
         "mesh.obj", lambda: FACES + "".join(f"usemtl m{i}\nf 1 2 3\n" for i in range(20_000)), "parts|more than"
     ),
-    "obj: negative indices": text("mesh.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf -3 -2 -1\n", ""),
     "obj: indices far below": text("mesh.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf -300 -200 -1\n", "malformed|vertices"),
-    "obj: indices of 1e18": text("mesh.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 1000000000000000000\n", "malf|vertices"),
     "obj: a number of 10 MB": text("mesh.obj", lambda: "v " + "1" * 10_000_000 + " 0 0\n" + FACES, "|malformed"),
     "obj: NaN": text("mesh.obj", "v nan 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n", "no finite"),
     "obj: one point thrice": text("mesh.obj", "v 1 1 1\nf 1 1 1\n", "one point"),
@@ -104,7 +100,6 @@ STL_AND_PLY = {
     ),
     "stl: NaN": text("mesh.stl", bytes(80) + struct.pack("<I", 1) + b"\xff" * 48 + b"\0\0", "no finite"),
     "stl: a fan of 20,000": text("mesh.stl", lambda: fan(20_000), ""),
-    "stl: a fan of 200,000": text("mesh.stl", lambda: fan(200_000), ""),
     "stl: a million triangles": text("mesh.stl", lambda: fan(1_000_000), ""),
     "ply: a count of 1e12": text("mesh.ply", ply(f"element vertex 1000000000000\n{XYZ}"), "malformed|memory|triangles"),
     "ply: a list of 1e9": text(
@@ -119,14 +114,6 @@ STL_AND_PLY = {
         "mesh.ply",
         ply(f"element vertex 3\n{XYZ}\nelement face 1\n{LIST}", CORNERS + struct.pack("<B3i", 3, 0, 1, 2_000_000)),
         "malformed|vertices",
-    ),
-    "ply: a texture outside": text(
-        "mesh.ply",
-        ply(
-            f"comment TextureFile ../../outside/secret.bin\nelement vertex 3\n{XYZ}\nelement face 1\n{LIST}",
-            CORNERS + struct.pack("<B3i", 3, 0, 1, 2),
-        ),
-        "",
     ),
 }
 
@@ -170,7 +157,6 @@ LAUGHS = (
 
 DAE = {
     "dae: instances nested 4^14": text("mesh.dae", instances(4, 14), "more than"),
-    "dae: instances nested 10^4": text("mesh.dae", instances(10, 4), "parts|more than"),
     "dae: a billion laughs": text("mesh.dae", dae(DRAWN, head=LAUGHS, indices="&j;"), "document type"),
     "dae: an entity of /etc/passwd": text(
         "mesh.dae",
@@ -184,10 +170,7 @@ DAE = {
     ),
     "dae: a unit of 1e999": text("mesh.dae", dae(DRAWN, unit="1e999"), "unit"),
     "dae: a unit of NaN": text("mesh.dae", dae(DRAWN, unit="nan"), "unit"),
-    "dae: a negative unit": text("mesh.dae", dae(DRAWN, unit="-1"), "unit"),
-    "dae: a unit in words": text("mesh.dae", dae(DRAWN, unit="metre"), "malformed|"),
     "dae: indices beyond": text("mesh.dae", dae(DRAWN, indices="0 1 2000000"), "malformed|vertices|triangles"),
-    "dae: a matrix of 1e308": text("mesh.dae", dae(f"<scale>1e308 1e308 1e308</scale>{DRAWN}"), "no finite"),
     "dae: 100,000 elements deep": text(
         "mesh.dae", lambda: dae("<node>" * 100_000 + "</node>" * 100_000), "more|nested|tri|malf"
     ),
@@ -198,12 +181,6 @@ DAE = {
             nodes='<library_nodes><node id="a"><instance_node url="#a"/></node></library_nodes>',
         ),
         "nested|malformed|triangles|more than",
-    ),
-    "dae: a polygon of 100,000 corners": text(
-        "mesh.dae",
-        lambda: dae(DRAWN, indices="0 1 2 " * 33_333).replace("<triangles", "<polylist").replace(
-            "</triangles", "</polylist").replace("<p>", "<vcount>99999</vcount><p>"),
-        "",
     ),
     "dae: no XML": text("mesh.dae", b"PK\x03\x04" + bytes(100), "no XML"),
     "dae: an image outside": text(
@@ -247,7 +224,6 @@ def sparse(path: Path) -> None:
 OTHERS = {
     "archive: 3mf": archive("mesh.3mf", "3D/3dmodel.model"),
     "archive: called .dae": archive("mesh.dae", "mesh.dae"),
-    "other: off": text("mesh.off", "OFF\n3 1 0\n0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n", "not read here"),
     "other: no ending": text("mesh", CORNERS, "not read here"),
     "other: 5 GB": special("mesh.stl", sparse, "5000 MB; at most"),
     "other: a link to a file of text outside": special(

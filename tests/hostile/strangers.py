@@ -23,10 +23,6 @@ def of_many_peers(target: Target) -> None:
     target.rest()
 
 
-def come_and_go(target: Target) -> None:
-    target.again(lambda: target.open().close())
-
-
 def come_and_reset(target: Target) -> None:
     def once() -> None:
         made = target.open()
@@ -51,10 +47,6 @@ def slow_head(target: Target) -> None:
     target.each(300, target.open, lambda k: head[k : k + 1], 0.5)
 
 
-def slow_headers(target: Target) -> None:
-    target.each(300, target.open, lambda k: b"GET / HTTP/1.1\r\n" if k == 0 else b"X: y\r\n", 0.3)
-
-
 def dripped_head(target: Target) -> None:
     """A byte at a time as fast as it goes: each is looked at together with all that came before."""
     target.each(20, target.open, lambda k: b"a", 0.0)
@@ -77,16 +69,6 @@ def slow_body(target: Target) -> None:
 def many_chunks(target: Target) -> None:
     head = target.head("/stranger/", "POST", Transfer_Encoding="chunked")
     target.each(20, target.open, lambda k: head if k == 0 else b"1\r\na\r\n" * 1000, 0.0)
-
-
-def chunk_without_end(target: Target) -> None:
-    head = target.head("/stranger/", "POST", Transfer_Encoding="chunked")
-    target.each(50, target.open, lambda k: head if k == 0 else b"0" * 30, 0.05)
-
-
-def bodies(target: Target) -> None:
-    head = target.head("/stranger/", "POST", Content_Length="65536")
-    target.again(lambda: asked(target, head + b"a" * 65536))
 
 
 def odd_lengths(target: Target) -> None:
@@ -119,15 +101,6 @@ def tls(target: Target) -> None:
     target.rest()
 
 
-def urgent(target: Target) -> None:
-    def once() -> None:
-        one = target.open()
-        one.send(b"!", socket.MSG_OOB)
-        one.close()
-
-    target.again(once)
-
-
 def foreign_host(target: Target) -> None:
     target.again(lambda: asked(target, target.head(host="evil.example")))
 
@@ -148,9 +121,8 @@ def frames_before_the_answer(target: Target) -> None:
 STRANGERS: dict[str, Callable[[Target], None]] = {
     attack.__name__: attack
     for attack in (
-        idle, of_many_peers, come_and_go, come_and_reset, half_open, slow_head, slow_headers, dripped_head,
-        huge_head, many_headers, slow_body, many_chunks, chunk_without_end, bodies, odd_lengths, pipelined,
-        never_reads_refusals, wrong_tokens, garbage, tls, urgent, foreign_host, foreign_origin,
-        upgrades_of_strangers, frames_before_the_answer,
+        idle, of_many_peers, come_and_reset, half_open, slow_head, dripped_head, huge_head, many_headers,
+        slow_body, many_chunks, odd_lengths, pipelined, never_reads_refusals, wrong_tokens, garbage, tls,
+        foreign_host, foreign_origin, upgrades_of_strangers, frames_before_the_answer,
     )
 }  # fmt: skip
