@@ -94,6 +94,7 @@ HOSTILE = [
     "list(map(python.type(python.type(1)), ['X'], [(list,)], [dict()]))",
     "max(['touch @MARKER'], key=python.type(len))",
     "list[str]('abc')",
+    "dict[1]([('a', 1)])",
     "xacro.parent",
     "math.clear()",
     "xacro.update(load_yaml=len)",

@@ -60,8 +60,8 @@ METHODS: dict[type, list[str]] = {
 }
 """The methods that an expression may call: none that changes its object, nor `format`, which reaches attributes."""
 
-_FIELDS = re.compile(r"(?:[^%]|%[-+ #0]*\d{0,3}(?:\.\d{0,3})?[a-zA-Z%])*", re.DOTALL)
-"""A text whose fields for `text % values` are narrow and have no names: %(name)s would multiply a value."""
+_FIELD = re.compile(r"%[-+ #0]*\d{0,3}(?:\.\d{0,3})?[a-zA-Z%]")
+"""A field of `text % values` that is narrow and has no name: %(name)s would multiply a value."""
 
 _WORDS = {
     **{"Lambda": "a lambda", "NamedExpr": "an assignment (:=)", "MatMult": "the operator @"},
@@ -148,7 +148,7 @@ class Expressions:
                     unit = CHARACTERS_PER_UNIT if isinstance(value, str) else 1
                     self._work.charge(len(value) * max(0, times) // unit)
         elif kind is ast.Mod and isinstance(left, str):
-            if not _FIELDS.fullmatch(left):
+            if "%" in _FIELD.sub("", left):
                 what = "a field that is named, or wider than 999, is not allowed"
                 raise Refused(REFUSED, what, "write fields such as %s and %.3f")
             self._work.charge_text(1000 * left.count("%"))
