@@ -299,6 +299,12 @@ def test_a_comprehension_is_paid_for_round_by_round() -> None:
         expressions.evaluate("[0 for i in few for j in few if i < 0]", {**names, "few": range(100)})
 
 
+def test_a_comparison_is_paid_for_by_what_it_compares() -> None:
+    expressions, names = evaluator(Work(5_000))
+    with pytest.raises(Refused):
+        expressions.evaluate("large == larger", {**names, "large": [0] * 3_000, "larger": [0] * 3_000})
+
+
 SEARCHES = [
     "text.find(sought)",
     "text.index(sought)",
