@@ -8,7 +8,6 @@ from pathlib import Path
 import pytest
 
 from hostile.sandbox import TOKEN, XMLNS, Sandbox, sandbox
-from twistarm import load_arm
 from twistarm.description.expansion.confinement import MAX_BYTES, confinement
 from twistarm.description.expansion.expand import expand_xacro
 from twistarm.description.expansion.work import Refused
@@ -34,50 +33,36 @@ def load(filename: str) -> str:
 
 HOSTILE = {
     "an absolute include": (include("@SECRET"), OUTSIDE),
-    "an absolute YAML load": (load("@SECRET"), OUTSIDE),
     "up and over": (include("../outside/secret.xacro"), OUTSIDE),
     "up and over in YAML": (load("../outside/secret.yaml"), OUTSIDE),
-    "down, up and over": (include("./parts/../../outside/secret.xacro"), OUTSIDE),
     "through a package": (include("$(find arm)/../outside/secret.xacro"), OUTSIDE),
     "through a property": ('<xacro:property name="f" value="@SECRET"/>' + include("${f}"), OUTSIDE),
-    "through an argument": ('<xacro:arg name="f" default="@SECRET"/>' + include("$(arg f)"), OUTSIDE),
     "through the environment": (include("$(env CANARY_FOLDER)/secret.xacro"), "is not set for it"),
     "through an optional variable": (include("$(optenv NO_SUCH_VARIABLE @SECRET)"), OUTSIDE),
     "through $(cwd)": (include("$(cwd)/outside/secret.xacro"), OUTSIDE),
     "optional all the same": (include("../outside/secret.xacro", 'optional="true"'), OUTSIDE),
-    "into a namespace": (include("../outside/secret.xacro", 'ns="a"'), OUTSIDE),
-    "by the bare name of load_yaml": ("<link name=\"${load_yaml('@SECRET')['key']}\"/>", OUTSIDE),
     "by abs_filename": ("<link name=\"${xacro.load_yaml(xacro.abs_filename('../outside/secret.yaml'))}\"/>", OUTSIDE),
     "in a macro's default": (
         '<xacro:macro name="m" params="c:=${load_yaml(\'@SECRET\')}"><link name="${c}"/></xacro:macro><xacro:m/>',
         OUTSIDE,
     ),
-    "in a lazy property": ('<xacro:property name="c" value="${load_yaml(\'@SECRET\')}"/><link name="${c}"/>', OUTSIDE),
     "through a link": (include("link.xacro"), OUTSIDE),
     "through a linked folder": (include("linked/secret.xacro"), OUTSIDE),
-    "through a linked YAML": (load("link.yaml"), OUTSIDE),
     "from an included file": (include("deeper.xacro"), OUTSIDE),
     "wildcards outside": (include("../outside/*.xacro"), OUTSIDE),
     "wildcards through a link": (include("linked/*.xacro"), OUTSIDE),
     "wildcards that find a link": (include("lin*.xacro"), OUTSIDE),
     "wildcards in folders": (include("*/../*/../*/../*/../*/secret.xacro"), "wildcards in the folder"),
-    "wildcards over everything": (include("/*/*/*/*/*"), "wildcards in the folder"),
     "the password file": (include("/etc/passwd"), OUTSIDE),
     "a URI": (include("file://@SECRET"), "is a URI; only files of packages are opened"),
-    "a URI of the web": (load("https://example.org/arm.yaml"), "is a URI"),
     "a package URI": (include("package://arm/parts.xacro"), "No such file or directory"),
     "a folder": (include("."), "is no regular file"),
     "a pipe": (include("pipe"), "is no regular file"),
-    "a pipe as YAML": (load("pipe"), "is no regular file"),
     "zeros without end": (load("/dev/zero"), OUTSIDE),
-    "a link to zeros": (load("zeros"), OUTSIDE),
     "the process itself": (load("/proc/self/environ"), OUTSIDE),
     "a giant": (include("giant.xacro"), "has 50 MB; at most 10 MB are read"),
-    "a giant YAML": (load("giant.xacro"), "has 50 MB; at most 10 MB are read"),
     "itself in circles": (include("arm.xacro"), "refers to itself without end"),
-    "a file of a file in circles": (include("circle.xacro"), "refers to itself without end"),
     "a link to itself": (include("loop.xacro"), "xacro cannot expand it"),
-    "a name with a zero": (load("\\x00"), "is no path"),
     "a name without an encoding": (load("\\ud800"), "is no path"),
     "an endless name": (load("a" * 5000), "xacro cannot expand it: File name too long"),
     "a missing file": (include("absent.xacro"), "No such file or directory"),
@@ -225,19 +210,6 @@ def test_a_named_folder_opens_the_packages_in_it_and_no_loose_file(tmp_path: Pat
         opened(tmp_path, "arm/arm.xacro", folders)
     lay(tmp_path, {"one/deep/package.xml": "<package><name>one</name></package>"})
     assert opened(tmp_path, "arm/arm.xacro", folders).count('"part"') == 2
-
-
-def test_an_arm_file_does_not_open_loose_files(tmp_path: Path) -> None:
-    lay(
-        tmp_path,
-        {
-            "arm/arm.toml": 'source = "arm.xacro"\npackage_dirs = ["../outside"]',
-            "arm/arm.xacro": main("../outside/a.xacro"),
-            "outside/a.xacro": PART,
-        },
-    )
-    with pytest.raises(DescriptionError, match=OUTSIDE):
-        load_arm(tmp_path / "arm" / "arm.toml")
 
 
 def test_a_name_opens_no_other_folder_of_that_name(tmp_path: Path) -> None:

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import os
-import pickle
 import re
 import signal
 import subprocess
@@ -19,7 +18,6 @@ from hostile.mesh_case import lay
 from hostile.meshes import CASES, fan, instances
 from twistarm import diagnose, load_arm
 from twistarm.description.meshes import MeshReader, UnreadableMeshError, limits, loading, process, reader
-from twistarm.description.meshes.answers import packed, unpacked
 from twistarm.description.meshes.mesh_file import RefusedError
 from twistarm.support.errors import InputError, TwistarmError
 from twistarm.viewer import Viewer
@@ -331,55 +329,13 @@ def until(holds: object, seconds: float = 30.0) -> None:
         time.sleep(0.02)
 
 
-class Runs:
-    """Pickles as a call of a function."""
-
-    def __init__(self, marker: Path) -> None:
-        self.marker = marker
-
-    def __reduce__(self) -> tuple[object, ...]:
-        return os.mkdir, (str(self.marker),)
-
-
-TRIANGLE = (np.zeros(9).tobytes(), np.zeros(9).tobytes(), np.arange(3).tobytes(), None, True)
-NONSENSE: dict[str, object] = {
-    "no pickle": b"nonsense",
-    "a list": [],
-    "no parts": {"length": 1.0},
-    "half a vertex": {"parts": [(b"\0" * 20, *TRIANGLE[1:])]},
-    "no vertices": {"parts": [(b"", b"", *TRIANGLE[2:])]},
-    "a vertex that is not there": {"parts": [(*TRIANGLE[:2], np.arange(1, 4).tobytes(), None, True)]},
-    "no finite vertex": {"parts": [(np.full(9, np.nan).tobytes(), *TRIANGLE[1:])]},
-    "a colour of two numbers": {"parts": [(*TRIANGLE[:3], (1.0, 0.5), True)]},
-    "a number that is none": {"parts": [TRIANGLE], "seconds": "1"},
-    "without end": None,
-}
-
-
-@pytest.mark.parametrize("case", NONSENSE)
-def test_nonsense_from_the_process_is_no_answer(case: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    data = NONSENSE[case]
-    sent = data if isinstance(data, bytes) else pickle.dumps(data)
-    size = (1 << 60 if data is None else len(sent)).to_bytes(8, "little")
-    ready = packed({"lacking": ""})
-    program = f"import os, sys; os.write(1, {len(ready).to_bytes(8, 'little') + ready!r}); sys.stdin.readline();"
-    monkeypatch.setattr(process, "PROGRAM", f"{program} os.write(1, {size + sent!r})")
-    monkeypatch.setattr(process, "_idle", [])
-    with MeshReader() as meshes, pytest.raises(UnreadableMeshError, match="its reader came to nonsense"):
-        meshes.parts(box(tmp_path / "a.stl"))
-
-
-def test_an_answer_runs_nothing(tmp_path: Path) -> None:
-    assert unpacked(pickle.dumps({"parts": [TRIANGLE]}))["parts"]
-    with pytest.raises(ValueError, match="no answer"):
-        unpacked(pickle.dumps({"parts": [TRIANGLE], "reason": Runs(tmp_path / "ran")}))
-    assert not (tmp_path / "ran").exists()
-
-
-def test_a_process_that_says_no_more_and_does_not_end_is_ended(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(process, "PROGRAM", "import os, time; os.close(1); time.sleep(60)")
+@pytest.mark.parametrize(
+    "program", ["import os; os._exit(1)", "import os, sys; os.close(int(sys.argv[2])); import time; time.sleep(60)"]
+)
+def test_a_process_that_cannot_begin_is_said_and_ended(program: str, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(process, "PROGRAM", program)
     mute, began = process.Process(), time.monotonic()
-    with pytest.raises(TwistarmError, match="did not begin: TimeoutError"):
-        mute.ask({}, 1.0)
+    with pytest.raises(TwistarmError, match="it did not begin"):
+        mute.ask(Path("/a.stl"), 1.0, 1.0)
     assert time.monotonic() - began < 10.0
     assert not mute.alive

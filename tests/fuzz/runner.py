@@ -56,14 +56,12 @@ class Campaign:
     outcomes: Counter[str] = field(default_factory=Counter)
     codes: Counter[str] = field(default_factory=Counter)
     failed: list[Case] = field(default_factory=list)
-    slowest: list[tuple[float, str]] = field(default_factory=list)
 
     def add(self, case: Case) -> None:
         self.kinds[case.kind] += 1
         self.outcomes[case.verdict["outcome"]] += 1
         if case.verdict.get("code"):
             self.codes[case.verdict["code"]] += 1
-        self.slowest = sorted([*self.slowest, (case.verdict["seconds"], f"{case.source} #{case.number}")])[-3:]
         if case.problems:
             self.failed.append(case)
 
@@ -83,20 +81,9 @@ class Campaign:
         return sum(self.outcomes.values())
 
     def __str__(self) -> str:
-        def table(counts: Counter[str]) -> str:
-            return ", ".join(f"{name} {count}" for name, count in counts.most_common())
-
-        slowest = ", ".join(f"{seconds:.2f} s ({where})" for seconds, where in reversed(self.slowest))
-        return "\n".join(
-            (
-                f"{self.total} mutants in {self.seconds:.0f} s ({self.total / max(self.seconds, 1e-9):.0f} per second)",
-                f"  kinds: {table(self.kinds)}",
-                f"  outcomes: {table(self.outcomes)}",
-                f"  refusals: {table(self.codes)}",
-                f"  slowest: {slowest}",
-                f"  failed: {len(self.failed)}",
-            )
-        )
+        tables = {"kinds": self.kinds, "outcomes": self.outcomes, "refusals": self.codes}
+        told = [f"  {what}: {dict(counts.most_common())}" for what, counts in tables.items()]
+        return "\n".join([f"{self.total} mutants in {self.seconds:.0f} s, {len(self.failed)} failed", *told])
 
 
 class Worker:

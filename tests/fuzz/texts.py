@@ -59,32 +59,12 @@ def insert_bytes(text: str, rng: Random) -> bytes:
     return data[:at] + junk + data[at:]
 
 
-def mark_in_front(text: str, rng: Random) -> bytes:
-    return (
-        rng.choice((b"\xef\xbb\xbf\xef\xbb\xbf", b"\xff\xfe", b"\xfe\xff", b"\0\0\xfe\xff", b"\n\n", b" ", b"#!"))
-        + text.encode()
-    )
-
-
-def mixed(text: str, rng: Random) -> bytes:
-    """Half of the lines in one encoding, half in another."""
-    return b"\n".join(
-        line.replace("link", "l\u00efnk").encode(rng.choice(("utf-8", "latin-1")), "replace")
-        for line in text.split("\n")
-    )
-
-
 # -- truncation, bytes and lines ---------------------------------------------------------------------------------------
 
 
 def truncate(text: str, rng: Random) -> bytes:
     data = text.encode()
     return data[: rng.choice((0, 1, rng.randrange(len(data) + 1), rng.randrange(len(data) + 1), len(data) - 1))]
-
-
-def behead(text: str, rng: Random) -> bytes:
-    data = text.encode()
-    return data[rng.randrange(len(data) + 1) :]
 
 
 def flip(text: str, rng: Random) -> bytes:
@@ -94,35 +74,10 @@ def flip(text: str, rng: Random) -> bytes:
     return bytes(data)
 
 
-def flip_a_digit(text: str, rng: Random) -> bytes:
-    places = [match.start() for match in re.finditer(r"\d", text)]
-    if not places:
-        return text.encode()
-    at = rng.choice(places)
-    return (text[:at] + rng.choice("0123456789.-e ") + text[at + 1 :]).encode()
-
-
 def delete_lines(text: str, rng: Random) -> bytes:
     lines = text.split("\n")
     at = rng.randrange(len(lines))
     return "\n".join(lines[:at] + lines[at + rng.choice((1, 1, 3, 10)) :]).encode()
-
-
-def repeat_lines(text: str, rng: Random) -> bytes:
-    lines = text.split("\n")
-    at, length = rng.randrange(len(lines)), rng.choice((1, 1, 5, 40))
-    return "\n".join(lines[: at + length] + lines[at:]).encode()
-
-
-def swap_lines(text: str, rng: Random) -> bytes:
-    lines = text.split("\n")
-    a, b = rng.randrange(len(lines)), rng.randrange(len(lines))
-    lines[a], lines[b] = lines[b], lines[a]
-    return "\n".join(lines).encode()
-
-
-def twice(text: str, rng: Random) -> bytes:
-    return (text + text).encode()
 
 
 # -- markup: document types, entities, depth ---------------------------------------------------------------------------
@@ -227,8 +182,8 @@ def entry(text: str, rng: Random) -> bytes:
     return "\n".join(lines).encode()
 
 
-ENCODINGS = (another_encoding, declaration, line_ends, insert_bytes, mark_in_front, mixed)
-TRUNCATION = (truncate, behead, flip, flip_a_digit, delete_lines, repeat_lines, swap_lines, twice)
+ENCODINGS = (another_encoding, declaration, line_ends, insert_bytes)
+TRUNCATION = (truncate, flip, delete_lines)
 MARKUP = (document_type, document_type, entity, entity, entity, deep)
 XACRO = (expression, inside_an_expression, xacro_element, namespace)
 TABLES = (value, key, entry, value)

@@ -58,19 +58,6 @@ def move(root: ET.Element, rng: Random) -> None:
         target.insert(rng.randrange(len(target) + 1), child)
 
 
-def swap(root: ET.Element, rng: Random) -> None:
-    one, other = _below(root, rng), _below(root, rng)
-    if one and other:
-        a, b = one[1], other[1]
-        a.attrib, b.attrib = b.attrib, a.attrib
-
-
-def shuffle(root: ET.Element, rng: Random) -> None:
-    rng.shuffle(root[:] if len(root) < 2 else (children := list(root)))
-    if len(root) > 1:
-        root[:] = children
-
-
 def rename_tag(root: ET.Element, rng: Random) -> None:
     element = root if rng.random() < 0.05 else (_below(root, rng) or (root, root))[1]
     element.tag = rng.choice(hostile.TAGS)
@@ -82,24 +69,9 @@ def drop_attribute(root: ET.Element, rng: Random) -> None:
         del pair[1].attrib[rng.choice(sorted(pair[1].attrib))]
 
 
-def rename_attribute(root: ET.Element, rng: Random) -> None:
-    pair = _below(root, rng)
-    if pair and pair[1].attrib:
-        name = rng.choice(sorted(pair[1].attrib))
-        pair[1].set(
-            rng.choice(("Name", "names", "XYZ", "lower", "upper", "type", "joint", "x:y")), pair[1].attrib.pop(name)
-        )
-
-
 def change_type(root: ET.Element, rng: Random) -> None:
     if joints := _joints(root):
         rng.choice(joints).set("type", rng.choice(hostile.JOINT_TYPES))
-
-
-def every_type(root: ET.Element, rng: Random) -> None:
-    kind = rng.choice(hostile.JOINT_TYPES)
-    for joint in _joints(root):
-        joint.set("type", kind)
 
 
 def reparent(root: ET.Element, rng: Random) -> None:
@@ -110,14 +82,6 @@ def reparent(root: ET.Element, rng: Random) -> None:
             end.set("link", rng.choice([*links, "nowhere"]))
 
 
-def reverse_joint(root: ET.Element, rng: Random) -> None:
-    if joints := _joints(root):
-        joint = rng.choice(joints)
-        parent, child = joint.find("parent"), joint.find("child")
-        if parent is not None and child is not None:
-            parent.attrib, child.attrib = child.attrib, parent.attrib
-
-
 def mimic(root: ET.Element, rng: Random) -> None:
     if joints := _joints(root):
         joint, master = rng.choice(joints), rng.choice(joints)
@@ -125,29 +89,6 @@ def mimic(root: ET.Element, rng: Random) -> None:
         for name in ("multiplier", "offset"):
             if rng.random() < 0.7:
                 element.set(name, rng.choice(("0", "1", "-1", "0.5", "1e-9", "1e8", rng.choice(hostile.NUMBERS))))
-
-
-def chain_of_mimics(root: ET.Element, rng: Random) -> None:
-    joints = _joints(root)
-    rng.shuffle(joints)
-    masters = joints[1:] + (joints[:1] if rng.random() < 0.3 else [])
-    for joint, master in zip(joints, masters, strict=False):
-        ET.SubElement(joint, "mimic", joint=master.get("name", ""), multiplier=str(round(rng.uniform(-2, 2), 3)))
-
-
-def lengthen(root: ET.Element, rng: Random) -> None:
-    """A long chain hung on some link."""
-    links = _links(root) or ["base"]
-    kind = rng.choice(("fixed", "revolute", "continuous", "planar"))
-    parent = rng.choice(links)
-    for i in range(rng.choice((3, 60, 251, 400, 1001))):
-        name = f"long_{i}"
-        ET.SubElement(root, "link", name=name)
-        joint = ET.SubElement(root, "joint", name=f"{name}_joint", type=kind)
-        ET.SubElement(joint, "parent", link=parent)
-        ET.SubElement(joint, "child", link=name)
-        ET.SubElement(joint, "limit", lower="-1", upper="1", velocity="1", effort="1")
-        parent = name
 
 
 def nest(root: ET.Element, rng: Random) -> None:
@@ -161,13 +102,6 @@ def nest(root: ET.Element, rng: Random) -> None:
 def crowd(root: ET.Element, rng: Random) -> None:
     if pair := _below(root, rng):
         pair[0].extend(copy.deepcopy(pair[1]) for _ in range(rng.choice((2, 50, 200))))
-
-
-def strip(root: ET.Element, rng: Random) -> None:
-    tag = rng.choice(("link", "joint", "origin", "axis", "limit", "parent", "child"))
-    for parent in _elements(root):
-        for child in parent.findall(tag):
-            parent.remove(child)
 
 
 def litter(root: ET.Element, rng: Random) -> None:
@@ -236,21 +170,6 @@ def degrees(root: ET.Element, rng: Random) -> None:
                 limit.set(name, repr(math.degrees(float(limit.get(name, "")))))
 
 
-def swap_limits(root: ET.Element, rng: Random) -> None:
-    limits = [limit for limit in root.iter("limit") if {"lower", "upper"} <= set(limit.attrib)]
-    if limits:
-        limit = rng.choice(limits)
-        lower, upper = limit.get("lower", ""), limit.get("upper", "")
-        limit.set("lower", upper)
-        limit.set("upper", rng.choice((lower, upper)))
-
-
-def hostile_axis(root: ET.Element, rng: Random) -> None:
-    axes = list(root.iter("axis"))
-    if axes:
-        rng.choice(axes).set("xyz", rng.choice(hostile.VECTORS))
-
-
 # -- names -------------------------------------------------------------------------------------------------------------
 
 
@@ -274,10 +193,6 @@ def rename(root: ET.Element, rng: Random) -> None:
                     element.set(name, new)
 
 
-def rename_robot(root: ET.Element, rng: Random) -> None:
-    root.set("name", rng.choice(hostile.NAMES))
-
-
 def joints_named_as_links(root: ET.Element, rng: Random) -> None:
     for joint in _joints(root):
         child = joint.find("child")
@@ -286,8 +201,8 @@ def joints_named_as_links(root: ET.Element, rng: Random) -> None:
 
 
 STRUCTURE = (
-    *(delete, duplicate, move, swap, shuffle, rename_tag, drop_attribute, rename_attribute, change_type, every_type),
-    *(reparent, reverse_joint, mimic, chain_of_mimics, lengthen, nest, crowd, strip, litter),
+    *(delete, duplicate, move, rename_tag, drop_attribute, change_type),
+    *(reparent, mimic, nest, crowd, litter),
 )
-NUMBERS = (hostile_number, hostile_vector, other_number, count, separators, degrees, swap_limits, hostile_axis)
-NAMES = (hostile_name, rename, rename_robot, joints_named_as_links)
+NUMBERS = (hostile_number, hostile_vector, other_number, count, separators, degrees)
+NAMES = (hostile_name, rename, joints_named_as_links)

@@ -7,60 +7,19 @@ from .texts import ARM, INCLUDE, LOADS, PROPERTY, TOO_LARGE, Case, included, nes
 
 COMMENTS = {
     "100,000 comments before a property": xacro(lambda: "<!--c-->" * 100_000 + PROPERTY),
-    "190,000 comments before a property": xacro(lambda: "<!--c-->" * 190_000 + PROPERTY),
     "1,000,000 comments before a property": xacro(lambda: "<!---->" * 1_000_000 + PROPERTY, TOO_LARGE),
-    "100,000 comments in lines before a property": xacro(lambda: "<!--c-->\n" * 100_000 + PROPERTY),
-    "100,000 comments before a macro": xacro(lambda: "<!--c-->" * 100_000 + '<xacro:macro name="m"/>'),
     "100,000 comments before a call": xacro(lambda: '<xacro:macro name="m"/>' + "<!--c-->" * 100_000 + "<xacro:m/>"),
-    "100,000 comments before a condition": xacro(lambda: "<!--c-->" * 100_000 + '<xacro:if value="1"/>'),
-    "100,000 comments before an argument": xacro(lambda: "<!--c-->" * 100_000 + '<xacro:arg name="a" default="1"/>'),
-    "100,000 comments before an include": xacro(lambda: "<!--c-->" * 100_000 + INCLUDE, a_xacro=included(lambda: "")),
     "100,000 comments before each of 20 calls": xacro(
         lambda: f'<xacro:macro name="m">{"<!--c-->" * 100_000}</xacro:macro>' + "<xacro:m/>" * 20
-    ),
-    "100,000 comments to evaluate": xacro(lambda: "<!-- xacro:eval-comments --><!-- ${1} -->" * 100_000, TOO_LARGE),
-    "100,000 comments in a property's block": xacro(
-        lambda: (
-            f'<xacro:property name="b">{"<!--c-->" * 100_000}</xacro:property>' + '<xacro:insert_block name="b"/>' * 100
-        )
     ),
     "100,000 processing instructions before a property": xacro(lambda: "<?a b?>" * 100_000 + PROPERTY),
     "100,000 processing instructions in a URDF": urdf(lambda: "<?a b?>" * 100_000),
     "100,000 CDATA before a property": xacro(lambda: "<![CDATA[ ]]>" * 100_000 + PROPERTY),
-    "100,000 CDATA between texts": xacro(lambda: "a<![CDATA[ ]]>\n" * 100_000 + PROPERTY),
-    "100,000 references in a text": xacro(lambda: "&#65;&amp;" * 100_000 + PROPERTY),
     "1,000,000 comments in a URDF": urdf(lambda: "<!--c-->" * 1_000_000),
     "a comment of 9 MB": xacro(lambda: f"<!--{'c' * 9_000_000}-->"),
-    "a comment of 49 MB in a URDF": urdf(lambda: f"<!--{'c' * 49_000_000}-->", "at most 20,000,000 are read"),
-    "a text of 49 MB in a URDF": urdf(lambda: "c" * 49_000_000, "at most 20,000,000 are read"),
-    "white space of 49 MB in a URDF": urdf(lambda: "\n" * 49_000_000, "at most 20,000,000 are read"),
-    "a text of 9 MB": xacro(lambda: "c" * 9_000_000),
-    "lines of 9 MB": xacro(lambda: "\n" * 9_000_000),
-    "CDATA of 9 MB": xacro(lambda: f"<![CDATA[{'<' * 9_000_000}]]>", TOO_LARGE),
     "white space of 9 MB between elements": xacro(lambda: ("<a/>" + "\n" * 300) * 30_000, LOADS),
     "a comment of 9 MB included 200 times": xacro(
         lambda: INCLUDE * 200, TOO_LARGE, a_xacro=included(lambda: f"<!--{'c' * 9_000_000}-->")
-    ),
-    "a text of 9 MB included 200 times": xacro(
-        lambda: INCLUDE * 200, TOO_LARGE, a_xacro=included(lambda: "c" * 9_000_000)
-    ),
-    "CDATA of 9 MB included 200 times": xacro(
-        lambda: INCLUDE * 200, TOO_LARGE, a_xacro=included(lambda: f"<![CDATA[{'c' * 9_000_000}]]>")
-    ),
-    "an attribute of 9 MB included 200 times": xacro(
-        lambda: INCLUDE * 200, TOO_LARGE, a_xacro=included(lambda: f'<a b="{"c" * 9_000_000}"/>')
-    ),
-    "a comment of 100 kB included 10,000 times": xacro(
-        lambda: INCLUDE * 10_000, TOO_LARGE, a_xacro=included(lambda: f"<!--{'c' * 100_000}-->")
-    ),
-    "a comment of 1 MB in 200 files": Case(
-        {
-            "arm.xacro": lambda: (
-                f'<robot name="r" {XMLNS}>' + times(200, '<xacro:include filename="f{0}.xacro"/>') + f"{ARM}</robot>"
-            ),
-            **{f"f{i}.xacro": included(lambda: f"<!--{'c' * 1_000_000}-->") for i in range(200)},
-        },
-        TOO_LARGE,
     ),
     "an empty file included 50,000 times": xacro(lambda: INCLUDE * 50_000, TOO_LARGE, a_xacro=included(lambda: "")),
 }
@@ -69,67 +28,20 @@ LOOKUPS = {
     "50,000 look-ups through 280 macros": xacro(
         lambda: PROPERTY + nested_macros(280, '<a b="${p}"/>' * 50_000), TOO_LARGE
     ),
-    "50,000 sums through 280 macros": xacro(
-        lambda: PROPERTY + nested_macros(280, "<a>${[p for i in range(1000)][0]}</a>" * 50), TOO_LARGE
-    ),
-    "functions called through 280 macros": xacro(
-        lambda: nested_macros(200, '<a b="${sin(0)+cos(0)}"/>' * 20_000), TOO_LARGE
-    ),
     "properties set in 280 macros": xacro(lambda: nested_macros(280, PROPERTY * 20_000), TOO_LARGE),
-    "properties removed in 280 macros": xacro(
-        lambda: nested_macros(280, (PROPERTY + '<xacro:property name="p" remove="true"/>') * 10_000), TOO_LARGE
-    ),
-    "global properties set in 280 macros": xacro(
-        lambda: nested_macros(280, '<xacro:property name="p" value="1" scope="global"/>' * 20_000), TOO_LARGE
-    ),
-    "defaults in 280 macros": xacro(
-        lambda: PROPERTY + nested_macros(280, '<xacro:property name="p" default="1"/>' * 20_000), TOO_LARGE
-    ),
-    "macros called in 280 macros": xacro(
-        lambda: '<xacro:macro name="m"/>' + nested_macros(280, "<xacro:m/>" * 10_000), TOO_LARGE
-    ),
-    "blocks inserted in 280 macros": xacro(
-        lambda: (
-            '<xacro:property name="b"><a/></xacro:property>'
-            + nested_macros(280, '<xacro:insert_block name="b"/>' * 10_000)
-        ),
-        TOO_LARGE,
-    ),
-    "unknown names in 280 macros": xacro(
-        lambda: (
-            nested_macros(280, '<xacro:if value="${1}"><a b="$(arg x)"/></xacro:if>' * 5_000)
-            + '<xacro:arg name="x" default="1"/>'
-        ),
-        "missing xacro argument",
-    ),
     "dotted access to 15,000 entries": xacro(
         lambda: '<xacro:property name="d" value="${xacro.load_yaml(\'a.yaml\')}"/>' + '<a b="${d.e.k1}"/>' * 20_000,
         LOADS,
         a_yaml=lambda: "e:\n" + times(15_000, "  k{0}: 1\n"),
-    ),
-    "dotted access to a list of 15,000": xacro(
-        lambda: '<xacro:property name="d" value="${xacro.load_yaml(\'a.yaml\')}"/>' + '<a b="${d.e[7]}"/>' * 20_000,
-        LOADS,
-        a_yaml=lambda: "e:\n" + times(15_000, "  - 1\n"),
     ),
     "a comprehension over dots": xacro(
         lambda: (
             '<xacro:property name="d" value="${xacro.load_yaml(\'a.yaml\')}"/>'
             + '<a b="${[d.e.k1 for i in range(10000)][0]}"/>' * 10
         ),
-        TOO_LARGE,
+        LOADS,
         a_yaml=lambda: "e:\n" + times(15_000, "  k{0}: 1\n"),
     ),
-    "a list of dictionaries run over": xacro(
-        lambda: (
-            '<xacro:property name="d" value="${xacro.load_yaml(\'a.yaml\')}"/>'
-            + '<a b="${[[x for x in d.e][0] for i in range(1000)][0]}"/>' * 10
-        ),
-        TOO_LARGE,
-        a_yaml=lambda: "b: &b\n" + times(5_000, "  k{0}: 1\n") + "e: [*b, *b, *b]",
-    ),
-    "100,000 properties of one name": xacro(lambda: PROPERTY * 100_000, TOO_LARGE),
-    "30,000 properties": xacro(lambda: times(30_000, '<xacro:property name="p{0}" value="{0}"/>'), TOO_LARGE),
     "properties that hang on each other": xacro(
         lambda: (
             PROPERTY.replace('"p"', '"p0"')
@@ -138,38 +50,12 @@ LOOKUPS = {
         ),
         "without end",
     ),
-    "50,000 macros of one name": xacro(lambda: '<xacro:macro name="m"/>' * 50_000, TOO_LARGE),
-    "10,000 macros": xacro(lambda: times(10_000, '<xacro:macro name="m{0}"/>')),
     "a macro of 10,000 parameters": xacro(
         lambda: '<xacro:macro name="m" params="' + times(10_000, "p{0}:=1 ") + '"/><xacro:m/>', TOO_LARGE
-    ),
-    "a macro of 3,000 parameters called 100 times": xacro(
-        lambda: '<xacro:macro name="m" params="' + times(3_000, "p{0}:=1 ") + '"/>' + "<xacro:m/>" * 100, TOO_LARGE
-    ),
-    "a macro of 2,000 parameters, all given, 50 times": xacro(
-        lambda: (
-            '<xacro:macro name="m" params="'
-            + times(2_000, "p{0} ")
-            + '"/>'
-            + ("<xacro:m " + times(2_000, 'p{0}="1" ') + "/>") * 50
-        ),
-        LOADS,
     ),
     "a macro of 5,000 blocks": xacro(
         lambda: '<xacro:macro name="m" params="' + times(5_000, "*p{0} ") + f'"/><xacro:m>{"<a/>" * 5_000}</xacro:m>',
         TOO_LARGE,
-    ),
-    "a macro of 1,000 blocks called 50 times": xacro(
-        lambda: (
-            '<xacro:macro name="m" params="'
-            + times(1_000, "*p{0} ")
-            + '"/>'
-            + f"<xacro:m>{'<a/>' * 1_000}</xacro:m>" * 50
-        ),
-        LOADS,
-    ),
-    "conditions 90 deep, 500 times": xacro(
-        lambda: ('<xacro:if value="1">' * 90 + "<a/>" + "</xacro:if>" * 90) * 500, TOO_LARGE
     ),
     "conditions around 30,000 elements, 60 deep": xacro(
         lambda: '<xacro:if value="1">' * 60 + "<a/>" * 30_000 + "</xacro:if>" * 60, TOO_LARGE
@@ -177,23 +63,10 @@ LOOKUPS = {
     "50,000 attributes put on one element": xacro(
         lambda: "<a>" + times(50_000, '<xacro:attribute name="b{0}" value="1"/>') + "</a>", TOO_LARGE
     ),
-    "20,000 attributes put on one element": xacro(
-        lambda: "<a>" + times(20_000, '<xacro:attribute name="b{0}" value="1"/>') + "</a>", TOO_LARGE
-    ),
-    "30,000 elements by name": xacro(lambda: times(30_000, '<xacro:element xacro:name="a{0}"/>')),
     "a property of 100,000 digits": xacro(
         lambda: f'<xacro:property name="p" value="{"1" * 100_000}"/>' + '<a b="${p}"/>' * 10
     ),
     "an expression of 9,000 digits": xacro(lambda: f'<a b="${{{"1" * 9_000}}}"/>' * 500, "digits|bits"),
-    "1,000 properties of 4,000 digits": xacro(
-        lambda: times(1_000, f'<xacro:property name="p{{0}}" value="{"1" * 4_000}"/><a b="${{p{{0}}}}"/>'),
-        "bits",
-    ),
-    "20,000 arguments declared": xacro(lambda: times(20_000, '<xacro:arg name="a{0}" default="1"/>'), TOO_LARGE),
-    "20,000 arguments used": xacro(
-        lambda: times(20_000, '<xacro:arg name="a{0}" default="1"/><a b="$(arg a{0})"/>'), TOO_LARGE
-    ),
-    "100,000 arguments used in a text": xacro(lambda: times(100_000, "<a>$$(arg a{0})</a>"), TOO_LARGE),
     "50,000 packages named in a URDF that is a xacro file": xacro(lambda: times(50_000, "<a>package://p{0}/</a>")),
     "10,000 files by a wildcard": Case(
         {
@@ -202,32 +75,10 @@ LOOKUPS = {
         },
         LOADS,
     ),
-    "10,000 files by 100 wildcards": Case(
-        {
-            "arm.xacro": lambda: (
-                f'<robot name="r" {XMLNS}>' + '<xacro:include filename="parts/*a.xacro"/>' * 1_000 + f"{ARM}</robot>"
-            ),
-            **{f"parts/f{i}.xacro": included(lambda: "") for i in range(10_000)},
-        },
-        TOO_LARGE,
-    ),
     "aliases in YAML": xacro(
         lambda: "<xacro:property name=\"d\" value=\"${xacro.load_yaml('a.yaml')}\"/><a b='${d}'/>",
         TOO_LARGE,
         a_yaml=lambda: "a0: &a0 1\n" + "".join(f"a{i + 1}: &a{i + 1} [" + f"*a{i}," * 9 + "]\n" for i in range(20)),
-    ),
-    "YAML of 9 MB": xacro(
-        lambda: "<xacro:property name=\"d\" value=\"${xacro.load_yaml('a.yaml')}\"/><a b='${d}'/>",
-        TOO_LARGE,
-        a_yaml=lambda: "a: 1\n" * 1_800_000,
-    ),
-    "a YAML comment of 9 MB, 100 times": xacro(
-        lambda: times(100, "<a b=\"${xacro.load_yaml('a.yaml')}{0}\"/>"), TOO_LARGE, a_yaml=lambda: "#" * 9_000_000
-    ),
-    "a YAML text of 4 MB": xacro(
-        lambda: "<xacro:property name=\"d\" value=\"${xacro.load_yaml('a.yaml')}\"/><a b='${d.a}'/>",
-        TOO_LARGE,
-        a_yaml=lambda: f'a: "{"x" * 4_000_000}"',
     ),
     "YAML nested 5,000 deep": xacro(
         lambda: "<xacro:property name=\"d\" value=\"${xacro.load_yaml('a.yaml')}\"/><a b='${d}'/>",

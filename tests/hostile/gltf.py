@@ -68,15 +68,6 @@ def glb(head: Any, chunk: bytes = b"", *, length: int | None = None, says: int |
     return struct.pack("<III", 0x46546C67, 2, 12 + len(body) if length is None else length) + body
 
 
-def strided(stride: int) -> dict[str, Any]:
-    return {"buffer": 0, "byteLength": 36, "byteStride": stride}
-
-
-def nested(depth: int) -> dict[str, Any]:
-    nodes: list[dict[str, Any]] = [{"children": [i + 1]} for i in range(depth)]
-    return tree([data()], nodes=[*nodes, {"mesh": 0}])
-
-
 def doubling(depth: int) -> dict[str, Any]:
     """Nodes that share their children, twice at every level."""
     nodes: list[dict[str, Any]] = [{"children": [i + 1, i + 1]} for i in range(depth)]
@@ -100,36 +91,21 @@ GLTF = {
     "gltf: uri ../outside": buffer_at("../../outside/secret.bin", OUT),
     "gltf: uri absolute": buffer_at("{outside}/secret.bin", OUT),
     "gltf: uri /etc/passwd": buffer_at("/etc/passwd", "which is not opened"),
-    "gltf: uri file://": buffer_at("file://{outside}/secret.bin", NOT_THERE),
     "gltf: uri http://": buffer_at("http://127.0.0.1:9/secret.bin", NOT_THERE),
     "gltf: uri percent-encoded": buffer_at("%2e%2e/%2e%2e/outside/secret.bin", OUT),
     "gltf: uri with backslashes": buffer_at("..\\..\\outside\\secret.bin", OUT),
     "gltf: uri through a link to a file": buffer_at("link.bin", OUT),
-    "gltf: uri through a link to a folder": buffer_at("linked/secret.bin", OUT),
     "gltf: uri to a link loop": buffer_at("loop.bin", "cannot be read"),
-    "gltf: uri to a folder": buffer_at("folder.bin", "no regular file"),
     "gltf: uri to a FIFO": buffer_at("fifo.bin", "no regular file"),
     "gltf: uri to a device": buffer_at("zero.bin", "no regular file"),
     "gltf: uri to 200 MB": buffer_at("huge.bin", "more than 100 MB"),
     "gltf: uri that is empty": buffer_at("", "which is not opened"),
     "gltf: uri with a zero byte": buffer_at("a\0.bin", "cannot be read"),
     "gltf: uri of its own": buffer_at("own%20one.bin", ""),
-    "gltf: uri that is a number": gltf(tree([{"uri": 7, "byteLength": 36}]), "malformed"),
-    "gltf: data of 60 MB": gltf(lambda: tree([data(bytes(60_000_000))]), "point"),
     "gltf: data that is no base64": gltf(tree([{"uri": "data:;base64,%%%"}]), "malformed"),
     "gltf: a count of 1e9": gltf(tree([data()], {"count": 10**9}), MALFORMED),
-    "gltf: a count of 1e30": gltf(tree([data()], {"count": 10**30}), MALFORMED),
-    "gltf: a negative count": gltf(tree([data()], {"count": -3}), "no triangles"),
-    "gltf: an offset beyond": gltf(tree([data()], {"byteOffset": 10**9}), MALFORMED),
     "gltf: sparse, of 1e9": gltf(
         tree([data()], {"bufferView": None, "count": 10**9, "sparse": {"count": 10**9}}), "malformed|memory|s$"
-    ),
-    "gltf: no view, a count of 3e8": gltf(
-        lambda: (made := tree([data()], {"count": 3 * 10**8}), made["accessors"][0].pop("bufferView"), made)[2],
-        "memory|malformed|triangles|more than|point",
-    ),
-    "gltf: a stride of 0": gltf(
-        tree([data()], bufferViews=[{"buffer": 0, "byteLength": 36, "byteStride": 0}]), "|malformed"
     ),
     "gltf: a stride of 1e9": gltf(
         tree([data()], bufferViews=[{"buffer": 0, "byteLength": 36, "byteStride": 10**9}]), MALFORMED
@@ -137,12 +113,9 @@ GLTF = {
     "gltf: a cycle of nodes": gltf(
         tree([data()], nodes=[{"children": [1]}, {"children": [0], "mesh": 0}]), "|malformed"
     ),
-    "gltf: a node its own child": gltf(tree([data()], nodes=[{"children": [0], "mesh": 0}]), ""),
-    "gltf: 20,000 nodes deep": gltf(lambda: nested(20_000), ""),
     "gltf: children doubled 25 times": gltf(lambda: doubling(25), ""),
     "gltf: JSON 100,000 lists deep": text("mesh.gltf", "[" * 100_000, "no JSON|nested"),
     "gltf: no JSON": text("mesh.gltf", b"\xff\xfe\x00", "no JSON"),
-    "gltf: a list": text("mesh.gltf", "[1]", MALFORMED),
     "gltf: images of 14 GB, outside and endless": gltf(PAINTED, ""),
     "gltf: Draco": gltf(
         tree(
@@ -165,19 +138,11 @@ GLTF = {
         "compressed by Draco",
     ),
     "gltf: a matrix of NaN": gltf(tree([data()], nodes=[{"mesh": 0, "matrix": [float("nan")] * 16}]), "no finite|malf"),
-    "gltf: a scale of 1e308": gltf(tree([data()], nodes=[{"mesh": 0, "scale": [1e308] * 3}]), "no finite|malformed"),
     "gltf: points of NaN": gltf(tree([data(struct.pack("<9f", *[float("nan")] * 9))]), "no finite"),
     "gltf: 6,000 parts": gltf(
         lambda: tree([data()], meshes=[{"primitives": [{"attributes": {"POSITION": 0}}] * 6_000}]), "parts|more than"
     ),
-    "gltf: 100,000 nodes of a mesh": gltf(
-        lambda: tree([data()], scenes=[{"nodes": list(range(100_000))}], nodes=[{"mesh": 0}] * 100_000),
-        "parts|more than",
-    ),
     "glb: a chunk that is longer than the file": text("mesh.glb", glb(tree([]), says=4_000_000_000), MALFORMED),
     "glb: a length of 4 GB": text("mesh.glb", glb(tree([{"byteLength": 36}]), CORNERS, length=4_294_967_295), ""),
-    "glb: a length of 0": text("mesh.glb", glb(tree([{"byteLength": 36}]), CORNERS, length=0), "malformed|"),
-    "glb: a head alone": text("mesh.glb", b"glTF", MALFORMED),
     "glb: a uri outside": text("mesh.glb", glb(tree([{"uri": "../../outside/secret.bin", "byteLength": 36}])), OUT),
-    "glb: an image of 14 GB": text("mesh.glb", glb({**PAINTED, "buffers": [{"byteLength": 36}]}, CORNERS), ""),
 }

@@ -62,30 +62,16 @@ OBJ = {
     "obj: mtllib through a link": library("link.mtl", OUT),
     "obj: mtllib outside": library("../../outside/secret.mtl", OUT),
     "obj: mtllib absolute": library("{outside}/secret.mtl", OUT),
-    "obj: mtllib a link loop": library("loop.mtl", "cannot be read"),
-    "obj: mtllib /etc/passwd": library("/etc/passwd", ""),
-    "obj: mtllib its own folder": library(".", ""),
-    "obj: mtllib missing": library("C:\\Users\\me\\arm.mtl", ""),
     "obj: mtllib with images outside": library("map.mtl", ""),
     "obj: mtllib with a line of 4 MB": library("wide.mtl", ""),
     "obj: a face of 200,000 corners": text("mesh.obj", lambda: polygon(200_000), ""),
     "obj: 400,000 mixed faces": text("mesh.obj", lambda: mixed(400_000), ""),
-    "obj: 2,000 times usemtl": text("mesh.obj", FACES + "usemtl b\nf 1 2 3\nusemtl c\nf 1 3 2\n" * 1_000, ""),
     "obj: 20,000 materials": text(
         "mesh.obj", lambda: FACES + "".join(f"usemtl m{i}\nf 1 2 3\n" for i in range(20_000)), "parts|more than"
     ),
-    "obj: negative indices": text("mesh.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf -3 -2 -1\n", ""),
     "obj: indices far below": text("mesh.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf -300 -200 -1\n", "malformed|vertices"),
-    "obj: indices of 1e18": text("mesh.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 1000000000000000000\n", "malf|vertices"),
-    "obj: indices of 0": text("mesh.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 0 0 0\n", "point|vertices"),
-    "obj: a line of 10 MB": text("mesh.obj", lambda: "# " + "x" * 10_000_000 + "\n" + FACES, ""),
     "obj: a number of 10 MB": text("mesh.obj", lambda: "v " + "1" * 10_000_000 + " 0 0\n" + FACES, "|malformed"),
-    "obj: 10 MB of line continuations": text("mesh.obj", lambda: "\\\n" * 5_000_000 + FACES, ""),
     "obj: NaN": text("mesh.obj", "v nan 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n", "no finite"),
-    "obj: infinite": text("mesh.obj", "v 1e999 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n", "no finite"),
-    "obj: 1e300": text("mesh.obj", "v 1e300 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n", "no finite"),
-    "obj: points alone": text("mesh.obj", "v 0 0 0\nv 1 0 0\n", "no triangles"),
-    "obj: empty": text("mesh.obj", "", "no triangles|malformed"),
     "obj: one point thrice": text("mesh.obj", "v 1 1 1\nf 1 1 1\n", "one point"),
 }
 
@@ -104,28 +90,18 @@ STL_AND_PLY = {
     "stl: a count that lies": text(
         "mesh.stl", bytes(80) + struct.pack("<I", 4_294_967_295) + bytes(500), "triangles|malf"
     ),
-    "stl: a count of 0": text("mesh.stl", bytes(84), "no triangles|malformed"),
-    "stl: cut": text("mesh.stl", lambda: fan(100)[:-7], "triangles|malformed"),
     "stl: ASCII without an end": text(
         "mesh.stl", lambda: "solid a\n" + "facet normal 0 0 1\nvertex 0 0 0\n" * 200_000, "tri"
     ),
-    "stl: ASCII of one line": text("mesh.stl", lambda: "solid " + "vertex 0 0 0 " * 500_000 + "endsolid", "tri|malf"),
-    "stl: 100,000 solids": text("mesh.stl", lambda: "solid a\nendsolid a\n" * 100_000, "triangles|malformed|more than"),
     "stl: 20,000 solids of a triangle": text(
         "mesh.stl",
         lambda: "solid a\nvertex 0 0 0\nvertex 1 0 0\nvertex 0 1 0\nendsolid a\n" * 20_000,
         "parts|more than",
     ),
     "stl: NaN": text("mesh.stl", bytes(80) + struct.pack("<I", 1) + b"\xff" * 48 + b"\0\0", "no finite"),
-    "stl: 1e38": text("mesh.stl", bytes(80) + struct.pack("<I12fH", 1, *[1e38] * 6, *[-1e38] * 6, 0), "no finite"),
     "stl: a fan of 20,000": text("mesh.stl", lambda: fan(20_000), ""),
-    "stl: a fan of 200,000": text("mesh.stl", lambda: fan(200_000), ""),
-    "stl: 200,000 times one point": text(
-        "mesh.stl", bytes(80) + struct.pack("<I", 200_000) + bytes(10_000_000), "point"
-    ),
     "stl: a million triangles": text("mesh.stl", lambda: fan(1_000_000), ""),
     "ply: a count of 1e12": text("mesh.ply", ply(f"element vertex 1000000000000\n{XYZ}"), "malformed|memory|triangles"),
-    "ply: a negative count": text("mesh.ply", ply(f"element vertex -1\n{XYZ}"), "malformed|triangles"),
     "ply: a list of 1e9": text(
         "mesh.ply",
         ply(
@@ -134,27 +110,10 @@ STL_AND_PLY = {
         ),
         "malformed|memory|triangles",
     ),
-    "ply: faces of 1e12": text(
-        "mesh.ply", ply(f"element vertex 3\n{XYZ}\nelement face 1000000000000\n{LIST}", CORNERS), "malformed|memory|tri"
-    ),
     "ply: indices beyond": text(
         "mesh.ply",
         ply(f"element vertex 3\n{XYZ}\nelement face 1\n{LIST}", CORNERS + struct.pack("<B3i", 3, 0, 1, 2_000_000)),
         "malformed|vertices",
-    ),
-    "ply: 200,000 elements": text(
-        "mesh.ply", lambda: ply("\n".join(f"element e{i} 0\nproperty float x" for i in range(200_000))), "malf|tri|more"
-    ),
-    "ply: a texture outside": text(
-        "mesh.ply",
-        ply(
-            f"comment TextureFile ../../outside/secret.bin\nelement vertex 3\n{XYZ}\nelement face 1\n{LIST}",
-            CORNERS + struct.pack("<B3i", 3, 0, 1, 2),
-        ),
-        "",
-    ),
-    "ply: a header without an end": text(
-        "mesh.ply", lambda: b"ply\n" + b"comment x\n" * 1_000_000, "malformed|more than"
     ),
 }
 
@@ -198,30 +157,20 @@ LAUGHS = (
 
 DAE = {
     "dae: instances nested 4^14": text("mesh.dae", instances(4, 14), "more than"),
-    "dae: instances nested 10^4": text("mesh.dae", instances(10, 4), "parts|more than"),
     "dae: a billion laughs": text("mesh.dae", dae(DRAWN, head=LAUGHS, indices="&j;"), "document type"),
     "dae: an entity of /etc/passwd": text(
         "mesh.dae",
         dae(DRAWN, head='<!DOCTYPE a [<!ENTITY x SYSTEM "file:///etc/passwd">]>', indices="&x;"),
         "document type",
     ),
-    "dae: a document type elsewhere": text(
-        "mesh.dae", dae(DRAWN, head='<!DOCTYPE a SYSTEM "http://127.0.0.1:9/x.dtd">'), "document type"
-    ),
     "dae: UTF-16 with a document type": text(
         "mesh.dae",
         lambda: dae(DRAWN, head="<!DOCTYPE a>").replace('"1.0"', '"1.0" encoding="UTF-16"').encode("utf-16"),
         "document type",
     ),
-    "dae: a unit of 1e308": text("mesh.dae", dae(DRAWN, unit="1e308"), "unit|no finite"),
     "dae: a unit of 1e999": text("mesh.dae", dae(DRAWN, unit="1e999"), "unit"),
     "dae: a unit of NaN": text("mesh.dae", dae(DRAWN, unit="nan"), "unit"),
-    "dae: a unit of 0": text("mesh.dae", dae(DRAWN, unit="0"), "unit"),
-    "dae: a negative unit": text("mesh.dae", dae(DRAWN, unit="-1"), "unit"),
-    "dae: a unit in words": text("mesh.dae", dae(DRAWN, unit="metre"), "malformed|"),
-    "dae: a count of 1e12": text("mesh.dae", dae(DRAWN, count=10**12), ""),
     "dae: indices beyond": text("mesh.dae", dae(DRAWN, indices="0 1 2000000"), "malformed|vertices|triangles"),
-    "dae: a matrix of 1e308": text("mesh.dae", dae(f"<scale>1e308 1e308 1e308</scale>{DRAWN}"), "no finite"),
     "dae: 100,000 elements deep": text(
         "mesh.dae", lambda: dae("<node>" * 100_000 + "</node>" * 100_000), "more|nested|tri|malf"
     ),
@@ -232,12 +181,6 @@ DAE = {
             nodes='<library_nodes><node id="a"><instance_node url="#a"/></node></library_nodes>',
         ),
         "nested|malformed|triangles|more than",
-    ),
-    "dae: a polygon of 100,000 corners": text(
-        "mesh.dae",
-        lambda: dae(DRAWN, indices="0 1 2 " * 33_333).replace("<triangles", "<polylist").replace(
-            "</triangles", "</polylist").replace("<p>", "<vcount>99999</vcount><p>"),
-        "",
     ),
     "dae: no XML": text("mesh.dae", b"PK\x03\x04" + bytes(100), "no XML"),
     "dae: an image outside": text(
@@ -280,16 +223,7 @@ def sparse(path: Path) -> None:
 
 OTHERS = {
     "archive: 3mf": archive("mesh.3mf", "3D/3dmodel.model"),
-    "archive: zae": archive("mesh.zae", "mesh.dae"),
-    "archive: zip": archive("mesh.zip", "mesh.stl"),
     "archive: called .dae": archive("mesh.dae", "mesh.dae"),
-    "archive: called .stl": archive("mesh.stl", "mesh.stl"),
-    "archive: called .glb": archive("mesh.glb", "mesh.glb"),
-    "other: xyz": text("mesh.xyz", lambda: "0 0 0\n" * 1_000_000, "not read here"),
-    "other: stp": text("mesh.stp", "ISO-10303-21;", "not read here"),
-    "other: off": text("mesh.off", "OFF\n3 1 0\n0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n", "not read here"),
-    "other: svg": text("mesh.svg", "<svg/>", "not read here"),
-    "other: json": text("mesh.json", "{}", "not read here"),
     "other: no ending": text("mesh", CORNERS, "not read here"),
     "other: 5 GB": special("mesh.stl", sparse, "5000 MB; at most"),
     "other: a link to a file of text outside": special(

@@ -14,8 +14,7 @@ from .strangers import STRANGERS
 from .target import Target
 
 SILENT = {
-    "idle", "of_many_peers", "half_open", "half_a_head", "slow_head", "slow_headers", "slow_body", "slow_chunks",
-    "promised_body", "tls",
+    "idle", "of_many_peers", "half_open", "slow_head", "slow_headers", "slow_body",     "tls",
 }  # fmt: skip
 
 

@@ -21,8 +21,6 @@ ARM = (
 """Two joints, so that everything after the reading runs as well."""
 
 LIMIT = '<limit lower="-2" upper="2" velocity="1" effort="1"/>'
-MATERIAL = '<material name="m{0}"><color rgba="1 0 0 1"/></material>'
-VISUAL = '<visual><geometry><box size="1 1 {0}"/></geometry></visual>'
 COLLISION = '<collision><geometry><box size="1 1 {0}"/></geometry></collision>'
 MESH = '<visual><geometry><mesh filename="{}"/></geometry></visual>'
 INERTIAL = '<inertial><mass value="{}"/><inertia ixx="1" iyy="1" izz="1" ixy="0" ixz="0" iyz="0"/></inertial>'
@@ -87,6 +85,12 @@ def links(count: int, parent: Callable[[int], str], kind: str = "fixed", more: s
         "</joint>"
         for i in range(count)
     )
+
+
+def part(inside: str = "", more: str = "") -> str:
+    """A link x that holds `inside`, on a fixed joint that holds `more`."""
+    joint = f'<joint name="x" type="fixed"><parent link="tool"/><child link="x"/>{more}</joint>'
+    return f'<link name="x">{inside}</link>{joint}'
 
 
 def chain(i: int) -> str:

@@ -4,8 +4,6 @@ from __future__ import annotations
 
 import os
 import signal
-import threading
-import time
 import xml.etree.ElementTree as ET
 from pathlib import Path, PurePath
 from random import Random
@@ -102,24 +100,6 @@ def test_a_worker_that_hangs_or_dies_is_replaced(tmp_path: Path) -> None:
         worker.close()
 
 
-def test_a_worker_that_waits_for_a_busy_machine_is_not_called_hung(tmp_path: Path) -> None:
-    sources = seed_sources()[:1]
-    worker = Worker(tmp_path, sources)
-    try:
-        assert one(worker, sources, 0, 0).problems == []
-        assert worker.process is not None
-        worker.limit = 1.0
-        worker.process.send_signal(signal.SIGSTOP)
-        resumed = threading.Timer(1.5, worker.process.send_signal, [signal.SIGCONT])
-        resumed.start()
-        start = time.perf_counter()
-        assert one(worker, sources, 0, 0).problems == []
-        assert time.perf_counter() - start > worker.limit
-        resumed.join()
-    finally:
-        worker.close()
-
-
 def judged_as(monkeypatch: pytest.MonkeyPatch, path: Path, load) -> dict:
     monkeypatch.setattr(oracle, "load_arm", load)
     return oracle.judged(path, {}, {})
@@ -146,19 +126,11 @@ def test_the_oracle_sees_a_traceback(tmp_path: Path, monkeypatch: pytest.MonkeyP
     assert "KeyError: 'elbow'" in verdict["problems"][0]
 
 
-FLAWED = {
-    "nothing": ("", "is empty"),
-    "too much": ("x" * 2001, "has 2001 characters"),
-    "two lines": ("one\ntwo", "has control characters"),
-    "an escape sequence": ("\x1b[31mred", "has control characters"),
-    "half a character": ("\ud800", "has control characters"),
-    "a traceback": ("Traceback (most recent call last)", "is Python's own"),
-}
-
-
-@pytest.mark.parametrize("case", FLAWED)
-def test_the_oracle_sees_a_message_that_is_none(case: str) -> None:
-    message, flaw = FLAWED[case]
+@pytest.mark.parametrize(
+    ("message", "flaw"),
+    [("", "is empty"), ("x" * 2001, "has 2001"), ("one\ntwo", "control"), ("Traceback (most", "is Python's own")],
+)
+def test_the_oracle_sees_a_message_that_is_none(message: str, flaw: str) -> None:
     assert flaw in " ".join(oracle.flaws(message))
 
 

@@ -146,27 +146,10 @@ def test_tens_of_thousands_of_tries_open_nothing(victim: Reader) -> None:
     assert secrets == 0
 
 
-OBJECTS = (
-    "sin",
-    "math",
-    "xacro.tokenize",
-    "load_yaml",
-    "xacro.fatal",
-    "python.type(1)",
-    "int",
-    "python",
-    "xacro.abs_filename",
-)
+OBJECTS = ("sin", "math", "xacro.tokenize", "load_yaml", "python.type(1)")
 AS_TEXT = (
-    *("@", "str(@)", "python.repr(@)", "'%s' % @", "'%r' % (1, @)", "'%s%%' % [@]", "[@]", "str([1, dict(a=@)])"),
-    *("dict(a=(@,))", "'a'.join(map(str, [@]))", "python.map(str, [@])", "[1, 2].index(@)", "dict(a=1)[@]", "[1][@]"),
-    *(
-        "dict(a=1).get('b', @)",
-        "xacro.fatal('see', @)",
-        "str(python.sorted([@]))",
-        "'a' + str(dict(a=@))",
-        "str(dict(a=@).items())",
-    ),
+    *("@", "str(@)", "'%s' % @", "[@]", "str([1, dict(a=@)])", "'a'.join(map(str, [@]))", "dict(a=1)[@]", "[1][@]"),
+    *("dict(a=1).get('b', @)", "xacro.fatal('see', @)", "'a' + str(dict(a=@))", "str(dict(a=@).items())"),
 )
 
 

@@ -10,15 +10,7 @@ import numpy as np
 from ..arm.pinocchio_model import model_of
 from ..description.tree import Description
 from ..support.checks import Array
-from ..support.errors import DescriptionError, InputError
-
-
-def text_as_written(description: Description) -> str:
-    """The text that no part of ours has changed: the file's, or what xacro writes by itself.
-
-    Raises DescriptionError where the file cannot be expanded again.
-    """
-    return description.text if description.own_text is None else description.own_text()
+from ..support.errors import InputError
 
 
 class AsWritten:
@@ -28,11 +20,8 @@ class AsWritten:
         planar = next((joint.part_of for joint in description.joints.values() if joint.part_of), None)
         if planar is not None:
             raise InputError(f"Pinocchio's parser does not read the axis of the planar joint {planar!r}")
-        try:
-            # The text is UTF-8 from here on, whatever encoding the file declared.
-            text = re.sub(r"^\s*<\?xml[^>]*\?>", "", text_as_written(description))
-        except DescriptionError as error:
-            raise InputError(f"xacro cannot expand it by itself: {error}") from error
+        # The text is UTF-8 from here on, whatever encoding the file declared.
+        text = re.sub(r"^\s*<\?xml[^>]*\?>", "", description.text)
         self._pin, self._model, complaint = model_of(text)
         if complaint:
             raise InputError(f"Pinocchio does not read it as it is written: {complaint}")

@@ -21,7 +21,7 @@ from ..support.errors import ComparisonError, InputError, MissingExtraError, mis
 from ..theory import poe
 from ..theory.lower_pairs import LowerPair, lower_pairs
 from ..theory.screws import adjoint, inverse
-from .as_written import AsWritten, text_as_written
+from .as_written import AsWritten
 from .native_joints import Ball, NativeChain
 
 POSE_TOL = 1e-12
@@ -379,7 +379,7 @@ def _our_poses(arm: Arm, theta: Array) -> Array:
 def _yourdfpy_poses(arm: Arm, theta: Array) -> Array:
     """Every link's pose (samples, links, 4, 4) by yourdfpy."""
     assert arm.description is not None
-    robot = _load_yourdfpy(text_as_written(arm.description))
+    robot = _load_yourdfpy(arm.description.text)
     values = _joint_values(arm, theta)
     links = list(arm.description.links)
     poses = np.empty((len(theta), len(links), 4, 4))

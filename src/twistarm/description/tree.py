@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Literal
@@ -103,8 +103,7 @@ class Description:
     """Links and joints as read, repaired, with the findings of the reading.
 
     `text` is the expanded description as it was written, `repaired` the same with every repair made and mesh paths
-    absolute: the first goes to the engines that check us, the second to Pinocchio. `own_text`, of a xacro file, reads
-    it again and gives what xacro writes when it handles its documents by itself.
+    absolute: the first goes to the engines that check us, the second to Pinocchio.
     """
 
     name: str
@@ -115,7 +114,6 @@ class Description:
     text: str = field(repr=False)
     repaired: str = field(repr=False)
     findings: tuple[Finding, ...] = ()
-    own_text: Callable[[], str] | None = field(default=None, repr=False, compare=False)
 
     def __repr__(self) -> str:
         source = f" from {self.path.name}" if self.path else ""

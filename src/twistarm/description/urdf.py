@@ -7,9 +7,7 @@ import re
 import xml.etree.ElementTree as ET
 from collections.abc import Iterable, Mapping
 from dataclasses import replace
-from functools import partial
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 
@@ -20,7 +18,7 @@ from .axis import read_axis
 from .bounds import LIMIT_NAMES, WIDE, limit_numbers, note_softened, rate, read_bounds, softened
 from .catalog import models_share
 from .document import Reading, existing_file, parse_xml, read_text
-from .expansion.expand import expand_xacro, is_xacro, xacro_own_text
+from .expansion.expand import expand_xacro, is_xacro
 from .expansion.left_out import blaming, not_used
 from .findings import Place, refusal
 from .geometry import Geometries, read_origin
@@ -62,11 +60,9 @@ def read_description(
     """
     file = existing_file(path, "a URDF or xacro file, an arm.toml or a catalogue name").resolve()
     packages = package_index(file, package_dirs, mesh_dirs)
-    own_text, wishes = None, (dict(xacro_args or {}), tuple(without), tuple(env))
     if is_xacro(file):
-        text, noted = expand_xacro(file, packages, *wishes)
+        text, noted = expand_xacro(file, packages, xacro_args, without, env)
         _require_links(text, file)
-        own_text = partial(_own_text, file, packages.user_dirs, packages.mesh_dirs, *wishes)
         reading = Reading(file, packages, show_lines=False)
     elif xacro_args:
         what = f"it is plain URDF and takes no xacro arguments ({', '.join(xacro_args)})"
@@ -76,7 +72,7 @@ def read_description(
         text, reading = read_text(file), Reading(file, packages)
     reading.findings.take(noted)
     with blaming(noted):
-        return replace(build_description(text, reading), own_text=own_text)
+        return build_description(text, reading)
 
 
 def _require_links(text: str, file: Path) -> None:
@@ -86,10 +82,6 @@ def _require_links(text: str, file: Path) -> None:
         what = f"it has no links: it defines macros ({listed(macros)}) and calls none that makes one"
         remedy = f"load the file that calls them, or call one: <xacro:{macros[0]} …/>"
         raise refusal("no-robot", Place(str(file)), what, remedy)
-
-
-def _own_text(file: Path, user_dirs: tuple[Path, ...], mesh_dirs: tuple[Path, ...], *wishes: Any) -> str:
-    return xacro_own_text(file, package_index(file, user_dirs, mesh_dirs), *wishes)
 
 
 def build_description(text: str, reading: Reading) -> Description:

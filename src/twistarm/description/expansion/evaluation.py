@@ -1,4 +1,4 @@
-"""xacro's texts: `${expressions}` and `$(commands)` in them, evaluated by checked expressions with counted work."""
+"""xacro's texts: `${expressions}` and `$(commands)` in them, evaluated with counted work."""
 
 from __future__ import annotations
 
@@ -8,20 +8,20 @@ from typing import Any
 
 from .environment import Environment
 from .expressions import Expressions
-from .guards import Guards
-from .names import direct_names, dotify, math_names, python_names, tokenize
+from .names import DIRECT, math_names, python_names, tokenize
 from .work import Refused, Work
 
 _TOKEN = re.compile(r"(\$\$+[{(])|\$\{([^}]*)\}|\$\(([^)]*)\)|([^$]+|\$[^{($]+|\$$)")
 """xacro's tokens: escaped dollars, `${expression}`, `$(command)`, text."""
 
+_FIND = re.compile(r"\$\(find ([^)\s]+)\)")
 
 WORKING_FOLDER = ".cwd"
 """Stands for it as a package's name would."""
 
 
 class Evaluation:
-    """Stands in the place of xacro's `eval_text` and `safe_eval`, and of its `$(eval ...)`.
+    """Stands in the place of xacro's `eval_text`, with what that evaluates.
 
     `find` answers `$(find package)`, `files` holds the functions about files.
     """
@@ -34,12 +34,25 @@ class Evaluation:
         files: Mapping[str, Callable[[str], Any]],
         environment: Environment,
     ) -> None:
-        self._xacro = xacro
-        self._work = work
-        self._guards = Guards(work, xacro.Table)
-        self._expressions = Expressions(self._guards)
-        self._commands: dict[str, Any] = {}
-        self.symbols = self._make_symbols(find, files, environment)
+        self._xacro, self._work, self._find, self._environment = xacro, work, find, environment
+        self._expressions = Expressions(work, xacro.Table)
+        python, mathematics = python_names(self._expressions), math_names(self._expressions)
+        files = {**files, "dotify": lambda value: value}
+        messages = dict.fromkeys(("message", "warning", "error", "print_location"), say_nothing)
+        offered = {**files, **messages, "fatal": self._fail, "tokenize": tokenize, "arg": self._argument}
+        self._commands = {
+            **{"true": True, "false": False, "find": find},
+            **{"env": environment.required, "optenv": environment.optional},
+            **{"arg": lambda name: self._convert(self._argument(name))},
+            **{**mathematics, **python},
+        }
+        for names in (offered, self._commands):
+            self._expressions.offer(names)
+        spaces = {"python": python, "math": mathematics, "xacro": offered}
+        self.symbols = {
+            **{**{name: python[name] for name in DIRECT}, **mathematics, **files},
+            **{name: self._namespace(names) for name, names in spaces.items()},
+        }
         """The names at the root of every scope, for xacro's `_global_symbols`."""
 
     def number(self, expression: str) -> float:
@@ -58,12 +71,10 @@ class Evaluation:
                 raise self._xacro.XacroException(f"invalid expression: {text[position:]}")
             position = match.end()
             escaped, expression, command, plain = match.groups()
-            if expression is not None:
-                results.append(self._evaluate(expression, symbols))
-            elif command is not None:
-                results.append(self._run(f"$({self.text(command, symbols)})"))
+            if plain or escaped:
+                results.append(plain or escaped[1:])
             else:
-                results.append(escaped[1:] if escaped else plain)
+                results.append(self._replaced(expression, command, symbols))
         if len(results) == 1:
             return results[0]
         parts = list(map(str, results))
@@ -71,34 +82,36 @@ class Evaluation:
         self._work.charge_text(sum(map(len, parts)))
         return "".join(parts)
 
-    def _evaluate(self, expression: str, symbols: Any) -> Any:
+    def _replaced(self, expression: str | None, command: str | None, symbols: Any) -> Any:
+        inside = str(self.text(expression if command is None else command, symbols))  # type: ignore[arg-type]
         try:
-            return self._expressions.evaluate(str(self.text(expression, symbols)), symbols)
+            return self._expressions.evaluate(inside, symbols) if command is None else self._run(inside)
         except Refused as refused:
-            refused.expression = refused.expression or f"${{{expression}}}"
+            shown = f"$({inside})" if command is not None else f"${{{expression}}}"
+            refused.expression = refused.expression or shown
             raise
         except Exception as error:
-            suffix = f"when evaluating expression '{expression}'"
-            raise self._xacro.XacroException(exc=error, suffix=suffix) from error
+            told = f"when evaluating expression '{expression}'" if command is None else None
+            raise self._xacro.XacroException(exc=error, suffix=told) from error
 
     def _run(self, command: str) -> str:
-        self._work.charge(1 + len(command))
-        if command == "$(cwd)":
+        """The text that `$(command)` stands for."""
+        self._work.charge_text(len(command))
+        name, _, rest = command.strip().partition(" ")
+        words = rest.split()
+        if name == "eval":  # its names are the arguments
+            return str(self._expressions.evaluate(rest, _CommandNames(self._commands, self._converted_argument)))
+        if name == "cwd" and not words:
             return f"package://{WORKING_FOLDER}"
-        try:
-            result = str(self._xacro.eval_extension(command))
-        except Exception as error:
-            for refused in (error, getattr(error, "exc", None)):
-                if isinstance(refused, Refused):
-                    refused.expression = refused.expression or command
-                    raise refused from error
-            raise
-        self._work.charge_text(len(result))
-        return result
+        if name == "optenv" and words:
+            return self._environment.optional(words[0], " ".join(words[1:]))
+        take = {"find": self._find, "arg": self._argument, "env": self._environment.required}.get(name)
+        if take is None or len(words) != 1:
+            raise ValueError(f"$({command}) is none of $(arg NAME), $(find PACKAGE), $(env NAME), $(eval …), $(cwd)")
+        return _FIND.sub(lambda match: self._find(match[1]), str(take(words[0])))
 
-    def command(self, expression: str, context: Mapping[str, Any]) -> str:
-        """The text that `$(eval expression)` stands for: its names are the arguments."""
-        return str(self._expressions.evaluate(expression, _CommandNames(self._commands, context["arg"], self._convert)))
+    def _converted_argument(self, name: str) -> Any:
+        return self._convert(self._xacro.substitution_args_context["arg"][name])
 
     def _convert(self, text: Any) -> Any:
         return self._xacro.substitution_args.convert_value(str(text), "auto")
@@ -109,42 +122,24 @@ class Evaluation:
             raise self._xacro.XacroException(f"Undefined substitution argument {name}")
         return arguments[name]
 
-    def _make_symbols(
-        self, find: Callable[[str], str], functions: Mapping[str, Callable[[str], Any]], environment: Environment
-    ) -> dict[str, Any]:
-        python, mathematics = python_names(self._guards), math_names(self._guards)
-        files = {**functions, "dotify": dotify}
-        messages = dict.fromkeys(("message", "warning", "error", "print_location"), say_nothing)
-        offered = {**files, **messages, "fatal": self._fail, "tokenize": tokenize, "arg": self._argument}
-        self._commands = {
-            **{"true": True, "false": False, "find": find},
-            **{"env": environment.required, "optenv": environment.optional},
-            **{"arg": lambda name: self._convert(self._argument(name))},
-            **mathematics,
-            **python,
-        }
-        spaces = {"python": python, "math": mathematics, "xacro": offered}
-        return {**direct_names(python), **mathematics, **files, **{k: self._namespace(v) for k, v in spaces.items()}}
-
     def _namespace(self, names: Mapping[str, Any]) -> Any:
         namespace = self._xacro.NameSpace()
         namespace.update(names)
         return namespace
 
     def _fail(self, *words: Any) -> None:
-        raise self._xacro.XacroException(" ".join(map(str, self._guards.data(words))))
+        raise self._xacro.XacroException(" ".join(map(str, words)))
 
 
 class _CommandNames(dict[str, Any]):
     """The names in `$(eval ...)`: functions and constants first, then the arguments, as numbers where they are."""
 
-    def __init__(self, names: Mapping[str, Any], arguments: Mapping[str, Any], convert: Callable[[Any], Any]) -> None:
+    def __init__(self, names: Mapping[str, Any], argument: Callable[[str], Any]) -> None:
         super().__init__(names)
-        self._arguments = arguments
-        self._convert = convert
+        self._argument = argument
 
     def __missing__(self, name: str) -> Any:
-        return self._convert(self._arguments[name])
+        return self._argument(name)
 
 
 def say_nothing(*_: Any, **__: Any) -> str:

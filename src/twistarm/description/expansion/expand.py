@@ -45,17 +45,6 @@ def expand_xacro(
     return text, noted
 
 
-def xacro_own_text(
-    path: Path,
-    packages: PackageIndex,
-    arguments: Mapping[str, object] | None = None,
-    without: Iterable[str] = (),
-    env: Iterable[str] = (),
-) -> str:
-    """What `expand_xacro` gives where xacro reads and changes its documents by itself: an account to compare with."""
-    return _expanded(path, packages, arguments or {}, without, env, own_dom=True)[0]
-
-
 def xacro_arguments(
     path: Path,
     packages: PackageIndex,
@@ -82,17 +71,12 @@ def _expanded(
     arguments: Mapping[str, object],
     without: Iterable[str],
     env: Iterable[str],
-    *,
-    own_dom: bool = False,
 ) -> tuple[str, Expansion]:
     given = {name: _argument_text(value) for name, value in arguments.items()}
     with _LOCK:
         xacro = own_xacro()
-        expansion = Expansion(xacro, path, packages, given, without, env, own_dom=own_dom)
-        with (
-            hooked(xacro, expansion.for_xacro()),
-            hooked(xacro.substitution_args, expansion.for_substitution()),
-        ):
+        expansion = Expansion(xacro, path, packages, given, without, env)
+        with hooked(xacro, expansion.for_xacro()):
             try:
                 document = xacro.process_file(str(path), mappings=dict(given), verbosity=0)
                 return _portable(document.documentElement.toxml()), expansion

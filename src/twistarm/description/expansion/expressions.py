@@ -1,238 +1,364 @@
-"""xacro's expressions: checked on their syntax tree, then run with every operation guarded.
+"""xacro's expressions: a walk over their syntax tree that does what this file says, and nothing else.
 
-What the tree may hold is a list of what arms' descriptions use: numbers, texts, lists, arithmetic, comparisons,
-conditions, items, comprehensions and calls. Lambdas, assignments, f-strings, whatever `*` and `**` unpack and names
-that begin with two underscores are not on it. Attributes are looked up by `Guards`, which knows no object but
-namespaces and loaded YAML, so that nothing of Python itself can be reached, by whatever detour.
+What may stand in one is what arms' descriptions use: numbers, texts, lists, arithmetic, comparisons, conditions, items,
+comprehensions and calls. Each kind of node has a method here, each operator and each method of a value stands in a
+table; what has none is refused. A dot names an item of a namespace or a dictionary, and nothing else, so that nothing
+of Python itself can be reached. Each step is counted, and each value by its size.
 """
 
 from __future__ import annotations
 
 import ast
-from collections.abc import Mapping
-from types import CodeType
+import operator
+import re
+from collections.abc import Callable, Iterator, Mapping, Sequence, Sized
+from datetime import date
 from typing import Any
 
-from .guards import OPERATORS, REFUSED, Guards, key
-from .work import MAX_BITS, SCOPES_PER_UNIT, Refused
+from .work import CHARACTERS_PER_UNIT, Refused, Work
+
+REFUSED, TOO_LARGE = "xacro-expression-refused", "xacro-too-large"
 
 MAX_LENGTH = 10_000
 """Longer texts than anyone writes as one expression; Python's parser recurses over them."""
 
-MAX_DEPTH = 200
+MAX_DEPTH = 100
 """Levels of the syntax tree: a sum of so many terms is one."""
 
-EVALUATION_COST = 10
-COMPILATION_COST = 10
-"""For each node of the tree, once."""
+MAX_BITS = 10_000
+"""No whole number of a robot is longer; arithmetic on such numbers is still instant."""
 
-_WORDS = {
-    "Lambda": "a lambda",
-    "NamedExpr": "an assignment (:=)",
-    "JoinedStr": "an f-string",
-    "FormattedValue": "an f-string",
-    "TemplateStr": "a t-string",
-    "MatMult": "the operator @",
-    "Starred": "unpacking with *",
+MAX_KEY_BITS = 60
+"""Longer whole numbers may share their hash: a set of many is searched from end to end for each."""
+
+EVALUATION_COST = 10
+
+SCOPES_PER_UNIT = 4
+"""A name is sought in the scope of each macro around, from the innermost outward."""
+
+OPERATORS: dict[type[ast.AST], Callable[..., Any]] = {
+    **{ast.Add: operator.add, ast.Sub: operator.sub, ast.Mult: operator.mul, ast.Div: operator.truediv},
+    **{ast.FloorDiv: operator.floordiv, ast.Mod: operator.mod, ast.Pow: operator.pow},
+    **{ast.LShift: operator.lshift, ast.RShift: operator.rshift},
+    **{ast.BitOr: operator.or_, ast.BitAnd: operator.and_, ast.BitXor: operator.xor},
+    **{ast.UAdd: operator.pos, ast.USub: operator.neg, ast.Invert: operator.invert, ast.Not: operator.not_},
+    **{ast.Eq: operator.eq, ast.NotEq: operator.ne, ast.Is: operator.is_, ast.IsNot: operator.is_not},
+    **{ast.Lt: operator.lt, ast.LtE: operator.le, ast.Gt: operator.gt, ast.GtE: operator.ge},
+    **{ast.In: lambda part, whole: part in whole, ast.NotIn: lambda part, whole: part not in whole},
 }
 
-_ALLOWED = (
-    *(ast.Expression, ast.Constant, ast.Name, ast.Attribute, ast.Subscript, ast.Slice),
-    *(ast.Call, ast.keyword),
-    *(ast.BinOp, ast.UnaryOp, ast.BoolOp, ast.Compare, ast.IfExp),
-    *(ast.List, ast.Tuple, ast.Set, ast.Dict),
-    *(ast.ListComp, ast.SetComp, ast.DictComp, ast.GeneratorExp, ast.comprehension),
-    *(ast.expr_context, ast.boolop, ast.unaryop, ast.cmpop),
-    *(getattr(ast, name) for name in OPERATORS),
-)
+_OF_TEXT = """
+    capitalize count endswith find index isalnum isalpha isdigit islower isspace isupper join lower lstrip partition
+    removeprefix removesuffix replace rsplit rstrip split startswith strip title upper
+"""
+METHODS: dict[type, list[str]] = {
+    str: _OF_TEXT.split(),
+    list: ["copy", "count", "index"],
+    tuple: ["count", "index"],
+    dict: ["copy", "get", "items", "keys", "values"],
+    float: ["is_integer"],
+}
+"""The methods that an expression may call: none that changes its object, nor `format`, which reaches attributes."""
 
+_FIELD = re.compile(r"%[-+ #0]*\d{0,3}(?:\.\d{0,3})?[a-zA-Z%]")
+"""A field of `text % values` that is narrow and has no name: %(name)s would multiply a value."""
 
-_COMPREHENSIONS = (ast.ListComp, ast.SetComp, ast.DictComp)
+_WORDS = {
+    **{"Lambda": "a lambda", "NamedExpr": "an assignment (:=)", "MatMult": "the operator @"},
+    **{"JoinedStr": "an f-string", "FormattedValue": "an f-string", "TemplateStr": "a t-string"},
+    **{"Starred": "unpacking with *"},
+}
 
 
 class Expressions:
-    """Evaluates expressions with `guards`; each text is checked and compiled once."""
+    """Evaluates expressions with counted work; `namespace`: the type whose dots mean items.
 
-    def __init__(self, guards: Guards) -> None:
-        self._guards = guards
-        self._compiled: dict[str, tuple[CodeType, int]] = {}
+    What can be called is what was offered: no expression makes another function.
+    """
+
+    def __init__(self, work: Work, namespace: type) -> None:
+        self._work, self._namespace = work, namespace
+        self._trees: dict[str, ast.expr] = {}
+        self._offered: dict[int, Any] = {}
+        self._takers: list[Any] = [isinstance]
+
+    def offer(self, names: dict[str, Any], takers: Sequence[Any] = ()) -> dict[str, Any]:
+        """`names`, whose functions may be called from now on; `takers`: those of them that may be given functions."""
+        self._offered |= {id(value): value for value in names.values() if callable(value)}
+        self._takers += takers
+        return names
 
     def evaluate(self, expression: str, names: Mapping[str, Any]) -> Any:
         """The value of `expression`; Refused, or what Python raises for a mistake in it."""
-        known = self._compiled.get(expression)
-        if known is None:
-            known = self._compiled[expression] = compile_guarded(expression.strip())
-            self._guards.work.charge(COMPILATION_COST * known[1])
-        code, cost = known
-        self._guards.work.charge(cost)
-        return self._guards.data(self._guards.work.weigh(eval(code, _Scope(names, self._guards))))
+        tree = self._trees.get(expression)
+        if tree is None:
+            self._work.charge(len(expression))
+            tree = self._trees[expression] = checked(expression.strip())
+        self._work.charge(EVALUATION_COST)
+        return self.weigh(self._value(tree, names))
+
+    def weigh(self, value: Any) -> Any:
+        """Charge a value's size, shared parts as often as they would be written, and return it.
+
+        Refused for what is no data: the text of a function or a type tells about the program, its place in memory too.
+        """
+        size, stack = 0, [value]
+        while stack and size <= self._work.left:
+            part = stack.pop()
+            size += 1
+            if isinstance(part, str):
+                size += len(part) // CHARACTERS_PER_UNIT
+            elif isinstance(part, int):
+                _require_bits(part.bit_length())
+            elif isinstance(part, (list, tuple, set)):
+                stack.extend(part)
+            elif isinstance(part, dict) and not isinstance(part, self._namespace):
+                stack += [*part, *part.values()]
+            elif isinstance(part, range):
+                size += len(part)
+            elif not isinstance(part, (float, date, type(None))):
+                kind = "namespace" if isinstance(part, self._namespace) else "function" if callable(part) else ""
+                what = f"a {kind or type(part).__name__} is no value, nor text"
+                raise Refused(REFUSED, what, "call it, or name what stands in it")
+        self._work.charge(size)
+        return value
+
+    def call(self, function: Any, /, *given: Any, **named: Any) -> Any:
+        """`function(...)`, where it was offered."""
+        if id(function) not in self._offered:
+            raise TypeError(f"{type(function).__name__!r} object is not callable")
+        if "key" in named and function is not dict:
+            raise Refused(REFUSED, "key= is not allowed", "sort or compare numbers and texts as they are")
+        if function not in self._takers:
+            self.weigh([*given, *named.values()])
+        if function is dict and given and not isinstance(given[0], dict):
+            raise Refused(REFUSED, "a dict() of pairs is not allowed", "write {key: value for key, value in pairs}")
+        if function is set:
+            given = tuple([key(member) for member in members] for members in given)
+        result = function(*given, **named)
+        return result if callable(result) else self.weigh(result)
+
+    def operate(self, kind: type[ast.AST], left: Any, right: Any) -> Any:
+        """`left` operator `right`, refused where the result would be huge."""
+        self.weigh(left)
+        self.weigh(right)
+        if kind is ast.Mult:
+            for value, times in ((left, right), (right, left)):
+                if isinstance(value, Sized) and isinstance(times, int):
+                    unit = CHARACTERS_PER_UNIT if isinstance(value, str) else 1
+                    self._work.charge(len(value) * max(0, times) // unit)
+        elif kind is ast.Mod and isinstance(left, str):
+            if "%" in _FIELD.sub("", left):
+                what = "a field that is named, or wider than 999, is not allowed"
+                raise Refused(REFUSED, what, "write fields such as %s and %.3f")
+            self._work.charge_text(1000 * left.count("%"))
+        elif kind in (ast.Pow, ast.LShift) and isinstance(left, int) and isinstance(right, int):
+            small = abs(left) <= (1 if kind is ast.Pow else 0)
+            _require_bits(0 if small else left.bit_length() * right if kind is ast.Pow else left.bit_length() + right)
+        return self.weigh(OPERATORS[kind](left, right))
+
+    def _value(self, node: ast.AST, names: Mapping[str, Any]) -> Any:
+        self._work.charge(1)
+        return _VALUES[type(node)](self, node, names)
+
+    def _name(self, node: ast.Name, names: Mapping[str, Any]) -> Any:
+        self._work.charge(getattr(names, "depth", 0) // SCOPES_PER_UNIT)
+        try:
+            return names[node.id]
+        except KeyError:
+            raise NameError(f"name {node.id!r} is not defined") from None
+
+    def _attribute(self, node: ast.Attribute, names: Mapping[str, Any]) -> Any:
+        return self._item(self._value(node.value, names), node.attr)
+
+    def _item(self, value: Any, name: str) -> Any:
+        """`value.name`."""
+        if isinstance(value, dict):
+            if name in value:
+                return value[name]
+            if isinstance(value, self._namespace):
+                raise NameError(f"name {name!r} is not defined")
+            raise AttributeError(f"The yaml dictionary has no key {name!r}")
+        what = f"the attribute .{name} of a {type(value).__name__} is not allowed"
+        allowed = _methods(value)
+        remedy = f"allowed: {', '.join(allowed)}" if allowed else "only namespaces and dictionaries have dots"
+        raise Refused(REFUSED, what, "join texts with + and str()" if name.startswith("format") else remedy)
+
+    def _subscript(self, node: ast.Subscript, names: Mapping[str, Any]) -> Any:
+        value = self._value(node.value, names)
+        if isinstance(node.slice, ast.Slice):
+            bounds = (node.slice.lower, node.slice.upper, node.slice.step)
+            return self.weigh(value[slice(*(bound and self._value(bound, names) for bound in bounds))])
+        at = self.weigh(self._value(node.slice, names))
+        if isinstance(value, dict) and isinstance(at, str):
+            return self._item(value, at)
+        return value[at]
+
+    def _call(self, node: ast.Call, names: Mapping[str, Any]) -> Any:
+        name = node.func.attr if isinstance(node.func, ast.Attribute) else ""
+        owner = self._value(node.func.value if isinstance(node.func, ast.Attribute) else node.func, names)
+        own = name in _methods(owner) and not isinstance(owner, self._namespace)
+        function = getattr(owner, name) if own else self._item(owner, name) if name else owner
+        given = [self._value(argument, names) for argument in node.args]
+        named = {str(argument.arg): self._value(argument.value, names) for argument in node.keywords}
+        if not own:
+            return self.call(function, *given, **named)
+        self.weigh([owner, *given, *named.values()])
+        if isinstance(owner, str):  # every argument may be sought, or put, at each character
+            sizes = sum(len(value) for value in [*given, *named.values()] if isinstance(value, Sized))
+            self._work.charge_text((len(owner) + 1) * (sizes + CHARACTERS_PER_UNIT))
+        result = function(*given, **named)
+        return self.weigh(list(result) if name in ("items", "keys", "values") else result)
+
+    def _binary(self, node: ast.BinOp, names: Mapping[str, Any]) -> Any:
+        return self.operate(type(node.op), self._value(node.left, names), self._value(node.right, names))
+
+    def _unary(self, node: ast.UnaryOp, names: Mapping[str, Any]) -> Any:
+        return OPERATORS[type(node.op)](self._value(node.operand, names))
+
+    def _compare(self, node: ast.Compare, names: Mapping[str, Any]) -> bool:
+        left = self._value(node.left, names)
+        for kind, part in zip(node.ops, node.comparators, strict=True):
+            right = self._value(part, names)
+            for value in (left, right):
+                if not callable(value):  # a type may be compared
+                    self.weigh(value)
+            if not OPERATORS[type(kind)](left, right):
+                return False
+            left = right
+        return True
+
+    def _both(self, node: ast.BoolOp, names: Mapping[str, Any]) -> Any:
+        wanted = isinstance(node.op, ast.Or)
+        for part in node.values[:-1]:
+            value = self._value(part, names)
+            if bool(value) is wanted:
+                return value
+        return self._value(node.values[-1], names)
+
+    def _condition(self, node: ast.IfExp, names: Mapping[str, Any]) -> Any:
+        return self._value(node.body if self._value(node.test, names) else node.orelse, names)
+
+    def _rounds(self, generators: Sequence[ast.comprehension], names: Mapping[str, Any]) -> Iterator[Mapping[str, Any]]:
+        """The names in each round of a comprehension."""
+        if not generators:
+            yield names
+            return
+        for value in self._value(generators[0].iter, names):
+            self._work.charge(1)
+            inner = _Scope(_bound(generators[0].target, value), names)
+            if all(self._value(test, inner) for test in generators[0].ifs):
+                yield from self._rounds(generators[1:], inner)
+
+    def _listed(self, node: Any, names: Mapping[str, Any]) -> list[Any]:
+        return [self._value(node.elt, inner) for inner in self._rounds(node.generators, names)]
+
+    def _dictionary(self, node: ast.DictComp, names: Mapping[str, Any]) -> dict[Any, Any]:
+        rounds = self._rounds(node.generators, names)
+        return {key(self._value(node.key, inner)): self._value(node.value, inner) for inner in rounds}
+
+    def _pairs(self, node: ast.Dict, names: Mapping[str, Any]) -> dict[Any, Any]:
+        pairs = zip(node.keys, node.values, strict=True)
+        return {key(self._value(one, names)): self._value(other, names) for one, other in pairs if one is not None}
+
+    def _members(self, node: Any, names: Mapping[str, Any]) -> list[Any]:
+        return [self._value(member, names) for member in node.elts]
+
+
+_VALUES: dict[type[ast.AST], Callable[[Expressions, Any, Mapping[str, Any]], Any]] = {
+    ast.Constant: lambda self, node, names: node.value,
+    ast.Name: Expressions._name,
+    ast.Attribute: Expressions._attribute,
+    ast.Subscript: Expressions._subscript,
+    ast.Call: Expressions._call,
+    ast.BinOp: Expressions._binary,
+    ast.UnaryOp: Expressions._unary,
+    ast.Compare: Expressions._compare,
+    ast.BoolOp: Expressions._both,
+    ast.IfExp: Expressions._condition,
+    ast.List: Expressions._members,
+    ast.Tuple: lambda self, node, names: tuple(self._members(node, names)),
+    ast.Set: lambda self, node, names: set(map(key, self._members(node, names))),
+    ast.Dict: Expressions._pairs,
+    ast.ListComp: Expressions._listed,
+    ast.GeneratorExp: Expressions._listed,  # which would run later, and hold a frame
+    ast.SetComp: lambda self, node, names: set(map(key, self._listed(node, names))),
+    ast.DictComp: Expressions._dictionary,
+}
+
+_ALLOWED = (*_VALUES, *OPERATORS, ast.And, ast.Or, ast.Load, ast.Store, ast.Slice, ast.keyword, ast.comprehension)
 
 
 class _Scope(dict[str, Any]):
-    """The names of one evaluation: the guards under names that no expression can write, then the caller's."""
+    """The names of a comprehension, and those around it."""
 
-    def __init__(self, names: Mapping[str, Any], guards: Guards) -> None:
-        super().__init__(
-            {
-                "__builtins__": {},
-                "__operate": guards.operate,
-                "__attribute": guards.attribute,
-                "__method": guards.method,
-                "__call": guards.call,
-                "__iterate": guards.iterate,
-                "__weigh": guards.work.weigh,
-                "__item": lambda value: guards.data(guards.work.weigh(value)),
-                "__key": key,
-            }
-        )
-        self._names = names
-        self._work = guards.work
-        self._cost = getattr(names, "depth", 0) // SCOPES_PER_UNIT
+    def __init__(self, names: dict[str, Any], around: Mapping[str, Any]) -> None:
+        super().__init__(names)
+        self.depth = getattr(around, "depth", 0)
+        self._around = around
 
     def __missing__(self, name: str) -> Any:
-        self._work.charge(self._cost)
-        return self._names[name]
+        return self._around[name]
 
 
-def compile_guarded(expression: str) -> tuple[CodeType, int]:
-    """The checked expression as code in which guards stand for operations, and the cost of one evaluation."""
+def checked(expression: str) -> ast.expr:
+    """The syntax tree; Refused where something in it is not allowed or too deep."""
     if len(expression) > MAX_LENGTH:
         raise Refused(REFUSED, f"an expression of more than {MAX_LENGTH} characters", "split it into properties")
     try:
-        tree = ast.parse(expression, mode="eval")
+        tree = ast.parse(expression, mode="eval").body
     except (RecursionError, MemoryError):
-        if len(expression) > MAX_DEPTH:
-            raise Refused(REFUSED, "an expression nested that deep", "split it into properties") from None
-        raise
-    cost = EVALUATION_COST + _check_nodes(tree)
-    guarded = ast.fix_missing_locations(_Guarding().visit(tree))
-    return compile(guarded, "<expression>", "eval"), cost
-
-
-def _check_nodes(tree: ast.AST) -> int:
-    """How many nodes the tree has; Refused where one of them is not allowed or too deep."""
-    count, level = 0, [tree]
+        raise Refused(REFUSED, "an expression nested that deep", "split it into properties") from None
+    level: list[ast.AST] = [tree]
     for _ in range(MAX_DEPTH):
         if not level:
-            return count
+            return tree
         for node in level:
-            if not isinstance(node, _ALLOWED):
-                kind = type(node).__name__
-                raise Refused(REFUSED, f"{_WORDS.get(kind, kind)} is not allowed", "use names, operators and calls")
-        count += len(level)
+            _check(node)
         level = [child for node in level for child in ast.iter_child_nodes(node)]
     raise Refused(REFUSED, "an expression nested that deep", "split it into properties")
 
 
-class _Guarding(ast.NodeTransformer):
-    """Puts a guard in the place of every operation."""
-
-    def visit_Constant(self, node: ast.Constant) -> ast.expr:
-        if not isinstance(node.value, (str, int, float, type(None))):
-            raise Refused(REFUSED, f"{node.value!r:.40} is not allowed", "use numbers and texts")
-        if isinstance(node.value, int) and node.value.bit_length() > MAX_BITS:
-            raise Refused(REFUSED, f"a whole number of more than {MAX_BITS} bits", "use a float")
-        return node
-
-    def visit_Name(self, node: ast.Name) -> ast.expr:
-        _check_name(node.id)
-        return node
-
-    def visit_keyword(self, node: ast.keyword) -> Any:
-        if node.arg is None:
-            raise _unpacked()
-        _check_name(node.arg)
-        return self.generic_visit(node)
-
-    def visit_Dict(self, node: ast.Dict) -> ast.expr:
-        keys: list[ast.expr | None] = []
-        for part in node.keys:
-            if part is None:
-                raise _unpacked()
-            keys.append(_guard("__key", self.visit(part)))
-        return _guard("__weigh", ast.Dict(keys, [self.visit(value) for value in node.values]))
-
-    def visit_Set(self, node: ast.Set) -> ast.expr:
-        return _guard("__weigh", ast.Set([_guard("__key", self.visit(member)) for member in node.elts]))
-
-    def visit_Attribute(self, node: ast.Attribute) -> ast.expr:
-        _check_attribute(node)
-        return _guard("__attribute", self.visit(node.value), ast.Constant(node.attr))
-
-    def visit_Subscript(self, node: ast.Subscript) -> ast.expr:
-        _check_read(node)
-        value = self.visit(node.value)
-        if isinstance(node.slice, ast.Slice):
-            return _guard("__weigh", ast.Subscript(value, self.generic_visit(node.slice), ast.Load()))
-        return ast.Subscript(value, _guard("__item", self.visit(node.slice)), ast.Load())
-
-    def visit_Slice(self, node: ast.Slice) -> ast.expr:
+def _check(node: ast.AST) -> None:
+    kind = type(node).__name__
+    if type(node) not in _ALLOWED:
+        raise Refused(REFUSED, f"{_WORDS.get(kind, kind)} is not allowed", "use names, operators and calls")
+    if isinstance(node, ast.Constant) and not isinstance(node.value, (str, int, float, type(None))):
+        raise Refused(REFUSED, f"{node.value!r:.40} is not allowed", "use numbers and texts")
+    if (isinstance(node, ast.keyword) and node.arg is None) or (isinstance(node, ast.Dict) and None in node.keys):
+        raise Refused(REFUSED, "unpacking with ** is not allowed", "write each entry")
+    if isinstance(node, ast.Subscript) and any(
+        isinstance(part, ast.Slice) for part in ast.iter_child_nodes(node.slice)
+    ):
         raise Refused(REFUSED, "a slice of several dimensions is not allowed", "slice once")
-
-    def visit_Call(self, node: ast.Call) -> ast.expr:
-        arguments = [self.visit(argument) for argument in node.args]
-        named = [self.visit(argument) for argument in node.keywords]
-        if isinstance(node.func, ast.Attribute):
-            _check_attribute(node.func)
-            receiver = [self.visit(node.func.value), ast.Constant(node.func.attr)]
-            return ast.Call(_name("__method"), [*receiver, *arguments], named)
-        return ast.Call(_name("__call"), [self.visit(node.func), *arguments], named)
-
-    def visit_BinOp(self, node: ast.BinOp) -> ast.expr:
-        return _guard("__operate", ast.Constant(type(node.op).__name__), self.visit(node.left), self.visit(node.right))
-
-    def visit_Compare(self, node: ast.Compare) -> ast.expr:
-        if any(isinstance(operator, (ast.In, ast.NotIn)) for operator in node.ops):
-            if len(node.ops) > 1:
-                raise Refused(REFUSED, "`in` between several operands is not allowed", "join comparisons with `and`")
-            operands = self.visit(node.left), self.visit(node.comparators[0])
-            return _guard("__operate", ast.Constant(type(node.ops[0]).__name__), *operands)
-        weighed: list[ast.expr] = [_guard("__weigh", self.visit(part)) for part in (node.left, *node.comparators)]
-        return ast.Compare(weighed[0], node.ops, weighed[1:])
-
-    def generic_visit(self, node: ast.AST) -> Any:
-        cost = sum(1 for _ in ast.walk(node)) if isinstance(node, _COMPREHENSIONS) else 0
-        super().generic_visit(node)
-        if isinstance(node, _COMPREHENSIONS):
-            for part in node.generators:
-                part.iter = _guard("__iterate", part.iter, ast.Constant(cost))
-            if isinstance(node, ast.SetComp):
-                node.elt = _guard("__key", node.elt)
-            if isinstance(node, ast.DictComp):
-                node.key = _guard("__key", node.key)
-            return _guard("__weigh", node)
-        if isinstance(node, (ast.List, ast.Tuple)) and isinstance(node.ctx, ast.Load):
-            return _guard("__weigh", node)
-        return node
-
-    def visit_GeneratorExp(self, node: ast.GeneratorExp) -> Any:
-        """A list instead: a generator would run later, and its frame is a way out."""
-        return self.visit(ast.ListComp(node.elt, node.generators))
+    if isinstance(node, ast.comprehension) and node.is_async:
+        raise Refused(REFUSED, "async is not allowed", "leave it out")
 
 
-def _guard(name: str, *arguments: ast.expr) -> ast.Call:
-    return ast.Call(_name(name), list(arguments), [])
+def key(value: Any) -> Any:
+    """A member of a set or a key: a text or a number. Of others any number can be made to share a hash."""
+    if not isinstance(value, (str, int, float, type(None))):
+        what = f"a {type(value).__name__} as a key or in a set is not allowed"
+        raise Refused(REFUSED, what, "use texts and numbers")
+    if isinstance(value, int) and value.bit_length() > MAX_KEY_BITS:
+        raise Refused(TOO_LARGE, f"a whole number of more than {MAX_KEY_BITS} bits as a key", "use a text")
+    return value
 
 
-def _name(name: str) -> ast.Name:
-    return ast.Name(name, ast.Load())
-
-
-def _check_name(name: str) -> None:
-    if name.startswith("__"):
-        raise Refused(REFUSED, f"the name {name} is not allowed", "names of properties begin otherwise")
-
-
-def _unpacked() -> Refused:
-    return Refused(REFUSED, "unpacking with ** is not allowed", "write each entry")
-
-
-def _check_attribute(node: ast.Attribute) -> None:
-    _check_read(node)
-    if node.attr.startswith("_"):
-        raise Refused(REFUSED, f"the attribute .{node.attr} is not allowed", "use ['...'] for a key of that name")
-
-
-def _check_read(node: ast.Attribute | ast.Subscript) -> None:
-    if not isinstance(node.ctx, ast.Load):
+def _bound(target: ast.expr, value: Any) -> dict[str, Any]:
+    """The names that a round of a comprehension gives to (parts of) a value."""
+    if isinstance(target, ast.Name):
+        return {target.id: value}
+    if not isinstance(target, (ast.Tuple, ast.List)):
         raise Refused(REFUSED, "an assignment is not allowed", "expressions compute and change nothing")
+    pairs = zip(target.elts, value, strict=True)
+    return {name: part for one, other in pairs for name, part in _bound(one, other).items()}
+
+
+def _methods(value: Any) -> list[str]:
+    return next((names for kind, names in METHODS.items() if isinstance(value, kind)), [])
+
+
+def _require_bits(bits: int) -> None:
+    if bits > MAX_BITS:
+        raise Refused(TOO_LARGE, f"a whole number of more than {MAX_BITS} bits", "use a float")

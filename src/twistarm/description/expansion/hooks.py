@@ -7,24 +7,25 @@ import fnmatch
 import keyword
 import os
 import re
+import xml.etree.ElementTree as ET
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from pathlib import Path
 from typing import Any
-from xml.dom import minidom
+from xml.dom import expatbuilder, xmlbuilder
+from xml.parsers import expat
 
 from ...support.errors import one_line
 from ..document import Reading, note_file, parse_xml
-from ..findings import Place
+from ..findings import Place, refusal
 from ..packages import PackageIndex, is_package_name
 from .arguments import Arguments
 from .causes import is_final
 from .confinement import confinement
-from .dom import replace, xacro_document
 from .environment import Environment
 from .evaluation import WORKING_FOLDER, Evaluation, say_nothing
 from .left_out import NEEDED, LeftOut
-from .work import CHARACTERS_PER_UNIT, SCOPES_PER_UNIT, Refused, Work
-from .yaml_data import dotted, load_yaml
+from .work import CHARACTERS_PER_UNIT, Refused, Work
+from .yaml_data import load_yaml
 
 PACKAGE = "package://"
 """What `$(find NAME)` begins with: it names the package. Where its folder lies is known where a file is opened, and
@@ -47,6 +48,8 @@ MACRO_COST = 100
 SIBLINGS_PER_UNIT = 50
 """minidom looks through a parent's children whenever it changes one."""
 
+XACRO = "http://www.ros.org/wiki/xacro"
+
 _MACRO_PARAMETER = re.compile(
     r"^\s*([^\s:=]+?)\s*:?=\s*(\^\|?)?"
     r"(\$\{.*?\}|\$\(.*?\)|(?:'[^']*'|\"[^\"]*\"|[^\s'\"])+|)(?:\s+|$)(.*)"
@@ -54,7 +57,6 @@ _MACRO_PARAMETER = re.compile(
 """xacro's pattern without its nested repetition, over which some texts take for ever."""
 
 _KEPT = (
-    "check_attrs",
     "resolve_macro",
     "parse_macro_arg",
     "handle_macro_call",
@@ -68,10 +70,7 @@ _WILDCARD = re.compile(r"[*?[]")
 
 
 class Expansion:
-    """One expansion: what it has opened, declared and asked for, and the functions that xacro gets for it.
-
-    `own_dom`: xacro reads and changes its documents by itself, which takes longer; files and work stay confined.
-    """
+    """One expansion: what it has opened, declared and asked for, and the functions that xacro gets for it."""
 
     def __init__(
         self,
@@ -81,11 +80,8 @@ class Expansion:
         arguments: Mapping[str, str],
         without: Iterable[str] = (),
         env: Iterable[str] = (),
-        *,
-        own_dom: bool = False,
     ) -> None:
         self.path = path
-        self._own_dom = own_dom
         self.packages = packages
         self.given = dict(arguments)
         self.left_out = LeftOut(tuple(without), path)
@@ -117,21 +113,11 @@ class Expansion:
             "eval_text": self._evaluation.text,
             "is_valid_name": lambda name: name.isidentifier() and not keyword.iskeyword(name),
             "parse_macro_arg": self.macro_parameter,
-            "check_attrs": self.check_attributes,
             "resolve_macro": self.resolve_macro,
             "replace_node": self.replace_node,
             **dict.fromkeys(("message", "warning", "error", "print_location"), say_nothing),
-            **({} if self._own_dom else {"remove_previous_comments": say_nothing}),  # no comment comes so far
+            "remove_previous_comments": say_nothing,  # no comment comes so far
             **(leaving_out if self.left_out.packages else {}),
-        }
-
-    def for_substitution(self) -> dict[str, Any]:
-        """Values for the module `xacro.substitution_args`."""
-        return {
-            "_eval_find": self.find,
-            "_eval": self._evaluation.command,
-            "_eval_env": self.environment.required,
-            "_eval_optenv": self.environment.optional,
         }
 
     # files
@@ -145,10 +131,9 @@ class Expansion:
             raise
         self.work.charge_text(len(text))
         self.work.charge(ELEMENT_COST * text.count("<") + ATTRIBUTE_COST * text.count("="))
-        reading = Reading(path, self.packages)
-        root = parse_xml(text, reading)
+        root = parse_xml(text, Reading(path, self.packages))
         self.found.look_through(root, path)
-        return minidom.parseString(_without_declaration(text)) if self._own_dom else xacro_document(root, reading)
+        return _document(text, root, path)
 
     def include_files(self, pattern: str, symbols: Any) -> Iterator[str]:
         """The files that an include names, one or those that its wildcards match."""
@@ -172,18 +157,18 @@ class Expansion:
         return [os.path.join(folder, match) for match in fnmatch.filter(shown, name)]
 
     def load_yaml(self, filename: str) -> Any:
-        """The data in a YAML file that may be read, with dotted access."""
+        """The data in a YAML file that may be read."""
         name = self._absolute(str(filename))
         package = self.left_out.package_of(name)
         if package is not None:
             self.left_out.leave_out_data(name, package, self.place)
-            return dotted({})
+            return {}
         path, text = self._read(name)
         self._xacro.filestack.append(name)
         units = {unit.value.tag: self._unit(unit.value.conversion_constant) for unit in self._xacro.ConstructUnits}
         data = load_yaml(text, str(path), units, self.work)
         self._xacro.filestack.pop()
-        return dotted(data)
+        return data
 
     def _unit(self, factor: float) -> Callable[[str], float]:
         return lambda text: self._evaluation.number(text) * factor
@@ -300,36 +285,22 @@ class Expansion:
             if node.parentNode is not None:
                 self.replace_node(node, None)
 
-    # work
-
-    def check_attributes(self, tag: Any, required: list[str], optional: list[str]) -> Any:
-        """xacro's own, counted: it runs once for each element of xacro."""
-        self.work.charge(CHANGE_COST + self._scopes + len(tag.parentNode.childNodes) // SIBLINGS_PER_UNIT)
-        return self._original["check_attrs"](tag, required, optional)
-
-    @property
-    def _scopes(self) -> int:
-        """What looking a name up costs here."""
-        return len(self._xacro.macrostack) // SCOPES_PER_UNIT
+    # work: what a file holds was paid for when it was parsed, what is copied and moved is paid for here
 
     def resolve_macro(self, name: str, macros: Any, symbols: Any) -> Any:
         """xacro's own, counted: it runs once for each call of a macro, whose body is then copied."""
         found = self._original["resolve_macro"](name, macros, symbols)
-        self.work.charge(MACRO_COST + self._scopes + ELEMENT_COST * _size(found[2].body))
+        self.work.charge(MACRO_COST + ELEMENT_COST * _size(found[2].body))
         return found
 
     def replace_node(self, node: Any, by: Any, content_only: bool = False) -> None:
-        """In the place of xacro's, counted; a block was copied."""
+        """xacro's own, counted: it runs once for each element of xacro; a block was copied."""
         new = by if isinstance(by, list) else [by] if by is not None else []
-        size = sum(map(_size, [node, *new])) * (ELEMENT_COST if node.nodeName == "xacro:insert_block" else 1)
-        moved = sum(len(part.childNodes) if content_only else 1 for part in new)
-        siblings = len(node.parentNode.childNodes)
-        changes = moved if self._own_dom else 1
-        self.work.charge(CHANGE_COST + size + moved + changes * siblings // SIBLINGS_PER_UNIT)
-        if self._own_dom:
-            self._original["replace_node"](node, by, content_only)
-        else:
-            replace(node, new, content_only)
+        moved = 1 + sum(len(part.childNodes) if content_only else 1 for part in new)
+        copied = ELEMENT_COST * sum(map(_size, new)) if node.nodeName == "xacro:insert_block" else 0
+        looked_through = (moved + len(node.parentNode.childNodes)) // SIBLINGS_PER_UNIT
+        self.work.charge(CHANGE_COST + copied + moved * (1 + looked_through))
+        self._original["replace_node"](node, by, content_only)
 
     def macro_parameter(self, text: str) -> Any:
         """xacro's own, counted: it copies the rest of the parameters each time."""
@@ -337,9 +308,22 @@ class Expansion:
         return self._original["parse_macro_arg"](text)
 
 
-def _without_declaration(text: str) -> str:
-    """The text without the encoding that its file had."""
-    return re.sub(r"^\s*<\?xml[^>]*\?>", "", text)
+def _document(text: str, root: ET.Element, path: Path) -> Any:
+    """minidom's, without the encoding that the file had, and without comments, of which xacro looks at each again."""
+    options = xmlbuilder.Options()
+    options.comments = False
+    try:
+        return expatbuilder.makeBuilder(options).parseString(re.sub(r"^\s*<\?xml[^>]*\?>", "", text))
+    except expat.ExpatError as error:  # of namespaces: all else was well-formed before
+        what, remedy = "an attribute is given twice, by two prefixes of one namespace", "keep one of them"
+        if error.code == expat.errors.codes[expat.errors.XML_ERROR_UNBOUND_PREFIX]:
+            names = [name for element in root.iter() for name in (element.tag, *element.attrib)]
+            declared = {"xml", "xmlns", *(name[len("xmlns:") :] for name in names if name.startswith("xmlns:"))}
+            lost = next((name for name in names if ":" in name and name.partition(":")[0] not in declared), "…:")
+            prefix = lost.partition(":")[0]
+            what = f"the prefix of {lost!r} is not declared"
+            remedy = f'add xmlns:{prefix}="{XACRO if prefix == "xacro" else "…"}" to <robot>'
+        raise refusal("xml-malformed", Place(str(path), error.lineno), what, remedy) from error
 
 
 def _size(node: Any) -> int:

@@ -7,7 +7,7 @@ from collections.abc import Callable, Mapping
 from typing import Any
 
 from ..yaml_reading import MAX_NUMBER, NUMBERS, safe_loader
-from .work import LONG_INTEGER_COST, Refused, Work
+from .work import Refused, Work
 
 NODE_COST = 50
 """PyYAML in Python takes that many units for a node."""
@@ -51,34 +51,6 @@ def load_yaml(text: str, name: str, units: Mapping[str, Callable[[str], float]],
         loader.dispose()
 
 
-class Dotted(dict[str, Any]):
-    """A dictionary whose items an expression may write behind a dot. xacro's own copies the item at each look."""
-
-    __slots__ = ()
-
-    def __getitem__(self, key: str) -> Any:
-        try:
-            return super().__getitem__(key)
-        except KeyError:
-            raise AttributeError(f"The yaml dictionary has no key '{key}'") from None
-
-
-def dotted(value: Any) -> Any:
-    """Plain data with every dictionary in it `Dotted`, what is shared still shared."""
-    return _dotted(value, {})
-
-
-def _dotted(value: Any, made: dict[int, Any]) -> Any:
-    if not isinstance(value, (dict, list)):
-        return value
-    if id(value) not in made:
-        if isinstance(value, dict):
-            made[id(value)] = Dotted({key: _dotted(item, made) for key, item in value.items()})
-        else:
-            made[id(value)] = [_dotted(item, made) for item in value]
-    return made[id(value)]
-
-
 def _written_out(node: Any, sizes: dict[int, int]) -> int:
     """How many nodes there are when every alias is written out."""
     size = sizes.get(id(node))
@@ -86,19 +58,17 @@ def _written_out(node: Any, sizes: dict[int, int]) -> int:
         raise Refused("xacro-recursion", "the YAML contains itself", "write it without the alias")
     if size is None:
         sizes[id(node)] = 0
-        size = sizes[id(node)] = _own_size(node) + sum(_written_out(child, sizes) for child in _children(node))
+        _require_short(node, MAX_NUMBER)
+        children = [] if isinstance(node.value, str) else node.value
+        if children and isinstance(children[0], tuple):
+            for one, _ in children:
+                _require_short(one, MAX_SHORT)
+            children = [part for pair in children for part in pair]
+        size = sizes[id(node)] = 1 + sum(_written_out(child, sizes) for child in children)
     return size
 
 
-def _own_size(node: Any) -> int:
-    if node.tag not in NUMBERS:
-        return 1
-    if len(node.value) > MAX_NUMBER:
-        raise Refused("xacro-too-large", f"a number of more than {MAX_NUMBER} characters", "write it shorter")
-    return LONG_INTEGER_COST if len(node.value) > MAX_SHORT else 1
-
-
-def _children(node: Any) -> list[Any]:
-    if isinstance(node.value, str):
-        return []
-    return [child for item in node.value for child in (item if isinstance(item, tuple) else (item,))]
+def _require_short(node: Any, most: int) -> None:
+    if node.tag in NUMBERS and len(node.value) > most:
+        what = f"a number of more than {most} characters"
+        raise Refused("xacro-too-large", what, "write it shorter, or as a text")

@@ -5,22 +5,20 @@ from __future__ import annotations
 import atexit
 import json
 import os
-import select
 import signal
 import subprocess
 import sys
 import threading
-import time
 from contextlib import suppress
+from multiprocessing import Pipe
 from pathlib import Path
 from typing import Any
 
 from ...support.errors import TwistarmError, missing_extra, one_line
-from .answers import unpacked
 
 PROGRAM = (
     "import json, sys; sys.path[:] = json.loads(sys.argv[1]); "
-    "from twistarm.description.meshes.worker import main; main()"
+    "from twistarm.description.meshes.worker import main; main(int(sys.argv[2]))"
 )
 
 ALONE = {"OPENBLAS_NUM_THREADS": "1", "OMP_NUM_THREADS": "1", "MKL_NUM_THREADS": "1"}
@@ -32,12 +30,6 @@ START = 30.0
 LAST = 0.2
 """Seconds that a killed one is waited for."""
 
-CHUNK = 1 << 20
-"""Bytes."""
-
-LARGEST = 500_000_000
-"""Bytes of an answer: a million triangles take 170 MB."""
-
 
 class Process:
     """A process in a session of its own, which a Ctrl-C in the terminal does not reach; it ends when this one does.
@@ -46,19 +38,22 @@ class Process:
     """
 
     def __init__(self) -> None:
+        self._pipe, theirs = Pipe()
         try:
             self._popen = subprocess.Popen(
-                [sys.executable, "-I", "-c", PROGRAM, json.dumps(_module_path())],
-                stdin=subprocess.PIPE,
-                stdout=subprocess.PIPE,
+                [sys.executable, "-I", "-c", PROGRAM, json.dumps(_module_path()), str(theirs.fileno())],
+                stdin=subprocess.DEVNULL,
+                stdout=subprocess.DEVNULL,
                 stderr=subprocess.DEVNULL,
+                pass_fds=[theirs.fileno()],
                 cwd="/",
                 env=os.environ | ALONE,
-                bufsize=0,
                 start_new_session=True,
             )
         except (OSError, ValueError, TypeError) as error:  # TypeError: a program that embeds Python names none
             raise _unavailable(str(getattr(error, "strerror", None) or error)) from error
+        finally:
+            theirs.close()
         self._ready = False
 
     @property
@@ -66,18 +61,17 @@ class Process:
         """Whether it can be asked."""
         return self._popen.poll() is None
 
-    def ask(self, request: dict[str, Any], seconds: float) -> dict[str, Any]:
-        """The answer.
+    def ask(self, path: Path, most: float, seconds: float) -> dict[str, Any]:
+        """The worker's answer.
 
-        Raises TimeoutError after `seconds` on the clock or all of its processor time, EOFError where it ends
-        otherwise, and ValueError for nonsense. Then, and at every interruption, it has been ended.
+        Raises TimeoutError after `seconds` on the clock or all of its processor time, and EOFError where it ends
+        otherwise. Then, and at every interruption, it has been ended.
         """
-        assert self._popen.stdin is not None
         try:
             if not self._ready:
                 self._begin()
-            with suppress(BrokenPipeError):  # its end is told below
-                self._popen.stdin.write(json.dumps(request).encode("ascii") + b"\n")
+            with suppress(OSError):  # its end is told below
+                self._pipe.send((path, most))
             return self._answer(seconds)
         except BaseException:
             self.kill()
@@ -94,38 +88,23 @@ class Process:
     def _begin(self) -> None:
         try:
             lacking = self._answer(START)["lacking"]
-        except (EOFError, TimeoutError, ValueError) as error:
+        except (EOFError, TimeoutError) as error:
             raise _unavailable(f"it did not begin: {type(error).__name__}") from error
         if lacking:
             raise missing_extra("drawing a mesh", "trimesh", "view")
         self._ready = True
 
     def _answer(self, seconds: float) -> dict[str, Any]:
-        end = time.monotonic() + seconds
-        size = int.from_bytes(self._exactly(8, end), "little")
-        if size > LARGEST:
-            raise ValueError("an answer without end")
-        return unpacked(self._exactly(size, end))
-
-    def _exactly(self, size: int, end: float) -> bytes:
-        assert self._popen.stdout is not None
-        poll, came = select.poll(), bytearray()
-        poll.register(self._popen.stdout, select.POLLIN)
-        while len(came) < size:
-            if not poll.poll(max(0.0, end - time.monotonic()) * 1e3):
-                raise TimeoutError
-            data = os.read(self._popen.stdout.fileno(), min(CHUNK, size - len(came)))
-            if not data:
-                raise self._ended()
-            came += data
-        return bytes(came)
-
-    def _ended(self) -> EOFError | TimeoutError:
-        """Why nothing comes any more: its end, or that it goes on without a word."""
         try:
-            return TimeoutError() if self._popen.wait(LAST) == -signal.SIGXCPU else EOFError()
-        except subprocess.TimeoutExpired:
-            return TimeoutError()
+            if not self._pipe.poll(seconds):
+                raise TimeoutError
+            answer: dict[str, Any] = self._pipe.recv()
+            return answer
+        except (EOFError, ConnectionError) as error:
+            with suppress(subprocess.TimeoutExpired):
+                if self._popen.wait(LAST) == -signal.SIGXCPU:
+                    raise TimeoutError from error
+            raise EOFError from error
 
 
 def _module_path() -> list[str]:

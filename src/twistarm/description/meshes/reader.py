@@ -2,22 +2,19 @@
 
 from __future__ import annotations
 
-import os
 import threading
 from contextlib import suppress
 from importlib.util import find_spec
-from math import inf, isfinite
+from math import inf
 from pathlib import Path
 from typing import Any
 
 from ...support.closeable import Closeable
 from ...support.errors import InputError, TwistarmError, missing_extra, one_line
 from .formats import LIGHTER, UnreadableMeshError, format_of
-from .limits import ARM_SECONDS, ARM_SECONDS_AT_MOST, LONGEST, MEMORY, PATIENCE, SECONDS_PER_MEGABYTE, seconds_for
+from .limits import ARM_SECONDS, ARM_SECONDS_AT_MOST, MEMORY, PATIENCE, SECONDS_PER_MEGABYTE, seconds_for
 from .part import Part
 from .process import Process, given_back, taken
-
-NONSENSE = "its reader came to nonsense"
 
 LONGEST_REASON = 300
 """Characters."""
@@ -50,10 +47,7 @@ class MeshReader(Closeable):
         about `most` triangles.
         """
         with self._turn:
-            parts = self._read(path, most if isfinite(most) else None)
-        if not parts:
-            raise UnreadableMeshError(path, NONSENSE)
-        return parts
+            return self._read(path, most)
 
     def length(self, path: Path) -> float:
         """The longest side of the box around it, in metres if the file names its unit; known where it was read."""
@@ -80,31 +74,29 @@ class MeshReader(Closeable):
                 self._process.kill()
         self.rest()
 
-    def _read(self, path: Path, most: float | None) -> list[Part]:
+    def _read(self, path: Path, most: float) -> list[Part]:
         try:
             format_of(path)
-            answer = self._answer(path, {"path": os.path.abspath(path), "most": most})
+            answer = self._answer(path, most)
             if answer["reason"] is not None:
-                raise UnreadableMeshError(path, one_line(str(answer["reason"]), LONGEST_REASON))
+                raise UnreadableMeshError(path, one_line(answer["reason"], LONGEST_REASON))
         except TwistarmError as error:
             self._lengths[path] = error
             raise
-        self._lengths[path] = min(answer["length"], 4 * LONGEST)
+        self._lengths[path] = answer["length"]
         parts: list[Part] = answer["parts"]
         return parts
 
-    def _answer(self, path: Path, request: dict[str, Any]) -> dict[str, Any]:
+    def _answer(self, path: Path, most: float) -> dict[str, Any]:
         process, seconds = self._process_to_ask(), seconds_for(_size(path))
         try:
             if self._spent >= self._allowed:
                 spent = f"the meshes before it took all of the {self._allowed:.0f} s that an arm has"
                 raise UnreadableMeshError(path, spent, LIGHTER)
-            answer = process.ask(request, PATIENCE * seconds)
+            answer = process.ask(path.absolute(), most, PATIENCE * seconds)
         except TwistarmError as error:
             self._unavailable = None if isinstance(error, UnreadableMeshError) else error
             raise
-        except ValueError as error:
-            raise UnreadableMeshError(path, NONSENSE) from error
         except (TimeoutError, EOFError) as error:
             self._spent += seconds
             if isinstance(error, EOFError):

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 import os
 import queue
 import resource
@@ -14,14 +13,13 @@ from collections.abc import Iterable, Sequence
 from contextlib import suppress
 from importlib.abc import MetaPathFinder
 from importlib.machinery import ModuleSpec
-from math import inf
+from multiprocessing.connection import Connection
 from pathlib import Path
-from typing import Any, BinaryIO
+from typing import Any
 
-from .answers import packed
 from .limits import MEMORY, seconds_for
 from .loading import length_of, parts_from, pieces_of
-from .mesh_file import MeshFile, RefusedError, mesh_file
+from .mesh_file import RefusedError, mesh_file
 
 LIBRARIES = ("twistarm", "numpy", "trimesh", "collada", "dateutil", "six")
 """All that reading a mesh needs. What trimesh would use beside them decodes images, unpacks and tessellates."""
@@ -40,25 +38,22 @@ class _Needed(MetaPathFinder):
         return next(filter(None, (finder.find_spec(name, path, target) for finder in self._finders)), None)
 
 
-def main() -> None:
-    """Answer the requests on standard input, on standard output; end with the one who asks."""
-    answers = os.fdopen(os.dup(1), "wb")
-    os.dup2(os.open(os.devnull, os.O_WRONLY), 1)  # whatever a library prints is no answer
-    requests: queue.SimpleQueue[bytes] = queue.SimpleQueue()
-    threading.Thread(target=_take, args=(sys.stdin.buffer, requests), daemon=True).start()
+def main(descriptor: int) -> None:
+    """Answer the requests that come through the pipe; end with the one who asks."""
+    pipe: Connection[Any, Any] = Connection(descriptor)
+    requests: queue.SimpleQueue[tuple[Path, float]] = queue.SimpleQueue()
     answer: dict[str, Any] = {"lacking": _prepare()}
+    threading.Thread(target=_take, args=(pipe, requests), daemon=True).start()
     while True:
-        data = packed(answer)
-        answers.write(len(data).to_bytes(8, "little"))
-        answers.write(data)
-        answers.flush()
-        answer = _answer(json.loads(requests.get()))
+        pipe.send(answer)
+        answer = _answer(*requests.get())
 
 
-def _take(source: BinaryIO, requests: queue.SimpleQueue[bytes]) -> None:
-    """Whoever asked is gone at the end of `source`: what is being read is for nobody."""
-    for line in source:
-        requests.put(line)
+def _take(pipe: Connection[Any, Any], requests: queue.SimpleQueue[tuple[Path, float]]) -> None:
+    """Whoever asked is gone at the end of the pipe: what is being read is for nobody."""
+    with suppress(EOFError, OSError):
+        while True:
+            requests.put(pipe.recv())
     os._exit(0)
 
 
@@ -81,28 +76,25 @@ def _prepare() -> str:
     return ""
 
 
-def _answer(request: dict[str, Any]) -> dict[str, Any]:
+def _answer(path: Path, most: float) -> dict[str, Any]:
+    """The mesh's length and, but where `most` is 0, its parts; or the `reason` why it is not read."""
     began, allowance = time.process_time(), _Allowance()
+    answer: dict[str, Any] = {"reason": None, "memory": False, "length": 0.0, "parts": []}
     try:
-        answer = _read(mesh_file(Path(request["path"]), allowance.more), request["most"])
+        pieces = pieces_of(mesh_file(path, allowance.more))
+        answer["length"] = length_of(pieces)
+        answer["parts"] = parts_from(pieces, most) if most else []
     except MemoryError:
-        answer = {"memory": True}
+        answer["memory"] = True
     except RefusedError as error:
-        answer = {"reason": str(error)}
+        answer["reason"] = str(error)
     except RecursionError:
-        answer = {"reason": "it is nested too deeply"}
+        answer["reason"] = "it is nested too deeply"
     except OSError as error:
-        answer = {"reason": error.strerror or str(error)}
+        answer["reason"] = error.strerror or str(error)
     except Exception as error:  # the readers raise whatever a file makes them stumble over, and quote what they like
-        answer = {"reason": f"its contents are malformed ({type(error).__name__})"}
+        answer["reason"] = f"its contents are malformed ({type(error).__name__})"
     return answer | {"seconds": time.process_time() - began, "bytes": allowance.size}
-
-
-def _read(file: MeshFile, most: float | None) -> dict[str, Any]:
-    """Its length, and its parts but where `most` is 0."""
-    pieces = pieces_of(file)
-    length = length_of(pieces)
-    return {"length": length, "parts": [] if most == 0 else parts_from(pieces, inf if most is None else most)}
 
 
 class _Allowance:
