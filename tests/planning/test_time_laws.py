@@ -10,7 +10,6 @@ from twistarm.limits import Actuators, JointLimits
 from twistarm.planning.joint_path import JointPath
 from twistarm.planning.time_laws import PathBounds, TimeLaw, double_s, quintic, s_curve, time_optimal
 from twistarm.planning.trajectory import Trajectory
-from twistarm.support.errors import InputError
 
 LAWS = {"quintic": quintic, "time_optimal": time_optimal, "s_curve": s_curve}
 
@@ -86,16 +85,6 @@ def test_the_quintic_law_on_a_line_is_the_textbook_s() -> None:
     slow, fast = quintic(line, PathBounds(limits(1, velocity=0.5))), quintic(line, PathBounds(limits(1, velocity=90.0)))
     assert slow.duration == pytest.approx(15 / 8 * 3.0 / 0.5)
     assert fast.duration == pytest.approx(np.sqrt(10 / np.sqrt(3) * 3.0 / 5.0))
-
-
-def test_what_cannot_be_timed_is_refused() -> None:
-    path = spline_path(2, 4, 5)
-    with pytest.raises(InputError, match="3 numbers, one for each piece"):
-        quintic(path, PathBounds(limits(2), None, np.ones(2)))
-    with pytest.raises(InputError, match="no acceleration limit for joint 0"):
-        quintic(path, PathBounds(JointLimits.unbounded(2)))
-    with pytest.raises(InputError, match="of 3 joints, the path is of 2"):
-        quintic(path, PathBounds(limits(3)))
 
 
 def test_the_time_optimal_law_on_a_line_is_the_trapezoid() -> None:

@@ -5,11 +5,10 @@ from __future__ import annotations
 import numpy as np
 
 from ...support.checks import Array
-from ...support.errors import InputError
 from ..bernstein import largest
 from ..joint_path import JointPath
 from ..piecewise import derivative
-from ..spans import LONGEST, MARGIN, SHORTEST
+from ..spans import MARGIN, require_span
 from .bounds import PathBounds
 from .law import TimeLaw
 
@@ -20,12 +19,7 @@ def at_full_pace(path: JointPath, law: TimeLaw, bounds: PathBounds, jerk: Array)
     A law f times as slow has 1/f of the velocity, 1/f² of the acceleration and 1/f³ of the jerk.
     """
     factor = _pace_needed(path, law, bounds, jerk) * (1.0 + MARGIN)
-    duration = law.duration * factor
-    if not SHORTEST <= duration <= LONGEST:
-        raise InputError(
-            f"this path and these limits make a motion of {duration:.3g} s; {SHORTEST:g} s to {LONGEST:g} s can be "
-            "planned: check the units of both"
-        )
+    require_span(law.duration * factor)
     slower = (1.0 / factor) ** np.arange(len(law.coefficients) - 1, -1, -1.0)[:, None]
     return TimeLaw(law.breakpoints * factor, law.coefficients * slower)
 
