@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 
 from ...support.checks import Array
@@ -9,6 +11,7 @@ from ..bernstein import largest
 from ..joint_path import JointPath
 from ..piecewise import derivative
 from ..spans import MARGIN, require_span
+from ..within import slowed_by
 from .bounds import PathBounds
 from .law import TimeLaw
 
@@ -28,10 +31,5 @@ def _pace_needed(path: JointPath, law: TimeLaw, bounds: PathBounds, jerk: Array)
     """By what factor the law must be slowed."""
     breakpoints, coefficients = law.along(path)
     steps = np.diff(breakpoints)
-    rows: Array = coefficients @ bounds.C.T
-    needed: list[float] = []
-    for order, limit in enumerate((bounds.velocity, bounds.acceleration, jerk), start=1):
-        needed.append(largest(derivative(rows, order) / limit, steps) ** (1.0 / order))
     speed = derivative(law.coefficients[:, :, None]) / bounds.ceiling_of(path)[law.pieces(path)][:, None]
-    needed.append(largest(speed, steps))
-    return max(needed)
+    return max(slowed_by(coefficients @ bounds.C.T, steps, replace(bounds.rates, jerk=jerk)), largest(speed, steps))
