@@ -5,7 +5,7 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
-from scipy.interpolate import CubicSpline, PPoly
+from scipy.interpolate import PPoly
 
 from strategies import generators
 from twistarm.planning import spline
@@ -68,14 +68,6 @@ def test_resting_profiles_rest_everywhere_on_a_straight_line(fit, path):
     # Every joint has gone the same fraction of its way: half of it in the middle.
     middle = evaluate(coefficients, 0.5 * np.diff(times)[:, None])
     assert np.allclose(middle, 0.5 * (waypoints[1:] + waypoints[:-1]))
-
-
-@given(paths())
-def test_the_cubic_is_scipys_clamped_spline(path):
-    waypoints, times = path
-    t = np.linspace(0.0, times[-1], 50)
-    ours = PPoly(spline.cubic(waypoints, times), times)
-    assert np.allclose(ours(t), CubicSpline(times, waypoints, bc_type="clamped")(t))
 
 
 @given(paths())
