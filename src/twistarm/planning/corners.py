@@ -9,7 +9,7 @@ from ..limits.joint_limits import JointLimits
 from ..support.checks import Array
 from .hermite import through
 from .joint_path import JointPath
-from .piecewise import shifted
+from .piecewise import shifted, side_by_side
 from .within import POSITION_TOL, overshoot
 
 SAMPLES = 256
@@ -80,10 +80,8 @@ def part(path: JointPath, begins: float, ends: float) -> JointPath:
 
 def joined(paths: list[JointPath]) -> JointPath:
     """Paths one after the other as one, of the highest degree among them."""
-    degree = max(len(path.coefficients) for path in paths)
-    coefficients = [np.pad(path.coefficients, ((degree - len(path.coefficients), 0), (0, 0), (0, 0))) for path in paths]
     steps = np.concatenate([np.diff(path.breakpoints) for path in paths])
-    return JointPath(np.concatenate([[0.0], np.cumsum(steps)]), np.concatenate(coefficients, axis=1))
+    return JointPath(np.concatenate([[0.0], np.cumsum(steps)]), side_by_side([path.coefficients for path in paths]))
 
 
 def _quintic(before: JointPath, begins: float, after: JointPath, ends: float) -> JointPath:

@@ -149,12 +149,6 @@ class LineMove(_CurveMove):
             constrain: What of the pose is kept: "pose", "approach" (all but turning about the tool axis) or "position";
                 None: the pose, and by arms of fewer than six joints the first of the three that they can.
             **options: Those of every `Move`: blend, speed and so on.
-
-        Returns:
-            The `LineMove`.
-
-        Raises:
-            InputError: An argument cannot be used.
         """
         return cls(None, offset=_one(offset, "offset"), frame=frame, constrain=constrain, **options)
 
@@ -197,12 +191,6 @@ class ScrewMove(_CurveMove):
             pitch: Advance along the axis per angle [m/rad].
             constrain: As for `LineMove.by`.
             **options: Those of every `Move`: blend, speed and so on.
-
-        Returns:
-            The `ScrewMove`.
-
-        Raises:
-            InputError: An argument cannot be used.
         """
         w, q = _axis(axis), _one(point, "point")
         v = np.cross(q, w) + as_number(pitch, "pitch") * w
@@ -254,12 +242,6 @@ class ArcMove(_CurveMove):
             turn: Whether the tool turns with the arc, as a hand on a door's handle does, or keeps its rotation.
             constrain: As for `LineMove.by`.
             **options: Those of every `Move`: blend, speed and so on.
-
-        Returns:
-            The `ArcMove`.
-
-        Raises:
-            InputError: An argument cannot be used.
         """
         w, q = _axis(axis), _one(centre, "centre")
         twist = as_number(angle, "angle") * np.concatenate([np.cross(q, w), w])

@@ -21,15 +21,11 @@ def at_full_pace(path: JointPath, law: TimeLaw, bounds: PathBounds, jerk: Array)
 
     A law f times as slow has 1/f of the velocity, 1/f² of the acceleration and 1/f³ of the jerk.
     """
-    factor = _pace_needed(path, law, bounds, jerk) * (1.0 + MARGIN)
-    require_span(law.duration * factor)
-    slower = (1.0 / factor) ** np.arange(len(law.coefficients) - 1, -1, -1.0)[:, None]
-    return TimeLaw(law.breakpoints * factor, law.coefficients * slower)
-
-
-def _pace_needed(path: JointPath, law: TimeLaw, bounds: PathBounds, jerk: Array) -> float:
-    """By what factor the law must be slowed."""
     breakpoints, coefficients = law.along(path)
     steps = np.diff(breakpoints)
     speed = derivative(law.coefficients[:, :, None]) / bounds.ceiling_of(path)[law.pieces(path)][:, None]
-    return max(slowed_by(coefficients @ bounds.C.T, steps, replace(bounds.rates, jerk=jerk)), largest(speed, steps))
+    rates = slowed_by(coefficients @ bounds.C.T, steps, replace(bounds.rates, jerk=jerk))
+    factor = max(rates, largest(speed, steps)) * (1.0 + MARGIN)
+    require_span(law.duration * factor)
+    slower = (1.0 / factor) ** np.arange(len(law.coefficients) - 1, -1, -1.0)[:, None]
+    return TimeLaw(law.breakpoints * factor, law.coefficients * slower)
